@@ -1,0 +1,215 @@
+use crate::State;
+
+/// Where an integration stood when it could not go on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reached {
+    /// Time τ since the start of the integration, dimensionless.
+    pub time: f64,
+    /// State of the mass at that time.
+    pub state: State,
+}
+
+impl std::fmt::Display for Reached {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let State {
+            displacement,
+            velocity,
+        } = self.state;
+        write!(
+            f,
+            "at time {:e} (u = {displacement:e}, v = {velocity:e})",
+            self.time
+        )
+    }
+}
+
+/// " at time …", or nothing where no integration was under way.
+fn during(reached: &Option<Reached>) -> String {
+    reached.map_or_else(String::new, |reached| format!(" {reached}"))
+}
+
+/// Why a law, a system or an integration was refused or could not go on.
+///
+/// Every variant carries the numbers that a caller needs to decide what to do; the message names the remedy.
+///
+/// ```
+/// use stick_slip::{Error, Polynomial};
+///
+/// let error = Polynomial::new(0.4, 0.5, 0.5).unwrap_err();
+/// assert_eq!(
+///     error,
+///     Error::InvalidParameter {
+///         name: "minimum_coefficient",
+///         value: 0.5,
+///         allowed: "0 ≤ minimum_coefficient ≤ static_coefficient",
+///     }
+/// );
+/// assert_eq!(
+///     error.to_string(),
+///     "minimum_coefficient = 5e-1 is not allowed; give a finite number with 0 ≤ minimum_coefficient ≤ static_coefficient"
+/// );
+/// ```
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A parameter of a law, a system or the integrator is outside its range, infinite or NaN.
+    #[error("{name} = {value:e} is not allowed; give a finite number with {allowed}")]
+    InvalidParameter {
+        /// The parameter, by its name in the constructor.
+        name: &'static str,
+        /// The value that was given.
+        value: f64,
+        /// The range that it must lie in.
+        allowed: &'static str,
+    },
+
+    /// A start state has an infinite or NaN component, or one so large that the equations overflow.
+    #[error(
+        "the state u = {displacement:e}, v = {velocity:e} is not finite or overflows; start from finite, smaller numbers"
+    )]
+    InvalidState {
+        /// Displacement u that was given.
+        displacement: f64,
+        /// Velocity v that was given.
+        velocity: f64,
+    },
+
+    /// A relative tolerance is outside its range or NaN.
+    #[error(
+        "the tolerance {value:e} is not allowed; give a number with {min:e} ≤ tolerance ≤ {max:e}"
+    )]
+    InvalidTolerance {
+        /// The value that was given.
+        value: f64,
+        /// The least tolerance: round-off.
+        min: f64,
+        /// The largest tolerance.
+        max: f64,
+    },
+
+    /// A duration is negative, infinite or NaN.
+    #[error(
+        "the duration {value:e} is not allowed; give a finite number ≥ 0, or use `flow` to go on without an end"
+    )]
+    InvalidDuration {
+        /// The value that was given.
+        value: f64,
+    },
+
+    /// The law's kinetic coefficient at zero speed exceeds its static coefficient by more than a few ulps.
+    #[error(
+        "the static coefficient {static_coefficient:e} is below the kinetic coefficient at zero speed, {kinetic_coefficient:e}; raise μ_s or lower μ̂(0)"
+    )]
+    StaticBelowKinetic {
+        /// μ_s of the law.
+        static_coefficient: f64,
+        /// μ̂(0) of the law.
+        kinetic_coefficient: f64,
+    },
+
+    /// The law returned an infinite or NaN coefficient.
+    #[error(
+        "the friction law gives {value} at sliding speed {speed:e}{}; define it for every speed the motion reaches, or start closer to the belt velocity",
+        during(reached)
+    )]
+    NonFiniteFriction {
+        /// Sliding speed s ≥ 0.
+        speed: f64,
+        /// What the law returned there.
+        value: f64,
+        /// Where the integration stood; `None` when the system was made.
+        reached: Option<Reached>,
+    },
+
+    /// The law has a value but no power series at a speed, as √s at s = 0.
+    #[error(
+        "the friction law is not analytic at sliding speed {speed:e}{}; use integral powers of the speed there, or name the speed as a breakpoint and give the pieces",
+        during(reached)
+    )]
+    NotAnalytic {
+        /// Sliding speed s ≥ 0.
+        speed: f64,
+        /// Where the integration stood; `None` when the system was made.
+        reached: Option<Reached>,
+    },
+
+    /// The law's breakpoints are not finite, positive and strictly ascending, or the law jumps at one.
+    #[error(
+        "breakpoint {index} of the friction law, {value:e}, is not allowed; breakpoints are finite, positive, strictly ascending, and the law is continuous there"
+    )]
+    BadBreakpoints {
+        /// Position of the first bad breakpoint, from 0.
+        index: usize,
+        /// Its value.
+        value: f64,
+    },
+
+    /// The step became too short to move the clock.
+    #[error(
+        "the step fell to {step:e} {reached}: the system is too stiff for an explicit method (large γ²·dμ̂/ds), or the law has a kink that is not named as a breakpoint"
+    )]
+    StepUnderflow {
+        /// Length of the last step tried.
+        step: f64,
+        /// Where the integration stood.
+        reached: Reached,
+    },
+
+    /// The limit of steps was reached.
+    #[error(
+        "{limit} steps were not enough {reached}; raise the limit with `with_max_steps`, shorten the run, or use `flow`. Steps far below 0.1 mean a stiff system (large γ²·dμ̂/ds)"
+    )]
+    TooManySteps {
+        /// The limit in force.
+        limit: usize,
+        /// Where the integration stood.
+        reached: Reached,
+    },
+
+    /// The limit of events was reached.
+    #[error(
+        "{limit} events were not enough {reached}; raise the limit with `with_max_events`, shorten the run, or use `flow`"
+    )]
+    TooManyEvents {
+        /// The limit in force.
+        limit: usize,
+        /// Where the integration stood.
+        reached: Reached,
+    },
+}
+
+impl Error {
+    /// `value` if it lies in the range, else [`Error::InvalidParameter`]; NaN lies in none.
+    pub(crate) fn check(
+        name: &'static str,
+        value: f64,
+        in_range: bool,
+        allowed: &'static str,
+    ) -> Result<f64, Self> {
+        if value.is_finite() && in_range {
+            Ok(value)
+        } else {
+            Err(Self::InvalidParameter {
+                name,
+                value,
+                allowed,
+            })
+        }
+    }
+
+    /// The same error, with the place where the integration stood.
+    pub(crate) fn reached_at(self, at: Reached) -> Self {
+        match self {
+            Self::NonFiniteFriction { speed, value, .. } => Self::NonFiniteFriction {
+                speed,
+                value,
+                reached: Some(at),
+            },
+            Self::NotAnalytic { speed, .. } => Self::NotAnalytic {
+                speed,
+                reached: Some(at),
+            },
+            other => other,
+        }
+    }
+}

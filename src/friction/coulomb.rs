@@ -1,0 +1,75 @@
+use super::FrictionLaw;
+use crate::{Error, Scalar};
+
+/// Coulomb's law: a constant kinetic coefficient, and a static one that may be larger.
+///
+/// ```text
+/// μ̂(s) = μ_k
+/// ```
+///
+/// Both are dimensionless. With μ_s > μ_k the force jumps at the start of slip, and that jump alone can keep stick-slip going.
+///
+/// Source: C. A. de Coulomb, *Théorie des machines simples* (1785); Popp and Stelter, *Phil. Trans. R. Soc. A* 332 (1990)
+/// 89-105.
+///
+/// ```
+/// use stick_slip::{Coulomb, FrictionLaw};
+///
+/// let law = Coulomb::new(0.4, 0.25)?;
+/// assert_eq!(law.static_coefficient(), 0.4);
+/// assert_eq!(law.kinetic(3.0), 0.25);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coulomb {
+    static_coefficient: f64,
+    kinetic_coefficient: f64,
+}
+
+impl Coulomb {
+    /// A law with static coefficient μ_s and kinetic coefficient μ_k, both dimensionless.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless both are finite and 0 ≤ μ_k ≤ μ_s.
+    pub fn new(static_coefficient: f64, kinetic_coefficient: f64) -> Result<Self, Error> {
+        check_coefficients(static_coefficient, kinetic_coefficient)?;
+        Ok(Self {
+            static_coefficient,
+            kinetic_coefficient,
+        })
+    }
+
+    /// Kinetic coefficient μ_k, dimensionless.
+    pub fn kinetic_coefficient(&self) -> f64 {
+        self.kinetic_coefficient
+    }
+}
+
+/// 0 ≤ μ_k ≤ μ_s, both finite.
+pub(super) fn check_coefficients(mu_s: f64, mu_k: f64) -> Result<(), Error> {
+    Error::check(
+        "static_coefficient",
+        mu_s,
+        mu_s >= 0.0,
+        "static_coefficient ≥ 0",
+    )?;
+    Error::check(
+        "kinetic_coefficient",
+        mu_k,
+        (0.0..=mu_s).contains(&mu_k),
+        "0 ≤ kinetic_coefficient ≤ static_coefficient",
+    )?;
+    Ok(())
+}
+
+impl FrictionLaw for Coulomb {
+    fn static_coefficient(&self) -> f64 {
+        self.static_coefficient
+    }
+
+    #[inline(always)]
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        speed.constant(self.kinetic_coefficient)
+    }
+}

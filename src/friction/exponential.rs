@@ -1,0 +1,80 @@
+use super::FrictionLaw;
+use crate::{Error, Scalar};
+
+/// The Gaussian Stribeck law, which falls from μ_s towards μ_k and never rises.
+///
+/// ```text
+/// μ̂(s) = μ_k + (μ_s − μ_k) exp(−(s/v_s)²)
+/// ```
+///
+/// All quantities are dimensionless; v_s is the Stribeck velocity.
+///
+/// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and Stability Analysis*,
+/// Eq. 6 (whose abstract says that it "first drops off and then raises": it does not).
+///
+/// ```
+/// use stick_slip::{Exponential, FrictionLaw};
+///
+/// let law = Exponential::new(0.4, 0.25, 0.5)?;
+/// assert!((law.kinetic(0.5) - (0.25 + 0.15 * (-1.0_f64).exp())).abs() < 1e-16);
+/// assert_eq!(law.slope(0.0), 0.0);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Exponential {
+    static_coefficient: f64,
+    kinetic_coefficient: f64,
+    stribeck_velocity: f64,
+    /// −1/v_s², the factor in the exponent.
+    rate: f64,
+}
+
+impl Exponential {
+    /// A law with static coefficient μ_s, kinetic coefficient μ_k and Stribeck velocity v_s, all dimensionless.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless all are finite, 0 ≤ μ_k ≤ μ_s, v_s > 0, and 1/v_s² does not overflow.
+    pub fn new(
+        static_coefficient: f64,
+        kinetic_coefficient: f64,
+        stribeck_velocity: f64,
+    ) -> Result<Self, Error> {
+        super::coulomb::check_coefficients(static_coefficient, kinetic_coefficient)?;
+        let rate = -stribeck_velocity.powi(-2);
+        Error::check(
+            "stribeck_velocity",
+            stribeck_velocity,
+            stribeck_velocity > 0.0 && rate.is_finite(),
+            "stribeck_velocity > 0, and not so small that 1/v_s² overflows",
+        )?;
+        Ok(Self {
+            static_coefficient,
+            kinetic_coefficient,
+            stribeck_velocity,
+            rate,
+        })
+    }
+
+    /// Kinetic coefficient μ_k far above the Stribeck velocity, dimensionless.
+    pub fn kinetic_coefficient(&self) -> f64 {
+        self.kinetic_coefficient
+    }
+
+    /// Stribeck velocity v_s, dimensionless.
+    pub fn stribeck_velocity(&self) -> f64 {
+        self.stribeck_velocity
+    }
+}
+
+impl FrictionLaw for Exponential {
+    fn static_coefficient(&self) -> f64 {
+        self.static_coefficient
+    }
+
+    #[inline(always)]
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        (speed.square() * self.rate).exp() * (self.static_coefficient - self.kinetic_coefficient)
+            + self.kinetic_coefficient
+    }
+}

@@ -1,0 +1,94 @@
+use super::FrictionLaw;
+use crate::{Error, Scalar};
+
+/// The cubic law of Panovko and Gubanova, with a minimum μ_m at the sliding speed v_m.
+///
+/// ```text
+/// μ̂(s) = μ_s − k1 s + k3 s³,   k1 = (3/2)(μ_s − μ_m)/v_m,   k3 = (1/2)(μ_s − μ_m)/v_m³
+/// ```
+///
+/// All quantities are dimensionless. It falls from μ_s at rest to μ_m at s = v_m and rises without bound beyond.
+///
+/// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and Stability Analysis*,
+/// Eqs. 3-5; Thomsen and Fidlin, *Int. J. Non-Linear Mech.* 38 (2003) 389-403.
+///
+/// ```
+/// use stick_slip::{FrictionLaw, Polynomial};
+///
+/// let law = Polynomial::new(0.4, 0.25, 0.5)?;
+/// assert_eq!(law.kinetic(0.0), 0.4);
+/// assert!((law.kinetic(0.5) - 0.25).abs() < 1e-16);
+/// assert!(law.slope(0.5).abs() < 1e-16);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Polynomial {
+    static_coefficient: f64,
+    minimum_coefficient: f64,
+    minimum_velocity: f64,
+    k1: f64,
+    k3: f64,
+}
+
+impl Polynomial {
+    /// A law with static coefficient μ_s, minimum μ_m and minimum velocity v_m, all dimensionless.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless all are finite, 0 ≤ μ_m ≤ μ_s, v_m > 0, and k1 and k3 do not overflow.
+    pub fn new(
+        static_coefficient: f64,
+        minimum_coefficient: f64,
+        minimum_velocity: f64,
+    ) -> Result<Self, Error> {
+        let (mu_s, mu_m, v_m) = (static_coefficient, minimum_coefficient, minimum_velocity);
+        Error::check(
+            "static_coefficient",
+            mu_s,
+            mu_s >= 0.0,
+            "static_coefficient ≥ 0",
+        )?;
+        Error::check(
+            "minimum_coefficient",
+            mu_m,
+            (0.0..=mu_s).contains(&mu_m),
+            "0 ≤ minimum_coefficient ≤ static_coefficient",
+        )?;
+        let k1 = 1.5 * (mu_s - mu_m) / v_m;
+        let k3 = 0.5 * (mu_s - mu_m) / v_m / v_m / v_m;
+        Error::check(
+            "minimum_velocity",
+            v_m,
+            v_m > 0.0 && k1.is_finite() && k3.is_finite(),
+            "minimum_velocity > 0, and not so small that (μ_s − μ_m)/v_m³ overflows",
+        )?;
+        Ok(Self {
+            static_coefficient,
+            minimum_coefficient,
+            minimum_velocity,
+            k1,
+            k3,
+        })
+    }
+
+    /// Least kinetic coefficient μ_m, dimensionless.
+    pub fn minimum_coefficient(&self) -> f64 {
+        self.minimum_coefficient
+    }
+
+    /// Sliding speed v_m of the least coefficient, dimensionless.
+    pub fn minimum_velocity(&self) -> f64 {
+        self.minimum_velocity
+    }
+}
+
+impl FrictionLaw for Polynomial {
+    fn static_coefficient(&self) -> f64 {
+        self.static_coefficient
+    }
+
+    #[inline(always)]
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        (speed.square() * self.k3 - self.k1) * speed + self.static_coefficient
+    }
+}

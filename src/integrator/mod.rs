@@ -1,0 +1,193 @@
+//! The non-smooth event integrator: Taylor steps, contact by root isolation, a phase machine of stick and slip.
+
+mod flow;
+mod polynomial;
+mod series;
+mod step;
+mod trajectory;
+
+pub use flow::Flow;
+pub use step::{Event, EventKind, Mode, Step};
+pub use trajectory::Trajectory;
+
+use crate::{Error, FrictionLaw, MassOnBelt, State};
+
+/// Settings of the integrator: tolerance and limits of work.
+///
+/// The method is a Taylor series of order 27 in each step of a slip phase, with contact located as the first root of the sliding speed's
+/// own polynomial, and closed formulas in stick. What it promises is on the [crate page](crate#what-the-integrator-promises).
+///
+/// ```
+/// use stick_slip::{Integrator, MassOnBelt, Polynomial, State};
+///
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+/// let fast = Integrator::new().with_tolerance(1e-6)?.simulate(&system, State::new(0.0, 0.0), 50.0)?;
+/// let exact = Integrator::new().simulate(&system, State::new(0.0, 0.0), 50.0)?;
+/// assert_eq!(fast.events().len(), exact.events().len());
+/// assert!((fast.events()[9].time - exact.events()[9].time).abs() < 1e-5);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Integrator {
+    tolerance: f64,
+    max_steps: Option<usize>,
+    max_events: Option<usize>,
+}
+
+impl Integrator {
+    /// The least tolerance, and the default: round-off.
+    pub const MIN_TOLERANCE: f64 = 1e-16;
+    /// The largest tolerance.
+    pub const MAX_TOLERANCE: f64 = 1e-2;
+    /// Steps after which [`simulate`](Self::simulate) gives up unless told otherwise. An oscillation takes about ten.
+    pub const DEFAULT_MAX_STEPS: usize = 100_000;
+
+    /// Tolerance at round-off, [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) for `simulate`, no limit for `flow`.
+    pub const fn new() -> Self {
+        Self {
+            tolerance: Self::MIN_TOLERANCE,
+            max_steps: None,
+            max_events: None,
+        }
+    }
+
+    /// Sets the relative tolerance: the error of a step in units of the motion's own scale, max(|u − ū|, |v|, |v_b|).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidTolerance`] unless 1e-16 ≤ tolerance ≤ 1e-2.
+    pub fn with_tolerance(mut self, tolerance: f64) -> Result<Self, Error> {
+        if !(Self::MIN_TOLERANCE..=Self::MAX_TOLERANCE).contains(&tolerance) {
+            return Err(Error::InvalidTolerance {
+                value: tolerance,
+                min: Self::MIN_TOLERANCE,
+                max: Self::MAX_TOLERANCE,
+            });
+        }
+        self.tolerance = tolerance;
+        Ok(self)
+    }
+
+    /// Sets the largest number of steps of one run, for `flow` too.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] for 0.
+    pub fn with_max_steps(mut self, max_steps: usize) -> Result<Self, Error> {
+        Error::check(
+            "max_steps",
+            max_steps as f64,
+            max_steps > 0,
+            "max_steps > 0",
+        )?;
+        self.max_steps = Some(max_steps);
+        Ok(self)
+    }
+
+    /// Sets the largest number of events of one run, for `flow` too.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] for 0.
+    pub fn with_max_events(mut self, max_events: usize) -> Result<Self, Error> {
+        Error::check(
+            "max_events",
+            max_events as f64,
+            max_events > 0,
+            "max_events > 0",
+        )?;
+        self.max_events = Some(max_events);
+        Ok(self)
+    }
+
+    /// The motion from `start` over `duration`, both dimensionless.
+    ///
+    /// # Errors
+    ///
+    /// * [`Error::InvalidDuration`] unless `duration` is finite and ≥ 0;
+    /// * [`Error::InvalidState`] unless `start` is finite;
+    /// * [`Error::NonFiniteFriction`], [`Error::NotAnalytic`], [`Error::StepUnderflow`], [`Error::TooManySteps`],
+    ///   [`Error::TooManyEvents`] with the time and state reached, if the motion cannot be followed further.
+    pub fn simulate<L: FrictionLaw>(
+        self,
+        system: &MassOnBelt<L>,
+        start: State,
+        duration: f64,
+    ) -> Result<Trajectory, Error> {
+        if !(duration >= 0.0 && duration.is_finite()) {
+            return Err(Error::InvalidDuration { value: duration });
+        }
+        let limited = Self {
+            max_steps: Some(self.max_steps.unwrap_or(Self::DEFAULT_MAX_STEPS)),
+            ..self
+        };
+        let mut steps = Vec::new();
+        for step in limited.flow(system, start)? {
+            let step = step?;
+            if step.end_time() > duration {
+                steps.push(step.until(duration));
+                break;
+            }
+            steps.push(step);
+        }
+        Ok(Trajectory::new(steps, duration))
+    }
+
+    /// The motion from `start`, step by step and without an end, in constant memory.
+    ///
+    /// ```
+    /// use stick_slip::{Integrator, MassOnBelt, Polynomial, State};
+    ///
+    /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+    /// let mut sticks = 0;
+    /// for step in Integrator::new().flow(&system, State::new(0.0, 0.0))? {
+    ///     let step = step?;
+    ///     sticks += usize::from(step.mode() == stick_slip::Mode::Stick);
+    ///     if step.end_time() > 1000.0 {
+    ///         break;
+    ///     }
+    /// }
+    /// assert_eq!(sticks, 147);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidState`] unless `start` is finite. The items are errors as in [`simulate`](Self::simulate); after one comes
+    /// `None`.
+    pub fn flow<L: FrictionLaw>(
+        self,
+        system: &MassOnBelt<L>,
+        start: State,
+    ) -> Result<Flow<'_, L>, Error> {
+        Flow::new(self, system, start)
+    }
+}
+
+impl Default for Integrator {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<L: FrictionLaw> MassOnBelt<L> {
+    /// The motion from `start` over `duration`, to round-off: [`Integrator::simulate`] with its defaults.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Integrator::simulate`].
+    ///
+    /// ```
+    /// use stick_slip::{EventKind, MassOnBelt, Polynomial, State};
+    ///
+    /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+    /// let motion = system.simulate(system.release_state().unwrap(), 10.0)?;
+    /// let [release, stick, ..] = motion.events() else { panic!() };
+    /// assert_eq!((release.time, stick.kind), (0.0, EventKind::Stick));
+    /// assert!((stick.time - 5.169862999532134).abs() < 4e-15);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn simulate(&self, start: State, duration: f64) -> Result<Trajectory, Error> {
+        Integrator::new().simulate(self, start, duration)
+    }
+}

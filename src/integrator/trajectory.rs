@@ -1,0 +1,103 @@
+use super::step::{Event, Mode, Step};
+use crate::State;
+
+/// A motion over a finite time: its events, and its state at any time.
+///
+/// Made by [`MassOnBelt::simulate`](crate::MassOnBelt::simulate). Between events it holds the power series of the motion, so that
+/// the state at any time is as accurate as at the steps.
+///
+/// ```
+/// use stick_slip::{EventKind, MassOnBelt, Mode, Polynomial, State};
+///
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+/// let motion = system.simulate(State::new(0.0, 0.0), 2.0)?;
+/// let event = motion.events()[0];
+/// assert_eq!(event.kind, EventKind::Stick);
+/// assert!((event.time - 0.613882489595888487).abs() < 1e-15);
+/// assert_eq!(motion.mode_at(event.time), Some(Mode::Stick));
+/// assert_eq!(motion.state_at(1.7).unwrap().velocity, 0.2);
+/// assert_eq!(motion.state_at(2.1), None);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trajectory {
+    /// At least one; the last reaches `duration`.
+    steps: Vec<Step>,
+    events: Vec<Event>,
+    duration: f64,
+}
+
+impl Trajectory {
+    pub(crate) fn new(steps: Vec<Step>, duration: f64) -> Self {
+        let events = steps.iter().filter_map(Step::event).collect();
+        Self {
+            steps,
+            events,
+            duration,
+        }
+    }
+
+    /// The events in order of time; one at the time [`duration`](Self::duration) is among them.
+    ///
+    /// A start in stick is no event, but a start exactly at the release point is a release at time 0.
+    pub fn events(&self) -> &[Event] {
+        &self.events
+    }
+
+    /// The steps, as [`Flow`](crate::Flow) gives them, the last one cut at [`duration`](Self::duration).
+    pub fn steps(&self) -> &[Step] {
+        &self.steps
+    }
+
+    /// Time τ from start to end, dimensionless.
+    pub fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    /// State at the end.
+    pub fn last(&self) -> State {
+        self.steps
+            .last()
+            .map_or(State::new(f64::NAN, f64::NAN), Step::end_state)
+    }
+
+    /// State at a time 0 ≤ τ ≤ [`duration`](Self::duration); `None` outside, and for NaN.
+    pub fn state_at(&self, time: f64) -> Option<State> {
+        let step = self.step_at(time)?;
+        Some(step.state_at(step.start.until(time).clamp(0.0, step.duration)))
+    }
+
+    /// What the mass does at a time 0 ≤ τ ≤ [`duration`](Self::duration), at an event what it does from then on; `None`
+    /// outside, and for NaN.
+    pub fn mode_at(&self, time: f64) -> Option<Mode> {
+        Some(self.step_at(time)?.mode)
+    }
+
+    /// n equidistant times with their states, start and end included; none for n = 0, the start alone for n = 1.
+    ///
+    /// ```
+    /// use stick_slip::{Coulomb, MassOnBelt, State};
+    ///
+    /// let motion = MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.5)?.simulate(State::new(0.0, 0.5), 0.6)?;
+    /// let times: Vec<f64> = motion.sample(4).map(|(time, _)| time).collect();
+    /// assert_eq!(times, [0.0, 0.2, 0.4, 0.6]);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn sample(&self, n: usize) -> impl ExactSizeIterator<Item = (f64, State)> + '_ {
+        let last = n.saturating_sub(1).max(1) as f64;
+        (0..n).map(move |i| {
+            let time = self.duration * (i as f64 / last);
+            let state = self.state_at(time).unwrap_or_else(|| self.last());
+            (time, state)
+        })
+    }
+
+    /// The step that holds a time: the last one that starts at it or before.
+    fn step_at(&self, time: f64) -> Option<&Step> {
+        if !(0.0..=self.duration).contains(&time) {
+            return None;
+        }
+        let after = self.steps.partition_point(|step| step.start.time <= time);
+        self.steps.get(after.checked_sub(1)?)
+    }
+}

@@ -1,0 +1,602 @@
+//! One coefficient of a Taylor series, as a number that a friction law can be evaluated on.
+//!
+//! A law is run once for every order k of the series wanted. In run k each operation computes only its own k-th
+//! coefficient, from the rows of coefficients that it and its operands wrote in the runs before. A row is identified by the
+//! position of its operation in the sequence of operations, which is the same in every run. The recurrences are the
+//! classical ones (Griewank and Walther, *Evaluating Derivatives*, 2nd ed., SIAM 2008, ch. 13; Jorba and Zou,
+//! *Experimental Mathematics* 14 (2005) 99-117).
+//!
+//! What makes it fast is short chains. Order and length are const generics, so every instance of a law has one call site,
+//! is inlined, and all row indices are constants. And every operation's k-th coefficient (k ≥ 1) is
+//! `slope·s_k + rest`, where the slope belongs to order 0 and the rest is made of older coefficients: from one
+//! order to the next the critical path is a few multiply-adds, whatever the law.
+
+use std::cell::Cell;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use super::{Scalar, mul_add, sealed};
+use crate::friction::FrictionLaw;
+
+/// The coefficients that one operation has computed so far.
+#[derive(Debug, Clone)]
+struct Row<const M: usize> {
+    /// d(operation)/ds at the base point; every later coefficient is slope·s_k + rest.
+    slope: Cell<f64>,
+    c: [Cell<f64>; M],
+}
+
+impl<const M: usize> Row<M> {
+    const ZERO: Self = Self {
+        slope: Cell::new(0.0),
+        c: [const { Cell::new(0.0) }; M],
+    };
+}
+
+/// Rows kept in place. Laws seldom need more, and a constant index into an array costs no bounds check.
+const INLINE_ROWS: usize = 8;
+
+/// Working memory for series of M coefficients: row 0 is the sliding speed, then one for each operation of the law.
+#[derive(Debug, Clone)]
+pub(crate) struct Workspace<const M: usize> {
+    inline: [Row<M>; INLINE_ROWS],
+    /// Rows of longer laws. Grown when a law is first expanded, never after.
+    spill: Vec<Row<M>>,
+    /// Written by operations that find no row yet; the run is then repeated with enough rows.
+    scratch: Row<M>,
+}
+
+impl<const M: usize> Workspace<M> {
+    pub(crate) fn new() -> Self {
+        Self {
+            inline: [Row::ZERO; INLINE_ROWS],
+            spill: Vec::new(),
+            scratch: Row::ZERO,
+        }
+    }
+
+    #[inline(always)]
+    fn row(&self, index: usize) -> &Row<M> {
+        if index < INLINE_ROWS {
+            &self.inline[index]
+        } else {
+            self.spill.get(index - INLINE_ROWS).unwrap_or(&self.scratch)
+        }
+    }
+
+    /// Coefficient k of the sliding speed's own series.
+    #[inline(always)]
+    fn set_speed(&self, k: usize, coefficient: f64) {
+        self.inline[0].c[k].set(coefficient);
+    }
+
+    /// The sliding speed's series, as [`expand`] left it.
+    #[inline(always)]
+    pub(crate) fn speed(&self) -> [f64; M] {
+        std::array::from_fn(|k| self.inline[0].c[k].get())
+    }
+}
+
+/// One run of a law: the rows, the operation counter, and the newest coefficient s_K of the sliding speed.
+#[derive(Debug)]
+pub(crate) struct Run<'w, const M: usize> {
+    workspace: &'w Workspace<M>,
+    next: Cell<usize>,
+    newest: f64,
+}
+
+impl<'w, const M: usize> Run<'w, M> {
+    #[inline(always)]
+    fn claim(&self) -> &'w Row<M> {
+        let index = self.next.get();
+        self.next.set(index + 1);
+        self.workspace.row(index)
+    }
+}
+
+/// Coefficient K of a power series of M coefficients.
+///
+/// A *view* of a row: c_k = scale·row_k for k ≥ 1, so that adding, scaling and negating by constants need no row of their own.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Taylor<'r, const K: usize, const M: usize> {
+    run: &'r Run<'r, M>,
+    row: &'r Row<M>,
+    scale: f64,
+    /// Coefficient of order 0.
+    value: f64,
+    /// Derivative with respect to the sliding speed at the base point.
+    slope: f64,
+    /// c_K − slope·s_K, made of older coefficients; meaningless for K = 0.
+    rest: f64,
+}
+
+/// Σ a_i·b_{K−i} for 0 < i < K: the part of a Cauchy product that holds no coefficient of order K.
+///
+/// Summed from the middle outwards, so that the newest coefficients come last; three sums break the chain of additions
+/// (four, and the compiler vectorises across rows that were just written, which stalls).
+#[inline(always)]
+fn inner_product<const K: usize, const M: usize>(a: &Row<M>, b: &Row<M>) -> f64 {
+    if K < 2 {
+        return 0.0;
+    }
+    let mut sums = [0.0; 3];
+    for j in 0..(K - 1) / 2 {
+        let i = (K - 1) / 2 - j;
+        let sum = &mut sums[j % 3];
+        *sum = mul_add(a.c[i].get(), b.c[K - i].get(), *sum);
+        *sum = mul_add(a.c[K - i].get(), b.c[i].get(), *sum);
+    }
+    if K.is_multiple_of(2) {
+        sums[2] = mul_add(a.c[K / 2].get(), b.c[K / 2].get(), sums[2]);
+    }
+    sums[2] + sums[1] + sums[0]
+}
+
+/// [`inner_product`] of a row with itself, at half the work.
+#[inline(always)]
+fn inner_square<const K: usize, const M: usize>(a: &Row<M>) -> f64 {
+    if K < 2 {
+        return 0.0;
+    }
+    let mut sums = [0.0; 3];
+    for j in 0..(K - 1) / 2 {
+        let i = (K - 1) / 2 - j;
+        sums[j % 3] = mul_add(a.c[i].get(), a.c[K - i].get(), sums[j % 3]);
+    }
+    let middle = if K.is_multiple_of(2) {
+        a.c[K / 2].get().powi(2)
+    } else {
+        0.0
+    };
+    mul_add(2.0, sums[2] + sums[1] + sums[0], middle)
+}
+
+impl<'r, const K: usize, const M: usize> Taylor<'r, K, M> {
+    /// The result of an operation: in run 0 its value and slope, in every later run its rest, which may read the row
+    /// that the operation wrote before.
+    #[inline(always)]
+    fn operation(
+        self,
+        row: &'r Row<M>,
+        base: impl FnOnce() -> (f64, f64),
+        rest: impl FnOnce() -> f64,
+    ) -> Self {
+        let (value, slope, rest) = if K == 0 {
+            let (value, slope) = base();
+            row.c[0].set(value);
+            row.slope.set(slope);
+            (value, slope, 0.0)
+        } else {
+            let (value, slope, rest) = (row.c[0].get(), row.slope.get(), rest());
+            row.c[K].set(mul_add(slope, self.run.newest, rest));
+            (value, slope, rest)
+        };
+        Self {
+            run: self.run,
+            row,
+            scale: 1.0,
+            value,
+            slope,
+            rest,
+        }
+    }
+
+    /// The coefficient of order K itself.
+    #[inline(always)]
+    fn newest(self) -> f64 {
+        mul_add(self.slope, self.run.newest, self.rest)
+    }
+
+    /// A row of k·c_k, the coefficients that the recurrences of y' = f(y)·a' multiply with.
+    #[inline(always)]
+    fn weighted(self) -> &'r Row<M> {
+        let row = self.run.claim();
+        if K > 0 {
+            row.c[K].set(K as f64 * self.newest());
+        }
+        row
+    }
+
+    /// 1/K, by which the same recurrences divide.
+    const INVERSE: f64 = 1.0 / K as f64;
+}
+
+impl<const K: usize, const M: usize> sealed::Sealed for Taylor<'_, K, M> {}
+
+impl<const K: usize, const M: usize> Scalar for Taylor<'_, K, M> {
+    #[inline(always)]
+    fn constant(self, c: f64) -> Self {
+        Self {
+            scale: 0.0,
+            value: c,
+            slope: 0.0,
+            rest: 0.0,
+            ..self
+        }
+    }
+
+    #[inline(always)]
+    fn value(self) -> f64 {
+        self.value
+    }
+
+    /// q·b = 1.
+    #[inline(always)]
+    fn recip(self) -> Self {
+        let (b, q) = (self, self.run.claim());
+        self.operation(
+            q,
+            || (b.value.recip(), -b.slope / (b.value * b.value)),
+            || {
+                let q0 = q.c[0].get();
+                -q0 * (q0 * b.rest + b.scale * inner_product::<K, M>(q, b.row))
+            },
+        )
+    }
+
+    #[inline(always)]
+    fn square(self) -> Self {
+        let a = self;
+        self.operation(
+            self.run.claim(),
+            || (a.value * a.value, 2.0 * a.value * a.slope),
+            || 2.0 * a.value * a.rest + a.scale * a.scale * inner_square::<K, M>(a.row),
+        )
+    }
+
+    /// y' = y·a'.
+    #[inline(always)]
+    fn exp(self) -> Self {
+        let (a, weighted, y) = (self, self.weighted(), self.run.claim());
+        self.operation(
+            y,
+            || (a.value.exp(), a.value.exp() * a.slope),
+            || y.c[0].get() * a.rest + Self::INVERSE * inner_product::<K, M>(weighted, y),
+        )
+    }
+
+    /// a·y' = a'.
+    #[inline(always)]
+    fn ln(self) -> Self {
+        let (a, y) = (self, self.run.claim());
+        let weighted = self.run.claim();
+        let y = self.operation(
+            y,
+            || (a.value.ln(), a.slope / a.value),
+            || {
+                (a.rest - Self::INVERSE * a.scale * inner_product::<K, M>(weighted, a.row))
+                    / a.value
+            },
+        );
+        if K > 0 {
+            weighted.c[K].set(K as f64 * y.newest());
+        }
+        y
+    }
+
+    /// y·y = a.
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        let (a, y) = (self, self.run.claim());
+        self.operation(
+            y,
+            || (a.value.sqrt(), a.slope / (2.0 * a.value.sqrt())),
+            || (a.rest - inner_square::<K, M>(y)) / (2.0 * y.c[0].get()),
+        )
+    }
+
+    #[inline(always)]
+    fn powi(self, exponent: i32) -> Self {
+        if exponent < 0 {
+            return self.power(exponent.unsigned_abs()).recip();
+        }
+        self.power(exponent.unsigned_abs())
+    }
+
+    /// a·y' = p·y·a'.
+    #[inline(always)]
+    fn powf(self, exponent: f64) -> Self {
+        let p = exponent;
+        if p.fract() == 0.0 && p.abs() <= f64::from(i32::MAX) {
+            return self.powi(p as i32);
+        }
+        let (a, weighted, y) = (self, self.weighted(), self.run.claim());
+        self.operation(
+            y,
+            || {
+                let value = a.value.powf(p);
+                (value, p * value / a.value * a.slope)
+            },
+            || {
+                let from_slope = (p + 1.0) * Self::INVERSE * inner_product::<K, M>(weighted, y);
+                let from_value = a.scale * inner_product::<K, M>(a.row, y);
+                (p * y.c[0].get() * a.rest + from_slope - from_value) / a.value
+            },
+        )
+    }
+
+    /// y' = g·a', g = 1 − y².
+    #[inline(always)]
+    fn tanh(self) -> Self {
+        let (a, weighted, y, g) = (self, self.weighted(), self.run.claim(), self.run.claim());
+        let y = self.operation(
+            y,
+            || {
+                let derivative = a.value.cosh().powi(-2);
+                g.c[0].set(derivative);
+                (a.value.tanh(), derivative * a.slope)
+            },
+            || g.c[0].get() * a.rest + Self::INVERSE * inner_product::<K, M>(weighted, g),
+        );
+        if K > 0 {
+            g.c[K].set(-2.0 * y.value * y.newest() - inner_square::<K, M>(y.row));
+        }
+        y
+    }
+
+    /// b·y' = a', b = 1 + a².
+    #[inline(always)]
+    fn atan(self) -> Self {
+        let (a, b) = (self, self.square() + 1.0);
+        let (y, weighted) = (self.run.claim(), self.run.claim());
+        let y = self.operation(
+            y,
+            || (a.value.atan(), a.slope / b.value),
+            || (a.rest - Self::INVERSE * inner_product::<K, M>(weighted, b.row)) / b.value,
+        );
+        if K > 0 {
+            weighted.c[K].set(K as f64 * y.newest());
+        }
+        y
+    }
+
+    #[inline(always)]
+    fn sin(self) -> Self {
+        self.sin_cos().0
+    }
+
+    #[inline(always)]
+    fn cos(self) -> Self {
+        self.sin_cos().1
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        if self.value < 0.0 { -self } else { self }
+    }
+}
+
+impl<const K: usize, const M: usize> Taylor<'_, K, M> {
+    /// aⁿ, by squaring.
+    #[inline(always)]
+    fn power(self, exponent: u32) -> Self {
+        let Some(top) = exponent.checked_ilog2() else {
+            return self.constant(1.0);
+        };
+        let mut power = self;
+        for bit in (0..top).rev() {
+            power = power.square();
+            if exponent >> bit & 1 == 1 {
+                power = power * self;
+            }
+        }
+        power
+    }
+
+    /// S' = C·a', C' = −S·a'.
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        let (a, weighted, s, c) = (self, self.weighted(), self.run.claim(), self.run.claim());
+        let (sin, cos) = a.value.sin_cos();
+        (
+            self.operation(
+                s,
+                || (sin, cos * a.slope),
+                || cos * a.rest + Self::INVERSE * inner_product::<K, M>(weighted, c),
+            ),
+            self.operation(
+                c,
+                || (cos, -sin * a.slope),
+                || -(sin * a.rest + Self::INVERSE * inner_product::<K, M>(weighted, s)),
+            ),
+        )
+    }
+}
+
+impl<const K: usize, const M: usize> Neg for Taylor<'_, K, M> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self {
+            scale: -self.scale,
+            value: -self.value,
+            slope: -self.slope,
+            rest: -self.rest,
+            ..self
+        }
+    }
+}
+
+impl<const K: usize, const M: usize> Add for Taylor<'_, K, M> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.operation(
+            self.run.claim(),
+            || (self.value + other.value, self.slope + other.slope),
+            || self.rest + other.rest,
+        )
+    }
+}
+
+impl<const K: usize, const M: usize> Sub for Taylor<'_, K, M> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self + -other
+    }
+}
+
+impl<const K: usize, const M: usize> Mul for Taylor<'_, K, M> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        let (a, b) = (self, other);
+        self.operation(
+            self.run.claim(),
+            || (a.value * b.value, a.value * b.slope + b.value * a.slope),
+            || {
+                let older = a.scale * b.scale * inner_product::<K, M>(a.row, b.row);
+                mul_add(a.value, b.rest, mul_add(b.value, a.rest, older))
+            },
+        )
+    }
+}
+
+impl<const K: usize, const M: usize> Div for Taylor<'_, K, M> {
+    type Output = Self;
+    /// q·b = a.
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        let (a, b, q) = (self, other, self.run.claim());
+        self.operation(
+            q,
+            || {
+                let value = a.value / b.value;
+                (value, (a.slope - value * b.slope) / b.value)
+            },
+            || {
+                let older = b.scale * inner_product::<K, M>(q, b.row);
+                (a.rest - q.c[0].get() * b.rest - older) / b.value
+            },
+        )
+    }
+}
+
+impl<const K: usize, const M: usize> Add<f64> for Taylor<'_, K, M> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, c: f64) -> Self {
+        Self {
+            value: self.value + c,
+            ..self
+        }
+    }
+}
+
+impl<const K: usize, const M: usize> Sub<f64> for Taylor<'_, K, M> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, c: f64) -> Self {
+        Self {
+            value: self.value - c,
+            ..self
+        }
+    }
+}
+
+impl<const K: usize, const M: usize> Mul<f64> for Taylor<'_, K, M> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, c: f64) -> Self {
+        Self {
+            scale: self.scale * c,
+            value: self.value * c,
+            slope: self.slope * c,
+            rest: self.rest * c,
+            ..self
+        }
+    }
+}
+
+impl<const K: usize, const M: usize> Div<f64> for Taylor<'_, K, M> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, c: f64) -> Self {
+        Self {
+            scale: self.scale / c,
+            value: self.value / c,
+            slope: self.slope / c,
+            rest: self.rest / c,
+            ..self
+        }
+    }
+}
+
+/// A coefficient of the friction law's series, with the newest of the speed's series still to be put in.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Composed {
+    /// dμ̂/ds at s_0, the same for every k.
+    pub(crate) slope: f64,
+    /// m_0 for k = 0; m_k − slope·s_k for k ≥ 1.
+    pub(crate) rest: f64,
+}
+
+/// Run K of the law: its coefficient, and how many rows it used.
+#[inline(always)]
+fn run<const K: usize, const M: usize, L: FrictionLaw>(
+    law: &L,
+    piece: usize,
+    workspace: &Workspace<M>,
+    newest: f64,
+) -> (Composed, usize) {
+    let run = Run {
+        workspace,
+        next: Cell::new(1),
+        newest,
+    };
+    let row = workspace.row(0);
+    let speed = Taylor::<K, M> {
+        run: &run,
+        row,
+        scale: 1.0,
+        value: row.c[0].get(),
+        slope: 1.0,
+        rest: 0.0,
+    };
+    let Taylor {
+        value, slope, rest, ..
+    } = law.kinetic_on(piece, speed);
+    let rest = if K == 0 { value } else { rest };
+    (Composed { slope, rest }, run.next.get())
+}
+
+/// Longest series that can be expanded: 32 coefficients, order 31.
+pub(crate) const LONGEST: usize = 32;
+
+/// Expands s(t) = Σ s_k t^k together with m(t) = μ̂(s(t)), to M ≤ [`LONGEST`] coefficients of s.
+///
+/// `next(k, s_k, m)` returns s_{k+1} from the newest coefficient of s and that of the law. The series of s is left in row 0 of the
+/// workspace. Returns the law's value and slope at s_0; if they are not finite, nothing more is expanded.
+#[inline(always)]
+pub(crate) fn expand<const M: usize, L: FrictionLaw>(
+    law: &L,
+    piece: usize,
+    workspace: &mut Workspace<M>,
+    speed: f64,
+    mut next: impl FnMut(usize, f64, Composed) -> f64,
+) -> (f64, f64) {
+    workspace.set_speed(0, speed);
+    let (mut base, rows) = run::<0, M, L>(law, piece, workspace, speed);
+    if rows > INLINE_ROWS + workspace.spill.len() {
+        workspace.spill.resize(rows - INLINE_ROWS, Row::ZERO);
+        base = run::<0, M, L>(law, piece, workspace, speed).0;
+    }
+    let (value, slope) = (base.rest, base.slope);
+    if !(value.is_finite() && slope.is_finite()) {
+        return (value, slope);
+    }
+    let mut newest = next(0, speed, base);
+    workspace.set_speed(1, newest);
+    macro_rules! orders {
+        ($($k:literal)*) => {$(
+            if $k + 1 < M {
+                let (coefficient, _) = run::<$k, M, L>(law, piece, workspace, newest);
+                newest = next($k, newest, coefficient);
+                workspace.set_speed($k + 1, newest);
+            }
+        )*};
+    }
+    orders!(1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30);
+    let _ = newest;
+    (value, slope)
+}

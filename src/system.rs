@@ -1,0 +1,454 @@
+use nalgebra::{Complex, Matrix2};
+
+use crate::friction::{finite_at, validate};
+use crate::{Error, FrictionLaw};
+
+/// Displacement u and velocity v = du/dτ of the mass, both dimensionless.
+///
+/// ```
+/// use stick_slip::State;
+///
+/// let state = State::new(0.3, -0.1);
+/// assert_eq!(state.velocity, -0.1);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct State {
+    /// Displacement u from the position where the spring is unstressed, dimensionless.
+    pub displacement: f64,
+    /// Velocity v = du/dτ, dimensionless.
+    pub velocity: f64,
+}
+
+impl State {
+    /// The state (u, v).
+    pub const fn new(displacement: f64, velocity: f64) -> Self {
+        Self {
+            displacement,
+            velocity,
+        }
+    }
+}
+
+/// Which way the mass slides on the belt: the sign of the relative velocity v_r = v − v_b.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Direction {
+    /// v_r < 0: the mass lags behind a belt that moves forward.
+    Lagging,
+    /// v_r > 0: the mass leads the belt.
+    Leading,
+}
+
+impl Direction {
+    /// σ = sgn v_r: −1 lagging, +1 leading.
+    ///
+    /// ```
+    /// assert_eq!(stick_slip::Direction::Lagging.sign(), -1.0);
+    /// ```
+    pub const fn sign(self) -> f64 {
+        match self {
+            Self::Lagging => -1.0,
+            Self::Leading => 1.0,
+        }
+    }
+
+    /// The other direction.
+    ///
+    /// ```
+    /// use stick_slip::Direction;
+    /// assert_eq!(Direction::Lagging.opposite(), Direction::Leading);
+    /// ```
+    pub const fn opposite(self) -> Self {
+        match self {
+            Self::Lagging => Self::Leading,
+            Self::Leading => Self::Lagging,
+        }
+    }
+}
+
+impl std::fmt::Display for Direction {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Lagging => "lagging",
+            Self::Leading => "leading",
+        })
+    }
+}
+
+/// A mass on a spring and a damper, on a belt that moves at constant velocity.
+///
+/// ```text
+/// slip:   u'' + 2β u' + u + γ² μ(u' − v_b) = 0,    μ(v_r) = sgn(v_r)·μ̂(|v_r|)
+/// stick:  u' = v_b  while |u + 2β v_b| ≤ γ² μ_s
+/// ```
+///
+/// Everything is dimensionless: time τ = ω0 t, displacement u, damping ratio β, friction load γ², belt velocity v_b.
+///
+/// In stick the contact carries the force F = u + 2βv_b. The band of F in which the mass sticks is half open, so that every state
+/// has one fate: for v_b > 0, −γ²μ_s ≤ F < γ²μ_s, and at F = γ²μ_s the mass is released; mirrored for v_b < 0; closed for
+/// v_b = 0, where a mass that sticks rests for ever.
+///
+/// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and Stability Analysis*,
+/// Eqs. 1 and 2, corrected: Eq. 2 prints the stick condition as 2βv_b + u ≤ μ_s, without γ² and one-sided.
+///
+/// ```
+/// use stick_slip::{MassOnBelt, Polynomial, State};
+///
+/// let law = Polynomial::new(0.4, 0.25, 0.5)?;
+/// let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
+/// assert_eq!(system.load(), 1.0);
+/// assert_eq!(system.release_state(), Some(State::new(0.4 - 2.0 * 0.05 * 0.2, 0.2)));
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MassOnBelt<L> {
+    law: L,
+    belt_velocity: f64,
+    damping: f64,
+    load: f64,
+}
+
+impl<L: FrictionLaw> MassOnBelt<L> {
+    /// An undamped system (β = 0) with friction load γ² = 1 on a belt of velocity v_b, which may be negative or zero.
+    ///
+    /// # Errors
+    ///
+    /// * [`Error::InvalidParameter`] if v_b or μ_s is not finite, or μ_s < 0;
+    /// * [`Error::StaticBelowKinetic`] if μ̂(0) exceeds μ_s by more than a few ulps;
+    /// * [`Error::NonFiniteFriction`] or [`Error::NotAnalytic`] if the law has no finite value or slope at the speeds 0 and |v_b|;
+    /// * [`Error::BadBreakpoints`] if its breakpoints are not positive and ascending, or it jumps at one.
+    pub fn new(law: L, belt_velocity: f64) -> Result<Self, Error> {
+        validate(&law)?;
+        Self {
+            law,
+            belt_velocity: 0.0,
+            damping: 0.0,
+            load: 1.0,
+        }
+        .with_belt_velocity(belt_velocity)
+    }
+
+    /// The same system with damping ratio β ≥ 0: 2β u' is the damper's force.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] if β is negative or not finite, or 2βv_b overflows.
+    pub fn with_damping(mut self, damping: f64) -> Result<Self, Error> {
+        self.damping = damping;
+        Error::check(
+            "damping",
+            damping,
+            damping >= 0.0 && self.has_finite_limits(),
+            "damping ≥ 0, and 2βv_b ± γ²μ_s finite",
+        )?;
+        Ok(self)
+    }
+
+    /// The same system with friction load γ² > 0: γ² μ is the friction force. In dimensional terms γ² = N/(K L) for a normal
+    /// force N, stiffness K and length L.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] if γ² is not positive and finite, or γ²μ_s overflows.
+    pub fn with_load(mut self, load: f64) -> Result<Self, Error> {
+        self.load = load;
+        Error::check(
+            "load",
+            load,
+            load > 0.0 && self.has_finite_limits(),
+            "load > 0, and 2βv_b ± γ²μ_s finite",
+        )?;
+        Ok(self)
+    }
+
+    /// The same system on a belt of velocity v_b.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] if v_b is not finite or 2βv_b overflows; [`Error::NonFiniteFriction`] or
+    /// [`Error::NotAnalytic`] if the law has no finite value or slope at the speed |v_b|.
+    pub fn with_belt_velocity(mut self, belt_velocity: f64) -> Result<Self, Error> {
+        self.belt_velocity = belt_velocity;
+        Error::check(
+            "belt_velocity",
+            belt_velocity,
+            self.has_finite_limits(),
+            "2βv_b ± γ²μ_s finite",
+        )?;
+        finite_at(&self.law, belt_velocity.abs())?;
+        Ok(self)
+    }
+
+    fn has_finite_limits(&self) -> bool {
+        self.stick_limits().iter().all(|limit| limit.is_finite())
+    }
+}
+
+impl<L> MassOnBelt<L> {
+    /// The friction law.
+    pub fn law(&self) -> &L {
+        &self.law
+    }
+
+    /// Belt velocity v_b, dimensionless.
+    pub fn belt_velocity(&self) -> f64 {
+        self.belt_velocity
+    }
+
+    /// Damping ratio β, dimensionless.
+    pub fn damping(&self) -> f64 {
+        self.damping
+    }
+
+    /// Friction load γ², dimensionless.
+    pub fn load(&self) -> f64 {
+        self.load
+    }
+}
+
+impl<L: FrictionLaw> MassOnBelt<L> {
+    /// Displacements −γ²μ_s − 2βv_b and γ²μ_s − 2βv_b between which the mass can stick, dimensionless.
+    ///
+    /// Every decision between stick and slip compares u with these two numbers, and the release state is one of them.
+    ///
+    /// ```
+    /// use stick_slip::{Coulomb, MassOnBelt};
+    ///
+    /// let system = MassOnBelt::new(Coulomb::new(0.5, 0.25)?, 0.5)?.with_load(2.0)?.with_damping(0.25)?;
+    /// assert_eq!(system.stick_limits(), [-1.25, 0.75]);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn stick_limits(&self) -> [f64; 2] {
+        let largest = self.load * self.law.static_coefficient();
+        let carried = 2.0 * self.damping * self.belt_velocity;
+        [-largest - carried, largest - carried]
+    }
+
+    /// Where a mass carried along by the belt is released: u = ±γ²μ_s − 2βv_b (sign of v_b), v = v_b. `None` at v_b = 0, where
+    /// a mass that sticks rests for ever.
+    pub fn release_state(&self) -> Option<State> {
+        let [low, high] = self.stick_limits();
+        let v_b = self.belt_velocity;
+        if v_b > 0.0 {
+            Some(State::new(high, v_b))
+        } else if v_b < 0.0 {
+            Some(State::new(low, v_b))
+        } else {
+            None
+        }
+    }
+
+    /// How a mass at displacement u that moves with the belt goes on: it slides in the direction returned, or sticks (`None`).
+    pub(crate) fn slides_at(&self, displacement: f64) -> Option<Direction> {
+        let [low, high] = self.stick_limits();
+        let v_b = self.belt_velocity;
+        let (below, above) = (displacement < low, displacement > high);
+        if above || (displacement == high && v_b > 0.0) {
+            Some(Direction::Lagging)
+        } else if below || (displacement == low && v_b < 0.0) {
+            Some(Direction::Leading)
+        } else {
+            None
+        }
+    }
+
+    /// Friction force on the mass, dimensionless (in units of the spring's force at u = 1).
+    ///
+    /// In slip −γ²μ(v_r); in stick what the contact carries, u + 2βv_b. At v_r = 0 outside the stick band it is the force just
+    /// after slip begins.
+    ///
+    /// ```
+    /// use stick_slip::{Coulomb, MassOnBelt, State};
+    ///
+    /// let system = MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.2)?;
+    /// assert_eq!(system.friction_force(State::new(0.0, 0.0)), 0.25); // the belt drags it forward
+    /// assert_eq!(system.friction_force(State::new(0.1, 0.2)), 0.1); // stick
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn friction_force(&self, state: State) -> f64 {
+        let relative_velocity = state.velocity - self.belt_velocity;
+        if relative_velocity == 0.0 {
+            match self.slides_at(state.displacement) {
+                None => state.displacement + 2.0 * self.damping * self.belt_velocity,
+                Some(direction) => -direction.sign() * self.load * self.law.kinetic(0.0),
+            }
+        } else {
+            -self.load * self.law.coefficient(relative_velocity)
+        }
+    }
+
+    /// Acceleration u'' of the mass, dimensionless: −2βv − u plus the friction force in slip, 0 in stick.
+    ///
+    /// ```
+    /// use stick_slip::{Coulomb, MassOnBelt, State};
+    ///
+    /// let system = MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.2)?;
+    /// assert_eq!(system.acceleration(State::new(1.0, 0.0)), -0.75);
+    /// assert_eq!(system.acceleration(State::new(0.1, 0.2)), 0.0);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn acceleration(&self, state: State) -> f64 {
+        let State {
+            displacement,
+            velocity,
+        } = state;
+        if velocity == self.belt_velocity && self.slides_at(displacement).is_none() {
+            return 0.0;
+        }
+        self.friction_force(state) - 2.0 * self.damping * velocity - displacement
+    }
+
+    /// The steady sliding state, in which the mass stands still on the moving belt. `None` at v_b = 0, where every state in the
+    /// stick band is at rest.
+    ///
+    /// See [`Equilibrium`] for the formulas and an example.
+    pub fn equilibrium(&self) -> Option<Equilibrium> {
+        let speed = self.belt_velocity.abs();
+        (speed > 0.0).then(|| {
+            let damping = 2.0 * self.damping + self.load * self.law.slope(speed);
+            Equilibrium {
+                displacement: self.equilibrium_displacement(),
+                jacobian: Matrix2::new(0.0, 1.0, -1.0, -damping),
+                eigenvalues: eigenvalues(damping),
+                stability: Stability::of(damping),
+            }
+        })
+    }
+
+    /// ū = sgn(v_b)·γ²μ̂(|v_b|), and 0 at v_b = 0.
+    pub(crate) fn equilibrium_displacement(&self) -> f64 {
+        self.load * self.law.coefficient(self.belt_velocity)
+    }
+}
+
+/// λ² + h1 λ + 1 = 0, Eq. 14. The eigenvalue of larger magnitude is computed without cancellation, the other from λ1 λ2 = 1.
+fn eigenvalues(h1: f64) -> [Complex<f64>; 2] {
+    let root = (h1 - 2.0).abs().sqrt() * (h1 + 2.0).abs().sqrt();
+    if h1.abs() < 2.0 {
+        [root, -root].map(|root| Complex::new(-0.5 * h1, 0.5 * root))
+    } else {
+        let large = -0.5 * (h1 + root.copysign(h1));
+        let (plus, minus) = if h1 > 0.0 {
+            (large.recip(), large)
+        } else {
+            (large, large.recip())
+        };
+        [plus, minus].map(Complex::from)
+    }
+}
+
+/// Steady sliding at v = 0, and how the motion near it goes.
+///
+/// ```text
+/// ū = sgn(v_b)·γ²μ̂(|v_b|)                        (Eq. 7, corrected: it prints μ(v_r) for μ(v_b))
+/// J = [0 1; −1 −h1],   h1 = 2β + γ² dμ̂/ds at |v_b|  (Eq. 10a, for any law)
+/// λ = (−h1 ± √(h1² − 4))/2                         (Eq. 14)
+/// ```
+///
+/// All dimensionless. Where |v_b| is a breakpoint of the law, the slope is that of the piece above.
+///
+/// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and Stability Analysis*.
+///
+/// ```
+/// use stick_slip::{MassOnBelt, Polynomial, Stability};
+///
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+/// let equilibrium = system.equilibrium().unwrap();
+/// assert!((equilibrium.displacement - 0.3148).abs() < 1e-15);
+/// assert!((equilibrium.eigenvalues[0].re - 0.139).abs() < 1e-15);
+/// assert_eq!(equilibrium.stability, Stability::UnstableFocus);
+/// assert!(!equilibrium.is_stable());
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Equilibrium {
+    /// Displacement ū, dimensionless.
+    pub displacement: f64,
+    /// Jacobian J of (u, v) ↦ (u', v'), dimensionless.
+    pub jacobian: Matrix2<f64>,
+    /// Eigenvalues λ of J, that with the + sign of Eq. 14 first; dimensionless (in units of ω0).
+    pub eigenvalues: [Complex<f64>; 2],
+    /// What they say.
+    pub stability: Stability,
+}
+
+impl Equilibrium {
+    /// Whether small disturbances die out: both eigenvalues have a negative real part. False for a centre.
+    pub fn is_stable(&self) -> bool {
+        matches!(
+            self.stability,
+            Stability::StableFocus | Stability::StableNode
+        )
+    }
+}
+
+/// How the motion near an equilibrium goes, from h1 = 2β + γ² dμ̂/ds alone.
+///
+/// Source: Farshidianfar and Noei Aghaee, Eq. 14.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Stability {
+    /// 0 < h1 < 2: oscillations that die out.
+    StableFocus,
+    /// h1 ≥ 2: disturbances die out without oscillation (at h1 = 2 a degenerate node).
+    StableNode,
+    /// h1 = 0 exactly: undamped oscillations in the linear system; the nonlinear terms decide.
+    Center,
+    /// −2 < h1 < 0: oscillations that grow.
+    UnstableFocus,
+    /// h1 ≤ −2: disturbances grow without oscillation (at h1 = −2 a degenerate node).
+    UnstableNode,
+}
+
+impl Stability {
+    fn of(h1: f64) -> Self {
+        if h1 >= 2.0 {
+            Self::StableNode
+        } else if h1 > 0.0 {
+            Self::StableFocus
+        } else if h1 == 0.0 {
+            Self::Center
+        } else if h1 > -2.0 {
+            Self::UnstableFocus
+        } else {
+            Self::UnstableNode
+        }
+    }
+}
+
+impl std::fmt::Display for Stability {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::StableFocus => "stable focus",
+            Self::StableNode => "stable node",
+            Self::Center => "centre",
+            Self::UnstableFocus => "unstable focus",
+            Self::UnstableNode => "unstable node",
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eigenvalues_have_no_cancellation() {
+        for h1 in [
+            -1e200, -1e9, -3.0, -2.0, -1e-9, 0.0, 0.5, 2.0, 2.5, 1e9, 1e200,
+        ] {
+            let [a, b] = eigenvalues(h1);
+            let (sum, product) = (a + b, a * b);
+            assert!(
+                (sum.re + h1).abs() <= 2.0 * f64::EPSILON * h1.abs(),
+                "{h1}: {a} {b}"
+            );
+            assert!(
+                (product.re - 1.0).abs() <= 4.0 * f64::EPSILON,
+                "{h1}: {a} {b}"
+            );
+            assert_eq!((sum.im, product.im), (0.0, 0.0));
+            assert!(a.re > b.re || a.im >= b.im, "the + sign first: {a} {b}");
+        }
+        // Root of smaller magnitude, −1e-9 − 1e-27: the textbook formula loses all its digits.
+        assert_eq!(eigenvalues(1e9)[0].re, -1e-9);
+    }
+}
