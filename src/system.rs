@@ -12,6 +12,7 @@ use crate::{Error, FrictionLaw};
 /// assert_eq!(state.velocity, -0.1);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct State {
     /// Displacement u from the position where the spring is unstressed, dimensionless.
     pub displacement: f64,
@@ -27,10 +28,16 @@ impl State {
             velocity,
         }
     }
+
+    /// (−u, −v).
+    pub(crate) const fn mirrored(self) -> Self {
+        Self::new(-self.displacement, -self.velocity)
+    }
 }
 
 /// Which way the mass slides on the belt: the sign of the relative velocity v_r = v − v_b.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Direction {
     /// v_r < 0: the mass lags behind a belt that moves forward.
     Lagging,
@@ -100,6 +107,12 @@ impl std::fmt::Display for Direction {
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "crate::raw::MassOnBelt<L>"),
+    serde(bound(deserialize = "L: FrictionLaw + serde::Deserialize<'de>"))
+)]
 pub struct MassOnBelt<L> {
     law: L,
     belt_velocity: f64,
@@ -206,6 +219,24 @@ impl<L> MassOnBelt<L> {
 }
 
 impl<L: FrictionLaw> MassOnBelt<L> {
+    /// The same system with its law borrowed.
+    pub(crate) fn by_reference(&self) -> MassOnBelt<&L> {
+        MassOnBelt {
+            law: &self.law,
+            belt_velocity: self.belt_velocity,
+            damping: self.damping,
+            load: self.load,
+        }
+    }
+
+    /// The same system, or its mirror image if v_b < 0: laws are odd in v_r.
+    pub(crate) fn moving_forward(&self) -> MassOnBelt<&L> {
+        MassOnBelt {
+            belt_velocity: self.belt_velocity.abs(),
+            ..self.by_reference()
+        }
+    }
+
     /// Displacements −γ²μ_s − 2βv_b and γ²μ_s − 2βv_b between which the mass can stick, dimensionless.
     ///
     /// Every decision between stick and slip compares u with these two numbers, and the release state is one of them.
@@ -249,6 +280,20 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         } else {
             None
         }
+    }
+
+    /// ds/dτ = |F| − γ²μ̂(0) of a mass that begins to slide at displacement u, where its speed on the belt is 0.
+    ///
+    /// From the same limits that every decision uses, so that it is exactly 0 at the release point of a law with μ̂(0) = μ_s.
+    pub(crate) fn slip_rate(&self, displacement: f64, direction: Direction) -> f64 {
+        let [low, high] = self.stick_limits();
+        let beyond = match direction {
+            Direction::Lagging => displacement - high,
+            Direction::Leading => low - displacement,
+        };
+        let jump = self.law.static_coefficient() - self.law.kinetic(0.0);
+        // μ̂(0) may exceed μ_s by an ulp.
+        beyond.max(0.0) + (self.load * jump).max(0.0)
     }
 
     /// Friction force on the mass, dimensionless (in units of the spring's force at u = 1).

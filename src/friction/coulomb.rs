@@ -21,6 +21,11 @@ use crate::{Error, Scalar};
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "crate::raw::Coulomb")
+)]
 pub struct Coulomb {
     static_coefficient: f64,
     kinetic_coefficient: f64,

@@ -7,7 +7,8 @@ use crate::{Error, Scalar};
 /// μ̂(s) = μ_k + (μ_s − μ_k) exp(−(s/v_s)²)
 /// ```
 ///
-/// All quantities are dimensionless; v_s is the Stribeck velocity.
+/// All quantities are dimensionless; v_s is the Stribeck velocity. Much of the field calls another law "the exponential law":
+/// that with the first power, exp(−s/v_s), which is [`Stribeck`](crate::Stribeck) with the exponent 1.
 ///
 /// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and Stability Analysis*,
 /// Eq. 6 (whose abstract says that it "first drops off and then raises": it does not).
@@ -21,11 +22,17 @@ use crate::{Error, Scalar};
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "crate::raw::Exponential")
+)]
 pub struct Exponential {
     static_coefficient: f64,
     kinetic_coefficient: f64,
     stribeck_velocity: f64,
     /// −1/v_s², the factor in the exponent.
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
     rate: f64,
 }
 

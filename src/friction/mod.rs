@@ -1,12 +1,20 @@
 //! Friction laws: the coefficient as a function of the sliding speed.
 
+mod any;
 mod coulomb;
 mod exponential;
 mod polynomial;
+mod rational;
+mod stribeck;
+mod tabulated;
 
+pub use any::AnyLaw;
 pub use coulomb::Coulomb;
 pub use exponential::Exponential;
 pub use polynomial::Polynomial;
+pub use rational::Rational;
+pub use stribeck::Stribeck;
+pub use tabulated::Tabulated;
 
 use crate::Error;
 use crate::scalar::{LONGEST, Scalar, Workspace, expand};
@@ -74,6 +82,7 @@ pub trait FrictionLaw {
     }
 
     /// Piece number `piece` of the law, continued analytically beyond its ends. An analytic law has one piece.
+    #[inline(always)]
     fn kinetic_on<S: Scalar>(&self, _piece: usize, speed: S) -> S {
         self.kinetic(speed)
     }
@@ -165,12 +174,20 @@ pub(crate) fn piece_above<L: FrictionLaw>(law: &L, speed: f64) -> usize {
 }
 
 /// Coefficients of μ̂ as a power series in the sliding speed about `speed`; those from order M − 1 on are not computed (order 1 always is).
-fn taylor_coefficients<const M: usize, L: FrictionLaw>(law: &L, speed: f64) -> [f64; M] {
+pub(crate) fn taylor_coefficients<const M: usize, L: FrictionLaw>(law: &L, speed: f64) -> [f64; M] {
+    taylor_coefficients_on(law, piece_above(law, speed), speed)
+}
+
+/// The same for one piece of the law.
+pub(crate) fn taylor_coefficients_on<const M: usize, L: FrictionLaw>(
+    law: &L,
+    piece: usize,
+    speed: f64,
+) -> [f64; M] {
     let mut series = [f64::NAN; M];
-    let piece = piece_above(law, speed);
     (series[0], series[1]) = expand(law, piece, &mut Workspace::<M>::new(), speed, |k, _, m| {
         if k >= 2 {
-            series[k] = m.rest;
+            series[k] = m.scale * m.rest;
         }
         // s = s_0 + t
         if k == 0 { 1.0 } else { 0.0 }

@@ -22,11 +22,18 @@ use crate::{Error, Scalar};
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "crate::raw::Polynomial")
+)]
 pub struct Polynomial {
     static_coefficient: f64,
     minimum_coefficient: f64,
     minimum_velocity: f64,
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
     k1: f64,
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
     k3: f64,
 }
 

@@ -3,12 +3,19 @@
 mod flow;
 mod polynomial;
 mod series;
+mod slip;
 mod step;
 mod trajectory;
 
 pub use flow::Flow;
 pub use step::{Event, EventKind, Mode, Step};
 pub use trajectory::Trajectory;
+
+pub(crate) use polynomial::{
+    Polynomial, TERMS, derivative, evaluate, evaluate_four, quarters, reach, sign_changes,
+};
+pub(crate) use slip::{Advance, SlipPoint, Stepper, Time};
+pub(crate) use step::Clock;
 
 use crate::{Error, FrictionLaw, MassOnBelt, State};
 

@@ -1,5 +1,7 @@
 //! Polynomials in the time since the start of a step, and their first root.
 
+use std::ops::ControlFlow;
+
 use crate::scalar::mul_add;
 
 /// Coefficients of a step's series: order 27.
@@ -60,9 +62,14 @@ pub(crate) fn mean(c: &Polynomial, t: f64) -> f64 {
     evaluate_with(c, t, |c, k| c * INTEGRAL[k])
 }
 
+/// The polynomial dc/dt.
+pub(crate) fn derivative(c: &Polynomial) -> Polynomial {
+    std::array::from_fn(|k| c.get(k + 1).map_or(0.0, |c| (k + 1) as f64 * c))
+}
+
 /// dc/dt.
 #[inline(always)]
-pub(crate) fn differentiate(c: &Polynomial, t: f64) -> f64 {
+fn differentiate(c: &Polynomial, t: f64) -> f64 {
     let mut slope = 0.0;
     for k in (1..TERMS).rev() {
         slope = mul_add(slope, t, k as f64 * c[k]);
@@ -82,6 +89,23 @@ pub(crate) fn evaluate_four(c: &Polynomial, t: [f64; 4]) -> [f64; 4] {
         }
     }
     std::array::from_fn(|i| mul_add(odd[i], t[i], even[i]))
+}
+
+/// How far the terms of the highest orders stay below `error`: (error/|c_n|)^(1/n) for the last two n, to 6 %.
+#[inline(always)]
+pub(crate) fn reach(c: &Polynomial, error: f64) -> f64 {
+    let by = |n: usize| root(error / c[n].abs(), n);
+    by(TERMS - 1).min(by(TERMS - 2)).min(FARTHEST)
+}
+
+/// No series is used further, even where its last coefficients vanish: the oscillator turns once in about 2π.
+const FARTHEST: f64 = 8.0;
+
+/// x^(1/n) to 6 %, from the bits of x: exponent and mantissa together are nearly a logarithm.
+#[inline(always)]
+fn root(x: f64, n: usize) -> f64 {
+    const ONE: i64 = 1.0_f64.to_bits() as i64;
+    f64::from_bits((ONE + (x.to_bits() as i64 - ONE) / n as i64) as u64)
 }
 
 /// Bound of |d²c/dt²| on [0, t]: Σ k(k−1)|c_k| t^(k−2).
@@ -113,42 +137,44 @@ pub(crate) fn quarters(h: f64) -> [f64; 4] {
 
 /// First time in (0, h] at which a polynomial that starts positive becomes zero or negative, to the last bit.
 ///
-/// `values` are its values at the [`quarters`] of h. No root is skipped, however close two lie: an interval of width Δ
-/// between positive values p, q is passed only if min(p, q) exceeds max|c''|·Δ²/8, or if c is monotone there because
-/// |q − p| exceeds max|c''|·Δ²/2; otherwise it is halved. It ends where Δ is so small that c differs from a line by less
-/// than its rounding error; there the computed sign at the interval's end decides, so that a tangential touch within rounding is no root.
+/// `values` are its values at the [`quarters`] of h.
 #[inline(always)]
 pub(crate) fn first_root(c: &Polynomial, h: f64, values: [f64; 4]) -> Option<f64> {
     let curvature = curvature_bound(c, h);
-    let margin = curvature * h * h / 128.0;
-    // Most steps: far from contact everywhere.
+    // Most steps: far from zero everywhere.
     let least = values.iter().fold(c[0], |least, &value| least.min(value));
-    if least > margin {
+    if least > curvature * h * h / 128.0 {
         return None;
     }
-    first_root_near(c, h, values, curvature)
-}
-
-/// The rest of [`first_root`]: some quarter comes close to zero.
-#[inline(never)]
-fn first_root_near(c: &Polynomial, h: f64, values: [f64; 4], curvature: f64) -> Option<f64> {
-    let search = Search {
-        c,
-        curvature,
-        rounding: rounding_bound(c, h),
-    };
-    let times = quarters(h);
-    let mut left = (0.0, c[0]);
-    for right in std::iter::zip(times, values) {
-        if let Some(root) = search.between(left, right) {
-            return Some(root);
+    let mut root = None;
+    let _ = Search::new(c, h, curvature).run(h, values, &mut |t, rising| {
+        if rising {
+            return ControlFlow::Continue(());
         }
-        left = right;
-    }
-    None
+        root = Some(t);
+        ControlFlow::Break(())
+    });
+    root
 }
 
-/// What a search for the first root knows of the polynomial.
+/// Every time in (0, h] at which a polynomial changes sign, in order, with `true` where it rises; the visitor can stop the search.
+///
+/// A root at t = 0 is not among them.
+pub(crate) fn sign_changes(
+    c: &Polynomial,
+    h: f64,
+    visit: &mut impl FnMut(f64, bool) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let values = evaluate_four(c, quarters(h));
+    Search::new(c, h, curvature_bound(c, h)).run(h, values, visit)
+}
+
+/// A search for the sign changes of a polynomial on [0, h].
+///
+/// None is skipped, however close two lie: an interval of width Δ between values p, q of one sign is passed only if
+/// min(|p|, |q|) exceeds max|c''|·Δ²/8, and one is taken to hold at most one root only if c is monotone there because |q − p|
+/// exceeds max|c''|·Δ²/2. Any other is halved. That ends where Δ is so small that c differs from its chord by less
+/// than the rounding error of its values; there the computed signs at the ends decide, so that a tangential touch within rounding is no root.
 struct Search<'c> {
     c: &'c Polynomial,
     /// Bound of |c''|.
@@ -157,49 +183,87 @@ struct Search<'c> {
     rounding: f64,
 }
 
-impl Search<'_> {
-    /// First root in (a, b], given the values there; c(a) > 0 or rounded to 0.
-    fn between(&self, (a, at_a): (f64, f64), (b, at_b): (f64, f64)) -> Option<f64> {
+impl<'c> Search<'c> {
+    #[inline(never)]
+    fn new(c: &'c Polynomial, h: f64, curvature: f64) -> Self {
+        Self {
+            c,
+            curvature,
+            rounding: rounding_bound(c, h),
+        }
+    }
+
+    fn run(
+        &self,
+        h: f64,
+        values: [f64; 4],
+        visit: &mut impl FnMut(f64, bool) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        // A polynomial that starts at 0 to rounding has the sign that it takes next.
+        let start = if self.c[0] == 0.0 { values[0] } else { self.c[0] };
+        let mut left = (0.0, start);
+        for right in std::iter::zip(quarters(h), values) {
+            self.between(left, right, visit)?;
+            left = right;
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Sign changes in (a, b], given the values there; zero counts as negative.
+    fn between(
+        &self,
+        (a, at_a): (f64, f64),
+        (b, at_b): (f64, f64),
+        visit: &mut impl FnMut(f64, bool) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
         let width = b - a;
-        // Largest distance of c from the chord.
+        // Largest distance of c from its chord.
         let sagitta = self.curvature * width * width / 8.0;
+        let changes = (at_a > 0.0) != (at_b > 0.0);
         let monotone = (at_b - at_a).abs() > 4.0 * sagitta + 2.0 * self.rounding;
-        let decided = monotone || at_a.min(at_b) > sagitta + self.rounding;
+        let away = !changes && at_a.abs().min(at_b.abs()) > sagitta + self.rounding;
         let middle = 0.5 * (a + b);
-        let divisible = sagitta > self.rounding && a < middle && middle < b;
-        if decided || !divisible {
-            return (at_b <= 0.0).then(|| self.refine((a, at_a), (b, at_b)));
+        let divisible = sagitta > self.rounding && sagitta.is_finite() && a < middle && middle < b;
+        if away || monotone || !divisible {
+            return if changes {
+                visit(self.refine((a, at_a), (b, at_b)), at_b > 0.0)
+            } else {
+                ControlFlow::Continue(())
+            };
         }
         let at_middle = (middle, evaluate(self.c, middle));
-        self.between((a, at_a), at_middle)
-            .or_else(|| self.between(at_middle, (b, at_b)))
+        self.between((a, at_a), at_middle, visit)?;
+        self.between(at_middle, (b, at_b), visit)
     }
 
     /// The root between a and b, where c changes sign once: Newton's method kept inside the bracket.
     fn refine(&self, (mut a, at_a): (f64, f64), (mut b, at_b): (f64, f64)) -> f64 {
-        let mut t = if at_a > at_b {
-            b + (b - a) * (at_b / (at_a - at_b))
-        } else {
-            b
-        };
-        // Bisection alone would need some 60 halvings; each pass at least halves or converges.
+        let mut t = b + (b - a) * (at_b / (at_a - at_b));
+        let mut last = f64::INFINITY;
+        // Bisection alone takes some 60 passes; Newton's method three or four.
         for _ in 0..128 {
             let value = evaluate(self.c, t);
-            if value > 0.0 {
+            if (value > 0.0) == (at_a > 0.0) {
                 a = t;
             } else {
                 b = t;
             }
-            let newton = t - value / differentiate(self.c, t);
-            if (newton - t).abs() <= 0.5 * f64::EPSILON * t {
+            let correction = value / differentiate(self.c, t);
+            // Quadratic convergence ends where rounding takes over and corrections no longer shrink.
+            let settled = correction.abs() <= NEWTON_REGIME * t && correction.abs() >= 0.25 * last;
+            if settled || correction.abs() <= 0.5 * f64::EPSILON * t {
                 break;
             }
-            t = if a < newton && newton < b {
-                newton
+            let newton = t - correction;
+            (t, last) = if a < newton && newton < b {
+                (newton, correction.abs())
             } else {
-                0.5 * (a + b)
+                (0.5 * (a + b), f64::INFINITY)
             };
         }
         t
     }
 }
+
+/// Relative correction below which Newton's method must be converging quadratically, if it is not at the rounding floor.
+const NEWTON_REGIME: f64 = 1e-8;

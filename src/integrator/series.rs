@@ -3,19 +3,9 @@
 use super::polynomial::{INTEGRAL, Polynomial, TERMS, evaluate_four, quarters};
 use crate::friction::FrictionLaw;
 use crate::scalar::{Workspace, expand, mul_add};
-use crate::{Direction, Error, MassOnBelt, State};
+use crate::{Error, MassOnBelt, State};
 
-/// A point of a slip phase: sliding direction σ, displacement u, sliding speed s = σ·v_r ≥ 0.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct SlipPoint {
-    pub(crate) direction: Direction,
-    pub(crate) displacement: f64,
-    pub(crate) speed: f64,
-    /// Piece of the law that the motion is in.
-    pub(crate) piece: usize,
-    /// ds/dτ where it is known better than the equation of motion gives it: at the start of a slip phase.
-    pub(crate) rate: Option<f64>,
-}
+use super::slip::{SlipPoint, Time};
 
 /// The power series of a slip phase about one of its points, in the time since.
 ///
@@ -35,7 +25,7 @@ pub(crate) struct Series {
 }
 
 impl Series {
-    /// Expands the motion about a point.
+    /// Expands the motion about a point, on one piece of the law.
     ///
     /// Kept out of line: inlined into the stepper, it competes for registers and runs at half the speed.
     #[inline(never)]
@@ -43,6 +33,8 @@ impl Series {
         system: &MassOnBelt<L>,
         workspace: &mut Workspace<TERMS>,
         from: &SlipPoint,
+        piece: usize,
+        time: Time,
     ) -> Result<Self, Error> {
         let sigma = from.direction.sign();
         let (damping, load) = (2.0 * system.damping(), system.load());
@@ -50,21 +42,24 @@ impl Series {
         let mut friction = [0.0; TERMS];
 
         let s0 = from.speed;
-        // x_k, which follows from s_{k−1}, and 2β + γ²·dμ̂/ds at s_0.
-        let (mut x, mut decay) = (sigma * from.displacement, 0.0);
-        let (value, slope) = expand(system.law(), from.piece, workspace, s0, |k, s, m| {
+        // (k + 1) s_{k+1} = −x_k − 2β s_k − γ² m_k, where x_k = s_{k−1}/k and m_k = slope·s_k + scale·rest. The newest
+        // coefficient is put in last, and every factor is finished before.
+        let (mut decay, mut older) = (0.0, 0.0);
+        let (value, slope) = expand(system.law(), piece, workspace, s0, |k, s, m| {
+            let weight = -INTEGRAL[k];
             if k == 0 {
                 decay = mul_add(load, m.slope, damping);
                 friction[0] = m.rest;
-                let rate = -x - damping * (s + belt) - load * m.rest;
-                x = s + belt;
-                return from.rate.unwrap_or(rate);
+                older = s + belt;
+                let equation = -(sigma * from.displacement) - damping * (s + belt) - load * m.rest;
+                return from.rate.map_or(equation, |rate| time.sign() * rate);
             }
-            // (k + 1) s_{k+1} = −x_k − 2β s_k − γ² m_k, with m_k = slope·s_k + rest: s_k is put in last.
-            friction[k] = mul_add(m.slope, s, m.rest);
-            let older = mul_add(load, m.rest, x);
-            x = s * INTEGRAL[k];
-            -mul_add(decay, s, older) * INTEGRAL[k]
+            friction[k] = mul_add(m.slope, s, m.scale * m.rest);
+            // x_1 = s_0 + σv_b
+            let spring = if k == 1 { weight * older } else { weight * INTEGRAL[k - 1] * older };
+            older = s;
+            let next = mul_add(weight * load * m.scale, m.rest, spring);
+            mul_add(weight * decay, s, next)
         });
         if !value.is_finite() {
             return Err(Error::NonFiniteFriction {
@@ -79,19 +74,18 @@ impl Series {
                 reached: None,
             });
         }
-        Ok(Self {
+        let mut series = Self {
             speed: workspace.speed(),
             friction,
-        })
-    }
-
-    /// Length of a step whose last terms stay below `error`: (error/|s_n|)^(1/n) for the last two n, to 6 %.
-    ///
-    /// Infinite series coefficients (a system too stiff for f64) give 0 or NaN.
-    #[inline(always)]
-    pub(crate) fn reach(&self, error: f64) -> f64 {
-        let by = |n: usize| root(error / self.speed[n].abs(), n);
-        by(TERMS - 1).min(by(TERMS - 2)).min(LONGEST_STEP)
+        };
+        if time == Time::Backward {
+            // f(−t): the odd coefficients change sign.
+            for k in (1..TERMS).step_by(2) {
+                series.speed[k] = -series.speed[k];
+                series.friction[k] = -series.friction[k];
+            }
+        }
+        Ok(series)
     }
 
     /// |u| + 2β|v| + γ²μ̂ at the start: what the rounding errors of the equation of motion are measured by.
@@ -125,14 +119,4 @@ impl Series {
         }
         system.load() * largest
     }
-}
-
-/// No step is longer, even where the last coefficients vanish: the oscillator turns once in about 2π.
-const LONGEST_STEP: f64 = 8.0;
-
-/// x^(1/n) to 6 %, from the bits of x: exponent and mantissa together are nearly a logarithm.
-#[inline(always)]
-fn root(x: f64, n: usize) -> f64 {
-    const ONE: i64 = 1.0_f64.to_bits() as i64;
-    f64::from_bits((ONE + (x.to_bits() as i64 - ONE) / n as i64) as u64)
 }

@@ -3,6 +3,7 @@ use crate::{Direction, State};
 
 /// What the mass does on the belt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Mode {
     /// It moves with the belt: v = v_b, to the bit.
     Stick,
@@ -21,6 +22,7 @@ impl std::fmt::Display for Mode {
 
 /// What happens when the relative velocity is zero. A direction is that of the slip **after** the event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum EventKind {
     /// Slip ends; the mass moves with the belt from now on.
     Stick,
@@ -57,6 +59,7 @@ impl std::fmt::Display for EventKind {
 
 /// A change between stick and slip, or of the direction of slip.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Event {
     /// Time τ since the start, dimensionless.
     pub time: f64,
@@ -183,6 +186,36 @@ impl Step {
     /// The event that ends it, if one does.
     pub fn event(&self) -> Option<Event> {
         self.event
+    }
+
+    /// The direction of slip; `None` in stick.
+    pub(crate) fn direction(&self) -> Option<Direction> {
+        match self.mode {
+            Mode::Slip(direction) => Some(direction),
+            Mode::Stick => None,
+        }
+    }
+
+    /// The same motion seen in a mirror: (u, v, v_b) → (−u, −v, −v_b).
+    pub(crate) fn mirrored(&self) -> Self {
+        let kind = |kind| match kind {
+            EventKind::Stick => EventKind::Stick,
+            EventKind::Release(direction) => EventKind::Release(direction.opposite()),
+            EventKind::Crossing(direction) => EventKind::Crossing(direction.opposite()),
+        };
+        Self {
+            mode: self
+                .direction()
+                .map_or(Mode::Stick, |direction| Mode::Slip(direction.opposite())),
+            state: self.state.mirrored(),
+            belt_velocity: -self.belt_velocity,
+            event: self.event.map(|event| Event {
+                kind: kind(event.kind),
+                state: event.state.mirrored(),
+                ..event
+            }),
+            ..*self
+        }
     }
 
     /// State at its end; at an event the event's own.

@@ -1,6 +1,8 @@
 //! The number types a friction law is evaluated on: `f64`, and the Taylor coefficient.
 
 mod taylor;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use taylor::{LONGEST, Workspace, expand};
 

@@ -101,53 +101,71 @@ pub(crate) struct Taylor<'r, const K: usize, const M: usize> {
     run: &'r Run<'r, M>,
     row: &'r Row<M>,
     scale: f64,
-    /// Coefficient of order 0.
+    /// Coefficient of order 0, of the view.
     value: f64,
-    /// Derivative with respect to the sliding speed at the base point.
+    /// Derivative of the **row** with respect to the sliding speed at the base point.
     slope: f64,
-    /// c_K − slope·s_K, made of older coefficients; meaningless for K = 0.
+    /// row_K − slope·s_K, made of older coefficients; meaningless for K = 0. Unscaled: a factor then meets the scale before
+    /// it meets the rest, which comes late.
     rest: f64,
 }
 
-/// Σ a_i·b_{K−i} for 0 < i < K: the part of a Cauchy product that holds no coefficient of order K.
+/// start + factor·Σ a_i·b_{K−i} for 0 < i < K: the part of a Cauchy product that holds no coefficient of order K.
 ///
-/// Summed from the middle outwards, so that the newest coefficients come last; three sums break the chain of additions
-/// (four, and the compiler vectorises across rows that were just written, which stalls).
+/// The newest coefficients, of order K − 1, come last and meet finished factors only. Three sums break the chain of additions
+/// (with two or four the compiler vectorises across rows that were just written, which stalls).
 #[inline(always)]
-fn inner_product<const K: usize, const M: usize>(a: &Row<M>, b: &Row<M>) -> f64 {
-    if K < 2 {
-        return 0.0;
+fn inner_product<const K: usize, const M: usize>(
+    a: &Row<M>,
+    b: &Row<M>,
+    factor: f64,
+    start: f64,
+) -> f64 {
+    let (a, b) = (|i: usize| a.c[i].get(), |i: usize| b.c[i].get());
+    match K {
+        0 | 1 => start,
+        2 => mul_add(factor * a(1), b(1), start),
+        _ => {
+            let older = middle::<K>(2, &a, &b);
+            let start = mul_add(factor, older, start);
+            let start = mul_add(factor * a(1), b(K - 1), start);
+            mul_add(factor * b(1), a(K - 1), start)
+        }
     }
-    let mut sums = [0.0; 3];
-    for j in 0..(K - 1) / 2 {
-        let i = (K - 1) / 2 - j;
-        let sum = &mut sums[j % 3];
-        *sum = mul_add(a.c[i].get(), b.c[K - i].get(), *sum);
-        *sum = mul_add(a.c[K - i].get(), b.c[i].get(), *sum);
-    }
-    if K.is_multiple_of(2) {
-        sums[2] = mul_add(a.c[K / 2].get(), b.c[K / 2].get(), sums[2]);
-    }
-    sums[2] + sums[1] + sums[0]
 }
 
-/// [`inner_product`] of a row with itself, at half the work.
+/// start + factor·Σ a_i·a_{K−i} for 0 < i < K, at half the work of [`inner_product`].
 #[inline(always)]
-fn inner_square<const K: usize, const M: usize>(a: &Row<M>) -> f64 {
-    if K < 2 {
-        return 0.0;
+fn inner_square<const K: usize, const M: usize>(a: &Row<M>, factor: f64, start: f64) -> f64 {
+    let a = |i: usize| a.c[i].get();
+    match K {
+        0 | 1 => start,
+        2 => mul_add(factor * a(1), a(1), start),
+        _ => {
+            let half = middle::<K>(K / 2 + 1, &a, &a);
+            let start = mul_add(2.0 * factor, half, start);
+            let start = if K % 2 == 0 {
+                mul_add(factor * a(K / 2), a(K / 2), start)
+            } else {
+                start
+            };
+            mul_add(2.0 * factor * a(1), a(K - 1), start)
+        }
     }
+}
+
+/// Σ a_i·b_{K−i} for first ≤ i ≤ K − 2.
+#[inline(always)]
+fn middle<const K: usize>(first: usize, a: impl Fn(usize) -> f64, b: impl Fn(usize) -> f64) -> f64 {
     let mut sums = [0.0; 3];
-    for j in 0..(K - 1) / 2 {
-        let i = (K - 1) / 2 - j;
-        sums[j % 3] = mul_add(a.c[i].get(), a.c[K - i].get(), sums[j % 3]);
+    let mut i = first;
+    while i + 1 < K {
+        let sum = &mut sums[(i - first) % 3];
+        // A product, not a sum with 0, begins each: the compiler may not drop the addition.
+        *sum = if i < first + 3 { a(i) * b(K - i) } else { mul_add(a(i), b(K - i), *sum) };
+        i += 1;
     }
-    let middle = if K.is_multiple_of(2) {
-        a.c[K / 2].get().powi(2)
-    } else {
-        0.0
-    };
-    mul_add(2.0, sums[2] + sums[1] + sums[0], middle)
+    sums[0] + sums[1] + sums[2]
 }
 
 impl<'r, const K: usize, const M: usize> Taylor<'r, K, M> {
@@ -180,10 +198,16 @@ impl<'r, const K: usize, const M: usize> Taylor<'r, K, M> {
         }
     }
 
+    /// Derivative of the view with respect to the sliding speed.
+    #[inline(always)]
+    fn derivative(self) -> f64 {
+        self.scale * self.slope
+    }
+
     /// The coefficient of order K itself.
     #[inline(always)]
     fn newest(self) -> f64 {
-        mul_add(self.slope, self.run.newest, self.rest)
+        self.scale * mul_add(self.slope, self.run.newest, self.rest)
     }
 
     /// A row of k·c_k, the coefficients that the recurrences of y' = f(y)·a' multiply with.
@@ -225,10 +249,11 @@ impl<const K: usize, const M: usize> Scalar for Taylor<'_, K, M> {
         let (b, q) = (self, self.run.claim());
         self.operation(
             q,
-            || (b.value.recip(), -b.slope / (b.value * b.value)),
+            || (b.value.recip(), -b.derivative() / (b.value * b.value)),
             || {
-                let q0 = q.c[0].get();
-                -q0 * (q0 * b.rest + b.scale * inner_product::<K, M>(q, b.row))
+                let factor = -q.c[0].get() * b.scale;
+                let older = inner_product::<K, M>(q, b.row, factor, 0.0);
+                mul_add(factor * q.c[0].get(), b.rest, older)
             },
         )
     }
@@ -238,8 +263,11 @@ impl<const K: usize, const M: usize> Scalar for Taylor<'_, K, M> {
         let a = self;
         self.operation(
             self.run.claim(),
-            || (a.value * a.value, 2.0 * a.value * a.slope),
-            || 2.0 * a.value * a.rest + a.scale * a.scale * inner_square::<K, M>(a.row),
+            || (a.value * a.value, 2.0 * a.value * a.derivative()),
+            || {
+                let older = 2.0 * a.value * a.scale * a.rest;
+                inner_square::<K, M>(a.row, a.scale * a.scale, older)
+            },
         )
     }
 
@@ -249,22 +277,25 @@ impl<const K: usize, const M: usize> Scalar for Taylor<'_, K, M> {
         let (a, weighted, y) = (self, self.weighted(), self.run.claim());
         self.operation(
             y,
-            || (a.value.exp(), a.value.exp() * a.slope),
-            || y.c[0].get() * a.rest + Self::INVERSE * inner_product::<K, M>(weighted, y),
+            || (a.value.exp(), a.value.exp() * a.derivative()),
+            || {
+                let older = inner_product::<K, M>(weighted, y, Self::INVERSE, 0.0);
+                mul_add(y.c[0].get() * a.scale, a.rest, older)
+            },
         )
     }
 
     /// a·y' = a'.
     #[inline(always)]
     fn ln(self) -> Self {
-        let (a, y) = (self, self.run.claim());
-        let weighted = self.run.claim();
+        let (a, y, weighted) = (self, self.run.claim(), self.run.claim());
         let y = self.operation(
             y,
-            || (a.value.ln(), a.slope / a.value),
+            || (a.value.ln(), a.derivative() / a.value),
             || {
-                (a.rest - Self::INVERSE * a.scale * inner_product::<K, M>(weighted, a.row))
-                    / a.value
+                let factor = a.scale / a.value;
+                let older = inner_product::<K, M>(weighted, a.row, -Self::INVERSE * factor, 0.0);
+                mul_add(factor, a.rest, older)
             },
         );
         if K > 0 {
@@ -279,8 +310,11 @@ impl<const K: usize, const M: usize> Scalar for Taylor<'_, K, M> {
         let (a, y) = (self, self.run.claim());
         self.operation(
             y,
-            || (a.value.sqrt(), a.slope / (2.0 * a.value.sqrt())),
-            || (a.rest - inner_square::<K, M>(y)) / (2.0 * y.c[0].get()),
+            || (a.value.sqrt(), a.derivative() / (2.0 * a.value.sqrt())),
+            || {
+                let factor = 0.5 / y.c[0].get();
+                inner_square::<K, M>(y, -factor, factor * a.scale * a.rest)
+            },
         )
     }
 
@@ -304,12 +338,14 @@ impl<const K: usize, const M: usize> Scalar for Taylor<'_, K, M> {
             y,
             || {
                 let value = a.value.powf(p);
-                (value, p * value / a.value * a.slope)
+                (value, p * value / a.value * a.derivative())
             },
             || {
-                let from_slope = (p + 1.0) * Self::INVERSE * inner_product::<K, M>(weighted, y);
-                let from_value = a.scale * inner_product::<K, M>(a.row, y);
-                (p * y.c[0].get() * a.rest + from_slope - from_value) / a.value
+                let by_weight = (p + 1.0) * Self::INVERSE / a.value;
+                let by_value = -a.scale / a.value;
+                let older = inner_product::<K, M>(weighted, y, by_weight, 0.0);
+                let older = inner_product::<K, M>(a.row, y, by_value, older);
+                mul_add(-p * y.c[0].get() * by_value, a.rest, older)
             },
         )
     }
@@ -317,18 +353,27 @@ impl<const K: usize, const M: usize> Scalar for Taylor<'_, K, M> {
     /// y' = g·a', g = 1 − y².
     #[inline(always)]
     fn tanh(self) -> Self {
-        let (a, weighted, y, g) = (self, self.weighted(), self.run.claim(), self.run.claim());
+        let (a, weighted, y, g) = (
+            self,
+            self.weighted(),
+            self.run.claim(),
+            self.run.claim(),
+        );
         let y = self.operation(
             y,
             || {
                 let derivative = a.value.cosh().powi(-2);
                 g.c[0].set(derivative);
-                (a.value.tanh(), derivative * a.slope)
+                (a.value.tanh(), derivative * a.derivative())
             },
-            || g.c[0].get() * a.rest + Self::INVERSE * inner_product::<K, M>(weighted, g),
+            || {
+                let older = inner_product::<K, M>(weighted, g, Self::INVERSE, 0.0);
+                mul_add(g.c[0].get() * a.scale, a.rest, older)
+            },
         );
         if K > 0 {
-            g.c[K].set(-2.0 * y.value * y.newest() - inner_square::<K, M>(y.row));
+            let square = inner_square::<K, M>(y.row, 1.0, 2.0 * y.value * y.newest());
+            g.c[K].set(-square);
         }
         y
     }
@@ -340,8 +385,12 @@ impl<const K: usize, const M: usize> Scalar for Taylor<'_, K, M> {
         let (y, weighted) = (self.run.claim(), self.run.claim());
         let y = self.operation(
             y,
-            || (a.value.atan(), a.slope / b.value),
-            || (a.rest - Self::INVERSE * inner_product::<K, M>(weighted, b.row)) / b.value,
+            || (a.value.atan(), a.derivative() / b.value),
+            || {
+                let factor = -Self::INVERSE / b.value;
+                let older = inner_product::<K, M>(weighted, b.row, factor, 0.0);
+                mul_add(a.scale / b.value, a.rest, older)
+            },
         );
         if K > 0 {
             weighted.c[K].set(K as f64 * y.newest());
@@ -385,18 +434,29 @@ impl<const K: usize, const M: usize> Taylor<'_, K, M> {
     /// S' = C·a', C' = −S·a'.
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        let (a, weighted, s, c) = (self, self.weighted(), self.run.claim(), self.run.claim());
-        let (sin, cos) = a.value.sin_cos();
+        let (a, weighted, s, c) = (
+            self,
+            self.weighted(),
+            self.run.claim(),
+            self.run.claim(),
+        );
+        let base = || a.value.sin_cos();
         (
             self.operation(
                 s,
-                || (sin, cos * a.slope),
-                || cos * a.rest + Self::INVERSE * inner_product::<K, M>(weighted, c),
+                || (base().0, base().1 * a.derivative()),
+                || {
+                    let older = inner_product::<K, M>(weighted, c, Self::INVERSE, 0.0);
+                    mul_add(c.c[0].get() * a.scale, a.rest, older)
+                },
             ),
             self.operation(
                 c,
-                || (cos, -sin * a.slope),
-                || -(sin * a.rest + Self::INVERSE * inner_product::<K, M>(weighted, s)),
+                || (base().1, -base().0 * a.derivative()),
+                || {
+                    let older = inner_product::<K, M>(weighted, s, -Self::INVERSE, 0.0);
+                    mul_add(-s.c[0].get() * a.scale, a.rest, older)
+                },
             ),
         )
     }
@@ -409,8 +469,6 @@ impl<const K: usize, const M: usize> Neg for Taylor<'_, K, M> {
         Self {
             scale: -self.scale,
             value: -self.value,
-            slope: -self.slope,
-            rest: -self.rest,
             ..self
         }
     }
@@ -420,10 +478,11 @@ impl<const K: usize, const M: usize> Add for Taylor<'_, K, M> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
+        let (a, b) = (self, other);
         self.operation(
             self.run.claim(),
-            || (self.value + other.value, self.slope + other.slope),
-            || self.rest + other.rest,
+            || (a.value + b.value, a.derivative() + b.derivative()),
+            || mul_add(a.scale, a.rest, b.scale * b.rest),
         )
     }
 }
@@ -443,10 +502,14 @@ impl<const K: usize, const M: usize> Mul for Taylor<'_, K, M> {
         let (a, b) = (self, other);
         self.operation(
             self.run.claim(),
-            || (a.value * b.value, a.value * b.slope + b.value * a.slope),
             || {
-                let older = a.scale * b.scale * inner_product::<K, M>(a.row, b.row);
-                mul_add(a.value, b.rest, mul_add(b.value, a.rest, older))
+                let slope = a.value * b.derivative() + b.value * a.derivative();
+                (a.value * b.value, slope)
+            },
+            || {
+                let start = a.value * b.scale * b.rest;
+                let older = inner_product::<K, M>(a.row, b.row, a.scale * b.scale, start);
+                mul_add(b.value * a.scale, a.rest, older)
             },
         )
     }
@@ -462,11 +525,13 @@ impl<const K: usize, const M: usize> Div for Taylor<'_, K, M> {
             q,
             || {
                 let value = a.value / b.value;
-                (value, (a.slope - value * b.slope) / b.value)
+                (value, (a.derivative() - value * b.derivative()) / b.value)
             },
             || {
-                let older = b.scale * inner_product::<K, M>(q, b.row);
-                (a.rest - q.c[0].get() * b.rest - older) / b.value
+                let factor = -b.scale / b.value;
+                let start = a.scale / b.value * a.rest;
+                let older = inner_product::<K, M>(q, b.row, factor, start);
+                mul_add(factor * q.c[0].get(), b.rest, older)
             },
         )
     }
@@ -501,8 +566,6 @@ impl<const K: usize, const M: usize> Mul<f64> for Taylor<'_, K, M> {
         Self {
             scale: self.scale * c,
             value: self.value * c,
-            slope: self.slope * c,
-            rest: self.rest * c,
             ..self
         }
     }
@@ -515,8 +578,6 @@ impl<const K: usize, const M: usize> Div<f64> for Taylor<'_, K, M> {
         Self {
             scale: self.scale / c,
             value: self.value / c,
-            slope: self.slope / c,
-            rest: self.rest / c,
             ..self
         }
     }
@@ -527,8 +588,10 @@ impl<const K: usize, const M: usize> Div<f64> for Taylor<'_, K, M> {
 pub(crate) struct Composed {
     /// dμ̂/ds at s_0, the same for every k.
     pub(crate) slope: f64,
-    /// m_0 for k = 0; m_k − slope·s_k for k ≥ 1.
+    /// m_0 for k = 0; for k ≥ 1, m_k = slope·s_k + scale·rest.
     pub(crate) rest: f64,
+    /// The same for every k.
+    pub(crate) scale: f64,
 }
 
 /// Run K of the law: its coefficient, and how many rows it used.
@@ -553,11 +616,13 @@ fn run<const K: usize, const M: usize, L: FrictionLaw>(
         slope: 1.0,
         rest: 0.0,
     };
-    let Taylor {
-        value, slope, rest, ..
-    } = law.kinetic_on(piece, speed);
-    let rest = if K == 0 { value } else { rest };
-    (Composed { slope, rest }, run.next.get())
+    let m = law.kinetic_on(piece, speed);
+    let composed = Composed {
+        slope: m.derivative(),
+        rest: if K == 0 { m.value } else { m.rest },
+        scale: m.scale,
+    };
+    (composed, run.next.get())
 }
 
 /// Longest series that can be expanded: 32 coefficients, order 31.

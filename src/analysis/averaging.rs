@@ -1,0 +1,341 @@
+//! Averaging: slow growth and decay of a vibration under weak friction, for any law, and the cycles at which it stops.
+//!
+//! With z = u − ū = A sin ψ, z' = A cos ψ, the amplitude drifts slowly (Eq. 12, for any law):
+//!
+//! ```text
+//! A' = −(1/2π) ∫₀^2π h(A cos ψ) cos ψ dψ,     h(y) = 2βy + γ²[μ(y − v_b) − μ(−v_b)]
+//! ```
+//!
+//! and the phase does not drift at all. The paper says that such integrals "are not analytically solvable"; here they are computed
+//! to round-off. By parts, so that nothing cancels at small A, and by mirror symmetry with w = |v_b|:
+//!
+//! ```text
+//! A' = −βA − (γ²A/π) ∫₀^π μ̂'(|w − A cos ψ|) sin²ψ dψ − (2γ²/π) μ̂(0) sin s
+//! dA'/dA = −β − (γ²/π) ∫₀^π μ̂'(|w − A cos ψ|) cos²ψ dψ − (2γ²/π) μ̂(0) w²/(A³ sin s)
+//! ```
+//!
+//! with cos s = w/A. The terms with s stand for the jump of the friction force where the mass overtakes the belt, and are there only for
+//! A > w. The trapezoidal rule serves where the integrand is smooth and periodic, A ≤ w and one piece of the law; else
+//! Gauss-Legendre panels that end at ψ = s and at the breakpoints.
+//!
+//! The amplitude so found has error O(ε²), the period 2π too. It describes motions that never stick: see
+//! [`AveragedCycle::is_valid`].
+
+use std::f64::consts::PI;
+
+use super::quadrature::{Integral, gauss, trapezoid};
+use super::roots::{Sample, brackets, isolate, refine};
+use crate::friction::{piece_above, taylor_coefficients_on};
+use crate::{Error, FrictionLaw, MassOnBelt};
+
+/// Drift dA/dτ of the amplitude A ≥ 0, dimensionless. Error O(ε²).
+///
+/// For Coulomb's law on a belt at rest, −2γ²μ_k/π: the amplitude falls by 4γ²μ_k in each cycle.
+///
+/// Source: Farshidianfar and Noei Aghaee, Eq. 12, whose right sides lack the mean over a cycle; any law. Holds for both signs of
+/// v_b, and for v_b = 0.
+///
+/// # Errors
+///
+/// * [`Error::InvalidParameter`] if A is negative or not finite, or |v_b| + A overflows;
+/// * [`Error::NonFiniteFriction`] if the law has no finite value or slope at a speed up to |v_b| + A.
+///
+/// ```
+/// use stick_slip::analysis::averaging::drift;
+/// use stick_slip::{Coulomb, MassOnBelt, Polynomial};
+///
+/// // −½ h1 A − (3/8) h3 A³ with h1 = −0.278, h3 = 0.6
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+/// assert!((drift(&system, 0.1)? - (0.139 * 0.1 - 0.225 * 0.001)).abs() < 1e-16);
+///
+/// let resting = MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.0)?;
+/// assert!((drift(&resting, 3.0)? * std::f64::consts::TAU + 4.0 * 0.25).abs() < 1e-15);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn drift<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64) -> Result<f64, Error> {
+    Ok(SlowFlow::at(system, amplitude)?.drift(amplitude))
+}
+
+/// Slope dA'/dA of the drift at the amplitude A ≥ 0, dimensionless: the rate at which a disturbance of the amplitude grows.
+/// Error O(ε²). −∞ just above A = |v_b| if μ̂(0) > 0.
+///
+/// # Errors
+///
+/// Those of [`drift`].
+///
+/// ```
+/// use stick_slip::analysis::averaging::drift_slope;
+/// use stick_slip::{MassOnBelt, Polynomial};
+///
+/// // −½ h1 − (9/8) h3 A²
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+/// assert!((drift_slope(&system, 0.1)? - (0.139 - 0.675 * 0.01)).abs() < 1e-15);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn drift_slope<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64) -> Result<f64, Error> {
+    Ok(SlowFlow::at(system, amplitude)?.slope)
+}
+
+/// The three parts of the slow flow at one amplitude.
+struct SlowFlow {
+    /// Growth rate A'/A but for the jump.
+    rate: f64,
+    /// (2γ²/π) μ̂(0) sin s, or 0.
+    jump: f64,
+    /// dA'/dA.
+    slope: f64,
+    /// Rounding error of `rate`.
+    noise: f64,
+}
+
+impl SlowFlow {
+    fn at<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64) -> Result<Self, Error> {
+        let belt_speed = system.belt_velocity().abs();
+        Error::check(
+            "amplitude",
+            amplitude,
+            amplitude >= 0.0 && (belt_speed + amplitude).is_finite(),
+            "amplitude ≥ 0, and |v_b| + amplitude finite",
+        )?;
+        let load = system.load() / PI;
+        let mean = slope_integrals(system.law(), belt_speed, amplitude)?;
+        let [rate, mut slope] = mean.parts.map(|mean| -system.damping() - load * mean);
+        let mut jump = 0.0;
+        if amplitude > belt_speed {
+            let cosine = belt_speed / amplitude;
+            let sine = sine_of_crossing(belt_speed, amplitude);
+            jump = 2.0 * load * system.law().kinetic(0.0);
+            slope -= jump * (cosine * cosine / sine / amplitude);
+            jump *= sine;
+        }
+        let size = system.damping() + system.load() * mean.peak;
+        Ok(Self {
+            rate,
+            jump,
+            slope,
+            noise: 16.0 * f64::EPSILON * size,
+        })
+    }
+
+    fn drift(&self, amplitude: f64) -> f64 {
+        amplitude * self.rate - self.jump
+    }
+
+    /// A'/A, whose roots are the cycles; regular at A = 0, where it is −h1/2.
+    fn growth_rate(&self, amplitude: f64) -> Sample {
+        let jump = if self.jump > 0.0 {
+            self.jump / amplitude
+        } else {
+            0.0
+        };
+        Sample {
+            value: self.rate - jump,
+            noise: self.noise + 16.0 * f64::EPSILON * jump,
+        }
+    }
+}
+
+/// sin s for cos s = |v_b|/A < 1, without cancellation.
+fn sine_of_crossing(belt_speed: f64, amplitude: f64) -> f64 {
+    let cosine = belt_speed / amplitude;
+    ((amplitude - belt_speed) / amplitude * (1.0 + cosine)).sqrt()
+}
+
+/// ∫₀^π μ̂'(|w − A cos ψ|) sin²ψ dψ, and the same with cos²ψ.
+fn slope_integrals<L: FrictionLaw>(law: &L, w: f64, amplitude: f64) -> Result<Integral, Error> {
+    let speed_at = |psi: f64| (w - amplitude * psi.cos()).abs();
+    let weighted = |piece: usize, psi: f64| {
+        let slope = slope_on(law, piece, speed_at(psi))?;
+        Ok([slope * psi.sin().powi(2), slope * psi.cos().powi(2)])
+    };
+    // Where y = A cos ψ meets the belt, and where the speed |w − y| is a breakpoint.
+    let mut splits = vec![0.0, PI];
+    let kinks = law.breakpoints().flat_map(|b| [w - b, w + b]);
+    for y in kinks.chain((amplitude > w).then_some(w)) {
+        if y.abs() < amplitude {
+            splits.push((y / amplitude).acos());
+        }
+    }
+    splits.sort_by(f64::total_cmp);
+
+    if splits.len() == 2 {
+        let piece = piece_above(law, speed_at(0.5 * PI));
+        if let Some(integral) = trapezoid(|psi| weighted(piece, psi))? {
+            return Ok(integral);
+        }
+    }
+    let mut total = Integral::default();
+    for ends in splits.windows(2).filter(|ends| ends[0] < ends[1]) {
+        let piece = piece_above(law, speed_at(0.5 * (ends[0] + ends[1])));
+        total = total.merged(&gauss(|psi| weighted(piece, psi), ends[0], ends[1])?);
+    }
+    Ok(total)
+}
+
+/// dμ̂/ds on one piece of the law.
+pub(super) fn slope_on<L: FrictionLaw>(law: &L, piece: usize, speed: f64) -> Result<f64, Error> {
+    let [value, slope] = taylor_coefficients_on::<2, _>(law, piece, speed);
+    if value.is_finite() && slope.is_finite() {
+        Ok(slope)
+    } else {
+        Err(Error::NonFiniteFriction {
+            speed,
+            value: if value.is_finite() { slope } else { value },
+            reached: None,
+        })
+    }
+}
+
+/// A cycle of the slow flow: an amplitude A > 0 at which A' = 0.
+///
+/// All quantities are dimensionless. z = A sin ψ about the equilibrium, with period 2π; errors are O(ε²) in the amplitude and in the period,
+/// O(ε) in how the motion is centred.
+///
+/// Source: Farshidianfar and Noei Aghaee, Eqs. 12 and 13 (corrected: the printed 3/4 is 4/3), for any law and for cycles that overtake the belt.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AveragedCycle {
+    amplitude: f64,
+    drift_slope: f64,
+    half_leading_duration: f64,
+    is_valid: bool,
+}
+
+impl AveragedCycle {
+    /// Amplitude A of displacement and velocity, dimensionless. Error O(ε²).
+    pub fn amplitude(&self) -> f64 {
+        self.amplitude
+    }
+
+    /// dA'/dA at the cycle, dimensionless: the rate at which disturbances grow. Error O(ε²).
+    pub fn drift_slope(&self) -> f64 {
+        self.drift_slope
+    }
+
+    /// Floquet multiplier exp(2π dA'/dA) for one cycle. Error O(ε²); for cycles that do not overtake the belt, of the polynomial law, O(ε³).
+    pub fn multiplier(&self) -> f64 {
+        (2.0 * PI * self.drift_slope).exp()
+    }
+
+    /// Whether neighbouring motions approach the cycle: dA'/dA < 0.
+    pub fn is_stable(&self) -> bool {
+        self.drift_slope < 0.0
+    }
+
+    /// Time per cycle in which the mass overtakes the belt, 2s with cos s = |v_b|/A; 0 for A ≤ |v_b|. Error O(ε²).
+    pub fn leading_duration(&self) -> f64 {
+        2.0 * self.half_leading_duration
+    }
+
+    /// Whether such a motion never sticks, so that averaging describes it: A ≤ |v_b|, or the mass meets the belt too far out for
+    /// friction to hold it, A sin s > γ²(μ_s + μ̂(|v_b|)) + 2β|v_b|. Where this fails the motion sticks, and
+    /// [`StickSlip`](super::StickSlip) has its formulas.
+    pub fn is_valid(&self) -> bool {
+        self.is_valid
+    }
+}
+
+/// All cycles of the slow flow, by ascending amplitude: stable and unstable, those included that overtake the belt.
+///
+/// # What "all" means
+///
+/// Every averaged cycle of a law with μ̂ ≥ 0 has A < 2|v_b|. (Sliding at speed s drives the motion only at y = |v_b| − s > 0; if
+/// A ≥ 2|v_b| the mass also leads the belt by s once a cycle, which takes out more.) The whole range is searched: A'/A, which
+/// is analytic in √(A² − A_i²) between the amplitudes A_i at which the motion first touches the belt or a breakpoint, is
+/// interpolated by Chebyshev polynomials to round-off, on pieces cut until each has no root or is monotone. So no cycle
+/// is passed over, except
+///
+/// * a pair that differs by less than 10⁻⁸|v_b|, as at a fold;
+/// * where a feature of the law's slope is narrower than some 3·10⁻⁴|v_b| in speed (slow speeds are looked at more closely).
+///
+/// Where A' vanishes to rounding on a whole interval (Coulomb's law without damping: every orbit with A ≤ |v_b|), its
+/// cycles are not isolated and are not listed. At v_b = 0 there are none.
+///
+/// Amplitudes are good to round-off of A'/A, which is about 10⁻¹⁶(β + γ²·max abs(dμ̂/ds)), divided by its slope.
+///
+/// Source: Farshidianfar and Noei Aghaee, Eqs. 12 and 13 (corrected), for any law. Errors in ε: [`AveragedCycle`].
+///
+/// # Errors
+///
+/// [`Error::NonFiniteFriction`] if the law has no finite value or slope at a speed up to 3|v_b|.
+///
+/// ```
+/// use stick_slip::analysis::averaging;
+/// use stick_slip::{Exponential, MassOnBelt, Polynomial};
+///
+/// // A0 of Eq. 15
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.42)?.with_damping(0.05)?;
+/// let cycles = averaging::cycles(&system)?;
+/// assert_eq!(cycles.len(), 1);
+/// assert!((cycles[0].amplitude() - 0.2686592223947985).abs() < 1e-15);
+/// assert!((cycles[0].multiplier() - 0.8153988827558230).abs() < 1e-15);
+///
+/// // Just below its fold at 1.4578 the exponential law has a stable and an unstable one.
+/// let law = Exponential::new(0.4, 0.3, 1.0)?;
+/// let system = MassOnBelt::new(law, 1.45)?.with_damping(0.01)?.with_load(0.5)?;
+/// let cycles = averaging::cycles(&system)?;
+/// assert_eq!(cycles.iter().map(|cycle| cycle.is_stable()).collect::<Vec<_>>(), [false, true]);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn cycles<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Vec<AveragedCycle>, Error> {
+    let w = system.belt_velocity().abs();
+    if w == 0.0 {
+        return Ok(Vec::new());
+    }
+    let growth_rate = |amplitude: f64| Ok(SlowFlow::at(system, amplitude)?.growth_rate(amplitude));
+    let mut nodes = Vec::new();
+    for ends in touching_amplitudes(system.law(), w).windows(2) {
+        let ([start, end], from_rest) = ([ends[0], ends[1]], ends[0] == 0.0);
+        // A² = start² + (end² − start²) t², or t from A = 0, where A' is a function of A² anyway. In units of w: nothing overflows.
+        let amplitude_at = |t: f64| {
+            let x = if from_rest { t } else { t * t };
+            if t == 1.0 {
+                return w * end;
+            }
+            w * (start * start + (end - start) * (end + start) * x).sqrt()
+        };
+        nodes.extend(isolate(growth_rate, amplitude_at)?);
+    }
+    brackets(&nodes)
+        .into_iter()
+        .map(|[low, high]| {
+            let amplitude = refine(low, high, |a| Ok(growth_rate(a)?.value))?;
+            describe(system, amplitude)
+        })
+        .collect()
+}
+
+/// Amplitudes in units of w, from 0 to 2, at which the motion first touches the belt or a breakpoint of the law.
+fn touching_amplitudes<L: FrictionLaw>(law: &L, w: f64) -> Vec<f64> {
+    let touching = law
+        .breakpoints()
+        .map(|b| b / w)
+        .flat_map(|b| [(1.0 - b).abs(), 1.0 + b]);
+    let mut amplitudes: Vec<f64> = touching
+        .filter(|a| (f64::EPSILON..2.0).contains(a))
+        .chain([0.0, 1.0, 2.0])
+        .collect();
+    amplitudes.sort_by(f64::total_cmp);
+    amplitudes.dedup();
+    amplitudes
+}
+
+fn describe<L: FrictionLaw>(
+    system: &MassOnBelt<L>,
+    amplitude: f64,
+) -> Result<AveragedCycle, Error> {
+    let (law, w) = (system.law(), system.belt_velocity().abs());
+    let drift_slope = SlowFlow::at(system, amplitude)?.slope;
+    let mut cycle = AveragedCycle {
+        amplitude,
+        drift_slope,
+        half_leading_duration: 0.0,
+        is_valid: true,
+    };
+    if amplitude > w {
+        let sine = sine_of_crossing(w, amplitude);
+        let carried = system.load() * (law.static_coefficient() + law.kinetic(w));
+        cycle.half_leading_duration = sine.atan2(w / amplitude);
+        cycle.is_valid = amplitude * sine > carried + 2.0 * system.damping() * w;
+    }
+    Ok(cycle)
+}

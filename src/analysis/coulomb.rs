@@ -1,0 +1,220 @@
+//! Closed forms for Coulomb's law.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use super::roots::refine;
+use crate::{Coulomb, FrictionLaw, MassOnBelt, State};
+
+/// The slip phase of the fastest stick-slip cycle, which comes back to the belt tangentially. Depends on β alone; dimensionless.
+///
+/// ```text
+/// e^{βs}[cos ω_d s − (β/ω_d) sin ω_d s] = 1,   π < ω_d s < 2π,   ω_d = √(1 − β²)
+/// Λ = ω_d e^{−βs}/(−sin ω_d s)      ≈ 1/√(4πβ) for small β
+/// ```
+///
+/// Source: the exact solution of the slip phase, which is linear for this law.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TangentialSlip {
+    /// Duration s of slip.
+    pub duration: f64,
+    /// Λ: the belt velocity in units of γ²(μ_s − μ_k).
+    pub velocity_factor: f64,
+}
+
+/// The slip phase of the fastest stick-slip cycle for damping ratio β. Exact to rounding. `None` unless 0 < β < 1.
+///
+/// ```
+/// use stick_slip::analysis::coulomb::tangential_slip;
+///
+/// let slip = tangential_slip(0.01).unwrap();
+/// assert!((slip.duration - 5.932286332296).abs() < 1e-12);
+/// assert!((slip.velocity_factor - 2.739240416788).abs() < 1e-12);
+/// assert_eq!(tangential_slip(1.0), None);
+/// ```
+pub fn tangential_slip(damping: f64) -> Option<TangentialSlip> {
+    if !(damping > 0.0 && damping < 1.0) {
+        return None;
+    }
+    let frequency = ((1.0 - damping) * (1.0 + damping)).sqrt();
+    let ratio = damping / frequency;
+    // In θ = 2π − ω_d s: β s + ln(cos θ + (β/ω_d) sin θ) falls from 2πβ/ω_d at θ = 0 to −∞ at θ = π/2 + asin β, where the logarithm's
+    // argument vanishes. ln_1p keeps small β exact.
+    let residual = |theta: f64| {
+        let sine_half = (0.5 * theta).sin();
+        let logarithm = (ratio * theta.sin() - 2.0 * sine_half * sine_half).ln_1p();
+        // NaN or −∞ at the far end, where rounding may make the argument negative.
+        Ok((ratio * (2.0 * PI - theta) + logarithm).max(-f64::MAX))
+    };
+    let theta = refine(0.0, FRAC_PI_2 + damping.asin(), residual).ok()?;
+    let duration = (2.0 * PI - theta) / frequency;
+    Some(TangentialSlip {
+        duration,
+        velocity_factor: frequency * (-damping * duration).exp() / theta.sin(),
+    })
+}
+
+/// Belt velocity γ²(μ_s − μ_k)Λ(β) up to which there is a stick-slip cycle: it exists for 0 < |v_b| below this. Dimensionless, exact.
+///
+/// Infinite for β = 0 and μ_s > μ_k; 0 (no such cycle) for β ≥ 1, and for μ_s = μ_k. The system's own v_b is ignored.
+///
+/// ```
+/// use stick_slip::analysis::coulomb::largest_stick_slip_velocity;
+/// use stick_slip::{Coulomb, MassOnBelt};
+///
+/// let system = MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.2)?;
+/// assert_eq!(largest_stick_slip_velocity(&system), f64::INFINITY);
+/// let damped = system.with_damping(0.01)?;
+/// assert!((largest_stick_slip_velocity(&damped) - 0.4108860625).abs() < 1e-10);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn largest_stick_slip_velocity(system: &MassOnBelt<Coulomb>) -> f64 {
+    let jump = force_jump(system);
+    if jump == 0.0 || system.damping() >= 1.0 {
+        return 0.0;
+    }
+    tangential_slip(system.damping()).map_or(f64::INFINITY, |slip| jump * slip.velocity_factor)
+}
+
+/// Damping ratio β from which on there is no stick-slip cycle at the system's belt velocity: the root of γ²(μ_s − μ_k)Λ(β) = |v_b|.
+/// Dimensionless, exact; 0 < β < 1, and 0 for μ_s = μ_k. `None` at v_b = 0. The system's own β is ignored.
+///
+/// ```
+/// use stick_slip::analysis::coulomb::{least_damping, largest_stick_slip_velocity};
+/// use stick_slip::{Coulomb, MassOnBelt};
+///
+/// let system = MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.5)?;
+/// let damping = least_damping(&system).unwrap();
+/// assert!((damping - 0.006875449).abs() < 1e-9);
+/// assert!((largest_stick_slip_velocity(&system.with_damping(damping)?) - 0.5).abs() < 1e-14);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn least_damping(system: &MassOnBelt<Coulomb>) -> Option<f64> {
+    let (jump, speed) = (force_jump(system), system.belt_velocity().abs());
+    if speed == 0.0 {
+        return None;
+    }
+    if jump == 0.0 {
+        return Some(0.0);
+    }
+    // 1/Λ rises from 0 at β = 0 to ∞ at β = 1.
+    let reciprocal = |damping: f64| match tangential_slip(damping) {
+        Some(slip) => slip.velocity_factor.recip().min(f64::MAX),
+        None => damping * f64::MAX,
+    };
+    refine(0.0, 1.0, |damping| Ok(reciprocal(damping) - jump / speed)).ok()
+}
+
+fn force_jump(system: &MassOnBelt<Coulomb>) -> f64 {
+    let law = system.law();
+    system.load() * (law.static_coefficient() - law.kinetic_coefficient())
+}
+
+/// Undamped free vibration on a belt at rest: the amplitude falls by 4γ²μ_k in each cycle, until static friction holds the mass.
+///
+/// Between turning points the mass swings half a turn about ∓γ²μ_k, so each turning point is 2γ²μ_k nearer to 0 than the last, on the other side. At the first
+/// with |u| ≤ γ²μ_s it rests. Dimensionless, exact.
+///
+/// ```
+/// use stick_slip::analysis::coulomb::FreeVibration;
+/// use stick_slip::{Coulomb, MassOnBelt, State};
+///
+/// // Siconos, FrictionOscillator: γ²μ = 1
+/// let system = MassOnBelt::new(Coulomb::new(1.0, 1.0)?, 0.0)?;
+/// let motion = FreeVibration::new(&system, State::new(12.0, 6.0)).unwrap();
+/// let turns: Vec<f64> = motion.turning_points().map(|(_, displacement)| displacement).collect();
+/// let expected = [13.31782, -11.31782, 9.31782, -7.31782, 5.31782, -3.31782, 1.31782, 0.68218];
+/// assert_eq!(turns.len(), expected.len());
+/// assert!(turns.iter().zip(expected).all(|(turn, expected)| (turn - expected).abs() < 1e-5));
+/// assert_eq!(motion.rest_position(), turns.last().copied());
+/// assert_eq!(motion.amplitude_loss(), 4.0);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FreeVibration {
+    /// γ²μ_k and γ²μ_s.
+    kinetic: f64,
+    largest: f64,
+    /// The first turning point.
+    time: f64,
+    displacement: f64,
+}
+
+impl FreeVibration {
+    /// The motion from a state at time 0. `None` unless v_b = 0 and β = 0, and for a state that is not finite.
+    pub fn new(system: &MassOnBelt<Coulomb>, start: State) -> Option<Self> {
+        let kinetic = system.load() * system.law().kinetic_coefficient();
+        let State {
+            displacement,
+            velocity,
+        } = start;
+        let (time, first) = if velocity == 0.0 {
+            (0.0, displacement)
+        } else {
+            // z = u + σγ²μ_k turns on a circle; σz = R cos(τ − τ_1) has its maximum at the turning point.
+            let sign = velocity.signum();
+            let offset = sign * displacement + kinetic;
+            let radius = offset.hypot(velocity);
+            (velocity.abs().atan2(offset), sign * (radius - kinetic))
+        };
+        let applies = system.belt_velocity() == 0.0 && system.damping() == 0.0;
+        (applies && first.is_finite()).then_some(Self {
+            kinetic,
+            largest: system.load() * system.law().static_coefficient(),
+            time,
+            displacement: first,
+        })
+    }
+
+    /// Loss of amplitude in each full cycle, 4γ²μ_k, dimensionless. Exact.
+    pub fn amplitude_loss(&self) -> f64 {
+        4.0 * self.kinetic
+    }
+
+    /// Times and displacements of the turning points, the place of rest last; endless for μ_k = 0 unless the first is in the stick band. A
+    /// start with v = 0 is the first. Dimensionless, exact.
+    pub fn turning_points(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
+        let motion = *self;
+        let last = motion.swings();
+        (0..)
+            .take_while(move |&n| last.is_none_or(|last| n <= last))
+            .map(move |n| (motion.time + PI * n as f64, motion.turn(n)))
+    }
+
+    /// Displacement at which the mass comes to rest, dimensionless, exact. `None` if it never does (μ_k = 0).
+    pub fn rest_position(&self) -> Option<f64> {
+        self.swings().map(|n| self.turn(n))
+    }
+
+    /// Time at which the mass comes to rest, dimensionless, exact. `None` if it never does (μ_k = 0).
+    pub fn rest_time(&self) -> Option<f64> {
+        self.swings().map(|n| self.time + PI * n as f64)
+    }
+
+    /// Turning point n, from 0.
+    fn turn(&self, n: u64) -> f64 {
+        let side = if n.is_multiple_of(2) { 1.0 } else { -1.0 };
+        side * self.displacement.signum()
+            * (self.displacement.abs() - 2.0 * self.kinetic * n as f64)
+    }
+
+    /// Half swings from the first turning point to rest.
+    fn swings(&self) -> Option<u64> {
+        let excess = self.displacement.abs() - self.largest;
+        if excess <= 0.0 {
+            return Some(0);
+        }
+        let swings = (excess / (2.0 * self.kinetic)).ceil();
+        if !swings.is_finite() {
+            return None;
+        }
+        // The quotient is rounded: the comparison with the stick band decides.
+        let swings = swings as u64;
+        let earlier = swings.saturating_sub(1);
+        Some(
+            [earlier, swings]
+                .into_iter()
+                .find(|&n| self.turn(n).abs() <= self.largest)
+                .unwrap_or(swings + 1),
+        )
+    }
+}

@@ -1,0 +1,57 @@
+use super::PureSlip;
+use crate::{MassOnBelt, Polynomial};
+
+/// What a system with the polynomial law settles to, by Eqs. 14 and 15.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Regime {
+    /// v_b = 0: the mass comes to rest on the belt.
+    Rest,
+    /// |v_b| ≥ v_b1: steady sliding.
+    Equilibrium,
+    /// v_b0 < |v_b| < v_b1: vibration that slips all the time.
+    PureSlip,
+    /// 0 < |v_b| ≤ v_b0: vibration that sticks, or overtakes the belt.
+    StickSlip,
+}
+
+impl std::fmt::Display for Regime {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Rest => "rest",
+            Self::Equilibrium => "equilibrium",
+            Self::PureSlip => "pure slip",
+            Self::StickSlip => "stick-slip",
+        })
+    }
+}
+
+/// What a system with the polynomial law settles to.
+///
+/// The border v_b1 is exact; v_b0 has a relative error O(ε²), and [`PureSlip::grazing_velocity`] is better. For a general law
+/// there is no such answer: several attractors can exist side by side.
+///
+/// Source: Farshidianfar and Noei Aghaee, after Eq. 15, corrected: v_b0 = √(4/5) v_b1 for the printed √(4/3) v_b1, and stick-slip below v_b0 only.
+///
+/// ```
+/// use stick_slip::analysis::{Regime, regime};
+/// use stick_slip::{MassOnBelt, Polynomial};
+///
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.0)?.with_damping(0.05)?;
+/// assert_eq!(regime(&system), Regime::Rest);
+/// assert_eq!(regime(&system.with_belt_velocity(0.2)?), Regime::StickSlip);
+/// assert_eq!(regime(&system.with_belt_velocity(0.4)?), Regime::PureSlip);
+/// assert_eq!(regime(&system.with_belt_velocity(-0.5)?), Regime::Equilibrium);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn regime(system: &MassOnBelt<Polynomial>) -> Regime {
+    let Some(equilibrium) = system.equilibrium() else {
+        return Regime::Rest;
+    };
+    match PureSlip::new(system) {
+        Some(formulas) if formulas.h1() >= 0.0 => Regime::Equilibrium,
+        Some(formulas) if formulas.is_valid() => Regime::PureSlip,
+        // Where the coefficients overflow.
+        None if equilibrium.is_stable() => Regime::Equilibrium,
+        _ => Regime::StickSlip,
+    }
+}

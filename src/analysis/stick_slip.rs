@@ -1,0 +1,371 @@
+use std::f64::consts::{PI, TAU};
+use std::marker::PhantomData;
+
+use super::averaging::slope_on;
+use super::quadrature::gauss;
+use crate::friction::{piece_above, taylor_coefficients_on};
+use crate::{Error, FrictionLaw, MassOnBelt, Polynomial};
+
+/// The paper's stick-slip vibration, for any law: stick, then a slip arc of an undamped oscillation about ū.
+///
+/// ```text
+/// κ    = [γ²(μ_s − μ̂(|v_b|)) − 2β|v_b|] / |v_b|      = η(1 − (v_b/v_m)²/3) − 2β for the polynomial law
+/// A1   = |v_b| √(1 + κ²)                              (Eqs. 16-18)
+/// stick 2κ,   slip 2π − 2 atan κ,   T = 2π + 2(κ − atan κ),   ω_ss = 2π/T
+/// ```
+///
+/// The arc neither gains nor loses energy, so it meets the belt at ū − κ|v_b|, the mirror image of the release point. In truth slip gains
+/// energy of order ε and meets it farther out, by O(√ε); so these formulas are poor: the errors are O(ε) in A1, O(ε^{3/2}) in T (no better in order than 2π)
+/// and O(ε^{1/2}) in the durations. Use [`first_order`](Self::first_order) and [`second_order`](Self::second_order) for the
+/// polynomial law. Range: κ > 0, and 0 < |v_b| < v_b0 for the polynomial law.
+///
+/// Everything is dimensionless and holds for both signs of v_b.
+///
+/// Source: Farshidianfar and Noei Aghaee, Eqs. 16-18, for any law.
+///
+/// ```
+/// use stick_slip::analysis::StickSlip;
+/// use stick_slip::{MassOnBelt, Polynomial};
+///
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+/// let formulas = StickSlip::new(&system).unwrap();
+/// assert!((formulas.kappa() - 0.326).abs() < 1e-15);
+/// assert!((formulas.amplitude() - 0.2103593117).abs() < 1e-10); // exact: 0.28621
+/// assert!((formulas.period() - 6.3049131095).abs() < 1e-10); // exact: 6.79942
+/// assert!((formulas.stick_duration() - 0.652).abs() < 1e-15); // exact: 1.62956
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub struct StickSlip<L> {
+    arc: Arc,
+    law: PhantomData<fn() -> L>,
+}
+
+/// The numbers of a [`StickSlip`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Arc {
+    belt_velocity: f64,
+    equilibrium: f64,
+    kappa: f64,
+    /// γ²μ_s.
+    largest_friction: f64,
+    /// H1, H2, H3: h(y) = H1 y + H2 y²/|v_b| + H3 y³/v_b² + …, for a belt that moves forward.
+    h: [f64; 3],
+}
+
+impl<L: FrictionLaw> StickSlip<L> {
+    /// The formulas for a system. `None` at v_b = 0, where κ ≤ 0 (friction at the belt velocity is not smaller than static friction by
+    /// more than the damper's force), and where κ is not finite.
+    pub fn new(system: &MassOnBelt<L>) -> Option<Self> {
+        let (law, load) = (system.law(), system.load());
+        let v_b = system.belt_velocity();
+        let speed = v_b.abs();
+        if speed == 0.0 {
+            return None;
+        }
+        let fall = static_jump(law) / speed - mean_slope(law, speed).ok()?;
+        let kappa = load * fall - 2.0 * system.damping();
+        let piece = piece_above(law, speed);
+        let [_, m1, m2, m3, _] = taylor_coefficients_on::<5, _>(law, piece, speed);
+        let arc = Arc {
+            belt_velocity: v_b,
+            equilibrium: system.equilibrium_displacement(),
+            kappa,
+            largest_friction: load * law.static_coefficient(),
+            h: [
+                2.0 * system.damping() + load * m1,
+                -load * m2 * speed,
+                load * m3 * speed * speed,
+            ],
+        };
+        (kappa > 0.0 && kappa.is_finite()).then_some(Self {
+            arc,
+            law: PhantomData,
+        })
+    }
+}
+
+/// μ_s − μ̂(0), and 0 where they differ by rounding alone.
+fn static_jump<L: FrictionLaw>(law: &L) -> f64 {
+    let mu_s = law.static_coefficient();
+    let jump = mu_s - law.kinetic(0.0);
+    if jump <= 8.0 * f64::EPSILON * mu_s {
+        0.0
+    } else {
+        jump
+    }
+}
+
+/// (μ̂(s) − μ̂(0))/s, without cancellation at small s.
+fn mean_slope<L: FrictionLaw>(law: &L, speed: f64) -> Result<f64, Error> {
+    let mut ends = vec![0.0];
+    ends.extend(law.breakpoints().take_while(|&b| b < speed));
+    ends.push(speed);
+    let mut mean = 0.0;
+    for (piece, ends) in ends.windows(2).enumerate() {
+        let slope = |x: f64| Ok([slope_on(law, piece, x * speed)?, 0.0]);
+        mean += gauss(slope, ends[0] / speed, ends[1] / speed)?.parts[0];
+    }
+    Ok(mean)
+}
+
+impl<L> StickSlip<L> {
+    /// κ = [γ²(μ_s − μ̂(|v_b|)) − 2β|v_b|]/|v_b|: how far beyond ū the mass is released, in units of |v_b|. Dimensionless, exact.
+    ///
+    /// Source: before Eq. 18.
+    pub fn kappa(&self) -> f64 {
+        self.arc.kappa
+    }
+
+    /// Amplitude A1 = |v_b|√(1 + κ²), dimensionless. Error O(ε), as u_max − ū, ū − u_min or half the range.
+    ///
+    /// Source: Eq. 18.
+    pub fn amplitude(&self) -> f64 {
+        self.arc.belt_velocity.abs() * self.arc.kappa.hypot(1.0)
+    }
+
+    /// Largest speed against the belt's direction, A1 again; in the belt's direction the largest is |v_b|, exactly. Dimensionless, error O(ε).
+    ///
+    /// Source: Eq. 17.
+    pub fn velocity_amplitude(&self) -> f64 {
+        self.amplitude()
+    }
+
+    /// Duration of stick, 2κ, dimensionless. Error O(ε^{1/2}).
+    ///
+    /// Source: Eqs. 16-18.
+    pub fn stick_duration(&self) -> f64 {
+        2.0 * self.arc.kappa
+    }
+
+    /// Duration of slip, 2π − 2 atan κ, dimensionless. Error O(ε^{1/2}).
+    ///
+    /// Source: Eqs. 16-18.
+    pub fn slip_duration(&self) -> f64 {
+        TAU - 2.0 * self.arc.kappa.atan()
+    }
+
+    /// Period T = 2π + 2(κ − atan κ), dimensionless. Error O(ε^{3/2}).
+    ///
+    /// Source: after Eq. 18.
+    pub fn period(&self) -> f64 {
+        self.stick_duration() + self.slip_duration()
+    }
+
+    /// Angular frequency ω_ss = 2π/T, dimensionless (in units of ω0). Error O(ε^{3/2}).
+    ///
+    /// Source: after Eq. 18.
+    pub fn frequency(&self) -> f64 {
+        TAU / self.period()
+    }
+}
+
+impl StickSlip<Polynomial> {
+    /// The cycle to first order in ε, with the energy that slip gains. `None` where W1 ≤ 0, which is |v_b| ≥ v_b0, and where the mass would overtake the
+    /// belt ([`second_order`](Self::second_order)). Errors and range: [`StickSlipCycle`].
+    pub fn first_order(&self) -> Option<StickSlipCycle> {
+        self.arc
+            .first_order()
+            .and_then(|cycle| self.arc.scale(cycle))
+    }
+
+    /// The cycle to second order in ε. `None` where W1 ≤ 0 or W1 + W2 ≤ 0, and where |v_b|·stick > 2γ²μ_s: the mass would meet the belt
+    /// beyond the stick band and overtake it. Errors and range: [`StickSlipCycle`].
+    pub fn second_order(&self) -> Option<StickSlipCycle> {
+        self.arc
+            .second_order()
+            .and_then(|cycle| self.arc.scale(cycle))
+    }
+}
+
+/// A cycle with v_b = 1 and ū = 0.
+#[derive(Clone, Copy)]
+struct UnitCycle {
+    z_max: f64,
+    z_min: f64,
+    v_min: f64,
+    growth: f64,
+    return_angle: f64,
+    stick: f64,
+    slip: f64,
+    period: f64,
+}
+
+impl Arc {
+    fn first_order(&self) -> Option<UnitCycle> {
+        let [h1, h2, h3] = self.h;
+        // W1 = −πH1 − (3π/4)H3,  q0 = √(2W1)
+        let growth = -PI * (h1 + 0.75 * h3);
+        let q0 = (2.0 * growth).sqrt();
+        (growth > 0.0).then_some(UnitCycle {
+            z_max: 1.0 - PI / 4.0 * h1 - 2.0 / 3.0 * h2 - 3.0 * PI / 16.0 * h3,
+            z_min: -(1.0 - 3.0 * PI / 4.0 * h1 + 2.0 / 3.0 * h2 - 9.0 * PI / 16.0 * h3),
+            v_min: -(1.0 - PI / 2.0 * h1 - 3.0 * PI / 8.0 * h3),
+            growth,
+            return_angle: q0,
+            stick: q0,
+            slip: TAU - q0,
+            period: TAU + q0 * q0 * q0 / 3.0,
+        })
+    }
+
+    fn second_order(&self) -> Option<UnitCycle> {
+        let first = self.first_order()?;
+        let [h1, h2, h3] = self.h;
+        let [h11, h12, h13, h22, h23, h33] = [h1 * h1, h1 * h2, h1 * h3, h2 * h2, h2 * h3, h3 * h3];
+        const PI2: f64 = PI * PI;
+        let z_max = (PI2 / 32.0 - 0.25) * h11
+            + (PI / 3.0 - 8.0 / 9.0) * h12
+            + (3.0 * PI2 / 32.0 - 0.75) * h13
+            + h22 / 9.0
+            + (PI / 4.0 - 8.0 / 15.0) * h23
+            + (27.0 * PI2 / 512.0 - 0.375) * h33;
+        let z_min = (0.25 - 9.0 * PI2 / 32.0) * h11
+            + (PI + 8.0 / 9.0) * h12
+            + (0.75 - 27.0 * PI2 / 32.0) * h13
+            - h22 / 9.0
+            + (3.0 * PI / 4.0 + 8.0 / 15.0) * h23
+            + (0.375 - 243.0 * PI2 / 512.0) * h33;
+        let v_min = -PI2 / 8.0 * h11 + 16.0 / 9.0 * h12 - 3.0 * PI2 / 8.0 * h13 + 16.0 / 15.0 * h23
+            - 27.0 * PI2 / 128.0 * h33;
+        // W2 and T2
+        let growth = PI2 * (0.5 * h11 + 1.5 * h13 + 27.0 / 32.0 * h33);
+        let delay = PI
+            * (0.25 * h11
+                + 2.0 / 3.0 * h12
+                + 33.0 / 16.0 * h13
+                + h22 / 3.0
+                + 0.5 * h23
+                + 189.0 / 128.0 * h33);
+        // h' = H1 + 2H2 + 3H3,  W = W1 + W2,  r = W/(1 + W),  tan δ = √(W(2 + W))
+        let w = first.growth + growth;
+        let correction = (h1 + 2.0 * h2 + 3.0 * h3) * w / (1.0 + w);
+        let tangent = (w * (2.0 + w)).sqrt();
+        let delta = tangent.atan();
+        (w > 0.0).then_some(UnitCycle {
+            z_max: first.z_max + z_max,
+            z_min: first.z_min + z_min,
+            v_min: first.v_min + v_min,
+            growth: w,
+            return_angle: delta,
+            stick: tangent + 2.0 / 3.0 * correction,
+            slip: TAU + delay - delta + correction / 3.0,
+            period: TAU + delay + (tangent - delta) + correction,
+        })
+    }
+
+    /// The cycle on this belt, unless the mass would overtake it.
+    fn scale(&self, cycle: UnitCycle) -> Option<StickSlipCycle> {
+        let (v_b, speed) = (self.belt_velocity, self.belt_velocity.abs());
+        let overtakes = |cycle: UnitCycle| speed * cycle.stick > 2.0 * self.largest_friction;
+        if self.second_order().is_some_and(overtakes) {
+            return None;
+        }
+        let [far, near, back] = [cycle.z_max, cycle.z_min, cycle.v_min].map(|x| v_b * x);
+        Some(StickSlipCycle {
+            u_max: self.equilibrium + far.max(near),
+            u_min: self.equilibrium + far.min(near),
+            z_max: far.max(near),
+            z_min: far.min(near),
+            v_max: v_b.max(back),
+            v_min: v_b.min(back),
+            stick: cycle.stick,
+            slip: cycle.slip,
+            period: cycle.period,
+            growth: cycle.growth,
+            return_angle: cycle.return_angle,
+        })
+    }
+}
+
+/// A stick-slip cycle of the polynomial law, as an expansion in ε: [`StickSlip::first_order`] and
+/// [`StickSlip::second_order`]. Dimensionless.
+///
+/// With H1 = h1, H2 = h2 v_b, H3 = h3 v_b² of [`PureSlip`](super::PureSlip), for v_b > 0 (mirrored for v_b < 0):
+///
+/// ```text
+/// u_max = ū + v_b[1 − (π/4)H1 − (2/3)H2 − (3π/16)H3]
+/// u_min = ū − v_b[1 − (3π/4)H1 + (2/3)H2 − (9π/16)H3]
+/// v_min = −v_b[1 − (π/2)H1 − (3π/8)H3]
+/// W1 = −πH1 − (3π/4)H3 = π[η(1 − (5/4)(v_b/v_m)²) − 2β],   q0 = √(2W1)
+/// stick = q0,   slip = 2π − q0,   T = 2π + q0³/3
+/// ```
+///
+/// To second order, with W = W1 + π²[H1²/2 + (3/2)H1H3 + (27/32)H3²], tan δ = √(W(2 + W)), h' = H1 + 2H2 + 3H3, r = W/(1 + W) and
+/// T2 = π[H1²/4 + (2/3)H1H2 + (33/16)H1H3 + H2²/3 + H2H3/2 + (189/128)H3²]:
+///
+/// ```text
+/// stick = tan δ + (2/3)h'r,   slip = 2π + T2 − δ + h'r/3,   T = 2π + T2 + tan δ − δ + h'r
+/// ```
+///
+/// and terms quadratic in H1, H2, H3 in the extremes. Order of the error in ε:
+///
+/// | field | first order | second order |
+/// |---|---|---|
+/// | `z_max`, `z_min`, `u_max`, `u_min`, the extreme of v against the belt | 2 | 3 |
+/// | `stick`, `slip` | 3/2 | 5/2 |
+/// | `period` | 2 | 3 |
+/// | the extreme of v along the belt, v_b | exact | exact |
+///
+/// Range: 0 < |v_b| < v_b0 with a margin (W1 > 0), W1 small beside 1, and |v_b|·stick ≤ 2γ²μ_s, so that the mass sticks where it meets the belt. That fails as
+/// ε → 0 at fixed μ_s; raising μ_s and μ_m by the same constant widens the stick band and leaves u − ū as it is.
+///
+/// Source: expansion of the slip arc out of the release point; it replaces Eqs. 16-18.
+///
+/// ```
+/// use stick_slip::analysis::StickSlip;
+/// use stick_slip::{MassOnBelt, Polynomial};
+///
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.0075)?.with_load(0.15)?;
+/// let formulas = StickSlip::new(&system).unwrap();
+/// let exact = 6.3193778906; // period
+/// let first = formulas.first_order().unwrap().period;
+/// let second = formulas.second_order().unwrap().period;
+/// assert!((formulas.period() - exact).abs() > 3e-2);
+/// assert!((first - exact).abs() < 5e-3 && (second - exact).abs() < 7e-4);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StickSlipCycle {
+    /// Largest displacement.
+    pub u_max: f64,
+    /// Least displacement.
+    pub u_min: f64,
+    /// u_max − ū.
+    pub z_max: f64,
+    /// u_min − ū.
+    pub z_min: f64,
+    /// Largest velocity: v_b for v_b > 0.
+    pub v_max: f64,
+    /// Least velocity: v_b for v_b < 0.
+    pub v_min: f64,
+    /// Duration of stick.
+    pub stick: f64,
+    /// Duration of slip.
+    pub slip: f64,
+    /// Period T.
+    pub period: f64,
+    /// W: energy that slip gains, in units of v_b²; W1 to first order.
+    pub growth: f64,
+    /// Phase by which the mass meets the belt before the end of a full turn: δ, and q0 to first order.
+    pub return_angle: f64,
+}
+
+impl<L> Clone for StickSlip<L> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<L> Copy for StickSlip<L> {}
+
+impl<L> PartialEq for StickSlip<L> {
+    fn eq(&self, other: &Self) -> bool {
+        self.arc == other.arc
+    }
+}
+
+impl<L> std::fmt::Debug for StickSlip<L> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("StickSlip").field("arc", &self.arc).finish()
+    }
+}

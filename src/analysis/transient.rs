@@ -1,0 +1,112 @@
+use crate::{Error, State};
+
+/// Slow growth or decay of a motion that does not stick, polynomial law: the solution of Eq. 12 in closed form.
+///
+/// ```text
+/// A' = −½ h1 A − (3/8) h3 A³     ⇒  A(τ) = A(0) / √(e^{h1 τ} + ¾ h3 A(0)² (e^{h1 τ} − 1)/h1)
+/// φ' = 0                         ⇒  ψ(τ) = ψ(0) + τ
+/// u ≈ ū + A sin ψ,  v ≈ A cos ψ
+/// ```
+///
+/// A Bernoulli equation, linear in 1/A². All quantities are dimensionless. Errors are O(ε) for times up to O(1/ε), in the range A(τ) ≤ |v_b|.
+///
+/// Source: Farshidianfar and Noei Aghaee, Eq. 12, corrected: the right sides are meant as means over a cycle, and only A is
+/// stationary on a cycle. Made by [`PureSlip::transient`](super::PureSlip::transient).
+///
+/// ```
+/// use stick_slip::analysis::PureSlip;
+/// use stick_slip::{MassOnBelt, Polynomial};
+///
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.42)?.with_damping(0.05)?;
+/// let formulas = PureSlip::new(&system).unwrap();
+/// let growth = formulas.transient(0.01, 0.0)?;
+/// assert_eq!(growth.amplitude(0.0), Some(0.01));
+/// assert!((growth.amplitude(100.0).unwrap() - 0.0498857218).abs() < 1e-10);
+/// assert!((growth.amplitude(1e6).unwrap() - formulas.amplitude().unwrap()).abs() < 1e-15);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Transient {
+    equilibrium: f64,
+    h1: f64,
+    h3: f64,
+    initial_amplitude: f64,
+    initial_phase: f64,
+}
+
+impl Transient {
+    pub(super) fn new(
+        [equilibrium, h1, h3]: [f64; 3],
+        initial_amplitude: f64,
+        initial_phase: f64,
+    ) -> Result<Self, Error> {
+        Error::check(
+            "initial_amplitude",
+            initial_amplitude,
+            initial_amplitude >= 0.0,
+            "initial_amplitude ≥ 0",
+        )?;
+        Error::check("initial_phase", initial_phase, true, "any value")?;
+        Ok(Self {
+            equilibrium,
+            h1,
+            h3,
+            initial_amplitude,
+            initial_phase,
+        })
+    }
+
+    /// Amplitude A(τ), dimensionless. `None` for a time before which the formula has A = ∞, and for NaN.
+    pub fn amplitude(&self, time: f64) -> Option<f64> {
+        let (a, h1) = (self.initial_amplitude, self.h1);
+        if a == 0.0 && !time.is_nan() {
+            return Some(0.0);
+        }
+        let half = (0.5 * h1 * time).exp();
+        // 1/A² = e^{h1τ}/A(0)² + ¾h3(e^{h1τ} − 1)/h1, with the factor that overflows taken out.
+        let amplitude = if time < 0.0 {
+            let squared = half * half / (a * a) + 0.75 * self.h3 * growth(h1, time);
+            squared.sqrt().recip()
+        } else if h1 < 0.0 {
+            (half / a)
+                .hypot((0.75 * self.h3 * growth(h1, time)).sqrt())
+                .recip()
+        } else {
+            let limit = (0.75 * self.h3 * growth(-h1, time)).sqrt();
+            a.recip().hypot(limit).recip() / half
+        };
+        amplitude.is_finite().then_some(amplitude)
+    }
+
+    /// Phase ψ(τ) = ψ(0) + τ of z = A sin ψ, in radians.
+    pub fn phase(&self, time: f64) -> f64 {
+        self.initial_phase + time
+    }
+
+    /// Displacement and velocity, (ū + A sin ψ, A cos ψ). `None` where [`amplitude`](Self::amplitude) is.
+    ///
+    /// ```
+    /// use stick_slip::analysis::PureSlip;
+    /// use stick_slip::{MassOnBelt, Polynomial};
+    ///
+    /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.42)?.with_damping(0.05)?;
+    /// let start = PureSlip::new(&system).unwrap().transient(0.1, 0.0)?.state(0.0).unwrap();
+    /// assert!((start.displacement - 0.2554528).abs() < 1e-15);
+    /// assert_eq!(start.velocity, 0.1);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn state(&self, time: f64) -> Option<State> {
+        let (sine, cosine) = self.phase(time).sin_cos();
+        self.amplitude(time)
+            .map(|a| State::new(self.equilibrium + a * sine, a * cosine))
+    }
+}
+
+/// (e^{hτ} − 1)/h, and τ for h = 0.
+fn growth(h: f64, time: f64) -> f64 {
+    if h == 0.0 {
+        time
+    } else {
+        (h * time).exp_m1() / h
+    }
+}

@@ -1,0 +1,98 @@
+//! Sign changes, over a range of belt velocities, of a function that is known point by point.
+
+use crate::Error;
+
+/// Intervals that a range is divided into before anything is known.
+const INTERVALS: usize = 64;
+
+/// Halvings of an interval in which something may be hidden.
+const DEPTH: u32 = 10;
+
+/// Finds the sign changes of `f` over a range, each to the last bit; `None` where f is not defined.
+///
+/// The range is divided into [`INTERVALS`] intervals; one is halved, up to [`DEPTH`] times, while f is defined at one end only, or while
+/// it comes closer to zero than it changes across the interval. Two sign changes are lost only if f turns back between
+/// points of that grid: narrow the range to look closer.
+pub(super) fn sign_changes(
+    mut f: impl FnMut(f64) -> Result<Option<f64>, Error>,
+    range: &std::ops::Range<f64>,
+) -> Result<Vec<f64>, Error> {
+    let mut roots = Vec::new();
+    let width = (range.end - range.start) / INTERVALS as f64;
+    let mut left = (range.start, f(range.start)?);
+    for i in 1..=INTERVALS {
+        let x = if i == INTERVALS {
+            range.end
+        } else {
+            range.start + width * i as f64
+        };
+        let right = (x, f(x)?);
+        divide(&mut f, left, right, DEPTH, &mut roots)?;
+        left = right;
+    }
+    roots.retain(|root| range.contains(root));
+    Ok(roots)
+}
+
+type Sample = (f64, Option<f64>);
+
+fn divide(
+    f: &mut impl FnMut(f64) -> Result<Option<f64>, Error>,
+    a: Sample,
+    b: Sample,
+    depth: u32,
+    roots: &mut Vec<f64>,
+) -> Result<(), Error> {
+    let suspicious = match (a.1, b.1) {
+        (None, None) => false,
+        (Some(p), Some(q)) if (p > 0.0) != (q > 0.0) => {
+            roots.push(root_between(f, (a.0, p), (b.0, q))?);
+            return Ok(());
+        }
+        (Some(p), Some(q)) => p.abs().min(q.abs()) < (p - q).abs(),
+        _ => true,
+    };
+    if suspicious && depth > 0 {
+        let x = 0.5 * (a.0 + b.0);
+        let middle = (x, f(x)?);
+        divide(f, a, middle, depth - 1, roots)?;
+        divide(f, middle, b, depth - 1, roots)?;
+    }
+    Ok(())
+}
+
+/// The root of a function that is defined, and of different sign, at both ends: false position with bisection wherever that does not
+/// halve the bracket within three evaluations.
+pub(super) fn root_between(
+    f: &mut impl FnMut(f64) -> Result<Option<f64>, Error>,
+    (mut a, mut at_a): (f64, f64),
+    (mut b, mut at_b): (f64, f64),
+) -> Result<f64, Error> {
+    // Illinois: the value of an end that stays is halved, so that the other end moves too.
+    let (mut weight_a, mut weight_b) = (1.0, 1.0);
+    for pass in 0.. {
+        let (p, q) = (weight_a * at_a, weight_b * at_b);
+        let chord = a + (b - a) * (p / (p - q));
+        let x = if pass % 4 == 3 || !(a < chord && chord < b) {
+            0.5 * (a + b)
+        } else {
+            chord
+        };
+        if x <= a || x >= b {
+            break;
+        }
+        let Some(value) = f(x)? else {
+            // A gap in the function between values of different sign: its edge is what there is.
+            break;
+        };
+        if value == 0.0 {
+            return Ok(x);
+        }
+        if (value > 0.0) == (at_a > 0.0) {
+            (a, at_a, weight_a, weight_b) = (x, value, 1.0, 0.5 * weight_b);
+        } else {
+            (b, at_b, weight_a, weight_b) = (x, value, 0.5 * weight_a, 1.0);
+        }
+    }
+    Ok(if at_a.abs() < at_b.abs() { a } else { b })
+}

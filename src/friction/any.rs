@@ -1,0 +1,98 @@
+use super::{Coulomb, Exponential, FrictionLaw, Polynomial, Rational, Stribeck, Tabulated};
+use crate::Scalar;
+
+/// Any of the crate's laws, for a choice at run time.
+///
+/// [`FrictionLaw`] is generic and has no trait objects; this enum is a law itself and gives the same numbers, to the bit, as
+/// the law inside. For laws of your own write such an enum yourself: three functions with a `match`, and `breakpoints` and
+/// `kinetic_on` where a law is piecewise.
+///
+/// ```
+/// use stick_slip::{AnyLaw, Coulomb, FrictionLaw, MassOnBelt, Polynomial, Rational, State};
+///
+/// let laws: [AnyLaw; 3] = [
+///     Polynomial::new(0.4, 0.25, 0.5)?.into(),
+///     Coulomb::new(0.4, 0.25)?.into(),
+///     Rational::new(0.4, 1.0)?.into(),
+/// ];
+/// let mut first_sticks = Vec::new();
+/// for law in &laws {
+///     let motion = MassOnBelt::new(law, 0.2)?.simulate(State::new(0.0, 0.0), 5.0)?;
+///     first_sticks.push(motion.events()[0].time);
+/// }
+/// // With Coulomb's law v = μ_k sin τ until it is v_b.
+/// assert!((first_sticks[1] - (0.2_f64 / 0.25).asin()).abs() < 1e-15);
+/// assert!(first_sticks[0] < first_sticks[1] && first_sticks[2] < first_sticks[1]);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
+#[non_exhaustive]
+pub enum AnyLaw {
+    /// A constant kinetic coefficient.
+    Coulomb(Coulomb),
+    /// The Gaussian Stribeck law.
+    Exponential(Exponential),
+    /// The cubic law.
+    Polynomial(Polynomial),
+    /// The hyperbolic law.
+    Rational(Rational),
+    /// The Stribeck law with exponent and viscous term.
+    Stribeck(Stribeck),
+    /// Measured points.
+    Tabulated(Tabulated),
+}
+
+macro_rules! from_law {
+    ($($law:ident)*) => {$(
+        impl From<$law> for AnyLaw {
+            fn from(law: $law) -> Self {
+                Self::$law(law)
+            }
+        }
+    )*};
+}
+from_law!(Coulomb Exponential Polynomial Rational Stribeck Tabulated);
+
+/// The same expression for the law in every variant.
+macro_rules! for_each {
+    ($any:expr, $law:ident => $result:expr) => {
+        match $any {
+            AnyLaw::Coulomb($law) => $result,
+            AnyLaw::Exponential($law) => $result,
+            AnyLaw::Polynomial($law) => $result,
+            AnyLaw::Rational($law) => $result,
+            AnyLaw::Stribeck($law) => $result,
+            AnyLaw::Tabulated($law) => $result,
+        }
+    };
+}
+
+impl FrictionLaw for AnyLaw {
+    fn static_coefficient(&self) -> f64 {
+        for_each!(self, law => law.static_coefficient())
+    }
+
+    #[inline(always)]
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        for_each!(self, law => law.kinetic(speed))
+    }
+
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        // The only piecewise law.
+        let table = match self {
+            Self::Tabulated(table) => Some(table),
+            _ => None,
+        };
+        table.into_iter().flat_map(Tabulated::breakpoints)
+    }
+
+    #[inline(always)]
+    fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
+        for_each!(self, law => law.kinetic_on(piece, speed))
+    }
+}

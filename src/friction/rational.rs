@@ -1,0 +1,119 @@
+use super::FrictionLaw;
+use crate::{Error, Scalar};
+
+/// The hyperbolic law of Leine and, with an offset and a quadratic term, of Popp and Stelter.
+///
+/// ```text
+/// μ̂(s) = μ_s/(1 + δ s)                              (Leine)
+/// μ̂(s) = (μ_s − μ_o)/(1 + δ s) + μ_o + η s²         (Popp and Stelter)
+/// ```
+///
+/// All quantities are dimensionless. The first falls to 0; the second falls towards the offset μ_o and, for η > 0, rises again.
+/// Both begin with the slope −δ(μ_s − μ_o). Popp and Stelter write the law with μ_s = 1, and δ for the offset.
+///
+/// Source: Leine, van Campen, de Kraker and van den Steen, *Nonlinear Dynamics* 16 (1998) 41-54; Popp and Stelter, *Phil. Trans.
+/// R. Soc. A* 332 (1990) 89-105.
+///
+/// ```
+/// use stick_slip::{FrictionLaw, Rational};
+///
+/// let leine = Rational::new(1.0, 3.0)?;
+/// assert_eq!(leine.kinetic(1.0), 0.25);
+/// assert_eq!(leine.slope(0.0), -3.0);
+///
+/// let popp_stelter = Rational::new(0.4, 3.0)?.with_offset(0.2)?.with_quadratic(0.01)?;
+/// assert!((popp_stelter.kinetic(1.0) - (0.2 / 4.0 + 0.2 + 0.01)).abs() < 1e-16);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "crate::raw::Rational")
+)]
+pub struct Rational {
+    static_coefficient: f64,
+    decay: f64,
+    offset: f64,
+    quadratic: f64,
+}
+
+impl Rational {
+    /// Leine's law with static coefficient μ_s and decay δ, both dimensionless: no offset and no quadratic term.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless both are finite and ≥ 0.
+    pub fn new(static_coefficient: f64, decay: f64) -> Result<Self, Error> {
+        Error::check(
+            "static_coefficient",
+            static_coefficient,
+            static_coefficient >= 0.0,
+            "static_coefficient ≥ 0",
+        )?;
+        Error::check("decay", decay, decay >= 0.0, "decay ≥ 0")?;
+        Ok(Self {
+            static_coefficient,
+            decay,
+            offset: 0.0,
+            quadratic: 0.0,
+        })
+    }
+
+    /// The same law with the offset μ_o, which the hyperbola falls towards; dimensionless.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless 0 ≤ μ_o ≤ μ_s.
+    pub fn with_offset(mut self, offset: f64) -> Result<Self, Error> {
+        self.offset = Error::check(
+            "offset",
+            offset,
+            (0.0..=self.static_coefficient).contains(&offset),
+            "0 ≤ offset ≤ static_coefficient",
+        )?;
+        Ok(self)
+    }
+
+    /// The same law with the coefficient η of the quadratic term, dimensionless.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless η is finite and ≥ 0.
+    pub fn with_quadratic(mut self, quadratic: f64) -> Result<Self, Error> {
+        self.quadratic = Error::check("quadratic", quadratic, quadratic >= 0.0, "quadratic ≥ 0")?;
+        Ok(self)
+    }
+
+    /// Decay δ: the hyperbola has fallen by half at s = 1/δ. Dimensionless.
+    pub fn decay(&self) -> f64 {
+        self.decay
+    }
+
+    /// Offset μ_o, dimensionless; 0 unless set.
+    pub fn offset(&self) -> f64 {
+        self.offset
+    }
+
+    /// Coefficient η of the quadratic term, dimensionless; 0 unless set.
+    pub fn quadratic(&self) -> f64 {
+        self.quadratic
+    }
+}
+
+impl FrictionLaw for Rational {
+    fn static_coefficient(&self) -> f64 {
+        self.static_coefficient
+    }
+
+    #[inline(always)]
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        let falling = (speed * self.decay + 1.0).recip() * (self.static_coefficient - self.offset)
+            + self.offset;
+        if self.quadratic == 0.0 {
+            falling
+        } else {
+            falling + speed.square() * self.quadratic
+        }
+    }
+}

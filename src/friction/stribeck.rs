@@ -1,0 +1,164 @@
+use super::FrictionLaw;
+use crate::{Error, Scalar};
+
+/// The Stribeck law: it falls from μ_s towards the Coulomb coefficient μ_c, and a viscous term raises it again.
+///
+/// ```text
+/// μ̂(s) = μ_c + (μ_s − μ_c) exp(−(s/v_s)^δ) + k_v s
+/// ```
+///
+/// All quantities are dimensionless; v_s is the Stribeck velocity, δ the exponent. δ = 1 is Tustin's law, what much of the field
+/// calls "the exponential law"; δ = 2 is the Gaussian of Armstrong-Hélouvry, and with k_v = 0 the law
+/// [`Exponential`](crate::Exponential).
+///
+/// The exponent is a whole number. Bo and Pavelescu found ½ ≤ δ ≤ 1 in their measurements, but for δ = ½ the slope at s = 0 is
+/// infinite, and for no broken δ is there a power series at s = 0, where every slip phase begins. Take
+/// [`Tabulated`](crate::Tabulated) for such a curve.
+///
+/// Source: Bo and Pavelescu, *Wear* 82 (1982) 277-289; Armstrong-Hélouvry, Dupont and Canudas de Wit, *Automatica* 30 (1994)
+/// 1083-1138.
+///
+/// ```
+/// use stick_slip::{FrictionLaw, Stribeck};
+///
+/// let law = Stribeck::new(0.4, 0.25, 0.5, 1)?.with_viscous_coefficient(0.02)?;
+/// assert_eq!(law.kinetic(0.0), 0.4);
+/// assert!((law.kinetic(1.0) - (0.25 + 0.15 * (-2.0_f64).exp() + 0.02)).abs() < 1e-16);
+/// // −(μ_s − μ_c)/v_s + k_v: with δ = 1 the fall is steepest at rest
+/// assert!((law.slope(0.0) - (-0.3 + 0.02)).abs() < 1e-16);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "crate::raw::Stribeck")
+)]
+pub struct Stribeck {
+    static_coefficient: f64,
+    coulomb_coefficient: f64,
+    stribeck_velocity: f64,
+    exponent: u32,
+    viscous_coefficient: f64,
+    /// 1/v_s.
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
+    rate: f64,
+}
+
+/// exp(−x) is zero in `f64` for any larger x, all its derivatives with it.
+const UNDERFLOW: f64 = 1000.0;
+
+impl Stribeck {
+    /// A law with static coefficient μ_s, Coulomb coefficient μ_c, Stribeck velocity v_s and exponent δ, all dimensionless, and
+    /// no viscous term.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless all are finite, 0 ≤ μ_c ≤ μ_s, v_s > 0, 1/v_s does not overflow, and 1 ≤ δ < 2³¹.
+    pub fn new(
+        static_coefficient: f64,
+        coulomb_coefficient: f64,
+        stribeck_velocity: f64,
+        exponent: u32,
+    ) -> Result<Self, Error> {
+        Error::check(
+            "static_coefficient",
+            static_coefficient,
+            static_coefficient >= 0.0,
+            "static_coefficient ≥ 0",
+        )?;
+        Error::check(
+            "coulomb_coefficient",
+            coulomb_coefficient,
+            (0.0..=static_coefficient).contains(&coulomb_coefficient),
+            "0 ≤ coulomb_coefficient ≤ static_coefficient",
+        )?;
+        let rate = stribeck_velocity.recip();
+        Error::check(
+            "stribeck_velocity",
+            stribeck_velocity,
+            stribeck_velocity > 0.0 && rate.is_finite(),
+            "stribeck_velocity > 0, and not so small that 1/v_s overflows",
+        )?;
+        Error::check(
+            "exponent",
+            f64::from(exponent),
+            (1..1 << 31).contains(&exponent),
+            "1 ≤ exponent < 2³¹",
+        )?;
+        Ok(Self {
+            static_coefficient,
+            coulomb_coefficient,
+            stribeck_velocity,
+            exponent,
+            viscous_coefficient: 0.0,
+            rate,
+        })
+    }
+
+    /// The same law with viscous coefficient k_v, dimensionless.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless k_v is finite and ≥ 0.
+    pub fn with_viscous_coefficient(mut self, viscous_coefficient: f64) -> Result<Self, Error> {
+        self.viscous_coefficient = Error::check(
+            "viscous_coefficient",
+            viscous_coefficient,
+            viscous_coefficient >= 0.0,
+            "viscous_coefficient ≥ 0",
+        )?;
+        Ok(self)
+    }
+
+    /// Coulomb coefficient μ_c, dimensionless.
+    pub fn coulomb_coefficient(&self) -> f64 {
+        self.coulomb_coefficient
+    }
+
+    /// Stribeck velocity v_s, dimensionless.
+    pub fn stribeck_velocity(&self) -> f64 {
+        self.stribeck_velocity
+    }
+
+    /// Exponent δ.
+    pub fn exponent(&self) -> u32 {
+        self.exponent
+    }
+
+    /// Viscous coefficient k_v, dimensionless; 0 unless set.
+    pub fn viscous_coefficient(&self) -> f64 {
+        self.viscous_coefficient
+    }
+}
+
+impl FrictionLaw for Stribeck {
+    fn static_coefficient(&self) -> f64 {
+        self.static_coefficient
+    }
+
+    #[inline(always)]
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        let ratio = speed * self.rate;
+        let fall = match self.exponent {
+            1 => (-ratio).exp(),
+            2 => (-ratio.square()).exp(),
+            n => {
+                // (s/v_s)^δ of a large δ overflows, and 0·∞ is no slope.
+                let power = ratio.value().powi(n as i32);
+                if power > UNDERFLOW {
+                    speed.constant(0.0)
+                } else {
+                    (-ratio.powi(n as i32)).exp()
+                }
+            }
+        };
+        let falling =
+            fall * (self.static_coefficient - self.coulomb_coefficient) + self.coulomb_coefficient;
+        if self.viscous_coefficient == 0.0 {
+            falling
+        } else {
+            falling + speed * self.viscous_coefficient
+        }
+    }
+}

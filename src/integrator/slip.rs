@@ -1,0 +1,261 @@
+//! Motion within a slip phase, one Taylor step at a time, forward or backward in time.
+
+use super::polynomial::{
+    Polynomial, TERMS, evaluate_four, first_root, mean, quarters, reach,
+};
+use super::series::Series;
+use crate::friction::FrictionLaw;
+use crate::scalar::Workspace;
+use crate::{Direction, Error, MassOnBelt, Reached, State};
+
+/// A point of a slip phase.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct SlipPoint {
+    /// σ, the sign of v_r.
+    pub(crate) direction: Direction,
+    /// u.
+    pub(crate) displacement: f64,
+    /// s = |v_r|.
+    pub(crate) speed: f64,
+    /// ds/dt, in the direction of time that is followed, where it is known better than the equation of motion gives it: on the
+    /// belt, and at an extremum of v.
+    pub(crate) rate: Option<f64>,
+}
+
+/// One Taylor step.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Advance {
+    /// Series of the sliding speed in the time since the start, backward time where that was asked for.
+    pub(crate) speed: Polynomial,
+    /// How long the step lasts; infinite exactly on an equilibrium.
+    pub(crate) duration: f64,
+    /// Where it ends.
+    pub(crate) end: SlipPoint,
+}
+
+impl Advance {
+    /// Whether it ends in contact: at zero sliding speed.
+    pub(crate) fn is_contact(&self) -> bool {
+        self.end.speed == 0.0
+    }
+}
+
+/// The direction of time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Time {
+    Forward,
+    Backward,
+}
+
+impl Time {
+    pub(crate) fn sign(self) -> f64 {
+        match self {
+            Self::Forward => 1.0,
+            Self::Backward => -1.0,
+        }
+    }
+}
+
+/// Floor of the defect that rounding alone causes, in units of ε times the largest term of the equation of motion; it is
+/// seldom above 8.
+const DEFECT_FLOOR: f64 = 1000.0;
+
+/// Defect × step accepted, in units of the error allowed in a step's last term.
+const DEFECT_LIMIT: f64 = 40.0 * TERMS as f64;
+
+/// Takes Taylor steps within slip phases of one system.
+#[derive(Debug, Clone)]
+pub(crate) struct Stepper<'s, L> {
+    system: &'s MassOnBelt<L>,
+    workspace: Workspace<TERMS>,
+    breakpoints: Vec<f64>,
+    tolerance: f64,
+    /// ū, from which the scale of the motion is measured.
+    equilibrium: f64,
+}
+
+impl<'s, L: FrictionLaw> Stepper<'s, L> {
+    pub(crate) fn new(system: &'s MassOnBelt<L>, tolerance: f64) -> Self {
+        Self {
+            system,
+            workspace: Workspace::new(),
+            breakpoints: system.law().breakpoints().collect(),
+            tolerance,
+            equilibrium: system.equilibrium_displacement(),
+        }
+    }
+
+    pub(crate) fn system(&self) -> &'s MassOnBelt<L> {
+        self.system
+    }
+
+    /// The state at a point.
+    pub(crate) fn state(&self, point: &SlipPoint) -> State {
+        let velocity = self.system.belt_velocity() + point.direction.sign() * point.speed;
+        State::new(point.displacement, velocity)
+    }
+
+    /// One step from `point`, up to contact or to a breakpoint of the law if one of them is reached. `elapsed` is the time since
+    /// the motion began, for the step's least length and for errors.
+    #[inline]
+    pub(crate) fn advance(
+        &mut self,
+        point: &SlipPoint,
+        time: Time,
+        elapsed: f64,
+    ) -> Result<Advance, Error> {
+        let state = self.state(point);
+        let reached = Reached {
+            time: elapsed,
+            state,
+        };
+        let piece = self.piece(point, time);
+        let series = Series::new(self.system, &mut self.workspace, point, piece, time)
+            .map_err(|error| error.reached_at(reached))?;
+        let speed = series.speed;
+        if speed[1] == 0.0 && speed[2] == 0.0 {
+            return Ok(Advance {
+                speed,
+                duration: f64::INFINITY,
+                end: *point,
+            });
+        }
+        if !(speed[TERMS - 1].is_finite() && speed[TERMS - 2].is_finite()) {
+            return Err(Error::StepUnderflow { step: 0.0, reached });
+        }
+
+        let v_b = self.system.belt_velocity();
+        let deviation = point.displacement - self.equilibrium;
+        let scale = deviation.abs().max(state.velocity.abs()).max(v_b.abs());
+        let error = self.tolerance * scale;
+        let floor = DEFECT_FLOOR * f64::EPSILON * series.largest_term(self.system, state);
+        let limits = self.limits(piece);
+        let mut h = reach(&speed, error);
+        let (duration, end_speed) = loop {
+            if !(h > f64::EPSILON * elapsed && h >= f64::MIN_POSITIVE) {
+                return Err(self.underflow(piece, &speed, h, reached));
+            }
+            let speeds = evaluate_four(&speed, quarters(h));
+            let (end, speeds, end_speed) = match limits.first_exit(&speed, h, speeds) {
+                None => (h, speeds, speeds[3]),
+                Some((t, limit)) => (t, evaluate_four(&speed, quarters(t)), limit),
+            };
+            let defect = series.defect(self.system, piece, end, speeds);
+            if defect * end <= DEFECT_LIMIT * error + floor * end {
+                break (end, end_speed);
+            }
+            h = 0.5 * end;
+        };
+
+        let mut advance = Advance {
+            speed,
+            duration,
+            end: SlipPoint {
+                speed: end_speed,
+                rate: None,
+                ..*point
+            },
+        };
+        advance.end.displacement += time.sign() * self.mean_velocity(&advance, duration) * duration;
+        Ok(advance)
+    }
+
+    /// Mean of v over the first t of a step.
+    #[inline(always)]
+    pub(crate) fn mean_velocity(&self, advance: &Advance, t: f64) -> f64 {
+        self.system.belt_velocity() + advance.end.direction.sign() * mean(&advance.speed, t)
+    }
+
+    /// The law's own failure if it gave no number where the motion goes, else a step too short.
+    #[cold]
+    fn underflow(&self, piece: usize, speed: &Polynomial, step: f64, reached: Reached) -> Error {
+        let law = self.system.law();
+        let failure = evaluate_four(speed, quarters(2.0 * step))
+            .into_iter()
+            .map(|s| (s, law.kinetic_on(piece, s.max(0.0))))
+            .find(|(s, value)| s.is_finite() && !value.is_finite());
+        match failure {
+            Some((speed, value)) => Error::NonFiniteFriction {
+                speed,
+                value,
+                reached: Some(reached),
+            },
+            None => Error::StepUnderflow { step, reached },
+        }
+    }
+
+    /// The piece of the law that a motion from this point goes through; at a breakpoint the motion decides.
+    fn piece(&self, point: &SlipPoint, time: Time) -> usize {
+        let above = self.breakpoints.partition_point(|&b| b <= point.speed);
+        if above == 0 || self.breakpoints[above - 1] != point.speed {
+            return above;
+        }
+        let sigma = point.direction.sign();
+        let state = self.state(point);
+        let rate = point
+            .rate
+            .unwrap_or_else(|| sigma * self.system.acceleration(state) * time.sign());
+        // Where s' = σv' is zero, s'' = −σv decides.
+        let rising = rate > 0.0 || (rate == 0.0 && sigma * state.velocity < 0.0);
+        if rising { above } else { above - 1 }
+    }
+
+    /// Sliding speeds at which a step on this piece must end.
+    fn limits(&self, piece: usize) -> Limits {
+        Limits {
+            low: if piece == 0 {
+                0.0
+            } else {
+                self.breakpoints[piece - 1]
+            },
+            high: self.breakpoints.get(piece).copied(),
+        }
+    }
+}
+
+/// The sliding speeds between which one piece of the law holds.
+struct Limits {
+    low: f64,
+    high: Option<f64>,
+}
+
+impl Limits {
+    /// First time in (0, h] at which s(t) reaches a limit, and that limit; `speeds` are its values at the quarters of h.
+    #[inline(always)]
+    fn first_exit(&self, speed: &Polynomial, h: f64, speeds: [f64; 4]) -> Option<(f64, f64)> {
+        let low = first_passage(speed, self.low, 1.0, h, speeds).map(|time| (time, self.low));
+        let Some(limit) = self.high else {
+            return low;
+        };
+        let high = first_passage(speed, limit, -1.0, h, speeds).map(|time| (time, limit));
+        match (low, high) {
+            (Some(low), Some(high)) if high.0 < low.0 => Some(high),
+            (low, high) => low.or(high),
+        }
+    }
+}
+
+/// First root in (0, h] of sign·(s(t) − level), which is positive just after t = 0.
+///
+/// If the motion starts on the level, that root (double where the rate is zero) is divided out: it is known, so nothing has
+/// to be skipped by a small time.
+#[inline(always)]
+fn first_passage(
+    speed: &Polynomial,
+    level: f64,
+    sign: f64,
+    h: f64,
+    speeds: [f64; 4],
+) -> Option<f64> {
+    if speed[0] == level {
+        let known = if speed[1] == 0.0 { 2 } else { 1 };
+        let rest = std::array::from_fn(|k| speed.get(k + known).map_or(0.0, |c| sign * c));
+        first_root(&rest, h, evaluate_four(&rest, quarters(h)))
+    } else if level == 0.0 {
+        first_root(speed, h, speeds)
+    } else {
+        let mut distance = speed.map(|c| sign * c);
+        distance[0] -= sign * level;
+        first_root(&distance, h, speeds.map(|s| sign * (s - level)))
+    }
+}

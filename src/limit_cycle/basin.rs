@@ -1,0 +1,235 @@
+use super::arc::{Arrival, Tracer};
+use super::maps::ReleaseFate;
+use super::{CycleKind, CycleSet, LimitCycle, facing, find_with};
+use crate::friction::FrictionLaw;
+use crate::integrator::{SlipPoint, Time};
+use crate::{Direction, Error, MassOnBelt, State};
+
+/// Where a motion ends up. See [`attractor`].
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Attractor {
+    /// At rest in the stick band of a belt that stands still.
+    Rest,
+    /// Steady sliding at the equilibrium.
+    Equilibrium,
+    /// A stable periodic motion.
+    Cycle(LimitCycle),
+    /// The start lies on an unstable periodic motion, to rounding: the slightest disturbance decides.
+    Separatrix(LimitCycle),
+    /// The start lies in a [continuum](super::Continuum): its motion is periodic, and so is every other near it.
+    Continuum,
+    /// The motion grows beyond every periodic motion that was found.
+    Unbounded,
+}
+
+/// Distance from an unstable cycle, relative to v_b, within which a start lies on it to rounding.
+const ON_CYCLE: f64 = 1e-12;
+
+/// Which attractor the motion from `start` reaches.
+///
+/// Decided from the geometry of the planar flow: cycles lie one inside the other, and a motion between two of them goes to the one that it moves
+/// towards. At most a few slip arcs are followed, to the first velocity maximum, stick, or crossing outside the stick band; nothing is
+/// simulated until it settles.
+///
+/// | start | first decided at | reaches |
+/// |---|---|---|
+/// | v_b = 0 | | [`Rest`](Attractor::Rest) |
+/// | in stick, or slip that ends in stick | the release point | the cycle through it; if the motion from there turns inwards or outwards, as below |
+/// | slip behind the belt, equilibrium a focus | a velocity maximum V | growing over one turn: the next cycle outside, else the next one inside, else the equilibrium |
+/// | slip into a node that it does not turn round | | [`Equilibrium`](Attractor::Equilibrium) |
+/// | far out, or above the belt velocity | a crossing beyond the release point | growing over one turn: the next crossing cycle outside, else the next one inside, else as from the release point |
+/// | an unstable cycle, to 10⁻¹² | | [`Separatrix`](Attractor::Separatrix) |
+///
+/// # Errors
+///
+/// Those of [`find`](super::find), and [`Error::InvalidState`] unless `start` is finite.
+///
+/// ```
+/// use stick_slip::limit_cycle::{Attractor, attractor};
+/// use stick_slip::{Exponential, MassOnBelt, State};
+///
+/// // Bistable: the unstable cycle between equilibrium and stick-slip has a peak velocity of 0.3112.
+/// let system = MassOnBelt::new(Exponential::new(0.6, 0.3, 0.4)?, 1.0)?.with_damping(0.01)?;
+/// let rest = system.equilibrium().unwrap().displacement;
+/// assert_eq!(attractor(&system, State::new(rest, 0.30))?, Attractor::Equilibrium);
+/// assert!(matches!(attractor(&system, State::new(rest, 0.32))?, Attractor::Cycle(_)));
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn attractor<L: FrictionLaw>(system: &MassOnBelt<L>, start: State) -> Result<Attractor, Error> {
+    if !(start.displacement.is_finite() && start.velocity.is_finite()) {
+        let State {
+            displacement,
+            velocity,
+        } = start;
+        return Err(Error::InvalidState {
+            displacement,
+            velocity,
+        });
+    }
+    if system.belt_velocity() == 0.0 {
+        return Ok(Attractor::Rest);
+    }
+    let forward = system.moving_forward();
+    let start = if system.belt_velocity() < 0.0 {
+        start.mirrored()
+    } else {
+        start
+    };
+    let mut tracer = Tracer::new(&forward);
+    let fate = tracer.release_fate()?;
+    let basins = Basins {
+        cycles: find_with(&mut tracer, &fate)?,
+        fate,
+    };
+    let place = tracer.first_place(start)?;
+    Ok(match basins.from(&mut tracer, place)? {
+        Attractor::Cycle(cycle) => Attractor::Cycle(facing(system, cycle)),
+        Attractor::Separatrix(cycle) => Attractor::Separatrix(facing(system, cycle)),
+        other => other,
+    })
+}
+
+/// Where the fate of a motion is decided.
+#[derive(Debug, Clone, Copy)]
+enum Place {
+    /// At a velocity maximum V, behind the belt.
+    Peak(f64),
+    /// At the release point.
+    Release,
+    /// At a downward crossing with the force F beyond the release point.
+    Crossing(f64),
+    /// At a node.
+    Equilibrium,
+}
+
+impl<L: FrictionLaw> Tracer<'_, L> {
+    /// The first place on the motion from `start` where its fate is decided.
+    fn first_place(&mut self, start: State) -> Result<Place, Error> {
+        let system = self.system();
+        let v_b = system.belt_velocity();
+        let relative_velocity = start.velocity - v_b;
+        let mut point = if relative_velocity != 0.0 {
+            SlipPoint {
+                direction: if relative_velocity < 0.0 {
+                    Direction::Lagging
+                } else {
+                    Direction::Leading
+                },
+                displacement: start.displacement,
+                speed: relative_velocity.abs(),
+                rate: None,
+            }
+        } else {
+            match system.slides_at(start.displacement) {
+                None => return Ok(Place::Release),
+                Some(direction) => self.on_belt(start.displacement, direction),
+            }
+        };
+        loop {
+            let arc = self.arc(point, Time::Forward)?;
+            let displacement = match arc.arrival {
+                Arrival::Maximum(point) => return Ok(Place::Peak(v_b - point.speed)),
+                Arrival::Contact(displacement) => displacement,
+                Arrival::Equilibrium | Arrival::Far => return Ok(Place::Equilibrium),
+            };
+            match self.system().slides_at(displacement) {
+                None => return Ok(Place::Release),
+                Some(Direction::Lagging) => {
+                    return Ok(Place::Crossing(displacement + self.carried()));
+                }
+                // At most once: the leading arc that follows ends in stick or in a downward crossing.
+                Some(Direction::Leading) => {
+                    point = self.on_belt(displacement, Direction::Leading);
+                }
+            }
+        }
+    }
+}
+
+/// The nested cycles of a system moving forward.
+struct Basins {
+    cycles: CycleSet,
+    fate: ReleaseFate,
+}
+
+impl Basins {
+    fn of_kind(&self, kind: CycleKind) -> impl DoubleEndedIterator<Item = &LimitCycle> {
+        self.cycles.iter().filter(move |cycle| cycle.kind() == kind)
+    }
+
+    fn from<L: FrictionLaw>(
+        &self,
+        tracer: &mut Tracer<'_, L>,
+        place: Place,
+    ) -> Result<Attractor, Error> {
+        let v_b = tracer.system().belt_velocity();
+        Ok(match place {
+            Place::Equilibrium => Attractor::Equilibrium,
+            Place::Peak(_) if self.cycles.continuum().is_some() => Attractor::Continuum,
+            Place::Peak(peak) => {
+                let peaks = |cycle: &LimitCycle| cycle.max_velocity();
+                let cycles = self.of_kind(CycleKind::PureSlip);
+                if let Some(cycle) = self.of_kind(CycleKind::PureSlip).find(|cycle| {
+                    (peaks(cycle) - peak).abs() <= ON_CYCLE * v_b
+                }) {
+                    on(cycle)
+                } else if tracer.grows_from_peak(peak)? {
+                    match { cycles }.find(|cycle| peaks(cycle) > peak) {
+                        Some(cycle) => Attractor::Cycle(cycle.clone()),
+                        // Out of slip: to what surrounds it.
+                        None => self.from(tracer, Place::Release)?,
+                    }
+                } else {
+                    match { cycles }.rfind(|cycle| peaks(cycle) < peak) {
+                        Some(cycle) => Attractor::Cycle(cycle.clone()),
+                        None => Attractor::Equilibrium,
+                    }
+                }
+            }
+            Place::Release => match &self.fate {
+                ReleaseFate::Inward { peak: Some(peak) } => {
+                    self.from(tracer, Place::Peak(*peak))?
+                }
+                ReleaseFate::Inward { peak: None } => Attractor::Equilibrium,
+                ReleaseFate::Stick { .. } => self
+                    .cycles
+                    .iter()
+                    .find(|cycle| cycle.stick_duration() > 0.0)
+                    .map_or(Attractor::Unbounded, |cycle| Attractor::Cycle(cycle.clone())),
+                ReleaseFate::Outward => self
+                    .of_kind(CycleKind::Crossing)
+                    .next()
+                    .map_or(Attractor::Unbounded, |cycle| Attractor::Cycle(cycle.clone())),
+            },
+            Place::Crossing(force) => {
+                let offset = tracer.carried();
+                let forces = |cycle: &LimitCycle| cycle.state().displacement + offset;
+                let cycles = self.of_kind(CycleKind::Crossing);
+                if let Some(cycle) = self.of_kind(CycleKind::Crossing).find(|cycle| {
+                    (forces(cycle) - force).abs() <= ON_CYCLE * force
+                }) {
+                    on(cycle)
+                } else if tracer.grows_from_crossing(force)? {
+                    { cycles }
+                        .find(|cycle| forces(cycle) > force)
+                        .map_or(Attractor::Unbounded, |cycle| Attractor::Cycle(cycle.clone()))
+                } else {
+                    match { cycles }.rfind(|cycle| forces(cycle) < force) {
+                        Some(cycle) => Attractor::Cycle(cycle.clone()),
+                        // In to stick, or past it inwards as the motion from the release point.
+                        None => self.from(tracer, Place::Release)?,
+                    }
+                }
+            }
+        })
+    }
+}
+
+fn on(cycle: &LimitCycle) -> Attractor {
+    if cycle.is_stable() {
+        Attractor::Cycle(cycle.clone())
+    } else {
+        Attractor::Separatrix(cycle.clone())
+    }
+}

@@ -1,0 +1,322 @@
+use std::ops::ControlFlow;
+
+use nalgebra::Complex;
+
+use super::arc::Arc;
+use crate::friction::FrictionLaw;
+use crate::integrator::{Clock, Event, EventKind, Mode, Step, Trajectory, derivative, evaluate, sign_changes};
+use crate::quadrature::gauss_legendre;
+use crate::{Direction, MassOnBelt, State};
+
+/// Kinds of periodic motion.
+///
+/// Source: Farshidianfar and Noei Aghaee, sections 4.1.1 and 4.1.2, for the first two.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum CycleKind {
+    /// The mass never reaches the belt velocity.
+    PureSlip,
+    /// Slip behind the belt and stick, in turn.
+    StickSlip,
+    /// Slip, a crossing of the belt velocity, slip ahead of the belt, stick.
+    Overshoot,
+    /// The mass crosses the belt velocity twice a period and never sticks.
+    Crossing,
+}
+
+impl std::fmt::Display for CycleKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::PureSlip => "pure slip",
+            Self::StickSlip => "stick-slip",
+            Self::Overshoot => "overshoot",
+            Self::Crossing => "crossing",
+        })
+    }
+}
+
+/// Work done over one period, in dimensionless energy units; f is the friction force on the mass.
+///
+/// On a periodic motion `belt_work = damper_loss` and `drive_work = damper_loss + friction_loss = v_b ∮u dτ`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EnergyBudget {
+    /// Work of the belt's drive, ∮ f v_b dτ.
+    pub drive_work: f64,
+    /// Work of the friction force on the mass, ∮ f v dτ.
+    pub belt_work: f64,
+    /// Heat in the damper, ∮ 2β v² dτ.
+    pub damper_loss: f64,
+    /// Heat in the contact, ∮ γ² μ̂(|v_r|)·|v_r| dτ.
+    pub friction_loss: f64,
+}
+
+/// A periodic motion, exact to rounding.
+///
+/// It holds the power series of one period; extremes are roots of those series, integrals quadratures of them, not sums over samples.
+/// All quantities are dimensionless.
+///
+/// ```
+/// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
+///
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+/// let cycle = limit_cycle::stick_slip(&system)?.unwrap();
+/// assert!((cycle.period() - 6.799421444472157605).abs() < 1e-14);
+/// assert!((cycle.stick_duration() - 1.629558444940023627).abs() < 4e-15);
+/// assert!((cycle.max_displacement() - 0.5664694667237887836).abs() < 1e-15);
+/// assert!((cycle.energy().damper_loss - 0.02314806731453380).abs() < 1e-16);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct LimitCycle {
+    steps: Vec<Step>,
+    kind: CycleKind,
+    multiplier: f64,
+    damping: f64,
+}
+
+impl LimitCycle {
+    /// Joins arcs of slip, and a stick phase up to `release` if the last one ends in stick.
+    pub(super) fn join<L: FrictionLaw>(
+        system: &MassOnBelt<L>,
+        arcs: &[Arc],
+        kind: CycleKind,
+        multiplier: f64,
+    ) -> Self {
+        let v_b = system.belt_velocity();
+        let mut clock = Clock::default();
+        let mut steps: Vec<Step> = Vec::with_capacity(1 + arcs.iter().map(|arc| arc.steps.len()).sum::<usize>());
+        let mut push = |step: Step, kind: Option<EventKind>, displacement: f64| {
+            let start = clock;
+            clock = start.after(step.duration);
+            let state = State::new(displacement, v_b);
+            let event = kind.map(|kind| Event { time: clock.time, kind, state });
+            steps.push(Step { start, event, ..step });
+        };
+        let mut sticks_at = None;
+        for arc in arcs {
+            let (last, before) = arc.steps.split_last().map_or((None, &[][..]), |(last, before)| (Some(last), before));
+            for step in before {
+                push(*step, None, 0.0);
+            }
+            let Some(last) = last else { continue };
+            let (event, displacement) = match arc.arrival {
+                super::arc::Arrival::Contact(displacement) => match system.slides_at(displacement) {
+                    Some(direction) => (Some(EventKind::Crossing(direction)), displacement),
+                    None => {
+                        sticks_at = Some(displacement);
+                        (Some(EventKind::Stick), displacement)
+                    }
+                },
+                _ => (None, 0.0),
+            };
+            push(*last, event, displacement);
+        }
+        if let (Some(displacement), Some(release)) = (sticks_at, system.release_state()) {
+            let stick = Step {
+                start: Clock::default(),
+                duration: (release.displacement - displacement) / v_b,
+                mode: Mode::Stick,
+                state: State::new(displacement, v_b),
+                speed: Step::AT_REST_ON_BELT,
+                event: None,
+                belt_velocity: v_b,
+            };
+            push(stick, Some(EventKind::Release(Direction::Lagging)), release.displacement);
+        }
+        Self {
+            steps,
+            kind,
+            multiplier,
+            damping: system.damping(),
+        }
+    }
+
+    /// The same motion seen in a mirror: (u, v, v_b) → (−u, −v, −v_b).
+    pub(super) fn mirrored(mut self) -> Self {
+        for step in &mut self.steps {
+            *step = step.mirrored();
+        }
+        self
+    }
+
+    /// What kind of motion it is.
+    pub fn kind(&self) -> CycleKind {
+        self.kind
+    }
+
+    /// A state on the cycle, where [`trajectory`](Self::trajectory) starts: the release point of one that sticks, the largest velocity (in
+    /// the direction of the belt) of pure slip, and the crossing to lagging motion of a crossing cycle.
+    pub fn state(&self) -> State {
+        self.steps.first().map_or(State::new(f64::NAN, f64::NAN), Step::state)
+    }
+
+    /// Period T.
+    pub fn period(&self) -> f64 {
+        self.steps.last().map_or(0.0, Step::end_time)
+    }
+
+    /// Time in stick per period.
+    pub fn stick_duration(&self) -> f64 {
+        self.time_in(|mode| mode == Mode::Stick)
+    }
+
+    /// Time ahead of the belt per period: with |v| > |v_b|.
+    pub fn leading_duration(&self) -> f64 {
+        let ahead = if self.belt_velocity() > 0.0 { Direction::Leading } else { Direction::Lagging };
+        self.time_in(|mode| mode == Mode::Slip(ahead))
+    }
+
+    fn time_in(&self, counts: impl Fn(Mode) -> bool) -> f64 {
+        let steps = self.steps.iter().filter(|step| counts(step.mode()));
+        steps.fold(Clock::default(), |clock, step| clock.after(step.duration)).time
+    }
+
+    fn belt_velocity(&self) -> f64 {
+        self.steps.first().map_or(0.0, |step| step.belt_velocity)
+    }
+
+    /// Half the distance between the largest and the least displacement, (u_max − u_min)/2.
+    pub fn amplitude(&self) -> f64 {
+        let [min, max] = self.displacements();
+        0.5 * (max - min)
+    }
+
+    /// Largest displacement u_max.
+    pub fn max_displacement(&self) -> f64 {
+        self.displacements()[1]
+    }
+
+    /// Least displacement u_min.
+    pub fn min_displacement(&self) -> f64 {
+        self.displacements()[0]
+    }
+
+    /// Largest velocity v_max.
+    pub fn max_velocity(&self) -> f64 {
+        self.velocities()[1]
+    }
+
+    /// Least velocity v_min.
+    pub fn min_velocity(&self) -> f64 {
+        self.velocities()[0]
+    }
+
+    /// Mean displacement (1/T)∮u dτ.
+    pub fn mean_displacement(&self) -> f64 {
+        self.integral(|u, _, _| u) / self.period()
+    }
+
+    /// Floquet multiplier: the factor by which a small disturbance changes over one period. 0 for a cycle that sticks, because every
+    /// motion in stick leaves from the same release point.
+    pub fn multiplier(&self) -> f64 {
+        self.multiplier
+    }
+
+    /// Whether the cycle attracts: its multiplier is less than 1.
+    pub fn is_stable(&self) -> bool {
+        self.multiplier < 1.0
+    }
+
+    /// Complex amplitudes of the first n harmonics of u: (2/T)∮u e^(−ikωτ) dτ for k = 1, …, n, time counted from [`state`](Self::state),
+    /// ω = 2π/T. The modulus is the amplitude of the harmonic.
+    pub fn harmonics(&self, n: usize) -> Vec<Complex<f64>> {
+        let omega = std::f64::consts::TAU / self.period();
+        let mean = self.mean_displacement();
+        (1..=n)
+            .map(|k| {
+                let k = k as f64;
+                let part = |weight: fn(f64) -> f64| {
+                    let over = |step: &Step| {
+                        // A step of few radians of the harmonic at a time.
+                        let pieces = (k * omega * step.duration).ceil().max(1.0);
+                        let width = step.duration / pieces;
+                        (0..pieces as usize)
+                            .map(|i| {
+                                let from = i as f64 * width;
+                                gauss_legendre(from, from + width, |t| {
+                                    let phase = k * omega * (step.start.time + t);
+                                    (step.state_at(t).displacement - mean) * weight(phase)
+                                })
+                            })
+                            .sum::<f64>()
+                    };
+                    self.steps.iter().map(over).sum::<f64>()
+                };
+                Complex::new(part(f64::cos), -part(f64::sin)) * (2.0 / self.period())
+            })
+            .collect()
+    }
+
+    /// Work done over one period.
+    pub fn energy(&self) -> EnergyBudget {
+        let v_b = self.belt_velocity();
+        EnergyBudget {
+            drive_work: v_b * self.integral(|_, _, f| f),
+            belt_work: self.integral(|_, v, f| f * v),
+            damper_loss: 2.0 * self.damping * self.integral(|_, v, _| v * v),
+            friction_loss: self.integral(|_, v, f| f * (v_b - v)),
+        }
+    }
+
+    /// The motion over one period, from [`state`](Self::state).
+    pub fn trajectory(&self) -> Trajectory {
+        let mut steps = self.steps.clone();
+        if let (Some(first), Some(last)) = (self.steps.first(), self.steps.last()) {
+            // What follows at the time T itself.
+            let start = last.start.after(last.duration);
+            steps.push(Step { start, duration: 0.0, event: None, ..*first });
+        }
+        Trajectory::new(steps, self.period())
+    }
+
+    /// ∮ of a function of u, v and the friction force f on the mass, which the series of the motion gives: f = u + 2βv + v'.
+    fn integral(&self, integrand: impl Fn(f64, f64, f64) -> f64) -> f64 {
+        let over = |step: &Step| {
+            let rate = derivative(&step.speed);
+            let sigma = step.direction().map_or(0.0, Direction::sign);
+            gauss_legendre(0.0, step.duration, |t| {
+                let State { displacement: u, velocity: v } = step.state_at(t);
+                integrand(u, v, u + 2.0 * self.damping * v + sigma * evaluate(&rate, t))
+            })
+        };
+        self.steps.iter().map(over).sum()
+    }
+
+    /// Least and largest displacement: at the ends of steps, or where v changes sign.
+    fn displacements(&self) -> [f64; 2] {
+        self.extremes(
+            |state| state.displacement,
+            |step| {
+                let mut velocity = step.speed.map(|c| c * step.direction().map_or(0.0, Direction::sign));
+                velocity[0] += step.belt_velocity;
+                velocity
+            },
+        )
+    }
+
+    /// Least and largest velocity: at the ends of steps, or where s' changes sign.
+    fn velocities(&self) -> [f64; 2] {
+        self.extremes(|state| state.velocity, |step| derivative(&step.speed))
+    }
+
+    fn extremes(
+        &self,
+        quantity: impl Fn(State) -> f64,
+        rate: impl Fn(&Step) -> crate::integrator::Polynomial,
+    ) -> [f64; 2] {
+        let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut include = |state: State| {
+            let value = quantity(state);
+            range = [range[0].min(value), range[1].max(value)];
+        };
+        for step in &self.steps {
+            include(step.state());
+            if step.direction().is_some() {
+                let _ = sign_changes(&rate(step), step.duration, &mut |t, _| {
+                    include(step.state_at(t));
+                    ControlFlow::Continue(())
+                });
+            }
+        }
+        range
+    }
+}

@@ -1,0 +1,325 @@
+//! The two return maps of the planar flow, for v_b > 0, and their fixed points.
+
+use super::arc::{Arc, Arrival, FAR, Tracer};
+use super::roots::{Found, Sample, roots_between, turning_points_between};
+use crate::friction::FrictionLaw;
+use crate::integrator::{SlipPoint, Time};
+use crate::{Direction, Error};
+
+/// Where the arc out of the release point leads. Trajectories in the plane can't cross, so one turn decides: a motion that returns inside
+/// of its start can only go on inwards, one that returns outside only outwards.
+#[derive(Debug, Clone)]
+pub(crate) enum ReleaseFate {
+    /// The velocity has a maximum V below v_b, or none: no contact, on this turn or any later one.
+    Inward { peak: Option<f64> },
+    /// Back in stick, and so back to the release point: after one arc, or after a crossing and a leading arc.
+    Stick { arcs: Vec<Arc> },
+    /// Two crossings, the second one beyond the release point: no stick on any later turn either.
+    Outward,
+}
+
+impl<L: FrictionLaw> Tracer<'_, L> {
+    /// A point on the belt from which the mass slides in `direction`.
+    pub(crate) fn on_belt(&self, displacement: f64, direction: Direction) -> SlipPoint {
+        let system = self.system();
+        SlipPoint {
+            direction,
+            displacement,
+            speed: 0.0,
+            rate: Some(system.slip_rate(displacement, direction)),
+        }
+    }
+
+    /// Follows the arcs from the release point until they stick, cross outwards, or turn inwards.
+    pub(crate) fn release_fate(&mut self) -> Result<ReleaseFate, Error> {
+        let [_, high] = self.system().stick_limits();
+        let lagging = self.arc(self.on_belt(high, Direction::Lagging), Time::Forward)?;
+        let Arrival::Contact(contact) = lagging.arrival else {
+            let v_b = self.system().belt_velocity();
+            let peak = match lagging.arrival {
+                Arrival::Maximum(point) => Some(v_b - point.speed),
+                _ => None,
+            };
+            return Ok(ReleaseFate::Inward { peak });
+        };
+        if self.system().slides_at(contact).is_none() {
+            return Ok(ReleaseFate::Stick { arcs: vec![lagging] });
+        }
+        let leading = self.arc(self.on_belt(contact, Direction::Leading), Time::Forward)?;
+        match leading.arrival {
+            Arrival::Contact(contact) if self.system().slides_at(contact).is_none() => {
+                Ok(ReleaseFate::Stick { arcs: vec![lagging, leading] })
+            }
+            _ => Ok(ReleaseFate::Outward),
+        }
+    }
+
+    /// The point of the slip motion whose velocity has a maximum V: v = V, v' = 0.
+    pub(crate) fn at_maximum(&self, peak: f64) -> SlipPoint {
+        let system = self.system();
+        let speed = system.belt_velocity() - peak;
+        let friction = system.load() * system.law().kinetic(speed);
+        SlipPoint {
+            direction: Direction::Lagging,
+            displacement: friction - 2.0 * system.damping() * peak,
+            speed,
+            rate: Some(0.0),
+        }
+    }
+
+    /// P(V)/V − 1 and its slope, where P(V) is the next velocity maximum of a motion in slip whose velocity has a maximum V.
+    ///
+    /// P'(V) = (V/P)·exp(−∮(2β + γ² dμ̂/ds) dτ). A motion that meets the belt instead counts as one that grows, and one that settles at a
+    /// node as one that dies.
+    fn growth(&mut self, peak: f64) -> Result<Sample, Error> {
+        let v_b = self.system().belt_velocity();
+        let arc = self.arc(self.at_maximum(peak), Time::Forward)?;
+        let (next, slope) = match arc.arrival {
+            Arrival::Maximum(point) => {
+                let next = v_b - point.speed;
+                (next, peak / next * (-self.contraction(&arc)).exp())
+            }
+            Arrival::Contact(_) | Arrival::Far => (2.0 * v_b, 0.0),
+            Arrival::Equilibrium => (0.0, 0.0),
+        };
+        Ok(self.relative_growth(peak, next, slope))
+    }
+
+    /// The motion that grazes the belt, followed backwards to the velocity maximum before: the largest from which a motion returns
+    /// without meeting the belt. At v_b, if every motion returns; `None`, if none does.
+    fn largest_peak(&mut self) -> Result<Option<Sample>, Error> {
+        let v_b = self.system().belt_velocity();
+        let grazing = self.arc(self.at_maximum(v_b), Time::Backward)?;
+        match grazing.arrival {
+            Arrival::Maximum(point) => {
+                let peak = v_b - point.speed;
+                let slope = peak / v_b * (-self.contraction(&grazing)).exp();
+                Ok(Some(self.relative_growth(peak, v_b, slope)))
+            }
+            Arrival::Contact(_) | Arrival::Far => self.growth(v_b).map(Some),
+            Arrival::Equilibrium => Ok(None),
+        }
+    }
+
+    /// The sample at x of a map x → next(x), as a relative growth.
+    fn relative_growth(&self, x: f64, next: f64, slope: f64) -> Sample {
+        Sample {
+            x,
+            value: next / x - 1.0,
+            slope: (slope - next / x) / x,
+            noise: TURN_ROUNDING * f64::EPSILON * (self.scale() + x) / x,
+        }
+    }
+
+    /// Whether every motion in slip is periodic: there is no damping, and friction does not depend on the speed.
+    pub(crate) fn is_continuum(&mut self) -> Result<bool, Error> {
+        let v_b = self.system().belt_velocity();
+        for part in [0.9, 0.1, 0.7, 0.3, 0.5] {
+            if !self.growth(part * v_b)?.vanishes() {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Velocity maxima V of the periodic motions in slip.
+    pub(crate) fn pure_slip_peaks(&mut self) -> Result<Found, Error> {
+        let smallest = SMALLEST_PEAK * self.system().belt_velocity();
+        match self.largest_peak()? {
+            Some(largest) if largest.x > smallest => {
+                let start = self.growth(smallest)?;
+                roots_between(&mut |peak| self.growth(peak), start, largest)
+            }
+            _ => Ok(Found::default()),
+        }
+    }
+
+    /// The periodic motion in slip whose velocity has the maximum V, and its Floquet multiplier.
+    pub(crate) fn pure_slip(&mut self, peak: f64) -> Result<(Arc, f64), Error> {
+        let arc = self.arc(self.at_maximum(peak), Time::Forward)?;
+        let multiplier = (-self.contraction(&arc)).exp();
+        Ok((arc, multiplier))
+    }
+
+    /// How much an arc between two places on the belt stretches distances there: |du_end/du_start| in forward time.
+    fn stretch(&self, arc: &Arc, time: Time) -> f64 {
+        let [first, last] = arc.rates;
+        let (start, end) = match time {
+            Time::Forward => (first, last),
+            Time::Backward => (last, first),
+        };
+        (start / end).abs() * (-self.contraction(arc)).exp()
+    }
+
+    /// The two arcs, lagging and leading, of a motion that crosses the belt velocity downwards at a force F = u + 2βv_b, and where it comes
+    /// back to the belt; `None` if it sticks or turns inwards after the first.
+    fn crossing_arcs(&mut self, force: f64) -> Result<Option<([Arc; 2], f64)>, Error> {
+        let offset = self.carried();
+        let lagging = self.arc(self.on_belt(force - offset, Direction::Lagging), Time::Forward)?;
+        let Arrival::Contact(contact) = lagging.arrival else {
+            return Ok(None);
+        };
+        if self.system().slides_at(contact) != Some(Direction::Leading) {
+            return Ok(None);
+        }
+        let leading = self.arc(self.on_belt(contact, Direction::Leading), Time::Forward)?;
+        Ok(match leading.arrival {
+            Arrival::Contact(contact) => Some(([lagging, leading], contact + offset)),
+            _ => None,
+        })
+    }
+
+    /// C(F)/F − 1 and its slope, where C is the force at the next downward crossing; F_s, the force at release, for a motion that does not
+    /// cross again.
+    fn crossing_growth(&mut self, force: f64) -> Result<Sample, Error> {
+        let release = self.system().load() * self.system().law().static_coefficient();
+        let (next, slope) = match self.crossing_arcs(force)? {
+            Some((arcs, next)) if next >= release => {
+                let stretch = arcs.iter().map(|arc| self.stretch(arc, Time::Forward));
+                (next, stretch.product())
+            }
+            _ => (release, 0.0),
+        };
+        Ok(self.relative_growth(force, next, slope))
+    }
+
+    /// The least force from which a motion crosses downwards again, for a motion released from stick that does not: the one that comes back
+    /// to an end of the stick band, followed backwards.
+    fn least_crossing(&mut self) -> Result<Option<Sample>, Error> {
+        let offset = self.carried();
+        let [low, high] = self.system().stick_limits();
+        let arriving = |direction, displacement| SlipPoint {
+            direction,
+            displacement,
+            speed: 0.0,
+            rate: None,
+        };
+        let leading = self.arc(arriving(Direction::Leading, high), Time::Backward)?;
+        let (contact, leading, time) = match leading.arrival {
+            Arrival::Contact(contact) if contact < low => (contact, leading, Time::Backward),
+            Arrival::Contact(_) => {
+                let leading = self.arc(self.on_belt(low, Direction::Leading), Time::Forward)?;
+                (low, leading, Time::Forward)
+            }
+            // From however far it comes, a leading motion ends in stick.
+            _ => return Ok(None),
+        };
+        let next = match (time, leading.arrival) {
+            (Time::Forward, Arrival::Contact(next)) => next + offset,
+            _ => high + offset,
+        };
+        let lagging = self.arc(arriving(Direction::Lagging, contact), Time::Backward)?;
+        let Arrival::Contact(start) = lagging.arrival else {
+            return Ok(None);
+        };
+        let slope = self.stretch(&leading, time) * self.stretch(&lagging, Time::Backward);
+        Ok(Some(self.relative_growth(start + offset, next, slope)))
+    }
+
+    /// Turning points of the growth over one turn as a function of the peak velocity: the peak, and the growth there.
+    pub(crate) fn turning_points(&mut self) -> Result<Vec<(f64, f64)>, Error> {
+        let smallest = SMALLEST_PEAK * self.system().belt_velocity();
+        match self.largest_peak()? {
+            Some(largest) if largest.x > smallest => {
+                let start = self.growth(smallest)?;
+                turning_points_between(&mut |peak| self.growth(peak), start, largest)
+            }
+            _ => Ok(Vec::new()),
+        }
+    }
+
+    /// What the arcs from the release point do at the belt, as numbers that pass through zero where their kind changes.
+    pub(crate) fn contacts(&mut self) -> Result<Contacts, Error> {
+        let v_b = self.system().belt_velocity();
+        let [low, high] = self.system().stick_limits();
+        let lagging = self.arc(self.on_belt(high, Direction::Lagging), Time::Forward)?;
+        let mut contacts = Contacts {
+            gap: match lagging.arrival {
+                Arrival::Contact(_) => lagging.rates[1].powi(2) / (2.0 * v_b),
+                Arrival::Maximum(point) => -point.speed,
+                Arrival::Equilibrium | Arrival::Far => -v_b,
+            },
+            beyond_low: None,
+            beyond_high: None,
+        };
+        if let Arrival::Contact(contact) = lagging.arrival {
+            contacts.beyond_low = Some(low - contact);
+            if contact < low {
+                let leading = self.arc(self.on_belt(contact, Direction::Leading), Time::Forward)?;
+                if let Arrival::Contact(contact) = leading.arrival {
+                    contacts.beyond_high = Some(contact - high);
+                }
+            }
+        }
+        Ok(contacts)
+    }
+
+    /// Whether a motion with the velocity maximum V grows over the next turn.
+    pub(crate) fn grows_from_peak(&mut self, peak: f64) -> Result<bool, Error> {
+        Ok(self.growth(peak)?.value > 0.0)
+    }
+
+    /// Whether a motion that crosses downwards at the force F grows over the next turn.
+    pub(crate) fn grows_from_crossing(&mut self, force: f64) -> Result<bool, Error> {
+        Ok(self.crossing_growth(force)?.value > 0.0)
+    }
+
+    /// 2βv_b.
+    pub(crate) fn carried(&self) -> f64 {
+        2.0 * self.system().damping() * self.system().belt_velocity()
+    }
+
+    /// Forces F = u + 2βv_b at the downward crossings of the periodic motions that cross the belt velocity twice a period.
+    ///
+    /// The force has no upper bound; it is doubled until motions from it shrink twice running, beyond every breakpoint of the law.
+    pub(crate) fn crossing_forces(&mut self, fate: &ReleaseFate) -> Result<Found, Error> {
+        let system = self.system();
+        let release = system.load() * system.law().static_coefficient();
+        let start = match fate {
+            ReleaseFate::Outward => Some(self.crossing_growth(release)?),
+            _ => self.least_crossing()?,
+        };
+        let Some(mut low) = start.filter(|start| start.x > 0.0) else {
+            return Ok(Found::default());
+        };
+        let last_breakpoint = system.law().breakpoints().last().unwrap_or(0.0);
+        let beyond = 2.0 * (system.belt_velocity() + last_breakpoint);
+        let mut found = Found::default();
+        let mut shrinks = 0;
+        while shrinks < 2 && low.x < FAR * (release + system.belt_velocity()) {
+            let high = self.crossing_growth((2.0 * low.x).max(low.x + system.belt_velocity()))?;
+            let part = roots_between(&mut |force| self.crossing_growth(force), low, high)?;
+            found.append(part);
+            shrinks = if high.value < 0.0 && high.x > beyond { shrinks + 1 } else { 0 };
+            low = high;
+        }
+        Ok(found)
+    }
+
+    /// The periodic motion that crosses the belt velocity downwards at a force F, and its Floquet multiplier.
+    pub(crate) fn crossing(&mut self, force: f64) -> Result<Option<([Arc; 2], f64)>, Error> {
+        Ok(self.crossing_arcs(force)?.map(|(arcs, _)| {
+            let stretch = arcs.iter().map(|arc| self.stretch(arc, Time::Forward));
+            let multiplier = stretch.product();
+            (arcs, multiplier)
+        }))
+    }
+}
+
+/// See [`Tracer::contacts`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Contacts {
+    /// How far the motion from the release point would overshoot the belt velocity; negative where it turns back below.
+    pub(crate) gap: f64,
+    /// Distance of its first contact beyond the lower end of the stick band.
+    pub(crate) beyond_low: Option<f64>,
+    /// Distance of its second contact, after a crossing, beyond the release point.
+    pub(crate) beyond_high: Option<f64>,
+}
+
+/// Rounding error of one turn, in units of ε times the size of the motion.
+const TURN_ROUNDING: f64 = 32.0;
+
+/// Smallest velocity maximum searched for, in units of v_b: below it rounding hides how a motion grows over a turn.
+const SMALLEST_PEAK: f64 = 1e-4;
+

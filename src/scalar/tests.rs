@@ -1,0 +1,724 @@
+//! Every operation of the Taylor coefficient to order 30: against known series, against contour integrals of the same
+//! expression in complex numbers, and against the other operations.
+
+use nalgebra::Complex;
+
+use super::{LONGEST, Scalar, Workspace, expand};
+use crate::FrictionLaw;
+
+/// Coefficients of orders 0 to 31 of a sliding speed s(t).
+type Inner = [f64; LONGEST];
+
+/// Orders compared.
+const ORDERS: usize = 31;
+
+/// Coefficients of orders 0 to 30 of law(s(t)), piece `piece` of the law, in a workspace that may hold an older series.
+fn compose_in(
+    workspace: &mut Workspace<LONGEST>,
+    law: &impl FrictionLaw,
+    piece: usize,
+    inner: &Inner,
+) -> [f64; ORDERS] {
+    let mut series = [f64::NAN; ORDERS];
+    let (value, slope) = expand(law, piece, workspace, inner[0], |k, s, m| {
+        series[k] = if k == 0 {
+            m.rest
+        } else {
+            m.slope * s + m.scale * m.rest
+        };
+        inner[k + 1]
+    });
+    assert!(value.is_finite() && slope.is_finite(), "{value} {slope}");
+    assert_eq!(value.to_bits(), series[0].to_bits());
+    series
+}
+
+fn compose(law: impl Fn(Expression) -> Expression, inner: &Inner) -> [f64; ORDERS] {
+    compose_in(&mut Workspace::new(), &law(SPEED), 0, inner)
+}
+
+/// An expression in the sliding speed as data, to be evaluated on any number: one law, and so one compiled copy of the
+/// operations, serves every test.
+#[derive(Debug, Clone, Copy)]
+struct Expression(&'static Node);
+
+#[derive(Debug)]
+enum Node {
+    Speed,
+    Constant(f64),
+    Neg(Expression),
+    Add(Expression, Expression),
+    Sub(Expression, Expression),
+    Mul(Expression, Expression),
+    Div(Expression, Expression),
+    AddNumber(Expression, f64),
+    SubNumber(Expression, f64),
+    MulNumber(Expression, f64),
+    DivNumber(Expression, f64),
+    Recip(Expression),
+    Square(Expression),
+    Exp(Expression),
+    Ln(Expression),
+    Sqrt(Expression),
+    Powi(Expression, i32),
+    Powf(Expression, f64),
+    Tanh(Expression),
+    Atan(Expression),
+    Sin(Expression),
+    Cos(Expression),
+    Abs(Expression),
+}
+
+const SPEED: Expression = Expression(&Node::Speed);
+
+fn node(node: Node) -> Expression {
+    Expression(Box::leak(Box::new(node)))
+}
+
+macro_rules! operators {
+    ($($trait:ident $method:ident $number:ident)*) => {$(
+        impl std::ops::$trait for Expression {
+            type Output = Self;
+            fn $method(self, other: Self) -> Self {
+                node(Node::$trait(self, other))
+            }
+        }
+        impl std::ops::$trait<f64> for Expression {
+            type Output = Self;
+            fn $method(self, c: f64) -> Self {
+                node(Node::$number(self, c))
+            }
+        }
+    )*};
+}
+operators!(Add add AddNumber  Sub sub SubNumber  Mul mul MulNumber  Div div DivNumber);
+
+impl std::ops::Neg for Expression {
+    type Output = Self;
+    fn neg(self) -> Self {
+        node(Node::Neg(self))
+    }
+}
+
+macro_rules! functions {
+    ($($name:ident $node:ident)*) => {$(
+        fn $name(self) -> Self {
+            node(Node::$node(self))
+        }
+    )*};
+}
+
+impl Expression {
+    functions!(recip Recip  square Square  exp Exp  ln Ln  sqrt Sqrt  tanh Tanh  atan Atan  sin Sin  cos Cos  abs Abs);
+    fn constant(self, c: f64) -> Self {
+        node(Node::Constant(c))
+    }
+    fn powi(self, n: i32) -> Self {
+        node(Node::Powi(self, n))
+    }
+    fn powf(self, p: f64) -> Self {
+        node(Node::Powf(self, p))
+    }
+}
+
+/// The value of an expression in one number type; the last four entries are what complex numbers write differently.
+macro_rules! evaluate {
+    ($self:ident, $s:ident, $value:ident, $constant:expr, $recip:expr, $square:expr, $abs:expr) => {
+        match *$self.0 {
+            Node::Speed => $s,
+            Node::Constant(c) => $constant(c),
+            Node::Neg(a) => -a.$value($s),
+            Node::Add(a, b) => a.$value($s) + b.$value($s),
+            Node::Sub(a, b) => a.$value($s) - b.$value($s),
+            Node::Mul(a, b) => a.$value($s) * b.$value($s),
+            Node::Div(a, b) => a.$value($s) / b.$value($s),
+            Node::AddNumber(a, c) => a.$value($s) + c,
+            Node::SubNumber(a, c) => a.$value($s) - c,
+            Node::MulNumber(a, c) => a.$value($s) * c,
+            Node::DivNumber(a, c) => a.$value($s) / c,
+            Node::Recip(a) => $recip(a.$value($s)),
+            Node::Square(a) => $square(a.$value($s)),
+            Node::Exp(a) => a.$value($s).exp(),
+            Node::Ln(a) => a.$value($s).ln(),
+            Node::Sqrt(a) => a.$value($s).sqrt(),
+            Node::Powi(a, n) => a.$value($s).powi(n),
+            Node::Powf(a, p) => a.$value($s).powf(p),
+            Node::Tanh(a) => a.$value($s).tanh(),
+            Node::Atan(a) => a.$value($s).atan(),
+            Node::Sin(a) => a.$value($s).sin(),
+            Node::Cos(a) => a.$value($s).cos(),
+            Node::Abs(a) => $abs(a.$value($s)),
+        }
+    };
+}
+
+impl Expression {
+    fn complex(self, s: Complex<f64>) -> Complex<f64> {
+        let abs = |_| panic!("|s| is not analytic");
+        evaluate!(
+            self,
+            s,
+            complex,
+            Complex::from,
+            |z: Complex<f64>| z.inv(),
+            |z| z * z,
+            abs
+        )
+    }
+}
+
+impl FrictionLaw for Expression {
+    fn static_coefficient(&self) -> f64 {
+        f64::INFINITY
+    }
+    fn kinetic<S: Scalar>(&self, s: S) -> S {
+        evaluate!(
+            self,
+            s,
+            kinetic,
+            |c| s.constant(c),
+            S::recip,
+            S::square,
+            S::abs
+        )
+    }
+}
+
+/// s_0 + t.
+fn line(base: f64) -> Inner {
+    let mut inner = [0.0; LONGEST];
+    (inner[0], inner[1]) = (base, 1.0);
+    inner
+}
+
+/// A series without a zero coefficient, |s(t) − s_0| < 0.43 for |t| ≤ 0.9.
+fn wavy(base: f64) -> Inner {
+    let mut inner: Inner = std::array::from_fn(|k| {
+        0.4 * (-0.5_f64).powi(k as i32) * (1.0 + 0.3 * (2.0 * k as f64).cos())
+    });
+    inner[0] = base;
+    inner
+}
+
+/// Asserts |actual − expected| ≤ tolerance·magnitude(k) for every order k.
+#[track_caller]
+fn assert_series(
+    actual: &[f64; ORDERS],
+    expected: impl Fn(usize) -> f64,
+    tolerance: f64,
+    magnitude: impl Fn(usize) -> f64,
+) {
+    for (k, &actual) in actual.iter().enumerate() {
+        let (expected, allowed) = (expected(k), tolerance * magnitude(k));
+        assert!(
+            (actual - expected).abs() <= allowed,
+            "order {k}: {actual:e}, not {expected:e} ± {allowed:.1e}"
+        );
+    }
+}
+
+/// 1/k!.
+fn inverse_factorial(k: usize) -> f64 {
+    (1..=k).map(|i| 1.0 / i as f64).product()
+}
+
+/// Binomial coefficient "p over k" for real p.
+fn binomial(p: f64, k: usize) -> f64 {
+    (0..k).map(|i| (p - i as f64) / (i + 1) as f64).product()
+}
+
+/// Allowed where the expected coefficients are known to all digits: a hundred roundings.
+const KNOWN: f64 = 2e-14;
+
+#[test]
+fn arithmetic_is_exact() {
+    let inner = wavy(0.75);
+    let same = |law: [f64; ORDERS], expected: &dyn Fn(usize) -> f64| {
+        assert_series(&law, expected, f64::EPSILON, |k| expected(k).abs());
+    };
+    let base = |k: usize, c: f64| if k == 0 { c } else { 0.0 };
+    same(compose(|s| s, &inner), &|k| inner[k]);
+    same(compose(|s| -s, &inner), &|k| -inner[k]);
+    same(compose(|s| s + 2.5, &inner), &|k| inner[k] + base(k, 2.5));
+    same(compose(|s| s - 0.5, &inner), &|k| inner[k] - base(k, 0.5));
+    same(compose(|s| s * -3.0, &inner), &|k| -3.0 * inner[k]);
+    same(compose(|s| s / 8.0, &inner), &|k| inner[k] / 8.0);
+    same(compose(|s| s + s, &inner), &|k| 2.0 * inner[k]);
+    same(compose(|s| s - s, &inner), &|_| 0.0);
+    same(compose(|s| s - s * 3.0, &inner), &|k| -2.0 * inner[k]);
+    same(compose(|s| s * 4.0 - 1.0 + s / 2.0, &inner), &|k| {
+        4.5 * inner[k] - base(k, 1.0)
+    });
+    same(compose(|s| s.constant(0.3), &inner), &|k| base(k, 0.3));
+    same(compose(|s| s.constant(0.25) - s, &inner), &|k| {
+        base(k, 0.25) - inner[k]
+    });
+    same(compose(|s| s.constant(2.0) * s, &inner), &|k| {
+        2.0 * inner[k]
+    });
+    same(compose(|s| s / s.constant(2.0), &inner), &|k| {
+        inner[k] / 2.0
+    });
+    same(compose(|s| s * 0.0 + 7.0, &inner), &|k| base(k, 7.0));
+    // Scaled views: nothing underflows on the way to a moderate result.
+    same(compose(|s| s * 1e-200 * 1e200, &inner), &|k| inner[k]);
+}
+
+#[test]
+fn products_and_quotients_of_polynomials_are_the_convolutions() {
+    for inner in [wavy(0.7), wavy(0.0), line(0.0), line(-1.5)] {
+        let convolution = |k: usize| (0..=k).map(|i| inner[i] * inner[k - i]).sum::<f64>();
+        let magnitude = |k: usize| {
+            (0..=k)
+                .map(|i| (inner[i] * inner[k - i]).abs())
+                .sum::<f64>()
+        };
+        for series in [
+            compose(|s| s * s, &inner),
+            compose(|s| s.square(), &inner),
+            compose(|s| s.powi(2), &inner),
+            compose(|s| s.powf(2.0), &inner),
+        ] {
+            assert_series(&series, convolution, 4.0 * f64::EPSILON, magnitude);
+        }
+        // (2s + 1)(3 − s/2) = 3 + 5.5 s − s², from two views of one row.
+        let product = compose(|s| (s * 2.0 + 1.0) * (-s / 2.0 + 3.0), &inner);
+        let expected = |k: usize| 5.5 * inner[k] - convolution(k) + if k == 0 { 3.0 } else { 0.0 };
+        assert_series(&product, expected, 4.0 * f64::EPSILON, |k| {
+            8.0 + magnitude(k)
+        });
+        // A quotient undoes a product.
+        let quotient = compose(|s| s * (s.square() + 2.0) / (s * s + 2.0), &inner);
+        assert_series(&quotient, |k| inner[k], KNOWN, |_| 2.0);
+    }
+}
+
+#[test]
+fn known_series_about_zero() {
+    let zero = line(0.0);
+    let odd = |k: usize| k % 2 == 1;
+    let alternate = |m: usize| if m.is_multiple_of(2) { 1.0 } else { -1.0 };
+    let relative = |law: [f64; ORDERS], expected: &dyn Fn(usize) -> f64| {
+        assert_series(&law, expected, KNOWN, |k| expected(k).abs());
+    };
+    relative(compose(|s| s.exp(), &zero), &inverse_factorial);
+    relative(compose(|s| (s * -3.0).exp(), &zero), &|k| {
+        inverse_factorial(k) * (-3.0_f64).powi(k as i32)
+    });
+    relative(compose(|s| s.sin(), &zero), &|k| {
+        if odd(k) {
+            alternate(k / 2) * inverse_factorial(k)
+        } else {
+            0.0
+        }
+    });
+    relative(compose(|s| s.cos(), &zero), &|k| {
+        if odd(k) {
+            0.0
+        } else {
+            alternate(k / 2) * inverse_factorial(k)
+        }
+    });
+    relative(compose(|s| s.atan(), &zero), &|k| {
+        if odd(k) {
+            alternate(k / 2) / k as f64
+        } else {
+            0.0
+        }
+    });
+    // From the poles of tanh at ±iπ/2, ±3iπ/2, ...: c_k = ±2 (2/π)^(k+1) Σ 1/(2j+1)^(k+1), Bernoulli numbers in closed form.
+    relative(compose(|s| s.tanh(), &zero), &|k| {
+        let n = k as i32 + 1;
+        let poles: f64 = (0..200_000)
+            .map(|j| f64::from(2 * j + 1).powi(-n))
+            .rev()
+            .sum();
+        match k {
+            // These sums converge slowly.
+            1 => 1.0,
+            3 => -1.0 / 3.0,
+            _ if odd(k) => alternate(k / 2) * 2.0 * std::f64::consts::FRAC_2_PI.powi(n) * poles,
+            _ => 0.0,
+        }
+    });
+    relative(compose(|s| (s + 1.0).ln(), &zero), &|k| {
+        if k == 0 {
+            0.0
+        } else {
+            -alternate(k) / k as f64
+        }
+    });
+    relative(compose(|s| (s + 1.0).recip(), &zero), &alternate);
+    relative(compose(|s| s.constant(1.0) / (s + 1.0), &zero), &alternate);
+    relative(compose(|s| (s + 1.0).sqrt(), &zero), &|k| binomial(0.5, k));
+    for p in [0.5, -0.5, 1.0 / 3.0, 2.5, -1.75, 7.3, 29.5, 1e-3] {
+        relative(compose(|s| (s + 1.0).powf(p), &zero), &|k| binomial(p, k));
+    }
+    for n in [-12, -7, -3, -2, -1, 0, 1, 2, 3, 5, 8, 13, 30] {
+        let p = f64::from(n);
+        let by_powi = compose(|s| (s + 1.0).powi(p as i32), &zero);
+        relative(by_powi, &|k| binomial(p, k));
+        assert_eq!(compose(|s| (s + 1.0).powf(p), &zero), by_powi);
+    }
+}
+
+/// Integral powers of 0 itself are exact: no division by the base.
+#[test]
+fn integral_powers_of_zero_are_exact() {
+    for n in 0..=30 {
+        let p = f64::from(n);
+        let expected: [f64; ORDERS] =
+            std::array::from_fn(|k| if k == n as usize { 1.0 } else { 0.0 });
+        assert_eq!(compose(|s| s.powi(p as i32), &line(0.0)), expected, "s^{n}");
+        assert_eq!(compose(|s| s.powf(p), &line(0.0)), expected, "s^{n}");
+    }
+    let cubed = compose(|s| s.powi(3), &wavy(0.0));
+    let product = compose(|s| s * s * s, &wavy(0.0));
+    assert_eq!(cubed[..3], [0.0; 3]);
+    assert_series(&cubed, |k| product[k], KNOWN, |_| 1.0);
+}
+
+#[test]
+fn known_series_about_other_points() {
+    for base in [1e-3, 0.3, 1.0, 2.75, 40.0] {
+        let at = line(base);
+        let power = |k: usize| base.powi(-(k as i32));
+        let ln = compose(|s| s.ln(), &at);
+        let coefficient = |k: usize| -(-1.0_f64).powi(k as i32) * power(k) / k as f64;
+        let expected = |k: usize| if k == 0 { base.ln() } else { coefficient(k) };
+        assert_series(&ln, expected, KNOWN, |k| expected(k).abs());
+        let recip = compose(|s| s.recip(), &at);
+        let expected = |k: usize| (-1.0_f64).powi(k as i32) * power(k) / base;
+        assert_series(&recip, expected, KNOWN, |k| expected(k).abs());
+        let sqrt = compose(|s| s.sqrt(), &at);
+        let expected = |k: usize| binomial(0.5, k) * base.sqrt() * power(k);
+        assert_series(&sqrt, expected, KNOWN, |k| expected(k).abs());
+        for p in [0.37, -1.21, 3.5] {
+            let powf = compose(|s| s.powf(p), &at);
+            let expected = |k: usize| binomial(p, k) * base.powf(p) * power(k);
+            assert_series(&powf, expected, KNOWN, |k| expected(k).abs());
+        }
+        let exp = compose(|s| s.exp(), &at);
+        let expected = |k: usize| base.exp() * inverse_factorial(k);
+        assert_series(&exp, expected, KNOWN, |k| expected(k).abs());
+        let quarter = |k: usize| std::f64::consts::FRAC_PI_2 * k as f64;
+        let sin = compose(|s| s.sin(), &at);
+        let expected = |k: usize| (base + quarter(k)).sin() * inverse_factorial(k);
+        assert_series(&sin, expected, KNOWN, inverse_factorial);
+        let cos = compose(|s| s.cos(), &at);
+        let expected = |k: usize| (base + quarter(k)).cos() * inverse_factorial(k);
+        assert_series(&cos, expected, KNOWN, inverse_factorial);
+        // dᵏ atan/dsᵏ = (k−1)! cosᵏφ sin k(φ + π/2), φ = atan s.
+        let phi = base.atan();
+        let atan = compose(|s| s.atan(), &at);
+        let magnitude = |k: usize| phi.cos().powi(k as i32) / k.max(1) as f64;
+        let expected = |k: usize| match k {
+            0 => phi,
+            _ => magnitude(k) * (k as f64 * (phi + std::f64::consts::FRAC_PI_2)).sin(),
+        };
+        assert_series(&atan, expected, 3.0 * KNOWN, |k| {
+            magnitude(k).max(expected(k).abs())
+        });
+    }
+}
+
+#[test]
+fn abs_takes_the_branch_of_the_base_value() {
+    for (base, sign) in [(0.3, -1.0), (1.0, 1.0), (1.5, 1.0)] {
+        let inner = wavy(base);
+        let actual = compose(|s| (s - 1.0).abs(), &inner);
+        let shifted = |k: usize| inner[k] - if k == 0 { 1.0 } else { 0.0 };
+        assert_series(
+            &actual,
+            |k| sign * shifted(k),
+            f64::EPSILON,
+            |k| shifted(k).abs(),
+        );
+    }
+    struct Branch;
+    impl FrictionLaw for Branch {
+        fn static_coefficient(&self) -> f64 {
+            1.0
+        }
+        fn kinetic<S: Scalar>(&self, s: S) -> S {
+            if s.value() < 0.5 {
+                s.exp()
+            } else {
+                s.sin() + s * s
+            }
+        }
+    }
+    let branch = |inner: &Inner| compose_in(&mut Workspace::new(), &Branch, 0, inner);
+    assert_eq!(branch(&wavy(0.4)), compose(|s| s.exp(), &wavy(0.4)));
+    assert_eq!(branch(&wavy(0.5)), compose(|s| s.sin() + s * s, &wavy(0.5)));
+}
+
+/// Radius of the circle for [`contour`].
+const RADIUS: f64 = 0.9;
+
+/// Taylor coefficients of f(s(t)) by the trapezoidal rule for Cauchy's integral on |t| = [`RADIUS`], which shares nothing with the
+/// recurrences; and the largest |f| on the circle.
+fn contour(f: impl Fn(Complex<f64>) -> Complex<f64>, inner: &Inner) -> ([f64; ORDERS], f64) {
+    const POINTS: usize = 512;
+    let mut sums = [Complex::new(0.0, 0.0); ORDERS];
+    let mut largest = 0.0_f64;
+    for j in 0..POINTS {
+        let angle = std::f64::consts::TAU * j as f64 / POINTS as f64;
+        let t = Complex::from_polar(RADIUS, angle);
+        let s = inner
+            .iter()
+            .rev()
+            .fold(Complex::new(0.0, 0.0), |sum, &c| sum * t + c);
+        let value = f(s);
+        largest = largest.max(value.norm());
+        for (k, sum) in sums.iter_mut().enumerate() {
+            *sum += value * Complex::from_polar(1.0, -angle * k as f64);
+        }
+    }
+    let coefficient = |k: usize| sums[k].re / POINTS as f64 / RADIUS.powi(k as i32);
+    (std::array::from_fn(coefficient), largest)
+}
+
+/// Compares the series of an expression with its contour integral in complex numbers.
+#[track_caller]
+fn check(inner: &Inner, law: impl Fn(Expression) -> Expression) {
+    let (expected, largest) = contour(|z| law(SPEED).complex(z), inner);
+    // Coefficients of a function below `largest` on the circle are below largest/RADIUS^k.
+    let magnitude = |k: usize| largest / RADIUS.powi(k as i32);
+    assert_series(&compose(law, inner), |k| expected[k], 1e-13, magnitude);
+}
+
+#[test]
+fn every_operation_composes_with_a_series() {
+    for inner in &[wavy(0.7), wavy(0.0), wavy(1.9), line(0.0), line(0.7)] {
+        check(inner, |s| s.exp());
+        check(inner, |s| (s * -2.0 + 0.5).exp());
+        check(inner, |s| (s * s * -1.5).exp() * 0.15 + 0.25);
+        check(inner, |s| (s + 1.5).ln());
+        check(inner, |s| (s * -0.3 + 2.0).ln());
+        check(inner, |s| (s + 1.5).sqrt());
+        check(inner, |s| (-s * 0.2 + 3.0).sqrt() * -2.0);
+        check(inner, |s| (s + 1.5).powf(-1.3));
+        check(inner, |s| (s * 0.4 + 1.5).powf(2.7));
+        check(inner, |s| s.powi(5));
+        check(inner, |s| (s * -0.5 + 3.0).powi(-4));
+        check(inner, |s| s.tanh());
+        check(inner, |s| (s * -1.5 + 1.0).tanh());
+        check(inner, |s| (s * 0.3 + 0.7).atan());
+        check(inner, |s| (s * -0.6).atan());
+        check(inner, |s| s.sin());
+        check(inner, |s| (s * 3.0 - 1.0).sin());
+        check(inner, |s| s.cos());
+        check(inner, |s| (s * -2.0 + 0.3).cos() / 3.0 - 1.0);
+        check(inner, |s| (s + 1.5).recip());
+        check(inner, |s| (s * -0.5 + 3.0).recip() * 2.0);
+        check(inner, |s| (s * 2.0 - 0.5).square());
+        check(inner, |s| s / (s * 0.5 + 1.5));
+        check(inner, |s| (s - 2.0) / (-s + 4.0) * 3.0);
+        check(inner, |s| (s * 3.0 - 2.0) * (s * 0.5 + 1.0));
+        check(inner, |s| s.exp() - s.sin() * 2.0 - s);
+    }
+}
+
+#[test]
+fn operations_on_operations() {
+    for inner in &[wavy(0.7), wavy(0.0)] {
+        check(inner, |s| (s.exp() + 1.0).ln());
+        check(inner, |s| s.sin().exp() / (s.cos() * 0.4 + 2.0));
+        check(inner, |s| ((s * s + 1.5).sqrt() * -0.5).tanh().atan());
+        check(inner, |s| {
+            (s.tanh() * 0.5 + 1.0).powf(1.7) * (s.atan() - 2.0)
+        });
+        check(inner, |s| ((s + 2.0).ln().powi(3) + 4.0).powi(-2));
+        check(inner, |s| {
+            (s.cos() - s.sin() * 0.5) * (s.cos() - s.sin() * 0.5)
+        });
+        check(inner, |s| {
+            (-(s.exp() * 0.3)).exp() - (s.exp() * 0.3 + 1.0).powf(-0.5)
+        });
+        // Friction laws that people use: Stribeck with exponent 1.5 and viscous term, regularised, rational.
+        check(inner, |s| {
+            (-(s + 0.8).powf(1.5)).exp() * 0.2 + 0.3 + s * 0.01
+        });
+        check(inner, |s| (s * 2.0).tanh() * 0.4 + s / (s * s + 2.0) * 0.1);
+    }
+}
+
+/// Asserts that two expressions have the same series.
+#[track_caller]
+fn same(inner: &Inner, laws: impl Fn(Expression) -> (Expression, Expression)) {
+    let [left, right] = [compose(|s| laws(s).0, inner), compose(|s| laws(s).1, inner)];
+    let magnitude = |k: usize| right[0].abs().max(1.0) / RADIUS.powi(k as i32);
+    assert_series(&left, |k| right[k], 1e-13, magnitude);
+}
+
+#[test]
+fn operations_agree_with_each_other() {
+    for inner in &[wavy(0.7), wavy(1.4), line(1.2), line(2.0)] {
+        same(inner, |s| (s.exp().ln(), s));
+        same(inner, |s| (s.ln().exp(), s));
+        same(inner, |s| (s.sqrt().square(), s));
+        same(inner, |s| (s.sqrt(), s.powf(0.5)));
+        same(inner, |s| (s.recip(), s.constant(1.0) / s));
+        same(inner, |s| (s.recip(), s.powi(-1)));
+        same(inner, |s| (s.recip().recip(), s));
+        same(inner, |s| (s.powi(7), s * s * s * s * s * s * s));
+        same(inner, |s| (s.powi(-3), (s * s * s).recip()));
+        for p in [0.37, -1.21, 2.5] {
+            same(inner, |s| (s.powf(p), (s.ln() * p).exp()));
+            same(inner, |s| (s.powf(p) * s.powf(-p), s.constant(1.0)));
+        }
+    }
+    for inner in &[wavy(0.7), wavy(0.0), line(0.0), line(0.3)] {
+        let one = SPEED.constant(1.0);
+        same(inner, |s| (s.sin().square() + s.cos().square(), one));
+        same(inner, |s| (s.exp() * (-s).exp(), one));
+        same(inner, |s| {
+            (s.tanh(), ((s * 2.0).exp() - 1.0) / ((s * 2.0).exp() + 1.0))
+        });
+        same(inner, |s| ((s * 2.0).sin(), s.sin() * s.cos() * 2.0));
+        same(inner, |s| {
+            ((s * 2.0).cos(), s.cos().square() - s.sin().square())
+        });
+        same(inner, |s| ((s + 1.0).abs(), s + 1.0));
+        // tan(atan s) = s and sin(2 atan s) = 2s/(1 + s²).
+        same(inner, |s| (s.atan().sin() / s.atan().cos(), s));
+        same(inner, |s| {
+            ((s.atan() * 2.0).sin(), s * 2.0 / (s.square() + 1.0))
+        });
+    }
+}
+
+/// More operations than there are rows kept in place, and every number of rows around that limit.
+#[test]
+fn a_law_may_have_any_number_of_operations() {
+    for inner in &[wavy(0.7), wavy(0.0)] {
+        // 14 rounds of sin, +, tanh and a product: 56 operations that own rows.
+        check(inner, |s| {
+            (0..14).fold(s, |x, _| {
+                ((x * 0.7).sin() * 0.3 + s * 0.5).tanh() * (s * 0.5 + 1.0)
+            })
+        });
+    }
+    for factors in 1..=60 {
+        let power = |s| (1..factors).fold(s + 1.0, |product, _| product * (s + 1.0));
+        let expected = |k: usize| binomial(f64::from(factors), k);
+        assert_series(&compose(power, &line(0.0)), expected, KNOWN, expected);
+    }
+}
+
+/// One workspace serves pieces with different sequences of operations: nothing old leaks into a new series.
+#[test]
+fn a_workspace_keeps_nothing_between_series() {
+    struct Pieces;
+    impl FrictionLaw for Pieces {
+        fn static_coefficient(&self) -> f64 {
+            1.0
+        }
+        fn kinetic<S: Scalar>(&self, speed: S) -> S {
+            self.kinetic_on(0, speed)
+        }
+        fn kinetic_on<S: Scalar>(&self, piece: usize, s: S) -> S {
+            match piece {
+                0 => s.exp(),
+                1 => (s.tanh() * s.atan() + (s + 2.0).powf(0.7)).ln() / (s.cos() + 3.0).sqrt(),
+                2 => s * s + s.sin(),
+                _ => s.powi(9) - s.powi(-5) + (s * s + 1.0).recip().tanh().sin().exp(),
+            }
+        }
+    }
+    let mut workspace = Workspace::new();
+    for round in 0..3 {
+        for piece in [0, 3, 1, 0, 2, 1, 3, 2] {
+            let inner = wavy(0.5 + 0.3 * f64::from(round));
+            let used = compose_in(&mut workspace, &Pieces, piece, &inner);
+            let fresh = compose_in(&mut Workspace::new(), &Pieces, piece, &inner);
+            assert_eq!(used, fresh, "piece {piece}");
+        }
+    }
+}
+
+/// `derivative` to order 30 against closed forms, and `slope`, `curvature` as its first two.
+#[test]
+fn derivatives_of_laws_to_order_thirty() {
+    // dⁿ exp(−s²) = (−1)ⁿ Hₙ(s) exp(−s²), Hₙ₊₁ = 2s Hₙ − 2n Hₙ₋₁ (Abramowitz and Stegun 22.7.13).
+    let gaussian = (SPEED.square() * -1.0).exp();
+    for s in [0.0, 0.25, 1.0, 2.0] {
+        let (mut before, mut hermite, mut magnitude) = (0.0, 1.0_f64, 1.0_f64);
+        let mut magnitude_before = 0.0;
+        for n in 0..=30 {
+            let expected = hermite * (-s * s).exp() * (-1.0_f64).powi(n);
+            let actual = gaussian.derivative(n as usize, s);
+            let allowed = 1e-13 * magnitude * (-s * s).exp();
+            assert!(
+                (actual - expected).abs() <= allowed,
+                "n = {n}, s = {s}: {actual:e} {expected:e}"
+            );
+            let twice = 2.0 * f64::from(n);
+            (before, hermite) = (hermite, 2.0 * s * hermite - twice * before);
+            (magnitude_before, magnitude) =
+                (magnitude, 2.0 * s * magnitude + twice * magnitude_before);
+        }
+        assert_eq!(gaussian.slope(s), gaussian.derivative(1, s));
+        assert_eq!(gaussian.curvature(s), gaussian.derivative(2, s));
+        assert!(gaussian.derivative(31, s).is_nan());
+        assert!(gaussian.derivative(usize::MAX, s).is_nan());
+    }
+    let cubic = crate::Polynomial::new(0.4, 0.25, 0.5).unwrap();
+    let derivatives: Vec<f64> = (0..=5).map(|n| cubic.derivative(n, 0.0)).collect();
+    approx::assert_relative_eq!(
+        derivatives[..],
+        [0.4, -0.45, 0.0, 3.6, 0.0, 0.0][..],
+        epsilon = 1e-15
+    );
+}
+
+/// On `f64` every method is the number's own.
+#[test]
+fn f64_is_itself() {
+    fn all<S: Scalar>(s: S) -> [f64; 17] {
+        [
+            s.constant(0.1),
+            -s,
+            s + s,
+            s - s * 2.0,
+            s * s,
+            s.constant(1.0) / s,
+            s.recip(),
+            s.square(),
+            s.exp(),
+            s.ln(),
+            s.sqrt(),
+            s.powi(-3),
+            s.powf(1.7),
+            s.tanh(),
+            s.atan(),
+            s.sin(),
+            s.cos(),
+        ]
+        .map(Scalar::value)
+    }
+    for x in [1e-300_f64, 0.3, 1.0, 7.25, 300.0] {
+        let expected = [
+            0.1,
+            -x,
+            x + x,
+            x - x * 2.0,
+            x * x,
+            1.0 / x,
+            x.recip(),
+            x * x,
+            x.exp(),
+            x.ln(),
+            x.sqrt(),
+            x.powi(-3),
+            x.powf(1.7),
+            x.tanh(),
+            x.atan(),
+            x.sin(),
+            x.cos(),
+        ];
+        assert_eq!(all(x), expected);
+    }
+    assert_eq!(Scalar::abs(-2.0), 2.0);
+}

@@ -1,0 +1,362 @@
+//! Physical units in and out, for any law.
+
+use crate::{Error, FrictionLaw, MassOnBelt, Scalar};
+
+/// The physical parameters of a mass on a belt, in SI units.
+///
+/// ```text
+/// M X'' + C X' + K X + N μ(X' − V) = 0
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
+pub struct Physical {
+    /// Mass M > 0, kg.
+    pub mass: f64,
+    /// Stiffness K > 0 of the spring, N/m.
+    pub stiffness: f64,
+    /// Damping constant C ≥ 0 of the damper, N·s/m.
+    pub damping: f64,
+    /// Normal force N > 0 between mass and belt, N; M·9.81 m/s² for a mass that lies on a level belt.
+    pub normal_force: f64,
+    /// Belt velocity V, m/s; its sign is the direction.
+    pub belt_velocity: f64,
+}
+
+/// The way from physical units to the dimensionless system, and back.
+///
+/// ```text
+/// ω0 = √(K/M),   τ = ω0 t,   u = X/L,   v = X'/(ω0 L)
+/// β = C/(2√(K M)),   γ² = N/(K L),   v_b = V/(ω0 L)
+/// ```
+///
+/// The length L is free, and nothing physical depends on it. Unless set it is N/K, by which the normal force would stretch the spring,
+/// so that γ² = 1.
+///
+/// The methods are named for what they return: [`seconds`](Self::seconds) of a dimensionless time, [`time`](Self::time) of a number of
+/// seconds.
+///
+/// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and Stability Analysis*,
+/// Eq. 1; Thomsen and Fidlin, *Int. J. Non-Linear Mech.* 38 (2003) 389-403.
+///
+/// ```
+/// use stick_slip::{Physical, Scaling, State, Stribeck};
+///
+/// let scaling = Scaling::new(Physical {
+///     mass: 2.0,           // kg
+///     stiffness: 5000.0,   // N/m
+///     damping: 4.0,        // N·s/m
+///     normal_force: 20.0,  // N
+///     belt_velocity: 0.05, // m/s
+/// })?;
+/// assert_eq!(scaling.angular_frequency(), 50.0); // rad/s
+/// assert_eq!(scaling.length(), 0.004); // m
+///
+/// // The law is given in m/s.
+/// let system = scaling.system(Stribeck::new(0.4, 0.25, 0.1, 1)?)?;
+/// assert_eq!(system.load(), 1.0);
+/// assert!((system.damping() - 0.02).abs() < 1e-17);
+/// assert!((system.belt_velocity() - 0.25).abs() < 1e-16);
+///
+/// let release = system.release_state().unwrap();
+/// // (N μ_s − C V)/K
+/// assert!((scaling.metres(release.displacement) - (8.0 - 0.2) / 5000.0).abs() < 1e-17);
+/// assert_eq!(scaling.metres_per_second(release.velocity), 0.05);
+///
+/// let motion = system.simulate(State::new(0.0, 0.0), scaling.time(1.0))?;
+/// let milliseconds = 1e3 * scaling.seconds(motion.events()[0].time);
+/// assert!((milliseconds - 15.0966).abs() < 1e-4);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "crate::raw::Scaling")
+)]
+pub struct Scaling {
+    physical: Physical,
+    length: f64,
+    /// ω0.
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
+    angular_frequency: f64,
+}
+
+impl Scaling {
+    /// The scaling with the length L = N/K.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless all parameters are finite and in the ranges given at [`Physical`], and ω0, N/K and the
+    /// dimensionless parameters neither overflow nor underflow.
+    pub fn new(physical: Physical) -> Result<Self, Error> {
+        let Physical {
+            mass,
+            stiffness,
+            damping,
+            normal_force,
+            belt_velocity,
+        } = physical;
+        Error::check("mass", mass, mass > 0.0, "mass > 0")?;
+        Error::check("stiffness", stiffness, stiffness > 0.0, "stiffness > 0")?;
+        Error::check("damping", damping, damping >= 0.0, "damping ≥ 0")?;
+        Error::check(
+            "normal_force",
+            normal_force,
+            normal_force > 0.0,
+            "normal_force > 0",
+        )?;
+        Error::check(
+            "belt_velocity",
+            belt_velocity,
+            true,
+            "any direction and size",
+        )?;
+        let angular_frequency = (stiffness / mass).sqrt();
+        Error::check(
+            "stiffness",
+            stiffness,
+            angular_frequency.is_normal(),
+            "stiffness/mass within the range of f64",
+        )?;
+        Self {
+            physical,
+            length: f64::NAN,
+            angular_frequency,
+        }
+        .with_length(normal_force / stiffness)
+    }
+
+    /// The same scaling with another length L, in m.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless L is finite and > 0, and ω0 L and the dimensionless parameters neither overflow nor underflow.
+    pub fn with_length(mut self, length: f64) -> Result<Self, Error> {
+        self.length = length;
+        let [damping, load, belt_velocity] = self.dimensionless();
+        let ordinary = length.is_normal()
+            && self.velocity_unit().is_normal()
+            && load.is_normal()
+            && damping.is_finite()
+            && belt_velocity.is_finite();
+        Error::check(
+            "length",
+            length,
+            length > 0.0 && ordinary,
+            "length > 0, and the dimensionless parameters within the range of f64",
+        )?;
+        Ok(self)
+    }
+
+    /// The parameters it was made from.
+    pub fn physical(&self) -> Physical {
+        self.physical
+    }
+
+    /// Length L, m.
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// Angular frequency ω0 = √(K/M) of the undamped mass on its spring, rad/s.
+    pub fn angular_frequency(&self) -> f64 {
+        self.angular_frequency
+    }
+
+    /// ω0 L, m/s.
+    fn velocity_unit(&self) -> f64 {
+        self.angular_frequency * self.length
+    }
+
+    /// K L, N.
+    fn force_unit(&self) -> f64 {
+        self.physical.stiffness * self.length
+    }
+
+    /// β, γ² and v_b.
+    fn dimensionless(&self) -> [f64; 3] {
+        let Physical {
+            mass,
+            damping,
+            normal_force,
+            stiffness,
+            belt_velocity,
+        } = self.physical;
+        [
+            // C/(2√(KM)) = C/(2 M ω0)
+            0.5 * damping / mass / self.angular_frequency,
+            // In this order, so that it is exactly 1 for L = N/K.
+            normal_force / stiffness / self.length,
+            belt_velocity / self.velocity_unit(),
+        ]
+    }
+
+    /// The dimensionless system, with a law given in physical speeds, m/s.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`MassOnBelt::new`] and its `with_` methods. A speed or a breakpoint in them is dimensionless: see
+    /// [`metres_per_second`](Self::metres_per_second).
+    pub fn system<L: FrictionLaw>(&self, law: L) -> Result<MassOnBelt<Scaled<L>>, Error> {
+        let [damping, load, belt_velocity] = self.dimensionless();
+        MassOnBelt::new(self.law(law), belt_velocity)?
+            .with_damping(damping)?
+            .with_load(load)
+    }
+
+    /// A law given in physical speeds, m/s, as one in dimensionless speeds.
+    pub fn law<L: FrictionLaw>(&self, law: L) -> Scaled<L> {
+        Scaled {
+            law,
+            velocity_unit: self.velocity_unit(),
+        }
+    }
+
+    /// Time in seconds, t = τ/ω0, of a dimensionless time or period.
+    pub fn seconds(&self, time: f64) -> f64 {
+        time / self.angular_frequency
+    }
+
+    /// Dimensionless time τ = ω0 t of a time in seconds.
+    pub fn time(&self, seconds: f64) -> f64 {
+        seconds * self.angular_frequency
+    }
+
+    /// Displacement in metres, X = L u, of a dimensionless displacement or amplitude.
+    pub fn metres(&self, displacement: f64) -> f64 {
+        displacement * self.length
+    }
+
+    /// Dimensionless displacement u = X/L of one in metres.
+    pub fn displacement(&self, metres: f64) -> f64 {
+        metres / self.length
+    }
+
+    /// Velocity in metres per second, X' = ω0 L v, of a dimensionless velocity or sliding speed.
+    pub fn metres_per_second(&self, velocity: f64) -> f64 {
+        velocity * self.velocity_unit()
+    }
+
+    /// Dimensionless velocity v = X'/(ω0 L) of one in metres per second.
+    pub fn velocity(&self, metres_per_second: f64) -> f64 {
+        metres_per_second / self.velocity_unit()
+    }
+
+    /// Frequency in hertz, f = ω0 ω/2π, of a dimensionless **angular** frequency ω = 2π/T; ω = 1 is the undamped mass on its spring.
+    ///
+    /// ```
+    /// # use stick_slip::{Physical, Scaling};
+    /// # let scaling = Scaling::new(Physical {
+    /// #     mass: 2.0, stiffness: 5000.0, damping: 4.0, normal_force: 20.0, belt_velocity: 0.05,
+    /// # })?;
+    /// assert!((scaling.hertz(1.0) - 7.957747154594767).abs() < 1e-14);
+    /// // The same from a period.
+    /// assert!((1.0 / scaling.seconds(std::f64::consts::TAU) - scaling.hertz(1.0)).abs() < 1e-14);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn hertz(&self, frequency: f64) -> f64 {
+        frequency * self.angular_frequency / std::f64::consts::TAU
+    }
+
+    /// Dimensionless angular frequency ω = 2πf/ω0 of a frequency in hertz.
+    pub fn frequency(&self, hertz: f64) -> f64 {
+        hertz * std::f64::consts::TAU / self.angular_frequency
+    }
+
+    /// Force in newtons, K L times a dimensionless force such as [`MassOnBelt::friction_force`].
+    pub fn newtons(&self, force: f64) -> f64 {
+        force * self.force_unit()
+    }
+
+    /// Dimensionless force of one in newtons.
+    pub fn force(&self, newtons: f64) -> f64 {
+        newtons / self.force_unit()
+    }
+}
+
+/// A friction law given in physical speeds, as one in dimensionless speeds.
+///
+/// ```text
+/// μ̂(s) = μ̂_physical(ω0 L s)
+/// ```
+///
+/// Breakpoints and pieces are those of the law inside, at speeds divided by ω0 L. Made by [`Scaling::system`] and [`Scaling::law`].
+///
+/// ```
+/// use stick_slip::{FrictionLaw, Physical, Scaling, Tabulated};
+///
+/// let scaling = Scaling::new(Physical {
+///     mass: 2.0, stiffness: 5000.0, damping: 4.0, normal_force: 20.0, belt_velocity: 0.05,
+/// })?;
+/// // Measured at 0, 0.1 and 0.3 m/s; ω0 L is 0.2 m/s.
+/// let law = scaling.law(Tabulated::new([(0.0, 0.4), (0.1, 0.3), (0.3, 0.25)])?);
+/// assert_eq!(law.kinetic(0.5), 0.3);
+/// let speeds: Vec<f64> = law.breakpoints().map(|speed| scaling.metres_per_second(speed)).collect();
+/// assert_eq!(speeds, [0.1, 0.3]);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "crate::raw::Scaled<L>"),
+    serde(bound(deserialize = "L: FrictionLaw + serde::Deserialize<'de>"))
+)]
+pub struct Scaled<L> {
+    law: L,
+    velocity_unit: f64,
+}
+
+impl<L: FrictionLaw> Scaled<L> {
+    /// The law given, with the physical speed ω0 L, in m/s, of the dimensionless speed 1.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless the unit is finite and > 0.
+    pub fn new(law: L, velocity_unit: f64) -> Result<Self, Error> {
+        Error::check(
+            "velocity_unit",
+            velocity_unit,
+            velocity_unit > 0.0,
+            "velocity_unit > 0",
+        )?;
+        Ok(Self { law, velocity_unit })
+    }
+}
+
+impl<L> Scaled<L> {
+    /// The law in physical speeds.
+    pub fn law(&self) -> &L {
+        &self.law
+    }
+
+    /// Physical speed ω0 L of the dimensionless speed 1, m/s.
+    pub fn velocity_unit(&self) -> f64 {
+        self.velocity_unit
+    }
+}
+
+impl<L: FrictionLaw> FrictionLaw for Scaled<L> {
+    fn static_coefficient(&self) -> f64 {
+        self.law.static_coefficient()
+    }
+
+    #[inline(always)]
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        self.law.kinetic(speed * self.velocity_unit)
+    }
+
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        let unit = self.velocity_unit;
+        self.law.breakpoints().map(move |speed| speed / unit)
+    }
+
+    #[inline(always)]
+    fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
+        self.law.kinetic_on(piece, speed * self.velocity_unit)
+    }
+}

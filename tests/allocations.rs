@@ -1,0 +1,150 @@
+//! A flow allocates nothing after its first step, whatever the law.
+//!
+//! Only an allocator of its own can count, and the trait of allocators is unsafe: this one file may write `unsafe`.
+#![allow(unsafe_code)]
+
+mod common;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use common::{Decay, Leine, Table, paper};
+use stick_slip::{Coulomb, Exponential, FrictionLaw, Integrator, MassOnBelt, Scalar, State};
+
+/// Counts what this thread asks for; other threads of the test runner do not disturb.
+struct Counting;
+
+thread_local! {
+    static CALLS: Cell<usize> = const { Cell::new(0) };
+}
+
+fn count() {
+    CALLS.with(|calls| calls.set(calls.get() + 1));
+}
+
+// SAFETY: every call is passed on to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: the caller keeps the contract of `alloc`.
+        unsafe { System.alloc(layout) }
+    }
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        count();
+        // SAFETY: the caller keeps the contract of `dealloc`.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count();
+        // SAFETY: the caller keeps the contract of `realloc`.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Far more operations than the crate keeps rows for in place: each round is eight.
+#[derive(Debug)]
+struct Long;
+
+impl FrictionLaw for Long {
+    fn static_coefficient(&self) -> f64 {
+        0.5
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        let mut fall = speed;
+        for _ in 0..5 {
+            fall = (fall.tanh() + speed * speed).sin().atan() * (speed.cos() + 2.0) * 0.3;
+        }
+        -(fall * 0.1) + 0.5
+    }
+}
+
+/// Calls of the allocator while a flow takes `n` steps, after `before` first steps.
+fn calls<L: FrictionLaw>(system: &MassOnBelt<L>, before: usize, n: usize) -> usize {
+    let mut flow = Integrator::new()
+        .flow(system, State::new(0.0, 0.0))
+        .unwrap();
+    for _ in 0..before {
+        flow.next().unwrap().unwrap();
+    }
+    let start = CALLS.get();
+    let mut events = 0;
+    for _ in 0..n {
+        events += usize::from(flow.next().unwrap().unwrap().event().is_some());
+    }
+    let calls = CALLS.get() - start;
+    assert!(events > 20, "{events} events: the motion sticks and slips");
+    calls
+}
+
+#[test]
+fn the_counter_counts() {
+    let start = CALLS.get();
+    drop(std::hint::black_box(vec![1.0_f64; 100]));
+    assert_eq!(CALLS.get() - start, 2);
+}
+
+#[test]
+fn a_flow_allocates_nothing_after_its_first_step() {
+    const STEPS: usize = 2000;
+    assert_eq!(calls(&paper(0.2), 1, STEPS), 0);
+    let exponential = Exponential::new(0.4, 0.25, 0.05).unwrap();
+    assert_eq!(
+        calls(&MassOnBelt::new(exponential, 0.2).unwrap(), 1, STEPS),
+        0
+    );
+    let coulomb = Coulomb::new(0.4, 0.25).unwrap();
+    assert_eq!(calls(&MassOnBelt::new(coulomb, 0.2).unwrap(), 1, STEPS), 0);
+    let leine = Leine {
+        static_coefficient: 1.0,
+        decay: 3.0,
+    };
+    assert_eq!(calls(&MassOnBelt::new(leine, 0.2).unwrap(), 1, STEPS), 0);
+    let decay = Decay {
+        static_coefficient: 0.6,
+        kinetic_coefficient: 0.3,
+        velocity: 0.1,
+    };
+    assert_eq!(calls(&MassOnBelt::new(decay, 0.3).unwrap(), 1, STEPS), 0);
+    assert_eq!(calls(&MassOnBelt::new(Long, 0.1).unwrap(), 1, STEPS), 0);
+    let table = Table {
+        static_coefficient: 0.5,
+        points: vec![
+            (0.0, 0.45),
+            (0.125, 0.3),
+            (0.375, 0.25),
+            (0.75, 0.35),
+            (1.0, 0.2),
+            (2.0, 0.6),
+        ],
+    };
+    assert_eq!(calls(&MassOnBelt::new(table, 0.2).unwrap(), 1, STEPS), 0);
+}
+
+/// A law whose pieces differ in length may grow its memory when a piece is first entered, and never again.
+#[test]
+fn a_law_with_pieces_of_different_length_stops_allocating() {
+    #[derive(Debug)]
+    struct Pieces;
+    impl FrictionLaw for Pieces {
+        fn static_coefficient(&self) -> f64 {
+            0.5
+        }
+        fn kinetic<S: Scalar>(&self, speed: S) -> S {
+            self.kinetic_on(usize::from(speed.value() >= 0.125), speed)
+        }
+        fn breakpoints(&self) -> impl Iterator<Item = f64> {
+            std::iter::once(0.125)
+        }
+        fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
+            match piece {
+                0 => -speed + 0.5,
+                _ => Long.kinetic(speed) - Long.kinetic(0.125) + 0.375,
+            }
+        }
+    }
+    let system = MassOnBelt::new(Pieces, 0.2).unwrap();
+    assert_eq!(calls(&system, 100, 2000), 0);
+}

@@ -1,0 +1,702 @@
+//! The formulas against their reference values, in degenerate cases, mirrored, and against what the source paper prints.
+
+mod common;
+
+use std::collections::BTreeSet;
+use std::f64::consts::{E, PI, TAU};
+
+use common::{Leine, Table, list, number, paper, text};
+use proptest::prelude::*;
+use serde_json::Value;
+use stick_slip::analysis::averaging::{cycles, drift};
+use stick_slip::analysis::coulomb::{
+    FreeVibration, largest_stick_slip_velocity, least_damping, tangential_slip,
+};
+use stick_slip::analysis::design::{self, QuietLaw};
+use stick_slip::analysis::exponential::hopf_velocities;
+use stick_slip::analysis::{PureSlip, Regime, StickSlip, equilibrium, regime};
+use stick_slip::{
+    Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Stability, State,
+};
+
+fn cases(file: &str, kind: &str) -> Vec<Value> {
+    let all: Value = serde_json::from_str(match file {
+        "asymptotics" => include_str!("data/asymptotics.json"),
+        _ => include_str!("data/bifurcations.json"),
+    })
+    .unwrap();
+    let of_kind = |case: &&Value| text(&case["kind"]) == kind;
+    let cases: Vec<Value> = list(&all["cases"])
+        .iter()
+        .filter(of_kind)
+        .cloned()
+        .collect();
+    assert!(!cases.is_empty(), "{kind}");
+    cases
+}
+
+fn polynomial(case: &Value) -> MassOnBelt<Polynomial> {
+    let parameter = |name: &str| number(&case["law_params"][name]);
+    let law = Polynomial::new(parameter("mus"), parameter("mum"), parameter("vm")).unwrap();
+    let v_b = case.get("v_b").map_or(1e-3, number);
+    MassOnBelt::new(law, v_b)
+        .and_then(|system| system.with_damping(number(&case["beta"])))
+        .and_then(|system| system.with_load(number(&case["gamma2"])))
+        .unwrap()
+}
+
+fn check(id: &str, name: &str, value: f64, expected: f64) {
+    let error = (value - expected).abs() / expected.abs().max(1.0);
+    assert!(
+        error <= 1e-13,
+        "{id}: {name} = {value}, expected {expected}"
+    );
+}
+
+/// Checks every predicted value of a case, none left out.
+fn check_all(case: &Value, values: &[(&str, f64)]) {
+    let id = text(&case["id"]);
+    let formulas = case["formulas"].as_object().unwrap();
+    let (named, given): (BTreeSet<&str>, BTreeSet<&str>) = (
+        values.iter().map(|(name, _)| *name).collect(),
+        formulas.keys().map(String::as_str).collect(),
+    );
+    assert_eq!(named, given, "{id}");
+    for (name, value) in values {
+        check(id, name, *value, number(&formulas[*name]));
+    }
+}
+
+#[test]
+fn stick_slip_formulas_meet_their_reference_values() {
+    for case in cases("asymptotics", "stick_slip_asymptotics") {
+        let system = polynomial(&case);
+        let formulas = StickSlip::new(&system).unwrap();
+        let (first, second) = (
+            formulas.first_order().unwrap(),
+            formulas.second_order().unwrap(),
+        );
+        check(
+            text(&case["id"]),
+            "ubar",
+            equilibrium(&system).unwrap().displacement,
+            number(&case["ubar"]),
+        );
+        check_all(
+            &case,
+            &[
+                ("kappa", formulas.kappa()),
+                ("A1_paper", formulas.amplitude()),
+                ("T_paper", formulas.period()),
+                ("z_max_L1", first.z_max),
+                ("z_min_L1", first.z_min),
+                ("v_min_L1", first.v_min),
+                ("u_amp_L1", 0.5 * (first.u_max - first.u_min)),
+                ("q0", first.return_angle),
+                ("stick_L1", first.stick),
+                ("slip_L1", first.slip),
+                ("T_L1", first.period),
+                ("z_max_L2", second.z_max),
+                ("z_min_L2", second.z_min),
+                ("v_min_L2", second.v_min),
+                ("W_L2", second.growth),
+                ("delta_L2", second.return_angle),
+                ("stick_L2", second.stick),
+                ("slip_L2", second.slip),
+                ("T_L2", second.period),
+            ],
+        );
+    }
+}
+
+#[test]
+fn pure_slip_formulas_meet_their_reference_values() {
+    for case in cases("asymptotics", "pure_slip_asymptotics") {
+        let formulas = PureSlip::new(&polynomial(&case)).unwrap();
+        let [first, second, third, fourth] = [
+            formulas.first_order(),
+            formulas.second_order(),
+            formulas.third_order(),
+            formulas.fourth_order(),
+        ]
+        .map(Option::unwrap);
+        check_all(
+            &case,
+            &[
+                ("A0", formulas.amplitude().unwrap()),
+                ("z_max_L1", first.z_max),
+                ("z_min_L1", first.z_min),
+                ("u_amp_L2", second.amplitude),
+                ("v_max_L2", second.v_max),
+                ("v_min_L2", second.v_min),
+                ("z_max_L2", second.z_max),
+                ("z_min_L2", second.z_min),
+                ("mean_L1", first.z_mean),
+                ("mean_L3", third.z_mean),
+                ("second_harmonic", second.harmonics[1]),
+                ("first_harmonic_L2", second.harmonics[0]),
+                ("third_harmonic", second.harmonics[2]),
+                ("omega_L2", second.frequency),
+                ("T_L2", second.period),
+                ("T_L4", fourth.period),
+                ("multiplier_L1", first.multiplier),
+                ("multiplier_L3", third.multiplier),
+            ],
+        );
+    }
+}
+
+#[test]
+fn crossing_cycles_meet_their_reference_values() {
+    for case in cases("asymptotics", "crossing_asymptotics") {
+        let found = cycles(&polynomial(&case)).unwrap();
+        assert_eq!(found.len(), 1);
+        assert!(found[0].is_valid() && found[0].is_stable());
+        check_all(
+            &case,
+            &[
+                ("A", found[0].amplitude()),
+                ("half_angle", 0.5 * found[0].leading_duration()),
+                ("multiplier", found[0].multiplier()),
+            ],
+        );
+    }
+}
+
+#[test]
+fn bifurcation_velocities_that_are_formulas_meet_their_reference_values() {
+    for case in cases("bifurcations", "poly_grazing") {
+        let (id, formulas) = (
+            text(&case["id"]),
+            PureSlip::new(&polynomial(&case)).unwrap(),
+        );
+        let expect = |name: &str, value: f64| check(id, name, value, number(&case[name]));
+        expect("eta", formulas.eta());
+        expect("v_b1", formulas.onset_velocity().unwrap());
+        expect("v_grazing_averaging", formulas.stick_velocity().unwrap());
+        expect(
+            "v_grazing_second_order",
+            formulas.grazing_velocity().unwrap(),
+        );
+    }
+    let with_folds = cases("bifurcations", "exp_pure_slip_fold");
+    for case in cases("bifurcations", "exp_hopf_and_grazing")
+        .iter()
+        .chain(&with_folds)
+    {
+        let parameter = |name: &str| number(&case["law_params"][name]);
+        let law = Exponential::new(parameter("mus"), parameter("muk"), parameter("vs")).unwrap();
+        let system = MassOnBelt::new(law, 0.1)
+            .and_then(|system| system.with_damping(number(&case["beta"])))
+            .and_then(|system| system.with_load(number(&case["gamma2"])))
+            .unwrap();
+        let [low, high] = hopf_velocities(&system).unwrap();
+        let id = text(&case["id"]);
+        // Relative, for v_low of these cases goes down to 1.6e-4.
+        if let Some(expected) = case.get("v_hopf_low").map(number) {
+            assert!((low.velocity() / expected - 1.0).abs() < 2e-15, "{id}");
+        }
+        assert!(
+            (high.velocity() / number(&case["v_hopf_high"]) - 1.0).abs() < 2e-15,
+            "{id}"
+        );
+        for point in [low, high] {
+            assert_eq!(
+                point.is_supercritical(),
+                law.derivative(3, point.velocity()) > 0.0,
+                "{id}"
+            );
+        }
+        assert!(low.is_supercritical());
+    }
+    for case in cases("bifurcations", "coulomb_vmax") {
+        let id = text(&case["id"]);
+        let law = Coulomb::new(
+            number(&case["law_params"]["mus"]),
+            number(&case["law_params"]["muk"]),
+        )
+        .unwrap();
+        let beta = number(&case["beta"]);
+        let system = MassOnBelt::new(law, 0.1)
+            .and_then(|system| system.with_damping(beta))
+            .and_then(|system| system.with_load(number(&case["gamma2"])))
+            .unwrap();
+        let slip = tangential_slip(beta).unwrap();
+        check(id, "s_star", slip.duration, number(&case["s_star"]));
+        check(id, "Lambda", slip.velocity_factor, number(&case["Lambda"]));
+        let largest = largest_stick_slip_velocity(&system);
+        check(
+            id,
+            "v_stick_slip_max",
+            largest,
+            number(&case["v_stick_slip_max"]),
+        );
+        // The same relation, solved for β.
+        let least = least_damping(&system.with_belt_velocity(-largest).unwrap()).unwrap();
+        assert!((least / beta - 1.0).abs() < 1e-13, "{id}");
+    }
+}
+
+// What the source paper prints wrongly, as far as it can be contradicted without a motion.
+
+#[test]
+fn misprint_eq_2_stick_condition_has_gamma_squared_and_two_sides() {
+    let system = paper(0.2).with_load(2.0).unwrap();
+    let [low, high] = system.stick_limits();
+    // Printed: 2βv_b + u ≤ μ_s. At its limit the mass is well inside the band, and far below it, outside.
+    let printed = 0.4 - 2.0 * 0.05 * 0.2;
+    assert!(low < printed && printed < high);
+    assert_eq!(system.acceleration(State::new(printed, 0.2)), 0.0);
+    assert!(system.acceleration(State::new(-3.0, 0.2)) > 0.0);
+}
+
+#[test]
+fn misprint_eq_7_equilibrium_is_friction_at_the_belt_velocity() {
+    let system = paper(0.2);
+    let displacement = equilibrium(&system).unwrap().displacement;
+    assert_eq!(displacement, system.load() * system.law().coefficient(0.2));
+    assert_eq!(system.acceleration(State::new(displacement, 0.0)), 0.0);
+    // Printed: ū = γ²μ(v_r). At rest v_r = −v_b, which is the opposite sign.
+    let printed = system.load() * system.law().coefficient(0.0 - 0.2);
+    assert!(system.acceleration(State::new(printed, 0.0)) > 0.6);
+}
+
+#[test]
+fn misprint_eq_10b_h2_has_one_power_of_the_belt_velocity() {
+    let system = paper(0.4);
+    let formulas = PureSlip::new(&system).unwrap();
+    // h(y) at y = ±0.1, from the law itself; the even part is h2 y².
+    let h = |y: f64| {
+        let mu = |v_r: f64| system.law().coefficient(v_r);
+        2.0 * system.damping() * y + system.load() * (mu(y - 0.4) - mu(-0.4))
+    };
+    let even = 0.5 * (h(0.1) + h(-0.1)) / 0.01;
+    assert!((formulas.h2() - even).abs() < 1e-13);
+    let printed = -formulas.eta() * (0.4_f64 / 0.5).powi(2);
+    assert!((printed - even).abs() > 0.4);
+    for y in [-0.3, -0.1, 0.2, 0.399] {
+        let cubic = ((formulas.h3() * y + formulas.h2()) * y + formulas.h1()) * y;
+        assert!((cubic - h(y)).abs() < 1e-15);
+    }
+}
+
+#[test]
+fn misprint_section_4_1_1_pure_slip_is_a_condition_on_the_relative_velocity() {
+    // Printed: ż < 0 all the time. The velocity of a periodic motion has both signs; it stays below v_b.
+    let cycle = PureSlip::new(&paper(0.4)).unwrap().fourth_order().unwrap();
+    assert!(cycle.v_min < 0.0 && 0.0 < cycle.v_max && cycle.v_max < 0.4);
+}
+
+#[test]
+fn misprint_eq_13_amplitude_has_4_over_3() {
+    let system = paper(0.42);
+    let formulas = PureSlip::new(&system).unwrap();
+    let ratio = -formulas.h1() / formulas.h3();
+    let (corrected, printed) = ((4.0 / 3.0 * ratio).sqrt(), (0.75 * ratio).sqrt());
+    assert!((formulas.amplitude().unwrap() - corrected).abs() < 1e-15);
+    // The averaged motion neither grows nor decays at the one, and grows at the other.
+    assert!(drift(&system, corrected).unwrap().abs() < 1e-17);
+    assert!(drift(&system, printed).unwrap() > 1e-3);
+}
+
+#[test]
+fn misprint_v_b0_is_below_v_b1() {
+    let formulas = PureSlip::new(&paper(0.4)).unwrap();
+    let (v_b0, v_b1) = (
+        formulas.stick_velocity().unwrap(),
+        formulas.onset_velocity().unwrap(),
+    );
+    assert!(
+        (4.0_f64 / 3.0).sqrt() * v_b1 > v_b1,
+        "printed: above the onset of vibration"
+    );
+    assert!(v_b0 < v_b1);
+    // At v_b0 the averaged motion just reaches the belt; between the two it does not.
+    let touching = PureSlip::new(&paper(v_b0)).unwrap();
+    assert!((touching.amplitude().unwrap() - v_b0).abs() < 1e-15);
+    assert!(formulas.is_valid(), "Fig. 4, v_b = 0.4, is pure slip");
+    // The better grazing velocity lies where the formula for its error says: relative O(q²) above v_b0.
+    let q = 0.8 * formulas.eta() * (v_b1 / 0.5).powi(2);
+    let shift = formulas.grazing_velocity().unwrap() / v_b0 - 1.0;
+    assert!((shift / (q * q) - 3461.0 / 76800.0).abs() < 1e-12);
+}
+
+#[test]
+fn misprint_after_eq_15_beyond_v_b1_nothing_vibrates() {
+    for v_b in [0.4410, 0.6, 3.0] {
+        let system = paper(v_b);
+        assert_eq!(regime(&system), Regime::Equilibrium);
+        assert!(equilibrium(&system).unwrap().is_stable());
+        assert!(PureSlip::new(&system).unwrap().amplitude().is_none());
+        assert!(cycles(&system).unwrap().is_empty());
+    }
+}
+
+#[test]
+fn misprint_eqs_16_to_18_arc_has_no_energy_input() {
+    // The arc meets the belt at −κv_b; slip gains W1 v_b² meanwhile, so it must meet it much farther out.
+    let formulas = StickSlip::new(&paper(0.2)).unwrap();
+    let second = formulas.second_order().unwrap();
+    assert!(second.growth > 1.0);
+    assert!(second.return_angle > 3.0 * formulas.kappa().atan());
+}
+
+#[test]
+fn misprint_eq_6_never_rises_and_slow_belts_are_quiet() {
+    let law = Exponential::new(0.4, 0.25, 0.5).unwrap();
+    assert!((1..3000).all(|k| law.slope(1e-3 * f64::from(k)) < 0.0));
+    let stability = |v_b: f64| {
+        let system = MassOnBelt::new(law, v_b)
+            .unwrap()
+            .with_damping(0.05)
+            .unwrap();
+        equilibrium(&system).unwrap().stability
+    };
+    assert_eq!(stability(0.05), Stability::StableFocus);
+    assert_eq!(
+        equilibrium(&paper(0.05)).unwrap().stability,
+        Stability::UnstableFocus
+    );
+}
+
+// Ranges, degenerate cases, hostile input.
+
+#[test]
+fn nothing_is_returned_where_a_formula_does_not_hold() {
+    let resting = paper(0.0);
+    assert!(equilibrium(&resting).is_none());
+    assert!(PureSlip::new(&resting).is_none() && StickSlip::new(&resting).is_none());
+    assert!(cycles(&resting).unwrap().is_empty());
+    assert_eq!(regime(&resting), Regime::Rest);
+    assert_eq!(regime(&paper(-0.0)), Regime::Rest);
+
+    // κ = η(1 − (v_b/v_m)²/3) − 2β changes sign at v_b = 0.7637626158…
+    assert!(StickSlip::new(&paper(0.7637)).is_some());
+    assert!(StickSlip::new(&paper(0.7638)).is_none());
+    // W1 changes sign at v_b0 = 0.3944053…
+    let near = StickSlip::new(&paper(0.3943)).unwrap();
+    assert!(near.first_order().is_some() && near.second_order().is_some());
+    let beyond = StickSlip::new(&paper(0.3945)).unwrap();
+    assert!(beyond.first_order().is_none() && beyond.second_order().is_none());
+
+    // Overshoot: ε = 0.11 sticks, ε = 0.09 crosses (exact border 0.109865).
+    let weak = |epsilon: f64| {
+        let system = paper(0.2).with_damping(0.05 * epsilon).unwrap();
+        StickSlip::new(&system.with_load(epsilon).unwrap()).unwrap()
+    };
+    assert!(weak(0.13).second_order().is_some() && weak(0.13).first_order().is_some());
+    assert!(weak(0.09).second_order().is_none() && weak(0.09).first_order().is_none());
+    assert!(weak(0.09).amplitude() > 0.2, "Eq. 18 itself cannot tell");
+
+    // 2β ≥ η: quiet at every belt velocity.
+    let damped = paper(0.2).with_damping(0.225).unwrap();
+    let formulas = PureSlip::new(&damped).unwrap();
+    assert_eq!(
+        (formulas.onset_velocity(), formulas.stick_velocity()),
+        (None, None)
+    );
+    assert_eq!(
+        (formulas.grazing_velocity(), formulas.amplitude()),
+        (None, None)
+    );
+    assert_eq!(regime(&damped), Regime::Equilibrium);
+    assert_eq!(Polynomial::quiet_velocity(&damped), Some(0.0));
+
+    // A flat law.
+    let flat = MassOnBelt::new(Polynomial::new(0.4, 0.4, 0.5).unwrap(), 0.2).unwrap();
+    assert_eq!(PureSlip::new(&flat).unwrap().amplitude(), None);
+    assert!(StickSlip::new(&flat).is_none());
+    assert_eq!(regime(&flat), Regime::Equilibrium);
+    // Coefficients that overflow.
+    let huge = MassOnBelt::new(Polynomial::new(0.4, 0.25, 1e-100).unwrap(), 1e-100).unwrap();
+    assert!(PureSlip::new(&huge.with_load(1e250).unwrap()).is_none());
+}
+
+#[test]
+fn h1_has_no_cancellation_near_the_minimum_of_friction() {
+    // 1 − (v_b/v_m)² for v_b = v_m(1 − 2⁻⁴⁰), exactly 2⁻³⁹ − 2⁻⁸⁰.
+    let tiny = 0.5_f64.powi(40);
+    let system = MassOnBelt::new(Polynomial::new(0.5, 0.25, 1.0).unwrap(), 1.0 - tiny).unwrap();
+    let formulas = PureSlip::new(&system).unwrap();
+    assert_eq!(formulas.h1(), -0.375 * tiny * (2.0 - tiny));
+    assert!(
+        (formulas.amplitude().unwrap() / (2.0 * (tiny * (2.0 - tiny)).sqrt()) - 1.0).abs() < 4e-16
+    );
+}
+
+#[test]
+fn kappa_keeps_its_digits_on_slow_belts_and_for_wide_bands() {
+    for (mu, v_b) in [(0.4, 1e-9), (100.4, 0.2), (0.4, 1e-200)] {
+        let law = Polynomial::new(mu, mu - 0.15, 0.5).unwrap();
+        let eta = 1.5 * (law.static_coefficient() - law.minimum_coefficient()) / 0.5;
+        let expected = eta * (1.0 - (v_b / 0.5_f64).powi(2) / 3.0);
+        let formulas = StickSlip::new(&MassOnBelt::new(law, v_b).unwrap()).unwrap();
+        assert!(
+            (formulas.kappa() / expected - 1.0).abs() < 2e-15,
+            "{mu} {v_b}"
+        );
+    }
+}
+
+#[test]
+fn paper_arc_serves_any_law() {
+    // A jump of the force, a law with an exponential, and one with kinks: κ from its definition.
+    fn kappa<L: FrictionLaw>(system: &MassOnBelt<L>) -> f64 {
+        let (law, v_b) = (system.law(), system.belt_velocity().abs());
+        let fall = law.static_coefficient() - law.kinetic(v_b);
+        system.load() * fall / v_b - 2.0 * system.damping()
+    }
+    fn agrees<L: FrictionLaw>(law: L) {
+        let system = MassOnBelt::new(law, -0.3)
+            .unwrap()
+            .with_damping(0.02)
+            .unwrap();
+        let formulas = StickSlip::new(&system).unwrap();
+        let kappa = kappa(&system);
+        assert!((formulas.kappa() - kappa).abs() < 1e-15);
+        assert_eq!(formulas.amplitude(), 0.3 * formulas.kappa().hypot(1.0));
+        assert_eq!(formulas.velocity_amplitude(), formulas.amplitude());
+        assert_eq!(formulas.stick_duration(), 2.0 * formulas.kappa());
+        assert_eq!(
+            formulas.slip_duration(),
+            TAU - 2.0 * formulas.kappa().atan()
+        );
+        assert!((formulas.frequency() * formulas.period() - TAU).abs() < 1e-15);
+    }
+    agrees(Coulomb::new(0.4, 0.25).unwrap());
+    agrees(Leine {
+        static_coefficient: 0.4,
+        decay: 3.0,
+    });
+    agrees(Table {
+        static_coefficient: 0.5,
+        points: vec![(0.0, 0.45), (0.1, 0.3), (0.25, 0.28), (1.0, 0.2)],
+    });
+}
+
+#[test]
+fn hostile_input_is_a_typed_error() {
+    let (system, formulas) = (paper(0.3), PureSlip::new(&paper(0.3)).unwrap());
+    for bad in [f64::NAN, f64::INFINITY, -1.0] {
+        let refused = |error: Error| matches!(error, Error::InvalidParameter { .. });
+        assert!(refused(drift(&system, bad).unwrap_err()));
+        assert!(refused(formulas.transient(bad, 0.0).unwrap_err()));
+        assert!(
+            refused(design::least_damping_over(&system, bad..2.0).unwrap_err())
+                || bad == f64::INFINITY
+        );
+        assert!(refused(
+            design::least_damping_over(&system, 0.0..bad).unwrap_err()
+        ));
+    }
+    assert!(formulas.transient(0.1, f64::NAN).is_err());
+    assert_eq!(
+        formulas.transient(0.1, 0.0).unwrap().amplitude(f64::NAN),
+        None
+    );
+    assert_eq!(tangential_slip(f64::NAN), None);
+    let resting = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), 0.0).unwrap();
+    assert!(FreeVibration::new(&resting, State::new(f64::NAN, 0.0)).is_none());
+    assert!(FreeVibration::new(&resting, State::new(0.0, f64::INFINITY)).is_none());
+    assert!(
+        FreeVibration::new(&resting.with_damping(0.1).unwrap(), State::new(1.0, 0.0)).is_none()
+    );
+}
+
+#[test]
+fn hopf_velocities_at_the_ends_of_their_range() {
+    let system = |beta: f64| {
+        MassOnBelt::new(Exponential::new(1.0, 0.0, 1.0).unwrap(), 0.1)
+            .unwrap()
+            .with_damping(beta)
+            .unwrap()
+    };
+    let largest = 1.0 / (2.0 * E).sqrt();
+    assert!(
+        hopf_velocities(&system(0.0)).is_none()
+            && hopf_velocities(&system(1.001 * largest)).is_none()
+    );
+    assert_eq!(
+        Exponential::quiet_velocity(&system(0.0)),
+        Some(f64::INFINITY)
+    );
+    assert_eq!(
+        Exponential::quiet_velocity(&system(1.001 * largest)),
+        Some(0.0)
+    );
+    assert_eq!(Exponential::quiet_velocity(&system(0.2)), None);
+    for beta in [1e-300, 1e-30, 1e-3, 0.2, 0.428, (1.0 - 1e-9) * largest] {
+        let [low, high] = hopf_velocities(&system(beta))
+            .unwrap()
+            .map(|point| point.velocity());
+        assert!(low < 0.5_f64.sqrt() && high > 0.5_f64.sqrt());
+        assert!((low * (-low * low).exp() / beta - 1.0).abs() < 4e-16);
+        assert!((high.ln() - high * high - beta.ln()).abs() < 4e-16 * beta.ln().abs());
+    }
+}
+
+#[test]
+fn coulomb_limits() {
+    let system = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), 0.5).unwrap();
+    assert_eq!(largest_stick_slip_velocity(&system), f64::INFINITY);
+    assert_eq!(
+        largest_stick_slip_velocity(&system.with_damping(1.0).unwrap()),
+        0.0
+    );
+    let level = MassOnBelt::new(Coulomb::new(0.4, 0.4).unwrap(), 0.5).unwrap();
+    assert_eq!(
+        (largest_stick_slip_velocity(&level), least_damping(&level)),
+        (0.0, Some(0.0))
+    );
+    // Λ ≈ 1/√(4πβ): the next term is relative O(√β).
+    for beta in [1e-6, 1e-10, 1e-16, 1e-30] {
+        let ratio = tangential_slip(beta).unwrap().velocity_factor * (4.0 * PI * beta).sqrt();
+        assert!(
+            (ratio - 1.0).abs() < 2.0 * beta.sqrt() + 4e-16,
+            "{beta}: {ratio}"
+        );
+    }
+    for beta in [0.9, 0.99, 0.9999] {
+        assert!(tangential_slip(beta).unwrap().velocity_factor < 1e-3);
+    }
+}
+
+#[test]
+fn free_vibration_rests_in_the_stick_band() {
+    let law = Coulomb::new(0.3, 0.25).unwrap();
+    let system = MassOnBelt::new(law, 0.0).unwrap().with_load(2.0).unwrap();
+    let turns = |start: State| -> Vec<(f64, f64)> {
+        FreeVibration::new(&system, start)
+            .unwrap()
+            .turning_points()
+            .collect()
+    };
+    // Stick band ±0.6, centres ∓0.5.
+    assert_eq!(turns(State::new(0.6, 0.0)), [(0.0, 0.6)]);
+    assert_eq!(
+        turns(State::new(-1.7, 0.0)),
+        [(0.0, -1.7), (PI, 0.7), (2.0 * PI, 0.3)].map(|(t, u)| (t, round(u)))
+    );
+    assert!((turns(State::new(0.2, -1.0))[0].1 - (0.5 - 0.3_f64.hypot(1.0))).abs() < 1e-15);
+    let motion = FreeVibration::new(&system, State::new(0.2, -1.0)).unwrap();
+    assert_eq!(motion.amplitude_loss(), 2.0);
+    assert!((motion.rest_time().unwrap() - 1.0_f64.atan2(0.3)).abs() < 1e-15);
+    // 0.5 + √(1.09) − … : 0.544 lies in the band.
+    assert_eq!(
+        motion.rest_position(),
+        Some(turns(State::new(0.2, -1.0))[0].1)
+    );
+    // Without kinetic friction it never rests.
+    let free = MassOnBelt::new(Coulomb::new(0.3, 0.0).unwrap(), 0.0).unwrap();
+    let endless = FreeVibration::new(&free, State::new(1.0, 0.0)).unwrap();
+    assert_eq!((endless.rest_position(), endless.rest_time()), (None, None));
+    assert_eq!(
+        endless.turning_points().nth(1001),
+        Some((1001.0 * PI, -1.0))
+    );
+}
+
+/// To 15 digits.
+fn round(x: f64) -> f64 {
+    x
+}
+
+#[test]
+fn damping_that_keeps_it_quiet() {
+    let system = paper(0.2);
+    // (η/2)(1 − (v_b/v_m)²), and η/2 at every belt velocity.
+    assert!((design::least_damping(&system).unwrap() - 0.189).abs() < 1e-16);
+    assert_eq!(design::least_damping(&paper(0.6)), Some(0.0));
+    assert_eq!(design::least_damping(&paper(0.0)), None);
+    assert!((Polynomial::least_damping_everywhere(&system) - 0.225).abs() < 1e-16);
+    assert!((design::least_damping_over(&system, 0.0..5.0).unwrap() - 0.225).abs() < 1e-16);
+    assert!((design::least_damping_over(&system, 0.2..5.0).unwrap() - 0.189).abs() < 1e-16);
+    let table = Table {
+        static_coefficient: 0.5,
+        points: vec![(0.0, 0.45), (0.1, 0.3), (0.25, 0.28), (1.0, 0.2)],
+    };
+    let system = MassOnBelt::new(table, 0.2).unwrap();
+    assert!((design::least_damping_over(&system, 0.05..3.0).unwrap() - 0.75).abs() < 1e-15);
+    assert!((design::least_damping_over(&system, 0.1..3.0).unwrap() - 0.2 / 3.0).abs() < 1e-15);
+    let coulomb = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), 0.2).unwrap();
+    assert_eq!(Coulomb::least_damping_everywhere(&coulomb), 1.0);
+    assert_eq!(Coulomb::quiet_velocity(&coulomb), Some(f64::INFINITY));
+    let exponential = MassOnBelt::new(Exponential::new(0.4, 0.25, 0.5).unwrap(), 0.2).unwrap();
+    let everywhere = Exponential::least_damping_everywhere(&exponential);
+    assert!(
+        (design::least_damping_over(&exponential, 0.0..9.0).unwrap() - everywhere).abs() < 1e-16
+    );
+}
+
+prop_compose! {
+    /// Systems with the polynomial law for which h1, h2, h3 are of order 0.01 to 1.
+    fn systems()(
+        static_coefficient in 0.2..1.0,
+        fall in 0.05..1.0,
+        minimum_velocity in 0.3..1.5,
+        ratio in 0.2..0.98,
+        damping in 0.0..0.1,
+        load in 0.1..2.0,
+    ) -> MassOnBelt<Polynomial> {
+        let law = Polynomial::new(static_coefficient, static_coefficient * (1.0 - fall), minimum_velocity).unwrap();
+        MassOnBelt::new(law, ratio * minimum_velocity)
+            .and_then(|system| system.with_damping(damping))
+            .and_then(|system| system.with_load(load))
+            .unwrap()
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn transient_solves_its_equation(system in systems(), start in 0.01..1.5, time in 0.0..60.0) {
+        let formulas = PureSlip::new(&system).unwrap();
+        let transient = formulas.transient(start, 0.3).unwrap();
+        let at = |time: f64| transient.amplitude(time).unwrap();
+        let a = at(time);
+        // Five-point difference, step 0.01: truncation 1e-9.
+        let slope = (8.0 * (at(time + 0.01) - at(time - 0.01)) - (at(time + 0.02) - at(time - 0.02))) / 0.12;
+        let expected = -0.5 * formulas.h1() * a - 0.375 * formulas.h3() * a.powi(3);
+        prop_assert!((slope - expected).abs() <= 1e-7 * (1.0 + expected.abs()), "{} {}", slope, expected);
+        // The flow composes.
+        let onward = formulas.transient(a, 0.0).unwrap().amplitude(7.0).unwrap();
+        prop_assert!((onward / at(time + 7.0) - 1.0).abs() < 1e-13);
+        prop_assert_eq!(transient.phase(time), 0.3 + time);
+    }
+
+    #[test]
+    fn formulas_are_mirror_symmetric(system in systems()) {
+        let mirrored = system.with_belt_velocity(-system.belt_velocity()).unwrap();
+        let (here, there) = (PureSlip::new(&system).unwrap(), PureSlip::new(&mirrored).unwrap());
+        prop_assert_eq!((here.h1(), here.h2(), here.h3()), (there.h1(), -there.h2(), there.h3()));
+        prop_assert_eq!(here.is_valid(), there.is_valid());
+        prop_assert_eq!(regime(&system), regime(&mirrored));
+        for (a, b) in here.fourth_order().into_iter().zip(there.fourth_order()) {
+            prop_assert_eq!((a.u_max, a.u_min, a.u_mean), (-b.u_min, -b.u_max, -b.u_mean));
+            prop_assert_eq!((a.v_max, a.v_min, a.period, a.multiplier), (-b.v_min, -b.v_max, b.period, b.multiplier));
+            prop_assert_eq!(a.harmonics, b.harmonics);
+        }
+        let (here, there) = (StickSlip::new(&system), StickSlip::new(&mirrored));
+        prop_assert_eq!(here.map(|f| (f.amplitude(), f.period())), there.map(|f| (f.amplitude(), f.period())));
+        let second = |f: Option<StickSlip<_>>| f.and_then(|f| f.second_order());
+        prop_assert_eq!(second(here).is_some(), second(there).is_some());
+        for (a, b) in second(here).into_iter().zip(second(there)) {
+            prop_assert_eq!((a.u_max, a.u_min, a.v_max, a.v_min), (-b.u_min, -b.u_max, -b.v_min, -b.v_max));
+            prop_assert_eq!((a.stick, a.slip, a.period), (b.stick, b.slip, b.period));
+        }
+        prop_assert_eq!(cycles(&system).unwrap(), cycles(&mirrored).unwrap());
+    }
+
+    #[test]
+    fn kappa_of_the_polynomial_law(system in systems()) {
+        // η(1 − (v_b/v_m)²/3) − 2β
+        let formulas = PureSlip::new(&system).unwrap();
+        let ratio = system.belt_velocity() / system.law().minimum_velocity();
+        let expected = formulas.eta() * (1.0 - ratio * ratio / 3.0) - 2.0 * system.damping();
+        match StickSlip::new(&system) {
+            Some(formulas) => prop_assert!((formulas.kappa() - expected).abs() < 1e-13),
+            None => prop_assert!(expected < 1e-13),
+        }
+    }
+}

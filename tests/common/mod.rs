@@ -1,0 +1,214 @@
+//! What several test files share: reference data, laws of the tests' own, and random numbers that are the same in every run.
+#![allow(dead_code)] // each test file uses a part of it
+
+use serde_json::Value;
+use stick_slip::{Coulomb, Exponential, FrictionLaw, MassOnBelt, Polynomial, Scalar};
+
+/// A reference number: a decimal string of 25 digits, rounded to `f64`.
+pub(crate) fn number(value: &Value) -> f64 {
+    let text = value
+        .as_str()
+        .unwrap_or_else(|| panic!("not a decimal string: {value}"));
+    text.parse().unwrap()
+}
+
+/// The text of a JSON field.
+pub(crate) fn text(value: &Value) -> &str {
+    value.as_str().unwrap()
+}
+
+/// The items of a JSON array.
+pub(crate) fn list(value: &Value) -> &[Value] {
+    value.as_array().unwrap()
+}
+
+/// A law chosen at run time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Law {
+    Polynomial(Polynomial),
+    Exponential(Exponential),
+    Coulomb(Coulomb),
+}
+
+impl FrictionLaw for Law {
+    fn static_coefficient(&self) -> f64 {
+        match self {
+            Self::Polynomial(law) => law.static_coefficient(),
+            Self::Exponential(law) => law.static_coefficient(),
+            Self::Coulomb(law) => law.static_coefficient(),
+        }
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        match self {
+            Self::Polynomial(law) => law.kinetic(speed),
+            Self::Exponential(law) => law.kinetic(speed),
+            Self::Coulomb(law) => law.kinetic(speed),
+        }
+    }
+}
+
+/// The system of a reference case.
+pub(crate) fn system_of(case: &Value) -> MassOnBelt<Law> {
+    let parameter = |name: &str| number(&case["law_params"][name]);
+    let law = match text(&case["law"]) {
+        "poly" => Law::Polynomial(
+            Polynomial::new(parameter("mus"), parameter("mum"), parameter("vm")).unwrap(),
+        ),
+        "exp" => Law::Exponential(
+            Exponential::new(parameter("mus"), parameter("muk"), parameter("vs")).unwrap(),
+        ),
+        "coulomb" => Law::Coulomb(Coulomb::new(parameter("mus"), parameter("muk")).unwrap()),
+        other => panic!("unknown law {other}"),
+    };
+    MassOnBelt::new(law, number(&case["v_b"]))
+        .and_then(|system| system.with_damping(number(&case["beta"])))
+        .and_then(|system| system.with_load(number(&case["gamma2"])))
+        .unwrap()
+}
+
+/// The set of the source paper's Figs. 4 and 5: polynomial law, β = 0.05, γ² = 1.
+pub(crate) fn paper(belt_velocity: f64) -> MassOnBelt<Polynomial> {
+    MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5).unwrap(), belt_velocity)
+        .and_then(|system| system.with_damping(0.05))
+        .unwrap()
+}
+
+/// Leine et al., Nonlinear Dynamics 16 (1998) 41-54: μ̂(s) = μ_s/(1 + δ s).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Leine {
+    pub(crate) static_coefficient: f64,
+    pub(crate) decay: f64,
+}
+
+impl FrictionLaw for Leine {
+    fn static_coefficient(&self) -> f64 {
+        self.static_coefficient
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        (speed * self.decay + 1.0).recip() * self.static_coefficient
+    }
+}
+
+/// μ̂(s) = μ_k + (μ_s − μ_k) exp(−s/v_s), an exponential of s and not of s².
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Decay {
+    pub(crate) static_coefficient: f64,
+    pub(crate) kinetic_coefficient: f64,
+    pub(crate) velocity: f64,
+}
+
+impl FrictionLaw for Decay {
+    fn static_coefficient(&self) -> f64 {
+        self.static_coefficient
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        (speed / -self.velocity).exp() * (self.static_coefficient - self.kinetic_coefficient)
+            + self.kinetic_coefficient
+    }
+}
+
+/// A table of (speed, coefficient), joined by straight lines and continued by the last of them. It starts at speed 0.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Table {
+    pub(crate) static_coefficient: f64,
+    pub(crate) points: Vec<(f64, f64)>,
+}
+
+impl Table {
+    /// Coefficient at the start of a piece, speed there, and slope.
+    pub(crate) fn line(&self, piece: usize) -> (f64, f64, f64) {
+        let ((s0, c0), (s1, c1)) = (self.points[piece], self.points[piece + 1]);
+        (c0, s0, (c1 - c0) / (s1 - s0))
+    }
+
+    /// The piece that holds a speed.
+    pub(crate) fn piece(&self, speed: f64) -> usize {
+        self.breakpoints().take_while(|&b| b <= speed).count()
+    }
+}
+
+impl FrictionLaw for Table {
+    fn static_coefficient(&self) -> f64 {
+        self.static_coefficient
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        self.kinetic_on(self.piece(speed.value()), speed)
+    }
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        let inner = 1..self.points.len() - 1;
+        self.points[inner].iter().map(|point| point.0)
+    }
+    fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
+        let (c0, s0, slope) = self.line(piece);
+        (speed - s0) * slope + c0
+    }
+}
+
+/// Splitmix64: the same numbers on every machine and in every run.
+#[derive(Debug, Clone)]
+pub(crate) struct Random(u64);
+
+impl Random {
+    pub(crate) fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    pub(crate) fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// Uniform in [low, high).
+    pub(crate) fn uniform(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * (self.bits() >> 11) as f64 * 0.5_f64.powi(53)
+    }
+
+    /// Uniform in the logarithm.
+    pub(crate) fn logarithmic(&mut self, low: f64, high: f64) -> f64 {
+        self.uniform(low.ln(), high.ln()).exp()
+    }
+
+    /// +1 or −1.
+    pub(crate) fn sign(&mut self) -> f64 {
+        if self.bits() & 1 == 0 { 1.0 } else { -1.0 }
+    }
+
+    pub(crate) fn pick<T: Copy>(&mut self, items: &[T]) -> T {
+        items[(self.bits() % items.len() as u64) as usize]
+    }
+
+    /// One of the three laws of the crate, with μ_s in [0.2, 0.8) and its minimum at 0.3 to 1 of it.
+    pub(crate) fn law(&mut self) -> Law {
+        let static_coefficient = self.uniform(0.2, 0.8);
+        let least = static_coefficient * self.uniform(0.3, 1.0);
+        match self.bits() % 3 {
+            0 => Law::Polynomial(
+                Polynomial::new(static_coefficient, least, self.uniform(0.3, 1.5)).unwrap(),
+            ),
+            1 => Law::Exponential(
+                Exponential::new(static_coefficient, least, self.uniform(0.1, 1.0)).unwrap(),
+            ),
+            _ => Law::Coulomb(Coulomb::new(static_coefficient, least).unwrap()),
+        }
+    }
+
+    /// A system of ordinary size: 0.03 ≤ |v_b| < 2 with either sign, β < 0.4, 0.1 ≤ γ² < 5.
+    pub(crate) fn system(&mut self) -> MassOnBelt<Law> {
+        let law = self.law();
+        let belt_velocity = self.sign() * self.logarithmic(0.03, 2.0);
+        let damping = self.uniform(0.0, 0.4);
+        let load = self.logarithmic(0.1, 5.0);
+        MassOnBelt::new(law, belt_velocity)
+            .and_then(|system| system.with_damping(damping))
+            .and_then(|system| system.with_load(load))
+            .unwrap()
+    }
+}
+
+/// Distance between neighbouring numbers at |x|.
+pub(crate) fn ulp(x: f64) -> f64 {
+    x.abs().next_up() - x.abs()
+}

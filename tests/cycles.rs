@@ -1,0 +1,116 @@
+//! Limit cycles against 25-digit reference data.
+
+mod common;
+
+use common::{list, number, system_of, text};
+use serde_json::Value;
+use stick_slip::{CycleKind, CycleSet, FrictionLaw, LimitCycle, MassOnBelt, limit_cycle};
+
+/// Checks every number that the reference gives of a cycle; returns the worst error relative to max(1, |value|).
+fn compare(id: &str, cycle: &LimitCycle, expected: &Value) -> f64 {
+    let energy = cycle.energy();
+    let fields = [
+        ("period", cycle.period()),
+        ("stick", cycle.stick_duration()),
+        ("slip", cycle.period() - cycle.stick_duration()),
+        ("slip_positive", cycle.leading_duration()),
+        ("u_max", cycle.max_displacement()),
+        ("u_min", cycle.min_displacement()),
+        ("v_max", cycle.max_velocity()),
+        ("v_min", cycle.min_velocity()),
+        ("belt_work_on_mass", energy.belt_work),
+        ("damper_loss", energy.damper_loss),
+        ("belt_drive_work", energy.drive_work),
+        ("friction_loss", energy.friction_loss),
+    ];
+    let mut worst = 0.0_f64;
+    for (name, value) in fields {
+        let Some(reference) = expected.get(name).map(number) else { continue };
+        let error = (value - reference).abs() / reference.abs().max(1.0);
+        println!("{id} {name} {value:e} error {error:.1e}");
+        assert!(error <= 1e-13, "{id}: {name} = {value:e}, not {reference:e}: {error:e}");
+        worst = worst.max(error);
+    }
+    if let Some(reference) = expected.get("multiplier").map(number) {
+        let error = (cycle.multiplier() - reference).abs() / reference.abs().max(1.0);
+        println!("{id} multiplier error {error:.1e}");
+        assert!(error <= 1e-11, "{id}: multiplier {:e}, not {reference:e}", cycle.multiplier());
+    }
+    worst
+}
+
+fn of_kind(cycles: &CycleSet, kind: CycleKind) -> Vec<&LimitCycle> {
+    cycles.iter().filter(|cycle| cycle.kind() == kind).collect()
+}
+
+fn check<L: FrictionLaw>(case: &Value, system: &MassOnBelt<L>) -> f64 {
+    let id = text(&case["id"]);
+    let cycles = limit_cycle::find(system).unwrap_or_else(|error| panic!("{id}: {error}"));
+    println!("{id}: {:?} {:?}", cycles.iter().map(|c| (c.kind(), c.amplitude(), c.multiplier())).collect::<Vec<_>>(), cycles.unresolved());
+    assert_eq!(cycles.unresolved(), [], "{id}");
+    let pure_slip = of_kind(&cycles, CycleKind::PureSlip);
+    let stick_slip = of_kind(&cycles, CycleKind::StickSlip);
+    assert_eq!(limit_cycle::stick_slip(system).unwrap().as_ref(), stick_slip.first().copied(), "{id}");
+    let mut worst = 0.0_f64;
+    match text(&case["type"]) {
+        "stick_slip" => worst = compare(id, stick_slip[0], &case["cycle"]),
+        "pure_slip" => {
+            assert_eq!(pure_slip.len(), 1, "{id}");
+            worst = compare(id, pure_slip[0], &case["cycle"]);
+        }
+        "exp_all_attractors" => {
+            let expected = list(&case["pure_slip"]);
+            assert_eq!(pure_slip.len(), expected.len(), "{id}");
+            for (cycle, expected) in std::iter::zip(pure_slip, expected) {
+                worst = worst.max(compare(id, cycle, expected));
+            }
+            assert_eq!(stick_slip.len(), usize::from(!case["stick_slip"].is_null()), "{id}");
+            if let [cycle] = stick_slip[..] {
+                worst = worst.max(compare(id, cycle, &case["stick_slip"]));
+            }
+        }
+        "no_cycle" => assert!(cycles.is_empty(), "{id}"),
+        other => panic!("unknown type {other}"),
+    }
+    worst
+}
+
+#[test]
+fn every_number_of_the_reference() {
+    let mut worst = 0.0_f64;
+    let data: Value = serde_json::from_str(include_str!("data/cycles.json")).unwrap();
+    for case in list(&data["cases"]) {
+        worst = worst.max(check(case, &system_of(case)));
+    }
+    println!("worst error {worst:e}");
+}
+
+#[test]
+fn overshoot_and_crossing_of_the_reference() {
+    let data: Value = serde_json::from_str(include_str!("data/overshoot.json")).unwrap();
+    let mut worst = 0.0_f64;
+    for case in list(&data["cases"]) {
+        let id = text(&case["id"]);
+        let system = system_of(case);
+        let cycles = limit_cycle::find(&system).unwrap_or_else(|error| panic!("{id}: {error}"));
+        println!("{id}: {:?} {:?}", cycles.iter().map(|c| (c.kind(), c.amplitude(), c.multiplier())).collect::<Vec<_>>(), cycles.unresolved());
+        assert_eq!(cycles.unresolved(), [], "{id}");
+        let sticking = limit_cycle::stick_slip(&system).unwrap();
+        assert_eq!(sticking.is_some(), !case["stick_cycle"].is_null(), "{id}");
+        if let Some(cycle) = sticking {
+            let crosses = list(&case["stick_cycle"]["sequence"]).len() == 3;
+            let kind = if crosses { CycleKind::Overshoot } else { CycleKind::StickSlip };
+            assert_eq!(cycle.kind(), kind, "{id}");
+            assert_eq!(of_kind(&cycles, kind), [&cycle], "{id}");
+            worst = worst.max(compare(id, &cycle, &case["stick_cycle"]));
+        }
+        let crossing = of_kind(&cycles, CycleKind::Crossing);
+        assert_eq!(crossing.len(), usize::from(!case["crossing_cycle"].is_null()), "{id}");
+        if let [cycle] = crossing[..] {
+            worst = worst.max(compare(id, cycle, &case["crossing_cycle"]));
+            let release = system.release_state().unwrap().displacement;
+            assert!(cycle.state().displacement > release, "{id}");
+        }
+    }
+    println!("worst error {worst:e}");
+}
