@@ -63,9 +63,9 @@ pub enum Error {
         allowed: &'static str,
     },
 
-    /// A start state has an infinite or NaN component, or one so large that the equations overflow.
+    /// A start state has an infinite or NaN component, or is so large or so small that the equations overflow or underflow.
     #[error(
-        "the state u = {displacement:e}, v = {velocity:e} is not finite or overflows; start from finite, smaller numbers"
+        "the state u = {displacement:e}, v = {velocity:e} is not finite, or it overflows or underflows; choose a unit of length that makes it a number of ordinary size"
     )]
     InvalidState {
         /// Displacement u that was given.

@@ -1,5 +1,5 @@
 //! Friction-induced vibration of a mass on a moving belt.
-#![warn(missing_docs)]
+#![forbid(unsafe_code)]
 
 pub mod analysis;
 pub mod bifurcation;

@@ -1,4 +1,6 @@
 //! What the integrator promises, one test for each promise, and the cases that general solvers get wrong.
+// Reference numbers keep the digits they were computed with.
+#![allow(clippy::excessive_precision)]
 
 mod common;
 
@@ -190,7 +192,7 @@ fn promise_1_hidden_terms_are_not_missed() {
             times.fold(u.max(v), f64::max)
         };
         let error = difference(&reference.run(start, duration));
-        if !(error <= ALLOWED) {
+        if error > ALLOWED || error.is_nan() {
             wrong += 1;
             println!(
                 "run {run}: off by {error:.1e}: {reference:?}, {start:?}, duration {duration}"
@@ -696,8 +698,9 @@ fn promise_8_what_cannot_go_on_is_an_error_with_time_and_state() {
     else {
         panic!("{events:?}")
     };
-    assert_eq!(before.len(), 7);
-    assert!(reached.time >= before[6].as_ref().unwrap().end_time());
+    // A run that goes on after more than seven.
+    assert_eq!(before.len(), 8);
+    assert!(reached.time >= before[7].as_ref().unwrap().end_time());
 }
 
 // ---------------------------------------------------------------------------------------------------------------------------
@@ -735,9 +738,9 @@ fn largest_displacement(motion: &Trajectory, from: f64, to: f64) -> f64 {
             for _ in 0..60 {
                 let middle = 0.5 * (a + b);
                 if state(middle).velocity > 0.0 {
-                    a = middle
+                    a = middle;
                 } else {
-                    b = middle
+                    b = middle;
                 }
             }
             largest = largest.max(state(a).displacement);
@@ -1038,9 +1041,9 @@ impl<'a> Exact<'a> {
                 for _ in 0..60 {
                     let middle = 0.5 * (x + y);
                     if rate(a) * rate(middle) > 0.0 {
-                        x = middle
+                        x = middle;
                     } else {
-                        y = middle
+                        y = middle;
                     }
                 }
                 end = outside(x).filter(|_| x > 1e-9).map(|limit| (x, limit));
@@ -1050,9 +1053,9 @@ impl<'a> Exact<'a> {
                 for _ in 0..80 {
                     let middle = 0.5 * (x + y);
                     if outside(middle).is_none() {
-                        x = middle
+                        x = middle;
                     } else {
-                        y = middle
+                        y = middle;
                     }
                 }
                 return Some((y, limit));

@@ -6,17 +6,17 @@
 //! A' = −(1/2π) ∫₀^2π h(A cos ψ) cos ψ dψ,     h(y) = 2βy + γ²[μ(y − v_b) − μ(−v_b)]
 //! ```
 //!
-//! and the phase does not drift at all. The paper says that such integrals "are not analytically solvable"; here they are computed
-//! to round-off. By parts, so that nothing cancels at small A, and by mirror symmetry with w = |v_b|:
+//! and the phase does not drift at all. The paper says that such integrals "are not analytically solvable"; here they are
+//! computed to round-off. By parts, so that nothing cancels at small A, and by mirror symmetry with w = |v_b|:
 //!
 //! ```text
 //! A' = −βA − (γ²A/π) ∫₀^π μ̂'(|w − A cos ψ|) sin²ψ dψ − (2γ²/π) μ̂(0) sin s
 //! dA'/dA = −β − (γ²/π) ∫₀^π μ̂'(|w − A cos ψ|) cos²ψ dψ − (2γ²/π) μ̂(0) w²/(A³ sin s)
 //! ```
 //!
-//! with cos s = w/A. The terms with s stand for the jump of the friction force where the mass overtakes the belt, and are there only for
-//! A > w. The trapezoidal rule serves where the integrand is smooth and periodic, A ≤ w and one piece of the law; else
-//! Gauss-Legendre panels that end at ψ = s and at the breakpoints.
+//! with cos s = w/A. The terms with s stand for the jump of the friction force where the mass overtakes the belt, and are
+//! there only for A > w. The trapezoidal rule serves where the integrand is smooth and periodic, A ≤ w and one piece of the
+//! law; else Gauss-Legendre panels that end at ψ = s and at the breakpoints.
 //!
 //! The amplitude so found has error O(ε²), the period 2π too. It describes motions that never stick: see
 //! [`AveragedCycle::is_valid`].
@@ -32,8 +32,8 @@ use crate::{Error, FrictionLaw, MassOnBelt};
 ///
 /// For Coulomb's law on a belt at rest, −2γ²μ_k/π: the amplitude falls by 4γ²μ_k in each cycle.
 ///
-/// Source: Farshidianfar and Noei Aghaee, Eq. 12, whose right sides lack the mean over a cycle; any law. Holds for both signs of
-/// v_b, and for v_b = 0.
+/// Source: Farshidianfar and Noei Aghaee, Eq. 12, whose right sides lack the mean over a cycle; any law. Holds for both
+/// signs of v_b, and for v_b = 0.
 ///
 /// # Errors
 ///
@@ -130,7 +130,8 @@ impl SlowFlow {
         };
         Sample {
             value: self.rate - jump,
-            noise: self.noise + 16.0 * f64::EPSILON * jump,
+            // The last term is what the rounding of A itself does, near A = |v_b| the most.
+            noise: self.noise + 16.0 * f64::EPSILON * jump + 4.0 * f64::EPSILON * self.slope.abs(),
         }
     }
 }
@@ -188,10 +189,12 @@ pub(super) fn slope_on<L: FrictionLaw>(law: &L, piece: usize, speed: f64) -> Res
 
 /// A cycle of the slow flow: an amplitude A > 0 at which A' = 0.
 ///
-/// All quantities are dimensionless. z = A sin ψ about the equilibrium, with period 2π; errors are O(ε²) in the amplitude and in the period,
-/// O(ε) in how the motion is centred.
+/// All quantities are dimensionless. z = A sin ψ about the equilibrium, with period 2π. Errors are O(ε²) in the amplitude
+/// (half the range of u, or the largest velocity) and in the period, O(ε³) in the multiplier, O(ε) in how the motion is
+/// centred.
 ///
-/// Source: Farshidianfar and Noei Aghaee, Eqs. 12 and 13 (corrected: the printed 3/4 is 4/3), for any law and for cycles that overtake the belt.
+/// Source: Farshidianfar and Noei Aghaee, Eqs. 12 and 13 (corrected: the printed 3/4 is 4/3), for any law and for cycles
+/// that overtake the belt.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AveragedCycle {
     amplitude: f64,
@@ -206,12 +209,12 @@ impl AveragedCycle {
         self.amplitude
     }
 
-    /// dA'/dA at the cycle, dimensionless: the rate at which disturbances grow. Error O(ε²).
+    /// dA'/dA at the cycle, dimensionless: the rate at which disturbances grow. Error O(ε³).
     pub fn drift_slope(&self) -> f64 {
         self.drift_slope
     }
 
-    /// Floquet multiplier exp(2π dA'/dA) for one cycle. Error O(ε²); for cycles that do not overtake the belt, of the polynomial law, O(ε³).
+    /// Floquet multiplier exp(2π dA'/dA) for one cycle. Error O(ε³).
     pub fn multiplier(&self) -> f64 {
         (2.0 * PI * self.drift_slope).exp()
     }
@@ -226,9 +229,9 @@ impl AveragedCycle {
         2.0 * self.half_leading_duration
     }
 
-    /// Whether such a motion never sticks, so that averaging describes it: A ≤ |v_b|, or the mass meets the belt too far out for
-    /// friction to hold it, A sin s > γ²(μ_s + μ̂(|v_b|)) + 2β|v_b|. Where this fails the motion sticks, and
-    /// [`StickSlip`](super::StickSlip) has its formulas.
+    /// Whether such a motion never sticks, so that averaging describes it: A ≤ |v_b|, or the mass leads the belt for so long
+    /// that friction cannot hold it at the end, A sin s > γ²(μ_s + μ̂(0)). Where this fails the motion sticks, and
+    /// [`StickSlip`](super::StickSlip) has its formulas. Relative error O(ε) in γ².
     pub fn is_valid(&self) -> bool {
         self.is_valid
     }
@@ -238,11 +241,11 @@ impl AveragedCycle {
 ///
 /// # What "all" means
 ///
-/// Every averaged cycle of a law with μ̂ ≥ 0 has A < 2|v_b|. (Sliding at speed s drives the motion only at y = |v_b| − s > 0; if
-/// A ≥ 2|v_b| the mass also leads the belt by s once a cycle, which takes out more.) The whole range is searched: A'/A, which
-/// is analytic in √(A² − A_i²) between the amplitudes A_i at which the motion first touches the belt or a breakpoint, is
-/// interpolated by Chebyshev polynomials to round-off, on pieces cut until each has no root or is monotone. So no cycle
-/// is passed over, except
+/// Every averaged cycle of a law with μ̂ ≥ 0 has A < 2|v_b|. (Sliding at speed s drives the motion only at y = |v_b| − s >
+/// 0; if A ≥ 2|v_b| the mass also leads the belt by s once a cycle, which takes out more.) The whole range is searched:
+/// A'/A, which is analytic in √(A² − A_i²) between the amplitudes A_i at which the motion first touches the belt or a
+/// breakpoint, is interpolated by Chebyshev polynomials to round-off, on pieces cut until each has no root or is monotone.
+/// So no cycle is passed over, except
 ///
 /// * a pair that differs by less than 10⁻⁸|v_b|, as at a fold;
 /// * where a feature of the law's slope is narrower than some 3·10⁻⁴|v_b| in speed (slow speeds are looked at more closely).
@@ -256,7 +259,8 @@ impl AveragedCycle {
 ///
 /// # Errors
 ///
-/// [`Error::NonFiniteFriction`] if the law has no finite value or slope at a speed up to 3|v_b|.
+/// * [`Error::NonFiniteFriction`] if the law has no finite value or slope at a speed up to 3|v_b|;
+/// * [`Error::InvalidParameter`] if 3|v_b| overflows.
 ///
 /// ```
 /// use stick_slip::analysis::averaging;
@@ -285,7 +289,8 @@ pub fn cycles<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Vec<AveragedCycl
     let mut nodes = Vec::new();
     for ends in touching_amplitudes(system.law(), w).windows(2) {
         let ([start, end], from_rest) = ([ends[0], ends[1]], ends[0] == 0.0);
-        // A² = start² + (end² − start²) t², or t from A = 0, where A' is a function of A² anyway. In units of w: nothing overflows.
+        // A² = start² + (end² − start²) t², or t from A = 0, where A' is a function of A² anyway. In units of w: nothing
+        // overflows.
         let amplitude_at = |t: f64| {
             let x = if from_rest { t } else { t * t };
             if t == 1.0 {
@@ -333,9 +338,11 @@ fn describe<L: FrictionLaw>(
     };
     if amplitude > w {
         let sine = sine_of_crossing(w, amplitude);
-        let carried = system.load() * (law.static_coefficient() + law.kinetic(w));
         cycle.half_leading_duration = sine.atan2(w / amplitude);
-        cycle.is_valid = amplitude * sine > carried + 2.0 * system.damping() * w;
+        // While it leads, u runs over 2A sin s, centred where the acceleration is 0: F = −γ²μ̂(0). It must end beyond F =
+        // γ²μ_s.
+        cycle.is_valid =
+            amplitude * sine > system.load() * (law.static_coefficient() + law.kinetic(0.0));
     }
     Ok(cycle)
 }

@@ -49,8 +49,8 @@ pub use transient::Transient;
 
 use crate::{Equilibrium, FrictionLaw, MassOnBelt};
 
-/// The steady sliding state, in which the mass stands still on the moving belt: Eq. 7 (corrected), Eq. 10a for any law, and Eq. 14.
-/// `None` at v_b = 0. Exact.
+/// The steady sliding state, in which the mass stands still on the moving belt: Eq. 7 (corrected), Eq. 10a for any law, and
+/// Eq. 14. `None` at v_b = 0. Exact.
 ///
 /// The same as [`MassOnBelt::equilibrium`].
 ///

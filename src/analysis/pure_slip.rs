@@ -14,8 +14,8 @@ use crate::{Error, FrictionLaw, MassOnBelt, Polynomial};
 /// h3 = η/(3 v_m²)                      (Eq. 10c)
 /// ```
 ///
-/// exactly. Everything is dimensionless and holds for both signs of v_b: the mirror image (u, v, v_b) → (−u, −v, −v_b) changes the sign
-/// of h2 only. Velocities that are returned are magnitudes.
+/// exactly. Everything is dimensionless and holds for both signs of v_b: the mirror image (u, v, v_b) → (−u, −v, −v_b)
+/// changes the sign of h2 only. Velocities that are returned are magnitudes.
 ///
 /// | v_b | what happens |
 /// |---|---|
@@ -95,8 +95,8 @@ impl PureSlip {
         self.h3
     }
 
-    /// Belt velocity v_b1 = v_m√(1 − 2β/η) below which steady sliding is unstable. Dimensionless, exact. `None` where 2β ≥ η: it is
-    /// stable at every belt velocity.
+    /// Belt velocity v_b1 = v_m√(1 − 2β/η) below which steady sliding is unstable. Dimensionless, exact. `None` where 2β ≥
+    /// η: it is stable at every belt velocity.
     ///
     /// Source: after Eq. 15.
     pub fn onset_velocity(&self) -> Option<f64> {
@@ -104,16 +104,16 @@ impl PureSlip {
         (excess > 0.0).then(|| self.minimum_velocity * (excess / self.eta).sqrt())
     }
 
-    /// Belt velocity v_b0 = √(4/5) v_b1 below which the mass sticks, by averaging: there A0 = v_b. Dimensionless, relative error O(ε²). `None`
-    /// where 2β ≥ η.
+    /// Belt velocity v_b0 = √(4/5) v_b1 below which the mass sticks, by averaging: there A0 = v_b. Dimensionless, relative
+    /// error O(ε²). `None` where 2β ≥ η.
     ///
     /// Source: after Eq. 15, corrected: it prints √(4/3), which is above v_b1.
     pub fn stick_velocity(&self) -> Option<f64> {
         self.onset_velocity().map(|onset| 0.8_f64.sqrt() * onset)
     }
 
-    /// Belt velocity √(4/5) v_b1 [1 + (3461/76800) q²], q = (4/5)η(v_b1/v_m)², at which the cycle touches the belt. Dimensionless, relative
-    /// error O(ε⁴). `None` where 2β ≥ η.
+    /// Belt velocity √(4/5) v_b1 [1 + (3461/76800) q²], q = (4/5)η(v_b1/v_m)², at which the cycle touches the belt.
+    /// Dimensionless, relative error O(ε⁴). `None` where 2β ≥ η.
     ///
     /// ```
     /// use stick_slip::analysis::PureSlip;
@@ -140,8 +140,8 @@ impl PureSlip {
         (self.h1 < 0.0).then(|| 2.0 * self.minimum_velocity * (-self.h1 / self.eta).sqrt())
     }
 
-    /// Whether the averaged cycle exists and slips all the time: A0 < |v_b|, the same as v_b0 < |v_b| < v_b1. Error O(ε²) in the
-    /// belt velocity.
+    /// Whether the averaged cycle exists and slips all the time: A0 < |v_b|, the same as v_b0 < |v_b| < v_b1. Error O(ε²)
+    /// in the belt velocity.
     ///
     /// Source: 4.1.1, corrected: it asks for ż < 0, the velocity of the mass, and means v_r < 0.
     pub fn is_valid(&self) -> bool {
@@ -179,7 +179,8 @@ impl PureSlip {
         self.cycle(3)
     }
 
-    /// The cycle with the terms through ε³ and the frequency through ε⁴. `None` where h1 ≥ 0. Errors and range: [`PureSlipCycle`].
+    /// The cycle with the terms through ε³ and the frequency through ε⁴. `None` where h1 ≥ 0. Errors and range:
+    /// [`PureSlipCycle`].
     pub fn fourth_order(&self) -> Option<PureSlipCycle> {
         self.cycle(4)
     }
@@ -262,10 +263,11 @@ impl PureSlip {
 /// | `multiplier`, `log_multiplier` | 3 | 3 | 5 | 5 |
 /// | second and third harmonic | 3 | 3 | 3 | 3 |
 ///
-/// Range: v_b0 < |v_b| < v_b1 ([`PureSlip::is_valid`]; more closely from [`PureSlip::grazing_velocity`] on), and a, b, h1 small beside 1.
+/// Range: v_b0 < |v_b| < v_b1 ([`PureSlip::is_valid`]; more closely from [`PureSlip::grazing_velocity`] on), and a, b, h1
+/// small beside 1.
 ///
-/// Source: expansion of z'' + z + h1 z' + h2 z'² + h3 z'³ = 0; the first order is Eqs. 13 and 15 (corrected) with the shift that the paper
-/// leaves out.
+/// Source: expansion of z'' + z + h1 z' + h2 z'² + h3 z'³ = 0; the first order is Eqs. 13 and 15 (corrected) with the shift
+/// that the paper leaves out.
 ///
 /// ```
 /// use stick_slip::analysis::PureSlip;

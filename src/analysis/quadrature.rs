@@ -31,8 +31,9 @@ impl Integral {
         sum
     }
 
-    /// Largest difference between two rules at which the finer is good to round-off: it converges so fast that its own error is smaller by many orders.
-    /// Where the integrand is narrow, rounding of its argument is what counts, and that goes with its peak.
+    /// Largest difference between two rules at which the finer is good to round-off: it converges so fast that its own
+    /// error is smaller by many orders. Where the integrand is narrow, rounding of its argument is what counts, and that
+    /// goes with its peak.
     fn tolerance(&self) -> f64 {
         1e-12 * self.size + 16.0 * f64::EPSILON * self.peak + f64::MIN_POSITIVE
     }

@@ -8,7 +8,8 @@ use crate::{Error, State};
 /// u ≈ ū + A sin ψ,  v ≈ A cos ψ
 /// ```
 ///
-/// A Bernoulli equation, linear in 1/A². All quantities are dimensionless. Errors are O(ε) for times up to O(1/ε), in the range A(τ) ≤ |v_b|.
+/// A Bernoulli equation, linear in 1/A². All quantities are dimensionless. Errors are O(ε) for times up to O(1/ε), in the
+/// range A(τ) ≤ |v_b|.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eq. 12, corrected: the right sides are meant as means over a cycle, and only A is
 /// stationary on a cycle. Made by [`PureSlip::transient`](super::PureSlip::transient).

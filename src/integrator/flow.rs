@@ -44,6 +44,9 @@ enum Phase {
     Ended,
 }
 
+/// Scale of a motion, max(|u − ū|, |v|, |v_b|), below which the last terms of its series would be subnormal numbers.
+const LEAST_SCALE: f64 = 1e-280;
+
 /// Distance from the release point, in units of ε times the largest term of its formula, within which a start is one exactly on it.
 const RELEASE_ROUNDING: f64 = 4.0;
 
@@ -56,7 +59,10 @@ impl<'s, L: FrictionLaw> Flow<'s, L> {
         let v_b = system.belt_velocity();
         let relative_velocity = start.velocity - v_b;
         let force = start.displacement + 2.0 * system.damping() * start.velocity;
-        if !(force.is_finite() && relative_velocity.is_finite()) {
+        let deviation = start.displacement - system.equilibrium_displacement();
+        let scale = deviation.abs().max(start.velocity.abs()).max(v_b.abs());
+        let underflows = scale > 0.0 && scale < LEAST_SCALE;
+        if !(force.is_finite() && relative_velocity.is_finite()) || underflows {
             return Err(Error::InvalidState {
                 displacement: start.displacement,
                 velocity: start.velocity,
@@ -165,11 +171,7 @@ impl<'s, L: FrictionLaw> Flow<'s, L> {
     /// One Taylor step of a slip phase, and what follows if it ends in contact.
     fn slip(&mut self, point: SlipPoint, state: State) -> Result<Step, Error> {
         let advance = self.stepper.advance(&point, Time::Forward, self.clock.time)?;
-        let Advance {
-            speed,
-            duration,
-            end,
-        } = advance;
+        let Advance { duration, end } = advance;
         let displacement = end.displacement;
         let mut event = None;
         self.phase = if duration.is_infinite() {
@@ -193,7 +195,8 @@ impl<'s, L: FrictionLaw> Flow<'s, L> {
                 }
             }
         };
-        Ok(self.step(Mode::Slip(point.direction), state, speed, duration, event))
+        let mode = Mode::Slip(point.direction);
+        Ok(self.step(mode, state, *self.stepper.speed(), duration, event))
     }
 
     fn step(

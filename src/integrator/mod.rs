@@ -91,7 +91,7 @@ impl Integrator {
         Ok(self)
     }
 
-    /// Sets the largest number of events of one run, for `flow` too.
+    /// Sets the largest number of events of one run, for `flow` too: a run that goes on after more events than this is an error.
     ///
     /// # Errors
     ///

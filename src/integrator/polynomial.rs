@@ -4,13 +4,13 @@ use std::ops::ControlFlow;
 
 use crate::scalar::mul_add;
 
-/// Coefficients of a step's series: order 27.
+/// Coefficients of a step's series: order 26.
 ///
-/// Time per unit of τ at equal achieved error is flat between orders 18 and 27 at every tolerance; the upper end takes the
-/// fewest steps. A multiple of four, for [`evaluate`].
-pub(crate) const TERMS: usize = 28;
+/// Time per unit of τ at equal achieved error is flat between orders 18 and 26 at every tolerance; the upper end takes the
+/// fewest steps. A multiple of three, for [`evaluate`], and odd, for [`evaluate_four`].
+pub(crate) const TERMS: usize = 27;
 
-/// c_0 + c_1 t + … + c_27 t²⁷.
+/// c_0 + c_1 t + … + c_26 t²⁶.
 pub(crate) type Polynomial = [f64; TERMS];
 
 /// 1/(k + 1): the integral of t^k is t^(k+1)/(k+1).
@@ -24,42 +24,31 @@ pub(crate) const INTEGRAL: Polynomial = {
     weights
 };
 
-/// k(k − 1): the second derivative of t^k is k(k−1) t^(k−2).
-const CURVATURE: Polynomial = {
-    let mut weights = [0.0; TERMS];
-    let mut k = 1;
-    while k < TERMS {
-        weights[k] = (k * (k - 1)) as f64;
-        k += 1;
-    }
-    weights
-};
-
-/// Σ w(c_k, k) t^k in four interleaved chains, so that the latency of one multiply-add is shared by four.
+/// Σ c(k) t^k in three interleaved chains, so that the latency of one multiply-add is shared by three.
+///
+/// Three and not four: four would be vectorised, with loads that span coefficients just written one by one, and stall on them.
 #[inline(always)]
-fn evaluate_with(c: &Polynomial, t: f64, weight: impl Fn(f64, usize) -> f64) -> f64 {
-    let t2 = t * t;
-    let t4 = t2 * t2;
-    let mut lanes: [f64; 4] = std::array::from_fn(|j| weight(c[TERMS - 4 + j], TERMS - 4 + j));
-    for block in (0..TERMS / 4 - 1).rev() {
+fn sum_of_powers(t: f64, c: impl Fn(usize) -> f64) -> f64 {
+    let t3 = t * t * t;
+    let mut lanes: [f64; 3] = std::array::from_fn(|j| c(TERMS - 3 + j));
+    for block in (0..TERMS / 3 - 1).rev() {
         for (j, lane) in lanes.iter_mut().enumerate() {
-            *lane = mul_add(*lane, t4, weight(c[4 * block + j], 4 * block + j));
+            *lane = mul_add(*lane, t3, c(3 * block + j));
         }
     }
-    let [a, b, c, d] = lanes;
-    mul_add(t2, mul_add(t, d, c), mul_add(t, b, a))
+    mul_add(t, mul_add(t, lanes[2], lanes[1]), lanes[0])
 }
 
 /// c(t).
 #[inline(always)]
 pub(crate) fn evaluate(c: &Polynomial, t: f64) -> f64 {
-    evaluate_with(c, t, |c, _| c)
+    sum_of_powers(t, |k| c[k])
 }
 
-/// Mean of c over [0, t], t ≠ 0.
+/// Mean of c over [0, t].
 #[inline(always)]
 pub(crate) fn mean(c: &Polynomial, t: f64) -> f64 {
-    evaluate_with(c, t, |c, k| c * INTEGRAL[k])
+    sum_of_powers(t, |k| c[k] * INTEGRAL[k])
 }
 
 /// The polynomial dc/dt.
@@ -67,28 +56,18 @@ pub(crate) fn derivative(c: &Polynomial) -> Polynomial {
     std::array::from_fn(|k| c.get(k + 1).map_or(0.0, |c| (k + 1) as f64 * c))
 }
 
-/// dc/dt.
-#[inline(always)]
-fn differentiate(c: &Polynomial, t: f64) -> f64 {
-    let mut slope = 0.0;
-    for k in (1..TERMS).rev() {
-        slope = mul_add(slope, t, k as f64 * c[k]);
-    }
-    slope
-}
-
 /// c at four times at once, even and odd powers in chains of their own.
 #[inline(always)]
 pub(crate) fn evaluate_four(c: &Polynomial, t: [f64; 4]) -> [f64; 4] {
     let t2 = t.map(|t| t * t);
-    let (mut even, mut odd) = ([c[TERMS - 2]; 4], [c[TERMS - 1]; 4]);
-    for k in (0..TERMS - 2).step_by(2).rev() {
+    let (mut even, mut odd) = ([c[TERMS - 1]; 4], [c[TERMS - 2]; 4]);
+    for k in (2..TERMS - 1).step_by(2).rev() {
         for i in 0..4 {
             even[i] = mul_add(even[i], t2[i], c[k]);
-            odd[i] = mul_add(odd[i], t2[i], c[k + 1]);
+            odd[i] = mul_add(odd[i], t2[i], c[k - 1]);
         }
     }
-    std::array::from_fn(|i| mul_add(odd[i], t[i], even[i]))
+    std::array::from_fn(|i| mul_add(odd[i], t[i], mul_add(even[i], t2[i], c[0])))
 }
 
 /// How far the terms of the highest orders stay below `error`: (error/|c_n|)^(1/n) for the last two n, to 6 %.
@@ -111,13 +90,10 @@ fn root(x: f64, n: usize) -> f64 {
 /// Bound of |d²c/dt²| on [0, t]: Σ k(k−1)|c_k| t^(k−2).
 #[inline(always)]
 fn curvature_bound(c: &Polynomial, t: f64) -> f64 {
-    let (even, odd) = (t * t, t);
-    let (mut sum_even, mut sum_odd) = (0.0, 0.0);
-    for k in (2..TERMS).step_by(2).rev() {
-        sum_even = mul_add(sum_even, even, CURVATURE[k] * c[k].abs());
-        sum_odd = mul_add(sum_odd, even, CURVATURE[k + 1] * c[k + 1].abs());
-    }
-    mul_add(sum_odd, odd, sum_even)
+    sum_of_powers(t, |k| {
+        c.get(k + 2)
+            .map_or(0.0, |c| ((k + 2) * (k + 1)) as f64 * c.abs())
+    })
 }
 
 /// Bound of the rounding error of [`evaluate`] anywhere on [0, t]: Σ (k/2 + 4)·ε|c_k| t^k.
@@ -239,6 +215,7 @@ impl<'c> Search<'c> {
     /// The root between a and b, where c changes sign once: Newton's method kept inside the bracket.
     fn refine(&self, (mut a, at_a): (f64, f64), (mut b, at_b): (f64, f64)) -> f64 {
         let mut t = b + (b - a) * (at_b / (at_a - at_b));
+        let slope = derivative(self.c);
         let mut last = f64::INFINITY;
         // Bisection alone takes some 60 passes; Newton's method three or four.
         for _ in 0..128 {
@@ -248,7 +225,7 @@ impl<'c> Search<'c> {
             } else {
                 b = t;
             }
-            let correction = value / differentiate(self.c, t);
+            let correction = value / evaluate(&slope, t);
             // Quadratic convergence ends where rounding takes over and corrections no longer shrink.
             let settled = correction.abs() <= NEWTON_REGIME * t && correction.abs() >= 0.25 * last;
             if settled || correction.abs() <= 0.5 * f64::EPSILON * t {

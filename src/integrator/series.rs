@@ -25,27 +25,38 @@ pub(crate) struct Series {
 }
 
 impl Series {
+    pub(crate) const ZERO: Self = Self {
+        speed: [0.0; TERMS],
+        friction: [0.0; TERMS],
+    };
+
     /// Expands the motion about a point, on one piece of the law.
     ///
-    /// Kept out of line: inlined into the stepper, it competes for registers and runs at half the speed.
+    /// In place: a copy would load what has just been stored, and wait for it. Kept out of line: inlined into the stepper, it
+    /// competes for registers and runs at half the speed.
     #[inline(never)]
-    pub(crate) fn new<L: FrictionLaw>(
+    pub(crate) fn expand<L: FrictionLaw>(
+        &mut self,
         system: &MassOnBelt<L>,
         workspace: &mut Workspace<TERMS>,
         from: &SlipPoint,
         piece: usize,
         time: Time,
-    ) -> Result<Self, Error> {
+    ) -> Result<(), Error> {
         let sigma = from.direction.sign();
         let (damping, load) = (2.0 * system.damping(), system.load());
         let belt = sigma * system.belt_velocity();
-        let mut friction = [0.0; TERMS];
+        let Self {
+            speed: series,
+            friction,
+        } = self;
 
         let s0 = from.speed;
         // (k + 1) s_{k+1} = −x_k − 2β s_k − γ² m_k, where x_k = s_{k−1}/k and m_k = slope·s_k + scale·rest. The newest
         // coefficient is put in last, and every factor is finished before.
         let (mut decay, mut older) = (0.0, 0.0);
         let (value, slope) = expand(system.law(), piece, workspace, s0, |k, s, m| {
+            series[k] = s;
             let weight = -INTEGRAL[k];
             if k == 0 {
                 decay = mul_add(load, m.slope, damping);
@@ -59,7 +70,11 @@ impl Series {
             let spring = if k == 1 { weight * older } else { weight * INTEGRAL[k - 1] * older };
             older = s;
             let next = mul_add(weight * load * m.scale, m.rest, spring);
-            mul_add(weight * decay, s, next)
+            let next = mul_add(weight * decay, s, next);
+            if k + 1 == TERMS - 1 {
+                series[k + 1] = next;
+            }
+            next
         });
         if !value.is_finite() {
             return Err(Error::NonFiniteFriction {
@@ -74,18 +89,14 @@ impl Series {
                 reached: None,
             });
         }
-        let mut series = Self {
-            speed: workspace.speed(),
-            friction,
-        };
         if time == Time::Backward {
             // f(−t): the odd coefficients change sign.
             for k in (1..TERMS).step_by(2) {
-                series.speed[k] = -series.speed[k];
-                series.friction[k] = -series.friction[k];
+                series[k] = -series[k];
+                friction[k] = -friction[k];
             }
         }
-        Ok(series)
+        Ok(())
     }
 
     /// |u| + 2β|v| + γ²μ̂ at the start: what the rounding errors of the equation of motion are measured by.
@@ -113,9 +124,7 @@ impl Series {
         for (s, m) in std::iter::zip(speeds, friction) {
             let difference = (system.law().kinetic_on(piece, s.max(0.0)) - m).abs();
             // Not f64::max, which would drop a NaN.
-            if !(difference <= largest) {
-                largest = difference;
-            }
+            largest = if largest >= difference { largest } else { difference + 0.0 * largest };
         }
         system.load() * largest
     }

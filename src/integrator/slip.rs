@@ -25,8 +25,6 @@ pub(crate) struct SlipPoint {
 /// One Taylor step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Advance {
-    /// Series of the sliding speed in the time since the start, backward time where that was asked for.
-    pub(crate) speed: Polynomial,
     /// How long the step lasts; infinite exactly on an equilibrium.
     pub(crate) duration: f64,
     /// Where it ends.
@@ -68,6 +66,8 @@ const DEFECT_LIMIT: f64 = 40.0 * TERMS as f64;
 pub(crate) struct Stepper<'s, L> {
     system: &'s MassOnBelt<L>,
     workspace: Workspace<TERMS>,
+    /// Of the step taken last.
+    series: Series,
     breakpoints: Vec<f64>,
     tolerance: f64,
     /// ū, from which the scale of the motion is measured.
@@ -79,6 +79,7 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         Self {
             system,
             workspace: Workspace::new(),
+            series: Series::ZERO,
             breakpoints: system.law().breakpoints().collect(),
             tolerance,
             equilibrium: system.equilibrium_displacement(),
@@ -109,13 +110,14 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
             time: elapsed,
             state,
         };
-        let piece = self.piece(point, time);
-        let series = Series::new(self.system, &mut self.workspace, point, piece, time)
+        let (piece, ref point) = self.on_piece(point, time);
+        self.series
+            .expand(self.system, &mut self.workspace, point, piece, time)
             .map_err(|error| error.reached_at(reached))?;
-        let speed = series.speed;
+        let series = &self.series;
+        let speed = &series.speed;
         if speed[1] == 0.0 && speed[2] == 0.0 {
             return Ok(Advance {
-                speed,
                 duration: f64::INFINITY,
                 end: *point,
             });
@@ -130,15 +132,15 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         let error = self.tolerance * scale;
         let floor = DEFECT_FLOOR * f64::EPSILON * series.largest_term(self.system, state);
         let limits = self.limits(piece);
-        let mut h = reach(&speed, error);
+        let mut h = reach(speed, error);
         let (duration, end_speed) = loop {
             if !(h > f64::EPSILON * elapsed && h >= f64::MIN_POSITIVE) {
-                return Err(self.underflow(piece, &speed, h, reached));
+                return Err(self.underflow(piece, h, reached));
             }
-            let speeds = evaluate_four(&speed, quarters(h));
-            let (end, speeds, end_speed) = match limits.first_exit(&speed, h, speeds) {
+            let speeds = evaluate_four(speed, quarters(h));
+            let (end, speeds, end_speed) = match limits.first_exit(speed, h, speeds) {
                 None => (h, speeds, speeds[3]),
-                Some((t, limit)) => (t, evaluate_four(&speed, quarters(t)), limit),
+                Some((t, limit)) => (t, evaluate_four(speed, quarters(t)), limit),
             };
             let defect = series.defect(self.system, piece, end, speeds);
             if defect * end <= DEFECT_LIMIT * error + floor * end {
@@ -147,30 +149,35 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
             h = 0.5 * end;
         };
 
-        let mut advance = Advance {
-            speed,
+        Ok(Advance {
             duration,
             end: SlipPoint {
+                displacement: self.displacement(point, time, duration),
                 speed: end_speed,
                 rate: None,
                 ..*point
             },
-        };
-        advance.end.displacement += time.sign() * self.mean_velocity(&advance, duration) * duration;
-        Ok(advance)
+        })
     }
 
-    /// Mean of v over the first t of a step.
+    /// Series of the sliding speed over the step taken last, in the time since its start; backward time where that was asked for.
+    pub(crate) fn speed(&self) -> &Polynomial {
+        &self.series.speed
+    }
+
+    /// Displacement at a time t after the start of the step taken last, from `start`.
     #[inline(always)]
-    pub(crate) fn mean_velocity(&self, advance: &Advance, t: f64) -> f64 {
-        self.system.belt_velocity() + advance.end.direction.sign() * mean(&advance.speed, t)
+    pub(crate) fn displacement(&self, start: &SlipPoint, time: Time, t: f64) -> f64 {
+        let mean_speed = mean(&self.series.speed, t);
+        let mean_velocity = self.system.belt_velocity() + start.direction.sign() * mean_speed;
+        start.displacement + time.sign() * mean_velocity * t
     }
 
     /// The law's own failure if it gave no number where the motion goes, else a step too short.
     #[cold]
-    fn underflow(&self, piece: usize, speed: &Polynomial, step: f64, reached: Reached) -> Error {
+    fn underflow(&self, piece: usize, step: f64, reached: Reached) -> Error {
         let law = self.system.law();
-        let failure = evaluate_four(speed, quarters(2.0 * step))
+        let failure = evaluate_four(&self.series.speed, quarters(2.0 * step))
             .into_iter()
             .map(|s| (s, law.kinetic_on(piece, s.max(0.0))))
             .find(|(s, value)| s.is_finite() && !value.is_finite());
@@ -184,20 +191,24 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         }
     }
 
-    /// The piece of the law that a motion from this point goes through; at a breakpoint the motion decides.
-    fn piece(&self, point: &SlipPoint, time: Time) -> usize {
+    /// The piece of the law that a motion from this point goes through. At a breakpoint the motion decides, by its rate, which
+    /// is then the one that the series starts with.
+    fn on_piece(&self, point: &SlipPoint, time: Time) -> (usize, SlipPoint) {
         let above = self.breakpoints.partition_point(|&b| b <= point.speed);
         if above == 0 || self.breakpoints[above - 1] != point.speed {
-            return above;
+            return (above, *point);
         }
         let sigma = point.direction.sign();
         let state = self.state(point);
-        let rate = point
-            .rate
-            .unwrap_or_else(|| sigma * self.system.acceleration(state) * time.sign());
+        let equation = || time.sign() * sigma * self.system.acceleration(state);
+        let rate = point.rate.unwrap_or_else(equation);
         // Where s' = σv' is zero, s'' = −σv decides.
         let rising = rate > 0.0 || (rate == 0.0 && sigma * state.velocity < 0.0);
-        if rising { above } else { above - 1 }
+        let point = SlipPoint {
+            rate: Some(rate),
+            ..*point
+        };
+        (if rising { above } else { above - 1 }, point)
     }
 
     /// Sliding speeds at which a step on this piece must end.
@@ -223,6 +234,20 @@ impl Limits {
     /// First time in (0, h] at which s(t) reaches a limit, and that limit; `speeds` are its values at the quarters of h.
     #[inline(always)]
     fn first_exit(&self, speed: &Polynomial, h: f64, speeds: [f64; 4]) -> Option<(f64, f64)> {
+        if self.high.is_none() && self.low == 0.0 && speed[0] > 0.0 {
+            // The usual case, kept short.
+            return first_root(speed, h, speeds).map(|time| (time, 0.0));
+        }
+        self.first_exit_from_piece(speed, h, speeds)
+    }
+
+    #[inline(never)]
+    fn first_exit_from_piece(
+        &self,
+        speed: &Polynomial,
+        h: f64,
+        speeds: [f64; 4],
+    ) -> Option<(f64, f64)> {
         let low = first_passage(speed, self.low, 1.0, h, speeds).map(|time| (time, self.low));
         let Some(limit) = self.high else {
             return low;
@@ -239,7 +264,6 @@ impl Limits {
 ///
 /// If the motion starts on the level, that root (double where the rate is zero) is divided out: it is known, so nothing has
 /// to be skipped by a small time.
-#[inline(always)]
 fn first_passage(
     speed: &Polynomial,
     level: f64,
@@ -251,8 +275,6 @@ fn first_passage(
         let known = if speed[1] == 0.0 { 2 } else { 1 };
         let rest = std::array::from_fn(|k| speed.get(k + known).map_or(0.0, |c| sign * c));
         first_root(&rest, h, evaluate_four(&rest, quarters(h)))
-    } else if level == 0.0 {
-        first_root(speed, h, speeds)
     } else {
         let mut distance = speed.map(|c| sign * c);
         distance[0] -= sign * level;

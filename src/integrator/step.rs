@@ -171,7 +171,7 @@ impl Step {
             velocity,
         } = self.state;
         match self.mode {
-            _ if t == 0.0 => self.state,
+            _ if t == 0.0 || self.is_rest() => self.state,
             Mode::Stick => State::new(displacement + velocity * t, velocity),
             Mode::Slip(direction) => {
                 let mean_velocity = self.belt_velocity + direction.sign() * mean(&self.speed, t);
@@ -181,6 +181,11 @@ impl Step {
                 )
             }
         }
+    }
+
+    /// Whether nothing moves: exactly on the equilibrium, or in stick on a belt that stands still.
+    fn is_rest(&self) -> bool {
+        self.state.velocity == 0.0 && self.speed[1] == 0.0 && self.speed[2] == 0.0
     }
 
     /// The event that ends it, if one does.

@@ -78,9 +78,9 @@ impl Trajectory {
     /// ```
     /// use stick_slip::{Coulomb, MassOnBelt, State};
     ///
-    /// let motion = MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.5)?.simulate(State::new(0.0, 0.5), 0.6)?;
+    /// let motion = MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.5)?.simulate(State::new(0.0, 0.5), 1.5)?;
     /// let times: Vec<f64> = motion.sample(4).map(|(time, _)| time).collect();
-    /// assert_eq!(times, [0.0, 0.2, 0.4, 0.6]);
+    /// assert_eq!(times, [0.0, 0.5, 1.0, 1.5]);
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     pub fn sample(&self, n: usize) -> impl ExactSizeIterator<Item = (f64, State)> + '_ {

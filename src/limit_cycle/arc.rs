@@ -86,11 +86,8 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
         let mut rates = None;
         loop {
             let advance = self.stepper.advance(&point, time, clock.time)?;
-            let Advance {
-                speed,
-                mut duration,
-                end,
-            } = advance;
+            let Advance { mut duration, end } = advance;
+            let speed = *self.stepper.speed();
             let [first, last] = rates.unwrap_or([speed[1], 0.0]);
             // Between two steps as well, where rounding may put it before the one and after the other.
             let maximum = if last < 0.0 && speed[1] >= 0.0 {
@@ -115,8 +112,7 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
             steps.push(step);
             let arrival = if maximum.is_some() {
                 Some(Arrival::Maximum(SlipPoint {
-                    displacement: point.displacement
-                        + time.sign() * self.stepper.mean_velocity(&advance, duration) * duration,
+                    displacement: self.stepper.displacement(&point, time, duration),
                     speed: evaluate(&speed, duration),
                     // Exactly: that is what makes it a maximum.
                     rate: Some(0.0),

@@ -68,12 +68,6 @@ impl<const M: usize> Workspace<M> {
     fn set_speed(&self, k: usize, coefficient: f64) {
         self.inline[0].c[k].set(coefficient);
     }
-
-    /// The sliding speed's series, as [`expand`] left it.
-    #[inline(always)]
-    pub(crate) fn speed(&self) -> [f64; M] {
-        std::array::from_fn(|k| self.inline[0].c[k].get())
-    }
 }
 
 /// One run of a law: the rows, the operation counter, and the newest coefficient s_K of the sliding speed.
@@ -321,7 +315,8 @@ impl<const K: usize, const M: usize> Scalar for Taylor<'_, K, M> {
     #[inline(always)]
     fn powi(self, exponent: i32) -> Self {
         if exponent < 0 {
-            return self.power(exponent.unsigned_abs()).recip();
+            // Not the other way round: the recurrence of the reciprocal of a high power loses digits.
+            return self.recip().power(exponent.unsigned_abs());
         }
         self.power(exponent.unsigned_abs())
     }
@@ -630,8 +625,7 @@ pub(crate) const LONGEST: usize = 32;
 
 /// Expands s(t) = Σ s_k t^k together with m(t) = μ̂(s(t)), to M ≤ [`LONGEST`] coefficients of s.
 ///
-/// `next(k, s_k, m)` returns s_{k+1} from the newest coefficient of s and that of the law. The series of s is left in row 0 of the
-/// workspace. Returns the law's value and slope at s_0; if they are not finite, nothing more is expanded.
+/// `next(k, s_k, m)` returns s_{k+1} from the newest coefficient of s and that of the law. Returns the law's value and slope at s_0; if they are not finite, nothing more is expanded.
 #[inline(always)]
 pub(crate) fn expand<const M: usize, L: FrictionLaw>(
     law: &L,

@@ -1,6 +1,9 @@
 //! What several test files share: reference data, laws of the tests' own, and random numbers that are the same in every run.
 #![allow(dead_code)] // each test file uses a part of it
 
+pub(crate) mod any;
+pub(crate) mod orbit;
+
 use serde_json::Value;
 use stick_slip::{Coulomb, Exponential, FrictionLaw, MassOnBelt, Polynomial, Scalar};
 

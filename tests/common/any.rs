@@ -1,0 +1,165 @@
+//! Random systems of every law: those of the crate, and the tests' own.
+
+use stick_slip::{
+    AnyLaw, Coulomb, Exponential, FrictionLaw, MassOnBelt, Polynomial, Rational, Scalar, Stribeck,
+    Tabulated,
+};
+
+use super::{Decay, Leine, Random, Table};
+
+/// Any law of the crate or of the tests.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Any {
+    Crate(AnyLaw),
+    Leine(Leine),
+    Decay(Decay),
+    Table(Table),
+    Wave(Wave),
+}
+
+/// μ̂(s) = μ_s − d s/(1 + s) + a (cos ks − 1): falls, and waves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Wave {
+    pub(crate) static_coefficient: f64,
+    pub(crate) fall: f64,
+    pub(crate) height: f64,
+    pub(crate) number: f64,
+}
+
+impl FrictionLaw for Wave {
+    fn static_coefficient(&self) -> f64 {
+        self.static_coefficient
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        let wave = ((speed * self.number).cos() - 1.0) * self.height;
+        wave - speed / (speed + 1.0) * self.fall + self.static_coefficient
+    }
+}
+
+impl FrictionLaw for Any {
+    fn static_coefficient(&self) -> f64 {
+        match self {
+            Self::Crate(law) => law.static_coefficient(),
+            Self::Leine(law) => law.static_coefficient(),
+            Self::Decay(law) => law.static_coefficient(),
+            Self::Table(law) => law.static_coefficient(),
+            Self::Wave(law) => law.static_coefficient(),
+        }
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        match self {
+            Self::Crate(law) => law.kinetic(speed),
+            Self::Leine(law) => law.kinetic(speed),
+            Self::Decay(law) => law.kinetic(speed),
+            Self::Table(law) => law.kinetic(speed),
+            Self::Wave(law) => law.kinetic(speed),
+        }
+    }
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        let all: Vec<f64> = match self {
+            Self::Crate(law) => law.breakpoints().collect(),
+            Self::Table(law) => law.breakpoints().collect(),
+            _ => Vec::new(),
+        };
+        all.into_iter()
+    }
+    fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
+        match self {
+            Self::Crate(law) => law.kinetic_on(piece, speed),
+            Self::Table(law) => law.kinetic_on(piece, speed),
+            other => other.kinetic(speed),
+        }
+    }
+}
+
+impl Random {
+    /// How many kinds [`any_law`](Self::any_law) knows.
+    pub(crate) const KINDS: usize = 11;
+
+    /// A law of one kind, with μ_s in [0.2, 0.8); it falls to 0.3 to 1 of that, and most may rise again.
+    pub(crate) fn any_law(&mut self, kind: usize) -> Any {
+        let top = self.uniform(0.2, 0.8);
+        let least = top * self.uniform(0.3, 1.0);
+        let width = self.uniform(0.1, 1.0);
+        let law: AnyLaw = match kind {
+            0 => Polynomial::new(top, least, self.uniform(0.3, 1.5))
+                .unwrap()
+                .into(),
+            1 => Exponential::new(top, least, width).unwrap().into(),
+            2 => Coulomb::new(top, least).unwrap().into(),
+            3 => Rational::new(top, self.uniform(0.2, 5.0))
+                .and_then(|law| law.with_offset(0.7 * least))
+                .and_then(|law| law.with_quadratic(self.uniform(0.0, 0.05)))
+                .unwrap()
+                .into(),
+            4 => {
+                let exponent = self.pick(&[1, 2, 3, 4]);
+                Stribeck::new(top, least, width, exponent)
+                    .and_then(|law| law.with_viscous_coefficient(self.uniform(0.0, 0.05)))
+                    .unwrap()
+                    .into()
+            }
+            5 | 6 => {
+                let middle = (0.4 * width, least + self.uniform(0.2, 0.7) * (top - least));
+                let end = (3.0 * width, least + self.uniform(0.0, 0.5) * (top - least));
+                let law = Tabulated::new([(0.0, top), middle, (width, least), end]).unwrap();
+                // Static friction above the kinetic one in every second.
+                let raised = if kind == 5 {
+                    1.0
+                } else {
+                    self.uniform(1.0, 1.5)
+                };
+                law.with_static_coefficient(raised * top).unwrap().into()
+            }
+            7 => {
+                return Any::Leine(Leine {
+                    static_coefficient: top,
+                    decay: self.uniform(0.2, 5.0),
+                });
+            }
+            8 => {
+                return Any::Decay(Decay {
+                    static_coefficient: top,
+                    kinetic_coefficient: least,
+                    velocity: width,
+                });
+            }
+            9 => {
+                let rise = self.uniform(0.0, 0.5) * (top - least);
+                return Any::Table(Table {
+                    static_coefficient: self.pick(&[1.0, 1.2]) * top,
+                    points: vec![
+                        (0.0, top),
+                        (width, least),
+                        (2.0 * width, least + rise),
+                        (3.0 * width, least + 1.1 * rise),
+                    ],
+                });
+            }
+            _ => {
+                return Any::Wave(Wave {
+                    static_coefficient: top,
+                    fall: top - least,
+                    height: self.uniform(0.0, 0.1) * top,
+                    number: self.uniform(1.0, 12.0),
+                });
+            }
+        };
+        Any::Crate(law)
+    }
+
+    /// A system with a law of one kind: 0.03 ≤ |v_b| < 2 with either sign, β = 0 or 10⁻⁴ ≤ β < 0.4, 0.1 ≤ γ² < 5.
+    pub(crate) fn any_system(&mut self, kind: usize) -> MassOnBelt<Any> {
+        let law = self.any_law(kind);
+        let belt_velocity = self.sign() * self.logarithmic(0.03, 2.0);
+        let damping = if self.bits() % 8 == 0 {
+            0.0
+        } else {
+            self.logarithmic(1e-4, 0.4)
+        };
+        MassOnBelt::new(law, belt_velocity)
+            .and_then(|system| system.with_damping(damping))
+            .and_then(|system| system.with_load(self.logarithmic(0.1, 5.0)))
+            .unwrap()
+    }
+}

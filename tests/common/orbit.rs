@@ -1,0 +1,142 @@
+//! The tests' own view of periodic motions: return maps from simulated turns, quadrature, extremes of a run.
+
+use stick_slip::{Direction, EventKind, FrictionLaw, Integrator, MassOnBelt, Mode, State, Step};
+
+/// ∫ over [0, h] by Gauss-Legendre rules of 20 points, on 4 pieces.
+pub(crate) fn integrate(h: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
+    const N: usize = 20;
+    let legendre = |x: f64| {
+        let (mut p, mut last) = (x, 1.0);
+        for k in 2..=N {
+            let k = k as f64;
+            (p, last) = (((2.0 * k - 1.0) * x * p - (k - 1.0) * last) / k, p);
+        }
+        (p, N as f64 * (x * p - last) / (x * x - 1.0))
+    };
+    let width = h / 4.0;
+    let mut sum = 0.0;
+    for i in 0..N {
+        let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (N as f64 + 0.5)).cos();
+        for _ in 0..6 {
+            let (p, slope) = legendre(x);
+            x -= p / slope;
+        }
+        let slope = legendre(x).1;
+        let weight = 2.0 / ((1.0 - x * x) * slope * slope);
+        for piece in 0..4 {
+            sum += weight * f(width * (f64::from(piece) + 0.5 * (1.0 + x)));
+        }
+    }
+    0.5 * width * sum
+}
+
+/// What a simulated turn comes to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Turn {
+    /// Again at a velocity maximum V, or at a downward crossing at u.
+    Returns(f64),
+    /// Up to the belt, or in stick.
+    Belt,
+    /// Nothing of both within the time allowed.
+    Ends,
+}
+
+const TURN: f64 = 60.0;
+
+/// The state with the velocity maximum V, for v_b > 0.
+pub(crate) fn at_peak<L: FrictionLaw>(system: &MassOnBelt<L>, peak: f64) -> State {
+    let friction = system.load() * system.law().kinetic(system.belt_velocity() - peak);
+    State::new(friction - 2.0 * system.damping() * peak, peak)
+}
+
+/// The next velocity maximum below v_b > 0 after the one at V.
+pub(crate) fn next_peak<L: FrictionLaw>(system: &MassOnBelt<L>, peak: f64) -> Turn {
+    let mut backwards = false;
+    for step in Integrator::new()
+        .flow(system, at_peak(system, peak))
+        .unwrap()
+    {
+        let step: Step = step.unwrap();
+        if step.mode() != Mode::Slip(Direction::Lagging) {
+            return Turn::Belt;
+        }
+        if !(step.end_time() < TURN) {
+            return Turn::Ends;
+        }
+        let time = |i: u32| step.duration() * f64::from(i) / 16.0;
+        for i in 0..16 {
+            let (mut a, mut b) = (time(i), time(i + 1));
+            let rate = |t: f64| system.acceleration(step.state_at(t));
+            backwards |= step.state_at(a).velocity < 0.0;
+            let last = i == 15 && step.event().is_some();
+            if backwards
+                && !last
+                && step.state_at(b).velocity > 0.0
+                && rate(a) > 0.0
+                && rate(b) <= 0.0
+            {
+                for _ in 0..60 {
+                    let middle = 0.5 * (a + b);
+                    if rate(middle) > 0.0 {
+                        a = middle;
+                    } else {
+                        b = middle;
+                    }
+                }
+                return Turn::Returns(step.state_at(a).velocity);
+            }
+        }
+        if step.event().is_some() {
+            return Turn::Belt;
+        }
+    }
+    Turn::Ends
+}
+
+/// The next downward crossing after one at u, beyond the release point, for v_b > 0.
+pub(crate) fn next_crossing<L: FrictionLaw>(system: &MassOnBelt<L>, displacement: f64) -> Turn {
+    let start = State::new(displacement, system.belt_velocity());
+    for step in Integrator::new().flow(system, start).unwrap() {
+        let step: Step = step.unwrap();
+        if step.mode() == Mode::Stick {
+            return Turn::Belt;
+        }
+        if let Some(event) = step.event() {
+            match event.kind {
+                EventKind::Crossing(Direction::Lagging) => {
+                    return Turn::Returns(event.state.displacement);
+                }
+                EventKind::Crossing(Direction::Leading) => (),
+                _ => return Turn::Belt,
+            }
+        }
+        if !(step.end_time() < TURN) {
+            return Turn::Ends;
+        }
+    }
+    Turn::Ends
+}
+
+/// Least and largest displacement over the last `window` of a run.
+pub(crate) fn settles<L: FrictionLaw>(
+    system: &MassOnBelt<L>,
+    start: State,
+    duration: f64,
+    window: f64,
+) -> [f64; 2] {
+    let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+    for step in Integrator::new().flow(system, start).unwrap() {
+        let step: Step = step.unwrap();
+        if step.end_time() > duration - window {
+            let length = step.duration().min(8.0);
+            for i in 0..=64 {
+                let u = step.state_at(length * f64::from(i) / 64.0).displacement;
+                range = [range[0].min(u), range[1].max(u)];
+            }
+        }
+        if step.end_time() > duration {
+            break;
+        }
+    }
+    range
+}
