@@ -34,7 +34,10 @@ fn main() -> Result<(), Error> {
     println!("  damping ratio      {:8.5}", system.damping());
     if let Some(steady) = system.equilibrium() {
         let deflection = 1e3 * scaling.metres(steady.displacement);
-        println!("  steady sliding     {deflection:8.3} mm deflection, {}", steady.stability);
+        println!(
+            "  steady sliding     {deflection:8.3} mm deflection, {}",
+            steady.stability
+        );
     }
 
     println!("\nit settles to:");
@@ -48,17 +51,29 @@ fn main() -> Result<(), Error> {
     println!("\ndamping constant above which, at this speed,");
     println!("  steady sliding is stable    {stable:8.2} N·s/m");
     println!("  no groan can last           {silent:8.2} N·s/m");
-    println!("  with 1 % more than that     {}", sounds(&with_damping(brake, 1.01 * silent))?);
-    println!("  with 1 % less               {}", sounds(&with_damping(brake, 0.99 * silent))?);
+    println!(
+        "  with 1 % more than that     {}",
+        sounds(&with_damping(brake, 1.01 * silent))?
+    );
+    println!(
+        "  with 1 % less               {}",
+        sounds(&with_damping(brake, 0.99 * silent))?
+    );
 
     // Speed. The same two limits, with the damping that the brake has.
     let fast = scaling.velocity(2.0);
     println!("\ndisc speed above which, with its own damping,");
     for velocity in bifurcation::hopf_velocities(&system, 0.0..fast)? {
-        println!("  steady sliding is stable    {:8.4} m/s", scaling.metres_per_second(velocity));
+        println!(
+            "  steady sliding is stable    {:8.4} m/s",
+            scaling.metres_per_second(velocity)
+        );
     }
     for velocity in bifurcation::grazing_velocities(&system, 0.1..fast)? {
-        println!("  no groan can last           {:8.4} m/s", scaling.metres_per_second(velocity));
+        println!(
+            "  no groan can last           {:8.4} m/s",
+            scaling.metres_per_second(velocity)
+        );
     }
     Ok(())
 }
@@ -69,9 +84,18 @@ fn describe(scaling: &Scaling, cycle: &LimitCycle) {
     let joules = scaling.newtons(scaling.metres(cycle.energy().friction_loss));
     println!("  {}", cycle.kind());
     println!("    frequency        {:8.3} Hz", 1.0 / seconds);
-    println!("    sticking         {:8.3} % of the time", 100.0 * cycle.stick_duration() / cycle.period());
-    println!("    amplitude        {:8.4} mm", 1e3 * scaling.metres(cycle.amplitude()));
-    println!("    largest speed    {:8.4} m/s backwards", -scaling.metres_per_second(cycle.min_velocity()));
+    println!(
+        "    sticking         {:8.3} % of the time",
+        100.0 * cycle.stick_duration() / cycle.period()
+    );
+    println!(
+        "    amplitude        {:8.4} mm",
+        1e3 * scaling.metres(cycle.amplitude())
+    );
+    println!(
+        "    largest speed    {:8.4} m/s backwards",
+        -scaling.metres_per_second(cycle.min_velocity())
+    );
     println!("    heat in the pad  {:8.4} W", joules / seconds);
 }
 

@@ -36,7 +36,11 @@ fn main() -> Result<(), stick_slip::Error> {
     println!("law: μ̂(s) = 0.6 − 0.03 ln(1 + s/0.02)");
     println!("{:>6}  {:>12}  {:>12}", "s", "μ̂(s)", "dμ̂/ds");
     for speed in [0.0, 0.01, 0.1, 0.5] {
-        println!("{speed:6}  {:12.9}  {:12.9}", law.kinetic(speed), law.slope(speed));
+        println!(
+            "{speed:6}  {:12.9}  {:12.9}",
+            law.kinetic(speed),
+            law.slope(speed)
+        );
     }
 
     let system = MassOnBelt::new(law, 0.1)?.with_damping(0.05)?;
@@ -52,7 +56,11 @@ fn main() -> Result<(), stick_slip::Error> {
             cycle.kind(),
             cycle.period(),
             cycle.amplitude(),
-            if cycle.is_stable() { "stable" } else { "unstable" }
+            if cycle.is_stable() {
+                "stable"
+            } else {
+                "unstable"
+            }
         );
     }
 

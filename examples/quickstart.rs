@@ -44,17 +44,29 @@ fn show<L: FrictionLaw>(title: &str, law: L, v_b: f64) -> Result<(), stick_slip:
     }
     for event in events.iter().take(SHOWN) {
         let kind = event.kind.to_string();
-        println!("    τ = {:12.9}  {kind:<18}  u = {:12.9}", event.time, event.state.displacement);
+        println!(
+            "    τ = {:12.9}  {kind:<18}  u = {:12.9}",
+            event.time, event.state.displacement
+        );
     }
 
     for cycle in limit_cycle::find(&system)?.stable() {
-        println!("  settled motion: {}, multiplier {:.6}", cycle.kind(), cycle.multiplier());
+        println!(
+            "  settled motion: {}, multiplier {:.6}",
+            cycle.kind(),
+            cycle.multiplier()
+        );
         println!("    {:<16}  {:>14}  {:>14}", "", "simulated", "exact");
         let rows = settled(&motion, cycle);
         for (name, simulated, exact) in rows {
             println!("    {name:<16}  {simulated:14.9}  {exact:14.9}");
         }
-        println!("    {:<16}  {:>14}  {:14.9}", "time in stick", "", cycle.stick_duration());
+        println!(
+            "    {:<16}  {:>14}  {:14.9}",
+            "time in stick",
+            "",
+            cycle.stick_duration()
+        );
     }
     Ok(())
 }
@@ -76,7 +88,11 @@ fn settled(motion: &Trajectory, cycle: &LimitCycle) -> Vec<(&'static str, f64, f
 
 /// Times and displacements where the mass turns back: zeros of v, bracketed by samples and bisected in the dense output.
 fn turning_points(motion: &Trajectory) -> Vec<(f64, f64)> {
-    let velocity = |time: f64| motion.state_at(time).map_or(f64::NAN, |state| state.velocity);
+    let velocity = |time: f64| {
+        motion
+            .state_at(time)
+            .map_or(f64::NAN, |state| state.velocity)
+    };
     let samples: Vec<(f64, State)> = motion.sample(20_001).collect();
     let mut turns = Vec::new();
     for pair in samples.windows(2) {

@@ -1,4 +1,4 @@
-//! The formulas against their reference values, in degenerate cases, mirrored, and against what the source paper prints.
+//! The formulas against their reference values, in degenerate cases, and for hostile input.
 
 mod common;
 
@@ -6,7 +6,6 @@ use std::collections::BTreeSet;
 use std::f64::consts::{E, PI, TAU};
 
 use common::{Leine, Table, list, number, paper, text};
-use proptest::prelude::*;
 use serde_json::Value;
 use stick_slip::analysis::averaging::{cycles, drift};
 use stick_slip::analysis::coulomb::{
@@ -15,9 +14,7 @@ use stick_slip::analysis::coulomb::{
 use stick_slip::analysis::design::{self, QuietLaw};
 use stick_slip::analysis::exponential::hopf_velocities;
 use stick_slip::analysis::{PureSlip, Regime, StickSlip, equilibrium, regime};
-use stick_slip::{
-    Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Stability, State,
-};
+use stick_slip::{Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, State};
 
 fn cases(file: &str, kind: &str) -> Vec<Value> {
     let all: Value = serde_json::from_str(match file {
@@ -237,128 +234,6 @@ fn bifurcation_velocities_that_are_formulas_meet_their_reference_values() {
     }
 }
 
-// What the source paper prints wrongly, as far as it can be contradicted without a motion.
-
-#[test]
-fn misprint_eq_2_stick_condition_has_gamma_squared_and_two_sides() {
-    let system = paper(0.2).with_load(2.0).unwrap();
-    let [low, high] = system.stick_limits();
-    // Printed: 2βv_b + u ≤ μ_s. At its limit the mass is well inside the band, and far below it, outside.
-    let printed = 0.4 - 2.0 * 0.05 * 0.2;
-    assert!(low < printed && printed < high);
-    assert_eq!(system.acceleration(State::new(printed, 0.2)), 0.0);
-    assert!(system.acceleration(State::new(-3.0, 0.2)) > 0.0);
-}
-
-#[test]
-fn misprint_eq_7_equilibrium_is_friction_at_the_belt_velocity() {
-    let system = paper(0.2);
-    let displacement = equilibrium(&system).unwrap().displacement;
-    assert_eq!(displacement, system.load() * system.law().coefficient(0.2));
-    assert_eq!(system.acceleration(State::new(displacement, 0.0)), 0.0);
-    // Printed: ū = γ²μ(v_r). At rest v_r = −v_b, which is the opposite sign.
-    let printed = system.load() * system.law().coefficient(0.0 - 0.2);
-    assert!(system.acceleration(State::new(printed, 0.0)) > 0.6);
-}
-
-#[test]
-fn misprint_eq_10b_h2_has_one_power_of_the_belt_velocity() {
-    let system = paper(0.4);
-    let formulas = PureSlip::new(&system).unwrap();
-    // h(y) at y = ±0.1, from the law itself; the even part is h2 y².
-    let h = |y: f64| {
-        let mu = |v_r: f64| system.law().coefficient(v_r);
-        2.0 * system.damping() * y + system.load() * (mu(y - 0.4) - mu(-0.4))
-    };
-    let even = 0.5 * (h(0.1) + h(-0.1)) / 0.01;
-    assert!((formulas.h2() - even).abs() < 1e-13);
-    let printed = -formulas.eta() * (0.4_f64 / 0.5).powi(2);
-    assert!((printed - even).abs() > 0.4);
-    for y in [-0.3, -0.1, 0.2, 0.399] {
-        let cubic = ((formulas.h3() * y + formulas.h2()) * y + formulas.h1()) * y;
-        assert!((cubic - h(y)).abs() < 1e-15);
-    }
-}
-
-#[test]
-fn misprint_section_4_1_1_pure_slip_is_a_condition_on_the_relative_velocity() {
-    // Printed: ż < 0 all the time. The velocity of a periodic motion has both signs; it stays below v_b.
-    let cycle = PureSlip::new(&paper(0.4)).unwrap().fourth_order().unwrap();
-    assert!(cycle.v_min < 0.0 && 0.0 < cycle.v_max && cycle.v_max < 0.4);
-}
-
-#[test]
-fn misprint_eq_13_amplitude_has_4_over_3() {
-    let system = paper(0.42);
-    let formulas = PureSlip::new(&system).unwrap();
-    let ratio = -formulas.h1() / formulas.h3();
-    let (corrected, printed) = ((4.0 / 3.0 * ratio).sqrt(), (0.75 * ratio).sqrt());
-    assert!((formulas.amplitude().unwrap() - corrected).abs() < 1e-15);
-    // The averaged motion neither grows nor decays at the one, and grows at the other.
-    assert!(drift(&system, corrected).unwrap().abs() < 1e-17);
-    assert!(drift(&system, printed).unwrap() > 1e-3);
-}
-
-#[test]
-fn misprint_v_b0_is_below_v_b1() {
-    let formulas = PureSlip::new(&paper(0.4)).unwrap();
-    let (v_b0, v_b1) = (
-        formulas.stick_velocity().unwrap(),
-        formulas.onset_velocity().unwrap(),
-    );
-    assert!(
-        (4.0_f64 / 3.0).sqrt() * v_b1 > v_b1,
-        "printed: above the onset of vibration"
-    );
-    assert!(v_b0 < v_b1);
-    // At v_b0 the averaged motion just reaches the belt; between the two it does not.
-    let touching = PureSlip::new(&paper(v_b0)).unwrap();
-    assert!((touching.amplitude().unwrap() - v_b0).abs() < 1e-15);
-    assert!(formulas.is_valid(), "Fig. 4, v_b = 0.4, is pure slip");
-    // The better grazing velocity lies where the formula for its error says: relative O(q²) above v_b0.
-    let q = 0.8 * formulas.eta() * (v_b1 / 0.5).powi(2);
-    let shift = formulas.grazing_velocity().unwrap() / v_b0 - 1.0;
-    assert!((shift / (q * q) - 3461.0 / 76800.0).abs() < 1e-12);
-}
-
-#[test]
-fn misprint_after_eq_15_beyond_v_b1_nothing_vibrates() {
-    for v_b in [0.4410, 0.6, 3.0] {
-        let system = paper(v_b);
-        assert_eq!(regime(&system), Regime::Equilibrium);
-        assert!(equilibrium(&system).unwrap().is_stable());
-        assert!(PureSlip::new(&system).unwrap().amplitude().is_none());
-        assert!(cycles(&system).unwrap().is_empty());
-    }
-}
-
-#[test]
-fn misprint_eqs_16_to_18_arc_has_no_energy_input() {
-    // The arc meets the belt at −κv_b; slip gains W1 v_b² meanwhile, so it must meet it much farther out.
-    let formulas = StickSlip::new(&paper(0.2)).unwrap();
-    let second = formulas.second_order().unwrap();
-    assert!(second.growth > 1.0);
-    assert!(second.return_angle > 3.0 * formulas.kappa().atan());
-}
-
-#[test]
-fn misprint_eq_6_never_rises_and_slow_belts_are_quiet() {
-    let law = Exponential::new(0.4, 0.25, 0.5).unwrap();
-    assert!((1..3000).all(|k| law.slope(1e-3 * f64::from(k)) < 0.0));
-    let stability = |v_b: f64| {
-        let system = MassOnBelt::new(law, v_b)
-            .unwrap()
-            .with_damping(0.05)
-            .unwrap();
-        equilibrium(&system).unwrap().stability
-    };
-    assert_eq!(stability(0.05), Stability::StableFocus);
-    assert_eq!(
-        equilibrium(&paper(0.05)).unwrap().stability,
-        Stability::UnstableFocus
-    );
-}
-
 // Ranges, degenerate cases, hostile input.
 
 #[test]
@@ -410,6 +285,8 @@ fn nothing_is_returned_where_a_formula_does_not_hold() {
     // Coefficients that overflow.
     let huge = MassOnBelt::new(Polynomial::new(0.4, 0.25, 1e-100).unwrap(), 1e-100).unwrap();
     assert!(PureSlip::new(&huge.with_load(1e250).unwrap()).is_none());
+    let strong = StickSlip::new(&paper(0.2).with_load(1e200).unwrap()).unwrap();
+    assert!(strong.second_order().is_none());
 }
 
 #[test]
@@ -627,77 +504,4 @@ fn damping_that_keeps_it_quiet() {
     assert!(
         (design::least_damping_over(&exponential, 0.0..9.0).unwrap() - everywhere).abs() < 1e-16
     );
-}
-
-prop_compose! {
-    /// Systems with the polynomial law for which h1, h2, h3 are of order 0.01 to 1.
-    fn systems()(
-        static_coefficient in 0.2..1.0,
-        fall in 0.05..1.0,
-        minimum_velocity in 0.3..1.5,
-        ratio in 0.2..0.98,
-        damping in 0.0..0.1,
-        load in 0.1..2.0,
-    ) -> MassOnBelt<Polynomial> {
-        let law = Polynomial::new(static_coefficient, static_coefficient * (1.0 - fall), minimum_velocity).unwrap();
-        MassOnBelt::new(law, ratio * minimum_velocity)
-            .and_then(|system| system.with_damping(damping))
-            .and_then(|system| system.with_load(load))
-            .unwrap()
-    }
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
-
-    #[test]
-    fn transient_solves_its_equation(system in systems(), start in 0.01..1.5, time in 0.0..60.0) {
-        let formulas = PureSlip::new(&system).unwrap();
-        let transient = formulas.transient(start, 0.3).unwrap();
-        let at = |time: f64| transient.amplitude(time).unwrap();
-        let a = at(time);
-        // Five-point difference, step 0.01: truncation 1e-9.
-        let slope = (8.0 * (at(time + 0.01) - at(time - 0.01)) - (at(time + 0.02) - at(time - 0.02))) / 0.12;
-        let expected = -0.5 * formulas.h1() * a - 0.375 * formulas.h3() * a.powi(3);
-        prop_assert!((slope - expected).abs() <= 1e-7 * (1.0 + expected.abs()), "{} {}", slope, expected);
-        // The flow composes.
-        let onward = formulas.transient(a, 0.0).unwrap().amplitude(7.0).unwrap();
-        prop_assert!((onward / at(time + 7.0) - 1.0).abs() < 1e-13);
-        prop_assert_eq!(transient.phase(time), 0.3 + time);
-    }
-
-    #[test]
-    fn formulas_are_mirror_symmetric(system in systems()) {
-        let mirrored = system.with_belt_velocity(-system.belt_velocity()).unwrap();
-        let (here, there) = (PureSlip::new(&system).unwrap(), PureSlip::new(&mirrored).unwrap());
-        prop_assert_eq!((here.h1(), here.h2(), here.h3()), (there.h1(), -there.h2(), there.h3()));
-        prop_assert_eq!(here.is_valid(), there.is_valid());
-        prop_assert_eq!(regime(&system), regime(&mirrored));
-        for (a, b) in here.fourth_order().into_iter().zip(there.fourth_order()) {
-            prop_assert_eq!((a.u_max, a.u_min, a.u_mean), (-b.u_min, -b.u_max, -b.u_mean));
-            prop_assert_eq!((a.v_max, a.v_min, a.period, a.multiplier), (-b.v_min, -b.v_max, b.period, b.multiplier));
-            prop_assert_eq!(a.harmonics, b.harmonics);
-        }
-        let (here, there) = (StickSlip::new(&system), StickSlip::new(&mirrored));
-        prop_assert_eq!(here.map(|f| (f.amplitude(), f.period())), there.map(|f| (f.amplitude(), f.period())));
-        let second = |f: Option<StickSlip<_>>| f.and_then(|f| f.second_order());
-        prop_assert_eq!(second(here).is_some(), second(there).is_some());
-        for (a, b) in second(here).into_iter().zip(second(there)) {
-            prop_assert_eq!((a.u_max, a.u_min, a.v_max, a.v_min), (-b.u_min, -b.u_max, -b.v_min, -b.v_max));
-            prop_assert_eq!((a.stick, a.slip, a.period), (b.stick, b.slip, b.period));
-        }
-        prop_assert_eq!(cycles(&system).unwrap(), cycles(&mirrored).unwrap());
-    }
-
-    #[test]
-    fn kappa_of_the_polynomial_law(system in systems()) {
-        // η(1 − (v_b/v_m)²/3) − 2β
-        let formulas = PureSlip::new(&system).unwrap();
-        let ratio = system.belt_velocity() / system.law().minimum_velocity();
-        let expected = formulas.eta() * (1.0 - ratio * ratio / 3.0) - 2.0 * system.damping();
-        match StickSlip::new(&system) {
-            Some(formulas) => prop_assert!((formulas.kappa() - expected).abs() < 1e-13),
-            None => prop_assert!(expected < 1e-13),
-        }
-    }
 }

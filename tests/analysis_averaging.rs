@@ -153,8 +153,8 @@ fn laws_with_long_flat_parts_and_narrow_features_are_resolved() {
         let system = MassOnBelt::new(Exponential::new(0.4, 0.3, stribeck).unwrap(), 1.0).unwrap();
         for amplitude in [0.99, 1.0, 1.01, 1.5] {
             let value = drift(&system, amplitude).unwrap();
-            let expected = by_definition(&system, amplitude, 4_000_000);
-            let tolerance = if amplitude > 1.0 { 3e-7 } else { 1e-13 };
+            let expected = by_definition(&system, amplitude, 1_000_000);
+            let tolerance = if amplitude > 1.0 { 1e-6 } else { 1e-13 };
             assert!(
                 (value - expected).abs() < tolerance,
                 "{stribeck} {amplitude}: {value} {expected}"
@@ -229,7 +229,7 @@ fn many_cycles_are_all_found() {
             .unwrap();
         let found = cycles(&system).unwrap();
         assert!(found.len() >= 6);
-        assert_eq!(found.len(), scan(&system, 20_000));
+        assert_eq!(found.len(), scan(&system, 2000));
         assert!(
             found
                 .windows(2)

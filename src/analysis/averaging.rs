@@ -23,7 +23,7 @@
 
 use std::f64::consts::PI;
 
-use super::quadrature::{Integral, gauss, trapezoid};
+use super::quadrature::{Integral, gauss, graded, trapezoid};
 use super::roots::{Sample, brackets, isolate, refine};
 use crate::friction::{piece_above, taylor_coefficients_on};
 use crate::{Error, FrictionLaw, MassOnBelt};
@@ -149,13 +149,18 @@ fn slope_integrals<L: FrictionLaw>(law: &L, w: f64, amplitude: f64) -> Result<In
         let slope = slope_on(law, piece, speed_at(psi))?;
         Ok([slope * psi.sin().powi(2), slope * psi.cos().powi(2)])
     };
-    // Where y = A cos ψ meets the belt, and where the speed |w − y| is a breakpoint.
+    // Where the speed |w − A cos ψ| is a breakpoint, and where it vanishes.
     let mut splits = vec![0.0, PI];
     let kinks = law.breakpoints().flat_map(|b| [w - b, w + b]);
-    for y in kinks.chain((amplitude > w).then_some(w)) {
-        if y.abs() < amplitude {
-            splits.push((y / amplitude).acos());
-        }
+    splits.extend(
+        kinks
+            .filter(|y| y.abs() < amplitude)
+            .map(|y| (y / amplitude).acos()),
+    );
+    // Where the speed is least: there a law may have features of any scale.
+    let slowest = (w / amplitude).min(1.0).acos();
+    if amplitude > w {
+        splits.push(slowest);
     }
     splits.sort_by(f64::total_cmp);
 
@@ -168,7 +173,13 @@ fn slope_integrals<L: FrictionLaw>(law: &L, w: f64, amplitude: f64) -> Result<In
     let mut total = Integral::default();
     for ends in splits.windows(2).filter(|ends| ends[0] < ends[1]) {
         let piece = piece_above(law, speed_at(0.5 * (ends[0] + ends[1])));
-        total = total.merged(&gauss(|psi| weighted(piece, psi), ends[0], ends[1])?);
+        let f = |psi| weighted(piece, psi);
+        let panels = if ends.contains(&slowest) {
+            gauss(f, &graded(ends[0], ends[1]))
+        } else {
+            gauss(f, ends)
+        };
+        total = total.merged(&panels?);
     }
     Ok(total)
 }

@@ -2,7 +2,7 @@
 //!
 //! | Question | any law | polynomial, exponential, Coulomb |
 //! |---|---|---|
-//! | least damping at one belt velocity | [`least_damping`] | [`coulomb::least_damping`](super::coulomb::least_damping) |
+//! | least damping at one belt velocity | [`least_damping`] | [`coulomb::least_damping`] |
 //! | least damping over a range of belt velocities | [`least_damping_over`] | |
 //! | least damping at every belt velocity | | [`QuietLaw::least_damping_everywhere`] |
 //! | belt velocity above which all is quiet | | [`QuietLaw::quiet_velocity`] |

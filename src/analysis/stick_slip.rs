@@ -2,7 +2,7 @@ use std::f64::consts::{PI, TAU};
 use std::marker::PhantomData;
 
 use super::averaging::slope_on;
-use super::quadrature::gauss;
+use super::quadrature::{gauss, graded};
 use crate::friction::{piece_above, taylor_coefficients_on};
 use crate::{Error, FrictionLaw, MassOnBelt, Polynomial};
 
@@ -104,7 +104,7 @@ fn mean_slope<L: FrictionLaw>(law: &L, speed: f64) -> Result<f64, Error> {
     let mut mean = 0.0;
     for (piece, ends) in ends.windows(2).enumerate() {
         let slope = |x: f64| Ok([slope_on(law, piece, x * speed)?, 0.0]);
-        mean += gauss(slope, ends[0] / speed, ends[1] / speed)?.parts[0];
+        mean += gauss(slope, &graded(ends[0] / speed, ends[1] / speed))?.parts[0];
     }
     Ok(mean)
 }
@@ -256,11 +256,11 @@ impl Arc {
         })
     }
 
-    /// The cycle on this belt, unless the mass would overtake it.
+    /// The cycle on this belt, unless the mass would overtake it, or a term overflowed.
     fn scale(&self, cycle: UnitCycle) -> Option<StickSlipCycle> {
         let (v_b, speed) = (self.belt_velocity, self.belt_velocity.abs());
         let overtakes = |cycle: UnitCycle| speed * cycle.stick > 2.0 * self.largest_friction;
-        if self.second_order().is_some_and(overtakes) {
+        if !cycle.period.is_finite() || self.second_order().is_some_and(overtakes) {
             return None;
         }
         let [far, near, back] = [cycle.z_max, cycle.z_min, cycle.v_min].map(|x| v_b * x);

@@ -36,6 +36,31 @@ pub fn diagram<L: FrictionLaw>(
     velocities.into_iter().map(|v_b| point(system, v_b))
 }
 
+/// [`diagram`] with the belt velocities shared among threads; the same results, bit for bit, in the order of the velocities.
+///
+/// With the feature `rayon`.
+///
+/// ```
+/// use stick_slip::{Exponential, MassOnBelt, bifurcation};
+///
+/// let system = MassOnBelt::new(Exponential::new(0.6, 0.3, 0.4)?, 1.0)?.with_damping(0.01)?;
+/// let velocities: Vec<f64> = (1..=20).map(|i| 0.1 * i as f64).collect();
+/// let alone: Vec<_> = bifurcation::diagram(&system, velocities.iter().copied()).collect();
+/// assert_eq!(bifurcation::par_diagram(&system, &velocities), alone);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[cfg(feature = "rayon")]
+pub fn par_diagram<L: FrictionLaw + Sync>(
+    system: &MassOnBelt<L>,
+    velocities: &[f64],
+) -> Vec<Result<DiagramPoint, Error>> {
+    use rayon::prelude::*;
+    velocities
+        .par_iter()
+        .map(|&v_b| point(system, v_b))
+        .collect()
+}
+
 fn point<L: FrictionLaw>(system: &MassOnBelt<L>, belt_velocity: f64) -> Result<DiagramPoint, Error> {
     let system = system.by_reference().with_belt_velocity(belt_velocity)?;
     Ok(DiagramPoint {

@@ -18,6 +18,8 @@ mod fold;
 mod hopf;
 mod scan;
 
+#[cfg(feature = "rayon")]
+pub use diagram::par_diagram;
 pub use diagram::{DiagramPoint, diagram};
 pub use fold::fold_velocities;
 pub use hopf::{Criticality, criticality, hopf_velocities};

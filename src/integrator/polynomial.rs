@@ -117,9 +117,7 @@ pub(crate) fn quarters(h: f64) -> [f64; 4] {
 #[inline(always)]
 pub(crate) fn first_root(c: &Polynomial, h: f64, values: [f64; 4]) -> Option<f64> {
     let curvature = curvature_bound(c, h);
-    // Most steps: far from zero everywhere.
-    let least = values.iter().fold(c[0], |least, &value| least.min(value));
-    if least > curvature * h * h / 128.0 {
+    if stays_away(c, h, values, curvature) {
         return None;
     }
     let mut root = None;
@@ -142,7 +140,21 @@ pub(crate) fn sign_changes(
     visit: &mut impl FnMut(f64, bool) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
     let values = evaluate_four(c, quarters(h));
-    Search::new(c, h, curvature_bound(c, h)).run(h, values, visit)
+    let curvature = curvature_bound(c, h);
+    if stays_away(c, h, values, curvature) {
+        return ControlFlow::Continue(());
+    }
+    Search::new(c, h, curvature).run(h, values, visit)
+}
+
+/// Whether a polynomial is further from zero at 0 and at the quarters of h than it can bend in between, as in most steps.
+#[inline(always)]
+fn stays_away(c: &Polynomial, h: f64, values: [f64; 4], curvature: f64) -> bool {
+    let sign = c[0].signum();
+    let least = values
+        .iter()
+        .fold(c[0].abs(), |least, value| least.min(sign * value));
+    least > curvature * h * h / 128.0
 }
 
 /// A search for the sign changes of a polynomial on [0, h].

@@ -25,7 +25,7 @@ mod sealed {
 /// * The sequence of operations may depend on the **base value** ([`value`](Self::value)) only, and on nothing that changes
 ///   from call to call.
 /// * The law must be analytic at every speed it is used at, s = 0 included, or name its
-///   [breakpoints](FrictionLaw::breakpoints). [`sqrt`](Self::sqrt), [`ln`](Self::ln) and a non-integral
+///   [breakpoints](crate::FrictionLaw::breakpoints). [`sqrt`](Self::sqrt), [`ln`](Self::ln) and a non-integral
 ///   [`powf`](Self::powf) of a number that is 0 are not, and end in
 ///   [`Error::NotAnalytic`](crate::Error::NotAnalytic) or [`Error::NonFiniteFriction`](crate::Error::NonFiniteFriction).
 ///
@@ -82,7 +82,7 @@ pub trait Scalar:
     fn cos(self) -> Self;
     /// |x|, by the sign of the base value; at 0 the branch of positive x.
     ///
-    /// A kink at a speed c > 0, as in `(speed - c).abs()`, must be named as a [breakpoint](FrictionLaw::breakpoints).
+    /// A kink at a speed c > 0, as in `(speed - c).abs()`, must be named as a [breakpoint](crate::FrictionLaw::breakpoints).
     fn abs(self) -> Self;
 }
 

@@ -1,0 +1,101 @@
+//! From a file of measured friction coefficients to the vibration of a machine.
+//!
+//! What to learn from it:
+//!
+//! * `Tabulated` takes points (speed, coefficient), the first at speed 0, and goes through each of them without wiggles between;
+//! * speeds may be physical: `Scaling::system` converts them together with the machine;
+//! * limit cycles are cheap enough to repeat for every run of the measurement, so that the scatter of the coefficient is seen in the
+//!   result: here amplitudes differ by 3 %, and the speed at which sliding becomes stable, which hangs on the slope, by 15 %.
+//!
+//! Run it with `cargo run --release --example measured_law`, or with a file of your own in the format of
+//! `examples/friction.csv` (lines that begin with # are comments, one line of headings, then speed in m/s and one column for each run):
+//! `cargo run --release --example measured_law -- my.csv`.
+
+use std::error::Error;
+
+use stick_slip::{FrictionLaw, Physical, Scaling, Tabulated, bifurcation, limit_cycle};
+
+const SAMPLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/friction.csv");
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let path = std::env::args().nth(1).unwrap_or_else(|| SAMPLE.into());
+    let table = read(&std::fs::read_to_string(path)?)?;
+    let runs = table.iter().map(|(_, runs)| runs.len()).min().unwrap_or(0);
+    println!("{} speeds, {runs} runs", table.len());
+
+    let scaling = Scaling::new(Physical {
+        mass: 4.0,           // kg
+        stiffness: 1.0e6,    // N/m
+        damping: 100.0,      // N·s/m
+        normal_force: 800.0, // N
+        belt_velocity: 0.03, // m/s
+    })?;
+    println!("4 kg on 1e6 N/m, 100 N·s/m, pressed with 800 N on a disc at 0.03 m/s\n");
+    let columns = [
+        "",
+        "frequency",
+        "amplitude",
+        "sticking",
+        "steady sliding is stable",
+    ];
+    let units = ["", "Hz", "mm", "%", "above, m/s"];
+    for [name, frequency, amplitude, sticking, stable] in [columns, units] {
+        println!("{name:<14} {frequency:>10} {amplitude:>10} {sticking:>10}   {stable}");
+    }
+    for run in 0..runs {
+        let points = table.iter().map(|(speed, runs)| (*speed, runs[run]));
+        show(
+            &format!("run {}", run + 1),
+            &scaling,
+            Tabulated::new(points)?,
+        )?;
+    }
+    let mean = |runs: &[f64]| runs.iter().sum::<f64>() / runs.len() as f64;
+    let points = table.iter().map(|(speed, runs)| (*speed, mean(runs)));
+    show("mean of runs", &scaling, Tabulated::new(points)?)
+}
+
+fn show<L: FrictionLaw>(name: &str, scaling: &Scaling, law: L) -> Result<(), Box<dyn Error>> {
+    let system = scaling.system(law)?;
+    let fastest = system.law().breakpoints().fold(0.0, f64::max);
+    let hopf = bifurcation::hopf_velocities(&system, 0.0..fastest)?;
+    let hopf: Vec<String> = hopf
+        .iter()
+        .map(|&velocity| format!("{:.5}", scaling.metres_per_second(velocity)))
+        .collect();
+    for cycle in limit_cycle::find(&system)?.stable() {
+        println!(
+            "{name:<14} {:>10.4} {:>10.5} {:>10.3}   {}",
+            1.0 / scaling.seconds(cycle.period()),
+            1e3 * scaling.metres(cycle.amplitude()),
+            100.0 * cycle.stick_duration() / cycle.period(),
+            hopf.join(", ")
+        );
+        // Above the last point the table is constant: a guess, no measurement.
+        let sliding = system.belt_velocity() - cycle.min_velocity();
+        if sliding > fastest {
+            println!("{name:<14} slides faster than was measured");
+        }
+    }
+    Ok(())
+}
+
+/// Rows of the file: a speed, and the coefficients of all runs.
+fn read(text: &str) -> Result<Vec<(f64, Vec<f64>)>, Box<dyn Error>> {
+    let lines = text.lines().map(str::trim);
+    let rows = lines
+        .filter(|line| !line.is_empty() && !line.starts_with('#'))
+        .skip(1);
+    rows.map(|row| {
+        let numbers: Vec<f64> = row
+            .split(',')
+            .map(|number| number.trim().parse())
+            .collect::<Result<_, _>>()
+            .map_err(|error| format!("{row:?}: {error}"))?;
+        match numbers.split_first() {
+            Some((&speed, runs)) if !runs.is_empty() => Ok((speed, runs.to_vec())),
+            _ => Err(format!("{row:?}: a speed and at least one coefficient are needed").into()),
+        }
+    })
+    .collect()
+}
