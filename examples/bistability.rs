@@ -47,13 +47,10 @@ fn main() -> Result<(), Error> {
     }
 
     println!(
-        "\na knock gives the sliding mass the velocity v; what becomes of it, and its displacement from"
+        "\na knock gives the sliding mass the velocity v; its displacement from steady sliding in the"
     );
-    println!("steady sliding in the first and the last of 100 oscillations:");
-    println!(
-        "  {:>8}  {:>9}  {:>9}  {}",
-        "v", "first", "last", "settles to"
-    );
+    println!("first and the last of 100 oscillations, and what becomes of it:");
+    println!("  {:>8}  {:>9}  {:>9}  settles to", "v", "first", "last");
     for knock in [0.1, 0.3, 0.311, 0.3115, 0.32, 0.5] {
         let start = State::new(rest, knock);
         let settles_to = match attractor(&system, start)? {

@@ -80,8 +80,10 @@ fn show<L: FrictionLaw>(name: &str, scaling: &Scaling, law: L) -> Result<(), Box
     Ok(())
 }
 
-/// Rows of the file: a speed, and the coefficients of all runs.
-fn read(text: &str) -> Result<Vec<(f64, Vec<f64>)>, Box<dyn Error>> {
+/// A speed, m/s, and the coefficients of all runs.
+type Row = (f64, Vec<f64>);
+
+fn read(text: &str) -> Result<Vec<Row>, Box<dyn Error>> {
     let lines = text.lines().map(str::trim);
     let rows = lines
         .filter(|line| !line.is_empty() && !line.starts_with('#'))

@@ -13,7 +13,10 @@ use stick_slip::limit_cycle;
 fn assert_close(id: &str, what: &str, found: f64, expected: f64) {
     let error = (found - expected).abs() / expected.abs().max(1.0);
     println!("{id}: {what} = {found:e}, error {error:.1e}");
-    assert!(error <= 1e-13, "{id}: {what} = {found:e}, not {expected:e}: {error:e}");
+    assert!(
+        error <= 1e-13,
+        "{id}: {what} = {found:e}, not {expected:e}: {error:e}"
+    );
 }
 
 #[test]
@@ -39,9 +42,16 @@ fn every_number_of_the_reference() {
                 assert_eq!(criticality(&system, hopf[0]), Criticality::Supercritical);
                 // The cycle that touches the belt.
                 let at = system.with_belt_velocity(found[0]).unwrap();
-                let touching = limit_cycle::find(&at.with_belt_velocity(found[0] * (1.0 + 1e-14)).unwrap()).unwrap();
+                let touching =
+                    limit_cycle::find(&at.with_belt_velocity(found[0] * (1.0 + 1e-14)).unwrap())
+                        .unwrap();
                 let cycle = touching.iter().next().unwrap();
-                println!("{id} {} {:e} {:e}", cycle.kind(), cycle.period() - field("period_at_grazing"), cycle.multiplier() - field("multiplier_at_grazing"));
+                println!(
+                    "{id} {} {:e} {:e}",
+                    cycle.kind(),
+                    cycle.period() - field("period_at_grazing"),
+                    cycle.multiplier() - field("multiplier_at_grazing")
+                );
             }
             "exp_hopf_and_grazing" => {
                 let high = 3.0 * field("v_hopf_high").max(field("v_stick_slip_max"));

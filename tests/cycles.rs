@@ -25,16 +25,25 @@ fn compare(id: &str, cycle: &LimitCycle, expected: &Value) -> f64 {
     ];
     let mut worst = 0.0_f64;
     for (name, value) in fields {
-        let Some(reference) = expected.get(name).map(number) else { continue };
+        let Some(reference) = expected.get(name).map(number) else {
+            continue;
+        };
         let error = (value - reference).abs() / reference.abs().max(1.0);
         println!("{id} {name} {value:e} error {error:.1e}");
-        assert!(error <= 1e-13, "{id}: {name} = {value:e}, not {reference:e}: {error:e}");
+        assert!(
+            error <= 1e-13,
+            "{id}: {name} = {value:e}, not {reference:e}: {error:e}"
+        );
         worst = worst.max(error);
     }
     if let Some(reference) = expected.get("multiplier").map(number) {
         let error = (cycle.multiplier() - reference).abs() / reference.abs().max(1.0);
         println!("{id} multiplier error {error:.1e}");
-        assert!(error <= 1e-11, "{id}: multiplier {:e}, not {reference:e}", cycle.multiplier());
+        assert!(
+            error <= 1e-11,
+            "{id}: multiplier {:e}, not {reference:e}",
+            cycle.multiplier()
+        );
     }
     worst
 }
@@ -46,11 +55,22 @@ fn of_kind(cycles: &CycleSet, kind: CycleKind) -> Vec<&LimitCycle> {
 fn check<L: FrictionLaw>(case: &Value, system: &MassOnBelt<L>) -> f64 {
     let id = text(&case["id"]);
     let cycles = limit_cycle::find(system).unwrap_or_else(|error| panic!("{id}: {error}"));
-    println!("{id}: {:?} {:?}", cycles.iter().map(|c| (c.kind(), c.amplitude(), c.multiplier())).collect::<Vec<_>>(), cycles.unresolved());
+    println!(
+        "{id}: {:?} {:?}",
+        cycles
+            .iter()
+            .map(|c| (c.kind(), c.amplitude(), c.multiplier()))
+            .collect::<Vec<_>>(),
+        cycles.unresolved()
+    );
     assert_eq!(cycles.unresolved(), [], "{id}");
     let pure_slip = of_kind(&cycles, CycleKind::PureSlip);
     let stick_slip = of_kind(&cycles, CycleKind::StickSlip);
-    assert_eq!(limit_cycle::stick_slip(system).unwrap().as_ref(), stick_slip.first().copied(), "{id}");
+    assert_eq!(
+        limit_cycle::stick_slip(system).unwrap().as_ref(),
+        stick_slip.first().copied(),
+        "{id}"
+    );
     let mut worst = 0.0_f64;
     match text(&case["type"]) {
         "stick_slip" => worst = compare(id, stick_slip[0], &case["cycle"]),
@@ -64,7 +84,11 @@ fn check<L: FrictionLaw>(case: &Value, system: &MassOnBelt<L>) -> f64 {
             for (cycle, expected) in std::iter::zip(pure_slip, expected) {
                 worst = worst.max(compare(id, cycle, expected));
             }
-            assert_eq!(stick_slip.len(), usize::from(!case["stick_slip"].is_null()), "{id}");
+            assert_eq!(
+                stick_slip.len(),
+                usize::from(!case["stick_slip"].is_null()),
+                "{id}"
+            );
             if let [cycle] = stick_slip[..] {
                 worst = worst.max(compare(id, cycle, &case["stick_slip"]));
             }
@@ -93,19 +117,34 @@ fn overshoot_and_crossing_of_the_reference() {
         let id = text(&case["id"]);
         let system = system_of(case);
         let cycles = limit_cycle::find(&system).unwrap_or_else(|error| panic!("{id}: {error}"));
-        println!("{id}: {:?} {:?}", cycles.iter().map(|c| (c.kind(), c.amplitude(), c.multiplier())).collect::<Vec<_>>(), cycles.unresolved());
+        println!(
+            "{id}: {:?} {:?}",
+            cycles
+                .iter()
+                .map(|c| (c.kind(), c.amplitude(), c.multiplier()))
+                .collect::<Vec<_>>(),
+            cycles.unresolved()
+        );
         assert_eq!(cycles.unresolved(), [], "{id}");
         let sticking = limit_cycle::stick_slip(&system).unwrap();
         assert_eq!(sticking.is_some(), !case["stick_cycle"].is_null(), "{id}");
         if let Some(cycle) = sticking {
             let crosses = list(&case["stick_cycle"]["sequence"]).len() == 3;
-            let kind = if crosses { CycleKind::Overshoot } else { CycleKind::StickSlip };
+            let kind = if crosses {
+                CycleKind::Overshoot
+            } else {
+                CycleKind::StickSlip
+            };
             assert_eq!(cycle.kind(), kind, "{id}");
             assert_eq!(of_kind(&cycles, kind), [&cycle], "{id}");
             worst = worst.max(compare(id, &cycle, &case["stick_cycle"]));
         }
         let crossing = of_kind(&cycles, CycleKind::Crossing);
-        assert_eq!(crossing.len(), usize::from(!case["crossing_cycle"].is_null()), "{id}");
+        assert_eq!(
+            crossing.len(),
+            usize::from(!case["crossing_cycle"].is_null()),
+            "{id}"
+        );
         if let [cycle] = crossing[..] {
             worst = worst.max(compare(id, cycle, &case["crossing_cycle"]));
             let release = system.release_state().unwrap().displacement;

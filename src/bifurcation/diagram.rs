@@ -61,7 +61,10 @@ pub fn par_diagram<L: FrictionLaw + Sync>(
         .collect()
 }
 
-fn point<L: FrictionLaw>(system: &MassOnBelt<L>, belt_velocity: f64) -> Result<DiagramPoint, Error> {
+fn point<L: FrictionLaw>(
+    system: &MassOnBelt<L>,
+    belt_velocity: f64,
+) -> Result<DiagramPoint, Error> {
     let system = system.by_reference().with_belt_velocity(belt_velocity)?;
     Ok(DiagramPoint {
         belt_velocity,

@@ -170,7 +170,9 @@ impl<'s, L: FrictionLaw> Flow<'s, L> {
 
     /// One Taylor step of a slip phase, and what follows if it ends in contact.
     fn slip(&mut self, point: SlipPoint, state: State) -> Result<Step, Error> {
-        let advance = self.stepper.advance(&point, Time::Forward, self.clock.time)?;
+        let advance = self
+            .stepper
+            .advance(&point, Time::Forward, self.clock.time)?;
         let Advance { duration, end } = advance;
         let displacement = end.displacement;
         let mut event = None;

@@ -188,7 +188,11 @@ impl<'c> Search<'c> {
         visit: &mut impl FnMut(f64, bool) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         // A polynomial that starts at 0 to rounding has the sign that it takes next.
-        let start = if self.c[0] == 0.0 { values[0] } else { self.c[0] };
+        let start = if self.c[0] == 0.0 {
+            values[0]
+        } else {
+            self.c[0]
+        };
         let mut left = (0.0, start);
         for right in std::iter::zip(quarters(h), values) {
             self.between(left, right, visit)?;

@@ -67,7 +67,11 @@ impl Series {
             }
             friction[k] = mul_add(m.slope, s, m.scale * m.rest);
             // x_1 = s_0 + σv_b
-            let spring = if k == 1 { weight * older } else { weight * INTEGRAL[k - 1] * older };
+            let spring = if k == 1 {
+                weight * older
+            } else {
+                weight * INTEGRAL[k - 1] * older
+            };
             older = s;
             let next = mul_add(weight * load * m.scale, m.rest, spring);
             let next = mul_add(weight * decay, s, next);
@@ -124,7 +128,11 @@ impl Series {
         for (s, m) in std::iter::zip(speeds, friction) {
             let difference = (system.law().kinetic_on(piece, s.max(0.0)) - m).abs();
             // Not f64::max, which would drop a NaN.
-            largest = if largest >= difference { largest } else { difference + 0.0 * largest };
+            largest = if largest >= difference {
+                largest
+            } else {
+                difference + 0.0 * largest
+            };
         }
         system.load() * largest
     }

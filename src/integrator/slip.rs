@@ -1,8 +1,6 @@
 //! Motion within a slip phase, one Taylor step at a time, forward or backward in time.
 
-use super::polynomial::{
-    Polynomial, TERMS, evaluate_four, first_root, mean, quarters, reach,
-};
+use super::polynomial::{Polynomial, TERMS, evaluate_four, first_root, mean, quarters, reach};
 use super::series::Series;
 use crate::friction::FrictionLaw;
 use crate::scalar::Workspace;

@@ -136,7 +136,10 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
             }
             if steps.len() >= Integrator::DEFAULT_MAX_STEPS {
                 let limit = Integrator::DEFAULT_MAX_STEPS;
-                let reached = Reached { time: clock.time, state: self.stepper.state(&end) };
+                let reached = Reached {
+                    time: clock.time,
+                    state: self.stepper.state(&end),
+                };
                 return Err(Error::TooManySteps { limit, reached });
             }
             point = end;
@@ -144,7 +147,10 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
     }
 
     fn has_settled(&self, point: &SlipPoint) -> bool {
-        let State { displacement, velocity } = self.stepper.state(point);
+        let State {
+            displacement,
+            velocity,
+        } = self.stepper.state(point);
         (displacement - self.equilibrium).abs().max(velocity.abs()) < self.settled
     }
 

@@ -170,9 +170,10 @@ impl Basins {
             Place::Peak(peak) => {
                 let peaks = |cycle: &LimitCycle| cycle.max_velocity();
                 let cycles = self.of_kind(CycleKind::PureSlip);
-                if let Some(cycle) = self.of_kind(CycleKind::PureSlip).find(|cycle| {
-                    (peaks(cycle) - peak).abs() <= ON_CYCLE * v_b
-                }) {
+                if let Some(cycle) = self
+                    .of_kind(CycleKind::PureSlip)
+                    .find(|cycle| (peaks(cycle) - peak).abs() <= ON_CYCLE * v_b)
+                {
                     on(cycle)
                 } else if tracer.grows_from_peak(peak)? {
                     match { cycles }.find(|cycle| peaks(cycle) > peak) {
@@ -196,24 +197,31 @@ impl Basins {
                     .cycles
                     .iter()
                     .find(|cycle| cycle.stick_duration() > 0.0)
-                    .map_or(Attractor::Unbounded, |cycle| Attractor::Cycle(cycle.clone())),
+                    .map_or(Attractor::Unbounded, |cycle| {
+                        Attractor::Cycle(cycle.clone())
+                    }),
                 ReleaseFate::Outward => self
                     .of_kind(CycleKind::Crossing)
                     .next()
-                    .map_or(Attractor::Unbounded, |cycle| Attractor::Cycle(cycle.clone())),
+                    .map_or(Attractor::Unbounded, |cycle| {
+                        Attractor::Cycle(cycle.clone())
+                    }),
             },
             Place::Crossing(force) => {
                 let offset = tracer.carried();
                 let forces = |cycle: &LimitCycle| cycle.state().displacement + offset;
                 let cycles = self.of_kind(CycleKind::Crossing);
-                if let Some(cycle) = self.of_kind(CycleKind::Crossing).find(|cycle| {
-                    (forces(cycle) - force).abs() <= ON_CYCLE * force
-                }) {
+                if let Some(cycle) = self
+                    .of_kind(CycleKind::Crossing)
+                    .find(|cycle| (forces(cycle) - force).abs() <= ON_CYCLE * force)
+                {
                     on(cycle)
                 } else if tracer.grows_from_crossing(force)? {
                     { cycles }
                         .find(|cycle| forces(cycle) > force)
-                        .map_or(Attractor::Unbounded, |cycle| Attractor::Cycle(cycle.clone()))
+                        .map_or(Attractor::Unbounded, |cycle| {
+                            Attractor::Cycle(cycle.clone())
+                        })
                 } else {
                     match { cycles }.rfind(|cycle| forces(cycle) < force) {
                         Some(cycle) => Attractor::Cycle(cycle.clone()),

@@ -4,7 +4,9 @@ use nalgebra::Complex;
 
 use super::arc::Arc;
 use crate::friction::FrictionLaw;
-use crate::integrator::{Clock, Event, EventKind, Mode, Step, Trajectory, derivative, evaluate, sign_changes};
+use crate::integrator::{
+    Clock, Event, EventKind, Mode, Step, Trajectory, derivative, evaluate, sign_changes,
+};
 use crate::quadrature::gauss_legendre;
 use crate::{Direction, MassOnBelt, State};
 
@@ -83,29 +85,43 @@ impl LimitCycle {
     ) -> Self {
         let v_b = system.belt_velocity();
         let mut clock = Clock::default();
-        let mut steps: Vec<Step> = Vec::with_capacity(1 + arcs.iter().map(|arc| arc.steps.len()).sum::<usize>());
+        let mut steps: Vec<Step> =
+            Vec::with_capacity(1 + arcs.iter().map(|arc| arc.steps.len()).sum::<usize>());
         let mut push = |step: Step, kind: Option<EventKind>, displacement: f64| {
             let start = clock;
             clock = start.after(step.duration);
             let state = State::new(displacement, v_b);
-            let event = kind.map(|kind| Event { time: clock.time, kind, state });
-            steps.push(Step { start, event, ..step });
+            let event = kind.map(|kind| Event {
+                time: clock.time,
+                kind,
+                state,
+            });
+            steps.push(Step {
+                start,
+                event,
+                ..step
+            });
         };
         let mut sticks_at = None;
         for arc in arcs {
-            let (last, before) = arc.steps.split_last().map_or((None, &[][..]), |(last, before)| (Some(last), before));
+            let (last, before) = arc
+                .steps
+                .split_last()
+                .map_or((None, &[][..]), |(last, before)| (Some(last), before));
             for step in before {
                 push(*step, None, 0.0);
             }
             let Some(last) = last else { continue };
             let (event, displacement) = match arc.arrival {
-                super::arc::Arrival::Contact(displacement) => match system.slides_at(displacement) {
-                    Some(direction) => (Some(EventKind::Crossing(direction)), displacement),
-                    None => {
-                        sticks_at = Some(displacement);
-                        (Some(EventKind::Stick), displacement)
+                super::arc::Arrival::Contact(displacement) => {
+                    match system.slides_at(displacement) {
+                        Some(direction) => (Some(EventKind::Crossing(direction)), displacement),
+                        None => {
+                            sticks_at = Some(displacement);
+                            (Some(EventKind::Stick), displacement)
+                        }
                     }
-                },
+                }
                 _ => (None, 0.0),
             };
             push(*last, event, displacement);
@@ -120,7 +136,11 @@ impl LimitCycle {
                 event: None,
                 belt_velocity: v_b,
             };
-            push(stick, Some(EventKind::Release(Direction::Lagging)), release.displacement);
+            push(
+                stick,
+                Some(EventKind::Release(Direction::Lagging)),
+                release.displacement,
+            );
         }
         Self {
             steps,
@@ -146,7 +166,9 @@ impl LimitCycle {
     /// A state on the cycle, where [`trajectory`](Self::trajectory) starts: the release point of one that sticks, the largest velocity (in
     /// the direction of the belt) of pure slip, and the crossing to lagging motion of a crossing cycle.
     pub fn state(&self) -> State {
-        self.steps.first().map_or(State::new(f64::NAN, f64::NAN), Step::state)
+        self.steps
+            .first()
+            .map_or(State::new(f64::NAN, f64::NAN), Step::state)
     }
 
     /// Period T.
@@ -161,13 +183,19 @@ impl LimitCycle {
 
     /// Time ahead of the belt per period: with |v| > |v_b|.
     pub fn leading_duration(&self) -> f64 {
-        let ahead = if self.belt_velocity() > 0.0 { Direction::Leading } else { Direction::Lagging };
+        let ahead = if self.belt_velocity() > 0.0 {
+            Direction::Leading
+        } else {
+            Direction::Lagging
+        };
         self.time_in(|mode| mode == Mode::Slip(ahead))
     }
 
     fn time_in(&self, counts: impl Fn(Mode) -> bool) -> f64 {
         let steps = self.steps.iter().filter(|step| counts(step.mode()));
-        steps.fold(Clock::default(), |clock, step| clock.after(step.duration)).time
+        steps
+            .fold(Clock::default(), |clock, step| clock.after(step.duration))
+            .time
     }
 
     fn belt_velocity(&self) -> f64 {
@@ -263,7 +291,12 @@ impl LimitCycle {
         if let (Some(first), Some(last)) = (self.steps.first(), self.steps.last()) {
             // What follows at the time T itself.
             let start = last.start.after(last.duration);
-            steps.push(Step { start, duration: 0.0, event: None, ..*first });
+            steps.push(Step {
+                start,
+                duration: 0.0,
+                event: None,
+                ..*first
+            });
         }
         Trajectory::new(steps, self.period())
     }
@@ -274,8 +307,15 @@ impl LimitCycle {
             let rate = derivative(&step.speed);
             let sigma = step.direction().map_or(0.0, Direction::sign);
             gauss_legendre(0.0, step.duration, |t| {
-                let State { displacement: u, velocity: v } = step.state_at(t);
-                integrand(u, v, u + 2.0 * self.damping * v + sigma * evaluate(&rate, t))
+                let State {
+                    displacement: u,
+                    velocity: v,
+                } = step.state_at(t);
+                integrand(
+                    u,
+                    v,
+                    u + 2.0 * self.damping * v + sigma * evaluate(&rate, t),
+                )
             })
         };
         self.steps.iter().map(over).sum()
@@ -286,7 +326,9 @@ impl LimitCycle {
         self.extremes(
             |state| state.displacement,
             |step| {
-                let mut velocity = step.speed.map(|c| c * step.direction().map_or(0.0, Direction::sign));
+                let mut velocity = step
+                    .speed
+                    .map(|c| c * step.direction().map_or(0.0, Direction::sign));
                 velocity[0] += step.belt_velocity;
                 velocity
             },

@@ -43,12 +43,16 @@ impl<L: FrictionLaw> Tracer<'_, L> {
             return Ok(ReleaseFate::Inward { peak });
         };
         if self.system().slides_at(contact).is_none() {
-            return Ok(ReleaseFate::Stick { arcs: vec![lagging] });
+            return Ok(ReleaseFate::Stick {
+                arcs: vec![lagging],
+            });
         }
         let leading = self.arc(self.on_belt(contact, Direction::Leading), Time::Forward)?;
         match leading.arrival {
             Arrival::Contact(contact) if self.system().slides_at(contact).is_none() => {
-                Ok(ReleaseFate::Stick { arcs: vec![lagging, leading] })
+                Ok(ReleaseFate::Stick {
+                    arcs: vec![lagging, leading],
+                })
             }
             _ => Ok(ReleaseFate::Outward),
         }
@@ -155,7 +159,10 @@ impl<L: FrictionLaw> Tracer<'_, L> {
     /// back to the belt; `None` if it sticks or turns inwards after the first.
     fn crossing_arcs(&mut self, force: f64) -> Result<Option<([Arc; 2], f64)>, Error> {
         let offset = self.carried();
-        let lagging = self.arc(self.on_belt(force - offset, Direction::Lagging), Time::Forward)?;
+        let lagging = self.arc(
+            self.on_belt(force - offset, Direction::Lagging),
+            Time::Forward,
+        )?;
         let Arrival::Contact(contact) = lagging.arrival else {
             return Ok(None);
         };
@@ -290,7 +297,11 @@ impl<L: FrictionLaw> Tracer<'_, L> {
             let high = self.crossing_growth((2.0 * low.x).max(low.x + system.belt_velocity()))?;
             let part = roots_between(&mut |force| self.crossing_growth(force), low, high)?;
             found.append(part);
-            shrinks = if high.value < 0.0 && high.x > beyond { shrinks + 1 } else { 0 };
+            shrinks = if high.value < 0.0 && high.x > beyond {
+                shrinks + 1
+            } else {
+                0
+            };
             low = high;
         }
         Ok(found)
@@ -322,4 +333,3 @@ const TURN_ROUNDING: f64 = 32.0;
 
 /// Smallest velocity maximum searched for, in units of v_b: below it rounding hides how a motion grows over a turn.
 const SMALLEST_PEAK: f64 = 1e-4;
-

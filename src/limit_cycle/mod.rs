@@ -149,7 +149,10 @@ fn facing<L: FrictionLaw>(system: &MassOnBelt<L>, cycle: LimitCycle) -> LimitCyc
     }
 }
 
-fn through_release<L: FrictionLaw>(system: &MassOnBelt<L>, fate: &ReleaseFate) -> Option<LimitCycle> {
+fn through_release<L: FrictionLaw>(
+    system: &MassOnBelt<L>,
+    fate: &ReleaseFate,
+) -> Option<LimitCycle> {
     let ReleaseFate::Stick { arcs } = fate else {
         return None;
     };

@@ -135,7 +135,9 @@ fn divide(
 /// Both slopes agree with the sign of the change, and neither is so steep that the cubic turns in between.
 fn one_way(a: Sample, b: Sample) -> bool {
     let secant = (b.value - a.value) / (b.x - a.x);
-    [a.slope, b.slope].iter().all(|slope| slope / secant > 0.0 && slope / secant < 3.0)
+    [a.slope, b.slope]
+        .iter()
+        .all(|slope| slope / secant > 0.0 && slope / secant < 3.0)
 }
 
 /// Whether the cubic through both ends, which have one sign, comes within `margin` of zero between them.

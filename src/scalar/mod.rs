@@ -1,5 +1,6 @@
 //! The number types a friction law is evaluated on: `f64`, and the Taylor coefficient.
 
+mod operations;
 mod taylor;
 #[cfg(test)]
 mod tests;

@@ -12,24 +12,25 @@
 //! order to the next the critical path is a few multiply-adds, whatever the law.
 
 use std::cell::Cell;
-use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::{Scalar, mul_add, sealed};
+use super::mul_add;
 use crate::friction::FrictionLaw;
 
 /// The coefficients that one operation has computed so far.
 #[derive(Debug, Clone)]
-struct Row<const M: usize> {
+pub(super) struct Row<const M: usize> {
     /// d(operation)/ds at the base point; every later coefficient is slope·s_k + rest.
     slope: Cell<f64>,
-    c: [Cell<f64>; M],
+    pub(super) c: [Cell<f64>; M],
 }
 
 impl<const M: usize> Row<M> {
-    const ZERO: Self = Self {
-        slope: Cell::new(0.0),
-        c: [const { Cell::new(0.0) }; M],
-    };
+    fn zero() -> Self {
+        Self {
+            slope: Cell::new(0.0),
+            c: std::array::from_fn(|_| Cell::new(0.0)),
+        }
+    }
 }
 
 /// Rows kept in place. Laws seldom need more, and a constant index into an array costs no bounds check.
@@ -48,9 +49,9 @@ pub(crate) struct Workspace<const M: usize> {
 impl<const M: usize> Workspace<M> {
     pub(crate) fn new() -> Self {
         Self {
-            inline: [Row::ZERO; INLINE_ROWS],
+            inline: std::array::from_fn(|_| Row::zero()),
             spill: Vec::new(),
-            scratch: Row::ZERO,
+            scratch: Row::zero(),
         }
     }
 
@@ -80,7 +81,7 @@ pub(crate) struct Run<'w, const M: usize> {
 
 impl<'w, const M: usize> Run<'w, M> {
     #[inline(always)]
-    fn claim(&self) -> &'w Row<M> {
+    pub(super) fn claim(&self) -> &'w Row<M> {
         let index = self.next.get();
         self.next.set(index + 1);
         self.workspace.row(index)
@@ -92,16 +93,16 @@ impl<'w, const M: usize> Run<'w, M> {
 /// A *view* of a row: c_k = scale·row_k for k ≥ 1, so that adding, scaling and negating by constants need no row of their own.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Taylor<'r, const K: usize, const M: usize> {
-    run: &'r Run<'r, M>,
-    row: &'r Row<M>,
-    scale: f64,
+    pub(super) run: &'r Run<'r, M>,
+    pub(super) row: &'r Row<M>,
+    pub(super) scale: f64,
     /// Coefficient of order 0, of the view.
-    value: f64,
+    pub(super) value: f64,
     /// Derivative of the **row** with respect to the sliding speed at the base point.
-    slope: f64,
+    pub(super) slope: f64,
     /// row_K − slope·s_K, made of older coefficients; meaningless for K = 0. Unscaled: a factor then meets the scale before
     /// it meets the rest, which comes late.
-    rest: f64,
+    pub(super) rest: f64,
 }
 
 /// start + factor·Σ a_i·b_{K−i} for 0 < i < K: the part of a Cauchy product that holds no coefficient of order K.
@@ -109,7 +110,7 @@ pub(crate) struct Taylor<'r, const K: usize, const M: usize> {
 /// The newest coefficients, of order K − 1, come last and meet finished factors only. Three sums break the chain of additions
 /// (with two or four the compiler vectorises across rows that were just written, which stalls).
 #[inline(always)]
-fn inner_product<const K: usize, const M: usize>(
+pub(super) fn inner_product<const K: usize, const M: usize>(
     a: &Row<M>,
     b: &Row<M>,
     factor: f64,
@@ -130,7 +131,11 @@ fn inner_product<const K: usize, const M: usize>(
 
 /// start + factor·Σ a_i·a_{K−i} for 0 < i < K, at half the work of [`inner_product`].
 #[inline(always)]
-fn inner_square<const K: usize, const M: usize>(a: &Row<M>, factor: f64, start: f64) -> f64 {
+pub(super) fn inner_square<const K: usize, const M: usize>(
+    a: &Row<M>,
+    factor: f64,
+    start: f64,
+) -> f64 {
     let a = |i: usize| a.c[i].get();
     match K {
         0 | 1 => start,
@@ -138,7 +143,7 @@ fn inner_square<const K: usize, const M: usize>(a: &Row<M>, factor: f64, start: 
         _ => {
             let half = middle::<K>(K / 2 + 1, &a, &a);
             let start = mul_add(2.0 * factor, half, start);
-            let start = if K % 2 == 0 {
+            let start = if K.is_multiple_of(2) {
                 mul_add(factor * a(K / 2), a(K / 2), start)
             } else {
                 start
@@ -156,7 +161,11 @@ fn middle<const K: usize>(first: usize, a: impl Fn(usize) -> f64, b: impl Fn(usi
     while i + 1 < K {
         let sum = &mut sums[(i - first) % 3];
         // A product, not a sum with 0, begins each: the compiler may not drop the addition.
-        *sum = if i < first + 3 { a(i) * b(K - i) } else { mul_add(a(i), b(K - i), *sum) };
+        *sum = if i < first + 3 {
+            a(i) * b(K - i)
+        } else {
+            mul_add(a(i), b(K - i), *sum)
+        };
         i += 1;
     }
     sums[0] + sums[1] + sums[2]
@@ -166,7 +175,7 @@ impl<'r, const K: usize, const M: usize> Taylor<'r, K, M> {
     /// The result of an operation: in run 0 its value and slope, in every later run its rest, which may read the row
     /// that the operation wrote before.
     #[inline(always)]
-    fn operation(
+    pub(super) fn operation(
         self,
         row: &'r Row<M>,
         base: impl FnOnce() -> (f64, f64),
@@ -194,19 +203,19 @@ impl<'r, const K: usize, const M: usize> Taylor<'r, K, M> {
 
     /// Derivative of the view with respect to the sliding speed.
     #[inline(always)]
-    fn derivative(self) -> f64 {
+    pub(super) fn derivative(self) -> f64 {
         self.scale * self.slope
     }
 
     /// The coefficient of order K itself.
     #[inline(always)]
-    fn newest(self) -> f64 {
+    pub(super) fn newest(self) -> f64 {
         self.scale * mul_add(self.slope, self.run.newest, self.rest)
     }
 
     /// A row of k·c_k, the coefficients that the recurrences of y' = f(y)·a' multiply with.
     #[inline(always)]
-    fn weighted(self) -> &'r Row<M> {
+    pub(super) fn weighted(self) -> &'r Row<M> {
         let row = self.run.claim();
         if K > 0 {
             row.c[K].set(K as f64 * self.newest());
@@ -215,367 +224,7 @@ impl<'r, const K: usize, const M: usize> Taylor<'r, K, M> {
     }
 
     /// 1/K, by which the same recurrences divide.
-    const INVERSE: f64 = 1.0 / K as f64;
-}
-
-impl<const K: usize, const M: usize> sealed::Sealed for Taylor<'_, K, M> {}
-
-impl<const K: usize, const M: usize> Scalar for Taylor<'_, K, M> {
-    #[inline(always)]
-    fn constant(self, c: f64) -> Self {
-        Self {
-            scale: 0.0,
-            value: c,
-            slope: 0.0,
-            rest: 0.0,
-            ..self
-        }
-    }
-
-    #[inline(always)]
-    fn value(self) -> f64 {
-        self.value
-    }
-
-    /// q·b = 1.
-    #[inline(always)]
-    fn recip(self) -> Self {
-        let (b, q) = (self, self.run.claim());
-        self.operation(
-            q,
-            || (b.value.recip(), -b.derivative() / (b.value * b.value)),
-            || {
-                let factor = -q.c[0].get() * b.scale;
-                let older = inner_product::<K, M>(q, b.row, factor, 0.0);
-                mul_add(factor * q.c[0].get(), b.rest, older)
-            },
-        )
-    }
-
-    #[inline(always)]
-    fn square(self) -> Self {
-        let a = self;
-        self.operation(
-            self.run.claim(),
-            || (a.value * a.value, 2.0 * a.value * a.derivative()),
-            || {
-                let older = 2.0 * a.value * a.scale * a.rest;
-                inner_square::<K, M>(a.row, a.scale * a.scale, older)
-            },
-        )
-    }
-
-    /// y' = y·a'.
-    #[inline(always)]
-    fn exp(self) -> Self {
-        let (a, weighted, y) = (self, self.weighted(), self.run.claim());
-        self.operation(
-            y,
-            || (a.value.exp(), a.value.exp() * a.derivative()),
-            || {
-                let older = inner_product::<K, M>(weighted, y, Self::INVERSE, 0.0);
-                mul_add(y.c[0].get() * a.scale, a.rest, older)
-            },
-        )
-    }
-
-    /// a·y' = a'.
-    #[inline(always)]
-    fn ln(self) -> Self {
-        let (a, y, weighted) = (self, self.run.claim(), self.run.claim());
-        let y = self.operation(
-            y,
-            || (a.value.ln(), a.derivative() / a.value),
-            || {
-                let factor = a.scale / a.value;
-                let older = inner_product::<K, M>(weighted, a.row, -Self::INVERSE * factor, 0.0);
-                mul_add(factor, a.rest, older)
-            },
-        );
-        if K > 0 {
-            weighted.c[K].set(K as f64 * y.newest());
-        }
-        y
-    }
-
-    /// y·y = a.
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        let (a, y) = (self, self.run.claim());
-        self.operation(
-            y,
-            || (a.value.sqrt(), a.derivative() / (2.0 * a.value.sqrt())),
-            || {
-                let factor = 0.5 / y.c[0].get();
-                inner_square::<K, M>(y, -factor, factor * a.scale * a.rest)
-            },
-        )
-    }
-
-    #[inline(always)]
-    fn powi(self, exponent: i32) -> Self {
-        if exponent < 0 {
-            // Not the other way round: the recurrence of the reciprocal of a high power loses digits.
-            return self.recip().power(exponent.unsigned_abs());
-        }
-        self.power(exponent.unsigned_abs())
-    }
-
-    /// a·y' = p·y·a'.
-    #[inline(always)]
-    fn powf(self, exponent: f64) -> Self {
-        let p = exponent;
-        if p.fract() == 0.0 && p.abs() <= f64::from(i32::MAX) {
-            return self.powi(p as i32);
-        }
-        let (a, weighted, y) = (self, self.weighted(), self.run.claim());
-        self.operation(
-            y,
-            || {
-                let value = a.value.powf(p);
-                (value, p * value / a.value * a.derivative())
-            },
-            || {
-                let by_weight = (p + 1.0) * Self::INVERSE / a.value;
-                let by_value = -a.scale / a.value;
-                let older = inner_product::<K, M>(weighted, y, by_weight, 0.0);
-                let older = inner_product::<K, M>(a.row, y, by_value, older);
-                mul_add(-p * y.c[0].get() * by_value, a.rest, older)
-            },
-        )
-    }
-
-    /// y' = g·a', g = 1 − y².
-    #[inline(always)]
-    fn tanh(self) -> Self {
-        let (a, weighted, y, g) = (
-            self,
-            self.weighted(),
-            self.run.claim(),
-            self.run.claim(),
-        );
-        let y = self.operation(
-            y,
-            || {
-                let derivative = a.value.cosh().powi(-2);
-                g.c[0].set(derivative);
-                (a.value.tanh(), derivative * a.derivative())
-            },
-            || {
-                let older = inner_product::<K, M>(weighted, g, Self::INVERSE, 0.0);
-                mul_add(g.c[0].get() * a.scale, a.rest, older)
-            },
-        );
-        if K > 0 {
-            let square = inner_square::<K, M>(y.row, 1.0, 2.0 * y.value * y.newest());
-            g.c[K].set(-square);
-        }
-        y
-    }
-
-    /// b·y' = a', b = 1 + a².
-    #[inline(always)]
-    fn atan(self) -> Self {
-        let (a, b) = (self, self.square() + 1.0);
-        let (y, weighted) = (self.run.claim(), self.run.claim());
-        let y = self.operation(
-            y,
-            || (a.value.atan(), a.derivative() / b.value),
-            || {
-                let factor = -Self::INVERSE / b.value;
-                let older = inner_product::<K, M>(weighted, b.row, factor, 0.0);
-                mul_add(a.scale / b.value, a.rest, older)
-            },
-        );
-        if K > 0 {
-            weighted.c[K].set(K as f64 * y.newest());
-        }
-        y
-    }
-
-    #[inline(always)]
-    fn sin(self) -> Self {
-        self.sin_cos().0
-    }
-
-    #[inline(always)]
-    fn cos(self) -> Self {
-        self.sin_cos().1
-    }
-
-    #[inline(always)]
-    fn abs(self) -> Self {
-        if self.value < 0.0 { -self } else { self }
-    }
-}
-
-impl<const K: usize, const M: usize> Taylor<'_, K, M> {
-    /// aⁿ, by squaring.
-    #[inline(always)]
-    fn power(self, exponent: u32) -> Self {
-        let Some(top) = exponent.checked_ilog2() else {
-            return self.constant(1.0);
-        };
-        let mut power = self;
-        for bit in (0..top).rev() {
-            power = power.square();
-            if exponent >> bit & 1 == 1 {
-                power = power * self;
-            }
-        }
-        power
-    }
-
-    /// S' = C·a', C' = −S·a'.
-    #[inline(always)]
-    fn sin_cos(self) -> (Self, Self) {
-        let (a, weighted, s, c) = (
-            self,
-            self.weighted(),
-            self.run.claim(),
-            self.run.claim(),
-        );
-        let base = || a.value.sin_cos();
-        (
-            self.operation(
-                s,
-                || (base().0, base().1 * a.derivative()),
-                || {
-                    let older = inner_product::<K, M>(weighted, c, Self::INVERSE, 0.0);
-                    mul_add(c.c[0].get() * a.scale, a.rest, older)
-                },
-            ),
-            self.operation(
-                c,
-                || (base().1, -base().0 * a.derivative()),
-                || {
-                    let older = inner_product::<K, M>(weighted, s, -Self::INVERSE, 0.0);
-                    mul_add(-s.c[0].get() * a.scale, a.rest, older)
-                },
-            ),
-        )
-    }
-}
-
-impl<const K: usize, const M: usize> Neg for Taylor<'_, K, M> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self {
-            scale: -self.scale,
-            value: -self.value,
-            ..self
-        }
-    }
-}
-
-impl<const K: usize, const M: usize> Add for Taylor<'_, K, M> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        let (a, b) = (self, other);
-        self.operation(
-            self.run.claim(),
-            || (a.value + b.value, a.derivative() + b.derivative()),
-            || mul_add(a.scale, a.rest, b.scale * b.rest),
-        )
-    }
-}
-
-impl<const K: usize, const M: usize> Sub for Taylor<'_, K, M> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self + -other
-    }
-}
-
-impl<const K: usize, const M: usize> Mul for Taylor<'_, K, M> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        let (a, b) = (self, other);
-        self.operation(
-            self.run.claim(),
-            || {
-                let slope = a.value * b.derivative() + b.value * a.derivative();
-                (a.value * b.value, slope)
-            },
-            || {
-                let start = a.value * b.scale * b.rest;
-                let older = inner_product::<K, M>(a.row, b.row, a.scale * b.scale, start);
-                mul_add(b.value * a.scale, a.rest, older)
-            },
-        )
-    }
-}
-
-impl<const K: usize, const M: usize> Div for Taylor<'_, K, M> {
-    type Output = Self;
-    /// q·b = a.
-    #[inline(always)]
-    fn div(self, other: Self) -> Self {
-        let (a, b, q) = (self, other, self.run.claim());
-        self.operation(
-            q,
-            || {
-                let value = a.value / b.value;
-                (value, (a.derivative() - value * b.derivative()) / b.value)
-            },
-            || {
-                let factor = -b.scale / b.value;
-                let start = a.scale / b.value * a.rest;
-                let older = inner_product::<K, M>(q, b.row, factor, start);
-                mul_add(factor * q.c[0].get(), b.rest, older)
-            },
-        )
-    }
-}
-
-impl<const K: usize, const M: usize> Add<f64> for Taylor<'_, K, M> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, c: f64) -> Self {
-        Self {
-            value: self.value + c,
-            ..self
-        }
-    }
-}
-
-impl<const K: usize, const M: usize> Sub<f64> for Taylor<'_, K, M> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, c: f64) -> Self {
-        Self {
-            value: self.value - c,
-            ..self
-        }
-    }
-}
-
-impl<const K: usize, const M: usize> Mul<f64> for Taylor<'_, K, M> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, c: f64) -> Self {
-        Self {
-            scale: self.scale * c,
-            value: self.value * c,
-            ..self
-        }
-    }
-}
-
-impl<const K: usize, const M: usize> Div<f64> for Taylor<'_, K, M> {
-    type Output = Self;
-    #[inline(always)]
-    fn div(self, c: f64) -> Self {
-        Self {
-            scale: self.scale / c,
-            value: self.value / c,
-            ..self
-        }
-    }
+    pub(super) const INVERSE: f64 = 1.0 / K as f64;
 }
 
 /// A coefficient of the friction law's series, with the newest of the speed's series still to be put in.
@@ -637,7 +286,7 @@ pub(crate) fn expand<const M: usize, L: FrictionLaw>(
     workspace.set_speed(0, speed);
     let (mut base, rows) = run::<0, M, L>(law, piece, workspace, speed);
     if rows > INLINE_ROWS + workspace.spill.len() {
-        workspace.spill.resize(rows - INLINE_ROWS, Row::ZERO);
+        workspace.spill.resize(rows - INLINE_ROWS, Row::zero());
         base = run::<0, M, L>(law, piece, workspace, speed).0;
     }
     let (value, slope) = (base.rest, base.slope);
