@@ -67,7 +67,7 @@
 //!
 //! # What the integrator promises
 //!
-//! 1. **Steps.** A slip phase is followed by Taylor series of order 27. A step is accepted when the defect of the series, what is missing in
+//! 1. **Steps.** A slip phase is followed by Taylor series of order 26. A step is accepted when the defect of the series, what is missing in
 //!    the equation of motion, is small at its end (the contact, if there is one) and at a quarter, a half and three quarters of it. Terms hidden
 //!    behind exp(−400), as in a law with a narrow Stribeck velocity, are not missed.
 //! 2. **Contacts** are roots of the sliding speed's own polynomial, isolated so that none is skipped, and refined to the last bit. A
@@ -154,6 +154,7 @@
 
 pub mod analysis;
 pub mod bifurcation;
+mod equilibrium;
 mod error;
 mod friction;
 mod integrator;
@@ -165,6 +166,7 @@ mod scalar;
 mod scaling;
 mod system;
 
+pub use equilibrium::{Equilibrium, Stability};
 pub use error::{Error, Reached};
 pub use friction::{
     AnyLaw, Coulomb, Exponential, FrictionLaw, Polynomial, Rational, Stribeck, Tabulated,
@@ -174,7 +176,7 @@ pub use limit_cycle::{CycleKind, CycleSet, EnergyBudget, LimitCycle};
 pub use nalgebra;
 pub use scalar::Scalar;
 pub use scaling::{Physical, Scaled, Scaling};
-pub use system::{Direction, Equilibrium, MassOnBelt, Stability, State};
+pub use system::{Direction, MassOnBelt, State};
 
 /// The program of the README, compiled as a test.
 #[cfg(doctest)]

@@ -1,7 +1,5 @@
-use nalgebra::{Complex, Matrix2};
-
 use crate::friction::{finite_at, validate};
-use crate::{Error, FrictionLaw};
+use crate::{Equilibrium, Error, FrictionLaw};
 
 /// Displacement u and velocity v = du/dτ of the mass, both dimensionless.
 ///
@@ -350,150 +348,12 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         let speed = self.belt_velocity.abs();
         (speed > 0.0).then(|| {
             let damping = 2.0 * self.damping + self.load * self.law.slope(speed);
-            Equilibrium {
-                displacement: self.equilibrium_displacement(),
-                jacobian: Matrix2::new(0.0, 1.0, -1.0, -damping),
-                eigenvalues: eigenvalues(damping),
-                stability: Stability::of(damping),
-            }
+            Equilibrium::new(self.equilibrium_displacement(), damping)
         })
     }
 
     /// ū = sgn(v_b)·γ²μ̂(|v_b|), and 0 at v_b = 0.
     pub(crate) fn equilibrium_displacement(&self) -> f64 {
         self.load * self.law.coefficient(self.belt_velocity)
-    }
-}
-
-/// λ² + h1 λ + 1 = 0, Eq. 14. The eigenvalue of larger magnitude is computed without cancellation, the other from λ1 λ2 = 1.
-fn eigenvalues(h1: f64) -> [Complex<f64>; 2] {
-    let root = (h1 - 2.0).abs().sqrt() * (h1 + 2.0).abs().sqrt();
-    if h1.abs() < 2.0 {
-        [root, -root].map(|root| Complex::new(-0.5 * h1, 0.5 * root))
-    } else {
-        let large = -0.5 * (h1 + root.copysign(h1));
-        let (plus, minus) = if h1 > 0.0 {
-            (large.recip(), large)
-        } else {
-            (large, large.recip())
-        };
-        [plus, minus].map(Complex::from)
-    }
-}
-
-/// Steady sliding at v = 0, and how the motion near it goes.
-///
-/// ```text
-/// ū = sgn(v_b)·γ²μ̂(|v_b|)                        (Eq. 7, corrected: it prints μ(v_r) for μ(v_b))
-/// J = [0 1; −1 −h1],   h1 = 2β + γ² dμ̂/ds at |v_b|  (Eq. 10a, for any law)
-/// λ = (−h1 ± √(h1² − 4))/2                         (Eq. 14)
-/// ```
-///
-/// All dimensionless. Where |v_b| is a breakpoint of the law, the slope is that of the piece above.
-///
-/// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and Stability Analysis*.
-///
-/// ```
-/// use stick_slip::{MassOnBelt, Polynomial, Stability};
-///
-/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
-/// let equilibrium = system.equilibrium().unwrap();
-/// assert!((equilibrium.displacement - 0.3148).abs() < 1e-15);
-/// assert!((equilibrium.eigenvalues[0].re - 0.139).abs() < 1e-15);
-/// assert_eq!(equilibrium.stability, Stability::UnstableFocus);
-/// assert!(!equilibrium.is_stable());
-/// # Ok::<(), stick_slip::Error>(())
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Equilibrium {
-    /// Displacement ū, dimensionless.
-    pub displacement: f64,
-    /// Jacobian J of (u, v) ↦ (u', v'), dimensionless.
-    pub jacobian: Matrix2<f64>,
-    /// Eigenvalues λ of J, that with the + sign of Eq. 14 first; dimensionless (in units of ω0).
-    pub eigenvalues: [Complex<f64>; 2],
-    /// What they say.
-    pub stability: Stability,
-}
-
-impl Equilibrium {
-    /// Whether small disturbances die out: both eigenvalues have a negative real part. False for a centre.
-    pub fn is_stable(&self) -> bool {
-        matches!(
-            self.stability,
-            Stability::StableFocus | Stability::StableNode
-        )
-    }
-}
-
-/// How the motion near an equilibrium goes, from h1 = 2β + γ² dμ̂/ds alone.
-///
-/// Source: Farshidianfar and Noei Aghaee, Eq. 14.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Stability {
-    /// 0 < h1 < 2: oscillations that die out.
-    StableFocus,
-    /// h1 ≥ 2: disturbances die out without oscillation (at h1 = 2 a degenerate node).
-    StableNode,
-    /// h1 = 0 exactly: undamped oscillations in the linear system; the nonlinear terms decide.
-    Center,
-    /// −2 < h1 < 0: oscillations that grow.
-    UnstableFocus,
-    /// h1 ≤ −2: disturbances grow without oscillation (at h1 = −2 a degenerate node).
-    UnstableNode,
-}
-
-impl Stability {
-    fn of(h1: f64) -> Self {
-        if h1 >= 2.0 {
-            Self::StableNode
-        } else if h1 > 0.0 {
-            Self::StableFocus
-        } else if h1 == 0.0 {
-            Self::Center
-        } else if h1 > -2.0 {
-            Self::UnstableFocus
-        } else {
-            Self::UnstableNode
-        }
-    }
-}
-
-impl std::fmt::Display for Stability {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::StableFocus => "stable focus",
-            Self::StableNode => "stable node",
-            Self::Center => "centre",
-            Self::UnstableFocus => "unstable focus",
-            Self::UnstableNode => "unstable node",
-        })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn eigenvalues_have_no_cancellation() {
-        for h1 in [
-            -1e200, -1e9, -3.0, -2.0, -1e-9, 0.0, 0.5, 2.0, 2.5, 1e9, 1e200,
-        ] {
-            let [a, b] = eigenvalues(h1);
-            let (sum, product) = (a + b, a * b);
-            assert!(
-                (sum.re + h1).abs() <= 2.0 * f64::EPSILON * h1.abs(),
-                "{h1}: {a} {b}"
-            );
-            assert!(
-                (product.re - 1.0).abs() <= 4.0 * f64::EPSILON,
-                "{h1}: {a} {b}"
-            );
-            assert_eq!((sum.im, product.im), (0.0, 0.0));
-            assert!(a.re > b.re || a.im >= b.im, "the + sign first: {a} {b}");
-        }
-        // Root of smaller magnitude, −1e-9 − 1e-27: the textbook formula loses all its digits.
-        assert_eq!(eigenvalues(1e9)[0].re, -1e-9);
     }
 }

@@ -2,7 +2,8 @@
 
 use super::Integrator;
 use super::polynomial::Polynomial;
-use super::slip::{Advance, SlipPoint, Stepper, Time};
+use super::series::{SlipPoint, Time};
+use super::slip::{Advance, Stepper};
 use super::step::{Clock, Event, EventKind, Mode, Step};
 use crate::friction::FrictionLaw;
 use crate::{Direction, Error, MassOnBelt, Reached, State};

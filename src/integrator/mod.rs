@@ -14,14 +14,15 @@ pub use trajectory::Trajectory;
 pub(crate) use polynomial::{
     Polynomial, TERMS, derivative, evaluate, evaluate_four, quarters, reach, sign_changes,
 };
-pub(crate) use slip::{Advance, SlipPoint, Stepper, Time};
+pub(crate) use series::{SlipPoint, Time};
+pub(crate) use slip::{Advance, Stepper};
 pub(crate) use step::Clock;
 
 use crate::{Error, FrictionLaw, MassOnBelt, State};
 
 /// Settings of the integrator: tolerance and limits of work.
 ///
-/// The method is a Taylor series of order 27 in each step of a slip phase, with contact located as the first root of the sliding speed's
+/// The method is a Taylor series of order 26 in each step of a slip phase, with contact located as the first root of the sliding speed's
 /// own polynomial, and closed formulas in stick. What it promises is on the [crate page](crate#what-the-integrator-promises).
 ///
 /// ```

@@ -3,9 +3,37 @@
 use super::polynomial::{INTEGRAL, Polynomial, TERMS, evaluate_four, quarters};
 use crate::friction::FrictionLaw;
 use crate::scalar::{Workspace, expand, mul_add};
-use crate::{Error, MassOnBelt, State};
+use crate::{Direction, Error, MassOnBelt, State};
 
-use super::slip::{SlipPoint, Time};
+/// A point of a slip phase.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct SlipPoint {
+    /// σ, the sign of v_r.
+    pub(crate) direction: Direction,
+    /// u.
+    pub(crate) displacement: f64,
+    /// s = |v_r|.
+    pub(crate) speed: f64,
+    /// ds/dt, in the direction of time that is followed, where it is known better than the equation of motion gives it: on the
+    /// belt, and at an extremum of v.
+    pub(crate) rate: Option<f64>,
+}
+
+/// The direction of time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Time {
+    Forward,
+    Backward,
+}
+
+impl Time {
+    pub(crate) fn sign(self) -> f64 {
+        match self {
+            Self::Forward => 1.0,
+            Self::Backward => -1.0,
+        }
+    }
+}
 
 /// The power series of a slip phase about one of its points, in the time since.
 ///

@@ -1,24 +1,10 @@
 //! Motion within a slip phase, one Taylor step at a time, forward or backward in time.
 
 use super::polynomial::{Polynomial, TERMS, evaluate_four, first_root, mean, quarters, reach};
-use super::series::Series;
+use super::series::{Series, SlipPoint, Time};
 use crate::friction::FrictionLaw;
 use crate::scalar::Workspace;
-use crate::{Direction, Error, MassOnBelt, Reached, State};
-
-/// A point of a slip phase.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct SlipPoint {
-    /// σ, the sign of v_r.
-    pub(crate) direction: Direction,
-    /// u.
-    pub(crate) displacement: f64,
-    /// s = |v_r|.
-    pub(crate) speed: f64,
-    /// ds/dt, in the direction of time that is followed, where it is known better than the equation of motion gives it: on the
-    /// belt, and at an extremum of v.
-    pub(crate) rate: Option<f64>,
-}
+use crate::{Error, MassOnBelt, Reached, State};
 
 /// One Taylor step.
 #[derive(Debug, Clone, Copy)]
@@ -33,22 +19,6 @@ impl Advance {
     /// Whether it ends in contact: at zero sliding speed.
     pub(crate) fn is_contact(&self) -> bool {
         self.end.speed == 0.0
-    }
-}
-
-/// The direction of time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Time {
-    Forward,
-    Backward,
-}
-
-impl Time {
-    pub(crate) fn sign(self) -> f64 {
-        match self {
-            Self::Forward => 1.0,
-            Self::Backward => -1.0,
-        }
     }
 }
 
