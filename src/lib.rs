@@ -77,8 +77,8 @@
 //! 4. **Stick** is closed-form, and there v is v_b to the bit.
 //! 5. **Order.** States are continuous. Event times never decrease, and increase strictly where a phase is longer than an ulp of the time. The same call
 //!    gives the same bits.
-//! 6. **Large numbers.** v_r and not v is integrated, so that contact is exact for large v_b; time is summed with its rounding errors, and
-//!    is good over 10⁶ units.
+//! 6. **Large numbers.** v_r and not v is integrated, so that contact is exact for large v_b; time is summed with its rounding errors:
+//!    after 10⁵ cycles an event comes at its multiple of the period, to 4 ulps of the time.
 //! 7. **Tolerance** is relative to the motion's own scale, max(|u − ū|, |v|, |v_b|): a change of units scales the result.
 //! 8. **Errors.** What cannot go on is an [`Error`] with the time and the state reached, not a panic and not a hang.
 //!

@@ -36,7 +36,7 @@ use crate::{Error, FrictionLaw, MassOnBelt, Polynomial};
 /// assert!((formulas.stick_duration() - 0.652).abs() < 1e-15); // exact: 1.62956
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
-pub struct StickSlip<L> {
+pub struct StickSlip<L = Polynomial> {
     arc: Arc,
     law: PhantomData<fn() -> L>,
 }
@@ -307,6 +307,8 @@ impl Arc {
 /// | `z_max`, `z_min`, `u_max`, `u_min`, the extreme of v against the belt | 2 | 3 |
 /// | `stick`, `slip` | 3/2 | 5/2 |
 /// | `period` | 2 | 3 |
+/// | `growth` | 2 | 3 |
+/// | `return_angle`, whose tangent is the duration of stick | 3/2 | 2 |
 /// | the extreme of v along the belt, v_b | exact | exact |
 ///
 /// Range: 0 < |v_b| < v_b0 with a margin (W1 > 0), W1 small beside 1, and |v_b|·stick ≤ 2γ²μ_s, so that the mass sticks
@@ -348,7 +350,8 @@ pub struct StickSlipCycle {
     pub slip: f64,
     /// Period T.
     pub period: f64,
-    /// W: energy that slip gains, in units of v_b²; W1 to first order.
+    /// W: (V − |v_b|)/|v_b| for the speed V at which the motion would next be fastest along the belt, if friction had no
+    /// jump there. Slip gains the energy v_b²(W + W²/2). W1 to first order.
     pub growth: f64,
     /// Phase by which the mass meets the belt before the end of a full turn: δ, and q0 to first order.
     pub return_angle: f64,

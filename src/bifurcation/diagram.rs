@@ -1,3 +1,5 @@
+use std::borrow::Borrow;
+
 use crate::friction::FrictionLaw;
 use crate::limit_cycle::{CycleSet, find};
 use crate::{Equilibrium, Error, MassOnBelt};
@@ -31,9 +33,11 @@ pub struct DiagramPoint {
 /// ```
 pub fn diagram<L: FrictionLaw>(
     system: &MassOnBelt<L>,
-    velocities: impl IntoIterator<Item = f64>,
+    velocities: impl IntoIterator<Item = impl Borrow<f64>>,
 ) -> impl Iterator<Item = Result<DiagramPoint, Error>> {
-    velocities.into_iter().map(|v_b| point(system, v_b))
+    velocities
+        .into_iter()
+        .map(|v_b| point(system, *v_b.borrow()))
 }
 
 /// [`diagram`] with the belt velocities shared among threads; the same results, bit for bit, in the order of the velocities.
@@ -45,7 +49,7 @@ pub fn diagram<L: FrictionLaw>(
 ///
 /// let system = MassOnBelt::new(Exponential::new(0.6, 0.3, 0.4)?, 1.0)?.with_damping(0.01)?;
 /// let velocities: Vec<f64> = (1..=20).map(|i| 0.1 * i as f64).collect();
-/// let alone: Vec<_> = bifurcation::diagram(&system, velocities.iter().copied()).collect();
+/// let alone: Vec<_> = bifurcation::diagram(&system, &velocities).collect();
 /// assert_eq!(bifurcation::par_diagram(&system, &velocities), alone);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```

@@ -12,7 +12,8 @@ pub use step::{Event, EventKind, Mode, Step};
 pub use trajectory::Trajectory;
 
 pub(crate) use polynomial::{
-    Polynomial, TERMS, derivative, evaluate, evaluate_four, quarters, reach, sign_changes,
+    Polynomial, TERMS, derivative, evaluate, evaluate_four, quarters, reach, reflected,
+    sign_changes,
 };
 pub(crate) use series::{SlipPoint, Time};
 pub(crate) use slip::{Advance, Stepper};

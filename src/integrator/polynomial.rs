@@ -1,5 +1,6 @@
 //! Polynomials in the time since the start of a step, and their first root.
 
+use std::cell::Cell;
 use std::ops::ControlFlow;
 
 use crate::scalar::mul_add;
@@ -54,6 +55,17 @@ pub(crate) fn mean(c: &Polynomial, t: f64) -> f64 {
 /// The polynomial dc/dt.
 pub(crate) fn derivative(c: &Polynomial) -> Polynomial {
     std::array::from_fn(|k| c.get(k + 1).map_or(0.0, |c| (k + 1) as f64 * c))
+}
+
+/// The polynomial c(h − t).
+pub(crate) fn reflected(c: &Polynomial, h: f64) -> Polynomial {
+    let mut shifted = *c;
+    for first in 0..TERMS - 1 {
+        for k in (first..TERMS - 1).rev() {
+            shifted[k] += h * shifted[k + 1];
+        }
+    }
+    std::array::from_fn(|k| if k % 2 == 0 { shifted[k] } else { -shifted[k] })
 }
 
 /// c at four times at once, even and odd powers in chains of their own.
@@ -111,29 +123,45 @@ pub(crate) fn quarters(h: f64) -> [f64; 4] {
     [0.25 * h, 0.5 * h, 0.75 * h, h]
 }
 
+/// The roots of a polynomial can't be isolated in bounded work, because its coefficients are far larger than its values: use it less far.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct TooCurved;
+
+/// Divisions after which a search gives up. Two roots that are almost one take about a hundred.
+const MOST_DIVISIONS: usize = 1000;
+
 /// First time in (0, h] at which a polynomial that starts positive becomes zero or negative, to the last bit.
 ///
 /// `values` are its values at the [`quarters`] of h.
 #[inline(always)]
-pub(crate) fn first_root(c: &Polynomial, h: f64, values: [f64; 4]) -> Option<f64> {
+pub(crate) fn first_root(
+    c: &Polynomial,
+    h: f64,
+    values: [f64; 4],
+) -> Result<Option<f64>, TooCurved> {
     let curvature = curvature_bound(c, h);
     if stays_away(c, h, values, curvature) {
-        return None;
+        return Ok(None);
     }
     let mut root = None;
-    let _ = Search::new(c, h, curvature).run(h, values, &mut |t, rising| {
+    let search = Search::new(c, h, curvature);
+    let _ = search.run(h, values, &mut |t, rising| {
         if rising {
             return ControlFlow::Continue(());
         }
         root = Some(t);
         ControlFlow::Break(())
     });
-    root
+    if search.divisions.get() < MOST_DIVISIONS {
+        Ok(root)
+    } else {
+        Err(TooCurved)
+    }
 }
 
 /// Every time in (0, h] at which a polynomial changes sign, in order, with `true` where it rises; the visitor can stop the search.
 ///
-/// A root at t = 0 is not among them.
+/// A root at t = 0 is not among them. After [`MOST_DIVISIONS`], in stiff systems, the signs found so far decide.
 pub(crate) fn sign_changes(
     c: &Polynomial,
     h: f64,
@@ -169,6 +197,7 @@ struct Search<'c> {
     curvature: f64,
     /// Bound of the error of a computed value.
     rounding: f64,
+    divisions: Cell<usize>,
 }
 
 impl<'c> Search<'c> {
@@ -178,6 +207,7 @@ impl<'c> Search<'c> {
             c,
             curvature,
             rounding: rounding_bound(c, h),
+            divisions: Cell::new(0),
         }
     }
 
@@ -215,7 +245,11 @@ impl<'c> Search<'c> {
         let monotone = (at_b - at_a).abs() > 4.0 * sagitta + 2.0 * self.rounding;
         let away = !changes && at_a.abs().min(at_b.abs()) > sagitta + self.rounding;
         let middle = 0.5 * (a + b);
-        let divisible = sagitta > self.rounding && sagitta.is_finite() && a < middle && middle < b;
+        let divisible = sagitta > self.rounding
+            && sagitta.is_finite()
+            && a < middle
+            && middle < b
+            && self.divisions.get() < MOST_DIVISIONS;
         if away || monotone || !divisible {
             return if changes {
                 visit(self.refine((a, at_a), (b, at_b)), at_b > 0.0)
@@ -223,6 +257,7 @@ impl<'c> Search<'c> {
                 ControlFlow::Continue(())
             };
         }
+        self.divisions.set(self.divisions.get() + 1);
         let at_middle = (middle, evaluate(self.c, middle));
         self.between((a, at_a), at_middle, visit)?;
         self.between(at_middle, (b, at_b), visit)

@@ -1,6 +1,8 @@
 //! One Taylor step of a slip phase: the series, how far it reaches, and whether it held.
 
-use super::polynomial::{INTEGRAL, Polynomial, TERMS, evaluate_four, quarters};
+use std::ops::ControlFlow;
+
+use super::polynomial::{INTEGRAL, Polynomial, TERMS, derivative, evaluate_four, sign_changes};
 use crate::friction::FrictionLaw;
 use crate::scalar::{Workspace, expand, mul_add};
 use crate::{Direction, Error, MassOnBelt, State};
@@ -139,8 +141,8 @@ impl Series {
             + system.load() * self.friction[0].abs()
     }
 
-    /// Largest |γ²[μ̂(s(t)) − m(t)]| at the [`quarters`] of h, where s(t) has the values `speeds`: the defect of the series, up to terms as
-    /// small as its last.
+    /// Largest |γ²[μ̂(s(t)) − m(t)]| at four times, where s(t) has the values `speeds`: the defect of the series, up to terms as small
+    /// as its last.
     ///
     /// Coefficients alone miss what lies hidden behind an underflow, such as the flank of a narrow Gaussian.
     #[inline(always)]
@@ -148,10 +150,10 @@ impl Series {
         &self,
         system: &MassOnBelt<L>,
         piece: usize,
-        h: f64,
+        times: [f64; 4],
         speeds: [f64; 4],
     ) -> f64 {
-        let friction = evaluate_four(&self.friction, quarters(h));
+        let friction = evaluate_four(&self.friction, times);
         let mut largest = 0.0;
         for (s, m) in std::iter::zip(speeds, friction) {
             let difference = (system.law().kinetic_on(piece, s.max(0.0)) - m).abs();
@@ -163,5 +165,48 @@ impl Series {
             };
         }
         system.load() * largest
+    }
+
+    /// The same about the place where the motion comes closest to the belt within a step of length h, if it does; `speeds` are its values
+    /// at the [`quarters`] of h. The law may have a feature at slow speeds that is passed between two of them.
+    #[inline(always)]
+    pub(crate) fn defect_at_minimum<L: FrictionLaw>(
+        &self,
+        system: &MassOnBelt<L>,
+        piece: usize,
+        h: f64,
+        speeds: [f64; 4],
+    ) -> f64 {
+        let [a, b, c, d] = speeds;
+        let slopes = [self.speed[1], a - self.speed[0], b - a, c - b, d - c];
+        let turns = slopes
+            .iter()
+            .skip_while(|&&slope| slope >= 0.0)
+            .any(|&slope| slope > 0.0);
+        if turns {
+            self.defect_near_minima(system, piece, h)
+        } else {
+            0.0
+        }
+    }
+
+    #[inline(never)]
+    fn defect_near_minima<L: FrictionLaw>(
+        &self,
+        system: &MassOnBelt<L>,
+        piece: usize,
+        h: f64,
+    ) -> f64 {
+        let mut largest = 0.0;
+        let _ = sign_changes(&derivative(&self.speed), h, &mut |t, rising| {
+            if rising {
+                let about = [-0.05, 0.0, 0.02, 0.1].map(|part| (t + part * h).clamp(0.0, h));
+                let speeds = evaluate_four(&self.speed, about);
+                // Not f64::max, which would drop a NaN.
+                largest += self.defect(system, piece, about, speeds);
+            }
+            ControlFlow::Continue(())
+        });
+        largest
     }
 }

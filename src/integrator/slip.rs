@@ -1,6 +1,8 @@
 //! Motion within a slip phase, one Taylor step at a time, forward or backward in time.
 
-use super::polynomial::{Polynomial, TERMS, evaluate_four, first_root, mean, quarters, reach};
+use super::polynomial::{
+    Polynomial, TERMS, TooCurved, evaluate_four, first_root, mean, quarters, reach,
+};
 use super::series::{Series, SlipPoint, Time};
 use crate::friction::FrictionLaw;
 use crate::scalar::Workspace;
@@ -106,12 +108,18 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
                 return Err(self.underflow(piece, h, reached));
             }
             let speeds = evaluate_four(speed, quarters(h));
-            let (end, speeds, end_speed) = match limits.first_exit(speed, h, speeds) {
+            let Ok(exit) = limits.first_exit(speed, h, speeds) else {
+                h *= 0.5;
+                continue;
+            };
+            let (end, speeds, end_speed) = match exit {
                 None => (h, speeds, speeds[3]),
                 Some((t, limit)) => (t, evaluate_four(speed, quarters(t)), limit),
             };
-            let defect = series.defect(self.system, piece, end, speeds);
-            if defect * end <= DEFECT_LIMIT * error + floor * end {
+            let defect = series.defect(self.system, piece, quarters(end), speeds);
+            let closest = series.defect_at_minimum(self.system, piece, end, speeds);
+            let accepted = DEFECT_LIMIT * error + floor * end;
+            if defect * end <= accepted && closest * end <= accepted {
                 break (end, end_speed);
             }
             h = 0.5 * end;
@@ -192,6 +200,9 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
     }
 }
 
+/// When a step leaves its piece of the law, and at which sliding speed.
+type Exit = Option<(f64, f64)>;
+
 /// The sliding speeds between which one piece of the law holds.
 struct Limits {
     low: f64,
@@ -201,10 +212,10 @@ struct Limits {
 impl Limits {
     /// First time in (0, h] at which s(t) reaches a limit, and that limit; `speeds` are its values at the quarters of h.
     #[inline(always)]
-    fn first_exit(&self, speed: &Polynomial, h: f64, speeds: [f64; 4]) -> Option<(f64, f64)> {
+    fn first_exit(&self, speed: &Polynomial, h: f64, speeds: [f64; 4]) -> Result<Exit, TooCurved> {
         if self.high.is_none() && self.low == 0.0 && speed[0] > 0.0 {
             // The usual case, kept short.
-            return first_root(speed, h, speeds).map(|time| (time, 0.0));
+            return Ok(first_root(speed, h, speeds)?.map(|time| (time, 0.0)));
         }
         self.first_exit_from_piece(speed, h, speeds)
     }
@@ -215,16 +226,16 @@ impl Limits {
         speed: &Polynomial,
         h: f64,
         speeds: [f64; 4],
-    ) -> Option<(f64, f64)> {
-        let low = first_passage(speed, self.low, 1.0, h, speeds).map(|time| (time, self.low));
+    ) -> Result<Exit, TooCurved> {
+        let low = first_passage(speed, self.low, 1.0, h, speeds)?.map(|time| (time, self.low));
         let Some(limit) = self.high else {
-            return low;
+            return Ok(low);
         };
-        let high = first_passage(speed, limit, -1.0, h, speeds).map(|time| (time, limit));
-        match (low, high) {
+        let high = first_passage(speed, limit, -1.0, h, speeds)?.map(|time| (time, limit));
+        Ok(match (low, high) {
             (Some(low), Some(high)) if high.0 < low.0 => Some(high),
             (low, high) => low.or(high),
-        }
+        })
     }
 }
 
@@ -238,7 +249,7 @@ fn first_passage(
     sign: f64,
     h: f64,
     speeds: [f64; 4],
-) -> Option<f64> {
+) -> Result<Option<f64>, TooCurved> {
     if speed[0] == level {
         let known = if speed[1] == 0.0 { 2 } else { 1 };
         let rest = std::array::from_fn(|k| speed.get(k + known).map_or(0.0, |c| sign * c));

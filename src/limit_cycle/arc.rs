@@ -5,10 +5,10 @@ use std::ops::ControlFlow;
 use crate::friction::FrictionLaw;
 use crate::integrator::{
     Advance, Clock, Mode, Polynomial, SlipPoint, Step, Stepper, TERMS, Time, derivative, evaluate,
-    sign_changes,
+    evaluate_four, quarters, reflected, sign_changes,
 };
 use crate::quadrature::gauss_legendre;
-use crate::{Error, Integrator, MassOnBelt, Reached, State};
+use crate::{Direction, Error, Integrator, MassOnBelt, Reached, Stability, State};
 
 /// Where a slip arc ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,7 +17,7 @@ pub(crate) enum Arrival {
     Contact(f64),
     /// At a maximum of the velocity, below v_b.
     Maximum(SlipPoint),
-    /// Nowhere: it settles at a node without turning round it.
+    /// Nowhere: it settles at the equilibrium.
     Equilibrium,
     /// Nowhere: followed backwards, it grows beyond [`FAR`].
     Far,
@@ -27,11 +27,17 @@ pub(crate) enum Arrival {
 #[derive(Debug, Clone)]
 pub(crate) struct Tracer<'s, L> {
     stepper: Stepper<'s, L>,
-    /// Distance within which a node has the motion for good; 0 for a focus, round which it turns for ever.
+    /// The direction of time in which the equilibrium attracts, if it does in one.
+    attracts: Option<Time>,
+    /// Distance within which it then has the motion for good.
     settled: f64,
+    /// Distance within which a motion is at the equilibrium to rounding.
+    rounding: f64,
     equilibrium: f64,
     /// |v_b| + γ²μ_s, by which distances are measured.
     scale: f64,
+    /// Steps taken so far.
+    work: usize,
 }
 
 /// A slip arc: its steps and its end.
@@ -43,32 +49,67 @@ pub(crate) struct Arc {
     pub(crate) rates: [f64; 2],
 }
 
-/// Fraction of v_b within which the motion near a node is linear, so that it cannot turn any more.
+/// Fraction of v_b within which the motion near the equilibrium is linear.
 const SETTLED: f64 = 1e-9;
 
-/// Sliding speed, in units of |v_b| + γ²μ_s, beyond which a motion is not followed backwards. Laws that rise fast enough let it grow to
-/// infinity in finite time.
-pub(crate) const FAR: f64 = 1e4;
+/// Distance from the equilibrium, in units of ε(ū + v_b), at which rounding can keep a motion.
+const ROUNDING: f64 = 16.0;
+
+impl Arc {
+    /// An arc that was followed backwards to the state `end`, as the same arc forwards: each series c(t) as c(h − t), the last first.
+    pub(crate) fn reversed(mut self, end: State) -> Self {
+        let mut start = end;
+        for step in self.steps.iter_mut().rev() {
+            // It began, backwards, where it now ends, and that is where the next one begins.
+            std::mem::swap(&mut step.state, &mut start);
+            step.speed = reflected(&step.speed, step.duration);
+        }
+        self.steps.reverse();
+        self
+    }
+}
+
+/// Distance, in units of |v_b| + γ²μ_s, beyond which no cycle is looked for, and a motion is not followed backwards.
+///
+/// Friction feeds the mass only where 0 < v < v_b; the averaged cycles of every law have amplitudes below 2|v_b|. Backwards, a law that rises
+/// fast enough lets a motion grow to infinity in finite time.
+pub(crate) const FAR: f64 = 16.0;
+
+/// Most steps of one arc. An oscillation takes about ten; on the slow branch of a stiff system (γ²μ̂' of 1000) it may be tens of thousands.
+const MOST_STEPS: usize = Integrator::DEFAULT_MAX_STEPS;
 
 impl<'s, L: FrictionLaw> Tracer<'s, L> {
     pub(crate) fn new(system: &'s MassOnBelt<L>) -> Self {
-        let node = system
+        let equilibrium = system.equilibrium_displacement();
+        let attracts = system
             .equilibrium()
-            .is_some_and(|equilibrium| equilibrium.eigenvalues[0].im == 0.0);
+            .and_then(|equilibrium| match equilibrium.stability {
+                Stability::StableFocus | Stability::StableNode => Some(Time::Forward),
+                Stability::UnstableFocus | Stability::UnstableNode => Some(Time::Backward),
+                Stability::Center => None,
+            });
         Self {
             stepper: Stepper::new(system, Integrator::MIN_TOLERANCE),
-            settled: if node {
-                SETTLED * system.belt_velocity().abs()
-            } else {
-                0.0
-            },
-            equilibrium: system.equilibrium_displacement(),
+            attracts,
+            settled: SETTLED * system.belt_velocity().abs(),
+            rounding: ROUNDING * f64::EPSILON * (equilibrium.abs() + system.belt_velocity().abs()),
+            equilibrium,
             scale: system.belt_velocity().abs() + system.load() * system.law().static_coefficient(),
+            work: 0,
         }
     }
 
     pub(crate) fn system(&self) -> &'s MassOnBelt<L> {
         self.stepper.system()
+    }
+
+    pub(crate) fn state(&self, point: &SlipPoint) -> State {
+        self.stepper.state(point)
+    }
+
+    /// Steps taken so far.
+    pub(crate) fn work(&self) -> usize {
+        self.work
     }
 
     /// |v_b| + γ²μ_s.
@@ -84,16 +125,24 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
         let mut clock = Clock::default();
         let mut steps = Vec::with_capacity(16);
         let mut rates = None;
+        // Whether a maximum of v can come: if v grows at the start, or after a minimum, which lies at v < 0 because v'' = −v there. Near the
+        // slow motion of a stiff system rounding makes v' change its sign in between.
+        let mut grows = false;
         loop {
             let advance = self.stepper.advance(&point, time, clock.time)?;
             let Advance { mut duration, end } = advance;
             let speed = *self.stepper.speed();
             let [first, last] = rates.unwrap_or([speed[1], 0.0]);
-            // Between two steps as well, where rounding may put it before the one and after the other.
-            let maximum = if last < 0.0 && speed[1] >= 0.0 {
+            let behind = point.direction == Direction::Lagging;
+            let v_b = self.system().belt_velocity();
+            grows |= behind && (first < 0.0 || point.speed > v_b);
+            let maximum = if grows && last < 0.0 && speed[1] >= 0.0 {
+                // Between two steps, where rounding may put it before the one and after the other.
                 Some(0.0)
+            } else if behind && (grows || falls_below_zero(&speed, duration, v_b)) {
+                next_maximum(&speed, duration, v_b, &mut grows)
             } else {
-                next_maximum(&speed, duration)
+                None
             };
             if let Some(t) = maximum {
                 duration = t;
@@ -110,6 +159,7 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
             };
             clock = clock.after(duration);
             steps.push(step);
+            self.work += 1;
             let arrival = if maximum.is_some() {
                 Some(Arrival::Maximum(SlipPoint {
                     displacement: self.stepper.displacement(&point, time, duration),
@@ -118,7 +168,7 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
                     rate: Some(0.0),
                     ..end
                 }))
-            } else if duration.is_infinite() || self.has_settled(&end) {
+            } else if duration.is_infinite() || self.has_settled(&end, time) {
                 Some(Arrival::Equilibrium)
             } else if advance.is_contact() {
                 Some(Arrival::Contact(end.displacement))
@@ -134,8 +184,8 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
                     rates: rates.unwrap_or_default(),
                 });
             }
-            if steps.len() >= Integrator::DEFAULT_MAX_STEPS {
-                let limit = Integrator::DEFAULT_MAX_STEPS;
+            if steps.len() >= MOST_STEPS {
+                let limit = MOST_STEPS;
                 let reached = Reached {
                     time: clock.time,
                     state: self.stepper.state(&end),
@@ -146,12 +196,13 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
         }
     }
 
-    fn has_settled(&self, point: &SlipPoint) -> bool {
+    fn has_settled(&self, point: &SlipPoint, time: Time) -> bool {
         let State {
             displacement,
             velocity,
         } = self.stepper.state(point);
-        (displacement - self.equilibrium).abs().max(velocity.abs()) < self.settled
+        let distance = (displacement - self.equilibrium).abs().max(velocity.abs());
+        distance < self.rounding || (self.attracts == Some(time) && distance < self.settled)
     }
 
     /// ∫(2β + γ² dμ̂/ds) dτ over an arc: how fast the flow contracts areas, integrated.
@@ -168,8 +219,14 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
     }
 }
 
-/// First time in (0, h) at which the sliding speed has a minimum.
-fn next_maximum(speed: &Polynomial, h: f64) -> Option<f64> {
+/// Whether the velocity of a lagging motion is negative anywhere in (0, h): it stays so for about half a turn, longer than a quarter of any step.
+fn falls_below_zero(speed: &Polynomial, h: f64, v_b: f64) -> bool {
+    evaluate_four(speed, quarters(h)).iter().any(|&s| s > v_b)
+}
+
+/// First time in (0, h) at which the velocity of a lagging motion has a maximum: the sliding speed has a minimum, and `grows`, which is set
+/// where the speed has a maximum above v_b.
+fn next_maximum(speed: &Polynomial, h: f64, v_b: f64, grows: &mut bool) -> Option<f64> {
     let mut rate = derivative(speed);
     if rate[0] == 0.0 {
         // An extremum at the start is divided out: it is known.
@@ -179,10 +236,11 @@ fn next_maximum(speed: &Polynomial, h: f64) -> Option<f64> {
     let mut minimum = None;
     if h.is_finite() {
         let _ = sign_changes(&rate, h, &mut |t, rising| {
-            if rising {
+            if rising && *grows {
                 minimum = Some(t);
                 return ControlFlow::Break(());
             }
+            *grows |= !rising && evaluate(speed, t) > v_b;
             ControlFlow::Continue(())
         });
     }

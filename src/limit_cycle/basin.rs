@@ -154,6 +154,12 @@ struct Basins {
 }
 
 impl Basins {
+    fn is_in_continuum(&self, peak: f64) -> bool {
+        self.cycles
+            .continuum()
+            .is_some_and(|continuum| peak <= continuum.max_amplitude)
+    }
+
     fn of_kind(&self, kind: CycleKind) -> impl DoubleEndedIterator<Item = &LimitCycle> {
         self.cycles.iter().filter(move |cycle| cycle.kind() == kind)
     }
@@ -166,7 +172,7 @@ impl Basins {
         let v_b = tracer.system().belt_velocity();
         Ok(match place {
             Place::Equilibrium => Attractor::Equilibrium,
-            Place::Peak(_) if self.cycles.continuum().is_some() => Attractor::Continuum,
+            Place::Peak(peak) if self.is_in_continuum(peak) => Attractor::Continuum,
             Place::Peak(peak) => {
                 let peaks = |cycle: &LimitCycle| cycle.max_velocity();
                 let cycles = self.of_kind(CycleKind::PureSlip);
@@ -189,10 +195,15 @@ impl Basins {
                 }
             }
             Place::Release => match &self.fate {
-                ReleaseFate::Inward { peak: Some(peak) } => {
-                    self.from(tracer, Place::Peak(*peak))?
-                }
-                ReleaseFate::Inward { peak: None } => Attractor::Equilibrium,
+                // It surrounds every motion in slip, and so it comes down to the outermost of them.
+                ReleaseFate::Inward { peak } => match self.of_kind(CycleKind::PureSlip).next_back()
+                {
+                    Some(cycle) => Attractor::Cycle(cycle.clone()),
+                    None if peak.is_some_and(|peak| self.is_in_continuum(peak)) => {
+                        Attractor::Continuum
+                    }
+                    None => Attractor::Equilibrium,
+                },
                 ReleaseFate::Stick { .. } => self
                     .cycles
                     .iter()

@@ -105,6 +105,20 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         }
     }
 
+    /// Between the smallest velocity maximum that is searched and the largest one.
+    fn range_of_peaks(&mut self) -> Result<Option<[Sample; 2]>, Error> {
+        let v_b = self.system().belt_velocity();
+        let smallest = self.growth(SMALLEST_PEAK * v_b)?;
+        if smallest.x * (1.0 + smallest.value) > v_b {
+            // It meets the belt, and so does every motion round it.
+            return Ok(None);
+        }
+        let largest = self.largest_peak()?;
+        Ok(largest
+            .filter(|largest| largest.x > smallest.x)
+            .map(|largest| [smallest, largest]))
+    }
+
     /// The sample at x of a map x → next(x), as a relative growth.
     fn relative_growth(&self, x: f64, next: f64, slope: f64) -> Sample {
         Sample {
@@ -112,10 +126,28 @@ impl<L: FrictionLaw> Tracer<'_, L> {
             value: next / x - 1.0,
             slope: (slope - next / x) / x,
             noise: TURN_ROUNDING * f64::EPSILON * (self.scale() + x) / x,
+            work: self.work(),
         }
     }
 
-    /// Whether every motion in slip is periodic: there is no damping, and friction does not depend on the speed.
+    /// The same for a map of forces at the belt, over arcs that meet it at certain rates of the relative velocity: v_b/rate is how far a shift in
+    /// time or velocity moves the place of contact.
+    fn relative_growth_of_force(&self, x: f64, next: f64, slope: f64, rates: [f64; 2]) -> Sample {
+        let steepest = self.system().belt_velocity() / rates[0].abs().min(rates[1].abs());
+        let sample = self.relative_growth(x, next, slope);
+        Sample {
+            noise: sample.noise * (1.0 + steepest),
+            ..sample
+        }
+    }
+
+    /// Whether small motions are periodic: there is no damping, and friction does not depend on the speed near v_b.
+    pub(crate) fn is_flat(&self) -> bool {
+        let (system, v_b) = (self.system(), self.system().belt_velocity());
+        system.damping() == 0.0 && (1..=4).all(|n| system.law().derivative(n, v_b) == 0.0)
+    }
+
+    /// Whether every motion in slip is periodic, for one that [`is_flat`](Self::is_flat).
     pub(crate) fn is_continuum(&mut self) -> Result<bool, Error> {
         let v_b = self.system().belt_velocity();
         for part in [0.9, 0.1, 0.7, 0.3, 0.5] {
@@ -128,20 +160,26 @@ impl<L: FrictionLaw> Tracer<'_, L> {
 
     /// Velocity maxima V of the periodic motions in slip.
     pub(crate) fn pure_slip_peaks(&mut self) -> Result<Found, Error> {
-        let smallest = SMALLEST_PEAK * self.system().belt_velocity();
-        match self.largest_peak()? {
-            Some(largest) if largest.x > smallest => {
-                let start = self.growth(smallest)?;
-                roots_between(&mut |peak| self.growth(peak), start, largest)
-            }
-            _ => Ok(Found::default()),
+        let mut found = Found::default();
+        if let Some([smallest, largest]) = self.range_of_peaks()? {
+            roots_between(&mut |peak| self.growth(peak), smallest, largest, &mut found)?;
         }
+        Ok(found)
     }
 
     /// The periodic motion in slip whose velocity has the maximum V, and its Floquet multiplier.
+    ///
+    /// An unstable one is followed backwards, where it attracts: forwards it would grow away from itself, and not close.
     pub(crate) fn pure_slip(&mut self, peak: f64) -> Result<(Arc, f64), Error> {
         let arc = self.arc(self.at_maximum(peak), Time::Forward)?;
         let multiplier = (-self.contraction(&arc)).exp();
+        if multiplier > 1.0 {
+            let backward = self.arc(self.at_maximum(peak), Time::Backward)?;
+            if let Arrival::Maximum(point) = backward.arrival {
+                let multiplier = (-self.contraction(&backward)).exp();
+                return Ok((backward.reversed(self.state(&point)), multiplier));
+            }
+        }
         Ok((arc, multiplier))
     }
 
@@ -180,14 +218,14 @@ impl<L: FrictionLaw> Tracer<'_, L> {
     /// cross again.
     fn crossing_growth(&mut self, force: f64) -> Result<Sample, Error> {
         let release = self.system().load() * self.system().law().static_coefficient();
-        let (next, slope) = match self.crossing_arcs(force)? {
+        Ok(match self.crossing_arcs(force)? {
             Some((arcs, next)) if next >= release => {
                 let stretch = arcs.iter().map(|arc| self.stretch(arc, Time::Forward));
-                (next, stretch.product())
+                let rates = [&arcs[0], &arcs[1]].map(|arc| arc.rates[1]);
+                self.relative_growth_of_force(force, next, stretch.product(), rates)
             }
-            _ => (release, 0.0),
-        };
-        Ok(self.relative_growth(force, next, slope))
+            _ => self.relative_growth(force, release, 0.0),
+        })
     }
 
     /// The least force from which a motion crosses downwards again, for a motion released from stick that does not: the one that comes back
@@ -220,18 +258,21 @@ impl<L: FrictionLaw> Tracer<'_, L> {
             return Ok(None);
         };
         let slope = self.stretch(&leading, time) * self.stretch(&lagging, Time::Backward);
-        Ok(Some(self.relative_growth(start + offset, next, slope)))
+        let rates = [
+            leading.rates[usize::from(time == Time::Forward)],
+            lagging.rates[0],
+        ];
+        let sample = self.relative_growth_of_force(start + offset, next, slope, rates);
+        Ok(Some(sample))
     }
 
     /// Turning points of the growth over one turn as a function of the peak velocity: the peak, and the growth there.
     pub(crate) fn turning_points(&mut self) -> Result<Vec<(f64, f64)>, Error> {
-        let smallest = SMALLEST_PEAK * self.system().belt_velocity();
-        match self.largest_peak()? {
-            Some(largest) if largest.x > smallest => {
-                let start = self.growth(smallest)?;
-                turning_points_between(&mut |peak| self.growth(peak), start, largest)
+        match self.range_of_peaks()? {
+            Some([smallest, largest]) => {
+                turning_points_between(&mut |peak| self.growth(peak), smallest, largest)
             }
-            _ => Ok(Vec::new()),
+            None => Ok(Vec::new()),
         }
     }
 
@@ -263,7 +304,14 @@ impl<L: FrictionLaw> Tracer<'_, L> {
 
     /// Whether a motion with the velocity maximum V grows over the next turn.
     pub(crate) fn grows_from_peak(&mut self, peak: f64) -> Result<bool, Error> {
-        Ok(self.growth(peak)?.value > 0.0)
+        let growth = self.growth(peak)?;
+        let equilibrium = self.system().equilibrium();
+        Ok(if growth.vanishes() {
+            // Hidden by rounding, as in the linear motion near the equilibrium.
+            equilibrium.is_some_and(|equilibrium| !equilibrium.is_stable())
+        } else {
+            growth.value > 0.0
+        })
     }
 
     /// Whether a motion that crosses downwards at the force F grows over the next turn.
@@ -278,10 +326,14 @@ impl<L: FrictionLaw> Tracer<'_, L> {
 
     /// Forces F = u + 2βv_b at the downward crossings of the periodic motions that cross the belt velocity twice a period.
     ///
-    /// The force has no upper bound; it is doubled until motions from it shrink twice running, beyond every breakpoint of the law.
+    /// It is doubled until motions from it shrink twice running, beyond every breakpoint of the law, or until it is [`FAR`].
     pub(crate) fn crossing_forces(&mut self, fate: &ReleaseFate) -> Result<Found, Error> {
         let system = self.system();
         let release = system.load() * system.law().static_coefficient();
+        if release == 0.0 {
+            // Without friction the oscillator is linear.
+            return Ok(Found::default());
+        }
         let start = match fate {
             ReleaseFate::Outward => Some(self.crossing_growth(release)?),
             _ => self.least_crossing()?,
@@ -295,8 +347,12 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         let mut shrinks = 0;
         while shrinks < 2 && low.x < FAR * (release + system.belt_velocity()) {
             let high = self.crossing_growth((2.0 * low.x).max(low.x + system.belt_velocity()))?;
-            let part = roots_between(&mut |force| self.crossing_growth(force), low, high)?;
-            found.append(part);
+            roots_between(
+                &mut |force| self.crossing_growth(force),
+                low,
+                high,
+                &mut found,
+            )?;
             shrinks = if high.value < 0.0 && high.x > beyond {
                 shrinks + 1
             } else {

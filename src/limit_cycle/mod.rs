@@ -21,7 +21,8 @@
 //! [`stick_slip`] is complete: trajectories that can't cross leave no other possibility than those that it tells apart. [`find`] divides the
 //! range of each map until the cubic through values and slopes fits, and then keeps dividing wherever that cubic comes
 //! near a fixed point. It loses a pair of cycles only if their peak velocities differ by less than 10⁻⁹ of the range, or if the map
-//! turns twice inside an interval in which its cubic fits to 2 %. Pure-slip cycles with a peak velocity below 10⁻⁴ v_b are not looked for. Cycles
+//! turns twice inside an interval in which its cubic fits to 2 %. Pure-slip cycles with a peak velocity below 10⁻⁴ v_b are not looked for, nor
+//! crossing cycles with forces above 16(γ²μ_s + |v_b|). Cycles
 //! that double precision can't resolve, because neighbouring numbers lie on different sides of them by far, are reported as
 //! [`unresolved`](CycleSet::unresolved).
 
@@ -112,7 +113,8 @@ fn find_with<L: FrictionLaw>(
 ) -> Result<CycleSet, Error> {
     let system = tracer.system();
     let mut set = CycleSet::default();
-    if tracer.is_continuum()? {
+    let flat = tracer.is_flat();
+    if flat && tracer.is_continuum()? {
         let frictionless = system.law().static_coefficient() == 0.0;
         set.continuum = Some(Continuum {
             max_amplitude: if frictionless {
@@ -122,7 +124,12 @@ fn find_with<L: FrictionLaw>(
             },
         });
     } else {
-        let peaks = tracer.pure_slip_peaks()?;
+        let mut peaks = tracer.pure_slip_peaks()?;
+        if flat && !peaks.unresolved.is_empty() {
+            // Up to where the motion meets a speed at which friction does vary; inside it is harmonic.
+            let max_amplitude = peaks.unresolved.remove(0).end;
+            set.continuum = Some(Continuum { max_amplitude });
+        }
         set.unresolved = peaks.unresolved;
         for peak in peaks.roots {
             let (arc, multiplier) = tracer.pure_slip(peak)?;
@@ -131,10 +138,19 @@ fn find_with<L: FrictionLaw>(
         }
     }
     set.cycles.extend(through_release(system, fate));
-    for force in tracer.crossing_forces(fate)?.roots {
-        if let Some((arcs, multiplier)) = tracer.crossing(force)? {
-            let cycle = LimitCycle::join(system, &arcs, CycleKind::Crossing, multiplier);
-            set.cycles.push(cycle);
+    let forces = tracer.crossing_forces(fate)?;
+    let mut crossing = |force: f64| -> Result<Option<LimitCycle>, Error> {
+        Ok(tracer.crossing(force)?.map(|(arcs, multiplier)| {
+            LimitCycle::join(system, &arcs, CycleKind::Crossing, multiplier)
+        }))
+    };
+    for force in forces.roots {
+        set.cycles.extend(crossing(force)?);
+    }
+    for range in forces.unresolved {
+        if let (Some(inner), Some(outer)) = (crossing(range.start)?, crossing(range.end)?) {
+            set.unresolved
+                .push(inner.max_velocity()..outer.max_velocity());
         }
     }
     Ok(set)
@@ -220,8 +236,9 @@ impl CycleSet {
         self.continuum
     }
 
-    /// Peak velocities (largest |v|, dimensionless) between which pure-slip cycles lie that double precision can't resolve: the motion from one end
-    /// of the range dies and that from the other end grows, by far.
+    /// Peak velocities (largest v in the direction of the belt, dimensionless) between which double precision can't resolve whether there are
+    /// cycles, and which: either the motion from one end of a narrow range dies and that from the other end grows, by far (one unstable cycle, or
+    /// an odd number); or over the whole range a turn changes a motion by no more than rounding does.
     pub fn unresolved(&self) -> &[Range<f64>] {
         &self.unresolved
     }

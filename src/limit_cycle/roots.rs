@@ -1,5 +1,7 @@
 //! All roots, in an interval, of a function whose value and slope are known at every point.
 
+use std::ops::Range;
+
 use crate::Error;
 
 /// A value of the function with its slope.
@@ -10,6 +12,8 @@ pub(crate) struct Sample {
     pub(crate) slope: f64,
     /// Size of its rounding error.
     pub(crate) noise: f64,
+    /// Work done so far, in Taylor steps.
+    pub(crate) work: usize,
 }
 
 impl Sample {
@@ -24,17 +28,21 @@ impl Sample {
 pub(crate) struct Found {
     /// Roots in ascending order.
     pub(crate) roots: Vec<f64>,
-    /// Neighbouring floating-point numbers, or nearly so, between which the function jumps over zero, or touches it to rounding.
-    pub(crate) unresolved: Vec<std::ops::Range<f64>>,
+    /// Neighbouring floating-point numbers, or nearly so, between which the function jumps over zero; and ranges where it is zero to rounding.
+    pub(crate) unresolved: Vec<Range<f64>>,
 }
 
 /// Width, relative to the interval searched, below which an interval is not divided further.
 const NARROWEST: f64 = 1e-9;
 
+/// Taylor steps after which what is left goes unresolved. Some hundreds are the rule; a law with thousands of waves below the speed of the motion
+/// needs a limit.
+const MOST_WORK: usize = 200_000;
+
 /// The cubic through both ends must predict the value in the middle this well, relative to the values around.
 const CUBIC_FITS: f64 = 0.02;
 
-/// Finds the roots between two samples.
+/// Finds the roots between two samples, and adds them to those found in intervals before.
 ///
 /// An interval is divided until the cubic through the values and slopes at its ends predicts value and slope in the middle. Then the
 /// cubics of the two halves decide: a half holds a root if the signs at its ends differ, and may hold two if its cubic comes closer to
@@ -44,12 +52,14 @@ pub(crate) fn roots_between(
     f: &mut impl FnMut(f64) -> Result<Sample, Error>,
     a: Sample,
     b: Sample,
-) -> Result<Found, Error> {
-    let mut found = Found::default();
+    found: &mut Found,
+) -> Result<(), Error> {
     let narrowest = NARROWEST * (b.x - a.x);
-    divide(f, a, b, narrowest, &mut found)?;
-    Ok(found)
+    divide(f, a, b, narrowest, found)
 }
+
+/// Halvings after which turning points are taken from what is known.
+const DEEPEST: usize = 9;
 
 /// Finds the points between two samples at which the slope changes sign, with the values there.
 ///
@@ -64,7 +74,7 @@ pub(crate) fn turning_points_between(
     while let Some((right, depth)) = intervals.pop() {
         let left = samples[samples.len() - 1];
         let middle = f(0.5 * (left.x + right.x))?;
-        if depth >= 2 && (depth >= 16 || fits(left, middle, right).0) {
+        if depth >= 2 && (depth >= DEEPEST || fits(left, middle, right).0) {
             samples.extend([middle, right]);
         } else {
             intervals.extend([(right, depth + 1), (middle, depth + 1)]);
@@ -113,20 +123,31 @@ fn divide(
 ) -> Result<(), Error> {
     let m = f(0.5 * (a.x + b.x))?;
     let (fits, error) = fits(a, m, b);
+    let noise = a.noise.max(m.noise).max(b.noise);
+    // Then no division tells more.
+    let at_rounding = error <= noise;
     for (left, right) in [(a, m), (m, b)] {
         let changes = (left.value > 0.0) != (right.value > 0.0);
         if left.vanishes() && right.vanishes() {
-            found.unresolved.push(left.x..right.x);
+            found.leave(left.x..right.x);
         } else if right.x - left.x <= narrowest {
             if changes {
                 found.refine(f, left, right)?;
             } else if left.vanishes() || right.vanishes() {
-                found.unresolved.push(left.x..right.x);
+                found.leave(left.x..right.x);
             }
-        } else if fits && changes && one_way(left, right) {
+        } else if fits && changes && (at_rounding || one_way(left, right)) {
             found.refine(f, left, right)?;
+        } else if at_rounding {
+            if touches(left, right, noise) {
+                found.leave(left.x..right.x);
+            }
         } else if !fits || changes || touches(left, right, error) {
-            divide(f, left, right, narrowest, found)?;
+            if m.work < MOST_WORK {
+                divide(f, left, right, narrowest, found)?;
+            } else {
+                found.leave(left.x..right.x);
+            }
         }
     }
     Ok(())
@@ -160,10 +181,12 @@ fn touches(a: Sample, b: Sample, margin: f64) -> bool {
 }
 
 impl Found {
-    /// Adds what was found in the next interval.
-    pub(crate) fn append(&mut self, mut next: Self) {
-        self.roots.append(&mut next.roots);
-        self.unresolved.append(&mut next.unresolved);
+    /// Leaves a range unresolved, as one with that before it if they meet.
+    fn leave(&mut self, range: Range<f64>) {
+        match self.unresolved.last_mut() {
+            Some(last) if last.end == range.start => last.end = range.end,
+            _ => self.unresolved.push(range),
+        }
     }
 
     /// The root between samples of different sign: Newton's method kept inside the bracket.

@@ -148,18 +148,30 @@ impl Random {
         Any::Crate(law)
     }
 
-    /// A system with a law of one kind: 0.03 ≤ |v_b| < 2 with either sign, β = 0 or 10⁻⁴ ≤ β < 0.4, 0.1 ≤ γ² < 5.
+    /// A system with a law of one kind: 0.03 ≤ |v_b| < 2 with either sign, β = 0 or 10⁻⁴ ≤ β < 0.4, 0.01 ≤ γ² < 5.
     pub(crate) fn any_system(&mut self, kind: usize) -> MassOnBelt<Any> {
         let law = self.any_law(kind);
         let belt_velocity = self.sign() * self.logarithmic(0.03, 2.0);
-        let damping = if self.bits() % 8 == 0 {
+        let damping = if self.bits().is_multiple_of(8) {
             0.0
         } else {
             self.logarithmic(1e-4, 0.4)
         };
         MassOnBelt::new(law, belt_velocity)
             .and_then(|system| system.with_damping(damping))
-            .and_then(|system| system.with_load(self.logarithmic(0.1, 5.0)))
+            .and_then(|system| system.with_load(self.logarithmic(0.01, 5.0)))
             .unwrap()
     }
+}
+
+/// Random systems, so many of each law, with what to say of one that fails.
+pub(crate) fn systems(
+    seed: u64,
+    of_each: usize,
+) -> impl Iterator<Item = (String, MassOnBelt<Any>)> {
+    let mut random = Random::new(seed);
+    (0..of_each * Random::KINDS).map(move |i| {
+        let system = random.any_system(i % Random::KINDS);
+        (format!("system {i}: {system:?}"), system)
+    })
 }

@@ -1,6 +1,9 @@
 //! The tests' own view of periodic motions: return maps from simulated turns, quadrature, extremes of a run.
 
-use stick_slip::{Direction, EventKind, FrictionLaw, Integrator, MassOnBelt, Mode, State, Step};
+use stick_slip::{
+    CycleSet, Direction, EventKind, FrictionLaw, Integrator, LimitCycle, MassOnBelt, Mode, State,
+    Step, limit_cycle,
+};
 
 /// ∫ over [0, h] by Gauss-Legendre rules of 20 points, on 4 pieces.
 pub(crate) fn integrate(h: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
@@ -60,7 +63,7 @@ pub(crate) fn next_peak<L: FrictionLaw>(system: &MassOnBelt<L>, peak: f64) -> Tu
         if step.mode() != Mode::Slip(Direction::Lagging) {
             return Turn::Belt;
         }
-        if !(step.end_time() < TURN) {
+        if step.end_time() >= TURN {
             return Turn::Ends;
         }
         let time = |i: u32| step.duration() * f64::from(i) / 16.0;
@@ -110,7 +113,7 @@ pub(crate) fn next_crossing<L: FrictionLaw>(system: &MassOnBelt<L>, displacement
                 _ => return Turn::Belt,
             }
         }
-        if !(step.end_time() < TURN) {
+        if step.end_time() >= TURN {
             return Turn::Ends;
         }
     }
@@ -139,4 +142,36 @@ pub(crate) fn settles<L: FrictionLaw>(
         }
     }
     range
+}
+
+/// The cycles of a system.
+pub(crate) fn find<L: FrictionLaw>(about: &str, system: &MassOnBelt<L>) -> CycleSet {
+    limit_cycle::find(system).unwrap_or_else(|error| panic!("{about}: {error}"))
+}
+
+/// The largest of |u|, |v| and |v_b| on a cycle.
+pub(crate) fn size<L: FrictionLaw>(system: &MassOnBelt<L>, cycle: &LimitCycle) -> f64 {
+    [
+        cycle.max_displacement(),
+        cycle.min_displacement(),
+        cycle.max_velocity(),
+        cycle.min_velocity(),
+        system.belt_velocity(),
+    ]
+    .into_iter()
+    .fold(0.0, |largest, x: f64| largest.max(x.abs()))
+}
+
+/// ∮ over a cycle, by the tests' own quadrature.
+pub(crate) fn around(cycle: &LimitCycle, mut integrand: impl FnMut(f64, State) -> f64) -> f64 {
+    cycle
+        .trajectory()
+        .steps()
+        .iter()
+        .map(|step| {
+            integrate(step.duration(), |t| {
+                integrand(step.start_time() + t, step.state_at(t))
+            })
+        })
+        .sum()
 }
