@@ -299,8 +299,4 @@ fn events_modes_and_directions_are_shown() {
     }
 }
 
-// `analysis`: its names and signatures go here.
-
-// `limit_cycle`: its names and signatures go here.
-
-// `bifurcation`: its names and signatures go here.
+// `limit_cycle`, `bifurcation` and `analysis`: tests/contract_cycles.rs.

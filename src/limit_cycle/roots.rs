@@ -136,10 +136,10 @@ fn divide(
             } else if left.vanishes() || right.vanishes() {
                 found.leave(left.x..right.x);
             }
-        } else if fits && changes && (at_rounding || one_way(left, right)) {
+        } else if fits && changes && one_way(left, right) {
             found.refine(f, left, right)?;
         } else if at_rounding {
-            if touches(left, right, noise) {
+            if changes || touches(left, right, noise) {
                 found.leave(left.x..right.x);
             }
         } else if !fits || changes || touches(left, right, error) {
@@ -153,12 +153,14 @@ fn divide(
     Ok(())
 }
 
-/// Both slopes agree with the sign of the change, and neither is so steep that the cubic turns in between.
+/// Both slopes agree with the sign of the change, neither is so steep that the cubic turns in between, and none is mere rounding.
 fn one_way(a: Sample, b: Sample) -> bool {
     let secant = (b.value - a.value) / (b.x - a.x);
-    [a.slope, b.slope]
-        .iter()
-        .all(|slope| slope / secant > 0.0 && slope / secant < 3.0)
+    [a, b].iter().all(|end| {
+        let relative = end.slope / secant;
+        let flat = end.vanishes() && (end.slope * end.x).abs() <= 10.0 * end.noise;
+        relative > 0.0 && relative < 3.0 && !flat
+    })
 }
 
 /// Whether the cubic through both ends, which have one sign, comes within `margin` of zero between them.

@@ -132,8 +132,8 @@ pub(crate) fn settles<L: FrictionLaw>(
         let step: Step = step.unwrap();
         if step.end_time() > duration - window {
             let length = step.duration().min(8.0);
-            for i in 0..=64 {
-                let u = step.state_at(length * f64::from(i) / 64.0).displacement;
+            for i in 0..=256 {
+                let u = step.state_at(length * f64::from(i) / 256.0).displacement;
                 range = [range[0].min(u), range[1].max(u)];
             }
         }
