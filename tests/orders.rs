@@ -18,13 +18,13 @@ use stick_slip::analysis::{PureSlip, StickSlip, averaging};
 use stick_slip::{CycleKind, State, bifurcation};
 use tables::{AVERAGED_CROSSING, Errors, Series, averaged_rows, pure_slip_rows, stick_slip_rows};
 
-/// The order of errors at ε = 1, 1/2, …: the local exponents log2(e(ε)/e(ε/2)) where the error is 10⁴ times its noise or more, the last two
+/// The order of errors at ε = 1, 1/2, …: the local exponents log2(e(ε)/e(ε/2)) where the error is 10³ times its noise or more, the last two
 /// extrapolated to ε = 0, from which they differ by cε or, where the series has half powers, by c√ε. (Not extrapolated, that of `stick` at
 /// second order has risen to 2.46 only at ε = 2⁻¹².)
 fn order(errors: &[(f64, f64)], series: Series) -> f64 {
     let clear: Vec<f64> = errors
         .iter()
-        .take_while(|(error, noise)| *error > 1e4 * noise)
+        .take_while(|(error, noise)| *error > 1e3 * noise)
         .map(|(error, _)| *error)
         .collect();
     let exponents: Vec<f64> = clear.windows(2).map(|e| (e[0] / e[1]).log2()).collect();

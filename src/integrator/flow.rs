@@ -29,19 +29,20 @@ use crate::{Direction, Error, MassOnBelt, Reached, State};
 /// ```
 #[derive(Debug, Clone)]
 pub struct Flow<'s, L> {
-    stepper: Stepper<'s, L>,
+    stepper: Stepper<&'s L>,
     settings: Integrator,
     clock: Clock,
+    state: State,
     phase: Phase,
     steps: usize,
     events: usize,
 }
 
-/// Where the motion stands.
+/// What comes next.
 #[derive(Debug, Clone, Copy)]
 enum Phase {
-    Stick { displacement: f64 },
-    Slip { point: SlipPoint, state: State },
+    Stick,
+    Slip(SlipPoint),
     Ended,
 }
 
@@ -70,9 +71,14 @@ impl<'s, L: FrictionLaw> Flow<'s, L> {
             });
         }
         let mut flow = Self {
-            stepper: Stepper::new(system, settings.tolerance),
+            stepper: Stepper::new(system.by_reference(), settings.tolerance),
             settings,
             clock: Clock::default(),
+            state: if relative_velocity == 0.0 {
+                State::new(start.displacement, v_b)
+            } else {
+                start
+            },
             phase: Phase::Ended,
             steps: 0,
             events: 0,
@@ -84,29 +90,25 @@ impl<'s, L: FrictionLaw> Flow<'s, L> {
             } else {
                 Direction::Leading
             };
-            let point = SlipPoint {
+            Phase::Slip(SlipPoint {
                 direction,
                 displacement,
                 speed: relative_velocity.abs(),
                 rate: None,
-            };
-            Phase::Slip {
-                point,
-                state: start,
-            }
+            })
         } else if flow.is_release(displacement) {
             // In stick, with no time left in it: the release is reported at time 0.
-            Phase::Stick { displacement }
+            Phase::Stick
         } else {
             match system.slides_at(displacement) {
-                None => Phase::Stick { displacement },
+                None => Phase::Stick,
                 Some(direction) => flow.slip_from_belt(displacement, direction),
             }
         };
         Ok(flow)
     }
 
-    fn system(&self) -> &'s MassOnBelt<L> {
+    fn system(&self) -> &MassOnBelt<&'s L> {
         self.stepper.system()
     }
 
@@ -128,139 +130,135 @@ impl<'s, L: FrictionLaw> Flow<'s, L> {
             Some(release) if self.is_release(displacement) => release.displacement,
             _ => displacement,
         };
-        let point = SlipPoint {
+        Phase::Slip(SlipPoint {
             direction,
             displacement,
             speed: 0.0,
             rate: Some(system.slip_rate(exact, direction)),
-        };
-        let state = State::new(displacement, system.belt_velocity());
-        Phase::Slip { point, state }
-    }
-
-    fn reached(&self, state: State) -> Reached {
-        Reached {
-            time: self.clock.time,
-            state,
-        }
+        })
     }
 
     /// A stick phase: u grows at the rate v_b up to the release point.
-    fn stick(&mut self, displacement: f64) -> Step {
+    fn stick(&mut self) -> Step {
         let v_b = self.system().belt_velocity();
-        let state = State::new(displacement, v_b);
+        let State { displacement, .. } = self.state;
         let (duration, released) = match self.system().release_state() {
-            None => (f64::INFINITY, state),
-            Some(_) if self.is_release(displacement) => (0.0, state),
+            None => (f64::INFINITY, self.state),
+            Some(_) if self.is_release(displacement) => (0.0, self.state),
             Some(release) => ((release.displacement - displacement) / v_b, release),
         };
-        let event = if duration.is_finite() {
+        let (phase, event) = if duration.is_finite() {
             let direction = if v_b > 0.0 {
                 Direction::Lagging
             } else {
                 Direction::Leading
             };
-            self.phase = self.slip_from_belt(released.displacement, direction);
-            Some((EventKind::Release(direction), released))
+            let slip = self.slip_from_belt(released.displacement, direction);
+            (slip, Some(EventKind::Release(direction)))
         } else {
-            self.phase = Phase::Ended;
-            None
+            (Phase::Ended, None)
         };
-        self.step(Mode::Stick, state, Step::AT_REST_ON_BELT, duration, event)
+        self.phase = phase;
+        self.step(
+            Mode::Stick,
+            Step::AT_REST_ON_BELT,
+            duration,
+            released,
+            event,
+        )
     }
 
-    /// One Taylor step of a slip phase, and what follows if it ends in contact.
-    fn slip(&mut self, point: SlipPoint, state: State) -> Result<Step, Error> {
-        let advance = self
-            .stepper
-            .advance(&point, Time::Forward, self.clock.time)?;
+    /// One Taylor step of a slip phase that has been taken, and what follows if it ends in contact.
+    fn slip(&mut self, direction: Direction, advance: Advance) -> Step {
         let Advance { duration, end } = advance;
-        let displacement = end.displacement;
-        let mut event = None;
-        self.phase = if duration.is_infinite() {
-            Phase::Ended
+        let (phase, event) = if duration.is_infinite() {
+            (Phase::Ended, None)
         } else if !advance.is_contact() {
-            let state = self.stepper.state(&end);
-            Phase::Slip { point: end, state }
+            (Phase::Slip(end), None)
         } else {
-            let on_belt = State::new(displacement, self.system().belt_velocity());
-            match self.system().slides_at(displacement) {
-                None => {
-                    event = Some((EventKind::Stick, on_belt));
-                    Phase::Stick { displacement }
-                }
-                Some(direction) => {
+            match self.system().slides_at(end.displacement) {
+                None => (Phase::Stick, Some(EventKind::Stick)),
+                Some(side) => {
                     // To the same side it is a touch at the open end of the band, and no event.
-                    if direction != point.direction {
-                        event = Some((EventKind::Crossing(direction), on_belt));
-                    }
-                    self.slip_from_belt(displacement, direction)
+                    let event = (side != direction).then_some(EventKind::Crossing(side));
+                    (self.slip_from_belt(end.displacement, side), event)
                 }
             }
         };
-        let mode = Mode::Slip(point.direction);
-        Ok(self.step(mode, state, *self.stepper.speed(), duration, event))
+        self.phase = phase;
+        let (state, speed) = (self.stepper.state(&end), *self.stepper.speed());
+        self.step(Mode::Slip(direction), speed, duration, state, event)
     }
 
+    /// The step from here to a state, where the motion then stands.
     fn step(
         &mut self,
         mode: Mode,
-        state: State,
         speed: Polynomial,
         duration: f64,
-        event: Option<(EventKind, State)>,
+        end: State,
+        event: Option<EventKind>,
     ) -> Step {
-        let start = self.clock;
+        let (start, state) = (self.clock, self.state);
         self.clock = start.after(duration);
+        self.state = end;
         Step {
             start,
             duration,
             mode,
             state,
             speed,
-            event: event.map(|(kind, state)| Event {
+            event: event.map(|kind| Event {
                 time: self.clock.time,
                 kind,
-                state,
+                state: end,
             }),
             belt_velocity: self.system().belt_velocity(),
         }
+    }
+
+    /// Why the run may not go on, if it may not.
+    fn limit_reached(&self) -> Option<Error> {
+        let Integrator {
+            max_steps,
+            max_events,
+            ..
+        } = self.settings;
+        let reached = Reached {
+            time: self.clock.time,
+            state: self.state,
+        };
+        if let Some(limit) = max_steps.filter(|&limit| self.steps >= limit) {
+            return Some(Error::TooManySteps { limit, reached });
+        }
+        max_events
+            .filter(|&limit| self.events > limit)
+            .map(|limit| Error::TooManyEvents { limit, reached })
     }
 }
 
 impl<L: FrictionLaw> Iterator for Flow<'_, L> {
     type Item = Result<Step, Error>;
 
-    #[inline]
     fn next(&mut self) -> Option<Self::Item> {
-        // Ended from here on unless the step says otherwise: an error is the last item.
-        let phase = std::mem::replace(&mut self.phase, Phase::Ended);
-        let v_b = self.system().belt_velocity();
-        let state = match phase {
-            Phase::Ended => return None,
-            Phase::Stick { displacement } => State::new(displacement, v_b),
-            Phase::Slip { state, .. } => state,
-        };
-        let Integrator {
-            max_steps,
-            max_events,
-            ..
-        } = self.settings;
-        if let Some(limit) = max_steps.filter(|&limit| self.steps >= limit) {
-            let reached = self.reached(state);
-            return Some(Err(Error::TooManySteps { limit, reached }));
-        }
-        if let Some(limit) = max_events.filter(|&limit| self.events > limit) {
-            let reached = self.reached(state);
-            return Some(Err(Error::TooManyEvents { limit, reached }));
-        }
-        let step = match phase {
-            Phase::Slip { point, state } => self.slip(point, state),
-            _ => Ok(self.stick(state.displacement)),
+        let step = match (&self.phase, self.limit_reached()) {
+            (Phase::Ended, _) => return None,
+            (_, Some(error)) => Err(error),
+            (Phase::Stick, None) => Ok(self.stick()),
+            // By reference: a copy of the point would load, as a whole, what has just been stored in parts, and wait for it.
+            (Phase::Slip(point), None) => {
+                let direction = point.direction;
+                self.stepper
+                    .advance(point, Time::Forward, self.clock.time)
+                    .map(|advance| self.slip(direction, advance))
+            }
         };
         self.steps += 1;
-        if let Ok(Step { event: Some(_), .. }) = step {
-            self.events += 1;
+        match step {
+            Ok(Step { event: Some(_), .. }) => self.events += 1,
+            Ok(_) => (),
+            // An error is the last item.
+            Err(_) => self.phase = Phase::Ended,
         }
         Some(step)
     }

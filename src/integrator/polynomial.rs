@@ -8,7 +8,7 @@ use crate::scalar::mul_add;
 /// Coefficients of a step's series: order 26.
 ///
 /// Time per unit of τ at equal achieved error is flat between orders 18 and 26 at every tolerance; the upper end takes the
-/// fewest steps. A multiple of three, for [`evaluate`], and odd, for [`evaluate_four`].
+/// fewest steps. A multiple of three, for [`evaluate`], and three more than one of four, for [`evaluate_four`].
 pub(crate) const TERMS: usize = 27;
 
 /// c_0 + c_1 t + … + c_26 t²⁶.
@@ -68,18 +68,27 @@ pub(crate) fn reflected(c: &Polynomial, h: f64) -> Polynomial {
     std::array::from_fn(|k| if k % 2 == 0 { shifted[k] } else { -shifted[k] })
 }
 
-/// c at four times at once, even and odd powers in chains of their own.
+/// c at four times at once, in four chains each: powers 0, 4, 8, …, powers 1, 5, 9, … and so on.
+///
+/// The next step waits for this, so short chains count: two of twice the length make a whole step 3 % slower.
 #[inline(always)]
 pub(crate) fn evaluate_four(c: &Polynomial, t: [f64; 4]) -> [f64; 4] {
+    const TOP: usize = TERMS - 3;
     let t2 = t.map(|t| t * t);
-    let (mut even, mut odd) = ([c[TERMS - 1]; 4], [c[TERMS - 2]; 4]);
-    for k in (2..TERMS - 1).step_by(2).rev() {
-        for i in 0..4 {
-            even[i] = mul_add(even[i], t2[i], c[k]);
-            odd[i] = mul_add(odd[i], t2[i], c[k - 1]);
+    let t4 = t2.map(|t2| t2 * t2);
+    let mut chains = [[c[TOP]; 4], [c[TOP + 1]; 4], [c[TOP + 2]; 4], [0.0; 4]];
+    for k in (0..TOP).step_by(4).rev() {
+        for (j, chain) in chains.iter_mut().enumerate() {
+            for (lane, t4) in std::iter::zip(chain, t4) {
+                *lane = mul_add(*lane, t4, c[k + j]);
+            }
         }
     }
-    std::array::from_fn(|i| mul_add(odd[i], t[i], mul_add(even[i], t2[i], c[0])))
+    std::array::from_fn(|i| {
+        let low = mul_add(chains[1][i], t[i], chains[0][i]);
+        let high = mul_add(chains[3][i], t[i], chains[2][i]);
+        mul_add(high, t2[i], low)
+    })
 }
 
 /// How far the terms of the highest orders stay below `error`: (error/|c_n|)^(1/n) for the last two n, to 6 %.
@@ -110,11 +119,7 @@ fn curvature_bound(c: &Polynomial, t: f64) -> f64 {
 
 /// Bound of the rounding error of [`evaluate`] anywhere on [0, t]: Σ (k/2 + 4)·ε|c_k| t^k.
 fn rounding_bound(c: &Polynomial, t: f64) -> f64 {
-    let mut sum = 0.0;
-    for k in (0..TERMS).rev() {
-        sum = mul_add(sum, t, (0.5 * k as f64 + 4.0) * c[k].abs());
-    }
-    sum * f64::EPSILON
+    f64::EPSILON * sum_of_powers(t, |k| (0.5 * k as f64 + 4.0) * c[k].abs())
 }
 
 /// The quarters of [0, h].

@@ -1,8 +1,6 @@
 //! One Taylor step of a slip phase: the series, how far it reaches, and whether it held.
 
-use std::ops::ControlFlow;
-
-use super::polynomial::{INTEGRAL, Polynomial, TERMS, derivative, evaluate_four, sign_changes};
+use super::polynomial::{INTEGRAL, Polynomial, TERMS, derivative, evaluate, evaluate_four};
 use crate::friction::FrictionLaw;
 use crate::scalar::{Workspace, expand, mul_add};
 use crate::{Direction, Error, MassOnBelt, State};
@@ -60,7 +58,7 @@ impl Series {
         friction: [0.0; TERMS],
     };
 
-    /// Expands the motion about a point, on one piece of the law.
+    /// Expands the motion about a point, on one piece of the law, with the rate ds/dt there if it is known better than from the equation.
     ///
     /// In place: a copy would load what has just been stored, and wait for it. Kept out of line: inlined into the stepper, it
     /// competes for registers and runs at half the speed.
@@ -70,6 +68,7 @@ impl Series {
         system: &MassOnBelt<L>,
         workspace: &mut Workspace<TERMS>,
         from: &SlipPoint,
+        rate: Option<f64>,
         piece: usize,
         time: Time,
     ) -> Result<(), Error> {
@@ -93,7 +92,7 @@ impl Series {
                 friction[0] = m.rest;
                 older = s + belt;
                 let equation = -(sigma * from.displacement) - damping * (s + belt) - load * m.rest;
-                return from.rate.map_or(equation, |rate| time.sign() * rate);
+                return rate.map_or(equation, |rate| time.sign() * rate);
             }
             friction[k] = mul_add(m.slope, s, m.scale * m.rest);
             // x_1 = s_0 + σv_b
@@ -167,7 +166,7 @@ impl Series {
         system.load() * largest
     }
 
-    /// The same about the place where the motion comes closest to the belt within a step of length h, if it does; `speeds` are its values
+    /// The same about the places where the motion comes closest to the belt within a step of length h, if it does; `speeds` are its values
     /// at the [`quarters`] of h. The law may have a feature at slow speeds that is passed between two of them.
     #[inline(always)]
     pub(crate) fn defect_at_minimum<L: FrictionLaw>(
@@ -177,14 +176,14 @@ impl Series {
         h: f64,
         speeds: [f64; 4],
     ) -> f64 {
-        let [a, b, c, d] = speeds;
-        let slopes = [self.speed[1], a - self.speed[0], b - a, c - b, d - c];
-        let turns = slopes
-            .iter()
-            .skip_while(|&&slope| slope >= 0.0)
-            .any(|&slope| slope > 0.0);
-        if turns {
-            self.defect_near_minima(system, piece, h)
+        let (start, [a, b, c, d]) = (self.speed[0], speeds);
+        // At the end by the parabola of fourth degree through the five values.
+        let at_end = (25.0 * d - 48.0 * c + 36.0 * b - 16.0 * a + 3.0 * start) / 12.0;
+        // ds/dt·h/4 at the PARTS of the step.
+        let start_slope = 0.25 * h * self.speed[1];
+        let slopes = [start_slope, a - start, b - a, c - b, d - c, at_end];
+        if slopes.windows(2).any(is_turn) {
+            self.defect_near_minima(system, piece, h, slopes)
         } else {
             0.0
         }
@@ -196,17 +195,34 @@ impl Series {
         system: &MassOnBelt<L>,
         piece: usize,
         h: f64,
+        slopes: [f64; 6],
     ) -> f64 {
+        const PARTS: [f64; 6] = [0.0, 0.125, 0.375, 0.625, 0.875, 1.0];
+        let slope = derivative(&self.speed);
+        let curvature = derivative(&slope);
         let mut largest = 0.0;
-        let _ = sign_changes(&derivative(&self.speed), h, &mut |t, rising| {
-            if rising {
-                let about = [-0.05, 0.0, 0.02, 0.1].map(|part| (t + part * h).clamp(0.0, h));
-                let speeds = evaluate_four(&self.speed, about);
-                // Not f64::max, which would drop a NaN.
-                largest += self.defect(system, piece, about, speeds);
+        for (slopes, parts) in std::iter::zip(slopes.windows(2), PARTS.windows(2)) {
+            if !is_turn(slopes) {
+                continue;
             }
-            ControlFlow::Continue(())
-        });
+            let [left, right] = [parts[0] * h, parts[1] * h];
+            let mut t = left + (right - left) * slopes[0] / (slopes[0] - slopes[1]);
+            for _ in 0..2 {
+                let newton = t - evaluate(&slope, t) / evaluate(&curvature, t);
+                if left <= newton && newton <= right {
+                    t = newton;
+                }
+            }
+            let about = [-0.05, 0.0, 0.02, 0.1].map(|part| (t + part * h).clamp(0.0, h));
+            // Not f64::max, which would drop a NaN.
+            largest += self.defect(system, piece, about, evaluate_four(&self.speed, about));
+        }
         largest
     }
+}
+
+/// Whether a function has a minimum between two places, by its slopes there.
+#[inline(always)]
+fn is_turn(slopes: &[f64]) -> bool {
+    slopes[0] < 0.0 && slopes[1] >= 0.0
 }

@@ -14,8 +14,8 @@ pub enum Mode {
 impl std::fmt::Display for Mode {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Stick => f.write_str("stick"),
-            Self::Slip(direction) => write!(f, "slip ({direction})"),
+            Self::Stick => f.pad("stick"),
+            Self::Slip(direction) => f.pad(&format!("slip ({direction})")),
         }
     }
 }
@@ -50,9 +50,9 @@ impl EventKind {
 impl std::fmt::Display for EventKind {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Stick => f.write_str("stick"),
-            Self::Release(direction) => write!(f, "release ({direction})"),
-            Self::Crossing(direction) => write!(f, "crossing ({direction})"),
+            Self::Stick => f.pad("stick"),
+            Self::Release(direction) => f.pad(&format!("release ({direction})")),
+            Self::Crossing(direction) => f.pad(&format!("crossing ({direction})")),
         }
     }
 }

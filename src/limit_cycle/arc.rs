@@ -26,7 +26,8 @@ pub(crate) enum Arrival {
 /// Follows slip arcs of one system, v_b > 0, to round-off.
 #[derive(Debug, Clone)]
 pub(crate) struct Tracer<'s, L> {
-    stepper: Stepper<'s, L>,
+    system: &'s MassOnBelt<L>,
+    stepper: Stepper<L>,
     /// The direction of time in which the equilibrium attracts, if it does in one.
     attracts: Option<Time>,
     /// Distance within which it then has the motion for good.
@@ -75,11 +76,14 @@ impl Arc {
 /// fast enough lets a motion grow to infinity in finite time.
 pub(crate) const FAR: f64 = 16.0;
 
-/// Most steps of one arc. An oscillation takes about ten; on the slow branch of a stiff system (γ²μ̂' of 1000) it may be tens of thousands.
+/// Most steps of one arc. An oscillation takes about ten; on the slow branch of a stiff system (γ²μ̂' of 1000) it may be ten thousand.
 const MOST_STEPS: usize = Integrator::DEFAULT_MAX_STEPS;
 
 impl<'s, L: FrictionLaw> Tracer<'s, L> {
-    pub(crate) fn new(system: &'s MassOnBelt<L>) -> Self {
+    pub(crate) fn new(system: &'s MassOnBelt<L>) -> Self
+    where
+        L: Copy,
+    {
         let equilibrium = system.equilibrium_displacement();
         let attracts = system
             .equilibrium()
@@ -89,7 +93,8 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
                 Stability::Center => None,
             });
         Self {
-            stepper: Stepper::new(system, Integrator::MIN_TOLERANCE),
+            system,
+            stepper: Stepper::new(*system, Integrator::MIN_TOLERANCE),
             attracts,
             settled: SETTLED * system.belt_velocity().abs(),
             rounding: ROUNDING * f64::EPSILON * (equilibrium.abs() + system.belt_velocity().abs()),
@@ -100,7 +105,7 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
     }
 
     pub(crate) fn system(&self) -> &'s MassOnBelt<L> {
-        self.stepper.system()
+        self.system
     }
 
     pub(crate) fn state(&self, point: &SlipPoint) -> State {

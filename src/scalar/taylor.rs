@@ -107,8 +107,7 @@ pub(crate) struct Taylor<'r, const K: usize, const M: usize> {
 
 /// start + factor·Σ a_i·b_{K−i} for 0 < i < K: the part of a Cauchy product that holds no coefficient of order K.
 ///
-/// The newest coefficients, of order K − 1, come last and meet finished factors only. Three sums break the chain of additions
-/// (with two or four the compiler vectorises across rows that were just written, which stalls).
+/// The newest coefficients, of order K − 1, come last and meet finished factors only.
 #[inline(always)]
 pub(super) fn inner_product<const K: usize, const M: usize>(
     a: &Row<M>,
@@ -121,8 +120,9 @@ pub(super) fn inner_product<const K: usize, const M: usize>(
         0 | 1 => start,
         2 => mul_add(factor * a(1), b(1), start),
         _ => {
-            let older = middle::<K>(2, &a, &b);
-            let start = mul_add(factor, older, start);
+            let low = from_the_middle(K / 2, |i| (a(i), b(K - i)));
+            let high = from_the_middle((K - 1) / 2, |i| (a(K - i), b(i)));
+            let start = mul_add(factor, low + high, start);
             let start = mul_add(factor * a(1), b(K - 1), start);
             mul_add(factor * b(1), a(K - 1), start)
         }
@@ -141,7 +141,7 @@ pub(super) fn inner_square<const K: usize, const M: usize>(
         0 | 1 => start,
         2 => mul_add(factor * a(1), a(1), start),
         _ => {
-            let half = middle::<K>(K / 2 + 1, &a, &a);
+            let half = from_the_middle((K - 1) / 2, |i| (a(i), a(K - i)));
             let start = mul_add(2.0 * factor, half, start);
             let start = if K.is_multiple_of(2) {
                 mul_add(factor * a(K / 2), a(K / 2), start)
@@ -153,22 +153,25 @@ pub(super) fn inner_square<const K: usize, const M: usize>(
     }
 }
 
-/// Σ a_i·b_{K−i} for first ≤ i ≤ K − 2.
+/// Σ x_i·y_i for i = first, first − 1, …, 2.
+///
+/// In that order the oldest coefficients come first, and one chain of additions waits for new ones only at its end. More chains, in any
+/// other order, are vectorised where the target cannot fuse, with loads that span coefficients just written one by one, and stall on them.
 #[inline(always)]
-fn middle<const K: usize>(first: usize, a: impl Fn(usize) -> f64, b: impl Fn(usize) -> f64) -> f64 {
-    let mut sums = [0.0; 3];
-    let mut i = first;
-    while i + 1 < K {
-        let sum = &mut sums[(i - first) % 3];
-        // A product, not a sum with 0, begins each: the compiler may not drop the addition.
-        *sum = if i < first + 3 {
-            a(i) * b(K - i)
-        } else {
-            mul_add(a(i), b(K - i), *sum)
-        };
-        i += 1;
+fn from_the_middle(first: usize, factors: impl Fn(usize) -> (f64, f64)) -> f64 {
+    if first < 2 {
+        return 0.0;
     }
-    sums[0] + sums[1] + sums[2]
+    let (x, y) = factors(first);
+    // A product, not a sum with 0, begins it: the compiler may not drop the addition.
+    let mut sum = x * y;
+    let mut i = first - 1;
+    while i >= 2 {
+        let (x, y) = factors(i);
+        sum = mul_add(x, y, sum);
+        i -= 1;
+    }
+    sum
 }
 
 impl<'r, const K: usize, const M: usize> Taylor<'r, K, M> {

@@ -70,10 +70,15 @@ impl Point {
     fn new(system: MassOnBelt<Polynomial>, cycle: LimitCycle) -> Self {
         let rest = system.equilibrium().unwrap().displacement;
         let size = (rest + cycle.max_velocity()) / system.belt_velocity();
+        // The mass meets the belt at the rate v_b·(stick duration) in the weak limit, so that is how well the time of contact is known.
+        let rate = match cycle.stick_duration() {
+            0.0 => 1.0,
+            stick => stick.min(1.0),
+        };
         Self {
             system,
             rest,
-            noise: 4.0 * f64::EPSILON * (1.0 + size) / (1.0 - cycle.multiplier()),
+            noise: 4.0 * f64::EPSILON * (1.0 + size) / (1.0 - cycle.multiplier()) / rate,
             cycle,
             averaged: OnceCell::new(),
         }
