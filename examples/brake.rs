@@ -46,19 +46,25 @@ fn main() -> Result<(), Error> {
     }
 
     // Damping. Steady sliding becomes stable at C1, and the stick-slip motion dies at C2 only.
-    let stable = least_damping(&system).unwrap_or(0.0) * critical_damping(&brake);
-    let silent = silencing_damping(brake, stable)?;
+    let stable = least_damping(&system).unwrap_or(0.0);
+    let silent = bifurcation::silencing_damping(&system)?;
     println!("\ndamping constant above which, at this speed,");
-    println!("  steady sliding is stable    {stable:8.2} N·s/m");
-    println!("  no groan can last           {silent:8.2} N·s/m");
-    println!(
-        "  with 1 % more than that     {}",
-        sounds(&with_damping(brake, 1.01 * silent))?
-    );
-    println!(
-        "  with 1 % less               {}",
-        sounds(&with_damping(brake, 0.99 * silent))?
-    );
+    for (what, damping) in [
+        ("steady sliding is stable", stable),
+        ("no groan can last", silent),
+    ] {
+        let constant = scaling.damping_constant(damping);
+        println!("  {what:<26}  {constant:8.2} N·s/m");
+    }
+    for (what, factor) in [("1 % more than that", 1.01), ("1 % less", 0.99)] {
+        let cycles = limit_cycle::find(&system.with_damping(factor * silent)?)?;
+        let sounds = if cycles.is_empty() {
+            "silent"
+        } else {
+            "groans"
+        };
+        println!("  with {what:<21}  {sounds}");
+    }
 
     // Speed. The same two limits, with the damping that the brake has.
     let fast = scaling.velocity(2.0);
@@ -79,11 +85,12 @@ fn main() -> Result<(), Error> {
 }
 
 fn describe(scaling: &Scaling, cycle: &LimitCycle) {
-    let seconds = scaling.seconds(cycle.period());
-    // Force times distance over time.
-    let joules = scaling.newtons(scaling.metres(cycle.energy().friction_loss));
+    let heat = scaling.watts(cycle.energy().friction_loss / cycle.period());
     println!("  {}", cycle.kind());
-    println!("    frequency        {:8.3} Hz", 1.0 / seconds);
+    println!(
+        "    frequency        {:8.3} Hz",
+        scaling.hertz(cycle.frequency())
+    );
     println!(
         "    sticking         {:8.3} % of the time",
         100.0 * cycle.stick_duration() / cycle.period()
@@ -96,41 +103,5 @@ fn describe(scaling: &Scaling, cycle: &LimitCycle) {
         "    largest speed    {:8.4} m/s backwards",
         -scaling.metres_per_second(cycle.min_velocity())
     );
-    println!("    heat in the pad  {:8.4} W", joules / seconds);
-}
-
-/// 2√(KM), N·s/m: the damping constant at the damping ratio 1.
-fn critical_damping(brake: &Physical) -> f64 {
-    2.0 * (brake.stiffness * brake.mass).sqrt()
-}
-
-fn with_damping(brake: Physical, damping: f64) -> Physical {
-    Physical { damping, ..brake }
-}
-
-/// Whether any vibration lasts.
-fn groans(brake: &Physical) -> Result<bool, Error> {
-    let system = Scaling::new(*brake)?.system(law()?)?;
-    Ok(!limit_cycle::find(&system)?.is_empty())
-}
-
-fn sounds(brake: &Physical) -> Result<&'static str, Error> {
-    Ok(if groans(brake)? { "groans" } else { "silent" })
-}
-
-/// The least damping constant, N·s/m, at which no vibration lasts: bisection, from one at which some do, to 10 digits.
-fn silencing_damping(brake: Physical, stable: f64) -> Result<f64, Error> {
-    let (mut loud, mut quiet) = (0.0, stable.max(1.0));
-    while groans(&with_damping(brake, quiet))? {
-        (loud, quiet) = (quiet, 2.0 * quiet);
-    }
-    while quiet - loud > 1e-10 * quiet {
-        let middle = 0.5 * (loud + quiet);
-        if groans(&with_damping(brake, middle))? {
-            loud = middle;
-        } else {
-            quiet = middle;
-        }
-    }
-    Ok(quiet)
+    println!("    heat in the pad  {heat:8.4} W");
 }

@@ -24,6 +24,11 @@ use nalgebra::{Complex, Matrix2};
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(into = "crate::raw::Equilibrium", try_from = "crate::raw::Equilibrium")
+)]
 pub struct Equilibrium {
     /// Displacement ū, dimensionless.
     pub displacement: f64,
@@ -59,6 +64,7 @@ impl Equilibrium {
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eq. 14.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Stability {
     /// 0 < h1 < 2: oscillations that die out.
     StableFocus,
@@ -90,7 +96,7 @@ impl Stability {
 
 impl std::fmt::Display for Stability {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
+        f.pad(match self {
             Self::StableFocus => "stable focus",
             Self::StableNode => "stable node",
             Self::Center => "centre",

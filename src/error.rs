@@ -1,6 +1,22 @@
 use crate::State;
 
 /// Where an integration stood when it could not go on.
+///
+/// ```
+/// use stick_slip::{Error, Integrator, MassOnBelt, Polynomial, State};
+///
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?;
+/// let short = Integrator::new().with_max_steps(5)?;
+/// match short.simulate(&system, State::new(0.0, 0.0), 100.0) {
+///     // Go on from there, or look at the motion up to there.
+///     Err(Error::TooManySteps { reached, .. }) => {
+///         let motion = system.simulate(State::new(0.0, 0.0), reached.time)?;
+///         assert!((motion.last().displacement - reached.state.displacement).abs() < 1e-14);
+///     }
+///     other => panic!("{other:?}"),
+/// }
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reached {
     /// Time τ since the start of the integration, dimensionless.
@@ -32,6 +48,23 @@ fn during(reached: &Option<Reached>) -> String {
 ///
 /// Every variant carries the numbers that a caller needs to decide what to do; the message names the remedy.
 ///
+/// | variant | when | what to do |
+/// |---|---|---|
+/// | [`InvalidParameter`](Self::InvalidParameter) | a constructor, a `with_` method, or a range of belt velocities | give a number in the range named |
+/// | [`BadPoint`](Self::BadPoint) | [`Tabulated::new`](crate::Tabulated::new) | correct or leave out that point |
+/// | [`InvalidState`](Self::InvalidState) | a start is not finite, or extremely large or small | check it; choose another unit of length |
+/// | [`InvalidTolerance`](Self::InvalidTolerance) | [`Integrator::with_tolerance`](crate::Integrator::with_tolerance) | stay within the limits named; 1e-16 is round-off |
+/// | [`InvalidDuration`](Self::InvalidDuration) | `simulate` | give a finite duration ≥ 0, or use `flow` |
+/// | [`StaticBelowKinetic`](Self::StaticBelowKinetic) | [`MassOnBelt::new`](crate::MassOnBelt::new), a law with μ̂(0) > μ_s | raise μ_s or lower μ̂(0) |
+/// | [`NonFiniteFriction`](Self::NonFiniteFriction) | a law gives NaN or ±∞ at a speed that is needed | define it there, or keep the motion away |
+/// | [`NotAnalytic`](Self::NotAnalytic) | a law has a value but no power series at a speed | use integral powers there, or name a breakpoint |
+/// | [`BadBreakpoints`](Self::BadBreakpoints) | `MassOnBelt::new`, a law with breakpoints | sort them; make the law continuous |
+/// | [`StepUnderflow`](Self::StepUnderflow) | a motion: stiffness, or a kink or jump of the law that is not named | name the breakpoint; reduce γ²·dμ̂/ds; start nearer |
+/// | [`TooManySteps`](Self::TooManySteps) | a motion or a search for cycles: stiffness, or a very long run | `with_max_steps`, or as above |
+/// | [`TooManyEvents`](Self::TooManyEvents) | a run with `with_max_events` | raise the limit, or use `flow` |
+///
+/// A `main` that returns `Result<(), Error>` shows the variant and its fields, by `Debug`; print the error with `{error}` to show the message.
+///
 /// ```
 /// use stick_slip::{Error, Polynomial};
 ///
@@ -58,6 +91,21 @@ pub enum Error {
         /// The parameter, by its name in the constructor.
         name: &'static str,
         /// The value that was given.
+        value: f64,
+        /// The range that it must lie in.
+        allowed: &'static str,
+    },
+
+    /// A point of a table is not allowed.
+    #[error(
+        "point {index} of the table, counted from 0: {name} = {value:e} is not allowed; give a finite number with {allowed}"
+    )]
+    BadPoint {
+        /// Position of the point, from 0.
+        index: usize,
+        /// Which of its two numbers: `speed` or `coefficient`.
+        name: &'static str,
+        /// The number that was given.
         value: f64,
         /// The range that it must lie in.
         allowed: &'static str,
@@ -194,6 +242,23 @@ impl Error {
                 value,
                 allowed,
             })
+        }
+    }
+
+    /// The same error, as that of a point of a table.
+    pub(crate) fn at_point(self, index: usize) -> Self {
+        match self {
+            Self::InvalidParameter {
+                name,
+                value,
+                allowed,
+            } => Self::BadPoint {
+                index,
+                name,
+                value,
+                allowed,
+            },
+            other => other,
         }
     }
 

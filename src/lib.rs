@@ -116,7 +116,7 @@
 //! | the one at which stick-slip appears or disappears | [`bifurcation::grazing_velocities`] |
 //! | those at which a cycle changes its kind | [`bifurcation::overshoot_velocities`], [`bifurcation::crossing_velocities`], [`bifurcation::fold_velocities`] |
 //! | a picture over the belt velocity | [`bifurcation::diagram`] |
-//! | how much damping keeps it quiet | [`analysis::design`] |
+//! | how much damping keeps it quiet | [`bifurcation::silencing_damping`]; at every belt velocity, [`analysis::design`] |
 //! | the formulas of the paper, and better ones | [`analysis::PureSlip`], [`analysis::StickSlip`], [`analysis::averaging`] |
 //! | kilograms, newtons, metres, hertz | [`Scaling`] |
 //! | a friction law of my own | [`FrictionLaw`], [`Scalar`] |
@@ -147,8 +147,8 @@
 //!
 //! None is on by default.
 //!
-//! * `serde`: laws, systems, scalings, states, events, modes and directions implement `Serialize` and `Deserialize`; what is read passes the checks
-//!   of the constructors.
+//! * `serde`: laws, systems, scalings, states, events, cycles, equilibria and the points of a diagram implement `Serialize` and `Deserialize`; what is
+//!   read passes the checks of the constructors. A motion is made again from its system and start.
 //! * `rayon`: `bifurcation::par_diagram`, the [diagram](bifurcation::diagram) on all cores, with the same results bit for bit.
 #![forbid(unsafe_code)]
 

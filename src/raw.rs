@@ -1,8 +1,8 @@
 //! Laws and systems as they are read, before the checks of their constructors (feature `serde`).
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
-use crate::{Error, FrictionLaw};
+use crate::{Error, FrictionLaw, Stability};
 
 /// A struct of the same name as the type it is read for, and the way from one to the other.
 macro_rules! read {
@@ -50,6 +50,43 @@ read! {
             None => Ok(scaling),
         }
     };
+}
+
+/// The numbers that an equilibrium follows from, and its stability for other programs.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Equilibrium {
+    displacement: f64,
+    /// h1.
+    effective_damping: f64,
+    stability: Stability,
+}
+
+impl From<crate::Equilibrium> for Equilibrium {
+    fn from(equilibrium: crate::Equilibrium) -> Self {
+        Self {
+            displacement: equilibrium.displacement,
+            effective_damping: -equilibrium.jacobian[(1, 1)],
+            stability: equilibrium.stability,
+        }
+    }
+}
+
+impl TryFrom<Equilibrium> for crate::Equilibrium {
+    type Error = Error;
+    fn try_from(raw: Equilibrium) -> Result<Self, Error> {
+        let h1 = raw.effective_damping;
+        Error::check("displacement", raw.displacement, true, "any size")?;
+        let read = Self::new(raw.displacement, h1);
+        let agrees = read.stability == raw.stability;
+        Error::check(
+            "effective_damping",
+            h1,
+            agrees,
+            "the sign and size that the stability has",
+        )?;
+        Ok(read)
+    }
 }
 
 #[derive(Deserialize)]

@@ -180,15 +180,14 @@ impl Scaling {
     /// β, γ² and v_b.
     fn dimensionless(&self) -> [f64; 3] {
         let Physical {
-            mass,
             damping,
             normal_force,
             stiffness,
             belt_velocity,
+            ..
         } = self.physical;
         [
-            // C/(2√(KM)) = C/(2 M ω0)
-            0.5 * damping / mass / self.angular_frequency,
+            self.damping_ratio(damping),
             // In this order, so that it is exactly 1 for L = N/K.
             normal_force / stiffness / self.length,
             belt_velocity / self.velocity_unit(),
@@ -272,9 +271,68 @@ impl Scaling {
         force * self.force_unit()
     }
 
-    /// Dimensionless force of one in newtons.
+    /// Dimensionless force F/(K L) of one in newtons.
     pub fn force(&self, newtons: f64) -> f64 {
         newtons / self.force_unit()
+    }
+
+    /// Energy in joules, K L² times a dimensionless one such as those of [`EnergyBudget`](crate::EnergyBudget).
+    ///
+    /// ```
+    /// use stick_slip::{Physical, Scaling, Stribeck, limit_cycle};
+    ///
+    /// let scaling = Scaling::new(Physical {
+    ///     mass: 2.0, stiffness: 5000.0, damping: 4.0, normal_force: 20.0, belt_velocity: 0.05,
+    /// })?;
+    /// // K L² with L = N/K
+    /// assert!((scaling.joules(1.0) - 0.08).abs() < 1e-16);
+    ///
+    /// // The mean power of the drive, from the work of one period.
+    /// let system = scaling.system(Stribeck::new(0.4, 0.25, 0.1, 1)?)?;
+    /// let cycle = limit_cycle::stick_slip(&system)?.unwrap();
+    /// let work = cycle.energy().drive_work;
+    /// let watts = scaling.joules(work) / scaling.seconds(cycle.period());
+    /// assert!((watts - scaling.watts(work / cycle.period())).abs() < 1e-15);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn joules(&self, energy: f64) -> f64 {
+        energy * self.force_unit() * self.length
+    }
+
+    /// Dimensionless energy E/(K L²) of one in joules.
+    pub fn energy(&self, joules: f64) -> f64 {
+        joules / self.force_unit() / self.length
+    }
+
+    /// Power in watts, ω0 K L² times a dimensionless one: an energy over a period.
+    pub fn watts(&self, power: f64) -> f64 {
+        power * self.force_unit() * self.velocity_unit()
+    }
+
+    /// Dimensionless power P/(ω0 K L²) of one in watts.
+    pub fn power(&self, watts: f64) -> f64 {
+        watts / self.force_unit() / self.velocity_unit()
+    }
+
+    /// Damping constant C = 2β√(K M), N·s/m, of a damping ratio β.
+    ///
+    /// ```
+    /// # use stick_slip::{Physical, Scaling};
+    /// # let scaling = Scaling::new(Physical {
+    /// #     mass: 2.0, stiffness: 5000.0, damping: 4.0, normal_force: 20.0, belt_velocity: 0.05,
+    /// # })?;
+    /// assert_eq!(scaling.damping_constant(1.0), 200.0);
+    /// assert_eq!(scaling.damping_ratio(4.0), 0.02);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn damping_constant(&self, damping_ratio: f64) -> f64 {
+        2.0 * damping_ratio * self.physical.mass * self.angular_frequency
+    }
+
+    /// Damping ratio β = C/(2√(K M)) of a damping constant C in N·s/m.
+    pub fn damping_ratio(&self, damping_constant: f64) -> f64 {
+        // 2√(KM) = 2 M ω0
+        0.5 * damping_constant / self.physical.mass / self.angular_frequency
     }
 }
 

@@ -1,4 +1,4 @@
-//! Bifurcation velocities against 25-digit reference data.
+//! Bifurcation velocities against 25-digit reference data, and Hopf velocities of laws that are hard for a search.
 
 mod common;
 
@@ -6,9 +6,12 @@ use common::{list, number, system_of, text};
 use serde_json::Value;
 use stick_slip::bifurcation::{
     Criticality, criticality, fold_velocities, grazing_velocities, hopf_velocities,
-    overshoot_velocities,
+    overshoot_velocities, silencing_damping,
 };
-use stick_slip::limit_cycle;
+use stick_slip::{
+    Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Scalar, Tabulated,
+    limit_cycle,
+};
 
 fn assert_close(id: &str, what: &str, found: f64, expected: f64) {
     let error = (found - expected).abs() / expected.abs().max(1.0);
@@ -85,6 +88,258 @@ fn every_number_of_the_reference() {
                 assert_close(id, "fold", found[0], expected);
             }
             other => panic!("unknown kind {other}"),
+        }
+    }
+}
+
+const NONE: [f64; 0] = [];
+
+/// Laws whose slopes have known zeros.
+#[derive(Debug, Clone, Copy)]
+enum Made {
+    /// Slope −1 + 2s: root at ½, in exact arithmetic of binary fractions.
+    Parabola,
+    /// Slope −20·a·sin(20 s).
+    Waves(f64),
+    /// Slope (s − ⅓)² − d.
+    Touch(f64),
+    /// Slope −0.3 below the speed, 0.2 above.
+    Kink(f64),
+    /// Finite up to the speed 1 only: √(1 − s).
+    Ends,
+}
+
+impl FrictionLaw for Made {
+    fn static_coefficient(&self) -> f64 {
+        2.0
+    }
+    fn kinetic<S: Scalar>(&self, s: S) -> S {
+        match *self {
+            Self::Parabola => s * s - s + 1.0,
+            Self::Waves(a) => (s * 20.0).cos() * a + 1.0,
+            Self::Touch(d) => (s - 1.0 / 3.0).powi(3) * (1.0 / 3.0) - s * d + 1.0,
+            Self::Kink(b) => self.kinetic_on(usize::from(s.value() >= b), s),
+            Self::Ends => (-s + 1.0).sqrt(),
+        }
+    }
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        let kink = match *self {
+            Self::Kink(b) => Some(b),
+            _ => None,
+        };
+        kink.into_iter()
+    }
+    fn kinetic_on<S: Scalar>(&self, piece: usize, s: S) -> S {
+        match *self {
+            Self::Kink(b) if piece == 0 => (s - b) * -0.3 + 1.0,
+            Self::Kink(b) => (s - b) * 0.2 + 1.0,
+            _ => self.kinetic(s),
+        }
+    }
+}
+
+fn made(law: Made, damping: f64) -> MassOnBelt<Made> {
+    MassOnBelt::new(law, 0.25)
+        .and_then(|system| system.with_damping(damping))
+        .unwrap()
+}
+
+#[test]
+fn hopf_at_the_ends_of_a_range() {
+    let system = made(Made::Parabola, 0.0);
+    assert_eq!(hopf_velocities(&system, 0.1..1.0).unwrap(), [0.5]);
+    assert_eq!(hopf_velocities(&system, 0.5..1.0).unwrap(), [0.5]);
+    assert_eq!(hopf_velocities(&system, 0.1..0.5).unwrap(), NONE);
+    assert_eq!(hopf_velocities(&system, 0.51..1.0).unwrap(), NONE);
+    assert_eq!(hopf_velocities(&system, -3.0..1.0).unwrap(), [0.5]);
+}
+
+#[test]
+fn hopf_at_a_breakpoint_over_which_the_slope_jumps() {
+    for b in [0.1, 0.3, 1.0 / 3.0, 0.7] {
+        // 2β − 0.3 < 0 < 2β + 0.2
+        let system = made(Made::Kink(b), 0.05);
+        assert_eq!(hopf_velocities(&system, 0.0..1.0).unwrap(), [b]);
+        assert_eq!(hopf_velocities(&system, b..1.0).unwrap(), [b]);
+        assert_eq!(hopf_velocities(&system, 0.0..b).unwrap(), NONE);
+        // Damped so much that it jumps above zero only.
+        assert_eq!(
+            hopf_velocities(&made(Made::Kink(b), 0.2), 0.0..1.0).unwrap(),
+            NONE
+        );
+    }
+    // The least coefficient of a table lies at a point, where its slope is zero.
+    let table = Tabulated::new([
+        (0.0, 0.4),
+        (0.1, 0.33),
+        (0.3, 0.27),
+        (0.6, 0.25),
+        (1.0, 0.26),
+    ]);
+    let system = MassOnBelt::new(table.unwrap(), 0.2).unwrap();
+    assert_eq!(hopf_velocities(&system, 0.0..2.0).unwrap(), [0.6]);
+    // A flat stretch in between: where it ends.
+    let table = Tabulated::new([(0.0, 0.4), (0.2, 0.3), (0.4, 0.3), (1.0, 0.5), (2.0, 0.6)]);
+    let system = MassOnBelt::new(table.unwrap(), 0.2).unwrap();
+    assert_eq!(hopf_velocities(&system, 0.0..2.0).unwrap(), [0.4]);
+    // With damping, one root of each cubic's parabola: told apart by the signs of h1 on a grid.
+    let table = Tabulated::new([
+        (0.0, 0.5),
+        (0.1, 0.3),
+        (0.3, 0.45),
+        (0.6, 0.25),
+        (1.0, 0.26),
+    ]);
+    let system = MassOnBelt::new(table.unwrap(), 0.2)
+        .and_then(|system| system.with_damping(0.02))
+        .unwrap();
+    let h1 = |v: f64| 2.0 * system.damping() + system.law().slope(v);
+    let grid: Vec<f64> = (1..20000).map(|i| f64::from(i) * 1e-4 + 3e-5).collect();
+    let changes: Vec<f64> = grid
+        .windows(2)
+        .filter(|pair| (h1(pair[0]) > 0.0) != (h1(pair[1]) > 0.0))
+        .map(|pair| pair[0])
+        .collect();
+    let roots = hopf_velocities(&system, 3e-5..2.0).unwrap();
+    assert_eq!(roots.len(), changes.len(), "{roots:?} {changes:?}");
+    for (root, change) in std::iter::zip(&roots, changes) {
+        assert!(*root >= change && *root <= change + 1e-4);
+        assert!(h1(*root).abs() < 1e-14);
+    }
+}
+
+#[test]
+fn hopf_velocities_of_a_law_with_many() {
+    let system = made(Made::Waves(0.1), 0.0);
+    let roots = hopf_velocities(&system, 0.0..30.0).unwrap();
+    let expected: Vec<f64> = (1..=190)
+        .map(|k| f64::from(k) * std::f64::consts::PI / 20.0)
+        .collect();
+    assert_eq!(roots.len(), expected.len());
+    for (root, expected) in std::iter::zip(&roots, &expected) {
+        assert!(
+            (root - expected).abs() <= 1e-14 * expected.max(1.0),
+            "{root} {expected}"
+        );
+    }
+    // Wherever a range is cut, none is lost and none is found twice.
+    for i in 0..100 {
+        let cut = 0.03 + 0.29 * f64::from(i);
+        let [below, above] =
+            [0.0..cut, cut..30.0].map(|range| hopf_velocities(&system, range).unwrap());
+        assert_eq!(below.len() + above.len(), 190, "cut at {cut}");
+    }
+    // 2β above the steepest fall: none. Just below: two in each wave.
+    let count = |damping: f64| {
+        hopf_velocities(&made(Made::Waves(0.1), damping), 0.0..30.0)
+            .unwrap()
+            .len()
+    };
+    assert_eq!(count(1.0 + 1e-9), 0);
+    assert_eq!(count(1.0 - 1e-9), 2 * 96);
+}
+
+#[test]
+fn hopf_to_round_off_wherever_the_series_meet() {
+    let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5).unwrap(), 0.2)
+        .and_then(|system| system.with_damping(0.05))
+        .unwrap();
+    // v_m √(1 − 2β/η), η = 0.45
+    let expected = 0.5 * (1.0_f64 - 0.1 / 0.45).sqrt();
+    for i in 0..1000 {
+        let start = 1e-4 * f64::from(i);
+        for range in [
+            start..1.0,
+            start..expected + (expected - start) * f64::from(i % 64 + 1),
+        ] {
+            let found = hopf_velocities(&system, range.clone()).unwrap();
+            assert_eq!(found.len(), 1, "{range:?}");
+            assert!((found[0] - expected).abs() < 4e-16, "{range:?} {found:?}");
+        }
+    }
+}
+
+#[test]
+fn hopf_is_not_where_the_slope_touches_zero() {
+    for range in [0.0..1.0, 0.01..0.9, 0.0..50.0, 1.0 / 3.0..1.0] {
+        assert_eq!(
+            hopf_velocities(&made(Made::Touch(0.0), 0.0), range).unwrap(),
+            NONE
+        );
+    }
+    for distance in [1e-2, 1e-4, 1e-6] {
+        let system = made(Made::Touch(distance * distance), 0.0);
+        let found = hopf_velocities(&system, 0.0..1.0).unwrap();
+        assert_eq!(found.len(), 2, "{distance}");
+        assert!((found[1] - found[0] - 2.0 * distance).abs() < 1e-15 / distance);
+    }
+    // Nothing changes its sign where friction is constant and there is no damping.
+    let flat = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), 0.2).unwrap();
+    assert_eq!(hopf_velocities(&flat, 0.0..10.0).unwrap(), NONE);
+}
+
+#[test]
+fn hopf_where_the_law_ends_is_an_error() {
+    let system = made(Made::Ends, 0.0);
+    assert_eq!(hopf_velocities(&system, 0.0..0.9).unwrap(), NONE);
+    for range in [0.0..1.5, 0.5..1.0 + 1e-9] {
+        let error = hopf_velocities(&system, range).unwrap_err();
+        let at = match error {
+            Error::NotAnalytic {
+                speed,
+                reached: None,
+            } => speed,
+            Error::NonFiniteFriction {
+                speed,
+                reached: None,
+                ..
+            } => speed,
+            other => panic!("{other}"),
+        };
+        assert!((at - 1.0).abs() < 1e-9, "{at}");
+    }
+}
+
+#[test]
+fn damping_that_silences() {
+    // Supercritical: the pure-slip cycle shrinks to nothing where steady sliding becomes stable.
+    let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5).unwrap(), 0.42).unwrap();
+    let silent = silencing_damping(&system).unwrap();
+    assert_eq!(silent, -0.5 * system.law().slope(0.42));
+    assert_eq!(
+        silencing_damping(&system.with_belt_velocity(-0.42).unwrap()).unwrap(),
+        silent
+    );
+    assert_eq!(
+        silencing_damping(&system.with_belt_velocity(0.0).unwrap()).unwrap(),
+        0.0
+    );
+    assert_eq!(
+        silencing_damping(&system.with_belt_velocity(0.6).unwrap()).unwrap(),
+        0.0
+    );
+    // Elsewhere cycles last beyond: there is one just below the border, and none anywhere above.
+    let exponential = MassOnBelt::new(Exponential::new(0.4, 0.25, 0.5).unwrap(), 1.0).unwrap();
+    check(&exponential);
+    let coulomb = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), 0.1).unwrap();
+    check(&coulomb);
+    // Grazing over the belt velocity at that damping gives the belt velocity back.
+    let silent = silencing_damping(&coulomb).unwrap();
+    let at = coulomb.with_damping(silent).unwrap();
+    let grazing = grazing_velocities(&at, 0.05..0.2).unwrap();
+    assert!((grazing[0] - 0.1).abs() < 1e-12, "{grazing:?}");
+
+    fn check<L: FrictionLaw + Clone>(system: &MassOnBelt<L>) {
+        let silent = silencing_damping(system).unwrap();
+        let cycles = |factor: f64| {
+            let system = system.clone().with_damping(factor * silent).unwrap();
+            let cycles = limit_cycle::find(&system).unwrap();
+            cycles.len() + cycles.unresolved().len()
+        };
+        println!("silent from β = {silent}");
+        assert!(cycles(1.0 - 1e-9) > 0);
+        for factor in [1.0, 1.0 + 1e-9, 1.001, 1.1, 1.5, 2.0, 5.0] {
+            assert_eq!(cycles(factor), 0, "{factor}");
         }
     }
 }

@@ -242,6 +242,30 @@ fn invalid_parameter() {
 }
 
 #[test]
+fn bad_point() {
+    use stick_slip::Tabulated;
+    for (points, index, name, value) in [
+        (vec![(0.1, 0.4), (0.2, 0.3)], 0, "speed", 0.1),
+        (vec![(0.0, 0.4), (0.2, 0.3), (0.2, 0.2)], 2, "speed", 0.2),
+        (vec![(0.0, 0.4), (0.2, -0.3)], 1, "coefficient", -0.3),
+    ] {
+        let error = Tabulated::new(points).unwrap_err();
+        let Error::BadPoint {
+            index: at,
+            name: which,
+            value: found,
+            allowed,
+        } = error
+        else {
+            panic!("{error}")
+        };
+        assert_eq!((at, which, found), (index, name, value));
+        let number = format!("{value:e}");
+        assert_message(&error, &[&format!("point {index}"), name, &number, allowed]);
+    }
+}
+
+#[test]
 fn invalid_state() {
     let system = paper(0.2);
     for x in NOT_FINITE {

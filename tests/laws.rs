@@ -321,7 +321,9 @@ fn satisfies<L: FrictionLaw>(name: &str, system: &MassOnBelt<L>, step: &Step) {
 
 fn refused<T: std::fmt::Debug>(result: Result<T, Error>) -> (&'static str, f64) {
     match result {
-        Err(Error::InvalidParameter { name, value, .. }) => (name, value),
+        Err(Error::InvalidParameter { name, value, .. } | Error::BadPoint { name, value, .. }) => {
+            (name, value)
+        }
         other => panic!("not refused: {other:?}"),
     }
 }
@@ -438,6 +440,12 @@ fn table_refuses_what_its_documentation_says() {
     assert_eq!(
         refuse(&[(0.0, 0.4), (0.2, 0.3), (0.1, 0.3)]),
         ("speed", 0.1)
+    );
+    let error = Tabulated::new([(0.0, 0.4), (0.2, 0.3), (0.3, -0.3)]).unwrap_err();
+    let message = error.to_string();
+    assert!(
+        message.contains("point 2") && message.contains("coefficient = -3e-1"),
+        "{message}"
     );
     assert_eq!(refuse(&[(-0.1, 0.4), (0.2, 0.3)]), ("speed", -0.1));
     assert_eq!(refuse(&[(0.0, 0.4), (0.2, -0.3)]), ("coefficient", -0.3));

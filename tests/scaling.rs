@@ -52,6 +52,14 @@ proptest! {
             prop_assert!(close(scaling.metres_per_second(scaling.velocity(x)), x));
             prop_assert!(close(scaling.hertz(scaling.frequency(x)), x));
             prop_assert!(close(scaling.newtons(scaling.force(x)), x));
+            prop_assert!(close(scaling.joules(scaling.energy(x)), x));
+            prop_assert!(close(scaling.watts(scaling.power(x)), x));
+            prop_assert!(close(scaling.damping_constant(scaling.damping_ratio(x)), x));
+            // Units of derived quantities are made of the others.
+            prop_assert!(close(scaling.newtons(1.0) * scaling.metres(x), scaling.joules(x)));
+            prop_assert!(close(scaling.joules(x) / scaling.seconds(1.0), scaling.watts(x)));
+            prop_assert!(close(scaling.newtons(1.0) * scaling.metres_per_second(x), scaling.watts(x)));
+            prop_assert!(close(scaling.hertz(x) * scaling.seconds(std::f64::consts::TAU), x));
             prop_assert_eq!(scaling.physical(), physical);
         }
     }
@@ -69,6 +77,8 @@ proptest! {
         prop_assert!(close(omega * omega * mass, stiffness));
         prop_assert!(close(2.0 * system.damping() * (stiffness * mass).sqrt(), damping));
         prop_assert!(close(scaling.newtons(system.load()), normal_force));
+        prop_assert_eq!(scaling.damping_ratio(damping), system.damping());
+        prop_assert!(close(scaling.damping_constant(system.damping()), damping));
         prop_assert!(close(scaling.metres_per_second(system.belt_velocity()), belt_velocity));
         prop_assert!(close(system.law().velocity_unit(), omega * length));
         // Force of the spring and of the damper at a state.

@@ -1,9 +1,12 @@
 //! Writing and reading back, and reading what a constructor would refuse (feature `serde`).
 
 use serde::{Serialize, de::DeserializeOwned};
+use stick_slip::bifurcation::{self, Criticality, DiagramPoint};
+use stick_slip::limit_cycle::{Attractor, Continuum};
 use stick_slip::{
-    AnyLaw, Coulomb, Direction, Event, EventKind, Exponential, MassOnBelt, Mode, Physical,
-    Polynomial, Rational, Scaled, Scaling, State, Stribeck, Tabulated,
+    AnyLaw, Coulomb, CycleKind, CycleSet, Direction, EnergyBudget, Equilibrium, Event, EventKind,
+    Exponential, LimitCycle, MassOnBelt, Mode, Physical, Polynomial, Rational, Scaled, Scaling,
+    Stability, State, Stribeck, Tabulated, limit_cycle,
 };
 
 fn there_and_back<T: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(
@@ -158,4 +161,197 @@ fn reading_checks_what_constructors_check() {
         r#"{"physical":{"mass":0,"stiffness":5000,"damping":4,"normal_force":20,"belt_velocity":0.05}}"#,
         "mass",
     );
+}
+
+fn polynomial(belt_velocity: f64, damping: f64, load: f64) -> MassOnBelt<Polynomial> {
+    MassOnBelt::new(Polynomial::new(0.38, 0.22, 0.55).unwrap(), belt_velocity)
+        .and_then(|system| system.with_damping(damping))
+        .and_then(|system| system.with_load(load))
+        .unwrap()
+}
+
+/// Cycles of every kind, stable and unstable, on belts of both directions.
+fn cycles() -> Vec<LimitCycle> {
+    let exponential = Exponential::new(0.6, 0.3, 0.4).unwrap();
+    let bistable = MassOnBelt::new(exponential, 1.0)
+        .and_then(|system| system.with_damping(0.01))
+        .unwrap();
+    let table = Tabulated::new([
+        (0.0, 0.4),
+        (0.1, 0.33),
+        (0.3, 0.27),
+        (0.6, 0.25),
+        (1.0, 0.26),
+    ]);
+    let table = MassOnBelt::new(table.unwrap(), 0.2).unwrap();
+    let mut cycles = Vec::new();
+    for sign in [1.0, -1.0] {
+        let mut add = |set: CycleSet| cycles.extend(set.iter().cloned());
+        add(limit_cycle::find(&bistable.with_belt_velocity(sign).unwrap()).unwrap());
+        add(limit_cycle::find(&table.clone().with_belt_velocity(0.2 * sign).unwrap()).unwrap());
+        for (v_b, damping, load) in [
+            (0.3, 0.02, 1.0),
+            (0.45, 0.05, 1.0),
+            (0.19, 0.004, 0.1),
+            (0.3, 0.001, 0.03),
+        ] {
+            add(limit_cycle::find(&polynomial(sign * v_b, damping, load)).unwrap());
+        }
+    }
+    cycles
+}
+
+#[test]
+fn cycles_there_and_back() {
+    let cycles = cycles();
+    for kind in [
+        CycleKind::PureSlip,
+        CycleKind::StickSlip,
+        CycleKind::Overshoot,
+        CycleKind::Crossing,
+    ] {
+        let count = cycles.iter().filter(|cycle| cycle.kind() == kind).count();
+        assert!(count >= 2, "{kind}: {count}");
+        there_and_back(&kind);
+    }
+    assert!(cycles.iter().any(|cycle| !cycle.is_stable()));
+    for cycle in &cycles {
+        let text = there_and_back(cycle);
+        // Its numbers are there for other programs.
+        let read: serde_json::Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(read["period"], cycle.period());
+        assert_eq!(read["amplitude"], cycle.amplitude());
+        assert_eq!(read["multiplier"], cycle.multiplier());
+    }
+    there_and_back::<EnergyBudget>(&cycles[0].energy());
+    there_and_back(&Attractor::Rest);
+    there_and_back(&Attractor::Cycle(cycles[0].clone()));
+    there_and_back(&Criticality::Subcritical);
+    let max_amplitude = 0.2;
+    there_and_back(&Continuum { max_amplitude });
+    let max_amplitude = f64::INFINITY;
+    there_and_back(&Continuum { max_amplitude });
+}
+
+#[test]
+fn diagrams_there_and_back() {
+    let velocities: Vec<f64> = (0..60).map(|i| 0.01 * f64::from(i)).collect();
+    let system = polynomial(0.3, 0.05, 1.0);
+    let points: Vec<DiagramPoint> = bifurcation::diagram(&system, velocities)
+        .collect::<Result<_, _>>()
+        .unwrap();
+    there_and_back(&points);
+    let flat = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), 0.2).unwrap();
+    there_and_back::<CycleSet>(&limit_cycle::find(&flat).unwrap());
+    for v_b in [0.01, 0.2, 0.55, 3.0] {
+        there_and_back::<Equilibrium>(&polynomial(v_b, 0.3, 5.0).equilibrium().unwrap());
+    }
+    there_and_back(&Stability::Center);
+    refused::<Equilibrium>(
+        r#"{"displacement":0.3,"effective_damping":0.1,"stability":"UnstableFocus"}"#,
+        "effective_damping",
+    );
+}
+
+/// Every number that a JSON text holds, one at a time, as another.
+fn tampered(
+    value: &serde_json::Value,
+    change: &dyn Fn(f64) -> serde_json::Value,
+) -> Vec<serde_json::Value> {
+    use serde_json::Value;
+    match value {
+        Value::Number(number) => vec![change(number.as_f64().unwrap())],
+        Value::Array(items) => (0..items.len())
+            .flat_map(|i| {
+                tampered(&items[i], change).into_iter().map(move |item| {
+                    let mut items = items.clone();
+                    items[i] = item;
+                    Value::Array(items)
+                })
+            })
+            .collect(),
+        Value::Object(fields) => fields
+            .iter()
+            .flat_map(|(key, field)| {
+                tampered(field, change).into_iter().map(move |field| {
+                    let mut fields = fields.clone();
+                    fields[key] = field;
+                    Value::Object(fields)
+                })
+            })
+            .collect(),
+        _ => Vec::new(),
+    }
+}
+
+#[test]
+fn cycles_that_are_none_are_refused() {
+    let read = serde_json::from_value::<LimitCycle>;
+    for cycle in cycles() {
+        let written = serde_json::to_value(&cycle).unwrap();
+        let kind = cycle.kind();
+        // A number replaced by nothing is no number.
+        for wrong in tampered(&written, &|_| serde_json::Value::Null) {
+            assert!(read(wrong).is_err(), "{kind}");
+        }
+        // A number replaced by one that is far from it: refused, unless the motion hardly changes, as by the last terms of a short step.
+        let changed = tampered(&written, &|x| (2.0 * x + 0.7).into());
+        let count = changed.len();
+        let mut accepted = 0;
+        for wrong in changed {
+            if let Ok(other) = read(wrong) {
+                accepted += 1;
+                assert!((other.period() - cycle.period()).abs() < 1e-6);
+                assert!((other.amplitude() - cycle.amplitude()).abs() < 1e-6);
+                assert_eq!(other.is_stable(), cycle.is_stable());
+                let [a, b] = [&other, &cycle].map(|cycle| cycle.energy().damper_loss);
+                assert!((a - b).abs() < 1e-6);
+                let [a, b] = [other.trajectory(), cycle.trajectory()];
+                for ((_, a), (_, b)) in std::iter::zip(a.sample(1000), b.sample(1000)) {
+                    assert!((a.displacement - b.displacement).abs() < 1e-6);
+                    assert!((a.velocity - b.velocity).abs() < 1e-6);
+                }
+            }
+        }
+        println!("{kind}: {accepted} of {count} changes accepted");
+        assert!(accepted < count);
+
+        let with = |key: &str, value: serde_json::Value| {
+            let mut wrong = written.clone();
+            wrong[key] = value;
+            read(wrong).unwrap_err().to_string()
+        };
+        assert!(with("multiplier", (cycle.multiplier() + 0.01).into()).contains("multiplier"));
+        assert!(with("period", (cycle.period() * 1.001).into()).contains("period"));
+        assert!(with("belt_velocity", 0.0.into()).contains("belt_velocity"));
+        assert!(with("damping", (-0.1).into()).contains("damping"));
+        assert!(with("steps", serde_json::json!([])).contains("steps"));
+        assert!(with("colour", 1.into()).contains("unknown field"));
+        let other = if kind == CycleKind::PureSlip {
+            "StickSlip"
+        } else {
+            "PureSlip"
+        };
+        assert!(with("kind", other.into()).contains("kind"));
+        // One step less: it no longer closes.
+        let steps = written["steps"].as_array().unwrap();
+        if steps.len() > 1 {
+            let error = with("steps", steps[1..].into());
+            assert!(error.contains("is not allowed"), "{error}");
+        }
+    }
+    // Cycles lie one inside the other.
+    let cycles = cycles();
+    let set = |order: [usize; 2]| {
+        let cycles = order.map(|i| serde_json::to_value(&cycles[i]).unwrap());
+        serde_json::json!({"cycles": cycles, "continuum": null, "unresolved": []})
+    };
+    let [inner, outer] = if cycles[0].amplitude() < cycles[1].amplitude() {
+        [0, 1]
+    } else {
+        [1, 0]
+    };
+    assert!(serde_json::from_value::<CycleSet>(set([inner, outer])).is_ok());
+    let error = serde_json::from_value::<CycleSet>(set([outer, inner])).unwrap_err();
+    assert!(error.to_string().contains("ascending"), "{error}");
 }

@@ -6,6 +6,11 @@ use crate::{Equilibrium, Error, MassOnBelt};
 
 /// Everything that a system can settle to at one belt velocity.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct DiagramPoint {
     /// Belt velocity v_b, dimensionless.
     pub belt_velocity: f64,

@@ -7,9 +7,12 @@
 //! | [`fold_velocities`] | a stable and an unstable pure-slip cycle meet |
 //! | [`overshoot_velocities`] | the mass begins to overtake the belt before it sticks |
 //! | [`crossing_velocities`] | it no longer sticks at all |
+//! | [`silencing_damping`] | over the damping, at one belt velocity: no vibration lasts from there on |
 //!
 //! Every velocity is a root of an exact function of the belt velocity, bracketed and refined to round-off. How densely a range is
 //! searched is told with each function; a narrower range is searched more closely.
+//!
+//! [`analysis`](crate::analysis) has closed forms for some laws and some of these, under the same names.
 //!
 //! [`diagram`] puts equilibrium and all cycles together for a list of belt velocities.
 
@@ -17,12 +20,14 @@ mod diagram;
 mod fold;
 mod hopf;
 mod scan;
+mod silence;
 
 #[cfg(feature = "rayon")]
 pub use diagram::par_diagram;
 pub use diagram::{DiagramPoint, diagram};
 pub use fold::fold_velocities;
 pub use hopf::{Criticality, criticality, hopf_velocities};
+pub use silence::silencing_damping;
 
 use std::ops::Range;
 

@@ -1,15 +1,15 @@
 use super::FrictionLaw;
 use crate::{Error, Scalar};
 
-/// The hyperbolic law of Leine and, with an offset and a quadratic term, of Popp and Stelter.
+/// The hyperbolic law of Leine and, with an offset and a quadratic term, the form known by the names of Popp and Stelter.
 ///
 /// ```text
 /// μ̂(s) = μ_s/(1 + δ s)                              (Leine)
-/// μ̂(s) = (μ_s − μ_o)/(1 + δ s) + μ_o + η s²         (Popp and Stelter)
+/// μ̂(s) = (μ_s − μ_o)/(1 + δ s) + μ_o + η s²         (after Popp and Stelter)
 /// ```
 ///
 /// All quantities are dimensionless. The first falls to 0; the second falls towards the offset μ_o and, for η > 0, rises again.
-/// Both begin with the slope −δ(μ_s − μ_o). Popp and Stelter write the law with μ_s = 1, and δ for the offset.
+/// Both begin with the slope −δ(μ_s − μ_o). Symbols for the parameters differ in the literature.
 ///
 /// Source: Leine, van Campen, de Kraker and van den Steen, *Nonlinear Dynamics* 16 (1998) 41-54; Popp and Stelter, *Phil. Trans.
 /// R. Soc. A* 332 (1990) 89-105.

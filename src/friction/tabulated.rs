@@ -63,8 +63,8 @@ impl Tabulated {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`], with the value at fault, unless there are at least two points, all numbers are finite and ≥ 0,
-    /// the first speed is 0, the speeds ascend strictly, and no coefficient of the cubics overflows.
+    /// [`Error::InvalidParameter`] unless there are at least two points; [`Error::BadPoint`], with the first point at fault, unless all numbers are
+    /// finite and ≥ 0, the first speed is 0, the speeds ascend strictly, and no coefficient of the cubics overflows.
     pub fn new(points: impl IntoIterator<Item = (f64, f64)>) -> Result<Self, Error> {
         let points: Vec<_> = points.into_iter().collect();
         Error::check(
@@ -74,28 +74,32 @@ impl Tabulated {
             "points ≥ 2: the number of measured points",
         )?;
         let mut last = None;
-        for &(speed, coefficient) in &points {
+        for (index, &(speed, coefficient)) in points.iter().enumerate() {
             let (in_order, allowed) = match last {
                 None => (speed == 0.0, "speed = 0 at the first point: add one there"),
                 Some(last) => (speed > last, "each speed greater than the one before"),
             };
-            Error::check("speed", speed, in_order, allowed)?;
-            Error::check(
-                "coefficient",
-                coefficient,
-                coefficient >= 0.0,
-                "coefficient ≥ 0",
-            )?;
+            Error::check("speed", speed, in_order, allowed)
+                .and_then(|_| {
+                    Error::check(
+                        "coefficient",
+                        coefficient,
+                        coefficient >= 0.0,
+                        "coefficient ≥ 0",
+                    )
+                })
+                .map_err(|error| error.at_point(index))?;
             last = Some(speed);
         }
         let pieces = pieces(&points);
-        for piece in &pieces {
+        for (index, piece) in pieces.iter().enumerate() {
             Error::check(
                 "speed",
                 piece.start,
                 piece.c.iter().all(|c| c.is_finite()),
                 "points so far apart that the slopes between them do not overflow",
-            )?;
+            )
+            .map_err(|error| error.at_point(index))?;
         }
         let static_coefficient = points.first().map_or(f64::NAN, |point| point.1);
         Ok(Self {

@@ -12,8 +12,7 @@ pub use step::{Event, EventKind, Mode, Step};
 pub use trajectory::Trajectory;
 
 pub(crate) use polynomial::{
-    Polynomial, TERMS, derivative, evaluate, evaluate_four, quarters, reach, reflected,
-    sign_changes,
+    Polynomial, TERMS, derivative, evaluate, evaluate_four, quarters, reflected, sign_changes,
 };
 pub(crate) use series::{SlipPoint, Time};
 pub(crate) use slip::{Advance, Stepper};
@@ -44,7 +43,9 @@ pub struct Integrator {
 }
 
 impl Integrator {
-    /// The least tolerance, and the default: round-off.
+    /// The default tolerance: 2⁻⁵², the rounding of a number. A smaller one takes more steps and gains nothing.
+    pub const ROUND_OFF: f64 = f64::EPSILON;
+    /// The least tolerance.
     pub const MIN_TOLERANCE: f64 = 1e-16;
     /// The largest tolerance.
     pub const MAX_TOLERANCE: f64 = 1e-2;
@@ -54,7 +55,7 @@ impl Integrator {
     /// Tolerance at round-off, [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) for `simulate`, no limit for `flow`.
     pub const fn new() -> Self {
         Self {
-            tolerance: Self::MIN_TOLERANCE,
+            tolerance: Self::ROUND_OFF,
             max_steps: None,
             max_events: None,
         }

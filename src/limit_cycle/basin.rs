@@ -7,6 +7,7 @@ use crate::{Direction, Error, MassOnBelt, State};
 
 /// Where a motion ends up. See [`attractor`].
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Attractor {
     /// At rest in the stick band of a belt that stands still.
@@ -21,6 +22,19 @@ pub enum Attractor {
     Continuum,
     /// The motion grows beyond every periodic motion that was found.
     Unbounded,
+}
+
+impl std::fmt::Display for Attractor {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Rest => f.pad("rest"),
+            Self::Equilibrium => f.pad("steady sliding"),
+            Self::Cycle(cycle) => cycle.kind().fmt(f),
+            Self::Separatrix(cycle) => f.pad(&format!("separatrix ({})", cycle.kind())),
+            Self::Continuum => f.pad("continuum"),
+            Self::Unbounded => f.pad("unbounded"),
+        }
+    }
 }
 
 /// Distance from an unstable cycle, relative to v_b, within which a start lies on it to rounding.

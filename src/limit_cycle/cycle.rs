@@ -14,6 +14,7 @@ use crate::{Direction, MassOnBelt, State};
 ///
 /// Source: Farshidianfar and Noei Aghaee, sections 4.1.1 and 4.1.2, for the first two.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum CycleKind {
     /// The mass never reaches the belt velocity.
     PureSlip,
@@ -27,7 +28,7 @@ pub enum CycleKind {
 
 impl std::fmt::Display for CycleKind {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
+        f.pad(match self {
             Self::PureSlip => "pure slip",
             Self::StickSlip => "stick-slip",
             Self::Overshoot => "overshoot",
@@ -36,10 +37,28 @@ impl std::fmt::Display for CycleKind {
     }
 }
 
-/// Work done over one period, in dimensionless energy units; f is the friction force on the mass.
+/// Work done over one period, in dimensionless energy units, K L² in joules ([`Scaling::joules`](crate::Scaling::joules)); f is the friction
+/// force on the mass.
 ///
 /// On a periodic motion `belt_work = damper_loss` and `drive_work = damper_loss + friction_loss = v_b ∮u dτ`.
+///
+/// ```
+/// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
+///
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+/// let cycle = limit_cycle::stick_slip(&system)?.unwrap();
+/// let energy = cycle.energy();
+/// assert!((energy.belt_work - energy.damper_loss).abs() < 1e-15);
+/// assert!((energy.drive_work - energy.damper_loss - energy.friction_loss).abs() < 1e-15);
+/// assert!((energy.drive_work - 0.2 * cycle.mean_displacement() * cycle.period()).abs() < 1e-15);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct EnergyBudget {
     /// Work of the belt's drive, ∮ f v_b dτ.
     pub drive_work: f64,
@@ -67,12 +86,23 @@ pub struct EnergyBudget {
 /// assert!((cycle.energy().damper_loss - 0.02314806731453380).abs() < 1e-16);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
+///
+/// With the feature `serde` it is written as its numbers, for other programs, and its series. What is read must be a closed, continuous motion
+/// of its kind with those numbers, multiplier included; for which friction law it is not known, so keep the system beside it.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(
+        into = "super::written::WrittenCycle",
+        try_from = "super::written::WrittenCycle"
+    )
+)]
 pub struct LimitCycle {
-    steps: Vec<Step>,
-    kind: CycleKind,
-    multiplier: f64,
-    damping: f64,
+    pub(super) steps: Vec<Step>,
+    pub(super) kind: CycleKind,
+    pub(super) multiplier: f64,
+    pub(super) damping: f64,
 }
 
 impl LimitCycle {
@@ -176,6 +206,21 @@ impl LimitCycle {
         self.steps.last().map_or(0.0, Step::end_time)
     }
 
+    /// Angular frequency ω = 2π/T; 1 is the undamped mass on its spring. [`Scaling::hertz`](crate::Scaling::hertz) takes it to hertz.
+    ///
+    /// ```
+    /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
+    ///
+    /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+    /// let cycle = limit_cycle::stick_slip(&system)?.unwrap();
+    /// // Stick makes it slower.
+    /// assert!((cycle.frequency() - 0.924076).abs() < 1e-6);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn frequency(&self) -> f64 {
+        std::f64::consts::TAU / self.period()
+    }
+
     /// Time in stick per period.
     pub fn stick_duration(&self) -> f64 {
         self.time_in(|mode| mode == Mode::Stick)
@@ -198,7 +243,7 @@ impl LimitCycle {
             .time
     }
 
-    fn belt_velocity(&self) -> f64 {
+    pub(super) fn belt_velocity(&self) -> f64 {
         self.steps.first().map_or(0.0, |step| step.belt_velocity)
     }
 
@@ -246,8 +291,20 @@ impl LimitCycle {
 
     /// Complex amplitudes of the first n harmonics of u: (2/T)∮u e^(−ikωτ) dτ for k = 1, …, n, time counted from [`state`](Self::state),
     /// ω = 2π/T. The modulus is the amplitude of the harmonic.
+    ///
+    /// ```
+    /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
+    ///
+    /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+    /// let cycle = limit_cycle::stick_slip(&system)?.unwrap();
+    /// let harmonics = cycle.harmonics(40);
+    /// // The series of the start of the cycle.
+    /// let u = cycle.mean_displacement() + harmonics.iter().map(|a| a.re).sum::<f64>();
+    /// assert!((u - cycle.state().displacement).abs() < 1e-4);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
     pub fn harmonics(&self, n: usize) -> Vec<Complex<f64>> {
-        let omega = std::f64::consts::TAU / self.period();
+        let omega = self.frequency();
         let mean = self.mean_displacement();
         (1..=n)
             .map(|k| {
@@ -286,6 +343,19 @@ impl LimitCycle {
     }
 
     /// The motion over one period, from [`state`](Self::state).
+    ///
+    /// ```
+    /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
+    ///
+    /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+    /// let cycle = limit_cycle::stick_slip(&system)?.unwrap();
+    /// let motion = cycle.trajectory();
+    /// assert_eq!(motion.duration(), cycle.period());
+    /// assert_eq!(motion.last(), cycle.state()); // it closes
+    /// let kinds: Vec<String> = motion.events().iter().map(|event| event.kind.to_string()).collect();
+    /// assert_eq!(kinds, ["stick", "release (lagging)"]);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
     pub fn trajectory(&self) -> Trajectory {
         let mut steps = self.steps.clone();
         if let (Some(first), Some(last)) = (self.steps.first(), self.steps.last()) {

@@ -31,6 +31,8 @@ mod basin;
 mod cycle;
 mod maps;
 mod roots;
+#[cfg(feature = "serde")]
+mod written;
 
 pub use basin::{Attractor, attractor};
 pub use cycle::{CycleKind, EnergyBudget, LimitCycle};
@@ -204,6 +206,11 @@ fn forward<L: FrictionLaw, T>(
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "written::ReadSet")
+)]
 pub struct CycleSet {
     cycles: Vec<LimitCycle>,
     continuum: Option<Continuum>,
@@ -264,7 +271,13 @@ impl<'s> IntoIterator for &'s CycleSet {
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct Continuum {
     /// Amplitude of the largest of them, dimensionless: |v_b|, where it touches the belt velocity; infinite without friction.
+    #[cfg_attr(feature = "serde", serde(with = "written::infinite_as_none"))]
     pub max_amplitude: f64,
 }
