@@ -1,0 +1,30 @@
+//! The figures. `amplitude`, `errors`, `laws`, `motion` and `regimes` draw them; the other modules are for what they look like.
+
+mod amplitude;
+mod clip;
+mod errors;
+mod laws;
+mod motion;
+mod plot;
+mod regimes;
+mod style;
+mod svg;
+mod typeset;
+
+pub(crate) use svg::{Figure, Result};
+pub(crate) use typeset::escape;
+
+type Draw = fn() -> Result<Figure>;
+
+/// Name of the file, and what draws it.
+pub(crate) const FIGURES: [(&str, Draw); 9] = [
+    ("fig2_polynomial_law", laws::polynomial),
+    ("fig3_exponential_law", laws::exponential),
+    ("fig4_pure_slip", motion::fig4),
+    ("fig5_stick_slip", motion::fig5),
+    ("fig6_amplitude", amplitude::fig6),
+    ("fig7_exponential_stick_slip", motion::fig7),
+    ("regimes", regimes::regimes),
+    ("bistability", amplitude::bistability),
+    ("errors", errors::errors),
+];
