@@ -1,0 +1,208 @@
+//! How much work is how much precision, beside the integrators that a user could pick instead?
+//!
+//! ```sh
+//! RUSTFLAGS="-C target-cpu=native" cargo bench --manifest-path benches/peers/Cargo.toml
+//! ```
+//!
+//! Two motions from rest over 1000 units of time, some 147 cycles of slip and stick, with every event. Each solver writes its event
+//! times into the same list; their largest error is taken against 25-digit references. Then the times are taken in turn, one run of
+//! every solver a round, and the table gives for each the least and the median time per cycle, and the ratio of the least to that of
+//! Dop853 of `ode_solvers`, which varies less between machines than times do. Criterion's report of the same runs follows.
+//!
+//! The columns are the peers' absolute and relative tolerances 1e-9, 1e-12 and 1e-14. This crate joins each with the loosest power of ten
+//! with which its worst error stays within a bound: 2e-9, 4e-12 and 2e-13, what heyoka, a compiling Taylor integrator in C++, reaches in
+//! the same places.
+//!
+//! What the peers are given: one slip phase after the other in u and v − v_b, stick in closed form, a compensated clock, no output beyond
+//! what they insist on, and for the contact the best that each has; each file says what.
+
+mod dop853;
+mod phases;
+mod rkv989e;
+mod set;
+mod tsit45;
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use criterion::{BenchmarkId, Criterion, Throughput};
+use phases::{Slip, run};
+use set::{DURATION, REST, Set};
+use stick_slip::{FrictionLaw, Integrator};
+
+/// Tolerances of the peers, and the largest error of this crate beside them.
+const COLUMNS: [(f64, f64); 3] = [(1e-9, 2e-9), (1e-12, 4e-12), (1e-14, 2e-13)];
+
+/// The place of the solver in a column to which the others are compared.
+const YARDSTICK: usize = 1;
+
+const ROUNDS: usize = 60;
+
+/// A run from rest, which adds its events to a list.
+type Run<'s> = dyn FnMut(&mut Vec<f64>) + 's;
+
+/// One solver with one setting.
+struct Contender<'s> {
+    solver: &'static str,
+    tolerance: f64,
+    run: Box<Run<'s>>,
+}
+
+fn main() {
+    let mut criterion = Criterion::default()
+        .sample_size(10)
+        .warm_up_time(Duration::from_millis(200))
+        .measurement_time(Duration::from_millis(500))
+        .configure_from_args();
+    compare(&mut criterion, &set::polynomial());
+    compare(&mut criterion, &set::exponential());
+    criterion.final_summary();
+}
+
+fn compare<L: FrictionLaw + Copy + 'static>(criterion: &mut Criterion, set: &Set<L>) {
+    let mut columns = COLUMNS.map(|(tolerance, bound)| column(set, tolerance, bound));
+    print_table(set, &mut columns);
+    report(criterion, set, &mut columns);
+}
+
+/// The solvers that stand beside each other.
+fn column<L: FrictionLaw + Copy + 'static>(
+    set: &Set<L>,
+    tolerance: f64,
+    bound: f64,
+) -> [Contender<'_>; 4] {
+    let slip = Slip::new(set);
+    let within = loosest(set, bound);
+    let mut dop853 = dop853::contact(slip, tolerance);
+    let mut rkv989e = rkv989e::contact(slip, tolerance);
+    let mut tsit45 = tsit45::contact(slip, tolerance);
+    [
+        Contender {
+            solver: "stick-slip",
+            tolerance: within,
+            run: Box::new(move |events| stick_slip(set, within, events)),
+        },
+        Contender {
+            solver: "ode_solvers, Dop853",
+            tolerance,
+            run: Box::new(move |events| run(set, events, &mut dop853)),
+        },
+        Contender {
+            solver: "differential-equations, rkv989e",
+            tolerance,
+            run: Box::new(move |events| run(set, events, &mut rkv989e)),
+        },
+        Contender {
+            solver: "diffsol, tsit45",
+            tolerance,
+            run: Box::new(move |events| run(set, events, &mut tsit45)),
+        },
+    ]
+}
+
+/// This crate, as a user would do it.
+fn stick_slip<L: FrictionLaw>(set: &Set<L>, tolerance: f64, events: &mut Vec<f64>) {
+    let flow = Integrator::new()
+        .with_tolerance(tolerance)
+        .and_then(|integrator| integrator.flow(&set.system, REST))
+        .expect("valid settings");
+    for step in flow {
+        let step = step.expect("the motion goes on");
+        if step.end_time() >= DURATION {
+            break;
+        }
+        events.extend(step.event().map(|event| event.time));
+    }
+}
+
+/// The largest power of ten with which this crate's events are within `bound`.
+fn loosest<L: FrictionLaw>(set: &Set<L>, bound: f64) -> f64 {
+    let mut events = Vec::new();
+    [1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14, 1e-15, 1e-16]
+        .into_iter()
+        .find(|&tolerance| {
+            events.clear();
+            stick_slip(set, tolerance, &mut events);
+            set.worst_error(&events) <= bound
+        })
+        .expect("round-off is within all bounds")
+}
+
+fn print_table<L: FrictionLaw>(set: &Set<L>, columns: &mut [[Contender<'_>; 4]; 3]) {
+    let mut events = Vec::new();
+    let mut times = [const { [const { Vec::new() }; 4] }; 3];
+    for _ in 0..ROUNDS {
+        for (column, times) in columns.iter_mut().zip(&mut times) {
+            for (contender, times) in column.iter_mut().zip(times) {
+                // Once to warm up: the solver before has left its own code and tables in the caches.
+                let mut last = 0.0;
+                for _ in 0..2 {
+                    events.clear();
+                    let start = Instant::now();
+                    (contender.run)(&mut events);
+                    last = start.elapsed().as_secs_f64();
+                    black_box(&events);
+                }
+                times.push(last);
+            }
+        }
+    }
+    let build = if cfg!(target_feature = "fma") {
+        "with fused multiply-add"
+    } else {
+        "default target"
+    };
+    println!(
+        "\n{} law, {} cycles from rest, {build}\n{:34}{:>8}{:>13}{:>9}{:>9}{:>8}",
+        set.name,
+        set.cycles(),
+        "µs a cycle",
+        "setting",
+        "worst error",
+        "least",
+        "median",
+        "ratio",
+    );
+    let per_cycle = |time: f64| 1e6 * time / set.cycles();
+    for (column, times) in columns.iter_mut().zip(&mut times) {
+        println!();
+        for times in &mut *times {
+            times.sort_by(f64::total_cmp);
+        }
+        for (contender, own) in column.iter_mut().zip(&*times) {
+            events.clear();
+            (contender.run)(&mut events);
+            println!(
+                "{:34}{:>8e}{:>13.1e}{:>9.2}{:>9.2}{:>8.3}",
+                contender.solver,
+                contender.tolerance,
+                set.worst_error(&events),
+                per_cycle(own[0]),
+                per_cycle(own[ROUNDS / 2]),
+                own[0] / times[YARDSTICK][0],
+            );
+        }
+    }
+    println!();
+}
+
+fn report<L: FrictionLaw>(
+    criterion: &mut Criterion,
+    set: &Set<L>,
+    columns: &mut [[Contender<'_>; 4]; 3],
+) {
+    let mut group = criterion.benchmark_group(set.name);
+    // So that cycles per second are reported too.
+    group.throughput(Throughput::Elements(set.cycles() as u64));
+    for contender in columns.iter_mut().flatten() {
+        let name = BenchmarkId::new(contender.solver, format!("{:e}", contender.tolerance));
+        group.bench_function(name, |bencher| {
+            let mut events = Vec::new();
+            bencher.iter(|| {
+                events.clear();
+                (contender.run)(&mut events);
+            });
+        });
+    }
+    group.finish();
+}
