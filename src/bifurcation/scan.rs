@@ -8,7 +8,7 @@ const INTERVALS: usize = 64;
 /// Halvings of an interval in which something may be hidden.
 const DEPTH: u32 = 10;
 
-/// Finds the sign changes of `f` over a range, each to the last bit; `None` where f is not defined.
+/// Finds the sign changes of `f`, of order 1, over a range, each to the last bit; `None` where f is not defined.
 ///
 /// The range is divided into [`INTERVALS`] intervals; one is halved, up to [`DEPTH`] times, while f is defined at one end only, or while
 /// it comes closer to zero than it changes across the interval. Two sign changes are lost only if f turns back between
@@ -30,7 +30,6 @@ pub(super) fn sign_changes(
         divide(&mut f, left, right, DEPTH, &mut roots)?;
         left = right;
     }
-    roots.retain(|root| range.contains(root));
     Ok(roots)
 }
 
@@ -45,9 +44,15 @@ fn divide(
 ) -> Result<(), Error> {
     let suspicious = match (a.1, b.1) {
         (None, None) => false,
+        // Zero throughout, as for a motion that returns to the belt tangentially at every belt velocity.
+        (Some(p), Some(q)) if p.abs().max(q.abs()) <= ROUNDING => false,
         (Some(p), Some(q)) if (p > 0.0) != (q > 0.0) => {
-            roots.push(root_between(f, (a.0, p), (b.0, q))?);
-            return Ok(());
+            // A jump is one too: the motion may depend on the belt velocity so steeply that it passes through zero within an ulp.
+            if let Some((root, _)) = root_between(f, (a.0, p), (b.0, q))? {
+                roots.push(root);
+                return Ok(());
+            }
+            true
         }
         (Some(p), Some(q)) => p.abs().min(q.abs()) < (p - q).abs(),
         _ => true,
@@ -62,12 +67,13 @@ fn divide(
 }
 
 /// The root of a function that is defined, and of different sign, at both ends: false position with bisection wherever that does not
-/// halve the bracket within three evaluations.
+/// halve the bracket within three evaluations. With it, how far from zero the function is on either side of it at most; `None` where the
+/// function has a gap in between.
 pub(super) fn root_between(
     f: &mut impl FnMut(f64) -> Result<Option<f64>, Error>,
     (mut a, mut at_a): (f64, f64),
     (mut b, mut at_b): (f64, f64),
-) -> Result<f64, Error> {
+) -> Result<Option<(f64, f64)>, Error> {
     // Illinois: the value of an end that stays is halved, so that the other end moves too.
     let (mut weight_a, mut weight_b) = (1.0, 1.0);
     for pass in 0.. {
@@ -82,17 +88,18 @@ pub(super) fn root_between(
             break;
         }
         let Some(value) = f(x)? else {
-            // A gap in the function between values of different sign: its edge is what there is.
-            break;
+            return Ok(None);
         };
-        if value == 0.0 {
-            return Ok(x);
-        }
         if (value > 0.0) == (at_a > 0.0) {
             (a, at_a, weight_a, weight_b) = (x, value, 1.0, 0.5 * weight_b);
         } else {
             (b, at_b, weight_a, weight_b) = (x, value, 0.5 * weight_a, 1.0);
         }
     }
-    Ok(if at_a.abs() < at_b.abs() { a } else { b })
+    // Of the two neighbouring numbers that are left, the lower one lies in every range in which the change is seen: so none is lost, and
+    // none found twice, where a range is cut.
+    Ok(Some((a, at_a.abs().max(at_b.abs()))))
 }
+
+/// Size of the rounding error of a function of order 1.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;

@@ -1,7 +1,7 @@
 //! The two return maps of the planar flow, for v_b > 0, and their fixed points.
 
 use super::arc::{Arc, Arrival, FAR, Tracer};
-use super::roots::{Found, Sample, roots_between, turning_points_between};
+use super::roots::{Found, Sample, outline_between, roots_between};
 use crate::friction::FrictionLaw;
 use crate::integrator::{SlipPoint, Time};
 use crate::{Direction, Error};
@@ -266,14 +266,14 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         Ok(Some(sample))
     }
 
-    /// Turning points of the growth over one turn as a function of the peak velocity: the peak, and the growth there.
-    pub(crate) fn turning_points(&mut self) -> Result<Vec<(f64, f64)>, Error> {
-        match self.range_of_peaks()? {
-            Some([smallest, largest]) => {
-                turning_points_between(&mut |peak| self.growth(peak), smallest, largest)
-            }
-            None => Ok(Vec::new()),
-        }
+    /// The growth over one turn as a function of the peak velocity, in outline: (peak, growth) at the ends of the range and at the
+    /// turning points between. Empty if every motion in slip meets the belt, or none returns.
+    pub(crate) fn outline(&mut self) -> Result<Vec<(f64, f64)>, Error> {
+        let Some([smallest, largest]) = self.range_of_peaks()? else {
+            return Ok(Vec::new());
+        };
+        let outline = outline_between(&mut |peak| self.growth(peak), smallest, largest)?;
+        Ok(outline.iter().map(|turn| (turn.x, turn.value)).collect())
     }
 
     /// What the arcs from the release point do at the belt, as numbers that pass through zero where their kind changes.
@@ -283,19 +283,19 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         let lagging = self.arc(self.on_belt(high, Direction::Lagging), Time::Forward)?;
         let mut contacts = Contacts {
             gap: match lagging.arrival {
-                Arrival::Contact(_) => lagging.rates[1].powi(2) / (2.0 * v_b),
-                Arrival::Maximum(point) => -point.speed,
-                Arrival::Equilibrium | Arrival::Far => -v_b,
+                Arrival::Contact(_) => 0.5 * (lagging.rates[1] / v_b).powi(2),
+                Arrival::Maximum(point) => -point.speed / v_b,
+                Arrival::Equilibrium | Arrival::Far => -1.0,
             },
             beyond_low: None,
             beyond_high: None,
         };
         if let Arrival::Contact(contact) = lagging.arrival {
-            contacts.beyond_low = Some(low - contact);
+            contacts.beyond_low = Some((low - contact) / self.scale());
             if contact < low {
                 let leading = self.arc(self.on_belt(contact, Direction::Leading), Time::Forward)?;
                 if let Arrival::Contact(contact) = leading.arrival {
-                    contacts.beyond_high = Some(contact - high);
+                    contacts.beyond_high = Some((contact - high) / self.scale());
                 }
             }
         }
@@ -376,11 +376,11 @@ impl<L: FrictionLaw> Tracer<'_, L> {
 /// See [`Tracer::contacts`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Contacts {
-    /// How far the motion from the release point would overshoot the belt velocity; negative where it turns back below.
+    /// How far the motion from the release point would overshoot the belt velocity, in units of v_b; negative where it turns back below.
     pub(crate) gap: f64,
-    /// Distance of its first contact beyond the lower end of the stick band.
+    /// Distance of its first contact beyond the lower end of the stick band, in units of v_b + γ²μ_s.
     pub(crate) beyond_low: Option<f64>,
-    /// Distance of its second contact, after a crossing, beyond the release point.
+    /// Distance of its second contact, after a crossing, beyond the release point, in the same units.
     pub(crate) beyond_high: Option<f64>,
 }
 

@@ -58,49 +58,115 @@ pub(crate) fn roots_between(
     divide(f, a, b, narrowest, found)
 }
 
+/// A point at which a function turns, or an end of its range.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Turn {
+    pub(crate) x: f64,
+    pub(crate) value: f64,
+    /// Size of its rounding error.
+    pub(crate) noise: f64,
+}
+
 /// Halvings after which turning points are taken from what is known.
 const DEEPEST: usize = 9;
 
-/// Finds the points between two samples at which the slope changes sign, with the values there.
+/// The outline of a function between two samples: both ends and, in ascending order between them, the points at which the slope
+/// changes sign. Maxima and minima take turns, each higher than its neighbours, or lower, by more than rounding.
 ///
-/// Divided until the cubics fit, and then refined by bisection on the sign of the slope.
-pub(crate) fn turning_points_between(
+/// Divided until the cubics fit and turn no more often than their ends tell, and then refined on the slope.
+pub(crate) fn outline_between(
     f: &mut impl FnMut(f64) -> Result<Sample, Error>,
     a: Sample,
     b: Sample,
-) -> Result<Vec<(f64, f64)>, Error> {
+) -> Result<Vec<Turn>, Error> {
     let mut samples = vec![a];
     let mut intervals = vec![(b, 0)];
     while let Some((right, depth)) = intervals.pop() {
         let left = samples[samples.len() - 1];
         let middle = f(0.5 * (left.x + right.x))?;
-        if depth >= 2 && (depth >= DEEPEST || fits(left, middle, right).0) {
+        let settled = || {
+            fits(left, middle, right).0 && !turns_twice(left, middle) && !turns_twice(middle, right)
+        };
+        if depth >= 2 && (depth >= DEEPEST || settled()) {
             samples.extend([middle, right]);
         } else {
             intervals.extend([(right, depth + 1), (middle, depth + 1)]);
         }
     }
-    let mut points = Vec::new();
+    let mut outline = vec![Turn::from(a)];
     for pair in samples.windows(2) {
-        let [mut left, mut right] = [pair[0], pair[1]];
-        if (left.slope > 0.0) == (right.slope > 0.0) {
-            continue;
+        if (pair[0].slope > 0.0) != (pair[1].slope > 0.0) {
+            outline.push(turn(f, pair[0], pair[1])?.into());
         }
-        // The value is stationary: half the digits of x give all of its own.
-        while right.x - left.x > 1e-9 * right.x {
-            let chord = left.x + (right.x - left.x) * (left.slope / (left.slope - right.slope));
-            let middle = 0.5 * (left.x + right.x);
-            let x = 0.5 * (chord + middle);
-            let sample = f(x)?;
-            if (sample.slope > 0.0) == (left.slope > 0.0) {
-                left = sample;
-            } else {
-                right = sample;
-            }
-        }
-        points.push((left.x, left.value));
     }
-    Ok(points)
+    outline.push(b.into());
+    smooth(&mut outline);
+    Ok(outline)
+}
+
+/// The point between two samples at which the slope passes through zero.
+fn turn(
+    f: &mut impl FnMut(f64) -> Result<Sample, Error>,
+    mut a: Sample,
+    mut b: Sample,
+) -> Result<Sample, Error> {
+    // False position with the Illinois rule, and every fourth time bisection.
+    let (mut weight_a, mut weight_b) = (1.0, 1.0);
+    for pass in 0.. {
+        let best = if a.slope.abs() < b.slope.abs() { a } else { b };
+        // The value is stationary: a few digits of x give all of its own.
+        if best.slope.abs() * (b.x - a.x) <= 0.01 * best.noise {
+            return Ok(best);
+        }
+        let (p, q) = (weight_a * a.slope, weight_b * b.slope);
+        let chord = a.x + (b.x - a.x) * (p / (p - q));
+        let x = if pass % 4 == 3 || !(a.x < chord && chord < b.x) {
+            0.5 * (a.x + b.x)
+        } else {
+            chord
+        };
+        if x <= a.x || x >= b.x {
+            return Ok(best);
+        }
+        let sample = f(x)?;
+        if (sample.slope > 0.0) == (a.slope > 0.0) {
+            (a, weight_a, weight_b) = (sample, 1.0, 0.5 * weight_b);
+        } else {
+            (b, weight_a, weight_b) = (sample, 0.5 * weight_a, 1.0);
+        }
+    }
+    Ok(a)
+}
+
+/// Takes out of an outline the turns that rounding makes.
+fn smooth(outline: &mut Vec<Turn>) {
+    let hidden =
+        |pair: &[Turn]| (pair[0].value - pair[1].value).abs() <= pair[0].noise.max(pair[1].noise);
+    while outline.len() > 2
+        && let Some(i) = outline.windows(2).position(hidden)
+    {
+        // Both, but for the ends.
+        let last = outline.len() - 1;
+        outline.drain(i.max(1)..(i + 2).min(last));
+    }
+}
+
+/// Whether the cubic through both ends, whose slopes have one sign, turns in between, there and back.
+fn turns_twice(a: Sample, b: Sample) -> bool {
+    let width = b.x - a.x;
+    let (dp, dq) = (a.slope * width, b.slope * width);
+    // c'(t) = dp + 2 c2 t + 3 c3 t² on [0, 1], farthest down or up at t = −c2/(3 c3).
+    let (c2, c3) = (
+        3.0 * (b.value - a.value) - 2.0 * dp - dq,
+        dp + dq - 2.0 * (b.value - a.value),
+    );
+    let t = -c2 / (3.0 * c3);
+    let extreme = dp + c2 * t;
+    dp * dq > 0.0
+        && 0.0 < t
+        && t < 1.0
+        && extreme * dp < 0.0
+        && extreme.abs() > a.noise.max(b.noise)
 }
 
 /// Whether the cubic through the values and slopes at both ends predicts those in the middle, and by how much the value is missed.
@@ -124,7 +190,7 @@ fn divide(
     let m = f(0.5 * (a.x + b.x))?;
     let (fits, error) = fits(a, m, b);
     let noise = a.noise.max(m.noise).max(b.noise);
-    // Then no division tells more.
+    // Then no division tells more of a root that rounding hides.
     let at_rounding = error <= noise;
     for (left, right) in [(a, m), (m, b)] {
         let changes = (left.value > 0.0) != (right.value > 0.0);
@@ -138,11 +204,9 @@ fn divide(
             }
         } else if fits && changes && one_way(left, right) {
             found.refine(f, left, right)?;
-        } else if at_rounding {
-            if changes || touches(left, right, noise) {
-                found.leave(left.x..right.x);
-            }
-        } else if !fits || changes || touches(left, right, error) {
+        } else if at_rounding && hidden(left, right, noise) {
+            found.leave(left.x..right.x);
+        } else if !fits || changes || lowest(left, right) <= error.max(noise) {
             if m.work < MOST_WORK {
                 divide(f, left, right, narrowest, found)?;
             } else {
@@ -163,8 +227,17 @@ fn one_way(a: Sample, b: Sample) -> bool {
     })
 }
 
-/// Whether the cubic through both ends, which have one sign, comes within `margin` of zero between them.
-fn touches(a: Sample, b: Sample, margin: f64) -> bool {
+/// Whether the function is zero to rounding at an end, with a root next to it, or where its cubic comes closest to zero.
+fn hidden(a: Sample, b: Sample, noise: f64) -> bool {
+    if (a.value > 0.0) != (b.value > 0.0) {
+        a.vanishes() || b.vanishes()
+    } else {
+        lowest(a, b).abs() <= noise
+    }
+}
+
+/// The least value, between both ends, of the cubic through them, which have one sign, counted as positive; infinite where it has no extremum.
+fn lowest(a: Sample, b: Sample) -> f64 {
     let width = b.x - a.x;
     let sign = if a.value > 0.0 { 1.0 } else { -1.0 };
     let (p, q) = (sign * a.value, sign * b.value);
@@ -173,13 +246,24 @@ fn touches(a: Sample, b: Sample, margin: f64) -> bool {
     let (c2, c3) = (3.0 * (q - p) - 2.0 * dp - dq, dp + dq - 2.0 * (q - p));
     let discriminant = c2 * c2 - 3.0 * c3 * dp;
     if discriminant < 0.0 {
-        return false;
+        return f64::INFINITY;
     }
     let larger = -(c2 + discriminant.sqrt().copysign(c2));
     [larger / (3.0 * c3), dp / larger]
         .into_iter()
         .filter(|t| (0.0..=1.0).contains(t))
-        .any(|t| p + t * (dp + t * (c2 + t * c3)) <= margin)
+        .map(|t| p + t * (dp + t * (c2 + t * c3)))
+        .fold(f64::INFINITY, f64::min)
+}
+
+impl From<Sample> for Turn {
+    fn from(sample: Sample) -> Self {
+        Self {
+            x: sample.x,
+            value: sample.value,
+            noise: sample.noise,
+        }
+    }
 }
 
 impl Found {
