@@ -15,9 +15,20 @@ const GAUSS: [(f64, f64); 8] = [
 /// Nodes and weights of the 16-point rule on a ≤ x ≤ b: exact for polynomials of degree 31, and to round-off for a function that is
 /// analytic up to four times the interval's half length from its middle, as every Taylor step is.
 pub(crate) fn gauss_nodes(a: f64, b: f64) -> impl Iterator<Item = (f64, f64)> {
+    gauss_fours(a, b)
+        .into_iter()
+        .flat_map(|(nodes, weights)| std::iter::zip(nodes, weights))
+}
+
+/// The [`gauss_nodes`] in fours, for functions that are cheaper four at a time.
+pub(crate) fn gauss_fours(a: f64, b: f64) -> [([f64; 4], [f64; 4]); 4] {
     let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
-    GAUSS.into_iter().flat_map(move |(node, weight)| {
-        [-node, node].map(|node| (middle + half * node, half * weight))
+    std::array::from_fn(|i| {
+        let [(x, p), (y, q)] = [GAUSS[2 * i], GAUSS[2 * i + 1]];
+        (
+            [-x, x, -y, y].map(|node| middle + half * node),
+            [p, p, q, q].map(|weight| half * weight),
+        )
     })
 }
 

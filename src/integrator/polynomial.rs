@@ -5,6 +5,10 @@ use std::ops::ControlFlow;
 
 use crate::scalar::mul_add;
 
+#[cfg(test)]
+#[path = "attack.rs"]
+mod attack;
+
 /// Coefficients of a step's series: order 26.
 ///
 /// Time per unit of τ at equal achieved error is flat between orders 18 and 26 at every tolerance; the upper end takes the
@@ -222,9 +226,10 @@ impl<'c> Search<'c> {
         values: [f64; 4],
         visit: &mut impl FnMut(f64, bool) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        // A polynomial that starts at 0 to rounding has the sign that it takes next.
+        // A polynomial that starts at 0 has the sign that it takes first, and a value that doesn't show it to stay away from 0.
         let start = if self.c[0] == 0.0 {
-            values[0]
+            let first = self.c.iter().find(|c| **c != 0.0);
+            first.map_or(0.0, |c| f64::MIN_POSITIVE.copysign(*c))
         } else {
             self.c[0]
         };
@@ -281,14 +286,20 @@ impl<'c> Search<'c> {
             } else {
                 b = t;
             }
-            let correction = value / evaluate(&slope, t);
+            let slope_here = evaluate(&slope, t);
+            let correction = value / slope_here;
             // Quadratic convergence ends where rounding takes over and corrections no longer shrink.
             let settled = correction.abs() <= NEWTON_REGIME * t && correction.abs() >= 0.25 * last;
             if settled || correction.abs() <= 0.5 * f64::EPSILON * t {
                 break;
             }
             let newton = t - correction;
+            // Largest distance of the next correction from this one.
+            let error = 0.5 * self.curvature * correction * correction / slope_here.abs();
             (t, last) = if a < newton && newton < b {
+                if error <= 0.25 * f64::EPSILON * newton {
+                    return newton;
+                }
                 (newton, correction.abs())
             } else {
                 (0.5 * (a + b), f64::INFINITY)

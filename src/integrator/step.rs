@@ -193,6 +193,11 @@ impl Step {
         self.event
     }
 
+    /// σ, the sign of v_r; 0 in stick.
+    pub(crate) fn sigma(&self) -> f64 {
+        self.direction().map_or(0.0, Direction::sign)
+    }
+
     /// The direction of slip; `None` in stick.
     pub(crate) fn direction(&self) -> Option<Direction> {
         match self.mode {

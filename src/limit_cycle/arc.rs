@@ -128,8 +128,7 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
     pub(crate) fn arc(&mut self, start: SlipPoint, time: Time) -> Result<Arc, Error> {
         let mut point = start;
         let mut clock = Clock::default();
-        let mut steps = Vec::with_capacity(16);
-        let mut rates = None;
+        let mut steps: Vec<Step> = Vec::with_capacity(16);
         // Whether a maximum of v can come: if v grows at the start, or after a minimum, which lies at v < 0 because v'' = −v there. Near the
         // slow motion of a stiff system rounding makes v' change its sign in between.
         let mut grows = false;
@@ -137,11 +136,14 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
             let advance = self.stepper.advance(&point, time, clock.time)?;
             let Advance { mut duration, end } = advance;
             let speed = *self.stepper.speed();
-            let [first, last] = rates.unwrap_or([speed[1], 0.0]);
+            let first = steps.first().map_or(speed[1], |step| step.speed[1]);
             let behind = point.direction == Direction::Lagging;
             let v_b = self.system().belt_velocity();
             grows |= behind && (first < 0.0 || point.speed > v_b);
-            let maximum = if grows && last < 0.0 && speed[1] >= 0.0 {
+            let maximum = if grows
+                && speed[1] >= 0.0
+                && steps.last().is_some_and(|step| rate_at_end(step) < 0.0)
+            {
                 // Between two steps, where rounding may put it before the one and after the other.
                 Some(0.0)
             } else if behind && (grows || falls_below_zero(&speed, duration, v_b)) {
@@ -152,7 +154,6 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
             if let Some(t) = maximum {
                 duration = t;
             }
-            rates = Some([first, evaluate(&derivative(&speed), duration)]);
             let step = Step {
                 start: clock,
                 duration,
@@ -183,10 +184,11 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
                 None
             };
             if let Some(arrival) = arrival {
+                let last = steps.last().map_or(first, rate_at_end);
                 return Ok(Arc {
                     steps,
                     arrival,
-                    rates: rates.unwrap_or_default(),
+                    rates: [first, last],
                 });
             }
             if steps.len() >= MOST_STEPS {
@@ -222,6 +224,11 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
             .map(|step| gauss_legendre(0.0, step.duration, |t| integrand(step, t)))
             .sum()
     }
+}
+
+/// ds/dτ at the end of a step.
+fn rate_at_end(step: &Step) -> f64 {
+    evaluate(&derivative(&step.speed), step.duration)
 }
 
 /// Whether the velocity of a lagging motion is negative anywhere in (0, h): it stays so for about half a turn, longer than a quarter of any step.

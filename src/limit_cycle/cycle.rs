@@ -5,9 +5,10 @@ use nalgebra::Complex;
 use super::arc::Arc;
 use crate::friction::FrictionLaw;
 use crate::integrator::{
-    Clock, Event, EventKind, Mode, Step, Trajectory, derivative, evaluate, sign_changes,
+    Clock, Event, EventKind, Mode, Step, Trajectory, derivative, evaluate, evaluate_four,
+    sign_changes,
 };
-use crate::quadrature::gauss_legendre;
+use crate::quadrature::{gauss_fours, gauss_legendre};
 use crate::{Direction, MassOnBelt, State};
 
 /// Kinds of periodic motion.
@@ -53,6 +54,8 @@ impl std::fmt::Display for CycleKind {
 /// assert!((energy.drive_work - 0.2 * cycle.mean_displacement() * cycle.period()).abs() < 1e-15);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
+///
+/// A period ends where it began, so that what friction does on the mass is what the damper takes, and the drive gives both losses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -275,7 +278,7 @@ impl LimitCycle {
 
     /// Mean displacement (1/T)∮u dτ.
     pub fn mean_displacement(&self) -> f64 {
-        self.integral(|u, _, _| u) / self.period()
+        self.integral_of_displacement() / self.period()
     }
 
     /// Floquet multiplier: the factor by which a small disturbance changes over one period. 0 for a cycle that sticks, because every
@@ -334,15 +337,18 @@ impl LimitCycle {
     /// Work done over one period.
     pub fn energy(&self) -> EnergyBudget {
         let v_b = self.belt_velocity();
+        // The force on the mass is f = u + 2βv + v', and over a period ∮v = ∮v' = ∮(u + v')v = 0.
+        let drive_work = v_b * self.integral_of_displacement();
+        let damper_loss = 2.0 * self.damping * self.integral_of_squared_velocity();
         EnergyBudget {
-            drive_work: v_b * self.integral(|_, _, f| f),
-            belt_work: self.integral(|_, v, f| f * v),
-            damper_loss: 2.0 * self.damping * self.integral(|_, v, _| v * v),
-            friction_loss: self.integral(|_, v, f| f * (v_b - v)),
+            drive_work,
+            belt_work: damper_loss,
+            damper_loss,
+            friction_loss: drive_work - damper_loss,
         }
     }
 
-    /// The motion over one period, from [`state`](Self::state).
+    /// The motion over one period, from [`state`](Self::state). A last step of duration 0 holds what follows at the time T itself.
     ///
     /// ```
     /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -371,22 +377,32 @@ impl LimitCycle {
         Trajectory::new(steps, self.period())
     }
 
-    /// ∮ of a function of u, v and the friction force f on the mass, which the series of the motion gives: f = u + 2βv + v'.
-    fn integral(&self, integrand: impl Fn(f64, f64, f64) -> f64) -> f64 {
+    /// ∮u dτ.
+    fn integral_of_displacement(&self) -> f64 {
         let over = |step: &Step| {
-            let rate = derivative(&step.speed);
-            let sigma = step.direction().map_or(0.0, Direction::sign);
-            gauss_legendre(0.0, step.duration, |t| {
-                let State {
-                    displacement: u,
-                    velocity: v,
-                } = step.state_at(t);
-                integrand(
-                    u,
-                    v,
-                    u + 2.0 * self.damping * v + sigma * evaluate(&rate, t),
-                )
-            })
+            let h = step.duration;
+            // ∫∫s = h² Σ s_k h^k/((k + 1)(k + 2))
+            let twice = std::array::from_fn(|k| step.speed[k] / ((k + 1) * (k + 2)) as f64);
+            let rise = 0.5 * step.belt_velocity + step.sigma() * evaluate(&twice, h);
+            (step.state.displacement + rise * h) * h
+        };
+        self.steps.iter().map(over).sum()
+    }
+
+    /// ∮v² dτ.
+    fn integral_of_squared_velocity(&self) -> f64 {
+        let over = |step: &Step| {
+            let velocity = |s: f64| step.belt_velocity + step.sigma() * s;
+            let four = |(times, weights): ([f64; 4], [f64; 4])| {
+                let speeds = evaluate_four(&step.speed, times);
+                std::iter::zip(weights, speeds)
+                    .map(|(weight, s)| weight * velocity(s) * velocity(s))
+                    .sum::<f64>()
+            };
+            gauss_fours(0.0, step.duration)
+                .map(four)
+                .iter()
+                .sum::<f64>()
         };
         self.steps.iter().map(over).sum()
     }
@@ -396,9 +412,7 @@ impl LimitCycle {
         self.extremes(
             |state| state.displacement,
             |step| {
-                let mut velocity = step
-                    .speed
-                    .map(|c| c * step.direction().map_or(0.0, Direction::sign));
+                let mut velocity = step.speed.map(|c| c * step.sigma());
                 velocity[0] += step.belt_velocity;
                 velocity
             },

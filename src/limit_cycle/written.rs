@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::{CycleKind, CycleSet, EnergyBudget, LimitCycle};
 use crate::integrator::{Clock, Event, EventKind, Mode, Polynomial, Step, derivative, evaluate};
 use crate::quadrature::gauss_legendre;
-use crate::{Direction, Error, State};
+use crate::{Error, State};
 
 /// Distance, relative to the motion's size, that numbers which say the same may lie apart.
 const CLOSE: f64 = 1e-8;
@@ -175,7 +175,7 @@ impl WrittenStep {
             event,
             belt_velocity: v_b,
         };
-        let relative = step.direction().map_or(0.0, Direction::sign) * speed[0];
+        let relative = step.sigma() * speed[0];
         let starts = (velocity - v_b - relative).abs() <= CLOSE * (v_b.abs() + velocity.abs());
         Error::check(
             "velocity",
@@ -272,7 +272,7 @@ impl LimitCycle {
             .map(|(step, next)| {
                 let rate = derivative(&step.speed);
                 let second = derivative(&rate);
-                let sigma = step.direction().map_or(0.0, Direction::sign);
+                let sigma = step.sigma();
                 let slip = gauss_legendre(0.0, step.duration, |t| {
                     let v = step.belt_velocity + sigma * evaluate(&step.speed, t);
                     (sigma * v + evaluate(&second, t)) / evaluate(&rate, t)
