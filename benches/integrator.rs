@@ -12,7 +12,23 @@
 //!
 //! `step`: one Taylor step of the slip phases of the same cycles. There is one order, 26, for every tolerance: steps grow with the order
 //! as their cost does, and from order 18 to 26 the cost of a unit of time changes little, so one that is good at round-off serves all.
-//! Measured: (figures to come).
+//! Measured against order 14, by time per cycle at equal tolerance, errors being about equal: order 26 takes 1.45 times as long at 1e-4, 1.33
+//! times at 1e-6, as long at 1e-8 to 1e-10, and 0.67 times at 1e-12, 0.55 at round-off.
+//!
+//! # Where the time of a step goes
+//!
+//! Clock cycles on a Zen 5 core, polynomial law, native build, 700 in all: the series 460; the defect at four places 75; the bound that says that
+//! no contact comes 35; the rest is waiting: step length from the last coefficients, speed and displacement at the end from the step length,
+//! and only then the next series.
+//!
+//! * It is latency, not arithmetic: replacing multiply-adds by fewer, or halving the loads, changed nothing; 4 cycles more on the way from one
+//!   coefficient to the next cost 110 a step.
+//! * Copies cost most. A point copied as a whole just after it was stored in parts waits until the stores have left the core: 90 cycles a step.
+//! * Sums of products from the middle outwards, in two chains instead of three: nothing in a native build, 15 % in the default one.
+//! * Four chains instead of two when the speed is evaluated: 3 %. Nine instead of three for the displacement: nothing.
+//! * A contact takes 400 cycles, three passes of Newton's method.
+//! * The default build has no fused multiply-add and vectors of two, and takes 1.5 to 1.65 times as long.
+//! * The same source varies by 4 % with where the compiler puts it; less than that was not pursued.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -141,7 +157,7 @@ fn step<L: FrictionLaw>(
     name: &str,
     system: &MassOnBelt<L>,
 ) {
-    let mut flow = flow(system, release(system), Integrator::MIN_TOLERANCE);
+    let mut flow = flow(system, release(system), Integrator::ROUND_OFF);
     group.bench_function(name, |bencher| {
         bencher.iter_custom(|steps| {
             let start = Instant::now();
@@ -166,7 +182,7 @@ fn watching(group: &mut BenchmarkGroup<'_, WallTime>, name: &str, belt_velocity:
         bencher.iter_custom(|periods| {
             let end = cycle.period() * periods as f64;
             let start = Instant::now();
-            flow(&system, cycle.state(), Integrator::MIN_TOLERANCE)
+            flow(&system, cycle.state(), Integrator::ROUND_OFF)
                 .take_while(|step| matches!(step, Ok(step) if step.end_time() < end))
                 .for_each(|step| {
                     black_box(&step);
@@ -184,7 +200,7 @@ fn integrator(criterion: &mut Criterion) {
     let rational = on_belt(Rational::new(0.4, 3.0), 0.1);
     let tabulated = on_belt(measured(), 0.2);
     let coulomb = on_belt(Coulomb::new(0.4, 0.25), 0.1);
-    let round_off = Integrator::MIN_TOLERANCE;
+    let round_off = Integrator::ROUND_OFF;
 
     let laws = vec![
         cycle("polynomial", &polynomial, round_off),

@@ -377,3 +377,13 @@ fn numerics_section_4_2_integrals_are_computed_to_round_off() {
         "{errors:?}"
     );
 }
+
+#[test]
+fn misprint_fig_3_concavity_changes_at_the_stribeck_velocity_over_root_two() {
+    let (v_s, law) = (0.5, Exponential::new(0.4, 0.25, 0.5).unwrap());
+    let turn = v_s * std::f64::consts::FRAC_1_SQRT_2;
+    assert!(law.curvature(turn).abs() < 1e-14);
+    assert!(law.curvature(0.99 * turn) < -1e-3 && law.curvature(1.01 * turn) > 1e-3);
+    // Printed: at v_s, where the curve has long been convex.
+    assert!(law.curvature(v_s) > 0.4);
+}

@@ -11,7 +11,8 @@ use crate::{Direction, Error, MassOnBelt, Reached, State};
 /// The motion from a start state, step by step, without an end: an iterator of [`Step`]s in constant memory.
 ///
 /// Made by [`Integrator::flow`]. Steps follow each other without a gap. After an error comes `None`. A motion that comes to
-/// rest for ever (in stick at v_b = 0, or exactly on an equilibrium) is one last step of infinite duration.
+/// rest for ever (in stick at v_b = 0, or exactly on an equilibrium) is one last step of infinite duration. One that settles to steady sliding
+/// goes on without events: whoever waits for the next event sets [`Integrator::with_max_steps`].
 ///
 /// ```
 /// use stick_slip::{Coulomb, Integrator, MassOnBelt, Mode, State};

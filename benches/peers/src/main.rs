@@ -119,7 +119,14 @@ fn stick_slip<L: FrictionLaw>(set: &Set<L>, tolerance: f64, events: &mut Vec<f64
 fn loosest<L: FrictionLaw>(set: &Set<L>, bound: f64) -> f64 {
     let mut events = Vec::new();
     (8..16)
-        .flat_map(|e| [1.0, 0.5, 0.2].map(|m| m * 10_f64.powi(-e)))
+        .flat_map(|e| {
+            [
+                format!("1e-{e}"),
+                format!("5e-{}", e + 1),
+                format!("2e-{}", e + 1),
+            ]
+        })
+        .map(|decimal| decimal.parse().expect("a number"))
         .chain([Integrator::ROUND_OFF])
         .find(|&tolerance| {
             events.clear();
