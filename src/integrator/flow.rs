@@ -30,7 +30,7 @@ use crate::{Direction, Error, MassOnBelt, Reached, State};
 /// ```
 #[derive(Debug, Clone)]
 pub struct Flow<'s, L> {
-    stepper: Stepper<&'s L>,
+    stepper: Stepper<'s, L>,
     settings: Integrator,
     clock: Clock,
     state: State,

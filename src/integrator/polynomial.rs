@@ -132,7 +132,8 @@ pub(crate) fn quarters(h: f64) -> [f64; 4] {
     [0.25 * h, 0.5 * h, 0.75 * h, h]
 }
 
-/// The roots of a polynomial can't be isolated in bounded work, because its coefficients are far larger than its values: use it less far.
+/// The roots of a polynomial can't be isolated in bounded work, because its coefficients are far larger than its values or it is very flat
+/// about a root: use it less far.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct TooCurved;
 
@@ -249,18 +250,22 @@ impl<'c> Search<'c> {
         visit: &mut impl FnMut(f64, bool) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let width = b - a;
-        // Largest distance of c from its chord.
-        let sagitta = self.curvature * width * width / 8.0;
         let changes = (at_a > 0.0) != (at_b > 0.0);
-        let monotone = (at_b - at_a).abs() > 4.0 * sagitta + 2.0 * self.rounding;
-        let away = !changes && at_a.abs().min(at_b.abs()) > sagitta + self.rounding;
+        let is_settled = |curvature: f64| {
+            // Largest distance of c from its chord.
+            let sagitta = curvature * width * width / 8.0;
+            let monotone = (at_b - at_a).abs() > 4.0 * sagitta + 2.0 * self.rounding;
+            let away = !changes && at_a.abs().min(at_b.abs()) > sagitta + self.rounding;
+            away || monotone || sagitta <= self.rounding
+        };
         let middle = 0.5 * (a + b);
-        let divisible = sagitta > self.rounding
-            && sagitta.is_finite()
-            && a < middle
-            && middle < b
-            && self.divisions.get() < MOST_DIVISIONS;
-        if away || monotone || !divisible {
+        let exhausted = !(a < middle && middle < b) || self.divisions.get() >= MOST_DIVISIONS;
+        let settled = is_settled(self.curvature) || exhausted || {
+            // The bound for [0, b] is the smaller the earlier that is, and worth its time where the one for all of [0, h] is too large.
+            let curvature = curvature_bound(self.c, b);
+            is_settled(curvature) || !curvature.is_finite()
+        };
+        if settled {
             return if changes {
                 visit(self.refine((a, at_a), (b, at_b)), at_b > 0.0)
             } else {
@@ -276,6 +281,10 @@ impl<'c> Search<'c> {
     /// The root between a and b, where c changes sign once: Newton's method kept inside the bracket.
     fn refine(&self, (mut a, at_a): (f64, f64), (mut b, at_b): (f64, f64)) -> f64 {
         let mut t = b + (b - a) * (at_b / (at_a - at_b));
+        // Not at a: that may be another root, at the start.
+        if t <= a {
+            t = 0.5 * (a + b);
+        }
         let slope = derivative(self.c);
         let mut last = f64::INFINITY;
         // Bisection alone takes some 60 passes; Newton's method three or four.

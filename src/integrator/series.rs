@@ -58,17 +58,20 @@ impl Series {
         friction: [0.0; TERMS],
     };
 
-    /// Expands the motion about a point, on one piece of the law, with the rate ds/dt there if it is known better than from the equation.
+    /// Expands the motion about a point, on one piece of the law.
+    ///
+    /// The law comes as an argument of its own: behind a reference inside the system, the compiler would have to load its parameters anew after
+    /// every coefficient stored.
     ///
     /// In place: a copy would load what has just been stored, and wait for it. Kept out of line: inlined into the stepper, it
     /// competes for registers and runs at half the speed.
     #[inline(never)]
     pub(crate) fn expand<L: FrictionLaw>(
         &mut self,
-        system: &MassOnBelt<L>,
+        law: &L,
+        system: &MassOnBelt<&L>,
         workspace: &mut Workspace<TERMS>,
         from: &SlipPoint,
-        rate: Option<f64>,
         piece: usize,
         time: Time,
     ) -> Result<(), Error> {
@@ -84,7 +87,7 @@ impl Series {
         // (k + 1) s_{k+1} = −x_k − 2β s_k − γ² m_k, where x_k = s_{k−1}/k and m_k = slope·s_k + scale·rest. The newest
         // coefficient is put in last, and every factor is finished before.
         let (mut decay, mut older) = (0.0, 0.0);
-        let (value, slope) = expand(system.law(), piece, workspace, s0, |k, s, m| {
+        let (value, slope) = expand(law, piece, workspace, s0, |k, s, m| {
             series[k] = s;
             let weight = -INTEGRAL[k];
             if k == 0 {
@@ -92,7 +95,7 @@ impl Series {
                 friction[0] = m.rest;
                 older = s + belt;
                 let equation = -(sigma * from.displacement) - damping * (s + belt) - load * m.rest;
-                return rate.map_or(equation, |rate| time.sign() * rate);
+                return from.rate.map_or(equation, |rate| time.sign() * rate);
             }
             friction[k] = mul_add(m.slope, s, m.scale * m.rest);
             // x_1 = s_0 + σv_b

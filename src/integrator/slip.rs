@@ -36,8 +36,8 @@ const DEFECT_LIMIT: f64 = 40.0 * TERMS as f64;
 /// Who simulates and who looks for cycles both give it a system that borrows the law, MassOnBelt<&L>: `kinetic` of one type is then called from
 /// one place for each order, and inlined there. Called from two, it is not, and a step takes 1.5 times as long.
 #[derive(Debug, Clone)]
-pub(crate) struct Stepper<L> {
-    system: MassOnBelt<L>,
+pub(crate) struct Stepper<'s, L> {
+    system: MassOnBelt<&'s L>,
     workspace: Workspace<TERMS>,
     /// Of the step taken last.
     series: Series,
@@ -49,8 +49,8 @@ pub(crate) struct Stepper<L> {
     longest: f64,
 }
 
-impl<L: FrictionLaw> Stepper<L> {
-    pub(crate) fn new(system: MassOnBelt<L>, tolerance: f64) -> Self {
+impl<'s, L: FrictionLaw> Stepper<'s, L> {
+    pub(crate) fn new(system: MassOnBelt<&'s L>, tolerance: f64) -> Self {
         Self {
             workspace: Workspace::new(),
             series: Series::ZERO,
@@ -62,7 +62,7 @@ impl<L: FrictionLaw> Stepper<L> {
         }
     }
 
-    pub(crate) fn system(&self) -> &MassOnBelt<L> {
+    pub(crate) fn system(&self) -> &MassOnBelt<&'s L> {
         &self.system
     }
 
@@ -86,9 +86,17 @@ impl<L: FrictionLaw> Stepper<L> {
             time: elapsed,
             state,
         };
-        let (piece, rate) = self.on_piece(point, time);
+        let at_breakpoint;
+        let (piece, point) = match self.on_piece(point, time) {
+            (piece, None) => (piece, point),
+            (piece, rate) => {
+                at_breakpoint = SlipPoint { rate, ..*point };
+                (piece, &at_breakpoint)
+            }
+        };
+        let (law, system) = (*self.system.law(), &self.system);
         self.series
-            .expand(&self.system, &mut self.workspace, point, rate, piece, time)
+            .expand(law, system, &mut self.workspace, point, piece, time)
             .map_err(|error| error.reached_at(reached))?;
         let series = &self.series;
         let speed = &series.speed;
@@ -175,11 +183,11 @@ impl<L: FrictionLaw> Stepper<L> {
         }
     }
 
-    /// The piece of the law that a motion from this point goes through, and its rate there as far as it is known.
+    /// The piece of the law that a motion from this point goes through, and the rate that decided on it.
     #[inline(always)]
     fn on_piece(&self, point: &SlipPoint, time: Time) -> (usize, Option<f64>) {
         if self.breakpoints.is_empty() {
-            (0, point.rate)
+            (0, None)
         } else {
             self.among_pieces(point, time)
         }
@@ -191,7 +199,7 @@ impl<L: FrictionLaw> Stepper<L> {
     fn among_pieces(&self, point: &SlipPoint, time: Time) -> (usize, Option<f64>) {
         let above = self.breakpoints.partition_point(|&b| b <= point.speed);
         if above == 0 || self.breakpoints[above - 1] != point.speed {
-            return (above, point.rate);
+            return (above, None);
         }
         let sigma = point.direction.sign();
         let state = self.state(point);

@@ -26,8 +26,8 @@ pub(crate) enum Arrival {
 /// Follows slip arcs of one system, v_b > 0, to round-off.
 #[derive(Debug, Clone)]
 pub(crate) struct Tracer<'s, L> {
-    system: &'s MassOnBelt<L>,
-    stepper: Stepper<L>,
+    system: &'s MassOnBelt<&'s L>,
+    stepper: Stepper<'s, L>,
     /// The direction of time in which the equilibrium attracts, if it does in one.
     attracts: Option<Time>,
     /// Distance within which it then has the motion for good.
@@ -80,10 +80,7 @@ pub(crate) const FAR: f64 = 16.0;
 const MOST_STEPS: usize = Integrator::DEFAULT_MAX_STEPS;
 
 impl<'s, L: FrictionLaw> Tracer<'s, L> {
-    pub(crate) fn new(system: &'s MassOnBelt<L>) -> Self
-    where
-        L: Copy,
-    {
+    pub(crate) fn new(system: &'s MassOnBelt<&'s L>) -> Self {
         let equilibrium = system.equilibrium_displacement();
         let attracts = system
             .equilibrium()
@@ -104,7 +101,7 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
         }
     }
 
-    pub(crate) fn system(&self) -> &'s MassOnBelt<L> {
+    pub(crate) fn system(&self) -> &'s MassOnBelt<&'s L> {
         self.system
     }
 
