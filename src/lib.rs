@@ -151,7 +151,8 @@
 //! None is on by default.
 //!
 //! * `serde`: laws, systems, scalings, states, events, cycles, equilibria and the points of a diagram implement `Serialize` and `Deserialize`; what is
-//!   read passes the checks of the constructors. A motion is made again from its system and start.
+//!   read passes the checks of the constructors. A motion is made again from its system and start. (With `serde_json`, its feature
+//!   `float_roundtrip` gives every number back to the bit.)
 //! * `rayon`: `bifurcation::par_diagram`, the [diagram](bifurcation::diagram) on all cores, with the same results bit for bit.
 #![forbid(unsafe_code)]
 

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{list, number, system_of, text};
+use common::{list, number, paper, system_of, text};
 use serde_json::Value;
 use stick_slip::bifurcation::{
     Criticality, criticality, fold_velocities, grazing_velocities, hopf_velocities,
@@ -342,4 +342,65 @@ fn damping_that_silences() {
             assert_eq!(cycles(factor), 0, "{factor}");
         }
     }
+}
+
+/// Goes wrong at a speed, and does not say so.
+struct Broken {
+    beyond: fn(f64) -> f64,
+}
+
+impl FrictionLaw for Broken {
+    fn static_coefficient(&self) -> f64 {
+        0.4
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        if speed.value() < 0.2 {
+            speed * -0.5 + 0.4
+        } else {
+            (speed - 0.2) * (self.beyond)(0.1) + 0.3
+        }
+    }
+}
+
+#[test]
+fn hopf_search_ends_whatever_the_range_and_the_law() {
+    let system = paper(0.2);
+    for width in [1e-13, 1e-14, 1e-15] {
+        assert!(
+            hopf_velocities(&system, 0.1..0.1 + width)
+                .unwrap()
+                .is_empty()
+        );
+    }
+    assert!(
+        hopf_velocities(&system, 0.4..0.4_f64.next_up())
+            .unwrap()
+            .is_empty()
+    );
+    let [near] = hopf_velocities(&system, 0.0..1.0).unwrap()[..] else {
+        panic!()
+    };
+    let [wide] = hopf_velocities(&system, 0.0..1e10).unwrap()[..] else {
+        panic!()
+    };
+    assert!((wide - near).abs() < 1e-14);
+    for end in [1e100, 1e300] {
+        assert!(matches!(
+            hopf_velocities(&system, 0.0..end),
+            Err(Error::InvalidParameter { .. })
+        ));
+    }
+
+    // A kink that is not named is passed; what is not a number is an error.
+    let broken = |beyond| {
+        MassOnBelt::new(Broken { beyond }, 0.1)
+            .and_then(|system| system.with_damping(0.05))
+            .unwrap()
+    };
+    let kink = hopf_velocities(&broken(|slope| slope), 0.0..1.0).unwrap();
+    assert!(kink.len() == 1 && (kink[0] - 0.2).abs() < 1e-12, "{kink:?}");
+    assert!(matches!(
+        hopf_velocities(&broken(|_| f64::NAN), 0.0..1.0),
+        Err(Error::NonFiniteFriction { .. } | Error::NotAnalytic { .. })
+    ));
 }

@@ -208,3 +208,15 @@ fn basins_follow_their_table() {
         Attractor::Continuum
     );
 }
+
+/// A stick phase may last 10³⁰⁰ units of time.
+#[test]
+fn the_slowest_cycles_have_finite_numbers() {
+    let system = MassOnBelt::new(Coulomb::new(0.3, 1e-10).unwrap(), 1e-300)
+        .and_then(|system| system.with_damping(0.02))
+        .unwrap();
+    let cycle = limit_cycle::stick_slip(&system).unwrap().unwrap();
+    let energy = cycle.energy();
+    assert!(cycle.period() > 1e299 && cycle.mean_displacement().is_finite());
+    assert!(energy.drive_work.is_finite() && energy.friction_loss.is_finite());
+}

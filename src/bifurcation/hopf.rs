@@ -38,7 +38,8 @@ const LOOK_BACK: f64 = 1e-6;
 ///
 /// # Errors
 ///
-/// [`Error::InvalidParameter`] unless the range is finite, not empty and holds positive velocities; [`Error::NonFiniteFriction`] or
+/// [`Error::InvalidParameter`] unless the range is finite, not empty and holds positive velocities, and if it is so long that the law takes more
+/// than 10⁴ power series; [`Error::NonFiniteFriction`] or
 /// [`Error::NotAnalytic`] if the law has no series somewhere in it.
 ///
 /// ```
@@ -56,8 +57,9 @@ pub fn hopf_velocities<L: FrictionLaw>(
     range: Range<f64>,
 ) -> Result<Vec<f64>, Error> {
     let range = positive(range)?;
-    let longest = (range.end - range.start) / PIECES;
     let mut v = range.start * (1.0 - LOOK_BACK);
+    let longest = (range.end - v) / PIECES;
+    let mut stretches = 0;
     let mut ends: Vec<f64> = system.law().breakpoints().collect();
     ends.retain(|&end| v < end && end < range.end);
     ends.push(range.end);
@@ -69,13 +71,24 @@ pub fn hopf_velocities<L: FrictionLaw>(
     let mut largest = 2.0 * system.damping();
     for end in ends {
         while v < end {
+            Error::check(
+                "range.end",
+                range.end,
+                stretches < MOST_STRETCHES,
+                "a shorter range: it takes more than 10000 power series of the law to get there",
+            )?;
+            stretches += 1;
             let mut stretch = Stretch::new(system, v, longest.min(end - v), &mut largest)?;
             let ends_here = v + stretch.length >= end;
             if !ends_here {
                 stretch.end_away_from_zero();
             }
             changes.follow(v, &stretch, ROUNDING * largest);
-            v = if ends_here { end } else { v + stretch.length };
+            v = if ends_here {
+                end
+            } else {
+                (v + stretch.length).max(v.next_up())
+            };
         }
     }
     changes.roots.retain(|root| range.contains(root));
@@ -133,7 +146,11 @@ impl Stretch {
 
     /// |c_k| length^k.
     fn term(&self, k: usize) -> f64 {
-        self.series[k].abs() * self.length.powi(k as i32)
+        match self.series[k] {
+            // Not 0·∞.
+            0.0 => 0.0,
+            coefficient => coefficient.abs() * self.length.powi(k as i32),
+        }
     }
 
     fn largest_term(&self) -> f64 {
@@ -174,6 +191,9 @@ impl Stretch {
         }
     }
 }
+
+/// Stretches after which a search gives up, well within a second.
+const MOST_STRETCHES: usize = 10_000;
 
 /// Part of a stretch within which a root belongs to a zero at its end.
 const AT_END: f64 = 1e-3;

@@ -293,7 +293,7 @@ impl LimitCycle {
     }
 
     /// Complex amplitudes of the first n harmonics of u: (2/T)∮u e^(−ikωτ) dτ for k = 1, …, n, time counted from [`state`](Self::state),
-    /// ω = 2π/T. The modulus is the amplitude of the harmonic.
+    /// ω = 2π/T. The modulus is the amplitude of the harmonic. Each is a quadrature of its own, so that the cost grows with n².
     ///
     /// ```
     /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -381,10 +381,12 @@ impl LimitCycle {
     fn integral_of_displacement(&self) -> f64 {
         let over = |step: &Step| {
             let h = step.duration;
-            // ∫∫s = h² Σ s_k h^k/((k + 1)(k + 2))
-            let twice = std::array::from_fn(|k| step.speed[k] / ((k + 1) * (k + 2)) as f64);
-            let rise = 0.5 * step.belt_velocity + step.sigma() * evaluate(&twice, h);
-            (step.state.displacement + rise * h) * h
+            let slipped = step.direction().map_or(0.0, |direction| {
+                // ∫∫s = h² Σ s_k h^k/((k + 1)(k + 2))
+                let twice = std::array::from_fn(|k| step.speed[k] / ((k + 1) * (k + 2)) as f64);
+                direction.sign() * evaluate(&twice, h)
+            });
+            (step.state.displacement + (0.5 * step.belt_velocity + slipped) * h) * h
         };
         self.steps.iter().map(over).sum()
     }
@@ -392,7 +394,11 @@ impl LimitCycle {
     /// ∮v² dτ.
     fn integral_of_squared_velocity(&self) -> f64 {
         let over = |step: &Step| {
-            let velocity = |s: f64| step.belt_velocity + step.sigma() * s;
+            let v_b = step.belt_velocity;
+            let Some(direction) = step.direction() else {
+                return v_b * v_b * step.duration;
+            };
+            let velocity = |s: f64| v_b + direction.sign() * s;
             let four = |(times, weights): ([f64; 4], [f64; 4])| {
                 let speeds = evaluate_four(&step.speed, times);
                 std::iter::zip(weights, speeds)
