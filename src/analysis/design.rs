@@ -1,8 +1,11 @@
-//! What keeps a machine quiet: the least damping, and the belt velocity above which nothing vibrates.
+//! What keeps steady sliding stable: the least damping, and the belt velocity above which nothing vibrates.
+//!
+//! Beside a stable steady sliding a stick-slip motion may go on for ever, once a knock has started it; the damping that leaves none is
+//! [`silencing_damping`](crate::bifurcation::silencing_damping), from the exact cycles.
 //!
 //! | Question | any law | polynomial, exponential, Coulomb |
 //! |---|---|---|
-//! | least damping at one belt velocity | [`least_damping`] | [`coulomb::least_damping`] |
+//! | least damping for stability at one belt velocity | [`least_damping`] | [`coulomb::least_damping`] |
 //! | least damping over a range of belt velocities | [`least_damping_over`] | |
 //! | least damping at every belt velocity | | [`QuietLaw::least_damping_everywhere`] |
 //! | belt velocity above which all is quiet | | [`QuietLaw::quiet_velocity`] |

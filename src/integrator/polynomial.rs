@@ -280,12 +280,17 @@ impl<'c> Search<'c> {
 
     /// The root between a and b, where c changes sign once: Newton's method kept inside the bracket.
     fn refine(&self, (mut a, at_a): (f64, f64), (mut b, at_b): (f64, f64)) -> f64 {
-        let mut t = b + (b - a) * (at_b / (at_a - at_b));
-        // Not at a: that may be another root, at the start.
-        if t <= a {
-            t = 0.5 * (a + b);
-        }
         let slope = derivative(self.c);
+        let mut t = b + (b - a) * (at_b / (at_a - at_b));
+        if t <= a {
+            // So close to a that it is rounded away, or a itself is another root, at the start.
+            let newton = a - at_a / evaluate(&slope, a);
+            t = if a < newton && newton < b {
+                newton
+            } else {
+                0.5 * (a + b)
+            };
+        }
         let mut last = f64::INFINITY;
         // Bisection alone takes some 60 passes; Newton's method three or four.
         for _ in 0..128 {
@@ -306,7 +311,8 @@ impl<'c> Search<'c> {
             // Largest distance of the next correction from this one.
             let error = 0.5 * self.curvature * correction * correction / slope_here.abs();
             (t, last) = if a < newton && newton < b {
-                if error <= 0.25 * f64::EPSILON * newton {
+                // And t itself is not so much larger that its rounding would count.
+                if error <= 0.25 * f64::EPSILON * newton && correction.abs() <= 0.5 * newton {
                     return newton;
                 }
                 (newton, correction.abs())
