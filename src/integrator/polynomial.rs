@@ -285,8 +285,8 @@ impl<'c> Search<'c> {
         if t <= a {
             // So close to a that it is rounded away, or a itself is another root, at the start.
             let newton = a - at_a / evaluate(&slope, a);
-            t = if a < newton && newton < b {
-                newton
+            t = if a <= newton && newton < b {
+                newton.max(a.next_up())
             } else {
                 0.5 * (a + b)
             };
