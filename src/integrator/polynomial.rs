@@ -98,18 +98,18 @@ pub(crate) fn evaluate_four(c: &Polynomial, t: [f64; 4]) -> [f64; 4] {
 /// How far the terms of the highest orders stay below `error`: (error/|c_n|)^(1/n) for the last two n, to 6 %.
 #[inline(always)]
 pub(crate) fn reach(c: &Polynomial, error: f64) -> f64 {
-    let by = |n: usize| root(error / c[n].abs(), n);
+    let by = |n: usize| root_of_ratio(error, c[n].abs(), n);
     by(TERMS - 1).min(by(TERMS - 2)).min(FARTHEST)
 }
 
 /// No series is used further, even where its last coefficients vanish: the oscillator turns once in about 2π.
 const FARTHEST: f64 = 8.0;
 
-/// x^(1/n) to 6 %, from the bits of x: exponent and mantissa together are nearly a logarithm.
+/// (x/y)^(1/n) to 6 %, from the bits of x and y: exponent and mantissa together are nearly a logarithm.
 #[inline(always)]
-fn root(x: f64, n: usize) -> f64 {
+fn root_of_ratio(x: f64, y: f64, n: usize) -> f64 {
     const ONE: i64 = 1.0_f64.to_bits() as i64;
-    f64::from_bits((ONE + (x.to_bits() as i64 - ONE) / n as i64) as u64)
+    f64::from_bits((ONE + (x.to_bits() as i64 - y.to_bits() as i64) / n as i64) as u64)
 }
 
 /// Bound of |d²c/dt²| on [0, t]: Σ k(k−1)|c_k| t^(k−2).

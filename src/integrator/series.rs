@@ -84,8 +84,8 @@ impl Series {
         } = self;
 
         let s0 = from.speed;
-        // (k + 1) s_{k+1} = −x_k − 2β s_k − γ² m_k, where x_k = s_{k−1}/k and m_k = slope·s_k + scale·rest. The newest
-        // coefficient is put in last, and every factor is finished before.
+        // (k + 1) s_{k+1} = −x_k − 2β s_k − γ² m_k, where x_k = s_{k−1}/k and m_k = slope·s_k + scale·rest. The rest is put in last: it has waited
+        // for s_{k−1} to pass through the law, and that takes longer than s_k.
         let (mut decay, mut older) = (0.0, 0.0);
         let (value, slope) = expand(law, piece, workspace, s0, |k, s, m| {
             series[k] = s;
@@ -105,8 +105,8 @@ impl Series {
                 weight * INTEGRAL[k - 1] * older
             };
             older = s;
-            let next = mul_add(weight * load * m.scale, m.rest, spring);
-            let next = mul_add(weight * decay, s, next);
+            let next = mul_add(weight * decay, s, spring);
+            let next = mul_add(weight * load * m.scale, m.rest, next);
             if k + 1 == TERMS - 1 {
                 series[k + 1] = next;
             }
