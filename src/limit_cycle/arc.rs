@@ -143,7 +143,7 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
             {
                 // Between two steps, where rounding may put it before the one and after the other.
                 Some(0.0)
-            } else if behind && (grows || falls_below_zero(&speed, duration, v_b)) {
+            } else if behind && may_turn(&speed, duration, v_b, grows) {
                 next_maximum(&speed, duration, v_b, &mut grows)
             } else {
                 None
@@ -228,9 +228,12 @@ fn rate_at_end(step: &Step) -> f64 {
     evaluate(&derivative(&step.speed), step.duration)
 }
 
-/// Whether the velocity of a lagging motion is negative anywhere in (0, h): it stays so for about half a turn, longer than a quarter of any step.
-fn falls_below_zero(speed: &Polynomial, h: f64, v_b: f64) -> bool {
-    evaluate_four(speed, quarters(h)).iter().any(|&s| s > v_b)
+/// Whether the velocity of a lagging motion may have a maximum in (0, h): only after it grew, or was negative, and where it is positive. It
+/// keeps its sign for about half a turn, longer than a quarter of any step.
+fn may_turn(speed: &Polynomial, h: f64, v_b: f64, grows: bool) -> bool {
+    let speeds = evaluate_four(speed, quarters(h));
+    let negative = |s: &f64| *s > v_b;
+    (grows || speeds.iter().any(negative)) && !(speed[0] > v_b && speeds.iter().all(negative))
 }
 
 /// First time in (0, h) at which the velocity of a lagging motion has a maximum: the sliding speed has a minimum, and `grows`, which is set

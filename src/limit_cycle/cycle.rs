@@ -2,7 +2,7 @@ use std::ops::ControlFlow;
 
 use nalgebra::Complex;
 
-use super::arc::Arc;
+use super::arc::{Arc, Arrival};
 use crate::friction::FrictionLaw;
 use crate::integrator::{
     Clock, Event, EventKind, Mode, Step, Trajectory, derivative, evaluate, evaluate_four,
@@ -112,68 +112,57 @@ impl LimitCycle {
     /// Joins arcs of slip, and a stick phase up to `release` if the last one ends in stick.
     pub(super) fn join<L: FrictionLaw>(
         system: &MassOnBelt<L>,
-        arcs: &[Arc],
+        arcs: impl IntoIterator<Item = Arc>,
         kind: CycleKind,
         multiplier: f64,
     ) -> Self {
         let v_b = system.belt_velocity();
-        let mut clock = Clock::default();
-        let mut steps: Vec<Step> =
-            Vec::with_capacity(1 + arcs.iter().map(|arc| arc.steps.len()).sum::<usize>());
-        let mut push = |step: Step, kind: Option<EventKind>, displacement: f64| {
-            let start = clock;
-            clock = start.after(step.duration);
-            let state = State::new(displacement, v_b);
-            let event = kind.map(|kind| Event {
-                time: clock.time,
-                kind,
-                state,
-            });
-            steps.push(Step {
-                start,
-                event,
-                ..step
-            });
+        // Times are filled in at the end.
+        let event = |kind: EventKind, displacement: f64| Event {
+            time: 0.0,
+            kind,
+            state: State::new(displacement, v_b),
         };
-        let mut sticks_at = None;
-        for arc in arcs {
-            let (last, before) = arc
-                .steps
-                .split_last()
-                .map_or((None, &[][..]), |(last, before)| (Some(last), before));
-            for step in before {
-                push(*step, None, 0.0);
-            }
-            let Some(last) = last else { continue };
-            let (event, displacement) = match arc.arrival {
-                super::arc::Arrival::Contact(displacement) => {
-                    match system.slides_at(displacement) {
-                        Some(direction) => (Some(EventKind::Crossing(direction)), displacement),
-                        None => {
-                            sticks_at = Some(displacement);
-                            (Some(EventKind::Stick), displacement)
-                        }
+        let mut steps = Vec::new();
+        for mut arc in arcs {
+            let sticks_at = match arc.arrival {
+                Arrival::Contact(displacement) => {
+                    let crossing = system.slides_at(displacement).map(EventKind::Crossing);
+                    if let Some(last) = arc.steps.last_mut() {
+                        last.event =
+                            Some(event(crossing.unwrap_or(EventKind::Stick), displacement));
                     }
+                    crossing.is_none().then_some(displacement)
                 }
-                _ => (None, 0.0),
+                _ => None,
             };
-            push(*last, event, displacement);
+            if let (Some(displacement), Some(release)) = (sticks_at, system.release_state()) {
+                arc.steps.push(Step {
+                    start: Clock::default(),
+                    duration: (release.displacement - displacement) / v_b,
+                    mode: Mode::Stick,
+                    state: State::new(displacement, v_b),
+                    speed: Step::AT_REST_ON_BELT,
+                    event: Some(event(
+                        EventKind::Release(Direction::Lagging),
+                        release.displacement,
+                    )),
+                    belt_velocity: v_b,
+                });
+            }
+            if steps.is_empty() {
+                steps = arc.steps;
+            } else {
+                steps.append(&mut arc.steps);
+            }
         }
-        if let (Some(displacement), Some(release)) = (sticks_at, system.release_state()) {
-            let stick = Step {
-                start: Clock::default(),
-                duration: (release.displacement - displacement) / v_b,
-                mode: Mode::Stick,
-                state: State::new(displacement, v_b),
-                speed: Step::AT_REST_ON_BELT,
-                event: None,
-                belt_velocity: v_b,
-            };
-            push(
-                stick,
-                Some(EventKind::Release(Direction::Lagging)),
-                release.displacement,
-            );
+        let mut clock = Clock::default();
+        for step in &mut steps {
+            step.start = clock;
+            clock = clock.after(step.duration);
+            if let Some(event) = &mut step.event {
+                event.time = clock.time;
+            }
         }
         Self {
             steps,

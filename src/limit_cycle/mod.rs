@@ -68,7 +68,7 @@ pub(crate) use maps::{Contacts, ReleaseFate};
 pub fn stick_slip<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Option<LimitCycle>, Error> {
     forward(system, |system| {
         let fate = Tracer::new(system).release_fate()?;
-        Ok(through_release(system, &fate))
+        Ok(through_release(system, fate))
     })
     .map(|cycle| cycle.flatten().map(|cycle| facing(system, cycle)))
 }
@@ -135,15 +135,15 @@ fn find_with<L: FrictionLaw>(
         set.unresolved = peaks.unresolved;
         for peak in peaks.roots {
             let (arc, multiplier) = tracer.pure_slip(peak)?;
-            let cycle = LimitCycle::join(system, &[arc], CycleKind::PureSlip, multiplier);
+            let cycle = LimitCycle::join(system, [arc], CycleKind::PureSlip, multiplier);
             set.cycles.push(cycle);
         }
     }
-    set.cycles.extend(through_release(system, fate));
+    set.cycles.extend(through_release(system, fate.clone()));
     let forces = tracer.crossing_forces(fate)?;
     let mut crossing = |force: f64| -> Result<Option<LimitCycle>, Error> {
         Ok(tracer.crossing(force)?.map(|(arcs, multiplier)| {
-            LimitCycle::join(system, &arcs, CycleKind::Crossing, multiplier)
+            LimitCycle::join(system, arcs, CycleKind::Crossing, multiplier)
         }))
     };
     for force in forces.roots {
@@ -169,7 +169,7 @@ fn facing<L: FrictionLaw>(system: &MassOnBelt<L>, cycle: LimitCycle) -> LimitCyc
 
 fn through_release<L: FrictionLaw>(
     system: &MassOnBelt<L>,
-    fate: &ReleaseFate,
+    fate: ReleaseFate,
 ) -> Option<LimitCycle> {
     let ReleaseFate::Stick { arcs } = fate else {
         return None;
