@@ -46,7 +46,8 @@ fn during(reached: &Option<Reached>) -> String {
 
 /// Why a law, a system or an integration was refused or could not go on.
 ///
-/// Every variant carries the numbers that a caller needs to decide what to do; the message names the remedy.
+/// Every variant carries the numbers that a caller needs to decide what to do, dimensionless but for the arguments of
+/// [`Scaling`](crate::Scaling); the message names the remedy.
 ///
 /// | variant | when | what to do |
 /// |---|---|---|
@@ -79,14 +80,14 @@ fn during(reached: &Option<Reached>) -> String {
 /// );
 /// assert_eq!(
 ///     error.to_string(),
-///     "minimum_coefficient = 5e-1 is not allowed; give a finite number with 0 ≤ minimum_coefficient ≤ static_coefficient"
+///     "minimum_coefficient = 5e-1 is not allowed; give a finite number: 0 ≤ minimum_coefficient ≤ static_coefficient"
 /// );
 /// ```
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A parameter of a law, a system or the integrator is outside its range, infinite or NaN.
-    #[error("{name} = {value:e} is not allowed; give a finite number with {allowed}")]
+    #[error("{name} = {value:e} is not allowed; give a finite number: {allowed}")]
     InvalidParameter {
         /// The parameter, by its name in the constructor.
         name: &'static str,
@@ -98,7 +99,7 @@ pub enum Error {
 
     /// A point of a table is not allowed.
     #[error(
-        "point {index} of the table, counted from 0: {name} = {value:e} is not allowed; give a finite number with {allowed}"
+        "point {index} of the table, counted from 0: {name} = {value:e} is not allowed; give a finite number: {allowed}"
     )]
     BadPoint {
         /// Position of the point, from 0.
@@ -205,7 +206,7 @@ pub enum Error {
 
     /// The limit of steps was reached.
     #[error(
-        "{limit} steps were not enough {reached}; raise the limit with `with_max_steps`, shorten the run, or use `flow`. Steps far below 0.1 mean a stiff system (large γ²·dμ̂/ds)"
+        "{limit} steps were not enough {reached}; in a simulation raise the limit with `with_max_steps`, shorten the run, or use `flow`. Steps far below 0.1 mean a stiff system (large γ²·dμ̂/ds), or a law with a jump or kink that is not named as a breakpoint"
     )]
     TooManySteps {
         /// The limit in force.

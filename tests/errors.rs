@@ -248,6 +248,13 @@ fn bad_point() {
         (vec![(0.1, 0.4), (0.2, 0.3)], 0, "speed", 0.1),
         (vec![(0.0, 0.4), (0.2, 0.3), (0.2, 0.2)], 2, "speed", 0.2),
         (vec![(0.0, 0.4), (0.2, -0.3)], 1, "coefficient", -0.3),
+        (
+            vec![(0.0, 0.4), (0.1, 0.3), (0.1f64.next_up(), 1e300)],
+            2,
+            "speed",
+            0.1f64.next_up(),
+        ),
+        (vec![(0.0, 0.4), (1e-200, 0.3)], 1, "speed", 1e-200),
     ] {
         let error = Tabulated::new(points).unwrap_err();
         let Error::BadPoint {

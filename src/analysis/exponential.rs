@@ -35,7 +35,7 @@ impl HopfPoint {
 ///
 /// on either side of x = 1/√2. Dimensionless, exact to rounding (near c = 1/√(2e) both roots are ill-conditioned). `None`
 /// where c ≥ 1/√(2e): steady sliding is stable at every belt velocity; and where c = 0 (β = 0): unstable at every belt
-/// velocity. The system's own v_b is ignored.
+/// velocity. The system's own v_b is ignored. For any law: [`bifurcation::hopf_velocities`](crate::bifurcation::hopf_velocities).
 ///
 /// The low one is always supercritical. The paper says that this law behaves "almost similar" to the polynomial one: it
 /// does not, for it never rises, and on a slow belt sliding is stable.

@@ -260,7 +260,7 @@ pub enum Criticality {
     Supercritical,
     /// An unstable cycle surrounds the stable equilibrium: μ̂'''(v_b) < 0.
     Subcritical,
-    /// The third derivative is zero; higher ones decide.
+    /// The third derivative is zero, and higher ones decide; or it is not a number.
     Degenerate,
 }
 

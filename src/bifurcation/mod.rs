@@ -43,7 +43,8 @@ use scan::sign_changes;
 /// the stick-slip cycle dies alone.
 ///
 /// The function followed is smooth through its roots: w²/(2v_b) for a contact with the relative velocity's rate w, and V − v_b for a motion that
-/// turns back at a velocity maximum V below. The range is divided into 64 intervals, and those in which a root may hide into up to 2¹⁰ more.
+/// turns back at a velocity maximum V below. The range is divided into 64 intervals, and those in which a root may hide into up to 2¹⁰ more:
+/// a range a thousand times wider than where the system vibrates may show nothing.
 ///
 /// # Errors
 ///

@@ -80,7 +80,7 @@ pub trait FrictionLaw {
     /// Kinetic coefficient μ̂(s) at sliding speed s ≥ 0; at s = 0 its limit from above. Dimensionless.
     fn kinetic<S: Scalar>(&self, speed: S) -> S;
 
-    /// Speeds at which the pieces of the law meet: ascending, positive. None for an analytic law.
+    /// Speeds at which the pieces of the law meet: finitely many, ascending, positive. None for an analytic law.
     fn breakpoints(&self) -> impl Iterator<Item = f64> {
         std::iter::empty()
     }

@@ -93,13 +93,15 @@ impl Tabulated {
         }
         let pieces = pieces(&points);
         for (index, piece) in pieces.iter().enumerate() {
+            // Between this point and the next, if there is one.
+            let next = (index + 1).min(points.len() - 1);
             Error::check(
                 "speed",
-                piece.start,
+                points[next].0,
                 piece.c.iter().all(|c| c.is_finite()),
-                "points so far apart that the slopes between them do not overflow",
+                "so far from the speed before that the slopes between them do not overflow",
             )
-            .map_err(|error| error.at_point(index))?;
+            .map_err(|error| error.at_point(next))?;
         }
         let static_coefficient = points.first().map_or(f64::NAN, |point| point.1);
         Ok(Self {
