@@ -337,11 +337,15 @@ fn other_units_of_length_change_no_bit() {
 }
 
 /// A restart from a state in the middle of a slip phase leads to the same events. How well they must agree is measured: every datum of the
-/// problem is changed by a few roundings for each step, and the events move by so much.
+/// problem is changed by a few roundings for each step, and the events move by so much; and a step before a contact has an error of its own,
+/// which moves the contact by error/rate.
+///
+/// A step is accepted with an error of up to 486 roundings, but has less than one as a rule: 99 of 100 events are held to that, and all to 100;
+/// the worst of 26 000 had 29.
 #[test]
 fn restart_in_mid_phase_gives_the_same_events() {
-    let (compared, undecided) = (Cell::new(0), Cell::new(0));
-    check(1000, |case| {
+    let (ratios, undecided) = (RefCell::new(Vec::new()), Cell::new(0));
+    check(10_000, |case| {
         let (steps, error) = case.run();
         if error.is_some() {
             return Ok(());
@@ -403,23 +407,45 @@ fn restart_in_mid_phase_gives_the_same_events() {
             let spread = (perturbed.iter())
                 .map(|other| (other[i].time - again.time).abs())
                 .fold(0.0, f64::max);
+            let by_rounding = spread
+                + EPS
+                    * (2.0 * event.time
+                        + case.scale(event.state) / contact_rate(system, &steps, event));
             let difference = (again.time + time - event.time).abs();
-            // A step is accepted with an error of up to 1080 tolerances, 486 roundings, and seldom has a hundredth of that.
-            let allowed = 122.0 * spread + 8.0 * EPS * event.time;
+            let allowed = 100.0 * by_rounding;
+            ratios.borrow_mut().push(difference / by_rounding);
             prop_assert!(
                 difference <= allowed,
                 "event {i}, {event}: {difference:e}, allowed {allowed:e}"
             );
-            compared.set(compared.get() + 1);
         }
         Ok(())
     });
+    let mut ratios = ratios.into_inner();
+    ratios.sort_by(f64::total_cmp);
+    let typical = ratios[ratios.len() * 99 / 100];
     println!(
-        "{} events compared, {} undecided",
-        compared.get(),
-        undecided.get()
+        "{} events compared, {} undecided; 99 of 100 differ by {typical} roundings, all by {:?}",
+        ratios.len(),
+        undecided.get(),
+        ratios.last()
     );
-    assert!(compared.get() > 4 * undecided.get());
+    assert!(typical <= 1.0);
+    assert!(ratios.len() > 4 * undecided.get());
+}
+
+/// |dv_r/dτ| just before an event that ends a slip phase; infinite for one that does not.
+fn contact_rate(system: &MassOnBelt<Any>, steps: &[Step], event: &Event) -> f64 {
+    let ended = steps.iter().find(|step| step.event() == Some(*event));
+    let Some(Mode::Slip(direction)) = ended.map(Step::mode) else {
+        return f64::INFINITY;
+    };
+    let friction = -direction.sign() * system.load() * system.law().kinetic(0.0);
+    let State {
+        displacement,
+        velocity,
+    } = event.state;
+    (friction - displacement - 2.0 * system.damping() * velocity).abs()
 }
 
 /// A narrow feature of the law that the motion passes inside one long step: it comes as close to the belt as the width of the feature, at any
