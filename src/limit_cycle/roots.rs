@@ -288,7 +288,7 @@ impl Found {
         loop {
             let correction = (now.value / now.slope).abs();
             // Quadratic convergence ends where rounding takes over and corrections no longer shrink.
-            let settled = correction <= NEWTON_REGIME * now.x && correction >= 0.25 * last;
+            let settled = now.vanishes() && correction >= 0.25 * last;
             if settled || correction <= 0.5 * f64::EPSILON * now.x {
                 break;
             }
@@ -322,8 +322,8 @@ impl Found {
     }
 }
 
-/// Relative correction below which Newton's method must be converging quadratically, if it is not at the rounding floor.
-const NEWTON_REGIME: f64 = 1e-7;
-
 /// A function that is still larger when its bracket has shrunk to nothing jumps over zero.
 const JUMP: f64 = 1e-7;
+
+#[cfg(test)]
+mod tests;
