@@ -12,8 +12,8 @@ use stick_slip::limit_cycle::{self, Attractor, Continuum};
 use stick_slip::{
     AnyLaw, Coulomb, CycleKind, CycleSet, Direction, EnergyBudget, Equilibrium, Error, Event,
     EventKind, Exponential, Flow, FrictionLaw, Integrator, LimitCycle, MassOnBelt, Mode, Physical,
-    Polynomial, Rational, Reached, Scaled, Scaling, Stability, State, Step, Stribeck, Tabulated,
-    Trajectory,
+    Polynomial, Rational, Reached, Scalar, Scaled, Scaling, Stability, State, Step, Stribeck,
+    Tabulated, Trajectory,
 };
 
 #[test]
@@ -215,4 +215,34 @@ fn the_same_bits_on_all_cores() {
     let with_bad = [0.2, f64::NAN, 0.3];
     let shared = bifurcation::par_diagram(&paper(0.2), &with_bad);
     assert!(shared[0].is_ok() && shared[1].is_err() && shared[2].is_ok());
+}
+
+/// h1 = 2β + γ² dμ̂/ds(v_b), at and beside the values at which the kind of the equilibrium changes.
+#[test]
+fn the_kind_of_an_equilibrium_changes_where_h1_is_two_and_zero() {
+    struct Linear(f64);
+    impl FrictionLaw for Linear {
+        fn static_coefficient(&self) -> f64 {
+            1.0
+        }
+        fn kinetic<S: Scalar>(&self, speed: S) -> S {
+            speed * self.0 + 1.0
+        }
+    }
+    for (h1, kind) in [
+        (2.0_f64.next_up(), Stability::StableNode),
+        (2.0, Stability::StableNode),
+        (2.0_f64.next_down(), Stability::StableFocus),
+        (f64::MIN_POSITIVE, Stability::StableFocus),
+        (0.0, Stability::Center),
+        (-f64::MIN_POSITIVE, Stability::UnstableFocus),
+        (-2.0_f64.next_down(), Stability::UnstableFocus),
+        (-2.0, Stability::UnstableNode),
+        (-2.0_f64.next_up(), Stability::UnstableNode),
+    ] {
+        let system = MassOnBelt::new(Linear(h1), 0.1).unwrap();
+        let equilibrium = system.equilibrium().unwrap();
+        assert_eq!(equilibrium.stability, kind, "{h1:e}");
+        assert_eq!(equilibrium.is_stable(), h1 > 0.0);
+    }
 }

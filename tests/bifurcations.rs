@@ -404,3 +404,18 @@ fn hopf_search_ends_whatever_the_range_and_the_law() {
         Err(Error::NonFiniteFriction { .. } | Error::NotAnalytic { .. })
     ));
 }
+
+#[test]
+fn criticality_is_the_sign_of_the_third_derivative() {
+    let of = |made: Made, v_b: f64| criticality(&self::made(made, 0.0), v_b);
+    // cos 20s has the third derivative 8000 sin 20s.
+    for (v_b, expected) in [
+        (0.02, Criticality::Supercritical),
+        (0.2, Criticality::Subcritical),
+    ] {
+        assert_eq!(of(Made::Waves(0.1), v_b), expected);
+        assert_eq!(of(Made::Waves(0.1), -v_b), expected);
+    }
+    let flat = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), 0.2).unwrap();
+    assert_eq!(criticality(&flat, 0.2), Criticality::Degenerate);
+}

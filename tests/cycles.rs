@@ -4,7 +4,7 @@ mod common;
 
 use common::{list, number, system_of, text};
 use serde_json::Value;
-use stick_slip::{CycleKind, CycleSet, FrictionLaw, LimitCycle, MassOnBelt, limit_cycle};
+use stick_slip::{CycleKind, CycleSet, FrictionLaw, LimitCycle, MassOnBelt, State, limit_cycle};
 
 /// Checks every number that the reference gives of a cycle; returns the worst error relative to max(1, |value|).
 fn compare(id: &str, cycle: &LimitCycle, expected: &Value) -> f64 {
@@ -152,4 +152,54 @@ fn overshoot_and_crossing_of_the_reference() {
         }
     }
     println!("worst error {worst:e}");
+}
+
+/// (u, v, v_b) → (−u, −v, −v_b), to the bit.
+#[test]
+fn cycles_on_a_belt_that_runs_backwards_are_mirror_images() {
+    let data = [
+        include_str!("data/cycles.json"),
+        include_str!("data/overshoot.json"),
+    ];
+    let data = data.map(|text| serde_json::from_str::<Value>(text).unwrap());
+    let mut kinds = std::collections::HashSet::new();
+    for case in data.iter().flat_map(|data| list(&data["cases"])) {
+        let system = system_of(case);
+        let mirror = system
+            .clone()
+            .with_belt_velocity(-system.belt_velocity())
+            .unwrap();
+        let [here, there] = [&system, &mirror].map(|system| limit_cycle::find(system).unwrap());
+        let one = [&system, &mirror].map(|system| limit_cycle::stick_slip(system).unwrap());
+        assert_eq!(here.len(), there.len());
+        let found = here.iter().zip(&there).map(|(a, b)| [a.clone(), b.clone()]);
+        for [a, b] in found.chain(
+            one.iter()
+                .all(Option::is_some)
+                .then(|| one.map(Option::unwrap)),
+        ) {
+            kinds.insert(a.kind());
+            assert_eq!(
+                (a.kind(), a.period(), a.multiplier(), a.energy()),
+                (b.kind(), b.period(), b.multiplier(), b.energy())
+            );
+            assert_eq!(
+                (a.max_velocity(), a.min_velocity()),
+                (-b.min_velocity(), -b.max_velocity())
+            );
+            assert_eq!(a.max_displacement(), -b.min_displacement());
+            assert_eq!(
+                a.state(),
+                State::new(-b.state().displacement, -b.state().velocity)
+            );
+            assert_eq!(a.leading_duration(), b.leading_duration());
+            for (a, b) in a.trajectory().events().iter().zip(b.trajectory().events()) {
+                assert_eq!(
+                    (a.time, a.state.displacement),
+                    (b.time, -b.state.displacement)
+                );
+            }
+        }
+    }
+    assert_eq!(kinds.len(), 4, "{kinds:?}");
 }

@@ -355,3 +355,69 @@ fn cycles_that_are_none_are_refused() {
     let error = serde_json::from_value::<CycleSet>(set([outer, inner])).unwrap_err();
     assert!(error.to_string().contains("ascending"), "{error}");
 }
+
+/// What a cycle holds twice may differ by 1e-8 of the motion's size, and not by more: of its period; of |u| + amplitude + |v_b|; and of the
+/// square of that times the period.
+#[test]
+fn numbers_of_a_cycle_agree_within_a_hundred_millionth() {
+    let read = serde_json::from_value::<LimitCycle>;
+    let scaled = [(0.013, 0.2), (4.0, 150.0)].map(|(v_b, load)| {
+        let coulomb = Coulomb::new(0.4, 0.25).unwrap();
+        let system = MassOnBelt::new(coulomb, v_b)
+            .and_then(|system| system.with_load(load))
+            .and_then(|system| system.with_damping(0.01));
+        limit_cycle::stick_slip(&system.unwrap()).unwrap().unwrap()
+    });
+    for cycle in cycles().into_iter().step_by(3).chain(scaled) {
+        let written = serde_json::to_value(&cycle).unwrap();
+        let (v_b, period) = (
+            written["belt_velocity"].as_f64().unwrap().abs(),
+            cycle.period(),
+        );
+        let size = cycle.max_displacement().abs() + cycle.amplitude() + v_b;
+        let work = size * size * period;
+        let event = cycle.trajectory().events().first().map(|event| event.time);
+        let speed = written["steps"][0]["state"]["velocity"]
+            .as_f64()
+            .unwrap()
+            .abs()
+            + v_b;
+        let ended = written["steps"].as_array().unwrap();
+        let ended = ended.iter().position(|step| !step["event"].is_null());
+        let ended = format!("/steps/{}/event/time", ended.unwrap_or(0));
+        for (pointer, size) in [
+            ("/period", period),
+            ("/stick_duration", period),
+            ("/amplitude", size),
+            ("/mean_displacement", size),
+            ("/max_velocity", size),
+            ("/min_velocity", size),
+            ("/energy/drive_work", work),
+            ("/energy/belt_work", work),
+            ("/energy/damper_loss", work),
+            ("/energy/friction_loss", work),
+            (
+                "/steps/0/state/displacement",
+                cycle.amplitude() + cycle.max_displacement().abs() + v_b,
+            ),
+            ("/steps/0/state/velocity", speed),
+            (&ended, event.unwrap_or(0.0)),
+        ] {
+            for (part, accepted) in [(0.4, true), (-0.4, true), (2.5, false), (-2.5, false)] {
+                let mut changed = written.clone();
+                let Some(number) = changed.pointer_mut(pointer) else {
+                    assert_eq!(event, None, "{pointer}");
+                    continue;
+                };
+                *number = (number.as_f64().unwrap() + part * 1e-8 * size).into();
+                let result = read(changed);
+                assert_eq!(
+                    result.is_ok(),
+                    accepted,
+                    "{pointer} {part}: {:?}",
+                    result.err()
+                );
+            }
+        }
+    }
+}
