@@ -14,7 +14,7 @@ use stick_slip::analysis::coulomb::{
 use stick_slip::analysis::design::{self, QuietLaw};
 use stick_slip::analysis::exponential::hopf_velocities;
 use stick_slip::analysis::{PureSlip, Regime, StickSlip, equilibrium, regime};
-use stick_slip::{Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, State};
+use stick_slip::{Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Scalar, State};
 
 fn cases(file: &str, kind: &str) -> Vec<Value> {
     let all: Value = serde_json::from_str(match file {
@@ -503,5 +503,290 @@ fn damping_that_keeps_it_quiet() {
     let everywhere = Exponential::least_damping_everywhere(&exponential);
     assert!(
         (design::least_damping_over(&exponential, 0.0..9.0).unwrap() - everywhere).abs() < 1e-16
+    );
+}
+
+#[test]
+fn least_damping_is_that_of_the_pieces_in_the_range_alone() {
+    let table = Table {
+        static_coefficient: 0.5,
+        points: vec![(0.0, 0.45), (0.1, 0.4), (0.25, 0.38), (1.0, 0.0)],
+    };
+    let system = MassOnBelt::new(table, 0.2).unwrap().with_load(1.5).unwrap();
+    // Slopes −1/2, −2/15 and −0.38/0.75, from one breakpoint to the next.
+    for (range, slope) in [
+        (0.0..0.1, 0.5),
+        (0.1..0.25, 2.0 / 15.0),
+        (0.25..0.3, 0.38 / 0.75),
+        (0.05..0.2, 0.5),
+        (0.2..0.3, 0.38 / 0.75),
+    ] {
+        let damping = design::least_damping_over(&system, range.clone()).unwrap();
+        assert!((damping - 0.75 * slope).abs() < 1e-15, "{range:?}");
+    }
+    for (v_b, slope) in [(0.05, 0.5), (0.2, 2.0 / 15.0), (0.5, 0.38 / 0.75)] {
+        let here = system.clone().with_belt_velocity(-v_b).unwrap();
+        assert!((design::least_damping(&here).unwrap() - 0.75 * slope).abs() < 1e-15);
+    }
+    // An empty range, and one turned round.
+    for end in [0.3, 0.2] {
+        assert!(design::least_damping_over(&system, 0.3..end).is_err());
+    }
+}
+
+#[test]
+fn least_damping_finds_the_steepest_fall_at_any_scale() {
+    // Exponential law: steepest at v_s/√2, whatever the range around it.
+    for drop in [0.15, 1e-3, 1e-9] {
+        let law = Exponential::new(0.4, 0.4 - drop, 0.3).unwrap();
+        let system = MassOnBelt::new(law, 0.2).unwrap().with_load(1.7).unwrap();
+        let everywhere = Exponential::least_damping_everywhere(&system);
+        let steepest = system.with_belt_velocity(0.3 * 0.5_f64.sqrt()).unwrap();
+        let found = design::least_damping(&steepest).unwrap();
+        assert!((found / everywhere - 1.0).abs() < 1e-14, "{drop}");
+        for range in [0.0..1.0, 0.1..2.0, 0.2..0.25] {
+            let found = design::least_damping_over(&system, range).unwrap();
+            assert!((found / everywhere - 1.0).abs() < 1e-14, "{drop}");
+        }
+    }
+    let system = paper(0.2).with_load(1.7).unwrap();
+    let over = design::least_damping_over(&system, 0.0..2.0).unwrap();
+    assert!((Polynomial::least_damping_everywhere(&system) / over - 1.0).abs() < 1e-14);
+}
+
+#[test]
+fn laws_are_looked_at_in_the_range_alone_and_vertical_tangents_are_errors() {
+    /// Ends at s = 0.8 with a vertical tangent.
+    struct Ends;
+    impl FrictionLaw for Ends {
+        fn static_coefficient(&self) -> f64 {
+            1.0
+        }
+        fn kinetic<S: Scalar>(&self, speed: S) -> S {
+            (-speed + 0.8).sqrt()
+        }
+    }
+    let system = MassOnBelt::new(Ends, 0.5).unwrap();
+    // The slope −1/(2√(0.8 − s)), halved.
+    let found = design::least_damping_over(&system, 0.3..0.55).unwrap();
+    assert!((found - 0.5).abs() < 1e-15);
+    for end in [0.8, 0.9] {
+        let error = design::least_damping_over(&system, 0.3..end).unwrap_err();
+        assert!(
+            matches!(error, Error::NonFiniteFriction { speed, value, .. } if speed >= 0.8 && !value.is_finite()),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn laws_that_do_not_fall_are_quiet() {
+    let flat = MassOnBelt::new(Exponential::new(0.4, 0.4, 0.5).unwrap(), 0.2).unwrap();
+    assert_eq!(Exponential::quiet_velocity(&flat), Some(0.0));
+    let level = MassOnBelt::new(Coulomb::new(0.4, 0.4).unwrap(), 0.2).unwrap();
+    assert_eq!(Coulomb::least_damping_everywhere(&level), 0.0);
+}
+
+#[test]
+fn tangential_slip_needs_damping_between_none_and_critical() {
+    for damping in [-0.1, 0.0, 1.0, 1.5] {
+        assert_eq!(tangential_slip(damping), None);
+    }
+    // It returns to the belt with u'' = 0 relative to it: half a turn at least, a full one at most.
+    for damping in [1e-12, 0.1, 0.5, 0.99] {
+        let turn = tangential_slip(damping).unwrap().duration * (1.0 - damping * damping).sqrt();
+        assert!(PI < turn && turn < TAU, "{damping}");
+    }
+}
+
+#[test]
+fn least_damping_undoes_the_largest_velocity_for_strong_damping_too() {
+    for damping in [0.6, 0.9, 0.99] {
+        let system = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), 0.1)
+            .and_then(|system| system.with_damping(damping))
+            .unwrap();
+        let largest = largest_stick_slip_velocity(&system);
+        let least = least_damping(&system.with_belt_velocity(largest).unwrap()).unwrap();
+        assert!((least / damping - 1.0).abs() < 1e-14, "{damping}: {least}");
+    }
+}
+
+#[test]
+fn free_vibration_rests_at_the_first_turning_point_in_the_band() {
+    let law = Coulomb::new(0.31, 0.17).unwrap();
+    let system = MassOnBelt::new(law, 0.0).unwrap().with_load(0.7).unwrap();
+    let (band, step) = (0.7 * 0.31, 2.0 * 0.7 * 0.17);
+    for n in 0..400 {
+        // From between two borders n swings are certain; at a border, where rounding decides, the band itself must.
+        let border = band + step * f64::from(n);
+        for start in [
+            border - 0.5 * step,
+            border.next_down().next_down(),
+            border.next_down(),
+            border,
+            border.next_up(),
+            border.next_up().next_up(),
+        ] {
+            let motion = FreeVibration::new(&system, State::new(-start, 0.0)).unwrap();
+            let turns: Vec<(f64, f64)> = motion.turning_points().collect();
+            let (last, earlier) = turns.split_last().unwrap();
+            assert!(last.1.abs() <= band, "{start}");
+            assert!(earlier.iter().all(|turn| turn.1.abs() > band), "{start}");
+            assert!(turns.len().abs_diff(n as usize + 1) <= 1);
+            assert_eq!(
+                (motion.rest_time(), motion.rest_position()),
+                (Some(last.0), Some(last.1))
+            );
+        }
+        if n > 0 {
+            let middle = State::new(border - 0.5 * step, 0.0);
+            let motion = FreeVibration::new(&system, middle).unwrap();
+            assert_eq!(motion.rest_time(), Some(PI * f64::from(n)));
+        }
+    }
+}
+
+#[test]
+fn transients_run_backwards_until_they_come_from_infinity() {
+    for v_b in [0.42, 0.2, 0.6] {
+        let formulas = PureSlip::new(&paper(v_b)).unwrap();
+        let late = formulas
+            .transient(100.0, 0.0)
+            .unwrap()
+            .amplitude(5.0)
+            .unwrap();
+        let back = formulas.transient(late, 0.0).unwrap();
+        assert!(
+            (back.amplitude(-5.0).unwrap() / 100.0 - 1.0).abs() < 1e-8,
+            "{v_b}"
+        );
+        // At 100 it has come from infinity within 1/(¾h3 A²) = 2e-4.
+        assert_eq!(back.amplitude(-5.001), None, "{v_b}");
+        // From a small amplitude, without blowing up.
+        let small = formulas.transient(0.01, 0.0).unwrap();
+        let earlier = small.amplitude(-3.0).unwrap();
+        let again = formulas.transient(earlier, 0.0).unwrap();
+        assert!(
+            (again.amplitude(3.0).unwrap() / 0.01 - 1.0).abs() < 1e-14,
+            "{v_b}"
+        );
+    }
+}
+
+#[test]
+fn transients_at_the_border_of_stability_decay_by_a_power() {
+    // h1 = 0: 1/A² grows by ¾h3 τ, with h3 = η/(3v_m²) = 0.6.
+    let system = paper(0.5).with_damping(0.0).unwrap();
+    let formulas = PureSlip::new(&system).unwrap();
+    assert_eq!(formulas.h1(), 0.0);
+    for (start, time) in [(0.1, 40.0), (0.3, 1e6), (0.3, -20.0)] {
+        let amplitude = formulas.transient(start, 0.0).unwrap().amplitude(time);
+        let expected = (1.0 / (start * start) + 0.45 * time).sqrt().recip();
+        assert!((amplitude.unwrap() / expected - 1.0_f64).abs() < 1e-14);
+    }
+    // After a long time there is the cycle, or nothing.
+    let growing = PureSlip::new(&paper(0.42)).unwrap();
+    let late = growing.transient(0.01, 0.0).unwrap().amplitude(1e6);
+    assert!((late.unwrap() - growing.amplitude().unwrap()).abs() < 1e-15);
+    let decaying = PureSlip::new(&paper(0.6)).unwrap();
+    assert_eq!(
+        decaying.transient(0.01, 0.0).unwrap().amplitude(1e6),
+        Some(0.0)
+    );
+    // Nothing overflows on the way from the smallest amplitudes; those of rest stay 0.
+    let tiny = 0.5_f64.powi(700);
+    assert_eq!(
+        growing.transient(tiny, 0.0).unwrap().amplitude(0.0),
+        Some(tiny)
+    );
+    let rest = growing.transient(0.0, 0.0).unwrap();
+    assert_eq!(
+        (rest.amplitude(-1e9), rest.amplitude(1e9)),
+        (Some(0.0), Some(0.0))
+    );
+    assert_eq!(rest.amplitude(f64::NAN), None);
+}
+
+#[test]
+fn transient_states_lie_on_the_circle_of_their_amplitude_at_their_phase() {
+    let system = paper(0.42);
+    let transient = PureSlip::new(&system).unwrap().transient(0.2, 0.4).unwrap();
+    for time in [0.0, 1.0, 2.5, 4.0] {
+        let (state, amplitude) = (transient.state(time).unwrap(), transient.amplitude(time));
+        let (z, v) = (
+            state.displacement - equilibrium(&system).unwrap().displacement,
+            state.velocity,
+        );
+        assert!((z.hypot(v) - amplitude.unwrap()).abs() < 1e-15);
+        assert!(((z.atan2(v) - 0.4 - time).sin()).abs() < 1e-14 && (v * (0.4 + time).cos() > 0.0));
+    }
+}
+
+#[test]
+fn displacements_are_counted_from_the_equilibrium() {
+    for v_b in [0.2, -0.2] {
+        let system = paper(v_b);
+        let displacement = equilibrium(&system).unwrap().displacement;
+        let formulas = StickSlip::new(&system).unwrap();
+        for cycle in [formulas.first_order(), formulas.second_order()].map(Option::unwrap) {
+            assert!((cycle.u_max - displacement - cycle.z_max).abs() < 1e-15);
+            assert!((cycle.u_min - displacement - cycle.z_min).abs() < 1e-15);
+            assert!(cycle.z_min < 0.0 && cycle.z_max > 0.0);
+            let along = if v_b > 0.0 { cycle.v_max } else { cycle.v_min };
+            assert_eq!(along, v_b);
+        }
+        let cycle = PureSlip::new(&paper(2.1 * v_b))
+            .unwrap()
+            .third_order()
+            .unwrap();
+        let displacement = equilibrium(&paper(2.1 * v_b)).unwrap().displacement;
+        assert!((cycle.u_max - displacement - cycle.z_max).abs() < 1e-15);
+        assert!((cycle.u_min - displacement - cycle.z_min).abs() < 1e-15);
+        assert!((cycle.u_mean - displacement - cycle.z_mean).abs() < 1e-15);
+        assert!((cycle.amplitude - 0.5 * (cycle.u_max - cycle.u_min)).abs() < 1e-15);
+    }
+}
+
+#[test]
+fn regimes_change_at_the_velocities_of_the_formulas() {
+    let formulas = PureSlip::new(&paper(0.4)).unwrap();
+    let onset = formulas.onset_velocity().unwrap();
+    assert_eq!(Polynomial::quiet_velocity(&paper(0.2)), Some(onset));
+    let touching = formulas.stick_velocity().unwrap();
+    for (v_b, expected) in [
+        (touching - 1e-12, Regime::StickSlip),
+        (touching + 1e-12, Regime::PureSlip),
+        (onset - 1e-12, Regime::PureSlip),
+        (onset + 1e-12, Regime::Equilibrium),
+    ] {
+        assert_eq!(
+            (regime(&paper(v_b)), regime(&paper(-v_b))),
+            (expected, expected)
+        );
+    }
+}
+
+#[test]
+fn regimes_are_known_where_the_coefficients_overflow() {
+    let at = |v_b: f64| {
+        let law = Polynomial::new(0.4, 0.25, 1e-100).unwrap();
+        let system = MassOnBelt::new(law, v_b).unwrap().with_load(1e250).unwrap();
+        assert!(PureSlip::new(&system).is_none());
+        regime(&system)
+    };
+    // Friction falls below v_m and rises above it.
+    assert_eq!(
+        (at(5e-101), at(2e-100)),
+        (Regime::StickSlip, Regime::Equilibrium)
+    );
+    let names = [
+        Regime::Rest,
+        Regime::Equilibrium,
+        Regime::PureSlip,
+        Regime::StickSlip,
+    ];
+    assert_eq!(
+        names.map(|regime| regime.to_string()),
+        ["rest", "equilibrium", "pure slip", "stick-slip"]
     );
 }

@@ -2,12 +2,13 @@
 
 mod common;
 
+use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
 
 use common::{Decay, Leine, Random, Table, paper};
 use proptest::prelude::*;
 use stick_slip::analysis::PureSlip;
-use stick_slip::analysis::averaging::{cycles, drift, drift_slope};
+use stick_slip::analysis::averaging::{AveragedCycle, cycles, drift, drift_slope};
 use stick_slip::{Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Scalar};
 
 /// −(1/2π)∫ h(A cos ψ) cos ψ dψ as it stands in Eq. 12, by the midpoint rule with n points.
@@ -238,10 +239,9 @@ fn many_cycles_are_all_found() {
     }
 }
 
-#[test]
-fn cycles_of_a_law_with_kinks_are_all_found() {
-    // A saw: friction falls, rises and falls again, so that there are several cycles below the belt velocity.
-    let law = Table {
+/// Friction falls, rises and falls again, so that there are several cycles below the belt velocity.
+fn saw() -> Table {
+    Table {
         static_coefficient: 0.5,
         points: vec![
             (0.0, 0.5),
@@ -253,7 +253,12 @@ fn cycles_of_a_law_with_kinks_are_all_found() {
             (1.0, 0.2),
             (2.0, 0.9),
         ],
-    };
+    }
+}
+
+#[test]
+fn cycles_of_a_law_with_kinks_are_all_found() {
+    let law = saw();
     let mut most = 0;
     for k in [1, 3, 5, 6, 8, 11] {
         let system = MassOnBelt::new(&law, 0.09 * f64::from(k))
@@ -322,6 +327,128 @@ fn laws_that_end_are_errors() {
         matches!(drift(&system, 0.4), Err(Error::NonFiniteFriction { speed, .. }) if speed > 0.8)
     );
     assert!(cycles(&system).is_err());
+}
+
+#[test]
+fn amplitudes_do_not_depend_on_the_size_of_the_friction() {
+    // The slow flow is linear in β and γ²: a factor 2ⁿ changes no bit of the amplitudes, however weak it is.
+    fn check<L: FrictionLaw>(law: L, v_b: f64, damping: f64, count: usize) {
+        let found = |factor: f64| {
+            let system = MassOnBelt::new(&law, v_b)
+                .and_then(|system| system.with_damping(factor * damping))
+                .and_then(|system| system.with_load(0.5 * factor))
+                .unwrap();
+            let cycles = cycles(&system).unwrap();
+            let scaled = |cycle: &AveragedCycle| (cycle.amplitude(), cycle.drift_slope() / factor);
+            cycles.iter().map(scaled).collect::<Vec<_>>()
+        };
+        let expected = found(1.0);
+        assert_eq!(expected.len(), count);
+        assert_eq!(found(0.5_f64.powi(60)), expected);
+    }
+    let polynomial = Polynomial::new(0.4, 0.25, 0.5).unwrap();
+    check(polynomial, 0.42, 0.025, 1);
+    check(polynomial, 0.2, 0.025, 1);
+    check(Exponential::new(0.4, 0.3, 1.0).unwrap(), 1.45, 0.01, 2);
+    check(saw(), 0.45, 0.004, 2);
+    // Nor on how it is shared between μ̂ and γ²: the product alone counts.
+    for v_b in [0.2, 0.42] {
+        let found = |factor: f64| {
+            let law = Polynomial::new(0.15 * factor, 0.0, 0.5).unwrap();
+            let system = MassOnBelt::new(law, v_b)
+                .and_then(|system| system.with_damping(0.05))
+                .and_then(|system| system.with_load(1.0 / factor))
+                .unwrap();
+            cycles(&system).unwrap()
+        };
+        assert_eq!(found(1.0).len(), 1);
+        assert_eq!(found(0.5_f64.powi(40)), found(1.0));
+    }
+}
+
+#[test]
+fn a_straight_law_that_the_damper_balances_has_no_isolated_cycle() {
+    // 2β = −γ²μ̂' at every speed: A' = 0 for all A ≤ |v_b| but for rounding, and the jump takes over above.
+    for k in [1, 2, 5, 11, 23, 40] {
+        let (slope, load, w) = (
+            0.013 * f64::from(k),
+            0.7 + 0.1 * f64::from(k),
+            0.031 * f64::from(k),
+        );
+        let law = Table {
+            static_coefficient: 2.0,
+            points: vec![(0.0, 2.0), (1.0, 2.0 - slope)],
+        };
+        let system = MassOnBelt::new(law, w)
+            .and_then(|system| system.with_load(load))
+            .and_then(|system| system.with_damping(0.5 * load * slope))
+            .unwrap();
+        assert!(drift(&system, w).unwrap().abs() < 1e-15 * load * w);
+        assert!(drift(&system, 1.1 * w).unwrap() < -0.1 * load);
+        assert!(cycles(&system).unwrap().is_empty(), "{k}");
+    }
+}
+
+#[test]
+fn the_drift_is_smooth_up_to_the_amplitude_at_which_the_mass_touches_the_belt() {
+    // −½h1 − (9/8)h3 A², also at A = |v_b|, and −∞ from there on.
+    let (system, formulas) = (paper(0.3), PureSlip::new(&paper(0.3)).unwrap());
+    let expected = -0.5 * formulas.h1() - 1.125 * formulas.h3() * 0.09;
+    for amplitude in [0.3_f64.next_down(), 0.3] {
+        let slope = drift_slope(&system, amplitude).unwrap();
+        assert!((slope - expected).abs() < 1e-14, "{slope} {expected}");
+    }
+    assert!(drift_slope(&system, 0.3_f64.next_up()).unwrap() < -1e6);
+    // Where |v_b| + A overflows, no speed is left to look at.
+    let fast = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), 1e308).unwrap();
+    assert!(drift(&fast, 7e307).is_ok());
+    assert!(matches!(
+        drift(&fast, 1e308),
+        Err(Error::InvalidParameter { .. })
+    ));
+}
+
+/// A law that counts how often it is looked at.
+struct Counted<'a, L> {
+    law: L,
+    looks: &'a Cell<u32>,
+}
+
+impl<L: FrictionLaw> FrictionLaw for Counted<'_, L> {
+    fn static_coefficient(&self) -> f64 {
+        self.law.static_coefficient()
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        self.looks.set(self.looks.get() + 1);
+        self.law.kinetic(speed)
+    }
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        self.law.breakpoints()
+    }
+    fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
+        self.looks.set(self.looks.get() + 1);
+        self.law.kinetic_on(piece, speed)
+    }
+}
+
+#[test]
+fn cycles_of_ordinary_laws_take_few_looks_at_the_law() {
+    // An amplitude takes 129 looks below |v_b|, and above it 2·12 panels with 48 each; a breakpoint that is not counted
+    // with, or a piece that is not smooth, takes many times more.
+    fn check<L: FrictionLaw>(law: L, v_b: f64, most: u32) {
+        let looks = Cell::new(0);
+        let counted = Counted { law, looks: &looks };
+        let system = MassOnBelt::new(counted, v_b)
+            .and_then(|system| system.with_damping(0.01))
+            .unwrap();
+        cycles(&system).unwrap();
+        assert!(looks.get() < most, "{v_b}: {}", looks.get());
+    }
+    check(Coulomb::new(0.4, 0.25).unwrap(), 0.3, 50_000);
+    check(Polynomial::new(0.4, 0.25, 0.5).unwrap(), 0.42, 160_000);
+    check(Polynomial::new(0.4, 0.25, 0.5).unwrap(), 0.2, 160_000);
+    check(saw(), 0.15, 380_000);
+    check(saw(), 0.45, 650_000);
 }
 
 proptest! {

@@ -145,23 +145,4 @@ pub(super) fn gauss(
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn kinks_and_narrow_features_are_resolved() {
-        let kink = gauss(|x| Ok([(x - 0.3).abs(), 0.0]), &[0.0, 1.0]).unwrap();
-        assert!((kink.parts[0] - 0.29).abs() < 1e-12);
-        let narrow = gauss(|x| Ok([(-x / 1e-5).exp(), 0.0]), &graded(0.0, 1.0)).unwrap();
-        assert!((narrow.parts[0] - 1e-5).abs() < 1e-19);
-    }
-
-    #[test]
-    fn trapezoid_meets_bessel_functions() {
-        // ∫₀^π e^{x cos ψ} dψ = π I_0(x)
-        let integral = trapezoid(|psi| Ok([(10.0 * psi.cos()).exp(), 0.0])).unwrap();
-        let i0 = 2_815.716_628_466_254;
-        assert!((integral.unwrap().parts[0] / (PI * i0) - 1.0).abs() < 1e-14);
-        assert!(trapezoid(|psi| Ok([psi * psi, 0.0])).unwrap().is_none());
-    }
-}
+mod tests;
