@@ -145,3 +145,6 @@ fn divide(
     divide(outline, a, &middle, depth - 1, folds)?;
     divide(outline, &middle, b, depth - 1, folds)
 }
+
+#[cfg(test)]
+mod tests;

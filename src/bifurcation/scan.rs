@@ -103,3 +103,6 @@ pub(super) fn root_between(
 
 /// Size of the rounding error of a function of order 1.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+#[cfg(test)]
+mod tests;

@@ -258,3 +258,6 @@ fn next_maximum(speed: &Polynomial, h: f64, v_b: f64, grows: &mut bool) -> Optio
     }
     minimum
 }
+
+#[cfg(test)]
+mod tests;

@@ -389,3 +389,6 @@ const TURN_ROUNDING: f64 = 32.0;
 
 /// Smallest velocity maximum searched for, in units of v_b: below it rounding hides how a motion grows over a turn.
 const SMALLEST_PEAK: f64 = 1e-4;
+
+#[cfg(test)]
+mod tests;
