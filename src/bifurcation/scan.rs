@@ -66,23 +66,28 @@ fn divide(
     Ok(())
 }
 
-/// The root of a function that is defined, and of different sign, at both ends: false position with bisection wherever that does not
-/// halve the bracket within three evaluations. With it, how far from zero the function is on either side of it at most; `None` where the
-/// function has a gap in between.
+/// The root of a function that is defined, and of different sign, at both ends, between neighbouring numbers: false position, with
+/// bisection where that does not halve the bracket within three evaluations. With it, how far from zero the function is on either side of it
+/// at most; `None` where the function has a gap in between.
 pub(super) fn root_between(
     f: &mut impl FnMut(f64) -> Result<Option<f64>, Error>,
     (mut a, mut at_a): (f64, f64),
     (mut b, mut at_b): (f64, f64),
 ) -> Result<Option<(f64, f64)>, Error> {
-    // Illinois: the value of an end that stays is halved, so that the other end moves too.
-    let (mut weight_a, mut weight_b) = (1.0, 1.0);
-    for pass in 0.. {
-        let (p, q) = (weight_a * at_a, weight_b * at_b);
-        let chord = a + (b - a) * (p / (p - q));
-        let x = if pass % 4 == 3 || !(a < chord && chord < b) {
-            0.5 * (a + b)
+    // While one end moves alone, its steps go twice as far each time, so that the other end soon moves too.
+    let (mut lower_moved, mut stretch) = (None, 1.0);
+    let (mut width, mut slow) = (b - a, 0_u32);
+    loop {
+        let chord = a + (b - a) * (at_a / (at_a - at_b));
+        let step = match lower_moved {
+            None => chord,
+            Some(true) => (a + stretch * (chord - a)).max(a.next_up()),
+            Some(false) => (b - stretch * (b - chord)).min(b.next_down()),
+        };
+        let x = if slow < 3 && a < step && step < b {
+            step
         } else {
-            chord
+            0.5 * (a + b)
         };
         if x <= a || x >= b {
             break;
@@ -90,10 +95,22 @@ pub(super) fn root_between(
         let Some(value) = f(x)? else {
             return Ok(None);
         };
-        if (value > 0.0) == (at_a > 0.0) {
-            (a, at_a, weight_a, weight_b) = (x, value, 1.0, 0.5 * weight_b);
+        let lower = (value > 0.0) == (at_a > 0.0);
+        if lower {
+            (a, at_a) = (x, value);
         } else {
-            (b, at_b, weight_a, weight_b) = (x, value, 0.5 * weight_a, 1.0);
+            (b, at_b) = (x, value);
+        }
+        stretch = if lower_moved == Some(lower) {
+            2.0 * stretch
+        } else {
+            1.0
+        };
+        lower_moved = Some(lower);
+        if b - a <= 0.5 * width {
+            (width, slow) = (b - a, slow.saturating_sub(1));
+        } else {
+            slow += 1;
         }
     }
     // Of the two neighbouring numbers that are left, the lower one lies in every range in which the change is seen: so none is lost, and

@@ -52,7 +52,7 @@ fn sign_changes_are_found_to_the_last_bit() {
         // The lower of the two neighbours between which the sign changes.
         let (roots, asked) = scan(0.0..1.0, |x| Some(x - root));
         assert_eq!(roots, [root]);
-        assert!(asked.len() < 130, "{}", asked.len());
+        assert!(asked.len() < 80, "{}", asked.len());
         let (roots, _) = scan(0.0..1.0, |x| Some(root - x));
         assert_eq!(roots, [root.next_down()]);
         let (roots, _) = scan(0.0..1.0, |x| Some((x - root).powi(3)));
@@ -148,7 +148,7 @@ fn a_gap_is_no_root_but_one_beside_it_is() {
         (!(0.3..0.301).contains(&x)).then_some(if x < 0.3 { -1.0 } else { 1.0 })
     });
     assert_eq!(roots, []);
-    assert!(asked.len() < 130, "{}", asked.len());
+    assert!(asked.len() < 80, "{}", asked.len());
     let (roots, _) = scan(0.0..1.0, |x| {
         (!(0.3..0.301).contains(&x)).then_some(x - 0.302)
     });
@@ -186,15 +186,18 @@ fn an_error_ends_the_search() {
 
 #[test]
 fn a_root_takes_few_evaluations() {
-    // The two numbers next to a root are reached by bisection every fourth time.
+    // Bisection takes 53.
     type Function = fn(f64) -> f64;
-    let cases: [(Function, f64, usize); 6] = [
-        (|x| x - 0.7, 0.7, 56),
-        (|x| 0.7 - x, 0.7, 58),
-        (|x| x * x - 0.5, 0.5_f64.sqrt(), 54),
-        (|x| 8.0_f64.powf(x) - 3.0, 3.0_f64.log(8.0), 54),
-        (|x| 1.0 / (x + 0.01) - 2.0, 0.49, 55),
-        (|x| (x - 0.7).powi(5), 0.7, 150),
+    let cases: [(Function, f64, usize); 9] = [
+        (|x| x - 0.7, 0.7, 3),
+        (|x| 0.7 - x, 0.7, 3),
+        (|x| x * x - 0.5, 0.5_f64.sqrt(), 12),
+        (|x| 0.5 - x * x, 0.5_f64.sqrt(), 12),
+        (|x| (1.0 - x) * (1.0 - x) - 0.5, 1.0 - 0.5_f64.sqrt(), 12),
+        (|x| 0.5 - (1.0 - x) * (1.0 - x), 1.0 - 0.5_f64.sqrt(), 12),
+        (|x| 8.0_f64.powf(x) - 3.0, 3.0_f64.log(8.0), 11),
+        (|x| 1.0 / (x + 0.01) - 2.0, 0.49, 13),
+        (|x| (x - 0.7).powi(5), 0.7, 98),
     ];
     for (f, root, most) in cases {
         let (found, evaluations) = between(|x| Some(f(x)), 0.0, 1.0);
@@ -205,7 +208,7 @@ fn a_root_takes_few_evaluations() {
     }
     let (found, evaluations) = between(|x| Some(if x > 0.7 { 1e-3 } else { -20.0 }), 0.0, 1.0);
     assert_eq!(found, Some((0.7, 20.0)));
-    assert!(evaluations <= 170, "{evaluations}");
+    assert!(evaluations <= 98, "{evaluations}");
 }
 
 #[test]
