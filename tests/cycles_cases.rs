@@ -6,7 +6,7 @@ use common::{Random, paper};
 use stick_slip::analysis::coulomb;
 use stick_slip::bifurcation::{grazing_velocities, hopf_velocities};
 use stick_slip::limit_cycle::{self, Attractor, attractor};
-use stick_slip::{Coulomb, CycleKind, Exponential, MassOnBelt, Polynomial, State};
+use stick_slip::{Coulomb, CycleKind, Exponential, FrictionLaw, MassOnBelt, Polynomial, State};
 
 /// The cycle costs its one slip arc: nothing is integrated before or beside it.
 #[test]
@@ -219,4 +219,37 @@ fn the_slowest_cycles_have_finite_numbers() {
     let energy = cycle.energy();
     assert!(cycle.period() > 1e299 && cycle.mean_displacement().is_finite());
     assert!(energy.drive_work.is_finite() && energy.friction_loss.is_finite());
+}
+
+#[test]
+fn the_families_of_motions_without_friction_and_with_constant_friction() {
+    let family = |static_coefficient: f64, kinetic_coefficient: f64| {
+        let coulomb = Coulomb::new(static_coefficient, kinetic_coefficient).unwrap();
+        let cycles = limit_cycle::find(&MassOnBelt::new(coulomb, 0.2).unwrap()).unwrap();
+        cycles.continuum().unwrap().max_amplitude
+    };
+    assert_eq!(family(0.0, 0.0), f64::INFINITY);
+    assert_eq!(family(0.4, 0.4), 0.2);
+    assert_eq!(family(0.4, 0.1), 0.2);
+}
+
+/// On either side of a pure-slip cycle that attracts.
+#[test]
+fn motions_inside_and_outside_of_a_cycle_end_on_it() {
+    let system = paper(0.4071);
+    let friction = |v: f64| system.law().kinetic(system.belt_velocity() - v);
+    let cycle = limit_cycle::find(&system)
+        .unwrap()
+        .stable()
+        .next()
+        .cloned()
+        .unwrap();
+    assert_eq!(cycle.kind(), CycleKind::PureSlip);
+    for part in [1e-3, 0.1, 0.9, 0.999, 1.0, 1.001, 1.1] {
+        // Where its velocity is greatest.
+        let v = part * cycle.max_velocity();
+        let start = State::new(friction(v) - 2.0 * system.damping() * v, v);
+        let end = attractor(&system, start).unwrap();
+        assert_eq!(end, Attractor::Cycle(cycle.clone()), "{part}");
+    }
 }

@@ -376,6 +376,16 @@ fn numbers_of_a_cycle_agree_within_a_hundred_millionth() {
         );
         let size = cycle.max_displacement().abs() + cycle.amplitude() + v_b;
         let work = size * size * period;
+        // The logarithm of a multiplier, from second derivatives, agrees within a thousandth.
+        let logarithm = cycle.multiplier().ln();
+        for (part, accepted) in [(0.4, true), (-0.4, true), (2.5, false), (-2.5, false)] {
+            if logarithm.is_finite() {
+                let mut changed = written.clone();
+                let wrong = logarithm + part * 1e-3 * (1.0 + logarithm.abs());
+                changed["multiplier"] = wrong.exp().into();
+                assert_eq!(read(changed).is_ok(), accepted, "{logarithm} {part}");
+            }
+        }
         let event = cycle.trajectory().events().first().map(|event| event.time);
         let speed = written["steps"][0]["state"]["velocity"]
             .as_f64()
