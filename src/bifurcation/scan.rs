@@ -79,6 +79,8 @@ pub(super) fn root_between(
     let (mut width, mut slow) = (b - a, 0_u32);
     loop {
         let chord = a + (b - a) * (at_a / (at_a - at_b));
+        // An end may be a root itself.
+        let chord = chord.max(a.next_up()).min(b.next_down());
         let step = match lower_moved {
             None => chord,
             Some(true) => (a + stretch * (chord - a)).max(a.next_up()),

@@ -148,7 +148,7 @@ fn a_gap_is_no_root_but_one_beside_it_is() {
         (!(0.3..0.301).contains(&x)).then_some(if x < 0.3 { -1.0 } else { 1.0 })
     });
     assert_eq!(roots, []);
-    assert!(asked.len() < 80, "{}", asked.len());
+    assert!(asked.len() < 90, "{}", asked.len());
     let (roots, _) = scan(0.0..1.0, |x| {
         (!(0.3..0.301).contains(&x)).then_some(x - 0.302)
     });
@@ -188,7 +188,9 @@ fn an_error_ends_the_search() {
 fn a_root_takes_few_evaluations() {
     // Bisection takes 53.
     type Function = fn(f64) -> f64;
-    let cases: [(Function, f64, usize); 9] = [
+    let cases: [(Function, f64, usize); 11] = [
+        (|x| x, 0.0, 1),
+        (|x| 1.0 - x, 1.0_f64.next_down(), 1),
         (|x| x - 0.7, 0.7, 3),
         (|x| 0.7 - x, 0.7, 3),
         (|x| x * x - 0.5, 0.5_f64.sqrt(), 12),
@@ -196,7 +198,7 @@ fn a_root_takes_few_evaluations() {
         (|x| (1.0 - x) * (1.0 - x) - 0.5, 1.0 - 0.5_f64.sqrt(), 12),
         (|x| 0.5 - (1.0 - x) * (1.0 - x), 1.0 - 0.5_f64.sqrt(), 12),
         (|x| 8.0_f64.powf(x) - 3.0, 3.0_f64.log(8.0), 11),
-        (|x| 1.0 / (x + 0.01) - 2.0, 0.49, 13),
+        (|x| 1.0 / (x + 0.01) - 2.0, 0.49, 14),
         (|x| (x - 0.7).powi(5), 0.7, 98),
     ];
     for (f, root, most) in cases {
