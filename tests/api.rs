@@ -246,3 +246,41 @@ fn the_kind_of_an_equilibrium_changes_where_h1_is_two_and_zero() {
         assert_eq!(equilibrium.is_stable(), h1 > 0.0);
     }
 }
+
+#[test]
+fn laws_give_back_what_they_were_given() {
+    let rational = Rational::new(0.4, 3.0)
+        .and_then(|law| law.with_offset(0.1))
+        .and_then(|law| law.with_quadratic(0.02))
+        .unwrap();
+    assert_eq!(
+        (rational.static_coefficient(), rational.decay()),
+        (0.4, 3.0)
+    );
+    assert_eq!((rational.offset(), rational.quadratic()), (0.1, 0.02));
+    let stribeck = Stribeck::new(0.4, 0.25, 0.3, 2)
+        .and_then(|law| law.with_viscous_coefficient(0.01))
+        .unwrap();
+    assert_eq!(
+        (
+            stribeck.static_coefficient(),
+            stribeck.coulomb_coefficient()
+        ),
+        (0.4, 0.25)
+    );
+    assert_eq!(
+        (stribeck.stribeck_velocity(), stribeck.exponent()),
+        (0.3, 2)
+    );
+    assert_eq!(stribeck.viscous_coefficient(), 0.01);
+    assert_eq!(Integrator::default(), Integrator::new());
+}
+
+#[test]
+fn attractors_of_starts_that_are_no_numbers_are_errors() {
+    let system = paper(0.2);
+    for start in [State::new(f64::NAN, 0.1), State::new(0.1, f64::INFINITY)] {
+        let error = limit_cycle::attractor(&system, start).unwrap_err();
+        assert!(matches!(error, Error::InvalidState { .. }), "{error}");
+    }
+}
