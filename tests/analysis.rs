@@ -5,7 +5,7 @@ mod common;
 use std::collections::BTreeSet;
 use std::f64::consts::{E, PI, TAU};
 
-use common::{Leine, Table, list, number, paper, text};
+use common::{Ends, Leine, Table, list, number, paper, text};
 use serde_json::Value;
 use stick_slip::analysis::averaging::{cycles, drift};
 use stick_slip::analysis::coulomb::{
@@ -14,7 +14,7 @@ use stick_slip::analysis::coulomb::{
 use stick_slip::analysis::design::{self, QuietLaw};
 use stick_slip::analysis::exponential::hopf_velocities;
 use stick_slip::analysis::{PureSlip, Regime, StickSlip, equilibrium, regime};
-use stick_slip::{Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Scalar, State};
+use stick_slip::{Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, State};
 
 fn cases(file: &str, kind: &str) -> Vec<Value> {
     let all: Value = serde_json::from_str(match file {
@@ -556,16 +556,6 @@ fn least_damping_finds_the_steepest_fall_at_any_scale() {
 
 #[test]
 fn laws_are_looked_at_in_the_range_alone_and_vertical_tangents_are_errors() {
-    /// Ends at s = 0.8 with a vertical tangent.
-    struct Ends;
-    impl FrictionLaw for Ends {
-        fn static_coefficient(&self) -> f64 {
-            1.0
-        }
-        fn kinetic<S: Scalar>(&self, speed: S) -> S {
-            (-speed + 0.8).sqrt()
-        }
-    }
     let system = MassOnBelt::new(Ends, 0.5).unwrap();
     // The slope −1/(2√(0.8 − s)), halved.
     let found = design::least_damping_over(&system, 0.3..0.55).unwrap();

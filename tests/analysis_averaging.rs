@@ -5,7 +5,7 @@ mod common;
 use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
 
-use common::{Decay, Leine, Random, Table, paper};
+use common::{Decay, Ends, Leine, Random, Table, paper};
 use proptest::prelude::*;
 use stick_slip::analysis::PureSlip;
 use stick_slip::analysis::averaging::{AveragedCycle, cycles, drift, drift_slope};
@@ -311,16 +311,6 @@ fn no_cycle_of_ordinary_systems_is_missed() {
 
 #[test]
 fn laws_that_end_are_errors() {
-    /// Not defined from s = 0.8 on.
-    struct Ends;
-    impl FrictionLaw for Ends {
-        fn static_coefficient(&self) -> f64 {
-            1.0
-        }
-        fn kinetic<S: Scalar>(&self, speed: S) -> S {
-            (-speed + 0.8).sqrt()
-        }
-    }
     let system = MassOnBelt::new(Ends, 0.5).unwrap();
     assert!(drift(&system, 0.2).is_ok());
     assert!(

@@ -5,9 +5,10 @@ mod common;
 use std::f64::consts::TAU;
 
 use common::any::systems;
+use common::assert_mirrored;
 use common::orbit::{around, find, size};
 use stick_slip::limit_cycle;
-use stick_slip::{CycleKind, Direction, EventKind, FrictionLaw, LimitCycle, Mode, State};
+use stick_slip::{CycleKind, Direction, EventKind, FrictionLaw, Mode, State};
 
 const EPS: f64 = f64::EPSILON;
 
@@ -285,27 +286,7 @@ fn stick_slip_and_find_agree_and_mirror_images_are_exact() {
         assert_eq!(mirrored.unresolved(), cycles.unresolved(), "{about}");
         assert_eq!(mirrored.continuum(), cycles.continuum(), "{about}");
         for (a, b) in std::iter::zip(&cycles, &mirrored) {
-            let of = |cycle: &LimitCycle| {
-                (
-                    cycle.kind(),
-                    cycle.period(),
-                    cycle.multiplier(),
-                    cycle.amplitude(),
-                    cycle.energy(),
-                )
-            };
-            assert_eq!(of(a), of(b), "{about}");
-            assert_eq!(a.max_displacement(), -b.min_displacement(), "{about}");
-            assert_eq!(a.min_velocity(), -b.max_velocity(), "{about}");
-            assert_eq!(a.mean_displacement(), -b.mean_displacement(), "{about}");
-            assert_eq!(a.leading_duration(), b.leading_duration(), "{about}");
-            for (s, t) in std::iter::zip(a.trajectory().sample(20), b.trajectory().sample(20)) {
-                let (s, t) = (
-                    (s.0, s.1.displacement, s.1.velocity),
-                    (t.0, -t.1.displacement, -t.1.velocity),
-                );
-                assert_eq!(s, t, "{about}");
-            }
+            assert_mirrored(a, b, &about);
         }
     }
 }

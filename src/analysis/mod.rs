@@ -40,6 +40,8 @@ mod quadrature;
 mod regime;
 mod roots;
 mod stick_slip;
+#[cfg(test)]
+mod testing;
 mod transient;
 
 pub use pure_slip::{PureSlip, PureSlipCycle};

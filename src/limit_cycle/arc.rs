@@ -233,7 +233,7 @@ fn rate_at_end(step: &Step) -> f64 {
 fn may_turn(speed: &Polynomial, h: f64, v_b: f64, grows: bool) -> bool {
     let speeds = evaluate_four(speed, quarters(h));
     let negative = |s: &f64| *s > v_b;
-    (grows || speeds.iter().any(negative)) && !(speed[0] > v_b && speeds.iter().all(negative))
+    (grows || speeds.iter().any(negative)) && !(negative(&speed[0]) && speeds.iter().all(negative))
 }
 
 /// First time in (0, h) at which the velocity of a lagging motion has a maximum: the sliding speed has a minimum, and `grows`, which is set

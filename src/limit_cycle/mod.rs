@@ -31,6 +31,8 @@ mod basin;
 mod cycle;
 mod maps;
 mod roots;
+#[cfg(test)]
+mod testing;
 #[cfg(feature = "serde")]
 mod written;
 

@@ -5,7 +5,9 @@ pub(crate) mod any;
 pub(crate) mod orbit;
 
 use serde_json::Value;
-use stick_slip::{Coulomb, Exponential, FrictionLaw, MassOnBelt, Polynomial, Scalar};
+use stick_slip::{
+    Coulomb, Exponential, FrictionLaw, LimitCycle, MassOnBelt, Polynomial, Scalar, State,
+};
 
 /// A reference number: a decimal string of 25 digits, rounded to `f64`.
 pub(crate) fn number(value: &Value) -> f64 {
@@ -107,6 +109,19 @@ impl FrictionLaw for Decay {
     fn kinetic<S: Scalar>(&self, speed: S) -> S {
         (speed / -self.velocity).exp() * (self.static_coefficient - self.kinetic_coefficient)
             + self.kinetic_coefficient
+    }
+}
+
+/// μ̂ = √(0.8 − s): ends at s = 0.8 with a vertical tangent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Ends;
+
+impl FrictionLaw for Ends {
+    fn static_coefficient(&self) -> f64 {
+        1.0
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        (-speed + 0.8).sqrt()
     }
 }
 
@@ -214,4 +229,33 @@ impl Random {
 /// Distance between neighbouring numbers at |x|.
 pub(crate) fn ulp(x: f64) -> f64 {
     x.abs().next_up() - x.abs()
+}
+
+/// (u, v, v_b) → (−u, −v, −v_b), to the bit.
+#[track_caller]
+pub(crate) fn assert_mirrored(a: &LimitCycle, b: &LimitCycle, about: &str) {
+    let of = |cycle: &LimitCycle| {
+        (
+            cycle.kind(),
+            cycle.period(),
+            cycle.multiplier(),
+            cycle.amplitude(),
+            cycle.energy(),
+            cycle.leading_duration(),
+        )
+    };
+    assert_eq!(of(a), of(b), "{about}");
+    assert_eq!(a.max_displacement(), -b.min_displacement(), "{about}");
+    assert_eq!(a.mean_displacement(), -b.mean_displacement(), "{about}");
+    assert_eq!(a.max_velocity(), -b.min_velocity(), "{about}");
+    assert_eq!(a.min_velocity(), -b.max_velocity(), "{about}");
+    let mirrored = |state: State| State::new(-state.displacement, -state.velocity);
+    assert_eq!(a.state(), mirrored(b.state()), "{about}");
+    let (a, b) = (a.trajectory(), b.trajectory());
+    for (a, b) in std::iter::zip(a.events(), b.events()) {
+        assert_eq!((a.time, a.state), (b.time, mirrored(b.state)), "{about}");
+    }
+    for (a, b) in std::iter::zip(a.sample(20), b.sample(20)) {
+        assert_eq!(a, (b.0, mirrored(b.1)), "{about}");
+    }
 }

@@ -1,5 +1,6 @@
 use std::cell::Cell;
 
+use super::super::testing::rough;
 use super::*;
 
 /// The integral by [`gauss`] over a mesh, and how many values it took.
@@ -22,13 +23,6 @@ fn counted_trapezoid(f: impl Fn(f64) -> [f64; 2]) -> (Option<Integral>, usize) {
         Ok(f(psi))
     };
     (trapezoid(watched).unwrap(), looks.get())
-}
-
-/// Numbers in −1 ≤ y < 1 without any order.
-fn rough(x: f64) -> f64 {
-    let mixed = x.to_bits().wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    ((mixed ^ (mixed >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 11) as f64 * 0.5_f64.powi(52)
-        - 1.0
 }
 
 #[test]

@@ -1,5 +1,6 @@
 use std::cell::RefCell;
 
+use super::super::testing::rough;
 use super::*;
 
 /// A function that keeps the points at which it was looked at.
@@ -48,13 +49,6 @@ fn roots(f: impl Fn(f64) -> f64) -> Vec<f64> {
     let nodes = isolate(sample, |t| 3.0 * t).unwrap();
     let refined = |[a, b]: [f64; 2]| refine(a, b, |x| Ok(f(x))).unwrap();
     brackets(&nodes).into_iter().map(refined).collect()
-}
-
-/// Numbers in −1 ≤ y < 1 without any order.
-fn rough(x: f64) -> f64 {
-    let mixed = x.to_bits().wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    ((mixed ^ (mixed >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 11) as f64 * 0.5_f64.powi(52)
-        - 1.0
 }
 
 /// T_k(x), by its definition.

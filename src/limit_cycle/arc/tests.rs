@@ -2,6 +2,7 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
+use super::super::testing::{assert_close, traced};
 use super::*;
 use crate::Scalar;
 
@@ -29,11 +30,6 @@ fn system(value: f64, slope: f64, v_b: f64, damping: f64) -> System {
         .unwrap()
 }
 
-fn traced<T>(system: &System, f: impl FnOnce(&mut Tracer<'_, Straight>) -> Result<T, Error>) -> T {
-    let system = system.by_reference();
-    f(&mut Tracer::new(&system)).unwrap()
-}
-
 /// A mass behind the belt.
 fn lagging(system: &System, displacement: f64, velocity: f64) -> SlipPoint {
     SlipPoint {
@@ -48,14 +44,6 @@ fn polynomial(coefficients: &[f64]) -> Polynomial {
     let mut c = [0.0; TERMS];
     c[..coefficients.len()].copy_from_slice(coefficients);
     c
-}
-
-#[track_caller]
-fn assert_close(found: f64, expected: f64, error: f64) {
-    assert!(
-        (found - expected).abs() <= error,
-        "{found} {expected} ± {error}"
-    );
 }
 
 /// Each step begins where and when the one before ends.

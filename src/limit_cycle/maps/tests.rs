@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use super::super::testing::{assert_close, traced};
 use super::*;
 use crate::{EventKind, MassOnBelt, Scalar, State};
 
@@ -95,11 +96,6 @@ fn rescaled(system: &System, unit: f64) -> System {
         .unwrap()
 }
 
-fn traced<T>(system: &System, f: impl FnOnce(&mut Tracer<'_, Law>) -> Result<T, Error>) -> T {
-    let system = system.by_reference();
-    f(&mut Tracer::new(&system)).unwrap()
-}
-
 /// Factor by which a damped oscillation shrinks over one turn.
 fn shrinks(damping: f64) -> f64 {
     (-TAU * damping / (1.0 - damping * damping).sqrt()).exp()
@@ -110,14 +106,6 @@ fn neighbours(x: f64) -> Vec<f64> {
     (-6..=6)
         .map(|n| x * (1.0 + f64::from(n) * f64::EPSILON))
         .collect()
-}
-
-#[track_caller]
-fn assert_close(found: f64, expected: f64, error: f64) {
-    assert!(
-        (found - expected).abs() <= error,
-        "{found} {expected} ± {error}"
-    );
 }
 
 #[track_caller]

@@ -1,0 +1,22 @@
+//! What the tests of this module share.
+
+use super::Tracer;
+use crate::friction::FrictionLaw;
+use crate::{Error, MassOnBelt};
+
+/// What a tracer of the system finds.
+pub(super) fn traced<L: FrictionLaw, T>(
+    system: &MassOnBelt<L>,
+    f: impl FnOnce(&mut Tracer<'_, L>) -> Result<T, Error>,
+) -> T {
+    let system = system.by_reference();
+    f(&mut Tracer::new(&system)).unwrap()
+}
+
+#[track_caller]
+pub(super) fn assert_close(found: f64, expected: f64, error: f64) {
+    assert!(
+        (found - expected).abs() <= error,
+        "{found} {expected} ± {error}"
+    );
+}
