@@ -232,6 +232,14 @@ fn bifurcation_velocities_that_are_formulas_meet_their_reference_values() {
         let least = least_damping(&system.with_belt_velocity(-largest).unwrap()).unwrap();
         assert!((least / beta - 1.0).abs() < 1e-13, "{id}");
     }
+    // Up to β = 1, beyond the half of it.
+    for beta in [0.3, 0.7, 0.95] {
+        let law = Coulomb::new(0.5, 0.25).unwrap();
+        let jump = 0.25;
+        let speed = jump * tangential_slip(beta).unwrap().velocity_factor;
+        let least = least_damping(&MassOnBelt::new(law, speed).unwrap()).unwrap();
+        assert!((least / beta - 1.0).abs() < 1e-13, "{beta}: {least}");
+    }
 }
 
 // Ranges, degenerate cases, hostile input.
@@ -253,6 +261,12 @@ fn nothing_is_returned_where_a_formula_does_not_hold() {
     assert!(near.first_order().is_some() && near.second_order().is_some());
     let beyond = StickSlip::new(&paper(0.3945)).unwrap();
     assert!(beyond.first_order().is_none() && beyond.second_order().is_none());
+
+    // What is equal, and how it is shown.
+    #[allow(clippy::clone_on_copy)]
+    let again = near.clone();
+    assert!(near == again && near != StickSlip::new(&paper(0.39)).unwrap());
+    assert!(format!("{near:?}").starts_with("StickSlip { arc: "));
 
     // Overshoot: ε = 0.11 sticks, ε = 0.09 crosses (exact border 0.109865).
     let weak = |epsilon: f64| {
@@ -276,6 +290,15 @@ fn nothing_is_returned_where_a_formula_does_not_hold() {
     );
     assert_eq!(regime(&damped), Regime::Equilibrium);
     assert_eq!(Polynomial::quiet_velocity(&damped), Some(0.0));
+
+    // 2β = η to the bit, and a hair less.
+    let system = MassOnBelt::new(Polynomial::new(0.5, 0.25, 0.5).unwrap(), 0.2).unwrap();
+    let onset = |damping| {
+        let system = system.with_damping(damping).unwrap();
+        PureSlip::new(&system).unwrap().onset_velocity()
+    };
+    assert_eq!(onset(0.375), None);
+    assert!(onset(0.375_f64.next_down()).unwrap() > 0.0);
 
     // A flat law.
     let flat = MassOnBelt::new(Polynomial::new(0.4, 0.4, 0.5).unwrap(), 0.2).unwrap();

@@ -91,19 +91,19 @@ pub fn least_damping_over<L: FrictionLaw>(
     ends.push(end);
     let mut steepest = 0.0_f64;
     for (piece, ends) in (first..).zip(ends.windows(2)) {
-        let curvature = |speed: f64| {
+        let half_curvature = |speed: f64| {
             slope_on(law, piece, speed)?;
-            Ok(2.0 * taylor_coefficients_on::<4, _>(law, piece, speed)[2])
+            Ok(taylor_coefficients_on::<4, _>(law, piece, speed)[2])
         };
         let sample = |speed: f64| {
-            let value = curvature(speed)?;
+            let value = half_curvature(speed)?;
             let noise = 64.0 * f64::EPSILON * value.abs();
             Ok(Sample { value, noise })
         };
         let nodes = isolate(sample, |t| ends[0] + (ends[1] - ends[0]) * t)?;
         let mut speeds: Vec<f64> = nodes.iter().map(|node| node.at).collect();
         for [low, high] in brackets(&nodes) {
-            speeds.push(refine(low, high, curvature)?);
+            speeds.push(refine(low, high, half_curvature)?);
         }
         for speed in speeds {
             steepest = steepest.max(-slope_on(law, piece, speed)?);

@@ -544,6 +544,46 @@ fn operations_on_operations() {
     }
 }
 
+/// Views of a row whose scale is not ±1, of a row that has a rest.
+#[test]
+fn every_operation_on_scaled_views() {
+    for inner in &[wavy(0.7), wavy(0.0)] {
+        let a = |s: Expression| s.exp() * 0.3 + 1.2;
+        let b = |s: Expression| s.sin() * -0.4 + 2.0;
+        check(inner, |s| a(s).recip());
+        check(inner, |s| a(s).square());
+        check(inner, |s| a(s).exp());
+        check(inner, |s| a(s).ln());
+        check(inner, |s| a(s).sqrt());
+        check(inner, |s| a(s).powf(1.3));
+        check(inner, |s| a(s).tanh());
+        check(inner, |s| b(s).atan());
+        check(inner, |s| a(s).sin());
+        check(inner, |s| a(s).cos());
+        check(inner, |s| a(s) * b(s));
+        check(inner, |s| a(s) / b(s));
+        check(inner, |s| a(s) - b(s));
+    }
+}
+
+/// A constant made from a number is free of it, even of an infinite slope.
+#[test]
+fn constants_forget_what_they_were_made_from() {
+    struct FromRoot;
+    impl FrictionLaw for FromRoot {
+        fn static_coefficient(&self) -> f64 {
+            1.0
+        }
+        fn kinetic<S: Scalar>(&self, s: S) -> S {
+            s.sqrt().constant(0.25) + s
+        }
+    }
+    let series = compose_in(&mut Workspace::new(), &FromRoot, 0, &line(0.0));
+    let expected: [f64; ORDERS] =
+        std::array::from_fn(|k| [0.25, 1.0].get(k).copied().unwrap_or(0.0));
+    assert_eq!(series, expected);
+}
+
 /// Asserts that two expressions have the same series.
 #[track_caller]
 fn same(inner: &Inner, laws: impl Fn(Expression) -> (Expression, Expression)) {
