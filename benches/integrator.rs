@@ -10,10 +10,7 @@
 //! where a bound of the series settles it, and near it, where the shape of the sliding speed has to be looked at. A cycle of `cycle`
 //! slips for 5.2 of its 6.8 units of time, these for all of their 6.3.
 //!
-//! `step`: one Taylor step of the slip phases of the same cycles. There is one order, 26, for every tolerance: steps grow with the order
-//! as their cost does, and from order 18 to 26 the cost of a unit of time changes little, so one that is good at round-off serves all.
-//! Measured against order 14, by time per cycle at equal tolerance, errors being about equal: order 26 takes 1.45 times as long at 1e-4, 1.33
-//! times at 1e-6, as long at 1e-8 to 1e-10, and 0.67 times at 1e-12, 0.55 at round-off.
+//! `step`: one Taylor step of the slip phases of the same cycles. There is one order, 26; `benches/orders` compares it with others.
 //!
 //! # Where the time of a step goes
 //!
@@ -29,7 +26,8 @@
 //! * Four chains instead of two when the speed is evaluated: 3 %. Nine instead of three for the displacement: nothing.
 //! * A contact takes 400 cycles, three passes of Newton's method.
 //! * The default build has no fused multiply-add and vectors of two, and takes 1.5 to 1.65 times as long.
-//! * The same source varies by 4 % with where the compiler puts it; less than that was not pursued.
+//! * The same source varies by 4 % with where the compiler puts it; less than that was not pursued. The same program takes a fifth to a
+//!   third longer while a neighbour is busy on the same core, for fractions of a second: least times of many compare, means do not.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};

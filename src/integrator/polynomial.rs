@@ -11,8 +11,8 @@ mod attack;
 
 /// Coefficients of a step's series: order 26.
 ///
-/// Time per unit of τ at equal achieved error is flat between orders 18 and 26 at every tolerance; the upper end takes the
-/// fewest steps. A multiple of three, for [`evaluate`], and three more than one of four, for [`evaluate_four`].
+/// Chosen for round-off, the usual tolerance, where none is faster at equal achieved error; looser ones lose up to a quarter of the time
+/// by it (`benches/orders`). A multiple of three, for [`evaluate`].
 pub(crate) const TERMS: usize = 27;
 
 /// c_0 + c_1 t + … + c_26 t²⁶.
@@ -77,10 +77,10 @@ pub(crate) fn reflected(c: &Polynomial, h: f64) -> Polynomial {
 /// The next step waits for this, so short chains count: two of twice the length make a whole step 3 % slower.
 #[inline(always)]
 pub(crate) fn evaluate_four(c: &Polynomial, t: [f64; 4]) -> [f64; 4] {
-    const TOP: usize = TERMS - 3;
+    const TOP: usize = (TERMS - 1) / 4 * 4;
     let t2 = t.map(|t| t * t);
     let t4 = t2.map(|t2| t2 * t2);
-    let mut chains = [[c[TOP]; 4], [c[TOP + 1]; 4], [c[TOP + 2]; 4], [0.0; 4]];
+    let mut chains = std::array::from_fn::<_, 4, _>(|j| [c.get(TOP + j).map_or(0.0, |c| *c); 4]);
     for k in (0..TOP).step_by(4).rev() {
         for (j, chain) in chains.iter_mut().enumerate() {
             for (lane, t4) in std::iter::zip(chain, t4) {
