@@ -1607,3 +1607,30 @@ fn rest_is_one_last_step_of_infinite_duration() {
     let quarter = free.simulate(State::new(1.0, 0.0), FRAC_PI_2).unwrap();
     assert_within("sin", quarter.last().velocity, -1.0, 2.0 * EPS);
 }
+
+/// The force on the mass and its acceleration: in slip, in stick, and on the belt beyond what the contact can carry.
+#[test]
+fn forces_in_slip_in_stick_and_just_after_release() {
+    for v_b in [0.5, -0.5] {
+        let system = MassOnBelt::new(Coulomb::new(0.5, 0.25).unwrap(), v_b)
+            .and_then(|system| system.with_damping(0.125)?.with_load(4.0))
+            .unwrap();
+        // γ²μ_s = 2, γ²μ_k = 1, 2βv_b = ±0.125.
+        let on_belt = |displacement| State::new(displacement, v_b);
+        let drag = 0.25 * v_b;
+        let forces = |state| (system.friction_force(state), system.acceleration(state));
+        assert_eq!(
+            forces(State::new(0.3, v_b - 1.0)),
+            (1.0, 1.0 - 0.3 - 0.25 * (v_b - 1.0))
+        );
+        assert_eq!(
+            forces(State::new(0.3, v_b + 1.0)),
+            (-1.0, -1.0 - 0.3 - 0.25 * (v_b + 1.0))
+        );
+        for inside in [-1.75, 0.0, 0.5, 1.75] {
+            assert_eq!(forces(on_belt(inside)), (inside + drag, 0.0));
+        }
+        assert_eq!(forces(on_belt(3.0)), (1.0, 1.0 - 3.0 - drag));
+        assert_eq!(forces(on_belt(-3.0)), (-1.0, -1.0 + 3.0 - drag));
+    }
+}

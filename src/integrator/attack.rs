@@ -594,3 +594,23 @@ fn no_planted_root_is_missed_and_none_invented() {
         assert!(decided >= cases / KINDS.len() as u64 / 20, "{tally:?}");
     }
 }
+
+/// What a search takes for rounding: half a unit in the last place for each multiplication, and four more.
+#[test]
+fn rounding_is_bounded_term_by_term() {
+    for t in [0.25_f64, 1.0, 3.0] {
+        let mut all = [0.0; TERMS];
+        let mut sum = 0.0;
+        for k in 0..TERMS {
+            let mut c = [0.0; TERMS];
+            c[k] = -0.7;
+            let expected = f64::EPSILON * (0.5 * k as f64 + 4.0) * 0.7 * t.powi(k as i32);
+            assert!(
+                (rounding_bound(&c, t) / expected - 1.0).abs() < 1e-13,
+                "{k}"
+            );
+            (all[k], sum) = (c[k], sum + expected);
+        }
+        assert!((rounding_bound(&all, t) / sum - 1.0).abs() < 1e-13);
+    }
+}

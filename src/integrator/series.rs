@@ -201,6 +201,9 @@ impl Series {
         slopes: [f64; 6],
     ) -> f64 {
         const PARTS: [f64; 6] = [0.0, 0.125, 0.375, 0.625, 0.875, 1.0];
+        const MOST_PASSES: usize = 10;
+        /// Part of a step; the next correction would be far smaller.
+        const CLOSE: f64 = 1e-3;
         let slope = derivative(&self.speed);
         let curvature = derivative(&slope);
         let mut largest = 0.0;
@@ -208,12 +211,25 @@ impl Series {
             if !is_turn(slopes) {
                 continue;
             }
-            let [left, right] = [parts[0] * h, parts[1] * h];
+            let [mut left, mut right] = [parts[0] * h, parts[1] * h];
             let mut t = left + (right - left) * slopes[0] / (slopes[0] - slopes[1]);
-            for _ in 0..2 {
-                let newton = t - evaluate(&slope, t) / evaluate(&curvature, t);
-                if left <= newton && newton <= right {
-                    t = newton;
+            // Newton's method, and halving where it would leave the stretch.
+            for _ in 0..MOST_PASSES {
+                let slope_here = evaluate(&slope, t);
+                if slope_here > 0.0 {
+                    right = t;
+                } else {
+                    left = t;
+                }
+                let newton = t - slope_here / evaluate(&curvature, t);
+                let last = t;
+                t = if left <= newton && newton <= right {
+                    newton
+                } else {
+                    0.5 * (left + right)
+                };
+                if (t - last).abs() <= CLOSE * h {
+                    break;
                 }
             }
             let about = [-0.05, 0.0, 0.02, 0.1].map(|part| (t + part * h).clamp(0.0, h));
@@ -229,3 +245,6 @@ impl Series {
 fn is_turn(slopes: &[f64]) -> bool {
     slopes[0] < 0.0 && slopes[1] >= 0.0
 }
+
+#[cfg(test)]
+mod tests;
