@@ -414,6 +414,29 @@ fn rational_refuses_what_its_documentation_says() {
     assert_eq!(Rational::new(0.4, 0.0).unwrap().kinetic(9.0), 0.4);
 }
 
+#[test]
+fn rational_has_the_values_of_its_formula() {
+    for (mu_s, decay, offset, quadratic) in [
+        (0.4, 3.0, 0.0, 0.0),
+        (0.4, 3.0, 0.15, 0.0),
+        (0.4, 3.0, 0.15, 0.02),
+        (1.0, 0.5, 0.0, 0.3),
+    ] {
+        let law = Rational::new(mu_s, decay)
+            .and_then(|law| law.with_offset(offset)?.with_quadratic(quadratic))
+            .unwrap();
+        for s in [0.0, 1e-3, 0.2, 1.0, 7.0] {
+            let expected = (mu_s - offset) / (1.0 + decay * s) + offset + quadratic * s * s;
+            assert!(
+                (law.kinetic(s) / expected - 1.0).abs() < 4e-16,
+                "{law:?} {s}"
+            );
+            let slope = -(mu_s - offset) * decay / (1.0 + decay * s).powi(2) + 2.0 * quadratic * s;
+            assert!((law.slope(s) - slope).abs() < 4e-15, "{law:?} {s}");
+        }
+    }
+}
+
 /// The system of Leine et al., Nonlinear Dynamics 16 (1998) 41-54: M = K = 1, F_s = 1, δ = 3, v_b = 0.2. The period is that of a classical
 /// Runge-Kutta integration of the slip phase with steps of 1/4000.
 #[test]
