@@ -554,6 +554,9 @@ fn table_has_the_slopes_of_pchip() {
     // And where the second turns, the slope is at most three times the chord's.
     let turning = Tabulated::new([(0.0, 0.5), (1.0, 0.49), (2.0, 0.9)]).unwrap();
     assert!((turning.slope(0.0) + 0.03).abs() < 1e-15);
+    // Less where the second turns a little: chords −0.1 and 0.05.
+    let little = Tabulated::new([(0.0, 0.5), (1.0, 0.4), (2.0, 0.45)]).unwrap();
+    assert!((little.slope(0.0) + 0.175).abs() < 1e-15);
 }
 
 /// Measured points of a smooth law, ever denser: the error falls as h³ at least where the law is monotone.
