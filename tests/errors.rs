@@ -603,7 +603,8 @@ fn bad_breakpoints() {
             value: 0.5
         }
     );
-    assert!(MassOnBelt::new(With(vec![0.5, 1.0], 1e-16), 0.2).is_ok());
+    assert!(MassOnBelt::new(With(vec![0.5, 1.0], 4e-13), 0.2).is_ok());
+    assert!(MassOnBelt::new(With(vec![0.5, 1.0], 1e-12), 0.2).is_err());
 }
 
 /// The cubic so far from the belt that not even the coefficients of a step are finite.

@@ -1632,5 +1632,19 @@ fn forces_in_slip_in_stick_and_just_after_release() {
         }
         assert_eq!(forces(on_belt(3.0)), (1.0, 1.0 - 3.0 - drag));
         assert_eq!(forces(on_belt(-3.0)), (-1.0, -1.0 + 3.0 - drag));
+        // At the ends of the stick band: released where the belt drags the mass out of it, held where it drags it in.
+        let [low, high] = system.stick_limits();
+        let (held, released) = if v_b > 0.0 { (low, high) } else { (high, low) };
+        assert_eq!(forces(on_belt(held)), (held + drag, 0.0));
+        let kinetic = v_b.signum();
+        assert_eq!(
+            forces(on_belt(released)),
+            (kinetic, kinetic - released - drag)
+        );
+    }
+    // A belt at rest holds it at both ends.
+    let resting = MassOnBelt::new(Coulomb::new(0.5, 0.25).unwrap(), 0.0).unwrap();
+    for end in [-0.5, 0.5] {
+        assert_eq!(resting.friction_force(State::new(end, 0.0)), end);
     }
 }
