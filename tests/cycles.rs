@@ -4,7 +4,10 @@ mod common;
 
 use common::{assert_mirrored, list, number, system_of, text};
 use serde_json::Value;
-use stick_slip::{CycleKind, CycleSet, FrictionLaw, LimitCycle, MassOnBelt, limit_cycle};
+use std::f64::consts::TAU;
+use stick_slip::{
+    CycleKind, CycleSet, FrictionLaw, LimitCycle, MassOnBelt, Polynomial, limit_cycle,
+};
 
 /// Checks every number that the reference gives of a cycle; returns the worst error relative to max(1, |value|).
 fn compare(id: &str, cycle: &LimitCycle, expected: &Value) -> f64 {
@@ -179,4 +182,39 @@ fn cycles_on_a_belt_that_runs_backwards_are_mirror_images() {
         }
     }
     assert_eq!(kinds.len(), 4, "{kinds:?}");
+}
+
+/// Against the trapezoidal rule over a period; what it adds of the higher harmonics falls as the cube of the number of points.
+#[test]
+fn harmonics_to_high_orders() {
+    const POINTS: u32 = 1 << 16;
+    let law = Polynomial::new(0.4, 0.25, 0.5).unwrap();
+    let system = MassOnBelt::new(law, 0.2)
+        .unwrap()
+        .with_damping(0.05)
+        .unwrap();
+    let cycle = limit_cycle::stick_slip(&system).unwrap().unwrap();
+    let harmonics = cycle.harmonics(60);
+    let trajectory = cycle.trajectory();
+    let part = |j: u32| f64::from(j) / f64::from(POINTS);
+    let states: Vec<_> = (0..POINTS)
+        .map(|j| {
+            trajectory
+                .state_at(part(j) * cycle.period())
+                .unwrap()
+                .displacement
+        })
+        .collect();
+    for k in [1, 2, 3, 7, 20, 41, 60] {
+        let (mut re, mut im) = (0.0, 0.0);
+        for (j, u) in (0..POINTS).zip(&states) {
+            // Whole turns taken out first: large angles are rounded.
+            let phase = TAU * f64::from(j * k % POINTS) / f64::from(POINTS);
+            re += 2.0 * part(1) * u * phase.cos();
+            im -= 2.0 * part(1) * u * phase.sin();
+        }
+        let found = harmonics[k as usize - 1];
+        let error = (found.re - re).hypot(found.im - im);
+        assert!(error < 1e-13, "{k}: {found} {re} {im} {error:e}");
+    }
 }
