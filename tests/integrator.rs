@@ -1648,3 +1648,49 @@ fn forces_in_slip_in_stick_and_just_after_release() {
         assert_eq!(resting.friction_force(State::new(end, 0.0)), end);
     }
 }
+
+/// Large forces that balance each other leave rounding errors, which are no reason for short steps.
+#[test]
+fn rounding_of_large_terms_is_no_defect() {
+    let law = Exponential::new(0.4, 0.25, 0.1).unwrap();
+    let system = MassOnBelt::new(law, 3.0).unwrap().with_load(1e5).unwrap();
+    // Friction is flat so far from the belt: a free oscillation of amplitude 0.5 about ū ≈ 25 000.
+    let start = State::new(system.equilibrium().unwrap().displacement + 0.5, 0.0);
+    let steps = Integrator::new()
+        .flow(&system, start)
+        .unwrap()
+        .map(Result::unwrap)
+        .take_while(|step| step.start_time() < 10.0 * std::f64::consts::TAU)
+        .count();
+    assert!(steps < 120, "{steps}");
+}
+
+/// On either side of the release point, as close as it can be written.
+#[test]
+fn starts_beside_the_release_point_are_released_at_once() {
+    for (load, v_b) in [
+        (1.0, 0.2_f64),
+        (1.0, -0.2),
+        (7.3, 0.9),
+        (0.011, 0.003),
+        (250.0, -4.0),
+    ] {
+        let law = Polynomial::new(0.4, 0.25, 0.5 * v_b.abs() / 0.2).unwrap();
+        let system = MassOnBelt::new(law, v_b)
+            .and_then(|system| system.with_load(load)?.with_damping(0.01))
+            .unwrap();
+        let release = system.release_state().unwrap();
+        let events = |start| system.simulate(start, 30.0).unwrap().events().to_vec();
+        let expected = events(release);
+        let u = release.displacement;
+        for displacement in [u.next_up(), u.next_down()] {
+            let found = events(State::new(displacement, v_b));
+            assert_eq!(found.len(), expected.len(), "{load} {v_b}");
+            for (a, b) in found.iter().zip(&expected) {
+                assert_eq!(a.kind, b.kind);
+                assert!((a.time - b.time).abs() < 1e-12, "{load} {v_b}: {a} {b}");
+            }
+            assert_eq!(found[0].time, 0.0);
+        }
+    }
+}
