@@ -26,6 +26,8 @@ fn compare(id: &str, cycle: &LimitCycle, expected: &Value) -> f64 {
         ("belt_drive_work", energy.drive_work),
         ("friction_loss", energy.friction_loss),
     ];
+    let turns = cycle.frequency() * cycle.period() / TAU;
+    assert!((turns - 1.0).abs() < 1e-15, "{id}: {turns}");
     let mut worst = 0.0_f64;
     for (name, value) in fields {
         let Some(reference) = expected.get(name).map(number) else {
