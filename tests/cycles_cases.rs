@@ -6,7 +6,9 @@ use common::{Random, paper};
 use stick_slip::analysis::coulomb;
 use stick_slip::bifurcation::{grazing_velocities, hopf_velocities};
 use stick_slip::limit_cycle::{self, Attractor, attractor};
-use stick_slip::{Coulomb, CycleKind, Exponential, FrictionLaw, MassOnBelt, Polynomial, State};
+use stick_slip::{
+    Coulomb, CycleKind, Exponential, FrictionLaw, LimitCycle, MassOnBelt, Polynomial, Scalar, State,
+};
 
 /// The cycle costs its one slip arc: nothing is integrated before or beside it.
 #[test]
@@ -252,4 +254,46 @@ fn motions_inside_and_outside_of_a_cycle_end_on_it() {
         let end = attractor(&system, start).unwrap();
         assert_eq!(end, Attractor::Cycle(cycle.clone()), "{part}");
     }
+}
+
+/// Friction about two sliding speeds only: at 0.1 it brakes more than it drives on a belt of velocity 1, at 0.8 it drives until the mass
+/// overtakes the belt by as much.
+#[derive(Debug, Clone, Copy)]
+struct Bumps;
+
+impl FrictionLaw for Bumps {
+    fn static_coefficient(&self) -> f64 {
+        0.01
+    }
+    fn kinetic<S: Scalar>(&self, s: S) -> S {
+        let near = (-((s - 0.1) / 0.02).square()).exp() * 0.15;
+        let far = (-((s - 0.8) / 0.1).square()).exp() * 0.3;
+        near + far
+    }
+}
+
+/// Of three cycles that cross the belt velocity, each within the next, the one in the middle repels: motions end on its neighbours.
+#[test]
+fn motions_between_crossing_cycles_end_on_their_neighbours() {
+    let system = MassOnBelt::new(Bumps, 1.0)
+        .and_then(|system| system.with_load(0.02))
+        .unwrap();
+    let cycles = limit_cycle::find(&system).unwrap();
+    let crossing: Vec<_> = cycles
+        .iter()
+        .filter(|cycle| cycle.kind() == CycleKind::Crossing)
+        .collect();
+    let [inner, middle, outer] = crossing[..] else {
+        panic!("{} crossing cycles", crossing.len())
+    };
+    assert!(inner.is_stable() && !middle.is_stable() && outer.is_stable());
+    let place = |cycle: &LimitCycle| cycle.state().displacement;
+    let from = |displacement: f64| attractor(&system, State::new(displacement, 1.0)).unwrap();
+    let inside = 0.001 * place(inner) + 0.999 * place(middle);
+    assert_eq!(from(inside), Attractor::Cycle(inner.clone()));
+    let outside = 0.999 * place(middle) + 0.001 * place(outer);
+    assert_eq!(from(outside), Attractor::Cycle(outer.clone()));
+    assert_eq!(from(1.5 * place(outer)), Attractor::Cycle(outer.clone()));
+    assert_eq!(from(place(outer)), Attractor::Cycle(outer.clone()));
+    assert_eq!(from(place(middle)), Attractor::Separatrix(middle.clone()));
 }
