@@ -5,12 +5,12 @@ mod common;
 use common::{list, number, paper, system_of, text};
 use serde_json::Value;
 use stick_slip::bifurcation::{
-    Criticality, criticality, fold_velocities, grazing_velocities, hopf_velocities,
-    overshoot_velocities, silencing_damping,
+    Criticality, criticality, crossing_velocities, fold_velocities, grazing_velocities,
+    hopf_velocities, overshoot_velocities, silencing_damping,
 };
 use stick_slip::{
-    Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Scalar, Tabulated,
-    limit_cycle,
+    Coulomb, CycleKind, Error, Exponential, FrictionLaw, LimitCycle, MassOnBelt, Polynomial,
+    Scalar, Tabulated, limit_cycle,
 };
 
 fn assert_close(id: &str, what: &str, found: f64, expected: f64) {
@@ -418,4 +418,38 @@ fn criticality_is_the_sign_of_the_third_derivative() {
     }
     let flat = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), 0.2).unwrap();
     assert_eq!(criticality(&flat, 0.2), Criticality::Degenerate);
+}
+
+/// What the attracting cycle is just below and just above its borders.
+#[test]
+fn kinds_change_where_the_contacts_say() {
+    let system = |load: f64, damping: f64| {
+        MassOnBelt::new(Polynomial::new(0.38, 0.22, 0.55).unwrap(), 0.2)
+            .and_then(|system| system.with_load(load)?.with_damping(damping))
+            .unwrap()
+    };
+    let kinds = |system: &MassOnBelt<Polynomial>, border: f64| {
+        [-1e-9, 1e-9].map(|offset| {
+            let system = system.with_belt_velocity(border + offset).unwrap();
+            let cycles = limit_cycle::find(&system).unwrap();
+            let kind = cycles.stable().map(LimitCycle::kind).next();
+            kind.expect("an attracting cycle")
+        })
+    };
+    let strong = system(0.1, 0.004);
+    let [overshoot] = overshoot_velocities(&strong, 0.05..0.3).unwrap()[..] else {
+        panic!("one border")
+    };
+    assert_eq!(
+        kinds(&strong, overshoot),
+        [CycleKind::StickSlip, CycleKind::Overshoot]
+    );
+    let weak = system(0.03, 0.001);
+    let [crossing] = crossing_velocities(&weak, 0.05..0.3).unwrap()[..] else {
+        panic!("one border")
+    };
+    assert_eq!(
+        kinds(&weak, crossing),
+        [CycleKind::Overshoot, CycleKind::Crossing]
+    );
 }
