@@ -453,3 +453,28 @@ fn kinds_change_where_the_contacts_say() {
         [CycleKind::Overshoot, CycleKind::Crossing]
     );
 }
+
+/// A fold is found in each range that holds it, and in no other, wherever the range begins and ends.
+#[test]
+fn folds_are_in_the_range_that_holds_them() {
+    let system = MassOnBelt::new(Exponential::new(0.4, 0.3, 1.0).unwrap(), 1.4)
+        .and_then(|system| system.with_damping(0.02))
+        .unwrap();
+    let fold = 1.457823592457963272;
+    for (range, count) in [
+        (1.3..1.6, 1),
+        (1.455..1.46, 1),
+        (1.3..fold - 1e-6, 0),
+        (1.3..fold + 1e-6, 1),
+        (fold - 1e-6..1.6, 1),
+        (fold + 1e-6..1.6, 0),
+        (0.6..0.8, 0),
+    ] {
+        let found = fold_velocities(&system, range.clone()).unwrap();
+        assert_eq!(found.len(), count, "{range:?}: {found:?}");
+        assert!(
+            found.iter().all(|found| (found - fold).abs() < 1e-13),
+            "{found:?}"
+        );
+    }
+}
