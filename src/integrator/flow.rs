@@ -132,10 +132,8 @@ impl<'s, L: FrictionLaw> Flow<'s, L> {
             _ => displacement,
         };
         Phase::Slip(SlipPoint {
-            direction,
-            displacement,
-            speed: 0.0,
             rate: Some(system.slip_rate(exact, direction)),
+            ..SlipPoint::on_belt(displacement, direction)
         })
     }
 

@@ -19,6 +19,18 @@ pub(crate) struct SlipPoint {
     pub(crate) rate: Option<f64>,
 }
 
+impl SlipPoint {
+    /// On the belt, with the rate that the equation of motion gives.
+    pub(crate) fn on_belt(displacement: f64, direction: Direction) -> Self {
+        Self {
+            direction,
+            displacement,
+            speed: 0.0,
+            rate: None,
+        }
+    }
+}
+
 /// The direction of time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Time {

@@ -23,10 +23,8 @@ impl<L: FrictionLaw> Tracer<'_, L> {
     pub(crate) fn on_belt(&self, displacement: f64, direction: Direction) -> SlipPoint {
         let system = self.system();
         SlipPoint {
-            direction,
-            displacement,
-            speed: 0.0,
             rate: Some(system.slip_rate(displacement, direction)),
+            ..SlipPoint::on_belt(displacement, direction)
         }
     }
 
@@ -233,13 +231,8 @@ impl<L: FrictionLaw> Tracer<'_, L> {
     fn least_crossing(&mut self) -> Result<Option<Sample>, Error> {
         let offset = self.carried();
         let [low, high] = self.system().stick_limits();
-        let arriving = |direction, displacement| SlipPoint {
-            direction,
-            displacement,
-            speed: 0.0,
-            rate: None,
-        };
-        let leading = self.arc(arriving(Direction::Leading, high), Time::Backward)?;
+        let arriving = SlipPoint::on_belt;
+        let leading = self.arc(arriving(high, Direction::Leading), Time::Backward)?;
         let (contact, leading, time) = match leading.arrival {
             Arrival::Contact(contact) if contact < low => (contact, leading, Time::Backward),
             Arrival::Contact(_) => {
@@ -253,7 +246,7 @@ impl<L: FrictionLaw> Tracer<'_, L> {
             (Time::Forward, Arrival::Contact(next)) => next + offset,
             _ => high + offset,
         };
-        let lagging = self.arc(arriving(Direction::Lagging, contact), Time::Backward)?;
+        let lagging = self.arc(arriving(contact, Direction::Lagging), Time::Backward)?;
         let Arrival::Contact(start) = lagging.arrival else {
             return Ok(None);
         };
