@@ -5,6 +5,8 @@ mod polynomial;
 mod series;
 mod slip;
 mod step;
+#[cfg(test)]
+pub(crate) mod testing;
 mod trajectory;
 
 pub use flow::Flow;

@@ -326,3 +326,6 @@ impl<'c> Search<'c> {
 
 /// Relative correction below which Newton's method must be converging quadratically, if it is not at the rounding floor.
 const NEWTON_REGIME: f64 = 1e-8;
+
+#[cfg(test)]
+mod tests;

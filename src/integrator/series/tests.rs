@@ -1,4 +1,5 @@
-use super::super::polynomial::quarters;
+use super::super::polynomial::{evaluate, quarters};
+use super::super::testing::polynomial;
 use super::*;
 use crate::{Polynomial as Cubic, Scalar};
 
@@ -42,10 +43,6 @@ fn on_belt<L: FrictionLaw>(law: L) -> MassOnBelt<L> {
         .unwrap()
 }
 
-fn polynomial(c: &[f64]) -> Polynomial {
-    std::array::from_fn(|k| c.get(k).copied().unwrap_or(0.0))
-}
-
 /// A motion of sliding speed Σ c_k t^k with the friction 0.25 + `slope`·t.
 fn series(c: &[f64], slope: f64) -> Series {
     Series {
@@ -67,6 +64,15 @@ fn valley(at: f64, a: f64, b: f64, least: f64) -> [f64; 5] {
     c
 }
 
+/// Factors a and b of a [`valley`].
+const SHAPES: [(f64, f64); 5] = [
+    (0.0, 0.0),
+    (0.4, 0.0),
+    (-0.2, 0.0),
+    (0.3, -0.1),
+    (-0.1, 0.2),
+];
+
 /// The defect that is looked for where the speed is least.
 fn closest(law: Bump, c: &[f64], h: f64) -> f64 {
     let series = series(c, 0.0);
@@ -77,26 +83,16 @@ fn closest(law: Bump, c: &[f64], h: f64) -> f64 {
 #[test]
 fn terms_of_the_equation_of_motion_are_added_by_size() {
     let law = Cubic::new(0.4, 0.25, 0.5).unwrap();
-    let system = on_belt(law).with_damping(0.3).unwrap();
+    let system = on_belt(&law).with_damping(0.3).unwrap();
     let from = SlipPoint {
         direction: Direction::Lagging,
         displacement: -0.7,
         speed: 1.0,
         rate: None,
     };
-    let mut series = Series::ZERO;
-    let of_system = MassOnBelt::new(&law, 0.2)
-        .and_then(|system| system.with_load(LOAD)?.with_damping(0.3))
-        .unwrap();
+    let (mut series, mut workspace) = (Series::ZERO, Workspace::new());
     series
-        .expand(
-            &law,
-            &of_system,
-            &mut Workspace::new(),
-            &from,
-            0,
-            Time::Forward,
-        )
+        .expand(&law, &system, &mut workspace, &from, 0, Time::Forward)
         .unwrap();
     // μ̂(1) = 0.4 − 0.45 + 0.6 = 0.55 and v = 0.2 − 1.
     let largest = series.largest_term(&system, State::new(-0.7, -0.8));
@@ -142,13 +138,7 @@ fn no_number_is_larger_than_any_defect() {
 fn features_at_the_least_speed_are_seen() {
     for h in [0.3, 1.0, 2.0] {
         for part in [0.01, 0.1, 0.2, 0.3, 0.45, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99] {
-            for (a, b) in [
-                (0.0, 0.0),
-                (0.4, 0.0),
-                (-0.2, 0.0),
-                (0.3, -0.1),
-                (-0.1, 0.2),
-            ] {
+            for (a, b) in SHAPES {
                 let c = valley(part * h, a, b, 0.01);
                 // Only the lowest 10⁻⁵ of the way to the next place that is looked at.
                 let width = 1e-2 * (0.02 * h).powi(2);
@@ -195,13 +185,7 @@ fn minima_outside_the_step_are_not_looked_for() {
         width: 10.0,
     };
     for h in [0.5, 1.0] {
-        for (a, b) in [
-            (0.0, 0.0),
-            (0.4, 0.0),
-            (-0.2, 0.0),
-            (0.3, -0.1),
-            (-0.1, 0.2),
-        ] {
+        for (a, b) in SHAPES {
             for hair in [1e-2, 1e-6] {
                 assert!(closest(wide, &valley(h * (1.0 - hair), a, b, 0.01), h) > 0.0);
                 assert_eq!(closest(wide, &valley(h * (1.0 + hair), a, b, 0.01), h), 0.0);

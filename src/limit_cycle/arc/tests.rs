@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 use super::super::testing::{assert_close, traced};
 use super::*;
 use crate::Scalar;
+use crate::integrator::testing::polynomial;
 
 /// μ̂(s) = value + slope·s.
 #[derive(Debug, Clone, Copy)]
@@ -38,12 +39,6 @@ fn lagging(system: &System, displacement: f64, velocity: f64) -> SlipPoint {
         speed: system.belt_velocity() - velocity,
         rate: None,
     }
-}
-
-fn polynomial(coefficients: &[f64]) -> Polynomial {
-    let mut c = [0.0; TERMS];
-    c[..coefficients.len()].copy_from_slice(coefficients);
-    c
 }
 
 /// Each step begins where and when the one before ends.
@@ -168,12 +163,7 @@ fn an_arc_beyond_the_belt_velocity_ends_in_contact() {
         (Direction::Lagging, 0.9, -0.3),
         (Direction::Leading, -0.9, 0.3),
     ] {
-        let start = SlipPoint {
-            direction,
-            displacement: from,
-            speed: 0.0,
-            rate: None,
-        };
+        let start = SlipPoint::on_belt(from, direction);
         let arc = traced(&system, |tracer| tracer.arc(start, Time::Forward));
         let Arrival::Contact(end) = arc.arrival else {
             panic!("{:?}", arc.arrival)
@@ -346,12 +336,7 @@ fn the_contraction_is_that_of_the_law_where_the_motion_goes() {
             (Direction::Leading, -high - 4.0),
         ] {
             traced(&system, |tracer| {
-                let start = SlipPoint {
-                    direction,
-                    displacement: place,
-                    speed: 0.0,
-                    rate: None,
-                };
+                let start = SlipPoint::on_belt(place, direction);
                 let arc = tracer.arc(start, Time::Forward)?;
                 let duration: f64 = arc.steps.iter().map(|step| step.duration).sum();
                 let expected = (2.0 * damping + load * slope) * duration;
