@@ -2,6 +2,8 @@
 
 mod common;
 
+use std::ops::Range;
+
 use common::{list, number, paper, system_of, text};
 use serde_json::Value;
 use stick_slip::bifurcation::{
@@ -423,33 +425,26 @@ fn criticality_is_the_sign_of_the_third_derivative() {
 /// What the attracting cycle is just below and just above its borders.
 #[test]
 fn kinds_change_where_the_contacts_say() {
-    let system = |load: f64, damping: f64| {
-        MassOnBelt::new(Polynomial::new(0.38, 0.22, 0.55).unwrap(), 0.2)
-            .and_then(|system| system.with_load(load)?.with_damping(damping))
-            .unwrap()
-    };
-    let kinds = |system: &MassOnBelt<Polynomial>, border: f64| {
-        [-1e-9, 1e-9].map(|offset| {
-            let system = system.with_belt_velocity(border + offset).unwrap();
-            let cycles = limit_cycle::find(&system).unwrap();
-            let kind = cycles.stable().map(LimitCycle::kind).next();
-            kind.expect("an attracting cycle")
-        })
-    };
-    let strong = system(0.1, 0.004);
-    let [overshoot] = overshoot_velocities(&strong, 0.05..0.3).unwrap()[..] else {
-        panic!("one border")
-    };
+    let kinds =
+        |load: f64, damping: f64, borders: fn(&_, Range<f64>) -> Result<Vec<f64>, Error>| {
+            let system = MassOnBelt::new(Polynomial::new(0.38, 0.22, 0.55).unwrap(), 0.2)
+                .and_then(|system| system.with_load(load)?.with_damping(damping))
+                .unwrap();
+            let found = borders(&system, 0.05..0.3).unwrap();
+            assert_eq!(found.len(), 1, "{found:?}");
+            [-1e-9, 1e-9].map(|offset| {
+                let system = system.with_belt_velocity(found[0] + offset).unwrap();
+                let cycles = limit_cycle::find(&system).unwrap();
+                let kind = cycles.stable().map(LimitCycle::kind).next();
+                kind.expect("an attracting cycle")
+            })
+        };
     assert_eq!(
-        kinds(&strong, overshoot),
+        kinds(0.1, 0.004, overshoot_velocities),
         [CycleKind::StickSlip, CycleKind::Overshoot]
     );
-    let weak = system(0.03, 0.001);
-    let [crossing] = crossing_velocities(&weak, 0.05..0.3).unwrap()[..] else {
-        panic!("one border")
-    };
     assert_eq!(
-        kinds(&weak, crossing),
+        kinds(0.03, 0.001, crossing_velocities),
         [CycleKind::Overshoot, CycleKind::Crossing]
     );
 }

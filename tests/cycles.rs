@@ -2,12 +2,10 @@
 
 mod common;
 
-use common::{assert_mirrored, list, number, system_of, text};
+use common::{assert_mirrored, list, number, paper, system_of, text};
 use serde_json::Value;
 use std::f64::consts::TAU;
-use stick_slip::{
-    CycleKind, CycleSet, FrictionLaw, LimitCycle, MassOnBelt, Polynomial, limit_cycle,
-};
+use stick_slip::{CycleKind, CycleSet, FrictionLaw, LimitCycle, MassOnBelt, limit_cycle};
 
 /// Checks every number that the reference gives of a cycle; returns the worst error relative to max(1, |value|).
 fn compare(id: &str, cycle: &LimitCycle, expected: &Value) -> f64 {
@@ -190,12 +188,7 @@ fn cycles_on_a_belt_that_runs_backwards_are_mirror_images() {
 #[test]
 fn harmonics_to_high_orders() {
     const POINTS: u32 = 1 << 16;
-    let law = Polynomial::new(0.4, 0.25, 0.5).unwrap();
-    let system = MassOnBelt::new(law, 0.2)
-        .unwrap()
-        .with_damping(0.05)
-        .unwrap();
-    let cycle = limit_cycle::stick_slip(&system).unwrap().unwrap();
+    let cycle = limit_cycle::stick_slip(&paper(0.2)).unwrap().unwrap();
     let harmonics = cycle.harmonics(60);
     let trajectory = cycle.trajectory();
     let part = |j: u32| f64::from(j) / f64::from(POINTS);

@@ -58,15 +58,15 @@ enum Law {
     Exponential([f64; 3]),
 }
 
-/// One copy of the crate.
+/// One variant of the crate.
 #[derive(Clone, Copy)]
-struct Copy {
+struct Variant {
     order: usize,
     /// Runs from rest, adds the events to a list, and returns the number of slip steps.
     run: fn(Motion, f64, &mut Vec<f64>) -> usize,
 }
 
-macro_rules! copies {
+macro_rules! variants {
     ($($name:ident $order:literal)*) => {
         $(mod $name {
             use super::{DURATION, Law, Motion, REST};
@@ -106,11 +106,11 @@ macro_rules! copies {
                 steps
             }
         })*
-        const COPIES: &[Copy] = &[$(Copy { order: $order, run: $name::run }),*];
+        const VARIANTS: &[Variant] = &[$(Variant { order: $order, run: $name::run }),*];
     };
 }
 
-copies! { order14 14 order17 17 order20 20 order23 23 order26 26 order29 29 }
+variants! { order14 14 order17 17 order20 20 order23 23 order26 26 order29 29 }
 
 fn main() {
     let set = set::polynomial();
@@ -131,9 +131,9 @@ fn main() {
     compare(law, &set);
 }
 
-/// A copy with the tolerance that it takes for a bound.
+/// A variant with the tolerance that it takes for a bound.
 struct Contender {
-    copy: Copy,
+    variant: Variant,
     tolerance: f64,
     least: Duration,
 }
@@ -145,13 +145,13 @@ fn compare<L: FrictionLaw>(law: Law, set: &Set<L>) {
         damping: set.system.damping(),
     };
     for bound in BOUNDS {
-        let mut contenders: Vec<_> = COPIES
+        let mut contenders: Vec<_> = VARIANTS
             .iter()
-            .filter_map(|&copy| {
-                let tolerance = loosest(copy, motion, set, bound)?;
+            .filter_map(|&variant| {
+                let tolerance = loosest(variant, motion, set, bound)?;
                 let least = Duration::MAX;
                 Some(Contender {
-                    copy,
+                    variant,
                     tolerance,
                     least,
                 })
@@ -164,7 +164,7 @@ fn compare<L: FrictionLaw>(law: Law, set: &Set<L>) {
                 for _ in 0..2 {
                     events.clear();
                     let start = Instant::now();
-                    black_box((contender.copy.run)(
+                    black_box((contender.variant.run)(
                         motion,
                         contender.tolerance,
                         &mut events,
@@ -178,14 +178,19 @@ fn compare<L: FrictionLaw>(law: Law, set: &Set<L>) {
 }
 
 /// The loosest of 1/2, 1/4, 1/8, …, ε with which, and with all tighter ones, the events are within `bound`; none where rounding is larger.
-fn loosest<L: FrictionLaw>(copy: Copy, motion: Motion, set: &Set<L>, bound: f64) -> Option<f64> {
+fn loosest<L: FrictionLaw>(
+    variant: Variant,
+    motion: Motion,
+    set: &Set<L>,
+    bound: f64,
+) -> Option<f64> {
     let mut events = Vec::new();
     (1..=52)
         .rev()
         .map(|bits| 0.5_f64.powi(bits))
         .take_while(|&tolerance| {
             events.clear();
-            (copy.run)(motion, tolerance, &mut events);
+            (variant.run)(motion, tolerance, &mut events);
             set.worst_error(&events) <= bound
         })
         .last()
@@ -194,23 +199,23 @@ fn loosest<L: FrictionLaw>(copy: Copy, motion: Motion, set: &Set<L>, bound: f64)
 fn print_table<L: FrictionLaw>(motion: Motion, set: &Set<L>, bound: f64, contenders: &[Contender]) {
     let yardstick = contenders
         .iter()
-        .find(|contender| contender.copy.order == 26)
+        .find(|contender| contender.variant.order == 26)
         .expect("the order that the crate has");
     println!(
         "\n{} law, errors within {bound:e}\n{:>5}{:>11}{:>14}{:>11}{:>12}{:>7}",
         set.name, "order", "tolerance", "steps a cycle", "ns a step", "µs a cycle", "ratio"
     );
     for Contender {
-        copy,
+        variant,
         tolerance,
         least,
     } in contenders
     {
-        let steps = (copy.run)(motion, *tolerance, &mut Vec::new()) as f64;
+        let steps = (variant.run)(motion, *tolerance, &mut Vec::new()) as f64;
         let seconds = least.as_secs_f64();
         println!(
             "{:>5}{tolerance:>11.1e}{:>14.2}{:>11.0}{:>12.2}{:>7.2}",
-            copy.order,
+            variant.order,
             steps / set.cycles(),
             1e9 * seconds / steps,
             1e6 * seconds / set.cycles(),

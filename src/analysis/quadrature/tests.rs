@@ -3,26 +3,26 @@ use std::cell::Cell;
 use super::super::testing::rough;
 use super::*;
 
-/// The integral by [`gauss`] over a mesh, and how many values it took.
-fn counted(f: impl Fn(f64) -> [f64; 2], mesh: &[f64]) -> (Integral, usize) {
+/// What a rule makes of a function, and how many of its values it took.
+fn watched<T>(
+    f: impl Fn(f64) -> [f64; 2],
+    rule: impl FnOnce(&dyn Fn(f64) -> Result<[f64; 2], Error>) -> Result<T, Error>,
+) -> (T, usize) {
     let looks = Cell::new(0);
-    let watched = |x| {
+    let result = rule(&|x| {
         looks.set(looks.get() + 1);
         assert!(looks.get() < 1_000_000, "endless");
         Ok(f(x))
-    };
-    (gauss(watched, mesh).unwrap(), looks.get())
+    });
+    (result.unwrap(), looks.get())
 }
 
-/// The same by [`trapezoid`].
+fn counted(f: impl Fn(f64) -> [f64; 2], mesh: &[f64]) -> (Integral, usize) {
+    watched(f, |f| gauss(f, mesh))
+}
+
 fn counted_trapezoid(f: impl Fn(f64) -> [f64; 2]) -> (Option<Integral>, usize) {
-    let looks = Cell::new(0);
-    let watched = |psi| {
-        looks.set(looks.get() + 1);
-        assert!(looks.get() < 1_000_000, "endless");
-        Ok(f(psi))
-    };
-    (trapezoid(watched).unwrap(), looks.get())
+    watched(f, |f| trapezoid(f))
 }
 
 #[test]

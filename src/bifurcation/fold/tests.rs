@@ -64,7 +64,7 @@ fn ends_count_as_growing_above_zero() {
 #[test]
 fn a_fold_is_where_the_growth_at_a_turning_point_is_zero() {
     for sign in [1.0, -1.0] {
-        // Steep enough for the first pass: no division, only the root, with every fourth time a bisection.
+        // Steep enough for the first pass: no division, only the root.
         let (found, asked) = folds(|v_b| hump(v_b, sign * (v_b - 0.3)), 16);
         assert_eq!(found.len(), 1);
         assert!((found[0] - 0.3).abs() < 1e-15);

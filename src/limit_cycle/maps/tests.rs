@@ -566,12 +566,7 @@ fn an_arc_stretches_the_same_followed_forward_and_backward() {
                 panic!()
             };
             let forward = tracer.stretch(&arc, Time::Forward);
-            let arriving = SlipPoint {
-                direction,
-                displacement: end,
-                speed: 0.0,
-                rate: None,
-            };
+            let arriving = SlipPoint::on_belt(end, direction);
             let back = tracer.arc(arriving, Time::Backward)?;
             let Arrival::Contact(found) = back.arrival else {
                 panic!()
