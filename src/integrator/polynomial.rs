@@ -5,10 +5,6 @@ use std::ops::ControlFlow;
 
 use crate::scalar::mul_add;
 
-#[cfg(test)]
-#[path = "attack.rs"]
-mod attack;
-
 /// Coefficients of a step's series: order 26.
 ///
 /// Chosen for round-off, the usual tolerance, where none is faster at equal achieved error; looser ones lose up to a quarter of the time
@@ -327,5 +323,7 @@ impl<'c> Search<'c> {
 /// Relative correction below which Newton's method must be converging quadratically, if it is not at the rounding floor.
 const NEWTON_REGIME: f64 = 1e-8;
 
+#[cfg(test)]
+mod attack;
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,9 @@
 //! Every operation of the Taylor coefficient to order 30: against known series, against contour integrals of the same
 //! expression in complex numbers, and against the other operations.
 
+mod expression;
+
+use expression::{Expression, SPEED};
 use nalgebra::Complex;
 
 use super::{LONGEST, Scalar, Workspace, expand};
@@ -35,153 +38,6 @@ fn compose_in(
 
 fn compose(law: impl Fn(Expression) -> Expression, inner: &Inner) -> [f64; ORDERS] {
     compose_in(&mut Workspace::new(), &law(SPEED), 0, inner)
-}
-
-/// An expression in the sliding speed as data, to be evaluated on any number: one law, and so one compiled copy of the
-/// operations, serves every test.
-#[derive(Debug, Clone, Copy)]
-struct Expression(&'static Node);
-
-#[derive(Debug)]
-enum Node {
-    Speed,
-    Constant(f64),
-    Neg(Expression),
-    Add(Expression, Expression),
-    Sub(Expression, Expression),
-    Mul(Expression, Expression),
-    Div(Expression, Expression),
-    AddNumber(Expression, f64),
-    SubNumber(Expression, f64),
-    MulNumber(Expression, f64),
-    DivNumber(Expression, f64),
-    Recip(Expression),
-    Square(Expression),
-    Exp(Expression),
-    Ln(Expression),
-    Sqrt(Expression),
-    Powi(Expression, i32),
-    Powf(Expression, f64),
-    Tanh(Expression),
-    Atan(Expression),
-    Sin(Expression),
-    Cos(Expression),
-    Abs(Expression),
-}
-
-const SPEED: Expression = Expression(&Node::Speed);
-
-fn node(node: Node) -> Expression {
-    Expression(Box::leak(Box::new(node)))
-}
-
-macro_rules! operators {
-    ($($trait:ident $method:ident $number:ident)*) => {$(
-        impl std::ops::$trait for Expression {
-            type Output = Self;
-            fn $method(self, other: Self) -> Self {
-                node(Node::$trait(self, other))
-            }
-        }
-        impl std::ops::$trait<f64> for Expression {
-            type Output = Self;
-            fn $method(self, c: f64) -> Self {
-                node(Node::$number(self, c))
-            }
-        }
-    )*};
-}
-operators!(Add add AddNumber  Sub sub SubNumber  Mul mul MulNumber  Div div DivNumber);
-
-impl std::ops::Neg for Expression {
-    type Output = Self;
-    fn neg(self) -> Self {
-        node(Node::Neg(self))
-    }
-}
-
-macro_rules! functions {
-    ($($name:ident $node:ident)*) => {$(
-        fn $name(self) -> Self {
-            node(Node::$node(self))
-        }
-    )*};
-}
-
-impl Expression {
-    functions!(recip Recip  square Square  exp Exp  ln Ln  sqrt Sqrt  tanh Tanh  atan Atan  sin Sin  cos Cos  abs Abs);
-    fn constant(self, c: f64) -> Self {
-        node(Node::Constant(c))
-    }
-    fn powi(self, n: i32) -> Self {
-        node(Node::Powi(self, n))
-    }
-    fn powf(self, p: f64) -> Self {
-        node(Node::Powf(self, p))
-    }
-}
-
-/// The value of an expression in one number type; the last four entries are what complex numbers write differently.
-macro_rules! evaluate {
-    ($self:ident, $s:ident, $value:ident, $constant:expr, $recip:expr, $square:expr, $abs:expr) => {
-        match *$self.0 {
-            Node::Speed => $s,
-            Node::Constant(c) => $constant(c),
-            Node::Neg(a) => -a.$value($s),
-            Node::Add(a, b) => a.$value($s) + b.$value($s),
-            Node::Sub(a, b) => a.$value($s) - b.$value($s),
-            Node::Mul(a, b) => a.$value($s) * b.$value($s),
-            Node::Div(a, b) => a.$value($s) / b.$value($s),
-            Node::AddNumber(a, c) => a.$value($s) + c,
-            Node::SubNumber(a, c) => a.$value($s) - c,
-            Node::MulNumber(a, c) => a.$value($s) * c,
-            Node::DivNumber(a, c) => a.$value($s) / c,
-            Node::Recip(a) => $recip(a.$value($s)),
-            Node::Square(a) => $square(a.$value($s)),
-            Node::Exp(a) => a.$value($s).exp(),
-            Node::Ln(a) => a.$value($s).ln(),
-            Node::Sqrt(a) => a.$value($s).sqrt(),
-            Node::Powi(a, n) => a.$value($s).powi(n),
-            Node::Powf(a, p) => a.$value($s).powf(p),
-            Node::Tanh(a) => a.$value($s).tanh(),
-            Node::Atan(a) => a.$value($s).atan(),
-            Node::Sin(a) => a.$value($s).sin(),
-            Node::Cos(a) => a.$value($s).cos(),
-            Node::Abs(a) => $abs(a.$value($s)),
-        }
-    };
-}
-
-impl Expression {
-    fn complex(self, s: Complex<f64>) -> Complex<f64> {
-        let abs = |_| panic!("|s| is not analytic");
-        evaluate!(
-            self,
-            s,
-            complex,
-            Complex::from,
-            |z: Complex<f64>| z.inv(),
-            |z| z * z,
-            abs
-        )
-    }
-}
-
-impl FrictionLaw for Expression {
-    fn static_coefficient(&self) -> f64 {
-        f64::INFINITY
-    }
-    fn kinetic<S: Scalar>(&self, s: S) -> S {
-        evaluate!(
-            self,
-            s,
-            kinetic,
-            |c| s.constant(c),
-            S::recip,
-            S::square,
-            S::abs
-        )
-    }
 }
 
 /// s_0 + t.
