@@ -5,7 +5,7 @@ mod common;
 use common::{assert_mirrored, list, number, paper, system_of, text};
 use serde_json::Value;
 use std::f64::consts::TAU;
-use stick_slip::{CycleKind, CycleSet, FrictionLaw, LimitCycle, MassOnBelt, limit_cycle};
+use stick_slip::{CycleKind, CycleSet, FrictionLaw, LimitCycle, MassOnBelt, Scalar, limit_cycle};
 
 /// Checks every number that the reference gives of a cycle; returns the worst error relative to max(1, |value|).
 fn compare(id: &str, cycle: &LimitCycle, expected: &Value) -> f64 {
@@ -184,32 +184,104 @@ fn cycles_on_a_belt_that_runs_backwards_are_mirror_images() {
     assert_eq!(kinds.len(), 4, "{kinds:?}");
 }
 
-/// Against the trapezoidal rule over a period; what it adds of the higher harmonics falls as the cube of the number of points.
+/// Against the trapezoidal rule over a period, most of it in stick where the belt is slow; what the rule adds of the higher harmonics falls as the
+/// cube of the number of points.
 #[test]
 fn harmonics_to_high_orders() {
     const POINTS: u32 = 1 << 16;
-    let cycle = limit_cycle::stick_slip(&paper(0.2)).unwrap().unwrap();
-    let harmonics = cycle.harmonics(60);
-    let trajectory = cycle.trajectory();
-    let part = |j: u32| f64::from(j) / f64::from(POINTS);
-    let states: Vec<_> = (0..POINTS)
-        .map(|j| {
-            trajectory
-                .state_at(part(j) * cycle.period())
-                .unwrap()
-                .displacement
-        })
-        .collect();
-    for k in [1, 2, 3, 7, 20, 41, 60] {
-        let (mut re, mut im) = (0.0, 0.0);
-        for (j, u) in (0..POINTS).zip(&states) {
-            // Whole turns taken out first: large angles are rounded.
-            let phase = TAU * f64::from(j * k % POINTS) / f64::from(POINTS);
-            re += 2.0 * part(1) * u * phase.cos();
-            im -= 2.0 * part(1) * u * phase.sin();
+    for belt_velocity in [0.2, 0.01] {
+        let cycle = limit_cycle::stick_slip(&paper(belt_velocity)).unwrap();
+        let cycle = cycle.unwrap();
+        let harmonics = cycle.harmonics(60);
+        let trajectory = cycle.trajectory();
+        let part = |j: u32| f64::from(j) / f64::from(POINTS);
+        let displacement = |j: u32| {
+            let state = trajectory.state_at(part(j) * cycle.period());
+            state.unwrap().displacement
+        };
+        let displacements: Vec<_> = (0..POINTS).map(displacement).collect();
+        for k in [1, 2, 3, 7, 20, 41, 60] {
+            let (mut re, mut im) = (0.0, 0.0);
+            for (j, u) in (0..POINTS).zip(&displacements) {
+                // Whole turns taken out first: large angles are rounded.
+                let phase = TAU * f64::from(j * k % POINTS) / f64::from(POINTS);
+                re += 2.0 * part(1) * u * phase.cos();
+                im -= 2.0 * part(1) * u * phase.sin();
+            }
+            let found = harmonics[k as usize - 1];
+            let error = (found.re - re).hypot(found.im - im);
+            assert!(error < 1e-13, "{k}: {found} {re} {im} {error:e}");
         }
-        let found = harmonics[k as usize - 1];
-        let error = (found.re - re).hypot(found.im - im);
-        assert!(error < 1e-13, "{k}: {found} {re} {im} {error:e}");
+    }
+}
+
+/// Rayleigh's oscillator: friction that drives the mass by a·v and brakes it by a·v³/(3c²), about the sliding speed 1; constant from 2 on.
+#[derive(Debug, Clone, Copy)]
+struct Rayleigh {
+    a: f64,
+    c: f64,
+}
+
+impl FrictionLaw for Rayleigh {
+    fn static_coefficient(&self) -> f64 {
+        20.0
+    }
+    fn kinetic<S: Scalar>(&self, s: S) -> S {
+        self.kinetic_on(usize::from(s.value() >= 2.0), s)
+    }
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        [2.0].into_iter()
+    }
+    fn kinetic_on<S: Scalar>(&self, piece: usize, s: S) -> S {
+        let x = if piece == 0 { s - 1.0 } else { s * 0.0 + 1.0 } / self.c;
+        (x.powi(3) / 3.0 - x) * (self.a * self.c) + 10.0
+    }
+}
+
+/// v/c is van der Pol's oscillator z'' − a(1 − z²)z' + z = 0, whose amplitude, period and multiplier are known: Andersen and Geer, SIAM J. Appl.
+/// Math. 42 (1982) 678-693, here from Taylor series with 34 digits. −a turns its time round: the cycle is the same, and repels.
+#[test]
+fn van_der_pols_oscillator() {
+    for (a, amplitude, period, multiplier) in [
+        (
+            0.1,
+            2.000103979872795923818,
+            6.287111272288726806054,
+            0.5330692592096738359157,
+        ),
+        (
+            1.0,
+            2.00861986087484313651,
+            6.6632868593231301897,
+            8.596950636038051861197e-4,
+        ),
+        (
+            2.0,
+            2.019891384667136024114,
+            7.629874479674841631969,
+            1.273849304439408339594e-8,
+        ),
+    ] {
+        for sign in [1.0, -1.0] {
+            let c = 0.25;
+            let system = MassOnBelt::new(Rayleigh { a: sign * a, c }, 1.0).unwrap();
+            let cycles = limit_cycle::find(&system).unwrap();
+            let cycle = &of_kind(&cycles, CycleKind::PureSlip)[0];
+            let relative = |found: f64, expected: f64| (found / expected - 1.0).abs();
+            let errors = [
+                relative(cycle.max_velocity(), c * amplitude),
+                relative(cycle.min_velocity(), -c * amplitude),
+                relative(cycle.period(), period),
+                relative(cycle.multiplier(), multiplier.powf(sign)),
+            ];
+            // It closes: the last step ends where the first begins.
+            let trajectory = cycle.trajectory();
+            let before = trajectory.state_at(cycle.period().next_down()).unwrap();
+            let gap = (before.displacement - cycle.state().displacement).abs()
+                + (before.velocity - cycle.state().velocity).abs();
+            println!("a = {}: {errors:?}, {gap:e}", sign * a);
+            assert!(errors[..3].iter().all(|error| *error < 1e-14), "{errors:?}");
+            assert!(errors[3] < 1e-13 && gap < 1e-14, "{errors:?} {gap:e}");
+        }
     }
 }
