@@ -243,6 +243,9 @@ fn diagrams_there_and_back() {
     there_and_back(&points);
     let flat = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), 0.2).unwrap();
     there_and_back::<CycleSet>(&limit_cycle::find(&flat).unwrap());
+    let hidden = limit_cycle::find(&polynomial(0.3, 0.0, 1e-20)).unwrap();
+    assert!(!hidden.unresolved().is_empty());
+    there_and_back::<CycleSet>(&hidden);
     for v_b in [0.01, 0.2, 0.55, 3.0] {
         there_and_back::<Equilibrium>(&polynomial(v_b, 0.3, 5.0).equilibrium().unwrap());
     }
@@ -354,6 +357,36 @@ fn cycles_that_are_none_are_refused() {
     assert!(serde_json::from_value::<CycleSet>(set([inner, outer])).is_ok());
     let error = serde_json::from_value::<CycleSet>(set([outer, inner])).unwrap_err();
     assert!(error.to_string().contains("ascending"), "{error}");
+}
+
+/// Each change is consistent in itself; only where two steps meet does it show.
+#[test]
+fn steps_that_do_not_meet_are_refused() {
+    let cycle = limit_cycle::stick_slip(&polynomial(0.3, 0.02, 1.0)).unwrap();
+    let written = serde_json::to_value(cycle.unwrap()).unwrap();
+    let refusal = |change: &dyn Fn(&mut Vec<serde_json::Value>)| {
+        let mut wrong = written.clone();
+        change(wrong["steps"].as_array_mut().unwrap());
+        let read = serde_json::from_value::<LimitCycle>(wrong);
+        read.unwrap_err().to_string()
+    };
+    let add = |number: &mut serde_json::Value, change: f64| {
+        *number = (number.as_f64().unwrap() + change).into();
+    };
+    // The second step starts faster than the first ends, at the same place.
+    let error = refusal(&|steps| {
+        assert!(steps[1]["duration"].as_f64().unwrap() < 1.0);
+        add(&mut steps[1]["state"]["velocity"], 1e-6);
+        add(&mut steps[1]["speed"][0], -1e-6);
+    });
+    assert!(error.contains("the end of the step before"), "{error}");
+    // A release, as at the end of stick, between two steps of one slip phase.
+    let error = refusal(&|steps| {
+        steps[0]["event"] = steps[steps.len() - 1]["event"].clone();
+        steps[0]["event"]["time"] = steps[0]["duration"].clone();
+        steps[0]["event"]["state"] = steps[1]["state"].clone();
+    });
+    assert!(error.contains("an event where the mode changes"), "{error}");
 }
 
 /// What a cycle holds twice may differ by 1e-8 of the motion's size, and not by more: of its period; of |u| + amplitude + |v_b|; and of the
