@@ -163,6 +163,37 @@ fn hopf_at_the_ends_of_a_range() {
     assert_eq!(hopf_velocities(&system, 0.5 - 1e-9..1.0).unwrap(), [0.5]);
 }
 
+/// Empty, turned round, or without a positive velocity; and numbers that are none.
+#[test]
+fn ranges_that_hold_no_belt_velocity_are_errors() {
+    let system = paper(0.2);
+    let searches = [
+        hopf_velocities::<Polynomial>,
+        grazing_velocities,
+        overshoot_velocities,
+        crossing_velocities,
+        fold_velocities,
+    ];
+    for (search, number) in std::iter::zip(searches, 1..) {
+        for (range, named) in [
+            (0.5..0.5, "range.end"),
+            (0.5..0.2, "range.end"),
+            (-0.5..0.0, "range.end"),
+            (-0.5..-0.2, "range.end"),
+            (0.0..0.0, "range.end"),
+            (f64::NAN..0.5, "range.start"),
+            (f64::NEG_INFINITY..0.5, "range.start"),
+            (0.1..f64::NAN, "range.end"),
+            (0.1..f64::INFINITY, "range.end"),
+        ] {
+            match search(&system, range.clone()) {
+                Err(Error::InvalidParameter { name, .. }) => assert_eq!(name, named),
+                other => panic!("{number}: {range:?}: {other:?}"),
+            }
+        }
+    }
+}
+
 /// h1 is zero up to a speed, and again within the same power series.
 #[test]
 fn hopf_beside_a_zero_at_a_breakpoint() {
