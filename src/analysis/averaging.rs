@@ -25,7 +25,7 @@ use std::f64::consts::PI;
 
 use super::quadrature::{Integral, gauss, graded, trapezoid};
 use super::roots::{Sample, brackets, isolate, refine};
-use crate::friction::{piece_above, taylor_coefficients_on};
+use crate::friction::{piece_above, slope_on};
 use crate::{Error, FrictionLaw, MassOnBelt};
 
 /// Drift dA/dτ of the amplitude A ≥ 0, dimensionless. Error O(ε²).
@@ -182,20 +182,6 @@ fn slope_integrals<L: FrictionLaw>(law: &L, w: f64, amplitude: f64) -> Result<In
         total = total.merged(&panels?);
     }
     Ok(total)
-}
-
-/// dμ̂/ds on one piece of the law.
-pub(super) fn slope_on<L: FrictionLaw>(law: &L, piece: usize, speed: f64) -> Result<f64, Error> {
-    let [value, slope] = taylor_coefficients_on::<2, _>(law, piece, speed);
-    if value.is_finite() && slope.is_finite() {
-        Ok(slope)
-    } else {
-        Err(Error::NonFiniteFriction {
-            speed,
-            value: if value.is_finite() { slope } else { value },
-            reached: None,
-        })
-    }
 }
 
 /// A cycle of the slow flow: an amplitude A > 0 at which A' = 0.

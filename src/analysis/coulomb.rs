@@ -183,12 +183,13 @@ impl FreeVibration {
             .map(move |n| (motion.time + PI * n as f64, motion.turn(n)))
     }
 
-    /// Displacement at which the mass comes to rest, dimensionless, exact. `None` if it never does (μ_k = 0).
+    /// Displacement at which the mass comes to rest, dimensionless, exact. `None` if it never does (μ_k = 0), or only after more
+    /// than 2⁵³ half swings.
     pub fn rest_position(&self) -> Option<f64> {
         self.swings().map(|n| self.turn(n))
     }
 
-    /// Time at which the mass comes to rest, dimensionless, exact. `None` if it never does (μ_k = 0).
+    /// Time at which the mass comes to rest, dimensionless, exact. `None` as for [`rest_position`](Self::rest_position).
     pub fn rest_time(&self) -> Option<f64> {
         self.swings().map(|n| self.time + PI * n as f64)
     }
@@ -207,7 +208,7 @@ impl FreeVibration {
             return Some(0);
         }
         let swings = (excess / (2.0 * self.kinetic)).ceil();
-        if !swings.is_finite() {
+        if swings.is_nan() || swings > MOST_SWINGS {
             return None;
         }
         // The quotient is rounded: the comparison with the stick band decides.
@@ -221,3 +222,6 @@ impl FreeVibration {
         )
     }
 }
+
+/// Half swings that an `f64` counts without rounding.
+const MOST_SWINGS: f64 = (1_u64 << 53) as f64;

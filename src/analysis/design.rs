@@ -1,11 +1,11 @@
 //! What keeps steady sliding stable: the least damping, and the belt velocity above which nothing vibrates.
 //!
-//! Beside a stable steady sliding a stick-slip motion may go on for ever, once a knock has started it; the damping that leaves none is
-//! [`silencing_damping`](crate::bifurcation::silencing_damping), from the exact cycles.
+//! Beside a stable steady sliding a stick-slip motion may go on for ever, once a knock has started it.
 //!
 //! | Question | any law | polynomial, exponential, Coulomb |
 //! |---|---|---|
-//! | least damping for stability at one belt velocity | [`least_damping`] | [`coulomb::least_damping`] |
+//! | least damping for stability at one belt velocity | [`least_damping`] | |
+//! | least damping that leaves no vibration at one belt velocity | [`silencing_damping`](crate::bifurcation::silencing_damping) | [`coulomb::least_damping`] |
 //! | least damping over a range of belt velocities | [`least_damping_over`] | |
 //! | least damping at every belt velocity | | [`QuietLaw::least_damping_everywhere`] |
 //! | belt velocity above which all is quiet | | [`QuietLaw::quiet_velocity`] |
@@ -13,10 +13,9 @@
 use std::f64::consts::{E, SQRT_2};
 use std::ops::Range;
 
-use super::averaging::slope_on;
 use super::roots::{Sample, brackets, isolate, refine};
 use super::{PureSlip, coulomb, exponential};
-use crate::friction::taylor_coefficients_on;
+use crate::friction::{slope_on, taylor_coefficients_on};
 use crate::{Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial};
 
 /// Damping ratio above which steady sliding at the system's belt velocity is stable: max(0, −½γ² dμ̂/ds) at |v_b|.

@@ -1,9 +1,8 @@
 use std::f64::consts::{PI, TAU};
 use std::marker::PhantomData;
 
-use super::averaging::slope_on;
 use super::quadrature::{gauss, graded};
-use crate::friction::{piece_above, taylor_coefficients_on};
+use crate::friction::{piece_above, slope_on, taylor_coefficients_on};
 use crate::{Error, FrictionLaw, MassOnBelt, Polynomial};
 
 /// The paper's stick-slip vibration, for any law: stick, then a slip arc of an undamped oscillation about ū.

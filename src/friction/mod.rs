@@ -80,7 +80,8 @@ pub trait FrictionLaw {
     /// Kinetic coefficient μ̂(s) at sliding speed s ≥ 0; at s = 0 its limit from above. Dimensionless.
     fn kinetic<S: Scalar>(&self, speed: S) -> S;
 
-    /// Speeds at which the pieces of the law meet: finitely many, ascending, positive. None for an analytic law.
+    /// Speeds at which the pieces of the law meet: finitely many, ascending, positive. None for an analytic law; but one that has a very narrow
+    /// feature away from s = 0 should name its place and its ends, so that no step passes over it.
     fn breakpoints(&self) -> impl Iterator<Item = f64> {
         std::iter::empty()
     }
@@ -237,7 +238,12 @@ const JUMP: f64 = 1e-12;
 
 /// The law has a finite value and slope at `speed`.
 pub(crate) fn finite_at<L: FrictionLaw>(law: &L, speed: f64) -> Result<(), Error> {
-    let [value, slope] = taylor_coefficients::<2, _>(law, speed);
+    slope_on(law, piece_above(law, speed), speed).map(|_| ())
+}
+
+/// dμ̂/ds on one piece of the law.
+pub(crate) fn slope_on<L: FrictionLaw>(law: &L, piece: usize, speed: f64) -> Result<f64, Error> {
+    let [value, slope] = taylor_coefficients_on::<2, _>(law, piece, speed);
     if !value.is_finite() {
         Err(Error::NonFiniteFriction {
             speed,
@@ -250,6 +256,25 @@ pub(crate) fn finite_at<L: FrictionLaw>(law: &L, speed: f64) -> Result<(), Error
             reached: None,
         })
     } else {
-        Ok(())
+        Ok(slope)
     }
+}
+
+/// Whether friction does not depend on the sliding speed near this one: all derivatives of the law are zero.
+pub(crate) fn is_constant_near<L: FrictionLaw>(law: &L, speed: f64) -> bool {
+    is_constant(&taylor_coefficients(law, speed))
+}
+
+/// Whether there is no kinetic friction at any speed: on each piece the law and all its derivatives are zero.
+pub(crate) fn has_no_kinetic_friction<L: FrictionLaw>(law: &L) -> bool {
+    let starts = std::iter::once(0.0).chain(law.breakpoints());
+    starts.enumerate().all(|(piece, speed)| {
+        let series = taylor_coefficients_on(law, piece, speed);
+        series[0] == 0.0 && is_constant(&series)
+    })
+}
+
+/// The last coefficient is not computed.
+fn is_constant(series: &[f64; LONGEST]) -> bool {
+    series[1..LONGEST - 1].iter().all(|&c| c == 0.0)
 }
