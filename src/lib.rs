@@ -70,7 +70,8 @@
 //! 1. **Steps.** A slip phase is followed by Taylor series of order 26. A step is accepted when the defect of the series, what is missing in
 //!    the equation of motion, is small at its end (the contact, if there is one), at a quarter, a half and three quarters of it, and about the place
 //!    where the mass comes closest to the belt's velocity. Terms hidden behind exp(−400), as in a law with a narrow Stribeck velocity, are not
-//!    missed.
+//!    missed. A step longer than one radian is looked at every quarter of a radian: a bump exp(−(s/w)²) at some other speed is seen for w down to a
+//!    fortieth of the motion's velocity amplitude. Name the place of a narrower one as a [breakpoint](FrictionLaw::breakpoints).
 //! 2. **Contacts** are roots of the sliding speed's own polynomial, isolated so that none is skipped, and refined to the last bit. A
 //!    shallow contact, in and out within one step, is found.
 //! 3. **Starts of slip.** The known root of v_r at the start is divided out, simple or double. There is no epsilon, no cooldown and no least

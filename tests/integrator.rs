@@ -9,7 +9,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use common::{Decay, Law, Leine, Random, Table, paper, ulp};
 use stick_slip::{
     Coulomb, Direction, Error, Event, EventKind, Exponential, FrictionLaw, Integrator, MassOnBelt,
-    Mode, Polynomial, State, Step, Trajectory,
+    Mode, Polynomial, Scalar, State, Step, Trajectory,
 };
 
 const EPS: f64 = f64::EPSILON;
@@ -299,6 +299,44 @@ const SHALLOW: [(f64, f64, f64, f64); 13] = [
         6.367585395099839227295490,
     ),
 ];
+
+/// Friction about one sliding speed that lies far from where the motion starts, in a law that is constant elsewhere: steps are long there. Told to
+/// the crate by breakpoints, and not.
+#[derive(Debug, Clone, Copy)]
+struct Bump {
+    width: f64,
+    told: bool,
+}
+
+impl FrictionLaw for Bump {
+    fn static_coefficient(&self) -> f64 {
+        0.4
+    }
+    fn kinetic<S: Scalar>(&self, s: S) -> S {
+        (-((s - 0.6) / self.width).square()).exp() + 0.25
+    }
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        [-7.0, 0.0, 7.0]
+            .into_iter()
+            .filter(|_| self.told)
+            .map(|widths| 0.6 + widths * self.width)
+    }
+}
+
+#[test]
+fn promise_1_features_passed_in_a_long_step_are_seen() {
+    for width in [0.05, 0.04, 0.03, 0.025, 0.02] {
+        for start in 0..40 {
+            let start = State::new(0.25, 0.7 + 0.01 * f64::from(start));
+            let [seen, told] = [false, true].map(|told| {
+                let system = MassOnBelt::new(Bump { width, told }, 1.0).unwrap();
+                system.simulate(start, 3.0).unwrap().last()
+            });
+            let apart = (seen.displacement - told.displacement).abs();
+            assert!(apart < 1e-11, "{width} {start:?}: {seen:?} {told:?}");
+        }
+    }
+}
 
 /// Promise 2: a contact is found however shallow, in and out within one step, and none is invented.
 #[test]
@@ -1452,6 +1490,58 @@ fn an_event_at_the_end_is_reported() {
         }
     }
     assert!(seen > 200, "{seen}");
+}
+
+/// What comes after the end of the run is no error of it, even where the run ends with a step.
+#[test]
+fn a_motion_up_to_where_an_error_was_reached_is_none() {
+    #[derive(Debug, Clone, Copy)]
+    struct Logarithm;
+    impl FrictionLaw for Logarithm {
+        fn static_coefficient(&self) -> f64 {
+            0.4
+        }
+        fn kinetic<S: Scalar>(&self, s: S) -> S {
+            (-s + 1.0).ln() * 0.1 + 0.4
+        }
+    }
+    let system = MassOnBelt::new(Logarithm, 0.2).unwrap();
+    let start = State::new(1.2, 0.0);
+    let Error::StepUnderflow { reached, .. } = system.simulate(start, 10.0).unwrap_err() else {
+        panic!()
+    };
+    let motion = system.simulate(start, reached.time).unwrap();
+    assert_eq!(motion.last(), reached.state);
+    assert!(system.simulate(start, reached.time.next_up()).is_err());
+    // One stick phase of 0.8, and a limit of one step.
+    let sticking = paper(0.5);
+    let start = State::new(-0.05, 0.5);
+    let one = Integrator::new().with_max_steps(1).unwrap();
+    let whole = one.simulate(&sticking, start, 0.8).unwrap();
+    assert_eq!(whole.events().len(), 1);
+    assert!(one.simulate(&sticking, start, 0.9).is_err());
+}
+
+/// Times of samples: equidistant, from the start to the end and not beyond.
+#[test]
+fn samples_end_with_the_motion() {
+    let system = paper(0.2);
+    for i in 1..=40 {
+        let duration = 0.1 * f64::from(i);
+        let motion = system.simulate(State::new(0.0, 0.0), duration).unwrap();
+        for n in 2..40 {
+            let samples: Vec<_> = motion.sample(n).collect();
+            assert_eq!(
+                samples[n - 1],
+                (duration, motion.state_at(duration).unwrap())
+            );
+            for (i, (time, state)) in samples.iter().enumerate() {
+                let expected = duration * i as f64 / (n - 1) as f64;
+                assert!((time - expected).abs() <= ulp(duration));
+                assert_eq!(motion.state_at(*time), Some(*state));
+            }
+        }
+    }
 }
 
 #[test]

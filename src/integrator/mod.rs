@@ -47,7 +47,7 @@ pub struct Integrator {
 impl Integrator {
     /// The default tolerance: 2⁻⁵², the rounding of a number. A smaller one takes more steps and gains nothing.
     pub const ROUND_OFF: f64 = f64::EPSILON;
-    /// The least tolerance.
+    /// The least tolerance, with which cycles are followed: those that are almost neutral magnify what a step leaves out.
     pub const MIN_TOLERANCE: f64 = 1e-16;
     /// The largest tolerance.
     pub const MAX_TOLERANCE: f64 = 1e-2;
@@ -133,9 +133,14 @@ impl Integrator {
             max_steps: Some(self.max_steps.unwrap_or(Self::DEFAULT_MAX_STEPS)),
             ..self
         };
-        let mut steps = Vec::new();
+        let mut steps: Vec<Step> = Vec::new();
         for step in limited.flow(system, start)? {
-            let step = step?;
+            let step = match step {
+                Ok(step) => step,
+                // What can't be followed lies beyond.
+                Err(_) if steps.last().is_some_and(|last| last.end_time() == duration) => break,
+                Err(error) => return Err(error),
+            };
             if step.end_time() > duration {
                 steps.push(step.until(duration));
                 break;

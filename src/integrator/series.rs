@@ -250,7 +250,34 @@ impl Series {
         }
         largest
     }
+
+    /// The same in between, at least every quarter of a radian, in a step of length h > [`LONG`]: where the law is flat, a step may pass over a
+    /// whole feature of it.
+    #[inline(never)]
+    pub(crate) fn defect_in_between<L: FrictionLaw>(
+        &self,
+        system: &MassOnBelt<L>,
+        piece: usize,
+        h: f64,
+    ) -> f64 {
+        let fours = h.ceil().min(MOST_FOURS);
+        let part = 0.25 * h / fours;
+        let mut largest = 0.0;
+        for i in 0..fours as usize {
+            let start = i as f64 * 4.0 * part;
+            let times = [0.5, 1.5, 2.5, 3.5].map(|place| start + place * part);
+            // Not f64::max, which would drop a NaN.
+            largest += self.defect(system, piece, times, evaluate_four(&self.speed, times));
+        }
+        largest
+    }
 }
+
+/// A step longer than this, in radians of the undamped oscillator, is looked at in more than four places; few are.
+pub(crate) const LONG: f64 = 1.0;
+
+/// Most fours of such places. Steps longer than three radians are those of motions that hardly move.
+const MOST_FOURS: f64 = 16.0;
 
 /// Whether a function has a minimum between two places, by its slopes there.
 #[inline(always)]

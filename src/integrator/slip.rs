@@ -3,7 +3,7 @@
 use super::polynomial::{
     Polynomial, TERMS, TooCurved, evaluate_four, first_root, mean, quarters, reach,
 };
-use super::series::{Series, SlipPoint, Time};
+use super::series::{LONG, Series, SlipPoint, Time};
 use crate::friction::FrictionLaw;
 use crate::scalar::Workspace;
 use crate::{Error, MassOnBelt, Reached, State};
@@ -133,8 +133,16 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
             };
             let defect = series.defect(&self.system, piece, quarters(end), speeds);
             let closest = series.defect_at_minimum(&self.system, piece, end, speeds);
+            let between = if end > LONG {
+                series.defect_in_between(&self.system, piece, end)
+            } else {
+                0.0
+            };
             let accepted = DEFECT_LIMIT * error + floor * end;
-            if defect * end <= accepted && closest * end <= accepted {
+            if [defect, closest, between]
+                .iter()
+                .all(|d| d * end <= accepted)
+            {
                 break (end, end_speed);
             }
             h = 0.5 * end;

@@ -86,7 +86,11 @@ impl Trajectory {
     pub fn sample(&self, n: usize) -> impl ExactSizeIterator<Item = (f64, State)> + '_ {
         let last = n.saturating_sub(1).max(1) as f64;
         (0..n).map(move |i| {
-            let time = self.duration * i as f64 / last;
+            let time = if i as f64 == last {
+                self.duration
+            } else {
+                (self.duration * i as f64 / last).min(self.duration)
+            };
             let state = self.state_at(time).unwrap_or_else(|| self.last());
             (time, state)
         })
