@@ -141,8 +141,8 @@ impl Scaling {
         let ordinary = length.is_normal()
             && self.velocity_unit().is_normal()
             && load.is_normal()
-            && damping.is_finite()
-            && belt_velocity.is_finite();
+            && (damping.is_normal() || self.physical.damping == 0.0)
+            && (belt_velocity.is_normal() || self.physical.belt_velocity == 0.0);
         Error::check(
             "length",
             length,

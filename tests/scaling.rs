@@ -158,6 +158,19 @@ fn scaling_refuses_what_its_documentation_says() {
     for length in [0.0, 1e-310, 1e306] {
         assert!(Scaling::new(PAD).unwrap().with_length(length).is_err());
     }
+    // A belt that moves, and a damper that damps, do so in dimensionless numbers too.
+    let slow = Physical {
+        belt_velocity: 1e-300,
+        ..PAD
+    };
+    assert!(Scaling::new(slow).unwrap().with_length(1e30).is_err());
+    assert_eq!(
+        refused(Physical {
+            damping: 5e-324,
+            ..PAD
+        }),
+        "length"
+    );
     Scaling::new(Physical {
         damping: 0.0,
         belt_velocity: 0.0,
