@@ -132,6 +132,7 @@ fn names_are_padded() {
         (Attractor::Rest, "rest"),
         (Attractor::Continuum, "continuum"),
         (Attractor::Unbounded, "unbounded"),
+        (Attractor::Unresolved, "unresolved"),
     ] {
         assert_eq!(other.to_string(), name);
         pads(other);

@@ -382,6 +382,10 @@ fn friction_below_rounding_is_unresolved() {
     let [range] = cycles.unresolved() else {
         panic!("{:?}", cycles.unresolved())
     };
+    for displacement in [0.01, 0.1, 1.0] {
+        let end = attractor(&system, State::new(displacement, 0.0)).unwrap();
+        assert_eq!(end, Attractor::Unresolved, "{displacement}");
+    }
     assert!(0.0 < range.start && range.start < 1e-3, "{range:?}");
     assert!((range.end - 0.2).abs() < 1e-14, "{range:?}");
 }
@@ -410,4 +414,106 @@ fn what_is_released_may_come_to_rest_or_move_on_as_it_is() {
     let sliding = paper(0.46);
     let end = attractor(&sliding, State::new(0.0, 0.46)).unwrap();
     assert_eq!(end, Attractor::Equilibrium);
+}
+
+/// No static friction, and kinetic friction that rises with the sliding speed and falls again, as of a lubricated contact: μ_s = 0 is a law like any.
+#[derive(Debug, Clone, Copy)]
+struct Lubricated {
+    static_coefficient: f64,
+}
+
+impl FrictionLaw for Lubricated {
+    fn static_coefficient(&self) -> f64 {
+        self.static_coefficient
+    }
+    fn kinetic<S: Scalar>(&self, s: S) -> S {
+        s * 0.5 * (s.square() * -2.0).exp() + s * 0.01 + self.static_coefficient
+    }
+}
+
+#[test]
+fn cycles_without_static_friction() {
+    let [none, least] = [0.0, 1e-300].map(|static_coefficient| {
+        MassOnBelt::new(Lubricated { static_coefficient }, 1.0)
+            .and_then(|system| system.with_damping(0.002))
+            .unwrap()
+    });
+    let found = [&none, &least].map(|system| limit_cycle::find(system).unwrap());
+    for cycles in &found {
+        assert_eq!(cycles.len(), 1);
+        let cycle = cycles.stable().next().unwrap();
+        assert_eq!(cycle.kind(), CycleKind::Crossing);
+        // It is the motion after a long time.
+        let motion = none.simulate(cycle.state(), 20.0 * cycle.period()).unwrap();
+        let end = motion.last();
+        assert!((end.displacement - cycle.state().displacement).abs() < 1e-12);
+    }
+    let [a, b] = found.each_ref().map(|cycles| cycles.iter().next().unwrap());
+    assert!((a.period() - b.period()).abs() < 1e-13);
+    assert!((a.amplitude() - b.amplitude()).abs() < 1e-13);
+    for start in [0.1, 3.0] {
+        let end = attractor(&none, State::new(start, 0.0)).unwrap();
+        assert_eq!(end, Attractor::Cycle(a.clone()), "{start}");
+    }
+}
+
+/// Every motion of a mass without friction and damping is periodic, on any belt and of any size.
+#[test]
+fn motions_without_friction_are_periodic() {
+    for v_b in [0.2, -0.2, 0.0] {
+        let free = MassOnBelt::new(Coulomb::new(0.0, 0.0).unwrap(), v_b).unwrap();
+        let family = limit_cycle::find(&free).unwrap().continuum().unwrap();
+        assert_eq!(family.max_amplitude, f64::INFINITY);
+        for (u, v) in [(0.1, 0.0), (2.0, 0.0), (3.0, 0.1), (0.0, 0.5), (0.0, 30.0)] {
+            let end = attractor(&free, State::new(u, v)).unwrap();
+            assert_eq!(end, Attractor::Continuum, "{v_b}: {u} {v}");
+        }
+        let damped = free.with_damping(0.1).unwrap();
+        assert_eq!(limit_cycle::find(&damped).unwrap().continuum(), None);
+    }
+    // Static friction alone, on a belt at rest: it holds what turns inside the band.
+    let held = MassOnBelt::new(Coulomb::new(0.4, 0.0).unwrap(), 0.0).unwrap();
+    let from = |system: &MassOnBelt<Coulomb>, u| attractor(system, State::new(u, 0.0)).unwrap();
+    assert_eq!(from(&held, 0.39), Attractor::Rest);
+    assert_eq!(from(&held, 5.0), Attractor::Continuum);
+    assert_eq!(
+        from(&held.with_damping(1e-3).unwrap(), 5.0),
+        Attractor::Rest
+    );
+}
+
+/// Friction that varies with the fifth power of v_r + v_b damps small motions by less than rounding; they are no family.
+#[test]
+fn friction_that_varies_slowly_is_no_family() {
+    #[derive(Debug, Clone, Copy)]
+    struct Fifth;
+    impl FrictionLaw for Fifth {
+        fn static_coefficient(&self) -> f64 {
+            0.4
+        }
+        fn kinetic<S: Scalar>(&self, s: S) -> S {
+            (s - 0.5).powi(5) + 0.3
+        }
+    }
+    let system = MassOnBelt::new(Fifth, 0.5).unwrap();
+    let cycles = limit_cycle::find(&system).unwrap();
+    assert_eq!(cycles.continuum(), None);
+    assert!(!cycles.unresolved().is_empty());
+}
+
+/// Where rounding hides how a motion near a cycle grows, it is on the cycle: a stable one, of multiplier 1 - 2e-4.
+#[test]
+fn motions_within_rounding_of_a_nearly_neutral_cycle_are_on_it() {
+    let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5).unwrap(), 0.4409)
+        .and_then(|system| system.with_damping(0.05))
+        .unwrap();
+    let cycles = limit_cycle::find(&system).unwrap();
+    let cycle = cycles.stable().next().unwrap();
+    println!("{}", 1.0 - cycle.multiplier());
+    for part in [-1e-9, -1e-10, -1e-11, 1e-11, 1e-10, 1e-9] {
+        let velocity = cycle.state().velocity * (1.0 + part);
+        let start = State::new(cycle.state().displacement, velocity);
+        let end = attractor(&system, start).unwrap();
+        assert_eq!(end, Attractor::Cycle(cycle.clone()), "{part}");
+    }
 }

@@ -1,7 +1,7 @@
 use super::arc::{Arrival, Tracer};
 use super::maps::ReleaseFate;
 use super::{CycleKind, CycleSet, LimitCycle, facing, find_with};
-use crate::friction::FrictionLaw;
+use crate::friction::{FrictionLaw, has_no_kinetic_friction};
 use crate::integrator::{SlipPoint, Time};
 use crate::{Direction, Error, MassOnBelt, State};
 
@@ -22,6 +22,9 @@ pub enum Attractor {
     Continuum,
     /// The motion grows beyond every periodic motion that was found.
     Unbounded,
+    /// Rounding hides whether the motion grows or shrinks: it starts in a range that is [unresolved](CycleSet::unresolved), or friction and damping
+    /// change it by less than 10⁻¹⁴ in a turn.
+    Unresolved,
 }
 
 impl std::fmt::Display for Attractor {
@@ -33,12 +36,16 @@ impl std::fmt::Display for Attractor {
             Self::Separatrix(cycle) => f.pad(&format!("separatrix ({})", cycle.kind())),
             Self::Continuum => f.pad("continuum"),
             Self::Unbounded => f.pad("unbounded"),
+            Self::Unresolved => f.pad("unresolved"),
         }
     }
 }
 
-/// Distance from an unstable cycle, relative to v_b, within which a start lies on it to rounding.
+/// Relative distance from a cycle within which a start lies on it to rounding.
 const ON_CYCLE: f64 = 1e-12;
+
+/// The same where rounding hides the growth: it is small near a cycle whose multiplier is near 1.
+const HIDDEN_BY_CYCLE: f64 = 1e-6;
 
 /// Which attractor the motion from `start` reaches.
 ///
@@ -48,12 +55,13 @@ const ON_CYCLE: f64 = 1e-12;
 ///
 /// | start | first decided at | reaches |
 /// |---|---|---|
-/// | v_b = 0 | | [`Rest`](Attractor::Rest) |
+/// | v_b = 0 | | [`Rest`](Attractor::Rest); without damping and kinetic friction [`Continuum`](Attractor::Continuum), outside the stick band |
 /// | in stick, or slip that ends in stick | the release point | the cycle through it; if the motion from there turns inwards or outwards, as below |
 /// | slip behind the belt, equilibrium a focus | a velocity maximum V | growing over one turn: the next cycle outside, else the next one inside, else the equilibrium |
-/// | slip into a node that it does not turn round | | [`Equilibrium`](Attractor::Equilibrium) |
+/// | slip into a node that it does not turn round, or the equilibrium itself, stable or not | | [`Equilibrium`](Attractor::Equilibrium) |
 /// | far out, or above the belt velocity | a crossing beyond the release point | growing over one turn: the next crossing cycle outside, else the next one inside, else as from the release point |
 /// | an unstable cycle, to 10⁻¹² | | [`Separatrix`](Attractor::Separatrix) |
+/// | where rounding hides the growth over one turn | | [`Unresolved`](Attractor::Unresolved) |
 ///
 /// # Errors
 ///
@@ -82,7 +90,15 @@ pub fn attractor<L: FrictionLaw>(system: &MassOnBelt<L>, start: State) -> Result
         });
     }
     if system.belt_velocity() == 0.0 {
-        return Ok(Attractor::Rest);
+        let [_, band] = system.stick_limits();
+        let goes_on = system.damping() == 0.0
+            && start.displacement.hypot(start.velocity) > band
+            && has_no_kinetic_friction(system.law());
+        return Ok(if goes_on {
+            Attractor::Continuum
+        } else {
+            Attractor::Rest
+        });
     }
     let forward = system.moving_forward();
     let start = if system.belt_velocity() < 0.0 {
@@ -174,6 +190,11 @@ impl Basins {
             .is_some_and(|continuum| peak <= continuum.max_amplitude)
     }
 
+    fn is_unresolved(&self, peak: f64) -> bool {
+        let ranges = self.cycles.unresolved();
+        ranges.iter().any(|range| range.contains(&peak))
+    }
+
     fn of_kind(&self, kind: CycleKind) -> impl DoubleEndedIterator<Item = &LimitCycle> {
         self.cycles.iter().filter(move |cycle| cycle.kind() == kind)
     }
@@ -184,25 +205,27 @@ impl Basins {
         place: Place,
     ) -> Result<Attractor, Error> {
         let v_b = tracer.system().belt_velocity();
+        // Near the equilibrium, where motion is linear, rounding hides the growth.
+        let equilibrium = tracer.system().equilibrium();
+        let unstable = equilibrium.is_some_and(|equilibrium| !equilibrium.is_stable());
         Ok(match place {
             Place::Equilibrium => Attractor::Equilibrium,
             Place::Peak(peak) if self.is_in_continuum(peak) => Attractor::Continuum,
+            Place::Peak(peak) if self.is_unresolved(peak) => Attractor::Unresolved,
             Place::Peak(peak) => {
-                let peaks = |cycle: &LimitCycle| cycle.max_velocity();
-                let cycles = self.of_kind(CycleKind::PureSlip);
-                if let Some(cycle) = self
-                    .of_kind(CycleKind::PureSlip)
-                    .find(|cycle| (peaks(cycle) - peak).abs() <= ON_CYCLE * v_b)
-                {
+                let peaks = LimitCycle::max_velocity;
+                let grows = tracer.grows_from_peak(peak)?;
+                let mut cycles = self.of_kind(CycleKind::PureSlip);
+                if let Some(cycle) = self.at(CycleKind::PureSlip, peaks, peak, v_b, grows) {
                     on(cycle)
-                } else if tracer.grows_from_peak(peak)? {
-                    match { cycles }.find(|cycle| peaks(cycle) > peak) {
+                } else if grows.unwrap_or(unstable) {
+                    match cycles.find(|cycle| peaks(cycle) > peak) {
                         Some(cycle) => Attractor::Cycle(cycle.clone()),
                         // Out of slip: to what surrounds it.
                         None => self.from(tracer, Place::Release)?,
                     }
                 } else {
-                    match { cycles }.rfind(|cycle| peaks(cycle) < peak) {
+                    match cycles.rfind(|cycle| peaks(cycle) < peak) {
                         Some(cycle) => Attractor::Cycle(cycle.clone()),
                         None => Attractor::Equilibrium,
                     }
@@ -232,30 +255,51 @@ impl Basins {
                         Attractor::Cycle(cycle.clone())
                     }),
             },
+            Place::Crossing(_) if self.is_in_continuum(f64::INFINITY) => Attractor::Continuum,
             Place::Crossing(force) => {
                 let offset = tracer.carried();
                 let forces = |cycle: &LimitCycle| cycle.state().displacement + offset;
-                let cycles = self.of_kind(CycleKind::Crossing);
-                if let Some(cycle) = self
-                    .of_kind(CycleKind::Crossing)
-                    .find(|cycle| (forces(cycle) - force).abs() <= ON_CYCLE * force)
-                {
-                    on(cycle)
-                } else if tracer.grows_from_crossing(force)? {
-                    { cycles }
+                let grows = tracer.grows_from_crossing(force)?;
+                let mut cycles = self.of_kind(CycleKind::Crossing);
+                match (
+                    self.at(CycleKind::Crossing, forces, force, force, grows),
+                    grows,
+                ) {
+                    (Some(cycle), _) => on(cycle),
+                    (None, None) => Attractor::Unresolved,
+                    (None, Some(true)) => cycles
                         .find(|cycle| forces(cycle) > force)
                         .map_or(Attractor::Unbounded, |cycle| {
                             Attractor::Cycle(cycle.clone())
-                        })
-                } else {
-                    match { cycles }.rfind(|cycle| forces(cycle) < force) {
+                        }),
+                    (None, Some(false)) => match cycles.rfind(|cycle| forces(cycle) < force) {
                         Some(cycle) => Attractor::Cycle(cycle.clone()),
                         // In to stick, or past it inwards as the motion from the release point.
                         None => self.from(tracer, Place::Release)?,
-                    }
+                    },
                 }
             }
         })
+    }
+
+    /// The cycle of a kind that a start lies on, by their places on it.
+    fn at(
+        &self,
+        kind: CycleKind,
+        place: impl Fn(&LimitCycle) -> f64,
+        start: f64,
+        scale: f64,
+        grows: Option<bool>,
+    ) -> Option<&LimitCycle> {
+        let reach = if grows.is_some() {
+            ON_CYCLE
+        } else {
+            HIDDEN_BY_CYCLE
+        };
+        let distance = |cycle: &LimitCycle| (place(cycle) - start).abs();
+        self.of_kind(kind)
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+            .filter(|cycle| distance(cycle) <= reach * scale)
     }
 }
 

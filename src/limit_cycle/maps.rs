@@ -2,7 +2,7 @@
 
 use super::arc::{Arc, Arrival, FAR, Tracer};
 use super::roots::{Found, Sample, outline_between, roots_between};
-use crate::friction::FrictionLaw;
+use crate::friction::{FrictionLaw, is_constant_near};
 use crate::integrator::{SlipPoint, Time};
 use crate::{Direction, Error};
 
@@ -142,7 +142,7 @@ impl<L: FrictionLaw> Tracer<'_, L> {
     /// Whether small motions are periodic: there is no damping, and friction does not depend on the speed near v_b.
     pub(crate) fn is_flat(&self) -> bool {
         let (system, v_b) = (self.system(), self.system().belt_velocity());
-        system.damping() == 0.0 && (1..=4).all(|n| system.law().derivative(n, v_b) == 0.0)
+        system.damping() == 0.0 && is_constant_near(system.law(), v_b)
     }
 
     /// Whether every motion in slip is periodic, for one that [`is_flat`](Self::is_flat).
@@ -260,8 +260,11 @@ impl<L: FrictionLaw> Tracer<'_, L> {
     }
 
     /// The growth over one turn as a function of the peak velocity, in outline: (peak, growth) at the ends of the range and at the
-    /// turning points between. Empty if every motion in slip meets the belt, or none returns.
+    /// turning points between. Empty if every motion in slip meets the belt, or none returns, or each is periodic.
     pub(crate) fn outline(&mut self) -> Result<Vec<(f64, f64)>, Error> {
+        if self.is_flat() && self.is_continuum()? {
+            return Ok(Vec::new());
+        }
         let Some([smallest, largest]) = self.range_of_peaks()? else {
             return Ok(Vec::new());
         };
@@ -295,21 +298,14 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         Ok(contacts)
     }
 
-    /// Whether a motion with the velocity maximum V grows over the next turn.
-    pub(crate) fn grows_from_peak(&mut self, peak: f64) -> Result<bool, Error> {
-        let growth = self.growth(peak)?;
-        let equilibrium = self.system().equilibrium();
-        Ok(if growth.vanishes() {
-            // Hidden by rounding, as in the linear motion near the equilibrium.
-            equilibrium.is_some_and(|equilibrium| !equilibrium.is_stable())
-        } else {
-            growth.value > 0.0
-        })
+    /// Whether a motion with the velocity maximum V grows over the next turn; `None` if rounding hides it.
+    pub(crate) fn grows_from_peak(&mut self, peak: f64) -> Result<Option<bool>, Error> {
+        self.growth(peak).map(Sample::is_growth)
     }
 
-    /// Whether a motion that crosses downwards at the force F grows over the next turn.
-    pub(crate) fn grows_from_crossing(&mut self, force: f64) -> Result<bool, Error> {
-        Ok(self.crossing_growth(force)?.value > 0.0)
+    /// The same for a motion that crosses downwards at the force F.
+    pub(crate) fn grows_from_crossing(&mut self, force: f64) -> Result<Option<bool>, Error> {
+        self.crossing_growth(force).map(Sample::is_growth)
     }
 
     /// 2βv_b.
@@ -323,11 +319,12 @@ impl<L: FrictionLaw> Tracer<'_, L> {
     pub(crate) fn crossing_forces(&mut self, fate: &ReleaseFate) -> Result<Found, Error> {
         let system = self.system();
         let release = system.load() * system.law().static_coefficient();
-        if release == 0.0 {
-            // Without friction the oscillator is linear.
-            return Ok(Found::default());
-        }
         let start = match fate {
+            // Without static friction relative growth has no meaning at release; no cycle lies between that motion's crossings.
+            ReleaseFate::Outward if release == 0.0 => match self.crossing_arcs(release)? {
+                Some((_, next)) if next > 0.0 => Some(self.crossing_growth(next)?),
+                _ => None,
+            },
             ReleaseFate::Outward => Some(self.crossing_growth(release)?),
             _ => self.least_crossing()?,
         };

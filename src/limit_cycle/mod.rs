@@ -41,7 +41,7 @@ pub use cycle::{CycleKind, EnergyBudget, LimitCycle};
 
 use std::ops::Range;
 
-use crate::friction::FrictionLaw;
+use crate::friction::{FrictionLaw, has_no_kinetic_friction};
 use crate::{Error, MassOnBelt};
 pub(crate) use arc::Tracer;
 pub(crate) use maps::{Contacts, ReleaseFate};
@@ -101,7 +101,14 @@ pub fn find<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<CycleSet, Error> {
         let fate = tracer.release_fate()?;
         find_with(&mut tracer, &fate)
     })?;
-    let mut set = set.unwrap_or_default();
+    let Some(mut set) = set else {
+        // A belt at rest: of undamped motions only those without friction go on.
+        let frictionless = system.damping() == 0.0 && is_frictionless(system.law());
+        return Ok(CycleSet {
+            continuum: frictionless.then_some(Continuum::WITHOUT_FRICTION),
+            ..CycleSet::default()
+        });
+    };
     set.cycles = set
         .cycles
         .into_iter()
@@ -119,14 +126,12 @@ fn find_with<L: FrictionLaw>(
     let mut set = CycleSet::default();
     let flat = tracer.is_flat();
     if flat && tracer.is_continuum()? {
-        let frictionless = system.law().static_coefficient() == 0.0;
-        set.continuum = Some(Continuum {
-            max_amplitude: if frictionless {
-                f64::INFINITY
-            } else {
-                system.belt_velocity()
-            },
-        });
+        if is_frictionless(system.law()) {
+            set.continuum = Some(Continuum::WITHOUT_FRICTION);
+            return Ok(set);
+        }
+        let max_amplitude = system.belt_velocity();
+        set.continuum = Some(Continuum { max_amplitude });
     } else {
         let mut peaks = tracer.pure_slip_peaks()?;
         if flat && !peaks.unresolved.is_empty() {
@@ -158,6 +163,10 @@ fn find_with<L: FrictionLaw>(
         }
     }
     Ok(set)
+}
+
+fn is_frictionless<L: FrictionLaw>(law: &L) -> bool {
+    law.static_coefficient() == 0.0 && has_no_kinetic_friction(law)
 }
 
 /// A cycle of the system moving forward as one of the system itself.
@@ -279,7 +288,14 @@ impl<'s> IntoIterator for &'s CycleSet {
     serde(deny_unknown_fields)
 )]
 pub struct Continuum {
-    /// Amplitude of the largest of them, dimensionless: |v_b|, where it touches the belt velocity; infinite without friction.
+    /// Amplitude of the largest of them, dimensionless: |v_b|, where it touches the belt velocity; less, where friction is constant only up to
+    /// a breakpoint of the law; infinite without friction.
     #[cfg_attr(feature = "serde", serde(with = "written::infinite_as_none"))]
     pub max_amplitude: f64,
+}
+
+impl Continuum {
+    const WITHOUT_FRICTION: Self = Self {
+        max_amplitude: f64::INFINITY,
+    };
 }

@@ -21,6 +21,11 @@ impl Sample {
     pub(crate) fn vanishes(&self) -> bool {
         self.value.abs() <= self.noise
     }
+
+    /// Whether it is positive; `None` if it is zero to rounding.
+    pub(crate) fn is_growth(self) -> Option<bool> {
+        (!self.vanishes()).then_some(self.value > 0.0)
+    }
 }
 
 /// What a search has found.
