@@ -8,7 +8,8 @@ use nalgebra::{Complex, Matrix2};
 /// λ = (−h1 ± √(h1² − 4))/2                         (Eq. 14)
 /// ```
 ///
-/// All dimensionless. Where |v_b| is a breakpoint of the law, the slope is that of the piece above.
+/// All dimensionless. Where |v_b| is a breakpoint of the law, the slope is that of the piece above, and so is the stability, for motions on
+/// that side; how those behave that pass the breakpoint, both slopes decide.
 ///
 /// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and Stability Analysis*.
 ///

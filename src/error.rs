@@ -54,7 +54,7 @@ fn during(reached: &Option<Reached>) -> String {
 /// | [`InvalidParameter`](Self::InvalidParameter) | a constructor, a `with_` method, or a range of belt velocities | give a number in the range named |
 /// | [`BadPoint`](Self::BadPoint) | [`Tabulated::new`](crate::Tabulated::new) | correct or leave out that point |
 /// | [`InvalidState`](Self::InvalidState) | a start is not finite, or extremely large or small | check it; choose another unit of length |
-/// | [`InvalidTolerance`](Self::InvalidTolerance) | [`Integrator::with_tolerance`](crate::Integrator::with_tolerance) | stay within the limits named; 1e-16 is round-off |
+/// | [`InvalidTolerance`](Self::InvalidTolerance) | [`Integrator::with_tolerance`](crate::Integrator::with_tolerance) | stay within the limits named |
 /// | [`InvalidDuration`](Self::InvalidDuration) | `simulate` | give a finite duration ≥ 0, or use `flow` |
 /// | [`StaticBelowKinetic`](Self::StaticBelowKinetic) | [`MassOnBelt::new`](crate::MassOnBelt::new), a law with μ̂(0) > μ_s | raise μ_s or lower μ̂(0) |
 /// | [`NonFiniteFriction`](Self::NonFiniteFriction) | a law gives NaN or ±∞ at a speed that is needed | define it there, or keep the motion away |
@@ -130,7 +130,7 @@ pub enum Error {
     InvalidTolerance {
         /// The value that was given.
         value: f64,
-        /// The least tolerance: round-off.
+        /// The least tolerance, a little below round-off.
         min: f64,
         /// The largest tolerance.
         max: f64,
@@ -166,7 +166,7 @@ pub enum Error {
         speed: f64,
         /// What the law returned there.
         value: f64,
-        /// Where the integration stood; `None` when the system was made.
+        /// Where the integration stood; `None` if nothing was integrated, as when a system is made.
         reached: Option<Reached>,
     },
 
@@ -178,7 +178,7 @@ pub enum Error {
     NotAnalytic {
         /// Sliding speed s ≥ 0.
         speed: f64,
-        /// Where the integration stood; `None` when the system was made.
+        /// Where the integration stood; `None` if nothing was integrated, as when a system is made.
         reached: Option<Reached>,
     },
 

@@ -33,13 +33,14 @@ impl State {
     }
 }
 
-/// Which way the mass slides on the belt: the sign of the relative velocity v_r = v − v_b.
+/// Which way the mass slides on the belt: the sign of the relative velocity v_r = v − v_b. The names are those of a belt that moves forward; on one
+/// with v_b < 0 a mass that lags behind it has v_r > 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Direction {
-    /// v_r < 0: the mass lags behind a belt that moves forward.
+    /// v_r < 0.
     Lagging,
-    /// v_r > 0: the mass leads the belt.
+    /// v_r > 0.
     Leading,
 }
 

@@ -12,7 +12,7 @@
 //! Every velocity is a root of an exact function of the belt velocity, bracketed and refined to round-off. How densely a range is
 //! searched is told with each function; a narrower range is searched more closely.
 //!
-//! [`analysis`](crate::analysis) has closed forms for some laws and some of these, under the same names.
+//! [`analysis`](crate::analysis) has closed forms for some laws and some of these.
 //!
 //! [`diagram`] puts equilibrium and all cycles together for a list of belt velocities.
 

@@ -16,8 +16,8 @@ use crate::{Error, MassOnBelt};
 ///
 /// # Errors
 ///
-/// Those of [`find`](crate::limit_cycle::find) at any of the β tried, the largest of them less than twice the result, or than twice the β at which
-/// steady sliding becomes stable.
+/// Those of [`find`](crate::limit_cycle::find) at any of the β tried, the largest of them 10⁻³, or less than twice the result, or than twice the β at
+/// which steady sliding becomes stable.
 ///
 /// ```
 /// use stick_slip::{Coulomb, Exponential, MassOnBelt, bifurcation};
