@@ -527,6 +527,13 @@ fn kinds_change_where_the_contacts_say() {
     );
 }
 
+/// Where all motions in slip are periodic no two cycles meet, and rounding makes none.
+#[test]
+fn no_folds_in_families_of_periodic_motions() {
+    let flat = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), 0.2).unwrap();
+    assert_eq!(fold_velocities(&flat, 0.01..0.5).unwrap(), NONE);
+}
+
 /// A fold is found in each range that holds it, and in no other, wherever the range begins and ends.
 #[test]
 fn folds_are_in_the_range_that_holds_them() {

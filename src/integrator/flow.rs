@@ -1,5 +1,7 @@
 //! The phase machine: stick and slip in turn, step by step.
 
+use std::ops::RangeInclusive;
+
 use super::Integrator;
 use super::polynomial::Polynomial;
 use super::series::{SlipPoint, Time};
@@ -47,8 +49,8 @@ enum Phase {
     Ended,
 }
 
-/// Scale of a motion, max(|u − ū|, |v|, |v_b|), below which the last terms of its series would be subnormal numbers.
-const LEAST_SCALE: f64 = 1e-280;
+/// Scales of a motion, max(|u − ū|, |v|, |v_b|), at which the terms of its series neither become subnormal numbers nor overflow.
+const SCALES: RangeInclusive<f64> = 1e-280..=1e300;
 
 /// Distance from the release point, in units of ε times the largest term of its formula, within which a start is one exactly on it.
 const RELEASE_ROUNDING: f64 = 4.0;
@@ -64,8 +66,8 @@ impl<'s, L: FrictionLaw> Flow<'s, L> {
         let force = start.displacement + 2.0 * system.damping() * start.velocity;
         let deviation = start.displacement - system.equilibrium_displacement();
         let scale = deviation.abs().max(start.velocity.abs()).max(v_b.abs());
-        let underflows = scale > 0.0 && scale < LEAST_SCALE;
-        if !(force.is_finite() && relative_velocity.is_finite()) || underflows {
+        let ordinary = scale == 0.0 || SCALES.contains(&scale);
+        if !(force.is_finite() && relative_velocity.is_finite() && ordinary) {
             return Err(Error::InvalidState {
                 displacement: start.displacement,
                 velocity: start.velocity,

@@ -117,7 +117,7 @@ impl Integrator {
     /// # Errors
     ///
     /// * [`Error::InvalidDuration`] unless `duration` is finite and ≥ 0;
-    /// * [`Error::InvalidState`] unless `start` is finite;
+    /// * [`Error::InvalidState`] unless `start` is finite and the scale of the motion, max(|u − ū|, |v|, |v_b|), is 0 or from 1e-280 to 1e300;
     /// * [`Error::NonFiniteFriction`], [`Error::NotAnalytic`], [`Error::StepUnderflow`], [`Error::TooManySteps`],
     ///   [`Error::TooManyEvents`] with the time and state reached, if the motion cannot be followed further.
     pub fn simulate<L: FrictionLaw>(
@@ -170,7 +170,7 @@ impl Integrator {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidState`] unless `start` is finite. The items are errors as in [`simulate`](Self::simulate); after one comes
+    /// [`Error::InvalidState`] as in [`simulate`](Self::simulate). The items are errors as there; after one comes
     /// `None`.
     pub fn flow<L: FrictionLaw>(
         self,
