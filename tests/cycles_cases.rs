@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Random, paper};
-use stick_slip::analysis::coulomb;
+use stick_slip::analysis::{averaging, coulomb};
 use stick_slip::bifurcation::{grazing_velocities, hopf_velocities};
 use stick_slip::limit_cycle::{self, Attractor, attractor};
 use stick_slip::{
@@ -455,6 +455,33 @@ fn cycles_without_static_friction() {
         let end = attractor(&none, State::new(start, 0.0)).unwrap();
         assert_eq!(end, Attractor::Cycle(a.clone()), "{start}");
     }
+}
+
+/// As many cycles as averaging finds, and near them: none, one of pure slip or crossing, or a repelling one within.
+#[test]
+fn cycles_without_static_friction_are_those_that_averaging_finds() {
+    let law = Lubricated {
+        static_coefficient: 0.0,
+    };
+    let mut count = [0; 3];
+    for v_b in [0.1, 0.3, 0.5, 0.6, 0.8, 1.0, 1.5, 3.0] {
+        for damping in [0.0, 0.002, 0.02, 0.1, 0.3] {
+            let system = MassOnBelt::new(law, v_b)
+                .and_then(|system| system.with_damping(damping))
+                .unwrap();
+            let averaged = averaging::cycles(&system).unwrap();
+            let found = limit_cycle::find(&system).unwrap();
+            assert!(found.unresolved().is_empty(), "{v_b} {damping}");
+            assert_eq!(found.len(), averaged.len(), "{v_b} {damping}");
+            for (cycle, averaged) in std::iter::zip(&found, &averaged) {
+                let apart = cycle.max_velocity() / averaged.amplitude() - 1.0;
+                assert!(apart.abs() < 0.01, "{v_b} {damping}: {apart}");
+                assert_eq!(cycle.is_stable(), averaged.is_stable());
+            }
+            count[found.len()] += 1;
+        }
+    }
+    assert!(count.iter().all(|&count| count >= 2), "{count:?}");
 }
 
 /// Every motion of a mass without friction and damping is periodic, on any belt and of any size.

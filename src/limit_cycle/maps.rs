@@ -232,6 +232,14 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         let offset = self.carried();
         let [low, high] = self.system().stick_limits();
         let arriving = SlipPoint::on_belt;
+        if low == high {
+            // Without static friction it touches the belt's velocity at the release point, from behind, and crosses with no force.
+            let lagging = self.arc(arriving(high, Direction::Lagging), Time::Backward)?;
+            return Ok(match lagging.arrival {
+                Arrival::Contact(start) => Some(self.relative_growth(start + offset, 0.0, 0.0)),
+                _ => None,
+            });
+        }
         let leading = self.arc(arriving(high, Direction::Leading), Time::Backward)?;
         let (contact, leading, time) = match leading.arrival {
             Arrival::Contact(contact) if contact < low => (contact, leading, Time::Backward),
