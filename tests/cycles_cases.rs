@@ -237,6 +237,11 @@ fn the_families_of_motions_without_friction_and_with_constant_friction() {
     assert_eq!(family(0.0, 0.0), f64::INFINITY);
     assert_eq!(family(0.4, 0.4), 0.2);
     assert_eq!(family(0.4, 0.1), 0.2);
+    assert_eq!(family(0.4, 0.0), 0.2);
+    // None up to the sliding speed 1, and some beyond: not all motions are periodic.
+    let table = Tabulated::new([(0.0, 0.0), (1.0, 0.0), (2.0, 0.1)]).unwrap();
+    let cycles = limit_cycle::find(&MassOnBelt::new(table, 0.2).unwrap()).unwrap();
+    assert_eq!(cycles.continuum().unwrap().max_amplitude, 0.2);
 }
 
 /// On either side of a pure-slip cycle that attracts.
@@ -507,6 +512,8 @@ fn motions_without_friction_are_periodic() {
         from(&held.with_damping(1e-3).unwrap(), 5.0),
         Attractor::Rest
     );
+    let braked = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), 0.0).unwrap();
+    assert_eq!(from(&braked, 5.0), Attractor::Rest);
 }
 
 /// Friction that varies with the fifth power of v_r + v_b damps small motions by less than rounding; they are no family.
