@@ -535,6 +535,21 @@ fn friction_that_varies_slowly_is_no_family() {
     assert!(!cycles.unresolved().is_empty());
 }
 
+/// Motions so near the equilibrium that rounding hides how they grow leave it if it is unstable.
+#[test]
+fn motions_near_the_equilibrium_end_as_it_says() {
+    for velocity in [1e-9, 1e-12, 1e-15] {
+        let from = |v_b: f64| {
+            let system = paper(v_b);
+            let place = system.law().kinetic(v_b - velocity) - 2.0 * system.damping() * velocity;
+            attractor(&system, State::new(place, velocity)).unwrap()
+        };
+        // Steady sliding becomes stable at 0.44096.
+        assert!(matches!(from(0.43), Attractor::Cycle(_)), "{velocity}");
+        assert_eq!(from(0.45), Attractor::Equilibrium, "{velocity}");
+    }
+}
+
 /// Where rounding hides how a motion near a cycle grows, it is on the cycle: a stable one, of multiplier 1 - 2e-4.
 #[test]
 fn motions_within_rounding_of_a_nearly_neutral_cycle_are_on_it() {
