@@ -25,7 +25,7 @@
 //! * Sums of products from the middle outwards, in two chains instead of three: nothing in a native build, 15 % in the default one.
 //! * Four chains instead of two when the speed is evaluated: 3 %. Nine instead of three for the displacement: nothing.
 //! * A contact takes 400 cycles, three passes of Newton's method.
-//! * The closest approach of a step by the contact finder, which would isolate it, instead of a few passes of Newton's method: 3 % more a
+//! * The closest approach of a step by the contact finder, which would isolate it, instead of a few passes of Newton's method: 4 % more a
 //!   step, 9 % in pure slip.
 //! * The default build has no fused multiply-add and vectors of two, and takes 1.5 to 1.65 times as long.
 //! * The same source varies by 4 % with where the compiler puts it; less than that was not pursued. The same program takes a fifth to a

@@ -139,7 +139,7 @@ impl FrictionLaw for Made {
         match *self {
             Self::Kink(b) if piece == 0 => (s - b) * -0.3 + 1.0,
             Self::Kink(b) => (s - b) * 0.2 + 1.0,
-            Self::Hump if piece == 0 => s * 0.0 + 1.0,
+            Self::Hump if piece == 0 => s.constant(1.0),
             Self::Hump => (s - 1.0).square() * ((s - 1.0) / -3.0 + 0.15) + 1.0,
             _ => self.kinetic(s),
         }

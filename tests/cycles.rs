@@ -237,7 +237,7 @@ impl FrictionLaw for Rayleigh {
         [2.0].into_iter()
     }
     fn kinetic_on<S: Scalar>(&self, piece: usize, s: S) -> S {
-        let x = if piece == 0 { s - 1.0 } else { s * 0.0 + 1.0 } / self.c;
+        let x = if piece == 0 { s - 1.0 } else { s.constant(1.0) } / self.c;
         (x.powi(3) / 3.0 - x) * (self.a * self.c) + 10.0
     }
 }

@@ -308,12 +308,12 @@ impl<L: FrictionLaw> Tracer<'_, L> {
 
     /// Whether a motion with the velocity maximum V grows over the next turn; `None` if rounding hides it.
     pub(crate) fn grows_from_peak(&mut self, peak: f64) -> Result<Option<bool>, Error> {
-        self.growth(peak).map(Sample::is_growth)
+        self.growth(peak).map(Sample::grows)
     }
 
     /// The same for a motion that crosses downwards at the force F.
     pub(crate) fn grows_from_crossing(&mut self, force: f64) -> Result<Option<bool>, Error> {
-        self.crossing_growth(force).map(Sample::is_growth)
+        self.crossing_growth(force).map(Sample::grows)
     }
 
     /// 2βv_b.

@@ -23,7 +23,7 @@ impl Sample {
     }
 
     /// Whether it is positive; `None` if it is zero to rounding.
-    pub(crate) fn is_growth(self) -> Option<bool> {
+    pub(crate) fn grows(self) -> Option<bool> {
         (!self.vanishes()).then_some(self.value > 0.0)
     }
 }
