@@ -145,8 +145,11 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         system.damping() == 0.0 && is_constant_near(system.law(), v_b)
     }
 
-    /// Whether every motion in slip is periodic, for one that [`is_flat`](Self::is_flat).
+    /// Whether every motion in slip is periodic: it [`is_flat`](Self::is_flat), and none grows or shrinks.
     pub(crate) fn is_continuum(&mut self) -> Result<bool, Error> {
+        if !self.is_flat() {
+            return Ok(false);
+        }
         let v_b = self.system().belt_velocity();
         for part in [0.9, 0.1, 0.7, 0.3, 0.5] {
             if !self.growth(part * v_b)?.vanishes() {
@@ -270,7 +273,7 @@ impl<L: FrictionLaw> Tracer<'_, L> {
     /// The growth over one turn as a function of the peak velocity, in outline: (peak, growth) at the ends of the range and at the
     /// turning points between. Empty if every motion in slip meets the belt, or none returns, or each is periodic.
     pub(crate) fn outline(&mut self) -> Result<Vec<(f64, f64)>, Error> {
-        if self.is_flat() && self.is_continuum()? {
+        if self.is_continuum()? {
             return Ok(Vec::new());
         }
         let Some([smallest, largest]) = self.range_of_peaks()? else {

@@ -124,8 +124,7 @@ fn find_with<L: FrictionLaw>(
 ) -> Result<CycleSet, Error> {
     let system = tracer.system();
     let mut set = CycleSet::default();
-    let flat = tracer.is_flat();
-    if flat && tracer.is_continuum()? {
+    if tracer.is_continuum()? {
         if is_frictionless(system.law()) {
             set.continuum = Some(Continuum::WITHOUT_FRICTION);
             return Ok(set);
@@ -134,7 +133,7 @@ fn find_with<L: FrictionLaw>(
         set.continuum = Some(Continuum { max_amplitude });
     } else {
         let mut peaks = tracer.pure_slip_peaks()?;
-        if flat && !peaks.unresolved.is_empty() {
+        if tracer.is_flat() && !peaks.unresolved.is_empty() {
             // Up to where the motion meets a speed at which friction does vary; inside it is harmonic.
             let max_amplitude = peaks.unresolved.remove(0).end;
             set.continuum = Some(Continuum { max_amplitude });
