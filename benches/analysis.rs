@@ -1,7 +1,8 @@
 //! What does an estimate cost, beside the exact answers of the bench `cycles`?
 //!
-//! The set of the paper's Fig. 5, with pure slip at v_b = 0.42, and the exponential law at v_b = 0.1. A formula is closed (tens of
-//! nanoseconds), or has an equation to solve or an integral in it (microseconds); averaging searches all amplitudes for its cycles.
+//! The set of the paper's Fig. 5, with pure slip at v_b = 0.42, and the exponential law at v_b =
+//! 0.1. A formula is closed (tens of nanoseconds), or has an equation to solve or an integral in it
+//! (microseconds); averaging searches all amplitudes for its cycles.
 
 use std::hint::black_box;
 use std::time::Duration;

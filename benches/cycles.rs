@@ -1,7 +1,7 @@
 //! What does an exact answer cost, beside simulating one period of the same motion?
 //!
-//! The set of the paper's Figs. 5 and 6: polynomial law, β = 0.05, γ² = 1; `simulated period` is one slip and one stick phase at round-off
-//! through `flow`. Divide the others by it.
+//! The set of the paper's Figs. 5 and 6: polynomial law, β = 0.05, γ² = 1; `simulated period` is
+//! one slip and one stick phase at round-off through `flow`. Divide the others by it.
 
 use std::hint::black_box;
 

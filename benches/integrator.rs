@@ -1,35 +1,46 @@
-//! What does a simulated cycle cost: by law, by tolerance, with no contact in sight, and step by step?
+//! What does a simulated cycle cost: by law, by tolerance, with no contact in sight, and step by
+//! step?
 //!
-//! `cycle`: slip and stick of the stick-slip motion, through `flow`, at round-off. `custom` is the cubic of `polynomial`, written here as
-//! a user would write it: a law of one's own is to cost what a built-in one does, within a twentieth. The ratios between laws that are
-//! printed first are from runs in turn; β = 0.05 and γ² = 1 everywhere.
+//! `cycle`: slip and stick of the stick-slip motion, through `flow`, at round-off. `custom` is the
+//! cubic of `polynomial`, written here as a user would write it: a law of one's own is to cost what
+//! a built-in one does, within a twentieth. The ratios between laws that are printed first are from
+//! runs in turn; β = 0.05 and γ² = 1 everywhere.
 //!
 //! `tolerance`: the cycle of the polynomial law again.
 //!
-//! `watching`: one period of pure slip, in which no contact comes and each step has to make sure of that: far from the belt's velocity,
-//! where a bound of the series settles it, and near it, where the shape of the sliding speed has to be looked at. A cycle of `cycle`
-//! slips for 5.2 of its 6.8 units of time, these for all of their 6.3.
+//! `watching`: one period of pure slip, in which no contact comes and each step has to make sure of
+//! that: far from the belt's velocity, where a bound of the series settles it, and near it, where
+//! the shape of the sliding speed has to be looked at. A cycle of `cycle` slips for 5.2 of its 6.8
+//! units of time, these for all of their 6.3.
 //!
-//! `step`: one Taylor step of the slip phases of the same cycles. There is one order, 26; `benches/orders` compares it with others.
+//! `step`: one Taylor step of the slip phases of the same cycles. There is one order, 26;
+//! `benches/orders` compares it with others.
 //!
 //! # Where the time of a step goes
 //!
-//! Clock cycles on a Zen 5 core, polynomial law, native build, 670 in all: the series 430; the defect at four places 75; the bound that says that
-//! no contact comes 35; the rest is waiting: step length from the last coefficients, speed and displacement at the end from the step length,
+//! Clock cycles on a Zen 5 core, polynomial law, native build, 670 in all: the series 430; the
+//! defect at four places 75; the bound that says that no contact comes 35; the rest is waiting:
+//! step length from the last coefficients, speed and displacement at the end from the step length,
 //! and only then the next series.
 //!
-//! * It is latency, not arithmetic: replacing multiply-adds by fewer, or halving the loads, changed nothing; 4 cycles more on the way from one
-//!   coefficient to the next cost 110 a step. So what arrives last goes in last: the friction's share after the spring's and the damper's, 25.
+//! * It is latency, not arithmetic: replacing multiply-adds by fewer, or halving the loads, changed
+//!   nothing; 4 cycles more on the way from one coefficient to the next cost 110 a step. So what
+//!   arrives last goes in last: the friction's share after the spring's and the damper's, 25.
 //! * The length of the next step by whole numbers, without a division: 20.
-//! * Copies cost most. A point copied as a whole just after it was stored in parts waits until the stores have left the core: 90 cycles a step.
-//! * Sums of products from the middle outwards, in two chains instead of three: nothing in a native build, 15 % in the default one.
-//! * Four chains instead of two when the speed is evaluated: 3 %. Nine instead of three for the displacement: nothing.
+//! * Copies cost most. A point copied as a whole just after it was stored in parts waits until the
+//!   stores have left the core: 90 cycles a step.
+//! * Sums of products from the middle outwards, in two chains instead of three: nothing in a native
+//!   build, 15 % in the default one.
+//! * Four chains instead of two when the speed is evaluated: 3 %. Nine instead of three for the
+//!   displacement: nothing.
 //! * A contact takes 400 cycles, three passes of Newton's method.
-//! * The closest approach of a step by the contact finder, which would isolate it, instead of a few passes of Newton's method: 4 % more a
-//!   step, 9 % in pure slip.
-//! * The default build has no fused multiply-add and vectors of two, and takes 1.5 to 1.65 times as long.
-//! * The same source varies by 4 % with where the compiler puts it; less than that was not pursued. The same program takes a fifth to a
-//!   third longer while a neighbour is busy on the same core, for fractions of a second: least times of many compare, means do not.
+//! * The closest approach of a step by the contact finder, which would isolate it, instead of a few
+//!   passes of Newton's method: 4 % more a step, 9 % in pure slip.
+//! * The default build has no fused multiply-add and vectors of two, and takes 1.5 to 1.65 times as
+//!   long.
+//! * The same source varies by 4 % with where the compiler puts it; less than that was not pursued.
+//!   The same program takes a fifth to a third longer while a neighbour is busy on the same core,
+//!   for fractions of a second: least times of many compare, means do not.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -120,8 +131,8 @@ fn cycle<L: FrictionLaw>(
     (name.into(), Box::new(work))
 }
 
-/// Least times of all in turn, as ratios to the first: what Criterion measures one after the other does not compare to within a
-/// twentieth on a busy machine.
+/// Least times of all in turn, as ratios to the first: what Criterion measures one after the other
+/// does not compare to within a twentieth on a busy machine.
 fn print_ratios(title: &str, works: &mut [Work<'_>]) {
     const ROUNDS: usize = 1000;
     const CALLS: u32 = 50;
@@ -152,7 +163,8 @@ fn compare(criterion: &mut Criterion, title: &str, mut works: Vec<Work<'_>>) {
     group.finish();
 }
 
-/// One step of slip: the time of whole cycles over the number of their slip steps. Stick, a closed formula, is in it.
+/// One step of slip: the time of whole cycles over the number of their slip steps. Stick, a closed
+/// formula, is in it.
 fn step<L: FrictionLaw>(
     group: &mut BenchmarkGroup<'_, WallTime>,
     name: &str,

@@ -1,11 +1,15 @@
-//! Steady sliding and stick-slip side by side: the same machine is silent or vibrates, depending on how it was started.
+//! Steady sliding and stick-slip side by side: the same machine is silent or vibrates, depending on
+//! how it was started.
 //!
 //! What to learn from it:
 //!
-//! * for a general law "what does the system do" has a set of answers: `limit_cycle::find` gives them all, the unstable cycle between them
-//!   included, and `limit_cycle::attractor` says which one a start leads to, without simulating until it settles;
-//! * a simulation alone shows one of them, and near the unstable cycle it takes long to show even that;
-//! * `bifurcation` gives the belt velocities between which this happens, `bifurcation::diagram` the picture over the belt velocity.
+//! * for a general law "what does the system do" has a set of answers: `limit_cycle::find` gives
+//!   them all, the unstable cycle between them included, and `limit_cycle::attractor` says which
+//!   one a start leads to, without simulating until it settles;
+//! * a simulation alone shows one of them, and near the unstable cycle it takes long to show even
+//!   that;
+//! * `bifurcation` gives the belt velocities between which this happens, `bifurcation::diagram` the
+//!   picture over the belt velocity.
 //!
 //! Run it with `cargo run --release --example bistability`.
 

@@ -1,13 +1,18 @@
-//! Creep groan of a vehicle's disc brake, in physical units: kilograms, newtons per metre, newtons in; hertz, millimetres, watts out.
+//! Creep groan of a vehicle's disc brake, in physical units: kilograms, newtons per metre, newtons
+//! in; hertz, millimetres, watts out.
 //!
 //! What to learn from it:
 //!
-//! * `Scaling` takes physical parameters, and a law given in m/s, to the dimensionless system and its results back to SI units;
-//! * the damping at which steady sliding becomes stable is not the damping that silences the brake: in between a knock starts
-//!   a groan that goes on for ever. The first comes from the slope of the law, the second from the limit cycles;
-//! * the same with the speed: `hopf_velocities` says where steady sliding becomes stable, the stick-slip motion lasts longer.
+//! * `Scaling` takes physical parameters, and a law given in m/s, to the dimensionless system and
+//!   its results back to SI units;
+//! * the damping at which steady sliding becomes stable is not the damping that silences the brake:
+//!   in between a knock starts a groan that goes on for ever. The first comes from the slope of the
+//!   law, the second from the limit cycles;
+//! * the same with the speed: `hopf_velocities` says where steady sliding becomes stable, the
+//!   stick-slip motion lasts longer.
 //!
-//! The model is one mass: the pad with its caliper on the elastic suspension, pressed on a disc that creeps.
+//! The model is one mass: the pad with its caliper on the elastic suspension, pressed on a disc
+//! that creeps.
 //!
 //! Run it with `cargo run --release --example brake`.
 

@@ -2,16 +2,20 @@
 //!
 //! What to learn from it:
 //!
-//! * `kinetic` is written once, generic over the number type; the crate takes its exact slopes and its power series along a
-//!   motion from that function, so there is nothing to differentiate by hand;
-//! * constants stand on the right of an operator (`speed / s0 + 1.0`), because Rust has no `f64` on the left of a generic number;
-//! * everything that is offered for the built-in laws is offered for yours: events, limit cycles, bifurcation velocities.
+//! * `kinetic` is written once, generic over the number type; the crate takes its exact slopes and
+//!   its power series along a motion from that function, so there is nothing to differentiate by
+//!   hand;
+//! * constants stand on the right of an operator (`speed / s0 + 1.0`), because Rust has no `f64` on
+//!   the left of a generic number;
+//! * everything that is offered for the built-in laws is offered for yours: events, limit cycles,
+//!   bifurcation velocities.
 //!
 //! Run it with `cargo run --release --example custom_law`.
 
 use stick_slip::{FrictionLaw, MassOnBelt, Scalar, State, bifurcation, limit_cycle};
 
-/// Friction that falls with the logarithm of the speed, as measured between rocks: μ̂(s) = μ_s − b ln(1 + s/s0).
+/// Friction that falls with the logarithm of the speed, as measured between rocks: μ̂(s) = μ_s − b
+/// ln(1 + s/s0).
 struct Logarithmic {
     static_coefficient: f64,
     rate: f64,

@@ -2,16 +2,20 @@
 //!
 //! What to learn from it:
 //!
-//! * `motion.rs`: a trajectory drawn from its steps, with stick and slip apart; the exact limit cycle over it;
-//! * `amplitude.rs`: branches from `bifurcation::diagram`, with belt velocities that crowd at the exact borders, where amplitudes change
-//!   like square roots; the paper's formulas and better ones over them;
-//! * `regimes.rs`: a map whose borders are computed, not sampled: what takes a grid of simulations elsewhere is a handful of curves here;
+//! * `motion.rs`: a trajectory drawn from its steps, with stick and slip apart; the exact limit
+//!   cycle over it;
+//! * `amplitude.rs`: branches from `bifurcation::diagram`, with belt velocities that crowd at the
+//!   exact borders, where amplitudes change like square roots; the paper's formulas and better ones
+//!   over them;
+//! * `regimes.rs`: a map whose borders are computed, not sampled: what takes a grid of simulations
+//!   elsewhere is a handful of curves here;
 //! * `errors.rs`: a formula is as good as the order of its error, seen as a slope;
 //! * `laws.rs`: friction laws on both sides of zero;
 //! * `plot.rs` and what it uses: as much of plotters as a figure in print needs.
 //!
-//! Run it with `cargo run --release --example figures`; another folder than `target/figures` comes after `--`. Two of the files are kept
-//! beside the source, for the README: `cargo run --release --example figures -- FOLDER`, and copy them, to renew them.
+//! Run it with `cargo run --release --example figures`; another folder than `target/figures` comes
+//! after `--`. Two of the files are kept beside the source, for the README:
+//! `cargo run --release --example figures -- FOLDER`, and copy them, to renew them.
 
 use std::path::PathBuf;
 use std::time::Instant;

@@ -1,13 +1,17 @@
-//! The paper's amplitude formulas against the exact motion, over the belt velocity of Fig. 6, and better ones beside them.
+//! The paper's amplitude formulas against the exact motion, over the belt velocity of Fig. 6, and
+//! better ones beside them.
 //!
 //! What to learn from it:
 //!
-//! * A0 (Eq. 15), for vibration that never sticks, is good to 2 %, and the fourth-order formulas of `PureSlip` to 0.1 %;
-//! * A1 (Eq. 18), for vibration that sticks, is too small by up to 40 %: it leaves out the energy that slip gains. The second-order
-//!   formulas of `StickSlip` are good to 3 %;
-//! * above v_b1 steady sliding is stable and nothing vibrates: where the paper says "beyond this range", it means below v_b0 only;
-//! * a formula is worth the order of its error. Halve friction and damping, and the error of A1 falls by 2, that of A0 by 4, and those of
-//!   the corrected formulas by 8 with stick-slip and by 16 without.
+//! * A0 (Eq. 15), for vibration that never sticks, is good to 2 %, and the fourth-order formulas of
+//!   `PureSlip` to 0.1 %;
+//! * A1 (Eq. 18), for vibration that sticks, is too small by up to 40 %: it leaves out the energy
+//!   that slip gains. The second-order formulas of `StickSlip` are good to 3 %;
+//! * above v_b1 steady sliding is stable and nothing vibrates: where the paper says "beyond this
+//!   range", it means below v_b0 only;
+//! * a formula is worth the order of its error. Halve friction and damping, and the error of A1
+//!   falls by 2, that of A0 by 4, and those of the corrected formulas by 8 with stick-slip and by
+//!   16 without.
 //!
 //! Run it with `cargo run --release --example formulas`.
 

@@ -2,13 +2,16 @@
 //!
 //! What to learn from it:
 //!
-//! * `Tabulated` takes points (speed, coefficient), the first at speed 0, and goes through each of them without wiggles between;
+//! * `Tabulated` takes points (speed, coefficient), the first at speed 0, and goes through each of
+//!   them without wiggles between;
 //! * speeds may be physical: `Scaling::system` converts them together with the machine;
-//! * limit cycles are cheap enough to repeat for every run of the measurement, so that the scatter of the coefficient is seen in the
-//!   result: here amplitudes differ by 3 %, and the speed at which sliding becomes stable, which hangs on the slope, by 15 %.
+//! * limit cycles are cheap enough to repeat for every run of the measurement, so that the scatter
+//!   of the coefficient is seen in the result: here amplitudes differ by 3 %, and the speed at
+//!   which sliding becomes stable, which hangs on the slope, by 15 %.
 //!
-//! Run it with `cargo run --release --example measured_law`, or with a file of your own in the format of
-//! `examples/friction.csv` (lines that begin with # are comments, one line of headings, then speed in m/s and one column for each run):
+//! Run it with `cargo run --release --example measured_law`, or with a file of your own in the
+//! format of `examples/friction.csv` (lines that begin with # are comments, one line of headings,
+//! then speed in m/s and one column for each run):
 //! `cargo run --release --example measured_law -- my.csv`.
 
 use std::error::Error;

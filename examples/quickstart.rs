@@ -1,12 +1,16 @@
-//! Three motions of the source paper, from rest until they settle, beside the exact periodic motion that they settle to.
+//! Three motions of the source paper, from rest until they settle, beside the exact periodic motion
+//! that they settle to.
 //!
 //! What to learn from it:
 //!
-//! * a system is a friction law, a belt velocity and a damping ratio; `simulate` gives its events and its state at any time;
-//! * `limit_cycle::find` gives the periodic motions themselves, without a transient: the two columns of numbers agree, though
-//!   one comes from hundreds of oscillations and the other from one arc;
-//! * on a fast belt the mass never reaches the velocity of the belt (Fig. 4) and takes tens of oscillations to settle; on a slow
-//!   one it sticks and slips in turn (Figs. 5 and 7), and from the first release on the motion is periodic: multiplier 0.
+//! * a system is a friction law, a belt velocity and a damping ratio; `simulate` gives its events
+//!   and its state at any time;
+//! * `limit_cycle::find` gives the periodic motions themselves, without a transient: the two
+//!   columns of numbers agree, though one comes from hundreds of oscillations and the other from
+//!   one arc;
+//! * on a fast belt the mass never reaches the velocity of the belt (Fig. 4) and takes tens of
+//!   oscillations to settle; on a slow one it sticks and slips in turn (Figs. 5 and 7), and from
+//!   the first release on the motion is periodic: multiplier 0.
 //!
 //! Run it with `cargo run --release --example quickstart`.
 
@@ -86,7 +90,8 @@ fn settled(motion: &Trajectory, cycle: &LimitCycle) -> Vec<(&'static str, f64, f
     ]
 }
 
-/// Times and displacements where the mass turns back: zeros of v, bracketed by samples and bisected in the dense output.
+/// Times and displacements where the mass turns back: zeros of v, bracketed by samples and bisected
+/// in the dense output.
 fn turning_points(motion: &Trajectory) -> Vec<(f64, f64)> {
     let velocity = |time: f64| {
         motion

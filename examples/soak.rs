@@ -1,12 +1,16 @@
-//! Random systems by the thousand, of parameters over many decades: what comes out, how exactly, and how long it takes.
+//! Random systems by the thousand, of parameters over many decades: what comes out, how exactly,
+//! and how long it takes.
 //!
 //! What to learn from it:
 //!
-//! * what is asked too much of an explicit method ends in an error that says so; its share is counted here;
-//! * the energy of every motion is balanced by a quadrature of the law itself, which knows nothing of the integrator;
+//! * what is asked too much of an explicit method ends in an error that says so; its share is
+//!   counted here;
+//! * the energy of every motion is balanced by a quadrature of the law itself, which knows nothing
+//!   of the integrator;
 //! * systems and laws are plain values, so that any number of threads can work on them.
 //!
-//! Run it with `cargo run --release --example soak -- [integrations] [searches for cycles] [first index]`.
+//! Run it with
+//! `cargo run --release --example soak -- [integrations] [searches for cycles] [first index]`.
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -171,8 +175,9 @@ fn name(error: &Error) -> &'static str {
     }
 }
 
-/// Follows a motion, and compares the energy that it gains with what friction and the damper do, integrated by a quadrature. Returns the
-/// difference in units of the rounding errors of such a sum.
+/// Follows a motion, and compares the energy that it gains with what friction and the damper do,
+/// integrated by a quadrature. Returns the difference in units of the rounding errors of such a
+/// sum.
 fn integrate(
     rule: &Rule,
     system: &MassOnBelt<AnyLaw>,

@@ -8,10 +8,12 @@ use nalgebra::{Complex, Matrix2};
 /// λ = (−h1 ± √(h1² − 4))/2                         (Eq. 14)
 /// ```
 ///
-/// All dimensionless. Where |v_b| is a breakpoint of the law, the slope is that of the piece above, and so is the stability, for motions on
-/// that side; how those behave that pass the breakpoint, both slopes decide.
+/// All dimensionless. Where |v_b| is a breakpoint of the law, the slope is that of the piece above,
+/// and so is the stability, for motions on that side; how those behave that pass the breakpoint,
+/// both slopes decide.
 ///
-/// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and Stability Analysis*.
+/// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
+/// Stability Analysis*.
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, Stability};
@@ -52,7 +54,8 @@ impl Equilibrium {
         }
     }
 
-    /// Whether small disturbances die out: both eigenvalues have a negative real part. False for a centre.
+    /// Whether small disturbances die out: both eigenvalues have a negative real part. False for a
+    /// centre.
     pub fn is_stable(&self) -> bool {
         matches!(
             self.stability,
@@ -107,7 +110,8 @@ impl std::fmt::Display for Stability {
     }
 }
 
-/// λ² + h1 λ + 1 = 0, Eq. 14. The eigenvalue of larger magnitude is computed without cancellation, the other from λ1 λ2 = 1.
+/// λ² + h1 λ + 1 = 0, Eq. 14. The eigenvalue of larger magnitude is computed without cancellation,
+/// the other from λ1 λ2 = 1.
 fn eigenvalues(h1: f64) -> [Complex<f64>; 2] {
     let root = (h1 - 2.0).abs().sqrt() * (h1 + 2.0).abs().sqrt();
     if h1.abs() < 2.0 {

@@ -46,8 +46,8 @@ fn during(reached: &Option<Reached>) -> String {
 
 /// Why a law, a system or an integration was refused or could not go on.
 ///
-/// Every variant carries the numbers that a caller needs to decide what to do, dimensionless but for the arguments of
-/// [`Scaling`](crate::Scaling); the message names the remedy.
+/// Every variant carries the numbers that a caller needs to decide what to do, dimensionless but
+/// for the arguments of [`Scaling`](crate::Scaling); the message names the remedy.
 ///
 /// | variant | when | what to do |
 /// |---|---|---|
@@ -64,7 +64,8 @@ fn during(reached: &Option<Reached>) -> String {
 /// | [`TooManySteps`](Self::TooManySteps) | a motion or a search for cycles: stiffness, or a very long run | `with_max_steps`, or as above |
 /// | [`TooManyEvents`](Self::TooManyEvents) | a run with `with_max_events` | raise the limit, or use `flow` |
 ///
-/// A `main` that returns `Result<(), Error>` shows the variant and its fields, by `Debug`; print the error with `{error}` to show the message.
+/// A `main` that returns `Result<(), Error>` shows the variant and its fields, by `Debug`; print
+/// the error with `{error}` to show the message.
 ///
 /// ```
 /// use stick_slip::{Error, Polynomial};
@@ -112,7 +113,8 @@ pub enum Error {
         allowed: &'static str,
     },
 
-    /// A start state has an infinite or NaN component, or is so large or so small that the equations overflow or underflow.
+    /// A start state has an infinite or NaN component, or is so large or so small that the
+    /// equations overflow or underflow.
     #[error(
         "the state u = {displacement:e}, v = {velocity:e} is not finite, or it overflows or underflows; choose a unit of length that makes it a number of ordinary size"
     )]
@@ -145,7 +147,8 @@ pub enum Error {
         value: f64,
     },
 
-    /// The law's kinetic coefficient at zero speed exceeds its static coefficient by more than a few ulps.
+    /// The law's kinetic coefficient at zero speed exceeds its static coefficient by more than a
+    /// few ulps.
     #[error(
         "the static coefficient {static_coefficient:e} is below the kinetic coefficient at zero speed, {kinetic_coefficient:e}; raise μ_s or lower μ̂(0)"
     )]
@@ -182,7 +185,8 @@ pub enum Error {
         reached: Option<Reached>,
     },
 
-    /// The law's breakpoints are not finite, positive and strictly ascending, or the law jumps at one.
+    /// The law's breakpoints are not finite, positive and strictly ascending, or the law jumps at
+    /// one.
     #[error(
         "breakpoint {index} of the friction law, {value:e}, is not allowed; breakpoints are finite, positive, strictly ascending, and the law is continuous there"
     )]

@@ -1,5 +1,6 @@
-//! Friction-induced vibration of a mass on a moving belt: every stick, release and crossing, every limit cycle, and the belt velocities at
-//! which they appear, to round-off, for any friction law that can be written as a function.
+//! Friction-induced vibration of a mass on a moving belt: every stick, release and crossing, every
+//! limit cycle, and the belt velocities at which they appear, to round-off, for any friction law
+//! that can be written as a function.
 //!
 //! ```text
 //!  ▌ spring  ┌──────┐
@@ -34,21 +35,23 @@
 //!
 //! # The model
 //!
-//! A mass on a spring and a damper lies on a belt that moves at the velocity v_b. Friction drags it along until the spring is stretched so far
-//! that it slips; where friction falls with the sliding speed, the slipping mass takes up energy, and steady sliding gives way to
-//! vibration: brakes groan, doors creak, bows sound.
+//! A mass on a spring and a damper lies on a belt that moves at the velocity v_b. Friction drags it
+//! along until the spring is stretched so far that it slips; where friction falls with the sliding
+//! speed, the slipping mass takes up energy, and steady sliding gives way to vibration: brakes
+//! groan, doors creak, bows sound.
 //!
-//! All quantities are dimensionless: u displacement, v = u' velocity, τ time, β ≥ 0 damping ratio, γ² > 0 friction load, v_b belt velocity of
-//! either sign or zero, v_r = v − v_b relative velocity, s = |v_r| sliding speed. [`Scaling`] leads from kilograms, metres and newtons to
-//! them and back.
+//! All quantities are dimensionless: u displacement, v = u' velocity, τ time, β ≥ 0 damping ratio,
+//! γ² > 0 friction load, v_b belt velocity of either sign or zero, v_r = v − v_b relative velocity,
+//! s = |v_r| sliding speed. [`Scaling`] leads from kilograms, metres and newtons to them and back.
 //!
-//! A [`FrictionLaw`] is a static coefficient μ_s and a function μ̂(s) for s ≥ 0, with μ̂(0) ≤ μ_s, the limit from above. The law is odd in the
-//! relative velocity: μ(v_r) = sgn(v_r)·μ̂(|v_r|).
+//! A [`FrictionLaw`] is a static coefficient μ_s and a function μ̂(s) for s ≥ 0, with μ̂(0) ≤ μ_s,
+//! the limit from above. The law is odd in the relative velocity: μ(v_r) = sgn(v_r)·μ̂(|v_r|).
 //!
 //! # Conventions at zero relative velocity
 //!
-//! F = u + 2βv_b is the force that the contact has to carry in stick, F_s = γ²μ_s the most that it can. The stick band is half open, so that
-//! every state has one fate: −F_s ≤ F < F_s for v_b > 0 (at F = F_s the mass is released), mirrored for v_b < 0, closed for v_b = 0.
+//! F = u + 2βv_b is the force that the contact has to carry in stick, F_s = γ²μ_s the most that it
+//! can. The stick band is half open, so that every state has one fate: −F_s ≤ F < F_s for v_b > 0
+//! (at F = F_s the mass is released), mirrored for v_b < 0, closed for v_b = 0.
 //!
 //! | situation | what happens |
 //! |---|---|
@@ -62,46 +65,57 @@
 //! | start with v_r = 0, F outside the band | slips at once with the sign of −F; no event at time 0 |
 //! | start at the release point, to 4 ulps of the largest term | `Release` at time 0, reported |
 //!
-//! [`MassOnBelt::stick_limits`] gives the ends of the band in u, as every decision uses them, and [`MassOnBelt::release_state`] the release
-//! point.
+//! [`MassOnBelt::stick_limits`] gives the ends of the band in u, as every decision uses them, and
+//! [`MassOnBelt::release_state`] the release point.
 //!
 //! # What the integrator promises
 //!
-//! 1. **Steps.** A slip phase is followed by Taylor series of order 26. A step is accepted when the defect of the series, what is missing in
-//!    the equation of motion, is small at its end (the contact, if there is one), at a quarter, a half and three quarters of it, and about the place
-//!    where the mass comes closest to the belt's velocity. Terms hidden behind exp(−400), as in a law with a narrow Stribeck velocity, are not
-//!    missed. A step longer than one radian is looked at every quarter of a radian: a bump exp(−(s/w)²) at some other speed is seen for w down to a
-//!    fortieth of the motion's velocity amplitude. Name the place of a narrower one as a [breakpoint](FrictionLaw::breakpoints).
-//! 2. **Contacts** are roots of the sliding speed's own polynomial, isolated so that none is skipped, and refined to the last bit. A
-//!    shallow contact, in and out within one step, is found.
-//! 3. **Starts of slip.** The known root of v_r at the start is divided out, simple or double. There is no epsilon, no cooldown and no least
-//!    duration.
+//! 1. **Steps.** A slip phase is followed by Taylor series of order 26. A step is accepted when the
+//!    defect of the series, what is missing in the equation of motion, is small at its end (the
+//!    contact, if there is one), at a quarter, a half and three quarters of it, and about the place
+//!    where the mass comes closest to the belt's velocity. Terms hidden behind exp(−400), as in a
+//!    law with a narrow Stribeck velocity, are not missed. A step longer than one radian is looked
+//!    at every quarter of a radian: a bump exp(−(s/w)²) at some other speed is seen for w down to a
+//!    fortieth of the motion's velocity amplitude. Name the place of a narrower one as a
+//!    [breakpoint](FrictionLaw::breakpoints).
+//! 2. **Contacts** are roots of the sliding speed's own polynomial, isolated so that none is
+//!    skipped, and refined to the last bit. A shallow contact, in and out within one step, is
+//!    found.
+//! 3. **Starts of slip.** The known root of v_r at the start is divided out, simple or double.
+//!    There is no epsilon, no cooldown and no least duration.
 //! 4. **Stick** is closed-form, and there v is v_b to the bit.
-//! 5. **Order.** States are continuous. Event times never decrease, and increase strictly where a phase is longer than an ulp of the time. The same call
-//!    gives the same bits.
-//! 6. **Large numbers.** v_r and not v is integrated, so that contact is exact for large v_b; time is summed with its rounding errors:
-//!    after 10⁵ cycles an event comes at its multiple of the period, to 4 ulps of the time.
-//! 7. **Tolerance** is relative to the motion's own scale, max(|u − ū|, |v|, |v_b|): a change of units scales the result. (Where a law is so steep
-//!    that ū lies far beyond all that happens, that scale is large too, and the result less exact than it could be.)
-//! 8. **Errors.** What cannot go on is an [`Error`] with the time and the state reached, not a panic and not a hang.
+//! 5. **Order.** States are continuous. Event times never decrease, and increase strictly where a
+//!    phase is longer than an ulp of the time. The same call gives the same bits.
+//! 6. **Large numbers.** v_r and not v is integrated, so that contact is exact for large v_b; time
+//!    is summed with its rounding errors: after 10⁵ cycles an event comes at its multiple of the
+//!    period, to 4 ulps of the time.
+//! 7. **Tolerance** is relative to the motion's own scale, max(|u − ū|, |v|, |v_b|): a change of
+//!    units scales the result. (Where a law is so steep that ū lies far beyond all that happens,
+//!    that scale is large too, and the result less exact than it could be.)
+//! 8. **Errors.** What cannot go on is an [`Error`] with the time and the state reached, not a
+//!    panic and not a hang.
 //!
-//! Each has a test named for it. The events and states of 22 motions that were computed with 25 digits by another method are met within
-//! 1e-13·max(1, |value|). What double precision itself limits: the time of a contact near grazing, about ε/|v_r'| with ε = 2.2e-16;
-//! motions for v_b below 2e-5·γ²μ_s, about ε·γ²μ_s/v_b.
+//! Each has a test named for it. The events and states of 22 motions that were computed with 25
+//! digits by another method are met within 1e-13·max(1, |value|). What double precision itself
+//! limits: the time of a contact near grazing, about ε/|v_r'| with ε = 2.2e-16; motions for v_b
+//! below 2e-5·γ²μ_s, about ε·γ²μ_s/v_b.
 //!
 //! # What is guaranteed of cycles
 //!
-//! [`limit_cycle::stick_slip`] is complete. [`limit_cycle::find`] can lose pairs of cycles that lie closer together than it looks;
-//! [how close](limit_cycle#what-is-guaranteed) is stated there, and so is, with each function of [`bifurcation`], how densely a range is searched.
+//! [`limit_cycle::stick_slip`] is complete. [`limit_cycle::find`] can lose pairs of cycles that lie
+//! closer together than it looks; [how close](limit_cycle#what-is-guaranteed) is stated there, and
+//! so is, with each function of [`bifurcation`], how densely a range is searched.
 //!
 //! # Limits
 //!
 //! * No forcing: the spring, the damper, and friction on a belt of constant velocity.
 //! * One mass: the motion is planar, and the search for cycles relies on that.
-//! * No memory in the law: μ depends on the relative velocity alone (no rate-and-state, LuGre or bristle model).
-//! * The method is explicit. A stiff system (large γ²·dμ̂/ds, the cubic law far above its minimum) ends in [`Error::StepUnderflow`] or
-//!   [`Error::TooManySteps`], whose messages name stiffness.
-//! * The law is analytic, at s = 0 too, or piecewise so with [breakpoints](FrictionLaw::breakpoints).
+//! * No memory in the law: μ depends on the relative velocity alone (no rate-and-state, LuGre or
+//!   bristle model).
+//! * The method is explicit. A stiff system (large γ²·dμ̂/ds, the cubic law far above its minimum)
+//!   ends in [`Error::StepUnderflow`] or [`Error::TooManySteps`], whose messages name stiffness.
+//! * The law is analytic, at s = 0 too, or piecewise so with
+//!   [breakpoints](FrictionLaw::breakpoints).
 //!
 //! # Which function do I need?
 //!
@@ -128,9 +142,10 @@
 //!
 //! # Where the source paper is wrong
 //!
-//! "Eq. n" is an equation of A. Farshidianfar and N. Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and Stability Analysis*,
-//! which follows J. J. Thomsen and A. Fidlin, *Int. J. Non-Linear Mech.* 38 (2003) 389-403. "Eq. n, corrected" is one that it prints
-//! wrongly; tests show that the printed formulas fail.
+//! "Eq. n" is an equation of A. Farshidianfar and N. Noei Aghaee, *Analytical Approaches for
+//! Friction Induced Vibration and Stability Analysis*, which follows J. J. Thomsen and A. Fidlin,
+//! *Int. J. Non-Linear Mech.* 38 (2003) 389-403. "Eq. n, corrected" is one that it prints wrongly;
+//! tests show that the printed formulas fail.
 //!
 //! | where | printed | correct |
 //! |---|---|---|
@@ -151,10 +166,12 @@
 //!
 //! None is on by default.
 //!
-//! * `serde`: laws, systems, scalings, states, events, cycles, equilibria and the points of a diagram implement `Serialize` and `Deserialize`; what is
-//!   read passes the checks of the constructors. A motion is made again from its system and start. (With `serde_json`, its feature
-//!   `float_roundtrip` gives every number back to the bit.)
-//! * `rayon`: `bifurcation::par_diagram`, the [diagram](bifurcation::diagram) on all cores, with the same results bit for bit.
+//! * `serde`: laws, systems, scalings, states, events, cycles, equilibria and the points of a
+//!   diagram implement `Serialize` and `Deserialize`; what is read passes the checks of the
+//!   constructors. A motion is made again from its system and start. (With `serde_json`, its
+//!   feature `float_roundtrip` gives every number back to the bit.)
+//! * `rayon`: `bifurcation::par_diagram`, the [diagram](bifurcation::diagram) on all cores, with
+//!   the same results bit for bit.
 #![forbid(unsafe_code)]
 
 pub mod analysis;

@@ -12,8 +12,9 @@ const GAUSS: [(f64, f64); 8] = [
     (0.989_400_934_991_649_9, 0.027_152_459_411_754_096),
 ];
 
-/// Nodes and weights of the 16-point rule on a ≤ x ≤ b: exact for polynomials of degree 31, and to round-off for a function that is
-/// analytic up to four times the interval's half length from its middle, as every Taylor step is.
+/// Nodes and weights of the 16-point rule on a ≤ x ≤ b: exact for polynomials of degree 31, and to
+/// round-off for a function that is analytic up to four times the interval's half length from its
+/// middle, as every Taylor step is.
 pub(crate) fn gauss_nodes(a: f64, b: f64) -> impl Iterator<Item = (f64, f64)> {
     gauss_fours(a, b)
         .into_iter()

@@ -20,7 +20,8 @@ pub struct Physical {
     pub stiffness: f64,
     /// Damping constant C ≥ 0 of the damper, N·s/m.
     pub damping: f64,
-    /// Normal force N > 0 between mass and belt, N; M·9.81 m/s² for a mass that lies on a level belt.
+    /// Normal force N > 0 between mass and belt, N; M·9.81 m/s² for a mass that lies on a level
+    /// belt.
     pub normal_force: f64,
     /// Belt velocity V, m/s; its sign is the direction.
     pub belt_velocity: f64,
@@ -33,14 +34,14 @@ pub struct Physical {
 /// β = C/(2√(K M)),   γ² = N/(K L),   v_b = V/(ω0 L)
 /// ```
 ///
-/// The length L is free, and nothing physical depends on it. Unless set it is N/K, by which the normal force would stretch the spring,
-/// so that γ² = 1.
+/// The length L is free, and nothing physical depends on it. Unless set it is N/K, by which the
+/// normal force would stretch the spring, so that γ² = 1.
 ///
-/// The methods are named for what they return: [`seconds`](Self::seconds) of a dimensionless time, [`time`](Self::time) of a number of
-/// seconds.
+/// The methods are named for what they return: [`seconds`](Self::seconds) of a dimensionless time,
+/// [`time`](Self::time) of a number of seconds.
 ///
-/// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and Stability Analysis*,
-/// Eq. 1; Thomsen and Fidlin, *Int. J. Non-Linear Mech.* 38 (2003) 389-403.
+/// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
+/// Stability Analysis*, Eq. 1; Thomsen and Fidlin, *Int. J. Non-Linear Mech.* 38 (2003) 389-403.
 ///
 /// ```
 /// use stick_slip::{Physical, Scaling, State, Stribeck};
@@ -90,8 +91,8 @@ impl Scaling {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] unless all parameters are finite and in the ranges given at [`Physical`], and ω0, N/K and the
-    /// dimensionless parameters neither overflow nor underflow.
+    /// [`Error::InvalidParameter`] unless all parameters are finite and in the ranges given at
+    /// [`Physical`], and ω0, N/K and the dimensionless parameters neither overflow nor underflow.
     pub fn new(physical: Physical) -> Result<Self, Error> {
         let Physical {
             mass,
@@ -134,7 +135,8 @@ impl Scaling {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] unless L is finite and > 0, and ω0 L and the dimensionless parameters neither overflow nor underflow.
+    /// [`Error::InvalidParameter`] unless L is finite and > 0, and ω0 L and the dimensionless
+    /// parameters neither overflow nor underflow.
     pub fn with_length(mut self, length: f64) -> Result<Self, Error> {
         self.length = length;
         let [damping, load, belt_velocity] = self.dimensionless();
@@ -198,8 +200,8 @@ impl Scaling {
     ///
     /// # Errors
     ///
-    /// Those of [`MassOnBelt::new`] and its `with_` methods. A speed or a breakpoint in them is dimensionless: see
-    /// [`metres_per_second`](Self::metres_per_second).
+    /// Those of [`MassOnBelt::new`] and its `with_` methods. A speed or a breakpoint in them is
+    /// dimensionless: see [`metres_per_second`](Self::metres_per_second).
     pub fn system<L: FrictionLaw>(&self, law: L) -> Result<MassOnBelt<Scaled<L>>, Error> {
         let [damping, load, belt_velocity] = self.dimensionless();
         MassOnBelt::new(self.law(law), belt_velocity)?
@@ -245,7 +247,8 @@ impl Scaling {
         metres_per_second / self.velocity_unit()
     }
 
-    /// Frequency in hertz, f = ω0 ω/2π, of a dimensionless **angular** frequency ω = 2π/T; ω = 1 is the undamped mass on its spring.
+    /// Frequency in hertz, f = ω0 ω/2π, of a dimensionless **angular** frequency ω = 2π/T; ω = 1 is
+    /// the undamped mass on its spring.
     ///
     /// ```
     /// # use stick_slip::{Physical, Scaling};
@@ -276,7 +279,8 @@ impl Scaling {
         newtons / self.force_unit()
     }
 
-    /// Energy in joules, K L² times a dimensionless one such as those of [`EnergyBudget`](crate::EnergyBudget).
+    /// Energy in joules, K L² times a dimensionless one such as those of
+    /// [`EnergyBudget`](crate::EnergyBudget).
     ///
     /// ```
     /// use stick_slip::{Physical, Scaling, Stribeck, limit_cycle};
@@ -342,7 +346,8 @@ impl Scaling {
 /// μ̂(s) = μ̂_physical(ω0 L s)
 /// ```
 ///
-/// Breakpoints and pieces are those of the law inside, at speeds divided by ω0 L. Made by [`Scaling::system`] and [`Scaling::law`].
+/// Breakpoints and pieces are those of the law inside, at speeds divided by ω0 L. Made by
+/// [`Scaling::system`] and [`Scaling::law`].
 ///
 /// ```
 /// use stick_slip::{FrictionLaw, Physical, Scaling, Tabulated};

@@ -33,8 +33,9 @@ impl State {
     }
 }
 
-/// Which way the mass slides on the belt: the sign of the relative velocity v_r = v − v_b. The names are those of a belt that moves forward; on one
-/// with v_b < 0 a mass that lags behind it has v_r > 0.
+/// Which way the mass slides on the belt: the sign of the relative velocity v_r = v − v_b. The
+/// names are those of a belt that moves forward; on one with v_b < 0 a mass that lags behind it has
+/// v_r > 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Direction {
@@ -87,14 +88,17 @@ impl std::fmt::Display for Direction {
 /// stick:  u' = v_b  while |u + 2β v_b| ≤ γ² μ_s
 /// ```
 ///
-/// Everything is dimensionless: time τ = ω0 t, displacement u, damping ratio β, friction load γ², belt velocity v_b.
+/// Everything is dimensionless: time τ = ω0 t, displacement u, damping ratio β, friction load γ²,
+/// belt velocity v_b.
 ///
-/// In stick the contact carries the force F = u + 2βv_b. The band of F in which the mass sticks is half open, so that every state
-/// has one fate: for v_b > 0, −γ²μ_s ≤ F < γ²μ_s, and at F = γ²μ_s the mass is released; mirrored for v_b < 0; closed for
-/// v_b = 0, where a mass that sticks rests for ever.
+/// In stick the contact carries the force F = u + 2βv_b. The band of F in which the mass sticks is
+/// half open, so that every state has one fate: for v_b > 0, −γ²μ_s ≤ F < γ²μ_s, and at F = γ²μ_s
+/// the mass is released; mirrored for v_b < 0; closed for v_b = 0, where a mass that sticks rests
+/// for ever.
 ///
-/// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and Stability Analysis*,
-/// Eqs. 1 and 2, corrected: Eq. 2 prints the stick condition as 2βv_b + u ≤ μ_s, without γ² and one-sided.
+/// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
+/// Stability Analysis*, Eqs. 1 and 2, corrected: Eq. 2 prints the stick condition as 2βv_b + u ≤
+/// μ_s, without γ² and one-sided.
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, State};
@@ -120,14 +124,17 @@ pub struct MassOnBelt<L> {
 }
 
 impl<L: FrictionLaw> MassOnBelt<L> {
-    /// An undamped system (β = 0) with friction load γ² = 1 on a belt of velocity v_b, which may be negative or zero.
+    /// An undamped system (β = 0) with friction load γ² = 1 on a belt of velocity v_b, which may be
+    /// negative or zero.
     ///
     /// # Errors
     ///
     /// * [`Error::InvalidParameter`] if v_b or μ_s is not finite, or μ_s < 0;
     /// * [`Error::StaticBelowKinetic`] if μ̂(0) exceeds μ_s by more than a few ulps;
-    /// * [`Error::NonFiniteFriction`] or [`Error::NotAnalytic`] if the law has no finite value or slope at the speeds 0 and |v_b|;
-    /// * [`Error::BadBreakpoints`] if its breakpoints are not positive and ascending, or it jumps at one.
+    /// * [`Error::NonFiniteFriction`] or [`Error::NotAnalytic`] if the law has no finite value or
+    ///   slope at the speeds 0 and |v_b|;
+    /// * [`Error::BadBreakpoints`] if its breakpoints are not positive and ascending, or it jumps
+    ///   at one.
     pub fn new(law: L, belt_velocity: f64) -> Result<Self, Error> {
         validate(&law)?;
         Self {
@@ -155,8 +162,8 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         Ok(self)
     }
 
-    /// The same system with friction load γ² > 0: γ² μ is the friction force. In dimensional terms γ² = N/(K L) for a normal
-    /// force N, stiffness K and length L.
+    /// The same system with friction load γ² > 0: γ² μ is the friction force. In dimensional terms
+    /// γ² = N/(K L) for a normal force N, stiffness K and length L.
     ///
     /// # Errors
     ///
@@ -176,8 +183,9 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] if v_b is not finite or 2βv_b overflows; [`Error::NonFiniteFriction`] or
-    /// [`Error::NotAnalytic`] if the law has no finite value or slope at the speed |v_b|.
+    /// [`Error::InvalidParameter`] if v_b is not finite or 2βv_b overflows;
+    /// [`Error::NonFiniteFriction`] or [`Error::NotAnalytic`] if the law has no finite value or
+    /// slope at the speed |v_b|.
     pub fn with_belt_velocity(mut self, belt_velocity: f64) -> Result<Self, Error> {
         self.belt_velocity = belt_velocity;
         Error::check(
@@ -236,9 +244,11 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         }
     }
 
-    /// Displacements −γ²μ_s − 2βv_b and γ²μ_s − 2βv_b between which the mass can stick, dimensionless.
+    /// Displacements −γ²μ_s − 2βv_b and γ²μ_s − 2βv_b between which the mass can stick,
+    /// dimensionless.
     ///
-    /// Every decision between stick and slip compares u with these two numbers, and the release state is one of them.
+    /// Every decision between stick and slip compares u with these two numbers, and the release
+    /// state is one of them.
     ///
     /// ```
     /// use stick_slip::{Coulomb, MassOnBelt};
@@ -253,8 +263,8 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         [-largest - carried, largest - carried]
     }
 
-    /// Where a mass carried along by the belt is released: u = ±γ²μ_s − 2βv_b (sign of v_b), v = v_b. `None` at v_b = 0, where
-    /// a mass that sticks rests for ever.
+    /// Where a mass carried along by the belt is released: u = ±γ²μ_s − 2βv_b (sign of v_b), v =
+    /// v_b. `None` at v_b = 0, where a mass that sticks rests for ever.
     pub fn release_state(&self) -> Option<State> {
         let [low, high] = self.stick_limits();
         let v_b = self.belt_velocity;
@@ -267,7 +277,8 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         }
     }
 
-    /// How a mass at displacement u that moves with the belt goes on: it slides in the direction returned, or sticks (`None`).
+    /// How a mass at displacement u that moves with the belt goes on: it slides in the direction
+    /// returned, or sticks (`None`).
     pub(crate) fn slides_at(&self, displacement: f64) -> Option<Direction> {
         let [low, high] = self.stick_limits();
         let v_b = self.belt_velocity;
@@ -281,9 +292,11 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         }
     }
 
-    /// ds/dτ = |F| − γ²μ̂(0) of a mass that begins to slide at displacement u, where its speed on the belt is 0.
+    /// ds/dτ = |F| − γ²μ̂(0) of a mass that begins to slide at displacement u, where its speed on
+    /// the belt is 0.
     ///
-    /// From the same limits that every decision uses, so that it is exactly 0 at the release point of a law with μ̂(0) = μ_s.
+    /// From the same limits that every decision uses, so that it is exactly 0 at the release point
+    /// of a law with μ̂(0) = μ_s.
     pub(crate) fn slip_rate(&self, displacement: f64, direction: Direction) -> f64 {
         let [low, high] = self.stick_limits();
         let beyond = match direction {
@@ -297,8 +310,8 @@ impl<L: FrictionLaw> MassOnBelt<L> {
 
     /// Friction force on the mass, dimensionless (in units of the spring's force at u = 1).
     ///
-    /// In slip −γ²μ(v_r); in stick what the contact carries, u + 2βv_b. At v_r = 0 outside the stick band it is the force just
-    /// after slip begins.
+    /// In slip −γ²μ(v_r); in stick what the contact carries, u + 2βv_b. At v_r = 0 outside the
+    /// stick band it is the force just after slip begins.
     ///
     /// ```
     /// use stick_slip::{Coulomb, MassOnBelt, State};
@@ -320,7 +333,8 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         }
     }
 
-    /// Acceleration u'' of the mass, dimensionless: −2βv − u plus the friction force in slip, 0 in stick.
+    /// Acceleration u'' of the mass, dimensionless: −2βv − u plus the friction force in slip, 0 in
+    /// stick.
     ///
     /// ```
     /// use stick_slip::{Coulomb, MassOnBelt, State};
@@ -341,8 +355,8 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         self.friction_force(state) - 2.0 * self.damping * velocity - displacement
     }
 
-    /// The steady sliding state, in which the mass stands still on the moving belt. `None` at v_b = 0, where every state in the
-    /// stick band is at rest.
+    /// The steady sliding state, in which the mass stands still on the moving belt. `None` at v_b =
+    /// 0, where every state in the stick band is at rest.
     ///
     /// See [`Equilibrium`] for the formulas and an example.
     pub fn equilibrium(&self) -> Option<Equilibrium> {

@@ -1,6 +1,7 @@
 //! A flow allocates nothing after its first step, whatever the law.
 //!
-//! Only an allocator of its own can count, and the trait of allocators is unsafe: this one file may write `unsafe`.
+//! Only an allocator of its own can count, and the trait of allocators is unsafe: this one file may
+//! write `unsafe`.
 #![allow(unsafe_code)]
 
 mod common;
@@ -123,7 +124,8 @@ fn a_flow_allocates_nothing_after_its_first_step() {
     assert_eq!(calls(&MassOnBelt::new(table, 0.2).unwrap(), 1, STEPS), 0);
 }
 
-/// A law whose pieces differ in length may grow its memory when a piece is first entered, and never again.
+/// A law whose pieces differ in length may grow its memory when a piece is first entered, and never
+/// again.
 #[test]
 fn a_law_with_pieces_of_different_length_stops_allocating() {
     #[derive(Debug)]

@@ -636,7 +636,8 @@ fn free_vibration_rests_at_the_first_turning_point_in_the_band() {
     let system = MassOnBelt::new(law, 0.0).unwrap().with_load(0.7).unwrap();
     let (band, step) = (0.7 * 0.31, 2.0 * 0.7 * 0.17);
     for n in 0..400 {
-        // From between two borders n swings are certain; at a border, where rounding decides, the band itself must.
+        // From between two borders n swings are certain; at a border, where rounding decides, the
+        // band itself must.
         let border = band + step * f64::from(n);
         for start in [
             border - 0.5 * step,

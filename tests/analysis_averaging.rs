@@ -38,7 +38,8 @@ fn drift_is_its_definition_for_any_law() {
         for amplitude in [1e-3, 0.05, 0.15, 0.29, 0.31, 0.6, 2.0] {
             let value = drift(&system, amplitude).unwrap();
             let n = 200_000;
-            // The midpoint rule converges at once on smooth integrands, else like n⁻² at kinks and n⁻¹ at the jump.
+            // The midpoint rule converges at once on smooth integrands, else like n⁻² at kinks and
+            // n⁻¹ at the jump.
             let tolerance = if amplitude > 0.3 {
                 1e-5
             } else if kinked {
@@ -149,7 +150,8 @@ fn table_drift_has_a_closed_form() {
 
 #[test]
 fn laws_with_long_flat_parts_and_narrow_features_are_resolved() {
-    // Far above the Stribeck velocity and just at the belt: exp(−(s/v_s)²) from 1 to 0 in a thousandth of the range.
+    // Far above the Stribeck velocity and just at the belt: exp(−(s/v_s)²) from 1 to 0 in a
+    // thousandth of the range.
     for stribeck in [0.1, 0.01, 0.001] {
         let system = MassOnBelt::new(Exponential::new(0.4, 0.3, stribeck).unwrap(), 1.0).unwrap();
         for amplitude in [0.99, 1.0, 1.01, 1.5] {
@@ -185,7 +187,8 @@ fn cycles_near_their_birth() {
 
 #[test]
 fn a_fold_is_followed_until_both_cycles_meet() {
-    // Exponential law above its upper Hopf velocity: an unstable and a stable cycle that meet at a fold.
+    // Exponential law above its upper Hopf velocity: an unstable and a stable cycle that meet at a
+    // fold.
     let law = Exponential::new(0.4, 0.3, 1.0).unwrap();
     let at = |v_b: f64| {
         MassOnBelt::new(law, v_b)
@@ -274,7 +277,8 @@ fn cycles_of_a_law_with_kinks_are_all_found() {
 
 #[test]
 fn averaged_crossing_cycles_know_when_they_would_stick() {
-    // Fig. 5 set: the exact motion never sticks below ε2 = 0.0260202; by averaging Q v_b²/(16γ⁴μ_s²) = 0.0255.
+    // Fig. 5 set: the exact motion never sticks below ε2 = 0.0260202; by averaging Q
+    // v_b²/(16γ⁴μ_s²) = 0.0255.
     let found = |epsilon: f64| {
         let system = paper(0.2)
             .with_damping(0.05 * epsilon)
@@ -321,7 +325,8 @@ fn laws_that_end_are_errors() {
 
 #[test]
 fn amplitudes_do_not_depend_on_the_size_of_the_friction() {
-    // The slow flow is linear in β and γ²: a factor 2ⁿ changes no bit of the amplitudes, however weak it is.
+    // The slow flow is linear in β and γ²: a factor 2ⁿ changes no bit of the amplitudes, however
+    // weak it is.
     fn check<L: FrictionLaw>(law: L, v_b: f64, damping: f64, count: usize) {
         let found = |factor: f64| {
             let system = MassOnBelt::new(&law, v_b)
@@ -358,7 +363,8 @@ fn amplitudes_do_not_depend_on_the_size_of_the_friction() {
 
 #[test]
 fn a_straight_law_that_the_damper_balances_has_no_isolated_cycle() {
-    // 2β = −γ²μ̂' at every speed: A' = 0 for all A ≤ |v_b| but for rounding, and the jump takes over above.
+    // 2β = −γ²μ̂' at every speed: A' = 0 for all A ≤ |v_b| but for rounding, and the jump takes
+    // over above.
     for k in [1, 2, 5, 11, 23, 40] {
         let (slope, load, w) = (
             0.013 * f64::from(k),
@@ -423,8 +429,8 @@ impl<L: FrictionLaw> FrictionLaw for Counted<'_, L> {
 
 #[test]
 fn cycles_of_ordinary_laws_take_few_looks_at_the_law() {
-    // An amplitude takes 129 looks below |v_b|, and above it 2·12 panels with 48 each; a breakpoint that is not counted
-    // with, or a piece that is not smooth, takes many times more.
+    // An amplitude takes 129 looks below |v_b|, and above it 2·12 panels with 48 each; a breakpoint
+    // that is not counted with, or a piece that is not smooth, takes many times more.
     fn check<L: FrictionLaw>(law: L, v_b: f64, most: u32) {
         let looks = Cell::new(0);
         let counted = Counted { law, looks: &looks };
@@ -460,7 +466,8 @@ proptest! {
         let formulas = PureSlip::new(&system).unwrap();
         let amplitude: f64 = reach * w;
         let (h1, h3) = (formulas.h1(), formulas.h3());
-        // A' = −½h1A − (3/8)h3A³ − (2γ²μ_s/π) sin s: Eq. 3 continues through v_r = 0 but for the jump.
+        // A' = −½h1A − (3/8)h3A³ − (2γ²μ_s/π) sin s: Eq. 3 continues through v_r = 0 but for the
+        // jump.
         let jump = 2.0 * load * static_coefficient / PI;
         let sine = f64::max(1.0 - f64::powi(w / amplitude, 2), 0.0).sqrt();
         let crossing = amplitude > w && sine > 0.0;

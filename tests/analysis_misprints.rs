@@ -1,4 +1,5 @@
-//! What the source paper prints wrongly: contradicted by the formulas, and (`numerics_…`) by the exact motions.
+//! What the source paper prints wrongly: contradicted by the formulas, and (`numerics_…`) by the
+//! exact motions.
 
 mod common;
 
@@ -12,7 +13,8 @@ use stick_slip::{LimitCycle, Scalar, Stability, State, bifurcation, limit_cycle}
 fn misprint_eq_2_stick_condition_has_gamma_squared_and_two_sides() {
     let system = paper(0.2).with_load(2.0).unwrap();
     let [low, high] = system.stick_limits();
-    // Printed: 2βv_b + u ≤ μ_s. At its limit the mass is well inside the band, and far below it, outside.
+    // Printed: 2βv_b + u ≤ μ_s. At its limit the mass is well inside the band, and far below it,
+    // outside.
     let printed = 0.4 - 2.0 * 0.05 * 0.2;
     assert!(low < printed && printed < high);
     assert_eq!(system.acceleration(State::new(printed, 0.2)), 0.0);
@@ -51,7 +53,8 @@ fn misprint_eq_10b_h2_has_one_power_of_the_belt_velocity() {
 
 #[test]
 fn misprint_section_4_1_1_pure_slip_is_a_condition_on_the_relative_velocity() {
-    // Printed: ż < 0 all the time. The velocity of a periodic motion has both signs; it stays below v_b.
+    // Printed: ż < 0 all the time. The velocity of a periodic motion has both signs; it stays below
+    // v_b.
     let cycle = PureSlip::new(&paper(0.4)).unwrap().fourth_order().unwrap();
     assert!(cycle.v_min < 0.0 && 0.0 < cycle.v_max && cycle.v_max < 0.4);
 }
@@ -84,7 +87,8 @@ fn misprint_v_b0_is_below_v_b1() {
     let touching = PureSlip::new(&paper(v_b0)).unwrap();
     assert!((touching.amplitude().unwrap() - v_b0).abs() < 1e-15);
     assert!(formulas.is_valid(), "Fig. 4, v_b = 0.4, is pure slip");
-    // The better grazing velocity lies where the formula for its error says: relative O(q²) above v_b0.
+    // The better grazing velocity lies where the formula for its error says: relative O(q²) above
+    // v_b0.
     let q = 0.8 * formulas.eta() * (v_b1 / 0.5).powi(2);
     let shift = formulas.grazing_velocity().unwrap() / v_b0 - 1.0;
     assert!((shift / (q * q) - 3461.0 / 76800.0).abs() < 1e-12);
@@ -103,7 +107,8 @@ fn misprint_after_eq_15_beyond_v_b1_nothing_vibrates() {
 
 #[test]
 fn misprint_eqs_16_to_18_arc_has_no_energy_input() {
-    // The arc meets the belt at −κv_b; slip gains W1 v_b² meanwhile, so it must meet it much farther out.
+    // The arc meets the belt at −κv_b; slip gains W1 v_b² meanwhile, so it must meet it much
+    // farther out.
     let formulas = StickSlip::new(&paper(0.2)).unwrap();
     let second = formulas.second_order().unwrap();
     assert!(second.growth > 1.0);
@@ -141,7 +146,8 @@ fn numerics_eq_2_mass_is_released_at_gamma_squared_mu_s() {
         // Printed: 2βv_b + u ≤ μ_s.
         assert!((force - 0.4).abs() > 0.1);
     }
-    // Printed without a lower limit: but far below the band a mass that moves with the belt overtakes it at once.
+    // Printed without a lower limit: but far below the band a mass that moves with the belt
+    // overtakes it at once.
     let motion = paper(0.2).simulate(State::new(-3.0, 0.2), 0.1).unwrap();
     assert!(motion.events().is_empty());
     assert!(motion.last().velocity > 0.3);
@@ -284,7 +290,8 @@ fn numerics_eqs_16_to_18_amplitude_is_off_by_the_order_of_epsilon() {
     let printed = StickSlip::new(&paper(0.2)).unwrap();
     assert!(exact.amplitude() > 1.3 * printed.amplitude());
     assert!(exact.stick_duration() > 2.0 * printed.stick_duration());
-    // For weak friction the gap to A1 is W1 v_b/2 in half the range, ε = 1/16, 1/32, 1/64 (μ_s and μ_m raised: plain stick-slip).
+    // For weak friction the gap to A1 is W1 v_b/2 in half the range, ε = 1/16, 1/32, 1/64 (μ_s and
+    // μ_m raised: plain stick-slip).
     let relative_gap = |epsilon: f64| {
         let system = MassOnBelt::new(Polynomial::new(100.4, 100.25, 0.5).unwrap(), 0.2)
             .and_then(|system| system.with_damping(0.05 * epsilon))
@@ -311,7 +318,8 @@ fn numerics_eq_6_is_not_almost_similar_to_eq_3() {
             .and_then(|system| system.with_damping(0.05))
             .unwrap()
     };
-    // Printed: it "first drops off and then raises". A rise would damp, and without a damper too; but it drives at every speed.
+    // Printed: it "first drops off and then raises". A rise would damp, and without a damper too;
+    // but it drives at every speed.
     for v_b in [0.6, 1.0, 1.5] {
         let undamped = system(v_b).with_damping(0.0).unwrap();
         assert!(!equilibrium(&undamped).unwrap().is_stable(), "{v_b}");
@@ -333,8 +341,8 @@ fn numerics_eq_6_is_not_almost_similar_to_eq_3() {
 
 #[test]
 fn numerics_section_4_2_integrals_are_computed_to_round_off() {
-    // Printed: for the exponential law the "integrals are not analytically solvable". They are known to all digits that a double has:
-    // here against 10⁶ points of the midpoint rule.
+    // Printed: for the exponential law the "integrals are not analytically solvable". They are
+    // known to all digits that a double has: here against 10⁶ points of the midpoint rule.
     let exponential = MassOnBelt::new(Exponential::new(0.4, 0.25, 0.5).unwrap(), 0.4)
         .and_then(|system| system.with_damping(0.05))
         .unwrap();

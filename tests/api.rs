@@ -1,5 +1,5 @@
-//! What holds for the whole of the public interface: the common traits, text that pads, and results that are the same whenever and wherever
-//! they are computed.
+//! What holds for the whole of the public interface: the common traits, text that pads, and results
+//! that are the same whenever and wherever they are computed.
 
 use std::fmt::{Debug, Display};
 use std::hash::Hash;
@@ -157,7 +157,8 @@ fn nothing_is_shown_as_an_empty_text() {
     shows(&system.simulate(State::new(0.0, 0.0), 0.0).unwrap());
 }
 
-/// Results of every part of the crate as text that tells every bit: Debug writes the shortest digits that lead back to the same number.
+/// Results of every part of the crate as text that tells every bit: Debug writes the shortest
+/// digits that lead back to the same number.
 fn everything() -> String {
     fn of<L: FrictionLaw>(system: &MassOnBelt<L>) -> String {
         let start = State::new(0.1, -0.3);

@@ -1,4 +1,5 @@
-//! Bifurcation velocities against 25-digit reference data, and Hopf velocities of laws that are hard for a search.
+//! Bifurcation velocities against 25-digit reference data, and Hopf velocities of laws that are
+//! hard for a search.
 
 mod common;
 
@@ -534,7 +535,8 @@ fn no_folds_in_families_of_periodic_motions() {
     assert_eq!(fold_velocities(&flat, 0.01..0.5).unwrap(), NONE);
 }
 
-/// A fold is found in each range that holds it, and in no other, wherever the range begins and ends.
+/// A fold is found in each range that holds it, and in no other, wherever the range begins and
+/// ends.
 #[test]
 fn folds_are_in_the_range_that_holds_them() {
     let system = MassOnBelt::new(Exponential::new(0.4, 0.3, 1.0).unwrap(), 1.4)

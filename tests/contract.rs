@@ -1,7 +1,8 @@
-//! The public contract: every name with its full signature used once, so that an accidental change does not compile.
+//! The public contract: every name with its full signature used once, so that an accidental change
+//! does not compile.
 //!
-//! Functions are assigned to typed function pointers, public fields are named in patterns without `..`, and enums that users
-//! match are matched without a wildcard.
+//! Functions are assigned to typed function pointers, public fields are named in patterns without
+//! `..`, and enums that users match are matched without a wildcard.
 
 use std::fmt::{Debug, Display};
 use std::ops::{Add, Div, Mul, Neg, Sub};

@@ -9,7 +9,8 @@ use stick_slip::{
     Coulomb, CycleKind, CycleSet, FrictionLaw, LimitCycle, MassOnBelt, Scalar, limit_cycle,
 };
 
-/// Checks every number that the reference gives of a cycle; returns the worst error relative to max(1, |value|).
+/// Checks every number that the reference gives of a cycle; returns the worst error relative to
+/// max(1, |value|).
 fn compare(id: &str, cycle: &LimitCycle, expected: &Value) -> f64 {
     let energy = cycle.energy();
     let fields = [
@@ -186,8 +187,8 @@ fn cycles_on_a_belt_that_runs_backwards_are_mirror_images() {
     assert_eq!(kinds.len(), 4, "{kinds:?}");
 }
 
-/// Against the trapezoidal rule over a period, nine tenths of it in stick for the second cycle; what the rule adds of the higher harmonics falls
-/// as the cube of the number of points.
+/// Against the trapezoidal rule over a period, nine tenths of it in stick for the second cycle;
+/// what the rule adds of the higher harmonics falls as the cube of the number of points.
 #[test]
 fn harmonics_to_high_orders() {
     const POINTS: u32 = 1 << 16;
@@ -219,7 +220,8 @@ fn harmonics_to_high_orders() {
     }
 }
 
-/// Rayleigh's oscillator: friction that drives the mass by a·v and brakes it by a·v³/(3c²), about the sliding speed 1; constant from 2 on.
+/// Rayleigh's oscillator: friction that drives the mass by a·v and brakes it by a·v³/(3c²), about
+/// the sliding speed 1; constant from 2 on.
 #[derive(Debug, Clone, Copy)]
 struct Rayleigh {
     a: f64,
@@ -242,8 +244,9 @@ impl FrictionLaw for Rayleigh {
     }
 }
 
-/// v/c is van der Pol's oscillator z'' − a(1 − z²)z' + z = 0, whose amplitude, period and multiplier are known: Andersen and Geer, SIAM J. Appl.
-/// Math. 42 (1982) 678-693, here from Taylor series with 34 digits. −a turns its time round: the cycle is the same, and repels.
+/// v/c is van der Pol's oscillator z'' − a(1 − z²)z' + z = 0, whose amplitude, period and
+/// multiplier are known: Andersen and Geer, SIAM J. Appl. Math. 42 (1982) 678-693, here from Taylor
+/// series with 34 digits. −a turns its time round: the cycle is the same, and repels.
 #[test]
 fn van_der_pols_oscillator() {
     for (a, amplitude, period, multiplier) in [

@@ -103,7 +103,8 @@ fn two_cycles_near_a_fold_are_told_apart() {
     assert!(pair(-1e-9).is_empty());
 }
 
-/// η = 15: the pure-slip cycle grows from nothing to the belt within a few ulps of the belt velocity.
+/// η = 15: the pure-slip cycle grows from nothing to the belt within a few ulps of the belt
+/// velocity.
 #[test]
 fn canard_like_growth_is_resolved_or_told() {
     let law = Polynomial::new(1.2, 0.2, 0.1).unwrap();
@@ -169,7 +170,8 @@ fn basins_follow_their_table() {
         .unwrap();
     let centre = bistable.equilibrium().unwrap().displacement;
     let is_stick_slip = |found: Attractor| matches!(found, Attractor::Cycle(cycle) if cycle.kind() == CycleKind::StickSlip);
-    // In stick, behind the belt on both sides of the unstable cycle, above the belt velocity, far out.
+    // In stick, behind the belt on both sides of the unstable cycle, above the belt velocity, far
+    // out.
     assert!(is_stick_slip(reached(&bistable, 0.1, 1.0)));
     assert_eq!(reached(&bistable, centre, 0.30), Attractor::Equilibrium);
     assert!(is_stick_slip(reached(&bistable, centre, 0.32)));
@@ -265,7 +267,8 @@ fn motions_inside_and_outside_of_a_cycle_end_on_it() {
     }
 }
 
-/// Of three cycles of pure slip, each within the next, the one in the middle repels; what is released from stick comes in to the outermost.
+/// Of three cycles of pure slip, each within the next, the one in the middle repels; what is
+/// released from stick comes in to the outermost.
 #[test]
 fn motions_between_pure_slip_cycles_end_on_their_neighbours() {
     for unit in [1.0, 1.0 / 16.0] {
@@ -303,8 +306,8 @@ fn motions_between_pure_slip_cycles_end_on_their_neighbours() {
     }
 }
 
-/// Slope of friction about the sliding speed 1, in units of speed: with no damping, motions round it of amplitude A grow over a turn by about
-/// −π (A² − 0.1)(A² − 0.3)(A² − 0.6)/100.
+/// Slope of friction about the sliding speed 1, in units of speed: with no damping, motions round
+/// it of amplitude A grow over a turn by about −π (A² − 0.1)(A² − 0.3)(A² − 0.6)/100.
 #[derive(Debug, Clone, Copy)]
 struct Nested {
     unit: f64,
@@ -324,8 +327,8 @@ impl FrictionLaw for Nested {
     }
 }
 
-/// Friction about two sliding speeds only: at 0.1 it brakes more than it drives on a belt of velocity 1, at 0.8 it drives until the mass
-/// overtakes the belt by as much.
+/// Friction about two sliding speeds only: at 0.1 it brakes more than it drives on a belt of
+/// velocity 1, at 0.8 it drives until the mass overtakes the belt by as much.
 #[derive(Debug, Clone, Copy)]
 struct Bumps {
     unit: f64,
@@ -343,7 +346,8 @@ impl FrictionLaw for Bumps {
     }
 }
 
-/// Of three cycles that cross the belt velocity, each within the next, the one in the middle repels: motions end on its neighbours.
+/// Of three cycles that cross the belt velocity, each within the next, the one in the middle
+/// repels: motions end on its neighbours.
 #[test]
 fn motions_between_crossing_cycles_end_on_their_neighbours() {
     for (unit, damping) in [(1.0, 0.0), (1.0 / 1024.0, 1e-5)] {
@@ -375,7 +379,8 @@ fn motions_between_crossing_cycles_end_on_their_neighbours() {
     }
 }
 
-/// Friction that rounding hides, without damping: whether the motions are periodic can't be told, and is not called a family.
+/// Friction that rounding hides, without damping: whether the motions are periodic can't be told,
+/// and is not called a family.
 #[test]
 fn friction_below_rounding_is_unresolved() {
     let law = Polynomial::new(0.4, 0.25, 0.5).unwrap();
@@ -395,7 +400,8 @@ fn friction_below_rounding_is_unresolved() {
     assert!((range.end - 0.2).abs() < 1e-14, "{range:?}");
 }
 
-/// Friction is constant to within 1e-5 of the belt velocity, too near to be a family, and varies beyond.
+/// Friction is constant to within 1e-5 of the belt velocity, too near to be a family, and varies
+/// beyond.
 #[test]
 fn a_narrow_flat_part_of_a_law_is_no_family() {
     let law = Tabulated::new([(0.0, 0.5), (0.99999, 0.4), (1.00001, 0.4), (2.0, 0.35)]);
@@ -421,7 +427,8 @@ fn what_is_released_may_come_to_rest_or_move_on_as_it_is() {
     assert_eq!(end, Attractor::Equilibrium);
 }
 
-/// No static friction, and kinetic friction that rises with the sliding speed and falls again, as of a lubricated contact: μ_s = 0 is a law like any.
+/// No static friction, and kinetic friction that rises with the sliding speed and falls again, as
+/// of a lubricated contact: μ_s = 0 is a law like any.
 #[derive(Debug, Clone, Copy)]
 struct Lubricated {
     static_coefficient: f64,
@@ -462,7 +469,8 @@ fn cycles_without_static_friction() {
     }
 }
 
-/// As many cycles as averaging finds, and near them: none, one of pure slip or crossing, or a repelling one within.
+/// As many cycles as averaging finds, and near them: none, one of pure slip or crossing, or a
+/// repelling one within.
 #[test]
 fn cycles_without_static_friction_are_those_that_averaging_finds() {
     let law = Lubricated {
@@ -516,7 +524,8 @@ fn motions_without_friction_are_periodic() {
     assert_eq!(from(&braked, 5.0), Attractor::Rest);
 }
 
-/// Friction that varies with the fifth power of v_r + v_b damps small motions by less than rounding; they are no family.
+/// Friction that varies with the fifth power of v_r + v_b damps small motions by less than
+/// rounding; they are no family.
 #[test]
 fn friction_that_varies_slowly_is_no_family() {
     #[derive(Debug, Clone, Copy)]
@@ -550,7 +559,8 @@ fn motions_near_the_equilibrium_end_as_it_says() {
     }
 }
 
-/// Where rounding hides how a motion near a cycle grows, it is on the cycle: a stable one, of multiplier just below 1.
+/// Where rounding hides how a motion near a cycle grows, it is on the cycle: a stable one, of
+/// multiplier just below 1.
 #[test]
 fn motions_within_rounding_of_a_nearly_neutral_cycle_are_on_it() {
     let system = paper(0.4409);

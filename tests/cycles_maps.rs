@@ -1,5 +1,5 @@
-//! Limit cycles of random systems with random laws against return maps that the tests simulate on their own, so that lost, invented and
-//! misjudged cycles show.
+//! Limit cycles of random systems with random laws against return maps that the tests simulate on
+//! their own, so that lost, invented and misjudged cycles show.
 
 mod common;
 
@@ -13,7 +13,8 @@ use stick_slip::{CycleKind, FrictionLaw, LimitCycle, MassOnBelt, State};
 
 const EPS: f64 = f64::EPSILON;
 
-/// Whether a cycle just outside those, and inside the release point's motion, would be met by a growing motion.
+/// Whether a cycle just outside those, and inside the release point's motion, would be met by a
+/// growing motion.
 fn grows_at_the_belt<L: FrictionLaw>(system: &MassOnBelt<L>) -> Option<bool> {
     match next_peak(system, system.belt_velocity() * (1.0 - 1e-9)) {
         Turn::Belt => Some(true),
@@ -77,7 +78,8 @@ fn cycles_are_nested_and_their_stability_alternates() {
         if let Some(grows) = grows_at_the_belt(&system) {
             assert_eq!(grows, !attracts, "{about}: the outermost pure slip");
         }
-        // At the belt and beyond: the motion from the release point, then crossings, and all from far away comes in.
+        // At the belt and beyond: the motion from the release point, then crossings, and all from
+        // far away comes in.
         let sticks = outside
             .first()
             .is_some_and(|cycle| cycle.stick_duration() > 0.0);
@@ -103,7 +105,8 @@ fn cycles_are_nested_and_their_stability_alternates() {
     assert!(checked > 640, "{checked}");
 }
 
-/// The return maps, simulated point by point, change sign once between every two cycles found, and nowhere else.
+/// The return maps, simulated point by point, change sign once between every two cycles found, and
+/// nowhere else.
 #[test]
 fn no_cycle_is_lost_or_invented() {
     let mut changes = [0; 2];
@@ -190,7 +193,8 @@ fn multipliers_are_the_contraction_of_simulated_turns() {
                 (Turn::Returns(after), Turn::Returns(before)) => Some((after - before) / (2.0 * h)),
                 _ => None,
             };
-            // Richardson's extrapolation; where the three slopes show no order, the map has a kink or an end near by.
+            // Richardson's extrapolation; where the three slopes show no order, the map has a kink
+            // or an end near by.
             let h = 2e-4 * x.abs();
             let (Some(a), Some(b), Some(c)) = (slope(h), slope(0.5 * h), slope(0.25 * h)) else {
                 continue;

@@ -98,8 +98,8 @@ fn trajectories_close_and_fit_their_kind() {
                 (cycle.period(), cycle.state()),
                 "{about}"
             );
-            // From step to step, and from the end of the last to the start of the first. There the error of the fixed point comes in, and it grows
-            // with the multiplier.
+            // From step to step, and from the end of the last to the start of the first. There the
+            // error of the fixed point comes in, and it grows with the multiplier.
             let steps: Vec<_> = motion
                 .steps()
                 .iter()

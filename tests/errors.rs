@@ -1,5 +1,5 @@
-//! Every error is reached through the public API, carries its numbers and names a remedy; and bad input of any kind ends in a typed
-//! error or in the right answer, in bounded time.
+//! Every error is reached through the public API, carries its numbers and names a remedy; and bad
+//! input of any kind ends in a typed error or in the right answer, in bounded time.
 
 mod common;
 
@@ -464,7 +464,8 @@ fn non_finite_friction() {
     );
 }
 
-/// Nor is a stretch without a value left out if the step that holds it begins and ends where the law is defined.
+/// Nor is a stretch without a value left out if the step that holds it begins and ends where the
+/// law is defined.
 #[test]
 fn a_law_without_a_value_inside_a_step_is_noticed() {
     let whole = MassOnBelt::new(law!(0.4, |s| s * -0.1 + 0.4), 0.2).unwrap();
@@ -621,7 +622,8 @@ fn step_underflow() {
     assert_message(&error, &["at time", "stiff", "breakpoint"]);
 }
 
-/// A jump that the law does not name and on which the motion must stay: pushed up to it from below and down from above.
+/// A jump that the law does not name and on which the motion must stay: pushed up to it from below
+/// and down from above.
 #[test]
 fn a_jump_that_holds_the_motion_is_an_error() {
     let jump = law!(0.5, |s| s.constant(if s.value() < 0.25 {
@@ -878,7 +880,8 @@ fn hostile_numbers_everywhere_give_an_error_or_a_motion() {
     hostile_cases(72, 12_000, 0.5);
 }
 
-/// 1e300 and 1e-300 are units like any other: the same motion, to the bit where no coefficient of a step is subnormal.
+/// 1e300 and 1e-300 are units like any other: the same motion, to the bit where no coefficient of a
+/// step is subnormal.
 #[test]
 fn extreme_units_give_the_same_motion() {
     let motion = |length: f64| {
@@ -939,7 +942,8 @@ fn states_near_the_largest_number_do_not_hang() {
                         })
                 });
                 if let Ok(motion) = result {
-                    // At v_r < 0 or > 0 friction is nothing here: the linear oscillator, within its envelope.
+                    // At v_r < 0 or > 0 friction is nothing here: the linear oscillator, within its
+                    // envelope.
                     assert!(
                         motion.last().displacement.abs() <= 4.0 * size,
                         "{:?}",
@@ -1037,7 +1041,8 @@ fn tiny_speeds_are_speeds() {
             (motion.events(), motion.mode_at(10.0)),
             (&[][..], Some(Mode::Stick))
         );
-        // A motion of that size about u = 0.4 is lost in the rounding of u, and its series in underflow.
+        // A motion of that size about u = 0.4 is lost in the rounding of u, and its series in
+        // underflow.
         match within(10, move |_| system.simulate(release, 0.1)) {
             Err(Error::InvalidState { .. }) => assert!(v_b.abs() < 1e-280),
             released => {

@@ -28,8 +28,8 @@ fn count<L: FrictionLaw + Clone>(system: &MassOnBelt<L>, v_b: f64) -> Option<usi
     })
 }
 
-/// On one side of a fold there are two cycles more than on the other, and they merge there: 10⁻² of the distance to it brings them 10 times
-/// closer, and their multipliers to 1.
+/// On one side of a fold there are two cycles more than on the other, and they merge there: 10⁻² of
+/// the distance to it brings them 10 times closer, and their multipliers to 1.
 fn check_fold<L: FrictionLaw + Clone>(about: &str, system: &MassOnBelt<L>, fold: f64) {
     let peaks = |v_b: f64| -> Vec<(f64, f64)> {
         at(system, v_b)
@@ -77,7 +77,8 @@ fn exponential(damping: f64) -> MassOnBelt<Exponential> {
         .unwrap()
 }
 
-/// On a wide grid a turning point leaves at one end of the range of peak velocities while another one comes in at the other.
+/// On a wide grid a turning point leaves at one end of the range of peak velocities while another
+/// one comes in at the other.
 #[test]
 fn no_fold_where_turning_points_only_change_places() {
     for damping in [0.15, 0.2, 0.22, 0.25, 0.28, 0.3] {
@@ -113,7 +114,8 @@ fn folds_of_a_narrow_law_in_a_wide_range() {
     check_fold("narrow", &system, folds[1]);
 }
 
-/// A random system with a law that falls, or falls and rises again, and the largest belt velocity to look at.
+/// A random system with a law that falls, or falls and rises again, and the largest belt velocity
+/// to look at.
 fn random_system(random: &mut Random, kind: usize) -> (MassOnBelt<AnyLaw>, f64) {
     let top = random.uniform(0.2, 0.8);
     let least = top * random.uniform(0.3, 0.9);
@@ -215,8 +217,8 @@ fn released<L: FrictionLaw + Clone>(system: &MassOnBelt<L>, v_b: f64) -> Option<
         .map(|cycle| cycle.kind())
 }
 
-/// Each velocity at which a cycle that sticks appears, disappears or changes its kind is found once, by the function that is named for it, and
-/// nothing else is.
+/// Each velocity at which a cycle that sticks appears, disappears or changes its kind is found
+/// once, by the function that is named for it, and nothing else is.
 #[test]
 fn kinds_change_where_they_are_said_to() {
     use CycleKind::{Overshoot, StickSlip};

@@ -1,6 +1,7 @@
 //! What holds for every motion, looked for with systems and starts that try to break it.
 //!
-//! Where a number is compared, the bound is made of rounding errors and of how much the motion itself enlarges them.
+//! Where a number is compared, the bound is made of rounding errors and of how much the motion
+//! itself enlarges them.
 
 mod common;
 #[path = "common/hostile.rs"]
@@ -47,7 +48,8 @@ fn every_run_ends_with_a_result_or_a_typed_error() {
     assert!(4 * ends["result"] > 3 * all, "{ends:?}");
 }
 
-/// Times never decrease, and increase strictly over a phase longer than an ulp of the time. Steps join without a gap.
+/// Times never decrease, and increase strictly over a phase longer than an ulp of the time. Steps
+/// join without a gap.
 #[test]
 fn times_are_in_order() {
     check(2000, |case| {
@@ -72,7 +74,8 @@ fn times_are_in_order() {
     });
 }
 
-/// The state at the end of a step is that at the start of the next, up to the rounding of the series.
+/// The state at the end of a step is that at the start of the next, up to the rounding of the
+/// series.
 #[test]
 fn states_are_continuous() {
     check(2000, |case| {
@@ -115,7 +118,8 @@ fn states_are_continuous() {
     });
 }
 
-/// The mass sticks only in the band, with v = v_b to the bit; and it leaves the belt only outside the band or at its open end.
+/// The mass sticks only in the band, with v = v_b to the bit; and it leaves the belt only outside
+/// the band or at its open end.
 #[test]
 fn it_sticks_in_the_band_and_slips_outside() {
     check(2000, |case| {
@@ -165,7 +169,8 @@ fn it_sticks_in_the_band_and_slips_outside() {
     });
 }
 
-/// Whether Σ c_k x^k is above −allowed on [0, 1]: its Bernstein coefficients bound it, and where they do not decide, halves are looked at.
+/// Whether Σ c_k x^k is above −allowed on [0, 1]: its Bernstein coefficients bound it, and where
+/// they do not decide, halves are looked at.
 fn stays_above(bernstein: &[f64], allowed: f64, depth: u32) -> bool {
     if bernstein.iter().all(|&b| b >= -allowed) {
         return true;
@@ -185,7 +190,8 @@ fn stays_above(bernstein: &[f64], allowed: f64, depth: u32) -> bool {
     stays_above(&left, allowed, depth - 1) && stays_above(&right, allowed, depth - 1)
 }
 
-/// v_r has one sign in a slip phase: decided on the series of each step, by bounds over the whole step and not by samples.
+/// v_r has one sign in a slip phase: decided on the series of each step, by bounds over the whole
+/// step and not by samples.
 #[test]
 fn relative_velocity_keeps_its_sign_inside_a_slip_phase() {
     check(1000, |case| {
@@ -221,7 +227,8 @@ fn relative_velocity_keeps_its_sign_inside_a_slip_phase() {
     });
 }
 
-/// Energy gained, less what friction and the damper do to the mass by a quadrature of the law, in units of what rounding explains.
+/// Energy gained, less what friction and the damper do to the mass by a quadrature of the law, in
+/// units of what rounding explains.
 fn energy_defect(case: &Case, steps: &[Step]) -> f64 {
     let (system, v_b) = (&case.system, case.system.belt_velocity());
     let damping = 2.0 * system.damping();
@@ -336,12 +343,13 @@ fn other_units_of_length_change_no_bit() {
     });
 }
 
-/// A restart from a state in the middle of a slip phase leads to the same events. How well they must agree is measured: every datum of the
-/// problem is changed by a few roundings for each step, and the events move by so much; and a step before a contact has an error of its own,
-/// which moves the contact by error/rate.
+/// A restart from a state in the middle of a slip phase leads to the same events. How well they
+/// must agree is measured: every datum of the problem is changed by a few roundings for each step,
+/// and the events move by so much; and a step before a contact has an error of its own, which moves
+/// the contact by error/rate.
 ///
-/// A step is accepted with an error of up to 486 roundings, but has less than one as a rule: 99 of 100 events are held to that, and all to 100;
-/// the worst of 26 000 had 29.
+/// A step is accepted with an error of up to 486 roundings, but has less than one as a rule: 99 of
+/// 100 events are held to that, and all to 100; the worst of 26 000 had 29.
 #[test]
 fn restart_in_mid_phase_gives_the_same_events() {
     let (ratios, undecided) = (RefCell::new(Vec::new()), Cell::new(0));
@@ -448,8 +456,9 @@ fn contact_rate(system: &MassOnBelt<Any>, steps: &[Step], event: &Event) -> f64 
     (friction - displacement - 2.0 * system.damping() * velocity).abs()
 }
 
-/// A narrow feature of the law that the motion passes inside one long step: it comes as close to the belt as the width of the feature, at any
-/// place in the step. Were it missed, energy would come from nowhere.
+/// A narrow feature of the law that the motion passes inside one long step: it comes as close to
+/// the belt as the width of the feature, at any place in the step. Were it missed, energy would
+/// come from nowhere.
 #[test]
 fn a_narrow_feature_is_not_missed_wherever_in_a_step_it_lies() {
     let law = Exponential::new(0.8, 0.1, 0.05).unwrap();

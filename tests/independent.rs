@@ -46,7 +46,8 @@ fn compare<L: FrictionLaw>(
         .simulate(State::new(start[0], start[1]), duration)
         .unwrap();
     let crate_events = told(motion.events());
-    // The error of the finer run is less than what halving the step has changed; where it steps over a kink, it is of the order h².
+    // The error of the finer run is less than what halving the step has changed; where it steps
+    // over a kink, it is of the order h².
     const STEP: f64 = 2e-3;
     let [coarse, fine] = [2.0 * STEP, STEP].map(|h| simple.run(start, duration, h));
     let has_kinks = system.law().breakpoints().next().is_some();
@@ -132,7 +133,8 @@ fn a_simple_integrator_sees_the_same_events() {
                 &mut count,
             );
         }
-        // A table of a straight fall and rise, with three points in a line: there the curve through them is straight as well.
+        // A table of a straight fall and rise, with three points in a line: there the curve through
+        // them is straight as well.
         let points = [
             (0.0, top),
             (width, 0.5 * (top + least)),

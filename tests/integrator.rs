@@ -1,4 +1,5 @@
-//! What the integrator promises, one test for each promise, and the cases that general solvers get wrong.
+//! What the integrator promises, one test for each promise, and the cases that general solvers get
+//! wrong.
 // Reference numbers keep the digits they were computed with.
 #![allow(clippy::excessive_precision)]
 
@@ -43,8 +44,8 @@ fn scale<L: FrictionLaw>(system: &MassOnBelt<L>, state: State) -> f64 {
 // The eight promises
 // ---------------------------------------------------------------------------------------------------------------------------
 
-/// A Gaussian law and its motion by the classical Runge-Kutta method in steps far shorter than anything in the motion: an
-/// integration that shares no idea with the crate's.
+/// A Gaussian law and its motion by the classical Runge-Kutta method in steps far shorter than
+/// anything in the motion: an integration that shares no idea with the crate's.
 #[derive(Debug, Clone, Copy)]
 struct SmallSteps {
     static_coefficient: f64,
@@ -144,8 +145,9 @@ impl SmallSteps {
     }
 }
 
-/// Promise 1: a step is accepted only if the equation of motion holds inside it, so that terms hidden behind an underflow are
-/// not missed. The flank of a Gaussian with v_s = 0.005 has no trace in the power series at s = 1.
+/// Promise 1: a step is accepted only if the equation of motion holds inside it, so that terms
+/// hidden behind an underflow are not missed. The flank of a Gaussian with v_s = 0.005 has no trace
+/// in the power series at s = 1.
 #[test]
 fn promise_1_hidden_terms_are_not_missed() {
     const RUNS: usize = 3000;
@@ -184,7 +186,8 @@ fn promise_1_hidden_terms_are_not_missed() {
                 return f64::INFINITY;
             }
             let times = std::iter::zip(events, motion.events())
-                // Where the mass sticks, the time of contact is ill-conditioned if it is shallow, that of release is not.
+                // Where the mass sticks, the time of contact is ill-conditioned if it is shallow,
+                // that of release is not.
                 .filter(|(event, _)| event.kind != EventKind::Stick)
                 .map(|(a, b)| (a.time - b.time).abs());
             let u = (last.displacement - motion.last().displacement).abs();
@@ -217,8 +220,9 @@ fn promise_1_hidden_terms_are_not_missed() {
 /// Grazing velocity of the paper's set to 25 digits; f64 rounds it by less than 3e-17.
 const GRAZING: f64 = 0.3957902887978340118701080;
 
-/// For d = 10⁻ᵏ, k = 3, 4, …, with v_b = GRAZING − d from the release point: time and displacement of the contact, v_r' there,
-/// and time of the release after it. From a Taylor integration with 45 digits.
+/// For d = 10⁻ᵏ, k = 3, 4, …, with v_b = GRAZING − d from the release point: time and displacement
+/// of the contact, v_r' there, and time of the release after it. From a Taylor integration with 45
+/// digits.
 const SHALLOW: [(f64, f64, f64, f64); 13] = [
     (
         6.268273398567460070487637,
@@ -300,8 +304,8 @@ const SHALLOW: [(f64, f64, f64, f64); 13] = [
     ),
 ];
 
-/// Friction about one sliding speed that lies far from where the motion starts, in a law that is constant elsewhere: steps are long there. Told to
-/// the crate by breakpoints, and not.
+/// Friction about one sliding speed that lies far from where the motion starts, in a law that is
+/// constant elsewhere: steps are long there. Told to the crate by breakpoints, and not.
 #[derive(Debug, Clone, Copy)]
 struct Bump {
     width: f64,
@@ -356,7 +360,8 @@ fn promise_2_shallow_grazing_contacts_are_found() {
             EventKind::Release(Direction::Lagging),
             "d = {d:e}"
         );
-        // f64 cannot hold v_b to better than EPS/8, nor μ_s, k1, k3: that moves the contact by about EPS/rate.
+        // f64 cannot hold v_b to better than EPS/8, nor μ_s, k1, k3: that moves the contact by
+        // about EPS/rate.
         let allowed = 1e-12 + 4.0 * EPS / rate;
         assert_within(&format!("contact at d = {d:e}"), stick.time, time, allowed);
         assert_within(
@@ -386,7 +391,8 @@ fn promise_2_shallow_grazing_contacts_are_found() {
     }
 }
 
-/// The same with a law whose motion is a circle: u = c + r cos τ, v = −r sin τ, which overtakes the belt if r > v_b.
+/// The same with a law whose motion is a circle: u = c + r cos τ, v = −r sin τ, which overtakes the
+/// belt if r > v_b.
 #[test]
 fn promise_2_shallow_contacts_of_a_circle() {
     let (v_b, centre) = (0.5, 0.25);
@@ -413,8 +419,8 @@ fn promise_2_shallow_contacts_of_a_circle() {
     }
 }
 
-/// Promise 3: the known root at the start of a phase is divided out: no event repeats itself, none is skipped, and the
-/// acceleration just after release is exactly −γ²(μ_s − μ̂(0)).
+/// Promise 3: the known root at the start of a phase is divided out: no event repeats itself, none
+/// is skipped, and the acceleration just after release is exactly −γ²(μ_s − μ̂(0)).
 #[test]
 fn promise_3_phase_starts_need_no_epsilon() {
     // μ̂(0) = μ_s: v_r = −v_b τ²/2 + …, for belt velocities of any size.
@@ -448,7 +454,8 @@ fn promise_3_phase_starts_need_no_epsilon() {
     let t = 2.0_f64.powi(-30);
     assert_within("-0.3 t", (slip.state_at(t).velocity - 1e-3) / t, -0.3, 1e-9);
 
-    // A start an ulp beyond either end of the band slips at once, in the direction of −F; an ulp inside it sticks.
+    // A start an ulp beyond either end of the band slips at once, in the direction of −F; an ulp
+    // inside it sticks.
     for system in [paper(0.2), paper(1e-3)] {
         let [low, high] = system.stick_limits();
         let v_b = system.belt_velocity();
@@ -519,8 +526,8 @@ fn promise_4_stick_is_closed_form() {
     assert!(seen > 200, "{seen} stick phases");
 }
 
-/// Promise 5: states are continuous, times never decrease and strictly increase over a phase longer than their ulp, and the same
-/// call gives the same bits.
+/// Promise 5: states are continuous, times never decrease and strictly increase over a phase longer
+/// than their ulp, and the same call gives the same bits.
 #[test]
 fn promise_5_motion_is_continuous_and_ordered_and_repeatable() {
     let mut random = Random::new(5);
@@ -562,7 +569,8 @@ fn promise_5_motion_is_continuous_and_ordered_and_repeatable() {
     println!("continuity: largest gap {worst:.1e} of the scale");
 }
 
-/// Promise 6, first half: v_r is the variable, so contact is exact to the last bits however large the belt velocity.
+/// Promise 6, first half: v_r is the variable, so contact is exact to the last bits however large
+/// the belt velocity.
 #[test]
 fn promise_6_contact_is_exact_for_large_belt_velocities() {
     let mut random = Random::new(6);
@@ -649,7 +657,8 @@ fn promise_6_time_does_not_drift_over_a_hundred_thousand_cycles() {
     println!("10^5 cycles: {worst:.2} ulp off a multiple of the period at most");
 }
 
-/// Events and states of one motion in other units: u, v, v_b and the law's speeds times `length`, the forces too.
+/// Events and states of one motion in other units: u, v, v_b and the law's speeds times `length`,
+/// the forces too.
 fn scaled(length: f64, tolerance: f64) -> (Trajectory, Trajectory) {
     let motion = |length: f64| {
         let law = Polynomial::new(0.4, 0.25, 0.5 * length).unwrap();
@@ -667,7 +676,8 @@ fn scaled(length: f64, tolerance: f64) -> (Trajectory, Trajectory) {
     (motion(1.0), motion(length))
 }
 
-/// Promise 7: tolerance is relative to the motion's own scale: other units, the same motion. A power of two changes no bit.
+/// Promise 7: tolerance is relative to the motion's own scale: other units, the same motion. A
+/// power of two changes no bit.
 #[test]
 fn promise_7_scaling_the_units_scales_the_result() {
     for tolerance in [1e-4, 1e-9, 1e-16] {
@@ -702,8 +712,8 @@ fn promise_7_scaling_the_units_scales_the_result() {
     }
 }
 
-/// Promise 8: what cannot go on is an error with the time and state reached, and nothing after it; never a panic or a hang. Every
-/// variant has its own test elsewhere.
+/// Promise 8: what cannot go on is an error with the time and state reached, and nothing after it;
+/// never a panic or a hang. Every variant has its own test elsewhere.
 #[test]
 fn promise_8_what_cannot_go_on_is_an_error_with_time_and_state() {
     // So stiff at the start that no step moves the clock further: the cubic, far away.
@@ -787,7 +797,8 @@ fn largest_displacement(motion: &Trajectory, from: f64, to: f64) -> f64 {
     largest
 }
 
-/// Leine et al. 1998, written by a user: largest displacement by ifdiff's example "stickslip", period by a 25-digit computation.
+/// Leine et al. 1998, written by a user: largest displacement by ifdiff's example "stickslip",
+/// period by a 25-digit computation.
 #[test]
 fn leine_oscillator_has_the_published_amplitude_and_period() {
     let law = Leine {
@@ -811,7 +822,8 @@ fn leine_oscillator_has_the_published_amplitude_and_period() {
     );
 }
 
-/// Siconos' FrictionOscillator, and the exact law of free vibration: each half turn shifts the amplitude by 2γ²μ_k.
+/// Siconos' FrictionOscillator, and the exact law of free vibration: each half turn shifts the
+/// amplitude by 2γ²μ_k.
 #[test]
 fn free_vibration_of_coulomb_falls_by_4_mu_a_cycle_until_it_rests() {
     let system = MassOnBelt::new(Coulomb::new(1.0, 1.0).unwrap(), 0.0).unwrap();
@@ -894,7 +906,8 @@ fn free_vibration_law_for_random_loads() {
 // Tolerance
 // ---------------------------------------------------------------------------------------------------------------------------
 
-/// Largest error of states and event times over one period from the release point, in units of the scale of the motion.
+/// Largest error of states and event times over one period from the release point, in units of the
+/// scale of the motion.
 fn error_over_a_period<L: FrictionLaw>(system: &MassOnBelt<L>, tolerance: f64) -> f64 {
     let start = system.release_state().unwrap();
     let exact = system.simulate(start, 100.0).unwrap();
@@ -926,7 +939,8 @@ fn error_over_a_period<L: FrictionLaw>(system: &MassOnBelt<L>, tolerance: f64) -
     error / largest
 }
 
-/// The error over a period is within a factor 100 of the tolerance asked for, from 1e-4 to round-off.
+/// The error over a period is within a factor 100 of the tolerance asked for, from 1e-4 to
+/// round-off.
 #[test]
 fn requested_tolerance_is_met() {
     let exponential = MassOnBelt::new(Exponential::new(0.4, 0.25, 0.5).unwrap(), 0.2)
@@ -975,7 +989,8 @@ fn requested_tolerance_is_met() {
 // Laws with breakpoints
 // ---------------------------------------------------------------------------------------------------------------------------
 
-/// The exact motion under a piecewise linear law: on each piece a damped oscillation in closed form.
+/// The exact motion under a piecewise linear law: on each piece a damped oscillation in closed
+/// form.
 struct Exact<'a> {
     system: &'a MassOnBelt<Table>,
     time: f64,
@@ -1045,7 +1060,8 @@ impl<'a> Exact<'a> {
         }
     }
 
-    /// The first time in (0, longest] at which s leaves the present piece, and the limit it reaches.
+    /// The first time in (0, longest] at which s leaves the present piece, and the limit it
+    /// reaches.
     fn exit(&self, sigma: f64, piece: usize, longest: f64) -> Option<(f64, f64)> {
         let points = &self.system.law().points;
         let (low, high) = (points[piece].0, points[piece + 1].0);
@@ -1226,7 +1242,8 @@ fn breakpoints_are_started_on() {
         let system = table_system(v_b);
         for breakpoint in table().breakpoints() {
             for sigma in [-1.0, 1.0] {
-                // Speeding up and slowing down, and turning round there: u where the acceleration is zero, and some ulps beside.
+                // Speeding up and slowing down, and turning round there: u where the acceleration
+                // is zero, and some ulps beside.
                 let v = v_b + sigma * breakpoint;
                 let turning = system.acceleration(State::new(0.0, v));
                 let near = (-8..=8).map(|n| turning + f64::from(n) * 0.5 * ulp(turning));
@@ -1254,7 +1271,8 @@ fn breakpoints_are_grazed() {
                 for depth in [
                     1e-3, 1e-5, 1e-7, 1e-9, 1e-12, 1e-15, 0.0, -1e-12, -1e-6, -1e-3,
                 ] {
-                    // The turning point of v on the far side of the breakpoint by `depth`, run back on this piece.
+                    // The turning point of v on the far side of the breakpoint by `depth`, run back
+                    // on this piece.
                     let v = 0.25 + sigma * (breakpoint - side * depth);
                     let frame = Exact {
                         slip: Some((sigma, piece)),
@@ -1276,7 +1294,8 @@ fn breakpoints_are_grazed() {
     assert!(worst <= 1e-12, "{worst:e}");
 }
 
-/// A table whose points lie on a straight line is that line: breakpoints change nothing but the steps.
+/// A table whose points lie on a straight line is that line: breakpoints change nothing but the
+/// steps.
 #[test]
 fn breakpoints_of_a_straight_line_change_nothing() {
     let line = |speeds: &[f64]| Table {
@@ -1321,7 +1340,8 @@ fn release_by_hand(system: &MassOnBelt<Law>) -> [f64; 6] {
     ]
 }
 
-/// The release state, computed by the system or by hand, releases at time 0, and the next event is the same to round-off.
+/// The release state, computed by the system or by hand, releases at time 0, and the next event is
+/// the same to round-off.
 #[test]
 fn release_state_releases_at_time_zero() {
     const SYSTEMS: usize = 10_000;
@@ -1432,14 +1452,16 @@ fn ends_of_the_stick_band_are_half_open() {
 /// Arriving from leading exactly at the open end of the band is a crossing.
 #[test]
 fn arrival_at_the_open_end_from_leading_is_a_crossing() {
-    // Coulomb without damping, leading: u = −1/4 + r sin τ, v = r cos τ; at τ = 0, v = r. Contact where r cos τ = v_b, at u = −1/4 + √(r² − v_b²).
-    // With v_b = 3/8, √ = 1/2 and r = 5/8: u = 1/4 = γ²μ_s exactly.
+    // Coulomb without damping, leading: u = −1/4 + r sin τ, v = r cos τ; at τ = 0, v = r. Contact
+    // where r cos τ = v_b, at u = −1/4 + √(r² − v_b²). With v_b = 3/8, √ = 1/2 and r = 5/8: u = 1/4
+    // = γ²μ_s exactly.
     let system = MassOnBelt::new(Coulomb::new(0.25, 0.25).unwrap(), 0.375).unwrap();
     let motion = system.simulate(State::new(-0.25, 0.625), 1.5).unwrap();
     let event = motion.events()[0];
     assert_within("time", event.time, (0.6_f64).acos(), 4.0 * EPS);
     assert_within("u", event.state.displacement, 0.25, EPS);
-    // Rounding may put the arrival an ulp inside the band; then it sticks for no time and is released at once.
+    // Rounding may put the arrival an ulp inside the band; then it sticks for no time and is
+    // released at once.
     let kinds: Vec<EventKind> = motion.events().iter().map(|event| event.kind).collect();
     let lagging = Direction::Lagging;
     if event.state.displacement >= 0.25 {
@@ -1698,7 +1720,8 @@ fn rest_is_one_last_step_of_infinite_duration() {
     assert_within("sin", quarter.last().velocity, -1.0, 2.0 * EPS);
 }
 
-/// The force on the mass and its acceleration: in slip, in stick, and on the belt beyond what the contact can carry.
+/// The force on the mass and its acceleration: in slip, in stick, and on the belt beyond what the
+/// contact can carry.
 #[test]
 fn forces_in_slip_in_stick_and_just_after_release() {
     for v_b in [0.5, -0.5] {
@@ -1722,7 +1745,8 @@ fn forces_in_slip_in_stick_and_just_after_release() {
         }
         assert_eq!(forces(on_belt(3.0)), (1.0, 1.0 - 3.0 - drag));
         assert_eq!(forces(on_belt(-3.0)), (-1.0, -1.0 + 3.0 - drag));
-        // At the ends of the stick band: released where the belt drags the mass out of it, held where it drags it in.
+        // At the ends of the stick band: released where the belt drags the mass out of it, held
+        // where it drags it in.
         let [low, high] = system.stick_limits();
         let (held, released) = if v_b > 0.0 { (low, high) } else { (high, low) };
         assert_eq!(forces(on_belt(held)), (held + drag, 0.0));

@@ -146,7 +146,8 @@ fn every_law_conforms() {
     conforms("own kinked", &Kinked, 0.1);
 }
 
-/// All that a law must satisfy, at speeds up to a few times `scale`, the speed over which it changes.
+/// All that a law must satisfy, at speeds up to a few times `scale`, the speed over which it
+/// changes.
 fn conforms<L: FrictionLaw>(name: &str, law: &L, scale: f64) {
     let mu_s = law.static_coefficient();
     assert!(mu_s.is_finite() && mu_s >= 0.0, "{name}");
@@ -190,7 +191,8 @@ fn is_odd<L: FrictionLaw>(name: &str, law: &L) {
     assert_eq!(law.coefficient(-0.0), 0.0, "{name}");
 }
 
-/// Derivatives against differences of the coefficient, and each order against differences of the one below.
+/// Derivatives against differences of the coefficient, and each order against differences of the
+/// one below.
 fn derivatives_agree<L: FrictionLaw>(name: &str, law: &L, s: f64, h: f64, mu_s: f64, start: f64) {
     let at = |n| law.derivative(n, s);
     // powi of f64 and the products of the series may round differently.
@@ -232,7 +234,8 @@ fn sum(weights: [f64; 9], nodes: [f64; 9], f: impl Fn(f64) -> f64) -> f64 {
     std::iter::zip(weights, nodes).map(|(w, t)| w * f(t)).sum()
 }
 
-/// Weights of the n-th derivative at 0 from values at the nodes (Fornberg, Math. Comp. 51 (1988) 699-706).
+/// Weights of the n-th derivative at 0 from values at the nodes (Fornberg, Math. Comp. 51 (1988)
+/// 699-706).
 fn difference_weights(n: usize, nodes: &[f64; 9]) -> [f64; 9] {
     let mut weights = vec![[0.0; 9]; n + 1];
     weights[0][0] = 1.0;
@@ -289,7 +292,8 @@ fn moves_by_the_equation_of_motion<L: FrictionLaw>(name: &str, law: &L) {
     }
 }
 
-/// u' = v and u'' + 2β u' + u + γ²μ(u' − v_b) = 0 at three places of the step, the derivatives by differences of nine states.
+/// u' = v and u'' + 2β u' + u + γ²μ(u' − v_b) = 0 at three places of the step, the derivatives by
+/// differences of nine states.
 fn satisfies<L: FrictionLaw>(name: &str, system: &MassOnBelt<L>, step: &Step) {
     let duration = step.duration();
     let h = (duration / 8.0).min(0.0075);
@@ -437,8 +441,9 @@ fn rational_has_the_values_of_its_formula() {
     }
 }
 
-/// The system of Leine et al., Nonlinear Dynamics 16 (1998) 41-54: M = K = 1, F_s = 1, δ = 3, v_b = 0.2. The period is that of a classical
-/// Runge-Kutta integration of the slip phase with steps of 1/4000.
+/// The system of Leine et al., Nonlinear Dynamics 16 (1998) 41-54: M = K = 1, F_s = 1, δ = 3, v_b =
+/// 0.2. The period is that of a classical Runge-Kutta integration of the slip phase with steps of
+/// 1/4000.
 #[test]
 fn leines_law_has_the_period_of_an_independent_integration() {
     let system = MassOnBelt::new(Rational::new(1.0, 3.0).unwrap(), 0.2).unwrap();
@@ -559,7 +564,8 @@ fn table_has_the_slopes_of_pchip() {
     assert!((little.slope(0.0) + 0.175).abs() < 1e-15);
 }
 
-/// Measured points of a smooth law, ever denser: the error falls as h³ at least where the law is monotone.
+/// Measured points of a smooth law, ever denser: the error falls as h³ at least where the law is
+/// monotone.
 #[test]
 fn table_converges_to_the_law_it_was_taken_from() {
     let law = Stribeck::new(0.4, 0.25, 0.5, 1).unwrap();

@@ -1,6 +1,8 @@
-//! Orders of convergence: every formula of `analysis` against the exact motions, under (γ², β) → (εγ², εβ).
+//! Orders of convergence: every formula of `analysis` against the exact motions, under (γ², β) →
+//! (εγ², εβ).
 //!
-//! Halve ε and watch the error fall by 2^p. `cargo test --test orders -- --nocapture` prints what was measured.
+//! Halve ε and watch the error fall by 2^p. `cargo test --test orders -- --nocapture` prints what
+//! was measured.
 
 mod common;
 #[path = "orders/points.rs"]
@@ -18,9 +20,10 @@ use stick_slip::analysis::{PureSlip, StickSlip, averaging};
 use stick_slip::{CycleKind, State, bifurcation};
 use tables::{AVERAGED_CROSSING, Errors, Series, averaged_rows, pure_slip_rows, stick_slip_rows};
 
-/// The order of errors at ε = 1, 1/2, …: the local exponents log2(e(ε)/e(ε/2)) where the error is 10³ times its noise or more, the last two
-/// extrapolated to ε = 0, from which they differ by cε or, where the series has half powers, by c√ε. (Not extrapolated, that of `stick` at
-/// second order has risen to 2.46 only at ε = 2⁻¹².)
+/// The order of errors at ε = 1, 1/2, …: the local exponents log2(e(ε)/e(ε/2)) where the error is
+/// 10³ times its noise or more, the last two extrapolated to ε = 0, from which they differ by cε
+/// or, where the series has half powers, by c√ε. (Not extrapolated, that of `stick` at second order
+/// has risen to 2.46 only at ε = 2⁻¹².)
 fn order(errors: &[(f64, f64)], series: Series) -> f64 {
     let clear: Vec<f64> = errors
         .iter()
@@ -52,7 +55,8 @@ impl Report {
         self.row(name, stated, fits, format_args!("{measured:7.3?}"));
     }
 
-    /// e ≤ factor·K·ε^p for all systems and all ε, where K is the largest e/ε^p of all systems at the smallest ε that is clear of noise.
+    /// e ≤ factor·K·ε^p for all systems and all ε, where K is the largest e/ε^p of all systems at
+    /// the smallest ε that is clear of noise.
     fn bounds(&mut self, name: &str, stated: f64, factor: f64, errors: &Errors) {
         let ratios = errors.iter().map(|errors| {
             let clear = errors
@@ -217,7 +221,8 @@ fn random_systems(seed: u64, eta: f64, ratio: [f64; 2]) -> Vec<Parameters> {
     (0..24).map(|_| system()).collect()
 }
 
-/// 12 random systems at half the γ² and β at which, by averaging, the motion begins to stick: A sin s = 2γ²μ_s.
+/// 12 random systems at half the γ² and β at which, by averaging, the motion begins to stick: A sin
+/// s = 2γ²μ_s.
 fn random_crossing_systems(seed: u64) -> Vec<Parameters> {
     let mut random = Random::new(seed);
     let mut system = || {

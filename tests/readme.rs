@@ -1,4 +1,5 @@
-//! The README says what the crate does: its program is compiled and run, and its numbers are compared.
+//! The README says what the crate does: its program is compiled and run, and its numbers are
+//! compared.
 
 use std::cell::RefCell;
 use std::path::Path;

@@ -1,7 +1,8 @@
 //! Trajectories and cycles computed independently to 25 digits.
 //!
-//! `data/trajectories.json` and `data/overshoot.json` come from a Taylor integration in 220-bit arithmetic, checked against a
-//! Runge-Kutta method and closed forms; the field `header` of each file explains the others.
+//! `data/trajectories.json` and `data/overshoot.json` come from a Taylor integration in 220-bit
+//! arithmetic, checked against a Runge-Kutta method and closed forms; the field `header` of each
+//! file explains the others.
 
 mod common;
 
@@ -177,7 +178,8 @@ fn overshooting_cycles_have_the_reference_contacts() {
     );
 }
 
-/// The periodic orbit that crosses the belt's velocity twice a period and never sticks, started where it begins to lag.
+/// The periodic orbit that crosses the belt's velocity twice a period and never sticks, started
+/// where it begins to lag.
 #[test]
 fn crossing_cycles_return_after_the_reference_period() {
     let mut worst = Worst::default();

@@ -1,4 +1,5 @@
-//! Physical units: round trips, independence of the length, and an integration in SI units that knows nothing of the crate's.
+//! Physical units: round trips, independence of the length, and an integration in SI units that
+//! knows nothing of the crate's.
 
 use proptest::prelude::*;
 use stick_slip::{
@@ -240,7 +241,8 @@ fn nothing_physical_depends_on_the_length() {
     }
 }
 
-/// M X'' = −C X' − K X − N μ(X' − V), by the classical Runge-Kutta method with steps of a microsecond.
+/// M X'' = −C X' − K X − N μ(X' − V), by the classical Runge-Kutta method with steps of a
+/// microsecond.
 fn slip_in_si_units(law: &AnyLaw, start: [f64; 2], seconds: f64) -> [f64; 2] {
     let Physical {
         mass,
@@ -286,7 +288,8 @@ fn motion_agrees_with_an_integration_in_si_units() {
                     scaling.metres(state.displacement) - x,
                     scaling.metres_per_second(state.velocity) - v,
                 );
-                // Of 2 mm and 0.3 m/s. The curvature of a table jumps, which costs Runge-Kutta its order there.
+                // Of 2 mm and 0.3 m/s. The curvature of a table jumps, which costs Runge-Kutta its
+                // order there.
                 assert!(
                     x_error.abs() < 1e-15,
                     "{law:?} at {time}: X off by {x_error:e} m"
@@ -300,7 +303,8 @@ fn motion_agrees_with_an_integration_in_si_units() {
     }
 }
 
-/// Work of the spring, the damper and friction is the change of kinetic energy, in joules, over events and all.
+/// Work of the spring, the damper and friction is the change of kinetic energy, in joules, over
+/// events and all.
 #[test]
 fn energy_balances_in_joules() {
     let scaling = Scaling::new(PAD).unwrap();

@@ -297,7 +297,8 @@ fn cycles_that_are_none_are_refused() {
         for wrong in tampered(&written, &|_| serde_json::Value::Null) {
             assert!(read(wrong).is_err(), "{kind}");
         }
-        // A number replaced by one that is far from it: refused, unless the motion hardly changes, as by the last terms of a short step.
+        // A number replaced by one that is far from it: refused, unless the motion hardly changes,
+        // as by the last terms of a short step.
         let changed = tampered(&written, &|x| (2.0 * x + 0.7).into());
         let count = changed.len();
         let mut accepted = 0;
@@ -389,8 +390,8 @@ fn steps_that_do_not_meet_are_refused() {
     assert!(error.contains("an event where the mode changes"), "{error}");
 }
 
-/// What a cycle holds twice may differ by 1e-8 of the motion's size, and not by more: of its period; of |u| + amplitude + |v_b|; and of the
-/// square of that times the period.
+/// What a cycle holds twice may differ by 1e-8 of the motion's size, and not by more: of its
+/// period; of |u| + amplitude + |v_b|; and of the square of that times the period.
 #[test]
 fn numbers_of_a_cycle_agree_within_a_hundred_millionth() {
     let read = serde_json::from_value::<LimitCycle>;

@@ -1,5 +1,5 @@
-//! Stick-slip at 300 belt velocities for each of two laws, shallow sticks and shallow misses among them, at tolerances from 1e-4 to round-off:
-//! every run must show the same events.
+//! Stick-slip at 300 belt velocities for each of two laws, shallow sticks and shallow misses among
+//! them, at tolerances from 1e-4 to round-off: every run must show the same events.
 
 mod common;
 #[path = "common/simple.rs"]
@@ -14,7 +14,8 @@ const DURATION: f64 = 60.0;
 const START: State = State::new(0.0, 0.0);
 const DAMPING: f64 = 0.05;
 
-/// Errors over a period, in tolerances: what `requested_tolerance_is_met` asserts of the integrator.
+/// Errors over a period, in tolerances: what `requested_tolerance_is_met` asserts of the
+/// integrator.
 const ERRORS_OF_A_PERIOD: f64 = 100.0;
 
 /// 300 velocities inside a range, equidistant.
@@ -86,7 +87,8 @@ fn validate<L: FrictionLaw>(
                 };
                 let time = after[0].0 + (i / 2) as f64 * cycle.period() + slipped;
                 assert_eq!(event.1, if i % 2 == 0 { 'r' } else { 's' }, "{about}");
-                // Near grazing the time of contact moves by some ε/|v_r'|, and v_r' is v_b times the duration of the stick that follows.
+                // Near grazing the time of contact moves by some ε/|v_r'|, and v_r' is v_b times
+                // the duration of the stick that follows.
                 let rate = system.belt_velocity() * cycle.stick_duration().min(1.0);
                 let allowed = 1e-13 + 16.0 * f64::EPSILON * (1 + i) as f64 / rate;
                 assert!(
@@ -143,8 +145,8 @@ fn sweep<L: FrictionLaw + Copy>(
         for (k, tolerance) in [1e-4, 1e-6, 1e-9].into_iter().enumerate() {
             let about = format!("{about}, tolerance {tolerance:e}");
             let actual = run(&system, tolerance);
-            // Each step may err by the tolerance. An event moves at most so far as if each datum were wrong by the errors of
-            // a period.
+            // Each step may err by the tolerance. An event moves at most so far as if each datum
+            // were wrong by the errors of a period.
             let moved = ERRORS_OF_A_PERIOD * tolerance;
             let others: Vec<_> = [1.0 - moved, 1.0 + moved]
                 .into_iter()

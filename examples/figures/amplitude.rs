@@ -1,4 +1,5 @@
-//! Amplitudes over the belt velocity: Fig. 6, and where steady sliding and stick-slip exist side by side.
+//! Amplitudes over the belt velocity: Fig. 6, and where steady sliding and stick-slip exist side by
+//! side.
 
 use std::ops::Range;
 
@@ -43,7 +44,8 @@ impl Branch {
     }
 }
 
-/// All branches between neighbouring borders. Amplitudes change like square roots there, so the belt velocities crowd at both ends.
+/// All branches between neighbouring borders. Amplitudes change like square roots there, so the
+/// belt velocities crowd at both ends.
 fn branches<L: FrictionLaw>(
     system: &MassOnBelt<L>,
     borders: &[f64],

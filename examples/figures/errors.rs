@@ -1,4 +1,5 @@
-//! How wrong each formula is: its error over ε, for friction and damping that are both multiplied by ε.
+//! How wrong each formula is: its error over ε, for friction and damping that are both multiplied
+//! by ε.
 
 use plotters::style::RGBColor;
 use stick_slip::analysis::{PureSlip, StickSlip};
@@ -16,14 +17,16 @@ const CAPTION: &str = "Error of each formula against the exact cycle, for γ² =
 
 /// The smallest ε is 2 to minus this power.
 const HALVINGS: i32 = 10;
-/// What rounding does to a motion in one period; on a cycle with the multiplier m it grows by 1/(1 − m).
+/// What rounding does to a motion in one period; on a cycle with the multiplier m it grows by 1/(1
+/// − m).
 const ROUNDING: f64 = 2e-15;
 const BY_PAPER: RGBColor = VERMILLION;
 const CORRECTED: RGBColor = BLUE;
 
 type System = MassOnBelt<Polynomial>;
 
-/// A name, where it stands beside the last dot, and what gives the value of the formula and the exact value.
+/// A name, where it stands beside the last dot, and what gives the value of the formula and the
+/// exact value.
 struct Formula {
     name: &'static str,
     shift: Point,

@@ -1,4 +1,5 @@
-//! The figures. `amplitude`, `errors`, `laws`, `motion` and `regimes` draw them; the other modules are for what they look like.
+//! The figures. `amplitude`, `errors`, `laws`, `motion` and `regimes` draw them; the other modules
+//! are for what they look like.
 
 mod amplitude;
 mod clip;

@@ -1,4 +1,5 @@
-//! Figs. 4, 5 and 7: a motion from rest over time and in the phase plane, beside the exact cycle that it settles to.
+//! Figs. 4, 5 and 7: a motion from rest over time and in the phase plane, beside the exact cycle
+//! that it settles to.
 
 use std::ops::Range;
 
@@ -106,7 +107,8 @@ fn motion<L: FrictionLaw>(
     })
 }
 
-/// A stretch of stick or of slip, with states that lie closely enough to be joined by straight lines.
+/// A stretch of stick or of slip, with states that lie closely enough to be joined by straight
+/// lines.
 struct Phase {
     sticks: bool,
     states: Vec<(f64, State)>,
@@ -129,7 +131,8 @@ fn in_plane(_: f64, state: State) -> Point {
     (state.displacement, state.velocity)
 }
 
-/// The steps of a motion joined to phases. A step holds its power series, and so gives the state anywhere inside.
+/// The steps of a motion joined to phases. A step holds its power series, and so gives the state
+/// anywhere inside.
 fn phases(motion: &Trajectory) -> Vec<Phase> {
     let mut phases: Vec<Phase> = Vec::new();
     for step in motion.steps() {

@@ -173,7 +173,8 @@ impl<'a, 's> Panel<'a, 's> {
         self.dots(&[point], 2.8, WHITE)
     }
 
-    /// Text beside a point, shifted by pixels to the right and downwards; it grows away from the point.
+    /// Text beside a point, shifted by pixels to the right and downwards; it grows away from the
+    /// point.
     pub(crate) fn label(
         &mut self,
         text: &str,
@@ -195,7 +196,8 @@ impl<'a, 's> Panel<'a, 's> {
         Ok(())
     }
 
-    /// A point in an area too small for its name, which stands at the end of a line, shifted by pixels.
+    /// A point in an area too small for its name, which stands at the end of a line, shifted by
+    /// pixels.
     pub(crate) fn pointer(&mut self, text: &str, point: Point, shift: Point) -> Result<()> {
         let end = (pixels(shift.0), pixels(shift.1));
         let style = Stroke::solid(BLACK, 0.8).style();

@@ -148,8 +148,9 @@ fn exponential(area: &Area) -> Result<()> {
     panel.finish()
 }
 
-/// The border of the region of dampings, within a range and around one that belongs to it, at which there is an interval of belt
-/// velocities. Its ends are halved a third as many times as there are points.
+/// The border of the region of dampings, within a range and around one that belongs to it, at which
+/// there is an interval of belt velocities. Its ends are halved a third as many times as there are
+/// points.
 fn region(
     range: Range<f64>,
     inside: f64,

@@ -1,4 +1,5 @@
-//! Formulas in SVG text: `v_b`, `x_{max}` and `10^{3}` with subscripts and superscripts, variables in italics.
+//! Formulas in SVG text: `v_b`, `x_{max}` and `10^{3}` with subscripts and superscripts, variables
+//! in italics.
 
 /// Shift and size of a script, in heights of the letters.
 const SUBSCRIPT: f64 = 0.25;

@@ -1,4 +1,5 @@
-//! Averaging: slow growth and decay of a vibration under weak friction, for any law, and the cycles at which it stops.
+//! Averaging: slow growth and decay of a vibration under weak friction, for any law, and the cycles
+//! at which it stops.
 //!
 //! With z = u − ū = A sin ψ, z' = A cos ψ, the amplitude drifts slowly (Eq. 12, for any law):
 //!
@@ -6,20 +7,22 @@
 //! A' = −(1/2π) ∫₀^2π h(A cos ψ) cos ψ dψ,     h(y) = 2βy + γ²[μ(y − v_b) − μ(−v_b)]
 //! ```
 //!
-//! and the phase does not drift at all. The paper says that such integrals "are not analytically solvable"; here they are
-//! computed to round-off. By parts, so that nothing cancels at small A, and by mirror symmetry with w = |v_b|:
+//! and the phase does not drift at all. The paper says that such integrals "are not analytically
+//! solvable"; here they are computed to round-off. By parts, so that nothing cancels at small A,
+//! and by mirror symmetry with w = |v_b|:
 //!
 //! ```text
 //! A' = −βA − (γ²A/π) ∫₀^π μ̂'(|w − A cos ψ|) sin²ψ dψ − (2γ²/π) μ̂(0) sin s
 //! dA'/dA = −β − (γ²/π) ∫₀^π μ̂'(|w − A cos ψ|) cos²ψ dψ − (2γ²/π) μ̂(0) w²/(A³ sin s)
 //! ```
 //!
-//! with cos s = w/A. The terms with s stand for the jump of the friction force where the mass overtakes the belt, and are
-//! there only for A > w. The trapezoidal rule serves where the integrand is smooth and periodic, A ≤ w and one piece of the
-//! law; else Gauss-Legendre panels that end at ψ = s and at the breakpoints.
+//! with cos s = w/A. The terms with s stand for the jump of the friction force where the mass
+//! overtakes the belt, and are there only for A > w. The trapezoidal rule serves where the
+//! integrand is smooth and periodic, A ≤ w and one piece of the law; else Gauss-Legendre panels
+//! that end at ψ = s and at the breakpoints.
 //!
-//! The amplitude so found has error O(ε²), the period 2π too. It describes motions that never stick: see
-//! [`AveragedCycle::is_valid`].
+//! The amplitude so found has error O(ε²), the period 2π too. It describes motions that never
+//! stick: see [`AveragedCycle::is_valid`].
 
 use std::f64::consts::PI;
 
@@ -32,13 +35,14 @@ use crate::{Error, FrictionLaw, MassOnBelt};
 ///
 /// For Coulomb's law on a belt at rest, −2γ²μ_k/π: the amplitude falls by 4γ²μ_k in each cycle.
 ///
-/// Source: Farshidianfar and Noei Aghaee, Eq. 12, whose right sides lack the mean over a cycle; any law. Holds for both
-/// signs of v_b, and for v_b = 0.
+/// Source: Farshidianfar and Noei Aghaee, Eq. 12, whose right sides lack the mean over a cycle; any
+/// law. Holds for both signs of v_b, and for v_b = 0.
 ///
 /// # Errors
 ///
 /// * [`Error::InvalidParameter`] if A is negative or not finite, or |v_b| + A overflows;
-/// * [`Error::NonFiniteFriction`] if the law has no finite value or slope at a speed up to |v_b| + A.
+/// * [`Error::NonFiniteFriction`] if the law has no finite value or slope at a speed up to |v_b| +
+///   A.
 ///
 /// ```
 /// use stick_slip::analysis::averaging::drift;
@@ -56,8 +60,8 @@ pub fn drift<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64) -> Result<f
     Ok(SlowFlow::at(system, amplitude)?.drift(amplitude))
 }
 
-/// Slope dA'/dA of the drift at the amplitude A ≥ 0, dimensionless: the rate at which a disturbance of the amplitude grows.
-/// Error O(ε²). −∞ just above A = |v_b| if μ̂(0) > 0.
+/// Slope dA'/dA of the drift at the amplitude A ≥ 0, dimensionless: the rate at which a disturbance
+/// of the amplitude grows. Error O(ε²). −∞ just above A = |v_b| if μ̂(0) > 0.
 ///
 /// # Errors
 ///
@@ -186,12 +190,12 @@ fn slope_integrals<L: FrictionLaw>(law: &L, w: f64, amplitude: f64) -> Result<In
 
 /// A cycle of the slow flow: an amplitude A > 0 at which A' = 0.
 ///
-/// All quantities are dimensionless. z = A sin ψ about the equilibrium, with period 2π. Errors are O(ε²) in the amplitude
-/// (half the range of u, or the largest velocity) and in the period, O(ε³) in the multiplier, O(ε) in how the motion is
-/// centred.
+/// All quantities are dimensionless. z = A sin ψ about the equilibrium, with period 2π. Errors are
+/// O(ε²) in the amplitude (half the range of u, or the largest velocity) and in the period, O(ε³)
+/// in the multiplier, O(ε) in how the motion is centred.
 ///
-/// Source: Farshidianfar and Noei Aghaee, Eqs. 12 and 13 (corrected: the printed 3/4 is 4/3), for any law and for cycles
-/// that overtake the belt.
+/// Source: Farshidianfar and Noei Aghaee, Eqs. 12 and 13 (corrected: the printed 3/4 is 4/3), for
+/// any law and for cycles that overtake the belt.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AveragedCycle {
     amplitude: f64,
@@ -221,38 +225,45 @@ impl AveragedCycle {
         self.drift_slope < 0.0
     }
 
-    /// Time per cycle in which the mass overtakes the belt, 2s with cos s = |v_b|/A; 0 for A ≤ |v_b|. Error O(ε²).
+    /// Time per cycle in which the mass overtakes the belt, 2s with cos s = |v_b|/A; 0 for A ≤
+    /// |v_b|. Error O(ε²).
     pub fn leading_duration(&self) -> f64 {
         2.0 * self.half_leading_duration
     }
 
-    /// Whether such a motion never sticks, so that averaging describes it: A ≤ |v_b|, or the mass leads the belt for so long
-    /// that friction cannot hold it at the end, A sin s > γ²(μ_s + μ̂(0)). Where this fails the motion sticks, and
-    /// [`StickSlip`](super::StickSlip) has its formulas. Relative error O(ε) in γ².
+    /// Whether such a motion never sticks, so that averaging describes it: A ≤ |v_b|, or the mass
+    /// leads the belt for so long that friction cannot hold it at the end, A sin s > γ²(μ_s +
+    /// μ̂(0)). Where this fails the motion sticks, and [`StickSlip`](super::StickSlip) has its
+    /// formulas. Relative error O(ε) in γ².
     pub fn is_valid(&self) -> bool {
         self.is_valid
     }
 }
 
-/// All cycles of the slow flow, by ascending amplitude: stable and unstable, those included that overtake the belt.
+/// All cycles of the slow flow, by ascending amplitude: stable and unstable, those included that
+/// overtake the belt.
 ///
 /// # What "all" means
 ///
-/// Every averaged cycle of a law with μ̂ ≥ 0 has A < 2|v_b|. (Sliding at speed s drives the motion only at y = |v_b| − s >
-/// 0; if A ≥ 2|v_b| the mass also leads the belt by s once a cycle, which takes out more.) The whole range is searched:
-/// A'/A, which is analytic in √(A² − A_i²) between the amplitudes A_i at which the motion first touches the belt or a
-/// breakpoint, is interpolated by Chebyshev polynomials to round-off, on pieces cut until each has no root or is monotone.
-/// So no cycle is passed over, except
+/// Every averaged cycle of a law with μ̂ ≥ 0 has A < 2|v_b|. (Sliding at speed s drives the motion
+/// only at y = |v_b| − s > 0; if A ≥ 2|v_b| the mass also leads the belt by s once a cycle, which
+/// takes out more.) The whole range is searched: A'/A, which is analytic in √(A² − A_i²) between
+/// the amplitudes A_i at which the motion first touches the belt or a breakpoint, is interpolated
+/// by Chebyshev polynomials to round-off, on pieces cut until each has no root or is monotone. So
+/// no cycle is passed over, except
 ///
 /// * a pair that differs by less than 10⁻⁸|v_b|, as at a fold;
-/// * where a feature of the law's slope is narrower than some 3·10⁻⁴|v_b| in speed (slow speeds are looked at more closely).
+/// * where a feature of the law's slope is narrower than some 3·10⁻⁴|v_b| in speed (slow speeds are
+///   looked at more closely).
 ///
-/// Where A' vanishes to rounding on a whole interval (Coulomb's law without damping: every orbit with A ≤ |v_b|), its
-/// cycles are not isolated and are not listed. At v_b = 0 there are none.
+/// Where A' vanishes to rounding on a whole interval (Coulomb's law without damping: every orbit
+/// with A ≤ |v_b|), its cycles are not isolated and are not listed. At v_b = 0 there are none.
 ///
-/// Amplitudes are good to round-off of A'/A, which is about 10⁻¹⁶(β + γ²·max abs(dμ̂/ds)), divided by its slope.
+/// Amplitudes are good to round-off of A'/A, which is about 10⁻¹⁶(β + γ²·max abs(dμ̂/ds)), divided
+/// by its slope.
 ///
-/// Source: Farshidianfar and Noei Aghaee, Eqs. 12 and 13 (corrected), for any law. Errors in ε: [`AveragedCycle`].
+/// Source: Farshidianfar and Noei Aghaee, Eqs. 12 and 13 (corrected), for any law. Errors in ε:
+/// [`AveragedCycle`].
 ///
 /// # Errors
 ///
@@ -286,8 +297,8 @@ pub fn cycles<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Vec<AveragedCycl
     let mut nodes = Vec::new();
     for ends in touching_amplitudes(system.law(), w).windows(2) {
         let ([start, end], from_rest) = ([ends[0], ends[1]], ends[0] == 0.0);
-        // A² = start² + (end² − start²) t², or t from A = 0, where A' is a function of A² anyway. In units of w: nothing
-        // overflows.
+        // A² = start² + (end² − start²) t², or t from A = 0, where A' is a function of A² anyway.
+        // In units of w: nothing overflows.
         let amplitude_at = |t: f64| {
             let x = if from_rest { t } else { t * t };
             if t == 1.0 {
@@ -306,7 +317,8 @@ pub fn cycles<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Vec<AveragedCycl
         .collect()
 }
 
-/// Amplitudes in units of w, from 0 to 2, at which the motion first touches the belt or a breakpoint of the law.
+/// Amplitudes in units of w, from 0 to 2, at which the motion first touches the belt or a
+/// breakpoint of the law.
 fn touching_amplitudes<L: FrictionLaw>(law: &L, w: f64) -> Vec<f64> {
     let touching = law
         .breakpoints()
@@ -336,8 +348,8 @@ fn describe<L: FrictionLaw>(
     if amplitude > w {
         let sine = sine_of_crossing(w, amplitude);
         cycle.half_leading_duration = sine.atan2(w / amplitude);
-        // While it leads, u runs over 2A sin s, centred where the acceleration is 0: F = −γ²μ̂(0). It must end beyond F =
-        // γ²μ_s.
+        // While it leads, u runs over 2A sin s, centred where the acceleration is 0: F = −γ²μ̂(0).
+        // It must end beyond F = γ²μ_s.
         cycle.is_valid =
             amplitude * sine > system.load() * (law.static_coefficient() + law.kinetic(0.0));
     }

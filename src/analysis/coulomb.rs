@@ -5,8 +5,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use super::roots::refine;
 use crate::{Coulomb, FrictionLaw, MassOnBelt, State};
 
-/// The slip phase of the fastest stick-slip cycle, which comes back to the belt tangentially. Depends on β alone;
-/// dimensionless.
+/// The slip phase of the fastest stick-slip cycle, which comes back to the belt tangentially.
+/// Depends on β alone; dimensionless.
 ///
 /// ```text
 /// e^{βs}[cos ω_d s − (β/ω_d) sin ω_d s] = 1,   π < ω_d s < 2π,   ω_d = √(1 − β²)
@@ -22,7 +22,8 @@ pub struct TangentialSlip {
     pub velocity_factor: f64,
 }
 
-/// The slip phase of the fastest stick-slip cycle for damping ratio β. Exact to rounding. `None` unless 0 < β < 1.
+/// The slip phase of the fastest stick-slip cycle for damping ratio β. Exact to rounding. `None`
+/// unless 0 < β < 1.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::tangential_slip;
@@ -38,8 +39,8 @@ pub fn tangential_slip(damping: f64) -> Option<TangentialSlip> {
     }
     let frequency = ((1.0 - damping) * (1.0 + damping)).sqrt();
     let ratio = damping / frequency;
-    // In θ = 2π − ω_d s: β s + ln(cos θ + (β/ω_d) sin θ) falls from 2πβ/ω_d at θ = 0 to −∞ at θ = π/2 + asin β, where the
-    // logarithm's argument vanishes. ln_1p keeps small β exact.
+    // In θ = 2π − ω_d s: β s + ln(cos θ + (β/ω_d) sin θ) falls from 2πβ/ω_d at θ = 0 to −∞ at θ =
+    // π/2 + asin β, where the logarithm's argument vanishes. ln_1p keeps small β exact.
     let residual = |theta: f64| {
         let sine_half = (0.5 * theta).sin();
         let logarithm = (ratio * theta.sin() - 2.0 * sine_half * sine_half).ln_1p();
@@ -54,10 +55,11 @@ pub fn tangential_slip(damping: f64) -> Option<TangentialSlip> {
     })
 }
 
-/// Belt velocity γ²(μ_s − μ_k)Λ(β) up to which there is a stick-slip cycle: it exists for 0 < |v_b| below this.
-/// Dimensionless, exact.
+/// Belt velocity γ²(μ_s − μ_k)Λ(β) up to which there is a stick-slip cycle: it exists for 0 < |v_b|
+/// below this. Dimensionless, exact.
 ///
-/// Infinite for β = 0 and μ_s > μ_k; 0 (no such cycle) for β ≥ 1, and for μ_s = μ_k. The system's own v_b is ignored.
+/// Infinite for β = 0 and μ_s > μ_k; 0 (no such cycle) for β ≥ 1, and for μ_s = μ_k. The system's
+/// own v_b is ignored.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::largest_stick_slip_velocity;
@@ -77,8 +79,9 @@ pub fn largest_stick_slip_velocity(system: &MassOnBelt<Coulomb>) -> f64 {
     tangential_slip(system.damping()).map_or(f64::INFINITY, |slip| jump * slip.velocity_factor)
 }
 
-/// Damping ratio β from which on there is no stick-slip cycle at the system's belt velocity: the root of γ²(μ_s − μ_k)Λ(β)
-/// = |v_b|. Dimensionless, exact; 0 < β < 1, and 0 for μ_s = μ_k. `None` at v_b = 0. The system's own β is ignored.
+/// Damping ratio β from which on there is no stick-slip cycle at the system's belt velocity: the
+/// root of γ²(μ_s − μ_k)Λ(β) = |v_b|. Dimensionless, exact; 0 < β < 1, and 0 for μ_s = μ_k. `None`
+/// at v_b = 0. The system's own β is ignored.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::{least_damping, largest_stick_slip_velocity};
@@ -111,11 +114,12 @@ fn force_jump(system: &MassOnBelt<Coulomb>) -> f64 {
     system.load() * (law.static_coefficient() - law.kinetic_coefficient())
 }
 
-/// Undamped free vibration on a belt at rest: the amplitude falls by 4γ²μ_k in each cycle, until static friction holds the
-/// mass.
+/// Undamped free vibration on a belt at rest: the amplitude falls by 4γ²μ_k in each cycle, until
+/// static friction holds the mass.
 ///
-/// Between turning points the mass swings half a turn about ∓γ²μ_k, so each turning point is 2γ²μ_k nearer to 0 than the
-/// last, on the other side. At the first with |u| ≤ γ²μ_s it rests. Dimensionless, exact.
+/// Between turning points the mass swings half a turn about ∓γ²μ_k, so each turning point is 2γ²μ_k
+/// nearer to 0 than the last, on the other side. At the first with |u| ≤ γ²μ_s it rests.
+/// Dimensionless, exact.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::FreeVibration;
@@ -143,7 +147,8 @@ pub struct FreeVibration {
 }
 
 impl FreeVibration {
-    /// The motion from a state at time 0. `None` unless v_b = 0 and β = 0, and for a state that is not finite.
+    /// The motion from a state at time 0. `None` unless v_b = 0 and β = 0, and for a state that is
+    /// not finite.
     pub fn new(system: &MassOnBelt<Coulomb>, start: State) -> Option<Self> {
         let kinetic = system.load() * system.law().kinetic_coefficient();
         let State {
@@ -153,7 +158,8 @@ impl FreeVibration {
         let (time, first) = if velocity == 0.0 {
             (0.0, displacement)
         } else {
-            // z = u + σγ²μ_k turns on a circle; σz = R cos(τ − τ_1) has its maximum at the turning point.
+            // z = u + σγ²μ_k turns on a circle; σz = R cos(τ − τ_1) has its maximum at the turning
+            // point.
             let sign = velocity.signum();
             let offset = sign * displacement + kinetic;
             let radius = offset.hypot(velocity);
@@ -173,8 +179,9 @@ impl FreeVibration {
         4.0 * self.kinetic
     }
 
-    /// Times and displacements of the turning points, the place of rest last; endless for μ_k = 0 unless the first is in
-    /// the stick band. A start with v = 0 is the first. Dimensionless, exact.
+    /// Times and displacements of the turning points, the place of rest last; endless for μ_k = 0
+    /// unless the first is in the stick band. A start with v = 0 is the first. Dimensionless,
+    /// exact.
     pub fn turning_points(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
         let motion = *self;
         let last = motion.swings();
@@ -183,13 +190,14 @@ impl FreeVibration {
             .map(move |n| (motion.time + PI * n as f64, motion.turn(n)))
     }
 
-    /// Displacement at which the mass comes to rest, dimensionless, exact. `None` if it never does (μ_k = 0), or only after more
-    /// than 2⁵³ half swings.
+    /// Displacement at which the mass comes to rest, dimensionless, exact. `None` if it never does
+    /// (μ_k = 0), or only after more than 2⁵³ half swings.
     pub fn rest_position(&self) -> Option<f64> {
         self.swings().map(|n| self.turn(n))
     }
 
-    /// Time at which the mass comes to rest, dimensionless, exact. `None` as for [`rest_position`](Self::rest_position).
+    /// Time at which the mass comes to rest, dimensionless, exact. `None` as for
+    /// [`rest_position`](Self::rest_position).
     pub fn rest_time(&self) -> Option<f64> {
         self.swings().map(|n| self.time + PI * n as f64)
     }

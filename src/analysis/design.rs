@@ -1,6 +1,8 @@
-//! What keeps steady sliding stable: the least damping, and the belt velocity above which nothing vibrates.
+//! What keeps steady sliding stable: the least damping, and the belt velocity above which nothing
+//! vibrates.
 //!
-//! Beside a stable steady sliding a stick-slip motion may go on for ever, once a knock has started it.
+//! Beside a stable steady sliding a stick-slip motion may go on for ever, once a knock has started
+//! it.
 //!
 //! | Question | any law | polynomial, exponential, Coulomb |
 //! |---|---|---|
@@ -18,11 +20,12 @@ use super::{PureSlip, coulomb, exponential};
 use crate::friction::{slope_on, taylor_coefficients_on};
 use crate::{Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial};
 
-/// Damping ratio above which steady sliding at the system's belt velocity is stable: max(0, −½γ² dμ̂/ds) at |v_b|.
-/// Dimensionless, exact. `None` at v_b = 0. The system's own β is ignored.
+/// Damping ratio above which steady sliding at the system's belt velocity is stable: max(0, −½γ²
+/// dμ̂/ds) at |v_b|. Dimensionless, exact. `None` at v_b = 0. The system's own β is ignored.
 ///
-/// Then small disturbances die out. Large ones do too for the polynomial law; for a law that falls more steeply at other
-/// speeds (exponential), or with μ_s > μ̂(0) (Coulomb), a stick-slip vibration may exist beside the stable state.
+/// Then small disturbances die out. Large ones do too for the polynomial law; for a law that falls
+/// more steeply at other speeds (exponential), or with μ_s > μ̂(0) (Coulomb), a stick-slip
+/// vibration may exist beside the stable state.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eq. 14: h1 > 0.
 ///
@@ -42,11 +45,12 @@ pub fn least_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Option<f64> {
     (speed > 0.0).then(|| (-0.5 * system.load() * system.law().slope(speed)).max(0.0))
 }
 
-/// Damping ratio above which steady sliding is stable at every belt velocity in a range: ½γ² max(−dμ̂/ds), or 0.
-/// Dimensionless, exact to rounding. The system's own v_b and β are ignored.
+/// Damping ratio above which steady sliding is stable at every belt velocity in a range: ½γ²
+/// max(−dμ̂/ds), or 0. Dimensionless, exact to rounding. The system's own v_b and β are ignored.
 ///
-/// The steepest fall is found among the ends, the breakpoints and all roots of d²μ̂/ds², isolated by Chebyshev interpolation to
-/// round-off; a feature narrower than some 10⁻³ of the range can be missed.
+/// The steepest fall is found among the ends, the breakpoints and all roots of d²μ̂/ds², isolated
+/// by Chebyshev interpolation to round-off; a feature narrower than some 10⁻³ of the range can be
+/// missed.
 ///
 /// # Errors
 ///
@@ -111,7 +115,8 @@ pub fn least_damping_over<L: FrictionLaw>(
     Ok(0.5 * system.load() * steepest)
 }
 
-/// A law whose quiet range is known in closed form. Implement it for your own law if you know the formulas.
+/// A law whose quiet range is known in closed form. Implement it for your own law if you know the
+/// formulas.
 ///
 /// ```
 /// use stick_slip::analysis::design::QuietLaw;
@@ -123,17 +128,19 @@ pub fn least_damping_over<L: FrictionLaw>(
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 pub trait QuietLaw: FrictionLaw + Sized {
-    /// Damping ratio from which on there is no vibration at any belt velocity. Dimensionless. The system's own v_b and β
-    /// are ignored.
+    /// Damping ratio from which on there is no vibration at any belt velocity. Dimensionless. The
+    /// system's own v_b and β are ignored.
     fn least_damping_everywhere(system: &MassOnBelt<Self>) -> f64;
 
-    /// Belt velocity above which steady sliding is the only lasting motion; 0 if it is so at every belt velocity, ∞ if at
-    /// none. Dimensionless. `None` where no formula is known. The system's own v_b is ignored.
+    /// Belt velocity above which steady sliding is the only lasting motion; 0 if it is so at every
+    /// belt velocity, ∞ if at none. Dimensionless. `None` where no formula is known. The system's
+    /// own v_b is ignored.
     fn quiet_velocity(system: &MassOnBelt<Self>) -> Option<f64>;
 }
 
 impl QuietLaw for Polynomial {
-    /// η/2, for friction falls most steeply at rest. Exact: then 2βy + γ²μ never falls, and every motion loses energy.
+    /// η/2, for friction falls most steeply at rest. Exact: then 2βy + γ²μ never falls, and every
+    /// motion loses energy.
     ///
     /// Source: Eqs. 10a and 14.
     fn least_damping_everywhere(system: &MassOnBelt<Self>) -> f64 {
@@ -142,8 +149,8 @@ impl QuietLaw for Polynomial {
         0.75 * system.load() * drop / law.minimum_velocity()
     }
 
-    /// v_b1 = v_m√(1 − 2β/η), or 0 where 2β ≥ η. Exact for the stability of steady sliding; that no other motion lasts
-    /// holds for weak friction.
+    /// v_b1 = v_m√(1 − 2β/η), or 0 where 2β ≥ η. Exact for the stability of steady sliding; that no
+    /// other motion lasts holds for weak friction.
     ///
     /// Source: after Eq. 15.
     fn quiet_velocity(system: &MassOnBelt<Self>) -> Option<f64> {
@@ -154,16 +161,16 @@ impl QuietLaw for Polynomial {
 }
 
 impl QuietLaw for Exponential {
-    /// γ²(μ_s − μ_k)/(v_s √(2e)), for friction falls most steeply at v_s/√2. Exact: then 2βy + γ²μ never falls, and every
-    /// motion loses energy.
+    /// γ²(μ_s − μ_k)/(v_s √(2e)), for friction falls most steeply at v_s/√2. Exact: then 2βy + γ²μ
+    /// never falls, and every motion loses energy.
     fn least_damping_everywhere(system: &MassOnBelt<Self>) -> f64 {
         let law = system.law();
         let drop = law.static_coefficient() - law.kinetic_coefficient();
         system.load() * drop / law.stribeck_velocity() / (SQRT_2 * E.sqrt())
     }
 
-    /// 0 from that damping on, ∞ for β = 0; `None` between: above the higher Hopf velocity a stick-slip vibration can exist
-    /// beside stable steady sliding.
+    /// 0 from that damping on, ∞ for β = 0; `None` between: above the higher Hopf velocity a
+    /// stick-slip vibration can exist beside stable steady sliding.
     fn quiet_velocity(system: &MassOnBelt<Self>) -> Option<f64> {
         let law = system.law();
         let falls = law.static_coefficient() > law.kinetic_coefficient();

@@ -7,7 +7,8 @@ use crate::{Exponential, FrictionLaw, MassOnBelt};
 
 /// A belt velocity at which steady sliding gains or loses stability, and what happens there.
 ///
-/// Source: 2β + γ²μ̂'(v) = 0, Eq. 14; the cubic term of the averaged flow, −γ²μ̂'''(v)A³/16, says which way the cycle goes.
+/// Source: 2β + γ²μ̂'(v) = 0, Eq. 14; the cubic term of the averaged flow, −γ²μ̂'''(v)A³/16, says
+/// which way the cycle goes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HopfPoint {
     velocity: f64,
@@ -20,8 +21,9 @@ impl HopfPoint {
         self.velocity
     }
 
-    /// Whether a small stable cycle is born on the unstable side (μ̂''' > 0, which is v < √(3/2) v_s). If not, a small
-    /// unstable one lies on the stable side, and a disturbance beyond it leads to a large vibration. Exact.
+    /// Whether a small stable cycle is born on the unstable side (μ̂''' > 0, which is v < √(3/2)
+    /// v_s). If not, a small unstable one lies on the stable side, and a disturbance beyond it
+    /// leads to a large vibration. Exact.
     pub fn is_supercritical(&self) -> bool {
         self.is_supercritical
     }
@@ -33,12 +35,13 @@ impl HopfPoint {
 /// x e^{−x²} = c,   x = v/v_s,   c = β v_s/(γ²(μ_s − μ_k))
 /// ```
 ///
-/// on either side of x = 1/√2. Dimensionless, exact to rounding (near c = 1/√(2e) both roots are ill-conditioned). `None`
-/// where c ≥ 1/√(2e): steady sliding is stable at every belt velocity; and where c = 0 (β = 0): unstable at every belt
-/// velocity. The system's own v_b is ignored. For any law: [`bifurcation::hopf_velocities`](crate::bifurcation::hopf_velocities).
+/// on either side of x = 1/√2. Dimensionless, exact to rounding (near c = 1/√(2e) both roots are
+/// ill-conditioned). `None` where c ≥ 1/√(2e): steady sliding is stable at every belt velocity; and
+/// where c = 0 (β = 0): unstable at every belt velocity. The system's own v_b is ignored. For any
+/// law: [`bifurcation::hopf_velocities`](crate::bifurcation::hopf_velocities).
 ///
-/// The low one is always supercritical. The paper says that this law behaves "almost similar" to the polynomial one: it
-/// does not, for it never rises, and on a slow belt sliding is stable.
+/// The low one is always supercritical. The paper says that this law behaves "almost similar" to
+/// the polynomial one: it does not, for it never rises, and on a slow belt sliding is stable.
 ///
 /// Source: Eqs. 6 and 14.
 ///

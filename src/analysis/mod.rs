@@ -1,8 +1,9 @@
 //! Formulas: closed forms and averaging, each with its source and the order of its error.
 //!
-//! Nothing here integrates the equations of motion, so the formulas and the exact motions of the rest of the crate are
-//! independent of each other. Orders of error are in ε for (γ², β) → (εγ², εβ): friction and damping that are weak beside the
-//! spring. "Eq. n" is an equation of Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
+//! Nothing here integrates the equations of motion, so the formulas and the exact motions of the
+//! rest of the crate are independent of each other. Orders of error are in ε for (γ², β) → (εγ²,
+//! εβ): friction and damping that are weak beside the spring. "Eq. n" is an equation of
+//! Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
 //! Stability Analysis*; "Eq. n, corrected" is one that they print wrongly, and the doc says how.
 //!
 //! | Question | Answer |
@@ -51,8 +52,8 @@ pub use transient::Transient;
 
 use crate::{Equilibrium, FrictionLaw, MassOnBelt};
 
-/// The steady sliding state, in which the mass stands still on the moving belt: Eq. 7 (corrected), Eq. 10a for any law, and
-/// Eq. 14. `None` at v_b = 0. Exact.
+/// The steady sliding state, in which the mass stands still on the moving belt: Eq. 7 (corrected),
+/// Eq. 10a for any law, and Eq. 14. `None` at v_b = 0. Exact.
 ///
 /// The same as [`MassOnBelt::equilibrium`].
 ///

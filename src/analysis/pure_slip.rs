@@ -14,8 +14,8 @@ use crate::{Error, FrictionLaw, MassOnBelt, Polynomial};
 /// h3 = η/(3 v_m²)                      (Eq. 10c)
 /// ```
 ///
-/// exactly. Everything is dimensionless and holds for both signs of v_b: the mirror image (u, v, v_b) → (−u, −v, −v_b)
-/// changes the sign of h2 only. Velocities that are returned are magnitudes.
+/// exactly. Everything is dimensionless and holds for both signs of v_b: the mirror image (u, v,
+/// v_b) → (−u, −v, −v_b) changes the sign of h2 only. Velocities that are returned are magnitudes.
 ///
 /// | v_b | what happens |
 /// |---|---|
@@ -23,7 +23,8 @@ use crate::{Error, FrictionLaw, MassOnBelt, Polynomial};
 /// | v_b0 < abs(v_b) < v_b1 | pure slip with amplitude A0: this type |
 /// | abs(v_b) > v_b1 | steady sliding (the paper says stick-slip "beyond this range", but means below only) |
 ///
-/// Source: Farshidianfar and Noei Aghaee, Eqs. 9-15; Thomsen and Fidlin, *Int. J. Non-Linear Mech.* 38 (2003) 389-403.
+/// Source: Farshidianfar and Noei Aghaee, Eqs. 9-15; Thomsen and Fidlin, *Int. J. Non-Linear Mech.*
+/// 38 (2003) 389-403.
 ///
 /// ```
 /// use stick_slip::analysis::PureSlip;
@@ -75,12 +76,14 @@ impl PureSlip {
         (v_b != 0.0 && finite).then_some(formulas)
     }
 
-    /// η = (3/2)γ²(μ_s − μ_m)/v_m, how steeply friction falls at small speeds. Dimensionless, exact. Source: Eq. 11.
+    /// η = (3/2)γ²(μ_s − μ_m)/v_m, how steeply friction falls at small speeds. Dimensionless,
+    /// exact. Source: Eq. 11.
     pub fn eta(&self) -> f64 {
         self.eta
     }
 
-    /// h1 = 2β − η(1 − (v_b/v_m)²), the damping of small motions. Dimensionless, exact. Source: Eq. 10a.
+    /// h1 = 2β − η(1 − (v_b/v_m)²), the damping of small motions. Dimensionless, exact. Source: Eq.
+    /// 10a.
     pub fn h1(&self) -> f64 {
         self.h1
     }
@@ -95,8 +98,8 @@ impl PureSlip {
         self.h3
     }
 
-    /// Belt velocity v_b1 = v_m√(1 − 2β/η) below which steady sliding is unstable. Dimensionless, exact. `None` where 2β ≥
-    /// η: it is stable at every belt velocity.
+    /// Belt velocity v_b1 = v_m√(1 − 2β/η) below which steady sliding is unstable. Dimensionless,
+    /// exact. `None` where 2β ≥ η: it is stable at every belt velocity.
     ///
     /// Source: after Eq. 15.
     pub fn onset_velocity(&self) -> Option<f64> {
@@ -104,16 +107,16 @@ impl PureSlip {
         (excess > 0.0).then(|| self.minimum_velocity * (excess / self.eta).sqrt())
     }
 
-    /// Belt velocity v_b0 = √(4/5) v_b1 below which the mass sticks, by averaging: there A0 = v_b. Dimensionless, relative
-    /// error O(ε²). `None` where 2β ≥ η.
+    /// Belt velocity v_b0 = √(4/5) v_b1 below which the mass sticks, by averaging: there A0 = v_b.
+    /// Dimensionless, relative error O(ε²). `None` where 2β ≥ η.
     ///
     /// Source: after Eq. 15, corrected: it prints √(4/3), which is above v_b1.
     pub fn stick_velocity(&self) -> Option<f64> {
         self.onset_velocity().map(|onset| 0.8_f64.sqrt() * onset)
     }
 
-    /// Belt velocity √(4/5) v_b1 [1 + (3461/76800) q²], q = (4/5)η(v_b1/v_m)², at which the cycle touches the belt.
-    /// Dimensionless, relative error O(ε⁴). `None` where 2β ≥ η.
+    /// Belt velocity √(4/5) v_b1 [1 + (3461/76800) q²], q = (4/5)η(v_b1/v_m)², at which the cycle
+    /// touches the belt. Dimensionless, relative error O(ε⁴). `None` where 2β ≥ η.
     ///
     /// ```
     /// use stick_slip::analysis::PureSlip;
@@ -130,18 +133,20 @@ impl PureSlip {
             .map(|stick| stick * (1.0 + 3461.0 / 76800.0 * q * q))
     }
 
-    /// Amplitude A0 = √(−(4/3) h1/h3) = 2√(v_b1² − v_b²) of the averaged cycle, dimensionless. `None` where h1 ≥ 0.
+    /// Amplitude A0 = √(−(4/3) h1/h3) = 2√(v_b1² − v_b²) of the averaged cycle, dimensionless.
+    /// `None` where h1 ≥ 0.
     ///
-    /// Error O(ε²) as half the range of u, or as the largest velocity; O(ε) as u_max − ū, for the cycle is not centred on ū.
-    /// Below v_b0 the formula still gives a number, which describes no motion: [`is_valid`](Self::is_valid).
+    /// Error O(ε²) as half the range of u, or as the largest velocity; O(ε) as u_max − ū, for the
+    /// cycle is not centred on ū. Below v_b0 the formula still gives a number, which describes no
+    /// motion: [`is_valid`](Self::is_valid).
     ///
     /// Source: Eq. 13, corrected (the printed 3/4 is 4/3), and Eq. 15.
     pub fn amplitude(&self) -> Option<f64> {
         (self.h1 < 0.0).then(|| 2.0 * self.minimum_velocity * (-self.h1 / self.eta).sqrt())
     }
 
-    /// Whether the averaged cycle exists and slips all the time: A0 < |v_b|, the same as v_b0 < |v_b| < v_b1. Error O(ε²)
-    /// in the belt velocity.
+    /// Whether the averaged cycle exists and slips all the time: A0 < |v_b|, the same as v_b0 <
+    /// |v_b| < v_b1. Error O(ε²) in the belt velocity.
     ///
     /// Source: 4.1.1, corrected: it asks for ż < 0, the velocity of the mass, and means v_r < 0.
     pub fn is_valid(&self) -> bool {
@@ -163,24 +168,26 @@ impl PureSlip {
         Transient::new(coefficients, initial_amplitude, initial_phase)
     }
 
-    /// The cycle with all terms through ε: averaging, and how the motion is centred. `None` where h1 ≥ 0.
-    /// Errors and range: [`PureSlipCycle`].
+    /// The cycle with all terms through ε: averaging, and how the motion is centred. `None` where
+    /// h1 ≥ 0. Errors and range: [`PureSlipCycle`].
     pub fn first_order(&self) -> Option<PureSlipCycle> {
         self.cycle(1)
     }
 
-    /// The cycle with all terms through ε². `None` where h1 ≥ 0. Errors and range: [`PureSlipCycle`].
+    /// The cycle with all terms through ε². `None` where h1 ≥ 0. Errors and range:
+    /// [`PureSlipCycle`].
     pub fn second_order(&self) -> Option<PureSlipCycle> {
         self.cycle(2)
     }
 
-    /// The cycle with the terms through ε³. `None` where h1 ≥ 0. Errors and range: [`PureSlipCycle`].
+    /// The cycle with the terms through ε³. `None` where h1 ≥ 0. Errors and range:
+    /// [`PureSlipCycle`].
     pub fn third_order(&self) -> Option<PureSlipCycle> {
         self.cycle(3)
     }
 
-    /// The cycle with the terms through ε³ and the frequency through ε⁴. `None` where h1 ≥ 0. Errors and range:
-    /// [`PureSlipCycle`].
+    /// The cycle with the terms through ε³ and the frequency through ε⁴. `None` where h1 ≥ 0.
+    /// Errors and range: [`PureSlipCycle`].
     pub fn fourth_order(&self) -> Option<PureSlipCycle> {
         self.cycle(4)
     }
@@ -239,7 +246,8 @@ impl PureSlip {
     }
 }
 
-/// A pure-slip cycle of the polynomial law, as an expansion in ε: [`PureSlip::first_order`] and so on. Dimensionless.
+/// A pure-slip cycle of the polynomial law, as an expansion in ε: [`PureSlip::first_order`] and so
+/// on. Dimensionless.
 ///
 /// With a = A0 h2 and b = A0² h3:
 ///
@@ -263,11 +271,11 @@ impl PureSlip {
 /// | `multiplier`, `log_multiplier` | 3 | 3 | 5 | 5 |
 /// | second and third harmonic | 3 | 3 | 3 | 3 |
 ///
-/// Range: v_b0 < |v_b| < v_b1 ([`PureSlip::is_valid`]; more closely from [`PureSlip::grazing_velocity`] on), and a, b, h1
-/// small beside 1.
+/// Range: v_b0 < |v_b| < v_b1 ([`PureSlip::is_valid`]; more closely from
+/// [`PureSlip::grazing_velocity`] on), and a, b, h1 small beside 1.
 ///
-/// Source: expansion of z'' + z + h1 z' + h2 z'² + h3 z'³ = 0; the first order is Eqs. 13 and 15 (corrected) with the shift
-/// that the paper leaves out.
+/// Source: expansion of z'' + z + h1 z' + h2 z'² + h3 z'³ = 0; the first order is Eqs. 13 and 15
+/// (corrected) with the shift that the paper leaves out.
 ///
 /// ```
 /// use stick_slip::analysis::PureSlip;

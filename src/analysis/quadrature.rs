@@ -1,4 +1,5 @@
-//! Quadrature to round-off: the trapezoidal rule for smooth periodic integrands, Gauss-Legendre for piecewise smooth ones.
+//! Quadrature to round-off: the trapezoidal rule for smooth periodic integrands, Gauss-Legendre for
+//! piecewise smooth ones.
 
 use std::collections::VecDeque;
 use std::f64::consts::PI;
@@ -6,7 +7,8 @@ use std::f64::consts::PI;
 use crate::Error;
 use crate::quadrature::gauss_nodes;
 
-/// Two integrals over the same interval, with the integral and the largest value met of |f_0| + |f_1|.
+/// Two integrals over the same interval, with the integral and the largest value met of |f_0| +
+/// |f_1|.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Integral {
     pub(super) parts: [f64; 2],
@@ -32,9 +34,9 @@ impl Integral {
         sum
     }
 
-    /// Largest difference between two rules at which the finer is good to round-off: it converges so fast that its own
-    /// error is smaller by many orders. Where the integrand is narrow, rounding of its argument is what counts, and that
-    /// goes with its peak.
+    /// Largest difference between two rules at which the finer is good to round-off: it converges
+    /// so fast that its own error is smaller by many orders. Where the integrand is narrow,
+    /// rounding of its argument is what counts, and that goes with its peak.
     fn tolerance(&self) -> f64 {
         1e-12 * self.size + 16.0 * f64::EPSILON * self.peak + f64::MIN_POSITIVE
     }
@@ -49,11 +51,12 @@ impl Integral {
 
 /// First comparison: 64 against 128 intervals, so that no feature wider than π/128 is passed over.
 const COARSEST: usize = 64;
-/// An analytic integrand that is not resolved by so many is nearly singular; Gauss-Legendre panels are cheaper then.
+/// An analytic integrand that is not resolved by so many is nearly singular; Gauss-Legendre panels
+/// are cheaper then.
 const FINEST: usize = 2048;
 
-/// ∫₀^π f dψ of an even 2π-periodic analytic f, by the trapezoidal rule, which converges geometrically; halved until two rules
-/// agree. `None` if f is not resolved.
+/// ∫₀^π f dψ of an even 2π-periodic analytic f, by the trapezoidal rule, which converges
+/// geometrically; halved until two rules agree. `None` if f is not resolved.
 pub(super) fn trapezoid(
     mut f: impl FnMut(f64) -> Result<[f64; 2], Error>,
 ) -> Result<Option<Integral>, Error> {
@@ -96,8 +99,9 @@ fn gauss_panel(
     Ok(integral)
 }
 
-/// Points that divide a ≤ x ≤ b into panels, four times shorter from one to the next towards both ends: what a law does at slow
-/// speeds is seen whatever its scale (down to some 10⁻⁶ of the interval).
+/// Points that divide a ≤ x ≤ b into panels, four times shorter from one to the next towards both
+/// ends: what a law does at slow speeds is seen whatever its scale (down to some 10⁻⁶ of the
+/// interval).
 pub(super) fn graded(a: f64, b: f64) -> [f64; 13] {
     let half = 0.5 * (b - a);
     std::array::from_fn(|j| match j {
@@ -108,13 +112,14 @@ pub(super) fn graded(a: f64, b: f64) -> [f64; 13] {
     })
 }
 
-/// ∫ f dx over panels between the points of a mesh, of an f analytic between its ends, by Gauss-Legendre; panels are halved
-/// until each agrees with its halves.
+/// ∫ f dx over panels between the points of a mesh, of an f analytic between its ends, by
+/// Gauss-Legendre; panels are halved until each agrees with its halves.
 pub(super) fn gauss(
     mut f: impl FnMut(f64) -> Result<[f64; 2], Error>,
     mesh: &[f64],
 ) -> Result<Integral, Error> {
-    /// Most panels. An undeclared kink needs about 50; a law noisier than its rounding is not followed for ever.
+    /// Most panels. An undeclared kink needs about 50; a law noisier than its rounding is not
+    /// followed for ever.
     const MOST_PANELS: usize = 4096;
     let mut panels = VecDeque::new();
     let mut made = 0;

@@ -27,11 +27,11 @@ impl std::fmt::Display for Regime {
 
 /// What a system with the polynomial law settles to.
 ///
-/// The border v_b1 is exact; v_b0 has a relative error O(ε²), and [`PureSlip::grazing_velocity`] is better. For a general law
-/// there is no such answer: several attractors can exist side by side.
+/// The border v_b1 is exact; v_b0 has a relative error O(ε²), and [`PureSlip::grazing_velocity`] is
+/// better. For a general law there is no such answer: several attractors can exist side by side.
 ///
-/// Source: Farshidianfar and Noei Aghaee, after Eq. 15, corrected: v_b0 = √(4/5) v_b1 for the printed √(4/3) v_b1, and
-/// stick-slip below v_b0 only.
+/// Source: Farshidianfar and Noei Aghaee, after Eq. 15, corrected: v_b0 = √(4/5) v_b1 for the
+/// printed √(4/3) v_b1, and stick-slip below v_b0 only.
 ///
 /// ```
 /// use stick_slip::analysis::{Regime, regime};

@@ -22,13 +22,13 @@ pub(super) struct Node {
 const DEGREE: usize = 32;
 /// Shortest piece of 0 ≤ t ≤ 1: two roots closer than this can be missed as a pair.
 const SHORTEST: f64 = 1.0 / (1u64 << 30) as f64;
-/// Most pieces in one segment. A smooth function needs a few and each near-double root about 60; a function noisier than it
-/// says is not followed for ever.
+/// Most pieces in one segment. A smooth function needs a few and each near-double root about 60; a
+/// function noisier than it says is not followed for ever.
 const MOST_PIECES: usize = 2000;
 
-/// Points between which f(x(t)), 0 ≤ t ≤ 1, has at most one root: the ends of pieces where f's Chebyshev interpolant,
-/// resolved to round-off, has no root or is monotone by the sizes of its coefficients. In ascending t; x(t) must be
-/// monotone, f∘x analytic.
+/// Points between which f(x(t)), 0 ≤ t ≤ 1, has at most one root: the ends of pieces where f's
+/// Chebyshev interpolant, resolved to round-off, has no root or is monotone by the sizes of its
+/// coefficients. In ascending t; x(t) must be monotone, f∘x analytic.
 pub(super) fn isolate(
     mut f: impl FnMut(f64) -> Result<Sample, Error>,
     x: impl Fn(f64) -> f64,
@@ -93,8 +93,8 @@ fn has_one_root_at_most(samples: &[(f64, Node)], cosines: &[f64]) -> bool {
     0.5 * d[0].abs() > sum(&d[1..])
 }
 
-/// Pairs of points between which the sign changes beyond doubt. Values within their own rounding error have no sign, so that a
-/// function that vanishes on a whole interval has no root there.
+/// Pairs of points between which the sign changes beyond doubt. Values within their own rounding
+/// error have no sign, so that a function that vanishes on a whole interval has no root there.
 pub(super) fn brackets(nodes: &[Node]) -> Vec<[f64; 2]> {
     let definite = nodes
         .iter()
@@ -111,10 +111,11 @@ pub(super) fn brackets(nodes: &[Node]) -> Vec<[f64; 2]> {
     found
 }
 
-/// The root of a continuous f between a and b, to the last bits, by Chandrupatla's method: inverse quadratic interpolation
-/// where the last three points allow it, else bisection.
+/// The root of a continuous f between a and b, to the last bits, by Chandrupatla's method: inverse
+/// quadratic interpolation where the last three points allow it, else bisection.
 ///
-/// f(a) and f(b) must differ in sign. Source: T. R. Chandrupatla, *Adv. Eng. Software* 28 (1997) 145-149.
+/// f(a) and f(b) must differ in sign. Source: T. R. Chandrupatla, *Adv. Eng. Software* 28 (1997)
+/// 145-149.
 pub(super) fn refine(
     a: f64,
     b: f64,

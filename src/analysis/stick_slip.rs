@@ -5,7 +5,8 @@ use super::quadrature::{gauss, graded};
 use crate::friction::{piece_above, slope_on, taylor_coefficients_on};
 use crate::{Error, FrictionLaw, MassOnBelt, Polynomial};
 
-/// The paper's stick-slip vibration, for any law: stick, then a slip arc of an undamped oscillation about ū.
+/// The paper's stick-slip vibration, for any law: stick, then a slip arc of an undamped oscillation
+/// about ū.
 ///
 /// ```text
 /// κ    = [γ²(μ_s − μ̂(|v_b|)) − 2β|v_b|] / |v_b|      = η(1 − (v_b/v_m)²/3) − 2β for the polynomial law
@@ -13,11 +14,12 @@ use crate::{Error, FrictionLaw, MassOnBelt, Polynomial};
 /// stick 2κ,   slip 2π − 2 atan κ,   T = 2π + 2(κ − atan κ),   ω_ss = 2π/T
 /// ```
 ///
-/// The arc neither gains nor loses energy, so it meets the belt at ū − κ|v_b|, the mirror image of the release point. In
-/// truth slip gains energy of order ε and meets it farther out, by O(√ε); so these formulas are poor: the errors are O(ε)
-/// in A1, O(ε^{3/2}) in T (no better in order than 2π) and O(ε^{1/2}) in the durations. Use
-/// [`first_order`](Self::first_order) and [`second_order`](Self::second_order) for the polynomial law. Range: κ > 0, and 0
-/// < |v_b| < v_b0 for the polynomial law.
+/// The arc neither gains nor loses energy, so it meets the belt at ū − κ|v_b|, the mirror image of
+/// the release point. In truth slip gains energy of order ε and meets it farther out, by O(√ε); so
+/// these formulas are poor: the errors are O(ε) in A1, O(ε^{3/2}) in T (no better in order than 2π)
+/// and O(ε^{1/2}) in the durations. Use [`first_order`](Self::first_order) and
+/// [`second_order`](Self::second_order) for the polynomial law. Range: κ > 0, and 0 < |v_b| < v_b0
+/// for the polynomial law.
 ///
 /// Everything is dimensionless and holds for both signs of v_b.
 ///
@@ -53,8 +55,9 @@ struct Arc {
 }
 
 impl<L: FrictionLaw> StickSlip<L> {
-    /// The formulas for a system. `None` at v_b = 0, where κ ≤ 0 (friction at the belt velocity is not smaller than static
-    /// friction by more than the damper's force), and where κ is not finite.
+    /// The formulas for a system. `None` at v_b = 0, where κ ≤ 0 (friction at the belt velocity is
+    /// not smaller than static friction by more than the damper's force), and where κ is not
+    /// finite.
     pub fn new(system: &MassOnBelt<L>) -> Option<Self> {
         let (law, load) = (system.law(), system.load());
         let v_b = system.belt_velocity();
@@ -109,23 +112,24 @@ fn mean_slope<L: FrictionLaw>(law: &L, speed: f64) -> Result<f64, Error> {
 }
 
 impl<L> StickSlip<L> {
-    /// κ = [γ²(μ_s − μ̂(|v_b|)) − 2β|v_b|]/|v_b|: how far beyond ū the mass is released, in units of |v_b|. Dimensionless,
-    /// exact.
+    /// κ = [γ²(μ_s − μ̂(|v_b|)) − 2β|v_b|]/|v_b|: how far beyond ū the mass is released, in units
+    /// of |v_b|. Dimensionless, exact.
     ///
     /// Source: before Eq. 18.
     pub fn kappa(&self) -> f64 {
         self.arc.kappa
     }
 
-    /// Amplitude A1 = |v_b|√(1 + κ²), dimensionless. Error O(ε), as u_max − ū, ū − u_min or half the range.
+    /// Amplitude A1 = |v_b|√(1 + κ²), dimensionless. Error O(ε), as u_max − ū, ū − u_min or half
+    /// the range.
     ///
     /// Source: Eq. 18.
     pub fn amplitude(&self) -> f64 {
         self.arc.belt_velocity.abs() * self.arc.kappa.hypot(1.0)
     }
 
-    /// Largest speed against the belt's direction, A1 again; in the belt's direction the largest is |v_b|, exactly.
-    /// Dimensionless, error O(ε).
+    /// Largest speed against the belt's direction, A1 again; in the belt's direction the largest is
+    /// |v_b|, exactly. Dimensionless, error O(ε).
     ///
     /// Source: Eq. 17.
     pub fn velocity_amplitude(&self) -> f64 {
@@ -162,16 +166,18 @@ impl<L> StickSlip<L> {
 }
 
 impl StickSlip<Polynomial> {
-    /// The cycle to first order in ε, with the energy that slip gains. `None` where W1 ≤ 0, which is |v_b| ≥ v_b0, and
-    /// where the mass would overtake the belt ([`second_order`](Self::second_order)). Errors and range: [`StickSlipCycle`].
+    /// The cycle to first order in ε, with the energy that slip gains. `None` where W1 ≤ 0, which
+    /// is |v_b| ≥ v_b0, and where the mass would overtake the belt
+    /// ([`second_order`](Self::second_order)). Errors and range: [`StickSlipCycle`].
     pub fn first_order(&self) -> Option<StickSlipCycle> {
         self.arc
             .first_order()
             .and_then(|cycle| self.arc.scale(cycle))
     }
 
-    /// The cycle to second order in ε. `None` where W1 ≤ 0 or W1 + W2 ≤ 0, and where |v_b|·stick > 2γ²μ_s: the mass would
-    /// meet the belt beyond the stick band and overtake it. Errors and range: [`StickSlipCycle`].
+    /// The cycle to second order in ε. `None` where W1 ≤ 0 or W1 + W2 ≤ 0, and where |v_b|·stick >
+    /// 2γ²μ_s: the mass would meet the belt beyond the stick band and overtake it. Errors and
+    /// range: [`StickSlipCycle`].
     pub fn second_order(&self) -> Option<StickSlipCycle> {
         self.arc
             .second_order()
@@ -282,7 +288,8 @@ impl Arc {
 /// A stick-slip cycle of the polynomial law, as an expansion in ε: [`StickSlip::first_order`] and
 /// [`StickSlip::second_order`]. Dimensionless.
 ///
-/// With H1 = h1, H2 = h2 v_b, H3 = h3 v_b² of [`PureSlip`](super::PureSlip), for v_b > 0 (mirrored for v_b < 0):
+/// With H1 = h1, H2 = h2 v_b, H3 = h3 v_b² of [`PureSlip`](super::PureSlip), for v_b > 0 (mirrored
+/// for v_b < 0):
 ///
 /// ```text
 /// u_max = ū + v_b[1 − (π/4)H1 − (2/3)H2 − (3π/16)H3]
@@ -292,8 +299,9 @@ impl Arc {
 /// stick = q0,   slip = 2π − q0,   T = 2π + q0³/3
 /// ```
 ///
-/// To second order, with W = W1 + π²[H1²/2 + (3/2)H1H3 + (27/32)H3²], tan δ = √(W(2 + W)), h' = H1 + 2H2 + 3H3, r = W/(1 +
-/// W) and T2 = π[H1²/4 + (2/3)H1H2 + (33/16)H1H3 + H2²/3 + H2H3/2 + (189/128)H3²]:
+/// To second order, with W = W1 + π²[H1²/2 + (3/2)H1H3 + (27/32)H3²], tan δ = √(W(2 + W)), h' = H1
+/// + 2H2 + 3H3, r = W/(1 + W) and T2 = π[H1²/4 + (2/3)H1H2 + (33/16)H1H3 + H2²/3 + H2H3/2 +
+/// (189/128)H3²]:
 ///
 /// ```text
 /// stick = tan δ + (2/3)h'r,   slip = 2π + T2 − δ + h'r/3,   T = 2π + T2 + tan δ − δ + h'r
@@ -310,9 +318,9 @@ impl Arc {
 /// | `return_angle`, whose tangent is the duration of stick | 3/2 | 2 |
 /// | the extreme of v along the belt, v_b | exact | exact |
 ///
-/// Range: 0 < |v_b| < v_b0 with a margin (W1 > 0), W1 small beside 1, and |v_b|·stick ≤ 2γ²μ_s, so that the mass sticks
-/// where it meets the belt. That fails as ε → 0 at fixed μ_s; raising μ_s and μ_m by the same constant widens the stick
-/// band and leaves u − ū as it is.
+/// Range: 0 < |v_b| < v_b0 with a margin (W1 > 0), W1 small beside 1, and |v_b|·stick ≤ 2γ²μ_s, so
+/// that the mass sticks where it meets the belt. That fails as ε → 0 at fixed μ_s; raising μ_s and
+/// μ_m by the same constant widens the stick band and leaves u − ū as it is.
 ///
 /// Source: expansion of the slip arc out of the release point; it replaces Eqs. 16-18.
 ///
@@ -349,10 +357,12 @@ pub struct StickSlipCycle {
     pub slip: f64,
     /// Period T.
     pub period: f64,
-    /// W: (V − |v_b|)/|v_b| for the speed V at which the motion would next be fastest along the belt, if friction had no
-    /// jump there. Slip gains the energy v_b²(W + W²/2). W1 to first order.
+    /// W: (V − |v_b|)/|v_b| for the speed V at which the motion would next be fastest along the
+    /// belt, if friction had no jump there. Slip gains the energy v_b²(W + W²/2). W1 to first
+    /// order.
     pub growth: f64,
-    /// Phase by which the mass meets the belt before the end of a full turn: δ, and q0 to first order.
+    /// Phase by which the mass meets the belt before the end of a full turn: δ, and q0 to first
+    /// order.
     pub return_angle: f64,
 }
 

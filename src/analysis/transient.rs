@@ -1,6 +1,7 @@
 use crate::{Error, State};
 
-/// Slow growth or decay of a motion that does not stick, polynomial law: the solution of Eq. 12 in closed form.
+/// Slow growth or decay of a motion that does not stick, polynomial law: the solution of Eq. 12 in
+/// closed form.
 ///
 /// ```text
 /// A' = −½ h1 A − (3/8) h3 A³     ⇒  A(τ) = A(0) / √(e^{h1 τ} + ¾ h3 A(0)² (e^{h1 τ} − 1)/h1)
@@ -8,11 +9,12 @@ use crate::{Error, State};
 /// u ≈ ū + A sin ψ,  v ≈ A cos ψ
 /// ```
 ///
-/// A Bernoulli equation, linear in 1/A². All quantities are dimensionless. Errors are O(ε) for times up to O(1/ε), in the
-/// range A(τ) ≤ |v_b|.
+/// A Bernoulli equation, linear in 1/A². All quantities are dimensionless. Errors are O(ε) for
+/// times up to O(1/ε), in the range A(τ) ≤ |v_b|.
 ///
-/// Source: Farshidianfar and Noei Aghaee, Eq. 12, corrected: the right sides are meant as means over a cycle, and only A is
-/// stationary on a cycle. Made by [`PureSlip::transient`](super::PureSlip::transient).
+/// Source: Farshidianfar and Noei Aghaee, Eq. 12, corrected: the right sides are meant as means
+/// over a cycle, and only A is stationary on a cycle. Made by
+/// [`PureSlip::transient`](super::PureSlip::transient).
 ///
 /// ```
 /// use stick_slip::analysis::PureSlip;
@@ -57,7 +59,8 @@ impl Transient {
         })
     }
 
-    /// Amplitude A(τ), dimensionless. `None` for a time before which the formula has A = ∞, and for NaN.
+    /// Amplitude A(τ), dimensionless. `None` for a time before which the formula has A = ∞, and for
+    /// NaN.
     pub fn amplitude(&self, time: f64) -> Option<f64> {
         let (a, h1) = (self.initial_amplitude, self.h1);
         if a == 0.0 && !time.is_nan() {
@@ -84,7 +87,8 @@ impl Transient {
         self.initial_phase + time
     }
 
-    /// Displacement and velocity, (ū + A sin ψ, A cos ψ). `None` where [`amplitude`](Self::amplitude) is.
+    /// Displacement and velocity, (ū + A sin ψ, A cos ψ). `None` where
+    /// [`amplitude`](Self::amplitude) is.
     ///
     /// ```
     /// use stick_slip::analysis::PureSlip;

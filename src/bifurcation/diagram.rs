@@ -20,11 +20,13 @@ pub struct DiagramPoint {
     pub cycles: CycleSet,
 }
 
-/// Equilibrium and periodic motions at each of the belt velocities, computed as the iterator is advanced; the system's own v_b is ignored.
+/// Equilibrium and periodic motions at each of the belt velocities, computed as the iterator is
+/// advanced; the system's own v_b is ignored.
 ///
 /// # Errors
 ///
-/// Each item those of [`MassOnBelt::with_belt_velocity`] and [`find`](crate::limit_cycle::find); the next items follow all the same.
+/// Each item those of [`MassOnBelt::with_belt_velocity`] and [`find`](crate::limit_cycle::find);
+/// the next items follow all the same.
 ///
 /// ```
 /// use stick_slip::{CycleKind, MassOnBelt, Polynomial, bifurcation};
@@ -45,7 +47,8 @@ pub fn diagram<L: FrictionLaw>(
         .map(|v_b| point(system, *v_b.borrow()))
 }
 
-/// [`diagram`] with the belt velocities shared among threads; the same results, bit for bit, in the order of the velocities.
+/// [`diagram`] with the belt velocities shared among threads; the same results, bit for bit, in the
+/// order of the velocities.
 ///
 /// With the feature `rayon`.
 ///

@@ -12,18 +12,23 @@ const INTERVALS: usize = 64;
 /// Halvings of an interval in which something may be hidden.
 const DEPTH: u32 = 16;
 
-/// A growth that is larger than this on one side of a number and has the other sign at the next one has jumped over zero: no cycles meet there.
+/// A growth that is larger than this on one side of a number and has the other sign at the next one
+/// has jumped over zero: no cycles meet there.
 const JUMP: f64 = 1e-9;
 
-/// Farthest that a turning point moves from one belt velocity to the next, in units of the range of peak velocities.
+/// Farthest that a turning point moves from one belt velocity to the next, in units of the range of
+/// peak velocities.
 const FARTHEST: f64 = 0.1;
 
-/// Belt velocities in `range`, ascending, at which two pure-slip cycles, one stable and one unstable, meet and vanish.
+/// Belt velocities in `range`, ascending, at which two pure-slip cycles, one stable and one
+/// unstable, meet and vanish.
 ///
-/// At each belt velocity the growth of a motion over one turn, P(V)/V − 1 as a function of its peak velocity V, has turning points,
-/// where its exact derivative is zero; a fold is where the growth at a turning point passes through zero, and there the multiplier is 1. Turning
-/// points are followed over 64 belt velocities, and where they come, go or move fast, or come near zero, over up to 2¹⁶ times as many. Each is
-/// followed into the fold, from both sides, so that none is returned at which no cycles meet.
+/// At each belt velocity the growth of a motion over one turn, P(V)/V − 1 as a function of its peak
+/// velocity V, has turning points, where its exact derivative is zero; a fold is where the growth
+/// at a turning point passes through zero, and there the multiplier is 1. Turning points are
+/// followed over 64 belt velocities, and where they come, go or move fast, or come near zero, over
+/// up to 2¹⁶ times as many. Each is followed into the fold, from both sides, so that none is
+/// returned at which no cycles meet.
 ///
 /// # Errors
 ///
@@ -68,7 +73,8 @@ pub fn fold_velocities<L: FrictionLaw>(
     Ok(folds)
 }
 
-/// The growth at one belt velocity: (peak velocity, growth) at the ends of the range of peak velocities and at the turning points between.
+/// The growth at one belt velocity: (peak velocity, growth) at the ends of the range of peak
+/// velocities and at the turning points between.
 #[derive(Debug)]
 struct Outline {
     v_b: f64,

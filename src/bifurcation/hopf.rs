@@ -21,26 +21,30 @@ const PIECES: f64 = 64.0;
 /// The search begins this part below the range, so that a root exactly at its start is seen as one.
 const LOOK_BACK: f64 = 1e-6;
 
-/// Belt velocities in `range`, ascending, at which the equilibrium loses or regains stability: where h1 changes sign,
+/// Belt velocities in `range`, ascending, at which the equilibrium loses or regains stability:
+/// where h1 changes sign,
 ///
 /// ```text
 /// h1(v) = 2β + γ² dμ̂/ds(v).
 /// ```
 ///
-/// The law is expanded in power series from one end of the range to the other, each used as far as it converges and checked in between, and the
-/// roots of each are isolated, so that none is skipped. Where h1 touches zero without changing sign, to rounding, nothing happens, and nothing is
-/// reported. Where it jumps over zero, at a [breakpoint](FrictionLaw::breakpoints), that is reported; where it is zero over a whole interval, the
-/// end of that interval, if the sign behind it is another.
+/// The law is expanded in power series from one end of the range to the other, each used as far as
+/// it converges and checked in between, and the roots of each are isolated, so that none is
+/// skipped. Where h1 touches zero without changing sign, to rounding, nothing happens, and nothing
+/// is reported. Where it jumps over zero, at a [breakpoint](FrictionLaw::breakpoints), that is
+/// reported; where it is zero over a whole interval, the end of that interval, if the sign behind
+/// it is another.
 ///
-/// For the exponential law there is the closed form [`analysis::exponential::hopf_velocities`](crate::analysis::exponential::hopf_velocities).
+/// For the exponential law there is the closed form
+/// [`analysis::exponential::hopf_velocities`](crate::analysis::exponential::hopf_velocities).
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 10a and 14, for any law.
 ///
 /// # Errors
 ///
-/// [`Error::InvalidParameter`] unless the range is finite, not empty and holds positive velocities, and if it is so long that the law takes more
-/// than 10⁴ power series; [`Error::NonFiniteFriction`] or
-/// [`Error::NotAnalytic`] if the law has no series somewhere in it.
+/// [`Error::InvalidParameter`] unless the range is finite, not empty and holds positive velocities,
+/// and if it is so long that the law takes more than 10⁴ power series; [`Error::NonFiniteFriction`]
+/// or [`Error::NotAnalytic`] if the law has no series somewhere in it.
 ///
 /// ```
 /// use stick_slip::{Exponential, MassOnBelt, bifurcation};
@@ -106,7 +110,8 @@ struct Stretch {
 }
 
 impl Stretch {
-    /// The series from v, at most `longest` far; `largest`, the largest |h1| met so far, is kept up.
+    /// The series from v, at most `longest` far; `largest`, the largest |h1| met so far, is kept
+    /// up.
     fn new<L: FrictionLaw>(
         system: &MassOnBelt<L>,
         v: f64,
@@ -179,7 +184,8 @@ impl Stretch {
             .all(|(t, value)| (h1(t) - value).abs() <= allowed)
     }
 
-    /// Shortens it so that no root of h1 lies at its end, where the rounding of two series could lose it, or find it twice.
+    /// Shortens it so that no root of h1 lies at its end, where the rounding of two series could
+    /// lose it, or find it twice.
     fn end_away_from_zero(&mut self) {
         let ends = [1.0, 0.875, 0.75].map(|part| part * self.length);
         let height = |t: &f64| evaluate(&self.series, *t).abs();
@@ -209,7 +215,8 @@ struct SignChanges<H> {
 }
 
 impl<H: Fn(f64) -> f64> SignChanges<H> {
-    /// The sign changes on a stretch from v, and one at v itself if h1 jumps over zero there, or passes it.
+    /// The sign changes on a stretch from v, and one at v itself if h1 jumps over zero there, or
+    /// passes it.
     fn follow(&mut self, v: f64, stretch: &Stretch, rounding: f64) {
         let Stretch { series, length } = stretch;
         if stretch.largest_term() <= rounding {
@@ -252,7 +259,8 @@ impl<H: Fn(f64) -> f64> SignChanges<H> {
 
 /// How a pure-slip cycle is born at a Hopf point.
 ///
-/// Source: the averaged equation A' = −½h1 A − (3/8)h3 A³ with h3 = γ² μ̂'''(v_b)/6 (Eq. 12 of Farshidianfar and Noei Aghaee, for any law).
+/// Source: the averaged equation A' = −½h1 A − (3/8)h3 A³ with h3 = γ² μ̂'''(v_b)/6 (Eq. 12 of
+/// Farshidianfar and Noei Aghaee, for any law).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Criticality {
@@ -274,9 +282,11 @@ impl std::fmt::Display for Criticality {
     }
 }
 
-/// Whether the Hopf point at the belt velocity v_b is super- or subcritical, from the sign of μ̂'''(|v_b|).
+/// Whether the Hopf point at the belt velocity v_b is super- or subcritical, from the sign of
+/// μ̂'''(|v_b|).
 ///
-/// That v_b is a Hopf point is not checked. At a breakpoint the piece above counts; where h1 jumps over zero there, the third derivative says nothing.
+/// That v_b is a Hopf point is not checked. At a breakpoint the piece above counts; where h1 jumps
+/// over zero there, the third derivative says nothing.
 ///
 /// ```
 /// use stick_slip::bifurcation::{Criticality, criticality, hopf_velocities};

@@ -9,8 +9,9 @@
 //! | [`crossing_velocities`] | it no longer sticks at all |
 //! | [`silencing_damping`] | over the damping, at one belt velocity: no vibration lasts from there on |
 //!
-//! Every velocity is a root of an exact function of the belt velocity, bracketed and refined to round-off. How densely a range is
-//! searched is told with each function; a narrower range is searched more closely.
+//! Every velocity is a root of an exact function of the belt velocity, bracketed and refined to
+//! round-off. How densely a range is searched is told with each function; a narrower range is
+//! searched more closely.
 //!
 //! [`analysis`](crate::analysis) has closed forms for some laws and some of these.
 //!
@@ -36,19 +37,21 @@ use crate::limit_cycle::{Contacts, Tracer};
 use crate::{Error, MassOnBelt};
 use scan::sign_changes;
 
-/// Belt velocities in `range` at which stick-slip appears or disappears, ascending: the motion from the release point comes back to the
-/// belt tangentially.
+/// Belt velocities in `range` at which stick-slip appears or disappears, ascending: the motion from
+/// the release point comes back to the belt tangentially.
 ///
-/// Where μ̂(0) = μ_s a pure-slip cycle touches the belt velocity there, and so it goes over into stick-slip. Where μ̂(0) < μ_s (Coulomb)
-/// the stick-slip cycle dies alone.
+/// Where μ̂(0) = μ_s a pure-slip cycle touches the belt velocity there, and so it goes over into
+/// stick-slip. Where μ̂(0) < μ_s (Coulomb) the stick-slip cycle dies alone.
 ///
-/// The function followed is smooth through its roots: w²/(2v_b) for a contact with the relative velocity's rate w, and V − v_b for a motion that
-/// turns back at a velocity maximum V below. The range is divided into 64 intervals, and those in which a root may hide into up to 2¹⁰ more:
-/// a range a thousand times wider than where the system vibrates may show nothing.
+/// The function followed is smooth through its roots: w²/(2v_b) for a contact with the relative
+/// velocity's rate w, and V − v_b for a motion that turns back at a velocity maximum V below. The
+/// range is divided into 64 intervals, and those in which a root may hide into up to 2¹⁰ more: a
+/// range a thousand times wider than where the system vibrates may show nothing.
 ///
 /// # Errors
 ///
-/// [`Error::InvalidParameter`] unless the range is finite and not empty; else those of [`limit_cycle::find`](crate::limit_cycle::find).
+/// [`Error::InvalidParameter`] unless the range is finite and not empty; else those of
+/// [`limit_cycle::find`](crate::limit_cycle::find).
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, bifurcation};
@@ -66,8 +69,8 @@ pub fn grazing_velocities<L: FrictionLaw>(
     over_belt_velocities(system, range, |contacts| Some(contacts.gap))
 }
 
-/// Belt velocities in `range` between plain stick-slip and overshoot, ascending: the first contact after release lies at the far end of the
-/// stick band.
+/// Belt velocities in `range` between plain stick-slip and overshoot, ascending: the first contact
+/// after release lies at the far end of the stick band.
 ///
 /// Searched as densely as in [`grazing_velocities`], and with the same errors.
 ///
@@ -87,8 +90,8 @@ pub fn overshoot_velocities<L: FrictionLaw>(
     over_belt_velocities(system, range, |contacts| contacts.beyond_low)
 }
 
-/// Belt velocities in `range` between overshoot and crossing, ascending: after release and a crossing the mass comes back exactly at the
-/// release point.
+/// Belt velocities in `range` between overshoot and crossing, ascending: after release and a
+/// crossing the mass comes back exactly at the release point.
 ///
 /// Searched as densely as in [`grazing_velocities`], and with the same errors.
 ///

@@ -8,11 +8,13 @@ const INTERVALS: usize = 64;
 /// Halvings of an interval in which something may be hidden.
 const DEPTH: u32 = 10;
 
-/// Finds the sign changes of `f`, of order 1, over a range, each to the last bit; `None` where f is not defined.
+/// Finds the sign changes of `f`, of order 1, over a range, each to the last bit; `None` where f is
+/// not defined.
 ///
-/// The range is divided into [`INTERVALS`] intervals; one is halved, up to [`DEPTH`] times, while f is defined at one end only, or while
-/// it comes closer to zero than it changes across the interval. Two sign changes are lost only if f turns back between
-/// points of that grid: narrow the range to look closer.
+/// The range is divided into [`INTERVALS`] intervals; one is halved, up to [`DEPTH`] times, while f
+/// is defined at one end only, or while it comes closer to zero than it changes across the
+/// interval. Two sign changes are lost only if f turns back between points of that grid: narrow the
+/// range to look closer.
 pub(super) fn sign_changes(
     mut f: impl FnMut(f64) -> Result<Option<f64>, Error>,
     range: &std::ops::Range<f64>,
@@ -44,10 +46,12 @@ fn divide(
 ) -> Result<(), Error> {
     let suspicious = match (a.1, b.1) {
         (None, None) => false,
-        // Zero throughout, as for a motion that returns to the belt tangentially at every belt velocity.
+        // Zero throughout, as for a motion that returns to the belt tangentially at every belt
+        // velocity.
         (Some(p), Some(q)) if p.abs().max(q.abs()) <= ROUNDING => false,
         (Some(p), Some(q)) if (p > 0.0) != (q > 0.0) => {
-            // A jump is one too: the motion may depend on the belt velocity so steeply that it passes through zero within an ulp.
+            // A jump is one too: the motion may depend on the belt velocity so steeply that it
+            // passes through zero within an ulp.
             if let Some((root, _)) = root_between(f, (a.0, p), (b.0, q))? {
                 roots.push(root);
                 return Ok(());
@@ -66,15 +70,17 @@ fn divide(
     Ok(())
 }
 
-/// The root of a function that is defined, and of different sign, at both ends, between neighbouring numbers: false position, with
-/// bisection where that does not halve the bracket within three evaluations. With it, how far from zero the function is on either side of it
-/// at most; `None` where the function has a gap in between.
+/// The root of a function that is defined, and of different sign, at both ends, between
+/// neighbouring numbers: false position, with bisection where that does not halve the bracket
+/// within three evaluations. With it, how far from zero the function is on either side of it at
+/// most; `None` where the function has a gap in between.
 pub(super) fn root_between(
     f: &mut impl FnMut(f64) -> Result<Option<f64>, Error>,
     (mut a, mut at_a): (f64, f64),
     (mut b, mut at_b): (f64, f64),
 ) -> Result<Option<(f64, f64)>, Error> {
-    // While one end moves alone, its steps go twice as far each time, so that the other end soon moves too.
+    // While one end moves alone, its steps go twice as far each time, so that the other end soon
+    // moves too.
     let (mut lower_moved, mut stretch) = (None, 1.0);
     let (mut width, mut slow) = (b - a, 0_u32);
     loop {
@@ -115,8 +121,8 @@ pub(super) fn root_between(
             slow += 1;
         }
     }
-    // Of the two neighbouring numbers that are left, the lower one lies in every range in which the change is seen: so none is lost, and
-    // none found twice, where a range is cut.
+    // Of the two neighbouring numbers that are left, the lower one lies in every range in which the
+    // change is seen: so none is lost, and none found twice, where a range is cut.
     Ok(Some((a, at_a.abs().max(at_b.abs()))))
 }
 

@@ -2,22 +2,25 @@ use crate::friction::FrictionLaw;
 use crate::limit_cycle::find;
 use crate::{Error, MassOnBelt};
 
-/// The least damping ratio β from which on no vibration lasts at the system's belt velocity: steady sliding is stable, and there is no periodic
-/// motion. Below it there is one, or steady sliding is unstable. The system's own β is ignored; 0 at v_b = 0.
+/// The least damping ratio β from which on no vibration lasts at the system's belt velocity: steady
+/// sliding is stable, and there is no periodic motion. Below it there is one, or steady sliding is
+/// unstable. The system's own β is ignored; 0 at v_b = 0.
 ///
-/// Such a border exists. With more damping the velocity field at every state is turned inwards, so round a cycle at one β every motion with
-/// less damping that starts outside stays outside, and never gets to steady sliding: what vibrates at one β can vibrate at every smaller one.
+/// Such a border exists. With more damping the velocity field at every state is turned inwards, so
+/// round a cycle at one β every motion with less damping that starts outside stays outside, and
+/// never gets to steady sliding: what vibrates at one β can vibrate at every smaller one.
 ///
-/// At the border steady sliding becomes stable, at β = −½γ²dμ̂/ds(|v_b|), or the last two cycles meet, or stick-slip grazes the belt. It is
-/// enclosed by doubling and halved to rounding, with [`find`] as the judge, and is as complete as that is: a range that
-/// [can't be resolved](crate::limit_cycle::CycleSet::unresolved) counts as a vibration.
+/// At the border steady sliding becomes stable, at β = −½γ²dμ̂/ds(|v_b|), or the last two cycles
+/// meet, or stick-slip grazes the belt. It is enclosed by doubling and halved to rounding, with
+/// [`find`] as the judge, and is as complete as that is: a range that [can't be
+/// resolved](crate::limit_cycle::CycleSet::unresolved) counts as a vibration.
 ///
 /// Source: cycles of rotated vector fields, Duff, *Ann. Math.* 57 (1953) 15-31.
 ///
 /// # Errors
 ///
-/// Those of [`find`](crate::limit_cycle::find) at any of the β tried, the largest of them 10⁻³, or less than twice the result, or than twice the β at
-/// which steady sliding becomes stable.
+/// Those of [`find`](crate::limit_cycle::find) at any of the β tried, the largest of them 10⁻³, or
+/// less than twice the result, or than twice the β at which steady sliding becomes stable.
 ///
 /// ```
 /// use stick_slip::{Coulomb, Exponential, MassOnBelt, bifurcation};

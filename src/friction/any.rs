@@ -3,9 +3,9 @@ use crate::Scalar;
 
 /// Any of the crate's laws, for a choice at run time.
 ///
-/// [`FrictionLaw`] is generic and has no trait objects; this enum is a law itself and gives the same numbers, to the bit, as
-/// the law inside. For laws of your own write such an enum yourself: three functions with a `match`, and `breakpoints` and
-/// `kinetic_on` where a law is piecewise.
+/// [`FrictionLaw`] is generic and has no trait objects; this enum is a law itself and gives the
+/// same numbers, to the bit, as the law inside. For laws of your own write such an enum yourself:
+/// three functions with a `match`, and `breakpoints` and `kinetic_on` where a law is piecewise.
 ///
 /// ```
 /// use stick_slip::{AnyLaw, Coulomb, FrictionLaw, MassOnBelt, Polynomial, Rational, State};

@@ -7,10 +7,11 @@ use crate::{Error, Scalar};
 /// μ̂(s) = μ_k
 /// ```
 ///
-/// Both are dimensionless. With μ_s > μ_k the force jumps at the start of slip, and that jump alone can keep stick-slip going.
+/// Both are dimensionless. With μ_s > μ_k the force jumps at the start of slip, and that jump alone
+/// can keep stick-slip going.
 ///
-/// Source: C. A. de Coulomb, *Théorie des machines simples* (1785); Popp and Stelter, *Phil. Trans. R. Soc. A* 332 (1990)
-/// 89-105.
+/// Source: C. A. de Coulomb, *Théorie des machines simples* (1785); Popp and Stelter, *Phil. Trans.
+/// R. Soc. A* 332 (1990) 89-105.
 ///
 /// ```
 /// use stick_slip::{Coulomb, FrictionLaw};

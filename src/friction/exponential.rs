@@ -7,11 +7,13 @@ use crate::{Error, Scalar};
 /// μ̂(s) = μ_k + (μ_s − μ_k) exp(−(s/v_s)²)
 /// ```
 ///
-/// All quantities are dimensionless; v_s is the Stribeck velocity. Much of the field calls another law "the exponential law":
-/// that with the first power, exp(−s/v_s), which is [`Stribeck`](crate::Stribeck) with the exponent 1.
+/// All quantities are dimensionless; v_s is the Stribeck velocity. Much of the field calls another
+/// law "the exponential law": that with the first power, exp(−s/v_s), which is
+/// [`Stribeck`](crate::Stribeck) with the exponent 1.
 ///
-/// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and Stability Analysis*,
-/// Eq. 6 (whose abstract says that it "first drops off and then raises": it does not).
+/// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
+/// Stability Analysis*, Eq. 6 (whose abstract says that it "first drops off and then raises": it
+/// does not).
 ///
 /// ```
 /// use stick_slip::{Exponential, FrictionLaw};
@@ -37,11 +39,13 @@ pub struct Exponential {
 }
 
 impl Exponential {
-    /// A law with static coefficient μ_s, kinetic coefficient μ_k and Stribeck velocity v_s, all dimensionless.
+    /// A law with static coefficient μ_s, kinetic coefficient μ_k and Stribeck velocity v_s, all
+    /// dimensionless.
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] unless all are finite, 0 ≤ μ_k ≤ μ_s, v_s > 0, and 1/v_s² does not overflow.
+    /// [`Error::InvalidParameter`] unless all are finite, 0 ≤ μ_k ≤ μ_s, v_s > 0, and 1/v_s² does
+    /// not overflow.
     pub fn new(
         static_coefficient: f64,
         kinetic_coefficient: f64,

@@ -19,15 +19,17 @@ pub use tabulated::Tabulated;
 use crate::Error;
 use crate::scalar::{LONGEST, Scalar, Workspace, expand};
 
-/// A dry friction law: the static coefficient, and the kinetic coefficient μ̂(s) at sliding speed s = |v_r| ≥ 0.
+/// A dry friction law: the static coefficient, and the kinetic coefficient μ̂(s) at sliding speed s
+/// = |v_r| ≥ 0.
 ///
-/// The full law is odd in the relative velocity v_r = v − v_b: μ(v_r) = sgn(v_r)·μ̂(|v_r|). All coefficients and speeds are
-/// dimensionless.
+/// The full law is odd in the relative velocity v_r = v − v_b: μ(v_r) = sgn(v_r)·μ̂(|v_r|). All
+/// coefficients and speeds are dimensionless.
 ///
 /// # What to write
 ///
-/// Two functions. [`kinetic`](Self::kinetic) is generic over the number type, so that the crate can take its power series along
-/// a motion and its exact derivatives; nothing else is ever differentiated by hand. The rules for it are those of [`Scalar`].
+/// Two functions. [`kinetic`](Self::kinetic) is generic over the number type, so that the crate can
+/// take its power series along a motion and its exact derivatives; nothing else is ever
+/// differentiated by hand. The rules for it are those of [`Scalar`].
 ///
 /// ```
 /// use stick_slip::{FrictionLaw, MassOnBelt, Scalar, State};
@@ -58,41 +60,48 @@ use crate::scalar::{LONGEST, Scalar, Workspace, expand};
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
-/// Mark `kinetic` as `#[inline]`: the compiler then puts it into the integrator, and a law of your own runs as fast as one of the crate's.
-/// Without the attribute it may stay a call for each order of each series, at about 1.5 times the cost.
+/// Mark `kinetic` as `#[inline]`: the compiler then puts it into the integrator, and a law of your
+/// own runs as fast as one of the crate's. Without the attribute it may stay a call for each order
+/// of each series, at about 1.5 times the cost.
 ///
 /// # Piecewise laws
 ///
-/// A law that is analytic only piece by piece (a table, a kink) must be continuous. It names the speeds where pieces meet in
-/// [`breakpoints`](Self::breakpoints) and gives piece i, for breakpoint i−1 ≤ s ≤ breakpoint i, in
-/// [`kinetic_on`](Self::kinetic_on). The integrator ends a step exactly at a breakpoint and says which piece comes next, so
-/// a law never has to decide by comparing a speed that lies on one. Every piece is also evaluated a little outside its
-/// interval.
+/// A law that is analytic only piece by piece (a table, a kink) must be continuous. It names the
+/// speeds where pieces meet in [`breakpoints`](Self::breakpoints) and gives piece i, for breakpoint
+/// i−1 ≤ s ≤ breakpoint i, in [`kinetic_on`](Self::kinetic_on). The integrator ends a step exactly
+/// at a breakpoint and says which piece comes next, so a law never has to decide by comparing a
+/// speed that lies on one. Every piece is also evaluated a little outside its interval.
 ///
 /// # What a law must not do
 ///
-/// Give different results for the same speed; panic; return NaN or ±∞ at a speed that the motion reaches (a typed error, not a
-/// wrong result). It must hold μ̂(0) ≤ μ_s, to a few ulps; [`MassOnBelt::new`](crate::MassOnBelt::new) checks that.
+/// Give different results for the same speed; panic; return NaN or ±∞ at a speed that the motion
+/// reaches (a typed error, not a wrong result). It must hold μ̂(0) ≤ μ_s, to a few ulps;
+/// [`MassOnBelt::new`](crate::MassOnBelt::new) checks that.
 pub trait FrictionLaw {
-    /// Static coefficient μ_s: the mass sticks while the contact carries at most γ²μ_s. Dimensionless.
+    /// Static coefficient μ_s: the mass sticks while the contact carries at most γ²μ_s.
+    /// Dimensionless.
     fn static_coefficient(&self) -> f64;
 
-    /// Kinetic coefficient μ̂(s) at sliding speed s ≥ 0; at s = 0 its limit from above. Dimensionless.
+    /// Kinetic coefficient μ̂(s) at sliding speed s ≥ 0; at s = 0 its limit from above.
+    /// Dimensionless.
     fn kinetic<S: Scalar>(&self, speed: S) -> S;
 
-    /// Speeds at which the pieces of the law meet: finitely many, ascending, positive. None for an analytic law; but one that has a very narrow
-    /// feature away from s = 0 should name its place and its ends, so that no step passes over it.
+    /// Speeds at which the pieces of the law meet: finitely many, ascending, positive. None for an
+    /// analytic law; but one that has a very narrow feature away from s = 0 should name its place
+    /// and its ends, so that no step passes over it.
     fn breakpoints(&self) -> impl Iterator<Item = f64> {
         std::iter::empty()
     }
 
-    /// Piece number `piece` of the law, continued analytically beyond its ends. An analytic law has one piece.
+    /// Piece number `piece` of the law, continued analytically beyond its ends. An analytic law has
+    /// one piece.
     #[inline(always)]
     fn kinetic_on<S: Scalar>(&self, _piece: usize, speed: S) -> S {
         self.kinetic(speed)
     }
 
-    /// Friction coefficient μ(v_r) = sgn(v_r)·μ̂(|v_r|) at a relative velocity of either sign; 0 at 0.
+    /// Friction coefficient μ(v_r) = sgn(v_r)·μ̂(|v_r|) at a relative velocity of either sign; 0 at
+    /// 0.
     ///
     /// ```
     /// use stick_slip::{Coulomb, FrictionLaw};
@@ -138,7 +147,8 @@ pub trait FrictionLaw {
         2.0 * taylor_coefficients::<4, _>(&self, speed)[2]
     }
 
-    /// n-th derivative of μ̂ at sliding speed s, exact to rounding; at a breakpoint that of the piece above. NaN for n > 30.
+    /// n-th derivative of μ̂ at sliding speed s, exact to rounding; at a breakpoint that of the
+    /// piece above. NaN for n > 30.
     ///
     /// ```
     /// use stick_slip::{Exponential, FrictionLaw};
@@ -178,7 +188,8 @@ pub(crate) fn piece_above<L: FrictionLaw>(law: &L, speed: f64) -> usize {
     law.breakpoints().take_while(|&b| b <= speed).count()
 }
 
-/// Coefficients of μ̂ as a power series in the sliding speed about `speed`; those from order M − 1 on are not computed (order 1 always is).
+/// Coefficients of μ̂ as a power series in the sliding speed about `speed`; those from order M − 1
+/// on are not computed (order 1 always is).
 pub(crate) fn taylor_coefficients<const M: usize, L: FrictionLaw>(law: &L, speed: f64) -> [f64; M] {
     taylor_coefficients_on(law, piece_above(law, speed), speed)
 }
@@ -200,7 +211,8 @@ pub(crate) fn taylor_coefficients_on<const M: usize, L: FrictionLaw>(
     series
 }
 
-/// Checks what the trait asks of a law and a system relies on: μ_s finite and ≥ μ̂(0), breakpoints in order, the law continuous.
+/// Checks what the trait asks of a law and a system relies on: μ_s finite and ≥ μ̂(0), breakpoints
+/// in order, the law continuous.
 pub(crate) fn validate<L: FrictionLaw>(law: &L) -> Result<(), Error> {
     let static_coefficient = law.static_coefficient();
     Error::check(
@@ -260,12 +272,14 @@ pub(crate) fn slope_on<L: FrictionLaw>(law: &L, piece: usize, speed: f64) -> Res
     }
 }
 
-/// Whether friction does not depend on the sliding speed near this one: all derivatives of the law are zero.
+/// Whether friction does not depend on the sliding speed near this one: all derivatives of the law
+/// are zero.
 pub(crate) fn is_constant_near<L: FrictionLaw>(law: &L, speed: f64) -> bool {
     is_constant(&taylor_coefficients(law, speed))
 }
 
-/// Whether there is no kinetic friction at any speed: on each piece the law and all its derivatives are zero.
+/// Whether there is no kinetic friction at any speed: on each piece the law and all its derivatives
+/// are zero.
 pub(crate) fn has_no_kinetic_friction<L: FrictionLaw>(law: &L) -> bool {
     let starts = std::iter::once(0.0).chain(law.breakpoints());
     starts.enumerate().all(|(piece, speed)| {

@@ -7,10 +7,11 @@ use crate::{Error, Scalar};
 /// μ̂(s) = μ_s − k1 s + k3 s³,   k1 = (3/2)(μ_s − μ_m)/v_m,   k3 = (1/2)(μ_s − μ_m)/v_m³
 /// ```
 ///
-/// All quantities are dimensionless. It falls from μ_s at rest to μ_m at s = v_m and rises without bound beyond.
+/// All quantities are dimensionless. It falls from μ_s at rest to μ_m at s = v_m and rises without
+/// bound beyond.
 ///
-/// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and Stability Analysis*,
-/// Eqs. 3-5; Thomsen and Fidlin, *Int. J. Non-Linear Mech.* 38 (2003) 389-403.
+/// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
+/// Stability Analysis*, Eqs. 3-5; Thomsen and Fidlin, *Int. J. Non-Linear Mech.* 38 (2003) 389-403.
 ///
 /// ```
 /// use stick_slip::{FrictionLaw, Polynomial};
@@ -42,7 +43,8 @@ impl Polynomial {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] unless all are finite, 0 ≤ μ_m ≤ μ_s, v_m > 0, and k1 and k3 do not overflow.
+    /// [`Error::InvalidParameter`] unless all are finite, 0 ≤ μ_m ≤ μ_s, v_m > 0, and k1 and k3 do
+    /// not overflow.
     pub fn new(
         static_coefficient: f64,
         minimum_coefficient: f64,

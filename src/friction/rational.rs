@@ -1,18 +1,20 @@
 use super::FrictionLaw;
 use crate::{Error, Scalar};
 
-/// The hyperbolic law of Leine and, with an offset and a quadratic term, the form known by the names of Popp and Stelter.
+/// The hyperbolic law of Leine and, with an offset and a quadratic term, the form known by the
+/// names of Popp and Stelter.
 ///
 /// ```text
 /// μ̂(s) = μ_s/(1 + δ s)                              (Leine)
 /// μ̂(s) = (μ_s − μ_o)/(1 + δ s) + μ_o + η s²         (after Popp and Stelter)
 /// ```
 ///
-/// All quantities are dimensionless. The first falls to 0; the second falls towards the offset μ_o and, for η > 0, rises again.
-/// Both begin with the slope −δ(μ_s − μ_o). Symbols for the parameters differ in the literature.
+/// All quantities are dimensionless. The first falls to 0; the second falls towards the offset μ_o
+/// and, for η > 0, rises again. Both begin with the slope −δ(μ_s − μ_o). Symbols for the parameters
+/// differ in the literature.
 ///
-/// Source: Leine, van Campen, de Kraker and van den Steen, *Nonlinear Dynamics* 16 (1998) 41-54; Popp and Stelter, *Phil. Trans.
-/// R. Soc. A* 332 (1990) 89-105.
+/// Source: Leine, van Campen, de Kraker and van den Steen, *Nonlinear Dynamics* 16 (1998) 41-54;
+/// Popp and Stelter, *Phil. Trans. R. Soc. A* 332 (1990) 89-105.
 ///
 /// ```
 /// use stick_slip::{FrictionLaw, Rational};
@@ -39,7 +41,8 @@ pub struct Rational {
 }
 
 impl Rational {
-    /// Leine's law with static coefficient μ_s and decay δ, both dimensionless: no offset and no quadratic term.
+    /// Leine's law with static coefficient μ_s and decay δ, both dimensionless: no offset and no
+    /// quadratic term.
     ///
     /// # Errors
     ///

@@ -1,22 +1,23 @@
 use super::FrictionLaw;
 use crate::{Error, Scalar};
 
-/// The Stribeck law: it falls from μ_s towards the Coulomb coefficient μ_c, and a viscous term raises it again.
+/// The Stribeck law: it falls from μ_s towards the Coulomb coefficient μ_c, and a viscous term
+/// raises it again.
 ///
 /// ```text
 /// μ̂(s) = μ_c + (μ_s − μ_c) exp(−(s/v_s)^δ) + k_v s
 /// ```
 ///
-/// All quantities are dimensionless; v_s is the Stribeck velocity, δ the exponent. δ = 1 is Tustin's law, what much of the field
-/// calls "the exponential law"; δ = 2 is the Gaussian of Armstrong-Hélouvry, and with k_v = 0 the law
-/// [`Exponential`](crate::Exponential).
+/// All quantities are dimensionless; v_s is the Stribeck velocity, δ the exponent. δ = 1 is
+/// Tustin's law, what much of the field calls "the exponential law"; δ = 2 is the Gaussian of
+/// Armstrong-Hélouvry, and with k_v = 0 the law [`Exponential`](crate::Exponential).
 ///
-/// The exponent is a whole number. Bo and Pavelescu found ½ ≤ δ ≤ 1 in their measurements, but for δ = ½ the slope at s = 0 is
-/// infinite, and for no broken δ is there a power series at s = 0, where every slip phase begins. Take
-/// [`Tabulated`](crate::Tabulated) for such a curve.
+/// The exponent is a whole number. Bo and Pavelescu found ½ ≤ δ ≤ 1 in their measurements, but for
+/// δ = ½ the slope at s = 0 is infinite, and for no broken δ is there a power series at s = 0,
+/// where every slip phase begins. Take [`Tabulated`](crate::Tabulated) for such a curve.
 ///
-/// Source: Bo and Pavelescu, *Wear* 82 (1982) 277-289; Armstrong-Hélouvry, Dupont and Canudas de Wit, *Automatica* 30 (1994)
-/// 1083-1138.
+/// Source: Bo and Pavelescu, *Wear* 82 (1982) 277-289; Armstrong-Hélouvry, Dupont and Canudas de
+/// Wit, *Automatica* 30 (1994) 1083-1138.
 ///
 /// ```
 /// use stick_slip::{FrictionLaw, Stribeck};
@@ -49,12 +50,13 @@ pub struct Stribeck {
 const UNDERFLOW: f64 = 1000.0;
 
 impl Stribeck {
-    /// A law with static coefficient μ_s, Coulomb coefficient μ_c, Stribeck velocity v_s and exponent δ, all dimensionless, and
-    /// no viscous term.
+    /// A law with static coefficient μ_s, Coulomb coefficient μ_c, Stribeck velocity v_s and
+    /// exponent δ, all dimensionless, and no viscous term.
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] unless all are finite, 0 ≤ μ_c ≤ μ_s, v_s > 0, 1/v_s does not overflow, and 1 ≤ δ < 2³¹.
+    /// [`Error::InvalidParameter`] unless all are finite, 0 ≤ μ_c ≤ μ_s, v_s > 0, 1/v_s does not
+    /// overflow, and 1 ≤ δ < 2³¹.
     pub fn new(
         static_coefficient: f64,
         coulomb_coefficient: f64,

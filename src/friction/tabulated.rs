@@ -7,23 +7,28 @@ use crate::{Error, Scalar};
 /// μ̂(s) = μ_i + d_i t + c_i t² + b_i t³,   t = s − s_i,   s_i ≤ s ≤ s_{i+1}
 /// ```
 ///
-/// Speeds s_i and coefficients μ_i are dimensionless. The law goes through every point, has a continuous slope, and rises and
-/// falls only where the points do: between two points it never leaves their range. The slope d_i is the weighted harmonic mean
-/// of the slopes of the two chords that meet there, or 0 where those have opposite signs.
+/// Speeds s_i and coefficients μ_i are dimensionless. The law goes through every point, has a
+/// continuous slope, and rises and falls only where the points do: between two points it never
+/// leaves their range. The slope d_i is the weighted harmonic mean of the slopes of the two chords
+/// that meet there, or 0 where those have opposite signs.
 ///
-/// The first point is at s = 0, where every slip phase begins: how friction falls near rest decides whether the mass sticks. If the
-/// measurements do not reach so far, put the value that you extrapolate to, or the static coefficient, there.
+/// The first point is at s = 0, where every slip phase begins: how friction falls near rest decides
+/// whether the mass sticks. If the measurements do not reach so far, put the value that you
+/// extrapolate to, or the static coefficient, there.
 ///
-/// Above the last point the coefficient stays constant. So that the slope is continuous there too, it is 0 at the last point: between the
-/// last two points the law levels off. Measure up to the fastest sliding of the motion, which is often twice the belt velocity or more.
+/// Above the last point the coefficient stays constant. So that the slope is continuous there too,
+/// it is 0 at the last point: between the last two points the law levels off. Measure up to the
+/// fastest sliding of the motion, which is often twice the belt velocity or more.
 ///
 /// μ_s is μ̂(0), unless set by [`with_static_coefficient`](Self::with_static_coefficient).
 ///
-/// All points but the first are [breakpoints](FrictionLaw::breakpoints), and the integrator ends a step at each that the motion passes.
-/// A few dozen points are plenty; thin out thousands, and average scattered measurements, first.
+/// All points but the first are [breakpoints](FrictionLaw::breakpoints), and the integrator ends a
+/// step at each that the motion passes. A few dozen points are plenty; thin out thousands, and
+/// average scattered measurements, first.
 ///
-/// Source: Fritsch and Carlson, *SIAM J. Numer. Anal.* 17 (1980) 238-246; slopes of Fritsch and Butland, *SIAM J. Sci. Stat.
-/// Comput.* 5 (1984) 300-304, with the end formula of Moler, *Numerical Computing with MATLAB* (SIAM 2004), section 3.6, at the first point.
+/// Source: Fritsch and Carlson, *SIAM J. Numer. Anal.* 17 (1980) 238-246; slopes of Fritsch and
+/// Butland, *SIAM J. Sci. Stat. Comput.* 5 (1984) 300-304, with the end formula of Moler,
+/// *Numerical Computing with MATLAB* (SIAM 2004), section 3.6, at the first point.
 ///
 /// ```
 /// use stick_slip::{FrictionLaw, Tabulated};
@@ -63,8 +68,9 @@ impl Tabulated {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] unless there are at least two points; [`Error::BadPoint`], with the first point at fault, unless all numbers are
-    /// finite and ≥ 0, the first speed is 0, the speeds ascend strictly, and no coefficient of the cubics overflows.
+    /// [`Error::InvalidParameter`] unless there are at least two points; [`Error::BadPoint`], with
+    /// the first point at fault, unless all numbers are finite and ≥ 0, the first speed is 0, the
+    /// speeds ascend strictly, and no coefficient of the cubics overflows.
     pub fn new(points: impl IntoIterator<Item = (f64, f64)>) -> Result<Self, Error> {
         let points: Vec<_> = points.into_iter().collect();
         Error::check(
@@ -180,7 +186,8 @@ impl Chord {
     }
 }
 
-/// Slope at an inner point (Fritsch and Butland): (w1 + w2)/(w1/m1 + w2/m2), w1 = h1 + 2 h2, w2 = 2 h1 + h2.
+/// Slope at an inner point (Fritsch and Butland): (w1 + w2)/(w1/m1 + w2/m2), w1 = h1 + 2 h2, w2 = 2
+/// h1 + h2.
 fn inner_slope(before: Chord, after: Chord) -> f64 {
     if before.turns(after) {
         return 0.0;
@@ -190,7 +197,8 @@ fn inner_slope(before: Chord, after: Chord) -> f64 {
     (w1 + w2) / (w1 / before.slope + w2 / after.slope)
 }
 
-/// Slope at the first point: of the parabola through three points, limited so that the cubic stays monotone.
+/// Slope at the first point: of the parabola through three points, limited so that the cubic stays
+/// monotone.
 fn end_slope(chord: Chord, next: Chord) -> f64 {
     let (h1, h2) = (chord.length, next.length);
     let slope = ((2.0 * h1 + h2) * chord.slope - h1 * next.slope) / (h1 + h2);

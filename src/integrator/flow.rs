@@ -10,11 +10,13 @@ use super::step::{Clock, Event, EventKind, Mode, Step};
 use crate::friction::FrictionLaw;
 use crate::{Direction, Error, MassOnBelt, Reached, State};
 
-/// The motion from a start state, step by step, without an end: an iterator of [`Step`]s in constant memory.
+/// The motion from a start state, step by step, without an end: an iterator of [`Step`]s in
+/// constant memory.
 ///
-/// Made by [`Integrator::flow`]. Steps follow each other without a gap. After an error comes `None`. A motion that comes to
-/// rest for ever (in stick at v_b = 0, or exactly on an equilibrium) is one last step of infinite duration. One that settles to steady sliding
-/// goes on without events: whoever waits for the next event sets [`Integrator::with_max_steps`].
+/// Made by [`Integrator::flow`]. Steps follow each other without a gap. After an error comes
+/// `None`. A motion that comes to rest for ever (in stick at v_b = 0, or exactly on an equilibrium)
+/// is one last step of infinite duration. One that settles to steady sliding goes on without
+/// events: whoever waits for the next event sets [`Integrator::with_max_steps`].
 ///
 /// ```
 /// use stick_slip::{Coulomb, Integrator, MassOnBelt, Mode, State};
@@ -49,10 +51,12 @@ enum Phase {
     Ended,
 }
 
-/// Scales of a motion, max(|u − ū|, |v|, |v_b|), at which the terms of its series neither become subnormal numbers nor overflow.
+/// Scales of a motion, max(|u − ū|, |v|, |v_b|), at which the terms of its series neither become
+/// subnormal numbers nor overflow.
 const SCALES: RangeInclusive<f64> = 1e-280..=1e300;
 
-/// Distance from the release point, in units of ε times the largest term of its formula, within which a start is one exactly on it.
+/// Distance from the release point, in units of ε times the largest term of its formula, within
+/// which a start is one exactly on it.
 const RELEASE_ROUNDING: f64 = 4.0;
 
 impl<'s, L: FrictionLaw> Flow<'s, L> {
@@ -246,7 +250,8 @@ impl<L: FrictionLaw> Iterator for Flow<'_, L> {
             (Phase::Ended, _) => return None,
             (_, Some(error)) => Err(error),
             (Phase::Stick, None) => Ok(self.stick()),
-            // By reference: a copy of the point would load, as a whole, what has just been stored in parts, and wait for it.
+            // By reference: a copy of the point would load, as a whole, what has just been stored
+            // in parts, and wait for it.
             (Phase::Slip(point), None) => {
                 let direction = point.direction;
                 self.stepper

@@ -1,4 +1,5 @@
-//! The non-smooth event integrator: Taylor steps, contact by root isolation, a phase machine of stick and slip.
+//! The non-smooth event integrator: Taylor steps, contact by root isolation, a phase machine of
+//! stick and slip.
 
 mod flow;
 mod polynomial;
@@ -24,8 +25,9 @@ use crate::{Error, FrictionLaw, MassOnBelt, State};
 
 /// Settings of the integrator: tolerance and limits of work.
 ///
-/// The method is a Taylor series of order 26 in each step of a slip phase, with contact located as the first root of the sliding speed's
-/// own polynomial, and closed formulas in stick. What it promises is on the [crate page](crate#what-the-integrator-promises).
+/// The method is a Taylor series of order 26 in each step of a slip phase, with contact located as
+/// the first root of the sliding speed's own polynomial, and closed formulas in stick. What it
+/// promises is on the [crate page](crate#what-the-integrator-promises).
 ///
 /// ```
 /// use stick_slip::{Integrator, MassOnBelt, Polynomial, State};
@@ -45,16 +47,20 @@ pub struct Integrator {
 }
 
 impl Integrator {
-    /// The default tolerance: 2⁻⁵², the rounding of a number. A smaller one takes more steps and gains nothing.
+    /// The default tolerance: 2⁻⁵², the rounding of a number. A smaller one takes more steps and
+    /// gains nothing.
     pub const ROUND_OFF: f64 = f64::EPSILON;
-    /// The least tolerance, with which cycles are followed: those that are almost neutral magnify what a step leaves out.
+    /// The least tolerance, with which cycles are followed: those that are almost neutral magnify
+    /// what a step leaves out.
     pub const MIN_TOLERANCE: f64 = 1e-16;
     /// The largest tolerance.
     pub const MAX_TOLERANCE: f64 = 1e-2;
-    /// Steps after which [`simulate`](Self::simulate) gives up unless told otherwise. An oscillation takes about ten.
+    /// Steps after which [`simulate`](Self::simulate) gives up unless told otherwise. An
+    /// oscillation takes about ten.
     pub const DEFAULT_MAX_STEPS: usize = 100_000;
 
-    /// Tolerance at round-off, [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) for `simulate`, no limit for `flow`.
+    /// Tolerance at round-off, [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) for `simulate`, no
+    /// limit for `flow`.
     pub const fn new() -> Self {
         Self {
             tolerance: Self::ROUND_OFF,
@@ -63,7 +69,8 @@ impl Integrator {
         }
     }
 
-    /// Sets the relative tolerance: the error of a step in units of the motion's own scale, max(|u − ū|, |v|, |v_b|).
+    /// Sets the relative tolerance: the error of a step in units of the motion's own scale, max(|u
+    /// − ū|, |v|, |v_b|).
     ///
     /// # Errors
     ///
@@ -96,7 +103,8 @@ impl Integrator {
         Ok(self)
     }
 
-    /// Sets the largest number of events of one run, for `flow` too: a run that goes on after more events than this is an error.
+    /// Sets the largest number of events of one run, for `flow` too: a run that goes on after more
+    /// events than this is an error.
     ///
     /// # Errors
     ///
@@ -117,9 +125,11 @@ impl Integrator {
     /// # Errors
     ///
     /// * [`Error::InvalidDuration`] unless `duration` is finite and ≥ 0;
-    /// * [`Error::InvalidState`] unless `start` is finite and the scale of the motion, max(|u − ū|, |v|, |v_b|), is 0 or from 1e-280 to 1e300;
-    /// * [`Error::NonFiniteFriction`], [`Error::NotAnalytic`], [`Error::StepUnderflow`], [`Error::TooManySteps`],
-    ///   [`Error::TooManyEvents`] with the time and state reached, if the motion cannot be followed further.
+    /// * [`Error::InvalidState`] unless `start` is finite and the scale of the motion, max(|u − ū|,
+    ///   |v|, |v_b|), is 0 or from 1e-280 to 1e300;
+    /// * [`Error::NonFiniteFriction`], [`Error::NotAnalytic`], [`Error::StepUnderflow`],
+    ///   [`Error::TooManySteps`], [`Error::TooManyEvents`] with the time and state reached, if the
+    ///   motion cannot be followed further.
     pub fn simulate<L: FrictionLaw>(
         self,
         system: &MassOnBelt<L>,
@@ -170,8 +180,8 @@ impl Integrator {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidState`] as in [`simulate`](Self::simulate). The items are errors as there; after one comes
-    /// `None`.
+    /// [`Error::InvalidState`] as in [`simulate`](Self::simulate). The items are errors as there;
+    /// after one comes `None`.
     pub fn flow<L: FrictionLaw>(
         self,
         system: &MassOnBelt<L>,
@@ -188,7 +198,8 @@ impl Default for Integrator {
 }
 
 impl<L: FrictionLaw> MassOnBelt<L> {
-    /// The motion from `start` over `duration`, to round-off: [`Integrator::simulate`] with its defaults.
+    /// The motion from `start` over `duration`, to round-off: [`Integrator::simulate`] with its
+    /// defaults.
     ///
     /// # Errors
     ///

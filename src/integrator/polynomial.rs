@@ -7,8 +7,9 @@ use crate::scalar::mul_add;
 
 /// Coefficients of a step's series: order 26.
 ///
-/// Chosen for round-off, the usual tolerance, where none is faster at equal achieved error; looser ones lose up to a quarter of the time
-/// by it (`benches/orders`). A multiple of three, for [`evaluate`].
+/// Chosen for round-off, the usual tolerance, where none is faster at equal achieved error; looser
+/// ones lose up to a quarter of the time by it (`benches/orders`). A multiple of three, for
+/// [`evaluate`].
 pub(crate) const TERMS: usize = 27;
 
 /// c_0 + c_1 t + … + c_26 t²⁶.
@@ -25,9 +26,11 @@ pub(crate) const INTEGRAL: Polynomial = {
     weights
 };
 
-/// Σ c(k) t^k in three interleaved chains, so that the latency of one multiply-add is shared by three.
+/// Σ c(k) t^k in three interleaved chains, so that the latency of one multiply-add is shared by
+/// three.
 ///
-/// Three and not four: four would be vectorised, with loads that span coefficients just written one by one, and stall on them.
+/// Three and not four: four would be vectorised, with loads that span coefficients just written one
+/// by one, and stall on them.
 #[inline(always)]
 fn sum_of_powers(t: f64, c: impl Fn(usize) -> f64) -> f64 {
     let t3 = t * t * t;
@@ -70,7 +73,8 @@ pub(crate) fn reflected(c: &Polynomial, h: f64) -> Polynomial {
 
 /// c at four times at once, in four chains each: powers 0, 4, 8, …, powers 1, 5, 9, … and so on.
 ///
-/// The next step waits for this, so short chains count: two of twice the length make a whole step 3 % slower.
+/// The next step waits for this, so short chains count: two of twice the length make a whole step 3
+/// % slower.
 #[inline(always)]
 pub(crate) fn evaluate_four(c: &Polynomial, t: [f64; 4]) -> [f64; 4] {
     const TOP: usize = (TERMS - 1) / 4 * 4;
@@ -91,17 +95,20 @@ pub(crate) fn evaluate_four(c: &Polynomial, t: [f64; 4]) -> [f64; 4] {
     })
 }
 
-/// How far the terms of the highest orders stay below `error`: (error/|c_n|)^(1/n) for the last two n, to 6 %.
+/// How far the terms of the highest orders stay below `error`: (error/|c_n|)^(1/n) for the last two
+/// n, to 6 %.
 #[inline(always)]
 pub(crate) fn reach(c: &Polynomial, error: f64) -> f64 {
     let by = |n: usize| root_of_ratio(error, c[n].abs(), n);
     by(TERMS - 1).min(by(TERMS - 2)).min(FARTHEST)
 }
 
-/// No series is used further, even where its last coefficients vanish: the oscillator turns once in about 2π.
+/// No series is used further, even where its last coefficients vanish: the oscillator turns once in
+/// about 2π.
 const FARTHEST: f64 = 8.0;
 
-/// (x/y)^(1/n) to 6 %, from the bits of x and y: exponent and mantissa together are nearly a logarithm.
+/// (x/y)^(1/n) to 6 %, from the bits of x and y: exponent and mantissa together are nearly a
+/// logarithm.
 #[inline(always)]
 fn root_of_ratio(x: f64, y: f64, n: usize) -> f64 {
     const ONE: i64 = 1.0_f64.to_bits() as i64;
@@ -128,15 +135,16 @@ pub(crate) fn quarters(h: f64) -> [f64; 4] {
     [0.25 * h, 0.5 * h, 0.75 * h, h]
 }
 
-/// The roots of a polynomial can't be isolated in bounded work, because its coefficients are far larger than its values or it is very flat
-/// about a root: use it less far.
+/// The roots of a polynomial can't be isolated in bounded work, because its coefficients are far
+/// larger than its values or it is very flat about a root: use it less far.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct TooCurved;
 
 /// Divisions after which a search gives up. Two roots that are almost one take about a hundred.
 const MOST_DIVISIONS: usize = 1000;
 
-/// First time in (0, h] at which a polynomial that starts positive becomes zero or negative, to the last bit.
+/// First time in (0, h] at which a polynomial that starts positive becomes zero or negative, to the
+/// last bit.
 ///
 /// `values` are its values at the [`quarters`] of h.
 #[inline(always)]
@@ -165,9 +173,11 @@ pub(crate) fn first_root(
     }
 }
 
-/// Every time in (0, h] at which a polynomial changes sign, in order, with `true` where it rises; the visitor can stop the search.
+/// Every time in (0, h] at which a polynomial changes sign, in order, with `true` where it rises;
+/// the visitor can stop the search.
 ///
-/// A root at t = 0 is not among them. After [`MOST_DIVISIONS`], in stiff systems, the signs found so far decide.
+/// A root at t = 0 is not among them. After [`MOST_DIVISIONS`], in stiff systems, the signs found
+/// so far decide.
 pub(crate) fn sign_changes(
     c: &Polynomial,
     h: f64,
@@ -181,7 +191,8 @@ pub(crate) fn sign_changes(
     Search::new(c, h, curvature).run(h, values, visit)
 }
 
-/// Whether a polynomial is further from zero at 0 and at the quarters of h than it can bend in between, as in most steps.
+/// Whether a polynomial is further from zero at 0 and at the quarters of h than it can bend in
+/// between, as in most steps.
 #[inline(always)]
 fn stays_away(c: &Polynomial, h: f64, values: [f64; 4], curvature: f64) -> bool {
     let sign = c[0].signum();
@@ -193,10 +204,12 @@ fn stays_away(c: &Polynomial, h: f64, values: [f64; 4], curvature: f64) -> bool 
 
 /// A search for the sign changes of a polynomial on [0, h].
 ///
-/// None is skipped, however close two lie: an interval of width Δ between values p, q of one sign is passed only if
-/// min(|p|, |q|) exceeds max|c''|·Δ²/8, and one is taken to hold at most one root only if c is monotone there because |q − p|
-/// exceeds max|c''|·Δ²/2. Any other is halved. That ends where Δ is so small that c differs from its chord by less
-/// than the rounding error of its values; there the computed signs at the ends decide, so that a tangential touch within rounding is no root.
+/// None is skipped, however close two lie: an interval of width Δ between values p, q of one sign
+/// is passed only if min(|p|, |q|) exceeds max|c''|·Δ²/8, and one is taken to hold at most one root
+/// only if c is monotone there because |q − p| exceeds max|c''|·Δ²/2. Any other is halved. That
+/// ends where Δ is so small that c differs from its chord by less than the rounding error of its
+/// values; there the computed signs at the ends decide, so that a tangential touch within rounding
+/// is no root.
 struct Search<'c> {
     c: &'c Polynomial,
     /// Bound of |c''|.
@@ -223,7 +236,8 @@ impl<'c> Search<'c> {
         values: [f64; 4],
         visit: &mut impl FnMut(f64, bool) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        // A polynomial that starts at 0 has the sign that it takes first, and a value that doesn't show it to stay away from 0.
+        // A polynomial that starts at 0 has the sign that it takes first, and a value that doesn't
+        // show it to stay away from 0.
         let start = if self.c[0] == 0.0 {
             let first = self.c.iter().find(|c| **c != 0.0);
             first.map_or(0.0, |c| f64::MIN_POSITIVE.copysign(*c))
@@ -257,7 +271,8 @@ impl<'c> Search<'c> {
         let middle = 0.5 * (a + b);
         let exhausted = !(a < middle && middle < b) || self.divisions.get() >= MOST_DIVISIONS;
         let settled = is_settled(self.curvature) || exhausted || {
-            // The bound for [0, b] is the smaller the earlier that is, and worth its time where the one for all of [0, h] is too large.
+            // The bound for [0, b] is the smaller the earlier that is, and worth its time where the
+            // one for all of [0, h] is too large.
             let curvature = curvature_bound(self.c, b);
             is_settled(curvature) || !curvature.is_finite()
         };
@@ -274,7 +289,8 @@ impl<'c> Search<'c> {
         self.between(at_middle, (b, at_b), visit)
     }
 
-    /// The root between a and b, where c changes sign once: Newton's method kept inside the bracket.
+    /// The root between a and b, where c changes sign once: Newton's method kept inside the
+    /// bracket.
     fn refine(&self, (mut a, at_a): (f64, f64), (mut b, at_b): (f64, f64)) -> f64 {
         let slope = derivative(self.c);
         let mut t = b + (b - a) * (at_b / (at_a - at_b));
@@ -298,7 +314,8 @@ impl<'c> Search<'c> {
             }
             let slope_here = evaluate(&slope, t);
             let correction = value / slope_here;
-            // Quadratic convergence ends where rounding takes over and corrections no longer shrink.
+            // Quadratic convergence ends where rounding takes over and corrections no longer
+            // shrink.
             let settled = correction.abs() <= NEWTON_REGIME * t && correction.abs() >= 0.25 * last;
             if settled || correction.abs() <= 0.5 * f64::EPSILON * t {
                 break;
@@ -320,7 +337,8 @@ impl<'c> Search<'c> {
     }
 }
 
-/// Relative correction below which Newton's method must be converging quadratically, if it is not at the rounding floor.
+/// Relative correction below which Newton's method must be converging quadratically, if it is not
+/// at the rounding floor.
 const NEWTON_REGIME: f64 = 1e-8;
 
 #[cfg(test)]

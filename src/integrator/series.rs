@@ -14,8 +14,8 @@ pub(crate) struct SlipPoint {
     pub(crate) displacement: f64,
     /// s = |v_r|.
     pub(crate) speed: f64,
-    /// ds/dt, in the direction of time that is followed, where it is known better than the equation of motion gives it: on the
-    /// belt, and at an extremum of v.
+    /// ds/dt, in the direction of time that is followed, where it is known better than the equation
+    /// of motion gives it: on the belt, and at an extremum of v.
     pub(crate) rate: Option<f64>,
 }
 
@@ -55,7 +55,8 @@ impl Time {
 /// x' = s + σv_b,   s' = −x − 2β(s + σv_b) − γ²μ̂(s),
 /// ```
 ///
-/// in the sliding speed s and not in v, so that contact is exact however large the belt velocity is.
+/// in the sliding speed s and not in v, so that contact is exact however large the belt velocity
+/// is.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Series {
     /// s(t).
@@ -72,11 +73,11 @@ impl Series {
 
     /// Expands the motion about a point, on one piece of the law.
     ///
-    /// The law comes as an argument of its own: behind a reference inside the system, the compiler would have to load its parameters anew after
-    /// every coefficient stored.
+    /// The law comes as an argument of its own: behind a reference inside the system, the compiler
+    /// would have to load its parameters anew after every coefficient stored.
     ///
-    /// In place: a copy would load what has just been stored, and wait for it. Kept out of line: inlined into the stepper, it
-    /// competes for registers and runs at half the speed.
+    /// In place: a copy would load what has just been stored, and wait for it. Kept out of line:
+    /// inlined into the stepper, it competes for registers and runs at half the speed.
     #[inline(never)]
     pub(crate) fn expand<L: FrictionLaw>(
         &mut self,
@@ -96,8 +97,9 @@ impl Series {
         } = self;
 
         let s0 = from.speed;
-        // (k + 1) s_{k+1} = −x_k − 2β s_k − γ² m_k, where x_k = s_{k−1}/k and m_k = slope·s_k + scale·rest. The rest is put in last: it has waited
-        // for s_{k−1} to pass through the law, and that takes longer than s_k.
+        // (k + 1) s_{k+1} = −x_k − 2β s_k − γ² m_k, where x_k = s_{k−1}/k and m_k = slope·s_k +
+        // scale·rest. The rest is put in last: it has waited for s_{k−1} to pass through the law,
+        // and that takes longer than s_k.
         let (mut decay, mut older) = (0.0, 0.0);
         let (value, slope) = expand(law, piece, workspace, s0, |k, s, m| {
             series[k] = s;
@@ -155,10 +157,11 @@ impl Series {
             + system.load() * self.friction[0].abs()
     }
 
-    /// Largest |γ²[μ̂(s(t)) − m(t)]| at four times, where s(t) has the values `speeds`: the defect of the series, up to terms as small
-    /// as its last.
+    /// Largest |γ²[μ̂(s(t)) − m(t)]| at four times, where s(t) has the values `speeds`: the defect
+    /// of the series, up to terms as small as its last.
     ///
-    /// Coefficients alone miss what lies hidden behind an underflow, such as the flank of a narrow Gaussian.
+    /// Coefficients alone miss what lies hidden behind an underflow, such as the flank of a narrow
+    /// Gaussian.
     #[inline(always)]
     pub(crate) fn defect<L: FrictionLaw>(
         &self,
@@ -181,8 +184,9 @@ impl Series {
         system.load() * largest
     }
 
-    /// The same about the places where the motion comes closest to the belt within a step of length h, if it does; `speeds` are its values
-    /// at the [`quarters`] of h. The law may have a feature at slow speeds that is passed between two of them.
+    /// The same about the places where the motion comes closest to the belt within a step of length
+    /// h, if it does; `speeds` are its values at the [`quarters`] of h. The law may have a feature
+    /// at slow speeds that is passed between two of them.
     #[inline(always)]
     pub(crate) fn defect_at_minimum<L: FrictionLaw>(
         &self,
@@ -251,8 +255,8 @@ impl Series {
         largest
     }
 
-    /// The same in between, at least every quarter of a radian, in a step of length h > [`LONG`]: where the law is flat, a step may pass over a
-    /// whole feature of it.
+    /// The same in between, at least every quarter of a radian, in a step of length h > [`LONG`]:
+    /// where the law is flat, a step may pass over a whole feature of it.
     #[inline(never)]
     pub(crate) fn defect_in_between<L: FrictionLaw>(
         &self,
@@ -273,10 +277,12 @@ impl Series {
     }
 }
 
-/// A step longer than this, in radians of the undamped oscillator, is looked at in more than four places; few are.
+/// A step longer than this, in radians of the undamped oscillator, is looked at in more than four
+/// places; few are.
 pub(crate) const LONG: f64 = 1.0;
 
-/// Most fours of such places. Steps longer than three radians are those of motions that hardly move.
+/// Most fours of such places. Steps longer than three radians are those of motions that hardly
+/// move.
 const MOST_FOURS: f64 = 16.0;
 
 /// Whether a function has a minimum between two places, by its slopes there.

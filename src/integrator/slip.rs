@@ -24,8 +24,8 @@ impl Advance {
     }
 }
 
-/// Floor of the defect that rounding alone causes, in units of ε times the largest term of the equation of motion; it is
-/// seldom above 8.
+/// Floor of the defect that rounding alone causes, in units of ε times the largest term of the
+/// equation of motion; it is seldom above 8.
 const DEFECT_FLOOR: f64 = 1000.0;
 
 /// Defect × step accepted, in units of the error allowed in a step's last term.
@@ -33,8 +33,9 @@ const DEFECT_LIMIT: f64 = 40.0 * TERMS as f64;
 
 /// Takes Taylor steps within slip phases of one system.
 ///
-/// Who simulates and who looks for cycles both give it a system that borrows the law, MassOnBelt<&L>: `kinetic` of one type is then called from
-/// one place for each order, and inlined there. Called from two, it is not, and a step takes 1.5 times as long.
+/// Who simulates and who looks for cycles both give it a system that borrows the law,
+/// MassOnBelt<&L>: `kinetic` of one type is then called from one place for each order, and inlined
+/// there. Called from two, it is not, and a step takes 1.5 times as long.
 #[derive(Debug, Clone)]
 pub(crate) struct Stepper<'s, L> {
     system: MassOnBelt<&'s L>,
@@ -45,7 +46,8 @@ pub(crate) struct Stepper<'s, L> {
     tolerance: f64,
     /// ū, from which the scale of the motion is measured.
     equilibrium: f64,
-    /// Twice the last step if that had to be shorter than its coefficients promise, as in stiff systems again and again; else no limit.
+    /// Twice the last step if that had to be shorter than its coefficients promise, as in stiff
+    /// systems again and again; else no limit.
     longest: f64,
 }
 
@@ -72,8 +74,9 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         State::new(point.displacement, velocity)
     }
 
-    /// One step from `point`, up to contact or to a breakpoint of the law if one of them is reached. `elapsed` is the time since
-    /// the motion began, for the step's least length and for errors.
+    /// One step from `point`, up to contact or to a breakpoint of the law if one of them is
+    /// reached. `elapsed` is the time since the motion began, for the step's least length and for
+    /// errors.
     #[inline]
     pub(crate) fn advance(
         &mut self,
@@ -160,7 +163,8 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         })
     }
 
-    /// Series of the sliding speed over the step taken last, in the time since its start; backward time where that was asked for.
+    /// Series of the sliding speed over the step taken last, in the time since its start; backward
+    /// time where that was asked for.
     pub(crate) fn speed(&self) -> &Polynomial {
         &self.series.speed
     }
@@ -191,7 +195,8 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         }
     }
 
-    /// The piece of the law that a motion from this point goes through, and the rate that decided on it.
+    /// The piece of the law that a motion from this point goes through, and the rate that decided
+    /// on it.
     #[inline(always)]
     fn on_piece(&self, point: &SlipPoint, time: Time) -> (usize, Option<f64>) {
         if self.breakpoints.is_empty() {
@@ -201,8 +206,8 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         }
     }
 
-    /// The same for a law of several pieces. At a breakpoint the motion decides, by its rate, which is then the one that the series
-    /// starts with.
+    /// The same for a law of several pieces. At a breakpoint the motion decides, by its rate, which
+    /// is then the one that the series starts with.
     #[inline(never)]
     fn among_pieces(&self, point: &SlipPoint, time: Time) -> (usize, Option<f64>) {
         let above = self.breakpoints.partition_point(|&b| b <= point.speed);
@@ -241,7 +246,8 @@ struct Limits {
 }
 
 impl Limits {
-    /// First time in (0, h] at which s(t) reaches a limit, and that limit; `speeds` are its values at the quarters of h.
+    /// First time in (0, h] at which s(t) reaches a limit, and that limit; `speeds` are its values
+    /// at the quarters of h.
     #[inline(always)]
     fn first_exit(&self, speed: &Polynomial, h: f64, speeds: [f64; 4]) -> Result<Exit, TooCurved> {
         if self.high.is_none() && self.low == 0.0 && speed[0] > 0.0 {
@@ -272,8 +278,8 @@ impl Limits {
 
 /// First root in (0, h] of sign·(s(t) − level), which is positive just after t = 0.
 ///
-/// If the motion starts on the level, that root (double where the rate is zero) is divided out: it is known, so nothing has
-/// to be skipped by a small time.
+/// If the motion starts on the level, that root (double where the rate is zero) is divided out: it
+/// is known, so nothing has to be skipped by a small time.
 fn first_passage(
     speed: &Polynomial,
     level: f64,

@@ -20,7 +20,8 @@ impl std::fmt::Display for Mode {
     }
 }
 
-/// What happens when the relative velocity is zero. A direction is that of the slip **after** the event.
+/// What happens when the relative velocity is zero. A direction is that of the slip **after** the
+/// event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum EventKind {
@@ -28,7 +29,8 @@ pub enum EventKind {
     Stick,
     /// Stick ends: the contact can carry no more than γ²μ_s.
     Release(Direction),
-    /// The relative velocity changes sign without sticking: the contact would have to carry more than γ²μ_s.
+    /// The relative velocity changes sign without sticking: the contact would have to carry more
+    /// than γ²μ_s.
     Crossing(Direction),
 }
 
@@ -105,8 +107,8 @@ impl Clock {
 
 /// A stretch of motion without an event inside: a stick phase, or one Taylor step of a slip phase.
 ///
-/// A value on its own: it holds the power series of the motion, good to the integrator's tolerance over its
-/// [`duration`](Self::duration). In the time t since its start
+/// A value on its own: it holds the power series of the motion, good to the integrator's tolerance
+/// over its [`duration`](Self::duration). In the time t since its start
 ///
 /// ```text
 /// v(t) = v(0) + σ(s(t) − s(0)),   u(t) = u(0) + ∫ v,   s(t) = Σ s_k t^k the sliding speed |v − v_b|.
@@ -163,8 +165,8 @@ impl Step {
         self.state
     }
 
-    /// State at a finite time t after its **start**, 0 ≤ t ≤ [`duration`](Self::duration); beyond, the series is not to be
-    /// trusted.
+    /// State at a finite time t after its **start**, 0 ≤ t ≤ [`duration`](Self::duration); beyond,
+    /// the series is not to be trusted.
     pub fn state_at(&self, t: f64) -> State {
         let State {
             displacement,

@@ -3,8 +3,8 @@ use crate::State;
 
 /// A motion over a finite time: its events, and its state at any time.
 ///
-/// Made by [`MassOnBelt::simulate`](crate::MassOnBelt::simulate). Between events it holds the power series of the motion, so that
-/// the state at any time is as accurate as at the steps.
+/// Made by [`MassOnBelt::simulate`](crate::MassOnBelt::simulate). Between events it holds the power
+/// series of the motion, so that the state at any time is as accurate as at the steps.
 ///
 /// ```
 /// use stick_slip::{EventKind, MassOnBelt, Mode, Polynomial, State};
@@ -39,12 +39,14 @@ impl Trajectory {
 
     /// The events in order of time; one at the time [`duration`](Self::duration) is among them.
     ///
-    /// A start in stick is no event, but a start exactly at the release point is a release at time 0.
+    /// A start in stick is no event, but a start exactly at the release point is a release at time
+    /// 0.
     pub fn events(&self) -> &[Event] {
         &self.events
     }
 
-    /// The steps, as [`Flow`](crate::Flow) gives them, the last one cut at [`duration`](Self::duration).
+    /// The steps, as [`Flow`](crate::Flow) gives them, the last one cut at
+    /// [`duration`](Self::duration).
     pub fn steps(&self) -> &[Step] {
         &self.steps
     }
@@ -67,13 +69,14 @@ impl Trajectory {
         Some(step.state_at(step.start.until(time).clamp(0.0, step.duration)))
     }
 
-    /// What the mass does at a time 0 ≤ τ ≤ [`duration`](Self::duration), at an event what it does from then on; `None`
-    /// outside, and for NaN.
+    /// What the mass does at a time 0 ≤ τ ≤ [`duration`](Self::duration), at an event what it does
+    /// from then on; `None` outside, and for NaN.
     pub fn mode_at(&self, time: f64) -> Option<Mode> {
         Some(self.step_at(time)?.mode)
     }
 
-    /// n equidistant times with their states, start and end included; none for n = 0, the start alone for n = 1.
+    /// n equidistant times with their states, start and end included; none for n = 0, the start
+    /// alone for n = 1.
     ///
     /// ```
     /// use stick_slip::{Coulomb, MassOnBelt, State};

@@ -57,7 +57,8 @@ const SETTLED: f64 = 1e-9;
 const ROUNDING: f64 = 16.0;
 
 impl Arc {
-    /// An arc that was followed backwards to the state `end`, as the same arc forwards: each series c(t) as c(h − t), the last first.
+    /// An arc that was followed backwards to the state `end`, as the same arc forwards: each series
+    /// c(t) as c(h − t), the last first.
     pub(crate) fn reversed(mut self, end: State) -> Self {
         let mut start = end;
         for step in self.steps.iter_mut().rev() {
@@ -70,13 +71,16 @@ impl Arc {
     }
 }
 
-/// Distance, in units of |v_b| + γ²μ_s, beyond which no cycle is looked for, and a motion is not followed backwards.
+/// Distance, in units of |v_b| + γ²μ_s, beyond which no cycle is looked for, and a motion is not
+/// followed backwards.
 ///
-/// Friction feeds the mass only where 0 < v < v_b; the averaged cycles of every law have amplitudes below 2|v_b|. Backwards, a law that rises
-/// fast enough lets a motion grow to infinity in finite time.
+/// Friction feeds the mass only where 0 < v < v_b; the averaged cycles of every law have amplitudes
+/// below 2|v_b|. Backwards, a law that rises fast enough lets a motion grow to infinity in finite
+/// time.
 pub(crate) const FAR: f64 = 16.0;
 
-/// Most steps of one arc. An oscillation takes about ten; on the slow branch of a stiff system (γ²μ̂' of 1000) it may be ten thousand.
+/// Most steps of one arc. An oscillation takes about ten; on the slow branch of a stiff system
+/// (γ²μ̂' of 1000) it may be ten thousand.
 const MOST_STEPS: usize = Integrator::DEFAULT_MAX_STEPS;
 
 impl<'s, L: FrictionLaw> Tracer<'s, L> {
@@ -119,15 +123,18 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
         self.scale
     }
 
-    /// The arc from `start`, forward or backward in time, to contact or to the next maximum of the velocity after it.
+    /// The arc from `start`, forward or backward in time, to contact or to the next maximum of the
+    /// velocity after it.
     ///
-    /// A leading mass has v > v_b > 0, so u grows until it comes back to the belt: its arcs end in contact.
+    /// A leading mass has v > v_b > 0, so u grows until it comes back to the belt: its arcs end in
+    /// contact.
     pub(crate) fn arc(&mut self, start: SlipPoint, time: Time) -> Result<Arc, Error> {
         let mut point = start;
         let mut clock = Clock::default();
         let mut steps: Vec<Step> = Vec::with_capacity(16);
-        // Whether a maximum of v can come: if v grows at the start, or after a minimum, which lies at v < 0 because v'' = −v there. Near the
-        // slow motion of a stiff system rounding makes v' change its sign in between.
+        // Whether a maximum of v can come: if v grows at the start, or after a minimum, which lies
+        // at v < 0 because v'' = −v there. Near the slow motion of a stiff system rounding makes v'
+        // change its sign in between.
         let mut grows = false;
         loop {
             let advance = self.stepper.advance(&point, time, clock.time)?;
@@ -228,16 +235,17 @@ fn rate_at_end(step: &Step) -> f64 {
     evaluate(&derivative(&step.speed), step.duration)
 }
 
-/// Whether the velocity of a lagging motion may have a maximum in (0, h): only after it grew, or was negative, and where it is positive. It
-/// keeps its sign for about half a turn, longer than a quarter of any step.
+/// Whether the velocity of a lagging motion may have a maximum in (0, h): only after it grew, or
+/// was negative, and where it is positive. It keeps its sign for about half a turn, longer than a
+/// quarter of any step.
 fn may_turn(speed: &Polynomial, h: f64, v_b: f64, grows: bool) -> bool {
     let speeds = evaluate_four(speed, quarters(h));
     let negative = |s: &f64| *s > v_b;
     (grows || speeds.iter().any(negative)) && !(negative(&speed[0]) && speeds.iter().all(negative))
 }
 
-/// First time in (0, h) at which the velocity of a lagging motion has a maximum: the sliding speed has a minimum, and `grows`, which is set
-/// where the speed has a maximum above v_b.
+/// First time in (0, h) at which the velocity of a lagging motion has a maximum: the sliding speed
+/// has a minimum, and `grows`, which is set where the speed has a maximum above v_b.
 fn next_maximum(speed: &Polynomial, h: f64, v_b: f64, grows: &mut bool) -> Option<f64> {
     let mut rate = derivative(speed);
     if rate[0] == 0.0 {

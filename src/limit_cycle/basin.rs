@@ -16,14 +16,17 @@ pub enum Attractor {
     Equilibrium,
     /// A stable periodic motion.
     Cycle(LimitCycle),
-    /// The start lies on an unstable periodic motion, to rounding: the slightest disturbance decides.
+    /// The start lies on an unstable periodic motion, to rounding: the slightest disturbance
+    /// decides.
     Separatrix(LimitCycle),
-    /// The start lies in a [continuum](super::Continuum): its motion is periodic, and so is every other near it.
+    /// The start lies in a [continuum](super::Continuum): its motion is periodic, and so is every
+    /// other near it.
     Continuum,
     /// The motion grows beyond every periodic motion that was found.
     Unbounded,
-    /// Rounding hides whether the motion grows or shrinks: it starts in a range that is [unresolved](CycleSet::unresolved), or friction and damping
-    /// change it by less than 10⁻¹⁴ in a turn.
+    /// Rounding hides whether the motion grows or shrinks: it starts in a range that is
+    /// [unresolved](CycleSet::unresolved), or friction and damping change it by less than 10⁻¹⁴ in
+    /// a turn.
     Unresolved,
 }
 
@@ -49,9 +52,10 @@ const HIDDEN_BY_CYCLE: f64 = 1e-6;
 
 /// Which attractor the motion from `start` reaches.
 ///
-/// Decided from the geometry of the planar flow: cycles lie one inside the other, and a motion between two of them goes to the one that it moves
-/// towards. At most a few slip arcs are followed, to the first velocity maximum, stick, or crossing outside the stick band; nothing is
-/// simulated until it settles.
+/// Decided from the geometry of the planar flow: cycles lie one inside the other, and a motion
+/// between two of them goes to the one that it moves towards. At most a few slip arcs are followed,
+/// to the first velocity maximum, stick, or crossing outside the stick band; nothing is simulated
+/// until it settles.
 ///
 /// | start | first decided at | reaches |
 /// |---|---|---|
@@ -168,7 +172,8 @@ impl<L: FrictionLaw> Tracer<'_, L> {
                 Some(Direction::Lagging) => {
                     return Ok(Place::Crossing(displacement + self.carried()));
                 }
-                // At most once: the leading arc that follows ends in stick or in a downward crossing.
+                // At most once: the leading arc that follows ends in stick or in a downward
+                // crossing.
                 Some(Direction::Leading) => {
                     point = self.on_belt(displacement, Direction::Leading);
                 }

@@ -38,10 +38,11 @@ impl std::fmt::Display for CycleKind {
     }
 }
 
-/// Work done over one period, in dimensionless energy units, K L² in joules ([`Scaling::joules`](crate::Scaling::joules)); f is the friction
-/// force on the mass.
+/// Work done over one period, in dimensionless energy units, K L² in joules
+/// ([`Scaling::joules`](crate::Scaling::joules)); f is the friction force on the mass.
 ///
-/// On a periodic motion `belt_work = damper_loss` and `drive_work = damper_loss + friction_loss = v_b ∮u dτ`.
+/// On a periodic motion `belt_work = damper_loss` and
+/// `drive_work = damper_loss + friction_loss = v_b ∮u dτ`.
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -55,8 +56,9 @@ impl std::fmt::Display for CycleKind {
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
-/// A period ends where it began, so that what friction does on the mass is what the damper takes, and the drive gives both losses: two of the
-/// numbers are integrals, ∮u dτ and ∮v² dτ, and two follow.
+/// A period ends where it began, so that what friction does on the mass is what the damper takes,
+/// and the drive gives both losses: two of the numbers are integrals, ∮u dτ and ∮v² dτ, and two
+/// follow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -76,8 +78,8 @@ pub struct EnergyBudget {
 
 /// A periodic motion, exact to rounding.
 ///
-/// It holds the power series of one period; extremes are roots of those series, integrals quadratures of them, not sums over samples.
-/// All quantities are dimensionless.
+/// It holds the power series of one period; extremes are roots of those series, integrals
+/// quadratures of them, not sums over samples. All quantities are dimensionless.
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -91,8 +93,9 @@ pub struct EnergyBudget {
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
-/// With the feature `serde` it is written as its numbers, for other programs, and its series. What is read must be a closed, continuous motion
-/// of its kind with those numbers, multiplier included; for which friction law it is not known, so keep the system beside it.
+/// With the feature `serde` it is written as its numbers, for other programs, and its series. What
+/// is read must be a closed, continuous motion of its kind with those numbers, multiplier included;
+/// for which friction law it is not known, so keep the system beside it.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -186,8 +189,9 @@ impl LimitCycle {
         self.kind
     }
 
-    /// A state on the cycle, where [`trajectory`](Self::trajectory) starts: the release point of one that sticks, the largest velocity (in
-    /// the direction of the belt) of pure slip, and the crossing to lagging motion of a crossing cycle.
+    /// A state on the cycle, where [`trajectory`](Self::trajectory) starts: the release point of
+    /// one that sticks, the largest velocity (in the direction of the belt) of pure slip, and the
+    /// crossing to lagging motion of a crossing cycle.
     pub fn state(&self) -> State {
         self.steps
             .first()
@@ -199,7 +203,8 @@ impl LimitCycle {
         self.steps.last().map_or(0.0, Step::end_time)
     }
 
-    /// Angular frequency ω = 2π/T; 1 is the undamped mass on its spring. [`Scaling::hertz`](crate::Scaling::hertz) takes it to hertz.
+    /// Angular frequency ω = 2π/T; 1 is the undamped mass on its spring.
+    /// [`Scaling::hertz`](crate::Scaling::hertz) takes it to hertz.
     ///
     /// ```
     /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -271,8 +276,8 @@ impl LimitCycle {
         self.integral_of_displacement() / self.period()
     }
 
-    /// Floquet multiplier: the factor by which a small disturbance changes over one period. 0 for a cycle that sticks, because every
-    /// motion in stick leaves from the same release point.
+    /// Floquet multiplier: the factor by which a small disturbance changes over one period. 0 for a
+    /// cycle that sticks, because every motion in stick leaves from the same release point.
     pub fn multiplier(&self) -> f64 {
         self.multiplier
     }
@@ -282,8 +287,9 @@ impl LimitCycle {
         self.multiplier < 1.0
     }
 
-    /// Complex amplitudes of the first n harmonics of u: (2/T)∮u e^(−ikωτ) dτ for k = 1, …, n, time counted from [`state`](Self::state),
-    /// ω = 2π/T. The modulus is the amplitude of the harmonic. Each is a quadrature of its own, so that the cost grows with n².
+    /// Complex amplitudes of the first n harmonics of u: (2/T)∮u e^(−ikωτ) dτ for k = 1, …, n, time
+    /// counted from [`state`](Self::state), ω = 2π/T. The modulus is the amplitude of the harmonic.
+    /// Each is a quadrature of its own, so that the cost grows with n².
     ///
     /// ```
     /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -338,7 +344,8 @@ impl LimitCycle {
         }
     }
 
-    /// The motion over one period, from [`state`](Self::state). A last step of duration 0 holds what follows at the time T itself.
+    /// The motion over one period, from [`state`](Self::state). A last step of duration 0 holds
+    /// what follows at the time T itself.
     ///
     /// ```
     /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};

@@ -6,13 +6,15 @@ use crate::friction::{FrictionLaw, is_constant_near};
 use crate::integrator::{SlipPoint, Time};
 use crate::{Direction, Error};
 
-/// Where the arc out of the release point leads. Trajectories in the plane can't cross, so one turn decides: a motion that returns inside
-/// of its start can only go on inwards, one that returns outside only outwards.
+/// Where the arc out of the release point leads. Trajectories in the plane can't cross, so one turn
+/// decides: a motion that returns inside of its start can only go on inwards, one that returns
+/// outside only outwards.
 #[derive(Debug, Clone)]
 pub(crate) enum ReleaseFate {
     /// The velocity has a maximum V below v_b, or none: no contact, on this turn or any later one.
     Inward { peak: Option<f64> },
-    /// Back in stick, and so back to the release point: after one arc, or after a crossing and a leading arc.
+    /// Back in stick, and so back to the release point: after one arc, or after a crossing and a
+    /// leading arc.
     Stick { arcs: Vec<Arc> },
     /// Two crossings, the second one beyond the release point: no stick on any later turn either.
     Outward,
@@ -69,10 +71,11 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         }
     }
 
-    /// P(V)/V − 1 and its slope, where P(V) is the next velocity maximum of a motion in slip whose velocity has a maximum V.
+    /// P(V)/V − 1 and its slope, where P(V) is the next velocity maximum of a motion in slip whose
+    /// velocity has a maximum V.
     ///
-    /// P'(V) = (V/P)·exp(−∮(2β + γ² dμ̂/ds) dτ). A motion that meets the belt instead counts as one that grows, and one that settles at a
-    /// node as one that dies.
+    /// P'(V) = (V/P)·exp(−∮(2β + γ² dμ̂/ds) dτ). A motion that meets the belt instead counts as one
+    /// that grows, and one that settles at a node as one that dies.
     fn growth(&mut self, peak: f64) -> Result<Sample, Error> {
         let v_b = self.system().belt_velocity();
         let arc = self.arc(self.at_maximum(peak), Time::Forward)?;
@@ -87,8 +90,9 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         Ok(self.relative_growth(peak, next, slope))
     }
 
-    /// The motion that grazes the belt, followed backwards to the velocity maximum before: the largest from which a motion returns
-    /// without meeting the belt. At v_b, if every motion returns; `None`, if none does.
+    /// The motion that grazes the belt, followed backwards to the velocity maximum before: the
+    /// largest from which a motion returns without meeting the belt. At v_b, if every motion
+    /// returns; `None`, if none does.
     fn largest_peak(&mut self) -> Result<Option<Sample>, Error> {
         let v_b = self.system().belt_velocity();
         let grazing = self.arc(self.at_maximum(v_b), Time::Backward)?;
@@ -128,8 +132,9 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         }
     }
 
-    /// The same for a map of forces at the belt, over arcs that meet it at certain rates of the relative velocity: v_b/rate is how far a shift in
-    /// time or velocity moves the place of contact.
+    /// The same for a map of forces at the belt, over arcs that meet it at certain rates of the
+    /// relative velocity: v_b/rate is how far a shift in time or velocity moves the place of
+    /// contact.
     fn relative_growth_of_force(&self, x: f64, next: f64, slope: f64, rates: [f64; 2]) -> Sample {
         let steepest = self.system().belt_velocity() / rates[0].abs().min(rates[1].abs());
         let sample = self.relative_growth(x, next, slope);
@@ -139,13 +144,15 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         }
     }
 
-    /// Whether small motions are periodic: there is no damping, and friction does not depend on the speed near v_b.
+    /// Whether small motions are periodic: there is no damping, and friction does not depend on the
+    /// speed near v_b.
     pub(crate) fn is_flat(&self) -> bool {
         let (system, v_b) = (self.system(), self.system().belt_velocity());
         system.damping() == 0.0 && is_constant_near(system.law(), v_b)
     }
 
-    /// Whether every motion in slip is periodic: it [`is_flat`](Self::is_flat), and none grows or shrinks.
+    /// Whether every motion in slip is periodic: it [`is_flat`](Self::is_flat), and none grows or
+    /// shrinks.
     pub(crate) fn is_continuum(&mut self) -> Result<bool, Error> {
         if !self.is_flat() {
             return Ok(false);
@@ -170,7 +177,8 @@ impl<L: FrictionLaw> Tracer<'_, L> {
 
     /// The periodic motion in slip whose velocity has the maximum V, and its Floquet multiplier.
     ///
-    /// An unstable one is followed backwards, where it attracts: forwards it would grow away from itself, and not close.
+    /// An unstable one is followed backwards, where it attracts: forwards it would grow away from
+    /// itself, and not close.
     pub(crate) fn pure_slip(&mut self, peak: f64) -> Result<(Arc, f64), Error> {
         let arc = self.arc(self.at_maximum(peak), Time::Forward)?;
         let multiplier = (-self.contraction(&arc)).exp();
@@ -184,7 +192,8 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         Ok((arc, multiplier))
     }
 
-    /// How much an arc between two places on the belt stretches distances there: |du_end/du_start| in forward time.
+    /// How much an arc between two places on the belt stretches distances there: |du_end/du_start|
+    /// in forward time.
     fn stretch(&self, arc: &Arc, time: Time) -> f64 {
         let [first, last] = arc.rates;
         let (start, end) = match time {
@@ -194,8 +203,9 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         (start / end).abs() * (-self.contraction(arc)).exp()
     }
 
-    /// The two arcs, lagging and leading, of a motion that crosses the belt velocity downwards at a force F = u + 2βv_b, and where it comes
-    /// back to the belt; `None` if it sticks or turns inwards after the first.
+    /// The two arcs, lagging and leading, of a motion that crosses the belt velocity downwards at a
+    /// force F = u + 2βv_b, and where it comes back to the belt; `None` if it sticks or turns
+    /// inwards after the first.
     fn crossing_arcs(&mut self, force: f64) -> Result<Option<([Arc; 2], f64)>, Error> {
         let offset = self.carried();
         let lagging = self.arc(
@@ -215,8 +225,8 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         })
     }
 
-    /// C(F)/F − 1 and its slope, where C is the force at the next downward crossing; F_s, the force at release, for a motion that does not
-    /// cross again.
+    /// C(F)/F − 1 and its slope, where C is the force at the next downward crossing; F_s, the force
+    /// at release, for a motion that does not cross again.
     fn crossing_growth(&mut self, force: f64) -> Result<Sample, Error> {
         let release = self.system().load() * self.system().law().static_coefficient();
         Ok(match self.crossing_arcs(force)? {
@@ -229,14 +239,16 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         })
     }
 
-    /// The least force from which a motion crosses downwards again, for a motion released from stick that does not: the one that comes back
-    /// to an end of the stick band, followed backwards.
+    /// The least force from which a motion crosses downwards again, for a motion released from
+    /// stick that does not: the one that comes back to an end of the stick band, followed
+    /// backwards.
     fn least_crossing(&mut self) -> Result<Option<Sample>, Error> {
         let offset = self.carried();
         let [low, high] = self.system().stick_limits();
         let arriving = SlipPoint::on_belt;
         if low == high {
-            // Without static friction it touches the belt's velocity at the release point, from behind, and crosses with no force.
+            // Without static friction it touches the belt's velocity at the release point, from
+            // behind, and crosses with no force.
             let lagging = self.arc(arriving(high, Direction::Lagging), Time::Backward)?;
             return Ok(match lagging.arrival {
                 Arrival::Contact(start) => Some(self.relative_growth(start + offset, 0.0, 0.0)),
@@ -270,8 +282,9 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         Ok(Some(sample))
     }
 
-    /// The growth over one turn as a function of the peak velocity, in outline: (peak, growth) at the ends of the range and at the
-    /// turning points between. Empty if every motion in slip meets the belt, or none returns, or each is periodic.
+    /// The growth over one turn as a function of the peak velocity, in outline: (peak, growth) at
+    /// the ends of the range and at the turning points between. Empty if every motion in slip meets
+    /// the belt, or none returns, or each is periodic.
     pub(crate) fn outline(&mut self) -> Result<Vec<(f64, f64)>, Error> {
         if self.is_continuum()? {
             return Ok(Vec::new());
@@ -283,7 +296,8 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         Ok(outline.iter().map(|turn| (turn.x, turn.value)).collect())
     }
 
-    /// What the arcs from the release point do at the belt, as numbers that pass through zero where their kind changes.
+    /// What the arcs from the release point do at the belt, as numbers that pass through zero where
+    /// their kind changes.
     pub(crate) fn contacts(&mut self) -> Result<Contacts, Error> {
         let v_b = self.system().belt_velocity();
         let [low, high] = self.system().stick_limits();
@@ -309,7 +323,8 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         Ok(contacts)
     }
 
-    /// Whether a motion with the velocity maximum V grows over the next turn; `None` if rounding hides it.
+    /// Whether a motion with the velocity maximum V grows over the next turn; `None` if rounding
+    /// hides it.
     pub(crate) fn grows_from_peak(&mut self, peak: f64) -> Result<Option<bool>, Error> {
         self.growth(peak).map(Sample::grows)
     }
@@ -324,14 +339,17 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         2.0 * self.system().damping() * self.system().belt_velocity()
     }
 
-    /// Forces F = u + 2βv_b at the downward crossings of the periodic motions that cross the belt velocity twice a period.
+    /// Forces F = u + 2βv_b at the downward crossings of the periodic motions that cross the belt
+    /// velocity twice a period.
     ///
-    /// It is doubled until motions from it shrink twice running, beyond every breakpoint of the law, or until it is [`FAR`].
+    /// It is doubled until motions from it shrink twice running, beyond every breakpoint of the
+    /// law, or until it is [`FAR`].
     pub(crate) fn crossing_forces(&mut self, fate: &ReleaseFate) -> Result<Found, Error> {
         let system = self.system();
         let release = system.load() * system.law().static_coefficient();
         let start = match fate {
-            // Without static friction relative growth has no meaning at release; no cycle lies between that motion's crossings.
+            // Without static friction relative growth has no meaning at release; no cycle lies
+            // between that motion's crossings.
             ReleaseFate::Outward if release == 0.0 => match self.crossing_arcs(release)? {
                 Some((_, next)) if next > 0.0 => Some(self.crossing_growth(next)?),
                 _ => None,
@@ -364,7 +382,8 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         Ok(found)
     }
 
-    /// The periodic motion that crosses the belt velocity downwards at a force F, and its Floquet multiplier.
+    /// The periodic motion that crosses the belt velocity downwards at a force F, and its Floquet
+    /// multiplier.
     pub(crate) fn crossing(&mut self, force: f64) -> Result<Option<([Arc; 2], f64)>, Error> {
         Ok(self.crossing_arcs(force)?.map(|(arcs, _)| {
             let stretch = arcs.iter().map(|arc| self.stretch(arc, Time::Forward));
@@ -377,18 +396,22 @@ impl<L: FrictionLaw> Tracer<'_, L> {
 /// See [`Tracer::contacts`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Contacts {
-    /// How far the motion from the release point would overshoot the belt velocity, in units of v_b; negative where it turns back below.
+    /// How far the motion from the release point would overshoot the belt velocity, in units of
+    /// v_b; negative where it turns back below.
     pub(crate) gap: f64,
-    /// Distance of its first contact beyond the lower end of the stick band, in units of v_b + γ²μ_s.
+    /// Distance of its first contact beyond the lower end of the stick band, in units of v_b +
+    /// γ²μ_s.
     pub(crate) beyond_low: Option<f64>,
-    /// Distance of its second contact, after a crossing, beyond the release point, in the same units.
+    /// Distance of its second contact, after a crossing, beyond the release point, in the same
+    /// units.
     pub(crate) beyond_high: Option<f64>,
 }
 
 /// Rounding error of one turn, in units of ε times the size of the motion.
 const TURN_ROUNDING: f64 = 32.0;
 
-/// Smallest velocity maximum searched for, in units of v_b: below it rounding hides how a motion grows over a turn.
+/// Smallest velocity maximum searched for, in units of v_b: below it rounding hides how a motion
+/// grows over a turn.
 const SMALLEST_PEAK: f64 = 1e-4;
 
 #[cfg(test)]

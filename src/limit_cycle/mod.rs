@@ -1,16 +1,19 @@
 //! Periodic motions, exactly and without transients.
 //!
-//! The motion of the mass is a flow in the plane (u, v), and trajectories in a plane can't cross. For v_b > 0 (v_b < 0 is its mirror
-//! image, and at v_b = 0 nothing is periodic but free vibration without friction) every periodic motion is one of three:
+//! The motion of the mass is a flow in the plane (u, v), and trajectories in a plane can't cross.
+//! For v_b > 0 (v_b < 0 is its mirror image, and at v_b = 0 nothing is periodic but free vibration
+//! without friction) every periodic motion is one of three:
 //!
-//! * it **sticks**, and then leaves stick at the release point: so it is found from the one or two slip arcs out of that point, and attracts with
-//!   multiplier 0 ([`CycleKind::StickSlip`], [`CycleKind::Overshoot`]);
-//! * it stays **behind the belt**, and then turns round the equilibrium: a fixed point of the map from one velocity maximum to the next
-//!   ([`CycleKind::PureSlip`]);
-//! * it **crosses** the belt velocity twice a period without sticking: a fixed point of the map from one downward crossing to the next
-//!   ([`CycleKind::Crossing`]).
+//! * it **sticks**, and then leaves stick at the release point: so it is found from the one or two
+//!   slip arcs out of that point, and attracts with multiplier 0 ([`CycleKind::StickSlip`],
+//!   [`CycleKind::Overshoot`]);
+//! * it stays **behind the belt**, and then turns round the equilibrium: a fixed point of the map
+//!   from one velocity maximum to the next ([`CycleKind::PureSlip`]);
+//! * it **crosses** the belt velocity twice a period without sticking: a fixed point of the map
+//!   from one downward crossing to the next ([`CycleKind::Crossing`]).
 //!
-//! Both maps are known with their derivatives, by the divergence of the flow: for a cycle that never sticks
+//! Both maps are known with their derivatives, by the divergence of the flow: for a cycle that
+//! never sticks
 //!
 //! ```text
 //! multiplier = exp(−∮(2β + γ² dμ̂/ds) dτ) · Π v_r'(after)/v_r'(before) over its crossings.
@@ -18,13 +21,14 @@
 //!
 //! # What is guaranteed
 //!
-//! [`stick_slip`] is complete: trajectories that can't cross leave no other possibility than those that it tells apart. [`find`] divides the
-//! range of each map until the cubic through values and slopes fits, and then keeps dividing wherever that cubic comes
-//! near a fixed point. It loses a pair of cycles only if their peak velocities differ by less than 10⁻⁹ of the range, or if the map
-//! turns twice inside an interval in which its cubic fits to 2 %. Pure-slip cycles with a peak velocity below 10⁻⁴ v_b are not looked for, nor
-//! crossing cycles with forces above 16(γ²μ_s + |v_b|). Cycles
-//! that double precision can't resolve, because neighbouring numbers lie on different sides of them by far, are reported as
-//! [`unresolved`](CycleSet::unresolved).
+//! [`stick_slip`] is complete: trajectories that can't cross leave no other possibility than those
+//! that it tells apart. [`find`] divides the range of each map until the cubic through values and
+//! slopes fits, and then keeps dividing wherever that cubic comes near a fixed point. It loses a
+//! pair of cycles only if their peak velocities differ by less than 10⁻⁹ of the range, or if the
+//! map turns twice inside an interval in which its cubic fits to 2 %. Pure-slip cycles with a peak
+//! velocity below 10⁻⁴ v_b are not looked for, nor crossing cycles with forces above 16(γ²μ_s +
+//! |v_b|). Cycles that double precision can't resolve, because neighbouring numbers lie on
+//! different sides of them by far, are reported as [`unresolved`](CycleSet::unresolved).
 
 mod arc;
 mod basin;
@@ -46,14 +50,15 @@ use crate::{Error, MassOnBelt};
 pub(crate) use arc::Tracer;
 pub(crate) use maps::{Contacts, ReleaseFate};
 
-/// The periodic motion through the release point, whatever its kind; `None` where the motion from there never comes back to it, and at
-/// v_b = 0.
+/// The periodic motion through the release point, whatever its kind; `None` where the motion from
+/// there never comes back to it, and at v_b = 0.
 ///
 /// Costs one slip arc for plain stick-slip and two for overshoot.
 ///
 /// # Errors
 ///
-/// Those of [`Integrator::simulate`](crate::Integrator::simulate) that concern the law or the length of steps.
+/// Those of [`Integrator::simulate`](crate::Integrator::simulate) that concern the law or the
+/// length of steps.
 ///
 /// ```
 /// use stick_slip::{CycleKind, Exponential, MassOnBelt, limit_cycle};
@@ -79,7 +84,8 @@ pub fn stick_slip<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Option<Limit
 ///
 /// # Errors
 ///
-/// Those of [`Integrator::simulate`](crate::Integrator::simulate) that concern the law or the length of steps.
+/// Those of [`Integrator::simulate`](crate::Integrator::simulate) that concern the law or the
+/// length of steps.
 ///
 /// ```
 /// use stick_slip::{CycleKind, Exponential, MassOnBelt, limit_cycle};
@@ -134,7 +140,8 @@ fn find_with<L: FrictionLaw>(
     } else {
         let mut peaks = tracer.pure_slip_peaks()?;
         if tracer.is_flat() && !peaks.unresolved.is_empty() {
-            // Up to where the motion meets a speed at which friction does vary; inside it is harmonic.
+            // Up to where the motion meets a speed at which friction does vary; inside it is
+            // harmonic.
             let max_amplitude = peaks.unresolved.remove(0).end;
             set.continuum = Some(Continuum { max_amplitude });
         }
@@ -253,9 +260,10 @@ impl CycleSet {
         self.continuum
     }
 
-    /// Peak velocities (largest v in the direction of the belt, dimensionless) between which double precision can't resolve whether there are
-    /// cycles, and which: either the motion from one end of a narrow range dies and that from the other end grows, by far (one unstable cycle, or
-    /// an odd number); or over the whole range a turn changes a motion by no more than rounding does.
+    /// Peak velocities (largest v in the direction of the belt, dimensionless) between which double
+    /// precision can't resolve whether there are cycles, and which: either the motion from one end
+    /// of a narrow range dies and that from the other end grows, by far (one unstable cycle, or an
+    /// odd number); or over the whole range a turn changes a motion by no more than rounding does.
     pub fn unresolved(&self) -> &[Range<f64>] {
         &self.unresolved
     }
@@ -269,8 +277,8 @@ impl<'s> IntoIterator for &'s CycleSet {
     }
 }
 
-/// A family of periodic motions that fills a disc round the equilibrium: without damping, friction that does not depend on the speed (Coulomb,
-/// or μ_s = μ_m) neither feeds nor damps them.
+/// A family of periodic motions that fills a disc round the equilibrium: without damping, friction
+/// that does not depend on the speed (Coulomb, or μ_s = μ_m) neither feeds nor damps them.
 ///
 /// ```
 /// use stick_slip::{Coulomb, MassOnBelt, limit_cycle};
@@ -287,8 +295,9 @@ impl<'s> IntoIterator for &'s CycleSet {
     serde(deny_unknown_fields)
 )]
 pub struct Continuum {
-    /// Amplitude of the largest of them, dimensionless: |v_b|, where it touches the belt velocity; less, where friction is constant only up to
-    /// a breakpoint of the law; infinite without friction.
+    /// Amplitude of the largest of them, dimensionless: |v_b|, where it touches the belt velocity;
+    /// less, where friction is constant only up to a breakpoint of the law; infinite without
+    /// friction.
     #[cfg_attr(feature = "serde", serde(with = "written::infinite_as_none"))]
     pub max_amplitude: f64,
 }

@@ -33,26 +33,29 @@ impl Sample {
 pub(crate) struct Found {
     /// Roots in ascending order.
     pub(crate) roots: Vec<f64>,
-    /// Neighbouring floating-point numbers, or nearly so, between which the function jumps over zero; and ranges where it is zero to rounding.
+    /// Neighbouring floating-point numbers, or nearly so, between which the function jumps over
+    /// zero; and ranges where it is zero to rounding.
     pub(crate) unresolved: Vec<Range<f64>>,
 }
 
 /// Width, relative to the interval searched, below which an interval is not divided further.
 const NARROWEST: f64 = 1e-9;
 
-/// Taylor steps after which what is left goes unresolved. Some hundreds are the rule; a law with thousands of waves below the speed of the motion
-/// needs a limit.
+/// Taylor steps after which what is left goes unresolved. Some hundreds are the rule; a law with
+/// thousands of waves below the speed of the motion needs a limit.
 const MOST_WORK: usize = 200_000;
 
-/// The cubic through both ends must predict the value in the middle this well, relative to the values around.
+/// The cubic through both ends must predict the value in the middle this well, relative to the
+/// values around.
 const CUBIC_FITS: f64 = 0.02;
 
 /// Finds the roots between two samples, and adds them to those found in intervals before.
 ///
-/// An interval is divided until the cubic through the values and slopes at its ends predicts value and slope in the middle. Then the
-/// cubics of the two halves decide: a half holds a root if the signs at its ends differ, and may hold two if its cubic comes closer to
-/// zero than the prediction was wrong; such a half is divided further. A pair of roots is lost only if the
-/// function turns within an interval in which its cubic fits, or if the pair is closer than [`NARROWEST`].
+/// An interval is divided until the cubic through the values and slopes at its ends predicts value
+/// and slope in the middle. Then the cubics of the two halves decide: a half holds a root if the
+/// signs at its ends differ, and may hold two if its cubic comes closer to zero than the prediction
+/// was wrong; such a half is divided further. A pair of roots is lost only if the function turns
+/// within an interval in which its cubic fits, or if the pair is closer than [`NARROWEST`].
 pub(crate) fn roots_between(
     f: &mut impl FnMut(f64) -> Result<Sample, Error>,
     a: Sample,
@@ -75,10 +78,12 @@ pub(crate) struct Turn {
 /// Halvings after which turning points are taken from what is known.
 const DEEPEST: usize = 9;
 
-/// The outline of a function between two samples: both ends and, in ascending order between them, the points at which the slope
-/// changes sign. Maxima and minima take turns, each higher than its neighbours, or lower, by more than rounding.
+/// The outline of a function between two samples: both ends and, in ascending order between them,
+/// the points at which the slope changes sign. Maxima and minima take turns, each higher than its
+/// neighbours, or lower, by more than rounding.
 ///
-/// Divided until the cubics fit and turn no more often than their ends tell, and then refined on the slope.
+/// Divided until the cubics fit and turn no more often than their ends tell, and then refined on
+/// the slope.
 pub(crate) fn outline_between(
     f: &mut impl FnMut(f64) -> Result<Sample, Error>,
     a: Sample,
@@ -156,7 +161,8 @@ fn smooth(outline: &mut Vec<Turn>) {
     }
 }
 
-/// Whether the cubic through both ends, whose slopes have one sign, turns in between, there and back.
+/// Whether the cubic through both ends, whose slopes have one sign, turns in between, there and
+/// back.
 fn turns_twice(a: Sample, b: Sample) -> bool {
     let width = b.x - a.x;
     let (dp, dq) = (a.slope * width, b.slope * width);
@@ -174,7 +180,8 @@ fn turns_twice(a: Sample, b: Sample) -> bool {
         && extreme.abs() > a.noise.max(b.noise)
 }
 
-/// Whether the cubic through the values and slopes at both ends predicts those in the middle, and by how much the value is missed.
+/// Whether the cubic through the values and slopes at both ends predicts those in the middle, and
+/// by how much the value is missed.
 fn fits(a: Sample, m: Sample, b: Sample) -> (bool, f64) {
     let width = b.x - a.x;
     let value = 0.5 * (a.value + b.value) + width * (a.slope - b.slope) / 8.0;
@@ -222,7 +229,8 @@ fn divide(
     Ok(())
 }
 
-/// Both slopes agree with the sign of the change, neither is so steep that the cubic turns in between, and none is mere rounding.
+/// Both slopes agree with the sign of the change, neither is so steep that the cubic turns in
+/// between, and none is mere rounding.
 fn one_way(a: Sample, b: Sample) -> bool {
     let secant = (b.value - a.value) / (b.x - a.x);
     [a, b].iter().all(|end| {
@@ -232,7 +240,8 @@ fn one_way(a: Sample, b: Sample) -> bool {
     })
 }
 
-/// Whether the function is zero to rounding at an end, with a root next to it, or where its cubic comes closest to zero.
+/// Whether the function is zero to rounding at an end, with a root next to it, or where its cubic
+/// comes closest to zero.
 fn hidden(a: Sample, b: Sample, noise: f64) -> bool {
     if (a.value > 0.0) != (b.value > 0.0) {
         a.vanishes() || b.vanishes()
@@ -241,13 +250,15 @@ fn hidden(a: Sample, b: Sample, noise: f64) -> bool {
     }
 }
 
-/// The least value, between both ends, of the cubic through them, which have one sign, counted as positive; infinite where it has no extremum.
+/// The least value, between both ends, of the cubic through them, which have one sign, counted as
+/// positive; infinite where it has no extremum.
 fn lowest(a: Sample, b: Sample) -> f64 {
     let width = b.x - a.x;
     let sign = if a.value > 0.0 { 1.0 } else { -1.0 };
     let (p, q) = (sign * a.value, sign * b.value);
     let (dp, dq) = (sign * a.slope * width, sign * b.slope * width);
-    // c(t) = p + dp t + c2 t² + c3 t³ on [0, 1]; an extremum inside is a root of dp + 2 c2 t + 3 c3 t².
+    // c(t) = p + dp t + c2 t² + c3 t³ on [0, 1]; an extremum inside is a root of dp + 2 c2 t + 3 c3
+    // t².
     let (c2, c3) = (3.0 * (q - p) - 2.0 * dp - dq, dp + dq - 2.0 * (q - p));
     let discriminant = c2 * c2 - 3.0 * c3 * dp;
     if discriminant < 0.0 {
@@ -292,7 +303,8 @@ impl Found {
         let mut last = f64::INFINITY;
         loop {
             let correction = (now.value / now.slope).abs();
-            // Quadratic convergence ends where rounding takes over and corrections no longer shrink.
+            // Quadratic convergence ends where rounding takes over and corrections no longer
+            // shrink.
             let settled = now.vanishes() && correction >= 0.25 * last;
             if settled || correction <= 0.5 * f64::EPSILON * now.x {
                 break;

@@ -1,7 +1,8 @@
 //! Cycles as they are written and read (feature `serde`).
 //!
-//! A cycle does not know the friction law, so what is read is checked against itself: it must be a closed, continuous motion of its kind, and
-//! the numbers written for other programs must be its own.
+//! A cycle does not know the friction law, so what is read is checked against itself: it must be a
+//! closed, continuous motion of its kind, and the numbers written for other programs must be its
+//! own.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,7 +14,8 @@ use crate::{Error, State};
 /// Distance, relative to the motion's size, that numbers which say the same may lie apart.
 const CLOSE: f64 = 1e-8;
 
-/// The same for the logarithm of the multiplier, which is computed from second derivatives of the series.
+/// The same for the logarithm of the multiplier, which is computed from second derivatives of the
+/// series.
 const MULTIPLIER_CLOSE: f64 = 1e-3;
 
 /// What is written: numbers of the whole cycle, and the series that it consists of.
@@ -266,7 +268,8 @@ impl LimitCycle {
 
     /// Logarithm of the multiplier of a motion without stick, from its series alone.
     ///
-    /// 2β + γ²dμ̂/ds, whose integral it is, follows from the equation of motion, differentiated: it is −(σv + s'')/s'.
+    /// 2β + γ²dμ̂/ds, whose integral it is, follows from the equation of motion, differentiated: it
+    /// is −(σv + s'')/s'.
     fn log_multiplier(&self) -> f64 {
         self.joints()
             .map(|(step, next)| {

@@ -15,20 +15,23 @@ mod sealed {
 
 /// A number that a friction law can be evaluated on.
 ///
-/// Two types implement it, `f64` and the crate's own Taylor coefficient, and no others can: the trait is sealed. Write a
-/// law once with these operations and the crate gets its values, its derivatives and its power series along a motion.
+/// Two types implement it, `f64` and the crate's own Taylor coefficient, and no others can: the
+/// trait is sealed. Write a law once with these operations and the crate gets its values, its
+/// derivatives and its power series along a motion.
 ///
-/// Arithmetic works with `Self` and with `f64` on the **right** (`speed * 3.0 + 1.0`); Rust does not allow an `f64` on the
-/// left of a generic number, so write `speed.constant(1.0) / speed` or `speed.recip()`.
+/// Arithmetic works with `Self` and with `f64` on the **right** (`speed * 3.0 + 1.0`); Rust does
+/// not allow an `f64` on the left of a generic number, so write `speed.constant(1.0) / speed` or
+/// `speed.recip()`.
 ///
 /// # Rules for a law
 ///
-/// * The sequence of operations may depend on the **base value** ([`value`](Self::value)) only, and on nothing that changes
-///   from call to call.
+/// * The sequence of operations may depend on the **base value** ([`value`](Self::value)) only, and
+///   on nothing that changes from call to call.
 /// * The law must be analytic at every speed it is used at, s = 0 included, or name its
-///   [breakpoints](crate::FrictionLaw::breakpoints). [`sqrt`](Self::sqrt), [`ln`](Self::ln) and a non-integral
-///   [`powf`](Self::powf) of a number that is 0 are not, and end in
-///   [`Error::NotAnalytic`](crate::Error::NotAnalytic) or [`Error::NonFiniteFriction`](crate::Error::NonFiniteFriction).
+///   [breakpoints](crate::FrictionLaw::breakpoints). [`sqrt`](Self::sqrt), [`ln`](Self::ln) and a
+///   non-integral [`powf`](Self::powf) of a number that is 0 are not, and end in
+///   [`Error::NotAnalytic`](crate::Error::NotAnalytic) or
+///   [`Error::NonFiniteFriction`](crate::Error::NonFiniteFriction).
 ///
 /// # Example
 ///
@@ -57,7 +60,8 @@ pub trait Scalar:
 {
     /// The constant c as a number of this type. `self` serves only to find the type.
     fn constant(self, c: f64) -> Self;
-    /// The base value: the number itself for `f64`, the coefficient of order 0 of a series. Branch on this alone.
+    /// The base value: the number itself for `f64`, the coefficient of order 0 of a series. Branch
+    /// on this alone.
     fn value(self) -> f64;
     /// 1/x.
     fn recip(self) -> Self;
@@ -83,7 +87,8 @@ pub trait Scalar:
     fn cos(self) -> Self;
     /// |x|, by the sign of the base value; at 0 the branch of positive x.
     ///
-    /// A kink at a speed c > 0, as in `(speed - c).abs()`, must be named as a [breakpoint](crate::FrictionLaw::breakpoints).
+    /// A kink at a speed c > 0, as in `(speed - c).abs()`, must be named as a
+    /// [breakpoint](crate::FrictionLaw::breakpoints).
     fn abs(self) -> Self;
 }
 
@@ -148,7 +153,8 @@ impl Scalar for f64 {
     }
 }
 
-/// a·b + c, fused only where the target has the instruction: elsewhere `f64::mul_add` is a slow library call.
+/// a·b + c, fused only where the target has the instruction: elsewhere `f64::mul_add` is a slow
+/// library call.
 #[inline(always)]
 pub(crate) fn mul_add(a: f64, b: f64, c: f64) -> f64 {
     if cfg!(target_feature = "fma") {

@@ -1,6 +1,7 @@
 //! What the Taylor coefficient can do: the recurrence of each operation.
 //!
-//! Each gives, in run 0, the value and the slope of its result, and in run K ≥ 1 the rest of its K-th coefficient.
+//! Each gives, in run 0, the value and the slope of its result, and in run K ≥ 1 the rest of its
+//! K-th coefficient.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -104,7 +105,8 @@ impl<const K: usize, const M: usize> Scalar for Taylor<'_, K, M> {
     #[inline(always)]
     fn powi(self, exponent: i32) -> Self {
         if exponent < 0 {
-            // Not the other way round: the recurrence of the reciprocal of a high power loses digits.
+            // Not the other way round: the recurrence of the reciprocal of a high power loses
+            // digits.
             return self.recip().power(exponent.unsigned_abs());
         }
         self.power(exponent.unsigned_abs())

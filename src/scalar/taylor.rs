@@ -1,15 +1,17 @@
 //! One coefficient of a Taylor series, as a number that a friction law can be evaluated on.
 //!
-//! A law is run once for every order k of the series wanted. In run k each operation computes only its own k-th
-//! coefficient, from the rows of coefficients that it and its operands wrote in the runs before. A row is identified by the
-//! position of its operation in the sequence of operations, which is the same in every run. The recurrences are the
-//! classical ones (Griewank and Walther, *Evaluating Derivatives*, 2nd ed., SIAM 2008, ch. 13; Jorba and Zou,
-//! *Experimental Mathematics* 14 (2005) 99-117).
+//! A law is run once for every order k of the series wanted. In run k each operation computes only
+//! its own k-th coefficient, from the rows of coefficients that it and its operands wrote in the
+//! runs before. A row is identified by the position of its operation in the sequence of operations,
+//! which is the same in every run. The recurrences are the classical ones (Griewank and Walther,
+//! *Evaluating Derivatives*, 2nd ed., SIAM 2008, ch. 13; Jorba and Zou, *Experimental Mathematics*
+//! 14 (2005) 99-117).
 //!
-//! What makes it fast is short chains. Order and length are const generics, so every instance of a law has one call site,
-//! is inlined, and all row indices are constants. And every operation's k-th coefficient (k ≥ 1) is
-//! `slope·s_k + rest`, where the slope belongs to order 0 and the rest is made of older coefficients: from one
-//! order to the next the critical path is a few multiply-adds, whatever the law.
+//! What makes it fast is short chains. Order and length are const generics, so every instance of a
+//! law has one call site, is inlined, and all row indices are constants. And every operation's k-th
+//! coefficient (k ≥ 1) is `slope·s_k + rest`, where the slope belongs to order 0 and the rest is
+//! made of older coefficients: from one order to the next the critical path is a few multiply-adds,
+//! whatever the law.
 
 use std::cell::Cell;
 
@@ -33,10 +35,12 @@ impl<const M: usize> Row<M> {
     }
 }
 
-/// Rows kept in place. Laws seldom need more, and a constant index into an array costs no bounds check.
+/// Rows kept in place. Laws seldom need more, and a constant index into an array costs no bounds
+/// check.
 const INLINE_ROWS: usize = 8;
 
-/// Working memory for series of M coefficients: row 0 is the sliding speed, then one for each operation of the law.
+/// Working memory for series of M coefficients: row 0 is the sliding speed, then one for each
+/// operation of the law.
 #[derive(Debug, Clone)]
 pub(crate) struct Workspace<const M: usize> {
     inline: [Row<M>; INLINE_ROWS],
@@ -71,7 +75,8 @@ impl<const M: usize> Workspace<M> {
     }
 }
 
-/// One run of a law: the rows, the operation counter, and the newest coefficient s_K of the sliding speed.
+/// One run of a law: the rows, the operation counter, and the newest coefficient s_K of the sliding
+/// speed.
 #[derive(Debug)]
 pub(crate) struct Run<'w, const M: usize> {
     workspace: &'w Workspace<M>,
@@ -90,7 +95,8 @@ impl<'w, const M: usize> Run<'w, M> {
 
 /// Coefficient K of a power series of M coefficients.
 ///
-/// A *view* of a row: c_k = scale·row_k for k ≥ 1, so that adding, scaling and negating by constants need no row of their own.
+/// A *view* of a row: c_k = scale·row_k for k ≥ 1, so that adding, scaling and negating by
+/// constants need no row of their own.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Taylor<'r, const K: usize, const M: usize> {
     pub(super) run: &'r Run<'r, M>,
@@ -100,12 +106,13 @@ pub(crate) struct Taylor<'r, const K: usize, const M: usize> {
     pub(super) value: f64,
     /// Derivative of the **row** with respect to the sliding speed at the base point.
     pub(super) slope: f64,
-    /// row_K − slope·s_K, made of older coefficients; meaningless for K = 0. Unscaled: a factor then meets the scale before
-    /// it meets the rest, which comes late.
+    /// row_K − slope·s_K, made of older coefficients; meaningless for K = 0. Unscaled: a factor
+    /// then meets the scale before it meets the rest, which comes late.
     pub(super) rest: f64,
 }
 
-/// start + factor·Σ a_i·b_{K−i} for 0 < i < K: the part of a Cauchy product that holds no coefficient of order K.
+/// start + factor·Σ a_i·b_{K−i} for 0 < i < K: the part of a Cauchy product that holds no
+/// coefficient of order K.
 ///
 /// The newest coefficients, of order K − 1, come last and meet finished factors only.
 #[inline(always)]
@@ -155,8 +162,9 @@ pub(super) fn inner_square<const K: usize, const M: usize>(
 
 /// Σ x_i·y_i for i = first, first − 1, …, 2.
 ///
-/// In that order the oldest coefficients come first, and one chain of additions waits for new ones only at its end. More chains, in any
-/// other order, are vectorised where the target cannot fuse, with loads that span coefficients just written one by one, and stall on them.
+/// In that order the oldest coefficients come first, and one chain of additions waits for new ones
+/// only at its end. More chains, in any other order, are vectorised where the target cannot fuse,
+/// with loads that span coefficients just written one by one, and stall on them.
 #[inline(always)]
 fn from_the_middle(first: usize, factors: impl Fn(usize) -> (f64, f64)) -> f64 {
     if first < 2 {
@@ -175,8 +183,8 @@ fn from_the_middle(first: usize, factors: impl Fn(usize) -> (f64, f64)) -> f64 {
 }
 
 impl<'r, const K: usize, const M: usize> Taylor<'r, K, M> {
-    /// The result of an operation: in run 0 its value and slope, in every later run its rest, which may read the row
-    /// that the operation wrote before.
+    /// The result of an operation: in run 0 its value and slope, in every later run its rest, which
+    /// may read the row that the operation wrote before.
     #[inline(always)]
     pub(super) fn operation(
         self,
@@ -230,7 +238,8 @@ impl<'r, const K: usize, const M: usize> Taylor<'r, K, M> {
     pub(super) const INVERSE: f64 = 1.0 / K as f64;
 }
 
-/// A coefficient of the friction law's series, with the newest of the speed's series still to be put in.
+/// A coefficient of the friction law's series, with the newest of the speed's series still to be
+/// put in.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Composed {
     /// dμ̂/ds at s_0, the same for every k.
@@ -277,7 +286,8 @@ pub(crate) const LONGEST: usize = 32;
 
 /// Expands s(t) = Σ s_k t^k together with m(t) = μ̂(s(t)), to M ≤ [`LONGEST`] coefficients of s.
 ///
-/// `next(k, s_k, m)` returns s_{k+1} from the newest coefficient of s and that of the law. Returns the law's value and slope at s_0; if they are not finite, nothing more is expanded.
+/// `next(k, s_k, m)` returns s_{k+1} from the newest coefficient of s and that of the law. Returns
+/// the law's value and slope at s_0; if they are not finite, nothing more is expanded.
 #[inline(always)]
 pub(crate) fn expand<const M: usize, L: FrictionLaw>(
     law: &L,

@@ -1,5 +1,5 @@
-//! Every operation of the Taylor coefficient to order 30: against known series, against contour integrals of the same
-//! expression in complex numbers, and against the other operations.
+//! Every operation of the Taylor coefficient to order 30: against known series, against contour
+//! integrals of the same expression in complex numbers, and against the other operations.
 
 mod expression;
 
@@ -15,7 +15,8 @@ type Inner = [f64; LONGEST];
 /// Orders compared.
 const ORDERS: usize = 31;
 
-/// Coefficients of orders 0 to 30 of law(s(t)), piece `piece` of the law, in a workspace that may hold an older series.
+/// Coefficients of orders 0 to 30 of law(s(t)), piece `piece` of the law, in a workspace that may
+/// hold an older series.
 fn compose_in(
     workspace: &mut Workspace<LONGEST>,
     law: &impl FrictionLaw,
@@ -182,7 +183,8 @@ fn known_series_about_zero() {
             0.0
         }
     });
-    // From the poles of tanh at ±iπ/2, ±3iπ/2, ...: c_k = ±2 (2/π)^(k+1) Σ 1/(2j+1)^(k+1), Bernoulli numbers in closed form.
+    // From the poles of tanh at ±iπ/2, ±3iπ/2, ...: c_k = ±2 (2/π)^(k+1) Σ 1/(2j+1)^(k+1),
+    // Bernoulli numbers in closed form.
     relative(compose(|s| s.tanh(), &zero), &|k| {
         let n = k as i32 + 1;
         let poles: f64 = (0..200_000)
@@ -312,8 +314,8 @@ fn abs_takes_the_branch_of_the_base_value() {
 /// Radius of the circle for [`contour`].
 const RADIUS: f64 = 0.9;
 
-/// Taylor coefficients of f(s(t)) by the trapezoidal rule for Cauchy's integral on |t| = [`RADIUS`], which shares nothing with the
-/// recurrences; and the largest |f| on the circle.
+/// Taylor coefficients of f(s(t)) by the trapezoidal rule for Cauchy's integral on |t| =
+/// [`RADIUS`], which shares nothing with the recurrences; and the largest |f| on the circle.
 fn contour(f: impl Fn(Complex<f64>) -> Complex<f64>, inner: &Inner) -> ([f64; ORDERS], f64) {
     const POINTS: usize = 512;
     let mut sums = [Complex::new(0.0, 0.0); ORDERS];
@@ -392,7 +394,8 @@ fn operations_on_operations() {
         check(inner, |s| {
             (-(s.exp() * 0.3)).exp() - (s.exp() * 0.3 + 1.0).powf(-0.5)
         });
-        // Friction laws that people use: Stribeck with exponent 1.5 and viscous term, regularised, rational.
+        // Friction laws that people use: Stribeck with exponent 1.5 and viscous term, regularised,
+        // rational.
         check(inner, |s| {
             (-(s + 0.8).powf(1.5)).exp() * 0.2 + 0.3 + s * 0.01
         });
@@ -503,7 +506,8 @@ fn a_law_may_have_any_number_of_operations() {
     }
 }
 
-/// One workspace serves pieces with different sequences of operations: nothing old leaks into a new series.
+/// One workspace serves pieces with different sequences of operations: nothing old leaks into a new
+/// series.
 #[test]
 fn a_workspace_keeps_nothing_between_series() {
     struct Pieces;

@@ -76,7 +76,8 @@ impl Random {
     /// How many kinds [`any_law`](Self::any_law) knows.
     pub(crate) const KINDS: usize = 11;
 
-    /// A law of one kind, with μ_s in [0.2, 0.8); it falls to 0.3 to 1 of that, and most may rise again.
+    /// A law of one kind, with μ_s in [0.2, 0.8); it falls to 0.3 to 1 of that, and most may rise
+    /// again.
     pub(crate) fn any_law(&mut self, kind: usize) -> Any {
         let top = self.uniform(0.2, 0.8);
         let least = top * self.uniform(0.3, 1.0);
@@ -148,7 +149,8 @@ impl Random {
         Any::Crate(law)
     }
 
-    /// A system with a law of one kind: 0.03 ≤ |v_b| < 2 with either sign, β = 0 or 10⁻⁴ ≤ β < 0.4, 0.01 ≤ γ² < 5.
+    /// A system with a law of one kind: 0.03 ≤ |v_b| < 2 with either sign, β = 0 or 10⁻⁴ ≤ β < 0.4,
+    /// 0.01 ≤ γ² < 5.
     pub(crate) fn any_system(&mut self, kind: usize) -> MassOnBelt<Any> {
         let law = self.any_law(kind);
         let belt_velocity = self.sign() * self.logarithmic(0.03, 2.0);

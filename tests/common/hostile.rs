@@ -1,4 +1,5 @@
-//! Systems and starts that look for trouble: every law, parameters over many decades, starts on and an ulp beside every boundary.
+//! Systems and starts that look for trouble: every law, parameters over many decades, starts on and
+//! an ulp beside every boundary.
 
 use proptest::prelude::*;
 use proptest::sample::select;
@@ -69,7 +70,8 @@ impl Case {
     }
 }
 
-/// The power series of the sliding speed over a step: all its digits are in the step's `Debug` form.
+/// The power series of the sliding speed over a step: all its digits are in the step's `Debug`
+/// form.
 pub(crate) fn series(step: &Step) -> Vec<f64> {
     let text = format!("{step:?}");
     let (_, after) = text.split_once("speed: [").unwrap();
@@ -251,7 +253,8 @@ pub(crate) fn case() -> impl Strategy<Value = Case> {
     })
 }
 
-/// Runs a property on so many cases: the same ones in every run, others with `PROPTEST_RNG_SEED`, more with `PROPTEST_CASES`.
+/// Runs a property on so many cases: the same ones in every run, others with `PROPTEST_RNG_SEED`,
+/// more with `PROPTEST_CASES`.
 pub(crate) fn check(cases: u32, property: impl Fn(Case) -> Result<(), TestCaseError>) {
     let mut config = Config {
         failure_persistence: Some(Box::new(FileFailurePersistence::Direct(

@@ -1,4 +1,5 @@
-//! What several test files share: reference data, laws of the tests' own, and random numbers that are the same in every run.
+//! What several test files share: reference data, laws of the tests' own, and random numbers that
+//! are the same in every run.
 #![allow(dead_code)] // each test file uses a part of it
 
 pub(crate) mod any;
@@ -125,7 +126,8 @@ impl FrictionLaw for Ends {
     }
 }
 
-/// A table of (speed, coefficient), joined by straight lines and continued by the last of them. It starts at speed 0.
+/// A table of (speed, coefficient), joined by straight lines and continued by the last of them. It
+/// starts at speed 0.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Table {
     pub(crate) static_coefficient: f64,
@@ -198,7 +200,8 @@ impl Random {
         items[(self.bits() % items.len() as u64) as usize]
     }
 
-    /// One of the three laws of the crate, with μ_s in [0.2, 0.8) and its minimum at 0.3 to 1 of it.
+    /// One of the three laws of the crate, with μ_s in [0.2, 0.8) and its minimum at 0.3 to 1 of
+    /// it.
     pub(crate) fn law(&mut self) -> Law {
         let static_coefficient = self.uniform(0.2, 0.8);
         let least = static_coefficient * self.uniform(0.3, 1.0);

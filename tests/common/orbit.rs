@@ -1,4 +1,5 @@
-//! The tests' own view of periodic motions: return maps from simulated turns, quadrature, extremes of a run.
+//! The tests' own view of periodic motions: return maps from simulated turns, quadrature, extremes
+//! of a run.
 
 use stick_slip::{
     CycleSet, Direction, EventKind, FrictionLaw, Integrator, LimitCycle, MassOnBelt, Mode, State,

@@ -1,9 +1,10 @@
-//! A deliberately simple integrator, which shares no idea and no code with the crate: fixed Runge-Kutta steps, friction as a closure of
-//! numbers, contact by bisection.
+//! A deliberately simple integrator, which shares no idea and no code with the crate: fixed
+//! Runge-Kutta steps, friction as a closure of numbers, contact by bisection.
 
 use stick_slip::{Event, EventKind};
 
-/// What happened, as the simple integrator tells it: its time, a letter (s: stick, r: release, c: crossing), and the sign of v_r afterwards.
+/// What happened, as the simple integrator tells it: its time, a letter (s: stick, r: release, c:
+/// crossing), and the sign of v_r afterwards.
 pub(crate) type Seen = (f64, char, f64);
 
 /// A mass on a belt in plain numbers.

@@ -23,11 +23,13 @@ pub(crate) const PURE_SLIP: [Parameters; 10] = [
     [0.70, 0.10, 0.90, 0.9, 0.08, 0.790],
 ];
 
-/// v_b < v_b0 with a margin; η of 0.2 to 0.45 at ε = 1; the first is the paper's Fig. 5. μ_s and μ_m are raised by 100, which leaves u − ū as
-/// it is but keeps the mass from overtaking the belt, down to ε of 2⁻¹² or less.
+/// v_b < v_b0 with a margin; η of 0.2 to 0.45 at ε = 1; the first is the paper's Fig. 5. μ_s and
+/// μ_m are raised by 100, which leaves u − ū as it is but keeps the mass from overtaking the belt,
+/// down to ε of 2⁻¹² or less.
 ///
-/// The errors of `stick` and `slip` at second order are cε^{5/2} + c'ε³ + …, and c = 0 for some v_b/v_m that depends on β/η. There the orders are
-/// better than stated: near v_b/v_m = 0.6, β/η = 0.044, 3 is measured down to ε = 2⁻¹⁰. None of the systems lies near.
+/// The errors of `stick` and `slip` at second order are cε^{5/2} + c'ε³ + …, and c = 0 for some
+/// v_b/v_m that depends on β/η. There the orders are better than stated: near v_b/v_m = 0.6, β/η =
+/// 0.044, 3 is measured down to ε = 2⁻¹⁰. None of the systems lies near.
 #[rustfmt::skip]
 pub(crate) const STICK_SLIP: [Parameters; 10] = [
     [0.40, 0.25, 0.50, 1.0, 0.05, 0.20],
@@ -70,7 +72,8 @@ impl Point {
     fn new(system: MassOnBelt<Polynomial>, cycle: LimitCycle) -> Self {
         let rest = system.equilibrium().unwrap().displacement;
         let size = (rest + cycle.max_velocity()) / system.belt_velocity();
-        // The mass meets the belt at the rate v_b·(stick duration) in the weak limit, so that is how well the time of contact is known.
+        // The mass meets the belt at the rate v_b·(stick duration) in the weak limit, so that is
+        // how well the time of contact is known.
         let rate = match cycle.stick_duration() {
             0.0 => 1.0,
             stick => stick.min(1.0),
@@ -113,7 +116,8 @@ impl Point {
         self.cycle.multiplier().ln() / self.cycle.period()
     }
 
-    /// (V − v_b)/v_b for the velocity maximum V that follows the release point, if friction had no jump at v_r = 0.
+    /// (V − v_b)/v_b for the velocity maximum V that follows the release point, if friction had no
+    /// jump at v_r = 0.
     pub(crate) fn growth(&self) -> f64 {
         let (system, v_b) = (&self.system, self.system.belt_velocity());
         let (law, shift) = (*system.law(), 8.0 * v_b);
@@ -136,7 +140,8 @@ impl Point {
     }
 }
 
-/// The polynomial law as a cubic of v_r on both sides of v_r = 0: on a belt that is faster by `shift`.
+/// The polynomial law as a cubic of v_r on both sides of v_r = 0: on a belt that is faster by
+/// `shift`.
 struct Continued {
     law: Polynomial,
     shift: f64,

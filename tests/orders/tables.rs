@@ -48,7 +48,8 @@ const PURE_SLIP_FORMULAS: &[PureSlipRow] = &[
     ("third harmonic",  |f| f.harmonics[2],            |x| x.harmonic(3),                [3., 3., 3., 3.]),
 ];
 
-/// A0 (Eqs. 13 and 15, corrected) and its multiplier. As u_max − ū it is poor: the motion is not centred on ū.
+/// A0 (Eqs. 13 and 15, corrected) and its multiplier. As u_max − ū it is poor: the motion is not
+/// centred on ū.
 #[rustfmt::skip]
 const AVERAGED_PURE_SLIP: &[AveragedRow] = &[
     ("A0 as half the range of u", |f| f.amplitude(),   |x| x.cycle.amplitude(),       2.0),
@@ -88,7 +89,8 @@ const PAPER_STICK_SLIP: &[PaperRow] = &[
     ("Eqs. 16-18, slip 2π − 2 atan κ",   |f| f.slip_duration(),      Point::slip,                   0.5, Series::Halves),
 ];
 
-/// `v_max` = v_b is exact. `return_angle` is the phase reckoned from where the mass meets the belt to the release point.
+/// `v_max` = v_b is exact. `return_angle` is the phase reckoned from where the mass meets the belt
+/// to the release point.
 #[rustfmt::skip]
 const STICK_SLIP_FORMULAS: &[StickSlipRow] = &[
     ("z_max",        |f| f.z_max,        Point::z_max,                         [2.0, 3.0], Series::Whole),

@@ -1,16 +1,18 @@
-//! What does one Taylor step cost by order, how far does it reach, and which order is the best at which error?
+//! What does one Taylor step cost by order, how far does it reach, and which order is the best at
+//! which error?
 //!
 //! ```sh
 //! RUSTFLAGS="-C target-cpu=native" benches/orders/run
 //! ```
 //!
-//! The motions of the bench `peers`: two laws from rest over 1000 units of time, every event against 25 digits. Each order takes part
-//! with the loosest tolerance with which, and with every tighter one, its worst error stays within a bound; so times are compared at
-//! equal error.
+//! The motions of the bench `peers`: two laws from rest over 1000 units of time, every event
+//! against 25 digits. Each order takes part with the loosest tolerance with which, and with every
+//! tighter one, its worst error stays within a bound; so times are compared at equal error.
 //!
 //! # What was found
 //!
-//! Time per cycle of the polynomial law in units of order 26, native build on a Zen 5 core, and the time of a step:
+//! Time per cycle of the polynomial law in units of order 26, native build on a Zen 5 core, and the
+//! time of a step:
 //!
 //! ```text
 //! order          14     17     20     23     26     29
@@ -23,8 +25,9 @@
 //! a step       0.49   0.65   0.74   0.84   1      1.22
 //! ```
 //!
-//! Steps come in whole numbers a cycle, 4 to 8 at order 26, so a ratio may be off by a step. A lower order for looser tolerances would
-//! save up to a quarter there and double what is compiled for each law; there is one order.
+//! Steps come in whole numbers a cycle, 4 to 8 at order 26, so a ratio may be off by a step. A
+//! lower order for looser tolerances would save up to a quarter there and double what is compiled
+//! for each law; there is one order.
 
 #[path = "../../peers/src/set.rs"]
 mod set;
@@ -177,7 +180,8 @@ fn compare<L: FrictionLaw>(law: Law, set: &Set<L>) {
     }
 }
 
-/// The loosest of 1/2, 1/4, 1/8, …, ε with which, and with all tighter ones, the events are within `bound`; none where rounding is larger.
+/// The loosest of 1/2, 1/4, 1/8, …, ε with which, and with all tighter ones, the events are within
+/// `bound`; none where rounding is larger.
 fn loosest<L: FrictionLaw>(
     variant: Variant,
     motion: Motion,

@@ -1,8 +1,9 @@
 //! `ode_solvers`: Dop853 to the first step beyond contact, then Hénon's step.
 //!
-//! Its dense output is no use to a stop function, so the contact is reached with the velocity as the independent variable: u and τ over w,
-//! from the nearer end of the last step to w = 0. Only steps are kept (`OutputType::Sparse`). A first step size of one's own, in place of the
-//! solver's guess, changes the time by less than it varies.
+//! Its dense output is no use to a stop function, so the contact is reached with the velocity as
+//! the independent variable: u and τ over w, from the nearer end of the last step to w = 0. Only
+//! steps are kept (`OutputType::Sparse`). A first step size of one's own, in place of the solver's
+//! guess, changes the time by less than it varies.
 
 use ode_solvers::{Dop853, OutputType, SVector, System, Vector2, Vector3};
 use stick_slip::FrictionLaw;
@@ -32,8 +33,8 @@ impl<L: FrictionLaw + Copy> System<f64, Vector2<f64>> for OverTime<L> {
     }
 }
 
-/// Hénon: d(u, τ, w)/dw. With w a variable too it is autonomous: the node c12 of this Dop853 is wrong, and without that the whole run
-/// took 30 times as long.
+/// Hénon: d(u, τ, w)/dw. With w a variable too it is autonomous: the node c12 of this Dop853 is
+/// wrong, and without that the whole run took 30 times as long.
 struct OverVelocity<L>(Slip<L>);
 
 impl<L: FrictionLaw + Copy> System<f64, Vector3<f64>> for OverVelocity<L> {

@@ -4,17 +4,21 @@
 //! RUSTFLAGS="-C target-cpu=native" cargo bench --manifest-path benches/peers/Cargo.toml
 //! ```
 //!
-//! Two motions from rest over 1000 units of time, some 147 cycles of slip and stick, with every event. Each solver writes its event
-//! times into the same list; their largest error is taken against 25-digit references. Then the times are taken in turn, one run of
-//! every solver a round, and the table gives for each the least and the median time per cycle, and the ratio of the least to that of
-//! Dop853 of `ode_solvers`, which varies less between machines than times do. Criterion's report of the same runs follows.
+//! Two motions from rest over 1000 units of time, some 147 cycles of slip and stick, with every
+//! event. Each solver writes its event times into the same list; their largest error is taken
+//! against 25-digit references. Then the times are taken in turn, one run of every solver a round,
+//! and the table gives for each the least and the median time per cycle, and the ratio of the least
+//! to that of Dop853 of `ode_solvers`, which varies less between machines than times do.
+//! Criterion's report of the same runs follows.
 //!
-//! The columns are the peers' absolute and relative tolerances 1e-9, 1e-12 and 1e-14. This crate joins each with the loosest of 1e-8,
-//! 5e-9, 2e-9, 1e-9, … with which its worst error stays within a bound: 2e-9, 4e-12 and 2e-13, what heyoka, a compiling Taylor integrator in C++, reaches in
+//! The columns are the peers' absolute and relative tolerances 1e-9, 1e-12 and 1e-14. This crate
+//! joins each with the loosest of 1e-8, 5e-9, 2e-9, 1e-9, … with which its worst error stays within
+//! a bound: 2e-9, 4e-12 and 2e-13, what heyoka, a compiling Taylor integrator in C++, reaches in
 //! the same places.
 //!
-//! What the peers are given: one slip phase after the other in u and v − v_b, stick in closed form, a compensated clock, no output beyond
-//! what they insist on, and for the contact the best that each has; each file says what.
+//! What the peers are given: one slip phase after the other in u and v − v_b, stick in closed form,
+//! a compensated clock, no output beyond what they insist on, and for the contact the best that
+//! each has; each file says what.
 
 mod dop853;
 mod phases;
@@ -115,7 +119,8 @@ fn stick_slip<L: FrictionLaw>(set: &Set<L>, tolerance: f64, events: &mut Vec<f64
     }
 }
 
-/// The largest of 1e-8, 5e-9, 2e-9, 1e-9, … with which this crate's events are within `bound`, or round-off.
+/// The largest of 1e-8, 5e-9, 2e-9, 1e-9, … with which this crate's events are within `bound`, or
+/// round-off.
 fn loosest<L: FrictionLaw>(set: &Set<L>, bound: f64) -> f64 {
     let mut events = Vec::new();
     (8..16)
@@ -142,7 +147,8 @@ fn print_table<L: FrictionLaw>(set: &Set<L>, columns: &mut [[Contender<'_>; 4]; 
     for _ in 0..ROUNDS {
         for (column, times) in columns.iter_mut().zip(&mut times) {
             for (contender, times) in column.iter_mut().zip(times) {
-                // Once to warm up: the solver before has left its own code and tables in the caches.
+                // Once to warm up: the solver before has left its own code and tables in the
+                // caches.
                 let mut last = 0.0;
                 for _ in 0..2 {
                     events.clear();

@@ -1,10 +1,12 @@
-//! What a user of a general integrator has to write around it: the equation of motion, stick, and the change of phases.
+//! What a user of a general integrator has to write around it: the equation of motion, stick, and
+//! the change of phases.
 
 use stick_slip::{FrictionLaw, State};
 
 use crate::set::{DURATION, REST, Set};
 
-/// Slip behind the belt in u and w = v − v_b < 0: the root of w is the contact, without cancellation.
+/// Slip behind the belt in u and w = v − v_b < 0: the root of w is the contact, without
+/// cancellation.
 #[derive(Clone, Copy)]
 pub struct Slip<L> {
     pub law: L,
@@ -39,9 +41,11 @@ pub struct Contact {
     pub displacement: f64,
 }
 
-/// Runs the motion from rest and writes down its events; `contact` integrates one slip phase from u and w.
+/// Runs the motion from rest and writes down its events; `contact` integrates one slip phase from u
+/// and w.
 ///
-/// Each phase starts at time 0 and its duration is added with the rounding error carried along, so that the clock costs no solver accuracy.
+/// Each phase starts at time 0 and its duration is added with the rounding error carried along, so
+/// that the clock costs no solver accuracy.
 pub fn run<L: FrictionLaw>(
     set: &Set<L>,
     events: &mut Vec<f64>,

@@ -1,7 +1,9 @@
-//! `differential-equations`: Verner's 9(8) pair with its interpolant of order 9 (`rkv989e`), stepped by hand.
+//! `differential-equations`: Verner's 9(8) pair with its interpolant of order 9 (`rkv989e`),
+//! stepped by hand.
 //!
-//! By hand, because the solution that `solve` collects is not needed, and the contact is found to round-off by Newton's method on the
-//! interpolant. Not `dop853`: its interpolant is far worse than its steps.
+//! By hand, because the solution that `solve` collects is not needed, and the contact is found to
+//! round-off by Newton's method on the interpolant. Not `dop853`: its interpolant is far worse than
+//! its steps.
 
 use differential_equations::interpolate::Interpolation;
 use differential_equations::methods::ExplicitRungeKutta;
@@ -38,7 +40,8 @@ pub fn contact<L: FrictionLaw + Copy>(
     move |displacement, relative_velocity| {
         let start = [displacement, relative_velocity];
         method.init(&ode, 0.0, HORIZON, &start).expect("start");
-        // At a release w = 0: the first step leads away from there. A rejected step leaves the time as it is.
+        // At a release w = 0: the first step leads away from there. A rejected step leaves the time
+        // as it is.
         while method.t() == 0.0 || method.y()[1] < 0.0 {
             method.step(&ode).expect("slip");
         }

@@ -16,7 +16,8 @@ pub struct Set<L> {
     reference: Reference,
 }
 
-/// The first contact and release, then slip and stick in turn: every release is from the same state.
+/// The first contact and release, then slip and stick in turn: every release is from the same
+/// state.
 #[derive(Clone, Copy)]
 struct Reference {
     first_stick: i128,
@@ -45,8 +46,8 @@ pub fn polynomial() -> Set<Polynomial> {
     }
 }
 
-/// The exponential law on a slower belt; times by a Taylor series of order 60 in 60 decimal digits, a program that gives all 25 digits
-/// of the times above as well.
+/// The exponential law on a slower belt; times by a Taylor series of order 60 in 60 decimal digits,
+/// a program that gives all 25 digits of the times above as well.
 pub fn exponential() -> Set<Exponential> {
     Set {
         name: "exponential",

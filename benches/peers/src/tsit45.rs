@@ -1,7 +1,7 @@
 //! `diffsol`: Tsitouras 5(4) with the crate's own root finding.
 //!
-//! The solver is kept over all phases; a new phase changes its state in place, and the derivative with it, which the crate does not
-//! recompute. `NalgebraMat` takes 0.6 of the time of `FaerMat`.
+//! The solver is kept over all phases; a new phase changes its state in place, and the derivative
+//! with it, which the crate does not recompute. `NalgebraMat` takes 0.6 of the time of `FaerMat`.
 
 use diffsol::{
     NalgebraContext, NalgebraMat, NalgebraVec, OdeBuilder, OdeSolverMethod, OdeSolverStopReason,

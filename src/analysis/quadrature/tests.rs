@@ -102,7 +102,8 @@ fn rules_are_refined_until_both_integrals_agree() {
             assert_eq!(taken, looks);
         }
     }
-    // A kink at 3/8 is an end of panels after three halvings: 7 panels, the last 4 of which agree with their halves.
+    // A kink at 3/8 is an end of panels after three halvings: 7 panels, the last 4 of which agree
+    // with their halves.
     for swapped in [false, true] {
         let kinked = |x: f64| {
             if swapped {
@@ -128,7 +129,8 @@ fn integrands_that_are_not_resolved_end() {
     let (integral, looks) = counted(|x| [rough(x), 1.0], &[0.0, 3.0]);
     assert_eq!(looks, 16 + (1 + 4096) * 32);
     assert!((integral.parts[1] - 3.0).abs() < 1e-12);
-    // An undeclared kink takes two panels at each halving, until its panel is shorter than the tolerance.
+    // An undeclared kink takes two panels at each halving, until its panel is shorter than the
+    // tolerance.
     let (_, looks) = counted(|x| [(x - 1.0 / 3.0).abs(), 0.0], &[0.0, 1.0]);
     assert!(looks <= 16 + 50 * 32, "{looks}");
 }

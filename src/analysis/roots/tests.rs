@@ -92,7 +92,8 @@ fn undeclared_kinks_end() {
     assert_eq!(found.len(), 2);
 }
 
-// Which functions are settled in one piece: the coefficient of each Chebyshev polynomial T_k must be right for these.
+// Which functions are settled in one piece: the coefficient of each Chebyshev polynomial T_k must
+// be right for these.
 
 #[test]
 fn a_constant_that_outweighs_an_oscillation_leaves_no_root() {
@@ -270,7 +271,8 @@ fn brackets_need_two_values_beyond_their_noise() {
 
 #[test]
 fn a_parabola_as_inverse_is_met_as_soon_as_three_points_are_known() {
-    // The inverse of √x − c is a parabola, and interpolation of it exact: the two ends, the middle, and the root.
+    // The inverse of √x − c is a parabola, and interpolation of it exact: the two ends, the middle,
+    // and the root.
     for root in [1.3_f64, 1.7, 2.1, 3.6, 4.8] {
         for [a, b] in [[1.0, 5.0], [5.0, 1.0]] {
             let watched = Watched::new(|x: f64| x.sqrt() - root.sqrt());
@@ -347,7 +349,8 @@ fn exact_roots_end_the_refinement_at_once() {
 
 #[test]
 fn jumps_are_bisected_to_neighbouring_numbers() {
-    // A function without a shape: no interpolation helps, and 2⁵² numbers lie between two powers of two.
+    // A function without a shape: no interpolation helps, and 2⁵² numbers lie between two powers of
+    // two.
     for root in [1.1, 1.5, 1.9999] {
         let watched = Watched::new(|x| if x < root { -1.0 } else { 3.0 });
         let found = watched.refined(1.0, 2.0);

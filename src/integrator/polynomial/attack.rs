@@ -1,8 +1,10 @@
-//! Attack on the contact finder: polynomials with planted roots, each answer judged in exact arithmetic.
+//! Attack on the contact finder: polynomials with planted roots, each answer judged in exact
+//! arithmetic.
 //!
-//! Every coefficient and every time is a whole number times a power of two, so the sign of a value is decided in big integers, and
-//! the sign on a whole interval by coefficients in Bernstein's basis, rounded down in units of about 2⁻⁴⁰ of the finder's own error
-//! bound. The truth is that of the coefficients as they are, after rounding.
+//! Every coefficient and every time is a whole number times a power of two, so the sign of a value
+//! is decided in big integers, and the sign on a whole interval by coefficients in Bernstein's
+//! basis, rounded down in units of about 2⁻⁴⁰ of the finder's own error bound. The truth is that of
+//! the coefficients as they are, after rounding.
 
 use std::ops::ControlFlow;
 
@@ -64,8 +66,8 @@ fn is_above(c: &Polynomial, t: f64, level: f64) -> bool {
 
 /// The judge of intervals.
 struct Judge {
-    /// C(j, k)·L/C(26, k) with L the least common multiple of all C(26, k): L times Bernstein's coefficient j is the sum over k of
-    /// these times c_k.
+    /// C(j, k)·L/C(26, k) with L the least common multiple of all C(26, k): L times Bernstein's
+    /// coefficient j is the sum over k of these times c_k.
     weights: [[i128; TERMS]; TERMS],
 }
 
@@ -90,7 +92,8 @@ impl Judge {
         }
     }
 
-    /// Whether sign·c falls to `level` anywhere between the times `from` and `to`. That it does not is proven.
+    /// Whether sign·c falls to `level` anywhere between the times `from` and `to`. That it does not
+    /// is proven.
     fn falls(&self, c: &Polynomial, sign: f64, level: f64, [from, to]: [f64; 2]) -> bool {
         if from >= to {
             return false;
@@ -127,7 +130,8 @@ impl Judge {
     }
 }
 
-/// The same, given Bernstein's coefficients on the part [x, x + w] of the interval, of which what lies before `from` does not count.
+/// The same, given Bernstein's coefficients on the part [x, x + w] of the interval, of which what
+/// lies before `from` does not count.
 fn falls_to_zero(bernstein: &[i128; TERMS], x: f64, w: f64, from: f64, depth: usize) -> bool {
     if x + w < from || bernstein.iter().all(|&b| b > 0) {
         return false;
@@ -162,7 +166,8 @@ enum Verdict {
     Invented,
 }
 
-/// How far from a time found the root can be, by the error bound of the values and the slope, and whether that is close.
+/// How far from a time found the root can be, by the error bound of the values and the slope, and
+/// whether that is close.
 fn blur(slope: &Polynomial, t: f64, error: f64) -> (f64, bool) {
     let last_bit = 2.0 * f64::EPSILON * t;
     let blur = last_bit + 2.0 * error / evaluate(slope, t).abs();
@@ -174,8 +179,9 @@ fn blur(slope: &Polynomial, t: f64, error: f64) -> (f64, bool) {
 }
 
 impl Judge {
-    /// Judges the times in (0, h] at which c is said to change sign, `all` of them or the first. Within the error of a value, and as
-    /// much again by which c may differ from the last chord, a dip may be seen or not: hence twice the bound.
+    /// Judges the times in (0, h] at which c is said to change sign, `all` of them or the first.
+    /// Within the error of a value, and as much again by which c may differ from the last chord, a
+    /// dip may be seen or not: hence twice the bound.
     fn judge(&self, c: &Polynomial, h: f64, found: &[f64], all: bool) -> Verdict {
         let error = rounding_bound(c, h);
         let slope = derivative(c);
@@ -389,7 +395,8 @@ fn planted(kind: &str, random: &mut Random) -> Vec<f64> {
     c
 }
 
-/// The sliding speed of a real phase that comes to rest relative to the belt, or nearly: followed backward from there, and forward again.
+/// The sliding speed of a real phase that comes to rest relative to the belt, or nearly: followed
+/// backward from there, and forward again.
 fn grazing(random: &mut Random) -> Option<(Polynomial, f64)> {
     let at_rest = random.within(0.2, 1.0);
     let law = Exponential::new(
@@ -443,7 +450,8 @@ fn case(n: u64) -> (usize, Polynomial, f64) {
         } else {
             let planted = planted(KINDS[kind], random);
             let h = random.power(-8.0, 3.0).abs();
-            // A quarter of the steps are powers of two, with which planted numbers stay as they are.
+            // A quarter of the steps are powers of two, with which planted numbers stay as they
+            // are.
             let h = if random.below(4) == 0 {
                 h.log2().round().exp2()
             } else {
@@ -468,7 +476,8 @@ fn case(n: u64) -> (usize, Polynomial, f64) {
 
 // ---- The attack ----
 
-/// How often each verdict on each kind, of the first root and of all sign changes, and the most halvings of a step that was too curved.
+/// How often each verdict on each kind, of the first root and of all sign changes, and the most
+/// halvings of a step that was too curved.
 #[derive(Debug, Default, Clone, Copy)]
 struct Tally {
     first: [[u64; 5]; KINDS.len()],

@@ -1,7 +1,8 @@
 use super::super::testing::polynomial;
 use super::*;
 
-/// What a search takes for rounding: half a unit in the last place for each multiplication, and four more.
+/// What a search takes for rounding: half a unit in the last place for each multiplication, and
+/// four more.
 #[test]
 fn rounding_is_bounded_term_by_term() {
     for t in [0.25_f64, 1.0, 3.0] {
@@ -21,7 +22,8 @@ fn rounding_is_bounded_term_by_term() {
     }
 }
 
-/// Most steps are settled by a look at their quarters, the others by a few halvings, and only a root that is almost double takes many.
+/// Most steps are settled by a look at their quarters, the others by a few halvings, and only a
+/// root that is almost double takes many.
 #[test]
 fn searches_are_short() {
     let divisions = |c: &[f64], h: f64| {

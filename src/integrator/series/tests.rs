@@ -177,7 +177,8 @@ fn features_beside_the_least_speed_are_seen() {
     }
 }
 
-/// The slope at the end of a step decides whether the last stretch holds a minimum: exact to the fourth degree.
+/// The slope at the end of a step decides whether the last stretch holds a minimum: exact to the
+/// fourth degree.
 #[test]
 fn minima_outside_the_step_are_not_looked_for() {
     let wide = Bump {

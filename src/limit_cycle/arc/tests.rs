@@ -1,4 +1,5 @@
-//! Arcs of a law with constant slope, on which slip is a damped oscillation, and the decisions on polynomials made by hand.
+//! Arcs of a law with constant slope, on which slip is a damped oscillation, and the decisions on
+//! polynomials made by hand.
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
@@ -207,7 +208,8 @@ fn an_arc_that_does_not_turn_ends_at_the_equilibrium() {
                 >= 1e-9 * v_b
         );
     }
-    // A stiff law too, where rounding decides which way the speed changes: the velocity has a maximum only if it was below the slow motion's.
+    // A stiff law too, where rounding decides which way the speed changes: the velocity has a
+    // maximum only if it was below the slow motion's.
     let system = system(0.3, 20.0, 1.0, 0.0);
     let rest = system.equilibrium_displacement();
     for (offset, velocity, turns) in [

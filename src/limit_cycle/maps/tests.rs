@@ -1,4 +1,5 @@
-//! The return maps against closed forms: with a kinetic coefficient c + d·s slip is a damped oscillation, and without damping a circle.
+//! The return maps against closed forms: with a kinetic coefficient c + d·s slip is a damped
+//! oscillation, and without damping a circle.
 
 use std::f64::consts::TAU;
 
@@ -60,7 +61,8 @@ fn with_knee(mut law: Law, knee: f64, slope: f64, v_b: f64) -> System {
     MassOnBelt::new(law, v_b).unwrap()
 }
 
-/// The set of parameters of most examples of the crate: friction falls to half a unit of speed, and rises beyond.
+/// The set of parameters of most examples of the crate: friction falls to half a unit of speed, and
+/// rises beyond.
 fn paper(v_b: f64) -> System {
     system(0.4, [0.4, -0.45, 0.6], v_b, 0.05)
 }
@@ -114,7 +116,8 @@ fn assert_slope(sample: Sample, step: f64, accuracy: f64, mut value: impl FnMut(
     assert_close(sample.slope, difference, accuracy);
 }
 
-/// Largest distance of the values next to x from what they should be, and the noise that is told there.
+/// Largest distance of the values next to x from what they should be, and the noise that is told
+/// there.
 #[track_caller]
 fn assert_noise(x: f64, mut sample: impl FnMut(f64) -> Sample, exact: impl Fn(f64) -> f64) {
     let scatter = neighbours(x)
@@ -147,7 +150,8 @@ fn noise_of_a_turn_bounds_what_rounding_does_and_not_by_far() {
 
 #[test]
 fn noise_of_a_crossing_grows_with_the_place_of_contact_that_a_slow_contact_shifts() {
-    // From flat contacts, where the belt is 10⁴ times as fast as the motion accelerates, to steep ones.
+    // From flat contacts, where the belt is 10⁴ times as fast as the motion accelerates, to steep
+    // ones.
     for (rest, kinetic, v_b) in [
         (0.4, 0.25, 0.2),
         (0.4, 0.25, 1e-4),
@@ -229,7 +233,8 @@ fn a_turn_that_meets_the_belt_counts_as_growth_and_one_that_settles_as_death() {
 #[test]
 fn the_largest_peak_comes_back_grazing_the_belt() {
     for v_b in [0.2, 3.0] {
-        // Of a motion that grows, the peak before the belt; it grows by the same factor as every other.
+        // Of a motion that grows, the peak before the belt; it grows by the same factor as every
+        // other.
         let largest = traced(&spiral(-0.1, v_b), |tracer| tracer.largest_peak()).unwrap();
         assert_close(largest.x, v_b / shrinks(-0.1), largest.noise * v_b);
         assert_close(largest.value, shrinks(-0.1) - 1.0, largest.noise);
@@ -455,7 +460,8 @@ fn crossings_of_circles_lose_four_times_the_friction_force() {
 #[test]
 fn a_motion_that_does_not_cross_again_is_taken_to_the_release_point() {
     let system = circles(0.4, 0.25, 0.2);
-    // It crosses down at more than 2μ_k + μ_s, and down again at less than the release force, if at all.
+    // It crosses down at more than 2μ_k + μ_s, and down again at less than the release force, if at
+    // all.
     for force in [0.5, 0.85, 0.95, 1.3] {
         let growth = traced(&system, |tracer| tracer.crossing_growth(force));
         assert_close(growth.value, 0.4 / force - 1.0, 1e-15);
@@ -684,7 +690,8 @@ fn growth_is_not_told_where_rounding_hides_it() {
     assert_eq!(grows(&system, peak + 0.1 * (0.5 - peak)), Some(true));
 }
 
-/// A friction that drives the mass, and viscous damping: C(F) = r F + d with r < 1, by circles that shrink.
+/// A friction that drives the mass, and viscous damping: C(F) = r F + d with r < 1, by circles that
+/// shrink.
 fn driven(force: f64, v_b: f64) -> System {
     // The crossing cycle lies where 4·0.05 = force·(1 − r), nearly.
     let damping = 0.2 / (TAU * force);

@@ -99,7 +99,8 @@ fn the_cubic_through_both_ends_is_a_cubic() {
 
 #[test]
 fn what_the_cubic_misses_is_told() {
-    // By x⁴ about c, the cubic is off by h⁴ in the middle, by x⁵ not at all, but in its slope, by h⁴.
+    // By x⁴ about c, the cubic is off by h⁴ in the middle, by x⁵ not at all, but in its slope, by
+    // h⁴.
     for (c, h) in [(0.0, 1.0), (3.0, 0.5), (-2.0, 2.0_f64)] {
         let fourth = |x: f64| sample(x, (x - c).powi(4), 4.0 * (x - c).powi(3));
         let fifth = |x: f64| sample(x, (x - c).powi(5), 5.0 * (x - c).powi(4));

@@ -4,8 +4,8 @@ use nalgebra::Complex;
 
 use crate::{FrictionLaw, Scalar};
 
-/// An expression in the sliding speed as data, to be evaluated on any number: one law, and so one compiled copy of the
-/// operations, serves every test.
+/// An expression in the sliding speed as data, to be evaluated on any number: one law, and so one
+/// compiled copy of the operations, serves every test.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Expression(&'static Node);
 
@@ -88,7 +88,8 @@ impl Expression {
     }
 }
 
-/// The value of an expression in one number type; the last four entries are what complex numbers write differently.
+/// The value of an expression in one number type; the last four entries are what complex numbers
+/// write differently.
 macro_rules! evaluate {
     ($self:ident, $s:ident, $value:ident, $constant:expr, $recip:expr, $square:expr, $abs:expr) => {
         match *$self.0 {
