@@ -1,4 +1,4 @@
-use crate::State;
+use crate::state::structure::State;
 
 /// Where an integration stood when it could not go on.
 ///
@@ -11,37 +11,45 @@ use crate::State;
 ///     // Go on from there, or look at the motion up to there.
 ///     Err(Error::TooManySteps { reached, .. }) => {
 ///         let motion = system.simulate(State::new(0.0, 0.0), reached.time)?;
-///         assert!((motion.last().displacement - reached.state.displacement).abs() < 1e-14);
+///         let apart = motion.last().displacement - reached.state.displacements[0];
+///         assert!(apart.abs() < 1e-14);
 ///     }
 ///     other => panic!("{other:?}"),
 /// }
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Reached {
-    /// Time τ since the start of the integration, dimensionless.
+    /// Time since the start of the integration, in the units of the system.
     pub time: f64,
-    /// State of the mass at that time.
+    /// State of all masses at that time; of a [`MassOnBelt`](crate::MassOnBelt) the only one.
     pub state: State,
+}
+
+impl Reached {
+    pub(crate) fn new(time: f64, state: impl Into<State>) -> Self {
+        Self {
+            time,
+            state: state.into(),
+        }
+    }
 }
 
 impl std::fmt::Display for Reached {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let State {
-            displacement,
-            velocity,
-        } = self.state;
-        write!(
-            f,
-            "at time {:e} (u = {displacement:e}, v = {velocity:e})",
-            self.time
-        )
+        write!(f, "at time {:e}", self.time)?;
+        match (&self.state.displacements[..], &self.state.velocities[..]) {
+            ([u], [v]) => write!(f, " (u = {u:e}, v = {v:e})"),
+            (q, v) => write!(f, " (q = {q:?}, v = {v:?})"),
+        }
     }
 }
 
 /// " at time …", or nothing where no integration was under way.
 fn during(reached: &Option<Reached>) -> String {
-    reached.map_or_else(String::new, |reached| format!(" {reached}"))
+    reached
+        .as_ref()
+        .map_or_else(String::new, |reached| format!(" {reached}"))
 }
 
 /// Why a law, a system or an integration was refused or could not go on.

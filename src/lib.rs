@@ -175,30 +175,36 @@
 #![forbid(unsafe_code)]
 
 pub mod analysis;
+mod belt;
 pub mod bifurcation;
-mod equilibrium;
 mod error;
 mod friction;
-mod integrator;
 pub mod limit_cycle;
-mod quadrature;
+mod motion;
+mod numerics;
 #[cfg(feature = "serde")]
 mod raw;
 mod scalar;
 mod scaling;
-mod system;
+mod series;
+mod state;
 
-pub use equilibrium::{Equilibrium, Stability};
+pub use belt::{Equilibrium, Flow, MassOnBelt, Stability, Step};
 pub use error::{Error, Reached};
 pub use friction::{
     AnyLaw, Coulomb, Exponential, FrictionLaw, Polynomial, Rational, Stribeck, Tabulated,
 };
-pub use integrator::{Event, EventKind, Flow, Integrator, Mode, Step, Trajectory};
 pub use limit_cycle::{CycleKind, CycleSet, EnergyBudget, LimitCycle};
+pub use motion::{Event, EventKind, Integrator, Mode, Segment, System, SystemState, Trajectory};
 pub use nalgebra;
 pub use scalar::Scalar;
 pub use scaling::{Physical, Scaled, Scaling};
-pub use system::{Direction, MassOnBelt, State};
+pub use state::{Direction, State};
+
+/// Several masses: what they share with the one on its belt.
+pub mod structure {
+    pub use crate::state::structure::State;
+}
 
 /// The program of the README, compiled as a test.
 #[cfg(doctest)]

@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, FrictionLaw, Stability};
+use crate::belt::Stability;
+use crate::error::Error;
+use crate::friction::FrictionLaw;
 
 /// A struct of the same name as the type it is read for, and the way from one to the other.
 macro_rules! read {

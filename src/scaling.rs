@@ -1,6 +1,9 @@
 //! Physical units in and out, for any law.
 
-use crate::{Error, FrictionLaw, MassOnBelt, Scalar};
+use crate::belt::MassOnBelt;
+use crate::error::Error;
+use crate::friction::FrictionLaw;
+use crate::scalar::Scalar;
 
 /// The physical parameters of a mass on a belt, in SI units.
 ///

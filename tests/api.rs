@@ -29,6 +29,7 @@ fn types_have_the_common_traits() {
     value::<DiagramPoint>();
     value::<Attractor>();
     value::<Error>();
+    value::<Reached>();
     value::<AnyLaw>();
     value::<Tabulated>();
     value::<MassOnBelt<AnyLaw>>();
@@ -48,7 +49,6 @@ fn types_have_the_common_traits() {
     small::<Event>();
     small::<Step>();
     small::<Integrator>();
-    small::<Reached>();
     small::<EnergyBudget>();
     small::<Continuum>();
     small::<PureSlip>();

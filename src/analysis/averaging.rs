@@ -26,10 +26,12 @@
 
 use std::f64::consts::PI;
 
-use super::quadrature::{Integral, gauss, graded, trapezoid};
 use super::roots::{Sample, brackets, isolate, refine};
+use crate::belt::MassOnBelt;
+use crate::error::Error;
+use crate::friction::FrictionLaw;
 use crate::friction::{piece_above, slope_on};
-use crate::{Error, FrictionLaw, MassOnBelt};
+use crate::numerics::adaptive::{Integral, gauss, graded, trapezoid};
 
 /// Drift dA/dτ of the amplitude A ≥ 0, dimensionless. Error O(ε²).
 ///

@@ -3,7 +3,9 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::roots::refine;
-use crate::{Coulomb, FrictionLaw, MassOnBelt, State};
+use crate::belt::MassOnBelt;
+use crate::friction::{Coulomb, FrictionLaw};
+use crate::state::State;
 
 /// The slip phase of the fastest stick-slip cycle, which comes back to the belt tangentially.
 /// Depends on β alone; dimensionless.

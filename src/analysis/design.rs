@@ -17,8 +17,10 @@ use std::ops::Range;
 
 use super::roots::{Sample, brackets, isolate, refine};
 use super::{PureSlip, coulomb, exponential};
+use crate::belt::MassOnBelt;
+use crate::error::Error;
+use crate::friction::{Coulomb, Exponential, FrictionLaw, Polynomial};
 use crate::friction::{slope_on, taylor_coefficients_on};
-use crate::{Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial};
 
 /// Damping ratio above which steady sliding at the system's belt velocity is stable: max(0, −½γ²
 /// dμ̂/ds) at |v_b|. Dimensionless, exact. `None` at v_b = 0. The system's own β is ignored.

@@ -3,7 +3,8 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use super::roots::refine;
-use crate::{Exponential, FrictionLaw, MassOnBelt};
+use crate::belt::MassOnBelt;
+use crate::friction::{Exponential, FrictionLaw};
 
 /// A belt velocity at which steady sliding gains or loses stability, and what happens there.
 ///

@@ -37,12 +37,10 @@ pub mod coulomb;
 pub mod design;
 pub mod exponential;
 mod pure_slip;
-mod quadrature;
+
 mod regime;
 mod roots;
 mod stick_slip;
-#[cfg(test)]
-mod testing;
 mod transient;
 
 pub use pure_slip::{PureSlip, PureSlipCycle};
@@ -50,7 +48,8 @@ pub use regime::{Regime, regime};
 pub use stick_slip::{StickSlip, StickSlipCycle};
 pub use transient::Transient;
 
-use crate::{Equilibrium, FrictionLaw, MassOnBelt};
+use crate::belt::{Equilibrium, MassOnBelt};
+use crate::friction::FrictionLaw;
 
 /// The steady sliding state, in which the mass stands still on the moving belt: Eq. 7 (corrected),
 /// Eq. 10a for any law, and Eq. 14. `None` at v_b = 0. Exact.

@@ -1,7 +1,9 @@
 use std::f64::consts::{PI, TAU};
 
 use super::Transient;
-use crate::{Error, FrictionLaw, MassOnBelt, Polynomial};
+use crate::belt::MassOnBelt;
+use crate::error::Error;
+use crate::friction::{FrictionLaw, Polynomial};
 
 /// Vibration that never sticks, polynomial law: coefficients, averaging, and expansions beyond it.
 ///

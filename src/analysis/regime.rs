@@ -1,5 +1,6 @@
 use super::PureSlip;
-use crate::{MassOnBelt, Polynomial};
+use crate::belt::MassOnBelt;
+use crate::friction::Polynomial;
 
 /// What a system with the polynomial law settles to, by Eqs. 14 and 15.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

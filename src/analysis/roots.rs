@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use crate::Error;
+use crate::error::Error;
 
 /// A value and the size of its rounding error.
 #[derive(Debug, Clone, Copy)]

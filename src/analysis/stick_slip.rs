@@ -1,9 +1,11 @@
 use std::f64::consts::{PI, TAU};
 use std::marker::PhantomData;
 
-use super::quadrature::{gauss, graded};
+use crate::belt::MassOnBelt;
+use crate::error::Error;
+use crate::friction::{FrictionLaw, Polynomial};
 use crate::friction::{piece_above, slope_on, taylor_coefficients_on};
-use crate::{Error, FrictionLaw, MassOnBelt, Polynomial};
+use crate::numerics::adaptive::{gauss, graded};
 
 /// The paper's stick-slip vibration, for any law: stick, then a slip arc of an undamped oscillation
 /// about ū.

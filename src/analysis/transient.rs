@@ -1,4 +1,5 @@
-use crate::{Error, State};
+use crate::error::Error;
+use crate::state::State;
 
 /// Slow growth or decay of a motion that does not stick, polynomial law: the solution of Eq. 12 in
 /// closed form.

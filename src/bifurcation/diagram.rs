@@ -1,16 +1,13 @@
 use std::borrow::Borrow;
 
+use crate::belt::{Equilibrium, MassOnBelt};
+use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::limit_cycle::{CycleSet, find};
-use crate::{Equilibrium, Error, MassOnBelt};
 
 /// Everything that a system can settle to at one belt velocity.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(deny_unknown_fields)
-)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct DiagramPoint {
     /// Belt velocity v_b, dimensionless.
     pub belt_velocity: f64,

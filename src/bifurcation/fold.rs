@@ -2,9 +2,10 @@ use std::ops::Range;
 
 use super::positive;
 use super::scan::root_between;
+use crate::belt::MassOnBelt;
+use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::limit_cycle::Tracer;
-use crate::{Error, MassOnBelt};
 
 /// Belt velocities that a range is first divided into.
 const INTERVALS: usize = 64;

@@ -1,10 +1,11 @@
 use std::ops::{ControlFlow, Range};
 
 use super::positive;
+use crate::belt::MassOnBelt;
+use crate::error::Error;
 use crate::friction::{FrictionLaw, finite_at, taylor_coefficients};
-use crate::integrator::{Polynomial, TERMS, evaluate, evaluate_four, quarters, sign_changes};
 use crate::scalar::LONGEST;
-use crate::{Error, MassOnBelt};
+use crate::series::{PowerSeries, TERMS, quarters};
 
 /// A series is used as far as its last terms stay below this, relative to its largest.
 const TRUNCATION: f64 = 1e-16;
@@ -68,7 +69,7 @@ pub fn hopf_velocities<L: FrictionLaw>(
     ends.retain(|&end| v < end && end < range.end);
     ends.push(range.end);
     let mut changes = SignChanges {
-        h1: |v| effective_damping(system, v),
+        h1: |v| system.effective_damping(v),
         positive: None,
         roots: Vec::new(),
     };
@@ -99,13 +100,9 @@ pub fn hopf_velocities<L: FrictionLaw>(
     Ok(changes.roots)
 }
 
-fn effective_damping<L: FrictionLaw>(system: &MassOnBelt<L>, v: f64) -> f64 {
-    2.0 * system.damping() + system.load() * system.law().slope(v)
-}
-
 /// h1(v + t) as a power series in t, for 0 ≤ t ≤ length.
 struct Stretch {
-    series: Polynomial,
+    series: PowerSeries,
     length: f64,
 }
 
@@ -120,8 +117,8 @@ impl Stretch {
     ) -> Result<Self, Error> {
         finite_at(system.law(), v)?;
         let friction = taylor_coefficients::<LONGEST, _>(&system.law(), v);
-        let mut series: Polynomial =
-            std::array::from_fn(|k| system.load() * (k + 1) as f64 * friction[k + 1]);
+        let mut series: PowerSeries =
+            PowerSeries::from_fn(|k| system.load() * (k + 1) as f64 * friction[k + 1]);
         series[0] += 2.0 * system.damping();
         let mut stretch = Self {
             series,
@@ -134,7 +131,7 @@ impl Stretch {
                 + ROUNDING * *largest
                 + stretch.rounding_of_velocity(v);
             if stretch.converges(size + *largest * ROUNDING)
-                && stretch.fits(allowed, |t| effective_damping(system, v + t))
+                && stretch.fits(allowed, |t| system.effective_damping(v + t))
             {
                 return Ok(stretch);
             }
@@ -178,7 +175,7 @@ impl Stretch {
     /// Whether the series gives `h1` inside.
     fn fits(&self, allowed: f64, h1: impl Fn(f64) -> f64) -> bool {
         let times = quarters(self.length);
-        std::iter::zip(times, evaluate_four(&self.series, times))
+        std::iter::zip(times, self.series.at_four(times))
             // The end may be a breakpoint, where the slope is that of the next piece.
             .take(3)
             .all(|(t, value)| (h1(t) - value).abs() <= allowed)
@@ -188,7 +185,7 @@ impl Stretch {
     /// lose it, or find it twice.
     fn end_away_from_zero(&mut self) {
         let ends = [1.0, 0.875, 0.75].map(|part| part * self.length);
-        let height = |t: &f64| evaluate(&self.series, *t).abs();
+        let height = |t: &f64| self.series.at(*t).abs();
         if let Some(end) = ends
             .into_iter()
             .max_by(|a, b| height(a).total_cmp(&height(b)))
@@ -223,15 +220,15 @@ impl<H: Fn(f64) -> f64> SignChanges<H> {
             return; // zero all along
         }
         // A zero at an end is at v, or at the start of the next stretch.
-        let is_zero = |t: f64| evaluate(series, t).abs() <= rounding;
+        let is_zero = |t: f64| series.at(t).abs() <= rounding;
         let first = if is_zero(0.0) { AT_END * length } else { 0.0 };
         let last = if is_zero(*length) {
             (1.0 - AT_END) * length
         } else {
             *length
         };
-        self.add(v, evaluate(series, first) > 0.0, rounding);
-        let _ = sign_changes(series, *length, &mut |t, rising| {
+        self.add(v, series.at(first) > 0.0, rounding);
+        let _ = series.sign_changes(*length, &mut |t, rising| {
             if first <= t && t <= last {
                 self.add(v + t, rising, rounding);
             }

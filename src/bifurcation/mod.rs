@@ -32,9 +32,10 @@ pub use silence::silencing_damping;
 
 use std::ops::Range;
 
+use crate::belt::MassOnBelt;
+use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::limit_cycle::{Contacts, Tracer};
-use crate::{Error, MassOnBelt};
 use scan::sign_changes;
 
 /// Belt velocities in `range` at which stick-slip appears or disappears, ascending: the motion from

@@ -1,6 +1,6 @@
 //! Sign changes, over a range of belt velocities, of a function that is known point by point.
 
-use crate::Error;
+use crate::error::Error;
 
 /// Intervals that a range is divided into before anything is known.
 const INTERVALS: usize = 64;

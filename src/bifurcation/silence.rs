@@ -1,6 +1,7 @@
+use crate::belt::MassOnBelt;
+use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::limit_cycle::find;
-use crate::{Error, MassOnBelt};
 
 /// The least damping ratio β from which on no vibration lasts at the system's belt velocity: steady
 /// sliding is stable, and there is no periodic motion. Below it there is one, or steady sliding is

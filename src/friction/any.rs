@@ -1,5 +1,5 @@
 use super::{Coulomb, Exponential, FrictionLaw, Polynomial, Rational, Stribeck, Tabulated};
-use crate::Scalar;
+use crate::scalar::Scalar;
 
 /// Any of the crate's laws, for a choice at run time.
 ///

@@ -1,5 +1,6 @@
 use super::FrictionLaw;
-use crate::{Error, Scalar};
+use crate::error::Error;
+use crate::scalar::Scalar;
 
 /// Coulomb's law: a constant kinetic coefficient, and a static one that may be larger.
 ///

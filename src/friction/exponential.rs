@@ -1,5 +1,6 @@
 use super::FrictionLaw;
-use crate::{Error, Scalar};
+use crate::error::Error;
+use crate::scalar::Scalar;
 
 /// The Gaussian Stribeck law, which falls from μ_s towards μ_k and never rises.
 ///

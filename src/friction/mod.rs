@@ -16,8 +16,8 @@ pub use rational::Rational;
 pub use stribeck::Stribeck;
 pub use tabulated::Tabulated;
 
-use crate::Error;
-use crate::scalar::{LONGEST, Scalar, Workspace, expand};
+use crate::error::Error;
+use crate::scalar::{Function, LONGEST, Scalar, Workspace, expand};
 
 /// A dry friction law: the static coefficient, and the kinetic coefficient μ̂(s) at sliding speed s
 /// = |v_r| ≥ 0.
@@ -77,7 +77,7 @@ use crate::scalar::{LONGEST, Scalar, Workspace, expand};
 /// Give different results for the same speed; panic; return NaN or ±∞ at a speed that the motion
 /// reaches (a typed error, not a wrong result). It must hold μ̂(0) ≤ μ_s, to a few ulps;
 /// [`MassOnBelt::new`](crate::MassOnBelt::new) checks that.
-pub trait FrictionLaw {
+pub trait FrictionLaw: Sized {
     /// Static coefficient μ_s: the mass sticks while the contact carries at most γ²μ_s.
     /// Dimensionless.
     fn static_coefficient(&self) -> f64;
@@ -166,7 +166,7 @@ pub trait FrictionLaw {
     }
 }
 
-impl<L: FrictionLaw + ?Sized> FrictionLaw for &L {
+impl<L: FrictionLaw> FrictionLaw for &L {
     fn static_coefficient(&self) -> f64 {
         (**self).static_coefficient()
     }
@@ -180,6 +180,28 @@ impl<L: FrictionLaw + ?Sized> FrictionLaw for &L {
     #[inline(always)]
     fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
         (**self).kinetic_on(piece, speed)
+    }
+}
+
+/// One analytic piece of a law, by its number.
+#[derive(Debug)]
+pub(crate) struct Piece<'l, L> {
+    pub(crate) law: &'l L,
+    pub(crate) index: usize,
+}
+
+impl<L> Clone for Piece<'_, L> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<L> Copy for Piece<'_, L> {}
+
+impl<L: FrictionLaw> Function for Piece<'_, L> {
+    #[inline(always)]
+    fn at<S: Scalar>(self, speed: S) -> S {
+        self.law.kinetic_on(self.index, speed)
     }
 }
 
@@ -201,13 +223,18 @@ pub(crate) fn taylor_coefficients_on<const M: usize, L: FrictionLaw>(
     speed: f64,
 ) -> [f64; M] {
     let mut series = [f64::NAN; M];
-    (series[0], series[1]) = expand(law, piece, &mut Workspace::<M>::new(), speed, |k, _, m| {
-        if k >= 2 {
-            series[k] = m.scale * m.rest;
-        }
-        // s = s_0 + t
-        if k == 0 { 1.0 } else { 0.0 }
-    });
+    (series[0], series[1]) = expand(
+        Piece { law, index: piece },
+        &mut Workspace::<M>::new(),
+        speed,
+        |k, _, m| {
+            if k >= 2 {
+                series[k] = m.scale * m.rest;
+            }
+            // s = s_0 + t
+            if k == 0 { 1.0 } else { 0.0 }
+        },
+    );
     series
 }
 

@@ -1,5 +1,6 @@
 use super::FrictionLaw;
-use crate::{Error, Scalar};
+use crate::error::Error;
+use crate::scalar::Scalar;
 
 /// The cubic law of Panovko and Gubanova, with a minimum μ_m at the sliding speed v_m.
 ///

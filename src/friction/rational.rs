@@ -1,5 +1,6 @@
 use super::FrictionLaw;
-use crate::{Error, Scalar};
+use crate::error::Error;
+use crate::scalar::Scalar;
 
 /// The hyperbolic law of Leine and, with an offset and a quadratic term, the form known by the
 /// names of Popp and Stelter.

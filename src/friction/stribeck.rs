@@ -1,5 +1,6 @@
 use super::FrictionLaw;
-use crate::{Error, Scalar};
+use crate::error::Error;
+use crate::scalar::Scalar;
 
 /// The Stribeck law: it falls from μ_s towards the Coulomb coefficient μ_c, and a viscous term
 /// raises it again.

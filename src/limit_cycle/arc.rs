@@ -2,13 +2,15 @@
 
 use std::ops::ControlFlow;
 
+use crate::belt::{Advance, SlipPoint, Step, Stepper};
+use crate::belt::{MassOnBelt, Stability};
+use crate::error::{Error, Reached};
 use crate::friction::FrictionLaw;
-use crate::integrator::{
-    Advance, Clock, Mode, Polynomial, SlipPoint, Step, Stepper, TERMS, Time, derivative, evaluate,
-    evaluate_four, quarters, reflected, sign_changes,
-};
-use crate::quadrature::gauss_legendre;
-use crate::{Direction, Error, Integrator, MassOnBelt, Reached, Stability, State};
+use crate::motion::Integrator;
+use crate::motion::{Clock, Time};
+use crate::numerics::gauss::gauss_legendre;
+use crate::series::{PowerSeries, quarters};
+use crate::state::{Direction, State};
 
 /// Where a slip arc ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,7 +66,7 @@ impl Arc {
         for step in self.steps.iter_mut().rev() {
             // It began, backwards, where it now ends, and that is where the next one begins.
             std::mem::swap(&mut step.state, &mut start);
-            step.speed = reflected(&step.speed, step.duration);
+            step.speed = step.speed.reflected(step.duration);
         }
         self.steps.reverse();
         self
@@ -109,10 +111,6 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
         self.system
     }
 
-    pub(crate) fn state(&self, point: &SlipPoint) -> State {
-        self.stepper.state(point)
-    }
-
     /// Steps taken so far.
     pub(crate) fn work(&self) -> usize {
         self.work
@@ -138,8 +136,12 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
         let mut grows = false;
         loop {
             let advance = self.stepper.advance(&point, time, clock.time)?;
-            let Advance { mut duration, end } = advance;
-            let speed = *self.stepper.speed();
+            let Advance {
+                mut duration,
+                end,
+                speed: &speed,
+            } = advance;
+            let is_contact = advance.is_contact();
             let first = steps.first().map_or(speed[1], |step| step.speed[1]);
             let behind = point.direction == Direction::Lagging;
             let v_b = self.system().belt_velocity();
@@ -158,29 +160,22 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
             if let Some(t) = maximum {
                 duration = t;
             }
-            let step = Step {
-                start: clock,
-                duration,
-                mode: Mode::Slip(point.direction),
-                state: self.stepper.state(&point),
-                speed,
-                event: None,
-                belt_velocity: self.system().belt_velocity(),
-            };
+            let state = point.state(self.system);
+            let step = Step::slip(clock, duration, point.direction, state, speed, v_b);
             clock = clock.after(duration);
             steps.push(step);
             self.work += 1;
             let arrival = if maximum.is_some() {
                 Some(Arrival::Maximum(SlipPoint {
                     displacement: self.stepper.displacement(&point, time, duration),
-                    speed: evaluate(&speed, duration),
+                    speed: speed.at(duration),
                     // Exactly: that is what makes it a maximum.
                     rate: Some(0.0),
                     ..end
                 }))
             } else if duration.is_infinite() || self.has_settled(&end, time) {
                 Some(Arrival::Equilibrium)
-            } else if advance.is_contact() {
+            } else if is_contact {
                 Some(Arrival::Contact(end.displacement))
             } else if time == Time::Backward && end.speed > FAR * self.scale {
                 Some(Arrival::Far)
@@ -197,10 +192,7 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
             }
             if steps.len() >= MOST_STEPS {
                 let limit = MOST_STEPS;
-                let reached = Reached {
-                    time: clock.time,
-                    state: self.stepper.state(&end),
-                };
+                let reached = Reached::new(clock.time, end.state(self.system));
                 return Err(Error::TooManySteps { limit, reached });
             }
             point = end;
@@ -211,7 +203,7 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
         let State {
             displacement,
             velocity,
-        } = self.stepper.state(point);
+        } = point.state(self.system);
         let distance = (displacement - self.equilibrium).abs().max(velocity.abs());
         distance < self.rounding || (self.attracts == Some(time) && distance < self.settled)
     }
@@ -220,7 +212,7 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
     pub(crate) fn contraction(&self, arc: &Arc) -> f64 {
         let system = self.system();
         let integrand = |step: &Step, t: f64| {
-            let speed = evaluate(&step.speed, t).max(0.0);
+            let speed = step.speed.at(t).max(0.0);
             2.0 * system.damping() + system.load() * system.law().slope(speed)
         };
         arc.steps
@@ -232,35 +224,34 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
 
 /// ds/dτ at the end of a step.
 fn rate_at_end(step: &Step) -> f64 {
-    evaluate(&derivative(&step.speed), step.duration)
+    step.speed.derivative().at(step.duration)
 }
 
 /// Whether the velocity of a lagging motion may have a maximum in (0, h): only after it grew, or
 /// was negative, and where it is positive. It keeps its sign for about half a turn, longer than a
 /// quarter of any step.
-fn may_turn(speed: &Polynomial, h: f64, v_b: f64, grows: bool) -> bool {
-    let speeds = evaluate_four(speed, quarters(h));
+fn may_turn(speed: &PowerSeries, h: f64, v_b: f64, grows: bool) -> bool {
+    let speeds = speed.at_four(quarters(h));
     let negative = |s: &f64| *s > v_b;
     (grows || speeds.iter().any(negative)) && !(negative(&speed[0]) && speeds.iter().all(negative))
 }
 
 /// First time in (0, h) at which the velocity of a lagging motion has a maximum: the sliding speed
 /// has a minimum, and `grows`, which is set where the speed has a maximum above v_b.
-fn next_maximum(speed: &Polynomial, h: f64, v_b: f64, grows: &mut bool) -> Option<f64> {
-    let mut rate = derivative(speed);
+fn next_maximum(speed: &PowerSeries, h: f64, v_b: f64, grows: &mut bool) -> Option<f64> {
+    let mut rate = speed.derivative();
     if rate[0] == 0.0 {
         // An extremum at the start is divided out: it is known.
-        rate.copy_within(1.., 0);
-        rate[TERMS - 1] = 0.0;
+        rate = rate.without_root(1);
     }
     let mut minimum = None;
     if h.is_finite() {
-        let _ = sign_changes(&rate, h, &mut |t, rising| {
+        let _ = rate.sign_changes(h, &mut |t, rising| {
             if rising && *grows {
                 minimum = Some(t);
                 return ControlFlow::Break(());
             }
-            *grows |= !rising && evaluate(speed, t) > v_b;
+            *grows |= !rising && speed.at(t) > v_b;
             ControlFlow::Continue(())
         });
     }

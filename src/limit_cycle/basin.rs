@@ -1,13 +1,16 @@
 use super::arc::{Arrival, Tracer};
 use super::maps::ReleaseFate;
 use super::{CycleKind, CycleSet, LimitCycle, facing, find_with};
+use crate::belt::MassOnBelt;
+use crate::belt::{SlipPoint, Start};
+use crate::error::Error;
 use crate::friction::{FrictionLaw, has_no_kinetic_friction};
-use crate::integrator::{SlipPoint, Time};
-use crate::{Direction, Error, MassOnBelt, State};
+use crate::motion::Time;
+use crate::state::{Direction, State};
 
 /// Where a motion ends up. See [`attractor`].
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub enum Attractor {
     /// At rest in the stick band of a belt that stands still.
@@ -142,23 +145,9 @@ impl<L: FrictionLaw> Tracer<'_, L> {
     fn first_place(&mut self, start: State) -> Result<Place, Error> {
         let system = self.system();
         let v_b = system.belt_velocity();
-        let relative_velocity = start.velocity - v_b;
-        let mut point = if relative_velocity != 0.0 {
-            SlipPoint {
-                direction: if relative_velocity < 0.0 {
-                    Direction::Lagging
-                } else {
-                    Direction::Leading
-                },
-                displacement: start.displacement,
-                speed: relative_velocity.abs(),
-                rate: None,
-            }
-        } else {
-            match system.slides_at(start.displacement) {
-                None => return Ok(Place::Release),
-                Some(direction) => self.on_belt(start.displacement, direction),
-            }
+        let mut point = match Start::of(system, start) {
+            Start::Stick => return Ok(Place::Release),
+            Start::Slip(point) => point,
         };
         loop {
             let arc = self.arc(point, Time::Forward)?;
@@ -170,12 +159,12 @@ impl<L: FrictionLaw> Tracer<'_, L> {
             match self.system().slides_at(displacement) {
                 None => return Ok(Place::Release),
                 Some(Direction::Lagging) => {
-                    return Ok(Place::Crossing(displacement + self.carried()));
+                    return Ok(Place::Crossing(displacement + system.carried_force()));
                 }
                 // At most once: the leading arc that follows ends in stick or in a downward
                 // crossing.
                 Some(Direction::Leading) => {
-                    point = self.on_belt(displacement, Direction::Leading);
+                    point = SlipPoint::leaving(system, displacement, Direction::Leading);
                 }
             }
         }
@@ -262,7 +251,7 @@ impl Basins {
             },
             Place::Crossing(_) if self.is_in_continuum(f64::INFINITY) => Attractor::Continuum,
             Place::Crossing(force) => {
-                let offset = tracer.carried();
+                let offset = tracer.system().carried_force();
                 let forces = |cycle: &LimitCycle| cycle.state().displacement + offset;
                 let grows = tracer.grows_from_crossing(force)?;
                 let mut cycles = self.of_kind(CycleKind::Crossing);

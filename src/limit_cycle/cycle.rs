@@ -3,13 +3,13 @@ use std::ops::ControlFlow;
 use nalgebra::Complex;
 
 use super::arc::{Arc, Arrival};
+use crate::belt::MassOnBelt;
+use crate::belt::{Landing, Step};
 use crate::friction::FrictionLaw;
-use crate::integrator::{
-    Clock, Event, EventKind, Mode, Step, Trajectory, derivative, evaluate, evaluate_four,
-    sign_changes,
-};
-use crate::quadrature::{gauss_fours, gauss_legendre};
-use crate::{Direction, MassOnBelt, State};
+use crate::motion::{Clock, EventKind, Mode, Segment, Trajectory};
+use crate::numerics::gauss::{gauss_fours, gauss_legendre};
+use crate::series::PowerSeries;
+use crate::state::{Direction, State};
 
 /// Kinds of periodic motion.
 ///
@@ -60,11 +60,7 @@ impl std::fmt::Display for CycleKind {
 /// and the drive gives both losses: two of the numbers are integrals, ∮u dτ and ∮v² dτ, and two
 /// follow.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(deny_unknown_fields)
-)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct EnergyBudget {
     /// Work of the belt's drive, ∮ f v_b dτ.
     pub drive_work: f64,
@@ -93,17 +89,13 @@ pub struct EnergyBudget {
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
-/// With the feature `serde` it is written as its numbers, for other programs, and its series. What
-/// is read must be a closed, continuous motion of its kind with those numbers, multiplier included;
-/// for which friction law it is not known, so keep the system beside it.
+/// With the feature `serde` its numbers and its events are written, for other programs. It is not
+/// read: keep the system, which is, and make the cycle again from it.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(
-        into = "super::written::WrittenCycle",
-        try_from = "super::written::WrittenCycle"
-    )
+    derive(serde::Serialize),
+    serde(into = "super::written::WrittenCycle")
 )]
 pub struct LimitCycle {
     pub(super) steps: Vec<Step>,
@@ -120,39 +112,23 @@ impl LimitCycle {
         kind: CycleKind,
         multiplier: f64,
     ) -> Self {
-        let v_b = system.belt_velocity();
-        // Times are filled in at the end.
-        let event = |kind: EventKind, displacement: f64| Event {
-            time: 0.0,
-            kind,
-            state: State::new(displacement, v_b),
-        };
         let mut steps = Vec::new();
         for mut arc in arcs {
-            let sticks_at = match arc.arrival {
-                Arrival::Contact(displacement) => {
-                    let crossing = system.slides_at(displacement).map(EventKind::Crossing);
-                    if let Some(last) = arc.steps.last_mut() {
-                        last.event =
-                            Some(event(crossing.unwrap_or(EventKind::Stick), displacement));
+            if let (Arrival::Contact(displacement), Some(last)) = (arc.arrival, arc.steps.pop()) {
+                let at = State::new(displacement, system.belt_velocity());
+                match last
+                    .direction()
+                    .map(|from| system.landing(displacement, from))
+                {
+                    Some(Landing::Crossing(side)) => {
+                        arc.steps.push(last.ended_by(EventKind::Crossing(side), at));
                     }
-                    crossing.is_none().then_some(displacement)
+                    Some(Landing::Stick) => arc.steps.extend([
+                        last.ended_by(EventKind::Stick, at),
+                        Step::stick(Clock::default(), displacement, system),
+                    ]),
+                    Some(Landing::Touch) | None => arc.steps.push(last),
                 }
-                _ => None,
-            };
-            if let (Some(displacement), Some(release)) = (sticks_at, system.release_state()) {
-                arc.steps.push(Step {
-                    start: Clock::default(),
-                    duration: (release.displacement - displacement) / v_b,
-                    mode: Mode::Stick,
-                    state: State::new(displacement, v_b),
-                    speed: Step::AT_REST_ON_BELT,
-                    event: Some(event(
-                        EventKind::Release(Direction::Lagging),
-                        release.displacement,
-                    )),
-                    belt_velocity: v_b,
-                });
             }
             if steps.is_empty() {
                 steps = arc.steps;
@@ -162,11 +138,8 @@ impl LimitCycle {
         }
         let mut clock = Clock::default();
         for step in &mut steps {
-            step.start = clock;
+            *step = step.starting_at(clock);
             clock = clock.after(step.duration);
-            if let Some(event) = &mut step.event {
-                event.time = clock.time;
-            }
         }
         Self {
             steps,
@@ -364,12 +337,7 @@ impl LimitCycle {
         if let (Some(first), Some(last)) = (self.steps.first(), self.steps.last()) {
             // What follows at the time T itself.
             let start = last.start.after(last.duration);
-            steps.push(Step {
-                start,
-                duration: 0.0,
-                event: None,
-                ..*first
-            });
+            steps.push(first.starting_at(start).until(start.time));
         }
         Trajectory::new(steps, self.period())
     }
@@ -380,8 +348,8 @@ impl LimitCycle {
             let h = step.duration;
             let slipped = step.direction().map_or(0.0, |direction| {
                 // ∫∫s = h² Σ s_k h^k/((k + 1)(k + 2))
-                let twice = std::array::from_fn(|k| step.speed[k] / ((k + 1) * (k + 2)) as f64);
-                direction.sign() * evaluate(&twice, h)
+                let twice = PowerSeries::from_fn(|k| step.speed[k] / ((k + 1) * (k + 2)) as f64);
+                direction.sign() * twice.at(h)
             });
             (step.state.displacement + (0.5 * step.belt_velocity + slipped) * h) * h
         };
@@ -397,7 +365,7 @@ impl LimitCycle {
             };
             let velocity = |s: f64| v_b + direction.sign() * s;
             let four = |(times, weights): ([f64; 4], [f64; 4])| {
-                let speeds = evaluate_four(&step.speed, times);
+                let speeds = step.speed.at_four(times);
                 std::iter::zip(weights, speeds)
                     .map(|(weight, s)| weight * velocity(s) * velocity(s))
                     .sum::<f64>()
@@ -415,7 +383,7 @@ impl LimitCycle {
         self.extremes(
             |state| state.displacement,
             |step| {
-                let mut velocity = step.speed.map(|c| c * step.sigma());
+                let mut velocity = step.speed.scaled(step.sigma());
                 velocity[0] += step.belt_velocity;
                 velocity
             },
@@ -424,13 +392,13 @@ impl LimitCycle {
 
     /// Least and largest velocity: at the ends of steps, or where s' changes sign.
     fn velocities(&self) -> [f64; 2] {
-        self.extremes(|state| state.velocity, |step| derivative(&step.speed))
+        self.extremes(|state| state.velocity, |step| step.speed.derivative())
     }
 
     fn extremes(
         &self,
         quantity: impl Fn(State) -> f64,
-        rate: impl Fn(&Step) -> crate::integrator::Polynomial,
+        rate: impl Fn(&Step) -> PowerSeries,
     ) -> [f64; 2] {
         let mut range = [f64::INFINITY, f64::NEG_INFINITY];
         let mut include = |state: State| {
@@ -440,7 +408,7 @@ impl LimitCycle {
         for step in &self.steps {
             include(step.state());
             if step.direction().is_some() {
-                let _ = sign_changes(&rate(step), step.duration, &mut |t, _| {
+                let _ = rate(step).sign_changes(step.duration, &mut |t, _| {
                     include(step.state_at(t));
                     ControlFlow::Continue(())
                 });

@@ -2,9 +2,11 @@
 
 use super::arc::{Arc, Arrival, FAR, Tracer};
 use super::roots::{Found, Sample, outline_between, roots_between};
+use crate::belt::SlipPoint;
+use crate::error::Error;
 use crate::friction::{FrictionLaw, is_constant_near};
-use crate::integrator::{SlipPoint, Time};
-use crate::{Direction, Error};
+use crate::motion::Time;
+use crate::state::Direction;
 
 /// Where the arc out of the release point leads. Trajectories in the plane can't cross, so one turn
 /// decides: a motion that returns inside of its start can only go on inwards, one that returns
@@ -21,19 +23,13 @@ pub(crate) enum ReleaseFate {
 }
 
 impl<L: FrictionLaw> Tracer<'_, L> {
-    /// A point on the belt from which the mass slides in `direction`.
-    pub(crate) fn on_belt(&self, displacement: f64, direction: Direction) -> SlipPoint {
-        let system = self.system();
-        SlipPoint {
-            rate: Some(system.slip_rate(displacement, direction)),
-            ..SlipPoint::on_belt(displacement, direction)
-        }
-    }
-
     /// Follows the arcs from the release point until they stick, cross outwards, or turn inwards.
     pub(crate) fn release_fate(&mut self) -> Result<ReleaseFate, Error> {
         let [_, high] = self.system().stick_limits();
-        let lagging = self.arc(self.on_belt(high, Direction::Lagging), Time::Forward)?;
+        let lagging = self.arc(
+            SlipPoint::leaving(self.system(), high, Direction::Lagging),
+            Time::Forward,
+        )?;
         let Arrival::Contact(contact) = lagging.arrival else {
             let v_b = self.system().belt_velocity();
             let peak = match lagging.arrival {
@@ -47,7 +43,10 @@ impl<L: FrictionLaw> Tracer<'_, L> {
                 arcs: vec![lagging],
             });
         }
-        let leading = self.arc(self.on_belt(contact, Direction::Leading), Time::Forward)?;
+        let leading = self.arc(
+            SlipPoint::leaving(self.system(), contact, Direction::Leading),
+            Time::Forward,
+        )?;
         match leading.arrival {
             Arrival::Contact(contact) if self.system().slides_at(contact).is_none() => {
                 Ok(ReleaseFate::Stick {
@@ -58,19 +57,6 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         }
     }
 
-    /// The point of the slip motion whose velocity has a maximum V: v = V, v' = 0.
-    pub(crate) fn at_maximum(&self, peak: f64) -> SlipPoint {
-        let system = self.system();
-        let speed = system.belt_velocity() - peak;
-        let friction = system.load() * system.law().kinetic(speed);
-        SlipPoint {
-            direction: Direction::Lagging,
-            displacement: friction - 2.0 * system.damping() * peak,
-            speed,
-            rate: Some(0.0),
-        }
-    }
-
     /// P(V)/V − 1 and its slope, where P(V) is the next velocity maximum of a motion in slip whose
     /// velocity has a maximum V.
     ///
@@ -78,7 +64,7 @@ impl<L: FrictionLaw> Tracer<'_, L> {
     /// that grows, and one that settles at a node as one that dies.
     fn growth(&mut self, peak: f64) -> Result<Sample, Error> {
         let v_b = self.system().belt_velocity();
-        let arc = self.arc(self.at_maximum(peak), Time::Forward)?;
+        let arc = self.arc(SlipPoint::at_maximum(self.system(), peak), Time::Forward)?;
         let (next, slope) = match arc.arrival {
             Arrival::Maximum(point) => {
                 let next = v_b - point.speed;
@@ -95,7 +81,7 @@ impl<L: FrictionLaw> Tracer<'_, L> {
     /// returns; `None`, if none does.
     fn largest_peak(&mut self) -> Result<Option<Sample>, Error> {
         let v_b = self.system().belt_velocity();
-        let grazing = self.arc(self.at_maximum(v_b), Time::Backward)?;
+        let grazing = self.arc(SlipPoint::at_maximum(self.system(), v_b), Time::Backward)?;
         match grazing.arrival {
             Arrival::Maximum(point) => {
                 let peak = v_b - point.speed;
@@ -180,13 +166,13 @@ impl<L: FrictionLaw> Tracer<'_, L> {
     /// An unstable one is followed backwards, where it attracts: forwards it would grow away from
     /// itself, and not close.
     pub(crate) fn pure_slip(&mut self, peak: f64) -> Result<(Arc, f64), Error> {
-        let arc = self.arc(self.at_maximum(peak), Time::Forward)?;
+        let arc = self.arc(SlipPoint::at_maximum(self.system(), peak), Time::Forward)?;
         let multiplier = (-self.contraction(&arc)).exp();
         if multiplier > 1.0 {
-            let backward = self.arc(self.at_maximum(peak), Time::Backward)?;
+            let backward = self.arc(SlipPoint::at_maximum(self.system(), peak), Time::Backward)?;
             if let Arrival::Maximum(point) = backward.arrival {
                 let multiplier = (-self.contraction(&backward)).exp();
-                return Ok((backward.reversed(self.state(&point)), multiplier));
+                return Ok((backward.reversed(point.state(self.system())), multiplier));
             }
         }
         Ok((arc, multiplier))
@@ -207,9 +193,9 @@ impl<L: FrictionLaw> Tracer<'_, L> {
     /// force F = u + 2βv_b, and where it comes back to the belt; `None` if it sticks or turns
     /// inwards after the first.
     fn crossing_arcs(&mut self, force: f64) -> Result<Option<([Arc; 2], f64)>, Error> {
-        let offset = self.carried();
+        let offset = self.system().carried_force();
         let lagging = self.arc(
-            self.on_belt(force - offset, Direction::Lagging),
+            SlipPoint::leaving(self.system(), force - offset, Direction::Lagging),
             Time::Forward,
         )?;
         let Arrival::Contact(contact) = lagging.arrival else {
@@ -218,7 +204,10 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         if self.system().slides_at(contact) != Some(Direction::Leading) {
             return Ok(None);
         }
-        let leading = self.arc(self.on_belt(contact, Direction::Leading), Time::Forward)?;
+        let leading = self.arc(
+            SlipPoint::leaving(self.system(), contact, Direction::Leading),
+            Time::Forward,
+        )?;
         Ok(match leading.arrival {
             Arrival::Contact(contact) => Some(([lagging, leading], contact + offset)),
             _ => None,
@@ -228,7 +217,7 @@ impl<L: FrictionLaw> Tracer<'_, L> {
     /// C(F)/F − 1 and its slope, where C is the force at the next downward crossing; F_s, the force
     /// at release, for a motion that does not cross again.
     fn crossing_growth(&mut self, force: f64) -> Result<Sample, Error> {
-        let release = self.system().load() * self.system().law().static_coefficient();
+        let release = self.system().largest_friction();
         Ok(match self.crossing_arcs(force)? {
             Some((arcs, next)) if next >= release => {
                 let stretch = arcs.iter().map(|arc| self.stretch(arc, Time::Forward));
@@ -243,9 +232,9 @@ impl<L: FrictionLaw> Tracer<'_, L> {
     /// stick that does not: the one that comes back to an end of the stick band, followed
     /// backwards.
     fn least_crossing(&mut self) -> Result<Option<Sample>, Error> {
-        let offset = self.carried();
+        let offset = self.system().carried_force();
         let [low, high] = self.system().stick_limits();
-        let arriving = SlipPoint::on_belt;
+        let arriving = SlipPoint::arriving;
         if low == high {
             // Without static friction it touches the belt's velocity at the release point, from
             // behind, and crosses with no force.
@@ -259,7 +248,10 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         let (contact, leading, time) = match leading.arrival {
             Arrival::Contact(contact) if contact < low => (contact, leading, Time::Backward),
             Arrival::Contact(_) => {
-                let leading = self.arc(self.on_belt(low, Direction::Leading), Time::Forward)?;
+                let leading = self.arc(
+                    SlipPoint::leaving(self.system(), low, Direction::Leading),
+                    Time::Forward,
+                )?;
                 (low, leading, Time::Forward)
             }
             // From however far it comes, a leading motion ends in stick.
@@ -301,7 +293,10 @@ impl<L: FrictionLaw> Tracer<'_, L> {
     pub(crate) fn contacts(&mut self) -> Result<Contacts, Error> {
         let v_b = self.system().belt_velocity();
         let [low, high] = self.system().stick_limits();
-        let lagging = self.arc(self.on_belt(high, Direction::Lagging), Time::Forward)?;
+        let lagging = self.arc(
+            SlipPoint::leaving(self.system(), high, Direction::Lagging),
+            Time::Forward,
+        )?;
         let mut contacts = Contacts {
             gap: match lagging.arrival {
                 Arrival::Contact(_) => 0.5 * (lagging.rates[1] / v_b).powi(2),
@@ -314,7 +309,10 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         if let Arrival::Contact(contact) = lagging.arrival {
             contacts.beyond_low = Some((low - contact) / self.scale());
             if contact < low {
-                let leading = self.arc(self.on_belt(contact, Direction::Leading), Time::Forward)?;
+                let leading = self.arc(
+                    SlipPoint::leaving(self.system(), contact, Direction::Leading),
+                    Time::Forward,
+                )?;
                 if let Arrival::Contact(contact) = leading.arrival {
                     contacts.beyond_high = Some((contact - high) / self.scale());
                 }
@@ -334,11 +332,6 @@ impl<L: FrictionLaw> Tracer<'_, L> {
         self.crossing_growth(force).map(Sample::grows)
     }
 
-    /// 2βv_b.
-    pub(crate) fn carried(&self) -> f64 {
-        2.0 * self.system().damping() * self.system().belt_velocity()
-    }
-
     /// Forces F = u + 2βv_b at the downward crossings of the periodic motions that cross the belt
     /// velocity twice a period.
     ///
@@ -346,7 +339,7 @@ impl<L: FrictionLaw> Tracer<'_, L> {
     /// law, or until it is [`FAR`].
     pub(crate) fn crossing_forces(&mut self, fate: &ReleaseFate) -> Result<Found, Error> {
         let system = self.system();
-        let release = system.load() * system.law().static_coefficient();
+        let release = system.largest_friction();
         let start = match fate {
             // Without static friction relative growth has no meaning at release; no cycle lies
             // between that motion's crossings.

@@ -45,8 +45,9 @@ pub use cycle::{CycleKind, EnergyBudget, LimitCycle};
 
 use std::ops::Range;
 
+use crate::belt::MassOnBelt;
+use crate::error::Error;
 use crate::friction::{FrictionLaw, has_no_kinetic_friction};
-use crate::{Error, MassOnBelt};
 pub(crate) use arc::Tracer;
 pub(crate) use maps::{Contacts, ReleaseFate};
 
@@ -223,11 +224,7 @@ fn forward<L: FrictionLaw, T>(
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "written::ReadSet")
-)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct CycleSet {
     cycles: Vec<LimitCycle>,
     continuum: Option<Continuum>,
@@ -289,16 +286,12 @@ impl<'s> IntoIterator for &'s CycleSet {
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(deny_unknown_fields)
-)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Continuum {
     /// Amplitude of the largest of them, dimensionless: |v_b|, where it touches the belt velocity;
     /// less, where friction is constant only up to a breakpoint of the law; infinite without
     /// friction.
-    #[cfg_attr(feature = "serde", serde(with = "written::infinite_as_none"))]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "written::infinite_as_none"))]
     pub max_amplitude: f64,
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::Error;
+use crate::error::Error;
 
 /// A value of the function with its slope.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,8 +1,9 @@
 //! What the tests of this module share.
 
 use super::Tracer;
+use crate::belt::MassOnBelt;
+use crate::error::Error;
 use crate::friction::FrictionLaw;
-use crate::{Error, MassOnBelt};
 
 /// What a tracer of the system finds.
 pub(super) fn traced<L: FrictionLaw, T>(

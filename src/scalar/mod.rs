@@ -92,6 +92,13 @@ pub trait Scalar:
     fn abs(self) -> Self;
 }
 
+/// A function of one number, written once for every type of number: what a series is composed
+/// with.
+pub(crate) trait Function: Copy {
+    /// Its value at x.
+    fn at<S: Scalar>(self, x: S) -> S;
+}
+
 impl sealed::Sealed for f64 {}
 
 impl Scalar for f64 {

@@ -15,8 +15,7 @@
 
 use std::cell::Cell;
 
-use super::mul_add;
-use crate::friction::FrictionLaw;
+use super::{Function, mul_add};
 
 /// The coefficients that one operation has computed so far.
 #[derive(Debug, Clone)]
@@ -250,11 +249,10 @@ pub(crate) struct Composed {
     pub(crate) scale: f64,
 }
 
-/// Run K of the law: its coefficient, and how many rows it used.
+/// Run K of the function: its coefficient, and how many rows it used.
 #[inline(always)]
-fn run<const K: usize, const M: usize, L: FrictionLaw>(
-    law: &L,
-    piece: usize,
+fn run<const K: usize, const M: usize, F: Function>(
+    function: F,
     workspace: &Workspace<M>,
     newest: f64,
 ) -> (Composed, usize) {
@@ -272,7 +270,7 @@ fn run<const K: usize, const M: usize, L: FrictionLaw>(
         slope: 1.0,
         rest: 0.0,
     };
-    let m = law.kinetic_on(piece, speed);
+    let m = function.at(speed);
     let composed = Composed {
         slope: m.derivative(),
         rest: if K == 0 { m.value } else { m.rest },
@@ -289,18 +287,17 @@ pub(crate) const LONGEST: usize = 32;
 /// `next(k, s_k, m)` returns s_{k+1} from the newest coefficient of s and that of the law. Returns
 /// the law's value and slope at s_0; if they are not finite, nothing more is expanded.
 #[inline(always)]
-pub(crate) fn expand<const M: usize, L: FrictionLaw>(
-    law: &L,
-    piece: usize,
+pub(crate) fn expand<const M: usize, F: Function>(
+    function: F,
     workspace: &mut Workspace<M>,
     speed: f64,
     mut next: impl FnMut(usize, f64, Composed) -> f64,
 ) -> (f64, f64) {
     workspace.set_speed(0, speed);
-    let (mut base, rows) = run::<0, M, L>(law, piece, workspace, speed);
+    let (mut base, rows) = run::<0, M, F>(function, workspace, speed);
     if rows > INLINE_ROWS + workspace.spill.len() {
         workspace.spill.resize(rows - INLINE_ROWS, Row::zero());
-        base = run::<0, M, L>(law, piece, workspace, speed).0;
+        base = run::<0, M, F>(function, workspace, speed).0;
     }
     let (value, slope) = (base.rest, base.slope);
     if !(value.is_finite() && slope.is_finite()) {
@@ -311,7 +308,7 @@ pub(crate) fn expand<const M: usize, L: FrictionLaw>(
     macro_rules! orders {
         ($($k:literal)*) => {$(
             if $k + 1 < M {
-                let (coefficient, _) = run::<$k, M, L>(law, piece, workspace, newest);
+                let (coefficient, _) = run::<$k, M, F>(function, workspace, newest);
                 newest = next($k, newest, coefficient);
                 workspace.set_speed($k + 1, newest);
             }

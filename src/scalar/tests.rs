@@ -7,7 +7,7 @@ use expression::{Expression, SPEED};
 use nalgebra::Complex;
 
 use super::{LONGEST, Scalar, Workspace, expand};
-use crate::FrictionLaw;
+use crate::friction::FrictionLaw;
 
 /// Coefficients of orders 0 to 31 of a sliding speed s(t).
 type Inner = [f64; LONGEST];

@@ -1,7 +1,7 @@
 use std::cell::RefCell;
 
-use super::super::testing::rough;
 use super::*;
+use crate::numerics::testing::rough;
 
 /// A function that keeps the points at which it was looked at.
 struct Watched<F> {

@@ -5,8 +5,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
 use super::super::testing::{assert_close, traced};
 use super::*;
-use crate::Scalar;
-use crate::integrator::testing::polynomial;
+use crate::scalar::Scalar;
 
 /// μ̂(s) = value + slope·s.
 #[derive(Debug, Clone, Copy)]
@@ -164,7 +163,7 @@ fn an_arc_beyond_the_belt_velocity_ends_in_contact() {
         (Direction::Lagging, 0.9, -0.3),
         (Direction::Leading, -0.9, 0.3),
     ] {
-        let start = SlipPoint::on_belt(from, direction);
+        let start = SlipPoint::arriving(from, direction);
         let arc = traced(&system, |tracer| tracer.arc(start, Time::Forward));
         let Arrival::Contact(end) = arc.arrival else {
             panic!("{:?}", arc.arrival)
@@ -338,7 +337,7 @@ fn the_contraction_is_that_of_the_law_where_the_motion_goes() {
             (Direction::Leading, -high - 4.0),
         ] {
             traced(&system, |tracer| {
-                let start = SlipPoint::on_belt(place, direction);
+                let start = SlipPoint::arriving(place, direction);
                 let arc = tracer.arc(start, Time::Forward)?;
                 let duration: f64 = arc.steps.iter().map(|step| step.duration).sum();
                 let expected = (2.0 * damping + load * slope) * duration;
@@ -355,7 +354,7 @@ fn the_rate_at_the_end_of_a_step_is_the_slope_of_its_series() {
     let start = lagging(&system, 0.9, 0.2);
     let arc = traced(&system, |tracer| tracer.arc(start, Time::Forward));
     let mut step = arc.steps[0];
-    (step.speed, step.duration) = (polynomial(&[5.0, 1.0, -3.0, 0.5]), 2.0);
+    (step.speed, step.duration) = (PowerSeries::from(&[5.0, 1.0, -3.0, 0.5]), 2.0);
     // 1 − 6t + 1.5 t²
     assert_eq!(rate_at_end(&step), -5.0);
 }

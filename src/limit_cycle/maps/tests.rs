@@ -5,7 +5,10 @@ use std::f64::consts::TAU;
 
 use super::super::testing::{assert_close, traced};
 use super::*;
-use crate::{EventKind, MassOnBelt, Scalar, State};
+use crate::belt::MassOnBelt;
+use crate::motion::EventKind;
+use crate::scalar::Scalar;
+use crate::state::State;
 
 /// μ̂(s) = c0 + c1 s + c3 s³, and from a knee on a straight line.
 #[derive(Debug, Clone, Copy)]
@@ -295,7 +298,7 @@ fn the_outline_of_a_straight_growth_has_only_ends() {
     assert_close(last, 2.0 / shrinks(-0.1), 1e-12);
     assert_close(low, shrinks(-0.1) - 1.0, 1e-9);
     assert_close(high, shrinks(-0.1) - 1.0, 1e-13);
-    assert_eq!(traced(&spiral(-0.9, 2.0), |tracer| tracer.outline()), []);
+    assert_eq!(traced(&spiral(-0.9, 2.0), |tracer| tracer.outline()), [0.0; 0]);
 }
 
 #[test]
@@ -572,7 +575,7 @@ fn an_arc_stretches_the_same_followed_forward_and_backward() {
                 panic!()
             };
             let forward = tracer.stretch(&arc, Time::Forward);
-            let arriving = SlipPoint::on_belt(end, direction);
+            let arriving = SlipPoint::arriving(end, direction);
             let back = tracer.arc(arriving, Time::Backward)?;
             let Arrival::Contact(found) = back.arrival else {
                 panic!()
@@ -580,7 +583,10 @@ fn an_arc_stretches_the_same_followed_forward_and_backward() {
             assert_close(found, start, 1e-13);
             assert_close(tracer.stretch(&back, Time::Backward), forward, 1e-12);
             let mut shifted = |by: f64| -> Result<f64, Error> {
-                let arc = tracer.arc(tracer.on_belt(start + by, direction), Time::Forward)?;
+                let arc = tracer.arc(
+                    SlipPoint::leaving(tracer.system(), start + by, direction),
+                    Time::Forward,
+                )?;
                 match arc.arrival {
                     Arrival::Contact(end) => Ok(end),
                     other => panic!("{other:?}"),

@@ -2,7 +2,8 @@
 
 use nalgebra::Complex;
 
-use crate::{FrictionLaw, Scalar};
+use crate::friction::FrictionLaw;
+use crate::scalar::Scalar;
 
 /// An expression in the sliding speed as data, to be evaluated on any number: one law, and so one
 /// compiled copy of the operations, serves every test.

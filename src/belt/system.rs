@@ -1,85 +1,7 @@
-use crate::friction::{finite_at, validate};
-use crate::{Equilibrium, Error, FrictionLaw};
-
-/// Displacement u and velocity v = du/dτ of the mass, both dimensionless.
-///
-/// ```
-/// use stick_slip::State;
-///
-/// let state = State::new(0.3, -0.1);
-/// assert_eq!(state.velocity, -0.1);
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct State {
-    /// Displacement u from the position where the spring is unstressed, dimensionless.
-    pub displacement: f64,
-    /// Velocity v = du/dτ, dimensionless.
-    pub velocity: f64,
-}
-
-impl State {
-    /// The state (u, v).
-    pub const fn new(displacement: f64, velocity: f64) -> Self {
-        Self {
-            displacement,
-            velocity,
-        }
-    }
-
-    /// (−u, −v).
-    pub(crate) const fn mirrored(self) -> Self {
-        Self::new(-self.displacement, -self.velocity)
-    }
-}
-
-/// Which way the mass slides on the belt: the sign of the relative velocity v_r = v − v_b. The
-/// names are those of a belt that moves forward; on one with v_b < 0 a mass that lags behind it has
-/// v_r > 0.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Direction {
-    /// v_r < 0.
-    Lagging,
-    /// v_r > 0.
-    Leading,
-}
-
-impl Direction {
-    /// σ = sgn v_r: −1 lagging, +1 leading.
-    ///
-    /// ```
-    /// assert_eq!(stick_slip::Direction::Lagging.sign(), -1.0);
-    /// ```
-    pub const fn sign(self) -> f64 {
-        match self {
-            Self::Lagging => -1.0,
-            Self::Leading => 1.0,
-        }
-    }
-
-    /// The other direction.
-    ///
-    /// ```
-    /// use stick_slip::Direction;
-    /// assert_eq!(Direction::Lagging.opposite(), Direction::Leading);
-    /// ```
-    pub const fn opposite(self) -> Self {
-        match self {
-            Self::Lagging => Self::Leading,
-            Self::Leading => Self::Lagging,
-        }
-    }
-}
-
-impl std::fmt::Display for Direction {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.pad(match self {
-            Self::Lagging => "lagging",
-            Self::Leading => "leading",
-        })
-    }
-}
+use super::equilibrium::Equilibrium;
+use crate::error::Error;
+use crate::friction::{FrictionLaw, finite_at, validate};
+use crate::state::{Direction, State};
 
 /// A mass on a spring and a damper, on a belt that moves at constant velocity.
 ///
@@ -258,9 +180,24 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     pub fn stick_limits(&self) -> [f64; 2] {
-        let largest = self.load * self.law.static_coefficient();
-        let carried = 2.0 * self.damping * self.belt_velocity;
+        let (largest, carried) = (self.largest_friction(), self.carried_force());
         [-largest - carried, largest - carried]
+    }
+
+    /// γ²μ_s, the most that the contact can carry in stick.
+    pub(crate) fn largest_friction(&self) -> f64 {
+        self.load * self.law.static_coefficient()
+    }
+
+    /// 2βv_b, what the contact carries in stick at u = 0.
+    pub(crate) fn carried_force(&self) -> f64 {
+        2.0 * self.damping * self.belt_velocity
+    }
+
+    /// 2β + γ² dμ̂/ds at a sliding speed: h1 of Eq. 10a at |v_b|, and the rate at which the flow
+    /// contracts areas.
+    pub(crate) fn effective_damping(&self, speed: f64) -> f64 {
+        2.0 * self.damping + self.load * self.law.slope(speed)
     }
 
     /// Where a mass carried along by the belt is released: u = ±γ²μ_s − 2βv_b (sign of v_b), v =
@@ -290,6 +227,26 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         } else {
             None
         }
+    }
+
+    /// What follows when slip in a direction comes to the belt at displacement u.
+    pub(crate) fn landing(&self, displacement: f64, from: Direction) -> Landing {
+        match self.slides_at(displacement) {
+            None => Landing::Stick,
+            Some(side) if side == from => Landing::Touch,
+            Some(side) => Landing::Crossing(side),
+        }
+    }
+
+    /// Whether u is the release point, as far as its formula can be rounded differently.
+    pub(crate) fn is_release(&self, displacement: f64) -> bool {
+        self.release_state().is_some_and(|release| {
+            let largest = self
+                .largest_friction()
+                .max(release.displacement.abs())
+                .max(displacement.abs());
+            (displacement - release.displacement).abs() <= RELEASE_ROUNDING * f64::EPSILON * largest
+        })
     }
 
     /// ds/dτ = |F| − γ²μ̂(0) of a mass that begins to slide at displacement u, where its speed on
@@ -325,7 +282,7 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         let relative_velocity = state.velocity - self.belt_velocity;
         if relative_velocity == 0.0 {
             match self.slides_at(state.displacement) {
-                None => state.displacement + 2.0 * self.damping * self.belt_velocity,
+                None => state.displacement + self.carried_force(),
                 Some(direction) => -direction.sign() * self.load * self.law.kinetic(0.0),
             }
         } else {
@@ -362,8 +319,10 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     pub fn equilibrium(&self) -> Option<Equilibrium> {
         let speed = self.belt_velocity.abs();
         (speed > 0.0).then(|| {
-            let damping = 2.0 * self.damping + self.load * self.law.slope(speed);
-            Equilibrium::new(self.equilibrium_displacement(), damping)
+            Equilibrium::new(
+                self.equilibrium_displacement(),
+                self.effective_damping(speed),
+            )
         })
     }
 
@@ -372,3 +331,18 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         self.load * self.law.coefficient(self.belt_velocity)
     }
 }
+
+/// What follows when slip comes to the belt.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Landing {
+    /// Static friction holds the mass.
+    Stick,
+    /// It goes on in the other direction.
+    Crossing(Direction),
+    /// It goes back to the side from which it came: a touch at the open end of the stick band.
+    Touch,
+}
+
+/// Distance from the release point, in units of ε times the largest term of its formula, within
+/// which a state is exactly on it.
+const RELEASE_ROUNDING: f64 = 4.0;

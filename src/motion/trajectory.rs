@@ -1,5 +1,5 @@
-use super::step::{Event, Mode, Step};
-use crate::State;
+use super::{Event, Segment, SystemState};
+use crate::state::State;
 
 /// A motion over a finite time: its events, and its state at any time.
 ///
@@ -20,16 +20,17 @@ use crate::State;
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct Trajectory {
+pub struct Trajectory<S: SystemState = State> {
     /// At least one; the last reaches `duration`.
-    steps: Vec<Step>,
-    events: Vec<Event>,
+    steps: Vec<S::Step>,
+    events: Vec<Event<S>>,
     duration: f64,
 }
 
-impl Trajectory {
-    pub(crate) fn new(steps: Vec<Step>, duration: f64) -> Self {
-        let events = steps.iter().filter_map(Step::event).collect();
+impl<S: SystemState> Trajectory<S> {
+    pub(crate) fn new(steps: Vec<S::Step>, duration: f64) -> Self {
+        let events = steps.iter().flat_map(|step| step.events().iter().cloned());
+        let events = events.collect();
         Self {
             steps,
             events,
@@ -41,13 +42,13 @@ impl Trajectory {
     ///
     /// A start in stick is no event, but a start exactly at the release point is a release at time
     /// 0.
-    pub fn events(&self) -> &[Event] {
+    pub fn events(&self) -> &[Event<S>] {
         &self.events
     }
 
     /// The steps, as [`Flow`](crate::Flow) gives them, the last one cut at
     /// [`duration`](Self::duration).
-    pub fn steps(&self) -> &[Step] {
+    pub fn steps(&self) -> &[S::Step] {
         &self.steps
     }
 
@@ -57,22 +58,15 @@ impl Trajectory {
     }
 
     /// State at the end.
-    pub fn last(&self) -> State {
-        self.steps
-            .last()
-            .map_or(State::new(f64::NAN, f64::NAN), Step::end_state)
+    pub fn last(&self) -> S {
+        // There is one at least.
+        self.steps[self.steps.len() - 1].end_state()
     }
 
     /// State at a time 0 ≤ τ ≤ [`duration`](Self::duration); `None` outside, and for NaN.
-    pub fn state_at(&self, time: f64) -> Option<State> {
+    pub fn state_at(&self, time: f64) -> Option<S> {
         let step = self.step_at(time)?;
-        Some(step.state_at(step.start.until(time).clamp(0.0, step.duration)))
-    }
-
-    /// What the mass does at a time 0 ≤ τ ≤ [`duration`](Self::duration), at an event what it does
-    /// from then on; `None` outside, and for NaN.
-    pub fn mode_at(&self, time: f64) -> Option<Mode> {
-        Some(self.step_at(time)?.mode)
+        Some(step.state_at(step.since_start(time)))
     }
 
     /// n equidistant times with their states, start and end included; none for n = 0, the start
@@ -86,7 +80,7 @@ impl Trajectory {
     /// assert_eq!(times, [0.0, 0.5, 1.0, 1.5]);
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
-    pub fn sample(&self, n: usize) -> impl ExactSizeIterator<Item = (f64, State)> + '_ {
+    pub fn sample(&self, n: usize) -> impl ExactSizeIterator<Item = (f64, S)> + '_ {
         let last = n.saturating_sub(1).max(1) as f64;
         (0..n).map(move |i| {
             let time = if i as f64 == last {
@@ -100,11 +94,11 @@ impl Trajectory {
     }
 
     /// The step that holds a time: the last one that starts at it or before.
-    fn step_at(&self, time: f64) -> Option<&Step> {
+    pub(crate) fn step_at(&self, time: f64) -> Option<&S::Step> {
         if !(0.0..=self.duration).contains(&time) {
             return None;
         }
-        let after = self.steps.partition_point(|step| step.start.time <= time);
+        let after = self.steps.partition_point(|step| step.start_time() <= time);
         self.steps.get(after.checked_sub(1)?)
     }
 }

@@ -1,7 +1,7 @@
 use std::cell::Cell;
 
-use super::super::testing::rough;
 use super::*;
+use crate::numerics::testing::rough;
 
 /// What a rule makes of a function, and how many of its values it took.
 fn watched<T>(

@@ -1,7 +1,7 @@
 //! What the tests of this module share.
 
 /// Numbers in −1 ≤ y < 1 without any order.
-pub(super) fn rough(x: f64) -> f64 {
+pub(crate) fn rough(x: f64) -> f64 {
     let mixed = x.to_bits().wrapping_mul(0x9e37_79b9_7f4a_7c15);
     ((mixed ^ (mixed >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 11) as f64 * 0.5_f64.powi(52)
         - 1.0

@@ -1,109 +1,9 @@
-use super::polynomial::{Polynomial, TERMS, evaluate, mean};
-use crate::{Direction, State};
-
-/// What the mass does on the belt.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Mode {
-    /// It moves with the belt: v = v_b, to the bit.
-    Stick,
-    /// It slides, behind the belt or ahead of it.
-    Slip(Direction),
-}
-
-impl std::fmt::Display for Mode {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Stick => f.pad("stick"),
-            Self::Slip(direction) => f.pad(&format!("slip ({direction})")),
-        }
-    }
-}
-
-/// What happens when the relative velocity is zero. A direction is that of the slip **after** the
-/// event.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum EventKind {
-    /// Slip ends; the mass moves with the belt from now on.
-    Stick,
-    /// Stick ends: the contact can carry no more than γ²μ_s.
-    Release(Direction),
-    /// The relative velocity changes sign without sticking: the contact would have to carry more
-    /// than γ²μ_s.
-    Crossing(Direction),
-}
-
-impl EventKind {
-    /// What the mass does from the event on.
-    ///
-    /// ```
-    /// use stick_slip::{Direction, EventKind, Mode};
-    /// assert_eq!(EventKind::Release(Direction::Lagging).mode(), Mode::Slip(Direction::Lagging));
-    /// ```
-    pub const fn mode(self) -> Mode {
-        match self {
-            Self::Stick => Mode::Stick,
-            Self::Release(direction) | Self::Crossing(direction) => Mode::Slip(direction),
-        }
-    }
-}
-
-impl std::fmt::Display for EventKind {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Stick => f.pad("stick"),
-            Self::Release(direction) => f.pad(&format!("release ({direction})")),
-            Self::Crossing(direction) => f.pad(&format!("crossing ({direction})")),
-        }
-    }
-}
-
-/// A change between stick and slip, or of the direction of slip.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Event {
-    /// Time τ since the start, dimensionless.
-    pub time: f64,
-    /// What happens.
-    pub kind: EventKind,
-    /// State at the event; its velocity is v_b to the bit.
-    pub state: State,
-}
-
-impl std::fmt::Display for Event {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { time, kind, state } = self;
-        write!(f, "{time:.9}  {kind:<20}  u = {:.9}", state.displacement)
-    }
-}
-
-/// Time as a sum of two numbers, so that 10⁶ steps lose nothing.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Clock {
-    /// The time, rounded.
-    pub(crate) time: f64,
-    /// What rounding took away.
-    remainder: f64,
-}
-
-impl Clock {
-    /// The time a duration later (Knuth's two-sum).
-    #[inline(always)]
-    pub(crate) fn after(self, duration: f64) -> Self {
-        let step = duration + self.remainder;
-        let time = self.time + step;
-        let taken = time - self.time;
-        let remainder = (self.time - (time - taken)) + (step - taken);
-        Self { time, remainder }
-    }
-
-    /// Time from here to `time`.
-    #[inline(always)]
-    pub(crate) fn until(self, time: f64) -> f64 {
-        (time - self.time) - self.remainder
-    }
-}
+use super::system::MassOnBelt;
+use crate::friction::FrictionLaw;
+use crate::motion::sealed::Sealed;
+use crate::motion::{Clock, Event, EventKind, Mode, Segment, SystemState, Trajectory};
+use crate::series::PowerSeries;
+use crate::state::{Direction, State};
 
 /// A stretch of motion without an event inside: a stick phase, or one Taylor step of a slip phase.
 ///
@@ -132,13 +32,91 @@ pub struct Step {
     pub(crate) mode: Mode,
     pub(crate) state: State,
     /// Series of the sliding speed; zero in stick.
-    pub(crate) speed: Polynomial,
+    pub(crate) speed: PowerSeries,
     pub(crate) event: Option<Event>,
     pub(crate) belt_velocity: f64,
 }
 
 impl Step {
-    pub(crate) const AT_REST_ON_BELT: Polynomial = [0.0; TERMS];
+    /// A Taylor step of a slip phase, with the series of its sliding speed.
+    #[inline(always)]
+    pub(crate) fn slip(
+        start: Clock,
+        duration: f64,
+        direction: Direction,
+        state: State,
+        speed: PowerSeries,
+        belt_velocity: f64,
+    ) -> Self {
+        Self {
+            start,
+            duration,
+            mode: Mode::Slip(direction),
+            state,
+            speed,
+            event: None,
+            belt_velocity,
+        }
+    }
+
+    /// A stick phase from displacement u: it grows at the rate v_b up to the release point, and
+    /// rests for ever at v_b = 0.
+    pub(crate) fn stick<L: FrictionLaw>(
+        start: Clock,
+        displacement: f64,
+        system: &MassOnBelt<L>,
+    ) -> Self {
+        let v_b = system.belt_velocity();
+        let state = State::new(displacement, v_b);
+        let rest = Self {
+            start,
+            duration: f64::INFINITY,
+            mode: Mode::Stick,
+            state,
+            speed: PowerSeries::ZERO,
+            event: None,
+            belt_velocity: v_b,
+        };
+        let Some(release) = system.release_state() else {
+            return rest;
+        };
+        let (duration, released) = if system.is_release(displacement) {
+            (0.0, state)
+        } else {
+            ((release.displacement - displacement) / v_b, release)
+        };
+        let direction = if v_b > 0.0 {
+            Direction::Lagging
+        } else {
+            Direction::Leading
+        };
+        Self { duration, ..rest }.ended_by(EventKind::Release(direction), released)
+    }
+
+    /// The same step with this event at its end.
+    #[inline(always)]
+    pub(crate) fn ended_by(self, kind: EventKind, state: State) -> Self {
+        let event = Event {
+            time: self.end_time(),
+            contact: 0,
+            kind,
+            state,
+        };
+        Self {
+            event: Some(event),
+            ..self
+        }
+    }
+
+    /// The same step, with its event, from another time on.
+    pub(crate) fn starting_at(mut self, start: Clock) -> Self {
+        self.start = start;
+        let time = self.end_time();
+        if let Some(event) = &mut self.event {
+            event.time = time;
+        }
+        self
+    }
 
     /// Time τ at which it starts, dimensionless.
     pub fn start_time(&self) -> f64 {
@@ -176,10 +154,10 @@ impl Step {
             _ if t == 0.0 || self.is_rest() => self.state,
             Mode::Stick => State::new(displacement + velocity * t, velocity),
             Mode::Slip(direction) => {
-                let mean_velocity = self.belt_velocity + direction.sign() * mean(&self.speed, t);
+                let mean_velocity = self.belt_velocity + direction.sign() * self.speed.mean(t);
                 State::new(
                     displacement + mean_velocity * t,
-                    self.belt_velocity + direction.sign() * evaluate(&self.speed, t),
+                    self.belt_velocity + direction.sign() * self.speed.at(t),
                 )
             }
         }
@@ -229,21 +207,63 @@ impl Step {
             ..*self
         }
     }
+}
 
-    /// State at its end; at an event the event's own.
-    pub(crate) fn end_state(&self) -> State {
+impl Sealed for Step {}
+
+impl Segment for Step {
+    type State = State;
+
+    fn start_time(&self) -> f64 {
+        self.start_time()
+    }
+
+    fn end_time(&self) -> f64 {
+        self.end_time()
+    }
+
+    fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    fn since_start(&self, time: f64) -> f64 {
+        self.start.until(time).clamp(0.0, self.duration)
+    }
+
+    fn state_at(&self, t: f64) -> State {
+        self.state_at(t)
+    }
+
+    fn end_state(&self) -> State {
         match self.event {
             Some(event) => event.state,
             None => self.state_at(self.duration),
         }
     }
 
-    /// The part of it that lies before `time`, which it does not reach itself.
-    pub(crate) fn until(self, time: f64) -> Self {
+    fn events(&self) -> &[Event] {
+        self.event.as_slice()
+    }
+
+    fn until(self, time: f64) -> Self {
         Self {
-            duration: self.start.until(time).clamp(0.0, self.duration),
+            duration: self.since_start(time),
             event: None,
             ..self
         }
+    }
+}
+
+impl Sealed for State {}
+
+impl SystemState for State {
+    type Step = Step;
+}
+
+impl Trajectory {
+    /// What the mass does at a time 0 ≤ τ ≤ [`duration`](Self::duration), at an event what it does
+    /// from then on; `None` outside, and for NaN.
+    pub fn mode_at(&self, time: f64) -> Option<Mode> {
+        Some(self.step_at(time)?.mode)
     }
 }

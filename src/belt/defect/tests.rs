@@ -1,7 +1,10 @@
-use super::super::polynomial::{evaluate, quarters};
-use super::super::testing::polynomial;
+use super::super::slip_point::SlipPoint;
 use super::*;
-use crate::{Polynomial as Cubic, Scalar};
+use crate::friction::Polynomial as Cubic;
+use crate::motion::Time;
+use crate::scalar::{Scalar, Workspace};
+use crate::series::{PowerSeries, quarters};
+use crate::state::Direction;
 
 /// Friction 0.25, and 0.1 more within about `width` of one speed.
 #[derive(Clone, Copy)]
@@ -44,10 +47,10 @@ fn on_belt<L: FrictionLaw>(law: L) -> MassOnBelt<L> {
 }
 
 /// A motion of sliding speed Σ c_k t^k with the friction 0.25 + `slope`·t.
-fn series(c: &[f64], slope: f64) -> Series {
-    Series {
-        speed: polynomial(c),
-        friction: polynomial(&[0.25, slope]),
+fn series(c: &[f64], slope: f64) -> SlipSeries {
+    SlipSeries {
+        speed: PowerSeries::from(c),
+        friction: PowerSeries::from(&[0.25, slope]),
     }
 }
 
@@ -76,7 +79,7 @@ const SHAPES: [(f64, f64); 5] = [
 /// The defect that is looked for where the speed is least.
 fn closest(law: Bump, c: &[f64], h: f64) -> f64 {
     let series = series(c, 0.0);
-    let speeds = evaluate_four(&series.speed, quarters(h));
+    let speeds = series.speed.at_four(quarters(h));
     series.defect_at_minimum(&on_belt(law), 0, h, speeds)
 }
 
@@ -90,7 +93,7 @@ fn terms_of_the_equation_of_motion_are_added_by_size() {
         speed: 1.0,
         rate: None,
     };
-    let (mut series, mut workspace) = (Series::ZERO, Workspace::new());
+    let (mut series, mut workspace) = (SlipSeries::ZERO, Workspace::new());
     series
         .expand(&law, &system, &mut workspace, &from, 0, Time::Forward)
         .unwrap();
@@ -156,7 +159,7 @@ fn features_at_the_least_speed_are_seen() {
 /// The law is also looked at on both sides of the minimum, and not beyond the step.
 #[test]
 fn features_beside_the_least_speed_are_seen() {
-    let speed_at = |c: &[f64], t: f64| evaluate(&polynomial(c), t);
+    let speed_at = |c: &[f64], t: f64| PowerSeries::from(c).at(t);
     for h in [0.5, 1.0] {
         let c = valley(0.45 * h, 0.2, 0.0, 0.01);
         for part in [-0.05, 0.02, 0.1] {
@@ -206,12 +209,12 @@ fn every_minimum_of_a_step_is_looked_at() {
     // (t − 0.2)²(t − 0.8)² + 0.01 t + 0.02: the first minimum is the lower one.
     let c = [0.0256 + 0.02, -0.32 + 0.01, 1.32, -2.0, 1.0];
     let [first, second] = [0.2, 0.8].map(|near: f64| {
-        let (mut t, slope) = (near, derivative(&polynomial(&c)));
-        let curvature = derivative(&slope);
+        let (mut t, slope) = (near, PowerSeries::from(&c).derivative());
+        let curvature = slope.derivative();
         for _ in 0..10 {
-            t -= evaluate(&slope, t) / evaluate(&curvature, t);
+            t -= slope.at(t) / curvature.at(t);
         }
-        evaluate(&polynomial(&c), t)
+        PowerSeries::from(&c).at(t)
     });
     for at in [first, second] {
         let seen = closest(Bump { at, width: 1e-6 }, &c, 1.0) / LOAD;

@@ -1,27 +1,5 @@
-//! The non-smooth event integrator: Taylor steps, contact by root isolation, a phase machine of
-//! stick and slip.
-
-mod flow;
-mod polynomial;
-mod series;
-mod slip;
-mod step;
-#[cfg(test)]
-pub(crate) mod testing;
-mod trajectory;
-
-pub use flow::Flow;
-pub use step::{Event, EventKind, Mode, Step};
-pub use trajectory::Trajectory;
-
-pub(crate) use polynomial::{
-    Polynomial, TERMS, derivative, evaluate, evaluate_four, quarters, reflected, sign_changes,
-};
-pub(crate) use series::{SlipPoint, Time};
-pub(crate) use slip::{Advance, Stepper};
-pub(crate) use step::Clock;
-
-use crate::{Error, FrictionLaw, MassOnBelt, State};
+use super::{Segment, System, SystemState, Trajectory};
+use crate::error::Error;
 
 /// Settings of the integrator: tolerance and limits of work.
 ///
@@ -130,12 +108,12 @@ impl Integrator {
     /// * [`Error::NonFiniteFriction`], [`Error::NotAnalytic`], [`Error::StepUnderflow`],
     ///   [`Error::TooManySteps`], [`Error::TooManyEvents`] with the time and state reached, if the
     ///   motion cannot be followed further.
-    pub fn simulate<L: FrictionLaw>(
+    pub fn simulate<S: System>(
         self,
-        system: &MassOnBelt<L>,
-        start: State,
+        system: &S,
+        start: impl Into<S::State>,
         duration: f64,
-    ) -> Result<Trajectory, Error> {
+    ) -> Result<Trajectory<S::State>, Error> {
         if !(duration >= 0.0 && duration.is_finite()) {
             return Err(Error::InvalidDuration { value: duration });
         }
@@ -143,7 +121,7 @@ impl Integrator {
             max_steps: Some(self.max_steps.unwrap_or(Self::DEFAULT_MAX_STEPS)),
             ..self
         };
-        let mut steps: Vec<Step> = Vec::new();
+        let mut steps: Vec<<S::State as SystemState>::Step> = Vec::new();
         for step in limited.flow(system, start)? {
             let step = match step {
                 Ok(step) => step,
@@ -182,40 +160,29 @@ impl Integrator {
     ///
     /// [`Error::InvalidState`] as in [`simulate`](Self::simulate). The items are errors as there;
     /// after one comes `None`.
-    pub fn flow<L: FrictionLaw>(
+    pub fn flow<S: System>(
         self,
-        system: &MassOnBelt<L>,
-        start: State,
-    ) -> Result<Flow<'_, L>, Error> {
-        Flow::new(self, system, start)
+        system: &S,
+        start: impl Into<S::State>,
+    ) -> Result<S::Flow<'_>, Error> {
+        system.flow(self, start.into())
+    }
+
+    pub(crate) fn tolerance(self) -> f64 {
+        self.tolerance
+    }
+
+    pub(crate) fn max_steps(self) -> Option<usize> {
+        self.max_steps
+    }
+
+    pub(crate) fn max_events(self) -> Option<usize> {
+        self.max_events
     }
 }
 
 impl Default for Integrator {
     fn default() -> Self {
         Self::new()
-    }
-}
-
-impl<L: FrictionLaw> MassOnBelt<L> {
-    /// The motion from `start` over `duration`, to round-off: [`Integrator::simulate`] with its
-    /// defaults.
-    ///
-    /// # Errors
-    ///
-    /// Those of [`Integrator::simulate`].
-    ///
-    /// ```
-    /// use stick_slip::{EventKind, MassOnBelt, Polynomial, State};
-    ///
-    /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
-    /// let motion = system.simulate(system.release_state().unwrap(), 10.0)?;
-    /// let [release, stick, ..] = motion.events() else { panic!() };
-    /// assert_eq!((release.time, stick.kind), (0.0, EventKind::Stick));
-    /// assert!((stick.time - 5.169862999532134).abs() < 4e-15);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
-    pub fn simulate(&self, start: State, duration: f64) -> Result<Trajectory, Error> {
-        Integrator::new().simulate(self, start, duration)
     }
 }

@@ -4,16 +4,16 @@
 use std::collections::VecDeque;
 use std::f64::consts::PI;
 
-use crate::Error;
-use crate::quadrature::gauss_nodes;
+use crate::error::Error;
+use crate::numerics::gauss::gauss_nodes;
 
 /// Two integrals over the same interval, with the integral and the largest value met of |f_0| +
 /// |f_1|.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Integral {
-    pub(super) parts: [f64; 2],
+pub(crate) struct Integral {
+    pub(crate) parts: [f64; 2],
     size: f64,
-    pub(super) peak: f64,
+    pub(crate) peak: f64,
 }
 
 impl Integral {
@@ -25,7 +25,7 @@ impl Integral {
         self.peak = self.peak.max(size);
     }
 
-    pub(super) fn merged(&self, other: &Self) -> Self {
+    pub(crate) fn merged(&self, other: &Self) -> Self {
         let mut sum = *other;
         sum.parts[0] += self.parts[0];
         sum.parts[1] += self.parts[1];
@@ -57,7 +57,7 @@ const FINEST: usize = 2048;
 
 /// ∫₀^π f dψ of an even 2π-periodic analytic f, by the trapezoidal rule, which converges
 /// geometrically; halved until two rules agree. `None` if f is not resolved.
-pub(super) fn trapezoid(
+pub(crate) fn trapezoid(
     mut f: impl FnMut(f64) -> Result<[f64; 2], Error>,
 ) -> Result<Option<Integral>, Error> {
     let mut n = COARSEST;
@@ -102,7 +102,7 @@ fn gauss_panel(
 /// Points that divide a ≤ x ≤ b into panels, four times shorter from one to the next towards both
 /// ends: what a law does at slow speeds is seen whatever its scale (down to some 10⁻⁶ of the
 /// interval).
-pub(super) fn graded(a: f64, b: f64) -> [f64; 13] {
+pub(crate) fn graded(a: f64, b: f64) -> [f64; 13] {
     let half = 0.5 * (b - a);
     std::array::from_fn(|j| match j {
         0 => a,
@@ -114,7 +114,7 @@ pub(super) fn graded(a: f64, b: f64) -> [f64; 13] {
 
 /// ∫ f dx over panels between the points of a mesh, of an f analytic between its ends, by
 /// Gauss-Legendre; panels are halved until each agrees with its halves.
-pub(super) fn gauss(
+pub(crate) fn gauss(
     mut f: impl FnMut(f64) -> Result<[f64; 2], Error>,
     mesh: &[f64],
 ) -> Result<Integral, Error> {

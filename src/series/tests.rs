@@ -1,4 +1,6 @@
-use super::super::testing::polynomial;
+use std::ops::ControlFlow;
+
+use super::roots::Search;
 use super::*;
 
 /// What a search takes for rounding: half a unit in the last place for each multiplication, and
@@ -6,19 +8,16 @@ use super::*;
 #[test]
 fn rounding_is_bounded_term_by_term() {
     for t in [0.25_f64, 1.0, 3.0] {
-        let mut all = [0.0; TERMS];
+        let mut all = PowerSeries::ZERO;
         let mut sum = 0.0;
         for k in 0..TERMS {
-            let mut c = [0.0; TERMS];
+            let mut c = PowerSeries::ZERO;
             c[k] = -0.7;
             let expected = f64::EPSILON * (0.5 * k as f64 + 4.0) * 0.7 * t.powi(k as i32);
-            assert!(
-                (rounding_bound(&c, t) / expected - 1.0).abs() < 1e-13,
-                "{k}"
-            );
+            assert!((c.rounding_bound(t) / expected - 1.0).abs() < 1e-13, "{k}");
             (all[k], sum) = (c[k], sum + expected);
         }
-        assert!((rounding_bound(&all, t) / sum - 1.0).abs() < 1e-13);
+        assert!((all.rounding_bound(t) / sum - 1.0).abs() < 1e-13);
     }
 }
 
@@ -27,12 +26,12 @@ fn rounding_is_bounded_term_by_term() {
 #[test]
 fn searches_are_short() {
     let divisions = |c: &[f64], h: f64| {
-        let c = polynomial(c);
-        let values = evaluate_four(&c, quarters(h));
-        let curvature = curvature_bound(&c, h);
+        let c = PowerSeries::from(c);
+        let values = c.at_four(quarters(h));
+        let curvature = c.curvature_bound(h);
         let search = Search::new(&c, h, curvature);
         let _ = search.run(h, values, &mut |_, _| ControlFlow::Continue(()));
-        (stays_away(&c, h, values, curvature), search.divisions.get())
+        (c.stays_away(h, values, curvature), search.divisions.get())
     };
     // |c''| = 2, and 2h²/128 = 1/16 for h = 2.
     assert_eq!(divisions(&[4.0 + 0.0626, -4.0, 1.0], 2.0), (true, 0));

@@ -10,12 +10,13 @@ use std::ops::ControlFlow;
 
 use num_bigint::{BigInt, Sign};
 
-use super::{
-    MOST_DIVISIONS, Polynomial, Search, TERMS, curvature_bound, derivative, evaluate,
-    evaluate_four, first_root, quarters, rounding_bound, sign_changes,
-};
-use crate::integrator::{SlipPoint, Stepper, Time};
-use crate::{Direction, Exponential, MassOnBelt, State};
+use super::roots::{MOST_DIVISIONS, Search};
+use super::{PowerSeries, TERMS, quarters};
+use crate::belt::MassOnBelt;
+use crate::belt::{SlipPoint, Stepper};
+use crate::friction::Exponential;
+use crate::motion::Time;
+use crate::state::{Direction, State};
 
 const DEGREE: usize = TERMS - 1;
 
@@ -43,7 +44,7 @@ fn parts(x: f64) -> (i64, i32) {
 }
 
 /// Whether c(t) > level.
-fn is_above(c: &Polynomial, t: f64, level: f64) -> bool {
+fn is_above(c: &PowerSeries, t: f64, level: f64) -> bool {
     let (t, e) = parts(t);
     // With f = −e: c(t)·2^(26f) = Σ c_k t^k 2^((26−k)f), by Horner's rule.
     let (t, f) = (t << e.max(0), (-e).max(0) as usize);
@@ -94,7 +95,7 @@ impl Judge {
 
     /// Whether sign·c falls to `level` anywhere between the times `from` and `to`. That it does not
     /// is proven.
-    fn falls(&self, c: &Polynomial, sign: f64, level: f64, [from, to]: [f64; 2]) -> bool {
+    fn falls(&self, c: &PowerSeries, sign: f64, level: f64, [from, to]: [f64; 2]) -> bool {
         if from >= to {
             return false;
         }
@@ -168,9 +169,9 @@ enum Verdict {
 
 /// How far from a time found the root can be, by the error bound of the values and the slope, and
 /// whether that is close.
-fn blur(slope: &Polynomial, t: f64, error: f64) -> (f64, bool) {
+fn blur(slope: &PowerSeries, t: f64, error: f64) -> (f64, bool) {
     let last_bit = 2.0 * f64::EPSILON * t;
-    let blur = last_bit + 2.0 * error / evaluate(slope, t).abs();
+    let blur = last_bit + 2.0 * error / slope.at(t).abs();
     if blur <= SHARP * t {
         (blur, true)
     } else {
@@ -182,9 +183,9 @@ impl Judge {
     /// Judges the times in (0, h] at which c is said to change sign, `all` of them or the first.
     /// Within the error of a value, and as much again by which c may differ from the last chord, a
     /// dip may be seen or not: hence twice the bound.
-    fn judge(&self, c: &Polynomial, h: f64, found: &[f64], all: bool) -> Verdict {
-        let error = rounding_bound(c, h);
-        let slope = derivative(c);
+    fn judge(&self, c: &PowerSeries, h: f64, found: &[f64], all: bool) -> Verdict {
+        let error = c.rounding_bound(h);
+        let slope = c.derivative();
         let mut sign = c.iter().find(|c| **c != 0.0).map_or(1.0, |c| c.signum());
         let mut decided = true;
         let mut from = 0.0;
@@ -222,15 +223,15 @@ impl Judge {
         }
     }
 
-    fn first(&self, c: &Polynomial, h: f64) -> Verdict {
-        match first_root(c, h, evaluate_four(c, quarters(h))) {
+    fn first(&self, c: &PowerSeries, h: f64) -> Verdict {
+        match c.first_root(h, c.at_four(quarters(h))) {
             Ok(Some(t)) => self.judge(c, h, &[t], false),
             Ok(None) => self.judge(c, h, &[], true),
             Err(_) => Verdict::TooCurved,
         }
     }
 
-    fn every(&self, c: &Polynomial, h: f64) -> Verdict {
+    fn every(&self, c: &PowerSeries, h: f64) -> Verdict {
         let mut found = Vec::new();
         let mut rises = c.iter().find(|c| **c != 0.0).is_some_and(|c| *c < 0.0);
         let mut alternate = true;
@@ -240,10 +241,10 @@ impl Judge {
             found.push(t);
             ControlFlow::Continue(())
         };
-        let _ = sign_changes(c, h, &mut visit);
+        let _ = c.sign_changes(h, &mut visit);
         // It doesn't tell whether it gave up.
-        let search = Search::new(c, h, curvature_bound(c, h));
-        let values = evaluate_four(c, quarters(h));
+        let search = Search::new(c, h, c.curvature_bound(h));
+        let values = c.at_four(quarters(h));
         let _ = search.run(h, values, &mut |_, _| ControlFlow::Continue(()));
         if search.divisions.get() >= MOST_DIVISIONS {
             Verdict::TooCurved
@@ -390,14 +391,14 @@ fn planted(kind: &str, random: &mut Random) -> Vec<f64> {
     if shift != 0.0 {
         let mut full = [0.0; TERMS];
         full[..c.len()].copy_from_slice(&c);
-        c[0] += shift * rounding_bound(&full, 1.0);
+        c[0] += shift * full.rounding_bound(1.0);
     }
     c
 }
 
 /// The sliding speed of a real phase that comes to rest relative to the belt, or nearly: followed
 /// backward from there, and forward again.
-fn grazing(random: &mut Random) -> Option<(Polynomial, f64)> {
+fn grazing(random: &mut Random) -> Option<(PowerSeries, f64)> {
     let at_rest = random.within(0.2, 1.0);
     let law = Exponential::new(
         at_rest,
@@ -424,7 +425,7 @@ fn grazing(random: &mut Random) -> Option<(Polynomial, f64)> {
         return None;
     }
     let start = SlipPoint {
-        speed: evaluate(stepper.speed(), back.duration),
+        speed: back.speed.at(back.duration),
         ..back.end
     };
     stepper.advance(&start, Time::Forward, 0.0).ok()?;
@@ -432,13 +433,13 @@ fn grazing(random: &mut Random) -> Option<(Polynomial, f64)> {
     let h = back.duration * random.within(0.9, 1.5);
     // Half of them are moved, so that some miss by a hair.
     if random.below(2) == 0 {
-        c[0] += random.power(-3.0, 8.0) * rounding_bound(&c, h);
+        c[0] += random.power(-3.0, 8.0) * c.rounding_bound(h);
     }
     Some((c, h))
 }
 
 /// Case number n: its kind, polynomial and step.
-fn case(n: u64) -> (usize, Polynomial, f64) {
+fn case(n: u64) -> (usize, PowerSeries, f64) {
     let kind = (n % KINDS.len() as u64) as usize;
     let random = &mut Random(n);
     loop {
@@ -569,7 +570,7 @@ fn a_root_close_to_one_at_the_start_is_found() {
         let mut c = [0.0; TERMS];
         c[1..3].copy_from_slice(&[root * sign, -sign]);
         let mut found = Vec::new();
-        let _ = sign_changes(&c, 1.0, &mut |t, rising| {
+        let _ = c.sign_changes(1.0, &mut |t, rising| {
             found.push((t, rising));
             ControlFlow::Continue(())
         });

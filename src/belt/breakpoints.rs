@@ -1,0 +1,131 @@
+//! Which piece of the law a motion goes through, and where a step leaves it: at a breakpoint or on
+//! the belt.
+
+use super::slip_point::SlipPoint;
+use super::system::MassOnBelt;
+use crate::friction::FrictionLaw;
+use crate::motion::Time;
+use crate::series::{PowerSeries, TooCurved, quarters};
+
+/// The speeds at which the pieces of a law meet, ascending.
+#[derive(Debug, Clone)]
+pub(super) struct Breakpoints(Vec<f64>);
+
+impl Breakpoints {
+    pub(super) fn new(law: &impl FrictionLaw) -> Self {
+        Self(law.breakpoints().collect())
+    }
+
+    /// The piece of the law that a motion from this point goes through, and the rate that decided
+    /// on it.
+    #[inline(always)]
+    pub(super) fn piece<L: FrictionLaw>(
+        &self,
+        system: &MassOnBelt<L>,
+        point: &SlipPoint,
+        time: Time,
+    ) -> (usize, Option<f64>) {
+        if self.0.is_empty() {
+            (0, None)
+        } else {
+            self.among_pieces(system, point, time)
+        }
+    }
+
+    /// The same for a law of several pieces. At a breakpoint the motion decides, by its rate, which
+    /// is then the one that the series starts with.
+    #[inline(never)]
+    fn among_pieces<L: FrictionLaw>(
+        &self,
+        system: &MassOnBelt<L>,
+        point: &SlipPoint,
+        time: Time,
+    ) -> (usize, Option<f64>) {
+        let above = self.0.partition_point(|&b| b <= point.speed);
+        if above == 0 || self.0[above - 1] != point.speed {
+            return (above, None);
+        }
+        let sigma = point.direction.sign();
+        let state = point.state(system);
+        let equation = || time.sign() * sigma * system.acceleration(state);
+        let rate = point.rate.unwrap_or_else(equation);
+        // Where s' = σv' is zero, s'' = −σv decides.
+        let rising = rate > 0.0 || (rate == 0.0 && sigma * state.velocity < 0.0);
+        (if rising { above } else { above - 1 }, Some(rate))
+    }
+
+    /// Sliding speeds at which a step on this piece must end.
+    pub(super) fn limits(&self, piece: usize) -> Limits {
+        Limits {
+            low: if piece == 0 { 0.0 } else { self.0[piece - 1] },
+            high: self.0.get(piece).copied(),
+        }
+    }
+}
+
+/// When a step leaves its piece of the law, and at which sliding speed.
+pub(super) type Exit = Option<(f64, f64)>;
+
+/// The sliding speeds between which one piece of the law holds.
+pub(super) struct Limits {
+    low: f64,
+    high: Option<f64>,
+}
+
+impl Limits {
+    /// First time in (0, h] at which s(t) reaches a limit, and that limit; `speeds` are its values
+    /// at the quarters of h.
+    #[inline(always)]
+    pub(super) fn first_exit(
+        &self,
+        speed: &PowerSeries,
+        h: f64,
+        speeds: [f64; 4],
+    ) -> Result<Exit, TooCurved> {
+        if self.high.is_none() && self.low == 0.0 && speed[0] > 0.0 {
+            // The usual case, kept short.
+            return Ok(speed.first_root(h, speeds)?.map(|time| (time, 0.0)));
+        }
+        self.first_exit_from_piece(speed, h, speeds)
+    }
+
+    #[inline(never)]
+    fn first_exit_from_piece(
+        &self,
+        speed: &PowerSeries,
+        h: f64,
+        speeds: [f64; 4],
+    ) -> Result<Exit, TooCurved> {
+        let low = first_passage(speed, self.low, 1.0, h, speeds)?.map(|time| (time, self.low));
+        let Some(limit) = self.high else {
+            return Ok(low);
+        };
+        let high = first_passage(speed, limit, -1.0, h, speeds)?.map(|time| (time, limit));
+        Ok(match (low, high) {
+            (Some(low), Some(high)) if high.0 < low.0 => Some(high),
+            (low, high) => low.or(high),
+        })
+    }
+}
+
+/// First root in (0, h] of sign·(s(t) − level), which is positive just after t = 0.
+///
+/// If the motion starts on the level, that root (double where the rate is zero) is divided out: it
+/// is known, so nothing has to be skipped by a small time.
+fn first_passage(
+    speed: &PowerSeries,
+    level: f64,
+    sign: f64,
+    h: f64,
+    speeds: [f64; 4],
+) -> Result<Option<f64>, TooCurved> {
+    if speed[0] == level {
+        let known = if speed[1] == 0.0 { 2 } else { 1 };
+        let rest = speed.scaled(sign).without_root(known);
+        rest.first_root(h, rest.at_four(quarters(h)))
+    } else {
+        let mut distance = speed.scaled(sign);
+        distance[0] -= sign * level;
+        distance.first_root(h, speeds.map(|s| sign * (s - level)))
+    }
+}

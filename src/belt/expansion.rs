@@ -1,0 +1,113 @@
+//! The power series of a slip phase.
+
+use super::slip_point::SlipPoint;
+use super::system::MassOnBelt;
+use crate::error::Error;
+use crate::friction::{FrictionLaw, Piece};
+use crate::motion::Time;
+use crate::scalar::{Workspace, expand, mul_add};
+use crate::series::{INTEGRAL, PowerSeries, TERMS};
+
+/// The power series of a slip phase about one of its points, in the time since.
+///
+/// With σ = ±1 and x = σu the equations of slip are
+///
+/// ```text
+/// x' = s + σv_b,   s' = −x − 2β(s + σv_b) − γ²μ̂(s),
+/// ```
+///
+/// in the sliding speed s and not in v, so that contact is exact however large the belt velocity
+/// is.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SlipSeries {
+    /// s(t).
+    pub(crate) speed: PowerSeries,
+    /// μ̂(s(t)), without its last coefficient, which the motion does not need.
+    pub(super) friction: PowerSeries,
+}
+
+impl SlipSeries {
+    pub(crate) const ZERO: Self = Self {
+        speed: PowerSeries::ZERO,
+        friction: PowerSeries::ZERO,
+    };
+
+    /// Expands the motion about a point, on one piece of the law.
+    ///
+    /// The law comes as an argument of its own: behind a reference inside the system, the compiler
+    /// would have to load its parameters anew after every coefficient stored.
+    ///
+    /// In place: a copy would load what has just been stored, and wait for it. Kept out of line:
+    /// inlined into the stepper, it competes for registers and runs at half the speed.
+    #[inline(never)]
+    pub(crate) fn expand<L: FrictionLaw>(
+        &mut self,
+        law: &L,
+        system: &MassOnBelt<&L>,
+        workspace: &mut Workspace<TERMS>,
+        from: &SlipPoint,
+        piece: usize,
+        time: Time,
+    ) -> Result<(), Error> {
+        let sigma = from.direction.sign();
+        let (damping, load) = (2.0 * system.damping(), system.load());
+        let belt = sigma * system.belt_velocity();
+        let Self {
+            speed: series,
+            friction,
+        } = self;
+
+        let s0 = from.speed;
+        // (k + 1) s_{k+1} = −x_k − 2β s_k − γ² m_k, where x_k = s_{k−1}/k and m_k = slope·s_k +
+        // scale·rest. The rest is put in last: it has waited for s_{k−1} to pass through the law,
+        // and that takes longer than s_k.
+        let (mut decay, mut older) = (0.0, 0.0);
+        let piece = Piece { law, index: piece };
+        let (value, slope) = expand(piece, workspace, s0, |k, s, m| {
+            series[k] = s;
+            let weight = -INTEGRAL[k];
+            if k == 0 {
+                decay = mul_add(load, m.slope, damping);
+                friction[0] = m.rest;
+                older = s + belt;
+                let equation = -(sigma * from.displacement) - damping * (s + belt) - load * m.rest;
+                return from.rate.map_or(equation, |rate| time.sign() * rate);
+            }
+            friction[k] = mul_add(m.slope, s, m.scale * m.rest);
+            // x_1 = s_0 + σv_b
+            let spring = if k == 1 {
+                weight * older
+            } else {
+                weight * INTEGRAL[k - 1] * older
+            };
+            older = s;
+            let next = mul_add(weight * decay, s, spring);
+            let next = mul_add(weight * load * m.scale, m.rest, next);
+            if k + 1 == TERMS - 1 {
+                series[k + 1] = next;
+            }
+            next
+        });
+        if !value.is_finite() {
+            return Err(Error::NonFiniteFriction {
+                speed: s0,
+                value,
+                reached: None,
+            });
+        }
+        if !slope.is_finite() {
+            return Err(Error::NotAnalytic {
+                speed: s0,
+                reached: None,
+            });
+        }
+        if time == Time::Backward {
+            // f(−t): the odd coefficients change sign.
+            for k in (1..TERMS).step_by(2) {
+                series[k] = -series[k];
+                friction[k] = -friction[k];
+            }
+        }
+        Ok(())
+    }
+}

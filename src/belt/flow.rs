@@ -1,0 +1,203 @@
+//! The phase machine: stick and slip in turn, step by step.
+
+use std::ops::RangeInclusive;
+
+use super::slip_point::{SlipPoint, Start};
+use super::step::Step;
+use super::stepper::{Advance, Stepper};
+use super::system::{Landing, MassOnBelt};
+use crate::error::Error;
+use crate::friction::FrictionLaw;
+use crate::motion::sealed::Sealed;
+use crate::motion::{EventKind, Integrator, Mode, Run, Segment, System, Time, Trajectory};
+use crate::state::State;
+
+/// The motion from a start state, step by step, without an end: an iterator of [`Step`]s in
+/// constant memory.
+///
+/// Made by [`Integrator::flow`]. Steps follow each other without a gap. After an error comes
+/// `None`. A motion that comes to rest for ever (in stick at v_b = 0, or exactly on an equilibrium)
+/// is one last step of infinite duration. One that settles to steady sliding goes on without
+/// events: whoever waits for the next event sets [`Integrator::with_max_steps`].
+///
+/// ```
+/// use stick_slip::{Coulomb, Integrator, MassOnBelt, Mode, State};
+///
+/// // Free vibration on a belt at rest: the mass stops in the stick band.
+/// let system = MassOnBelt::new(Coulomb::new(1.0, 1.0)?, 0.0)?;
+/// let steps: Vec<_> = Integrator::new()
+///     .flow(&system, State::new(2.5, 0.0))?
+///     .collect::<Result<_, _>>()?;
+/// let rest = steps.last().unwrap();
+/// assert_eq!(rest.mode(), Mode::Stick);
+/// assert_eq!(rest.duration(), f64::INFINITY);
+/// assert!((rest.state().displacement + 0.5).abs() < 4e-15);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Flow<'s, L> {
+    stepper: Stepper<'s, L>,
+    run: Run,
+    state: State,
+    phase: Phase,
+}
+
+/// What comes next.
+#[derive(Debug, Clone, Copy)]
+enum Phase {
+    Stick,
+    Slip(SlipPoint),
+    Ended,
+}
+
+/// Scales of a motion, max(|u − ū|, |v|, |v_b|), at which the terms of its series neither become
+/// subnormal numbers nor overflow.
+const SCALES: RangeInclusive<f64> = 1e-280..=1e300;
+
+impl<'s, L: FrictionLaw> Flow<'s, L> {
+    fn new(settings: Integrator, system: &'s MassOnBelt<L>, start: State) -> Result<Self, Error> {
+        let v_b = system.belt_velocity();
+        let State {
+            displacement,
+            velocity,
+        } = start;
+        let force = displacement + 2.0 * system.damping() * velocity;
+        let deviation = displacement - system.equilibrium_displacement();
+        let scale = deviation.abs().max(velocity.abs()).max(v_b.abs());
+        let ordinary = scale == 0.0 || SCALES.contains(&scale);
+        if !(force.is_finite() && (velocity - v_b).is_finite() && ordinary) {
+            return Err(Error::InvalidState {
+                displacement,
+                velocity,
+            });
+        }
+        Ok(Self {
+            stepper: Stepper::new(system.by_reference(), settings.tolerance()),
+            run: Run::new(settings),
+            state: if velocity - v_b == 0.0 {
+                State::new(displacement, v_b)
+            } else {
+                start
+            },
+            phase: match Start::of(system, start) {
+                Start::Stick => Phase::Stick,
+                Start::Slip(point) => Phase::Slip(point),
+            },
+        })
+    }
+
+    /// The next step; afterwards the motion stands at its end.
+    fn step(&mut self) -> Result<Step, Error> {
+        let system = *self.stepper.system();
+        let start = self.run.clock;
+        let (step, phase, end) = match &self.phase {
+            Phase::Slip(point) => {
+                // By reference: a copy of the point would load, as a whole, what has just been
+                // stored in parts, and wait for it.
+                let advance = self.stepper.advance(point, Time::Forward, start.time)?;
+                let direction = advance.end.direction;
+                let end = advance.end.state(&system);
+                let (duration, speed, v_b) =
+                    (advance.duration, *advance.speed, system.belt_velocity());
+                let step = Step::slip(start, duration, direction, self.state, speed, v_b);
+                let (phase, event) = after(&system, &advance);
+                let step = match event {
+                    Some(kind) => step.ended_by(kind, end),
+                    None => step,
+                };
+                (step, phase, end)
+            }
+            Phase::Stick | Phase::Ended => {
+                let step = Step::stick(start, self.state.displacement, &system);
+                let phase = match (step.event(), step.end_state()) {
+                    (Some(event), State { displacement, .. }) => match event.kind.mode() {
+                        Mode::Slip(side) => {
+                            Phase::Slip(SlipPoint::leaving(&system, displacement, side))
+                        }
+                        Mode::Stick => Phase::Stick,
+                    },
+                    (None, _) => Phase::Ended,
+                };
+                (step, phase, step.end_state())
+            }
+        };
+        self.phase = phase;
+        self.state = end;
+        self.run.clock = start.after(step.duration());
+        Ok(step)
+    }
+}
+
+/// What follows a Taylor step, and the event at its end.
+fn after<L: FrictionLaw>(system: &MassOnBelt<L>, advance: &Advance) -> (Phase, Option<EventKind>) {
+    let end = advance.end;
+    if advance.duration.is_infinite() {
+        return (Phase::Ended, None);
+    }
+    if !advance.is_contact() {
+        return (Phase::Slip(end), None);
+    }
+    let leaving = |side| Phase::Slip(SlipPoint::leaving(system, end.displacement, side));
+    match system.landing(end.displacement, end.direction) {
+        Landing::Stick => (Phase::Stick, Some(EventKind::Stick)),
+        Landing::Touch => (leaving(end.direction), None),
+        Landing::Crossing(side) => (leaving(side), Some(EventKind::Crossing(side))),
+    }
+}
+
+impl<L: FrictionLaw> Iterator for Flow<'_, L> {
+    type Item = Result<Step, Error>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if matches!(self.phase, Phase::Ended) {
+            return None;
+        }
+        let step = match self.run.limit_reached(|| self.state.into()) {
+            Some(error) => Err(error),
+            None => self.step(),
+        };
+        match &step {
+            Ok(step) => self.run.count(usize::from(step.event().is_some())),
+            // An error is the last item.
+            Err(_) => self.phase = Phase::Ended,
+        }
+        Some(step)
+    }
+}
+
+impl<L: FrictionLaw> Sealed for MassOnBelt<L> {}
+
+impl<L: FrictionLaw> System for MassOnBelt<L> {
+    type State = State;
+    type Flow<'s>
+        = Flow<'s, L>
+    where
+        Self: 's;
+
+    fn flow(&self, settings: Integrator, start: State) -> Result<Flow<'_, L>, Error> {
+        Flow::new(settings, self, start)
+    }
+}
+
+impl<L: FrictionLaw> MassOnBelt<L> {
+    /// The motion from `start` over `duration`, to round-off: [`Integrator::simulate`] with its
+    /// defaults.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Integrator::simulate`].
+    ///
+    /// ```
+    /// use stick_slip::{EventKind, MassOnBelt, Polynomial, State};
+    ///
+    /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+    /// let motion = system.simulate(system.release_state().unwrap(), 10.0)?;
+    /// let [release, stick, ..] = motion.events() else { panic!() };
+    /// assert_eq!((release.time, stick.kind), (0.0, EventKind::Stick));
+    /// assert!((stick.time - 5.169862999532134).abs() < 4e-15);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn simulate(&self, start: State, duration: f64) -> Result<Trajectory, Error> {
+        Integrator::new().simulate(self, start, duration)
+    }
+}

@@ -1,0 +1,31 @@
+//! One mass on one belt of constant velocity: the planar system, and the engine that follows it.
+//!
+//! | file | what is in it |
+//! |---|---|
+//! | `system.rs` | [`MassOnBelt`]: parameters, forces, the stick band, what follows an arrival |
+//! | `equilibrium.rs` | steady sliding and its stability |
+//! | `slip_point.rs` | points of slip phases, and how each kind of slip begins |
+//! | `expansion.rs` | the power series of a slip phase |
+//! | `defect.rs` | whether a series holds between its coefficients |
+//! | `breakpoints.rs` | pieces of the law, and where a step leaves one |
+//! | `stepper.rs` | one Taylor step: begin, settle, land |
+//! | `flow.rs` | the phase machine: stick and slip in turn |
+//! | `step.rs` | [`Step`]: a stretch of motion as a value |
+
+mod breakpoints;
+mod defect;
+mod equilibrium;
+mod expansion;
+mod flow;
+mod slip_point;
+mod step;
+mod stepper;
+mod system;
+
+pub use equilibrium::{Equilibrium, Stability};
+pub use flow::Flow;
+pub(crate) use slip_point::{SlipPoint, Start};
+pub use step::Step;
+pub(crate) use stepper::{Advance, Stepper};
+pub(crate) use system::Landing;
+pub use system::MassOnBelt;

@@ -1,0 +1,228 @@
+//! Motion within a slip phase, one Taylor step at a time, forward or backward in time.
+
+use super::breakpoints::Breakpoints;
+use super::expansion::SlipSeries;
+use super::slip_point::SlipPoint;
+use super::system::MassOnBelt;
+use crate::error::{Error, Reached};
+use crate::friction::FrictionLaw;
+use crate::motion::Time;
+use crate::motion::step_control::{Allowance, LONG};
+use crate::scalar::Workspace;
+use crate::series::{PowerSeries, TERMS, quarters};
+use crate::state::State;
+
+/// One Taylor step.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Advance<'s> {
+    /// How long the step lasts; infinite exactly on an equilibrium.
+    pub(crate) duration: f64,
+    /// Where it ends.
+    pub(crate) end: SlipPoint,
+    /// The sliding speed over the step, in the time since its start; backward time where that was
+    /// asked for.
+    pub(crate) speed: &'s PowerSeries,
+}
+
+impl Advance<'_> {
+    /// Whether it ends in contact: at zero sliding speed.
+    pub(crate) fn is_contact(&self) -> bool {
+        self.end.speed == 0.0
+    }
+}
+
+/// How far a series is used.
+#[derive(Debug, Clone, Copy)]
+struct Settled {
+    duration: f64,
+    /// Sliding speed there; that of the belt or of the breakpoint to the bit, where one is reached.
+    end_speed: f64,
+    /// Limit of the step after it.
+    longest_next: f64,
+}
+
+/// Takes Taylor steps within slip phases of one system.
+///
+/// The system borrows the law, so that simulations and searches for cycles share one instance:
+/// `kinetic` of one type is then called from one place for each order, and inlined there. Called
+/// from two, it is not, and a step takes 1.5 times as long.
+#[derive(Debug, Clone)]
+pub(crate) struct Stepper<'s, L> {
+    system: MassOnBelt<&'s L>,
+    workspace: Workspace<TERMS>,
+    series: SlipSeries,
+    breakpoints: Breakpoints,
+    tolerance: f64,
+    /// ū, from which the scale of the motion is measured.
+    equilibrium: f64,
+    /// Limit of the next step: twice the last one, if that had to be cut below what its
+    /// coefficients promised; else none.
+    longest: f64,
+}
+
+impl<'s, L: FrictionLaw> Stepper<'s, L> {
+    pub(crate) fn new(system: MassOnBelt<&'s L>, tolerance: f64) -> Self {
+        Self {
+            workspace: Workspace::new(),
+            series: SlipSeries::ZERO,
+            breakpoints: Breakpoints::new(system.law()),
+            tolerance,
+            equilibrium: system.equilibrium_displacement(),
+            longest: f64::INFINITY,
+            system,
+        }
+    }
+
+    pub(crate) fn system(&self) -> &MassOnBelt<&'s L> {
+        &self.system
+    }
+
+    /// One step from `point`, up to contact or to a breakpoint of the law if one of them is
+    /// reached. `elapsed` is the time since the motion began, for the step's least length and for
+    /// errors.
+    #[inline]
+    pub(crate) fn advance(
+        &mut self,
+        point: &SlipPoint,
+        time: Time,
+        elapsed: f64,
+    ) -> Result<Advance<'_>, Error> {
+        let at_breakpoint;
+        let (piece, point) = match self.breakpoints.piece(&self.system, point, time) {
+            (piece, None) => (piece, point),
+            (piece, rate) => {
+                at_breakpoint = SlipPoint { rate, ..*point };
+                (piece, &at_breakpoint)
+            }
+        };
+        self.begin(point, piece, time, elapsed)?;
+        let speed = &self.series.speed;
+        if speed[1] == 0.0 && speed[2] == 0.0 {
+            return Ok(Advance {
+                duration: f64::INFINITY,
+                end: *point,
+                speed,
+            });
+        }
+        let settled = self.settle(point, piece, elapsed)?;
+        self.longest = settled.longest_next;
+        Ok(self.land(point, time, &settled))
+    }
+
+    /// The series from `point`.
+    #[inline(always)]
+    fn begin(
+        &mut self,
+        point: &SlipPoint,
+        piece: usize,
+        time: Time,
+        elapsed: f64,
+    ) -> Result<(), Error> {
+        let (law, system) = (*self.system.law(), &self.system);
+        self.series
+            .expand(law, system, &mut self.workspace, point, piece, time)
+            .map_err(|error| error.reached_at(Reached::new(elapsed, point.state(system))))
+    }
+
+    /// How far the series is used: up to the first exit from the piece
+    /// of the law, or as far as the last coefficients promise, halved until the defect is accepted.
+    #[inline(always)]
+    fn settle(&self, point: &SlipPoint, piece: usize, elapsed: f64) -> Result<Settled, Error> {
+        let (series, speed) = (&self.series, &self.series.speed);
+        let state = point.state(&self.system);
+        if !(speed[TERMS - 1].is_finite() && speed[TERMS - 2].is_finite()) {
+            let reached = Reached::new(elapsed, state);
+            return Err(Error::StepUnderflow { step: 0.0, reached });
+        }
+        let allowance = Allowance::new(
+            self.tolerance * self.scale(state),
+            series.largest_term(&self.system, state),
+        );
+        let limits = self.breakpoints.limits(piece);
+        let reach = allowance.reach(speed);
+        let mut h = reach.min(self.longest);
+        let (duration, end_speed) = loop {
+            if !(h > f64::EPSILON * elapsed && h >= f64::MIN_POSITIVE) {
+                return Err(self.underflow(piece, h, Reached::new(elapsed, state)));
+            }
+            let speeds = speed.at_four(quarters(h));
+            let Ok(exit) = limits.first_exit(speed, h, speeds) else {
+                h *= 0.5;
+                continue;
+            };
+            let (end, speeds, end_speed) = match exit {
+                None => (h, speeds, speeds[3]),
+                Some((t, limit)) => (t, speed.at_four(quarters(t)), limit),
+            };
+            let between = if end > LONG {
+                series.defect_in_between(&self.system, piece, end)
+            } else {
+                0.0
+            };
+            let defects = [
+                series.defect(&self.system, piece, quarters(end), speeds),
+                series.defect_at_minimum(&self.system, piece, end, speeds),
+                between,
+            ];
+            if allowance.accepts(defects, end) {
+                break (end, end_speed);
+            }
+            h = 0.5 * end;
+        };
+        Ok(Settled {
+            duration,
+            end_speed,
+            longest_next: if h < reach { 2.0 * h } else { f64::INFINITY },
+        })
+    }
+
+    /// The step that was settled, and where it ends.
+    #[inline(always)]
+    fn land(&self, point: &SlipPoint, time: Time, settled: &Settled) -> Advance<'_> {
+        Advance {
+            duration: settled.duration,
+            end: SlipPoint {
+                displacement: self.displacement(point, time, settled.duration),
+                speed: settled.end_speed,
+                rate: None,
+                ..*point
+            },
+            speed: &self.series.speed,
+        }
+    }
+
+    /// What the tolerance is relative to: max(|u − ū|, |v|, |v_b|).
+    #[inline(always)]
+    fn scale(&self, state: State) -> f64 {
+        let deviation = state.displacement - self.equilibrium;
+        let v_b = self.system.belt_velocity();
+        deviation.abs().max(state.velocity.abs()).max(v_b.abs())
+    }
+
+    /// Displacement at a time t after the start of the step taken last, from `start`.
+    #[inline(always)]
+    pub(crate) fn displacement(&self, start: &SlipPoint, time: Time, t: f64) -> f64 {
+        let mean_speed = self.series.speed.mean(t);
+        let mean_velocity = self.system.belt_velocity() + start.direction.sign() * mean_speed;
+        start.displacement + time.sign() * mean_velocity * t
+    }
+
+    /// The law's own failure if it gave no number where the motion goes, else a step too short.
+    #[cold]
+    fn underflow(&self, piece: usize, step: f64, reached: Reached) -> Error {
+        let law = self.system.law();
+        let speeds = self.series.speed.at_four(quarters(2.0 * step));
+        let failure = speeds
+            .into_iter()
+            .map(|s| (s, law.kinetic_on(piece, s.max(0.0))))
+            .find(|(s, value)| s.is_finite() && !value.is_finite());
+        match failure {
+            Some((speed, value)) => Error::NonFiniteFriction {
+                speed,
+                value,
+                reached: Some(reached),
+            },
+            None => Error::StepUnderflow { step, reached },
+        }
+    }
+}

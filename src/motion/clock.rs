@@ -1,0 +1,42 @@
+/// Time as a sum of two numbers, so that 10⁶ steps lose nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Clock {
+    /// The time, rounded.
+    pub(crate) time: f64,
+    /// What rounding took away.
+    remainder: f64,
+}
+
+impl Clock {
+    /// The time a duration later (Knuth's two-sum).
+    #[inline(always)]
+    pub(crate) fn after(self, duration: f64) -> Self {
+        let step = duration + self.remainder;
+        let time = self.time + step;
+        let taken = time - self.time;
+        let remainder = (self.time - (time - taken)) + (step - taken);
+        Self { time, remainder }
+    }
+
+    /// Time from here to `time`.
+    #[inline(always)]
+    pub(crate) fn until(self, time: f64) -> f64 {
+        (time - self.time) - self.remainder
+    }
+}
+
+/// The direction of time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Time {
+    Forward,
+    Backward,
+}
+
+impl Time {
+    pub(crate) fn sign(self) -> f64 {
+        match self {
+            Self::Forward => 1.0,
+            Self::Backward => -1.0,
+        }
+    }
+}

@@ -1,0 +1,84 @@
+use crate::state::{Direction, State};
+
+/// What the mass does on the belt.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Mode {
+    /// It moves with the belt: v = v_b, to the bit.
+    Stick,
+    /// It slides, behind the belt or ahead of it.
+    Slip(Direction),
+}
+
+impl std::fmt::Display for Mode {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Stick => f.pad("stick"),
+            Self::Slip(direction) => f.pad(&format!("slip ({direction})")),
+        }
+    }
+}
+
+/// What happens when the relative velocity is zero. A direction is that of the slip **after** the
+/// event.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum EventKind {
+    /// Slip ends; the mass moves with the belt from now on.
+    Stick,
+    /// Stick ends: the contact can carry no more than γ²μ_s.
+    Release(Direction),
+    /// The relative velocity changes sign without sticking: the contact would have to carry more
+    /// than γ²μ_s.
+    Crossing(Direction),
+}
+
+impl EventKind {
+    /// What the mass does from the event on.
+    ///
+    /// ```
+    /// use stick_slip::{Direction, EventKind, Mode};
+    /// assert_eq!(EventKind::Release(Direction::Lagging).mode(), Mode::Slip(Direction::Lagging));
+    /// ```
+    pub const fn mode(self) -> Mode {
+        match self {
+            Self::Stick => Mode::Stick,
+            Self::Release(direction) | Self::Crossing(direction) => Mode::Slip(direction),
+        }
+    }
+}
+
+impl std::fmt::Display for EventKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Stick => f.pad("stick"),
+            Self::Release(direction) => f.pad(&format!("release ({direction})")),
+            Self::Crossing(direction) => f.pad(&format!("crossing ({direction})")),
+        }
+    }
+}
+
+/// A change between stick and slip, or of the direction of slip.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Event<S = State> {
+    /// Time since the start, in the units of the system: τ, dimensionless, for a
+    /// [`MassOnBelt`](crate::MassOnBelt).
+    pub time: f64,
+    /// Number of the contact where it happens; 0 for a [`MassOnBelt`](crate::MassOnBelt), which
+    /// has one.
+    pub contact: usize,
+    /// What happens.
+    pub kind: EventKind,
+    /// State at the event; the velocity at the contact is that of the belt, to the bit.
+    pub state: S,
+}
+
+impl std::fmt::Display for Event {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self {
+            time, kind, state, ..
+        } = self;
+        write!(f, "{time:.9}  {kind:<20}  u = {:.9}", state.displacement)
+    }
+}

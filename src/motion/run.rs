@@ -1,0 +1,45 @@
+use super::{Clock, Integrator};
+use crate::error::{Error, Reached};
+use crate::state::structure::State;
+
+/// Clock, counts and limits of one run.
+#[derive(Debug, Clone)]
+pub(crate) struct Run {
+    pub(crate) clock: Clock,
+    settings: Integrator,
+    steps: usize,
+    events: usize,
+}
+
+impl Run {
+    pub(crate) fn new(settings: Integrator) -> Self {
+        Self {
+            clock: Clock::default(),
+            settings,
+            steps: 0,
+            events: 0,
+        }
+    }
+
+    /// Why the run may not go on from a state, if it may not.
+    #[inline]
+    pub(crate) fn limit_reached(&self, state: impl FnOnce() -> State) -> Option<Error> {
+        let steps = self.settings.max_steps();
+        if let Some(limit) = steps.filter(|&limit| self.steps >= limit) {
+            let reached = Reached::new(self.clock.time, state());
+            return Some(Error::TooManySteps { limit, reached });
+        }
+        let events = self.settings.max_events();
+        events.filter(|&limit| self.events > limit).map(|limit| {
+            let reached = Reached::new(self.clock.time, state());
+            Error::TooManyEvents { limit, reached }
+        })
+    }
+
+    /// Counts a step that was taken, with the events at its end.
+    #[inline]
+    pub(crate) fn count(&mut self, events: usize) {
+        self.steps += 1;
+        self.events += events;
+    }
+}

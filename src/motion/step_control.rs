@@ -1,0 +1,62 @@
+//! How long a step may be, and which defect of it is accepted.
+
+use crate::series::{PowerSeries, TERMS};
+
+/// A step longer than this, in radians of the undamped oscillator, is looked at in more than four
+/// places; few are.
+pub(crate) const LONG: f64 = 1.0;
+
+/// No series is used further, even where its last coefficients vanish: the oscillator turns once in
+/// about 2π.
+const FARTHEST: f64 = 8.0;
+
+/// Floor of the defect that rounding alone causes, in units of ε times the largest term of the
+/// equation of motion; it is seldom above 8.
+const DEFECT_FLOOR: f64 = 1000.0;
+
+/// Defect × step accepted, in units of the error allowed in a step's last term.
+const DEFECT_LIMIT: f64 = 40.0 * TERMS as f64;
+
+/// What a step may leave out.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Allowance {
+    /// The largest of the last terms of the series.
+    pub(crate) error: f64,
+    /// Defect that rounding alone may cause.
+    floor: f64,
+}
+
+impl Allowance {
+    /// An error of the motion, beside the largest term of its equation.
+    #[inline(always)]
+    pub(crate) fn new(error: f64, largest_term: f64) -> Self {
+        Self {
+            error,
+            floor: DEFECT_FLOOR * f64::EPSILON * largest_term,
+        }
+    }
+
+    /// How far the terms of the highest orders stay below the error: (error/|c_n|)^(1/n) for the
+    /// last two n, to 6 %.
+    #[inline(always)]
+    pub(crate) fn reach(&self, c: &PowerSeries) -> f64 {
+        let by = |n: usize| root_of_ratio(self.error, c[n].abs(), n);
+        by(TERMS - 1).min(by(TERMS - 2)).min(FARTHEST)
+    }
+
+    /// Whether a step of length h may be taken with these defects: what is missing in its equation
+    /// of motion. NaN is not accepted.
+    #[inline(always)]
+    pub(crate) fn accepts(&self, defects: [f64; 3], h: f64) -> bool {
+        let accepted = DEFECT_LIMIT * self.error + self.floor * h;
+        defects.iter().all(|defect| defect * h <= accepted)
+    }
+}
+
+/// (x/y)^(1/n) to 6 %, from the bits of x and y: exponent and mantissa together are nearly a
+/// logarithm.
+#[inline(always)]
+fn root_of_ratio(x: f64, y: f64, n: usize) -> f64 {
+    const ONE: i64 = 1.0_f64.to_bits() as i64;
+    f64::from_bits((ONE + (x.to_bits() as i64 - y.to_bits() as i64) / n as i64) as u64)
+}

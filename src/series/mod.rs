@@ -1,0 +1,185 @@
+//! Power series in the time since the start of a step, as long as the integrators use them.
+//!
+//! | file | what is in it |
+//! |---|---|
+//! | `mod.rs` | [`PowerSeries`]: values, means, derivative, reflection, known roots divided out |
+//! | `roots.rs` | the first root, and all sign changes, isolated so that none is skipped |
+
+#[cfg(test)]
+mod attack;
+mod roots;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use roots::TooCurved;
+
+use std::ops::{Index, IndexMut};
+
+use crate::scalar::mul_add;
+
+/// Coefficients of a step's series: order 26.
+///
+/// Chosen for round-off, the usual tolerance, where none is faster at equal achieved error; looser
+/// ones lose up to a quarter of the time by it (`benches/orders`). A multiple of three, for
+/// [`PowerSeries::at`].
+pub(crate) const TERMS: usize = 27;
+
+/// 1/(k + 1): the integral of t^k is t^(k+1)/(k+1).
+pub(crate) const INTEGRAL: [f64; TERMS] = {
+    let mut weights = [0.0; TERMS];
+    let mut k = 0;
+    while k < TERMS {
+        weights[k] = 1.0 / (k + 1) as f64;
+        k += 1;
+    }
+    weights
+};
+
+/// The quarters of [0, h], where a step is looked at.
+#[inline(always)]
+pub(crate) fn quarters(h: f64) -> [f64; 4] {
+    [0.25 * h, 0.5 * h, 0.75 * h, h]
+}
+
+/// c(t) = c_0 + c_1 t + … + c_26 t²⁶.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct PowerSeries([f64; TERMS]);
+
+impl PowerSeries {
+    pub(crate) const ZERO: Self = Self([0.0; TERMS]);
+
+    /// The series with the coefficient `c(k)` of t^k.
+    pub(crate) fn from_fn(c: impl FnMut(usize) -> f64) -> Self {
+        Self(std::array::from_fn(c))
+    }
+
+    /// c_k, and 0 beyond the last.
+    #[inline(always)]
+    fn get(&self, k: usize) -> f64 {
+        self.0.get(k).map_or(0.0, |c| *c)
+    }
+
+    /// c(t).
+    #[inline(always)]
+    pub(crate) fn at(&self, t: f64) -> f64 {
+        sum_of_powers(t, |k| self.0[k])
+    }
+
+    /// c at four times at once, in four chains each: powers 0, 4, 8, …, powers 1, 5, 9, … and so
+    /// on.
+    ///
+    /// The next step waits for this, so short chains count: two of twice the length make a whole
+    /// step 3 % slower.
+    #[inline(always)]
+    pub(crate) fn at_four(&self, t: [f64; 4]) -> [f64; 4] {
+        const TOP: usize = (TERMS - 1) / 4 * 4;
+        let t2 = t.map(|t| t * t);
+        let t4 = t2.map(|t2| t2 * t2);
+        let mut chains = std::array::from_fn::<_, 4, _>(|j| [self.get(TOP + j); 4]);
+        for k in (0..TOP).step_by(4).rev() {
+            for (j, chain) in chains.iter_mut().enumerate() {
+                for (lane, t4) in std::iter::zip(chain, t4) {
+                    *lane = mul_add(*lane, t4, self.0[k + j]);
+                }
+            }
+        }
+        std::array::from_fn(|i| {
+            let low = mul_add(chains[1][i], t[i], chains[0][i]);
+            let high = mul_add(chains[3][i], t[i], chains[2][i]);
+            mul_add(high, t2[i], low)
+        })
+    }
+
+    /// Mean of c over [0, t].
+    #[inline(always)]
+    pub(crate) fn mean(&self, t: f64) -> f64 {
+        sum_of_powers(t, |k| self.0[k] * INTEGRAL[k])
+    }
+
+    /// dc/dt.
+    pub(crate) fn derivative(&self) -> Self {
+        Self::from_fn(|k| (k + 1) as f64 * self.get(k + 1))
+    }
+
+    /// c(h − t).
+    pub(crate) fn reflected(&self, h: f64) -> Self {
+        let mut shifted = self.0;
+        for first in 0..TERMS - 1 {
+            for k in (first..TERMS - 1).rev() {
+                shifted[k] += h * shifted[k + 1];
+            }
+        }
+        Self::from_fn(|k| if k % 2 == 0 { shifted[k] } else { -shifted[k] })
+    }
+
+    /// factor·c(t).
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        Self(self.0.map(|c| c * factor))
+    }
+
+    /// c(t)/t^order, where the first `order` coefficients are 0 or meant to be: a known root at
+    /// t = 0 divided out.
+    pub(crate) fn without_root(&self, order: usize) -> Self {
+        Self::from_fn(|k| self.get(k + order))
+    }
+
+    /// Bound of |d²c/dt²| on [0, t]: Σ k(k−1)|c_k| t^(k−2).
+    #[inline(always)]
+    fn curvature_bound(&self, t: f64) -> f64 {
+        sum_of_powers(t, |k| ((k + 2) * (k + 1)) as f64 * self.get(k + 2).abs())
+    }
+
+    /// Bound of the rounding error of [`at`](Self::at) anywhere on [0, t]: Σ (k/2 + 4)·ε|c_k| t^k.
+    fn rounding_bound(&self, t: f64) -> f64 {
+        f64::EPSILON * sum_of_powers(t, |k| (0.5 * k as f64 + 4.0) * self.0[k].abs())
+    }
+}
+
+impl Index<usize> for PowerSeries {
+    type Output = f64;
+    #[inline(always)]
+    fn index(&self, k: usize) -> &f64 {
+        &self.0[k]
+    }
+}
+
+impl IndexMut<usize> for PowerSeries {
+    #[inline(always)]
+    fn index_mut(&mut self, k: usize) -> &mut f64 {
+        &mut self.0[k]
+    }
+}
+
+/// Σ c(k) t^k in three interleaved chains, so that the latency of one multiply-add is shared by
+/// three.
+///
+/// Three and not four: four would be vectorised, with loads that span coefficients just written one
+/// by one, and stall on them.
+#[inline(always)]
+fn sum_of_powers(t: f64, c: impl Fn(usize) -> f64) -> f64 {
+    let t3 = t * t * t;
+    let mut lanes: [f64; 3] = std::array::from_fn(|j| c(TERMS - 3 + j));
+    for block in (0..TERMS / 3 - 1).rev() {
+        for (j, lane) in lanes.iter_mut().enumerate() {
+            *lane = mul_add(*lane, t3, c(3 * block + j));
+        }
+    }
+    mul_add(t, mul_add(t, lanes[2], lanes[1]), lanes[0])
+}
+
+/// Σ c_k t^k, with 0 for all further coefficients.
+#[cfg(test)]
+impl<const N: usize> From<&[f64; N]> for PowerSeries {
+    fn from(coefficients: &[f64; N]) -> Self {
+        Self::from(&coefficients[..])
+    }
+}
+
+#[cfg(test)]
+impl From<&[f64]> for PowerSeries {
+    fn from(coefficients: &[f64]) -> Self {
+        let mut c = Self::ZERO;
+        c.0[..coefficients.len()].copy_from_slice(coefficients);
+        c
+    }
+}

@@ -1,0 +1,205 @@
+//! Roots of a power series over a step: the first one, or every sign change, none skipped.
+
+use std::cell::Cell;
+use std::ops::ControlFlow;
+
+use super::{PowerSeries, quarters};
+
+/// The roots of a polynomial can't be isolated in bounded work, because its coefficients are far
+/// larger than its values or it is very flat about a root: use it less far.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct TooCurved;
+
+/// Divisions after which a search gives up. Two roots that are almost one take about a hundred.
+pub(super) const MOST_DIVISIONS: usize = 1000;
+
+impl PowerSeries {
+    /// First time in (0, h] at which a polynomial that starts positive becomes zero or negative, to the
+    /// last bit.
+    ///
+    /// `values` are its values at the [`quarters`] of h.
+    #[inline(always)]
+    pub(crate) fn first_root(&self, h: f64, values: [f64; 4]) -> Result<Option<f64>, TooCurved> {
+        let curvature = self.curvature_bound(h);
+        if self.stays_away(h, values, curvature) {
+            return Ok(None);
+        }
+        let mut root = None;
+        let search = Search::new(self, h, curvature);
+        let _ = search.run(h, values, &mut |t, rising| {
+            if rising {
+                return ControlFlow::Continue(());
+            }
+            root = Some(t);
+            ControlFlow::Break(())
+        });
+        if search.divisions.get() < MOST_DIVISIONS {
+            Ok(root)
+        } else {
+            Err(TooCurved)
+        }
+    }
+
+    /// Every time in (0, h] at which a polynomial changes sign, in order, with `true` where it rises;
+    /// the visitor can stop the search.
+    ///
+    /// A root at t = 0 is not among them. After [`MOST_DIVISIONS`], in stiff systems, the signs found
+    /// so far decide.
+    pub(crate) fn sign_changes(&self, h: f64, visit: Visit<'_>) -> ControlFlow<()> {
+        let values = self.at_four(quarters(h));
+        let curvature = self.curvature_bound(h);
+        if self.stays_away(h, values, curvature) {
+            return ControlFlow::Continue(());
+        }
+        Search::new(self, h, curvature).run(h, values, visit)
+    }
+
+    /// Whether a polynomial is further from zero at 0 and at the quarters of h than it can bend in
+    /// between, as in most steps.
+    #[inline(always)]
+    pub(super) fn stays_away(&self, h: f64, values: [f64; 4], curvature: f64) -> bool {
+        let sign = self.0[0].signum();
+        let least = values
+            .iter()
+            .fold(self.0[0].abs(), |least, value| least.min(sign * value));
+        least > curvature * h * h / 128.0
+    }
+}
+
+/// What is done at each sign change, in order of time: its place, and whether the polynomial rises
+/// there.
+type Visit<'v> = &'v mut dyn FnMut(f64, bool) -> ControlFlow<()>;
+
+/// A search for the sign changes of a polynomial on [0, h].
+///
+/// None is skipped, however close two lie: an interval of width Δ between values p, q of one sign
+/// is passed only if min(|p|, |q|) exceeds max|c''|·Δ²/8, and one is taken to hold at most one root
+/// only if c is monotone there because |q − p| exceeds max|c''|·Δ²/2. Any other is halved. That
+/// ends where Δ is so small that c differs from its chord by less than the rounding error of its
+/// values; there the computed signs at the ends decide, so that a tangential touch within rounding
+/// is no root.
+pub(super) struct Search<'c> {
+    c: &'c PowerSeries,
+    /// Bound of |c''|.
+    curvature: f64,
+    /// Bound of the error of a computed value.
+    rounding: f64,
+    pub(super) divisions: Cell<usize>,
+}
+
+impl<'c> Search<'c> {
+    #[inline(never)]
+    pub(super) fn new(c: &'c PowerSeries, h: f64, curvature: f64) -> Self {
+        Self {
+            c,
+            curvature,
+            rounding: c.rounding_bound(h),
+            divisions: Cell::new(0),
+        }
+    }
+
+    fn run(&self, h: f64, values: [f64; 4], visit: Visit<'_>) -> ControlFlow<()> {
+        // A polynomial that starts at 0 has the sign that it takes first, and a value that doesn't
+        // show it to stay away from 0.
+        let start = if self.c[0] == 0.0 {
+            let first = self.c.0.iter().find(|c| **c != 0.0);
+            first.map_or(0.0, |c| f64::MIN_POSITIVE.copysign(*c))
+        } else {
+            self.c[0]
+        };
+        let mut left = (0.0, start);
+        for right in std::iter::zip(quarters(h), values) {
+            self.between(left, right, visit)?;
+            left = right;
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Sign changes in (a, b], given the values there; zero counts as negative.
+    fn between(
+        &self,
+        (a, at_a): (f64, f64),
+        (b, at_b): (f64, f64),
+        visit: Visit<'_>,
+    ) -> ControlFlow<()> {
+        let width = b - a;
+        let changes = (at_a > 0.0) != (at_b > 0.0);
+        let is_settled = |curvature: f64| {
+            // Largest distance of c from its chord.
+            let sagitta = curvature * width * width / 8.0;
+            let monotone = (at_b - at_a).abs() > 4.0 * sagitta + 2.0 * self.rounding;
+            let away = !changes && at_a.abs().min(at_b.abs()) > sagitta + self.rounding;
+            away || monotone || sagitta <= self.rounding
+        };
+        let middle = 0.5 * (a + b);
+        let exhausted = !(a < middle && middle < b) || self.divisions.get() >= MOST_DIVISIONS;
+        let settled = is_settled(self.curvature) || exhausted || {
+            // The bound for [0, b] is the smaller the earlier that is, and worth its time where the
+            // one for all of [0, h] is too large.
+            let curvature = self.c.curvature_bound(b);
+            is_settled(curvature) || !curvature.is_finite()
+        };
+        if settled {
+            return if changes {
+                visit(self.refine((a, at_a), (b, at_b)), at_b > 0.0)
+            } else {
+                ControlFlow::Continue(())
+            };
+        }
+        self.divisions.set(self.divisions.get() + 1);
+        let at_middle = (middle, self.c.at(middle));
+        self.between((a, at_a), at_middle, visit)?;
+        self.between(at_middle, (b, at_b), visit)
+    }
+
+    /// The root between a and b, where c changes sign once: Newton's method kept inside the
+    /// bracket.
+    fn refine(&self, (mut a, at_a): (f64, f64), (mut b, at_b): (f64, f64)) -> f64 {
+        let slope = self.c.derivative();
+        let mut t = b + (b - a) * (at_b / (at_a - at_b));
+        if t <= a {
+            // So close to a that it is rounded away, or a itself is another root, at the start.
+            let newton = a - at_a / slope.at(a);
+            t = if a <= newton && newton < b {
+                newton.max(a.next_up())
+            } else {
+                0.5 * (a + b)
+            };
+        }
+        let mut last = f64::INFINITY;
+        // Bisection alone takes some 60 passes; Newton's method three or four.
+        for _ in 0..128 {
+            let value = self.c.at(t);
+            if (value > 0.0) == (at_a > 0.0) {
+                a = t;
+            } else {
+                b = t;
+            }
+            let slope_here = slope.at(t);
+            let correction = value / slope_here;
+            // Quadratic convergence ends where rounding takes over and corrections no longer
+            // shrink.
+            let settled = correction.abs() <= NEWTON_REGIME * t && correction.abs() >= 0.25 * last;
+            if settled || correction.abs() <= 0.5 * f64::EPSILON * t {
+                break;
+            }
+            let newton = t - correction;
+            // Largest distance of the next correction from this one.
+            let error = 0.5 * self.curvature * correction * correction / slope_here.abs();
+            (t, last) = if a < newton && newton < b {
+                // And t itself is not so much larger that its rounding would count.
+                if error <= 0.25 * f64::EPSILON * newton && correction.abs() <= 0.5 * newton {
+                    return newton;
+                }
+                (newton, correction.abs())
+            } else {
+                (0.5 * (a + b), f64::INFINITY)
+            };
+        }
+        t
+    }
+}
+
+/// Relative correction below which Newton's method must be converging quadratically, if it is not
+/// at the rounding floor.
+const NEWTON_REGIME: f64 = 1e-8;

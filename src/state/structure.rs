@@ -1,0 +1,62 @@
+use super::State as OneMass;
+
+/// Displacements and velocities of several masses, and what their contacts remember; in the units
+/// of the system (dimensionless for a [`MassOnBelt`](crate::MassOnBelt)).
+///
+/// It is also what an [`Error`](crate::Error) says of the place that a motion had reached, whatever
+/// the system.
+///
+/// ```
+/// use stick_slip::{State, structure};
+///
+/// let state = structure::State::new(&[0.3, 0.1], &[0.0, -0.1]);
+/// assert_eq!(state.velocities[1], -0.1);
+/// assert_eq!(structure::State::from(State::new(0.3, 0.0)).displacements, [0.3]);
+/// ```
+#[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
+pub struct State {
+    /// Displacement of each coordinate.
+    pub displacements: Vec<f64>,
+    /// Velocity of each coordinate.
+    pub velocities: Vec<f64>,
+    /// What the contacts remember, in their order; empty for contacts without memory.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub memory: Vec<f64>,
+}
+
+impl State {
+    /// The state with these displacements and velocities, and nothing remembered.
+    pub fn new(displacements: &[f64], velocities: &[f64]) -> Self {
+        Self {
+            displacements: displacements.to_vec(),
+            velocities: velocities.to_vec(),
+            memory: Vec::new(),
+        }
+    }
+
+    /// n masses at rest, with no spring stretched.
+    ///
+    /// ```
+    /// assert_eq!(stick_slip::structure::State::at_rest(2).velocities, [0.0, 0.0]);
+    /// ```
+    pub fn at_rest(n: usize) -> Self {
+        Self::new(&vec![0.0; n], &vec![0.0; n])
+    }
+
+    /// The same state with this memory of the contacts, in their order.
+    pub fn with_memory(mut self, memory: &[f64]) -> Self {
+        self.memory = memory.to_vec();
+        self
+    }
+}
+
+impl From<OneMass> for State {
+    fn from(state: OneMass) -> Self {
+        Self::new(&[state.displacement], &[state.velocity])
+    }
+}
