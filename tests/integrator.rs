@@ -467,7 +467,7 @@ fn promise_3_phase_starts_need_no_epsilon() {
         let start = |u: f64| system.simulate(State::new(u, v_b), 0.5).unwrap();
         let far_above = start(high + 1e-9);
         assert_eq!(far_above.mode_at(0.0), Some(Mode::Slip(Direction::Lagging)));
-        assert_eq!(far_above.events(), [0.0; 0]);
+        assert_eq!(far_above.events(), []);
         let below = start(low.next_down());
         assert_eq!(below.mode_at(0.0), Some(Mode::Slip(Direction::Leading)));
         // Carried back into the band within ulps of time: one contact, then stick.
@@ -1724,7 +1724,7 @@ fn rest_is_one_last_step_of_infinite_duration() {
     // A slip without friction turns for ever.
     let free = MassOnBelt::new(Coulomb::new(0.0, 0.0).unwrap(), 3.0).unwrap();
     let motion = free.simulate(State::new(1.0, 0.0), 100.0).unwrap();
-    assert_eq!(motion.events(), [0.0; 0]);
+    assert_eq!(motion.events(), []);
     assert_within("cos", motion.last().displacement, 100.0_f64.cos(), 1e-14);
     let quarter = free.simulate(State::new(1.0, 0.0), FRAC_PI_2).unwrap();
     assert_within("sin", quarter.last().velocity, -1.0, 2.0 * EPS);

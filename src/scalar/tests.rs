@@ -7,7 +7,7 @@ use expression::{Expression, SPEED};
 use nalgebra::Complex;
 
 use super::{LONGEST, Scalar, Workspace, expand};
-use crate::friction::FrictionLaw;
+use crate::friction::{FrictionLaw, Piece};
 
 /// Coefficients of orders 0 to 31 of a sliding speed s(t).
 type Inner = [f64; LONGEST];
@@ -24,14 +24,19 @@ fn compose_in(
     inner: &Inner,
 ) -> [f64; ORDERS] {
     let mut series = [f64::NAN; ORDERS];
-    let (value, slope) = expand(law, piece, workspace, inner[0], |k, s, m| {
-        series[k] = if k == 0 {
-            m.rest
-        } else {
-            m.slope * s + m.scale * m.rest
-        };
-        inner[k + 1]
-    });
+    let (value, slope) = expand(
+        Piece { law, index: piece },
+        workspace,
+        inner[0],
+        |k, s, m| {
+            series[k] = if k == 0 {
+                m.rest
+            } else {
+                m.slope * s + m.scale * m.rest
+            };
+            inner[k + 1]
+        },
+    );
     assert!(value.is_finite() && slope.is_finite(), "{value} {slope}");
     assert_eq!(value.to_bits(), series[0].to_bits());
     series

@@ -48,7 +48,7 @@ fn is_above(c: &PowerSeries, t: f64, level: f64) -> bool {
     let (t, e) = parts(t);
     // With f = −e: c(t)·2^(26f) = Σ c_k t^k 2^((26−k)f), by Horner's rule.
     let (t, f) = (t << e.max(0), (-e).max(0) as usize);
-    let least = c.iter().chain([&level]).filter(|c| **c != 0.0);
+    let least = c.0.iter().chain([&level]).filter(|c| **c != 0.0);
     let least = least.map(|c| parts(*c).1).min().unwrap_or(0);
     let whole = |x: f64, k: usize| {
         let (m, e) = parts(x);
@@ -186,7 +186,7 @@ impl Judge {
     fn judge(&self, c: &PowerSeries, h: f64, found: &[f64], all: bool) -> Verdict {
         let error = c.rounding_bound(h);
         let slope = c.derivative();
-        let mut sign = c.iter().find(|c| **c != 0.0).map_or(1.0, |c| c.signum());
+        let mut sign = c.first_nonzero().map_or(1.0, f64::signum);
         let mut decided = true;
         let mut from = 0.0;
         if c[0] == 0.0 {
@@ -233,7 +233,7 @@ impl Judge {
 
     fn every(&self, c: &PowerSeries, h: f64) -> Verdict {
         let mut found = Vec::new();
-        let mut rises = c.iter().find(|c| **c != 0.0).is_some_and(|c| *c < 0.0);
+        let mut rises = c.first_nonzero().is_some_and(|c| c < 0.0);
         let mut alternate = true;
         let mut visit = |t, rising| {
             alternate &= rising == rises;
@@ -389,9 +389,7 @@ fn planted(kind: &str, random: &mut Random) -> Vec<f64> {
         c = times(&c, &tail);
     }
     if shift != 0.0 {
-        let mut full = [0.0; TERMS];
-        full[..c.len()].copy_from_slice(&c);
-        c[0] += shift * full.rounding_bound(1.0);
+        c[0] += shift * PowerSeries::from(&c[..]).rounding_bound(1.0);
     }
     c
 }
@@ -428,9 +426,9 @@ fn grazing(random: &mut Random) -> Option<(PowerSeries, f64)> {
         speed: back.speed.at(back.duration),
         ..back.end
     };
-    stepper.advance(&start, Time::Forward, 0.0).ok()?;
-    let mut c = *stepper.speed();
-    let h = back.duration * random.within(0.9, 1.5);
+    let duration = back.duration;
+    let mut c = *stepper.advance(&start, Time::Forward, 0.0).ok()?.speed;
+    let h = duration * random.within(0.9, 1.5);
     // Half of them are moved, so that some miss by a hair.
     if random.below(2) == 0 {
         c[0] += random.power(-3.0, 8.0) * c.rounding_bound(h);
@@ -460,7 +458,7 @@ fn case(n: u64) -> (usize, PowerSeries, f64) {
             };
             let octaves = if random.below(8) == 0 { 300.0 } else { 30.0 };
             let scale = random.power(-octaves, octaves);
-            let mut c = [0.0; TERMS];
+            let mut c = PowerSeries::ZERO;
             for (k, p) in planted.iter().enumerate() {
                 c[k] = scale * p / h.powi(k as i32);
             }
@@ -470,7 +468,7 @@ fn case(n: u64) -> (usize, PowerSeries, f64) {
             return (kind, c, h);
         }
         if c[0] < 0.0 {
-            return (kind, c.map(|c| -c), h);
+            return (kind, c.scaled(-1.0), h);
         }
     }
 }
@@ -537,9 +535,8 @@ impl Tally {
 fn wrong_answers_are_recognised() {
     let judge = Judge::new();
     // (t − 1/4)(t − 3/4) and, with no root, (t − 1/2)² + 10⁻¹².
-    let (mut two, mut none) = ([0.0; TERMS], [0.0; TERMS]);
-    two[..3].copy_from_slice(&[0.1875, -1.0, 1.0]);
-    none[..3].copy_from_slice(&[0.25 + 1e-12, -1.0, 1.0]);
+    let two = PowerSeries::from(&[0.1875, -1.0, 1.0]);
+    let mut none = PowerSeries::from(&[0.25 + 1e-12, -1.0, 1.0]);
     for (c, found, all, verdict) in [
         (&two, &[0.25, 0.75][..], true, Verdict::Right),
         (&two, &[0.25], false, Verdict::Right),
@@ -554,8 +551,7 @@ fn wrong_answers_are_recognised() {
         assert_eq!(judge.judge(c, 1.0, found, all), verdict, "{c:?} {found:?}");
     }
     // Found the third of three.
-    let mut three = [0.0; TERMS];
-    three[..4].copy_from_slice(&[0.09375, -0.6875, 1.5, -1.0]);
+    let three = PowerSeries::from(&[0.09375, -0.6875, 1.5, -1.0]);
     assert_eq!(judge.judge(&three, 1.0, &[0.75], false), Verdict::Missed);
     none[0] = 0.25 - 1e-12;
     assert_eq!(judge.judge(&none, 1.0, &[], true), Verdict::Missed);
@@ -567,8 +563,7 @@ fn wrong_answers_are_recognised() {
 #[test]
 fn a_root_close_to_one_at_the_start_is_found() {
     for (root, sign) in [(0.1, 1.0), (0.1, -1.0), (1e-9, 1.0), (1e-9, -1.0)] {
-        let mut c = [0.0; TERMS];
-        c[1..3].copy_from_slice(&[root * sign, -sign]);
+        let c = PowerSeries::from(&[0.0, root * sign, -sign]);
         let mut found = Vec::new();
         let _ = c.sign_changes(1.0, &mut |t, rising| {
             found.push((t, rising));

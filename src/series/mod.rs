@@ -53,6 +53,11 @@ impl PowerSeries {
         Self(std::array::from_fn(c))
     }
 
+    /// The first coefficient that is not 0.
+    fn first_nonzero(&self) -> Option<f64> {
+        self.0.iter().copied().find(|c| *c != 0.0)
+    }
+
     /// c_k, and 0 beyond the last.
     #[inline(always)]
     fn get(&self, k: usize) -> f64 {

@@ -98,12 +98,12 @@ impl<'c> Search<'c> {
         }
     }
 
-    fn run(&self, h: f64, values: [f64; 4], visit: Visit<'_>) -> ControlFlow<()> {
+    pub(super) fn run(&self, h: f64, values: [f64; 4], visit: Visit<'_>) -> ControlFlow<()> {
         // A polynomial that starts at 0 has the sign that it takes first, and a value that doesn't
         // show it to stay away from 0.
         let start = if self.c[0] == 0.0 {
-            let first = self.c.0.iter().find(|c| **c != 0.0);
-            first.map_or(0.0, |c| f64::MIN_POSITIVE.copysign(*c))
+            let first = self.c.first_nonzero();
+            first.map_or(0.0, |c| f64::MIN_POSITIVE.copysign(c))
         } else {
             self.c[0]
         };

@@ -48,8 +48,8 @@ fn turning_points_are_what_lies_between_the_ends() {
     let turns = |outline: &Outline| outline.turns().collect::<Vec<_>>();
     let points = [(2.0, 0.1), (3.0, 0.5), (5.0, -0.5), (6.0, 0.2)];
     assert_eq!(turns(&outline(1.0, &points)), [(0.25, 0.5), (0.75, -0.5)]);
-    assert_eq!(turns(&outline(1.0, &points[..2])), [0.0; 0]);
-    assert_eq!(turns(&outline(1.0, &[])), [0.0; 0]);
+    assert_eq!(turns(&outline(1.0, &points[..2])), []);
+    assert_eq!(turns(&outline(1.0, &[])), []);
 }
 
 #[test]
@@ -117,7 +117,7 @@ fn two_folds_of_one_turning_point_are_found_where_it_comes_near_zero() {
 fn a_turning_point_that_only_comes_near_zero_is_followed_to_a_limited_depth() {
     for depth in [4, 8] {
         let (found, asked) = folds(|v_b| hump(v_b, -(v_b - 0.3_f64).powi(2) - 1e-9), depth);
-        assert_eq!(found, [0.0; 0]);
+        assert_eq!(found, []);
         assert!(
             (depth as usize..6 * depth as usize).contains(&asked.len()),
             "{}",
@@ -200,7 +200,7 @@ fn turning_points_that_come_or_go_are_followed_to_the_last_division() {
 fn a_growth_that_jumps_over_zero_is_no_fold() {
     for size in [1.0, 1e-8] {
         let (found, _) = folds(|v_b| hump(v_b, if v_b > 0.3 { size } else { -size }), 6);
-        assert_eq!(found, [0.0; 0]);
+        assert_eq!(found, []);
     }
     let (found, _) = folds(|v_b| hump(v_b, if v_b > 0.3 { 1e-10 } else { -1e-10 }), 6);
     assert_eq!(found.len(), 1);
@@ -241,5 +241,5 @@ fn folds_of_a_system_lie_in_the_range_asked_for() {
     // The range need not be a multiple of its parts, nor the fold inside a narrow one.
     let found = fold_velocities(&system, fold - 1e-5..fold + 3e-6).unwrap();
     assert_eq!(found.len(), 1);
-    assert_eq!(fold_velocities(&system, fold + 1e-5..1.46).unwrap(), [0.0; 0]);
+    assert_eq!(fold_velocities(&system, fold + 1e-5..1.46).unwrap(), []);
 }

@@ -95,7 +95,7 @@ fn two_roots_within_one_part_are_found() {
 #[test]
 fn a_function_that_only_comes_near_zero_is_divided_a_limited_number_of_times() {
     let (roots, asked) = scan(0.0..1.0, |x| Some((x - MIDDLE).powi(2) + 1e-12));
-    assert_eq!(roots, [0.0; 0]);
+    assert_eq!(roots, []);
     // Ten times at the lowest place; a few times beside it.
     assert!((90..140).contains(&asked.len()), "{}", asked.len());
     let finest = asked.iter().map(|x| (x - MIDDLE).abs()).fold(1.0, f64::min);
@@ -109,7 +109,7 @@ fn nothing_is_looked_for_where_a_function_is_zero_to_rounding() {
         assert_eq!((roots.len(), asked.len()), (0, 65));
     }
     let (roots, _) = scan(0.0..1.0, |x| Some(2e-14 * (x - 0.3)));
-    assert_eq!(roots, [0.0; 0]);
+    assert_eq!(roots, []);
     let (roots, _) = scan(0.0..1.0, |x| Some(1e-11 * (x - 0.3)));
     assert_eq!(roots, [0.3]);
     // It has to be at both ends of a part.
@@ -147,7 +147,7 @@ fn a_gap_is_no_root_but_one_beside_it_is() {
     let (roots, asked) = scan(0.0..1.0, |x| {
         (!(0.3..0.301).contains(&x)).then_some(if x < 0.3 { -1.0 } else { 1.0 })
     });
-    assert_eq!(roots, [0.0; 0]);
+    assert_eq!(roots, []);
     assert!(asked.len() < 90, "{}", asked.len());
     let (roots, _) = scan(0.0..1.0, |x| {
         (!(0.3..0.301).contains(&x)).then_some(x - 0.302)

@@ -110,7 +110,7 @@ fn an_arc_in_slip_ends_at_the_next_maximum_of_the_velocity() {
             assert_close(tracer.contraction(&back), 2.0 * damping * turn, 1e-9);
             assert_continuous(&back, Time::Backward);
             // Reversed, the same arc forwards again.
-            let last = tracer.state(&found);
+            let last = found.state(tracer.system());
             let again = back.reversed(last);
             assert_eq!(again.steps[0].state, last);
             for pair in again.steps.windows(2) {
@@ -261,7 +261,7 @@ fn an_arc_that_grows_backwards_without_turning_is_followed_far_and_no_further() 
         let speeds = arc.steps.iter().map(|step| step.speed[0]);
         let step = arc.steps.last().unwrap();
         assert!(speeds.fold(0.0, f64::max) <= 16.0 * scale);
-        assert!(evaluate(&step.speed, step.duration) > 16.0 * scale);
+        assert!(step.speed.at(step.duration) > 16.0 * scale);
         assert!(arc.steps.len() <= 16);
     }
 }
@@ -362,7 +362,7 @@ fn the_rate_at_the_end_of_a_step_is_the_slope_of_its_series() {
 #[test]
 fn a_velocity_may_turn_where_it_is_positive_after_it_grew_or_was_negative() {
     let (h, v_b) = (1.0, 1.0);
-    let may = |c: &[f64], grows| may_turn(&polynomial(c), h, v_b, grows);
+    let may = |c: &[f64], grows| may_turn(&PowerSeries::from(c), h, v_b, grows);
     // Positive all along.
     assert!(may(&[0.5, 0.1], true));
     assert!(!may(&[0.5, 0.1], false));
@@ -384,7 +384,7 @@ fn a_velocity_may_turn_where_it_is_positive_after_it_grew_or_was_negative() {
 #[test]
 fn the_next_maximum_of_the_velocity_is_a_minimum_of_the_sliding_speed_after_growth() {
     let next = |c: &[f64], h, mut grows| {
-        let found = next_maximum(&polynomial(c), h, 1.0, &mut grows);
+        let found = next_maximum(&PowerSeries::from(c), h, 1.0, &mut grows);
         (found, grows)
     };
     // Least at t = 0.3.

@@ -298,7 +298,7 @@ fn the_outline_of_a_straight_growth_has_only_ends() {
     assert_close(last, 2.0 / shrinks(-0.1), 1e-12);
     assert_close(low, shrinks(-0.1) - 1.0, 1e-9);
     assert_close(high, shrinks(-0.1) - 1.0, 1e-13);
-    assert_eq!(traced(&spiral(-0.9, 2.0), |tracer| tracer.outline()), [0.0; 0]);
+    assert_eq!(traced(&spiral(-0.9, 2.0), |tracer| tracer.outline()), []);
 }
 
 #[test]
@@ -335,7 +335,10 @@ fn nothing_depends_on_the_unit_of_length() {
                 }
                 assert_eq!(a.contacts()?, b.contacts()?);
                 assert_eq!(a.scale() * unit, b.scale());
-                assert_eq!(a.carried() * unit, b.carried());
+                assert_eq!(
+                    a.system().carried_force() * unit,
+                    b.system().carried_force()
+                );
                 let (fate, scaled_fate) = (a.release_fate()?, b.release_fate()?);
                 let (found, scaled) = (a.crossing_forces(&fate)?, b.crossing_forces(&scaled_fate)?);
                 assert_eq!(
@@ -567,7 +570,7 @@ fn noise_of_the_least_crossing_is_that_of_the_crossings_just_above() {
 fn an_arc_stretches_the_same_followed_forward_and_backward() {
     let system = system(0.4, [0.2, 0.1, 0.02], 0.5, 0.05);
     traced(&system, |tracer| {
-        let offset = tracer.carried();
+        let offset = tracer.system().carried_force();
         let ([lagging, leading], _) = tracer.crossing_arcs(3.0)?.unwrap();
         let mut start = 3.0 - offset;
         for (arc, direction) in [(lagging, Direction::Lagging), (leading, Direction::Leading)] {

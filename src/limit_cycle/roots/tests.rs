@@ -244,7 +244,7 @@ fn ranges_that_meet_are_one() {
 fn simple_roots_are_found_in_few_evaluations() {
     let sine = Counted::new(|x: f64| sample(x, (3.0 * x).sin(), 3.0 * (3.0 * x).cos()));
     let (found, calls) = sine.roots(0.5, 6.0);
-    assert_eq!(found.unresolved, [0.0; 0]);
+    assert_eq!(found.unresolved, []);
     assert_eq!(found.roots.len(), 5);
     for (i, root) in found.roots.iter().enumerate() {
         let exact = (i + 1) as f64 * PI / 3.0;
@@ -281,7 +281,7 @@ fn two_roots_that_are_almost_one_are_both_found_or_neither() {
             ((high - low) / (2.0 * half) - 1.0).abs() < 1e-2,
             "{half}: {low} {high}"
         );
-        assert_eq!(found.unresolved, [0.0; 0]);
+        assert_eq!(found.unresolved, []);
         assert!(calls <= 32, "{calls}");
         let (found, calls) = valley(-half * half).roots(0.0, 2.0);
         assert_eq!(found, Found::default());
@@ -302,7 +302,7 @@ fn a_root_of_third_order_and_a_pole_end() {
 
     let jump = Counted::new(|x: f64| sample(x, if x < 1.3 { -1.0 } else { 1.0 }, 0.0));
     let (found, calls) = jump.roots(1.0, 2.0);
-    assert_eq!(found.roots, [0.0; 0]);
+    assert_eq!(found.roots, []);
     let [range] = &found.unresolved[..] else {
         panic!("{found:?}")
     };
@@ -321,7 +321,7 @@ fn what_rounding_hides_is_left_and_nothing_beside_it() {
         }
     });
     let (found, calls) = dead.roots(0.0, 1.6);
-    assert_eq!(found.roots, [0.0; 0]);
+    assert_eq!(found.roots, []);
     let [range] = &found.unresolved[..] else {
         panic!("{found:?}")
     };
@@ -335,7 +335,7 @@ fn what_rounding_hides_is_left_and_nothing_beside_it() {
         ..sample(x, (x - 0.7) * (x - 0.7), 2.0 * (x - 0.7))
     });
     let (found, calls) = touch.roots(0.0, 1.6);
-    assert_eq!(found.roots, [0.0; 0]);
+    assert_eq!(found.roots, []);
     let [range] = &found.unresolved[..] else {
         panic!("{found:?}")
     };
