@@ -177,6 +177,7 @@
 pub mod analysis;
 mod belt;
 pub mod bifurcation;
+mod clock;
 mod error;
 mod friction;
 pub mod limit_cycle;

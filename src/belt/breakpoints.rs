@@ -3,8 +3,8 @@
 
 use super::slip_point::SlipPoint;
 use super::system::MassOnBelt;
+use crate::clock::Time;
 use crate::friction::FrictionLaw;
-use crate::motion::Time;
 use crate::series::{PowerSeries, TooCurved, quarters};
 
 /// The speeds at which the pieces of a law meet, ascending.

@@ -2,9 +2,9 @@
 
 use super::slip_point::SlipPoint;
 use super::system::MassOnBelt;
+use crate::clock::Time;
 use crate::error::Error;
 use crate::friction::{FrictionLaw, Piece};
-use crate::motion::Time;
 use crate::scalar::{Workspace, expand, mul_add};
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 

@@ -6,10 +6,11 @@ use super::slip_point::{SlipPoint, Start};
 use super::step::Step;
 use super::stepper::{Advance, Stepper};
 use super::system::{Landing, MassOnBelt};
+use crate::clock::Time;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::motion::sealed::Sealed;
-use crate::motion::{EventKind, Integrator, Mode, Run, Segment, System, Time, Trajectory};
+use crate::motion::{EventKind, Integrator, Mode, Run, Segment, System, Trajectory};
 use crate::state::State;
 
 /// The motion from a start state, step by step, without an end: an iterator of [`Step`]s in

@@ -1,7 +1,8 @@
 use super::system::MassOnBelt;
+use crate::clock::Clock;
 use crate::friction::FrictionLaw;
 use crate::motion::sealed::Sealed;
-use crate::motion::{Clock, Event, EventKind, Mode, Segment, SystemState, Trajectory};
+use crate::motion::{Event, EventKind, Mode, Segment, SystemState, Trajectory};
 use crate::series::PowerSeries;
 use crate::state::{Direction, State};
 

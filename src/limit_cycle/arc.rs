@@ -4,10 +4,10 @@ use std::ops::ControlFlow;
 
 use crate::belt::{Advance, SlipPoint, Step, Stepper};
 use crate::belt::{MassOnBelt, Stability};
+use crate::clock::{Clock, Time};
 use crate::error::{Error, Reached};
 use crate::friction::FrictionLaw;
 use crate::motion::Integrator;
-use crate::motion::{Clock, Time};
 use crate::numerics::gauss::gauss_legendre;
 use crate::series::{PowerSeries, quarters};
 use crate::state::{Direction, State};

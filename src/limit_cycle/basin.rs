@@ -3,9 +3,9 @@ use super::maps::ReleaseFate;
 use super::{CycleKind, CycleSet, LimitCycle, facing, find_with};
 use crate::belt::MassOnBelt;
 use crate::belt::{SlipPoint, Start};
+use crate::clock::Time;
 use crate::error::Error;
 use crate::friction::{FrictionLaw, has_no_kinetic_friction};
-use crate::motion::Time;
 use crate::state::{Direction, State};
 
 /// Where a motion ends up. See [`attractor`].

@@ -3,9 +3,9 @@
 use super::arc::{Arc, Arrival, FAR, Tracer};
 use super::roots::{Found, Sample, outline_between, roots_between};
 use crate::belt::SlipPoint;
+use crate::clock::Time;
 use crate::error::Error;
 use crate::friction::{FrictionLaw, is_constant_near};
-use crate::motion::Time;
 use crate::state::Direction;
 
 /// Where the arc out of the release point leads. Trajectories in the plane can't cross, so one turn

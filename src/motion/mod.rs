@@ -3,20 +3,17 @@
 //! | file | what is in it |
 //! |---|---|
 //! | `integrator.rs` | [`Integrator`]: tolerance, limits of work, `simulate` and `flow` |
-//! | `clock.rs` | time as a sum of two numbers |
 //! | `event.rs` | [`Event`], [`EventKind`], [`Mode`] |
 //! | `step_control.rs` | how long a step may be, and which defect is accepted |
 //! | `run.rs` | clock, counts and limits of one run |
 //! | `trajectory.rs` | [`Trajectory`]: a motion over a finite time |
 
-mod clock;
 mod event;
 mod integrator;
 mod run;
 pub(crate) mod step_control;
 mod trajectory;
 
-pub(crate) use clock::{Clock, Time};
 pub use event::{Event, EventKind, Mode};
 pub use integrator::Integrator;
 pub(crate) use run::Run;

@@ -1,4 +1,5 @@
-use super::{Clock, Integrator};
+use super::Integrator;
+use crate::clock::Clock;
 use crate::error::{Error, Reached};
 use crate::state::structure::State;
 

@@ -14,8 +14,8 @@ use super::roots::{MOST_DIVISIONS, Search};
 use super::{PowerSeries, TERMS, quarters};
 use crate::belt::MassOnBelt;
 use crate::belt::{SlipPoint, Stepper};
+use crate::clock::Time;
 use crate::friction::Exponential;
-use crate::motion::Time;
 use crate::state::{Direction, State};
 
 const DEGREE: usize = TERMS - 1;

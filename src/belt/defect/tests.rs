@@ -1,7 +1,7 @@
 use super::super::slip_point::SlipPoint;
 use super::*;
+use crate::clock::Time;
 use crate::friction::Polynomial as Cubic;
-use crate::motion::Time;
 use crate::scalar::{Scalar, Workspace};
 use crate::series::{PowerSeries, quarters};
 use crate::state::Direction;

@@ -1,3 +1,5 @@
+//! Time that is good after any number of steps, and its direction.
+
 /// Time as a sum of two numbers, so that 10⁶ steps lose nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Clock {
