@@ -140,36 +140,15 @@
 //! | measured points as a law | [`Tabulated`] |
 //! | a law chosen at run time | [`AnyLaw`] |
 //!
-//! # Where the source paper is wrong
-//!
-//! "Eq. n" is an equation of A. Farshidianfar and N. Noei Aghaee, *Analytical Approaches for
-//! Friction Induced Vibration and Stability Analysis*, which follows J. J. Thomsen and A. Fidlin,
-//! *Int. J. Non-Linear Mech.* 38 (2003) 389-403. "Eq. n, corrected" is one that it prints wrongly;
-//! tests show that the printed formulas fail.
-//!
-//! | where | printed | correct |
-//! |---|---|---|
-//! | Eq. 2 | 2βv_b + u ≤ μ_s | \|2βv_b + u\| ≤ γ²μ_s |
-//! | Eq. 7 | γ²μ(v_r) | γ²μ(v_b) |
-//! | after Eq. 10 | ε ≪ 0 | 0 < ε ≪ 1 |
-//! | Eq. 10b | h2 = −η(v_b/v_m)² | h2 = −ηv_b/v_m² |
-//! | section 4.1.1 | ż < 0, ż ≤ 0 | v_r < 0, v_r ≤ 0 |
-//! | Eq. 13 | A0 = √(−(3/4) h1/h3) | A0 = √(−(4/3) h1/h3) |
-//! | after Eq. 15 | v_b0 = √(4/3) v_b1 | v_b0 = √(4/5) v_b1 |
-//! | after Eq. 15 | stick-slip beyond v_b0 … v_b1 | stick-slip below v_b0; steady sliding above v_b1 |
-//! | Eqs. 16-18 | A1 is the stick-slip amplitude | A1 is that of the arc to which friction gives no energy; see [`analysis::StickSlip`] |
-//! | section 3.2, abstract | Eq. 6 falls, then rises | it never rises; steady sliding is stable again on a slow belt |
-//! | Fig. 3 | the concavity changes at v_s | at v_s/√2 |
-//! | section 4.2 | the integrals cannot be solved | [`analysis::averaging`] computes them to round-off |
+//! The source paper's equations are used in corrected form:
+//! [where it is wrong](analysis#where-the-source-paper-is-wrong).
 //!
 //! # Features
 //!
 //! None is on by default.
 //!
-//! * `serde`: laws, systems, scalings, states, events, cycles, equilibria and the points of a
-//!   diagram implement `Serialize` and `Deserialize`; what is read passes the checks of the
-//!   constructors. A motion is made again from its system and start. (With `serde_json`, its
-//!   feature `float_roundtrip` gives every number back to the bit.)
+//! * `serde`: laws, systems, scalings, states and events are written and read; equilibria, cycles
+//!   and diagrams, which follow from them, are written. `schema` lists the names.
 //! * `rayon`: `bifurcation::par_diagram`, the [diagram](bifurcation::diagram) on all cores, with
 //!   the same results bit for bit.
 #![forbid(unsafe_code)]
@@ -183,23 +162,23 @@ mod friction;
 pub mod limit_cycle;
 mod motion;
 mod numerics;
-#[cfg(feature = "serde")]
-mod raw;
 mod scalar;
 mod scaling;
+#[cfg(feature = "serde")]
+pub mod schema;
 mod series;
 mod state;
 
 pub use belt::{Equilibrium, Flow, MassOnBelt, Stability, Step};
 pub use error::{Error, Reached};
 pub use friction::{
-    AnyLaw, Coulomb, Exponential, FrictionLaw, Polynomial, Rational, Stribeck, Tabulated,
+    AnyLaw, Coulomb, Exponential, FrictionLaw, Polynomial, Rational, Scaled, Stribeck, Tabulated,
 };
 pub use limit_cycle::{CycleKind, CycleSet, EnergyBudget, LimitCycle};
 pub use motion::{Event, EventKind, Integrator, Mode, Segment, System, SystemState, Trajectory};
 pub use nalgebra;
 pub use scalar::Scalar;
-pub use scaling::{Physical, Scaled, Scaling};
+pub use scaling::{Physical, Scaling};
 pub use state::{Direction, State};
 
 /// Several masses: what they share with the one on its belt.

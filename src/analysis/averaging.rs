@@ -26,12 +26,12 @@
 
 use std::f64::consts::PI;
 
-use super::roots::{Sample, brackets, isolate, refine};
 use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::friction::{piece_above, slope_on};
 use crate::numerics::adaptive::{Integral, gauss, graded, trapezoid};
+use crate::numerics::chebyshev::{Sample, brackets, isolate, refine};
 
 /// Drift dA/dτ of the amplitude A ≥ 0, dimensionless. Error O(ε²).
 ///
@@ -43,8 +43,8 @@ use crate::numerics::adaptive::{Integral, gauss, graded, trapezoid};
 /// # Errors
 ///
 /// * [`Error::InvalidParameter`] if A is negative or not finite, or |v_b| + A overflows;
-/// * [`Error::NonFiniteFriction`] if the law has no finite value or slope at a speed up to |v_b| +
-///   A.
+/// * [`Error::NonFiniteFriction`] if the law has no finite value at a speed up to |v_b| + A,
+///   [`Error::NotAnalytic`] if it has no finite slope there.
 ///
 /// ```
 /// use stick_slip::analysis::averaging::drift;
@@ -149,7 +149,7 @@ fn sine_of_crossing(belt_speed: f64, amplitude: f64) -> f64 {
 }
 
 /// ∫₀^π μ̂'(|w − A cos ψ|) sin²ψ dψ, and the same with cos²ψ.
-fn slope_integrals<L: FrictionLaw>(law: &L, w: f64, amplitude: f64) -> Result<Integral, Error> {
+fn slope_integrals<L: FrictionLaw>(law: &L, w: f64, amplitude: f64) -> Result<Integral<2>, Error> {
     let speed_at = |psi: f64| (w - amplitude * psi.cos()).abs();
     let weighted = |piece: usize, psi: f64| {
         let slope = slope_on(law, piece, speed_at(psi))?;
@@ -176,7 +176,7 @@ fn slope_integrals<L: FrictionLaw>(law: &L, w: f64, amplitude: f64) -> Result<In
             return Ok(integral);
         }
     }
-    let mut total = Integral::default();
+    let mut total = Integral::ZERO;
     for ends in splits.windows(2).filter(|ends| ends[0] < ends[1]) {
         let piece = piece_above(law, speed_at(0.5 * (ends[0] + ends[1])));
         let f = |psi| weighted(piece, psi);
@@ -269,7 +269,8 @@ impl AveragedCycle {
 ///
 /// # Errors
 ///
-/// * [`Error::NonFiniteFriction`] if the law has no finite value or slope at a speed up to 3|v_b|;
+/// * [`Error::NonFiniteFriction`] if the law has no finite value at a speed up to 3|v_b|,
+///   [`Error::NotAnalytic`] if it has no finite slope there;
 /// * [`Error::InvalidParameter`] if 3|v_b| overflows.
 ///
 /// ```

@@ -2,9 +2,9 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::roots::refine;
 use crate::belt::MassOnBelt;
 use crate::friction::{Coulomb, FrictionLaw};
+use crate::numerics::chebyshev::refine;
 use crate::state::State;
 
 /// The slip phase of the fastest stick-slip cycle, which comes back to the belt tangentially.
@@ -109,6 +109,43 @@ pub fn least_damping(system: &MassOnBelt<Coulomb>) -> Option<f64> {
         None => damping * f64::MAX,
     };
     refine(0.0, 1.0, |damping| Ok(reciprocal(damping) - jump / speed)).ok()
+}
+
+/// Damping ratio above which there is no vibration at any belt velocity: 1 for μ_s > μ_k, else 0
+/// (without damping every small vibration lasts). Dimensionless, exact. The system's own v_b and β
+/// are ignored.
+///
+/// ```
+/// use stick_slip::analysis::coulomb::least_damping_everywhere;
+/// use stick_slip::{Coulomb, MassOnBelt};
+///
+/// let system = MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.5)?;
+/// assert_eq!(least_damping_everywhere(&system), 1.0);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn least_damping_everywhere(system: &MassOnBelt<Coulomb>) -> f64 {
+    if force_jump(system) > 0.0 { 1.0 } else { 0.0 }
+}
+
+/// Belt velocity above which no vibration lasts: [`largest_stick_slip_velocity`], and ∞ for β = 0,
+/// where small vibrations last at every belt velocity. Dimensionless, exact. The system's own v_b is
+/// ignored.
+///
+/// ```
+/// use stick_slip::analysis::coulomb::quiet_velocity;
+/// use stick_slip::{Coulomb, MassOnBelt};
+///
+/// let system = MassOnBelt::new(Coulomb::new(0.4, 0.4)?, 0.5)?;
+/// assert_eq!(quiet_velocity(&system), f64::INFINITY);
+/// assert_eq!(quiet_velocity(&system.with_damping(1e-3)?), 0.0);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn quiet_velocity(system: &MassOnBelt<Coulomb>) -> f64 {
+    if system.damping() == 0.0 {
+        f64::INFINITY
+    } else {
+        largest_stick_slip_velocity(system)
+    }
 }
 
 fn force_jump(system: &MassOnBelt<Coulomb>) -> f64 {

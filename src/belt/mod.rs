@@ -12,6 +12,7 @@
 //! | `stepper.rs` | one Taylor step: begin, settle, land |
 //! | `flow.rs` | the phase machine: stick and slip in turn |
 //! | `step.rs` | [`Step`]: a stretch of motion as a value |
+//! | `read.rs`, `written.rs` | how a system is read, and an equilibrium written (feature `serde`) |
 
 mod breakpoints;
 mod defect;
@@ -19,10 +20,14 @@ mod equilibrium;
 mod expansion;
 mod flow;
 mod forward;
+#[cfg(feature = "serde")]
+mod read;
 mod slip_point;
 mod step;
 mod stepper;
 mod system;
+#[cfg(feature = "serde")]
+mod written;
 
 pub use equilibrium::{Equilibrium, Stability};
 pub use flow::Flow;

@@ -35,7 +35,7 @@ use crate::state::{Direction, State};
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "crate::raw::MassOnBelt<L>"),
+    serde(try_from = "super::read::MassOnBelt<L>"),
     serde(bound(deserialize = "L: FrictionLaw + serde::Deserialize<'de>"))
 )]
 pub struct MassOnBelt<L> {

@@ -38,7 +38,9 @@ pub fn grazing_velocities<L: FrictionLaw>(
     system: &MassOnBelt<L>,
     range: Range<f64>,
 ) -> Result<Vec<f64>, Error> {
-    over_belt_velocities(system, range, |release, tracer| Ok(Some(release.overshoot(tracer))))
+    over_belt_velocities(system, range, |release, tracer| {
+        Ok(Some(release.overshoot(tracer)))
+    })
 }
 
 /// Belt velocities in `range` between plain stick-slip and overshoot, ascending: the first contact
@@ -59,7 +61,9 @@ pub fn overshoot_velocities<L: FrictionLaw>(
     system: &MassOnBelt<L>,
     range: Range<f64>,
 ) -> Result<Vec<f64>, Error> {
-    over_belt_velocities(system, range, |release, tracer| Ok(release.beyond_low(tracer)))
+    over_belt_velocities(system, range, |release, tracer| {
+        Ok(release.beyond_low(tracer))
+    })
 }
 
 /// Belt velocities in `range` between overshoot and crossing, ascending: after release and a

@@ -259,7 +259,11 @@ impl<H: Fn(f64) -> f64> SignChanges<H> {
 /// Source: the averaged equation A' = −½h1 A − (3/8)h3 A³ with h3 = γ² μ̂'''(v_b)/6 (Eq. 12 of
 /// Farshidianfar and Noei Aghaee, for any law).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum Criticality {
     /// A stable cycle surrounds the unstable equilibrium: μ̂'''(v_b) > 0.
     Supercritical,

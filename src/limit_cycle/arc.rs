@@ -227,8 +227,7 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
     /// ∫(2β + γ² dμ̂/ds) dτ over an arc: how fast the flow contracts areas, integrated.
     pub(crate) fn contraction(&self, arc: &Arc) -> f64 {
         let system = self.system();
-        let integrand =
-            |step: &Step, t: f64| system.effective_damping(step.speed.at(t).max(0.0));
+        let integrand = |step: &Step, t: f64| system.effective_damping(step.speed.at(t).max(0.0));
         arc.steps
             .iter()
             .map(|step| gauss_legendre(0.0, step.duration, |t| integrand(step, t)))

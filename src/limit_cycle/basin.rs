@@ -13,7 +13,11 @@ use crate::state::{Direction, State};
 
 /// Where a motion ends up. See [`attractor`].
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(rename_all = "snake_case")
+)]
 #[non_exhaustive]
 pub enum Attractor {
     /// At rest in the stick band of a belt that stands still.

@@ -41,9 +41,7 @@ pub(super) fn is_flat<L: FrictionLaw>(system: &MassOnBelt<L>) -> bool {
 }
 
 /// Whether every motion in slip is periodic: the system [`is_flat`], and none grows or shrinks.
-pub(super) fn is_continuum<L: FrictionLaw>(
-    peaks: &mut PeakMap<'_, '_, L>,
-) -> Result<bool, Error> {
+pub(super) fn is_continuum<L: FrictionLaw>(peaks: &mut PeakMap<'_, '_, L>) -> Result<bool, Error> {
     let system = peaks.system();
     if !is_flat(&system) {
         return Ok(false);

@@ -12,7 +12,11 @@ use crate::state::{Direction, State};
 ///
 /// Source: Farshidianfar and Noei Aghaee, sections 4.1.1 and 4.1.2, for the first two.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum CycleKind {
     /// The mass never reaches the belt velocity.
     PureSlip,

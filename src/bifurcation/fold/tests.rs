@@ -77,13 +77,12 @@ fn a_fold_is_where_the_growth_at_a_turning_point_is_zero() {
 fn folds_of_several_turning_points_come_in_order() {
     let two = |v_b: f64| {
         outline(&[
-                (0.0, -1.0),
-                (0.3, 0.7 - v_b),
-                (0.6, -2.0),
-                (0.8, 0.2 - v_b),
-                (1.0, -1.0),
-            ],
-        )
+            (0.0, -1.0),
+            (0.3, 0.7 - v_b),
+            (0.6, -2.0),
+            (0.8, 0.2 - v_b),
+            (1.0, -1.0),
+        ])
     };
     let (found, _) = folds(two, 16);
     assert_eq!(found.len(), 2);
@@ -95,11 +94,10 @@ fn two_folds_of_one_turning_point_are_found_where_it_comes_near_zero() {
     for sign in [1.0, -1.0] {
         let f = |v_b: f64| {
             outline(&[
-                    (0.0, -3.0 * sign),
-                    (0.5, sign * ((v_b - 0.4).powi(2) - 1e-4)),
-                    (1.0, -3.0 * sign),
-                ],
-            )
+                (0.0, -3.0 * sign),
+                (0.5, sign * ((v_b - 0.4).powi(2) - 1e-4)),
+                (1.0, -3.0 * sign),
+            ])
         };
         let (found, asked) = folds(f, 16);
         assert_eq!(found.len(), 2);
@@ -131,11 +129,10 @@ fn a_turning_point_that_moves_far_is_followed_more_closely() {
     let moving = |speed: f64| {
         move |v_b: f64| {
             outline(&[
-                    (0.0, -1.0),
-                    (0.2 + speed * v_b, 5.0 + 0.1 * v_b),
-                    (1.0, -1.0),
-                ],
-            )
+                (0.0, -1.0),
+                (0.2 + speed * v_b, 5.0 + 0.1 * v_b),
+                (1.0, -1.0),
+            ])
         }
     };
     assert_eq!(folds(moving(0.09), 16).1.len(), 0);
@@ -149,11 +146,10 @@ fn an_end_that_changes_its_sign_is_followed_to_the_last_division() {
     for (first, last) in [(1.0, 0.0), (0.0, 1.0)] {
         let f = |v_b: f64| {
             outline(&[
-                    (0.0, first * (v_b - 0.3) - 5.0 * last),
-                    (0.5, 5.0),
-                    (1.0, last * (v_b - 0.3) - 5.0 * first),
-                ],
-            )
+                (0.0, first * (v_b - 0.3) - 5.0 * last),
+                (0.5, 5.0),
+                (1.0, last * (v_b - 0.3) - 5.0 * first),
+            ])
         };
         let (found, asked) = folds(f, 8);
         assert_eq!((found.len(), asked.len()), (0, 8));
@@ -198,13 +194,12 @@ fn a_growth_that_jumps_over_zero_is_no_fold() {
     // One that jumps does not hide another that passes through.
     let two = |v_b: f64| {
         outline(&[
-                (0.0, -1.0),
-                (0.3, if v_b > 0.3 { 1.0 } else { -0.9 }),
-                (0.6, -2.0),
-                (0.8, 0.7 - v_b),
-                (1.0, -1.0),
-            ],
-        )
+            (0.0, -1.0),
+            (0.3, if v_b > 0.3 { 1.0 } else { -0.9 }),
+            (0.6, -2.0),
+            (0.8, 0.7 - v_b),
+            (1.0, -1.0),
+        ])
     };
     let (found, _) = folds(two, 6);
     assert_eq!(found.len(), 1);

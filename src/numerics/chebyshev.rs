@@ -1,4 +1,4 @@
-//! Roots of a function of one variable: isolation of all of them, and refinement of one.
+//! All roots of a function that is known from values alone, isolated by Chebyshev interpolation.
 
 use std::collections::VecDeque;
 
@@ -6,16 +6,16 @@ use crate::error::Error;
 
 /// A value and the size of its rounding error.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Sample {
-    pub(super) value: f64,
-    pub(super) noise: f64,
+pub(crate) struct Sample {
+    pub(crate) value: f64,
+    pub(crate) noise: f64,
 }
 
 /// Where a function was looked at while its roots were isolated.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Node {
-    pub(super) at: f64,
-    pub(super) sample: Sample,
+pub(crate) struct Node {
+    pub(crate) at: f64,
+    pub(crate) sample: Sample,
 }
 
 /// Degree of the interpolants. Laws with one hump are resolved by one or two of them.
@@ -29,7 +29,7 @@ const MOST_PIECES: usize = 2000;
 /// Points between which f(x(t)), 0 ≤ t ≤ 1, has at most one root: the ends of pieces where f's
 /// Chebyshev interpolant, resolved to round-off, has no root or is monotone by the sizes of its
 /// coefficients. In ascending t; x(t) must be monotone, f∘x analytic.
-pub(super) fn isolate(
+pub(crate) fn isolate(
     mut f: impl FnMut(f64) -> Result<Sample, Error>,
     x: impl Fn(f64) -> f64,
 ) -> Result<Vec<Node>, Error> {
@@ -95,7 +95,7 @@ fn has_one_root_at_most(samples: &[(f64, Node)], cosines: &[f64]) -> bool {
 
 /// Pairs of points between which the sign changes beyond doubt. Values within their own rounding
 /// error have no sign, so that a function that vanishes on a whole interval has no root there.
-pub(super) fn brackets(nodes: &[Node]) -> Vec<[f64; 2]> {
+pub(crate) fn brackets(nodes: &[Node]) -> Vec<[f64; 2]> {
     let definite = nodes
         .iter()
         .filter(|node| node.sample.value.abs() > node.sample.noise);
@@ -116,7 +116,7 @@ pub(super) fn brackets(nodes: &[Node]) -> Vec<[f64; 2]> {
 ///
 /// f(a) and f(b) must differ in sign. Source: T. R. Chandrupatla, *Adv. Eng. Software* 28 (1997)
 /// 145-149.
-pub(super) fn refine(
+pub(crate) fn refine(
     a: f64,
     b: f64,
     mut f: impl FnMut(f64) -> Result<f64, Error>,
