@@ -255,8 +255,13 @@ fn trajectory_and_events_have_their_parts() {
     let motion = system.simulate(State::new(0.0, 0.5), 2.0).unwrap();
     let times: Vec<f64> = sample(&motion, 3).map(|(time, _)| time).collect();
     assert_eq!(times, [0.0, 1.0, 2.0]);
-    let Event { time, kind, state } = motion.events()[0];
-    assert_eq!((time, state), (1.0, State::new(0.5, 0.5)));
+    let Event {
+        time,
+        contact,
+        kind,
+        state,
+    } = motion.events()[0];
+    assert_eq!((time, contact, state), (1.0, 0, State::new(0.5, 0.5)));
     let direction = match kind {
         EventKind::Release(direction) | EventKind::Crossing(direction) => direction,
         EventKind::Stick => panic!("the mass starts in stick"),
@@ -291,6 +296,7 @@ fn events_modes_and_directions_are_shown() {
     assert_eq!(Mode::Slip(lagging).to_string(), "slip (lagging)");
     let event = Event {
         time: 1.25,
+        contact: 0,
         kind: EventKind::Release(lagging),
         state: State::new(-0.5, 0.25),
     };

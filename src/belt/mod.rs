@@ -3,6 +3,7 @@
 //! | file | what is in it |
 //! |---|---|
 //! | `system.rs` | [`MassOnBelt`]: parameters, forces, the stick band, what follows an arrival |
+//! | `forward.rs` | [`Forward`]: a system whose belt moves forward, its law borrowed |
 //! | `equilibrium.rs` | steady sliding and its stability |
 //! | `slip_point.rs` | points of slip phases, and how each kind of slip begins |
 //! | `expansion.rs` | the power series of a slip phase |
@@ -18,6 +19,7 @@ mod defect;
 mod equilibrium;
 mod expansion;
 mod flow;
+mod forward;
 #[cfg(feature = "serde")]
 mod read;
 mod slip_point;
@@ -29,6 +31,7 @@ mod written;
 
 pub use equilibrium::{Equilibrium, Stability};
 pub use flow::Flow;
+pub(crate) use forward::Forward;
 pub(crate) use slip_point::{SlipPoint, Start};
 pub use step::Step;
 pub(crate) use stepper::{Advance, Stepper};

@@ -145,6 +145,14 @@ impl<L> MassOnBelt<L> {
     pub fn load(&self) -> f64 {
         self.load
     }
+
+    /// The same system on a belt of velocity |v_b|.
+    pub(super) fn with_belt_speed(self) -> Self {
+        Self {
+            belt_velocity: self.belt_velocity.abs(),
+            ..self
+        }
+    }
 }
 
 impl<L: FrictionLaw> MassOnBelt<L> {
@@ -155,14 +163,6 @@ impl<L: FrictionLaw> MassOnBelt<L> {
             belt_velocity: self.belt_velocity,
             damping: self.damping,
             load: self.load,
-        }
-    }
-
-    /// The same system, or its mirror image if v_b < 0: laws are odd in v_r.
-    pub(crate) fn moving_forward(&self) -> MassOnBelt<&L> {
-        MassOnBelt {
-            belt_velocity: self.belt_velocity.abs(),
-            ..self.by_reference()
         }
     }
 

@@ -1,7 +1,8 @@
 use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
-use crate::limit_cycle::find;
+use crate::limit_cycle::find_borrowed;
+use crate::numerics::bracket::Bracket;
 
 /// The least damping ratio β from which on no vibration lasts at the system's belt velocity: steady
 /// sliding is stable, and there is no periodic motion. Below it there is one, or steady sliding is
@@ -42,7 +43,7 @@ pub fn silencing_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<f64, 
     }
     let system = system.by_reference();
     let vibrates = |damping: f64| -> Result<bool, Error> {
-        let cycles = find(&system.with_damping(damping)?)?;
+        let cycles = find_borrowed(system.with_damping(damping)?)?;
         Ok(!cycles.is_empty() || !cycles.unresolved().is_empty())
     };
     let slope = system.law().slope(system.belt_velocity().abs());
@@ -56,17 +57,11 @@ pub fn silencing_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<f64, 
     while vibrates(silent)? {
         (loud, silent) = (silent, 2.0 * silent);
     }
-    loop {
-        let middle = 0.5 * (loud + silent);
-        if middle <= loud || middle >= silent {
-            return Ok(silent);
-        }
-        if vibrates(middle)? {
-            loud = middle;
-        } else {
-            silent = middle;
-        }
+    let mut border = Bracket::new((loud, 1.0), (silent, -1.0));
+    while let Some(damping) = border.next_place() {
+        border.narrow(damping, if vibrates(damping)? { 1.0 } else { -1.0 });
     }
+    Ok(border.sign_change().below.next_up())
 }
 
 /// Relative distance from the border of stability within which small cycles are not resolved.

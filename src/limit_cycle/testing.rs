@@ -10,8 +10,8 @@ pub(super) fn traced<L: FrictionLaw, T>(
     system: &MassOnBelt<L>,
     f: impl FnOnce(&mut Tracer<'_, L>) -> Result<T, Error>,
 ) -> T {
-    let system = system.by_reference();
-    f(&mut Tracer::new(&system)).unwrap()
+    let forward = system.moving_forward().unwrap();
+    f(&mut Tracer::new(forward)).unwrap()
 }
 
 #[track_caller]

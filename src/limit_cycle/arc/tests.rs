@@ -95,8 +95,8 @@ fn an_arc_in_slip_ends_at_the_next_maximum_of_the_velocity() {
             // The flow contracts areas by 2ζ per unit of time.
             assert_close(tracer.contraction(&arc), 2.0 * damping * duration, 1e-13);
             assert_continuous(&arc, Time::Forward);
-            assert_eq!(arc.rates[0], 0.0);
-            assert_close(arc.rates[1], 0.0, 1e-14 * scale);
+            assert_eq!(arc.start_rate, 0.0);
+            assert_close(arc.end_rate, 0.0, 1e-14 * scale);
             assert!((3..=16).contains(&arc.steps.len()), "{}", arc.steps.len());
             assert_eq!(tracer.work(), arc.steps.len());
             // And back.
@@ -150,7 +150,7 @@ fn an_arc_from_anywhere_ends_at_its_first_maximum() {
             assert_close(duration, time, 1e-12);
             assert_close(1.0 - end.speed, amplitude, 1e-14);
             assert_close(end.displacement, 0.3, 1e-12);
-            assert_close(arc.rates[0], -amplitude * phase.cos(), 1e-15);
+            assert_close(arc.start_rate, -amplitude * phase.cos(), 1e-15);
             assert!(arc.steps.len() <= 16);
         }
     }
@@ -170,8 +170,8 @@ fn an_arc_beyond_the_belt_velocity_ends_in_contact() {
         };
         assert_close(end, to, 1e-14);
         // By symmetry: as fast back to the belt as away from it.
-        assert_close(arc.rates[0], 0.6, 1e-15);
-        assert_close(arc.rates[1], -0.6, 1e-14);
+        assert_close(arc.start_rate, 0.6, 1e-15);
+        assert_close(arc.end_rate, -0.6, 1e-14);
         assert_continuous(&arc, Time::Forward);
         let back = SlipPoint {
             displacement: end,
@@ -362,7 +362,8 @@ fn the_rate_at_the_end_of_a_step_is_the_slope_of_its_series() {
 #[test]
 fn a_velocity_may_turn_where_it_is_positive_after_it_grew_or_was_negative() {
     let (h, v_b) = (1.0, 1.0);
-    let may = |c: &[f64], grows| may_turn(&PowerSeries::from(c), h, v_b, grows);
+    let may =
+        |c: &[f64], has_grown| PeakWatch { v_b, has_grown }.may_come(&PowerSeries::from(c), h);
     // Positive all along.
     assert!(may(&[0.5, 0.1], true));
     assert!(!may(&[0.5, 0.1], false));
@@ -383,9 +384,13 @@ fn a_velocity_may_turn_where_it_is_positive_after_it_grew_or_was_negative() {
 
 #[test]
 fn the_next_maximum_of_the_velocity_is_a_minimum_of_the_sliding_speed_after_growth() {
-    let next = |c: &[f64], h, mut grows| {
-        let found = next_maximum(&PowerSeries::from(c), h, 1.0, &mut grows);
-        (found, grows)
+    let next = |c: &[f64], h, has_grown| {
+        let mut watch = PeakWatch {
+            v_b: 1.0,
+            has_grown,
+        };
+        let found = watch.first_inside(&PowerSeries::from(c), h);
+        (found, watch.has_grown)
     };
     // Least at t = 0.3.
     let parabola = [0.5, -0.6, 1.0];

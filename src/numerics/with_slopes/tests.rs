@@ -68,8 +68,8 @@ impl<F: Fn(f64) -> Sample> Counted<F> {
     }
 
     /// What the search finds, and at how many points it looks.
-    fn roots(&self, a: f64, b: f64) -> (Found, usize) {
-        let mut found = Found::default();
+    fn roots(&self, a: f64, b: f64) -> (Roots, usize) {
+        let mut found = Roots::default();
         let mut f = |x| {
             self.calls.set(self.calls.get() + 1);
             Ok((self.f)(x))
@@ -232,7 +232,7 @@ fn rounding_hides_a_root_beside_an_end_or_where_the_cubic_is_lowest() {
 
 #[test]
 fn ranges_that_meet_are_one() {
-    let mut found = Found::default();
+    let mut found = Roots::default();
     found.leave(0.0..1.0);
     found.leave(1.0..1.5);
     found.leave(2.0..3.0);
@@ -284,7 +284,7 @@ fn two_roots_that_are_almost_one_are_both_found_or_neither() {
         assert_eq!(found.unresolved, []);
         assert!(calls <= 32, "{calls}");
         let (found, calls) = valley(-half * half).roots(0.0, 2.0);
-        assert_eq!(found, Found::default());
+        assert_eq!(found, Roots::default());
         assert!(calls <= 1, "{calls}");
     }
 }

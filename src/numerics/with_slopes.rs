@@ -1,7 +1,9 @@
-//! All roots, in an interval, of a function whose value and slope are known at every point.
+//! All roots, in an interval, of a function whose value and slope are known at every point, and
+//! its outline: where it turns.
 
 use std::ops::Range;
 
+use super::bracket::Bracket;
 use crate::error::Error;
 
 /// A value of the function with its slope.
@@ -30,7 +32,7 @@ impl Sample {
 
 /// What a search has found.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct Found {
+pub(crate) struct Roots {
     /// Roots in ascending order.
     pub(crate) roots: Vec<f64>,
     /// Neighbouring floating-point numbers, or nearly so, between which the function jumps over
@@ -57,10 +59,10 @@ const CUBIC_FITS: f64 = 0.02;
 /// was wrong; such a half is divided further. A pair of roots is lost only if the function turns
 /// within an interval in which its cubic fits, or if the pair is closer than [`NARROWEST`].
 pub(crate) fn roots_between(
-    f: &mut impl FnMut(f64) -> Result<Sample, Error>,
+    f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
     a: Sample,
     b: Sample,
-    found: &mut Found,
+    found: &mut Roots,
 ) -> Result<(), Error> {
     let narrowest = NARROWEST * (b.x - a.x);
     divide(f, a, b, narrowest, found)
@@ -85,7 +87,7 @@ const DEEPEST: usize = 9;
 /// Divided until the cubics fit and turn no more often than their ends tell, and then refined on
 /// the slope.
 pub(crate) fn outline_between(
-    f: &mut impl FnMut(f64) -> Result<Sample, Error>,
+    f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
     a: Sample,
     b: Sample,
 ) -> Result<Vec<Turn>, Error> {
@@ -114,38 +116,25 @@ pub(crate) fn outline_between(
     Ok(outline)
 }
 
-/// The point between two samples at which the slope passes through zero.
+/// The point between two samples at which the slope passes through zero: as closely as the value,
+/// which is stationary there, needs it.
 fn turn(
-    f: &mut impl FnMut(f64) -> Result<Sample, Error>,
-    mut a: Sample,
-    mut b: Sample,
+    f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
+    a: Sample,
+    b: Sample,
 ) -> Result<Sample, Error> {
-    // False position with the Illinois rule, and every fourth time bisection.
-    let (mut weight_a, mut weight_b) = (1.0, 1.0);
-    for pass in 0.. {
-        let best = if a.slope.abs() < b.slope.abs() { a } else { b };
-        // The value is stationary: a few digits of x give all of its own.
-        if best.slope.abs() * (b.x - a.x) <= 0.01 * best.noise {
-            return Ok(best);
-        }
-        let (p, q) = (weight_a * a.slope, weight_b * b.slope);
-        let chord = a.x + (b.x - a.x) * (p / (p - q));
-        let x = if pass % 4 == 3 || !(a.x < chord && chord < b.x) {
-            0.5 * (a.x + b.x)
-        } else {
-            chord
+    let flatter = |a: Sample, b: Sample| if a.slope.abs() < b.slope.abs() { a } else { b };
+    let mut bracket = Bracket::new((a.x, a.slope), (b.x, b.slope));
+    let mut best = flatter(a, b);
+    while best.slope.abs() * bracket.width() > 0.01 * best.noise {
+        let Some(x) = bracket.next_place() else {
+            break;
         };
-        if x <= a.x || x >= b.x {
-            return Ok(best);
-        }
         let sample = f(x)?;
-        if (sample.slope > 0.0) == (a.slope > 0.0) {
-            (a, weight_a, weight_b) = (sample, 1.0, 0.5 * weight_b);
-        } else {
-            (b, weight_a, weight_b) = (sample, 0.5 * weight_a, 1.0);
-        }
+        bracket.narrow(x, sample.slope);
+        best = flatter(sample, best);
     }
-    Ok(a)
+    Ok(best)
 }
 
 /// Takes out of an outline the turns that rounding makes.
@@ -193,11 +182,11 @@ fn fits(a: Sample, m: Sample, b: Sample) -> (bool, f64) {
 }
 
 fn divide(
-    f: &mut impl FnMut(f64) -> Result<Sample, Error>,
+    f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
     a: Sample,
     b: Sample,
     narrowest: f64,
-    found: &mut Found,
+    found: &mut Roots,
 ) -> Result<(), Error> {
     let m = f(0.5 * (a.x + b.x))?;
     let (fits, error) = fits(a, m, b);
@@ -282,7 +271,7 @@ impl From<Sample> for Turn {
     }
 }
 
-impl Found {
+impl Roots {
     /// Leaves a range unresolved, as one with that before it if they meet.
     fn leave(&mut self, range: Range<f64>) {
         match self.unresolved.last_mut() {
@@ -294,7 +283,7 @@ impl Found {
     /// The root between samples of different sign: Newton's method kept inside the bracket.
     fn refine(
         &mut self,
-        f: &mut impl FnMut(f64) -> Result<Sample, Error>,
+        f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
         mut a: Sample,
         mut b: Sample,
     ) -> Result<(), Error> {
