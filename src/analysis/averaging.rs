@@ -31,7 +31,8 @@ use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::friction::{piece_above, slope_on};
 use crate::numerics::adaptive::{Integral, gauss, graded, trapezoid};
-use crate::numerics::chebyshev::{Sample, brackets, isolate, refine};
+use crate::numerics::bracket::root_between;
+use crate::numerics::chebyshev::{Sample, brackets, isolate};
 
 /// Drift dA/dτ of the amplitude A ≥ 0, dimensionless. Error O(ε²).
 ///
@@ -314,7 +315,7 @@ pub fn cycles<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Vec<AveragedCycl
     brackets(&nodes)
         .into_iter()
         .map(|[low, high]| {
-            let amplitude = refine(low, high, |a| Ok(growth_rate(a)?.value))?;
+            let amplitude = root_between(&mut |a| Ok(growth_rate(a)?.value), low, high)?;
             describe(system, amplitude)
         })
         .collect()

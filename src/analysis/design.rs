@@ -21,8 +21,7 @@ use std::ops::Range;
 
 use crate::belt::MassOnBelt;
 use crate::error::Error;
-use crate::friction::{FrictionLaw, slope_on, taylor_coefficients_on};
-use crate::numerics::chebyshev::{Sample, brackets, isolate, refine};
+use crate::friction::{AlongSlope, FrictionLaw};
 
 /// Damping ratio above which steady sliding at the system's belt velocity is stable: max(0, −½γ²
 /// dμ̂/ds) at |v_b|. Dimensionless, exact. `None` at v_b = 0. The system's own β is ignored.
@@ -52,15 +51,16 @@ pub fn least_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Option<f64> {
 /// Damping ratio above which steady sliding is stable at every belt velocity in a range: ½γ²
 /// max(−dμ̂/ds), or 0. Dimensionless, exact to rounding. The system's own v_b and β are ignored.
 ///
-/// The steepest fall is found among the ends, the breakpoints and all roots of d²μ̂/ds², isolated
-/// by Chebyshev interpolation to round-off; a feature narrower than some 10⁻³ of the range can be
-/// missed.
+/// The law is expanded in power series from one end of the range to the other, each used as far as
+/// it converges and checked in between. The steepest fall is found among their ends, the breakpoints
+/// and all minima of dμ̂/ds on each, isolated so that none is skipped.
 ///
 /// # Errors
 ///
-/// * [`Error::InvalidParameter`] unless 0 ≤ start < end, both finite;
+/// * [`Error::InvalidParameter`] unless 0 ≤ start < end, both finite, and if the range is so long that
+///   the law takes more than 10⁴ power series;
 /// * [`Error::NonFiniteFriction`] if the law has no finite value somewhere in the range,
-///   [`Error::NotAnalytic`] if it has no finite slope.
+///   [`Error::NotAnalytic`] if it has no power series there.
 ///
 /// ```
 /// use stick_slip::analysis::design::least_damping_over;
@@ -88,34 +88,11 @@ pub fn least_damping_over<L: FrictionLaw>(
         end > start,
         "velocities.end > velocities.start",
     )?;
-    let law = system.law();
-    let inside: Vec<f64> = law
-        .breakpoints()
-        .filter(|&b| b > start && b < end)
-        .collect();
-    let first = law.breakpoints().take_while(|&b| b <= start).count();
-    let mut ends = vec![start];
-    ends.extend(inside);
-    ends.push(end);
-    let mut steepest = 0.0_f64;
-    for (piece, ends) in (first..).zip(ends.windows(2)) {
-        let half_curvature = |speed: f64| {
-            slope_on(law, piece, speed)?;
-            Ok(taylor_coefficients_on::<4, _>(law, piece, speed)[2])
-        };
-        let sample = |speed: f64| {
-            let value = half_curvature(speed)?;
-            let noise = 64.0 * f64::EPSILON * value.abs();
-            Ok(Sample { value, noise })
-        };
-        let nodes = isolate(sample, |t| ends[0] + (ends[1] - ends[0]) * t)?;
-        let mut speeds: Vec<f64> = nodes.iter().map(|node| node.at).collect();
-        for [low, high] in brackets(&nodes) {
-            speeds.push(refine(low, high, half_curvature)?);
-        }
-        for speed in speeds {
-            steepest = steepest.max(-slope_on(law, piece, speed)?);
-        }
-    }
-    Ok(0.5 * system.load() * steepest)
+    let slope = AlongSlope {
+        law: system.law(),
+        constant: 0.0,
+        factor: 1.0,
+    };
+    let steepest = -slope.least(velocities, "velocities.end")?;
+    Ok(0.5 * system.load() * steepest.max(0.0))
 }

@@ -5,7 +5,7 @@ use std::f64::consts::{E, FRAC_1_SQRT_2, SQRT_2};
 
 use crate::belt::MassOnBelt;
 use crate::friction::{Exponential, FrictionLaw};
-use crate::numerics::chebyshev::refine;
+use crate::numerics::bracket::root_between;
 
 /// A belt velocity at which steady sliding gains or loses stability, and what happens there.
 ///
@@ -68,10 +68,10 @@ pub fn hopf_velocities(system: &MassOnBelt<Exponential>) -> Option<[HopfPoint; 2
         return None;
     }
     // Each branch in a form that keeps its relative accuracy for small c.
-    let low = refine(c, FRAC_1_SQRT_2, |x| Ok(x - c * (x * x).exp())).ok()?;
+    let low = root_between(&mut |x| Ok(x - c * (x * x).exp()), c, FRAC_1_SQRT_2).ok()?;
     // x² = ln(x/c) ≤ x + ln(1/c)
     let bound = 0.5 + (0.25 - c.ln()).sqrt();
-    let high = refine(FRAC_1_SQRT_2, bound, |x| Ok(x * x - (x / c).ln())).ok()?;
+    let high = root_between(&mut |x| Ok(x * x - (x / c).ln()), FRAC_1_SQRT_2, bound).ok()?;
     Some([low, high].map(|x| HopfPoint {
         velocity: x * law.stribeck_velocity(),
         is_supercritical: x < 1.5_f64.sqrt(),

@@ -77,9 +77,8 @@ impl StickSlip {
         let kappa = load * fall - 2.0 * system.damping();
         let series = taylor_coefficients::<LONGEST, _>(law, speed);
         let first_breakpoint = law.breakpoints().next().unwrap_or(f64::INFINITY);
-        let is_cubic = jump == 0.0
-            && speed < first_breakpoint
-            && series[4..LONGEST - 1].iter().all(|&c| c == 0.0);
+        let is_cubic =
+            jump == 0.0 && speed < first_breakpoint && series[4..].iter().all(|&c| c == 0.0);
         let [_, m1, m2, m3, ..] = series;
         (kappa > 0.0 && kappa.is_finite()).then_some(Self {
             belt_velocity: v_b,

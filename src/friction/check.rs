@@ -75,7 +75,6 @@ pub(crate) fn has_no_kinetic_friction<L: FrictionLaw>(law: &L) -> bool {
     })
 }
 
-/// The last coefficient is not computed.
 fn is_constant(series: &[f64; LONGEST]) -> bool {
-    series[1..LONGEST - 1].iter().all(|&c| c == 0.0)
+    series[1..].iter().all(|&c| c == 0.0)
 }

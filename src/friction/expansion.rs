@@ -2,7 +2,7 @@
 
 use super::FrictionLaw;
 use crate::error::Error;
-use crate::scalar::{Function, Scalar, Workspace, expand};
+use crate::scalar::{Function, Scalar, Workspace, expand, jet};
 
 /// One analytic piece of a law, by its number.
 #[derive(Debug)]
@@ -31,8 +31,8 @@ pub(crate) fn piece_above<L: FrictionLaw>(law: &L, speed: f64) -> usize {
     law.breakpoints().take_while(|&b| b <= speed).count()
 }
 
-/// Coefficients of μ̂ as a power series in the sliding speed about `speed`; those from order M − 1
-/// on are not computed (order 1 always is).
+/// The first M coefficients of μ̂ as a power series in the sliding speed about `speed`. Their number
+/// is no part of the code that computes them, which is compiled once for a law.
 pub(crate) fn taylor_coefficients<const M: usize, L: FrictionLaw>(law: &L, speed: f64) -> [f64; M] {
     taylor_coefficients_on(law, piece_above(law, speed), speed)
 }
@@ -43,20 +43,14 @@ pub(crate) fn taylor_coefficients_on<const M: usize, L: FrictionLaw>(
     piece: usize,
     speed: f64,
 ) -> [f64; M] {
-    let mut series = [f64::NAN; M];
-    (series[0], series[1]) = expand(
-        Piece { law, index: piece },
-        &mut Workspace::<M>::new(),
-        speed,
-        |k, _, m| {
-            if k >= 2 {
-                series[k] = m.scale * m.rest;
-            }
-            // s = s_0 + t
-            if k == 0 { 1.0 } else { 0.0 }
-        },
-    );
-    series
+    jet::coefficients(Piece { law, index: piece }, speed)
+}
+
+/// μ̂ and dμ̂/ds on one piece of the law. Exact to rounding, and much faster than a longer series:
+/// averaging and every equilibrium ask for it.
+pub(crate) fn value_and_slope<L: FrictionLaw>(law: &L, piece: usize, speed: f64) -> (f64, f64) {
+    let piece = Piece { law, index: piece };
+    expand(piece, &mut Workspace::<2>::new(), speed, |_, _, _| 1.0)
 }
 
 /// The law has a finite value and slope at `speed`.
@@ -66,7 +60,7 @@ pub(crate) fn finite_at<L: FrictionLaw>(law: &L, speed: f64) -> Result<(), Error
 
 /// dμ̂/ds on one piece of the law.
 pub(crate) fn slope_on<L: FrictionLaw>(law: &L, piece: usize, speed: f64) -> Result<f64, Error> {
-    let [value, slope] = taylor_coefficients_on::<2, _>(law, piece, speed);
+    let (value, slope) = value_and_slope(law, piece, speed);
     if !value.is_finite() {
         Err(Error::NonFiniteFriction {
             speed,

@@ -35,12 +35,17 @@ pub use scaled::Scaled;
 pub use stribeck::Stribeck;
 pub use tabulated::Tabulated;
 
+pub(crate) use along::AlongSlope;
 pub(crate) use check::{has_no_kinetic_friction, is_constant_near, validate};
 pub(crate) use expansion::{
     Piece, finite_at, piece_above, slope_on, taylor_coefficients, taylor_coefficients_on,
+    value_and_slope,
 };
 
-use crate::scalar::{LONGEST, Scalar};
+use crate::scalar::Scalar;
+
+/// The highest derivative that is computed.
+const HIGHEST: usize = 30;
 
 /// A dry friction law: the static coefficient, and the kinetic coefficient μ̂(s) at sliding speed s
 /// = |v_r| ≥ 0.
@@ -153,7 +158,7 @@ pub trait FrictionLaw: Sized {
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     fn slope(&self, speed: f64) -> f64 {
-        taylor_coefficients::<2, _>(&self, speed)[1]
+        value_and_slope(&self, piece_above(self, speed), speed).1
     }
 
     /// d²μ̂/ds² at sliding speed s, exact to rounding; at a breakpoint that of the piece above.
@@ -167,7 +172,7 @@ pub trait FrictionLaw: Sized {
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     fn curvature(&self, speed: f64) -> f64 {
-        2.0 * taylor_coefficients::<4, _>(&self, speed)[2]
+        2.0 * taylor_coefficients::<3, _>(self, speed)[2]
     }
 
     /// n-th derivative of μ̂ at sliding speed s, exact to rounding; at a breakpoint that of the
@@ -182,10 +187,14 @@ pub trait FrictionLaw: Sized {
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     fn derivative(&self, n: usize, speed: f64) -> f64 {
-        let factorial: f64 = (1..=n.min(LONGEST)).map(|k| k as f64).product();
-        taylor_coefficients::<LONGEST, _>(&self, speed)
-            .get(n)
-            .map_or(f64::NAN, |coefficient| coefficient * factorial)
+        match n {
+            1 => self.slope(speed),
+            0..=HIGHEST => {
+                let factorial: f64 = (1..=n).map(|k| k as f64).product();
+                taylor_coefficients::<{ HIGHEST + 1 }, _>(self, speed)[n] * factorial
+            }
+            _ => f64::NAN,
+        }
     }
 }
 
@@ -203,5 +212,18 @@ impl<L: FrictionLaw> FrictionLaw for &L {
     #[inline(always)]
     fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
         (**self).kinetic_on(piece, speed)
+    }
+    // Not the defaults, which would be compiled once more for each reference.
+    fn coefficient(&self, relative_velocity: f64) -> f64 {
+        (**self).coefficient(relative_velocity)
+    }
+    fn slope(&self, speed: f64) -> f64 {
+        (**self).slope(speed)
+    }
+    fn curvature(&self, speed: f64) -> f64 {
+        (**self).curvature(speed)
+    }
+    fn derivative(&self, n: usize, speed: f64) -> f64 {
+        (**self).derivative(n, speed)
     }
 }

@@ -45,6 +45,15 @@ impl SignChange {
     pub(crate) fn residual(&self) -> f64 {
         self.values[0].abs().max(self.values[1].abs())
     }
+
+    /// Of the two neighbouring numbers, the one at which the function is nearer to zero.
+    pub(crate) fn nearest(&self) -> f64 {
+        if self.values[1].abs() < self.values[0].abs() {
+            self.below.next_up()
+        } else {
+            self.below
+        }
+    }
 }
 
 impl Bracket {
@@ -131,6 +140,23 @@ pub(crate) fn sign_change_between(
         bracket.narrow(x, value);
     }
     Ok(Some(bracket.sign_change()))
+}
+
+/// The root of a function that is known everywhere between two places, in either order, and of
+/// different sign at them: of two neighbouring numbers, the one at which it is nearer to zero.
+pub(crate) fn root_between(
+    f: &mut dyn FnMut(f64) -> Result<f64, Error>,
+    a: f64,
+    b: f64,
+) -> Result<f64, Error> {
+    let (low, high) = (a.min(b), a.max(b));
+    let ends = [(low, f(low)?), (high, f(high)?)];
+    if let Some((root, _)) = ends.into_iter().find(|(_, value)| *value == 0.0) {
+        return Ok(root);
+    }
+    let change = sign_change_between(&mut |x| f(x).map(Some), ends[0], ends[1])?;
+    // It has no gap.
+    Ok(change.map_or(low, |change| change.nearest()))
 }
 
 #[cfg(test)]

@@ -111,48 +111,5 @@ pub(crate) fn brackets(nodes: &[Node]) -> Vec<[f64; 2]> {
     found
 }
 
-/// The root of a continuous f between a and b, to the last bits, by Chandrupatla's method: inverse
-/// quadratic interpolation where the last three points allow it, else bisection.
-///
-/// f(a) and f(b) must differ in sign. Source: T. R. Chandrupatla, *Adv. Eng. Software* 28 (1997)
-/// 145-149.
-pub(crate) fn refine(
-    a: f64,
-    b: f64,
-    mut f: impl FnMut(f64) -> Result<f64, Error>,
-) -> Result<f64, Error> {
-    /// Bisection alone needs 64 for neighbouring magnitudes; interpolation fails rarely.
-    const MOST_STEPS: usize = 200;
-    let (mut x1, mut x2) = (a, b);
-    let (mut f1, mut f2) = (f(x1)?, f(x2)?);
-    let mut t: f64 = 0.5;
-    for _ in 0..MOST_STEPS {
-        let best = if f1.abs() < f2.abs() { x1 } else { x2 };
-        let tolerance = f64::EPSILON * best.abs() + f64::MIN_POSITIVE;
-        let shortest = tolerance / (x2 - x1).abs();
-        if f1 == 0.0 || f2 == 0.0 || shortest > 0.5 {
-            return Ok(best);
-        }
-        let x = x1 + t.clamp(shortest, 1.0 - shortest) * (x2 - x1);
-        let fx = f(x)?;
-        let (x3, f3);
-        if (fx < 0.0) == (f1 < 0.0) {
-            (x3, f3) = (x1, f1);
-        } else {
-            (x3, f3, x2, f2) = (x2, f2, x1, f1);
-        }
-        (x1, f1) = (x, fx);
-        let (xi, phi) = ((x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2));
-        let interpolates = phi * phi < xi && (1.0 - phi) * (1.0 - phi) < 1.0 - xi;
-        t = if interpolates {
-            f1 / (f2 - f1) * (f3 / (f2 - f3))
-                + (x3 - x1) / (x2 - x1) * (f1 / (f3 - f1)) * (f2 / (f3 - f2))
-        } else {
-            0.5
-        };
-    }
-    Ok(if f1.abs() < f2.abs() { x1 } else { x2 })
-}
-
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,7 @@
 use std::cell::RefCell;
 
 use super::*;
+use crate::numerics::bracket::root_between;
 use crate::numerics::testing::rough;
 
 /// A function that keeps the points at which it was looked at.
@@ -32,10 +33,6 @@ impl<F: Fn(f64) -> f64> Watched<F> {
         };
         isolate(sample, |t| t).unwrap()
     }
-
-    fn refined(&self, a: f64, b: f64) -> f64 {
-        refine(a, b, |x| Ok(self.at(x))).unwrap()
-    }
 }
 
 fn roots(f: impl Fn(f64) -> f64) -> Vec<f64> {
@@ -47,7 +44,7 @@ fn roots(f: impl Fn(f64) -> f64) -> Vec<f64> {
         })
     };
     let nodes = isolate(sample, |t| 3.0 * t).unwrap();
-    let refined = |[a, b]: [f64; 2]| refine(a, b, |x| Ok(f(x))).unwrap();
+    let refined = |[a, b]: [f64; 2]| root_between(&mut |x| Ok(f(x)), a, b).unwrap();
     brackets(&nodes).into_iter().map(refined).collect()
 }
 
@@ -240,7 +237,6 @@ fn functions_noisier_than_they_say_are_not_followed_for_ever() {
 fn errors_of_the_function_are_handed_on() {
     let fails = || Error::check("x", f64::NAN, false, "");
     assert!(isolate(|_| Err(fails().unwrap_err()), |t| t).is_err());
-    assert!(refine(0.0, 1.0, |_| Err(fails().unwrap_err())).is_err());
 }
 
 #[test]
@@ -265,113 +261,4 @@ fn brackets_need_two_values_beyond_their_noise() {
     assert!(found(&[(0.2, 0.1), (-0.1, 0.1), (0.2, 0.1)]).is_empty());
     assert!(found(&[(0.2, 0.1), (0.0, 0.0), (0.3, 0.1)]).is_empty());
     assert!(found(&[(0.2, 0.1), (7.0, 0.1)]).is_empty() && found(&[]).is_empty());
-}
-
-// Refinement.
-
-#[test]
-fn a_parabola_as_inverse_is_met_as_soon_as_three_points_are_known() {
-    // The inverse of √x − c is a parabola, and interpolation of it exact: the two ends, the middle,
-    // and the root.
-    for root in [1.3_f64, 1.7, 2.1, 3.6, 4.8] {
-        for [a, b] in [[1.0, 5.0], [5.0, 1.0]] {
-            let watched = Watched::new(|x: f64| x.sqrt() - root.sqrt());
-            let found = watched.refined(a, b);
-            assert!((found - root).abs() < 1e-15 * root, "{root}");
-            assert!(
-                (watched.seen.borrow()[3] - root).abs() < 2e-15 * root,
-                "{root}"
-            );
-            assert!(watched.looks() <= 5, "{root}: {}", watched.looks());
-        }
-    }
-}
-
-#[test]
-fn refinement_is_fast_and_ends_at_the_best_point() {
-    fn check(a: f64, b: f64, root: f64, most: usize, f: impl Fn(f64) -> f64) {
-        for sign in [1.0, -1.0] {
-            for (a, b) in [(a, b), (b, a)] {
-                let watched = Watched::new(|x| sign * f(x));
-                let found = watched.refined(a, b);
-                assert!(
-                    (found - root).abs() <= 4.0 * f64::EPSILON * root.abs(),
-                    "{found} {root}"
-                );
-                assert!(watched.looks() <= most, "{root}: {}", watched.looks());
-                let seen = watched.seen.borrow();
-                assert!(seen.iter().all(|&x| x >= a.min(b) && x <= a.max(b)));
-                assert!(seen.iter().all(|&x| f(x).abs() >= f(found).abs()));
-            }
-        }
-    }
-    // Bisection takes some 54 steps, and more where the root is small beside the interval.
-    check(1.0, 2.0, 2_f64.cbrt(), 10, |x| x * x * x - 2.0);
-    check(0.0, 3.0, 2_f64.ln(), 10, |x| x.exp() - 2.0);
-    check(0.0, 30.0, 2_f64.ln(), 16, |x| (-x).exp() - 0.5);
-    check(0.1, 100.0, 1.0 / 7.0, 20, |x| x.recip() - 7.0);
-    check(-1.0, 2.0, 0.739_085_133_215_160_6, 10, |x| x.cos() - x);
-    check(0.0, 1e10, 3.0, 5, |x| x / 3.0 - 1.0);
-    // A root so flat that nothing helps costs no more than bisection.
-    check(0.0, 1.0, 0.3, 57, |x| (x - 0.3).powi(9));
-}
-
-#[test]
-fn roots_within_rounding_of_an_end_are_found_from_inside() {
-    // Interpolation alone would look at the end again, or beyond it.
-    for k in 1..=200 {
-        let end = 1.0 + f64::from(k) / 201.0;
-        let last = end.ln() * (1.0 - f64::EPSILON);
-        for [a, b] in [[0.5, end], [end, 0.5]] {
-            let watched = Watched::new(|x: f64| {
-                assert!((0.5..=end).contains(&x), "{x} {end}");
-                x.ln() - last
-            });
-            let found = watched.refined(a, b);
-            assert!((found - end).abs() <= 2.0 * f64::EPSILON * end);
-            assert!(watched.looks() <= 5, "{end}: {}", watched.looks());
-        }
-    }
-}
-
-#[test]
-fn exact_roots_end_the_refinement_at_once() {
-    for (a, b, looks) in [
-        (0.25, 1.0, 2),
-        (-1.0, 0.25, 2),
-        (0.0, 0.5, 3),
-        (0.5, 0.0, 3),
-    ] {
-        let watched = Watched::new(|x| 4.0 * x - 1.0);
-        assert_eq!((watched.refined(a, b), watched.looks()), (0.25, looks));
-    }
-}
-
-#[test]
-fn jumps_are_bisected_to_neighbouring_numbers() {
-    // A function without a shape: no interpolation helps, and 2⁵² numbers lie between two powers of
-    // two.
-    for root in [1.1, 1.5, 1.9999] {
-        let watched = Watched::new(|x| if x < root { -1.0 } else { 3.0 });
-        let found = watched.refined(1.0, 2.0);
-        assert!((found - root).abs() <= 2.0 * f64::EPSILON * root && found < root);
-        assert!(watched.looks() <= 2 + 53, "{}", watched.looks());
-    }
-    // Near 0, the smallest normal number is the aim.
-    let watched = Watched::new(|x| if x < 3e-306 { -1.0 } else { 1.0 });
-    assert!((watched.refined(0.0, 1e-305) - 3e-306).abs() < 2.0 * f64::MIN_POSITIVE);
-    assert!(watched.looks() <= 2 + 10, "{}", watched.looks());
-}
-
-#[test]
-fn refinement_gives_up_with_the_better_end() {
-    // Some 990 halvings away from 1.
-    let root = 1e-300;
-    for [below, above] in [[-1.0, 2.0], [-2.0, 1.0]] {
-        let watched = Watched::new(|x| if x < root { below } else { above });
-        let found = watched.refined(-1.0, 1.0);
-        assert_eq!(found < root, above == 2.0);
-        assert!(found.abs() < 1e-59, "{found}");
-        assert_eq!(watched.looks(), 2 + 200);
-    }
 }
