@@ -1,0 +1,7 @@
+//! What users rely on: names, signatures, traits, the README and its figures.
+
+mod api;
+mod belt;
+mod cycles;
+mod figures;
+mod readme;
