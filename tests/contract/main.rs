@@ -4,4 +4,5 @@ mod api;
 mod belt;
 mod cycles;
 mod figures;
+mod house;
 mod readme;
