@@ -9,9 +9,9 @@ use stick_slip::analysis::averaging::{cycles, drift};
 use stick_slip::analysis::coulomb::{
     FreeVibration, largest_stick_slip_velocity, least_damping, tangential_slip,
 };
-use stick_slip::analysis::design::{self, QuietLaw};
 use stick_slip::analysis::exponential::hopf_velocities;
 use stick_slip::analysis::{PureSlip, Regime, StickSlip, equilibrium, regime};
+use stick_slip::analysis::{coulomb, design, exponential, polynomial};
 use stick_slip::{Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, State};
 
 fn cases(file: &str, kind: &str) -> Vec<Value> {
@@ -287,7 +287,7 @@ fn nothing_is_returned_where_a_formula_does_not_hold() {
         (None, None)
     );
     assert_eq!(regime(&damped), Regime::Equilibrium);
-    assert_eq!(Polynomial::quiet_velocity(&damped), Some(0.0));
+    assert_eq!(polynomial::quiet_velocity(&damped), Some(0.0));
 
     // 2β = η to the bit, and a hair less.
     let system = MassOnBelt::new(Polynomial::new(0.5, 0.25, 0.5).unwrap(), 0.2).unwrap();
@@ -415,14 +415,14 @@ fn hopf_velocities_at_the_ends_of_their_range() {
             && hopf_velocities(&system(1.001 * largest)).is_none()
     );
     assert_eq!(
-        Exponential::quiet_velocity(&system(0.0)),
+        exponential::quiet_velocity(&system(0.0)),
         Some(f64::INFINITY)
     );
     assert_eq!(
-        Exponential::quiet_velocity(&system(1.001 * largest)),
+        exponential::quiet_velocity(&system(1.001 * largest)),
         Some(0.0)
     );
-    assert_eq!(Exponential::quiet_velocity(&system(0.2)), None);
+    assert_eq!(exponential::quiet_velocity(&system(0.2)), None);
     for beta in [1e-300, 1e-30, 1e-3, 0.2, 0.428, (1.0 - 1e-9) * largest] {
         let [low, high] = hopf_velocities(&system(beta))
             .unwrap()
@@ -507,7 +507,7 @@ fn damping_that_keeps_it_quiet() {
     assert!((design::least_damping(&system).unwrap() - 0.189).abs() < 1e-16);
     assert_eq!(design::least_damping(&paper(0.6)), Some(0.0));
     assert_eq!(design::least_damping(&paper(0.0)), None);
-    assert!((Polynomial::least_damping_everywhere(&system) - 0.225).abs() < 1e-16);
+    assert!((polynomial::least_damping_everywhere(&system) - 0.225).abs() < 1e-16);
     assert!((design::least_damping_over(&system, 0.0..5.0).unwrap() - 0.225).abs() < 1e-16);
     assert!((design::least_damping_over(&system, 0.2..5.0).unwrap() - 0.189).abs() < 1e-16);
     let table = Table {
@@ -518,10 +518,10 @@ fn damping_that_keeps_it_quiet() {
     assert!((design::least_damping_over(&system, 0.05..3.0).unwrap() - 0.75).abs() < 1e-15);
     assert!((design::least_damping_over(&system, 0.1..3.0).unwrap() - 0.2 / 3.0).abs() < 1e-15);
     let coulomb = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), 0.2).unwrap();
-    assert_eq!(Coulomb::least_damping_everywhere(&coulomb), 1.0);
-    assert_eq!(Coulomb::quiet_velocity(&coulomb), Some(f64::INFINITY));
+    assert_eq!(coulomb::least_damping_everywhere(&coulomb), 1.0);
+    assert_eq!(coulomb::quiet_velocity(&coulomb), f64::INFINITY);
     let exponential = MassOnBelt::new(Exponential::new(0.4, 0.25, 0.5).unwrap(), 0.2).unwrap();
-    let everywhere = Exponential::least_damping_everywhere(&exponential);
+    let everywhere = exponential::least_damping_everywhere(&exponential);
     assert!(
         (design::least_damping_over(&exponential, 0.0..9.0).unwrap() - everywhere).abs() < 1e-16
     );
@@ -561,7 +561,7 @@ fn least_damping_finds_the_steepest_fall_at_any_scale() {
     for drop in [0.15, 1e-3, 1e-9] {
         let law = Exponential::new(0.4, 0.4 - drop, 0.3).unwrap();
         let system = MassOnBelt::new(law, 0.2).unwrap().with_load(1.7).unwrap();
-        let everywhere = Exponential::least_damping_everywhere(&system);
+        let everywhere = exponential::least_damping_everywhere(&system);
         let steepest = system.with_belt_velocity(0.3 * 0.5_f64.sqrt()).unwrap();
         let found = design::least_damping(&steepest).unwrap();
         assert!((found / everywhere - 1.0).abs() < 1e-14, "{drop}");
@@ -572,7 +572,7 @@ fn least_damping_finds_the_steepest_fall_at_any_scale() {
     }
     let system = paper(0.2).with_load(1.7).unwrap();
     let over = design::least_damping_over(&system, 0.0..2.0).unwrap();
-    assert!((Polynomial::least_damping_everywhere(&system) / over - 1.0).abs() < 1e-14);
+    assert!((polynomial::least_damping_everywhere(&system) / over - 1.0).abs() < 1e-14);
 }
 
 #[test]
@@ -599,9 +599,9 @@ fn laws_are_looked_at_in_the_range_alone_and_vertical_tangents_are_errors() {
 #[test]
 fn laws_that_do_not_fall_are_quiet() {
     let flat = MassOnBelt::new(Exponential::new(0.4, 0.4, 0.5).unwrap(), 0.2).unwrap();
-    assert_eq!(Exponential::quiet_velocity(&flat), Some(0.0));
+    assert_eq!(exponential::quiet_velocity(&flat), Some(0.0));
     let level = MassOnBelt::new(Coulomb::new(0.4, 0.4).unwrap(), 0.2).unwrap();
-    assert_eq!(Coulomb::least_damping_everywhere(&level), 0.0);
+    assert_eq!(coulomb::least_damping_everywhere(&level), 0.0);
 }
 
 #[test]
@@ -784,7 +784,7 @@ fn displacements_are_counted_from_the_equilibrium() {
 fn regimes_change_at_the_velocities_of_the_formulas() {
     let formulas = PureSlip::new(&paper(0.4)).unwrap();
     let onset = formulas.onset_velocity().unwrap();
-    assert_eq!(Polynomial::quiet_velocity(&paper(0.2)), Some(onset));
+    assert_eq!(polynomial::quiet_velocity(&paper(0.2)), Some(onset));
     let touching = formulas.stick_velocity().unwrap();
     for (v_b, expected) in [
         (touching - 1e-12, Regime::StickSlip),

@@ -56,7 +56,7 @@ proptest! {
         }
         let (here, there) = (StickSlip::new(&system), StickSlip::new(&mirrored));
         prop_assert_eq!(here.map(|f| (f.amplitude(), f.period())), there.map(|f| (f.amplitude(), f.period())));
-        let second = |f: Option<StickSlip<_>>| f.and_then(|f| f.second_order());
+        let second = |f: Option<StickSlip>| f.and_then(|f| f.second_order());
         prop_assert_eq!(second(here).is_some(), second(there).is_some());
         for (a, b) in second(here).into_iter().zip(second(there)) {
             prop_assert_eq!((a.u_max, a.u_min, a.v_max, a.v_min), (-b.u_min, -b.u_max, -b.v_min, -b.v_max));

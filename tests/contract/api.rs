@@ -53,7 +53,7 @@ fn types_have_the_common_traits() {
     small::<Continuum>();
     small::<PureSlip>();
     small::<PureSlipCycle>();
-    small::<StickSlip<Exponential>>();
+    small::<StickSlip>();
     small::<StickSlipCycle>();
     small::<Transient>();
     small::<AveragedCycle>();

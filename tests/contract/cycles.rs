@@ -35,7 +35,7 @@ fn types_have_the_common_traits() {
     small::<Continuum>();
     small::<Criticality>();
     small::<PureSlip>();
-    small::<StickSlip<Exponential>>();
+    small::<StickSlip>();
     small::<AveragedCycle>();
     small::<Regime>();
     fn shown<T: Display>() {}

@@ -2,7 +2,6 @@
 
 use std::f64::consts::TAU;
 
-use stick_slip::Polynomial;
 use stick_slip::analysis::averaging::AveragedCycle;
 use stick_slip::analysis::{PureSlip, PureSlipCycle, StickSlip, StickSlipCycle};
 
@@ -10,13 +9,7 @@ use super::points::Point;
 
 type Exact = fn(&Point) -> f64;
 type PureSlipRow = (&'static str, fn(&PureSlipCycle) -> f64, Exact, [f64; 4]);
-type PaperRow = (
-    &'static str,
-    fn(&StickSlip<Polynomial>) -> f64,
-    Exact,
-    f64,
-    Series,
-);
+type PaperRow = (&'static str, fn(&StickSlip) -> f64, Exact, f64, Series);
 type StickSlipRow = (
     &'static str,
     fn(&StickSlipCycle) -> f64,
@@ -179,7 +172,7 @@ pub(crate) fn stick_slip_rows(
     systems: &[Vec<Point>],
     mut judge: impl FnMut(&str, f64, Series, &Errors),
 ) {
-    type Order = fn(&StickSlip<Polynomial>) -> Option<StickSlipCycle>;
+    type Order = fn(&StickSlip) -> Option<StickSlipCycle>;
     const ORDERS: [Order; 2] = [StickSlip::first_order, StickSlip::second_order];
     for (name, field, exact, stated, series) in PAPER_STICK_SLIP {
         let formula = |point: &Point| field(&StickSlip::new(&point.system).unwrap());
