@@ -53,10 +53,10 @@ struct Plan {
     memory: f64,
 }
 
-/// How far u − ū may be beyond all speeds and still be the scale of the motion: v' is
-/// −(u − ū) − Hv, with H the mean of D between |v_b| and s. Where neither H nor D is above 4, the
-/// larger of |v| and |v'|/max(1, |D|) is at least an eighth of it.
-const BEYOND: f64 = 8.0;
+/// How far u − ū may be beyond what the motion does and still be its scale. With H the mean of D
+/// between |v_b| and s, v' is −(u − ū) − Hv: so where neither H nor D is above 32, the motion does at
+/// least a 64th of it.
+const BEYOND: f64 = 64.0;
 
 /// Takes Taylor steps within slip phases of one system.
 ///
@@ -157,7 +157,7 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         if overflows || series.decay.abs() > STIFF {
             return self.stiff_plan(point, piece, time, elapsed);
         }
-        let error = self.tolerance * self.scale(state);
+        let error = self.tolerance * self.scale(point, state, time);
         let allowance = Allowance::new(error, series.largest_term(&self.system, state));
         Ok(Plan {
             allowance,
@@ -186,11 +186,13 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         }
         let closing = time.sign() * self.series.decay;
         let largest_term = self.series.largest_term(&self.system, state);
-        let mut error = self.tolerance * self.scale(state);
-        if closing > STIFF {
-            // What rounding of the forces shifts the slow motion by.
-            error = error.max(f64::EPSILON * largest_term / closing);
-        }
+        let error = if closing > STIFF {
+            // Or what rounding of the forces shifts the slow motion by.
+            let rounding = f64::EPSILON * largest_term / closing;
+            (self.tolerance * self.scale_here(state, time)).max(rounding)
+        } else {
+            self.tolerance * self.scale(point, state, time)
+        };
         let allowance = Allowance::new(error, largest_term);
         let reach = allowance.reach_of(&self.series.speed, order, FARTHEST);
         let mut plan = Plan {
@@ -287,30 +289,44 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         }
     }
 
-    /// What the tolerance is relative to: max(|u − ū|, |v|, |v_b|). But where a law is so steep that
-    /// ū lies far beyond all that happens, |v'|/max(1, |D|), the change of v that the motion is
-    /// about to make, stands for |u − ū|.
+    /// What the tolerance is relative to: max(|u − ū|, |v|, |v_b|), but where a law is so steep that
+    /// ū lies far beyond all that happens, the scale of what does.
     #[inline(always)]
-    fn scale(&self, state: State) -> f64 {
+    fn scale(&self, point: &SlipPoint, state: State, time: Time) -> f64 {
         let deviation = (state.displacement - self.equilibrium).abs();
         let v_b = self.system.belt_velocity();
         let speed = state.velocity.abs().max(v_b.abs());
         if deviation <= BEYOND * speed {
             deviation.max(speed)
         } else {
-            self.scale_of_change(deviation, speed)
+            self.scale_far_out(deviation, point, state, time)
         }
     }
 
     #[inline(never)]
-    fn scale_of_change(&self, deviation: f64, speed: f64) -> f64 {
-        let series = &self.series;
-        let change = series.speed[1].abs() / series.decay.abs().max(1.0);
-        if deviation <= BEYOND * change {
+    fn scale_far_out(&self, deviation: f64, point: &SlipPoint, state: State, time: Time) -> f64 {
+        let here = self.scale_here(state, time);
+        // Friction on the equilibrium's side of the belt has another sign than beyond it.
+        let leads = point.direction.sign() * self.system.belt_velocity() > 0.0;
+        let jump = if leads {
+            2.0 * self.system.largest_friction()
+        } else {
+            0.0
+        };
+        if deviation <= BEYOND * here + jump {
             deviation
         } else {
-            speed.max(change)
+            here
         }
+    }
+
+    /// max(|v|, |v_b|, |v'|/max(1, D)): the scale of what the motion does, and is about to do, with D
+    /// the rate at which it closes in on a slow one.
+    fn scale_here(&self, state: State, time: Time) -> f64 {
+        let series = &self.series;
+        let v_b = self.system.belt_velocity();
+        let change = series.speed[1].abs() / (time.sign() * series.decay).max(1.0);
+        state.velocity.abs().max(v_b.abs()).max(change)
     }
 
     /// Displacement at a time t after the start of the step taken last, from `start`.
