@@ -71,6 +71,7 @@ fn during(reached: &Option<Reached>) -> String {
 /// | [`StepUnderflow`](Self::StepUnderflow) | a motion: stiffness, or a kink or jump of the law that is not named | name the breakpoint; reduce γ²·dμ̂/ds; start nearer |
 /// | [`TooManySteps`](Self::TooManySteps) | a motion or a search for cycles: stiffness, or a very long run | `with_max_steps`, or as above |
 /// | [`TooManyEvents`](Self::TooManyEvents) | a run with `with_max_events` | raise the limit, or use `flow` |
+/// | [`At`](Self::At) | a search over belt velocities, or over the damping | see the error inside; search beside that value |
 ///
 /// A `main` that returns `Result<(), Error>` shows the variant and its fields, by `Debug`; print
 /// the error with `{error}` to show the message.
@@ -237,9 +238,29 @@ pub enum Error {
         /// Where the integration stood.
         reached: Reached,
     },
+
+    /// A search over a range of a parameter could not go on at one value of it.
+    #[error("at {parameter} = {value:e}: {source}; or search beside it, in two ranges")]
+    At {
+        /// The parameter, by its name: `belt_velocity`, `damping`.
+        parameter: &'static str,
+        /// Its value.
+        value: f64,
+        /// What happened there.
+        source: Box<Self>,
+    },
 }
 
 impl Error {
+    /// The same error, with the value of the parameter at which it happened.
+    pub(crate) fn at(self, parameter: &'static str, value: f64) -> Self {
+        Self::At {
+            parameter,
+            value,
+            source: Box::new(self),
+        }
+    }
+
     /// `value` if it lies in the range, else [`Error::InvalidParameter`]; NaN lies in none.
     pub(crate) fn check(
         name: &'static str,

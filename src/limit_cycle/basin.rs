@@ -1,4 +1,5 @@
 use super::arc::{Arrival, Tracer};
+use super::averaged;
 use super::crossings::CrossingMap;
 use super::cycle::{CycleKind, LimitCycle};
 use super::find::{nested_cycles, of_belt_at_rest};
@@ -239,6 +240,7 @@ impl<L: FrictionLaw> Tracer<'_, L> {
                 Arrival::Maximum(point) => return Ok(Place::Peak(v_b - point.speed)),
                 Arrival::Contact(displacement) => displacement,
                 Arrival::Equilibrium | Arrival::Far => return Ok(Place::Equilibrium),
+                Arrival::Held => return Ok(Place::Release),
             };
             match self.system().slides_at(displacement) {
                 None => return Ok(Place::Release),
@@ -274,7 +276,15 @@ impl<L: FrictionLaw> Basins<'_, L> {
         let Some(nest) = &self.nest else {
             return Ok(self.at_rest(start));
         };
-        let mut tracer = Tracer::new(nest.forward);
+        self.reached_from(nest, &mut Tracer::new(nest.forward), start)
+    }
+
+    fn reached_from(
+        &self,
+        nest: &Nest<'_, L>,
+        tracer: &mut Tracer<'_, L>,
+        start: State,
+    ) -> Result<Attractor, Error> {
         let start = if self.system.belt_velocity() < 0.0 {
             start.mirrored()
         } else {
@@ -282,9 +292,9 @@ impl<L: FrictionLaw> Basins<'_, L> {
         };
         match tracer.first_place(start)? {
             Place::Equilibrium => Ok(Attractor::Equilibrium),
-            Place::Peak(peak) => self.reached_from_peak(nest, &mut tracer, peak),
+            Place::Peak(peak) => self.reached_from_peak(nest, tracer, peak),
             Place::Release => Ok(self.reached_from_release(nest)),
-            Place::Crossing(force) => self.reached_from_crossing(nest, &mut tracer, force),
+            Place::Crossing(force) => self.reached_from_crossing(nest, tracer, force),
         }
     }
 
@@ -339,7 +349,11 @@ impl<L: FrictionLaw> Basins<'_, L> {
         if let Some(cycle) = self.cycle_through(nest, CycleKind::PureSlip, peak, v_b, grows) {
             return Ok(attractor_on(cycle));
         }
-        // Near the equilibrium, where motion is linear, rounding hides the growth.
+        let grows = match grows {
+            None => averaged::grows(&nest.forward, peak)?,
+            grows => grows,
+        };
+        // Nearest to the equilibrium motion is linear.
         let equilibrium = nest.forward.equilibrium();
         let unstable = equilibrium.is_some_and(|equilibrium| !equilibrium.is_stable());
         let mut cycles = self.of_kind(nest, CycleKind::PureSlip);
@@ -443,3 +457,6 @@ fn attractor_on(cycle: &LimitCycle) -> Attractor {
         Attractor::Separatrix(cycle.clone())
     }
 }
+
+#[cfg(test)]
+mod tests;

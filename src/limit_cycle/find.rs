@@ -154,3 +154,6 @@ fn add_pure_slip<L: FrictionLaw>(
     }
     Ok(true)
 }
+
+#[cfg(test)]
+mod tests;

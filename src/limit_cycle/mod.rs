@@ -39,12 +39,14 @@
 //! | `peaks.rs` | the map of velocity maxima: pure-slip cycles |
 //! | `crossings.rs` | the map of downward crossings: crossing cycles |
 //! | `growth.rs` | a map's growth over a turn as a sample |
+//! | `averaged.rs` | the growth of small changes, where rounding hides it over a turn |
 //! | `continuum.rs` | families of periodic motions |
 //! | `set.rs`, `cycle.rs` | results: [`CycleSet`], [`LimitCycle`] |
 //! | `measures.rs` | extremes and integrals of a cycle |
 //! | `written.rs` | how cycles are written (feature `serde`) |
 
 mod arc;
+mod averaged;
 mod basin;
 mod continuum;
 mod crossings;
@@ -63,6 +65,7 @@ mod written;
 pub(crate) use arc::Tracer;
 pub use basin::{Attractor, Basins, attractor, basins};
 pub use continuum::Continuum;
+pub(crate) use continuum::is_frictionless;
 pub use cycle::{CycleKind, EnergyBudget, LimitCycle};
 pub(crate) use find::find_borrowed;
 pub use find::{find, stick_slip};
