@@ -7,9 +7,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use stick_slip::limit_cycle::Attractor;
-use stick_slip::{
-    Exponential, Integrator, MassOnBelt, Polynomial, State, bifurcation, limit_cycle,
-};
+use stick_slip::{Integrator, MassOnBelt, Polynomial, State, Stribeck, bifurcation, limit_cycle};
 
 fn paper() -> MassOnBelt<Polynomial> {
     Polynomial::new(0.4, 0.25, 0.5)
@@ -64,7 +62,7 @@ fn cycles(criterion: &mut Criterion) {
 /// Where 800 starts end, beside one period of the same system: μ̂ = 0.5 + 0.5 e^(−2s), β = 0.05,
 /// v_b = 1.5, starts in [−2, 2] × [0, 2].
 fn basins(criterion: &mut Criterion) {
-    let system = Exponential::new(1.0, 0.5, 0.5)
+    let system = Stribeck::new(1.0, 0.5, 0.5, 1)
         .and_then(|law| MassOnBelt::new(law, 1.5))
         .and_then(|system| system.with_damping(0.05))
         .expect("valid parameters");

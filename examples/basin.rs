@@ -10,14 +10,15 @@
 //! `cargo run --release --example basin > basin.pgm`.
 
 use stick_slip::limit_cycle::{Attractor, basins};
-use stick_slip::{Error, Exponential, MassOnBelt, State};
+use stick_slip::{Error, MassOnBelt, State, Stribeck};
 
 /// Points across and down.
 const SIZE: [usize; 2] = [400, 300];
 
 fn main() -> Result<(), Error> {
-    // μ̂ = 0.5 + 0.5 exp(−(s/0.9)²), a belt fast enough for steady sliding to be stable.
-    let system = MassOnBelt::new(Exponential::new(1.0, 0.5, 0.9)?, 1.5)?.with_damping(0.05)?;
+    // μ̂ = 0.5 + 0.5 e^(−2s), and a belt fast enough for steady sliding to be stable.
+    let law = Stribeck::new(1.0, 0.5, 0.5, 1)?;
+    let system = MassOnBelt::new(law, 1.5)?.with_damping(0.05)?;
     let basins = basins(&system)?;
     for cycle in basins.cycles() {
         let stability = if cycle.is_stable() {

@@ -110,3 +110,6 @@ fn over_belt_velocities<'s, L: FrictionLaw>(
     };
     sign_changes(&mut at_velocity, &range)
 }
+
+#[cfg(test)]
+mod tests;

@@ -90,8 +90,9 @@ pub(super) fn has_no_cycle<L: FrictionLaw>(
         let f: &mut dyn FnMut(f64) -> Result<Sample, Error> = &mut at;
         for node in isolate(f, |t| piece[0] + (piece[1] - piece[0]) * t)? {
             let Sample { value, noise } = node.sample;
-            // Also where it is not a number.
-            if !(value.abs() > noise) || growing.is_some_and(|growing| growing != (value > 0.0)) {
+            // Neither where it is not a number.
+            let is_sure = value.abs() > noise;
+            if !is_sure || growing.is_some_and(|growing| growing != (value > 0.0)) {
                 return Ok(false);
             }
             growing = Some(value > 0.0);

@@ -108,10 +108,10 @@ pub fn attractor<L: FrictionLaw>(system: &MassOnBelt<L>, start: State) -> Result
 ///
 /// ```
 /// use stick_slip::limit_cycle::{Attractor, basins};
-/// use stick_slip::{Exponential, MassOnBelt, State};
+/// use stick_slip::{MassOnBelt, State, Stribeck};
 ///
 /// // μ̂ = 0.5 + 0.5 e^(−2s): steady sliding and stick-slip side by side.
-/// let law = Exponential::new(1.0, 0.5, 0.5)?;
+/// let law = Stribeck::new(1.0, 0.5, 0.5, 1)?;
 /// let system = MassOnBelt::new(law, 1.5)?.with_damping(0.05)?;
 /// let basins = basins(&system)?;
 /// assert_eq!(basins.cycles().len(), 2);
@@ -162,8 +162,8 @@ pub fn basins<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Basins<'_, L>, E
 ///
 /// ```
 /// # use stick_slip::limit_cycle::{Attractor, basins};
-/// # use stick_slip::{Exponential, MassOnBelt, State};
-/// # let system = MassOnBelt::new(Exponential::new(1.0, 0.5, 0.5)?, 1.5)?.with_damping(0.05)?;
+/// # use stick_slip::{MassOnBelt, State, Stribeck};
+/// # let system = MassOnBelt::new(Stribeck::new(1.0, 0.5, 0.5, 1)?, 1.5)?.with_damping(0.05)?;
 /// let basins = basins(&system)?;
 /// let starts: Vec<State> = (0..40).map(|i| State::new(0.1 * f64::from(i) - 2.0, 0.0)).collect();
 /// // With rayon: `starts.par_iter().map(|&start| basins.attractor(start)).collect()`.

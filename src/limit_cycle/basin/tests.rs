@@ -1,11 +1,11 @@
 //! Starts of which simulation tells where they end.
 
 use super::*;
-use crate::friction::{Coulomb, Exponential};
+use crate::friction::{Coulomb, Stribeck};
 
 #[test]
 fn basins_are_those_of_the_attractor_and_of_long_simulations() {
-    let law = Exponential::new(1.0, 0.5, 0.5).unwrap();
+    let law = Stribeck::new(1.0, 0.5, 0.5, 1).unwrap();
     for v_b in [1.5, -1.5] {
         let system = MassOnBelt::new(law, v_b)
             .unwrap()
@@ -59,7 +59,7 @@ fn where_rounding_hides_the_growth_of_a_motion_averaging_tells_where_it_ends() {
 #[test]
 fn a_start_costs_at_most_four_simulated_periods() {
     // μ̂ = 0.5 + 0.5 e^(−2s), starts in [−2, 2] × [0, 2].
-    let law = Exponential::new(1.0, 0.5, 0.5).unwrap();
+    let law = Stribeck::new(1.0, 0.5, 0.5, 1).unwrap();
     let system = MassOnBelt::new(law, 1.5)
         .unwrap()
         .with_damping(0.05)

@@ -4,6 +4,21 @@ use super::*;
 use crate::friction::{Coulomb, Polynomial, Stribeck};
 
 #[test]
+fn a_leading_slip_that_cannot_begin_at_the_end_of_the_stick_band_is_not_followed() {
+    // System 8822 of the soak: μ̂(0) = μ_s, and a belt 240 000 times as fast as v_m.
+    let law = Polynomial::new(
+        0.0631621354498618,
+        0.04293497287149199,
+        0.00011546861552758402,
+    );
+    let system = MassOnBelt::new(law.unwrap(), -27.620406873625818)
+        .and_then(|system| system.with_damping(0.07898895542034953))
+        .and_then(|system| system.with_load(0.20974019958398257))
+        .unwrap();
+    assert_eq!(find(&system).map(|cycles| cycles.len()), Ok(0));
+}
+
+#[test]
 fn an_overdamped_mass_on_a_slow_belt_settles() {
     let law = Stribeck::new(0.4, 0.25, 0.05, 1).unwrap();
     let viscous = law.with_viscous_coefficient(50.0).unwrap();
