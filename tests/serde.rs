@@ -443,7 +443,7 @@ fn what_follows_from_a_system_is_written() {
         assert_eq!(written["belt_velocity"], point.belt_velocity);
         let equilibrium = &written["equilibrium"];
         assert_eq!(equilibrium.is_null(), point.belt_velocity == 0.0);
-        for expected in point.equilibrium {
+        if let Some(expected) = point.equilibrium {
             assert_eq!(equilibrium["displacement"], expected.displacement);
             assert_eq!(equilibrium["effective_damping"], -expected.jacobian[(1, 1)]);
             let stability: Stability =

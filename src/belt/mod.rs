@@ -7,6 +7,7 @@
 //! | `equilibrium.rs` | steady sliding and its stability |
 //! | `slip_point.rs` | points of slip phases, and how each kind of slip begins |
 //! | `expansion.rs` | the power series of a slip phase |
+//! | `slow.rs` | the power series of the slow motion in a stiff slip phase |
 //! | `defect.rs` | whether a series holds between its coefficients |
 //! | `breakpoints.rs` | pieces of the law, and where a step leaves one |
 //! | `stepper.rs` | one Taylor step: begin, settle, land |
@@ -23,6 +24,7 @@ mod forward;
 #[cfg(feature = "serde")]
 mod read;
 mod slip_point;
+mod slow;
 mod step;
 mod stepper;
 mod system;

@@ -45,7 +45,7 @@ impl<'t, 's, L: FrictionLaw> CrossingMap<'t, 's, L> {
 
     /// C(F)/F − 1 and its slope, where C is the force at the next downward crossing; F_s, the force
     /// at release, for a motion that does not cross again.
-    fn growth(&mut self, force: f64) -> Result<Sample, Error> {
+    pub(super) fn growth(&mut self, force: f64) -> Result<Sample, Error> {
         let release = self.tracer.system().largest_friction();
         Ok(match self.turn(force)? {
             Some((arcs, next)) if next >= release => {
@@ -86,7 +86,7 @@ impl<'t, 's, L: FrictionLaw> CrossingMap<'t, 's, L> {
     /// The least force from which a motion crosses downwards again, for a motion released from
     /// stick that does not: the one that comes back to an end of the stick band, followed
     /// backwards.
-    fn least(&mut self) -> Result<Option<Sample>, Error> {
+    pub(super) fn least(&mut self) -> Result<Option<Sample>, Error> {
         let carried = self.tracer.system().carried_force();
         let [low, high] = self.tracer.system().stick_limits();
         if low == high {

@@ -115,7 +115,9 @@ impl LimitCycle {
     ) -> Self {
         let mut steps = Vec::new();
         for mut arc in arcs {
-            if let (Arrival::Contact(displacement), Some(last)) = (arc.arrival, arc.steps.pop()) {
+            if let Arrival::Contact(displacement) = arc.arrival
+                && let Some(last) = arc.steps.pop()
+            {
                 let at = State::new(displacement, system.belt_velocity());
                 match last
                     .direction()

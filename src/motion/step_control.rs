@@ -8,7 +8,13 @@ pub(crate) const LONG: f64 = 1.0;
 
 /// No series is used further, even where its last coefficients vanish: the oscillator turns once in
 /// about 2π.
-const FARTHEST: f64 = 8.0;
+pub(crate) const FARTHEST: f64 = 8.0;
+
+/// Rate at which deviations from a slow motion die out (or grow) above which a system is stiff.
+pub(crate) const STIFF: f64 = 8.0;
+
+/// Reach of an explicit step in units of 1/D above which the motion may have come to the slow one.
+pub(crate) const SETTLING: f64 = 7.0;
 
 /// Floor of the defect that rounding alone causes, in units of ε times the largest term of the
 /// equation of motion; it is seldom above 8.
@@ -40,8 +46,21 @@ impl Allowance {
     /// last two n, to 6 %.
     #[inline(always)]
     pub(crate) fn reach(&self, c: &PowerSeries) -> f64 {
+        self.reach_of(c, TERMS - 1, FARTHEST)
+    }
+
+    /// The same of a series that ends with an earlier order, and in the slow motion of a stiff
+    /// system, which may be followed further.
+    #[inline(always)]
+    pub(crate) fn reach_of(&self, c: &PowerSeries, order: usize, farthest: f64) -> f64 {
         let by = |n: usize| root_of_ratio(self.error, c[n].abs(), n);
-        by(TERMS - 1).min(by(TERMS - 2)).min(FARTHEST)
+        by(order).min(by(order - 1)).min(farthest)
+    }
+
+    /// No series of a motion that closes in on a slow one at this rate is used further: the slow
+    /// motion changes within the time D.
+    pub(crate) fn farthest(closing: f64) -> f64 {
+        FARTHEST * closing.max(1.0)
     }
 
     /// Whether a step of length h may be taken with these defects: what is missing in its equation

@@ -1,9 +1,8 @@
 //! Folds of outlines made by hand, and how often they are asked for.
 
-use std::cell::RefCell;
-
 use super::*;
 use crate::friction::Exponential;
+use crate::numerics::scan::look_between;
 
 fn outline(points: &[(f64, f64)]) -> Outline {
     Outline {
@@ -17,16 +16,20 @@ fn hump(height: f64) -> Outline {
 }
 
 /// Folds over the belt velocities from 0 to 1, and where outlines were asked for.
-fn folds(f: impl Fn(f64) -> Outline, depth: u32) -> (Vec<f64>, Vec<f64>) {
-    let asked = RefCell::new(Vec::new());
-    let mut folds = Vec::new();
-    let counted = |v_b: f64| {
+fn folds(f: impl Fn(f64) -> Outline, halvings: u32) -> (Vec<f64>, Vec<f64>) {
+    let mut asked = Vec::new();
+    let mut counted = |v_b: f64| {
         assert!(0.0 < v_b && v_b < 1.0, "{v_b}");
-        asked.borrow_mut().push(v_b);
+        asked.push(v_b);
         Ok(f(v_b))
     };
-    divide(&counted, &f(0.0), &f(1.0), depth, &mut folds).unwrap();
-    (folds, asked.into_inner())
+    let mut folds = Folds {
+        outline: &mut counted,
+        found: Vec::new(),
+    };
+    look_between(&mut folds, &(0.0, f(0.0)), &(1.0, f(1.0)), halvings).unwrap();
+    let found = folds.found;
+    (found, asked)
 }
 
 #[test]

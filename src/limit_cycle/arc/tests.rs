@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
 use super::super::testing::{assert_close, traced};
 use super::*;
+use crate::belt::MassOnBelt;
 use crate::scalar::Scalar;
 
 /// μ̂(s) = value + slope·s.
@@ -110,7 +111,7 @@ fn an_arc_in_slip_ends_at_the_next_maximum_of_the_velocity() {
             assert_close(tracer.contraction(&back), 2.0 * damping * turn, 1e-9);
             assert_continuous(&back, Time::Backward);
             // Reversed, the same arc forwards again.
-            let last = found.state(tracer.system());
+            let last = found.state(&tracer.system());
             let again = back.reversed(last);
             assert_eq!(again.steps[0].state, last);
             for pair in again.steps.windows(2) {

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use stick_slip::analysis::averaging::AveragedCycle;
 use stick_slip::analysis::{PureSlip, PureSlipCycle, StickSlip, StickSlipCycle};
 
-use crate::points::Point;
+use super::points::Point;
 
 type Exact = fn(&Point) -> f64;
 type PureSlipRow = (&'static str, fn(&PureSlipCycle) -> f64, Exact, [f64; 4]);

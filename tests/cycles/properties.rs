@@ -1,12 +1,10 @@
 //! Limit cycles of random systems with random laws: identities that hold on every cycle.
 
-mod common;
-
 use std::f64::consts::TAU;
 
-use common::any::systems;
-use common::assert_mirrored;
-use common::orbit::{around, find, size};
+use crate::common::any::systems;
+use crate::common::assert_mirrored;
+use crate::common::orbit::{around, find, size};
 use stick_slip::limit_cycle;
 use stick_slip::{CycleKind, Direction, EventKind, FrictionLaw, Mode, State};
 

@@ -1,8 +1,6 @@
 //! Cycles and bifurcations in cases with a known answer, and in hard ones.
 
-mod common;
-
-use common::{Random, paper};
+use crate::common::{Random, paper};
 use stick_slip::analysis::{averaging, coulomb};
 use stick_slip::bifurcation::{grazing_velocities, hopf_velocities};
 use stick_slip::limit_cycle::{self, Attractor, attractor};

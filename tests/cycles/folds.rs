@@ -1,8 +1,6 @@
 //! Folds of pure-slip cycles against the cycles themselves, counted on both sides.
 
-mod common;
-
-use common::Random;
+use crate::common::Random;
 use stick_slip::bifurcation::{
     crossing_velocities, fold_velocities, grazing_velocities, overshoot_velocities,
 };

@@ -1,9 +1,7 @@
 //! What the source paper prints wrongly: contradicted by the formulas, and (`numerics_…`) by the
 //! exact motions.
 
-mod common;
-
-use common::paper;
+use crate::common::paper;
 use stick_slip::analysis::averaging::{cycles, drift};
 use stick_slip::analysis::{PureSlip, Regime, StickSlip, equilibrium, regime};
 use stick_slip::{CycleKind, EventKind, Exponential, FrictionLaw, MassOnBelt, Polynomial};

@@ -1,11 +1,9 @@
 //! Bifurcation velocities against 25-digit reference data, and Hopf velocities of laws that are
 //! hard for a search.
 
-mod common;
-
 use std::ops::Range;
 
-use common::{list, number, paper, system_of, text};
+use crate::common::{list, number, paper, system_of, text};
 use serde_json::Value;
 use stick_slip::bifurcation::{
     Criticality, criticality, crossing_velocities, fold_velocities, grazing_velocities,
@@ -27,7 +25,7 @@ fn assert_close(id: &str, what: &str, found: f64, expected: f64) {
 
 #[test]
 fn every_number_of_the_reference() {
-    let data: Value = serde_json::from_str(include_str!("data/bifurcations.json")).unwrap();
+    let data: Value = serde_json::from_str(include_str!("../data/bifurcations.json")).unwrap();
     for case in list(&data["cases"]) {
         let id = text(&case["id"]);
         let mut case = case.clone();

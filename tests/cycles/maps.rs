@@ -1,13 +1,11 @@
 //! Limit cycles of random systems with random laws against return maps that the tests simulate on
 //! their own, so that lost, invented and misjudged cycles show.
 
-mod common;
-
 use std::f64::consts::TAU;
 
-use common::Random;
-use common::any::systems;
-use common::orbit::{Turn, at_peak, find, next_crossing, next_peak, settles};
+use crate::common::Random;
+use crate::common::any::systems;
+use crate::common::orbit::{Turn, at_peak, find, next_crossing, next_peak, settles};
 use stick_slip::limit_cycle::{Attractor, attractor};
 use stick_slip::{CycleKind, FrictionLaw, LimitCycle, MassOnBelt, State};
 

@@ -306,4 +306,4 @@ fn events_modes_and_directions_are_shown() {
     }
 }
 
-// `limit_cycle`, `bifurcation` and `analysis`: tests/contract_cycles.rs.
+// `limit_cycle`, `bifurcation` and `analysis`: tests/contract/cycles.rs.

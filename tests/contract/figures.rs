@@ -2,7 +2,7 @@
 
 use figures::{FIGURES, Figure, escape};
 
-#[path = "../examples/figures/mod.rs"]
+#[path = "../../examples/figures/mod.rs"]
 mod figures;
 
 /// Largest difference of two numbers.
@@ -61,8 +61,8 @@ fn is_reproduced(name: &str, committed: &str) {
     assert!(split(committed).1.len() > 1000);
 }
 
-const AMPLITUDE: &str = include_str!("../examples/figures/fig6_amplitude.svg");
-const REGIMES: &str = include_str!("../examples/figures/regimes.svg");
+const AMPLITUDE: &str = include_str!("../../examples/figures/fig6_amplitude.svg");
+const REGIMES: &str = include_str!("../../examples/figures/regimes.svg");
 
 #[test]
 fn amplitude_is_reproduced() {

@@ -1,11 +1,7 @@
 //! A simple integrator, written without an idea of the crate's, must see the same events.
 
-mod common;
-#[path = "common/simple.rs"]
-mod simple;
-
-use common::Random;
-use simple::{Simple, told};
+use crate::common::Random;
+use crate::simple::{Simple, told};
 use stick_slip::{
     Coulomb, Direction, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Rational, State,
     Stribeck, Tabulated,
@@ -166,7 +162,7 @@ fn a_simple_integrator_sees_the_same_events() {
             (2.0 * width, middle),
             (3.0 * width, middle),
         ];
-        let broken = common::Table {
+        let broken = crate::common::Table {
             static_coefficient: top,
             points,
         };
@@ -180,7 +176,7 @@ fn a_simple_integrator_sees_the_same_events() {
             },
             &mut count,
         );
-        let wave = common::any::Wave {
+        let wave = crate::common::any::Wave {
             static_coefficient: top,
             fall,
             height: 0.05 * top,

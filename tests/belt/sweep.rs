@@ -1,11 +1,7 @@
 //! Stick-slip at 300 belt velocities for each of two laws, shallow sticks and shallow misses among
 //! them, at tolerances from 1e-4 to round-off: every run must show the same events.
 
-mod common;
-#[path = "common/simple.rs"]
-mod simple;
-
-use simple::{Seen, Simple, told};
+use crate::simple::{Seen, Simple, told};
 use stick_slip::{
     CycleKind, Exponential, FrictionLaw, Integrator, MassOnBelt, Polynomial, State, limit_cycle,
 };

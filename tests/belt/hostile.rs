@@ -3,17 +3,15 @@
 //! Where a number is compared, the bound is made of rounding errors and of how much the motion
 //! itself enlarges them.
 
-mod common;
-#[path = "common/hostile.rs"]
-mod hostile;
+mod cases;
 
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 
-use common::any::Any;
-use common::orbit::integrate;
-use common::ulp;
-use hostile::{Case, Stretched, check, magnitude, series, sigma, value};
+use crate::common::any::Any;
+use crate::common::orbit::integrate;
+use crate::common::ulp;
+use cases::{Case, Stretched, check, magnitude, series, sigma, value};
 use proptest::prelude::*;
 use stick_slip::{
     Direction, Error, Event, EventKind, Exponential, FrictionLaw, Integrator, MassOnBelt, Mode,
@@ -28,7 +26,7 @@ fn every_run_ends_with_a_result_or_a_typed_error() {
     let ends = RefCell::new(BTreeMap::<&str, u32>::new());
     check(6000, |case| {
         let (steps, error) = case.run();
-        prop_assert!(steps.len() <= hostile::MOST_STEPS);
+        prop_assert!(steps.len() <= cases::MOST_STEPS);
         let end = match error {
             None => "result",
             Some(Error::StepUnderflow { .. }) => "step underflow",
@@ -321,9 +319,7 @@ fn other_units_of_length_change_no_bit() {
                     .and_then(|scaled| scaled.with_load(unit * system.load()))
                     .unwrap();
                 let start = State::new(unit * start.displacement, unit * start.velocity);
-                let integrator = Integrator::new()
-                    .with_max_steps(hostile::MOST_STEPS)
-                    .unwrap();
+                let integrator = Integrator::new().with_max_steps(cases::MOST_STEPS).unwrap();
                 integrator.simulate(&scaled, start, *duration)
             };
             let (one, other) = (run(law.clone(), 1.0), run(Stretched { unit, ..law }, unit));
@@ -382,9 +378,7 @@ fn restart_in_mid_phase_gives_the_same_events() {
         let run = |system: &MassOnBelt<_>, du: f64, dv: f64| {
             let start = State::new(state.displacement + du, state.velocity + dv);
             // A little longer: one may be late.
-            let integrator = Integrator::new()
-                .with_max_steps(hostile::MOST_STEPS)
-                .unwrap();
+            let integrator = Integrator::new().with_max_steps(cases::MOST_STEPS).unwrap();
             let motion = integrator.simulate(system, start, 1.1 * left);
             motion.map_or(Vec::new(), |motion| motion.events().to_vec())
         };

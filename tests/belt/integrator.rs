@@ -3,11 +3,9 @@
 // Reference numbers keep the digits they were computed with.
 #![allow(clippy::excessive_precision)]
 
-mod common;
-
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use common::{Decay, Law, Leine, Random, Table, paper, ulp};
+use crate::common::{Decay, Law, Leine, Random, Table, paper, ulp};
 use stick_slip::{
     Coulomb, Direction, Error, Event, EventKind, Exponential, FrictionLaw, Integrator, MassOnBelt,
     Mode, Polynomial, Scalar, State, Step, Trajectory,

@@ -1,11 +1,9 @@
 //! Averaging against closed forms, against its own definition, and against a scan for cycles.
 
-mod common;
-
 use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
 
-use common::{Decay, Ends, Leine, Random, Table, paper};
+use crate::common::{Decay, Ends, Leine, Random, Table, paper};
 use proptest::prelude::*;
 use stick_slip::analysis::PureSlip;
 use stick_slip::analysis::averaging::{AveragedCycle, cycles, drift, drift_slope};

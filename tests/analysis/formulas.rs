@@ -1,20 +1,17 @@
 //! The formulas against their reference values, in degenerate cases, and for hostile input.
 
-mod common;
-
 use std::collections::BTreeSet;
 use std::f64::consts::{E, PI, TAU};
 
-use common::{Ends, Leine, Table, list, number, paper, text};
+use crate::common::{Ends, Leine, Table, list, number, paper, text};
 use serde_json::Value;
 use stick_slip::analysis::averaging::{cycles, drift, drift_slope};
 use stick_slip::analysis::coulomb::{
     FreeVibration, largest_stick_slip_velocity, least_damping, tangential_slip,
 };
-use stick_slip::analysis::design;
 use stick_slip::analysis::exponential::hopf_velocities;
 use stick_slip::analysis::{PureSlip, Regime, StickSlip, equilibrium, regime};
-use stick_slip::analysis::{coulomb, exponential, polynomial};
+use stick_slip::analysis::{coulomb, design, exponential, polynomial};
 use stick_slip::{
     AnyLaw, Coulomb, CycleKind, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Scalar,
     State, Tabulated, limit_cycle,
@@ -22,8 +19,8 @@ use stick_slip::{
 
 fn cases(file: &str, kind: &str) -> Vec<Value> {
     let all: Value = serde_json::from_str(match file {
-        "asymptotics" => include_str!("data/asymptotics.json"),
-        _ => include_str!("data/bifurcations.json"),
+        "asymptotics" => include_str!("../data/asymptotics.json"),
+        _ => include_str!("../data/bifurcations.json"),
     })
     .unwrap();
     let of_kind = |case: &&Value| text(&case["kind"]) == kind;

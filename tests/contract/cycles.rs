@@ -1,4 +1,4 @@
-//! The public contract of `limit_cycle`, `bifurcation` and `analysis`, as tests/contract.rs is that
+//! The public contract of `limit_cycle`, `bifurcation` and `analysis`, as tests/contract/belt.rs is that
 //! of the rest: every name with its full signature used once, so that an accidental change does not
 //! compile.
 

@@ -7,9 +7,9 @@ use std::path::Path;
 use serde_json::Value;
 use stick_slip::{EventKind, MassOnBelt, Polynomial, limit_cycle};
 
-const README: &str = include_str!("../README.md");
-const PROGRAM: &str = include_str!("data/readme_program.rs");
-const MANIFEST: &str = include_str!("../Cargo.toml");
+const README: &str = include_str!("../../README.md");
+const PROGRAM: &str = include_str!("readme/program.rs");
+const MANIFEST: &str = include_str!("../../Cargo.toml");
 
 /// The program of the README, with `println!` writing to [`program::PRINTED`](PRINTED).
 mod program {
@@ -21,7 +21,7 @@ mod program {
             })
         };
     }
-    include!("data/readme_program.rs");
+    include!("readme/program.rs");
 
     pub(super) fn run() {
         main().unwrap();
@@ -98,16 +98,16 @@ fn durations_are_the_ones_printed_and_accurate_to_4e15() {
     assert!(README.contains("within 4e-15"));
 }
 
-/// That they are met within 1e-13 is asserted beside the data, in `tests/reference.rs`.
+/// That they are met within 1e-13 is asserted beside the data, in `tests/belt/reference.rs`.
 #[test]
 fn reference_motions_are_counted() {
-    let data: Value = serde_json::from_str(include_str!("data/trajectories.json")).unwrap();
+    let data: Value = serde_json::from_str(include_str!("../data/trajectories.json")).unwrap();
     let count = data["cases"].as_array().unwrap().len();
     assert!(
         README.contains(&format!("{count} reference motions")),
         "{count}"
     );
-    assert!(include_str!("reference.rs").contains("const ACCURACY: f64 = 1e-13;"));
+    assert!(include_str!("../belt/reference.rs").contains("const ACCURACY: f64 = 1e-13;"));
     assert!(README.contains("1e-13·max(1, |value|)"));
 }
 
@@ -116,7 +116,7 @@ fn version_and_rust_version_are_those_of_the_manifest() {
     let version = manifest("version");
     assert!(README.contains(&format!("stick-slip {version}")));
     assert!(README.contains(&format!("Rust {} or later", manifest("rust-version"))));
-    assert!(include_str!("../CHANGELOG.md").contains(&format!("## [{version}]")));
+    assert!(include_str!("../../CHANGELOG.md").contains(&format!("## [{version}]")));
 }
 
 #[test]
@@ -127,7 +127,7 @@ fn every_feature_is_described() {
     for (name, _) in names.filter(|(name, _)| !name.starts_with('#')) {
         assert!(README.contains(&format!("| `{name}` |")), "{name}");
         assert!(
-            include_str!("../src/lib.rs").contains(&format!("//! * `{name}`: ")),
+            include_str!("../../src/lib.rs").contains(&format!("//! * `{name}`: ")),
             "{name}"
         );
     }

@@ -1,13 +1,11 @@
 //! Every error is reached through the public API, carries its numbers and names a remedy; and bad
 //! input of any kind ends in a typed error or in the right answer, in bounded time.
 
-mod common;
-
 use std::sync::mpsc;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use common::{Random, Table, paper};
+use crate::common::{Random, Table, paper};
 use stick_slip::{
     Coulomb, Error, EventKind, Exponential, FrictionLaw, Integrator, MassOnBelt, Mode, Polynomial,
     Scalar, State,
@@ -362,7 +360,7 @@ fn static_below_kinetic() {
                 speed.constant(self.0)
             }
         }
-        let law = Above(0.4 + excess * common::ulp(0.4));
+        let law = Above(0.4 + excess * crate::common::ulp(0.4));
         assert_eq!(
             MassOnBelt::new(law, 0.2).is_ok(),
             valid,

@@ -1,8 +1,6 @@
 //! Limit cycles against 25-digit reference data.
 
-mod common;
-
-use common::{assert_mirrored, list, number, paper, system_of, text};
+use crate::common::{assert_mirrored, list, number, paper, system_of, text};
 use serde_json::Value;
 use std::f64::consts::TAU;
 use stick_slip::{
@@ -108,7 +106,7 @@ fn check<L: FrictionLaw>(case: &Value, system: &MassOnBelt<L>) -> f64 {
 #[test]
 fn every_number_of_the_reference() {
     let mut worst = 0.0_f64;
-    let data: Value = serde_json::from_str(include_str!("data/cycles.json")).unwrap();
+    let data: Value = serde_json::from_str(include_str!("../data/cycles.json")).unwrap();
     for case in list(&data["cases"]) {
         worst = worst.max(check(case, &system_of(case)));
     }
@@ -117,7 +115,7 @@ fn every_number_of_the_reference() {
 
 #[test]
 fn overshoot_and_crossing_of_the_reference() {
-    let data: Value = serde_json::from_str(include_str!("data/overshoot.json")).unwrap();
+    let data: Value = serde_json::from_str(include_str!("../data/overshoot.json")).unwrap();
     let mut worst = 0.0_f64;
     for case in list(&data["cases"]) {
         let id = text(&case["id"]);
@@ -163,8 +161,8 @@ fn overshoot_and_crossing_of_the_reference() {
 #[test]
 fn cycles_on_a_belt_that_runs_backwards_are_mirror_images() {
     let data = [
-        include_str!("data/cycles.json"),
-        include_str!("data/overshoot.json"),
+        include_str!("../data/cycles.json"),
+        include_str!("../data/overshoot.json"),
     ];
     let data = data.map(|text| serde_json::from_str::<Value>(text).unwrap());
     let mut kinds = std::collections::HashSet::new();

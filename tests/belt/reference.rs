@@ -4,9 +4,7 @@
 //! arithmetic, checked against a Runge-Kutta method and closed forms; the field `header` of each
 //! file explains the others.
 
-mod common;
-
-use common::{list, number, system_of, text};
+use crate::common::{list, number, system_of, text};
 use serde_json::Value;
 use stick_slip::{Direction, Event, EventKind, Mode, State};
 
@@ -19,11 +17,11 @@ fn load(json: &str) -> Vec<Value> {
 }
 
 fn trajectories() -> Vec<Value> {
-    load(include_str!("data/trajectories.json"))
+    load(include_str!("../data/trajectories.json"))
 }
 
 fn overshoots() -> Vec<Value> {
-    load(include_str!("data/overshoot.json"))
+    load(include_str!("../data/overshoot.json"))
 }
 
 fn kind(name: &str) -> EventKind {

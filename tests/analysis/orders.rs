@@ -1,18 +1,15 @@
 //! Orders of convergence: every formula of `analysis` against the exact motions, under (γ², β) →
 //! (εγ², εβ).
 //!
-//! Halve ε and watch the error fall by 2^p. `cargo test --test orders -- --nocapture` prints what
+//! Halve ε and watch the error fall by 2^p. `cargo test --test analysis orders -- --nocapture` prints what
 //! was measured.
 
-mod common;
-#[path = "orders/points.rs"]
 mod points;
-#[path = "orders/tables.rs"]
 mod tables;
 
 use std::f64::consts::TAU;
 
-use common::Random;
+use crate::common::Random;
 use points::{
     CROSSING, PURE_SLIP, Parameters, Point, STICK_SLIP, halvings, points, raised, system,
 };

@@ -1,0 +1,14 @@
+//! Motions of one mass on its belt: every step, event and error.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod errors;
+mod hostile;
+mod independent;
+mod integrator;
+mod laws;
+mod reference;
+mod scaling;
+mod simple;
+mod sweep;
