@@ -1,10 +1,10 @@
 //! What the feature `serde` writes and reads, with JSON as the example.
 //!
-//! What a user makes is **written and read**: laws, systems, scalings, states; and events, which are
-//! plain facts. It is read through the constructors, so that what they refuse is refused here too,
-//! with the same message; so is a field that is not known. What follows from a system is **written
-//! only**, for other programs: equilibria, cycles, sets of cycles, attractors, points of a diagram.
-//! Read the system, and make them again.
+//! What a user makes is **written and read**: laws, systems, scalings, states; and events, which
+//! are plain facts. It is read through the constructors, so that what they refuse is refused here
+//! too, with the same message; so is a field that is not known. What follows from a system is
+//! **written only**, for other programs: equilibria, cycles, sets of cycles, attractors, points of
+//! a diagram. Read the system, and make them again.
 //!
 //! A struct is a map with its fields by name, all in `snake_case`; an enum is its variant in
 //! `snake_case`, alone or as the only key of a map. Numbers are dimensionless, but for those of

@@ -244,7 +244,8 @@ impl AveragedCycle {
 }
 
 /// All cycles of the slow flow, by ascending amplitude: stable and unstable, those included that
-/// overtake the belt.
+/// overtake the belt. Stick-slip is not among them where it lives on μ_s > μ̂(0) alone, as for
+/// Coulomb's law: averaging does not know μ_s.
 ///
 /// # What "all" means
 ///
@@ -255,7 +256,8 @@ impl AveragedCycle {
 /// by Chebyshev polynomials to round-off, on pieces cut until each has no root or is monotone. So
 /// no cycle is passed over, except
 ///
-/// * a pair that differs by less than 10⁻⁸|v_b|, as at a fold;
+/// * a pair so close, as at a fold, that A'/A between its amplitudes stays below its rounding
+///   error, some 4·10⁻¹⁵(β + γ²·max abs(dμ̂/ds)): a pair less than 5·10⁻⁷|v_b| apart may be lost;
 /// * where a feature of the law's slope is narrower than some 3·10⁻⁴|v_b| in speed (slow speeds are
 ///   looked at more closely).
 ///

@@ -89,8 +89,8 @@ pub fn largest_stick_slip_velocity(system: &MassOnBelt<Coulomb>) -> f64 {
 }
 
 /// Damping ratio β from which on there is no stick-slip cycle at the system's belt velocity: the
-/// root of γ²(μ_s − μ_k)Λ(β) = |v_b|. Dimensionless, exact; 0 < β < 1, and 0 for μ_s = μ_k and where
-/// the root is too small for an `f64`. `None` at v_b = 0. The system's own β is ignored.
+/// root of γ²(μ_s − μ_k)Λ(β) = |v_b|. Dimensionless, exact; 0 < β < 1, and 0 for μ_s = μ_k and
+/// where the root is too small for an `f64`. `None` at v_b = 0. The system's own β is ignored.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::{least_damping, largest_stick_slip_velocity};
@@ -141,8 +141,8 @@ pub fn least_damping_everywhere(system: &MassOnBelt<Coulomb>) -> f64 {
 }
 
 /// Belt velocity above which no vibration lasts: [`largest_stick_slip_velocity`], and ∞ for β = 0,
-/// where small vibrations last at every belt velocity. Dimensionless, exact. The system's own v_b is
-/// ignored.
+/// where small vibrations last at every belt velocity. Dimensionless, exact. The system's own v_b
+/// is ignored.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::quiet_velocity;

@@ -27,8 +27,8 @@ use crate::friction::{AlongSlope, FrictionLaw};
 /// dμ̂/ds) at |v_b|. Dimensionless, exact. `None` at v_b = 0. The system's own β is ignored.
 ///
 /// Small disturbances then die out. Large ones do too for the polynomial law while friction is weak
-/// beside the spring. For a law that falls more steeply at other speeds (exponential), or with μ_s >
-/// μ̂(0) (Coulomb), a stick-slip vibration may exist beside the stable state.
+/// beside the spring. For a law that falls more steeply at other speeds (exponential), or for one
+/// that jumps (Coulomb, μ_s > μ̂(0)), a stick-slip vibration may exist beside the stable state.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eq. 14: h1 > 0.
 ///
@@ -52,13 +52,13 @@ pub fn least_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Option<f64> {
 /// max(−dμ̂/ds), or 0. Dimensionless, exact to rounding. The system's own v_b and β are ignored.
 ///
 /// The law is expanded in power series from one end of the range to the other, each used as far as
-/// it converges and checked in between. The steepest fall is found among their ends, the breakpoints
-/// and all minima of dμ̂/ds on each, isolated so that none is skipped.
+/// it converges and checked in between. The steepest fall is found among their ends, the
+/// breakpoints and all minima of dμ̂/ds on each, isolated so that none is skipped.
 ///
 /// # Errors
 ///
-/// * [`Error::InvalidParameter`] unless 0 ≤ start < end, both finite, and if the range is so long that
-///   the law takes more than 10⁴ power series;
+/// * [`Error::InvalidParameter`] unless 0 ≤ start < end, both finite, and if the range is so long
+///   that the law takes more than 10⁴ power series;
 /// * [`Error::NonFiniteFriction`] if the law has no finite value somewhere in the range,
 ///   [`Error::NotAnalytic`] if it has no power series there.
 ///

@@ -1,5 +1,5 @@
-//! Closed forms for the exponential law (Gaussian Stribeck), Eq. 6: where steady sliding changes its
-//! stability, and where vibration ends.
+//! Closed forms for the exponential law (Gaussian Stribeck), Eq. 6: where steady sliding changes
+//! its stability, and where vibration ends.
 
 use std::f64::consts::{E, FRAC_1_SQRT_2, SQRT_2};
 
@@ -40,7 +40,8 @@ impl HopfPoint {
 /// on either side of x = 1/√2. Dimensionless, exact to rounding (near c = 1/√(2e) both roots are
 /// ill-conditioned). `None` where c ≥ 1/√(2e): steady sliding is stable at every belt velocity; and
 /// where β = 0: unstable at every belt velocity, or neither stable nor unstable at any for constant
-/// friction, μ_s = μ_k. The system's own v_b is ignored. For any law: [`bifurcation::hopf_velocities`](crate::bifurcation::hopf_velocities).
+/// friction, μ_s = μ_k. The system's own v_b is ignored. For any law:
+/// [`bifurcation::hopf_velocities`](crate::bifurcation::hopf_velocities).
 ///
 /// The low one is always supercritical. The paper says that this law behaves "almost similar" to
 /// the polynomial one: it does not, for it never rises, and on a slow belt sliding is stable.
@@ -103,8 +104,9 @@ pub fn least_damping_everywhere(system: &MassOnBelt<Exponential>) -> f64 {
 }
 
 /// Belt velocity above which no vibration lasts: 0 from [`least_damping_everywhere`] on, ∞ for β =
-/// 0. `None` between the two, where no formula is known: above the higher Hopf velocity a stick-slip
-/// vibration can exist beside stable steady sliding. Dimensionless. The system's own v_b is ignored.
+/// 0. `None` between the two, where no formula is known: above the higher Hopf velocity a
+/// stick-slip vibration can exist beside stable steady sliding. Dimensionless. The system's own v_b
+/// is ignored.
 ///
 /// ```
 /// use stick_slip::analysis::exponential::quiet_velocity;

@@ -4,8 +4,8 @@ use super::PureSlip;
 use crate::belt::MassOnBelt;
 use crate::friction::{FrictionLaw, Polynomial};
 
-/// Damping ratio η/2 above which there is no vibration at any belt velocity, for friction falls most
-/// steeply at rest. Dimensionless. The system's own v_b and β are ignored.
+/// Damping ratio η/2 above which there is no vibration at any belt velocity, for friction falls
+/// most steeply at rest. Dimensionless. The system's own v_b and β are ignored.
 ///
 /// Exact: then 2βy + γ²μ rises with y, and every motion loses energy. At η/2 itself too, unless
 /// μ_s = μ_m: friction is constant then, and without damping every small vibration lasts.

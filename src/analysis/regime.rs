@@ -9,8 +9,8 @@ pub enum Regime {
     Rest,
     /// |v_b| ≥ v_b1: steady sliding.
     Equilibrium,
-    /// v_b0 < |v_b| < v_b1: vibration that slips all the time. Constant friction (μ_s = μ_m) without
-    /// damping, too: every vibration with an amplitude up to |v_b| lasts.
+    /// v_b0 < |v_b| < v_b1: vibration that slips all the time. Constant friction (μ_s = μ_m)
+    /// without damping, too: every vibration with an amplitude up to |v_b| lasts.
     PureSlip,
     /// 0 < |v_b| ≤ v_b0: vibration that sticks, or overtakes the belt.
     StickSlip,

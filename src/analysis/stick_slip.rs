@@ -10,7 +10,7 @@ use crate::scalar::LONGEST;
 /// about ū.
 ///
 /// ```text
-/// κ    = [γ²(μ_s − μ̂(|v_b|)) − 2β|v_b|] / |v_b|      = η(1 − (v_b/v_m)²/3) − 2β for the polynomial law
+/// κ    = [γ²(μ_s − μ̂(|v_b|)) − 2β|v_b|] / |v_b|      (polynomial law: η(1 − (v_b/v_m)²/3) − 2β)
 /// A1   = |v_b| √(1 + κ²)                              (Eqs. 16-18)
 /// stick 2κ,   slip 2π − 2 atan κ,   T = 2π + 2(κ − atan κ),   ω_ss = 2π/T
 /// ```
@@ -153,8 +153,8 @@ impl StickSlip {
     ///
     /// `None`
     ///
-    /// * unless the law is a cubic polynomial in the sliding speed, μ_s included, over all speeds of
-    ///   the cycle: all its derivatives beyond the third are zero at |v_b|, μ_s = μ̂(0), and no
+    /// * unless the law is a cubic polynomial in the sliding speed, μ_s included, over all speeds
+    ///   of the cycle: all its derivatives beyond the third are zero at |v_b|, μ_s = μ̂(0), and no
     ///   [breakpoint](FrictionLaw::breakpoints) comes before the largest of those speeds;
     /// * where W1 ≤ 0, which is |v_b| ≥ v_b0 for the polynomial law;
     /// * where the mass would overtake the belt ([`second_order`](Self::second_order));
@@ -346,7 +346,8 @@ impl Cubic {
 /// use stick_slip::analysis::StickSlip;
 /// use stick_slip::{MassOnBelt, Polynomial};
 ///
-/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.0075)?.with_load(0.15)?;
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?;
+/// let system = system.with_damping(0.0075)?.with_load(0.15)?;
 /// let formulas = StickSlip::new(&system).unwrap();
 /// let exact = 6.3193778906; // period
 /// let first = formulas.first_order().unwrap().period;

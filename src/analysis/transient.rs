@@ -60,8 +60,8 @@ impl Transient {
         })
     }
 
-    /// Amplitude A(τ), dimensionless. Backwards in time it may grow beyond all bounds: `None` at and
-    /// before the time at which the formula has A = ∞, and for NaN.
+    /// Amplitude A(τ), dimensionless. Backwards in time it may grow beyond all bounds: `None` at
+    /// and before the time at which the formula has A = ∞, and for NaN.
     pub fn amplitude(&self, time: f64) -> Option<f64> {
         let (a, h1) = (self.initial_amplitude, self.h1);
         if a == 0.0 && !time.is_nan() {

@@ -25,6 +25,8 @@ const LOOK_BACK: f64 = 1e-6;
 
 /// Series after which a search gives up, well within a second.
 const MOST_STRETCHES: usize = 10_000;
+const TOO_LONG: &str =
+    "a shorter range: it takes more than 10000 power series of the law to get there";
 
 /// h(s) = c + f·dμ̂/ds, where c ≥ 0 and f > 0.
 #[derive(Debug)]
@@ -98,12 +100,7 @@ impl<L: FrictionLaw> AlongSlope<'_, L> {
         let mut largest = self.constant;
         for end in ends {
             while start < end {
-                Error::check(
-                    name,
-                    range.end,
-                    stretches < MOST_STRETCHES,
-                    "a shorter range: it takes more than 10000 power series of the law to get there",
-                )?;
+                Error::check(name, range.end, stretches < MOST_STRETCHES, TOO_LONG)?;
                 stretches += 1;
                 let mut stretch = self.stretch(start, longest.min(end - start), &mut largest)?;
                 let ends_here = start + stretch.length >= end;

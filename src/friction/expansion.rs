@@ -31,8 +31,8 @@ pub(crate) fn piece_above<L: FrictionLaw>(law: &L, speed: f64) -> usize {
     law.breakpoints().take_while(|&b| b <= speed).count()
 }
 
-/// The first M coefficients of μ̂ as a power series in the sliding speed about `speed`. Their number
-/// is no part of the code that computes them, which is compiled once for a law.
+/// The first M coefficients of μ̂ as a power series in the sliding speed about `speed`. Their
+/// number is no part of the code that computes them, which is compiled once for a law.
 pub(crate) fn taylor_coefficients<const M: usize, L: FrictionLaw>(law: &L, speed: f64) -> [f64; M] {
     taylor_coefficients_on(law, piece_above(law, speed), speed)
 }

@@ -21,8 +21,8 @@ use crate::scalar::Scalar;
 /// // Measured at 0, 0.1 and 0.3 m/s; ω0 L is 0.2 m/s.
 /// let law = scaling.law(Tabulated::new([(0.0, 0.4), (0.1, 0.3), (0.3, 0.25)])?);
 /// assert_eq!(law.kinetic(0.5), 0.3);
-/// let speeds: Vec<f64> = law.breakpoints().map(|speed| scaling.metres_per_second(speed)).collect();
-/// assert_eq!(speeds, [0.1, 0.3]);
+/// let mut speeds = law.breakpoints().map(|speed| scaling.metres_per_second(speed));
+/// assert_eq!((speeds.next(), speeds.next(), speeds.next()), (Some(0.1), Some(0.3), None));
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,14 +5,17 @@ use std::f64::consts::{E, PI, TAU};
 
 use crate::common::{Ends, Leine, Table, list, number, paper, text};
 use serde_json::Value;
-use stick_slip::analysis::averaging::{cycles, drift};
+use stick_slip::analysis::averaging::{cycles, drift, drift_slope};
 use stick_slip::analysis::coulomb::{
     FreeVibration, largest_stick_slip_velocity, least_damping, tangential_slip,
 };
 use stick_slip::analysis::exponential::hopf_velocities;
 use stick_slip::analysis::{PureSlip, Regime, StickSlip, equilibrium, regime};
 use stick_slip::analysis::{coulomb, design, exponential, polynomial};
-use stick_slip::{Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, State};
+use stick_slip::{
+    AnyLaw, Coulomb, CycleKind, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Scalar,
+    State, Tabulated, limit_cycle,
+};
 
 fn cases(file: &str, kind: &str) -> Vec<Value> {
     let all: Value = serde_json::from_str(match file {
@@ -836,4 +839,194 @@ fn regimes_are_known_where_the_coefficients_overflow() {
         names.map(|regime| regime.to_string()),
         ["rest", "equilibrium", "pure slip", "stick-slip"]
     );
+}
+
+/// μ̂(s) = a + b s + c s² + d s³, with a static coefficient of its own.
+struct AnyCubic {
+    static_coefficient: f64,
+    c: [f64; 4],
+}
+
+impl FrictionLaw for AnyCubic {
+    fn static_coefficient(&self) -> f64 {
+        self.static_coefficient
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        let [a, b, c, d] = self.c;
+        ((speed * d + c) * speed + b) * speed + a
+    }
+}
+
+#[test]
+fn the_expansions_of_stick_slip_serve_every_cubic_law_and_no_other() {
+    let made = |static_coefficient, c| {
+        let law = AnyCubic {
+            static_coefficient,
+            c,
+        };
+        let system = MassOnBelt::new(law, 0.2).unwrap();
+        system.with_damping(0.01).unwrap().with_load(0.2).unwrap()
+    };
+    // The polynomial law, written out: k1 = 0.45, k3 = 0.6.
+    let paper = paper(0.2).with_damping(0.01).unwrap();
+    let formulas = StickSlip::new(&paper.with_load(0.2).unwrap()).unwrap();
+    let own = StickSlip::new(&made(0.4, [0.4, -0.45, 0.0, 0.6])).unwrap();
+    for (a, b) in [
+        (formulas.first_order(), own.first_order()),
+        (formulas.second_order(), own.second_order()),
+    ] {
+        let (a, b) = (a.unwrap(), b.unwrap());
+        assert!((a.u_max - b.u_max).abs() < 1e-15 && (a.v_min - b.v_min).abs() < 1e-15);
+        assert!((a.stick - b.stick).abs() < 1e-14 && (a.period - b.period).abs() < 1e-14);
+    }
+    // With a quadratic term: nearer to the exact cycle with each order, and of the order of ε³.
+    let mut last = f64::INFINITY;
+    for epsilon in [0.2, 0.1, 0.05] {
+        let system = made(0.8, [0.8, -0.5, 0.2, 0.3]);
+        let system = system.with_load(epsilon).unwrap();
+        let system = system.with_damping(0.05 * epsilon).unwrap();
+        let exact = limit_cycle::stick_slip(&system).unwrap().unwrap();
+        assert_eq!(exact.kind(), CycleKind::StickSlip);
+        let formulas = StickSlip::new(&system).unwrap();
+        let first = formulas.first_order().unwrap();
+        let second = formulas.second_order().unwrap();
+        let [first, second] = [first, second].map(|cycle| {
+            let v_min = (cycle.v_min - exact.min_velocity()).abs();
+            v_min.max((cycle.u_max - exact.max_displacement()).abs())
+        });
+        assert!(second < 0.2 * first, "{epsilon}: {first} {second}");
+        assert!(second < last / 6.0, "{epsilon}: {last} {second}");
+        last = second;
+    }
+
+    let is_expanded = |formulas: Option<StickSlip>| {
+        let formulas = formulas.unwrap();
+        assert_eq!(
+            formulas.first_order().is_some(),
+            formulas.second_order().is_some()
+        );
+        formulas.first_order().is_some()
+    };
+    // A static coefficient above, another law, and pieces that the cycle leaves.
+    let law = [0.8, -0.5, 0.2, 0.3];
+    assert!(is_expanded(StickSlip::new(&made(0.8, law))));
+    assert!(!is_expanded(StickSlip::new(&made(0.8 + 1e-9, law))));
+    let exponential = Exponential::new(0.4, 0.25, 0.5).unwrap();
+    assert!(!is_expanded(StickSlip::new(
+        &MassOnBelt::new(exponential, 0.2).unwrap()
+    )));
+    let table = |end| {
+        let table = Tabulated::new([(0.0, 0.8), (end, 0.5), (3.0 * end, 0.4)]).unwrap();
+        let system = MassOnBelt::new(table, 0.2).unwrap();
+        StickSlip::new(&system.with_load(0.2).unwrap())
+    };
+    // The cycle slides as fast as 0.4 and a little more.
+    assert!(!is_expanded(table(0.1)) && !is_expanded(table(0.3)));
+    assert!(!is_expanded(table(0.39)) && is_expanded(table(0.6)));
+    let any = AnyLaw::from(Polynomial::new(0.4, 0.25, 0.5).unwrap());
+    assert!(is_expanded(StickSlip::new(
+        &MassOnBelt::new(any, 0.2).unwrap()
+    )));
+}
+
+#[test]
+fn no_phase_of_a_formula_ends_before_it_begins() {
+    // W1 = π[η(1 − (5/4)(v_b/v_m)²) − 2β] beyond 2π², where q0 is more than a turn.
+    let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5).unwrap(), 0.01).unwrap();
+    let system = system.with_damping(0.05).unwrap();
+    let at = |load| StickSlip::new(&system.with_load(load).unwrap()).unwrap();
+    assert!(at(20.0).first_order().is_none());
+    let border = (2.0 * PI + 0.1) / (0.45 * (1.0 - 1.25 * 0.0004));
+    assert!(at(border * (1.0 + 1e-12)).first_order().is_none());
+    let cycle = at(border * (1.0 - 1e-12)).first_order().unwrap();
+    assert!(cycle.slip > 0.0 && cycle.slip < 1e-10);
+    for load in [0.3, 1.0, 3.0, 10.0, 13.0, 100.0, 1e4] {
+        for cycle in [at(load).first_order(), at(load).second_order()] {
+            assert!(cycle.is_none_or(|cycle| cycle.slip > 0.0 && cycle.stick > 0.0));
+        }
+    }
+}
+
+#[test]
+fn transients_go_back_as_far_as_they_can() {
+    // h1 = −0.078 and A0 = 0.2687: a motion inside has always been there.
+    let system = paper(0.42).with_damping(0.05).unwrap();
+    let formulas = PureSlip::new(&system).unwrap();
+    let (h1, h3) = (formulas.h1(), formulas.h3());
+    let motion = formulas.transient(0.01, 0.0).unwrap();
+    for time in [-1.0, -100.0, -1e4, -1.5e4, -1.8e4] {
+        let exponent: f64 = -0.5 * h1 * time;
+        let limit = (1e4 + 0.75 * h3 / h1).sqrt();
+        let expected = exponent.exp() / (1e4 + 0.75 * h3 * (1.0 - (h1 * -time).exp()) / h1).sqrt();
+        let found = motion.amplitude(time).unwrap();
+        assert!((found / expected - 1.0).abs() < 1e-12, "{time}: {found}");
+        // |h1 τ| > 709: nothing is left of the cubic term.
+        if time < -9100.0 {
+            assert!(
+                (found / (exponent.exp() / limit) - 1.0).abs() < 1e-12,
+                "{time}"
+            );
+        }
+    }
+    assert_eq!(motion.amplitude(-1e9), Some(0.0));
+    // One outside comes from infinity, at a time that the formula gives.
+    let motion = formulas.transient(0.3, 0.0).unwrap();
+    let start = (1.0 + h1 / (0.75 * h3 * 0.09)).ln() / -h1;
+    assert!(start < 0.0);
+    assert_eq!(motion.amplitude(start * (1.0 + 1e-9)), None);
+    assert_eq!(motion.amplitude(-1e5), None);
+    assert!(motion.amplitude(start * (1.0 - 1e-9)).unwrap() > 1e3);
+}
+
+#[test]
+fn coulomb_at_the_ends_of_the_numbers() {
+    // Λ = 1/√(4πβ)(1 + O(β)), whatever β.
+    for exponent in 12..=300 {
+        let beta = 10_f64.powi(-exponent);
+        let slip = tangential_slip(beta).unwrap();
+        let leading = 1.0 / ((4.0 * PI).sqrt() * beta.sqrt());
+        let error = slip.velocity_factor / leading - 1.0;
+        assert!(error.abs() < 1e-11, "{beta}: {error}");
+        assert!((slip.duration - 2.0 * PI).abs() <= 4.0 * beta.sqrt() + 1e-15);
+    }
+    // On both sides of the place where the closed form takes over.
+    let [below, above] = [1e-17, 0.999e-17].map(|beta| tangential_slip(beta).unwrap());
+    let ratio = below.velocity_factor / above.velocity_factor;
+    assert!((ratio - 0.999_f64.sqrt()).abs() < 2e-15, "{ratio}");
+
+    let law = Coulomb::new(0.4, 0.25).unwrap();
+    for exponent in [0, 8, 9, 20, 40, 100, 150] {
+        let v_b = 10_f64.powi(exponent);
+        let system = MassOnBelt::new(law, v_b).unwrap();
+        let damping = least_damping(&system).unwrap();
+        assert!(damping > 0.0);
+        let largest = largest_stick_slip_velocity(&system.with_damping(damping).unwrap());
+        assert!((largest / v_b - 1.0).abs() < 1e-13, "{v_b}: {largest}");
+    }
+}
+
+/// (s − ¼)^⅓ above s = ¼: a value, and no slope, at s = ¼.
+struct VerticalTangent;
+
+impl FrictionLaw for VerticalTangent {
+    fn static_coefficient(&self) -> f64 {
+        1.0
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        let root = (speed - 0.25).square().powf(1.0 / 6.0);
+        root * 0.1 + 0.5
+    }
+}
+
+#[test]
+fn a_law_without_a_slope_is_not_analytic() {
+    let system = MassOnBelt::new(VerticalTangent, 0.5).unwrap();
+    let expected = Error::NotAnalytic {
+        speed: 0.25,
+        reached: None,
+    };
+    assert_eq!(drift(&system, 0.25).unwrap_err(), expected);
+    assert_eq!(drift_slope(&system, 0.25).unwrap_err(), expected);
+    let error = design::least_damping_over(&system, 0.25..0.5).unwrap_err();
+    assert_eq!(error, expected);
 }
