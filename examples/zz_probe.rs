@@ -6,15 +6,24 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let system = MassOnBelt::new(law, 1.0)?.with_damping(0.05)?;
             let m = system.simulate(State::new(0.0, 0.0), tau)?;
             let last = m.last();
-            println!("{v_m:e} {tau} steps {} events {} {last:?} s={:e}", m.steps().len(), m.events().len(), 1.0 - last.velocity);
+            println!(
+                "{v_m:e} {tau} steps {} events {} {last:?} s={:e}",
+                m.steps().len(),
+                m.events().len(),
+                1.0 - last.velocity
+            );
         }
     }
-    for v_m in [0.05, 0.02, 0.01,1e-3] {
+    for v_m in [0.05, 0.02, 0.01, 1e-3] {
         let law = Polynomial::new(0.4, 0.25, v_m)?;
-        let system = MassOnBelt::new(law, 20.0*v_m)?.with_damping(0.05)?;
+        let system = MassOnBelt::new(law, 20.0 * v_m)?.with_damping(0.05)?;
         let m = system.simulate(State::new(0.0, 0.0), 50.0)?;
         let n = m.steps().len();
-        println!("20x {v_m:e} steps {n} events {} {:?}", m.events().len(), m.last());
+        println!(
+            "20x {v_m:e} steps {n} events {} {:?}",
+            m.events().len(),
+            m.last()
+        );
     }
     Ok(())
 }

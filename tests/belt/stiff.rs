@@ -1,14 +1,8 @@
 //! Stiff systems: as exact as any other, beside an integrator that shares nothing with the crate's.
 
-mod common;
-#[path = "common/radau.rs"]
-mod radau;
-#[path = "common/simple.rs"]
-mod simple;
-
-use common::Random;
-use radau::{Motion, Radau};
-use simple::told;
+use crate::common::Random;
+use crate::radau::{Motion, Radau};
+use crate::simple::told;
 use stick_slip::{
     AnyLaw, FrictionLaw, Integrator, MassOnBelt, Polynomial, Rational, State, Stribeck, Tabulated,
 };
@@ -24,7 +18,9 @@ fn difference<L: FrictionLaw>(
     duration: f64,
     witness: &Motion,
 ) -> Result<[f64; 3], String> {
-    let motion = system.simulate(start, duration).map_err(|e| e.to_string())?;
+    let motion = system
+        .simulate(start, duration)
+        .map_err(|e| e.to_string())?;
     let v_b = system.belt_velocity();
     let last = motion.last();
     let speed = (last.velocity - v_b).abs();
@@ -38,7 +34,9 @@ fn difference<L: FrictionLaw>(
         return Err(format!("{events:?} beside {:?}", witness.seen));
     }
     let times = std::iter::zip(&events, &witness.seen);
-    let t = times.map(|(a, b)| (a.0 - b.0).abs() / b.0.max(f64::MIN_POSITIVE)).fold(0.0, f64::max);
+    let t = times
+        .map(|(a, b)| (a.0 - b.0).abs() / b.0.max(f64::MIN_POSITIVE))
+        .fold(0.0, f64::max);
     Ok([s, u, t])
 }
 
@@ -86,7 +84,10 @@ fn stiff(i: usize) -> Option<(MassOnBelt<AnyLaw>, State, f64)> {
     let start = match random.bits() % 4 {
         0 => State::new(0.0, 0.0),
         1 => system.release_state()?,
-        _ => State::new(size * random.uniform(-1.0, 1.0), v_b * random.uniform(-0.5, 1.5)),
+        _ => State::new(
+            size * random.uniform(-1.0, 1.0),
+            v_b * random.uniform(-0.5, 1.5),
+        ),
     };
     Some((system, start, random.logarithmic(0.5, 20.0)))
 }

@@ -234,7 +234,11 @@ impl Radau {
                 0.0
             }
         };
-        let mut side = if relative == 0.0 { outside(u) } else { relative.signum() };
+        let mut side = if relative == 0.0 {
+            outside(u)
+        } else {
+            relative.signum()
+        };
         let mut time = 0.0;
         let mut h = 1e-3_f64;
         let mut seen = Vec::new();
@@ -244,7 +248,12 @@ impl Radau {
         for steps in 0..most {
             let stop = |speed: f64, u: f64, side: f64, seen: Vec<Seen>| {
                 let end = State::new(u, v_b + side * speed);
-                Some(Motion { end, speed, seen, steps })
+                Some(Motion {
+                    end,
+                    speed,
+                    seen,
+                    steps,
+                })
             };
             if time >= duration {
                 return stop(speed, u, side, seen);
@@ -263,12 +272,23 @@ impl Radau {
             }
             let above = breakpoints.partition_point(|b| *b <= speed);
             let at = above > 0 && breakpoints[above - 1] == speed;
-            let mut slip = Slip { system, sigma: side, piece: above };
+            let mut slip = Slip {
+                system,
+                sigma: side,
+                piece: above,
+            };
             if at && slip.rate([side * u, speed]) < 0.0 {
                 slip.piece -= 1;
             }
-            let bottom = if slip.piece == 0 { 0.0 } else { breakpoints[slip.piece - 1] };
-            let top = breakpoints.get(slip.piece).copied().unwrap_or(f64::INFINITY);
+            let bottom = if slip.piece == 0 {
+                0.0
+            } else {
+                breakpoints[slip.piece - 1]
+            };
+            let top = breakpoints
+                .get(slip.piece)
+                .copied()
+                .unwrap_or(f64::INFINITY);
             let from = [side * u, speed];
             let left = duration - time;
             h = h.min(left);
