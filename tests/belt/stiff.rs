@@ -2,7 +2,7 @@
 
 use crate::common::Random;
 use crate::radau::{Motion, Radau};
-use crate::simple::told;
+use crate::simple::{Seen, told};
 use stick_slip::{
     AnyLaw, FrictionLaw, Integrator, MassOnBelt, Polynomial, Rational, State, Stribeck, Tabulated,
 };
@@ -29,7 +29,7 @@ fn difference<L: FrictionLaw>(
     let s = ((speed - witness.speed).abs() - rounding).max(0.0) / witness.speed.max(rounding);
     let u = (last.displacement - witness.end.displacement).abs() / last.displacement.abs();
     let events = told(motion.events());
-    let kinds = |seen: &[simple::Seen]| seen.iter().map(|e| (e.1, e.2)).collect::<Vec<_>>();
+    let kinds = |seen: &[Seen]| seen.iter().map(|e| (e.1, e.2)).collect::<Vec<_>>();
     if kinds(&events) != kinds(&witness.seen) {
         return Err(format!("{events:?} beside {:?}", witness.seen));
     }
