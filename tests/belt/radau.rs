@@ -4,8 +4,8 @@
 //! Its errors are measured in the sliding speed itself and in u itself, not in any scale of the
 //! motion. Contacts and breakpoints are met by shortening the step, so there is no dense output.
 //!
-//! Source: E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., Springer 1996,
-//! section IV.5.
+//! Source: E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., Springer
+//! 1996, section IV.5.
 
 use stick_slip::{FrictionLaw, MassOnBelt, State};
 
