@@ -44,7 +44,8 @@ pub fn silencing_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<f64, 
         return Ok(0.0);
     }
     let system = system.by_reference();
-    let vibrates = |damping: f64| -> Result<bool, Error> {
+    // Compiled once, for all that ask it.
+    let vibrates: &dyn Fn(f64) -> Result<bool, Error> = &|damping| {
         let cycles = system
             .with_damping(damping)
             .and_then(find_borrowed)

@@ -112,7 +112,8 @@ impl Release {
             None => CycleKind::StickSlip,
             Some(_) => CycleKind::Overshoot,
         };
-        let arcs = std::iter::once(self.lagging).chain(self.leading);
+        let mut arcs = vec![self.lagging];
+        arcs.extend(self.leading);
         Ok(Some(LimitCycle::join(&tracer.system(), arcs, kind, 0.0)))
     }
 
