@@ -22,8 +22,8 @@ use crate::numerics::scan::sign_changes;
 ///
 /// # Errors
 ///
-/// [`Error::InvalidParameter`] unless the range is finite and not empty; else those of
-/// [`limit_cycle::find`](crate::limit_cycle::find).
+/// [`Error::InvalidParameter`] unless the range is finite and not empty; else [`Error::At`], with
+/// the belt velocity and one of the errors of [`limit_cycle::find`](crate::limit_cycle::find).
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, bifurcation};
