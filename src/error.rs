@@ -239,8 +239,9 @@ pub enum Error {
         reached: Reached,
     },
 
-    /// A search over a range of a parameter could not go on at one value of it.
-    #[error("at {parameter} = {value:e}: {source}; or search beside it, in two ranges")]
+    /// A search over a parameter could not go on at one value of it: the error inside says why, and
+    /// what to do. A range that leaves the value out is searched as before.
+    #[error("at {parameter} = {value:e}: {source}")]
     At {
         /// The parameter, by its name: `belt_velocity`, `damping`.
         parameter: &'static str,

@@ -126,7 +126,7 @@
 //! | with a looser tolerance, or more steps | [`Integrator::with_tolerance`], [`Integrator::with_max_steps`] |
 //! | everything that it can settle to | [`limit_cycle::find`] |
 //! | the stick-slip motion alone | [`limit_cycle::stick_slip`] |
-//! | which of them it settles to from a given start | [`limit_cycle::attractor`] |
+//! | which of them it settles to from a given start | [`limit_cycle::attractor`]; from many, [`limit_cycle::basins`] |
 //! | period, extremes, harmonics, energies of a periodic motion | [`LimitCycle`] |
 //! | whether steady sliding is stable | [`MassOnBelt::equilibrium`] |
 //! | the belt velocity at which steady sliding becomes stable | [`bifurcation::hopf_velocities`], [`bifurcation::criticality`] |

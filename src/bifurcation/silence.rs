@@ -23,8 +23,9 @@ use crate::numerics::bracket::Bracket;
 ///
 /// # Errors
 ///
-/// Those of [`find`](crate::limit_cycle::find) at any of the β tried, the largest of them 10⁻³, or
-/// less than twice the result, or than twice the β at which steady sliding becomes stable.
+/// [`Error::At`], with the damping and one of the errors of [`find`](crate::limit_cycle::find), at
+/// any of the β tried: the largest is 10⁻³, or less than twice the result, or than twice the β at
+/// which steady sliding becomes stable.
 ///
 /// ```
 /// use stick_slip::{Coulomb, Exponential, MassOnBelt, bifurcation};
@@ -44,7 +45,8 @@ pub fn silencing_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<f64, 
         return Ok(0.0);
     }
     let system = system.by_reference();
-    let vibrates = |damping: f64| -> Result<bool, Error> {
+    // Compiled once, for all that ask it.
+    let vibrates: &dyn Fn(f64) -> Result<bool, Error> = &|damping| {
         let cycles = system
             .with_damping(damping)
             .and_then(find_borrowed)

@@ -86,8 +86,7 @@ impl Arc {
 /// time.
 pub(crate) const FARTHEST: f64 = 16.0;
 
-/// Most steps of one arc. An oscillation takes about ten; on the slow branch of a stiff system
-/// (γ²μ̂' of 1000) it may be ten thousand.
+/// Most steps of one arc. An oscillation takes about ten, a slow motion to a node a hundred.
 const MOST_STEPS: usize = Integrator::DEFAULT_MAX_STEPS;
 
 impl<'s, L: FrictionLaw> Tracer<'s, L> {

@@ -4,7 +4,8 @@
 //! A motion of velocity amplitude A ≤ v_b behind the belt drifts at the rate
 //!
 //! ```text
-//! A'/A = −½h1 − (2γ²/π) ∫₀^½π D(A cos ψ) sin²ψ dψ,   D(y) = ½[μ̂'(v_b − y) + μ̂'(v_b + y)] − μ̂'(v_b)
+//! A'/A = −½h1 − (2γ²/π) ∫₀^½π D(A cos ψ) sin²ψ dψ,
+//! D(y) = ½[μ̂'(v_b − y) + μ̂'(v_b + y)] − μ̂'(v_b)
 //! ```
 //!
 //! with h1 = 2β + γ²μ̂'(v_b): Eq. 12 of Farshidianfar and Noei Aghaee for any law, by parts, and

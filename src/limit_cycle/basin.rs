@@ -35,9 +35,9 @@ pub enum Attractor {
     Continuum,
     /// The motion grows beyond every periodic motion that was found.
     Unbounded,
-    /// Rounding hides whether the motion grows or shrinks: it starts in a range that is
-    /// [unresolved](CycleSet::unresolved), or friction and damping change it by less than 10⁻¹⁴ in
-    /// a turn.
+    /// Rounding hides whether the motion grows or shrinks, and averaging does not tell: it starts in
+    /// a range that is [unresolved](CycleSet::unresolved), or crosses the belt velocity and changes
+    /// by less than 10⁻¹⁴ in a turn.
     Unresolved,
 }
 
@@ -87,7 +87,7 @@ const HIDDEN_BY_CYCLE: f64 = 1e-6;
 /// use stick_slip::limit_cycle::{Attractor, attractor};
 /// use stick_slip::{Exponential, MassOnBelt, State};
 ///
-/// // Bistable: the unstable cycle between equilibrium and stick-slip has a peak velocity of 0.3112.
+/// // Bistable: between equilibrium and stick-slip lies an unstable cycle of peak velocity 0.3112.
 /// let system = MassOnBelt::new(Exponential::new(0.6, 0.3, 0.4)?, 1.0)?.with_damping(0.01)?;
 /// let rest = system.equilibrium().unwrap().displacement;
 /// assert_eq!(attractor(&system, State::new(rest, 0.30))?, Attractor::Equilibrium);

@@ -30,6 +30,11 @@
 //! |v_b|). Cycles that double precision can't resolve, because neighbouring numbers lie on
 //! different sides of them by far, are reported as [`unresolved`](CycleSet::unresolved).
 //!
+//! Where a turn changes a motion by less than rounding does (weak friction, nearly no damping, a
+//! belt far slower than γ²μ_s), its growth is taken from the averaged equation, Eq. 12 for any law,
+//! whose sign is certain where it exceeds what the next orders can add. Where it is not certain,
+//! that range is unresolved too.
+//!
 //! | file | what is in it |
 //! |---|---|
 //! | `find.rs` | [`find`], [`stick_slip`]: the three kinds put together |

@@ -87,9 +87,12 @@ impl Release {
             }
             Landing::Crossing(_) => {}
         }
-        let sticks = self.leading(tracer)?.is_some_and(|leading| {
-            matches!(leading.arrival, Arrival::Contact(contact) if system.slides_at(contact).is_none())
-        });
+        let sticks = self
+            .leading(tracer)?
+            .is_some_and(|leading| match leading.arrival {
+                Arrival::Contact(contact) => system.slides_at(contact).is_none(),
+                _ => false,
+            });
         Ok(if sticks {
             ReleaseFate::Stick
         } else {
@@ -109,7 +112,8 @@ impl Release {
             None => CycleKind::StickSlip,
             Some(_) => CycleKind::Overshoot,
         };
-        let arcs = std::iter::once(self.lagging).chain(self.leading);
+        let mut arcs = vec![self.lagging];
+        arcs.extend(self.leading);
         Ok(Some(LimitCycle::join(&tracer.system(), arcs, kind, 0.0)))
     }
 
