@@ -178,6 +178,7 @@ pub mod analysis;
 mod belt;
 pub mod bifurcation;
 mod clock;
+mod drive;
 mod error;
 mod friction;
 pub mod limit_cycle;
@@ -191,6 +192,7 @@ mod series;
 mod state;
 
 pub use belt::{Equilibrium, Flow, MassOnBelt, Stability, Step};
+pub use drive::Drive;
 pub use error::{Error, Reached};
 pub use friction::{
     AnyLaw, Coulomb, Exponential, FrictionLaw, Polynomial, Rational, Stribeck, Tabulated,
