@@ -190,6 +190,7 @@ mod scalar;
 mod scaling;
 mod series;
 mod state;
+pub mod structure;
 
 pub use belt::{Equilibrium, Flow, MassOnBelt, Stability, Step};
 pub use drive::Drive;
@@ -203,11 +204,7 @@ pub use nalgebra;
 pub use scalar::Scalar;
 pub use scaling::{Physical, Scaled, Scaling};
 pub use state::{Direction, State};
-
-/// Several masses: what they share with the one on its belt.
-pub mod structure {
-    pub use crate::state::structure::State;
-}
+pub use structure::{Contact, Structure};
 
 /// The program of the README, compiled as a test.
 #[cfg(doctest)]

@@ -229,11 +229,20 @@ impl Drive {
         self.harmonics.is_empty() && self.profiles.is_empty()
     }
 
-    /// The drive itself if it is finite at all times; else [`Error::InvalidParameter`] with the
-    /// name that it has where it is put to use.
-    pub(crate) fn checked(self, name: &'static str) -> Result<Self, Error> {
-        Error::check(name, self.constant, true, "any size")?;
-        Ok(self)
+    /// The sum of two drives.
+    pub(crate) fn plus(self, other: &Self) -> Result<Self, Error> {
+        let mut sum = self.with_constant(other.constant)?;
+        for harmonic in &other.harmonics {
+            sum = sum.with_waves(harmonic.angular_frequency, harmonic.cosine, harmonic.sine)?;
+        }
+        sum.profiles.extend(other.profiles.iter().cloned());
+        Ok(sum)
+    }
+
+    /// [`Error::InvalidParameter`] with the name that the drive has where it is put to use, unless
+    /// it is finite at all times.
+    pub(crate) fn check(&self, name: &'static str) -> Result<(), Error> {
+        Error::check(name, self.constant, true, "any size").map(|_| ())
     }
 
     /// Value and slope just before or just after a time.
