@@ -146,6 +146,18 @@ impl<L, const Z: usize> Contact<L, Z> {
         self.load.value(time) + self.displacement_load(displacements)
     }
 
+    /// The contact as seen from a frame that oscillates with its belt.
+    pub(super) fn seen_from(&self, velocity: &Drive, displacement: &Drive) -> Result<Self, Error>
+    where
+        L: Clone,
+    {
+        let gradient: f64 = self.load_gradient.iter().map(|&(_, n)| n).sum();
+        let mut seen = self.clone();
+        seen.load = seen.load.plus(&displacement.scaled(gradient)?)?;
+        seen.belt_velocity = seen.belt_velocity.plus(&velocity.scaled(-1.0)?)?;
+        Ok(seen)
+    }
+
     /// Σ n_j q_j.
     pub(crate) fn displacement_load(&self, displacements: &[f64]) -> f64 {
         let terms = self.load_gradient.iter();

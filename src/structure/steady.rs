@@ -21,14 +21,13 @@ use crate::friction::FrictionLaw;
 /// second for n = 100, minutes for 1000.
 ///
 /// ```
-/// use nalgebra::dmatrix;
-/// use stick_slip::nalgebra;
+/// use stick_slip::nalgebra::DMatrix;
 /// use stick_slip::{Contact, Coulomb, Structure};
 ///
 /// // Hamburg model of N. Hoffmann et al. (2002): a normal spring of stiffness 4/3 carries the load.
 /// let brake = |coefficient: f64| {
 ///     Structure::new(&[1.0, 1.0])?
-///         .with_stiffness(dmatrix![2.0, 1.0; 1.0, 2.0])?
+///         .with_stiffness(DMatrix::from_row_slice(2, 2, &[2.0, 1.0, 1.0, 2.0]))?
 ///         .with_contact(
 ///             Contact::new(0, Coulomb::new(coefficient, coefficient)?, 10.0)?
 ///                 .with_load_gradient(1, 4.0 / 3.0)?
