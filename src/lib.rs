@@ -178,6 +178,7 @@ pub mod analysis;
 mod belt;
 pub mod bifurcation;
 mod clock;
+mod drive;
 mod error;
 mod friction;
 pub mod limit_cycle;
@@ -189,8 +190,10 @@ mod scalar;
 mod scaling;
 mod series;
 mod state;
+pub mod structure;
 
 pub use belt::{Equilibrium, Flow, MassOnBelt, Stability, Step};
+pub use drive::Drive;
 pub use error::{Error, Reached};
 pub use friction::{
     AnyLaw, Coulomb, Exponential, FrictionLaw, Polynomial, Rational, Stribeck, Tabulated,
@@ -201,11 +204,7 @@ pub use nalgebra;
 pub use scalar::Scalar;
 pub use scaling::{Physical, Scaled, Scaling};
 pub use state::{Direction, State};
-
-/// Several masses: what they share with the one on its belt.
-pub mod structure {
-    pub use crate::state::structure::State;
-}
+pub use structure::{Contact, Structure};
 
 /// The program of the README, compiled as a test.
 #[cfg(doctest)]

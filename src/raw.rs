@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::belt::Stability;
+use crate::drive::Harmonic;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
 
@@ -27,6 +28,10 @@ macro_rules! read {
 read! {
     Coulomb { static_coefficient: f64, kinetic_coefficient: f64 }
         => Self::new(static_coefficient, kinetic_coefficient);
+    Drive {
+        #[serde(default)] constant: f64, #[serde(default)] harmonics: Vec<Harmonic>,
+        #[serde(default)] profiles: Vec<Vec<(f64, f64)>>
+    } => Self::read(constant, &harmonics, &profiles);
     Exponential { static_coefficient: f64, kinetic_coefficient: f64, stribeck_velocity: f64 }
         => Self::new(static_coefficient, kinetic_coefficient, stribeck_velocity);
     Polynomial { static_coefficient: f64, minimum_coefficient: f64, minimum_velocity: f64 }
