@@ -3,6 +3,7 @@
 mod any;
 mod coulomb;
 mod exponential;
+pub(crate) mod memory;
 mod polynomial;
 mod rational;
 mod stribeck;

@@ -1,6 +1,14 @@
-//! The number types a friction law is evaluated on: `f64`, and the Taylor coefficient.
+//! The number types a friction law is evaluated on: `f64`, and two Taylor coefficients.
+//!
+//! | file | what is in it |
+//! |---|---|
+//! | `mod.rs` | [`Scalar`]: what a law may do with a number |
+//! | `taylor.rs`, `operations.rs` | order in the type: the fastest, for one mass on its belt |
+//! | `jet.rs`, `products.rs` | order at run time: small code, many coupled series, cold paths |
 
+pub(crate) mod jet;
 mod operations;
+mod products;
 mod taylor;
 #[cfg(test)]
 mod tests;
@@ -15,8 +23,8 @@ mod sealed {
 
 /// A number that a friction law can be evaluated on.
 ///
-/// Two types implement it, `f64` and the crate's own Taylor coefficient, and no others can: the
-/// trait is sealed. Write a law once with these operations and the crate gets its values, its
+/// `f64` and the crate's own Taylor coefficients implement it, and no other type can: the trait is
+/// sealed. Write a law once with these operations and the crate gets its values, its
 /// derivatives and its power series along a motion.
 ///
 /// Arithmetic works with `Self` and with `f64` on the **right** (`speed * 3.0 + 1.0`); Rust does

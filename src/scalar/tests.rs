@@ -6,6 +6,7 @@ mod expression;
 use expression::{Expression, SPEED};
 use nalgebra::Complex;
 
+use super::jet::{self, Tape};
 use super::{LONGEST, Scalar, Workspace, expand};
 use crate::friction::{FrictionLaw, Piece};
 
@@ -39,7 +40,38 @@ fn compose_in(
     );
     assert!(value.is_finite() && slope.is_finite(), "{value} {slope}");
     assert_eq!(value.to_bits(), series[0].to_bits());
+    assert_jets_agree(
+        &series,
+        &compose_by_jets(&mut Tape::new(), law, piece, inner),
+    );
     series
+}
+
+/// The same with the order at run time.
+fn compose_by_jets(
+    tape: &mut Tape,
+    law: &impl FrictionLaw,
+    piece: usize,
+    inner: &Inner,
+) -> [f64; ORDERS] {
+    let mut series = [f64::NAN; ORDERS];
+    tape.compose(Piece { law, index: piece }, inner, &mut series);
+    series
+}
+
+/// Asserts that two ways to compute a series differ by roundings alone, of terms of lower orders
+/// that are of the size of these, on a circle of radius [`RADIUS`].
+#[track_caller]
+fn assert_jets_agree(unrolled: &[f64; ORDERS], jets: &[f64; ORDERS]) {
+    let mut magnitude = 0.0_f64;
+    for (k, (unrolled, jet)) in std::iter::zip(unrolled, jets).enumerate() {
+        magnitude = (magnitude / RADIUS).max(unrolled.abs());
+        let apart = (unrolled - jet).abs();
+        assert!(
+            apart <= 1e-13 * magnitude,
+            "order {k}: {jet:e}, not {unrolled:e}"
+        );
+    }
 }
 
 fn compose(law: impl Fn(Expression) -> Expression, inner: &Inner) -> [f64; ORDERS] {
@@ -234,6 +266,9 @@ fn integral_powers_of_zero_are_exact() {
             std::array::from_fn(|k| if k == n as usize { 1.0 } else { 0.0 });
         assert_eq!(compose(|s| s.powi(p as i32), &line(0.0)), expected, "s^{n}");
         assert_eq!(compose(|s| s.powf(p), &line(0.0)), expected, "s^{n}");
+        let law = SPEED.powi(p as i32);
+        let jets = compose_by_jets(&mut Tape::new(), &law, 0, &line(0.0));
+        assert_eq!(jets, expected, "s^{n}");
     }
     let cubed = compose(|s| s.powi(3), &wavy(0.0));
     let product = compose(|s| s * s * s, &wavy(0.0));
@@ -532,12 +567,15 @@ fn a_workspace_keeps_nothing_between_series() {
             }
         }
     }
-    let mut workspace = Workspace::new();
+    let (mut workspace, mut tape) = (Workspace::new(), Tape::new());
     for round in 0..3 {
         for piece in [0, 3, 1, 0, 2, 1, 3, 2] {
             let inner = wavy(0.5 + 0.3 * f64::from(round));
             let used = compose_in(&mut workspace, &Pieces, piece, &inner);
             let fresh = compose_in(&mut Workspace::new(), &Pieces, piece, &inner);
+            assert_eq!(used, fresh, "piece {piece}");
+            let used = compose_by_jets(&mut tape, &Pieces, piece, &inner);
+            let fresh = compose_by_jets(&mut Tape::new(), &Pieces, piece, &inner);
             assert_eq!(used, fresh, "piece {piece}");
         }
     }
@@ -626,4 +664,52 @@ fn f64_is_itself() {
         assert_eq!(all(x), expected);
     }
     assert_eq!(Scalar::abs(-2.0), 2.0);
+}
+
+/// Two coupled equations, advanced one order at a time on one tape: x' = xy, y' = −x², from
+/// (1, 1).
+#[test]
+fn coupled_series_advance_order_by_order() {
+    let mut tape = Tape::new();
+    let (mut x, mut y) = ([1.0; LONGEST], [1.0; LONGEST]);
+    for k in 0..LONGEST - 1 {
+        let rates = tape.run(k, |run| {
+            let (x, y) = (run.input(x[k]), run.input(y[k]));
+            [(x * y).coefficient(), (-x.square()).coefficient()]
+        });
+        [x[k + 1], y[k + 1]] = rates.map(|rate| rate / (k + 1) as f64);
+    }
+    // x² + y² = 2: with a = √2, y = a tanh(c − at), x = a/cosh(c − at), tanh c = 1/a.
+    let a = 2.0_f64.sqrt();
+    let exact = coefficients_of(|t| ((t * -a) + (1.0 / a).atanh()).tanh() * a);
+    assert_series(
+        &std::array::from_fn(|k| y[k]),
+        |k| exact[k],
+        1e-13,
+        |k| 0.7_f64.powi(-(k as i32)),
+    );
+    fn coefficients_of(f: impl Fn(Expression) -> Expression) -> [f64; ORDERS] {
+        compose(f, &line(0.0))
+    }
+}
+
+#[test]
+fn coefficients_about_a_point_in_one_call() {
+    let law = (SPEED * 0.5).exp();
+    let series: [f64; 5] = jet::coefficients(
+        Piece {
+            law: &law,
+            index: 0,
+        },
+        0.0,
+    );
+    assert_eq!(series, [1.0, 0.5, 0.125, 0.125 / 6.0, 0.125 / 48.0]);
+    let [value]: [f64; 1] = jet::coefficients(
+        Piece {
+            law: &law,
+            index: 0,
+        },
+        0.0,
+    );
+    assert_eq!(value, 1.0);
 }
