@@ -1,7 +1,7 @@
 use crate::belt::MassOnBelt;
 use crate::drive::Drive;
 use crate::error::{Element, Error};
-use crate::friction::{FrictionLaw, validate};
+use crate::friction::memory::{ContactLaw, validate};
 
 /// A friction contact of one coordinate: its law, its normal load and the belt that it slides on.
 ///
@@ -41,7 +41,7 @@ pub struct Contact<L, const Z: usize = 0> {
     belt_velocity: Drive,
 }
 
-impl<L: FrictionLaw> Contact<L> {
+impl<const Z: usize, L: ContactLaw<Z>> Contact<L, Z> {
     /// A contact of a coordinate with a law and a normal load N0(t), on a surface at rest.
     ///
     /// # Errors

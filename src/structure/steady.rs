@@ -16,7 +16,7 @@ use crate::friction::FrictionLaw;
 /// merge and one of them grow (flutter by mode coupling), even where friction does not fall with
 /// speed.
 ///
-/// Eigenvalues are by the Schur form of the 2n × 2n matrix of the scaled system, good to about ε
+/// Eigenvalues are by the Schur form of the 2n × 2n matrix of the scaled system, good to about nε
 /// times the largest; where two of them are nearly equal, to the root of that. Work grows as n³: a
 /// second for n = 100, minutes for 1000.
 ///
@@ -155,6 +155,10 @@ fn eigenvalues(stiffness: &DMatrix<f64>, damping: &DMatrix<f64>) -> Option<Vec<C
         matrix.view_mut((n, n), (n, n)).copy_from(&-damping);
         matrix_eigenvalues(matrix)?
     };
+    // No −0, which would sort after 0.
+    for value in &mut values {
+        *value += Complex::new(0.0, 0.0);
+    }
     values.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
     Some(values)
 }
