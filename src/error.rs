@@ -75,6 +75,7 @@ fn during(reached: &Option<Reached>) -> String {
 /// | [`BeltVelocityJumps`](Self::BeltVelocityJumps) | a contact on a belt whose velocity jumps | make it a steep ramp |
 /// | [`StepUnderflow`](Self::StepUnderflow) | a motion: stiffness, or a kink or jump of the law that is not named | name the breakpoint; reduce γ²·dμ̂/ds; start nearer |
 /// | [`TooManySteps`](Self::TooManySteps) | a motion or a search for cycles: stiffness, or a very long run | `with_max_steps`, or as above |
+/// | [`Separation`](Self::Separation) | a motion: a load that depends on displacements falls to 0 | end the motion there, or press harder |
 /// | [`TooManyEvents`](Self::TooManyEvents) | a run with `with_max_events` | raise the limit, or use `flow` |
 ///
 /// A `main` that returns `Result<(), Error>` shows the variant and its fields, by `Debug`; print
@@ -285,6 +286,18 @@ pub enum Error {
     TooManySteps {
         /// The limit in force.
         limit: usize,
+        /// Where the integration stood.
+        reached: Reached,
+    },
+
+    /// The normal load of a contact, which depends on displacements, fell to 0: the surfaces part,
+    /// and the springs of the structure are no longer those of its stiffness matrix.
+    #[error(
+        "contact {contact} separates {reached}: its normal load falls to 0; end the motion here, or press the surfaces together with a larger load"
+    )]
+    Separation {
+        /// Number of the contact.
+        contact: usize,
         /// Where the integration stood.
         reached: Reached,
     },

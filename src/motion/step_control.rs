@@ -3,12 +3,12 @@
 use crate::series::{PowerSeries, TERMS};
 
 /// A step longer than this, in radians of the undamped oscillator, is looked at in more than four
-/// places; few are.
+/// places; few are. Of several masses: in units of the time that the fastest could take.
 pub(crate) const LONG: f64 = 1.0;
 
 /// No series is used further, even where its last coefficients vanish: the oscillator turns once in
 /// about 2π.
-const FARTHEST: f64 = 8.0;
+pub(crate) const FARTHEST: f64 = 8.0;
 
 /// Floor of the defect that rounding alone causes, in units of ε times the largest term of the
 /// equation of motion; it is seldom above 8.
@@ -40,8 +40,7 @@ impl Allowance {
     /// last two n, to 6 %.
     #[inline(always)]
     pub(crate) fn reach(&self, c: &PowerSeries) -> f64 {
-        let by = |n: usize| root_of_ratio(self.error, c[n].abs(), n);
-        by(TERMS - 1).min(by(TERMS - 2)).min(FARTHEST)
+        reach(self.error, c, TERMS - 1).min(FARTHEST)
     }
 
     /// Whether a step of length h may be taken with these defects: what is missing in its equation
@@ -51,6 +50,13 @@ impl Allowance {
         let accepted = DEFECT_LIMIT * self.error + self.floor * h;
         defects.iter().all(|defect| defect * h <= accepted)
     }
+}
+
+/// How far the terms of order n and n − 1 stay below an error: (error/|c_n|)^(1/n), to 6 %.
+#[inline(always)]
+pub(crate) fn reach(error: f64, c: &PowerSeries, n: usize) -> f64 {
+    let by = |n: usize| root_of_ratio(error, c[n].abs(), n);
+    by(n).min(by(n - 1))
 }
 
 /// (x/y)^(1/n) to 6 %, from the bits of x and y: exponent and mantissa together are nearly a
