@@ -11,3 +11,4 @@ mod bad_input;
 mod closed_forms;
 mod reading;
 mod steady;
+mod trajectories;
