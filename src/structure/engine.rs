@@ -51,6 +51,8 @@ pub(super) struct Engine<'s, L, const Z: usize> {
     pub(super) longest: f64,
     /// Steps of no length, one after the other.
     idle: usize,
+    /// Why the motion cannot go on.
+    ending: Option<Error>,
 }
 
 /// How far the series are used.
@@ -95,6 +97,7 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Engine<'s, L, Z> {
             scales: Vec::new(),
             longest: f64::INFINITY,
             idle: 0,
+            ending: None,
         };
         for c in 0..engine.joints.len() {
             engine.close(c);
@@ -128,6 +131,9 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Engine<'s, L, Z> {
 
     /// One step; afterwards the structure stands at its end.
     pub(super) fn step(&mut self) -> Result<Step, Error> {
+        if let Some(error) = self.ending.take() {
+            return Err(error);
+        }
         let (start, from, modes) = (self.clock, self.state(), self.modes());
         let settled = self.settle()?;
         let series = self.series();
@@ -153,8 +159,14 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Engine<'s, L, Z> {
         }
         self.land(settled);
         let end = self.state();
-        self.decide()?;
-        let events = self.events(&modes, &end);
+        let events = match self.decide() {
+            Ok(()) => self.events(&modes, &end),
+            // The step is good; what cannot be followed begins at its end.
+            Err(error) => {
+                self.ending = Some(error);
+                Vec::new()
+            }
+        };
         let span = (settled.duration, self.clock);
         Ok(Step::new(start, span, modes, from, series, events, end))
     }
