@@ -9,6 +9,8 @@ mod common;
 
 mod bad_input;
 mod closed_forms;
+mod identities;
 mod reading;
 mod steady;
 mod trajectories;
+mod two_engines;

@@ -86,7 +86,11 @@ impl Worst {
 
 /// How far the problem itself magnifies what is changed at the start: the largest change of any
 /// number of the motion up to a time, for a change of 1 at the start.
-fn magnification(system: &Structure<AnyLaw>, start: &State, end: f64) -> impl Fn(f64) -> f64 + use<> {
+fn magnification(
+    system: &Structure<AnyLaw>,
+    start: &State,
+    end: f64,
+) -> impl Fn(f64) -> f64 + use<> {
     const CHANGE: f64 = 1e-9;
     let (motion, _) = simulate(system, start.clone(), end);
     let mut grown: Vec<(f64, f64)> = vec![];
@@ -117,7 +121,8 @@ fn motions_have_the_reference_events_and_states() {
     for case in dry_cases() {
         let id = text(&case["id"]);
         let system = structure(&case["system"], f64::NAN);
-        let end = number(&case["t_end"]);
+        let ends_early = !case["ends"].is_null();
+        let end = number(&case["t_end"]) + if ends_early { 1.0 } else { 0.0 };
         let start = state(&case["start"]);
         let run = std::panic::catch_unwind(|| {
             let magnified = magnification(&system, &start, end);
@@ -210,8 +215,10 @@ fn motions_have_the_reference_events_and_states() {
     assert_eq!((events, states), (EVENTS, STATES));
 }
 
-const EVENTS: usize = 0;
-const STATES: usize = 0;
+/// Events and states in the files, but for those of contacts with memory; a motion that separates
+/// has no state at its end.
+const EVENTS: usize = 781;
+const STATES: usize = 128;
 
 /// The same motion, step by step and from another start time.
 #[test]
