@@ -10,6 +10,8 @@ mod common;
 mod bad_input;
 mod closed_forms;
 mod identities;
+mod plain;
+mod random;
 mod reading;
 mod steady;
 mod trajectories;
