@@ -76,6 +76,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
         joint.fresh = relative == 0.0;
         joint.mode = Mode::Stick;
         joint.arrived_from = None;
+        (body.speed, body.side) = (0.0, 0.0);
         if let Some(direction) = Direction::of(relative) {
             joint.mode = Mode::Slip(direction);
             joint.piece = joint.piece_above(relative.abs());
