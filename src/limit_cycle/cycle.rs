@@ -342,6 +342,6 @@ impl LimitCycle {
             let start = last.start.after(last.duration);
             steps.push(first.starting_at(start).until(start.time));
         }
-        Trajectory::new(steps, self.period())
+        Trajectory::new(steps, 0.0, self.period())
     }
 }
