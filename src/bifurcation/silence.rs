@@ -14,10 +14,11 @@ use crate::numerics::bracket::Bracket;
 ///
 /// At the border steady sliding becomes stable, at β = −½γ²dμ̂/ds(|v_b|), or the last two cycles
 /// meet, or stick-slip grazes the belt. It is enclosed by doubling and narrowed to neighbouring
-/// numbers, with [`find`] as the judge, and is as complete as that is: a range that [can't be
-/// resolved](crate::limit_cycle::CycleSet::unresolved) counts as a vibration. Where rounding hides
-/// the growth over a turn, near steady sliding and on very slow belts, `find` decides by averaging.
-/// Steady sliding and a vibration that end within a relative 10⁻⁸ of each other are not told apart.
+/// numbers, with [`find`](crate::limit_cycle::find) as the judge, and is as complete as that is: a
+/// range that [can't be resolved](crate::limit_cycle::CycleSet::unresolved) counts as a vibration.
+/// Where rounding hides the growth over a turn, near steady sliding and on very slow belts, `find`
+/// decides by averaging. Steady sliding and a vibration that end within a relative 10⁻⁸ of each
+/// other are not told apart.
 ///
 /// Source: cycles of rotated vector fields, Duff, *Ann. Math.* 57 (1953) 15-31.
 ///
