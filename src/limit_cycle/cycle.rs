@@ -340,7 +340,7 @@ impl LimitCycle {
         if let (Some(first), Some(last)) = (self.steps.first(), self.steps.last()) {
             // What follows at the time T itself.
             let start = last.start.after(last.duration);
-            steps.push(first.starting_at(start).until(start.time));
+            steps.push(first.start_at(start));
         }
         Trajectory::new(steps, self.period())
     }
