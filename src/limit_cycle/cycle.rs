@@ -4,7 +4,7 @@ use super::arc::{Arc, Arrival};
 use crate::belt::{Landing, MassOnBelt, Step};
 use crate::clock::Clock;
 use crate::friction::FrictionLaw;
-use crate::motion::{EventKind, Mode, Segment, Trajectory};
+use crate::motion::{EventKind, Mode, Trajectory};
 use crate::numerics::gauss::gauss_legendre;
 use crate::state::{Direction, State};
 
