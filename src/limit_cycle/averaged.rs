@@ -75,11 +75,12 @@ pub(super) fn grows<L: FrictionLaw>(
     Ok((value.abs() > noise).then_some(value > 0.0))
 }
 
-/// Whether no motion with an amplitude in a range is periodic: all of them grow, or all die.
-pub(super) fn has_no_cycle<L: FrictionLaw>(
+/// Whether all motions with an amplitude in a range grow (true), or all die (false); `None` if there
+/// may be a periodic one.
+pub(super) fn all_grow<L: FrictionLaw>(
     system: &Forward<'_, L>,
     range: &Range<f64>,
-) -> Result<bool, Error> {
+) -> Result<Option<bool>, Error> {
     let mut ends: Vec<f64> = amplitudes_at_breakpoints(system)
         .filter(|touching| range.contains(touching))
         .chain([range.start, range.end])
@@ -94,12 +95,12 @@ pub(super) fn has_no_cycle<L: FrictionLaw>(
             // Neither where it is not a number.
             let is_sure = value.abs() > noise;
             if !is_sure || growing.is_some_and(|growing| growing != (value > 0.0)) {
-                return Ok(false);
+                return Ok(None);
             }
             growing = Some(value > 0.0);
         }
     }
-    Ok(growing.is_some())
+    Ok(growing)
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use super::arc::{Arc, Arrival};
 use crate::belt::{Landing, MassOnBelt, Step};
 use crate::clock::Clock;
 use crate::friction::FrictionLaw;
-use crate::motion::{EventKind, Mode, Segment, Trajectory};
+use crate::motion::{EventKind, Mode, Trajectory};
 use crate::numerics::gauss::gauss_legendre;
 use crate::state::{Direction, State};
 
@@ -340,7 +340,7 @@ impl LimitCycle {
         if let (Some(first), Some(last)) = (self.steps.first(), self.steps.last()) {
             // What follows at the time T itself.
             let start = last.start.after(last.duration);
-            steps.push(first.starting_at(start).until(start.time));
+            steps.push(first.start_at(start));
         }
         Trajectory::new(steps, 0.0, self.period())
     }

@@ -113,9 +113,15 @@ impl<'t, 's, L: FrictionLaw> PeakMap<'t, 's, L> {
             }
         }
         for range in found.unresolved {
-            let end = self.growth(range.start)?;
-            let is_hidden = end.value.abs() <= HIDDEN * end.noise;
-            if !(is_hidden && averaged::has_no_cycle(&system, &range)?) {
+            let [start, end] = [self.growth(range.start)?, self.growth(range.end)?];
+            let is_decided = start.value.abs() <= HIDDEN * start.noise
+                && match averaged::all_grow(&system, &range)? {
+                    None => false,
+                    Some(false) => true,
+                    // What becomes of them is to be seen where they come out.
+                    Some(true) => !end.vanishes(),
+                };
+            if !is_decided {
                 kept.unresolved.push(range);
             }
         }

@@ -63,7 +63,7 @@ impl CycleSet {
     /// precision can't resolve whether there are cycles, and which: either the motion from one end
     /// of a narrow range dies and that from the other end grows, by far (one unstable cycle, or an
     /// odd number); or over the whole range a turn changes a motion by no more than rounding does,
-    /// and averaging does not tell that each grows or that each dies.
+    /// and averaging does not tell that each dies, or that each grows and leaves the range.
     pub fn unresolved(&self) -> &[Range<f64>] {
         &self.unresolved
     }
