@@ -10,6 +10,14 @@ pub(crate) struct Clock {
 }
 
 impl Clock {
+    /// Exactly `time`.
+    pub(crate) const fn at(time: f64) -> Self {
+        Self {
+            time,
+            remainder: 0.0,
+        }
+    }
+
     /// The time a duration later (Knuth's two-sum).
     #[inline(always)]
     pub(crate) fn after(self, duration: f64) -> Self {
@@ -24,6 +32,19 @@ impl Clock {
     #[inline(always)]
     pub(crate) fn until(self, time: f64) -> f64 {
         (time - self.time) - self.remainder
+    }
+
+    /// Time from here to another clock's time.
+    pub(crate) fn to(self, later: Self) -> f64 {
+        (later.time - self.time) + (later.remainder - self.remainder)
+    }
+
+    /// factor·time as a number and what rounding took away from it: together good to about ε² of
+    /// the product (two-product with a fused multiply-add).
+    pub(crate) fn times(self, factor: f64) -> (f64, f64) {
+        let product = factor * self.time;
+        let error = factor.mul_add(self.time, -product);
+        (product, error + factor * self.remainder)
     }
 }
 

@@ -60,7 +60,7 @@ fn during(reached: &Option<Reached>) -> String {
 /// | variant | when | what to do |
 /// |---|---|---|
 /// | [`InvalidParameter`](Self::InvalidParameter) | a constructor, a `with_` method, or a range of belt velocities | give a number in the range named |
-/// | [`BadPoint`](Self::BadPoint) | [`Tabulated::new`](crate::Tabulated::new) | correct or leave out that point |
+/// | [`BadPoint`](Self::BadPoint) | [`Tabulated::new`](crate::Tabulated::new), [`Drive::profile`](crate::Drive::profile) | correct or leave out that point |
 /// | [`InvalidState`](Self::InvalidState) | a start is not finite, or extremely large or small | check it; choose another unit of length |
 /// | [`InvalidTolerance`](Self::InvalidTolerance) | [`Integrator::with_tolerance`](crate::Integrator::with_tolerance) | stay within the limits named |
 /// | [`InvalidDuration`](Self::InvalidDuration) | `simulate` | give a finite duration ≥ 0, or use `flow` |
@@ -68,9 +68,16 @@ fn during(reached: &Option<Reached>) -> String {
 /// | [`NonFiniteFriction`](Self::NonFiniteFriction) | a law gives NaN or ±∞ at a speed that is needed | define it there, or keep the motion away |
 /// | [`NotAnalytic`](Self::NotAnalytic) | a law has a value but no power series at a speed | use integral powers there, or name a breakpoint |
 /// | [`BadBreakpoints`](Self::BadBreakpoints) | `MassOnBelt::new`, a law with breakpoints | sort them; make the law continuous |
+/// | [`BadElement`](Self::BadElement) | a mass, spring, damper, force or contact of a [`Structure`](crate::Structure) | give a number in the range named |
+/// | [`NoSuchCoordinate`](Self::NoSuchCoordinate) | an element of a structure | count its coordinates from 0 |
+/// | [`WrongSize`](Self::WrongSize) | a matrix or a start of a structure | one row, column or number for each coordinate |
+/// | [`CoordinateTaken`](Self::CoordinateTaken) | a second contact on one coordinate | add a coordinate, or one law that holds both |
+/// | [`BeltVelocityJumps`](Self::BeltVelocityJumps) | a contact on a belt whose velocity jumps | make it a steep ramp |
 /// | [`StepUnderflow`](Self::StepUnderflow) | a motion: stiffness, or a kink or jump of the law that is not named | name the breakpoint; reduce γ²·dμ̂/ds; start nearer |
 /// | [`TooManySteps`](Self::TooManySteps) | a motion or a search for cycles: stiffness, or a very long run | `with_max_steps`, or as above |
+/// | [`Separation`](Self::Separation) | a motion: a load that depends on displacements falls to 0 | end the motion there, or press harder |
 /// | [`TooManyEvents`](Self::TooManyEvents) | a run with `with_max_events` | raise the limit, or use `flow` |
+/// | [`At`](Self::At) | a search over belt velocities, or over the damping | see the error inside; search beside that value |
 ///
 /// A `main` that returns `Result<(), Error>` shows the variant and its fields, by `Debug`; print
 /// the error with `{error}` to show the message.
@@ -106,14 +113,14 @@ pub enum Error {
         allowed: &'static str,
     },
 
-    /// A point of a table is not allowed.
+    /// A point of a table or of a profile is not allowed.
     #[error(
         "point {index} of the table, counted from 0: {name} = {value:e} is not allowed; give a finite number: {allowed}"
     )]
     BadPoint {
         /// Position of the point, from 0.
         index: usize,
-        /// Which of its two numbers: `speed` or `coefficient`.
+        /// Which of its two numbers: `speed` or `coefficient`, `time` or `value`.
         name: &'static str,
         /// The number that was given.
         value: f64,
@@ -205,6 +212,63 @@ pub enum Error {
         value: f64,
     },
 
+    /// A number of a structure is outside its range, infinite or NaN.
+    #[error("{element}: {value:e} is not allowed; give a finite number: {allowed}")]
+    BadElement {
+        /// Which element of the structure.
+        element: Element,
+        /// The value that was given.
+        value: f64,
+        /// The range that it must lie in.
+        allowed: &'static str,
+    },
+
+    /// An element is attached to a coordinate that the structure does not have.
+    #[error(
+        "{element}: there is no coordinate {coordinate}; the {count} coordinates are counted from 0"
+    )]
+    NoSuchCoordinate {
+        /// Which element of the structure.
+        element: Element,
+        /// The coordinate that was given.
+        coordinate: usize,
+        /// Number of coordinates.
+        count: usize,
+    },
+
+    /// A matrix or a start does not fit the structure.
+    #[error("{found} {name} were given; {expected} are needed, as many as the structure has")]
+    WrongSize {
+        /// What was counted, as `rows of the stiffness matrix`.
+        name: &'static str,
+        /// How many were given.
+        found: usize,
+        /// How many are needed.
+        expected: usize,
+    },
+
+    /// A coordinate can have one contact only.
+    #[error(
+        "coordinate {coordinate} has contact {contact} already; add a coordinate for a second one, or write one law that holds both"
+    )]
+    CoordinateTaken {
+        /// The coordinate, from 0.
+        coordinate: usize,
+        /// The contact that it has, from 0.
+        contact: usize,
+    },
+
+    /// The velocity of a belt jumps, which would take an infinite force.
+    #[error(
+        "the belt under coordinate {coordinate} changes its velocity by a jump at time {time:e}; make it a steep ramp"
+    )]
+    BeltVelocityJumps {
+        /// The coordinate of the contact, from 0.
+        coordinate: usize,
+        /// The first time of a jump.
+        time: f64,
+    },
+
     /// The step became too short to move the clock.
     #[error(
         "the step fell to {step:e} {reached}: the system is too stiff for an explicit method (large γ²·dμ̂/ds), or the law has a kink that is not named as a breakpoint"
@@ -227,6 +291,18 @@ pub enum Error {
         reached: Reached,
     },
 
+    /// The normal load of a contact, which depends on displacements, fell to 0: the surfaces part,
+    /// and the springs of the structure are no longer those of its stiffness matrix.
+    #[error(
+        "contact {contact} separates {reached}: its normal load falls to 0; end the motion here, or press the surfaces together with a larger load"
+    )]
+    Separation {
+        /// Number of the contact.
+        contact: usize,
+        /// Where the integration stood.
+        reached: Reached,
+    },
+
     /// The limit of events was reached.
     #[error(
         "{limit} events were not enough {reached}; raise the limit with `with_max_events`, shorten the run, or use `flow`"
@@ -237,9 +313,60 @@ pub enum Error {
         /// Where the integration stood.
         reached: Reached,
     },
+
+    /// A search over a parameter could not go on at one value of it: the error inside says why, and
+    /// what to do. A range that leaves the value out is searched as before.
+    #[error("at {parameter} = {value:e}: {source}")]
+    At {
+        /// The parameter, by its name: `belt_velocity`, `damping`.
+        parameter: &'static str,
+        /// Its value.
+        value: f64,
+        /// What happened there.
+        source: Box<Self>,
+    },
+}
+
+/// A part of a [`Structure`](crate::Structure), by its place; all counted from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Element {
+    /// The mass of a coordinate.
+    Mass(usize),
+    /// Row and column of the stiffness matrix, or the two ends of a spring; twice the same for a
+    /// spring to the ground.
+    Stiffness(usize, usize),
+    /// Row and column of the damping matrix, or the two ends of a damper; twice the same for a
+    /// damper to the ground.
+    Damping(usize, usize),
+    /// The force on a coordinate.
+    Force(usize),
+    /// A contact, by its number.
+    Contact(usize),
+}
+
+impl std::fmt::Display for Element {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Mass(i) => write!(f, "mass {i}"),
+            Self::Stiffness(i, j) => write!(f, "stiffness ({i}, {j})"),
+            Self::Damping(i, j) => write!(f, "damping ({i}, {j})"),
+            Self::Force(i) => write!(f, "force on coordinate {i}"),
+            Self::Contact(i) => write!(f, "contact {i}"),
+        }
+    }
 }
 
 impl Error {
+    /// The same error, with the value of the parameter at which it happened.
+    pub(crate) fn at(self, parameter: &'static str, value: f64) -> Self {
+        Self::At {
+            parameter,
+            value,
+            source: Box::new(self),
+        }
+    }
+
     /// `value` if it lies in the range, else [`Error::InvalidParameter`]; NaN lies in none.
     pub(crate) fn check(
         name: &'static str,
@@ -255,6 +382,18 @@ impl Error {
                 value,
                 allowed,
             })
+        }
+    }
+
+    /// The same error, as that of an element of a structure.
+    pub(crate) fn of_element(self, element: Element) -> Self {
+        match self {
+            Self::InvalidParameter { value, allowed, .. } => Self::BadElement {
+                element,
+                value,
+                allowed,
+            },
+            other => other,
         }
     }
 

@@ -126,7 +126,7 @@
 //! | with a looser tolerance, or more steps | [`Integrator::with_tolerance`], [`Integrator::with_max_steps`] |
 //! | everything that it can settle to | [`limit_cycle::find`] |
 //! | the stick-slip motion alone | [`limit_cycle::stick_slip`] |
-//! | which of them it settles to from a given start | [`limit_cycle::attractor`] |
+//! | which of them it settles to from a given start | [`limit_cycle::attractor`]; from many, [`limit_cycle::basins`] |
 //! | period, extremes, harmonics, energies of a periodic motion | [`LimitCycle`] |
 //! | whether steady sliding is stable | [`MassOnBelt::equilibrium`] |
 //! | the belt velocity at which steady sliding becomes stable | [`bifurcation::hopf_velocities`], [`bifurcation::criticality`] |
@@ -157,6 +157,7 @@ pub mod analysis;
 mod belt;
 pub mod bifurcation;
 mod clock;
+mod drive;
 mod error;
 mod friction;
 pub mod limit_cycle;
@@ -168,9 +169,12 @@ mod scaling;
 pub mod schema;
 mod series;
 mod state;
+pub mod structure;
 
 pub use belt::{Equilibrium, Flow, MassOnBelt, Stability, Step};
+pub use drive::Drive;
 pub use error::{Error, Reached};
+pub use friction::memory::{ContactLaw, Motion, Slip};
 pub use friction::{
     AnyLaw, Coulomb, Exponential, FrictionLaw, Polynomial, Rational, Scaled, Stribeck, Tabulated,
 };
@@ -180,11 +184,7 @@ pub use nalgebra;
 pub use scalar::Scalar;
 pub use scaling::{Physical, Scaling};
 pub use state::{Direction, State};
-
-/// Several masses: what they share with the one on its belt.
-pub mod structure {
-    pub use crate::state::structure::State;
-}
+pub use structure::{Contact, Structure};
 
 /// The program of the README, compiled as a test.
 #[cfg(doctest)]

@@ -15,10 +15,12 @@ use super::plot::{Axis, Panel};
 use super::style::{BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, Stroke, VERMILLION, pale};
 use super::svg::{Area, Figure, Result, svg};
 
-const CAPTION: &str = "What the mass settles to, over belt velocity and damping. The borders are exact: Hopf points of steady sliding \
-    (black), grazing, where stick-slip appears (blue), overshoot and crossing, where the mass begins to overtake the belt (purple), folds \
-    of pure-slip cycles (green). (a) Polynomial law, μ_s = 0.4, μ_m = 0.1, v_m = 1, γ² = 0.15. (b) Exponential law, μ_s = 0.6, μ_k = 0.3, \
-    v_s = 0.4, γ² = 1: here two motions can exist side by side, and on a slow belt steady sliding is stable again.";
+const CAPTION: &str = "What the mass settles to, over belt velocity and damping. The borders are \
+    exact: Hopf points of steady sliding (black), grazing, where stick-slip appears (blue), \
+    overshoot and crossing, where the mass begins to overtake the belt (purple), folds of \
+    pure-slip cycles (green). (a) Polynomial law, μ_s = 0.4, μ_m = 0.1, v_m = 1, γ² = 0.15. (b) \
+    Exponential law, μ_s = 0.6, μ_k = 0.3, v_s = 0.4, γ² = 1: here two motions can exist side by \
+    side, and on a slow belt steady sliding is stable again.";
 
 const BELT_VELOCITY: &str = "belt velocity v_b";
 const DAMPING: &str = "damping ratio β";

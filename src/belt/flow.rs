@@ -115,7 +115,7 @@ impl<'s, L: FrictionLaw> Flow<'s, L> {
                         Mode::Slip(side) => {
                             Phase::Slip(SlipPoint::leaving(&system, displacement, side))
                         }
-                        Mode::Stick => Phase::Stick,
+                        Mode::Stick | Mode::Open => Phase::Stick,
                     },
                     (None, _) => Phase::Ended,
                 };

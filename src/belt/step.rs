@@ -153,7 +153,7 @@ impl Step {
         } = self.state;
         match self.mode {
             _ if t == 0.0 || self.is_rest() => self.state,
-            Mode::Stick => State::new(displacement + velocity * t, velocity),
+            Mode::Stick | Mode::Open => State::new(displacement + velocity * t, velocity),
             Mode::Slip(direction) => {
                 let mean_velocity = self.belt_velocity + direction.sign() * self.speed.mean(t);
                 State::new(
@@ -183,16 +183,16 @@ impl Step {
     pub(crate) fn direction(&self) -> Option<Direction> {
         match self.mode {
             Mode::Slip(direction) => Some(direction),
-            Mode::Stick => None,
+            Mode::Stick | Mode::Open => None,
         }
     }
 
     /// The same motion seen in a mirror: (u, v, v_b) → (−u, −v, −v_b).
     pub(crate) fn mirrored(&self) -> Self {
         let kind = |kind| match kind {
-            EventKind::Stick => EventKind::Stick,
             EventKind::Release(direction) => EventKind::Release(direction.opposite()),
             EventKind::Crossing(direction) => EventKind::Crossing(direction.opposite()),
+            EventKind::Stick | EventKind::Open | EventKind::Close => kind,
         };
         Self {
             mode: self

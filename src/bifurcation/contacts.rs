@@ -22,8 +22,8 @@ use crate::numerics::scan::sign_changes;
 ///
 /// # Errors
 ///
-/// [`Error::InvalidParameter`] unless the range is finite and not empty; else those of
-/// [`limit_cycle::find`](crate::limit_cycle::find).
+/// [`Error::InvalidParameter`] unless the range is finite and not empty; else [`Error::At`], with
+/// the belt velocity and one of the errors of [`limit_cycle::find`](crate::limit_cycle::find).
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, bifurcation};
@@ -38,7 +38,7 @@ pub fn grazing_velocities<L: FrictionLaw>(
     system: &MassOnBelt<L>,
     range: Range<f64>,
 ) -> Result<Vec<f64>, Error> {
-    over_belt_velocities(system, range, |release, tracer| {
+    over_belt_velocities(system, range, &|release, tracer| {
         Ok(Some(release.overshoot(tracer)))
     })
 }
@@ -61,7 +61,7 @@ pub fn overshoot_velocities<L: FrictionLaw>(
     system: &MassOnBelt<L>,
     range: Range<f64>,
 ) -> Result<Vec<f64>, Error> {
-    over_belt_velocities(system, range, |release, tracer| {
+    over_belt_velocities(system, range, &|release, tracer| {
         Ok(release.beyond_low(tracer))
     })
 }
@@ -89,14 +89,19 @@ pub fn crossing_velocities<L: FrictionLaw>(
     system: &MassOnBelt<L>,
     range: Range<f64>,
 ) -> Result<Vec<f64>, Error> {
-    over_belt_velocities(system, range, |release, tracer| release.beyond_high(tracer))
+    over_belt_velocities(system, range, &|release, tracer| {
+        release.beyond_high(tracer)
+    })
 }
 
-/// Sign changes, over the belt velocity, of a number that the arcs from the release point give.
+/// A number that the arcs from the release point give.
+type Number<'s, L> = dyn Fn(&mut Release, &mut Tracer<'s, L>) -> Result<Option<f64>, Error>;
+
+/// Sign changes of such a number over the belt velocity.
 fn over_belt_velocities<'s, L: FrictionLaw>(
     system: &'s MassOnBelt<L>,
     range: Range<f64>,
-    number: impl Fn(&mut Release, &mut Tracer<'s, L>) -> Result<Option<f64>, Error>,
+    number: &Number<'s, L>,
 ) -> Result<Vec<f64>, Error> {
     let range = positive(range)?;
     let system = system.by_reference();
@@ -110,3 +115,6 @@ fn over_belt_velocities<'s, L: FrictionLaw>(
     };
     sign_changes(&mut at_velocity, &range)
 }
+
+#[cfg(test)]
+mod tests;

@@ -15,6 +15,7 @@ pub(super) fn positive(range: Range<f64>) -> Result<Range<f64>, Error> {
 }
 
 /// What is found for a system on a belt of velocity v_b; nothing on a belt that stands still.
+/// An error tells the velocity.
 pub(super) fn moving_at<'s, L: FrictionLaw, T>(
     system: MassOnBelt<&'s L>,
     v_b: f64,
@@ -23,7 +24,8 @@ pub(super) fn moving_at<'s, L: FrictionLaw, T>(
     if v_b == 0.0 {
         return Ok(None);
     }
-    Forward::of(system.with_belt_velocity(v_b)?)
-        .map(find)
-        .transpose()
+    let at_velocity = system.with_belt_velocity(v_b).map(Forward::of);
+    at_velocity
+        .and_then(|system| system.map(find).transpose())
+        .map_err(|error| error.at("belt_velocity", v_b))
 }

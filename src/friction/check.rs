@@ -57,7 +57,7 @@ pub(crate) fn validate<L: FrictionLaw>(law: &L) -> Result<(), Error> {
 }
 
 /// Largest relative jump at a breakpoint that counts as rounding.
-const JUMP: f64 = 1e-12;
+pub(crate) const JUMP: f64 = 1e-12;
 
 /// Whether friction does not depend on the sliding speed near this one: all derivatives of the law
 /// are zero.

@@ -6,6 +6,7 @@
 //! | `coulomb.rs`, `exponential.rs`, `polynomial.rs`, `rational.rs`, `stribeck.rs` | the laws with a formula |
 //! | `tabulated.rs` | measured points |
 //! | `any.rs` | a law chosen at run time |
+//! | `memory/` | contact laws with memory |
 //! | `scaled.rs` | a law given in metres per second |
 //! | `expansion.rs` | a law's pieces, and their power series at one speed |
 //! | `along.rs` | a law as a chain of power series over a range of speeds |
@@ -14,10 +15,11 @@
 
 mod along;
 mod any;
-mod check;
+pub(crate) mod check;
 mod coulomb;
 mod expansion;
 mod exponential;
+pub(crate) mod memory;
 mod polynomial;
 mod rational;
 #[cfg(feature = "serde")]

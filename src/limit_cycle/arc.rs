@@ -22,6 +22,8 @@ pub(crate) enum Arrival {
     Equilibrium,
     /// Nowhere: followed backwards, it grows beyond [`FARTHEST`].
     Far,
+    /// Nowhere: on the belt, where slip does not begin.
+    Held,
 }
 
 /// Follows slip arcs of one system to round-off.
@@ -33,6 +35,8 @@ pub(crate) struct Tracer<'s, L> {
     attracts: Option<Time>,
     /// Distance within which it then has the motion for good.
     settled: f64,
+    /// max(1, |h1|).
+    stiffness: f64,
     /// Distance within which a motion is at the equilibrium to rounding.
     rounding: f64,
     equilibrium: f64,
@@ -82,8 +86,7 @@ impl Arc {
 /// time.
 pub(crate) const FARTHEST: f64 = 16.0;
 
-/// Most steps of one arc. An oscillation takes about ten; on the slow branch of a stiff system
-/// (γ²μ̂' of 1000) it may be ten thousand.
+/// Most steps of one arc. An oscillation takes about ten, a slow motion to a node a hundred.
 const MOST_STEPS: usize = Integrator::DEFAULT_MAX_STEPS;
 
 impl<'s, L: FrictionLaw> Tracer<'s, L> {
@@ -103,6 +106,10 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
             settled: SETTLED * system.belt_velocity().abs(),
             rounding: ROUNDING * f64::EPSILON * (equilibrium.abs() + system.belt_velocity().abs()),
             equilibrium,
+            stiffness: system
+                .effective_damping(system.belt_velocity())
+                .abs()
+                .max(1.0),
             scale: system.belt_velocity().abs() + system.load() * system.law().static_coefficient(),
             work: 0,
         }
@@ -128,6 +135,14 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
     /// A leading mass has v > v_b > 0, so u grows until it comes back to the belt: its arcs end in
     /// contact.
     pub(crate) fn arc(&mut self, start: SlipPoint, time: Time) -> Result<Arc, Error> {
+        if start.speed == 0.0 && !self.slips(&start, time) {
+            return Ok(Arc {
+                steps: Vec::new(),
+                arrival: Arrival::Held,
+                start_rate: 0.0,
+                end_rate: 0.0,
+            });
+        }
         let v_b = self.system.belt_velocity();
         let mut point = start;
         let mut clock = Clock::default();
@@ -186,13 +201,33 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
         }
     }
 
+    /// Whether a motion from the belt leaves it: the sliding speed grows, at its rate s', or, where
+    /// that is zero, because s'' = −σv_b there.
+    fn slips(&self, start: &SlipPoint, time: Time) -> bool {
+        let sigma = start.direction.sign();
+        let rate = start.rate.unwrap_or_else(|| {
+            let system = &self.system;
+            let force = start.displacement + system.carried_force();
+            -time.sign() * (sigma * force + system.load() * system.law().kinetic(0.0))
+        });
+        rate > 0.0 || (rate == 0.0 && start.direction == Direction::Lagging)
+    }
+
+    /// Whether a motion is at the equilibrium for good, or to rounding. Where the equilibrium
+    /// attracts strongly, u − ū counts by the speed that it causes: u − ū = −h1 v on the slow
+    /// motion of a node, and what is not linear is so in the speed.
     fn has_settled(&self, point: &SlipPoint, time: Time) -> bool {
         let State {
             displacement,
             velocity,
         } = point.state(&self.system);
-        let distance = (displacement - self.equilibrium).abs().max(velocity.abs());
-        distance < self.rounding || (self.attracts == Some(time) && distance < self.settled)
+        let deviation = (displacement - self.equilibrium).abs();
+        if self.attracts == Some(time) {
+            let distance = (deviation / self.stiffness).max(velocity.abs());
+            distance < self.rounding.max(self.settled)
+        } else {
+            deviation.max(velocity.abs()) < self.rounding
+        }
     }
 
     /// How much an arc between two places on the belt, followed in this direction of time,

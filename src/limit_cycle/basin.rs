@@ -1,4 +1,5 @@
 use super::arc::{Arrival, Tracer};
+use super::averaged;
 use super::crossings::CrossingMap;
 use super::cycle::{CycleKind, LimitCycle};
 use super::find::{nested_cycles, of_belt_at_rest};
@@ -34,9 +35,9 @@ pub enum Attractor {
     Continuum,
     /// The motion grows beyond every periodic motion that was found.
     Unbounded,
-    /// Rounding hides whether the motion grows or shrinks: it starts in a range that is
-    /// [unresolved](CycleSet::unresolved), or friction and damping change it by less than 10⁻¹⁴ in
-    /// a turn.
+    /// Rounding hides whether the motion grows or shrinks, and averaging does not tell: it starts in
+    /// a range that is [unresolved](CycleSet::unresolved), or crosses the belt velocity and changes
+    /// by less than 10⁻¹⁴ in a turn.
     Unresolved,
 }
 
@@ -86,7 +87,7 @@ const HIDDEN_BY_CYCLE: f64 = 1e-6;
 /// use stick_slip::limit_cycle::{Attractor, attractor};
 /// use stick_slip::{Exponential, MassOnBelt, State};
 ///
-/// // Bistable: the unstable cycle between equilibrium and stick-slip has a peak velocity of 0.3112.
+/// // Bistable: between equilibrium and stick-slip lies an unstable cycle of peak velocity 0.3112.
 /// let system = MassOnBelt::new(Exponential::new(0.6, 0.3, 0.4)?, 1.0)?.with_damping(0.01)?;
 /// let rest = system.equilibrium().unwrap().displacement;
 /// assert_eq!(attractor(&system, State::new(rest, 0.30))?, Attractor::Equilibrium);
@@ -107,10 +108,10 @@ pub fn attractor<L: FrictionLaw>(system: &MassOnBelt<L>, start: State) -> Result
 ///
 /// ```
 /// use stick_slip::limit_cycle::{Attractor, basins};
-/// use stick_slip::{Exponential, MassOnBelt, State};
+/// use stick_slip::{MassOnBelt, State, Stribeck};
 ///
 /// // μ̂ = 0.5 + 0.5 e^(−2s): steady sliding and stick-slip side by side.
-/// let law = Exponential::new(1.0, 0.5, 0.5)?;
+/// let law = Stribeck::new(1.0, 0.5, 0.5, 1)?;
 /// let system = MassOnBelt::new(law, 1.5)?.with_damping(0.05)?;
 /// let basins = basins(&system)?;
 /// assert_eq!(basins.cycles().len(), 2);
@@ -161,8 +162,8 @@ pub fn basins<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Basins<'_, L>, E
 ///
 /// ```
 /// # use stick_slip::limit_cycle::{Attractor, basins};
-/// # use stick_slip::{Exponential, MassOnBelt, State};
-/// # let system = MassOnBelt::new(Exponential::new(1.0, 0.5, 0.5)?, 1.5)?.with_damping(0.05)?;
+/// # use stick_slip::{MassOnBelt, State, Stribeck};
+/// # let system = MassOnBelt::new(Stribeck::new(1.0, 0.5, 0.5, 1)?, 1.5)?.with_damping(0.05)?;
 /// let basins = basins(&system)?;
 /// let starts: Vec<State> = (0..40).map(|i| State::new(0.1 * f64::from(i) - 2.0, 0.0)).collect();
 /// // With rayon: `starts.par_iter().map(|&start| basins.attractor(start)).collect()`.
@@ -239,6 +240,7 @@ impl<L: FrictionLaw> Tracer<'_, L> {
                 Arrival::Maximum(point) => return Ok(Place::Peak(v_b - point.speed)),
                 Arrival::Contact(displacement) => displacement,
                 Arrival::Equilibrium | Arrival::Far => return Ok(Place::Equilibrium),
+                Arrival::Held => return Ok(Place::Release),
             };
             match self.system().slides_at(displacement) {
                 None => return Ok(Place::Release),
@@ -274,7 +276,15 @@ impl<L: FrictionLaw> Basins<'_, L> {
         let Some(nest) = &self.nest else {
             return Ok(self.at_rest(start));
         };
-        let mut tracer = Tracer::new(nest.forward);
+        self.reached_from(nest, &mut Tracer::new(nest.forward), start)
+    }
+
+    fn reached_from(
+        &self,
+        nest: &Nest<'_, L>,
+        tracer: &mut Tracer<'_, L>,
+        start: State,
+    ) -> Result<Attractor, Error> {
         let start = if self.system.belt_velocity() < 0.0 {
             start.mirrored()
         } else {
@@ -282,9 +292,9 @@ impl<L: FrictionLaw> Basins<'_, L> {
         };
         match tracer.first_place(start)? {
             Place::Equilibrium => Ok(Attractor::Equilibrium),
-            Place::Peak(peak) => self.reached_from_peak(nest, &mut tracer, peak),
+            Place::Peak(peak) => self.reached_from_peak(nest, tracer, peak),
             Place::Release => Ok(self.reached_from_release(nest)),
-            Place::Crossing(force) => self.reached_from_crossing(nest, &mut tracer, force),
+            Place::Crossing(force) => self.reached_from_crossing(nest, tracer, force),
         }
     }
 
@@ -339,7 +349,11 @@ impl<L: FrictionLaw> Basins<'_, L> {
         if let Some(cycle) = self.cycle_through(nest, CycleKind::PureSlip, peak, v_b, grows) {
             return Ok(attractor_on(cycle));
         }
-        // Near the equilibrium, where motion is linear, rounding hides the growth.
+        let grows = match grows {
+            None => averaged::grows(&nest.forward, peak)?,
+            grows => grows,
+        };
+        // Nearest to the equilibrium motion is linear.
         let equilibrium = nest.forward.equilibrium();
         let unstable = equilibrium.is_some_and(|equilibrium| !equilibrium.is_stable());
         let mut cycles = self.of_kind(nest, CycleKind::PureSlip);
@@ -443,3 +457,6 @@ fn attractor_on(cycle: &LimitCycle) -> Attractor {
         Attractor::Separatrix(cycle.clone())
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -55,6 +55,6 @@ pub(super) fn is_continuum<L: FrictionLaw>(peaks: &mut PeakMap<'_, '_, L>) -> Re
 }
 
 /// Whether there is no friction at all.
-pub(super) fn is_frictionless<L: FrictionLaw>(law: &L) -> bool {
+pub(crate) fn is_frictionless<L: FrictionLaw>(law: &L) -> bool {
     law.static_coefficient() == 0.0 && has_no_kinetic_friction(law)
 }

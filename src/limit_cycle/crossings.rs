@@ -104,8 +104,13 @@ impl<'t, 's, L: FrictionLaw> CrossingMap<'t, 's, L> {
         let (contact, leading, time) = match leading.arrival {
             Arrival::Contact(contact) if contact < low => (contact, leading, Time::Backward),
             Arrival::Contact(_) => {
-                let leading = self.tracer.arc_leaving(low, Direction::Leading)?;
-                (low, leading, Time::Forward)
+                let from_low = self.tracer.arc_leaving(low, Direction::Leading)?;
+                if from_low.arrival == Arrival::Held {
+                    // It begins below the low end by less than rounding shows.
+                    (low, leading, Time::Backward)
+                } else {
+                    (low, from_low, Time::Forward)
+                }
             }
             // From however far it comes, a leading motion ends in stick.
             _ => return Ok(None),

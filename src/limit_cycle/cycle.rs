@@ -109,7 +109,7 @@ impl LimitCycle {
     /// Joins arcs of slip, and a stick phase up to `release` if the last one ends in stick.
     pub(super) fn join<L: FrictionLaw>(
         system: &MassOnBelt<L>,
-        arcs: impl IntoIterator<Item = Arc>,
+        arcs: Vec<Arc>,
         kind: CycleKind,
         multiplier: f64,
     ) -> Self {
@@ -342,6 +342,6 @@ impl LimitCycle {
             let start = last.start.after(last.duration);
             steps.push(first.starting_at(start).until(start.time));
         }
-        Trajectory::new(steps, self.period())
+        Trajectory::new(steps, 0.0, self.period())
     }
 }

@@ -109,7 +109,7 @@ pub(super) fn nested_cycles<L: FrictionLaw>(
     let forces = crossings.roots(fate)?;
     let mut crossing = |force: f64| -> Result<Option<LimitCycle>, Error> {
         Ok(crossings.cycle(force)?.map(|(arcs, multiplier)| {
-            LimitCycle::join(&system, arcs, CycleKind::Crossing, multiplier)
+            LimitCycle::join(&system, arcs.into(), CycleKind::Crossing, multiplier)
         }))
     };
     for force in forces.roots {
@@ -149,8 +149,11 @@ fn add_pure_slip<L: FrictionLaw>(
     set.unresolved = found.unresolved;
     for peak in found.roots {
         let (arc, multiplier) = peaks.cycle(peak)?;
-        let cycle = LimitCycle::join(&system, [arc], CycleKind::PureSlip, multiplier);
+        let cycle = LimitCycle::join(&system, vec![arc], CycleKind::PureSlip, multiplier);
         set.cycles.push(cycle);
     }
     Ok(true)
 }
+
+#[cfg(test)]
+mod tests;

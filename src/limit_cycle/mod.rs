@@ -30,6 +30,11 @@
 //! |v_b|). Cycles that double precision can't resolve, because neighbouring numbers lie on
 //! different sides of them by far, are reported as [`unresolved`](CycleSet::unresolved).
 //!
+//! Where a turn changes a motion by less than rounding does (weak friction, nearly no damping, a
+//! belt far slower than γ²μ_s), its growth is taken from the averaged equation, Eq. 12 for any law,
+//! whose sign is certain where it exceeds what the next orders can add. Where it is not certain,
+//! that range is unresolved too.
+//!
 //! | file | what is in it |
 //! |---|---|
 //! | `find.rs` | [`find`], [`stick_slip`]: the three kinds put together |
@@ -39,12 +44,14 @@
 //! | `peaks.rs` | the map of velocity maxima: pure-slip cycles |
 //! | `crossings.rs` | the map of downward crossings: crossing cycles |
 //! | `growth.rs` | a map's growth over a turn as a sample |
+//! | `averaged.rs` | the growth of small changes, where rounding hides it over a turn |
 //! | `continuum.rs` | families of periodic motions |
 //! | `set.rs`, `cycle.rs` | results: [`CycleSet`], [`LimitCycle`] |
 //! | `measures.rs` | extremes and integrals of a cycle |
 //! | `written.rs` | how cycles are written (feature `serde`) |
 
 mod arc;
+mod averaged;
 mod basin;
 mod continuum;
 mod crossings;
@@ -63,6 +70,7 @@ mod written;
 pub(crate) use arc::Tracer;
 pub use basin::{Attractor, Basins, attractor, basins};
 pub use continuum::Continuum;
+pub(crate) use continuum::is_frictionless;
 pub use cycle::{CycleKind, EnergyBudget, LimitCycle};
 pub(crate) use find::find_borrowed;
 pub use find::{find, stick_slip};

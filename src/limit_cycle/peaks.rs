@@ -2,6 +2,7 @@
 //! the pure-slip cycles.
 
 use super::arc::{Arc, Arrival, Tracer};
+use super::averaged;
 use super::continuum::is_continuum;
 use super::growth::relative_growth;
 use crate::belt::Forward;
@@ -13,6 +14,10 @@ use crate::numerics::with_slopes::{Roots, Sample, outline_between, roots_between
 /// Smallest velocity maximum searched for, in units of v_b: below it rounding hides how a motion
 /// grows over a turn.
 const SMALLEST_PEAK: f64 = 1e-4;
+
+/// A growth, or a change of it over the range, of less than so many times its rounding error is
+/// hidden.
+const HIDDEN: f64 = 100.0;
 
 /// The map V → P(V).
 #[derive(Debug)]
@@ -42,7 +47,7 @@ impl<'t, 's, L: FrictionLaw> PeakMap<'t, 's, L> {
                 let next = v_b - point.speed;
                 (next, peak / next * (-self.tracer.contraction(&arc)).exp())
             }
-            Arrival::Contact(_) | Arrival::Far => (2.0 * v_b, 0.0),
+            Arrival::Contact(_) | Arrival::Far | Arrival::Held => (2.0 * v_b, 0.0),
             Arrival::Equilibrium => (0.0, 0.0),
         };
         Ok(relative_growth(self.tracer, peak, next, slope))
@@ -66,7 +71,7 @@ impl<'t, 's, L: FrictionLaw> PeakMap<'t, 's, L> {
                 let slope = peak / v_b * (-self.tracer.contraction(&grazing)).exp();
                 Ok(Some(relative_growth(self.tracer, peak, v_b, slope)))
             }
-            Arrival::Contact(_) | Arrival::Far => self.growth(v_b).map(Some),
+            Arrival::Contact(_) | Arrival::Far | Arrival::Held => self.growth(v_b).map(Some),
             Arrival::Equilibrium => Ok(None),
         }
     }
@@ -85,13 +90,36 @@ impl<'t, 's, L: FrictionLaw> PeakMap<'t, 's, L> {
             .map(|largest| [smallest, largest]))
     }
 
-    /// Velocity maxima V of the periodic motions in slip.
+    /// Velocity maxima V of the periodic motions in slip. Ranges in which rounding hides the growth
+    /// are left unresolved only where averaging does not exclude a cycle.
     pub(super) fn roots(&mut self) -> Result<Roots, Error> {
         let mut roots = Roots::default();
         if let Some([smallest, largest]) = self.range()? {
             roots_between(&mut |peak| self.growth(peak), smallest, largest, &mut roots)?;
         }
-        Ok(roots)
+        self.decide_hidden(roots)
+    }
+
+    /// The same roots without those that rounding makes, and without ranges that hold none: where
+    /// rounding hides the growth, averaging decides if it can.
+    fn decide_hidden(&mut self, found: Roots) -> Result<Roots, Error> {
+        let system = self.system();
+        let mut kept = Roots::default();
+        for root in found.roots {
+            let growth = self.growth(root)?;
+            let is_hidden = (growth.slope * root).abs() <= HIDDEN * growth.noise;
+            if !(is_hidden && averaged::grows(&system, root)?.is_some()) {
+                kept.roots.push(root);
+            }
+        }
+        for range in found.unresolved {
+            let end = self.growth(range.start)?;
+            let is_hidden = end.value.abs() <= HIDDEN * end.noise;
+            if !(is_hidden && averaged::has_no_cycle(&system, &range)?) {
+                kept.unresolved.push(range);
+            }
+        }
+        Ok(kept)
     }
 
     /// The growth over one turn as a function of the peak velocity, in outline: (peak, growth) at

@@ -2,7 +2,9 @@
 //! if it crosses the belt velocity.
 
 use super::arc::{Arc, Arrival, Tracer};
+use super::averaged;
 use super::cycle::{CycleKind, LimitCycle};
+use super::growth::relative_growth;
 use crate::belt::Landing;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
@@ -64,20 +66,33 @@ impl Release {
                 let peak = Some(system.belt_velocity() - point.speed);
                 return Ok(ReleaseFate::Inward { peak });
             }
-            Arrival::Equilibrium | Arrival::Far => return Ok(ReleaseFate::Inward { peak: None }),
+            Arrival::Equilibrium | Arrival::Far | Arrival::Held => {
+                return Ok(ReleaseFate::Inward { peak: None });
+            }
         };
+        let v_b = system.belt_velocity();
+        let growth = relative_growth(tracer, v_b, v_b * (1.0 + self.overshoot(tracer)), 1.0);
+        if self.lagging.start_rate == 0.0
+            && growth.vanishes()
+            && averaged::grows(&system, v_b)? == Some(false)
+        {
+            // It comes back to the belt by rounding alone.
+            return Ok(ReleaseFate::Inward { peak: Some(v_b) });
+        }
         match system.landing(contact, Direction::Lagging) {
             Landing::Stick => return Ok(ReleaseFate::Stick),
             // Round to the release point without a contact that lasts.
             Landing::Touch => {
-                let peak = Some(system.belt_velocity());
-                return Ok(ReleaseFate::Inward { peak });
+                return Ok(ReleaseFate::Inward { peak: Some(v_b) });
             }
             Landing::Crossing(_) => {}
         }
-        let sticks = self.leading(tracer)?.is_some_and(|leading| {
-            matches!(leading.arrival, Arrival::Contact(contact) if system.slides_at(contact).is_none())
-        });
+        let sticks = self
+            .leading(tracer)?
+            .is_some_and(|leading| match leading.arrival {
+                Arrival::Contact(contact) => system.slides_at(contact).is_none(),
+                _ => false,
+            });
         Ok(if sticks {
             ReleaseFate::Stick
         } else {
@@ -97,7 +112,8 @@ impl Release {
             None => CycleKind::StickSlip,
             Some(_) => CycleKind::Overshoot,
         };
-        let arcs = std::iter::once(self.lagging).chain(self.leading);
+        let mut arcs = vec![self.lagging];
+        arcs.extend(self.leading);
         Ok(Some(LimitCycle::join(&tracer.system(), arcs, kind, 0.0)))
     }
 
@@ -108,7 +124,7 @@ impl Release {
         match self.lagging.arrival {
             Arrival::Contact(_) => 0.5 * (self.lagging.end_rate / v_b).powi(2),
             Arrival::Maximum(point) => -point.speed / v_b,
-            Arrival::Equilibrium | Arrival::Far => -1.0,
+            Arrival::Equilibrium | Arrival::Far | Arrival::Held => -1.0,
         }
     }
 

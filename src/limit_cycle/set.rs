@@ -62,7 +62,8 @@ impl CycleSet {
     /// Peak velocities (largest v in the direction of the belt, dimensionless) between which double
     /// precision can't resolve whether there are cycles, and which: either the motion from one end
     /// of a narrow range dies and that from the other end grows, by far (one unstable cycle, or an
-    /// odd number); or over the whole range a turn changes a motion by no more than rounding does.
+    /// odd number); or over the whole range a turn changes a motion by no more than rounding does,
+    /// and averaging does not tell that each grows or that each dies.
     pub fn unresolved(&self) -> &[Range<f64>] {
         &self.unresolved
     }

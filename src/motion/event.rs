@@ -12,6 +12,9 @@ pub enum Mode {
     Stick,
     /// It slides, behind the belt or ahead of it.
     Slip(Direction),
+    /// The normal load is gone, and friction with it; of a contact of a
+    /// [`Structure`](crate::Structure) whose load varies in time.
+    Open,
 }
 
 impl std::fmt::Display for Mode {
@@ -19,11 +22,12 @@ impl std::fmt::Display for Mode {
         match self {
             Self::Stick => f.pad("stick"),
             Self::Slip(direction) => f.pad(&format!("slip ({direction})")),
+            Self::Open => f.pad("open"),
         }
     }
 }
 
-/// What happens when the relative velocity is zero. A direction is that of the slip **after** the
+/// What happens when the relative velocity is zero, or the load. A direction is that of the slip **after** the
 /// event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(
@@ -39,10 +43,15 @@ pub enum EventKind {
     /// The relative velocity changes sign without sticking: the contact would have to carry more
     /// than γ²μ_s.
     Crossing(Direction),
+    /// The normal load, given in time, falls to 0: no friction from now on.
+    Open,
+    /// The normal load comes back.
+    Close,
 }
 
 impl EventKind {
-    /// What the mass does from the event on.
+    /// What the mass does from the event on. After a `Close` it sticks or slips, as the relative
+    /// velocity says and not the kind of the event; here it is `Stick`.
     ///
     /// ```
     /// use stick_slip::{Direction, EventKind, Mode};
@@ -50,7 +59,8 @@ impl EventKind {
     /// ```
     pub const fn mode(self) -> Mode {
         match self {
-            Self::Stick => Mode::Stick,
+            Self::Stick | Self::Close => Mode::Stick,
+            Self::Open => Mode::Open,
             Self::Release(direction) | Self::Crossing(direction) => Mode::Slip(direction),
         }
     }
@@ -62,6 +72,8 @@ impl std::fmt::Display for EventKind {
             Self::Stick => f.pad("stick"),
             Self::Release(direction) => f.pad(&format!("release ({direction})")),
             Self::Crossing(direction) => f.pad(&format!("crossing ({direction})")),
+            Self::Open => f.pad("open"),
+            Self::Close => f.pad("close"),
         }
     }
 }

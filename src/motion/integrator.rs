@@ -20,6 +20,7 @@ use crate::error::Error;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Integrator {
     tolerance: f64,
+    start_time: f64,
     max_steps: Option<usize>,
     max_events: Option<usize>,
 }
@@ -42,6 +43,7 @@ impl Integrator {
     pub const fn new() -> Self {
         Self {
             tolerance: Self::ROUND_OFF,
+            start_time: 0.0,
             max_steps: None,
             max_events: None,
         }
@@ -62,6 +64,18 @@ impl Integrator {
             });
         }
         self.tolerance = tolerance;
+        Ok(self)
+    }
+
+    /// Sets the time of the start, which is 0 else: where the drives of a
+    /// [`Structure`](crate::Structure) are at it. Times of events and states count from the same
+    /// zero as the drives do, not from the start.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless it is finite.
+    pub fn with_start_time(mut self, time: f64) -> Result<Self, Error> {
+        self.start_time = Error::check("start_time", time, true, "any time")?;
         Ok(self)
     }
 
@@ -121,21 +135,22 @@ impl Integrator {
             max_steps: Some(self.max_steps.unwrap_or(Self::DEFAULT_MAX_STEPS)),
             ..self
         };
+        let end = self.start_time + duration;
         let mut steps: Vec<<S::State as SystemState>::Step> = Vec::new();
         for step in limited.flow(system, start)? {
             let step = match step {
                 Ok(step) => step,
                 // What can't be followed lies beyond.
-                Err(_) if steps.last().is_some_and(|last| last.end_time() == duration) => break,
+                Err(_) if steps.last().is_some_and(|last| last.end_time() == end) => break,
                 Err(error) => return Err(error),
             };
-            if step.end_time() > duration {
-                steps.push(step.until(duration));
+            if step.end_time() > end {
+                steps.push(step.until(end));
                 break;
             }
             steps.push(step);
         }
-        Ok(Trajectory::new(steps, duration))
+        Ok(Trajectory::new(steps, self.start_time, duration))
     }
 
     /// The motion from `start`, step by step and without an end, in constant memory.
@@ -170,6 +185,10 @@ impl Integrator {
 
     pub(crate) fn tolerance(self) -> f64 {
         self.tolerance
+    }
+
+    pub(crate) fn start_time(self) -> f64 {
+        self.start_time
     }
 
     pub(crate) fn max_steps(self) -> Option<usize> {

@@ -15,7 +15,7 @@ pub(crate) struct Run {
 impl Run {
     pub(crate) fn new(settings: Integrator) -> Self {
         Self {
-            clock: Clock::default(),
+            clock: Clock::at(settings.start_time()),
             settings,
             steps: 0,
             events: 0,

@@ -3,7 +3,7 @@
 use crate::series::{PowerSeries, TERMS};
 
 /// A step longer than this, in radians of the undamped oscillator, is looked at in more than four
-/// places; few are.
+/// places; few are. Of several masses: in units of the time that the fastest could take.
 pub(crate) const LONG: f64 = 1.0;
 
 /// No series is used further, even where its last coefficients vanish: the oscillator turns once in
@@ -53,8 +53,7 @@ impl Allowance {
     /// system, which may be followed further.
     #[inline(always)]
     pub(crate) fn reach_of(&self, c: &PowerSeries, order: usize, farthest: f64) -> f64 {
-        let by = |n: usize| root_of_ratio(self.error, c[n].abs(), n);
-        by(order).min(by(order - 1)).min(farthest)
+        reach(self.error, c, order).min(farthest)
     }
 
     /// No series of a motion that closes in on a slow one at this rate is used further: the slow
@@ -70,6 +69,13 @@ impl Allowance {
         let accepted = DEFECT_LIMIT * self.error + self.floor * h;
         defects.iter().all(|defect| defect * h <= accepted)
     }
+}
+
+/// How far the terms of order n and n − 1 stay below an error: (error/|c_n|)^(1/n), to 6 %.
+#[inline(always)]
+pub(crate) fn reach(error: f64, c: &PowerSeries, n: usize) -> f64 {
+    let by = |n: usize| root_of_ratio(error, c[n].abs(), n);
+    by(n).min(by(n - 1))
 }
 
 /// (x/y)^(1/n) to 6 %, from the bits of x and y: exponent and mantissa together are nearly a

@@ -1,3 +1,5 @@
+use std::borrow::Borrow;
+
 use super::{Event, Segment, SystemState};
 use crate::state::State;
 
@@ -21,19 +23,21 @@ use crate::state::State;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trajectory<S: SystemState = State> {
-    /// At least one; the last reaches `duration`.
+    /// At least one; the last reaches the end.
     steps: Vec<S::Step>,
     events: Vec<Event<S>>,
+    start: f64,
     duration: f64,
 }
 
 impl<S: SystemState> Trajectory<S> {
-    pub(crate) fn new(steps: Vec<S::Step>, duration: f64) -> Self {
+    pub(crate) fn new(steps: Vec<S::Step>, start: f64, duration: f64) -> Self {
         let events = steps.iter().flat_map(|step| step.events().iter().cloned());
         let events = events.collect();
         Self {
             steps,
             events,
+            start,
             duration,
         }
     }
@@ -84,18 +88,42 @@ impl<S: SystemState> Trajectory<S> {
         let last = n.saturating_sub(1).max(1) as f64;
         (0..n).map(move |i| {
             let time = if i as f64 == last {
-                self.duration
+                self.end()
             } else {
-                (self.duration * i as f64 / last).min(self.duration)
+                (self.start + self.duration * i as f64 / last).min(self.end())
             };
             let state = self.state_at(time).unwrap_or_else(|| self.last());
             (time, state)
         })
     }
 
+    /// The states at these times, each with its time. Times outside of the motion, and NaN, are
+    /// left out.
+    ///
+    /// ```
+    /// use stick_slip::{Coulomb, MassOnBelt, State};
+    ///
+    /// let motion = MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.5)?.simulate(State::new(0.0, 0.5), 1.5)?;
+    /// let states: Vec<_> = motion.sample_at([0.25, 0.5, 99.0]).collect();
+    /// assert_eq!(states, [(0.25, State::new(0.125, 0.5)), (0.5, State::new(0.25, 0.5))]);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn sample_at<T: Borrow<f64>>(
+        &self,
+        times: impl IntoIterator<Item = T>,
+    ) -> impl Iterator<Item = (f64, S)> {
+        let times = times.into_iter().map(|time| *time.borrow());
+        times.filter_map(|time| Some((time, self.state_at(time)?)))
+    }
+
+    /// The time of its end.
+    fn end(&self) -> f64 {
+        self.start + self.duration
+    }
+
     /// The step that holds a time: the last one that starts at it or before.
     pub(crate) fn step_at(&self, time: f64) -> Option<&S::Step> {
-        if !(0.0..=self.duration).contains(&time) {
+        if !(self.start..=self.end()).contains(&time) {
             return None;
         }
         let after = self.steps.partition_point(|step| step.start_time() <= time);

@@ -123,18 +123,22 @@ fn turn(
     a: Sample,
     b: Sample,
 ) -> Result<Sample, Error> {
-    let flatter = |a: Sample, b: Sample| if a.slope.abs() < b.slope.abs() { a } else { b };
     let mut bracket = Bracket::new((a.x, a.slope), (b.x, b.slope));
-    let mut best = flatter(a, b);
-    while best.slope.abs() * bracket.width() > 0.01 * best.noise {
+    let mut ends = [a, b];
+    loop {
+        let flatter = usize::from(ends[0].slope.abs() >= ends[1].slope.abs());
+        let best = ends[flatter];
+        if best.slope.abs() * bracket.width() <= 0.01 * best.noise {
+            return Ok(best);
+        }
         let Some(x) = bracket.next_place() else {
-            break;
+            return Ok(best);
         };
         let sample = f(x)?;
         bracket.narrow(x, sample.slope);
-        best = flatter(sample, best);
+        let upper = (sample.slope > 0.0) != (ends[0].slope > 0.0);
+        ends[usize::from(upper)] = sample;
     }
-    Ok(best)
 }
 
 /// Takes out of an outline the turns that rounding makes.

@@ -18,14 +18,23 @@
 use std::cell::Cell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::products::{Row, inner_product, inner_square};
 use super::{Function, LONGEST, Scalar, mul_add, sealed};
-
-/// The coefficients that one operation has computed so far.
-type Row = [Cell<f64>; LONGEST];
 
 fn zero() -> Row {
     std::array::from_fn(|_| Cell::new(0.0))
 }
+
+/// 1/k, by which the recurrences of y' = f(y)·a' divide.
+const INVERSE: [f64; LONGEST] = {
+    let mut inverse = [0.0; LONGEST];
+    let mut k = 1;
+    while k < LONGEST {
+        inverse[k] = 1.0 / k as f64;
+        k += 1;
+    }
+    inverse
+};
 
 /// What the operations of a function have computed so far: one row each, in their sequence.
 #[derive(Debug, Clone)]
@@ -140,47 +149,6 @@ impl Run<'_> {
     }
 }
 
-/// Σ a_i·b_{k−i} for 0 < i < k.
-///
-/// In four chains. The newest coefficients come last.
-#[inline]
-fn inner_product(k: usize, a: &Row, b: &Row) -> f64 {
-    let (Some(a), Some(b)) = (a.get(1..k), b.get(1..k)) else {
-        return 0.0;
-    };
-    let mut sums = [0.0; 4];
-    let (fours, tail) = (a.chunks_exact(4), a.chunks_exact(4).remainder());
-    let (reversed, head) = (b.rchunks_exact(4), b.rchunks_exact(4).remainder());
-    for (x, y) in std::iter::zip(fours, reversed) {
-        for j in 0..4 {
-            sums[j] = mul_add(x[j].get(), y[3 - j].get(), sums[j]);
-        }
-    }
-    for (x, (y, sum)) in std::iter::zip(tail, std::iter::zip(head.iter().rev(), &mut sums)) {
-        *sum = mul_add(x.get(), y.get(), *sum);
-    }
-    (sums[0] + sums[1]) + (sums[2] + sums[3])
-}
-
-/// Σ a_i·a_{k−i} for 0 < i < k, at half the work of [`inner_product`].
-#[inline]
-fn inner_square(k: usize, a: &Row) -> f64 {
-    let Some(a) = a.get(1..k) else {
-        return 0.0;
-    };
-    let half = a.len() / 2;
-    let mut sums = [0.0; 2];
-    for (i, (x, y)) in std::iter::zip(&a[..half], a.iter().rev()).enumerate() {
-        sums[i % 2] = mul_add(x.get(), y.get(), sums[i % 2]);
-    }
-    let sum = 2.0 * (sums[0] + sums[1]);
-    if a.len() % 2 == 1 {
-        mul_add(a[half].get(), a[half].get(), sum)
-    } else {
-        sum
-    }
-}
-
 impl<'r> Jet<'r> {
     /// The coefficient itself.
     #[inline(always)]
@@ -195,12 +163,6 @@ impl<'r> Jet<'r> {
     #[inline(always)]
     fn order(self) -> usize {
         self.run.order
-    }
-
-    /// 1/k, by which the recurrences of y' = f(y)·a' divide.
-    #[inline(always)]
-    fn inverse_order(self) -> f64 {
-        (self.order() as f64).recip()
     }
 
     /// The result of an operation: in run 0 its value, in every later run its newest coefficient,
@@ -256,7 +218,7 @@ impl<'r> Jet<'r> {
             s,
             || a.value.sin(),
             |k| {
-                let older = inner_product(k, weighted, c) * self.inverse_order();
+                let older = inner_product(k, weighted, c) * INVERSE[k];
                 mul_add(c[0].get(), a.newest, older)
             },
         );
@@ -264,7 +226,7 @@ impl<'r> Jet<'r> {
             c,
             || a.value.cos(),
             |k| {
-                let older = inner_product(k, weighted, s) * self.inverse_order();
+                let older = inner_product(k, weighted, s) * INVERSE[k];
                 -mul_add(s[0].get(), a.newest, older)
             },
         );
@@ -326,7 +288,7 @@ impl Scalar for Jet<'_> {
             y,
             || a.value.exp(),
             |k| {
-                let older = inner_product(k, weighted, y) * self.inverse_order();
+                let older = inner_product(k, weighted, y) * INVERSE[k];
                 mul_add(y[0].get(), a.newest, older)
             },
         )
@@ -340,7 +302,7 @@ impl Scalar for Jet<'_> {
             y,
             || a.value.ln(),
             |k| {
-                let older = inner_product(k, weighted, a.row) * a.scale * self.inverse_order();
+                let older = inner_product(k, weighted, a.row) * a.scale * INVERSE[k];
                 (a.newest - older) / a.value
             },
         );
@@ -381,7 +343,7 @@ impl Scalar for Jet<'_> {
             y,
             || a.value.powf(p),
             |k| {
-                let by_weight = inner_product(k, weighted, y) * ((p + 1.0) * self.inverse_order());
+                let by_weight = inner_product(k, weighted, y) * ((p + 1.0) * INVERSE[k]);
                 let by_value = inner_product(k, a.row, y) * a.scale;
                 mul_add(p * y[0].get(), a.newest, by_weight - by_value) / a.value
             },
@@ -396,7 +358,7 @@ impl Scalar for Jet<'_> {
             y,
             || a.value.tanh(),
             |k| {
-                let older = inner_product(k, weighted, g) * self.inverse_order();
+                let older = inner_product(k, weighted, g) * INVERSE[k];
                 mul_add(g[0].get(), a.newest, older)
             },
         );
@@ -417,7 +379,7 @@ impl Scalar for Jet<'_> {
             y,
             || a.value.atan(),
             |k| {
-                let older = inner_product(k, weighted, b.row) * self.inverse_order();
+                let older = inner_product(k, weighted, b.row) * INVERSE[k];
                 (a.newest - older) / b.value
             },
         );

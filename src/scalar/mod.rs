@@ -4,10 +4,11 @@
 //! |---|---|
 //! | `mod.rs` | [`Scalar`]: what a law may do with a number |
 //! | `taylor.rs`, `operations.rs` | order in the type: the fastest, for one mass on its belt |
-//! | `jet.rs` | order at run time: small code, many coupled series, cold paths |
+//! | `jet.rs`, `products.rs` | order at run time: small code, many coupled series, cold paths |
 
 pub(crate) mod jet;
 mod operations;
+mod products;
 mod taylor;
 #[cfg(test)]
 mod tests;

@@ -168,7 +168,7 @@ pub(super) fn inner_square<const K: usize, const M: usize>(
 /// only at its end. More chains, in any other order, are vectorised where the target cannot fuse,
 /// with loads that span coefficients just written one by one, and stall on them.
 #[inline(always)]
-fn from_the_middle(first: usize, factors: impl Fn(usize) -> (f64, f64)) -> f64 {
+pub(super) fn from_the_middle(first: usize, factors: impl Fn(usize) -> (f64, f64)) -> f64 {
     if first < 2 {
         return 0.0;
     }

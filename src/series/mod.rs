@@ -4,14 +4,19 @@
 //! |---|---|
 //! | `mod.rs` | [`PowerSeries`]: values, means, derivative, reflection, known roots divided out |
 //! | `roots.rs` | the first root, and all sign changes, isolated so that none is skipped |
+//! | `watch.rs` | [`Watch`]: the first time at which something happens, known roots divided out |
+//! | `minima.rs` | where a function comes close to zero |
 
 #[cfg(test)]
 mod attack;
+mod minima;
 mod roots;
 #[cfg(test)]
 mod tests;
+mod watch;
 
 pub(crate) use roots::TooCurved;
+pub(crate) use watch::Watch;
 
 use std::ops::{Index, IndexMut};
 
@@ -54,7 +59,7 @@ impl PowerSeries {
     }
 
     /// The first coefficient that is not 0.
-    fn first_nonzero(&self) -> Option<f64> {
+    pub(crate) fn first_nonzero(&self) -> Option<f64> {
         self.0.iter().copied().find(|c| *c != 0.0)
     }
 

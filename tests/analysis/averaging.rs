@@ -495,7 +495,11 @@ fn cycles_of_ordinary_laws_take_few_looks_at_the_law() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 48,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     #[test]
     fn polynomial_law_has_closed_forms(
@@ -507,9 +511,13 @@ proptest! {
         load in 0.1..2.0,
         reach in 0.0..2.5,
     ) {
-        let law = Polynomial::new(static_coefficient, static_coefficient * (1.0 - fall), minimum_velocity).unwrap();
+        let least = static_coefficient * (1.0 - fall);
+        let law = Polynomial::new(static_coefficient, least, minimum_velocity).unwrap();
         let w = ratio * minimum_velocity;
-        let system = MassOnBelt::new(law, w).unwrap().with_damping(damping).unwrap().with_load(load).unwrap();
+        let system = MassOnBelt::new(law, w)
+            .and_then(|system| system.with_damping(damping))
+            .and_then(|system| system.with_load(load))
+            .unwrap();
         let formulas = PureSlip::new(&system).unwrap();
         let amplitude: f64 = reach * w;
         let (h1, h3) = (formulas.h1(), formulas.h3());
@@ -518,13 +526,16 @@ proptest! {
         let jump = 2.0 * load * static_coefficient / PI;
         let sine = f64::max(1.0 - f64::powi(w / amplitude, 2), 0.0).sqrt();
         let crossing = amplitude > w && sine > 0.0;
-        let expected = -0.5 * h1 * amplitude - 0.375 * h3 * amplitude.powi(3) - if crossing { jump * sine } else { 0.0 };
+        let loss = if crossing { jump * sine } else { 0.0 };
+        let expected = -0.5 * h1 * amplitude - 0.375 * h3 * amplitude.powi(3) - loss;
         let value = drift(&system, amplitude).unwrap();
-        prop_assert!((value - expected).abs() <= 1e-13 * expected.abs().max(1.0), "{} {}", value, expected);
+        let tolerance = 1e-13 * expected.abs().max(1.0);
+        prop_assert!((value - expected).abs() <= tolerance, "{} {}", value, expected);
         let steepening = if crossing { jump * w * w / (amplitude.powi(3) * sine) } else { 0.0 };
         let expected = -0.5 * h1 - 1.125 * h3 * amplitude * amplitude - steepening;
         let value = drift_slope(&system, amplitude).unwrap();
-        prop_assert!((value - expected).abs() <= 1e-13 * expected.abs().max(1.0), "{} {}", value, expected);
+        let tolerance = 1e-13 * expected.abs().max(1.0);
+        prop_assert!((value - expected).abs() <= tolerance, "{} {}", value, expected);
 
         // At most one cycle: A0 if it does not reach the belt, else one that overtakes it.
         let found = cycles(&system).unwrap();
@@ -540,8 +551,11 @@ proptest! {
                 prop_assert_eq!(cycle.leading_duration(), 0.0);
                 prop_assert!(cycle.is_valid());
             } else {
-                prop_assert!(cycle.amplitude() > w * (1.0 - 1e-13) && drift(&system, cycle.amplitude()).unwrap().abs() < 1e-13);
-                prop_assert!(((0.5 * cycle.leading_duration()).cos() * cycle.amplitude() / w - 1.0).abs() < 1e-14);
+                let amplitude = cycle.amplitude();
+                prop_assert!(amplitude > w * (1.0 - 1e-13));
+                prop_assert!(drift(&system, amplitude).unwrap().abs() < 1e-13);
+                let meeting = (0.5 * cycle.leading_duration()).cos() * amplitude;
+                prop_assert!((meeting / w - 1.0).abs() < 1e-14);
             }
         }
     }

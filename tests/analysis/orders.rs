@@ -1,8 +1,8 @@
 //! Orders of convergence: every formula of `analysis` against the exact motions, under (γ², β) →
 //! (εγ², εβ).
 //!
-//! Halve ε and watch the error fall by 2^p. `cargo test --test analysis orders -- --nocapture` prints what
-//! was measured.
+//! Halve ε and watch the error fall by 2^p. `cargo test --test analysis orders --
+//! --nocapture` prints what was measured.
 
 mod points;
 mod tables;

@@ -51,7 +51,8 @@ fn compare<L: FrictionLaw>(
     for i in 0..coarse.len().max(fine.len()).max(crate_events.len()) {
         let about = || {
             format!(
-                "event {i}: {crate_events:?}\n{fine:?}\nbelt {belt} damping {damping} load {load} start {start:?}"
+                "event {i}: {crate_events:?}\n{fine:?}\nbelt {belt} damping {damping} load {load} \
+                 start {start:?}"
             )
         };
         let (Some(a), Some(b)) = (coarse.get(i), fine.get(i)) else {

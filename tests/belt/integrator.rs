@@ -38,9 +38,9 @@ fn scale<L: FrictionLaw>(system: &MassOnBelt<L>, state: State) -> f64 {
         .max(system.belt_velocity().abs())
 }
 
-// ---------------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // The eight promises
-// ---------------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 /// A Gaussian law and its motion by the classical Runge-Kutta method in steps far shorter than
 /// anything in the motion: an integration that shares no idea with the crate's.
@@ -213,7 +213,8 @@ fn promise_1_hidden_terms_are_not_missed() {
         }
     }
     println!(
-        "hidden terms: {wrong} of {RUNS} wrong, {seen} events; largest difference {worst:.1e}, {uncertainty:.1e} with half the steps"
+        "hidden terms: {wrong} of {RUNS} wrong, {seen} events; largest difference {worst:.1e}, \
+         {uncertainty:.1e} with half the steps"
     );
     assert!(seen > RUNS);
     assert!(uncertainty <= 0.1 * ALLOWED, "{uncertainty:e}");
@@ -754,9 +755,9 @@ fn promise_8_what_cannot_go_on_is_an_error_with_time_and_state() {
     assert!(reached.time >= before[7].as_ref().unwrap().end_time());
 }
 
-// ---------------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // Published and closed-form motions
-// ---------------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 #[test]
 fn paper_figure_5_arcs_are_exact_to_4e15() {
@@ -905,9 +906,9 @@ fn free_vibration_law_for_random_loads() {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // Tolerance
-// ---------------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 /// Largest error of states and event times over one period from the release point, in units of the
 /// scale of the motion.
@@ -988,9 +989,9 @@ fn requested_tolerance_is_met() {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // Laws with breakpoints
-// ---------------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 /// The exact motion under a piecewise linear law: on each piece a damped oscillation in closed
 /// form.
@@ -1330,9 +1331,9 @@ fn breakpoints_of_a_straight_line_change_nothing() {
     }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 // Starts and ends
-// ---------------------------------------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------------
 
 /// Ways to write u = ±γ²μ_s − 2βv_b.
 fn release_by_hand(system: &MassOnBelt<Law>) -> [f64; 6] {
@@ -1411,7 +1412,8 @@ fn release_state_releases_at_time_zero() {
         }
     }
     println!(
-        "release by hand: {different} of {} written differently in bits; next event off by {worst:.1e} at most; {compared} compared, {grazing} nearly grazing",
+        "release by hand: {different} of {} written differently in bits; next event off by \
+         {worst:.1e} at most; {compared} compared, {grazing} nearly grazing",
         6 * SYSTEMS
     );
     assert!(different > SYSTEMS / 10);
@@ -1673,8 +1675,8 @@ fn motion_is_mirror_symmetric_to_the_bit() {
         assert_eq!(a.steps().len(), b.steps().len());
         for (a, b) in std::iter::zip(a.steps(), b.steps()) {
             let mode = match b.mode() {
-                Mode::Stick => Mode::Stick,
                 Mode::Slip(direction) => Mode::Slip(direction.opposite()),
+                other => other,
             };
             assert_eq!(a.mode(), mode);
             assert_eq!(

@@ -278,6 +278,7 @@ fn moves_by_the_equation_of_motion<L: FrictionLaw>(name: &str, law: &L) {
                 slips += 1;
                 satisfies(name, &system, step);
             }
+            Mode::Open => panic!("{name}: a belt's contact does not open"),
         }
     }
     assert!(slips > 5, "{name}");

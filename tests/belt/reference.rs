@@ -101,6 +101,7 @@ fn trajectories_have_the_reference_events_and_states() {
             let phase = match motion.mode_at(time).unwrap() {
                 Mode::Stick => "stick",
                 Mode::Slip(_) => "slip",
+                Mode::Open => "open",
             };
             assert_eq!(phase, text(&expected["phase"]), "{id}, time {time}");
             states_seen += 1;

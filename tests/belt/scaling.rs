@@ -47,7 +47,8 @@ fn close(a: f64, b: f64) -> bool {
 proptest! {
     #[test]
     fn units_there_and_back((physical, length) in parameters(), x in -1e3..1e3) {
-        for scaling in [Scaling::new(physical).unwrap(), Scaling::new(physical).unwrap().with_length(length).unwrap()] {
+        let scaling = Scaling::new(physical).unwrap();
+        for scaling in [scaling, scaling.with_length(length).unwrap()] {
             prop_assert!(close(scaling.seconds(scaling.time(x)), x));
             prop_assert!(close(scaling.metres(scaling.displacement(x)), x));
             prop_assert!(close(scaling.metres_per_second(scaling.velocity(x)), x));
@@ -59,7 +60,8 @@ proptest! {
             // Units of derived quantities are made of the others.
             prop_assert!(close(scaling.newtons(1.0) * scaling.metres(x), scaling.joules(x)));
             prop_assert!(close(scaling.joules(x) / scaling.seconds(1.0), scaling.watts(x)));
-            prop_assert!(close(scaling.newtons(1.0) * scaling.metres_per_second(x), scaling.watts(x)));
+            let power = scaling.newtons(1.0) * scaling.metres_per_second(x);
+            prop_assert!(close(power, scaling.watts(x)));
             prop_assert!(close(scaling.hertz(x) * scaling.seconds(std::f64::consts::TAU), x));
             prop_assert_eq!(scaling.physical(), physical);
         }
@@ -84,7 +86,8 @@ proptest! {
         prop_assert!(close(system.law().velocity_unit(), omega * length));
         // Force of the spring and of the damper at a state.
         prop_assert!(close(scaling.newtons(scaling.displacement(0.01)), stiffness * 0.01));
-        prop_assert!(close(scaling.newtons(2.0 * system.damping() * scaling.velocity(0.3)), damping * 0.3));
+        let drag = 2.0 * system.damping() * scaling.velocity(0.3);
+        prop_assert!(close(scaling.newtons(drag), damping * 0.3));
     }
 }
 

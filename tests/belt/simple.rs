@@ -110,6 +110,7 @@ pub(crate) fn told(events: &[Event]) -> Vec<Seen> {
         EventKind::Stick => (event.time, 's', 0.0),
         EventKind::Release(direction) => (event.time, 'r', direction.sign()),
         EventKind::Crossing(direction) => (event.time, 'c', direction.sign()),
+        EventKind::Open | EventKind::Close => panic!("a belt's contact holds"),
     };
     events.iter().map(tell).collect()
 }

@@ -244,7 +244,7 @@ fn trajectory_and_events_have_their_parts() {
     let _: fn(&Trajectory) -> &[Event] = Trajectory::events;
     let _: fn(&Trajectory) -> &[Step] = Trajectory::steps;
     let _: fn(&Trajectory, f64) -> Option<State> = Trajectory::state_at;
-    let _: fn(&Trajectory, f64) -> Option<Mode> = Trajectory::mode_at;
+    let _: fn(&Trajectory, f64) -> Option<Mode> = <Trajectory>::mode_at;
     let _: fn(&Trajectory) -> State = Trajectory::last;
     let _: fn(&Trajectory) -> f64 = Trajectory::duration;
     fn sample(trajectory: &Trajectory, n: usize) -> impl Iterator<Item = (f64, State)> {
@@ -264,11 +264,11 @@ fn trajectory_and_events_have_their_parts() {
     assert_eq!((time, contact, state), (1.0, 0, State::new(0.5, 0.5)));
     let direction = match kind {
         EventKind::Release(direction) | EventKind::Crossing(direction) => direction,
-        EventKind::Stick => panic!("the mass starts in stick"),
+        other => panic!("{other}: the mass starts in stick"),
     };
     let _: Direction = match motion.mode_at(2.0).unwrap() {
         Mode::Slip(direction) => direction,
-        Mode::Stick => panic!("the mass slides after its release"),
+        other => panic!("{other}: the mass slides after its release"),
     };
     // The sign of v_r after the event.
     assert_eq!(

@@ -1,6 +1,6 @@
-//! The public contract of `limit_cycle`, `bifurcation` and `analysis`, as tests/contract/belt.rs is that
-//! of the rest: every name with its full signature used once, so that an accidental change does not
-//! compile.
+//! The public contract of `limit_cycle`, `bifurcation` and `analysis`, as tests/contract/belt.rs is
+//! that of the rest: every name with its full signature used once, so that an accidental change
+//! does not compile.
 
 use std::fmt::{Debug, Display};
 use std::ops::Range;

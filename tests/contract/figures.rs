@@ -1,9 +1,9 @@
 //! The figures of the README are those that the example draws today, number by number.
 
-use figures::{FIGURES, Figure, escape};
+use example::{FIGURES, Figure, escape};
 
 #[path = "../../examples/figures/mod.rs"]
-mod figures;
+mod example;
 
 /// Largest difference of two numbers.
 const TOLERANCE: f64 = 1e-6;

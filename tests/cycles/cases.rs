@@ -167,7 +167,10 @@ fn basins_follow_their_table() {
         .and_then(|system| system.with_damping(0.01))
         .unwrap();
     let centre = bistable.equilibrium().unwrap().displacement;
-    let is_stick_slip = |found: Attractor| matches!(found, Attractor::Cycle(cycle) if cycle.kind() == CycleKind::StickSlip);
+    let is_stick_slip = |found: Attractor| match found {
+        Attractor::Cycle(cycle) => cycle.kind() == CycleKind::StickSlip,
+        _ => false,
+    };
     // In stick, behind the belt on both sides of the unstable cycle, above the belt velocity, far
     // out.
     assert!(is_stick_slip(reached(&bistable, 0.1, 1.0)));

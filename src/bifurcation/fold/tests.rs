@@ -212,7 +212,7 @@ fn a_growth_that_jumps_over_zero_is_no_fold() {
 #[test]
 fn a_growth_of_zero_counts_as_one_that_dies() {
     // Zero at one end: the range above has the fold, that below has not.
-    assert_eq!(folds(|v_b| hump(v_b), 4).0.len(), 1);
+    assert_eq!(folds(hump, 4).0.len(), 1);
     assert_eq!(folds(|v_b| hump(v_b - 1.0), 4).0.len(), 0);
 }
 

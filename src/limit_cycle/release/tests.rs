@@ -96,7 +96,7 @@ fn nothing_depends_on_the_unit_of_length() {
 
 #[test]
 fn the_release_point_leads_to_stick_crossing_or_inwards() {
-    let fate = |system: &System| traced(system, |tracer| fate(tracer));
+    let fate = |system: &System| traced(system, fate);
     let kind = |system: &System| {
         let cycle = traced(system, |tracer| Release::follow(tracer)?.into_cycle(tracer));
         cycle.map(|cycle| cycle.kind())
@@ -128,7 +128,7 @@ fn the_release_point_leads_to_stick_crossing_or_inwards() {
 #[test]
 fn contacts_of_circles() {
     for (rest, kinetic, v_b) in [(0.4, 0.25, 0.2), (0.5, 0.1, 0.3), (4.0, 3.0, 10.0)] {
-        let contacts = traced(&circles(rest, kinetic, v_b), |tracer| contacts(tracer));
+        let contacts = traced(&circles(rest, kinetic, v_b), contacts);
         // Round μ_k, from the displacement μ_s back to its mirror image.
         let excess: f64 = (rest - kinetic) / v_b;
         assert_close(contacts.overshoot, 0.5 * excess * excess, 1e-14);
@@ -141,10 +141,10 @@ fn contacts_of_circles() {
 #[test]
 fn contacts_of_motions_that_turn_back_or_settle() {
     for v_b in [0.2, 5.0] {
-        let turns = traced(&spiral(0.1, v_b), |tracer| contacts(tracer));
+        let turns = traced(&spiral(0.1, v_b), contacts);
         assert_close(turns.overshoot, shrinks(0.1) - 1.0, 1e-14);
         assert_eq!((turns.beyond_low, turns.beyond_high), (None, None));
-        let settles = traced(&spiral(1.5, v_b), |tracer| contacts(tracer));
+        let settles = traced(&spiral(1.5, v_b), contacts);
         assert_eq!(settles.overshoot, -1.0);
     }
 }
@@ -157,7 +157,7 @@ fn contacts_are_those_of_the_simulated_motion() {
         (fast(0.2, 0.001, 0.03), true),
         (fast(0.3, 0.001, 0.03), true),
     ] {
-        let contacts = traced(&system, |tracer| contacts(tracer));
+        let contacts = traced(&system, contacts);
         let (v_b, [low, high]) = (system.belt_velocity(), system.stick_limits());
         let scale = v_b + system.load() * 0.38;
         let motion = system

@@ -92,7 +92,7 @@ pub(crate) fn value(series: &[f64], t: f64) -> f64 {
 /// The σ of a slip step.
 pub(crate) fn sigma(step: &Step) -> Option<f64> {
     match step.mode() {
-        Mode::Stick => None,
+        Mode::Stick | Mode::Open => None,
         Mode::Slip(direction) => Some(direction.sign()),
     }
 }

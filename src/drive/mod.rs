@@ -1,0 +1,404 @@
+//! Functions of time, as data.
+//!
+//! | file | what is in it |
+//! |---|---|
+//! | `mod.rs` | [`Drive`]: a constant, harmonics and profiles, added up |
+//! | `harmonic.rs` | one angular frequency: value, slope, series, integral; the common period of several |
+//! | `profile.rs` | straight lines through points: the same, and where pieces meet |
+//!
+//! A time inside the crate is a [`Clock`]: after 10⁹ periods the phase is that of the exact time.
+
+mod harmonic;
+mod profile;
+#[cfg(feature = "serde")]
+mod read;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use harmonic::Harmonic;
+use profile::Profile;
+
+use crate::clock::Clock;
+use crate::error::Error;
+use crate::series::PowerSeries;
+
+/// A function of time as data: a force, the velocity of a belt, or a normal load.
+///
+/// ```text
+/// f(t) = c + Σ A_k cos(Ω_k t + φ_k) + Σ (straight lines through points)
+/// ```
+///
+/// Times, angular frequencies (radians per unit of time) and values are in the units of the system
+/// that it drives; phases in radians. A plain number is a constant drive: wherever a drive is
+/// wanted, `0.3` will do.
+///
+/// Phases are computed from the exact product Ωt, so a harmonic is as good after 10⁹ periods as in
+/// the first. At a kink [`slope`](Self::slope), and at a jump [`value`](Self::value) too, are those
+/// of the piece that follows.
+///
+/// ```
+/// use stick_slip::Drive;
+///
+/// let drive = Drive::constant(0.2).with_harmonic(0.1, 2.0, 0.0)?; // 0.2 + 0.1 cos 2t
+/// assert_eq!(drive.value(0.0), 0.2 + 0.1);
+/// assert!((drive.slope(1.0) + 0.2 * 2.0_f64.sin()).abs() < 1e-16);
+/// assert_eq!(drive.period(), Some(std::f64::consts::PI));
+///
+/// // A belt that starts, holds its velocity and stops; a force that is switched on at t = 5.
+/// let belt = Drive::profile(&[(0.0, 0.0), (10.0, 0.3), (35.0, 0.3), (45.0, 0.0)])?;
+/// assert_eq!([5.0, 20.0, 1e6].map(|t| belt.value(t)), [0.15, 0.3, 0.0]);
+/// let switched = Drive::profile(&[(5.0, 0.0), (5.0, 1.0)])?;
+/// assert_eq!([4.9, 5.0].map(|t| switched.value(t)), [0.0, 1.0]);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "read::Drive")
+)]
+pub struct Drive {
+    constant: f64,
+    /// Of different frequencies, ascending; none is zero.
+    harmonics: Vec<Harmonic>,
+    /// None is constant.
+    profiles: Vec<Profile>,
+}
+
+impl Drive {
+    /// The constant c. One that is not finite is refused where the drive is put to use.
+    pub const fn constant(value: f64) -> Self {
+        Self {
+            constant: value,
+            harmonics: Vec::new(),
+            profiles: Vec::new(),
+        }
+    }
+
+    /// A·cos(Ωt + φ).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless A and φ are finite and Ω is positive and finite.
+    pub fn harmonic(amplitude: f64, angular_frequency: f64, phase: f64) -> Result<Self, Error> {
+        Self::constant(0.0).with_harmonic(amplitude, angular_frequency, phase)
+    }
+
+    /// A·sin(Ωt): exactly 0 at t = 0.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless A is finite and Ω is positive and finite.
+    ///
+    /// ```
+    /// assert_eq!(stick_slip::Drive::sine(0.4, 0.7)?.value(0.0), 0.0);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn sine(amplitude: f64, angular_frequency: f64) -> Result<Self, Error> {
+        Self::constant(0.0).with_sine(amplitude, angular_frequency)
+    }
+
+    /// Straight lines through points (time, value); constant before the first point and after the
+    /// last.
+    ///
+    /// Times do not descend. Two points at one time are a jump, whose later value holds from that
+    /// time on: a force may jump, and so may a load, but not the velocity of a belt.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] if there is no point. [`Error::BadPoint`], with the first point
+    /// at fault, unless all numbers are finite, the times do not descend, no three points share a
+    /// time, and no slope overflows.
+    pub fn profile(points: &[(f64, f64)]) -> Result<Self, Error> {
+        Self::constant(0.0).with_profile(points)
+    }
+
+    /// c added.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless c and the sum of the constants are finite.
+    pub fn with_constant(mut self, value: f64) -> Result<Self, Error> {
+        self.constant += value;
+        let finite = self.constant.is_finite();
+        Error::check("value", value, finite, "a sum of constants that is finite")?;
+        Ok(self)
+    }
+
+    /// A·cos(Ωt + φ) added.
+    ///
+    /// # Errors
+    ///
+    /// As for [`harmonic`](Self::harmonic).
+    pub fn with_harmonic(
+        self,
+        amplitude: f64,
+        angular_frequency: f64,
+        phase: f64,
+    ) -> Result<Self, Error> {
+        Error::check("amplitude", amplitude, true, "any size")?;
+        Error::check("phase", phase, true, "any number of radians")?;
+        let (sine, cosine) = phase.sin_cos();
+        self.with_waves(angular_frequency, amplitude * cosine, -amplitude * sine)
+    }
+
+    /// A·sin(Ωt) added.
+    ///
+    /// # Errors
+    ///
+    /// As for [`sine`](Self::sine).
+    pub fn with_sine(self, amplitude: f64, angular_frequency: f64) -> Result<Self, Error> {
+        Error::check("amplitude", amplitude, true, "any size")?;
+        self.with_waves(angular_frequency, 0.0, amplitude)
+    }
+
+    /// Straight lines through points added.
+    ///
+    /// # Errors
+    ///
+    /// As for [`profile`](Self::profile).
+    pub fn with_profile(mut self, points: &[(f64, f64)]) -> Result<Self, Error> {
+        let profile = Profile::new(points)?;
+        match profile.as_constant() {
+            Some(value) => self.with_constant(value),
+            None => {
+                self.profiles.push(profile);
+                Ok(self)
+            }
+        }
+    }
+
+    /// cosine·cos(Ωt) + sine·sin(Ωt) added.
+    fn with_waves(mut self, frequency: f64, cosine: f64, sine: f64) -> Result<Self, Error> {
+        Error::check(
+            "angular_frequency",
+            frequency,
+            frequency > 0.0,
+            "angular_frequency > 0; for its negative change the signs of phase or sine, \
+             and for 0 add a constant",
+        )?;
+        let mut new = Harmonic::new(frequency, cosine, sine);
+        let place = self
+            .harmonics
+            .partition_point(|old| old.frequency() < frequency);
+        if let Some(old) = self.harmonics.get(place)
+            && old.frequency() == frequency
+        {
+            new = new.plus(old);
+            self.harmonics.remove(place);
+        }
+        let amplitude = new.amplitude();
+        Error::check("amplitude", amplitude, true, "amplitudes with a finite sum")?;
+        if amplitude != 0.0 {
+            self.harmonics.insert(place, new);
+        }
+        Ok(self)
+    }
+
+    /// f(t) at a finite time.
+    pub fn value(&self, time: f64) -> f64 {
+        self.at(Clock::at(time), Side::After)[0]
+    }
+
+    /// f'(t) at a finite time.
+    pub fn slope(&self, time: f64) -> f64 {
+        self.at(Clock::at(time), Side::After)[1]
+    }
+
+    /// The least T > 0 with f(t + T) = f(t). `None` for a constant, for a drive with a profile,
+    /// and if the harmonics have no common period.
+    ///
+    /// Ratios of angular frequencies that are within 4 ulps of p/q with q ≤ 1000 count as
+    /// commensurate, since 1.65/0.55 is not 3 in `f64`.
+    ///
+    /// ```
+    /// use stick_slip::Drive;
+    /// use std::f64::consts::TAU;
+    ///
+    /// let drive = Drive::sine(1.0, 0.55)?;
+    /// assert_eq!(drive.period(), Some(TAU / 0.55));
+    /// assert_eq!(drive.clone().with_sine(0.2, 1.65)?.period(), Some(TAU / 0.55));
+    /// assert_eq!(drive.with_sine(0.2, 0.55 * 2.0_f64.sqrt())?.period(), None);
+    /// assert_eq!(Drive::constant(1.0).period(), None);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn period(&self) -> Option<f64> {
+        common_period([self])
+    }
+
+    /// Whether it has one value at all times.
+    pub(crate) fn is_constant(&self) -> bool {
+        self.harmonics.is_empty() && self.profiles.is_empty()
+    }
+
+    /// The sum of two drives.
+    pub(crate) fn plus(self, other: &Self) -> Result<Self, Error> {
+        let mut sum = self.with_constant(other.constant)?;
+        for harmonic in &other.harmonics {
+            sum = sum.with_waves(harmonic.angular_frequency, harmonic.cosine, harmonic.sine)?;
+        }
+        sum.profiles.extend(other.profiles.iter().cloned());
+        Ok(sum)
+    }
+
+    /// Its harmonics alone; `None` if it has a profile.
+    pub(crate) fn oscillation(&self) -> Option<Self> {
+        self.profiles.is_empty().then(|| Self {
+            constant: 0.0,
+            ..self.clone()
+        })
+    }
+
+    /// The antiderivative of harmonics alone that has the mean 0; `None` if there is more, or it
+    /// overflows.
+    pub(crate) fn antiderivative(&self) -> Option<Self> {
+        if self.constant != 0.0 || !self.profiles.is_empty() {
+            return None;
+        }
+        let mut sum = Self::constant(0.0);
+        for &Harmonic {
+            angular_frequency,
+            cosine,
+            sine,
+        } in &self.harmonics
+        {
+            let [cosine, sine] = [-sine, cosine].map(|part| part / angular_frequency);
+            sum = sum.with_waves(angular_frequency, cosine, sine).ok()?;
+        }
+        Some(sum)
+    }
+
+    /// The derivative, without jumps; profiles have none.
+    pub(crate) fn derivative(&self) -> Result<Self, Error> {
+        let mut sum = Self::constant(0.0);
+        for &Harmonic {
+            angular_frequency,
+            cosine,
+            sine,
+        } in &self.harmonics
+        {
+            let [cosine, sine] = [sine, -cosine].map(|part| part * angular_frequency);
+            sum = sum.with_waves(angular_frequency, cosine, sine)?;
+        }
+        Ok(sum)
+    }
+
+    /// factor·f(t) for harmonics and a constant.
+    pub(crate) fn scaled(&self, factor: f64) -> Result<Self, Error> {
+        let mut sum = Self::constant(0.0).with_constant(self.constant * factor)?;
+        for &Harmonic {
+            angular_frequency,
+            cosine,
+            sine,
+        } in &self.harmonics
+        {
+            sum = sum.with_waves(angular_frequency, cosine * factor, sine * factor)?;
+        }
+        Ok(sum)
+    }
+
+    /// [`Error::InvalidParameter`] with the name that the drive has where it is put to use, unless
+    /// it is finite at all times.
+    pub(crate) fn check(&self, name: &'static str) -> Result<(), Error> {
+        Error::check(name, self.constant, true, "any size").map(|_| ())
+    }
+
+    /// Value and slope just before or just after a time.
+    pub(crate) fn at(&self, time: Clock, side: Side) -> [f64; 2] {
+        let harmonics = self.harmonics.iter().map(|harmonic| harmonic.at(time));
+        let profiles = self.profiles.iter().map(|profile| profile.at(time, side));
+        harmonics
+            .chain(profiles)
+            .fold([self.constant, 0.0], |sum, [value, slope]| {
+                [sum[0] + value, sum[1] + slope]
+            })
+    }
+
+    /// Power series in the time since `start`, of the piece that begins there or holds there.
+    pub(crate) fn series(&self, start: Clock) -> PowerSeries {
+        let mut series = PowerSeries::ZERO;
+        series[0] = self.constant;
+        for harmonic in &self.harmonics {
+            harmonic.add_series(start, &mut series);
+        }
+        for profile in &self.profiles {
+            let [value, slope] = profile.at(start, Side::After);
+            series[0] += value;
+            series[1] += slope;
+        }
+        series
+    }
+
+    /// The first time after `time` where pieces meet: a kink or a jump.
+    pub(crate) fn next_break(&self, time: Clock) -> Option<f64> {
+        let breaks = self
+            .profiles
+            .iter()
+            .filter_map(|profile| profile.next_break(time));
+        breaks.min_by(f64::total_cmp)
+    }
+
+    /// The first time at which it jumps.
+    pub(crate) fn first_jump(&self) -> Option<f64> {
+        let jumps = self.profiles.iter().filter_map(Profile::first_jump);
+        jumps.min_by(f64::total_cmp)
+    }
+
+    /// ∫ f dt from one time to a later one, in closed form.
+    pub(crate) fn integral(&self, from: Clock, to: Clock) -> f64 {
+        let harmonics = self.harmonics.iter().map(|h| h.integral(from, to));
+        let profiles = self.profiles.iter().map(|p| p.integral(from, to));
+        self.constant * from.to(to) + harmonics.chain(profiles).sum::<f64>()
+    }
+}
+
+impl From<f64> for Drive {
+    fn from(value: f64) -> Self {
+        Self::constant(value)
+    }
+}
+
+/// From which side a time is looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Side {
+    Before,
+    After,
+}
+
+/// The least period that several drives have in common, as [`Drive::period`] has it.
+pub(crate) fn common_period<'d>(drives: impl IntoIterator<Item = &'d Drive>) -> Option<f64> {
+    let mut frequencies = Vec::new();
+    for drive in drives {
+        if !drive.profiles.is_empty() {
+            return None;
+        }
+        frequencies.extend(drive.harmonics.iter().map(Harmonic::frequency));
+    }
+    harmonic::common_period(&frequencies)
+}
+
+#[cfg(feature = "serde")]
+impl Drive {
+    /// From what was written.
+    pub(crate) fn read(
+        constant: f64,
+        harmonics: &[Harmonic],
+        profiles: &[Vec<(f64, f64)>],
+    ) -> Result<Self, Error> {
+        let mut drive = Self::constant(0.0).with_constant(constant)?;
+        for &Harmonic {
+            angular_frequency,
+            cosine,
+            sine,
+        } in harmonics
+        {
+            Error::check("cosine", cosine, true, "any size")?;
+            Error::check("sine", sine, true, "any size")?;
+            drive = drive.with_waves(angular_frequency, cosine, sine)?;
+        }
+        for points in profiles {
+            drive = drive.with_profile(points)?;
+        }
+        Ok(drive)
+    }
+}

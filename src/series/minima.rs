@@ -1,0 +1,63 @@
+//! Where a function comes close to zero within a step: about its minima.
+
+use super::PowerSeries;
+
+impl PowerSeries {
+    /// Shows the visitor four times about each minimum within [0, h]; `values` are those at the
+    /// quarters of h.
+    #[inline]
+    pub(crate) fn about_minima(&self, h: f64, values: [f64; 4], look: &mut dyn FnMut([f64; 4])) {
+        let (start, [a, b, c, d]) = (self[0], values);
+        // At the end by the parabola of fourth degree through the five values.
+        let at_end = (25.0 * d - 48.0 * c + 36.0 * b - 16.0 * a + 3.0 * start) / 12.0;
+        // Slope·h/4 at the PARTS of the step.
+        let start_slope = 0.25 * h * self[1];
+        let slopes = [start_slope, a - start, b - a, c - b, d - c, at_end];
+        if slopes.windows(2).any(is_turn) {
+            self.about_turns(h, slopes, look);
+        }
+    }
+
+    #[inline(never)]
+    fn about_turns(&self, h: f64, slopes: [f64; 6], look: &mut dyn FnMut([f64; 4])) {
+        const PARTS: [f64; 6] = [0.0, 0.125, 0.375, 0.625, 0.875, 1.0];
+        const MOST_PASSES: usize = 10;
+        /// Part of a step; the next correction would be far smaller.
+        const CLOSE: f64 = 1e-3;
+        let slope = self.derivative();
+        let curvature = slope.derivative();
+        for (slopes, parts) in std::iter::zip(slopes.windows(2), PARTS.windows(2)) {
+            if !is_turn(slopes) {
+                continue;
+            }
+            let [mut left, mut right] = [parts[0] * h, parts[1] * h];
+            let mut t = left + (right - left) * slopes[0] / (slopes[0] - slopes[1]);
+            // Newton's method, and halving where it would leave the stretch.
+            for _ in 0..MOST_PASSES {
+                let slope_here = slope.at(t);
+                if slope_here > 0.0 {
+                    right = t;
+                } else {
+                    left = t;
+                }
+                let newton = t - slope_here / curvature.at(t);
+                let last = t;
+                t = if left <= newton && newton <= right {
+                    newton
+                } else {
+                    0.5 * (left + right)
+                };
+                if (t - last).abs() <= CLOSE * h {
+                    break;
+                }
+            }
+            look([-0.05, 0.0, 0.02, 0.1].map(|part| (t + part * h).clamp(0.0, h)));
+        }
+    }
+}
+
+/// Whether a function has a minimum between two places, by its slopes there.
+#[inline(always)]
+fn is_turn(slopes: &[f64]) -> bool {
+    slopes[0] < 0.0 && slopes[1] >= 0.0
+}

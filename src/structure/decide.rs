@@ -1,0 +1,286 @@
+//! The modes of all contacts at an instant.
+//!
+//! What a contact carries is a function of q, v and t alone, so contacts decide one by one. Only at
+//! the very edge of its band does a contact need rates, which may depend on the modes of others: it
+//! is then taken to stick, all is expanded, and the sign of the first derivative that is not 0
+//! decides. That is repeated until nothing changes. A contact can only be released by it, so it
+//! ends after as many rounds as there are contacts, and one.
+
+use super::engine::{Engine, side_of};
+use super::parts::{Edge, Joint};
+use crate::error::Error;
+use crate::friction::memory::{ContactLaw, Slip};
+use crate::motion::Mode;
+use crate::series::PowerSeries;
+use crate::state::Direction;
+
+/// Rounding error of what a contact carries, in units of ε times the sum of its terms: so near is
+/// on the edge, at a start or on arrival.
+const EDGE_ROUNDING: f64 = 4.0;
+
+/// Height above its bound, in units of ε times that bound, up to which a load has only touched it.
+const TOUCH_ROUNDING: f64 = 8.0;
+
+impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
+    /// Decides the modes, and expands the motion that follows.
+    pub(super) fn decide(&mut self) -> Result<(), Error> {
+        for c in 0..self.joints.len() {
+            self.arrive(c);
+        }
+        // Each round but the last changes a contact: its load, its band, or its piece of the law.
+        for _ in 0..=4 * self.joints.len() {
+            self.expand().map_err(|fault| self.fault(fault))?;
+            let mut changed = false;
+            for c in 0..self.joints.len() {
+                changed |= self.revise_load(c)? || self.revise_mode(c);
+            }
+            if !changed {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// A contact that has come to r = 0 is taken to stick, until what it carries says otherwise.
+    fn arrive(&mut self, c: usize) {
+        let joint = &mut self.joints[c];
+        if !joint.fresh {
+            return;
+        }
+        let body = &mut self.bodies[joint.contact.coordinate()];
+        if let Mode::Slip(_) = joint.mode {
+            joint.arrived_from = joint.direction();
+            joint.memory_on_arrival = joint.memory;
+            joint.memory = joint.contact.law().caught(joint.memory);
+        }
+        joint.mode = Mode::Stick;
+        joint.limit = joint.contact.law().limit(0.0, joint.memory);
+        joint.carried_from = (self.clock, body.displacement);
+        (body.speed, body.side, body.rate) = (0.0, 0.0, None);
+    }
+
+    /// A contact without friction so far meets its surface: slip if there is a relative velocity.
+    pub(super) fn close(&mut self, c: usize) {
+        let joint = &mut self.joints[c];
+        let drive = joint.contact.belt_velocity();
+        let body = &mut self.bodies[joint.contact.coordinate()];
+        let velocity = body.velocity();
+        body.surface = if drive.is_constant() {
+            let mut surface = PowerSeries::ZERO;
+            surface[0] = drive.value(0.0);
+            surface
+        } else {
+            drive.series(self.clock)
+        };
+        let relative = velocity - body.surface[0];
+        joint.fresh = relative == 0.0;
+        joint.mode = Mode::Stick;
+        joint.arrived_from = None;
+        (body.speed, body.side) = (0.0, 0.0);
+        if let Some(direction) = Direction::of(relative) {
+            joint.mode = Mode::Slip(direction);
+            joint.piece = joint.piece_above(relative.abs());
+            (body.speed, body.side) = (relative.abs(), direction.sign());
+        }
+    }
+
+    /// The contact loses its load: its mass is free.
+    fn open(&mut self, c: usize) {
+        let joint = &mut self.joints[c];
+        let body = &mut self.bodies[joint.contact.coordinate()];
+        (body.speed, body.side, body.rate) = (body.velocity(), 1.0, None);
+        body.surface = PowerSeries::ZERO;
+        joint.mode = Mode::Open;
+        joint.fresh = false;
+    }
+
+    /// Opens or closes a contact as its load says; whether that has changed anything.
+    fn revise_load(&mut self, c: usize) -> Result<bool, Error> {
+        let unit = self.model.time_unit;
+        let joint = &mut self.joints[c];
+        if !joint.load_varies {
+            return Ok(false);
+        }
+        let load = joint.load;
+        let is_on_edge = joint.load_edge != Edge::Away || load[0] == 0.0;
+        let sign = if is_on_edge {
+            let largest = load[0].abs().max(load.largest_change(unit));
+            let (edge, sign) = leaving(&load, largest, None);
+            joint.load_edge = edge;
+            // One that stays 0 gives no friction.
+            if sign == 0.0 { -1.0 } else { sign }
+        } else {
+            load[0]
+        };
+        match (joint.mode, sign < 0.0) {
+            (Mode::Open, false) => {
+                self.close(c);
+                self.arrive(c);
+                Ok(true)
+            }
+            (Mode::Stick | Mode::Slip(_), true) => {
+                if !joint.contact.load_gradient().is_empty() {
+                    let reached = self.reached();
+                    return Err(Error::Separation {
+                        contact: c,
+                        reached,
+                    });
+                }
+                self.open(c);
+                Ok(true)
+            }
+            _ => Ok(false),
+        }
+    }
+
+    /// Releases a contact that cannot stick, and puts one that slides onto its piece of the law;
+    /// whether that has changed anything.
+    fn revise_mode(&mut self, c: usize) -> bool {
+        let terms = self.terms(self.joints[c].body());
+        let joint = &mut self.joints[c];
+        let body = &mut self.bodies[joint.contact.coordinate()];
+        match joint.mode {
+            Mode::Open => false,
+            Mode::Slip(_) => revise_piece(joint, &body.speeds),
+            Mode::Stick if joint.limit.is_none() => {
+                // Its own law says what it carries at r = 0: the same on both sides.
+                let rate =
+                    body.carried[0] - joint.load[0] * start_coefficient(joint, Direction::Leading);
+                let back = joint.arrived_from.map_or(1.0, |from| -from.sign());
+                let direction = side_of(if rate == 0.0 { back } else { rate });
+                if joint.arrived_from.is_some() {
+                    joint.memory = joint.memory_on_arrival;
+                }
+                joint.mode = Mode::Slip(direction);
+                (joint.piece, body.side) = (0, direction.sign());
+                true
+            }
+            Mode::Stick => {
+                let carried = body.carried[0];
+                let side = match joint.edge {
+                    Edge::On(Some(side)) | Edge::Touched(Some(side)) => side,
+                    _ => side_of(carried),
+                };
+                let bound = joint.bound[0];
+                let beyond = side.sign() * carried - bound;
+                let rounding = EDGE_ROUNDING * f64::EPSILON * (terms + bound);
+                let is_known = joint.edge != Edge::Away;
+                let released = if beyond > rounding && !is_known {
+                    Some(beyond)
+                } else if is_known || beyond >= 0.0 || (joint.fresh && beyond >= -rounding) {
+                    let mut distance = joint.distance(&body.carried, side);
+                    distance[0] = 0.0;
+                    let (edge, sign) = leaving(&distance, bound, Some(side));
+                    joint.edge = edge;
+                    (sign < 0.0).then_some(0.0)
+                } else {
+                    None
+                };
+                let Some(beyond) = released else {
+                    return false;
+                };
+                let jump = bound - joint.load[0] * side.sign() * start_coefficient(joint, side);
+                joint.mode = Mode::Slip(side);
+                joint.memory = match joint.arrived_from {
+                    Some(_) => joint.memory_on_arrival,
+                    None => joint.contact.law().caught(joint.memory),
+                };
+                (joint.piece, joint.fresh) = (0, false);
+                (body.speed, body.side) = (0.0, side.sign());
+                // μ̂(0) may exceed μ_s by an ulp.
+                body.rate = Some(beyond + jump.max(0.0));
+                true
+            }
+        }
+    }
+
+    /// Sum of the sizes of all terms of what a contact carries, divided by the mass.
+    pub(super) fn terms(&self, i: usize) -> f64 {
+        let (stiffness, damping) = (&self.model.stiffness, &self.model.damping);
+        let body = &self.bodies[i];
+        let mut sum = body.force[0].abs()
+            + body.surface[1].abs()
+            + (stiffness.diagonal()[i] * body.displacement).abs()
+            + (damping.diagonal()[i] * body.velocities[0]).abs();
+        for &(j, a) in stiffness.beside_diagonal(i) {
+            sum += (a * self.bodies[j].displacement).abs();
+        }
+        for &(j, a) in damping.beside_diagonal(i) {
+            sum += (a * self.bodies[j].velocities[0]).abs();
+        }
+        sum
+    }
+}
+
+impl<L: ContactLaw<Z>, const Z: usize> Joint<'_, L, Z> {
+    /// N μ_s/m ∓ R/m, with the zeros that are known.
+    pub(super) fn distance(&self, carried: &PowerSeries, side: Direction) -> PowerSeries {
+        let mut distance = PowerSeries::from_fn(|k| self.bound[k] - side.sign() * carried[k]);
+        let is_at = |edge: Edge| match edge {
+            Edge::On(at) | Edge::Touched(at) => at == Some(side),
+            Edge::Away => false,
+        };
+        if is_at(self.edge) {
+            for k in 0..self.edge.known() {
+                distance[k] = 0.0;
+            }
+        }
+        distance
+    }
+}
+
+/// μ at the start of slip in a direction.
+fn start_coefficient<L: ContactLaw<Z>, const Z: usize>(
+    joint: &Joint<'_, L, Z>,
+    side: Direction,
+) -> f64 {
+    let slip = Slip {
+        speed: 0.0,
+        direction: side.sign(),
+        piece: 0,
+    };
+    joint.contact.law().coefficient(slip, joint.memory)
+}
+
+/// At a breakpoint the motion decides on the piece: by its first derivative that is not 0.
+fn revise_piece<L: ContactLaw<Z>, const Z: usize>(
+    joint: &mut Joint<'_, L, Z>,
+    speeds: &PowerSeries,
+) -> bool {
+    let above = joint.piece_above(speeds[0]);
+    if above == 0 || joint.breakpoints[above - 1] != speeds[0] {
+        let changed = joint.piece != above;
+        joint.piece = above;
+        return changed;
+    }
+    let mut rest = *speeds;
+    rest[0] = 0.0;
+    let piece = above - usize::from(rest.first_nonzero().is_some_and(|c| c < 0.0));
+    let changed = joint.piece != piece && !joint.fresh;
+    if changed {
+        // Once: both pieces give the same rate.
+        (joint.piece, joint.fresh) = (piece, true);
+    }
+    changed
+}
+
+/// Which way a distance goes that is 0: +1 where it grows, −1 where it becomes negative, 0 if it
+/// stays; and what is known of it then.
+///
+/// A rate so small that the distance turns back within rounding of 0 is none: the bound was only
+/// touched.
+fn leaving(distance: &PowerSeries, bound: f64, side: Option<Direction>) -> (Edge, f64) {
+    let (first, second) = (distance[1], distance[2]);
+    let height = first * first / (4.0 * second);
+    let touched =
+        first < 0.0 && second > 0.0 && height <= TOUCH_ROUNDING * f64::EPSILON * bound.abs();
+    if touched {
+        return (Edge::Touched(side), 1.0);
+    }
+    let mut rest = *distance;
+    rest[0] = 0.0;
+    (
+        Edge::On(side),
+        rest.first_nonzero().map_or(0.0, f64::signum),
+    )
+}

@@ -1,0 +1,123 @@
+//! The motion of a structure, step by step.
+
+use super::engine::Engine;
+use super::step::Step;
+use super::system::Structure;
+use crate::error::Error;
+use crate::friction::memory::ContactLaw;
+use crate::motion::sealed::Sealed;
+use crate::motion::{Integrator, Run, Segment, System, Trajectory};
+use crate::state::structure::State;
+
+/// The motion of a [`Structure`] from a start state, without an end: an iterator of [`Step`]s in
+/// constant memory.
+///
+/// Made by [`Integrator::flow`]. After an error comes `None`. A motion in which no velocity changes
+/// and no contact ever will is one last step of infinite duration.
+#[derive(Debug, Clone)]
+pub struct Flow<'s, L, const Z: usize = 0> {
+    engine: Engine<'s, L, Z>,
+    run: Run,
+    /// The events of the start itself.
+    first: Option<Step>,
+    ended: bool,
+}
+
+impl<'s, L: ContactLaw<Z>, const Z: usize> Flow<'s, L, Z> {
+    fn new(
+        settings: Integrator,
+        structure: &'s Structure<L, Z>,
+        start: &State,
+    ) -> Result<Self, Error> {
+        let n = structure.len();
+        let memory = Z * structure.contacts().len();
+        let sizes = [
+            ("displacements", start.displacements.len(), n),
+            ("velocities", start.velocities.len(), n),
+        ];
+        let remembered = start.memory.len();
+        let memory = (remembered > 0).then_some(("memory", remembered, memory));
+        for (name, found, expected) in sizes.into_iter().chain(memory) {
+            if found != expected {
+                return Err(Error::WrongSize {
+                    name,
+                    found,
+                    expected,
+                });
+            }
+        }
+        let coordinates = std::iter::zip(&start.displacements, &start.velocities);
+        for (&displacement, &velocity) in coordinates {
+            if !(displacement.is_finite() && velocity.is_finite()) {
+                return Err(Error::InvalidState {
+                    displacement,
+                    velocity,
+                });
+            }
+        }
+        for &value in &start.memory {
+            Error::check("memory", value, true, "any size")?;
+        }
+        let run = Run::new(settings);
+        let (engine, first) = Engine::start(structure, settings.tolerance(), run.clock, start)?;
+        Ok(Self {
+            engine,
+            run,
+            first,
+            ended: false,
+        })
+    }
+}
+
+impl<L: ContactLaw<Z>, const Z: usize> Iterator for Flow<'_, L, Z> {
+    type Item = Result<Step, Error>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.ended {
+            return None;
+        }
+        let step = match self.run.limit_reached(|| self.engine.state()) {
+            Some(error) => Err(error),
+            None => match self.first.take() {
+                Some(first) => Ok(first),
+                None => self.engine.step(),
+            },
+        };
+        match &step {
+            Ok(step) => {
+                self.run.count(step.events().len());
+                self.run.clock = self.engine.clock;
+                self.ended = step.duration().is_infinite();
+            }
+            // An error is the last item.
+            Err(_) => self.ended = true,
+        }
+        Some(step)
+    }
+}
+
+impl<L: ContactLaw<Z>, const Z: usize> Sealed for Structure<L, Z> {}
+
+impl<L: ContactLaw<Z>, const Z: usize> System for Structure<L, Z> {
+    type State = State;
+    type Flow<'s>
+        = Flow<'s, L, Z>
+    where
+        Self: 's;
+
+    fn flow(&self, settings: Integrator, start: State) -> Result<Flow<'_, L, Z>, Error> {
+        Flow::new(settings, self, &start)
+    }
+}
+
+impl<L: ContactLaw<Z>, const Z: usize> Structure<L, Z> {
+    /// The motion from `start` over `duration`, to round-off:
+    /// [`Integrator::simulate`](crate::Integrator::simulate) with its defaults.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Integrator::simulate`](crate::Integrator::simulate).
+    pub fn simulate(&self, start: State, duration: f64) -> Result<Trajectory<State>, Error> {
+        Integrator::new().simulate(self, start, duration)
+    }
+}

@@ -1,0 +1,32 @@
+//! Several masses on springs and dampers, driven in time, with friction contacts.
+//!
+//! | file | what is in it |
+//! |---|---|
+//! | `contact.rs` | [`Contact`]: where, which law, its normal load and the belt under it |
+//! | `system.rs` | [`Structure`]: masses, springs, dampers, forces and contacts |
+//! | `steady.rs` | [`SteadySliding`]: all masses at rest on moving belts, and how motions near it go |
+//! | `sparse.rs` | a matrix without its zeros |
+//! | `engine.rs` | one step of a motion; the table of the engine's files |
+
+mod contact;
+mod decide;
+mod defect;
+mod engine;
+mod expansion;
+mod flow;
+mod model;
+mod parts;
+mod settle;
+mod sparse;
+mod steady;
+mod step;
+mod system;
+
+pub use contact::Contact;
+pub use flow::Flow;
+pub use steady::SteadySliding;
+pub use step::Step;
+pub use system::Structure;
+
+pub use crate::error::Element;
+pub use crate::state::structure::State;

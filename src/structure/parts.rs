@@ -1,0 +1,189 @@
+//! What the engine knows of each coordinate and of each contact.
+
+use super::contact::Contact;
+use crate::clock::Clock;
+use crate::friction::memory::ContactLaw;
+use crate::motion::Mode;
+use crate::scalar::jet::Tape;
+use crate::series::PowerSeries;
+use crate::state::Direction;
+
+/// One coordinate. All forces are divided by its mass.
+///
+/// Its velocity is v = w + σy. Of a contact that slips, w is the velocity of the surface, σ the sign
+/// of r and y the sliding speed: what is integrated, so that contact is exact however fast the
+/// surface moves. Of one that sticks σ = 0. Without a contact, or with an open one, w = 0 and σ = 1.
+#[derive(Debug, Clone)]
+pub(super) struct Body {
+    pub(super) displacement: f64,
+    /// y.
+    pub(super) speed: f64,
+    /// σ.
+    pub(super) side: f64,
+    /// dy/dt at the start of the step, where it is known better than the equation of motion gives
+    /// it: where slip begins.
+    pub(super) rate: Option<f64>,
+    /// (N μ)_k, σ folded in; 0 but for slip.
+    pub(super) resistance: f64,
+    pub(super) speeds: PowerSeries,
+    pub(super) velocities: PowerSeries,
+    /// R: in stick what the contact carries.
+    pub(super) carried: PowerSeries,
+    /// σμ in slip.
+    pub(super) friction: PowerSeries,
+    pub(super) force: PowerSeries,
+    /// w.
+    pub(super) surface: PowerSeries,
+}
+
+impl Body {
+    pub(super) fn new(displacement: f64, speed: f64, force: f64) -> Self {
+        let mut series = PowerSeries::ZERO;
+        series[0] = force;
+        Self {
+            displacement,
+            speed,
+            side: 1.0,
+            rate: None,
+            resistance: 0.0,
+            speeds: PowerSeries::ZERO,
+            velocities: PowerSeries::ZERO,
+            carried: PowerSeries::ZERO,
+            friction: PowerSeries::ZERO,
+            force: series,
+            surface: PowerSeries::ZERO,
+        }
+    }
+
+    /// v.
+    pub(super) fn velocity(&self) -> f64 {
+        self.surface[0] + self.side * self.speed
+    }
+}
+
+/// What is known of a contact at the bound of its stick band, or of its load.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Edge {
+    /// Away from it, as far as is known.
+    #[default]
+    Away,
+    /// On it, to the bit.
+    On(Option<Direction>),
+    /// On it, and its rate is 0: it was touched.
+    Touched(Option<Direction>),
+}
+
+impl Edge {
+    /// How many coefficients of the distance from the bound are 0.
+    pub(super) fn known(self) -> usize {
+        match self {
+            Self::Away => 0,
+            Self::On(_) => 1,
+            Self::Touched(_) => 2,
+        }
+    }
+}
+
+/// Why a contact ends a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Firing {
+    /// The sliding speed is 0.
+    Arrival,
+    /// The sliding speed is at a breakpoint of the law, of this number, and rising or not.
+    Breakpoint(usize, bool),
+    /// The load carried is the largest, in this direction.
+    Bound(Direction),
+    /// The normal load is 0.
+    Load,
+}
+
+/// One contact.
+#[derive(Debug, Clone)]
+pub(super) struct Joint<'s, L, const Z: usize> {
+    pub(super) contact: &'s Contact<L, Z>,
+    pub(super) mode: Mode,
+    /// Which piece of the law holds in slip.
+    pub(super) piece: usize,
+    pub(super) breakpoints: Vec<f64>,
+    /// Of the stick band.
+    pub(super) edge: Edge,
+    /// Of the normal load.
+    pub(super) load_edge: Edge,
+    /// It has just come to r = 0: on the bound within rounding counts as on it.
+    pub(super) fresh: bool,
+    /// Where it slipped before it came to r = 0, if it did.
+    pub(super) arrived_from: Option<Direction>,
+    pub(super) memory: [f64; Z],
+    /// The memory at that moment.
+    pub(super) memory_on_arrival: [f64; Z],
+    pub(super) memories: [PowerSeries; Z],
+    /// N/m.
+    pub(super) load: PowerSeries,
+    /// Its part that is given in time.
+    pub(super) drive_load: PowerSeries,
+    /// Whether N is not the same at all times.
+    pub(super) load_varies: bool,
+    /// N μ_s/m; without terms beyond the first for a constant load and a law without memory.
+    pub(super) bound: PowerSeries,
+    /// μ_s, if the law remembers anything.
+    pub(super) limits: PowerSeries,
+    /// μ_s at the start of the step; `None` for a law that never sticks.
+    pub(super) limit: Option<f64>,
+    pub(super) tape: Tape,
+    /// Since when, and from where, a surface carries its mass along.
+    pub(super) carried_from: (Clock, f64),
+    /// In the step under way: when it fires first, and why.
+    pub(super) firing: Option<(f64, Firing)>,
+}
+
+impl<'s, L: ContactLaw<Z>, const Z: usize> Joint<'s, L, Z> {
+    /// Not yet decided: see `Engine::start`.
+    pub(super) fn new(contact: &'s Contact<L, Z>, load: f64, memory: [f64; Z]) -> Self {
+        let mut series = PowerSeries::ZERO;
+        series[0] = load;
+        Self {
+            contact,
+            mode: Mode::Stick,
+            piece: 0,
+            breakpoints: contact.law().breakpoints().collect(),
+            edge: Edge::Away,
+            load_edge: Edge::Away,
+            fresh: true,
+            arrived_from: None,
+            memory,
+            memory_on_arrival: memory,
+            memories: [PowerSeries::ZERO; Z],
+            load: series,
+            drive_load: series,
+            load_varies: !contact.load().is_constant() || !contact.load_gradient().is_empty(),
+            bound: PowerSeries::ZERO,
+            limits: PowerSeries::ZERO,
+            limit: contact.law().limit(0.0, memory),
+            tape: Tape::new(),
+            carried_from: (Clock::default(), 0.0),
+            firing: None,
+        }
+    }
+
+    pub(super) fn body(&self) -> usize {
+        self.contact.coordinate()
+    }
+
+    /// The direction of slip; `None` in any other mode.
+    pub(super) fn direction(&self) -> Option<Direction> {
+        match self.mode {
+            Mode::Slip(direction) => Some(direction),
+            Mode::Stick | Mode::Open => None,
+        }
+    }
+
+    /// μ_s at the start of the step, 0 for a law that never sticks.
+    pub(super) fn static_coefficient(&self) -> f64 {
+        self.limit.unwrap_or(0.0)
+    }
+
+    /// The piece of the law just above a sliding speed.
+    pub(super) fn piece_above(&self, speed: f64) -> usize {
+        self.breakpoints.partition_point(|&b| b <= speed)
+    }
+}

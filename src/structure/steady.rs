@@ -1,0 +1,175 @@
+use nalgebra::linalg::Schur;
+use nalgebra::{Complex, DMatrix, DVector};
+
+use super::Structure;
+use crate::friction::FrictionLaw;
+
+/// Steady sliding of a [`Structure`]: every mass stands still while the belts move, and how small
+/// motions about that go.
+///
+/// ```text
+/// K q = f + Σ_i e_i N_i sgn(w_i) μ̂_i(|w_i|),    N_i = N0_i + Σ_j n_ij q_j
+/// M δq'' + (C + diag(N_i dμ̂_i/ds)) δq' + (K − Σ_i e_i sgn(w_i) μ̂_i n_iᵀ) δq = 0
+/// ```
+///
+/// The load that follows the displacements makes the stiffness matrix unsymmetric: two modes can
+/// merge and one of them grow (flutter by mode coupling), even where friction does not fall with
+/// speed.
+///
+/// Eigenvalues are by the Schur form of the 2n × 2n matrix of the scaled system, good to about nε
+/// times the largest; where two of them are nearly equal, to the root of that. Work grows as n³: a
+/// second for n = 100, minutes for 1000.
+///
+/// ```
+/// use stick_slip::nalgebra::DMatrix;
+/// use stick_slip::{Contact, Coulomb, Structure};
+///
+/// // Hamburg model of N. Hoffmann et al. (2002): a normal spring of stiffness 4/3 carries the load.
+/// let brake = |coefficient: f64| {
+///     Structure::new(&[1.0, 1.0])?
+///         .with_stiffness(DMatrix::from_row_slice(2, 2, &[2.0, 1.0, 1.0, 2.0]))?
+///         .with_contact(
+///             Contact::new(0, Coulomb::new(coefficient, coefficient)?, 10.0)?
+///                 .with_load_gradient(1, 4.0 / 3.0)?
+///                 .on_belt(1.0),
+///         )
+/// };
+/// // The modes merge at μ = 3/4, and beyond one grows.
+/// let growth = |coefficient| Some(brake(coefficient).ok()?.steady_sliding()?.eigenvalues[0].re);
+/// assert_eq!(growth(0.74), Some(0.0));
+/// assert!(growth(0.76) > Some(0.01));
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+///
+/// Source of the example: Hoffmann, Fischer, Allgaier and Gaul, *Mech. Res. Commun.* 29 (2002)
+/// 197-205.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SteadySliding {
+    /// Displacement of each coordinate.
+    pub displacements: Vec<f64>,
+    /// Eigenvalues of small motions, by falling real part, and for equal ones by falling imaginary
+    /// part; two for each coordinate, per unit of time.
+    pub eigenvalues: Vec<Complex<f64>>,
+}
+
+impl SteadySliding {
+    /// Whether small motions die out: all eigenvalues have negative real parts.
+    pub fn is_stable(&self) -> bool {
+        self.eigenvalues
+            .iter()
+            .all(|eigenvalue| eigenvalue.re < 0.0)
+    }
+
+    pub(super) fn of<L: FrictionLaw>(structure: &Structure<L>) -> Option<Self> {
+        if !structure.drives().all(|drive| drive.is_constant()) {
+            return None;
+        }
+        let n = structure.len();
+        let mut stiffness = structure.stiffness().clone();
+        let mut damping = structure.damping().clone();
+        let forces = structure.forces().iter().map(|force| force.value(0.0));
+        let mut forces = DVector::from_iterator(n, forces);
+        for contact in structure.contacts() {
+            let (i, velocity) = (contact.coordinate(), contact.belt_velocity().value(0.0));
+            if velocity == 0.0 {
+                return None;
+            }
+            let coefficient = contact.law().coefficient(velocity);
+            forces[i] += contact.load().value(0.0) * coefficient;
+            for &(j, gradient) in contact.load_gradient() {
+                stiffness[(i, j)] -= coefficient * gradient;
+            }
+        }
+        // In √m q both matrices have units of time alone, and keep their symmetry if they have it.
+        let roots: Vec<f64> = structure.masses().iter().map(|mass| mass.sqrt()).collect();
+        let scale = |matrix: &mut DMatrix<f64>| {
+            for ((i, j), entry) in (0..n)
+                .flat_map(|j| (0..n).map(move |i| (i, j)))
+                .zip(matrix.iter_mut())
+            {
+                *entry = *entry / roots[i] / roots[j];
+            }
+        };
+        scale(&mut stiffness);
+        for (force, root) in forces.iter_mut().zip(&roots) {
+            *force /= root;
+        }
+        let displacements = solve(&stiffness, &forces)?;
+        let displacements: Vec<f64> = displacements
+            .iter()
+            .zip(&roots)
+            .map(|(y, root)| y / root)
+            .collect();
+        for contact in structure.contacts() {
+            let load = contact.load_at(0.0, &displacements);
+            if load.is_nan() || load <= 0.0 {
+                return None;
+            }
+            let (i, speed) = (
+                contact.coordinate(),
+                contact.belt_velocity().value(0.0).abs(),
+            );
+            damping[(i, i)] += load * contact.law().slope(speed);
+        }
+        scale(&mut damping);
+        let eigenvalues = eigenvalues(&stiffness, &damping)?;
+        Some(Self {
+            displacements,
+            eigenvalues,
+        })
+    }
+}
+
+/// The solution of A x = b; `None` if A is singular to rounding.
+fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> Option<DVector<f64>> {
+    let largest = a.amax();
+    let lu = a.clone().lu();
+    let pivots = lu.u().diagonal();
+    let least = f64::EPSILON * a.nrows() as f64 * largest;
+    if !pivots.iter().all(|pivot| pivot.abs() > least) {
+        return None;
+    }
+    lu.solve(b).filter(|x| x.iter().all(|x| x.is_finite()))
+}
+
+/// Eigenvalues s of s² + s C + K, by falling real part; `None` if they do not converge.
+fn eigenvalues(stiffness: &DMatrix<f64>, damping: &DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
+    let n = stiffness.nrows();
+    let mut values: Vec<Complex<f64>> = if damping.amax() == 0.0 {
+        // s² = −λ of K alone: what is undamped has a real part of exactly 0.
+        let squares = matrix_eigenvalues(stiffness.clone())?;
+        squares
+            .iter()
+            .map(|&square| (-square).sqrt())
+            .flat_map(|root| [root, -root])
+            .collect()
+    } else {
+        // (ω q, q') for (q, q'): both blocks of one size.
+        let unit = stiffness.amax().sqrt();
+        let unit = if unit > 0.0 { unit } else { 1.0 };
+        let mut matrix = DMatrix::zeros(2 * n, 2 * n);
+        matrix.view_mut((0, n), (n, n)).fill_diagonal(unit);
+        matrix
+            .view_mut((n, 0), (n, n))
+            .copy_from(&(stiffness / -unit));
+        matrix.view_mut((n, n), (n, n)).copy_from(&-damping);
+        matrix_eigenvalues(matrix)?
+    };
+    // No −0, which would sort after 0.
+    for value in &mut values {
+        *value += Complex::new(0.0, 0.0);
+    }
+    values.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+    Some(values)
+}
+
+fn matrix_eigenvalues(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
+    /// Sweeps for each eigenvalue; two or three are usual.
+    const MOST_SWEEPS: usize = 100;
+    if !matrix.iter().all(|entry| entry.is_finite()) {
+        return None;
+    }
+    let most = MOST_SWEEPS * matrix.nrows();
+    let schur = Schur::try_new(matrix, f64::EPSILON, most)?;
+    Some(schur.complex_eigenvalues().iter().copied().collect())
+}

@@ -1,0 +1,128 @@
+use crate::clock::Clock;
+use crate::motion::sealed::Sealed;
+use crate::motion::{Event, Mode, Segment, SystemState, Trajectory};
+use crate::series::PowerSeries;
+use crate::state::structure::State;
+
+/// A stretch of the motion of a [`Structure`](crate::Structure), with events at its end only.
+///
+/// Made by [`Integrator::flow`](crate::Integrator::flow), and kept by a [`Trajectory`]. Between its
+/// ends it holds the power series of all velocities.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Step {
+    start: Clock,
+    end: Clock,
+    duration: f64,
+    modes: Vec<Mode>,
+    state: State,
+    /// Of the velocities, then of what contacts remember; none for a step of no length.
+    series: Vec<PowerSeries>,
+    events: Vec<Event<State>>,
+    end_state: State,
+}
+
+impl Step {
+    /// A step with its duration and the time of its end.
+    pub(super) fn new(
+        start: Clock,
+        (duration, end): (f64, Clock),
+        modes: Vec<Mode>,
+        state: State,
+        series: Vec<PowerSeries>,
+        events: Vec<Event<State>>,
+        end_state: State,
+    ) -> Self {
+        Self {
+            start,
+            end,
+            duration,
+            modes,
+            state,
+            series,
+            events,
+            end_state,
+        }
+    }
+
+    /// What each contact does during the step.
+    pub fn modes(&self) -> &[Mode] {
+        &self.modes
+    }
+
+    /// State at its start. What a contact remembers is there as it is after an event.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+}
+
+impl Sealed for Step {}
+
+impl Segment for Step {
+    type State = State;
+
+    fn start_time(&self) -> f64 {
+        self.start.time
+    }
+
+    fn end_time(&self) -> f64 {
+        self.end.time
+    }
+
+    fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    fn since_start(&self, time: f64) -> f64 {
+        self.start.until(time).clamp(0.0, self.duration)
+    }
+
+    fn state_at(&self, t: f64) -> State {
+        if t == 0.0 || self.series.is_empty() {
+            return self.state.clone();
+        }
+        if t == self.duration && t.is_finite() {
+            return self.end_state.clone();
+        }
+        let n = self.state.displacements.len();
+        let (velocities, memory) = self.series.split_at(n);
+        let displacements = std::iter::zip(&self.state.displacements, velocities);
+        State {
+            displacements: displacements.map(|(q, v)| q + t * v.mean(t)).collect(),
+            velocities: velocities.iter().map(|v| v.at(t)).collect(),
+            memory: memory.iter().map(|z| z.at(t)).collect(),
+        }
+    }
+
+    fn end_state(&self) -> State {
+        self.end_state.clone()
+    }
+
+    fn events(&self) -> &[Event<State>] {
+        &self.events
+    }
+
+    fn until(self, time: f64) -> Self {
+        let duration = self.since_start(time);
+        Self {
+            end_state: self.state_at(duration),
+            end: Clock::at(time),
+            duration,
+            events: Vec::new(),
+            ..self
+        }
+    }
+}
+
+impl Sealed for State {}
+
+impl SystemState for State {
+    type Step = Step;
+}
+
+impl Trajectory<State> {
+    /// What a contact does at a time of the motion, at an event what it does from then on; `None`
+    /// outside, for NaN, and for a contact that there is not.
+    pub fn mode_at(&self, contact: usize, time: f64) -> Option<Mode> {
+        self.step_at(time)?.modes().get(contact).copied()
+    }
+}
