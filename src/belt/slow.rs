@@ -68,8 +68,7 @@ impl SlipSeries {
         let farthest = Allowance::farthest(closing) / unit;
         let mut composed = Self::ZERO;
         for pass in 0..MOST_PASSES {
-            let composition =
-                composed.expand(piece, system, workspace, from, time, Some(&c));
+            let composition = composed.expand(piece, system, workspace, from, time, Some(&c));
             composition.ok()?;
             let correction = slow.correction(&c, &composed, unit);
             // The first correction is already the distance, as far as it is small: a motion that is
@@ -90,8 +89,7 @@ impl SlipSeries {
             }
             if largest <= close {
                 // The next correction would be the square of this one.
-                let composition =
-                    composed.expand(piece, system, workspace, from, time, Some(&c));
+                let composition = composed.expand(piece, system, workspace, from, time, Some(&c));
                 composition.ok()?;
                 return Some(composed.in_time(unit, allowance, farthest * unit));
             }
@@ -121,7 +119,8 @@ impl SlipSeries {
     /// Drops coefficients that overflow; the highest order left.
     #[cold]
     pub(super) fn truncate(&mut self) -> usize {
-        let is_ordinary = |k: &usize| self.speed[*k].abs() < LARGEST && self.friction[*k].abs() < LARGEST;
+        let is_ordinary =
+            |k: &usize| self.speed[*k].abs() < LARGEST && self.friction[*k].abs() < LARGEST;
         let left = (0..TERMS).take_while(is_ordinary).count();
         for k in left..TERMS {
             self.speed[k] = 0.0;

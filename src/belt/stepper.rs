@@ -270,7 +270,11 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         Ok(Settled {
             duration,
             end_speed,
-            longest_next: if h < plan.reach { 2.0 * h } else { f64::INFINITY },
+            longest_next: if h < plan.reach {
+                2.0 * h
+            } else {
+                f64::INFINITY
+            },
         })
     }
 
