@@ -16,14 +16,12 @@ const STAGES: usize = 5;
 type Stages = [f64; STAGES];
 type Matrix = [Stages; STAGES];
 
-/// Nodes and weights of the method.
+/// The weights of the method.
 #[derive(Debug, Clone)]
 pub(crate) struct Radau {
     a: Matrix,
     /// A².
     a2: Matrix,
-    /// Σ_j a_ij, the nodes.
-    nodes: Stages,
     /// Error of a step that is taken, in parts of s and of u.
     tolerance: f64,
 }
@@ -88,7 +86,6 @@ impl Radau {
         Self {
             a,
             a2: std::array::from_fn(|i| std::array::from_fn(|k| product(i, k))),
-            nodes,
             tolerance,
         }
     }
@@ -143,6 +140,14 @@ impl<L: FrictionLaw> Slip<'_, L> {
         (self.friction(s + h) - self.friction(s - h)) / (2.0 * h)
     }
 
+    /// What rounding of the forces may shift s by within a step of length h.
+    fn rounding(&self, [x, s]: Point, h: f64) -> f64 {
+        let damping = 2.0 * self.system.damping();
+        let forces = x.abs() + damping * (s + self.belt()).abs() + self.friction(s).abs();
+        let decay = (damping + self.slope(s)).abs();
+        8.0 * f64::EPSILON * forces * h.min(1.0 / decay)
+    }
+
     fn rate(&self, [x, s]: Point) -> f64 {
         -x - 2.0 * self.system.damping() * (s + self.belt()) - self.friction(s)
     }
@@ -154,6 +159,7 @@ impl<L: FrictionLaw> Slip<'_, L> {
         let sum = |row: &Stages, of: &Stages| -> f64 {
             std::iter::zip(row, of).map(|(a, b)| a * b).sum()
         };
+        let rounding = self.rounding([x, s], h);
         let mut last = f64::INFINITY;
         for _ in 0..30 {
             let speeds = stages.map(|s| s + self.belt());
@@ -171,9 +177,10 @@ impl<L: FrictionLaw> Slip<'_, L> {
             let mut change = 0.0_f64;
             for (stage, d) in std::iter::zip(&mut stages, correction) {
                 *stage += d;
-                change = change.max(d.abs() / stage.abs().max((*stage - s).abs()));
+                let beyond = (d.abs() - rounding).max(0.0);
+                change = change.max(beyond / stage.abs().max((*stage - s).abs()));
             }
-            if !change.is_finite() {
+            if stages.iter().any(|s| !s.is_finite()) {
                 return None;
             }
             if change <= 1e-15 || (change < 1e-10 && change >= 0.25 * last) {
@@ -191,11 +198,12 @@ impl<L: FrictionLaw> Slip<'_, L> {
         let whole = self.step(method, from, h)?;
         let middle = self.step(method, from, 0.5 * h)?;
         let end = self.step(method, middle, 0.5 * h)?;
-        let apart = |i: usize| {
+        let rounding = self.rounding(from, h).max(self.rounding(end, h));
+        let apart = |i: usize, rounding: f64| {
             let size = end[i].abs().max((end[i] - from[i]).abs());
-            (whole[i] - end[i]).abs() / size
+            ((whole[i] - end[i]).abs() - rounding).max(0.0) / size
         };
-        let error = apart(0).max(apart(1));
+        let error = apart(0, rounding * h).max(apart(1, rounding));
         // The halves are more exact than the whole by this.
         Some((end, error / 256.0))
     }
