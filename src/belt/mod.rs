@@ -7,10 +7,10 @@
 //! | `equilibrium.rs` | steady sliding and its stability |
 //! | `slip_point.rs` | points of slip phases, and how each kind of slip begins |
 //! | `expansion.rs` | the power series of a slip phase |
-//! | `slow.rs` | the power series of the slow motion in a stiff slip phase |
+//! | `slow.rs` | the power series of the slow motion in a stiff slip phase; when it is tried: `stepper.rs` |
 //! | `defect.rs` | whether a series holds between its coefficients |
 //! | `breakpoints.rs` | pieces of the law, and where a step leaves one |
-//! | `stepper.rs` | one Taylor step: begin, settle, land |
+//! | `stepper.rs` | one Taylor step: begin, plan (explicit or slow), settle (where its defect is looked at), land |
 //! | `flow.rs` | the phase machine: stick and slip in turn |
 //! | `step.rs` | [`Step`]: a stretch of motion as a value |
 //! | `read.rs`, `written.rs` | how a system is read, and an equilibrium written (feature `serde`) |

@@ -19,9 +19,9 @@
 //!
 //! | file | what is in it |
 //! |---|---|
-//! | `contacts.rs` | grazing, overshoot, crossing: contacts of the motion from the release point |
+//! | `contacts.rs` | grazing, overshoot, crossing: contacts of the motion from the release point; searched by `numerics/scan.rs` |
 //! | `fold.rs` | folds of pure-slip cycles |
-//! | `hopf.rs` | stability of the equilibrium, and how a cycle is born there |
+//! | `hopf.rs` | stability of the equilibrium, and how a cycle is born there; the roots themselves: `friction/along.rs` |
 //! | `silence.rs` | the damping from which on nothing vibrates |
 //! | `diagram.rs` | everything at each of a list of belt velocities |
 //! | `range.rs` | ranges of belt velocities |

@@ -9,7 +9,7 @@
 //! | `memory/` | contact laws with memory |
 //! | `scaled.rs` | a law given in metres per second |
 //! | `expansion.rs` | a law's pieces, and their power series at one speed |
-//! | `along.rs` | a law as a chain of power series over a range of speeds |
+//! | `along.rs` | a law as a chain of power series over a range of speeds: sign changes and least value of its slope |
 //! | `check.rs` | what is asked of a law before it is used; whether it is constant |
 //! | `read.rs` | how laws are read (feature `serde`) |
 

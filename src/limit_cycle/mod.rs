@@ -46,8 +46,9 @@
 //! | `growth.rs` | a map's growth over a turn as a sample |
 //! | `averaged.rs` | the growth of small changes, where rounding hides it over a turn |
 //! | `continuum.rs` | families of periodic motions |
-//! | `set.rs`, `cycle.rs` | results: [`CycleSet`], [`LimitCycle`] |
-//! | `measures.rs` | extremes and integrals of a cycle |
+//! | `set.rs` | [`CycleSet`]: the nested cycles of a system |
+//! | `cycle.rs` | [`LimitCycle`], [`CycleKind`]: arcs joined to one period |
+//! | `measures.rs` | extremes, harmonics and energies ([`EnergyBudget`]) of a cycle |
 //! | `written.rs` | how cycles are written (feature `serde`) |
 
 mod arc;
@@ -71,9 +72,10 @@ pub(crate) use arc::Tracer;
 pub use basin::{Attractor, Basins, attractor, basins};
 pub use continuum::Continuum;
 pub(crate) use continuum::is_frictionless;
-pub use cycle::{CycleKind, EnergyBudget, LimitCycle};
+pub use cycle::{CycleKind, LimitCycle};
 pub(crate) use find::find_borrowed;
 pub use find::{find, stick_slip};
+pub use measures::EnergyBudget;
 pub(crate) use peaks::PeakMap;
 pub(crate) use release::Release;
 pub use set::CycleSet;

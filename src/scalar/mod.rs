@@ -3,7 +3,7 @@
 //! | file | what is in it |
 //! |---|---|
 //! | `mod.rs` | [`Scalar`]: what a law may do with a number |
-//! | `taylor.rs`, `operations.rs` | order in the type: the fastest, for one mass on its belt |
+//! | `taylor.rs`, `operations.rs` | order in the type: the fastest, for one mass on its belt (the order itself: `series::TERMS`) |
 //! | `jet.rs`, `products.rs` | order at run time: small code, many coupled series, cold paths |
 
 pub(crate) mod jet;
