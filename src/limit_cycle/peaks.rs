@@ -104,6 +104,7 @@ impl<'t, 's, L: FrictionLaw> PeakMap<'t, 's, L> {
     /// rounding hides the growth, averaging decides if it can.
     fn decide_hidden(&mut self, found: Roots) -> Result<Roots, Error> {
         let system = self.system();
+        let v_b = system.belt_velocity();
         let mut kept = Roots::default();
         for root in found.roots {
             let growth = self.growth(root)?;
@@ -118,8 +119,9 @@ impl<'t, 's, L: FrictionLaw> PeakMap<'t, 's, L> {
                 && match averaged::all_grow(&system, &range)? {
                     None => false,
                     Some(false) => true,
-                    // What becomes of them is to be seen where they come out.
-                    Some(true) => !end.vanishes(),
+                    // What becomes of them is seen where they come out, unless that is at the belt,
+                    // by less than rounding.
+                    Some(true) => v_b - range.end > HIDDEN * end.noise * v_b,
                 };
             if !is_decided {
                 kept.unresolved.push(range);
