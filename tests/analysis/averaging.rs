@@ -212,6 +212,62 @@ fn a_fold_is_followed_until_both_cycles_meet() {
     assert!((pair[0].multiplier() - 1.0).abs() < 1e-6 && (pair[1].multiplier() - 1.0).abs() < 1e-6);
 }
 
+/// Damping only lowers A'/A, so that a fold lies at its maximum over A, and a little less damping
+/// makes a pair of cycles as close as one likes.
+#[test]
+fn pairs_near_folds_are_found_as_close_as_is_promised() {
+    let mut folds = 0;
+    for (mu_k, v_b, load) in [
+        (0.3, 1.3, 0.5),
+        (0.3, 1.45, 0.5),
+        (0.25, 1.6, 1.0),
+        (0.1, 1.8, 0.2),
+        (0.35, 1.5, 3.0),
+        (0.2, 2.0, 0.01),
+    ] {
+        let law = Exponential::new(0.4, mu_k, 1.0).unwrap();
+        let system = MassOnBelt::new(law, v_b).unwrap().with_load(load).unwrap();
+        let rate = |amplitude: f64| drift(&system, amplitude).unwrap() / amplitude;
+        // The largest on a grid, and the maximum about it.
+        let grid = (1..400).map(|i| v_b * 0.0025 * f64::from(i));
+        let top = grid.max_by(|a, b| rate(*a).total_cmp(&rate(*b))).unwrap();
+        let (mut low, mut high) = (top - 0.0025 * v_b, top + 0.0025 * v_b);
+        // A'/A rises where dA'/dA is larger than it.
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if drift_slope(&system, middle).unwrap() > rate(middle) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        let peak = 0.5 * (low + high);
+        let h = 0.01 * v_b;
+        let curvature = (rate(peak - h) - 2.0 * rate(peak) + rate(peak + h)) / (h * h);
+        assert!(rate(peak) > 0.0 && curvature < 0.0 && peak < 0.98 * v_b);
+        folds += 1;
+        let speeds = (0..1000).map(|i| 0.005 * f64::from(i));
+        let steepest = speeds.map(|s| law.slope(s).abs()).fold(0.0, f64::max);
+        let promised = 1e-14 * (rate(peak) + load * steepest);
+        for times in [1.0, 10.0, 1e3, 1e5] {
+            // How far A'/A rises above zero between the two.
+            let depth = times * promised;
+            let distance = (-8.0 * depth / curvature).sqrt() / v_b;
+            assert!(times > 1.0 || distance < 1e-6, "{v_b} {load}: {distance}");
+            let near = system.with_damping(rate(peak) - depth).unwrap();
+            let pair = cycles(&near).unwrap();
+            assert_eq!(pair.len(), 2, "{v_b} {load}: {distance}");
+            let apart = (pair[1].amplitude() - pair[0].amplitude()) / v_b;
+            // As far as rounding of A'/A lets the distance be known.
+            assert!((apart / distance - 1.0).abs() < 0.5, "{apart} {distance}");
+            assert!(!pair[0].is_stable() && pair[1].is_stable());
+        }
+        let beyond = system.with_damping(rate(peak) * (1.0 + 1e-12)).unwrap();
+        assert!(cycles(&beyond).unwrap().is_empty());
+    }
+    assert_eq!(folds, 6);
+}
+
 #[test]
 fn many_cycles_are_all_found() {
     /// A slope that changes its sign many times.
