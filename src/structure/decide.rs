@@ -96,7 +96,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
 
     /// Opens or closes a contact as its load says; whether that has changed anything.
     fn revise_load(&mut self, c: usize) -> Result<bool, Error> {
-        let unit = self.model.time_unit;
+        let unit = self.unit;
         let joint = &mut self.joints[c];
         if !joint.load_varies {
             return Ok(false);

@@ -18,7 +18,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
     /// least every quarter of a radian. Coefficients alone miss what lies hidden behind an
     /// underflow, such as the flank of a narrow Gaussian.
     pub(super) fn defects_are_accepted(&self, allowances: &[Allowance], h: f64) -> bool {
-        let unit = self.model.time_unit;
+        let unit = self.unit;
         self.joints.iter().all(|joint| {
             if !matches!(joint.mode, Mode::Slip(_)) {
                 return true;

@@ -42,6 +42,8 @@ pub(super) struct Engine<'s, L, const Z: usize> {
     /// Coefficients of the order in work, one for each coordinate.
     pub(super) velocities: Vec<f64>,
     pub(super) displacements: Vec<f64>,
+    /// What a step is long or short by.
+    pub(super) unit: f64,
     /// What each coordinate may leave out in the step under way.
     pub(super) allowances: Vec<Allowance>,
     /// Scale of each velocity, and the size of the terms of its equation.
@@ -90,6 +92,7 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Engine<'s, L, Z> {
             velocities: vec![0.0; bodies.len()],
             displacements: vec![0.0; bodies.len()],
             bodies,
+            unit: model.time_unit,
             model,
             tolerance,
             clock,
