@@ -201,12 +201,12 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
         let mut sum = body.force[0].abs()
             + body.surface[1].abs()
             + (stiffness.diagonal()[i] * body.displacement).abs()
-            + (damping.diagonal()[i] * body.velocities[0]).abs();
+            + (damping.diagonal()[i] * body.velocity()).abs();
         for &(j, a) in stiffness.beside_diagonal(i) {
             sum += (a * self.bodies[j].displacement).abs();
         }
         for &(j, a) in damping.beside_diagonal(i) {
-            sum += (a * self.bodies[j].velocities[0]).abs();
+            sum += (a * self.bodies[j].velocity()).abs();
         }
         sum
     }

@@ -72,7 +72,9 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
 
     /// Whether every velocity is constant, and every distance from a limit linear in time.
     fn is_linear(&self) -> bool {
-        self.bodies.iter().all(|body| body.velocities.is_constant())
+        self.bodies
+            .iter()
+            .all(|body| body.speeds.is_constant() && body.surface.is_constant())
             && self.joints.iter().all(|joint| match joint.mode {
                 Mode::Stick => {
                     let body = &self.bodies[joint.body()];
@@ -89,7 +91,9 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
             return self.model.time_unit;
         }
         let least = |times: &mut dyn Iterator<Item = f64>| {
-            times.filter(|&time| time > 0.0).fold(f64::INFINITY, f64::min)
+            times
+                .filter(|&time| time > 0.0)
+                .fold(f64::INFINITY, f64::min)
         };
         let forces = std::iter::zip(&self.bodies, scales);
         let mut changing = forces.flat_map(|(body, &(_, terms))| {
@@ -100,16 +104,18 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
             return changing;
         }
         let velocities = std::iter::zip(&self.bodies, scales);
-        least(&mut velocities.map(|(body, &(_, terms))| {
-            body.velocities[0].abs().max(body.surface[0].abs()) / terms
-        }))
+        least(
+            &mut velocities.map(|(body, &(_, terms))| {
+                body.velocity().abs().max(body.surface[0].abs()) / terms
+            }),
+        )
     }
 
     /// Whether all series could be computed to their ends.
     fn is_finite(&self) -> bool {
         const LAST: usize = TERMS - 1;
         let of_bodies = self.bodies.iter().flat_map(|body| {
-            let [v, r] = [&body.velocities, &body.carried];
+            let [v, r] = [&body.speeds, &body.carried];
             [v[LAST], v[LAST - 1], r[LAST - 1], r[LAST - 2]]
         });
         let of_joints = self.joints.iter().flat_map(|joint| {
@@ -132,7 +138,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
         for joint in &self.joints {
             let i = joint.body();
             if joint.direction().is_some() {
-                scales[i].1 += (joint.load[0] * self.bodies[i].friction[0]).abs();
+                scales[i].1 += (joint.load[0] * joint.friction[0]).abs();
             }
         }
         self.unit = self.time_unit(&scales);
@@ -140,7 +146,8 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
         for (i, (scale, terms)) in scales.iter_mut().enumerate() {
             let body = &self.bodies[i];
             let by_force = if unit.is_finite() { unit * *terms } else { 0.0 };
-            *scale = body.velocities[0]
+            *scale = body
+                .velocity()
                 .abs()
                 .max(body.surface[0].abs())
                 .max(by_force);
