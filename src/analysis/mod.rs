@@ -15,6 +15,11 @@
 //! | which of them happens | [`regime`] |
 //! | how much damping, or which belt velocity, keeps it quiet | [`design`] |
 //! | Coulomb's and the exponential law | [`coulomb`], [`exponential`] |
+//! | a harmonic force on a mass with dry friction: amplitude, and when it stops | [`forced`] |
+//! | a belt that oscillates, as a force | [`oscillating_belt`] |
+//! | friction under fast vibration | [`fast_vibration`] |
+//! | flutter by mode coupling | [`mode_coupling`] |
+//! | two inertias with friction at the far one | [`drill_string`] |
 //!
 //! ```
 //! use stick_slip::analysis::{PureSlip, Regime, StickSlip, regime};
@@ -35,7 +40,12 @@
 pub mod averaging;
 pub mod coulomb;
 pub mod design;
+pub mod drill_string;
 pub mod exponential;
+pub mod fast_vibration;
+pub mod forced;
+pub mod mode_coupling;
+pub mod oscillating_belt;
 mod pure_slip;
 
 mod regime;

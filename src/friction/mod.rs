@@ -274,7 +274,7 @@ pub(crate) fn validate<L: FrictionLaw>(law: &L) -> Result<(), Error> {
 }
 
 /// Largest relative jump at a breakpoint that counts as rounding.
-const JUMP: f64 = 1e-12;
+pub(crate) const JUMP: f64 = 1e-12;
 
 /// The law has a finite value and slope at `speed`.
 pub(crate) fn finite_at<L: FrictionLaw>(law: &L, speed: f64) -> Result<(), Error> {

@@ -1,7 +1,7 @@
 use crate::belt::MassOnBelt;
 use crate::drive::Drive;
 use crate::error::{Element, Error};
-use crate::friction::{FrictionLaw, validate};
+use crate::friction::memory::{ContactLaw, validate};
 
 /// A friction contact of one coordinate: its law, its normal load and the belt that it slides on.
 ///
@@ -41,7 +41,7 @@ pub struct Contact<L, const Z: usize = 0> {
     belt_velocity: Drive,
 }
 
-impl<L: FrictionLaw> Contact<L> {
+impl<const Z: usize, L: ContactLaw<Z>> Contact<L, Z> {
     /// A contact of a coordinate with a law and a normal load N0(t), on a surface at rest.
     ///
     /// # Errors
@@ -144,6 +144,18 @@ impl<L, const Z: usize> Contact<L, Z> {
     /// is missing. It may be negative: the contact is open then, or the motion has ended.
     pub fn load_at(&self, time: f64, displacements: &[f64]) -> f64 {
         self.load.value(time) + self.displacement_load(displacements)
+    }
+
+    /// The contact as seen from a frame that oscillates with its belt.
+    pub(super) fn seen_from(&self, velocity: &Drive, displacement: &Drive) -> Result<Self, Error>
+    where
+        L: Clone,
+    {
+        let gradient: f64 = self.load_gradient.iter().map(|&(_, n)| n).sum();
+        let mut seen = self.clone();
+        seen.load = seen.load.plus(&displacement.scaled(gradient)?)?;
+        seen.belt_velocity = seen.belt_velocity.plus(&velocity.scaled(-1.0)?)?;
+        Ok(seen)
     }
 
     /// Σ n_j q_j.

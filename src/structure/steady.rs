@@ -16,19 +16,18 @@ use crate::friction::FrictionLaw;
 /// merge and one of them grow (flutter by mode coupling), even where friction does not fall with
 /// speed.
 ///
-/// Eigenvalues are by the Schur form of the 2n × 2n matrix of the scaled system, good to about ε
+/// Eigenvalues are by the Schur form of the 2n × 2n matrix of the scaled system, good to about nε
 /// times the largest; where two of them are nearly equal, to the root of that. Work grows as n³: a
 /// second for n = 100, minutes for 1000.
 ///
 /// ```
-/// use nalgebra::dmatrix;
-/// use stick_slip::nalgebra;
+/// use stick_slip::nalgebra::DMatrix;
 /// use stick_slip::{Contact, Coulomb, Structure};
 ///
 /// // Hamburg model of N. Hoffmann et al. (2002): a normal spring of stiffness 4/3 carries the load.
 /// let brake = |coefficient: f64| {
 ///     Structure::new(&[1.0, 1.0])?
-///         .with_stiffness(dmatrix![2.0, 1.0; 1.0, 2.0])?
+///         .with_stiffness(DMatrix::from_row_slice(2, 2, &[2.0, 1.0, 1.0, 2.0]))?
 ///         .with_contact(
 ///             Contact::new(0, Coulomb::new(coefficient, coefficient)?, 10.0)?
 ///                 .with_load_gradient(1, 4.0 / 3.0)?
@@ -156,6 +155,10 @@ fn eigenvalues(stiffness: &DMatrix<f64>, damping: &DMatrix<f64>) -> Option<Vec<C
         matrix.view_mut((n, n), (n, n)).copy_from(&-damping);
         matrix_eigenvalues(matrix)?
     };
+    // No −0, which would sort after 0.
+    for value in &mut values {
+        *value += Complex::new(0.0, 0.0);
+    }
     values.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
     Some(values)
 }

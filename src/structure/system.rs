@@ -257,6 +257,31 @@ impl<L, const Z: usize> Structure<L, Z> {
         drive::common_period(self.drives())
     }
 
+    /// The same motion seen from a frame that oscillates with all belts: at the displacement W(t)
+    /// and the velocity W'(t), harmonics both.
+    pub(crate) fn seen_from(&self, velocity: &Drive, displacement: &Drive) -> Result<Self, Error>
+    where
+        L: Clone,
+    {
+        let mut seen = self.clone();
+        let acceleration = velocity.derivative()?;
+        for (i, mass) in self.masses.iter().enumerate() {
+            let [damping, stiffness] = [&self.damping, &self.stiffness].map(|m| m.row(i).sum());
+            let parts = [
+                (&acceleration, *mass),
+                (velocity, damping),
+                (displacement, stiffness),
+            ];
+            for (part, factor) in parts {
+                seen = seen.with_force(i, part.scaled(-factor)?)?;
+            }
+        }
+        for contact in &mut seen.contacts {
+            *contact = contact.seen_from(velocity, displacement)?;
+        }
+        Ok(seen)
+    }
+
     /// All functions of time that act on it.
     pub(crate) fn drives(&self) -> impl Iterator<Item = &Drive> {
         let contacts = self.contacts.iter();

@@ -1,5 +1,9 @@
 //! Contact laws: friction that may depend on more than the sliding speed.
 
+mod check;
+
+pub(crate) use check::{coefficient_and_slope, validate};
+
 use crate::friction::FrictionLaw;
 use crate::scalar::Scalar;
 

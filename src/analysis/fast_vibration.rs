@@ -1,0 +1,72 @@
+//! Friction under fast vibration along the surface: what the slow motion feels.
+//!
+//! A belt that shakes at a frequency far above those of the system gives the mass a fast relative
+//! velocity w cos Ωt on top of the slow v. The slow motion then feels the mean of the friction
+//! coefficient over one fast period. All formulas are limits for Ω → ∞; dimensionless.
+//!
+//! ```text
+//! Coulomb:   μ_k (2/π) arcsin(v/w)  for |v| < w        no jump at v = 0, and no stick
+//! cubic:     μ_s − k1 v + k3(v³ + (3/2) v w²)  for v > w
+//! ```
+//!
+//! Source: J. J. Thomsen, *Using fast vibrations to quench friction-induced oscillations*, J. Sound
+//! Vib. 228 (1999) 1079-1102.
+
+use std::f64::consts::FRAC_2_PI;
+
+use super::PureSlip;
+use crate::belt::MassOnBelt;
+use crate::friction::{Coulomb, Polynomial};
+
+/// Mean friction coefficient of Coulomb's law at the slow relative velocity v, with a fast one of
+/// amplitude w ≥ 0: μ_k(2/π) arcsin(v/w) for |v| < w, and ±μ_k beyond. Dimensionless.
+///
+/// ```
+/// use stick_slip::Coulomb;
+/// use stick_slip::analysis::fast_vibration::mean_coefficient;
+///
+/// let law = Coulomb::new(0.4, 0.3)?;
+/// assert!((mean_coefficient(&law, 0.1, 0.2) - 0.1).abs() < 1e-16); // arcsin ½ = π/6
+/// assert_eq!(mean_coefficient(&law, -0.5, 0.2), -0.3);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn mean_coefficient(law: &Coulomb, velocity: f64, amplitude: f64) -> f64 {
+    let kinetic = law.kinetic_coefficient();
+    if velocity.abs() < amplitude {
+        kinetic * FRAC_2_PI * (velocity / amplitude).asin()
+    } else if velocity == 0.0 {
+        0.0
+    } else {
+        kinetic.copysign(velocity)
+    }
+}
+
+/// Belt velocity above which steady sliding is stable under fast vibration of amplitude w ≥ 0 of
+/// the relative velocity, cubic law: v² = v_m²(1 − 2β/η) − w²/2. Dimensionless, the limit for
+/// Ω → ∞.
+///
+/// `None` where the formula does not hold, v ≤ w, and where sliding is stable at every such
+/// velocity. The system's own v_b is ignored. At w = 0 it is
+/// [`PureSlip::onset_velocity`](super::PureSlip::onset_velocity).
+///
+/// ```
+/// use stick_slip::analysis::fast_vibration::onset_velocity;
+/// use stick_slip::{MassOnBelt, Polynomial};
+///
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+/// assert!((onset_velocity(&system, 0.2).unwrap() - 0.4176654695).abs() < 1e-10);
+/// assert_eq!(onset_velocity(&system, 0.4), None); // 0.34 < w
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn onset_velocity(system: &MassOnBelt<Polynomial>, amplitude: f64) -> Option<f64> {
+    if amplitude.is_nan() || amplitude < 0.0 {
+        return None;
+    }
+    // The formulas depend on v_b, the onset does not; any velocity that is not 0 will do.
+    let moving = system
+        .with_belt_velocity(system.law().minimum_velocity())
+        .ok()?;
+    let still = PureSlip::new(&moving)?.onset_velocity()?;
+    let velocity = (still * still - 0.5 * amplitude * amplitude).sqrt();
+    (velocity > amplitude).then_some(velocity)
+}

@@ -1,0 +1,265 @@
+//! A forced oscillator with dry friction on a surface at rest: Den Hartog's motion without stops.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+use super::roots::{Sample, brackets, isolate, refine};
+use crate::error::Error;
+
+/// A mass on a spring, a damper and a dry surface at rest, with a harmonic force.
+///
+/// ```text
+/// x'' + 2ζx' + x = p cos(Ωt + θ) − F sgn x'        m = k = 1
+/// ```
+///
+/// In units of the system: time 1/ω0, ω0 = √(k/m), so Ω is in units of ω0 and ζ = c/(2√(km)). F, F_s
+/// and p are forces in a unit of choice, and displacements are in that unit over k.
+///
+/// ```
+/// use stick_slip::analysis::forced::ForcedOscillator;
+///
+/// let oscillator = ForcedOscillator {
+///     damping: 0.05,
+///     angular_frequency: 0.8,
+///     kinetic_friction: 0.3,
+///     static_friction: 0.3,
+///     force: 1.0,
+/// };
+/// let motion = oscillator.without_stops().unwrap();
+/// assert!((motion.amplitude() - 2.346871967422).abs() < 1e-12);
+///
+/// // With more friction the mass stops for a while at each end.
+/// let rough = ForcedOscillator { kinetic_friction: 0.9, static_friction: 0.9, ..oscillator };
+/// assert_eq!(rough.without_stops(), None);
+/// ```
+///
+/// Source: J. P. Den Hartog, *Forced vibrations with combined Coulomb and viscous friction*, Trans.
+/// ASME 53 (1931), APM-53-9, 107-115.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ForcedOscillator {
+    /// Damping ratio ζ, 0 ≤ ζ < 1.
+    pub damping: f64,
+    /// Ω > 0, in units of the natural frequency.
+    pub angular_frequency: f64,
+    /// F = μ_k N ≥ 0, a force.
+    pub kinetic_friction: f64,
+    /// F_s = μ_s N ≥ F, a force.
+    pub static_friction: f64,
+    /// p > 0, amplitude of the force.
+    pub force: f64,
+}
+
+/// The motion that turns twice a period, at ±A, and never stops. Exact.
+///
+/// ```text
+/// x = e^{−ζt}(C cos qt + D sin qt) + F + P cos Ωt − S sin Ωt,    q = √(1 − ζ²)
+/// ```
+///
+/// on the half period from the largest displacement on; the other half is its mirror image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WithoutStops {
+    oscillator: ForcedOscillator,
+    /// C and D, P and S.
+    free: [f64; 2],
+    forced: [f64; 2],
+    /// Phase of the force at the largest displacement.
+    phase: f64,
+    amplitude: f64,
+}
+
+impl ForcedOscillator {
+    /// The symmetric motion with two turning points a period and no stop.
+    ///
+    /// ```text
+    /// A = −GF + √(p²Q² − H²F²),   Q = 1/√((1−Ω²)² + (2ζΩ)²),   q = √(1−ζ²),  a = πζ/Ω,  b = πq/Ω
+    /// G = (sinh a − (ζ/q) sin b)/(cosh a + cos b),    H = sin b/(Ωq(cosh a + cos b))
+    /// ```
+    ///
+    /// `None` where there is none: the root is not real, the mass would turn in between, or the
+    /// force at the turning point does not exceed F_s, so that the mass stops there. `None` too
+    /// outside the ranges of the fields, and at resonance without damping.
+    pub fn without_stops(&self) -> Option<WithoutStops> {
+        let &Self {
+            damping: zeta,
+            angular_frequency: omega,
+            kinetic_friction: friction,
+            static_friction,
+            force,
+        } = self;
+        let in_range = (0.0..1.0).contains(&zeta)
+            && omega > 0.0
+            && friction >= 0.0
+            && static_friction >= friction
+            && force > 0.0;
+        if !in_range {
+            return None;
+        }
+        // All with E = e^{−a} in place of sinh and cosh, which overflow for small Ω.
+        let root = ((1.0 - zeta) * (1.0 + zeta)).sqrt();
+        let decay = (-PI * zeta / omega).exp();
+        let (sine, cosine) = (PI * root / omega).sin_cos();
+        let turned = 1.0 + decay * cosine;
+        let skew = decay * sine * zeta / root;
+        let size = 1.0 + (2.0 * cosine + decay) * decay;
+        let free_cosine = -2.0 * friction * (turned - skew) / size;
+        let forced_sine = -2.0 * friction * decay * sine / (root * size) / omega;
+        let free_sine = (omega * forced_sine + zeta * free_cosine) / root;
+
+        let (stiff, damped) = ((1.0 - omega) * (1.0 + omega), 2.0 * zeta * omega);
+        let response = force / stiff.hypot(damped);
+        let square = (response - forced_sine) * (response + forced_sine);
+        let forced_cosine = square.sqrt(); // NaN where it is not real
+        let amplitude = free_cosine + friction + forced_cosine;
+        // p cos θ and p sin θ, from the response that they cause.
+        let in_phase = stiff * forced_cosine - damped * forced_sine;
+        let behind = stiff * forced_sine + damped * forced_cosine;
+        let motion = WithoutStops {
+            oscillator: *self,
+            free: [free_cosine, free_sine],
+            forced: [forced_cosine, forced_sine],
+            phase: behind.atan2(in_phase),
+            amplitude,
+        };
+        let turns = amplitude.is_finite() && in_phase - amplitude < -static_friction;
+        (turns && motion.falls_throughout()?).then_some(motion)
+    }
+}
+
+impl WithoutStops {
+    /// Largest displacement A, in units of force over stiffness.
+    pub fn amplitude(&self) -> f64 {
+        self.amplitude
+    }
+
+    /// θ, phase of the force at the largest displacement, in radians: the force is p cos(Ωt + θ)
+    /// with t counted from there.
+    pub fn phase(&self) -> f64 {
+        self.phase
+    }
+
+    /// Period 2π/Ω.
+    pub fn period(&self) -> f64 {
+        2.0 * self.half_period()
+    }
+
+    /// Displacement and velocity at a finite time after the largest displacement, in [`ForcedOscillator`]'s
+    /// units.
+    pub fn at(&self, time: f64) -> (f64, f64) {
+        let half = self.half_period();
+        let halves = (time / half).floor();
+        let [x, v] = self.on_half(time - halves * half);
+        let sign = if halves.rem_euclid(2.0) == 0.0 {
+            1.0
+        } else {
+            -1.0
+        };
+        (sign * x, sign * v)
+    }
+
+    fn half_period(&self) -> f64 {
+        PI / self.oscillator.angular_frequency
+    }
+
+    /// Displacement and velocity on the half period that falls.
+    fn on_half(&self, time: f64) -> [f64; 2] {
+        let &ForcedOscillator {
+            damping: zeta,
+            angular_frequency: omega,
+            kinetic_friction: friction,
+            ..
+        } = &self.oscillator;
+        let root = ((1.0 - zeta) * (1.0 + zeta)).sqrt();
+        let ([c, d], [p, s]) = (self.free, self.forced);
+        let decay = (-zeta * time).exp();
+        let (sine, cosine) = (root * time).sin_cos();
+        let (forced_sine, forced_cosine) = (omega * time).sin_cos();
+        let free = decay * (c * cosine + d * sine);
+        let free_rate = decay * ((root * d - zeta * c) * cosine - (root * c + zeta * d) * sine);
+        [
+            free + friction + p * forced_cosine - s * forced_sine,
+            free_rate - omega * (p * forced_sine + s * forced_cosine),
+        ]
+    }
+
+    /// Whether x' < 0 on the open half period; `None` if that cannot be decided.
+    fn falls_throughout(&self) -> Option<bool> {
+        let size = self.free.iter().chain(&self.forced).map(|c| c.abs());
+        let rate = 1.0 + self.oscillator.angular_frequency;
+        let noise = 16.0 * f64::EPSILON * rate * rate * size.sum::<f64>();
+        let velocity = |time: f64| -> Result<Sample, Error> {
+            let value = self.on_half(time)[1];
+            Ok(Sample { value, noise })
+        };
+        let nodes = isolate(velocity, |t| t * self.half_period()).ok()?;
+        let rises = nodes.iter().any(|node| node.sample.value > noise);
+        Some(!rises && brackets(&nodes).is_empty())
+    }
+}
+
+/// Largest F/p with which the undamped oscillator (ζ = 0, F_s = F) moves without a stop at the
+/// frequency Ω, in units of the natural one. Dimensionless, exact. `None` unless Ω is positive and
+/// finite.
+///
+/// ```text
+/// √(V²/(U² + (S/Ω²)²)),   V = 1/(1 − Ω²),   U = sin(π/Ω)/(Ω(1 + cos(π/Ω)))
+/// S = sup over 0 < τ < π of [Ω sin(τ/Ω) + UΩ²(cos τ − cos(τ/Ω))]/sin τ
+/// ```
+///
+/// Source: Den Hartog 1931, the limit of the motions of [`ForcedOscillator::without_stops`].
+///
+/// ```
+/// use stick_slip::analysis::forced::no_stop_limit;
+///
+/// assert!((no_stop_limit(0.5).unwrap() - 1.0 / 3.0).abs() < 1e-15);
+/// assert!((no_stop_limit(1.5).unwrap() - 0.646579087296).abs() < 1e-12);
+/// assert_eq!(no_stop_limit(1.0), Some(std::f64::consts::FRAC_PI_4));
+/// ```
+pub fn no_stop_limit(angular_frequency: f64) -> Option<f64> {
+    let omega = angular_frequency;
+    if !(omega > 0.0 && omega.is_finite()) {
+        return None;
+    }
+    if omega == 1.0 {
+        return Some(FRAC_PI_4);
+    }
+    // U = tan(π/(2Ω))/Ω, and U/V without the 0·∞ near Ω = 1.
+    let turn = FRAC_PI_2 * (omega - 1.0) / omega;
+    let tangent = turn.tan().recip();
+    let u = tangent / omega;
+    let u_over_v = -(omega - 1.0) * (omega + 1.0) * u;
+    let s = largest_slope(omega, u)?;
+    let s_over_v = (1.0 - omega) * (1.0 + omega) * s / (omega * omega);
+    Some(u_over_v.hypot(s_over_v).recip())
+}
+
+/// S: where the motion that just turns is steepest beside sin τ. It is 1 at τ = 0, and −1 at π.
+fn largest_slope(omega: f64, u: f64) -> Option<f64> {
+    // n and n', n = S sin τ.
+    let numerator = |tau: f64| {
+        let (sine, cosine) = (tau / omega).sin_cos();
+        let [sum, difference] = [1.0 + 1.0 / omega, 1.0 - 1.0 / omega].map(|f| 0.5 * tau * f);
+        let gap = -2.0 * sum.sin() * difference.sin();
+        [
+            omega * sine + u * omega * omega * gap,
+            cosine + u * omega * omega * (sine / omega - tau.sin()),
+        ]
+    };
+    // Where n/sin τ is stationary.
+    let stationary = |tau: f64| {
+        let [n, slope] = numerator(tau);
+        let (sine, cosine) = tau.sin_cos();
+        slope * sine - n * cosine
+    };
+    let size = 1.0 + omega + u.abs() * (omega * omega + omega);
+    let noise = 16.0 * f64::EPSILON * (1.0 + omega.recip()) * size;
+    let sample = |tau: f64| -> Result<Sample, Error> {
+        let value = stationary(tau);
+        Ok(Sample { value, noise })
+    };
+    let nodes = isolate(sample, |t| t * PI).ok()?;
+    let mut largest = 1.0_f64;
+    for [a, b] in brackets(&nodes) {
+        let tau = refine(a, b, |tau| Ok(stationary(tau))).ok()?;
+        largest = largest.max(numerator(tau)[0] / tau.sin());
+    }
+    Some(largest)
+}

@@ -1,0 +1,98 @@
+//! Flutter by mode coupling: friction makes the stiffness matrix unsymmetric, and two modes merge.
+
+/// Two coordinates, one of which slides under a load that the other carries.
+///
+/// ```text
+/// M q'' + C q' + K(μ) q = const,   K(μ) = [[k11, k12 − μk3], [k21, k22]],   C = diag(c1, c2)
+/// ```
+///
+/// μ is the friction coefficient, constant with speed; k3 the stiffness of the normal spring. Any
+/// consistent units.
+///
+/// ```
+/// use stick_slip::analysis::mode_coupling::ModeCoupling;
+///
+/// let model = ModeCoupling {
+///     masses: [1.0, 1.0],
+///     stiffness: [[2.0, 1.0], [1.0, 2.0]],
+///     normal_stiffness: 4.0 / 3.0,
+///     damping: [0.0, 0.0],
+/// };
+/// let flutter = model.flutter().unwrap();
+/// assert_eq!(flutter.coefficient, 0.75);
+/// assert_eq!(flutter.angular_frequency, 2.0_f64.sqrt());
+///
+/// // Damping delays it where it is shared out; on one mode alone it can bring it forward.
+/// let damped = ModeCoupling { damping: [0.1, 0.05], ..model };
+/// assert!((damped.flutter().unwrap().coefficient - 0.7575).abs() < 1e-15);
+/// ```
+///
+/// Source: Hoffmann, Fischer, Allgaier and Gaul, *Mech. Res. Commun.* 29 (2002) 197-205; with
+/// damping Hoffmann and Gaul, *Z. Angew. Math. Mech.* 83 (2003) 524-534.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ModeCoupling {
+    /// m1, m2 > 0.
+    pub masses: [f64; 2],
+    /// k11, k12 and k21, k22 without friction.
+    pub stiffness: [[f64; 2]; 2],
+    /// k3, what the load on the first coordinate grows by per displacement of the second: the
+    /// contact of coordinate 0 with a load gradient of k3 for coordinate 1, on a belt that moves
+    /// forward.
+    pub normal_stiffness: f64,
+    /// c1, c2 ≥ 0.
+    pub damping: [f64; 2],
+}
+
+/// Where steady sliding begins to flutter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Flutter {
+    /// Friction coefficient μ_c, dimensionless: flutter for μ above it.
+    pub coefficient: f64,
+    /// Frequency of the motion that neither grows nor decays there, in radians per unit of time.
+    pub angular_frequency: f64,
+}
+
+impl ModeCoupling {
+    /// The least μ ≥ 0 beyond which steady sliding flutters. Exact.
+    ///
+    /// ```text
+    /// undamped:  μ_c = [k12 + (k11 − k22)²/(4k21)]/k3                          (m1 = m2 = 1)
+    /// damped:    μ_c = [k12 − (k11k22 − a1(a3a2 − a1)/a3²)/k21]/k3
+    ///            a3 = c1 + c2,  a2 = k11 + k22 + c1c2,  a1 = c1k22 + c2k11
+    /// ```
+    ///
+    /// (Rows are divided by their masses first.) Damping on one coordinate alone can lower μ_c, and
+    /// the limit of small damping is not the undamped value.
+    ///
+    /// `None` unless k21k3 > 0, without which no growing μ makes modes merge; masses and k11, k22
+    /// are positive and no damping is negative; and μ_c ≥ 0.
+    pub fn flutter(&self) -> Option<Flutter> {
+        let [m1, m2] = self.masses;
+        let [[k11, k12], [k21, k22]] = self.stiffness;
+        let [k11, k12, k3] = [k11, k12, self.normal_stiffness].map(|k| k / m1);
+        let [k21, k22] = [k21, k22].map(|k| k / m2);
+        let [c1, c2] = [self.damping[0] / m1, self.damping[1] / m2];
+        let in_range = [m1, m2, k11, k22, k21 * k3].iter().all(|&x| x > 0.0)
+            && [c1, c2].iter().all(|&c| c >= 0.0);
+        if !in_range {
+            return None;
+        }
+        let a3 = c1 + c2;
+        let (coefficient, square) = if a3 == 0.0 {
+            let apart = k11 - k22;
+            let coefficient = (k12 + apart * apart / (4.0 * k21)) / k3;
+            (coefficient, 0.5 * (k11 + k22))
+        } else {
+            // Roots on the axis: a3 s³ + a1 s = 0, so ω² = a1/a3; a0 is the determinant there.
+            let (a2, a1) = (k11 + k22 + c1 * c2, c1 * k22 + c2 * k11);
+            let square = a1 / a3;
+            let determinant = square * (a2 - square);
+            ((k12 - (k11 * k22 - determinant) / k21) / k3, square)
+        };
+        let valid = coefficient >= 0.0 && coefficient.is_finite();
+        valid.then(|| Flutter {
+            coefficient,
+            angular_frequency: square.sqrt(),
+        })
+    }
+}

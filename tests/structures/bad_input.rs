@@ -1,0 +1,253 @@
+//! What is refused, with an error that names the element.
+
+use stick_slip::nalgebra::DMatrix;
+use stick_slip::structure::Element;
+use stick_slip::{Contact, Coulomb, Drive, Error, Scalar, Structure};
+
+const NOT_FINITE: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+
+fn law() -> Coulomb {
+    Coulomb::new(0.4, 0.3).unwrap()
+}
+
+fn masses(n: usize) -> Structure<Coulomb> {
+    Structure::new(&vec![1.0; n]).unwrap()
+}
+
+/// The element and the number of a refusal.
+#[track_caller]
+fn element<T>(result: Result<T, Error>) -> (Element, f64) {
+    match result.map(|_| ()) {
+        Err(Error::BadElement { element, value, .. }) => (element, value),
+        other => panic!("{other:?}"),
+    }
+}
+
+/// The message says what it was about, in the form of all messages.
+#[track_caller]
+fn message<T>(result: Result<T, Error>, parts: &[&str]) {
+    let text = result.map(|_| ()).unwrap_err().to_string();
+    for part in parts {
+        assert!(text.contains(part), "{part:?} is missing: {text}");
+    }
+    assert!(!text.ends_with('.'), "{text}");
+    assert!(!text.starts_with(char::is_uppercase), "{text}");
+}
+
+#[test]
+fn masses_are_positive_and_finite() {
+    for bad in [0.0, -1.0].into_iter().chain(NOT_FINITE) {
+        let (element, value) = element(Structure::<Coulomb>::new(&[1.0, bad, -2.0]));
+        assert_eq!(element, Element::Mass(1));
+        assert_eq!(value.to_bits(), bad.to_bits());
+    }
+    message(
+        Structure::<Coulomb>::new(&[1.0, -2.0]),
+        &["mass 1", "-2", "mass > 0"],
+    );
+    assert!(matches!(
+        Structure::<Coulomb>::new(&[]),
+        Err(Error::InvalidParameter { name: "masses", .. })
+    ));
+}
+
+#[test]
+fn springs_and_dampers_connect_coordinates_that_exist() {
+    for bad in NOT_FINITE {
+        assert_eq!(
+            element(masses(2).with_spring(1, 0, bad)).0,
+            Element::Stiffness(1, 0)
+        );
+        assert_eq!(
+            element(masses(2).with_damper(0, 1, bad)).0,
+            Element::Damping(0, 1)
+        );
+        assert_eq!(
+            element(masses(2).with_ground_spring(1, bad)).0,
+            Element::Stiffness(1, 1)
+        );
+        assert_eq!(
+            element(masses(2).with_ground_damper(0, bad)).0,
+            Element::Damping(0, 0)
+        );
+    }
+    let missing = Error::NoSuchCoordinate {
+        element: Element::Stiffness(0, 2),
+        coordinate: 2,
+        count: 2,
+    };
+    assert_eq!(masses(2).with_spring(0, 2, 1.0), Err(missing));
+    message(
+        masses(2).with_damper(5, 0, 1.0),
+        &["damping (5, 0)", "no coordinate 5", "the 2"],
+    );
+    assert!(masses(2).with_ground_spring(usize::MAX, 1.0).is_err());
+    assert!(masses(2).with_ground_damper(2, 1.0).is_err());
+    // Both ends on one coordinate.
+    assert_eq!(
+        element(masses(2).with_spring(1, 1, 3.0)),
+        (Element::Stiffness(1, 1), 3.0)
+    );
+    assert_eq!(
+        element(masses(2).with_damper(0, 0, 3.0)),
+        (Element::Damping(0, 0), 3.0)
+    );
+    // A sum that overflows.
+    let huge = masses(2).with_ground_spring(0, f64::MAX).unwrap();
+    assert_eq!(
+        element(huge.with_spring(0, 1, f64::MAX)).0,
+        Element::Stiffness(0, 1)
+    );
+    // Negative ones are allowed.
+    let negative = masses(2).with_spring(0, 1, -2.0).unwrap();
+    assert_eq!(negative.stiffness()[(0, 0)], -2.0);
+    assert_eq!(negative.stiffness()[(1, 0)], 2.0);
+}
+
+#[test]
+fn matrices_fit_and_are_finite() {
+    for bad in NOT_FINITE {
+        let mut matrix = DMatrix::zeros(3, 3);
+        matrix[(2, 1)] = bad;
+        let stiffness = masses(3).with_stiffness(matrix.clone());
+        assert_eq!(element(stiffness).0, Element::Stiffness(2, 1));
+        assert_eq!(
+            element(masses(3).with_damping(matrix)).0,
+            Element::Damping(2, 1)
+        );
+    }
+    for (rows, columns) in [(2, 3), (3, 2), (0, 0), (4, 4)] {
+        let matrix = DMatrix::zeros(rows, columns);
+        let Err(Error::WrongSize {
+            found, expected, ..
+        }) = masses(3).with_stiffness(matrix.clone())
+        else {
+            panic!("{rows} × {columns}")
+        };
+        assert_ne!(found, expected);
+        message(
+            masses(3).with_damping(matrix),
+            &["damping matrix", "3 are needed"],
+        );
+    }
+}
+
+#[test]
+fn forces_are_finite_and_act_on_coordinates_that_exist() {
+    for bad in NOT_FINITE {
+        assert_eq!(element(masses(2).with_force(1, bad)).0, Element::Force(1));
+    }
+    message(
+        masses(2).with_force(2, 1.0),
+        &["force on coordinate 2", "no coordinate 2"],
+    );
+    let huge = masses(1).with_force(0, f64::MAX).unwrap();
+    assert_eq!(element(huge.with_force(0, f64::MAX)).0, Element::Force(0));
+    let large = Drive::sine(f64::MAX, 1.0).unwrap();
+    let once = masses(1).with_force(0, large.clone()).unwrap();
+    assert_eq!(element(once.with_force(0, large)).0, Element::Force(0));
+}
+
+#[test]
+fn loads_are_positive_while_they_are_constant() {
+    for bad in [0.0, -1.0].into_iter().chain(NOT_FINITE) {
+        let Err(Error::InvalidParameter { name, .. }) = Contact::new(0, law(), bad) else {
+            panic!("{bad}")
+        };
+        assert_eq!(name, "load");
+    }
+    // One that is given in time may fall to 0.
+    let clutch = Drive::profile(&[(0.0, 1.0), (1.0, -0.5), (2.0, 1.0)]).unwrap();
+    assert!(Contact::new(0, law(), clutch).is_ok());
+    let contact = || Contact::new(0, law(), 1.0).unwrap();
+    for bad in NOT_FINITE {
+        assert!(contact().with_load_gradient(0, bad).is_err());
+    }
+    let steep = contact().with_load_gradient(0, f64::MAX).unwrap();
+    assert!(steep.with_load_gradient(0, f64::MAX).is_err());
+    // What adds up to 0 is not there.
+    let level = contact()
+        .with_load_gradient(1, 2.0)
+        .and_then(|contact| contact.with_load_gradient(1, -2.0))
+        .unwrap();
+    assert_eq!(level.load_gradient(), []);
+    assert!(masses(1).with_contact(level).is_ok());
+}
+
+#[test]
+fn contacts_have_a_coordinate_each() {
+    let contact = |coordinate| Contact::new(coordinate, law(), 1.0).unwrap();
+    let taken = masses(3)
+        .with_contact(contact(2))
+        .and_then(|structure| structure.with_contact(contact(0)))
+        .and_then(|structure| structure.with_contact(contact(2)));
+    let expected = Error::CoordinateTaken {
+        coordinate: 2,
+        contact: 0,
+    };
+    assert_eq!(taken.unwrap_err(), expected);
+    message(
+        masses(2).with_contact(contact(2)),
+        &["contact 0", "no coordinate 2"],
+    );
+    let far = contact(0).with_load_gradient(7, 1.0).unwrap();
+    message(
+        masses(2).with_contact(far),
+        &["contact 0", "no coordinate 7"],
+    );
+}
+
+#[test]
+fn belts_do_not_jump_and_are_finite() {
+    let on_belt = |belt: Drive| {
+        let contact = Contact::new(1, law(), 1.0).unwrap().on_belt(belt);
+        masses(2).with_contact(contact)
+    };
+    for bad in NOT_FINITE {
+        assert_eq!(element(on_belt(bad.into())).0, Element::Contact(0));
+    }
+    let jump = Drive::profile(&[(0.0, 0.0), (3.0, 0.1), (3.0, 0.2), (4.0, 0.2)]).unwrap();
+    let expected = Error::BeltVelocityJumps {
+        coordinate: 1,
+        time: 3.0,
+    };
+    assert_eq!(on_belt(jump.clone()), Err(expected));
+    // A point given twice is none, and a force may jump.
+    let twice = Drive::profile(&[(0.0, 0.0), (3.0, 0.1), (3.0, 0.1), (4.0, 0.2)]).unwrap();
+    assert!(on_belt(twice).is_ok());
+    assert!(masses(1).with_force(0, jump).is_ok());
+}
+
+/// Laws that break what the trait asks for.
+#[derive(Debug, Clone, Copy)]
+struct Law(f64, f64);
+
+impl stick_slip::FrictionLaw for Law {
+    fn static_coefficient(&self) -> f64 {
+        self.0
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        speed.constant(self.1)
+    }
+}
+
+#[test]
+fn laws_are_checked_as_for_a_mass_on_a_belt() {
+    for (static_coefficient, kinetic) in [
+        (0.3, 0.4),
+        (f64::NAN, 0.3),
+        (-0.1, -0.2),
+        (0.3, f64::NAN),
+        (0.3, f64::NEG_INFINITY),
+        (f64::INFINITY, 0.3),
+    ] {
+        let law = Law(static_coefficient, kinetic);
+        let refused = Contact::new(0, law, 1.0).map(|_| ()).unwrap_err();
+        let belt = stick_slip::MassOnBelt::new(law, 0.0)
+            .map(|_| ())
+            .unwrap_err();
+        // NaN is not equal to itself.
+        assert_eq!(format!("{refused:?}"), format!("{belt:?}"));
+    }
+    assert!(Contact::new(0, Law(0.4, 0.4), 1.0).is_ok());
+}

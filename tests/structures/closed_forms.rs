@@ -1,0 +1,365 @@
+//! Closed formulas against numbers that were derived and checked beforehand, and against each
+//! other.
+
+use std::f64::consts::PI;
+
+use proptest::prelude::*;
+use stick_slip::analysis::drill_string::TwoInertias;
+use stick_slip::analysis::fast_vibration::{mean_coefficient, onset_velocity};
+use stick_slip::analysis::forced::{ForcedOscillator, no_stop_limit};
+use stick_slip::analysis::mode_coupling::ModeCoupling;
+use stick_slip::analysis::oscillating_belt::OnSteadyBelts;
+use stick_slip::{Contact, Coulomb, Drive, FrictionLaw, MassOnBelt, Polynomial, Structure};
+
+use crate::common::{number, text};
+use crate::reading::cases;
+
+fn forced(angular_frequency: f64, damping: f64, friction: f64, force: f64) -> ForcedOscillator {
+    ForcedOscillator {
+        damping,
+        angular_frequency,
+        kinetic_friction: friction,
+        static_friction: friction,
+        force,
+    }
+}
+
+#[test]
+fn den_hartogs_amplitudes() {
+    for (omega, damping, friction, amplitude) in [
+        (0.8, 0.05, 0.3, 2.346871967422),
+        (1.5, 0.0, 0.3, 0.721110255093),
+        (2.0, 0.0, 0.5, 0.220479275922),
+    ] {
+        let motion = forced(omega, damping, friction, 1.0)
+            .without_stops()
+            .unwrap();
+        assert!((motion.amplitude() - amplitude).abs() < 1e-12, "{omega}");
+    }
+}
+
+#[test]
+fn no_stop_limits() {
+    for (omega, limit) in [
+        (0.5, 1.0 / 3.0),
+        (1.5, 0.646579087296),
+        (2.0, 0.596284794000),
+    ] {
+        assert!(
+            (no_stop_limit(omega).unwrap() - limit).abs() < 1e-12,
+            "{omega}"
+        );
+    }
+    let reference = cases(include_str!("../data/structure_bifurcations.json"));
+    let onset = reference
+        .iter()
+        .find(|case| text(&case["type"]) == "stop_onset");
+    let limit = number(&onset.unwrap()["value"]);
+    assert!((no_stop_limit(0.8).unwrap() - limit).abs() < 1e-15);
+    // Through resonance, where formulas divide by 0.
+    let near = |offset: f64| no_stop_limit(1.0 + offset).unwrap();
+    for offset in [1e-3, 1e-6, 1e-9, 1e-12, f64::EPSILON] {
+        assert!(
+            (near(offset) - near(0.0)).abs() < 2.0 * offset + 1e-15,
+            "{offset}"
+        );
+        assert!(
+            (near(-offset) - near(0.0)).abs() < 2.0 * offset + 1e-15,
+            "{offset}"
+        );
+    }
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert_eq!(no_stop_limit(bad), None);
+    }
+}
+
+#[test]
+fn no_motion_without_stops_beyond_its_conditions() {
+    let base = forced(0.8, 0.05, 0.3, 1.0);
+    assert!(base.without_stops().is_some());
+    // Static friction alone can stop it.
+    let sticky = ForcedOscillator {
+        static_friction: 2.0,
+        ..base
+    };
+    assert_eq!(sticky.without_stops(), None);
+    // Near a third of resonance friction excites the free vibration: the mass turns in between.
+    assert!(forced(0.335, 0.0, 0.003, 1.0).without_stops().is_some());
+    assert_eq!(forced(0.335, 0.0, 0.007, 1.0).without_stops(), None);
+    // Resonance without damping or friction, and numbers out of range.
+    assert_eq!(forced(1.0, 0.0, 0.0, 1.0).without_stops(), None);
+    for bad in [f64::NAN, f64::INFINITY, -1.0] {
+        assert_eq!(forced(bad, 0.05, 0.3, 1.0).without_stops(), None);
+        assert_eq!(forced(0.8, bad, 0.3, 1.0).without_stops(), None);
+        assert_eq!(forced(0.8, 0.05, bad, 1.0).without_stops(), None);
+        assert_eq!(forced(0.8, 0.05, 0.3, bad).without_stops(), None);
+    }
+    assert_eq!(forced(0.8, 1.0, 0.3, 1.0).without_stops(), None);
+}
+
+proptest! {
+    /// The orbit turns at ±A half a period apart, obeys the equation of motion in between, and
+    /// its validity ends at Den Hartog's limit.
+    #[test]
+    fn orbits_obey_their_equation(
+        omega in 0.45..4.0_f64,
+        damping in 0.0..0.5_f64,
+        friction in 0.01..1.0_f64,
+        place in 0.001..0.999_f64,
+    ) {
+        let oscillator = forced(omega, damping, friction, 1.0);
+        let Some(motion) = oscillator.without_stops() else { return Ok(()) };
+        let half = PI / omega;
+        let scale = motion.amplitude() * (1.0 + omega) + 1.0;
+        let (x, v) = motion.at(0.0);
+        prop_assert!((x - motion.amplitude()).abs() < 1e-14 * scale && v.abs() < 1e-13 * scale);
+        let (x, v) = motion.at(half * (1.0 - 1e-15));
+        prop_assert!((x + motion.amplitude()).abs() < 1e-13 * scale && v.abs() < 1e-13 * scale);
+
+        // x'' = p cos(Ωt + θ) − x − 2ζx' + F while it falls, by a difference of fourth order.
+        let t = place * half;
+        let h = 1e-3 * t.min(half - t);
+        let v_at = |t| motion.at(t).1;
+        let slope = (8.0 * (v_at(t + h) - v_at(t - h)) - (v_at(t + 2.0 * h) - v_at(t - 2.0 * h))) / (12.0 * h);
+        let (x, v) = motion.at(t);
+        let expected = (omega * t + motion.phase()).cos() - x - 2.0 * damping * v + friction;
+        prop_assert!((slope - expected).abs() < 1e-10 * scale + 1e-14 * scale / h, "{} {}", slope, expected);
+        prop_assert!(v < 0.0);
+        // The other half is its mirror image.
+        let (mirrored, _) = motion.at(t + half);
+        prop_assert!((mirrored + x).abs() < 1e-12 * scale);
+    }
+
+    #[test]
+    fn the_limit_is_where_the_mass_begins_to_stop(omega in 0.51..3.0_f64) {
+        let limit = no_stop_limit(omega).unwrap();
+        let exists = |friction| forced(omega, 0.0, friction, 1.0).without_stops().is_some();
+        // At resonance without damping the response is infinite, and the formula with it.
+        prop_assume!((omega - 1.0).abs() > 1e-3);
+        prop_assert!(exists(limit * (1.0 - 1e-9)), "{}", limit);
+        prop_assert!(!exists(limit * (1.0 + 1e-9)), "{}", limit);
+    }
+}
+
+#[test]
+fn fast_vibration_on_the_set_of_the_paper() {
+    let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5).unwrap(), 0.2)
+        .and_then(|system| system.with_damping(0.05))
+        .unwrap();
+    for (amplitude, velocity) in [
+        (0.1, 0.4352521619),
+        (0.2, 0.4176654695),
+        (0.3, 0.3865804502),
+    ] {
+        let found = onset_velocity(&system, amplitude).unwrap();
+        assert!((found - velocity).abs() < 1e-10, "{amplitude}");
+        // There the mean slope of friction is −2β: averaged by hand over one fast period.
+        let n = 64;
+        let phases = (0..n).map(|k| 2.0 * PI * f64::from(k) / f64::from(n));
+        let slopes = phases.map(|phase| system.law().slope(found + amplitude * phase.cos()));
+        let mean = slopes.sum::<f64>() / f64::from(n);
+        assert!((mean + 0.1).abs() < 1e-14, "{mean}");
+    }
+    for bad in [-0.1, f64::NAN, f64::INFINITY] {
+        assert_eq!(onset_velocity(&system, bad), None);
+    }
+    // Coulomb: the mean of the sign over one period, by the times at which it changes.
+    let law = Coulomb::new(0.4, 0.3).unwrap();
+    for ratio in [-0.9, -0.3, 0.0, 0.5, 1.0] {
+        let forward = PI - 2.0 * f64::acos(ratio).min(PI) + PI;
+        let mean = 0.3 * (forward - PI) / PI;
+        assert!((mean_coefficient(&law, 0.2 * ratio, 0.2) - mean).abs() < 1e-15);
+    }
+    assert_eq!(mean_coefficient(&law, 0.0, 0.0), 0.0);
+}
+
+const HAMBURG: ModeCoupling = ModeCoupling {
+    masses: [1.0, 1.0],
+    stiffness: [[2.0, 1.0], [1.0, 2.0]],
+    normal_stiffness: 4.0 / 3.0,
+    damping: [0.0, 0.0],
+};
+
+/// A structure for which a model holds.
+fn coupled(model: &ModeCoupling, coefficient: f64) -> Structure<Coulomb> {
+    let contact = Contact::new(0, Coulomb::new(coefficient, coefficient).unwrap(), 100.0)
+        .and_then(|contact| contact.with_load_gradient(1, model.normal_stiffness))
+        .unwrap()
+        .on_belt(1.0);
+    let [[k11, k12], [k21, k22]] = model.stiffness;
+    let matrix = stick_slip::nalgebra::DMatrix::from_row_slice(2, 2, &[k11, k12, k21, k22]);
+    Structure::new(&model.masses)
+        .and_then(|structure| structure.with_stiffness(matrix))
+        .and_then(|structure| structure.with_ground_damper(0, model.damping[0]))
+        .and_then(|structure| structure.with_ground_damper(1, model.damping[1]))
+        .and_then(|structure| structure.with_contact(contact))
+        .unwrap()
+}
+
+#[test]
+fn mode_coupling_thresholds() {
+    let threshold = |model: ModeCoupling| model.flutter().unwrap().coefficient;
+    let uneven = ModeCoupling {
+        stiffness: [[2.0, 1.0], [1.0, 2.5]],
+        ..HAMBURG
+    };
+    for (model, expected) in [
+        (HAMBURG, 0.75),
+        (
+            ModeCoupling {
+                damping: [0.1, 0.05],
+                ..HAMBURG
+            },
+            0.7575,
+        ),
+        (uneven, 0.796875),
+        (
+            ModeCoupling {
+                damping: [0.1, 0.02],
+                ..uneven
+            },
+            0.779667,
+        ),
+    ] {
+        assert!((threshold(model) - expected).abs() < 5e-7, "{model:?}");
+    }
+    assert_eq!(
+        ModeCoupling {
+            normal_stiffness: -1.0,
+            ..HAMBURG
+        }
+        .flutter(),
+        None
+    );
+    assert_eq!(
+        ModeCoupling {
+            masses: [0.0, 1.0],
+            ..HAMBURG
+        }
+        .flutter(),
+        None
+    );
+    assert_eq!(
+        ModeCoupling {
+            damping: [f64::NAN, 0.0],
+            ..HAMBURG
+        }
+        .flutter(),
+        None
+    );
+}
+
+proptest! {
+    #[test]
+    fn mode_coupling_thresholds_are_where_steady_sliding_flutters(
+        masses in prop::array::uniform2(0.3..3.0_f64),
+        diagonal in prop::array::uniform2(1.0..3.0_f64),
+        (k12, k21) in (0.2..0.8_f64, 0.2..0.8_f64),
+        normal_stiffness in 0.3..2.0_f64,
+        damping in prop_oneof![Just([0.0, 0.0]), prop::array::uniform2(0.01..0.3_f64)],
+    ) {
+        let stiffness = [[diagonal[0], k12], [k21, diagonal[1]]];
+        let model = ModeCoupling { masses, stiffness, normal_stiffness, damping };
+        let Some(flutter) = model.flutter() else { return Ok(()) };
+        let growth = |factor: f64| {
+            let sliding = coupled(&model, factor * flutter.coefficient).steady_sliding();
+            sliding.map(|sliding| sliding.eigenvalues[0])
+        };
+        let (Some(below), Some(above)) = (growth(1.0 - 1e-5), growth(1.0 + 1e-5)) else {
+            return Ok(()); // the load is gone there
+        };
+        prop_assert!(below.re <= 0.0 && above.re > 0.0, "{} {}", below, above);
+        let error = (above.im.abs() - flutter.angular_frequency).abs();
+        prop_assert!(error < 1e-3, "{} {:?}", above, flutter);
+    }
+
+    #[test]
+    fn drill_strings_lose_stability_at_the_critical_slope(
+        upper in 0.3..10.0_f64,
+        lower in 0.3..10.0_f64,
+        stiffness in 0.1..10.0_f64,
+        damping in 0.05..20.0_f64,
+    ) {
+        let model = TwoInertias { upper, lower, stiffness, damping };
+        let critical = model.critical_slope().unwrap();
+        // A contact of linear friction is a damper; the whole is held by a weak spring.
+        let growth = |slope: f64| {
+            let string: Structure<Coulomb> = Structure::new(&[upper, lower])
+                .and_then(|s| s.with_spring(0, 1, stiffness))
+                .and_then(|s| s.with_ground_spring(0, 1e-9))
+                .and_then(|s| s.with_ground_damper(0, damping))
+                .and_then(|s| s.with_ground_damper(1, slope))
+                .unwrap();
+            string.steady_sliding().unwrap().eigenvalues[0].re
+        };
+        prop_assert!(growth(critical * (1.0 - 1e-4)) < 0.0, "{}", critical);
+        prop_assert!(growth(critical * (1.0 + 1e-4)) > 0.0, "{}", critical);
+        prop_assert!(model.is_stable(critical * (1.0 - 1e-9)) && !model.is_stable(critical * (1.0 + 1e-9)));
+    }
+}
+
+#[test]
+fn the_best_damper_allows_the_steepest_friction_nearly() {
+    let string = |damping| TwoInertias {
+        upper: 50.0,
+        lower: 1.0,
+        stiffness: 2.0,
+        damping,
+    };
+    let best = string(1.0).best_damper();
+    let allowed = |factor: f64| -string(factor * best).critical_slope().unwrap();
+    assert!(allowed(1.0) > allowed(0.9) && allowed(1.0) > allowed(1.1));
+}
+
+#[test]
+fn belts_that_do_not_oscillate_together_are_no_forced_masses() {
+    let blocks = |belts: [Drive; 2]| {
+        let mut blocks = Structure::new(&[1.0, 2.0]).unwrap();
+        for (i, belt) in belts.into_iter().enumerate() {
+            let contact = Contact::new(i, Coulomb::new(0.4, 0.3).unwrap(), 1.0).unwrap();
+            blocks = blocks.with_contact(contact.on_belt(belt)).unwrap();
+        }
+        blocks
+    };
+    let shaken = |mean: f64, amplitude| {
+        Drive::sine(amplitude, 2.0)
+            .and_then(|d| d.with_constant(mean))
+            .unwrap()
+    };
+    assert!(OnSteadyBelts::new(&blocks([shaken(0.1, 0.2), shaken(0.3, 0.2)])).is_some());
+    assert!(OnSteadyBelts::new(&blocks([shaken(0.1, 0.2), shaken(0.3, 0.1)])).is_none());
+    let ramp = Drive::profile(&[(0.0, 0.0), (1.0, 0.2)]).unwrap();
+    assert!(OnSteadyBelts::new(&blocks([ramp.clone(), ramp])).is_none());
+    let frame: Structure<Coulomb> = Structure::new(&[1.0]).unwrap();
+    assert!(OnSteadyBelts::new(&frame).is_none());
+}
+
+/// W' = w cos Ωt on springs, dampers, and a load that follows the displacement.
+#[test]
+fn additional_forces_of_an_oscillating_belt() {
+    let (w, omega, damping, gradient) = (0.3, 1.7, 0.2, 0.4);
+    let belt = Drive::harmonic(w, omega, 0.0).unwrap();
+    let contact = Contact::new(0, Coulomb::new(0.4, 0.3).unwrap(), 1.0)
+        .and_then(|contact| contact.with_load_gradient(0, gradient))
+        .unwrap()
+        .on_belt(belt);
+    let shaken = Structure::new(&[1.0])
+        .and_then(|structure| structure.with_ground_spring(0, 1.0))
+        .and_then(|structure| structure.with_ground_damper(0, damping))
+        .and_then(|structure| structure.with_contact(contact))
+        .unwrap();
+    let steady = OnSteadyBelts::new(&shaken).unwrap();
+    for t in [0.0, 0.4, 3.0] {
+        let (sine, cosine) = (omega * t).sin_cos();
+        // wΩ sin Ωt − 2ζw cos Ωt − (w/Ω) sin Ωt
+        let expected = w * omega * sine - damping * w * cosine - w / omega * sine;
+        assert!((steady.structure().forces()[0].value(t) - expected).abs() < 4e-16);
+        let load = steady.structure().contacts()[0].load().value(t);
+        assert!((load - 1.0 - gradient * w / omega * sine).abs() < 3e-16);
+        assert!((steady.shift().slope(t) - w * cosine).abs() < 2e-16);
+    }
+    assert_eq!(
+        steady.structure().contacts()[0].belt_velocity(),
+        &Drive::constant(0.0)
+    );
+}

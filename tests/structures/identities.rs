@@ -1,0 +1,456 @@
+//! Motions that must agree exactly: closed forms, mirror images, clones, energies, late phases.
+
+use std::f64::consts::{PI, TAU};
+
+use proptest::prelude::*;
+use stick_slip::analysis::forced::{ForcedOscillator, no_stop_limit};
+use stick_slip::analysis::oscillating_belt::OnSteadyBelts;
+use stick_slip::structure::State;
+use stick_slip::{
+    Contact, Coulomb, Direction, Drive, EventKind, Exponential, Integrator, Mode, Polynomial,
+    Segment, Structure,
+};
+
+fn forced(oscillator: &ForcedOscillator, phase: f64) -> Structure<Coulomb> {
+    let &ForcedOscillator {
+        damping,
+        angular_frequency,
+        kinetic_friction,
+        static_friction,
+        force,
+    } = oscillator;
+    let law = Coulomb::new(static_friction, kinetic_friction).unwrap();
+    let drive = Drive::harmonic(force, angular_frequency, phase).unwrap();
+    Structure::new(&[1.0])
+        .and_then(|structure| structure.with_ground_spring(0, 1.0))
+        .and_then(|structure| structure.with_ground_damper(0, 2.0 * damping))
+        .and_then(|structure| structure.with_force(0, drive))
+        .and_then(|structure| structure.with_contact(Contact::new(0, law, 1.0)?))
+        .unwrap()
+}
+
+#[test]
+fn den_hartogs_motion_is_met() {
+    for (damping, angular_frequency, friction) in [
+        (0.05, 0.8, 0.3),
+        (0.0, 1.5, 0.3),
+        (0.0, 2.0, 0.5),
+        (0.1, 1.0, 0.5),
+        (0.2, 0.6, 0.1),
+        (0.02, 3.0, 0.1),
+    ] {
+        let oscillator = ForcedOscillator {
+            damping,
+            angular_frequency,
+            kinetic_friction: friction,
+            static_friction: 1.01 * friction,
+            force: 1.0,
+        };
+        let orbit = oscillator.without_stops().unwrap();
+        let structure = forced(&oscillator, orbit.phase());
+        let start = State::new(&[orbit.amplitude()], &[0.0]);
+        let motion = structure.simulate(start, 4.25 * orbit.period()).unwrap();
+        assert_eq!(motion.events().len(), 8, "{oscillator:?}");
+        for (k, event) in motion.events().iter().enumerate() {
+            let up = k % 2 == 0;
+            let direction = if up {
+                Direction::Leading
+            } else {
+                Direction::Lagging
+            };
+            assert_eq!(event.kind, EventKind::Crossing(direction), "{oscillator:?}");
+            let time = (k + 1) as f64 * PI / angular_frequency;
+            assert!((event.time - time).abs() < 1e-12, "{oscillator:?}");
+            let turn = if up {
+                -orbit.amplitude()
+            } else {
+                orbit.amplitude()
+            };
+            assert!(
+                (event.state.displacements[0] - turn).abs() < 1e-12,
+                "{oscillator:?}"
+            );
+        }
+        for (time, state) in motion.sample(50) {
+            let (x, v) = orbit.at(time);
+            assert!((state.displacements[0] - x).abs() < 1e-12, "{oscillator:?}");
+            assert!((state.velocities[0] - v).abs() < 1e-12, "{oscillator:?}");
+        }
+    }
+}
+
+#[test]
+fn stops_begin_at_den_hartogs_limit() {
+    for angular_frequency in [0.7, 0.8, 1.5, 2.0] {
+        let limit = no_stop_limit(angular_frequency).unwrap();
+        for (factor, stops) in [(0.999, false), (1.001, true)] {
+            let friction = factor * limit;
+            let oscillator = ForcedOscillator {
+                damping: 0.0,
+                angular_frequency,
+                kinetic_friction: friction,
+                static_friction: friction,
+                force: 1.0,
+            };
+            let structure = forced(&oscillator, 0.3);
+            let motion = structure
+                .simulate(State::new(&[0.4], &[0.0]), 1500.0)
+                .unwrap();
+            // After the transient.
+            let late = motion.events().iter().filter(|event| event.time > 1400.0);
+            let sticks = late
+                .clone()
+                .filter(|event| event.kind == EventKind::Stick)
+                .count();
+            assert!(late.count() > 10);
+            assert_eq!(sticks > 0, stops, "{angular_frequency}, {factor}: {sticks}");
+        }
+    }
+}
+
+/// Two blocks on belts that oscillate together, and the same from the belts' frame.
+#[test]
+fn an_oscillating_belt_is_a_forced_mass() {
+    for (omega, amplitude, gradient) in [(0.7, 0.2, 0.0), (1.9, 0.1, 0.15), (3.1, 0.3, -0.1)] {
+        let belt = |mean: f64| {
+            Drive::harmonic(amplitude, omega, 0.4)
+                .and_then(|drive| drive.with_sine(0.5 * amplitude, 2.0 * omega))
+                .and_then(|drive| drive.with_constant(mean))
+                .unwrap()
+        };
+        let law = Exponential::new(0.5, 0.3, 0.25).unwrap();
+        let contact = |i: usize, mean: f64| {
+            Contact::new(i, law, 1.0)
+                .and_then(|contact| contact.with_load_gradient(1 - i, gradient))
+                .map(|contact| contact.on_belt(belt(mean)))
+        };
+        let shaken = Structure::new(&[1.0, 1.6])
+            .and_then(|s| s.with_ground_spring(0, 1.0)?.with_ground_spring(1, 0.8))
+            .and_then(|s| s.with_spring(0, 1, 0.7)?.with_damper(0, 1, 0.05))
+            .and_then(|s| s.with_ground_damper(0, 0.1)?.with_ground_damper(1, 0.03))
+            .and_then(|s| {
+                s.with_contact(contact(0, 0.2)?)?
+                    .with_contact(contact(1, 0.1)?)
+            })
+            .unwrap();
+        let seen = OnSteadyBelts::new(&shaken).unwrap();
+        let start = State::new(&[0.1, -0.2], &[0.3, 0.0]);
+        let moved = seen.seen_from_belts(&start, 0.0);
+        let duration = 40.0;
+        let one = shaken.simulate(start, duration).unwrap();
+        let other = seen.structure().simulate(moved, duration).unwrap();
+        assert!(one.events().len() > 10, "{}", one.events().len());
+        assert_eq!(one.events().len(), other.events().len(), "{omega}");
+        for (a, b) in one.events().iter().zip(other.events()) {
+            assert_eq!((a.contact, a.kind), (b.contact, b.kind), "{omega}");
+            assert!(
+                (a.time - b.time).abs() < 1e-12,
+                "{omega}: {} {}",
+                a.time,
+                b.time
+            );
+            let back = seen.seen_from_ground(&b.state, b.time);
+            for i in 0..2 {
+                let apart = a.state.displacements[i] - back.displacements[i];
+                assert!(apart.abs() < 1e-12, "{omega}: {apart:e}");
+            }
+        }
+    }
+}
+
+/// A structure with everything: coupling, loads in time and displacement, drives, three laws.
+fn everything(sign: f64) -> Structure<stick_slip::AnyLaw> {
+    let contact = |i: usize, law: stick_slip::AnyLaw, load: Drive, belt: Drive| {
+        Contact::new(i, law, load).map(|contact| contact.on_belt(belt))
+    };
+    let load = Drive::sine(0.3, 0.9)
+        .and_then(|d| d.with_constant(1.0))
+        .unwrap();
+    let ramp = [(0.0, 0.0), (5.0, 0.3 * sign), (20.0, -0.1 * sign)];
+    let square = [
+        (3.0, 0.0),
+        (3.0, 0.4 * sign),
+        (9.0, 0.4 * sign),
+        (9.0, -0.2 * sign),
+    ];
+    Structure::new(&[1.0, 0.7, 2.0])
+        .and_then(|s| s.with_ground_spring(0, 1.0)?.with_ground_spring(2, 1.5))
+        .and_then(|s| s.with_spring(0, 1, 0.8)?.with_spring(1, 2, 0.6))
+        .and_then(|s| s.with_damper(0, 1, 0.04)?.with_ground_damper(2, 0.06))
+        .and_then(|s| s.with_force(0, Drive::harmonic(0.3 * sign, 1.3, 0.2)?))
+        .and_then(|s| s.with_force(2, Drive::profile(&square)?))
+        .and_then(|s| {
+            let law = Polynomial::new(0.4, 0.25, 0.5)?.into();
+            s.with_contact(contact(0, law, load, (0.2 * sign).into())?)
+        })
+        .and_then(|s| {
+            let law = Exponential::new(0.5, 0.3, 0.25)?.into();
+            let contact = contact(2, law, 1.0.into(), Drive::profile(&ramp)?)?;
+            s.with_contact(contact.with_load_gradient(1, 0.2 * sign)?)
+        })
+        .and_then(|s| {
+            let law = Coulomb::new(0.3, 0.2)?.into();
+            let belt = Drive::sine(0.25 * sign, 0.6)?;
+            s.with_contact(contact(1, law, 0.8.into(), belt)?)
+        })
+        .unwrap()
+}
+
+#[test]
+fn mirror_images_agree_to_the_bit() {
+    let start = State::new(&[0.4, -0.1, 0.2], &[0.1, 0.0, -0.3]);
+    let negated = |numbers: &[f64]| numbers.iter().map(|x| -x).collect::<Vec<_>>();
+    let mirrored =
+        |state: &State| State::new(&negated(&state.displacements), &negated(&state.velocities));
+    let one = everything(1.0).simulate(start.clone(), 40.0).unwrap();
+    let other = everything(-1.0).simulate(mirrored(&start), 40.0).unwrap();
+    assert!(one.events().len() > 20);
+    assert_eq!(one.events().len(), other.events().len());
+    for (a, b) in one.events().iter().zip(other.events()) {
+        assert_eq!(a.time, b.time);
+        assert_eq!(
+            (a.contact, a.kind.mode() == Mode::Stick),
+            (b.contact, b.kind.mode() == Mode::Stick)
+        );
+        assert_eq!(mirrored(&a.state), b.state);
+    }
+}
+
+#[test]
+fn clones_stay_together_to_the_bit() {
+    // Two equal blocks, coupled to each other and each to the ground, one load on both.
+    let blocks = |belt: &Drive| {
+        let law = Exponential::new(0.6, 0.3, 0.25).unwrap();
+        let contact = |i| Contact::new(i, law, 1.0).map(|contact| contact.on_belt(belt.clone()));
+        Structure::new(&[1.3, 1.3])
+            .and_then(|s| s.with_ground_spring(0, 1.1)?.with_ground_spring(1, 1.1))
+            .and_then(|s| s.with_spring(0, 1, 0.37)?.with_damper(0, 1, 0.03))
+            .and_then(|s| s.with_ground_damper(0, 0.06)?.with_ground_damper(1, 0.06))
+            .and_then(|s| s.with_contact(contact(0)?)?.with_contact(contact(1)?))
+            .unwrap()
+    };
+    let shaken = Drive::sine(0.2, 0.77)
+        .and_then(|d| d.with_constant(0.25))
+        .unwrap();
+    for belt in [Drive::constant(0.25), shaken] {
+        let motion = blocks(&belt).simulate(State::at_rest(2), 200.0).unwrap();
+        assert!(motion.events().len() > 50);
+        for pair in motion.events().chunks(2) {
+            let [a, b] = pair else {
+                panic!("an odd number of events")
+            };
+            assert_eq!((a.contact, b.contact), (0, 1));
+            assert_eq!((a.time, a.kind, &a.state), (b.time, b.kind, &b.state));
+        }
+        for (_, state) in motion.sample(1000) {
+            assert_eq!(state.displacements[0], state.displacements[1]);
+            assert_eq!(state.velocities[0], state.velocities[1]);
+        }
+    }
+}
+
+/// The work of forces, dampers and contacts is the change of energy, whatever happens between.
+#[test]
+fn energy_balances() {
+    let structure = everything(1.0);
+    let motion = structure
+        .simulate(State::new(&[0.4, -0.1, 0.2], &[0.1, 0.0, -0.3]), 40.0)
+        .unwrap();
+    let n = structure.len();
+    let energy = |state: &State| {
+        let (q, v) = (&state.displacements, &state.velocities);
+        let kinetic: f64 = (0..n).map(|i| structure.masses()[i] * v[i] * v[i]).sum();
+        let elastic: f64 = (0..n)
+            .flat_map(|i| (0..n).map(move |j| (i, j)))
+            .map(|(i, j)| q[i] * structure.stiffness()[(i, j)] * q[j])
+            .sum();
+        0.5 * (kinetic + elastic)
+    };
+    // Power of all that is not elastic. What a contact that sticks carries follows from the law of
+    // motion.
+    let power = |time: f64, state: &State, modes: &[Mode]| -> f64 {
+        let (q, v) = (&state.displacements, &state.velocities);
+        let row = |m: &stick_slip::nalgebra::DMatrix<f64>, i: usize, x: &[f64]| -> f64 {
+            (0..n).map(|j| m[(i, j)] * x[j]).sum()
+        };
+        let mut sum = 0.0;
+        for i in 0..n {
+            let force = structure.forces()[i].value(time) - row(structure.damping(), i, v);
+            sum += v[i] * force;
+        }
+        for (contact, mode) in structure.contacts().iter().zip(modes) {
+            let i = contact.coordinate();
+            let carried = match mode {
+                Mode::Slip(direction) => {
+                    use stick_slip::FrictionLaw;
+                    let r = v[i] - contact.belt_velocity().value(time);
+                    // At r = 0 the side of the slip counts.
+                    let speed = (direction.sign() * r).max(0.0);
+                    let coefficient = direction.sign() * contact.law().kinetic(speed);
+                    contact.load_at(time, q) * coefficient
+                }
+                Mode::Stick => {
+                    let force = structure.forces()[i].value(time);
+                    force
+                        - row(structure.damping(), i, v)
+                        - row(structure.stiffness(), i, q)
+                        - structure.masses()[i] * contact.belt_velocity().slope(time)
+                }
+                Mode::Open => 0.0,
+            };
+            sum -= v[i] * carried;
+        }
+        sum
+    };
+    let mut work = 0.0;
+    for step in motion.steps() {
+        let (start, duration) = (step.start_time(), step.duration());
+        // 5-point Gauss rule on eight parts.
+        let parts = 8;
+        let h = duration / f64::from(parts);
+        for part in 0..parts {
+            for (x, weight) in [
+                (0.0, 128.0 / 225.0),
+                (0.538_469_310_105_683, 0.478_628_670_499_366_5),
+                (-0.538_469_310_105_683, 0.478_628_670_499_366_5),
+                (0.906_179_845_938_664, 0.236_926_885_056_189_1),
+                (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
+            ] {
+                let t = (f64::from(part) + 0.5 + 0.5 * x) * h;
+                work += 0.5 * h * weight * power(start + t, &step.state_at(t), step.modes());
+            }
+        }
+    }
+    let change = energy(&motion.last()) - energy(&motion.steps()[0].state().clone());
+    assert!((change - work).abs() < 1e-13 * 40.0, "{change} {work}");
+}
+
+/// A motion that is locked to its drive comes at the same phases after 10⁶ and 10⁹ periods.
+#[test]
+fn late_phases_are_the_early_ones() {
+    let (omega, law) = (1.3, Exponential::new(0.5, 0.3, 0.25).unwrap());
+    let structure = Structure::new(&[1.0])
+        .and_then(|s| s.with_ground_spring(0, 1.0)?.with_ground_damper(0, 0.06))
+        .and_then(|s| s.with_force(0, Drive::sine(0.3, omega)?))
+        .and_then(|s| s.with_contact(Contact::new(0, law, 1.0)?.on_belt(0.2)))
+        .unwrap();
+    let period = structure.period().unwrap();
+    let late_events = |periods: f64| {
+        let start = Integrator::new()
+            .with_start_time((periods * period).round())
+            .unwrap();
+        let motion = start
+            .simulate(&structure, State::at_rest(1), 100.0 * period)
+            .unwrap();
+        let events = motion.events();
+        events[events.len() - 4..].to_vec()
+    };
+    // T in two numbers: 2π/1.3 with the error of its rounding, by 2π = τ + 2.4492935982947064e-16.
+    let rest = (TAU - (period * omega) - omega.mul_add(period, -(period * omega))
+        + 2.449_293_598_294_706_4e-16)
+        / omega;
+    let early = late_events(0.0);
+    assert_eq!(early.len(), 4);
+    for periods in [1e3, 1e6, 1e9] {
+        for event in late_events(periods) {
+            // Its partner: of the same kind, a whole number of periods before.
+            let apart = early
+                .iter()
+                .filter(|other| other.kind == event.kind)
+                .map(|other| {
+                    let between = event.time - other.time;
+                    let turns = (between / period).round();
+                    let whole = turns * period;
+                    let error = turns.mul_add(period, -whole);
+                    ((between - whole) - error - turns * rest).abs()
+                })
+                .fold(f64::INFINITY, f64::min);
+            let ulp = event.time.next_up() - event.time;
+            assert!(
+                apart <= 2.0 * ulp + 4e-15,
+                "{periods:e}: {apart:e}, ulp {ulp:e}"
+            );
+        }
+    }
+}
+
+/// Stuck for 10⁶ periods on a belt that oscillates: carried along to the last bit.
+#[test]
+fn a_stuck_mass_is_carried_exactly() {
+    let omega = 0.9;
+    let structure = Structure::new(&[1.0])
+        .and_then(|s| s.with_ground_spring(0, 1.0))
+        .and_then(|s| {
+            let contact = Contact::new(0, Coulomb::new(0.9, 0.5)?, 10.0)?;
+            s.with_contact(contact.on_belt(Drive::sine(0.4, omega)?))
+        })
+        .unwrap();
+    let start = State::new(&[0.0], &[0.0]);
+    let flow = Integrator::new().flow(&structure, start).unwrap();
+    let (mut last, mut steps) = (None, 0);
+    for step in flow {
+        let step = step.unwrap();
+        assert_eq!(step.modes(), [Mode::Stick]);
+        let end = step.end_time();
+        last = Some(step);
+        steps += 1;
+        if end > 1e4 * TAU / omega {
+            break;
+        }
+    }
+    let last = last.unwrap();
+    let time = last.end_time();
+    // q = (w/Ω)(1 − cos Ωt)
+    let expected = Drive::harmonic(-0.4 / omega, omega, 0.0)
+        .and_then(|drive| drive.with_constant(0.4 / omega))
+        .unwrap();
+    let found = last.end_state().displacements[0];
+    assert!(
+        (found - expected.value(time)).abs() < 1e-15,
+        "{found} {} {steps}",
+        expected.value(time)
+    );
+}
+
+proptest! {
+    /// Two coordinates that are not coupled move as each does alone.
+    #[test]
+    fn uncoupled_masses_do_not_feel_each_other(
+        masses in prop::array::uniform2(0.3..3.0_f64),
+        stiffness in prop::array::uniform2(0.3..3.0_f64),
+        damping in prop::array::uniform2(0.0..0.3_f64),
+        belts in prop::array::uniform2(-0.5..0.5_f64),
+        forces in prop::array::uniform2(0.0..1.0_f64),
+        starts in prop::array::uniform4(-1.0..1.0_f64),
+    ) {
+        let law = Exponential::new(0.5, 0.3, 0.25).unwrap();
+        let force = |i: usize| Drive::sine(forces[i], 1.1 + 0.4 * i as f64);
+        let alone = |i: usize| {
+            Structure::new(&masses[i..=i])
+                .and_then(|s| s.with_ground_spring(0, stiffness[i]))
+                .and_then(|s| s.with_ground_damper(0, damping[i]))
+                .and_then(|s| s.with_force(0, force(i)?))
+                .and_then(|s| s.with_contact(Contact::new(0, law, 1.0)?.on_belt(belts[i])))
+                .and_then(|s| s.simulate(State::new(&starts[i..=i], &starts[2 + i..=2 + i]), 20.0))
+        };
+        let both = Structure::new(&masses)
+            .and_then(|s| s.with_ground_spring(0, stiffness[0])?.with_ground_spring(1, stiffness[1]))
+            .and_then(|s| s.with_ground_damper(0, damping[0])?.with_ground_damper(1, damping[1]))
+            .and_then(|s| s.with_force(0, force(0)?)?.with_force(1, force(1)?))
+            .and_then(|s| s.with_contact(Contact::new(0, law, 1.0)?.on_belt(belts[0])))
+            .and_then(|s| s.with_contact(Contact::new(1, law, 1.0)?.on_belt(belts[1])))
+            .and_then(|s| s.simulate(State::new(&starts[..2], &starts[2..]), 20.0))
+            .unwrap();
+        for i in 0..2 {
+            let alone = alone(i).unwrap();
+            let mine: Vec<_> = both.events().iter().filter(|event| event.contact == i).collect();
+            prop_assert_eq!(mine.len(), alone.events().len());
+            for (a, b) in mine.into_iter().zip(alone.events()) {
+                prop_assert_eq!(a.kind, b.kind);
+                prop_assert!((a.time - b.time).abs() < 1e-11, "{} {}", a.time, b.time);
+            }
+            let (a, b) = (both.last().displacements[i], alone.last().displacements[0]);
+            prop_assert!((a - b).abs() < 1e-11, "{} {}", a, b);
+        }
+    }
+}

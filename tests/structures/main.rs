@@ -1,0 +1,18 @@
+//! Several masses, drives in time, several contacts.
+//!
+//! `data/driven_trajectories.json`, `data/structure_trajectories.json` and
+//! `data/structure_bifurcations.json` come from a Taylor integration in 220-bit arithmetic, checked
+//! against a Runge-Kutta method; the field `header` of each file explains the others.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod bad_input;
+mod closed_forms;
+mod identities;
+mod plain;
+mod random;
+mod reading;
+mod steady;
+mod trajectories;
+mod two_engines;

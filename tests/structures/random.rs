@@ -1,0 +1,169 @@
+//! Random structures: nothing panics, hangs or is missed.
+
+use stick_slip::structure::State;
+use stick_slip::{Direction, Error, EventKind, Integrator, Mode, Segment, Trajectory};
+
+use crate::common::Random;
+use crate::plain::{Plain, Seen};
+
+/// Number of structures, which the variable `STRUCTURES` may raise.
+fn count(usual: usize) -> usize {
+    std::env::var("STRUCTURES").map_or(usual, |text| text.parse().unwrap())
+}
+
+fn told(motion: &Trajectory<State>) -> Vec<Seen> {
+    let events = motion.events().iter();
+    events
+        .map(|event| {
+            let (letter, side) = match event.kind {
+                EventKind::Stick => ('s', 0.0),
+                EventKind::Release(direction) => ('r', direction.sign()),
+                EventKind::Crossing(direction) => ('x', direction.sign()),
+                EventKind::Open => ('o', 0.0),
+                EventKind::Close => ('c', 0.0),
+            };
+            (event.time, event.contact, letter, side)
+        })
+        .collect()
+}
+
+/// The motion, as far as it goes; the contact that separates, and when.
+fn simulate(
+    plain: &Plain,
+    start: &State,
+    duration: f64,
+) -> Result<(Trajectory<State>, Option<Seen>), Error> {
+    let structure = plain.structure();
+    match structure.simulate(start.clone(), duration) {
+        Ok(motion) => Ok((motion, None)),
+        Err(Error::Separation { contact, reached }) => {
+            let motion = structure.simulate(start.clone(), reached.time * (1.0 - 1e-12))?;
+            Ok((motion, Some((reached.time, contact, 'o', 0.0))))
+        }
+        Err(error) => Err(error),
+    }
+}
+
+#[test]
+fn motions_obey_the_law() {
+    let mut random = Random::new(2026);
+    let (mut events, mut separations, mut opened) = (0, 0, 0);
+    for i in 0..count(2000) {
+        let plain = Plain::random(&mut random);
+        let start = plain.start(&mut random);
+        let about = || format!("{i}: {plain:?}\n{start:?}");
+        let structure = plain.structure();
+        let duration = 30.0;
+        let (motion, separation) = simulate(&plain, &start, duration)
+            .unwrap_or_else(|error| panic!("{error}\n{}", about()));
+        separations += usize::from(separation.is_some());
+        events += motion.events().len();
+        let kinds = motion.events().iter().map(|event| event.kind);
+        opened += kinds.filter(|kind| *kind == EventKind::Open).count();
+        for pair in motion.events().windows(2) {
+            assert!(pair[0].time <= pair[1].time, "{}", about());
+        }
+        for pair in motion.steps().windows(2) {
+            assert_eq!(pair[0].end_time(), pair[1].start_time(), "{}", about());
+            assert_eq!(
+                pair[0].end_state().displacements,
+                pair[1].state().displacements,
+                "{}",
+                about()
+            );
+        }
+        for step in motion.steps() {
+            for part in [0.1, 0.35, 0.6, 0.85] {
+                let t = part * step.duration();
+                let (time, state) = (step.start_time() + t, step.state_at(t));
+                for (contact, mode) in structure.contacts().iter().zip(step.modes()) {
+                    let i = contact.coordinate();
+                    let r = state.velocities[i] - contact.belt_velocity().value(time);
+                    let load = contact.load_at(time, &state.displacements);
+                    match mode {
+                        Mode::Stick => {
+                            assert!(r.abs() < 1e-14, "stick: {r:e} at {time} {}", about())
+                        }
+                        Mode::Slip(Direction::Leading) => {
+                            assert!(r > -1e-13, "{r:e} at {time} {}", about())
+                        }
+                        Mode::Slip(Direction::Lagging) => {
+                            assert!(r < 1e-13, "{r:e} at {time} {}", about())
+                        }
+                        Mode::Open => {}
+                    }
+                    if *mode == Mode::Open {
+                        assert!(load <= 1e-13, "open: {load:e} at {time} {}", about());
+                    } else {
+                        assert!(load > -1e-13, "closed: {load:e} at {time} {}", about());
+                    }
+                }
+            }
+        }
+    }
+    println!("{events} events, {separations} separations, {opened} openings");
+    assert!(events > 10 * count(2000) / 2 && separations > 0 && opened > 0);
+}
+
+/// The same events as the simple integrator sees, where that is sure of itself.
+#[test]
+fn a_simple_integrator_sees_the_same_events() {
+    let mut random = Random::new(500);
+    let (mut compared, mut undecided, mut worst) = (0, 0, 0.0_f64);
+    for i in 0..count(100) {
+        let plain = Plain::random(&mut random);
+        let start = plain.start(&mut random);
+        let duration = 15.0;
+        const STEP: f64 = 4e-3;
+        let [coarse, fine] = [2.0 * STEP, STEP].map(|h| plain.events(&start, duration, h));
+        let (motion, separation) = simulate(&plain, &start, duration).unwrap();
+        let mut found = told(&motion);
+        found.extend(separation);
+        for n in 0..coarse.len().max(fine.len()).max(found.len()) {
+            let about = || format!("{i}, event {n}:\n{found:?}\n{fine:?}\n{plain:?}\n{start:?}");
+            let (Some(a), Some(b)) = (coarse.get(n), fine.get(n)) else {
+                if coarse.len() == fine.len() {
+                    // One more: only at the very end.
+                    assert!(found[n].0 > duration - 1e-3, "{}", about());
+                } else {
+                    undecided += 1;
+                }
+                break;
+            };
+            let same = |a: &Seen, b: &Seen| (a.1, a.2, a.3) == (b.1, b.2, b.3);
+            if !same(a, b) || (a.0 - b.0).abs() > 1e-3 {
+                undecided += 1;
+                break;
+            }
+            let Some(event) = found.get(n) else {
+                assert!(b.0 > duration - 1e-3, "{}", about());
+                break;
+            };
+            assert!(same(event, b), "{}", about());
+            // Its error is less than what halving the step has changed, or where a kink of a law
+            // is stepped over, of order h².
+            let allowed = 4.0 * (a.0 - b.0).abs() + 1e-4;
+            assert!((event.0 - b.0).abs() < allowed, "{}", about());
+            worst = worst.max((event.0 - b.0).abs());
+            compared += 1;
+        }
+    }
+    println!("{compared} events, {undecided} undecided motions, worst difference {worst:.1e}");
+    assert!(compared > 5 * count(100), "{compared}");
+    assert!(undecided * 10 < count(100), "{undecided}");
+}
+
+/// A limit of steps ends what does not end by itself.
+#[test]
+fn limits_of_work_hold() {
+    let mut random = Random::new(3);
+    for _ in 0..50 {
+        let plain = Plain::random(&mut random);
+        let start = plain.start(&mut random);
+        let integrator = Integrator::new().with_max_steps(5).unwrap();
+        match integrator.simulate(&plain.structure(), start, 1e6) {
+            Ok(_) | Err(Error::TooManySteps { limit: 5, .. } | Error::Separation { .. }) => {}
+            other => panic!("{other:?}"),
+        }
+    }
+}

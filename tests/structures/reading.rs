@@ -1,0 +1,106 @@
+//! Systems of the reference files.
+
+use serde_json::Value;
+use stick_slip::nalgebra::DMatrix;
+use stick_slip::{AnyLaw, Contact, Coulomb, Drive, Exponential, Polynomial, Rational, Structure};
+
+use crate::common::{list, number, text};
+
+pub(crate) fn cases(json: &str) -> Vec<Value> {
+    let file: Value = serde_json::from_str(json).unwrap();
+    file["cases"].as_array().unwrap().clone()
+}
+
+/// Decimal strings as numbers.
+pub(crate) fn numbers(value: &Value) -> Vec<f64> {
+    list(value).iter().map(number).collect()
+}
+
+/// A decimal string, or the parameter of the case.
+fn number_or(value: &Value, parameter: f64) -> f64 {
+    match text(value) {
+        "PARAM" => parameter,
+        "-PARAM" => -parameter,
+        _ => number(value),
+    }
+}
+
+fn drive(value: &Value, parameter: f64) -> Drive {
+    let number = |value: &Value| number_or(value, parameter);
+    match text(&value["type"]) {
+        "const" => number(&value["value"]).into(),
+        "fourier" => {
+            let mut sum = Drive::constant(number(&value["a0"]));
+            for term in list(&value["terms"]) {
+                let omega = number(&term["omega"]);
+                sum = sum
+                    .with_harmonic(number(&term["a"]), omega, 0.0)
+                    .and_then(|sum| sum.with_sine(number(&term["b"]), omega))
+                    .unwrap();
+            }
+            sum
+        }
+        "pwl" => {
+            let points = std::iter::zip(numbers(&value["t"]), numbers(&value["values"]));
+            Drive::profile(&points.collect::<Vec<_>>()).unwrap()
+        }
+        "steps" => {
+            let (times, values) = (numbers(&value["t"]), numbers(&value["values"]));
+            let mut points = vec![(times[0], values[0])];
+            for (k, &time) in times.iter().enumerate().skip(1) {
+                points.extend([(time, values[k - 1]), (time, values[k])]);
+            }
+            Drive::profile(&points).unwrap()
+        }
+        other => panic!("unknown drive {other}"),
+    }
+}
+
+fn law(contact: &Value, parameter: f64) -> AnyLaw {
+    let value = |name: &str| number_or(&contact["law_params"][name], parameter);
+    match text(&contact["law"]) {
+        "poly" => Polynomial::new(value("mus"), value("mum"), value("vm"))
+            .unwrap()
+            .into(),
+        "exp" => Exponential::new(value("mus"), value("muk"), value("vs"))
+            .unwrap()
+            .into(),
+        "coulomb" => Coulomb::new(value("mus"), value("muk")).unwrap().into(),
+        // (μ_s − δ)/(1 + γs) + δ + ηs²
+        "rational" => Rational::new(value("mus"), value("gamma"))
+            .and_then(|law| law.with_offset(value("delta")))
+            .and_then(|law| law.with_quadratic(value("eta")))
+            .unwrap()
+            .into(),
+        other => panic!("unknown law {other}"),
+    }
+}
+
+/// The system of a case, with a value of its parameter if it has one.
+pub(crate) fn structure(system: &Value, parameter: f64) -> Structure<AnyLaw> {
+    let matrix = |name: &str| {
+        let rows: Vec<Vec<f64>> = list(&system[name]).iter().map(numbers).collect();
+        DMatrix::from_fn(rows.len(), rows.len(), |i, j| rows[i][j])
+    };
+    let mut structure = Structure::new(&numbers(&system["m"]))
+        .and_then(|structure| structure.with_stiffness(matrix("K")))
+        .and_then(|structure| structure.with_damping(matrix("C")))
+        .unwrap();
+    for (i, force) in list(&system["f"]).iter().enumerate() {
+        structure = structure.with_force(i, drive(force, parameter)).unwrap();
+    }
+    for (i, contact) in list(&system["contacts"]).iter().enumerate() {
+        if contact.is_null() {
+            continue;
+        }
+        let load = number(&contact["N0"]);
+        let mut made = Contact::new(i, law(contact, parameter), load)
+            .unwrap()
+            .on_belt(drive(&contact["w"], parameter));
+        for (j, gradient) in numbers(&contact["n"]).into_iter().enumerate() {
+            made = made.with_load_gradient(j, gradient).unwrap();
+        }
+        structure = structure.with_contact(made).unwrap();
+    }
+    structure
+}

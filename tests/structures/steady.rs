@@ -1,0 +1,237 @@
+//! Steady sliding: displacements, eigenvalues, flutter and Hopf points.
+
+use proptest::prelude::*;
+use stick_slip::nalgebra::{Complex, DMatrix};
+use stick_slip::{AnyLaw, Contact, Coulomb, Drive, Exponential, MassOnBelt, Polynomial, Structure};
+
+use crate::common::{number, text};
+use crate::reading::{cases, structure};
+
+fn bifurcations(kind: &str) -> Vec<serde_json::Value> {
+    let mut all = cases(include_str!("../data/structure_bifurcations.json"));
+    all.retain(|case| text(&case["type"]) == kind);
+    all
+}
+
+/// The eigenvalue that is nearest to the imaginary axis, and oscillates.
+fn marginal(structure: &Structure<AnyLaw>) -> Complex<f64> {
+    let sliding = structure.steady_sliding().unwrap();
+    let oscillating = sliding.eigenvalues.iter().filter(|value| value.im > 0.0);
+    *oscillating
+        .min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()))
+        .unwrap()
+}
+
+#[test]
+fn drill_strings_have_their_hopf_points() {
+    let mut seen = 0;
+    for case in bifurcations("hopf") {
+        if case["system"].is_null() {
+            continue;
+        }
+        seen += 1;
+        let (value, omega) = (number(&case["value"]), number(&case["omega"]));
+        let at = |velocity| marginal(&structure(&case["system"], velocity));
+        let there = at(value);
+        assert!(there.re.abs() < 2e-15, "{there}");
+        assert!((there.im - omega).abs() < 4e-15, "{there} {omega}");
+        // The real part goes through 0 there.
+        assert!(at(value + 1e-6).re * at(value - 1e-6).re < 0.0);
+    }
+    assert_eq!(seen, 2);
+}
+
+/// Two unit masses with N = N0 + n1·q_1 on coordinate 0, as the reference file has them.
+fn mode_coupling(case: &serde_json::Value, coefficient: f64) -> Structure<AnyLaw> {
+    let value = |name: &str| number(&case[name]);
+    let stiffness = [value("k11"), value("k12"), value("k21"), value("k22")];
+    let law = Coulomb::new(coefficient, coefficient).unwrap();
+    let contact = Contact::new(0, law.into(), 10.0)
+        .and_then(|contact| contact.with_load_gradient(1, value("n1")))
+        .unwrap()
+        .on_belt(0.3);
+    Structure::new(&[1.0, 1.0])
+        .and_then(|structure| structure.with_stiffness(DMatrix::from_row_slice(2, 2, &stiffness)))
+        .and_then(|structure| structure.with_ground_damper(0, value("c1")))
+        .and_then(|structure| structure.with_ground_damper(1, value("c2")))
+        .and_then(|structure| structure.with_contact(contact))
+        .unwrap()
+}
+
+#[test]
+fn modes_merge_at_the_reference_coefficients() {
+    let [undamped] = &bifurcations("flutter")[..] else {
+        panic!("one case")
+    };
+    let (value, omega) = (number(&undamped["value"]), number(&undamped["omega"]));
+    // Below: purely imaginary, to the bit. Above: growth as the root of the distance.
+    let below = mode_coupling(undamped, value - 1e-6)
+        .steady_sliding()
+        .unwrap();
+    assert!(below.eigenvalues.iter().all(|value| value.re == 0.0));
+    assert!(!below.is_stable());
+    let above = mode_coupling(undamped, value + 1e-6)
+        .steady_sliding()
+        .unwrap();
+    assert!(above.eigenvalues[0].re > 1e-4);
+    assert!((above.eigenvalues[0].im.abs() - omega).abs() < 1e-6);
+
+    let damped = bifurcations("hopf");
+    let [damped] = &damped
+        .iter()
+        .filter(|case| case["system"].is_null())
+        .collect::<Vec<_>>()[..]
+    else {
+        panic!("one case")
+    };
+    let (value, omega) = (number(&damped["value"]), number(&damped["omega"]));
+    let there = marginal(&mode_coupling(damped, value));
+    assert!(
+        there.re.abs() < 1e-14 && (there.im - omega).abs() < 1e-14,
+        "{there}"
+    );
+    let stable = |coefficient| {
+        mode_coupling(damped, coefficient)
+            .steady_sliding()
+            .unwrap()
+            .is_stable()
+    };
+    assert!(stable(value - 1e-9) && !stable(value + 1e-9));
+}
+
+#[test]
+fn what_does_not_slide_steadily_has_no_steady_sliding() {
+    let contact = || Contact::new(0, Coulomb::new(0.4, 0.3).unwrap(), 1.0).unwrap();
+    let sprung = || {
+        Structure::new(&[1.0])
+            .and_then(|s| s.with_ground_spring(0, 1.0))
+            .unwrap()
+    };
+    let steady = |structure: Structure<Coulomb>| structure.steady_sliding();
+    assert!(steady(sprung().with_contact(contact().on_belt(0.2)).unwrap()).is_some());
+    // A surface at rest; a drive; no spring; a load that pulls.
+    assert_eq!(steady(sprung().with_contact(contact()).unwrap()), None);
+    let shaken = contact().on_belt(Drive::sine(0.1, 1.0).unwrap());
+    assert_eq!(steady(sprung().with_contact(shaken).unwrap()), None);
+    let free = Structure::new(&[1.0, 1.0])
+        .and_then(|structure| structure.with_spring(0, 1, 2.0))
+        .and_then(|structure| structure.with_contact(contact().on_belt(0.2)))
+        .unwrap();
+    assert_eq!(steady(free), None);
+    let lifted = contact().with_load_gradient(0, -10.0).unwrap().on_belt(0.2);
+    let lifted = sprung()
+        .with_force(0, 1.0)
+        .and_then(|s| s.with_contact(lifted))
+        .unwrap();
+    // q = (1 + 0.3)/(1 + 3), N = 1 − 10q < 0
+    assert_eq!(steady(lifted), None);
+    // Without contacts: the rest position.
+    let rest = sprung()
+        .with_force(0, 0.5)
+        .unwrap()
+        .steady_sliding()
+        .unwrap();
+    assert_eq!(rest.displacements, [0.5]);
+    assert_eq!(rest.eigenvalues[0], Complex::new(0.0, 1.0));
+}
+
+#[test]
+fn a_hundred_masses_have_the_frequencies_of_a_chain() {
+    let n = 100;
+    let mut chain: Structure<Coulomb> = Structure::new(&vec![2.0; n]).unwrap();
+    for i in 0..n - 1 {
+        chain = chain.with_spring(i, i + 1, 3.0).unwrap();
+    }
+    for i in [0, n - 1] {
+        chain = chain.with_ground_spring(i, 3.0).unwrap();
+    }
+    for i in 0..n {
+        chain = chain.with_ground_damper(i, 0.02).unwrap();
+    }
+    let sliding = chain.steady_sliding().unwrap();
+    assert!(sliding.is_stable());
+    let mut found: Vec<f64> = sliding.eigenvalues.iter().map(|value| value.im).collect();
+    found.sort_by(f64::total_cmp);
+    // Backward error of the Schur form: a few 2n·ε of the norm, 2√(k/m).
+    let allowed = 4.0 * (2 * n) as f64 * f64::EPSILON * 2.0 * 1.5_f64.sqrt();
+    for (k, found) in found[n..].iter().enumerate() {
+        // ω_k = 2√(k/m) sin(kπ/(2(n + 1))), damped by c/(2m) each
+        let angle = std::f64::consts::PI * (k + 1) as f64 / (2 * (n + 1)) as f64;
+        let undamped = 2.0 * 1.5_f64.sqrt() * angle.sin();
+        let expected = (undamped * undamped - 0.005 * 0.005).sqrt();
+        assert!(
+            (found - expected).abs() < allowed,
+            "{k}: {found} {expected}"
+        );
+    }
+}
+
+proptest! {
+    /// The mass on its belt is the structure of one coordinate.
+    #[test]
+    fn one_mass_has_the_equilibrium_of_the_belt(
+        belt_velocity in prop_oneof![-3.0..-1e-3_f64, 1e-3..3.0_f64],
+        damping in 0.0..1.5_f64,
+        load in 0.01..10.0_f64,
+        kind in 0..3,
+    ) {
+        let law: AnyLaw = match kind {
+            0 => Polynomial::new(0.4, 0.25, 0.5).unwrap().into(),
+            1 => Exponential::new(0.4, 0.25, 0.5).unwrap().into(),
+            _ => Coulomb::new(0.4, 0.25).unwrap().into(),
+        };
+        let belt = MassOnBelt::new(law, belt_velocity)
+            .and_then(|belt| belt.with_damping(damping))
+            .and_then(|belt| belt.with_load(load))
+            .unwrap();
+        let expected = belt.equilibrium().unwrap();
+        let found = Structure::from(&belt).steady_sliding().unwrap();
+        prop_assert_eq!(&found.displacements, &[expected.displacement]);
+        let h1 = -expected.jacobian[(1, 1)];
+        for value in expected.eigenvalues {
+            let nearest = found.eigenvalues.iter().map(|other| (other - value).norm());
+            let nearest = nearest.fold(f64::INFINITY, f64::min);
+            // Near h1 = ±2 both eigenvalues are nearly equal.
+            let apart = (expected.eigenvalues[0] - expected.eigenvalues[1]).norm();
+            let size = 1.0 + h1.abs();
+            let allowed = (8.0 * f64::EPSILON * size * size / apart).min(4e-8 * size);
+            prop_assert!(nearest <= allowed, "{} {:e} {:e}", value, nearest, allowed);
+        }
+        prop_assert_eq!(found.is_stable(), expected.is_stable());
+    }
+
+    /// Another unit of time, mass and length gives the same, in those units.
+    #[test]
+    fn units_scale_the_result(
+        stiffness in prop::array::uniform4(0.2..3.0_f64),
+        damping in prop::array::uniform2(0.01..0.5_f64),
+        masses in prop::array::uniform2(0.1..5.0_f64),
+        (mass_unit, time_unit, length_unit) in (-30..30_i32, -30..30_i32, -30..30_i32),
+    ) {
+        let [m, t, l] = [mass_unit, time_unit, length_unit].map(|power| 2.0_f64.powi(power));
+        let force = m * l / (t * t);
+        let made = |m: f64, t: f64, l: f64, force: f64| {
+            let law = Exponential::new(0.4, 0.25, 0.5 * l / t).unwrap();
+            let contact = Contact::new(0, law, force)
+                .and_then(|c| c.with_load_gradient(1, 0.1 * force / l))
+                .unwrap()
+                .on_belt(0.3 * l / t);
+            let k = DMatrix::from_row_slice(2, 2, &stiffness) + DMatrix::identity(2, 2) * 4.0;
+            Structure::new(&masses.map(|mass| mass * m))
+                .and_then(|s| s.with_stiffness(k * (m / (t * t))))
+                .and_then(|s| s.with_ground_damper(0, damping[0] * m / t))
+                .and_then(|s| s.with_damper(0, 1, damping[1] * m / t))
+                .and_then(|s| s.with_contact(contact))
+                .unwrap()
+                .steady_sliding()
+                .unwrap()
+        };
+        let (one, other) = (made(1.0, 1.0, 1.0, 1.0), made(m, t, l, force));
+        for (one, other) in one.displacements.iter().zip(other.displacements) {
+            prop_assert!((one - other / l).abs() <= 1e-14 * one.abs().max(0.1));
+        }
+        for (one, other) in one.eigenvalues.iter().zip(other.eigenvalues) {
+            prop_assert!((one - other * t).norm() <= 1e-12, "{} {}", one, other * t);
+        }
+    }
+}

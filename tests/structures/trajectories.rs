@@ -1,0 +1,249 @@
+//! Motions computed independently to 25 digits: every event of every contact, and the states and
+//! modes between.
+
+use serde_json::Value;
+use stick_slip::structure::State;
+use stick_slip::{
+    AnyLaw, Direction, Error, Event, EventKind, Integrator, Mode, Structure, Trajectory,
+};
+
+use crate::common::{list, number, text};
+use crate::reading::{cases, numbers, structure};
+
+/// Error promised for every time, displacement and velocity, in units of max(1, |value|).
+const ACCURACY: f64 = 1e-13;
+
+fn state(value: &Value) -> State {
+    State::new(&numbers(&value["q"]), &numbers(&value["v"]))
+}
+
+fn kind(name: &str) -> EventKind {
+    match name {
+        "stick" => EventKind::Stick,
+        "release_negative" => EventKind::Release(Direction::Lagging),
+        "release_positive" => EventKind::Release(Direction::Leading),
+        "cross_to_negative" => EventKind::Crossing(Direction::Lagging),
+        "cross_to_positive" => EventKind::Crossing(Direction::Leading),
+        other => panic!("unknown event {other}"),
+    }
+}
+
+/// Cases of dry friction; the contacts of the others remember something.
+fn dry_cases() -> Vec<Value> {
+    let mut all = cases(include_str!("../data/driven_trajectories.json"));
+    all.extend(cases(include_str!("../data/structure_trajectories.json")));
+    all.retain(|case| {
+        let contacts = list(&case["system"]["contacts"]);
+        let remembers = |contact: &Value| contact.get("dwell").or(contact.get("bristle")).is_some();
+        !contacts.iter().any(remembers)
+    });
+    all
+}
+
+/// The motion of a case; where a load falls to 0, up to there, with what the error says.
+fn simulate(
+    system: &Structure<AnyLaw>,
+    start: State,
+    end: f64,
+) -> (Trajectory<State>, Option<Event<State>>) {
+    match system.simulate(start.clone(), end) {
+        Ok(motion) => (motion, None),
+        Err(Error::Separation { contact, reached }) => {
+            // What follows the last step is not part of the motion.
+            let before = reached.time * (1.0 - 1e-12);
+            let motion = system.simulate(start, before).unwrap();
+            let separation = Event {
+                time: reached.time,
+                contact,
+                kind: EventKind::Open,
+                state: reached.state,
+            };
+            (motion, Some(separation))
+        }
+        Err(error) => panic!("{error}"),
+    }
+}
+
+/// Largest error met, in units of what is allowed there, and where.
+#[derive(Default)]
+struct Worst(f64, String);
+
+impl Worst {
+    fn meet(&mut self, what: &str, actual: f64, expected: f64, allowed: f64) {
+        let error = (actual - expected).abs() / (allowed * expected.abs().max(1.0));
+        if error > self.0 || error.is_nan() {
+            *self = Self(error, format!("{what}: {actual:e}, not {expected:e}"));
+        }
+    }
+
+    fn meet_all(&mut self, what: &str, actual: &[f64], expected: &[f64], allowed: f64) {
+        assert_eq!(actual.len(), expected.len(), "{what}");
+        for (actual, expected) in actual.iter().zip(expected) {
+            self.meet(what, *actual, *expected, allowed);
+        }
+    }
+}
+
+/// How far the problem itself magnifies what is changed at the start: the largest change of any
+/// number of the motion up to a time, for a change of 1 at the start.
+fn magnification(
+    system: &Structure<AnyLaw>,
+    start: &State,
+    end: f64,
+) -> impl Fn(f64) -> f64 + use<> {
+    const CHANGE: f64 = 1e-9;
+    let (motion, _) = simulate(system, start.clone(), end);
+    let mut grown: Vec<(f64, f64)> = vec![];
+    for i in 0..system.len() {
+        let mut changed = start.clone();
+        changed.displacements[i] += CHANGE;
+        let (other, _) = simulate(system, changed, end);
+        for (a, b) in motion.events().iter().zip(other.events()) {
+            let apart = [&a.state.displacements, &a.state.velocities]
+                .into_iter()
+                .zip([&b.state.displacements, &b.state.velocities])
+                .flat_map(|(a, b)| a.iter().zip(b))
+                .map(|(a, b)| (a - b).abs())
+                .fold((a.time - b.time).abs(), f64::max);
+            grown.push((a.time, apart / CHANGE));
+        }
+    }
+    move |time| {
+        let before = grown.iter().filter(|(at, _)| *at <= time);
+        before.fold(1.0, |largest, (_, factor)| factor.max(largest))
+    }
+}
+
+#[test]
+fn motions_have_the_reference_events_and_states() {
+    let (mut events, mut states) = (0, 0);
+    let mut failures = vec![];
+    for case in dry_cases() {
+        let id = text(&case["id"]);
+        let system = structure(&case["system"], f64::NAN);
+        let ends_early = !case["ends"].is_null();
+        let end = number(&case["t_end"]) + if ends_early { 1.0 } else { 0.0 };
+        let start = state(&case["start"]);
+        let run = std::panic::catch_unwind(|| {
+            let magnified = magnification(&system, &start, end);
+            (simulate(&system, start, end), magnified)
+        });
+        let Ok(((motion, separation), magnified)) = run else {
+            failures.push(format!("{id}: ended early"));
+            continue;
+        };
+        // Roundings on the way, as if each were made at the start.
+        let allowed = |time: f64| ACCURACY + 8.0 * f64::EPSILON * magnified(time);
+        let mut worst = Worst::default();
+        let expected = list(&case["events"]);
+        let mut actual = motion.events().to_vec();
+        let mut kinds: Vec<_> = expected.iter().map(|event| text(&event["kind"])).collect();
+        if let Some("separation") = kinds.last().copied() {
+            kinds.pop();
+            let separation = separation.unwrap_or_else(|| panic!("{id}: did not separate"));
+            let contact = expected[kinds.len()]["contact"].as_u64();
+            assert_eq!(Some(separation.contact as u64), contact, "{id}");
+            actual.push(separation);
+        }
+        let order: Vec<_> = kinds.iter().map(|name| kind(name)).collect();
+        let found: Vec<_> = actual[..actual.len().min(order.len())]
+            .iter()
+            .map(|event| event.kind)
+            .collect();
+        if actual.len() != expected.len() || found != order {
+            failures.push(format!(
+                "{id}: {} events, not {}",
+                actual.len(),
+                expected.len()
+            ));
+        }
+        for (n, (actual, expected)) in actual.iter().zip(expected).enumerate() {
+            let what = |quantity: &str| format!("{id}, event {n}: {quantity}");
+            if Some(actual.contact as u64) != expected["contact"].as_u64() {
+                failures.push(what("contact"));
+                break;
+            }
+            let time = number(&expected["t"]);
+            let allowed = allowed(time);
+            worst.meet(&what("time"), actual.time, time, allowed);
+            let at = state(expected);
+            let (q, v) = (&actual.state.displacements, &actual.state.velocities);
+            worst.meet_all(&what("q"), q, &at.displacements, allowed);
+            worst.meet_all(&what("v"), v, &at.velocities, allowed);
+            events += 1;
+        }
+        for expected in list(&case["states"]) {
+            let time = number(&expected["t"]);
+            let (Some(actual), at) = (motion.state_at(time), state(expected)) else {
+                continue; // the end, of a motion that separates
+            };
+            let what = |quantity: &str| format!("{id}, time {time}: {quantity}");
+            let allowed = allowed(time);
+            worst.meet_all(
+                &what("q"),
+                &actual.displacements,
+                &at.displacements,
+                allowed,
+            );
+            worst.meet_all(&what("v"), &actual.velocities, &at.velocities, allowed);
+            for (i, mode) in list(&expected["modes"]).iter().enumerate() {
+                let contact = system.contacts().iter().position(|c| c.coordinate() == i);
+                let expected = mode.as_i64().map(|sign| match sign {
+                    0 => Mode::Stick,
+                    1 => Mode::Slip(Direction::Leading),
+                    _ => Mode::Slip(Direction::Lagging),
+                });
+                let actual = contact.and_then(|contact| motion.mode_at(contact, time));
+                if actual != expected {
+                    failures.push(what(&format!("mode of {i}: {actual:?}, not {expected:?}")));
+                }
+            }
+            states += 1;
+        }
+        println!(
+            "{id}: {:.2} of what is allowed ({:.1e} at the end) ({})",
+            worst.0,
+            allowed(end),
+            worst.1
+        );
+        if worst.0.is_nan() || worst.0 > 1.0 {
+            failures.push(format!("{id}: {:.2} times ({})", worst.0, worst.1));
+        }
+    }
+    assert!(failures.is_empty(), "{failures:#?}");
+    // What the files hold, so that an empty one does not pass.
+    assert_eq!((events, states), (EVENTS, STATES));
+}
+
+/// Events and states in the files, but for those of contacts with memory; a motion that separates
+/// has no state at its end.
+const EVENTS: usize = 781;
+const STATES: usize = 128;
+
+/// The same motion, step by step and from another start time.
+#[test]
+fn a_motion_goes_on_from_any_of_its_states() {
+    for case in dry_cases() {
+        let id = text(&case["id"]);
+        let system = structure(&case["system"], f64::NAN);
+        let [.., middle, last] = list(&case["states"]) else {
+            panic!("{id}: states")
+        };
+        let (from, to) = (number(&middle["t"]), number(&last["t"]));
+        if !case["ends"].is_null() {
+            continue;
+        }
+        let motion = Integrator::new()
+            .with_start_time(from)
+            .and_then(|integrator| integrator.simulate(&system, state(middle), to - from))
+            .unwrap();
+        let at = state(last);
+        let found = motion.last();
+        for (found, expected) in found.displacements.iter().zip(at.displacements) {
+            assert!((found - expected).abs() < 1e-10, "{id}: {found} {expected}");
+        }
+        for event in motion.events() {
+            assert!(event.time >= from && event.time <= to, "{id}");
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! The mass on a belt, followed by the engine of structures: two engines that share no phase
+//! machine must tell the same story.
+
+use stick_slip::structure;
+use stick_slip::{Error, FrictionLaw, MassOnBelt, Mode, State, Structure};
+
+use crate::common::{Law, Random, number, system_of, text};
+use crate::reading::cases;
+
+/// Difference allowed in times and states, in units of max(1, |value|).
+const ACCURACY: f64 = 1e-13;
+
+/// What was compared.
+#[derive(Default)]
+struct Compared {
+    motions: usize,
+    events: usize,
+    worst: f64,
+    about: String,
+}
+
+impl Compared {
+    fn number(&mut self, about: &str, one: f64, other: f64, allowed: f64) {
+        let error = (one - other).abs() / one.abs().max(1.0);
+        assert!(
+            error <= allowed,
+            "{about}: {one:e} {other:e}, error {error:.1e}"
+        );
+        if error > self.worst {
+            self.worst = error;
+            self.about = about.to_owned();
+        }
+    }
+
+    /// Follows one motion by both. `magnified` is how much more than at the start a rounding may
+    /// count at an event.
+    fn motion<L: FrictionLaw + Clone>(
+        &mut self,
+        about: &str,
+        belt: &MassOnBelt<L>,
+        start: State,
+        duration: f64,
+    ) {
+        self.motions += 1;
+        let structure = Structure::from(belt);
+        let expected = belt.simulate(start, duration).unwrap();
+        let found = structure.simulate(start.into(), duration).unwrap();
+        let kinds = |n: usize| (expected.events()[n].kind, found.events()[n].kind);
+        // A start that differs by rounding: how much that has grown is what the problem itself
+        // makes of it.
+        let nudged = State::new(start.displacement + NUDGE, start.velocity);
+        let nudged = belt.simulate(nudged, duration).unwrap();
+        let mut grown = 1.0_f64;
+        for (n, (one, other)) in std::iter::zip(expected.events(), found.events()).enumerate() {
+            let about = format!("{about}, event {n}");
+            assert_eq!(kinds(n).0, kinds(n).1, "{about}");
+            assert_eq!(other.contact, 0);
+            if let Some(nudged) = nudged
+                .events()
+                .get(n)
+                .filter(|event| event.kind == one.kind)
+            {
+                grown = grown.max((nudged.time - one.time).abs() / NUDGE);
+            }
+            let allowed = ACCURACY + 8.0 * f64::EPSILON * grown;
+            self.number(&about, one.time, other.time, allowed);
+            let (u, v) = (other.state.displacements[0], other.state.velocities[0]);
+            self.number(&about, one.state.displacement, u, allowed);
+            // The belt's velocity, to the bit.
+            assert_eq!(one.state.velocity, v, "{about}");
+            self.events += 1;
+        }
+        assert_eq!(expected.events().len(), found.events().len(), "{about}");
+        for (time, one) in expected.sample(20) {
+            let other = found.state_at(time).unwrap();
+            let allowed = ACCURACY + 8.0 * f64::EPSILON * grown;
+            self.number(about, one.displacement, other.displacements[0], allowed);
+            self.number(about, one.velocity, other.velocities[0], 4.0 * allowed);
+        }
+    }
+}
+
+const NUDGE: f64 = 1e-9;
+
+#[test]
+fn reference_motions_of_the_belt() {
+    let mut compared = Compared::default();
+    for case in cases(include_str!("../data/trajectories.json")) {
+        let belt = system_of(&case);
+        let start = match text(&case["start"]["type"]) {
+            "release" => belt.release_state().unwrap(),
+            _ => State::new(number(&case["start"]["u"]), number(&case["start"]["v"])),
+        };
+        compared.motion(text(&case["id"]), &belt, start, 60.0);
+    }
+    assert_eq!(compared.motions, 22);
+    println!(
+        "{} events, worst {:.1e} ({})",
+        compared.events, compared.worst, compared.about
+    );
+}
+
+#[test]
+fn random_belts() {
+    let mut compared = Compared::default();
+    let mut random = Random::new(17);
+    for i in 0..1000 {
+        let belt = random.system();
+        let start = match i % 4 {
+            0 => belt.release_state().unwrap(),
+            1 => State::new(random.uniform(-1.0, 1.0), belt.belt_velocity()),
+            _ => State::new(random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0)),
+        };
+        compared.motion(&format!("{i}: {belt:?}, {start:?}"), &belt, start, 30.0);
+    }
+    assert!(compared.events > 5000, "{}", compared.events);
+    println!(
+        "{} events, worst {:.1e} ({})",
+        compared.events, compared.worst, compared.about
+    );
+}
+
+/// The release point is exactly the edge of the stick band, also where it is rounded.
+#[test]
+fn the_release_state_is_released() {
+    let mut random = Random::new(18);
+    for _ in 0..2000 {
+        let belt: MassOnBelt<Law> = random.system();
+        let release = belt.release_state().unwrap();
+        let structure = Structure::from(&belt);
+        let from = |displacement: f64| {
+            let start = structure::State::new(&[displacement], &[release.velocity]);
+            structure.simulate(start, 1e-3).unwrap()
+        };
+        let motion = from(release.displacement);
+        let expected = belt.simulate(release, 1e-3).unwrap();
+        assert_eq!(motion.events().len(), expected.events().len(), "{belt:?}");
+        assert_eq!(
+            motion.events()[0].kind,
+            expected.events()[0].kind,
+            "{belt:?}"
+        );
+        assert_eq!(motion.events()[0].time, 0.0);
+        // Well before it the mass sticks, and well beyond it slips without an event.
+        let far = 1e-9 * release.displacement.abs().max(1.0) * belt.belt_velocity().signum();
+        assert_eq!(
+            from(release.displacement - 1e-2 * belt.belt_velocity()).mode_at(0, 0.0),
+            Some(Mode::Stick)
+        );
+        let beyond = from(release.displacement + far);
+        assert!(
+            matches!(beyond.mode_at(0, 0.0), Some(Mode::Slip(_))),
+            "{belt:?}"
+        );
+        assert!(beyond.events().is_empty(), "{belt:?}");
+    }
+}
+
+#[test]
+fn starts_that_do_not_fit_are_refused() {
+    let belt = crate::common::paper(0.2);
+    let structure = Structure::from(&belt);
+    let state = structure::State::new;
+    for (start, name) in [
+        (state(&[], &[0.0]), "displacements"),
+        (state(&[0.0, 1.0], &[0.0]), "displacements"),
+        (state(&[0.0], &[]), "velocities"),
+        (state(&[0.0], &[0.0, 0.0]), "velocities"),
+        (state(&[0.0], &[0.0]).with_memory(&[1.0]), "memory"),
+    ] {
+        let Err(Error::WrongSize { name: found, .. }) = structure.simulate(start, 1.0) else {
+            panic!("{name}")
+        };
+        assert!(found.contains(name), "{found}");
+    }
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        assert!(structure.simulate(state(&[bad], &[0.0]), 1.0).is_err());
+        assert!(structure.simulate(state(&[0.0], &[bad]), 1.0).is_err());
+        assert!(structure.simulate(state(&[0.0], &[0.0]), bad).is_err());
+    }
+    assert!(structure.simulate(state(&[0.0], &[0.0]), -1.0).is_err());
+    assert!(structure.simulate(state(&[0.0], &[0.0]), 0.0).is_ok());
+}
