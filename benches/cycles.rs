@@ -6,7 +6,8 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use stick_slip::{Integrator, MassOnBelt, Polynomial, bifurcation, limit_cycle};
+use stick_slip::limit_cycle::Attractor;
+use stick_slip::{Integrator, MassOnBelt, Polynomial, State, Stribeck, bifurcation, limit_cycle};
 
 fn paper() -> MassOnBelt<Polynomial> {
     Polynomial::new(0.4, 0.25, 0.5)
@@ -58,5 +59,41 @@ fn cycles(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, cycles);
+/// Where 800 starts end, beside one period of the same system: μ̂ = 0.5 + 0.5 e^(−2s), β = 0.05,
+/// v_b = 1.5, starts in [−2, 2] × [0, 2].
+fn basins(criterion: &mut Criterion) {
+    let system = Stribeck::new(1.0, 0.5, 0.5, 1)
+        .and_then(|law| MassOnBelt::new(law, 1.5))
+        .and_then(|system| system.with_damping(0.05))
+        .expect("valid parameters");
+    let mut group = criterion.benchmark_group("basins");
+    let start = system.release_state().expect("the belt moves");
+    let mut flow = Integrator::new()
+        .flow(&system, start)
+        .expect("finite start");
+    group.bench_function("simulated period", |bencher| {
+        bencher.iter(|| {
+            flow.by_ref()
+                .filter(|step| matches!(step, Ok(step) if step.event().is_some()))
+                .nth(1)
+        });
+    });
+    group.bench_function("basins", |bencher| {
+        bencher
+            .iter(|| limit_cycle::basins(black_box(&system)).map(|basins| basins.cycles().len()));
+    });
+    let basins = limit_cycle::basins(&system).expect("a quiet search");
+    let grid = |i: i32, j: i32| State::new(-2.0 + 0.1 * f64::from(i), 0.1 * f64::from(j));
+    group.bench_function("800 starts", |bencher| {
+        bencher.iter(|| {
+            let starts = (0..40).flat_map(|i| (0..20).map(move |j| grid(i, j)));
+            starts
+                .filter(|&start| basins.attractor(start) == Ok(Attractor::Equilibrium))
+                .count()
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, cycles, basins);
 criterion_main!(benches);

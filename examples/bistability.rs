@@ -51,7 +51,8 @@ fn main() -> Result<(), Error> {
     }
 
     println!(
-        "\na knock gives the sliding mass the velocity v; its displacement from steady sliding in the"
+        "\na knock gives the sliding mass the velocity v; its displacement from steady \
+         sliding in the"
     );
     println!("first and the last of 100 oscillations, and what becomes of it:");
     println!("  {:>8}  {:>9}  {:>9}  settles to", "v", "first", "last");

@@ -64,7 +64,8 @@ fn main() -> Result<(), Error> {
         }
     }
     println!(
-        "\namplitude (u_max − u_min)/2; A1 where the mass sticks, A0 where it does not; relative errors"
+        "\namplitude (u_max − u_min)/2; A1 where the mass sticks, A0 where it does not; \
+         relative errors"
     );
     println!(
         "  {:>5}  {:<10} {:>10} {:>10} {:>9} {:>10} {:>9}",

@@ -77,6 +77,7 @@ fn during(reached: &Option<Reached>) -> String {
 /// | [`TooManySteps`](Self::TooManySteps) | a motion or a search for cycles: stiffness, or a very long run | `with_max_steps`, or as above |
 /// | [`Separation`](Self::Separation) | a motion: a load that depends on displacements falls to 0 | end the motion there, or press harder |
 /// | [`TooManyEvents`](Self::TooManyEvents) | a run with `with_max_events` | raise the limit, or use `flow` |
+/// | [`At`](Self::At) | a search over belt velocities, or over the damping | see the error inside; search beside that value |
 ///
 /// A `main` that returns `Result<(), Error>` shows the variant and its fields, by `Debug`; print
 /// the error with `{error}` to show the message.
@@ -312,6 +313,18 @@ pub enum Error {
         /// Where the integration stood.
         reached: Reached,
     },
+
+    /// A search over a parameter could not go on at one value of it: the error inside says why, and
+    /// what to do. A range that leaves the value out is searched as before.
+    #[error("at {parameter} = {value:e}: {source}")]
+    At {
+        /// The parameter, by its name: `belt_velocity`, `damping`.
+        parameter: &'static str,
+        /// Its value.
+        value: f64,
+        /// What happened there.
+        source: Box<Self>,
+    },
 }
 
 /// A part of a [`Structure`](crate::Structure), by its place; all counted from 0.
@@ -345,6 +358,15 @@ impl std::fmt::Display for Element {
 }
 
 impl Error {
+    /// The same error, with the value of the parameter at which it happened.
+    pub(crate) fn at(self, parameter: &'static str, value: f64) -> Self {
+        Self::At {
+            parameter,
+            value,
+            source: Box::new(self),
+        }
+    }
+
     /// `value` if it lies in the range, else [`Error::InvalidParameter`]; NaN lies in none.
     pub(crate) fn check(
         name: &'static str,

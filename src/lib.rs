@@ -1,6 +1,52 @@
-//! Friction-induced vibration of a mass on a moving belt: every stick, release and crossing, every
-//! limit cycle, and the belt velocities at which they appear, to round-off, for any friction law
-//! that can be written as a function.
+//! Friction-induced vibration, to round-off: every stick, release and crossing of a mass on a
+//! moving belt, every limit cycle, and the belt velocities at which they appear, for any friction
+//! law that can be written as a function. Several masses, with forces and belts that vary in time,
+//! are followed as exactly.
+//!
+//! ```
+//! use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
+//!
+//! // μ_s, the least coefficient and the sliding speed at which it lies; v_b; β; γ² = 1.
+//! let law = Polynomial::new(0.4, 0.25, 0.5)?;
+//! let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
+//!
+//! // From rest: carried along by the belt, released, caught again.
+//! let motion = system.simulate(State::new(0.0, 0.0), 10.0)?;
+//! let kinds: Vec<String> = motion.events().iter().map(|event| event.kind.to_string()).collect();
+//! assert_eq!(kinds, ["stick", "release (lagging)", "stick", "release (lagging)"]);
+//!
+//! // The motion it settles to, without a transient.
+//! let cycle = limit_cycle::stick_slip(&system)?.ok_or("no stick-slip")?;
+//! assert!((cycle.period() - 6.799421444472158).abs() < 1e-14);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Which function do I need?
+//!
+//! | question | answer |
+//! |---|---|
+//! | how the mass moves from a given start, and when it sticks | [`MassOnBelt::simulate`], then [`Trajectory::events`], [`state_at`](Trajectory::state_at), [`sample`](Trajectory::sample) |
+//! | the same without an end, in constant memory | [`Integrator::flow`] |
+//! | with a looser tolerance, or more steps | [`Integrator::with_tolerance`], [`Integrator::with_max_steps`] |
+//! | everything that it can settle to | [`limit_cycle::find`] |
+//! | the stick-slip motion alone | [`limit_cycle::stick_slip`] |
+//! | which of them it settles to from a given start | [`limit_cycle::attractor`]; from many, [`limit_cycle::basins`] |
+//! | period, extremes, harmonics, energies of a periodic motion | [`LimitCycle`] |
+//! | whether steady sliding is stable | [`MassOnBelt::equilibrium`] |
+//! | the belt velocity at which steady sliding becomes stable | [`bifurcation::hopf_velocities`], [`bifurcation::criticality`] |
+//! | the one at which stick-slip appears or disappears | [`bifurcation::grazing_velocities`] |
+//! | those at which a cycle changes its kind | [`bifurcation::overshoot_velocities`], [`bifurcation::crossing_velocities`], [`bifurcation::fold_velocities`] |
+//! | a picture over the belt velocity | [`bifurcation::diagram`] |
+//! | how much damping keeps it quiet | [`bifurcation::silencing_damping`]; at every belt velocity, [`analysis::design`] |
+//! | the formulas of the source paper, and better ones | [`analysis::PureSlip`], [`analysis::StickSlip`], [`analysis::averaging`]; [where the paper is wrong](analysis#where-the-source-paper-is-wrong) |
+//! | several masses, forces and belts that vary in time | [`Structure`], [`Contact`], [`Drive`] |
+//! | whether several masses slide steadily, or flutter | [`Structure::steady_sliding`] |
+//! | kilograms, newtons, metres, hertz | [`Scaling`]; a [`Structure`] takes any consistent units |
+//! | a friction law of my own | [`FrictionLaw`], [`Scalar`] |
+//! | measured points as a law | [`Tabulated`] |
+//! | a law chosen at run time | [`AnyLaw`] |
+//!
+//! # The mass on its belt
 //!
 //! ```text
 //!  ▌ spring  ┌──────┐
@@ -9,49 +55,40 @@
 //!  ▌ damper  └──────┘
 //!      ────────────────────▶ v_b, belt
 //!
-//! slip:   u'' + 2βu' + u + γ²μ(v_r) = 0,  v_r = u' − v_b             (Eq. 1)
-//! stick:  u' = v_b,  u'' = 0,  as long as |u + 2βv_b| ≤ γ²μ_s        (Eq. 2, corrected)
+//! slip:   u'' + 2βu' + u + γ²μ(v_r) = 0,  v_r = u' − v_b
+//! stick:  u' = v_b,  u'' = 0,  as long as |u + 2βv_b| ≤ γ²μ_s
 //! ```
 //!
-//! ```
-//! use stick_slip::{EventKind, MassOnBelt, Polynomial, State, limit_cycle};
-//!
-//! // μ_s, the least coefficient, and the sliding speed at which it lies; v_b; β. The set of the paper's Fig. 5.
-//! let law = Polynomial::new(0.4, 0.25, 0.5)?;
-//! let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
-//!
-//! // From rest: carried along by the belt, released, caught again.
-//! let motion = system.simulate(State::new(0.0, 0.0), 10.0)?;
-//! let kinds: Vec<String> = motion.events().iter().map(|event| event.kind.to_string()).collect();
-//! assert_eq!(kinds, ["stick", "release (lagging)", "stick", "release (lagging)"]);
-//! let [_, release, ..] = motion.events() else { unreachable!() };
-//! assert_eq!(release.state, State::new(0.4 - 2.0 * 0.05 * 0.2, 0.2)); // u = γ²μ_s − 2βv_b, v = v_b
-//!
-//! // The motion it settles to, without a transient.
-//! let cycle = limit_cycle::stick_slip(&system)?.ok_or("no stick-slip")?;
-//! assert!((cycle.period() - 6.799421444472158).abs() < 1e-14);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
-//!
-//! # The model
-//!
-//! A mass on a spring and a damper lies on a belt that moves at the velocity v_b. Friction drags it
-//! along until the spring is stretched so far that it slips; where friction falls with the sliding
-//! speed, the slipping mass takes up energy, and steady sliding gives way to vibration: brakes
-//! groan, doors creak, bows sound.
+//! Friction drags the mass along until the spring is stretched so far that it slips. Where friction
+//! falls with the sliding speed, the slipping mass takes up energy, and steady sliding gives way to
+//! vibration: brakes groan, doors creak, bows sound.
 //!
 //! All quantities are dimensionless: u displacement, v = u' velocity, τ time, β ≥ 0 damping ratio,
 //! γ² > 0 friction load, v_b belt velocity of either sign or zero, v_r = v − v_b relative velocity,
 //! s = |v_r| sliding speed. [`Scaling`] leads from kilograms, metres and newtons to them and back.
 //!
-//! A [`FrictionLaw`] is a static coefficient μ_s and a function μ̂(s) for s ≥ 0, with μ̂(0) ≤ μ_s,
-//! the limit from above. The law is odd in the relative velocity: μ(v_r) = sgn(v_r)·μ̂(|v_r|).
+//! A [`FrictionLaw`] is a static coefficient μ_s and a function μ̂(s) for s ≥ 0. Its value at s = 0
+//! is the limit from above, and μ̂(0) ≤ μ_s. The law is odd in the relative velocity:
+//! μ(v_r) = sgn(v_r)·μ̂(|v_r|).
+//!
+//! "Amplitude" has several meanings:
+//!
+//! | where | what it is |
+//! |---|---|
+//! | [`LimitCycle::amplitude`] | half the distance between the largest and the least displacement |
+//! | [`limit_cycle::Continuum`] | the same, of the largest motion of a family |
+//! | [`analysis::PureSlip::amplitude`] | A0 of the source paper, Eq. 15: of displacement and velocity, to first order |
+//! | [`analysis::StickSlip::amplitude`] | A1 of the source paper, Eq. 18: of an arc to which friction gives no energy |
+//! | [`analysis::averaging`] | of the harmonic motion that is averaged over |
+//! | [`LimitCycle::harmonics`] | complex amplitudes of the displacement, one for each harmonic |
+//! | [`Drive::harmonic`] | the largest value of one harmonic |
 //!
 //! # Conventions at zero relative velocity
 //!
-//! F = u + 2βv_b is the force that the contact has to carry in stick, F_s = γ²μ_s the most that it
-//! can. The stick band is half open, so that every state has one fate: −F_s ≤ F < F_s for v_b > 0
-//! (at F = F_s the mass is released), mirrored for v_b < 0, closed for v_b = 0.
+//! The contact has to carry the force F = u + 2βv_b in stick; the most that it can is F_s = γ²μ_s.
+//! The band of forces in which the mass sticks is half open, so that every state has one fate:
+//! −F_s ≤ F < F_s for v_b > 0 (at F = F_s the mass is released), mirrored for v_b < 0, closed for
+//! v_b = 0.
 //!
 //! | situation | what happens |
 //! |---|---|
@@ -108,8 +145,8 @@
 //!
 //! # Limits
 //!
-//! * No forcing: the spring, the damper, and friction on a belt of constant velocity.
-//! * One mass: the motion is planar, and the search for cycles relies on that.
+//! * All cycles are found of one mass on a belt of constant velocity only: there motions are
+//!   planar, and cannot cross. Of a [`Structure`] motions are followed.
 //! * No memory in the law: μ depends on the relative velocity alone (no rate-and-state, LuGre or
 //!   bristle model).
 //! * The method is explicit. A stiff system (large γ²·dμ̂/ds, the cubic law far above its minimum)
@@ -117,59 +154,12 @@
 //! * The law is analytic, at s = 0 too, or piecewise so with
 //!   [breakpoints](FrictionLaw::breakpoints).
 //!
-//! # Which function do I need?
-//!
-//! | question | answer |
-//! |---|---|
-//! | how the mass moves from a given start, and when it sticks | [`MassOnBelt::simulate`], then [`Trajectory::events`], [`state_at`](Trajectory::state_at), [`sample`](Trajectory::sample) |
-//! | the same without an end, in constant memory | [`Integrator::flow`] |
-//! | with a looser tolerance, or more steps | [`Integrator::with_tolerance`], [`Integrator::with_max_steps`] |
-//! | everything that it can settle to | [`limit_cycle::find`] |
-//! | the stick-slip motion alone | [`limit_cycle::stick_slip`] |
-//! | which of them it settles to from a given start | [`limit_cycle::attractor`] |
-//! | period, extremes, harmonics, energies of a periodic motion | [`LimitCycle`] |
-//! | whether steady sliding is stable | [`MassOnBelt::equilibrium`] |
-//! | the belt velocity at which steady sliding becomes stable | [`bifurcation::hopf_velocities`], [`bifurcation::criticality`] |
-//! | the one at which stick-slip appears or disappears | [`bifurcation::grazing_velocities`] |
-//! | those at which a cycle changes its kind | [`bifurcation::overshoot_velocities`], [`bifurcation::crossing_velocities`], [`bifurcation::fold_velocities`] |
-//! | a picture over the belt velocity | [`bifurcation::diagram`] |
-//! | how much damping keeps it quiet | [`bifurcation::silencing_damping`]; at every belt velocity, [`analysis::design`] |
-//! | the formulas of the paper, and better ones | [`analysis::PureSlip`], [`analysis::StickSlip`], [`analysis::averaging`] |
-//! | kilograms, newtons, metres, hertz | [`Scaling`] |
-//! | a friction law of my own | [`FrictionLaw`], [`Scalar`] |
-//! | measured points as a law | [`Tabulated`] |
-//! | a law chosen at run time | [`AnyLaw`] |
-//!
-//! # Where the source paper is wrong
-//!
-//! "Eq. n" is an equation of A. Farshidianfar and N. Noei Aghaee, *Analytical Approaches for
-//! Friction Induced Vibration and Stability Analysis*, which follows J. J. Thomsen and A. Fidlin,
-//! *Int. J. Non-Linear Mech.* 38 (2003) 389-403. "Eq. n, corrected" is one that it prints wrongly;
-//! tests show that the printed formulas fail.
-//!
-//! | where | printed | correct |
-//! |---|---|---|
-//! | Eq. 2 | 2βv_b + u ≤ μ_s | \|2βv_b + u\| ≤ γ²μ_s |
-//! | Eq. 7 | γ²μ(v_r) | γ²μ(v_b) |
-//! | after Eq. 10 | ε ≪ 0 | 0 < ε ≪ 1 |
-//! | Eq. 10b | h2 = −η(v_b/v_m)² | h2 = −ηv_b/v_m² |
-//! | section 4.1.1 | ż < 0, ż ≤ 0 | v_r < 0, v_r ≤ 0 |
-//! | Eq. 13 | A0 = √(−(3/4) h1/h3) | A0 = √(−(4/3) h1/h3) |
-//! | after Eq. 15 | v_b0 = √(4/3) v_b1 | v_b0 = √(4/5) v_b1 |
-//! | after Eq. 15 | stick-slip beyond v_b0 … v_b1 | stick-slip below v_b0; steady sliding above v_b1 |
-//! | Eqs. 16-18 | A1 is the stick-slip amplitude | A1 is that of the arc to which friction gives no energy; see [`analysis::StickSlip`] |
-//! | section 3.2, abstract | Eq. 6 falls, then rises | it never rises; steady sliding is stable again on a slow belt |
-//! | Fig. 3 | the concavity changes at v_s | at v_s/√2 |
-//! | section 4.2 | the integrals cannot be solved | [`analysis::averaging`] computes them to round-off |
-//!
 //! # Features
 //!
 //! None is on by default.
 //!
-//! * `serde`: laws, systems, scalings, states, events, cycles, equilibria and the points of a
-//!   diagram implement `Serialize` and `Deserialize`; what is read passes the checks of the
-//!   constructors. A motion is made again from its system and start. (With `serde_json`, its
-//!   feature `float_roundtrip` gives every number back to the bit.)
+//! * `serde`: laws, systems, scalings, states and events are written and read; equilibria, cycles
+//!   and diagrams, which follow from them, are written. `schema` lists the names.
 //! * `rayon`: `bifurcation::par_diagram`, the [diagram](bifurcation::diagram) on all cores, with
 //!   the same results bit for bit.
 #![forbid(unsafe_code)]
@@ -184,10 +174,10 @@ mod friction;
 pub mod limit_cycle;
 mod motion;
 mod numerics;
-#[cfg(feature = "serde")]
-mod raw;
 mod scalar;
 mod scaling;
+#[cfg(feature = "serde")]
+pub mod schema;
 mod series;
 mod state;
 pub mod structure;
@@ -197,13 +187,13 @@ pub use drive::Drive;
 pub use error::{Error, Reached};
 pub use friction::memory::{ContactLaw, Motion, Slip};
 pub use friction::{
-    AnyLaw, Coulomb, Exponential, FrictionLaw, Polynomial, Rational, Stribeck, Tabulated,
+    AnyLaw, Coulomb, Exponential, FrictionLaw, Polynomial, Rational, Scaled, Stribeck, Tabulated,
 };
 pub use limit_cycle::{CycleKind, CycleSet, EnergyBudget, LimitCycle};
 pub use motion::{Event, EventKind, Integrator, Mode, Segment, System, SystemState, Trajectory};
 pub use nalgebra;
 pub use scalar::Scalar;
-pub use scaling::{Physical, Scaled, Scaling};
+pub use scaling::{Physical, Scaling};
 pub use state::{Direction, State};
 pub use structure::{Contact, Structure};
 

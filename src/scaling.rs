@@ -2,8 +2,10 @@
 
 use crate::belt::MassOnBelt;
 use crate::error::Error;
-use crate::friction::FrictionLaw;
-use crate::scalar::Scalar;
+use crate::friction::{FrictionLaw, Scaled};
+
+#[cfg(feature = "serde")]
+mod read;
 
 /// The physical parameters of a mass on a belt, in SI units.
 ///
@@ -79,7 +81,7 @@ pub struct Physical {
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "crate::raw::Scaling")
+    serde(try_from = "read::Scaling")
 )]
 pub struct Scaling {
     physical: Physical,
@@ -214,10 +216,8 @@ impl Scaling {
 
     /// A law given in physical speeds, m/s, as one in dimensionless speeds.
     pub fn law<L: FrictionLaw>(&self, law: L) -> Scaled<L> {
-        Scaled {
-            law,
-            velocity_unit: self.velocity_unit(),
-        }
+        // The unit is an ordinary number: `with_length` made sure.
+        Scaled::of(law, self.velocity_unit())
     }
 
     /// Time in seconds, t = τ/ω0, of a dimensionless time or period.
@@ -340,89 +340,5 @@ impl Scaling {
     pub fn damping_ratio(&self, damping_constant: f64) -> f64 {
         // 2√(KM) = 2 M ω0
         0.5 * damping_constant / self.physical.mass / self.angular_frequency
-    }
-}
-
-/// A friction law given in physical speeds, as one in dimensionless speeds.
-///
-/// ```text
-/// μ̂(s) = μ̂_physical(ω0 L s)
-/// ```
-///
-/// Breakpoints and pieces are those of the law inside, at speeds divided by ω0 L. Made by
-/// [`Scaling::system`] and [`Scaling::law`].
-///
-/// ```
-/// use stick_slip::{FrictionLaw, Physical, Scaling, Tabulated};
-///
-/// let scaling = Scaling::new(Physical {
-///     mass: 2.0, stiffness: 5000.0, damping: 4.0, normal_force: 20.0, belt_velocity: 0.05,
-/// })?;
-/// // Measured at 0, 0.1 and 0.3 m/s; ω0 L is 0.2 m/s.
-/// let law = scaling.law(Tabulated::new([(0.0, 0.4), (0.1, 0.3), (0.3, 0.25)])?);
-/// assert_eq!(law.kinetic(0.5), 0.3);
-/// let speeds: Vec<f64> = law.breakpoints().map(|speed| scaling.metres_per_second(speed)).collect();
-/// assert_eq!(speeds, [0.1, 0.3]);
-/// # Ok::<(), stick_slip::Error>(())
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "crate::raw::Scaled<L>"),
-    serde(bound(deserialize = "L: FrictionLaw + serde::Deserialize<'de>"))
-)]
-pub struct Scaled<L> {
-    law: L,
-    velocity_unit: f64,
-}
-
-impl<L: FrictionLaw> Scaled<L> {
-    /// The law given, with the physical speed ω0 L, in m/s, of the dimensionless speed 1.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::InvalidParameter`] unless the unit is finite and > 0.
-    pub fn new(law: L, velocity_unit: f64) -> Result<Self, Error> {
-        Error::check(
-            "velocity_unit",
-            velocity_unit,
-            velocity_unit > 0.0,
-            "velocity_unit > 0",
-        )?;
-        Ok(Self { law, velocity_unit })
-    }
-}
-
-impl<L> Scaled<L> {
-    /// The law in physical speeds.
-    pub fn law(&self) -> &L {
-        &self.law
-    }
-
-    /// Physical speed ω0 L of the dimensionless speed 1, m/s.
-    pub fn velocity_unit(&self) -> f64 {
-        self.velocity_unit
-    }
-}
-
-impl<L: FrictionLaw> FrictionLaw for Scaled<L> {
-    fn static_coefficient(&self) -> f64 {
-        self.law.static_coefficient()
-    }
-
-    #[inline(always)]
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        self.law.kinetic(speed * self.velocity_unit)
-    }
-
-    fn breakpoints(&self) -> impl Iterator<Item = f64> {
-        let unit = self.velocity_unit;
-        self.law.breakpoints().map(move |speed| speed / unit)
-    }
-
-    #[inline(always)]
-    fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
-        self.law.kinetic_on(piece, speed * self.velocity_unit)
     }
 }

@@ -1,12 +1,13 @@
 //! Writing and reading back, and reading what a constructor would refuse (feature `serde`).
 
 use serde::{Serialize, de::DeserializeOwned};
-use stick_slip::bifurcation::{self, Criticality, DiagramPoint};
+use serde_json::Value;
+use stick_slip::bifurcation::{self, Criticality};
 use stick_slip::limit_cycle::{Attractor, Continuum};
 use stick_slip::{
-    AnyLaw, Coulomb, CycleKind, CycleSet, Direction, EnergyBudget, Equilibrium, Event, EventKind,
-    Exponential, LimitCycle, MassOnBelt, Mode, Physical, Polynomial, Rational, Scaled, Scaling,
-    Stability, State, Stribeck, Tabulated, limit_cycle,
+    AnyLaw, Coulomb, CycleKind, CycleSet, Direction, Event, EventKind, Exponential, LimitCycle,
+    MassOnBelt, Mode, Physical, Polynomial, Rational, Scaled, Scaling, Stability, State, Stribeck,
+    Tabulated, limit_cycle, structure,
 };
 
 fn there_and_back<T: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(
@@ -80,12 +81,13 @@ fn the_rest_there_and_back() {
         .unwrap();
     there_and_back(&system.with_load(2.0).unwrap());
     there_and_back(&State::new(0.1 + 0.2, -1.0 / 3.0));
-    there_and_back(&Mode::Stick);
-    there_and_back(&Mode::Slip(Direction::Leading));
+    there_and_back(&structure::State::new(&[0.1, 0.2], &[-0.3, 0.0]).with_memory(&[0.5]));
+    let read: structure::State =
+        serde_json::from_str(r#"{"displacements":[0.1],"velocities":[0]}"#).unwrap();
+    assert_eq!(read, structure::State::new(&[0.1], &[0.0]));
     let events = system.simulate(State::new(0.0, 0.0), 20.0).unwrap();
     assert!(events.events().len() > 2);
     there_and_back::<Vec<Event>>(&events.events().to_vec());
-    there_and_back(&EventKind::Crossing(Direction::Lagging));
 }
 
 #[test]
@@ -202,66 +204,171 @@ fn cycles() -> Vec<LimitCycle> {
 }
 
 #[test]
-fn cycles_there_and_back() {
-    let cycles = cycles();
-    for kind in [
-        CycleKind::PureSlip,
-        CycleKind::StickSlip,
-        CycleKind::Overshoot,
-        CycleKind::Crossing,
+fn kinds_there_and_back() {
+    for (kind, name) in [
+        (CycleKind::PureSlip, "pure_slip"),
+        (CycleKind::StickSlip, "stick_slip"),
+        (CycleKind::Overshoot, "overshoot"),
+        (CycleKind::Crossing, "crossing"),
     ] {
-        let count = cycles.iter().filter(|cycle| cycle.kind() == kind).count();
-        assert!(count >= 2, "{kind}: {count}");
-        there_and_back(&kind);
+        assert_eq!(there_and_back(&kind), format!("\"{name}\""));
     }
-    assert!(cycles.iter().any(|cycle| !cycle.is_stable()));
-    for cycle in &cycles {
-        let text = there_and_back(cycle);
-        // Its numbers are there for other programs.
-        let read: serde_json::Value = serde_json::from_str(&text).unwrap();
-        assert_eq!(read["period"], cycle.period());
-        assert_eq!(read["amplitude"], cycle.amplitude());
-        assert_eq!(read["multiplier"], cycle.multiplier());
+    for (stability, name) in [
+        (Stability::StableFocus, "stable_focus"),
+        (Stability::StableNode, "stable_node"),
+        (Stability::Center, "center"),
+        (Stability::UnstableFocus, "unstable_focus"),
+        (Stability::UnstableNode, "unstable_node"),
+    ] {
+        assert_eq!(there_and_back(&stability), format!("\"{name}\""));
     }
-    there_and_back::<EnergyBudget>(&cycles[0].energy());
-    there_and_back(&Attractor::Rest);
-    there_and_back(&Attractor::Cycle(cycles[0].clone()));
-    there_and_back(&Criticality::Subcritical);
-    let max_amplitude = 0.2;
-    there_and_back(&Continuum { max_amplitude });
-    let max_amplitude = f64::INFINITY;
-    there_and_back(&Continuum { max_amplitude });
+    for (criticality, name) in [
+        (Criticality::Supercritical, "supercritical"),
+        (Criticality::Subcritical, "subcritical"),
+        (Criticality::Degenerate, "degenerate"),
+    ] {
+        assert_eq!(there_and_back(&criticality), format!("\"{name}\""));
+    }
+    let (lagging, leading) = (Direction::Lagging, Direction::Leading);
+    for (kind, text) in [
+        (EventKind::Stick, r#""stick""#),
+        (EventKind::Release(lagging), r#"{"release":"lagging"}"#),
+        (EventKind::Release(leading), r#"{"release":"leading"}"#),
+        (EventKind::Crossing(lagging), r#"{"crossing":"lagging"}"#),
+    ] {
+        assert_eq!(there_and_back(&kind), text);
+    }
+    assert_eq!(there_and_back(&Mode::Stick), r#""stick""#);
+    assert_eq!(
+        there_and_back(&Mode::Slip(leading)),
+        r#"{"slip":"leading"}"#
+    );
+    refused::<CycleKind>(r#""PureSlip""#, "unknown variant");
+    refused::<EventKind>(r#"{"stick":"lagging"}"#, "expected unit");
+    refused::<EventKind>(r#""release""#, "newtype variant");
+    refused::<Mode>(r#"{"slip":"sideways"}"#, "unknown variant");
 }
 
-#[test]
-fn diagrams_there_and_back() {
-    let velocities: Vec<f64> = (0..60).map(|i| 0.01 * f64::from(i)).collect();
-    let system = polynomial(0.3, 0.05, 1.0);
-    let points: Vec<DiagramPoint> = bifurcation::diagram(&system, velocities)
-        .collect::<Result<_, _>>()
-        .unwrap();
-    there_and_back(&points);
-    let flat = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), 0.2).unwrap();
-    there_and_back::<CycleSet>(&limit_cycle::find(&flat).unwrap());
-    let hidden = limit_cycle::find(&polynomial(0.3, 0.0, 1e-20)).unwrap();
-    assert!(!hidden.unresolved().is_empty());
-    there_and_back::<CycleSet>(&hidden);
-    for v_b in [0.01, 0.2, 0.55, 3.0] {
-        there_and_back::<Equilibrium>(&polynomial(v_b, 0.3, 5.0).equilibrium().unwrap());
+/// A document of each type that is read.
+fn documents() -> Vec<(Value, Read)> {
+    fn document<T>(value: T) -> (Value, Read)
+    where
+        T: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug,
+    {
+        // What was read is written again as it was: nothing is lost, nothing is added.
+        let read = |value| {
+            let read = serde_json::from_value::<T>(value).map_err(|error| error.to_string())?;
+            Ok(serde_json::to_value(read).unwrap())
+        };
+        (serde_json::to_value(value).unwrap(), read)
     }
-    there_and_back(&Stability::Center);
-    refused::<Equilibrium>(
-        r#"{"displacement":0.3,"effective_damping":0.1,"stability":"UnstableFocus"}"#,
-        "effective_damping",
-    );
+    let polynomial = Polynomial::new(0.4, 0.25, 0.5).unwrap();
+    let stribeck = Stribeck::new(0.4, 0.25, 0.3, 1).and_then(|l| l.with_viscous_coefficient(0.01));
+    let rational = Rational::new(0.4, 3.0).and_then(|law| law.with_offset(0.1));
+    let system = MassOnBelt::new(AnyLaw::from(table()), -0.2);
+    let system = system.and_then(|system| system.with_damping(0.05));
+    let motion = system.clone().unwrap();
+    let motion = motion.simulate(State::new(0.0, 0.0), 20.0).unwrap();
+    let memory = structure::State::new(&[0.1, 0.2], &[0.3, -0.4]).with_memory(&[1.5]);
+    vec![
+        document(Coulomb::new(0.4, 0.25).unwrap()),
+        document(Exponential::new(0.4, 0.25, 0.5).unwrap()),
+        document(polynomial),
+        document(stribeck.unwrap()),
+        document(rational.unwrap()),
+        document(table().with_static_coefficient(0.5).unwrap()),
+        document(AnyLaw::from(polynomial)),
+        document(brake().law(table())),
+        document(brake().physical()),
+        document(brake().with_length(0.1).unwrap()),
+        document(system.unwrap()),
+        document(State::new(0.1 + 0.2, -1.0 / 3.0)),
+        document(memory),
+        document(motion.events()[1]),
+    ]
+}
+
+type Read = fn(Value) -> Result<Value, String>;
+
+#[test]
+fn whatever_is_read_is_complete_and_nothing_else() {
+    for (document, read) in documents() {
+        assert_eq!(read(document.clone()).as_ref(), Ok(&document));
+        let fields = document.as_object().unwrap();
+        let mut more = document.clone();
+        more["colour"] = 1.into();
+        let error = read(more).unwrap_err();
+        let told = ["unknown field", "single key"];
+        assert!(told.iter().any(|told| error.contains(told)), "{error}");
+        for name in fields.keys() {
+            assert_eq!(*name, name.to_lowercase(), "{document}");
+            // Left out: refused, or one of the fields that have a default.
+            let mut less = fields.clone();
+            less.remove(name);
+            let optional = [
+                "viscous_coefficient",
+                "offset",
+                "quadratic",
+                "length",
+                "damping",
+                "load",
+                "memory",
+            ];
+            let is_optional = optional.contains(&name.as_str())
+                || (name == "static_coefficient" && fields.contains_key("points"));
+            // The damper of the physical parameters is none of them.
+            let is_optional = is_optional && !fields.contains_key("mass");
+            assert_eq!(read(less.into()).is_ok(), is_optional, "{document}: {name}");
+        }
+        // A number replaced by nothing, by text, or by one that no `f64` holds.
+        for wrong in [Value::Null, "0.1".into(), serde_json::json!([0.1])] {
+            for document in tampered(&document, &|_| wrong.clone()) {
+                let left_out = wrong.is_null() && read(document.clone()).is_ok();
+                // Only what may be left out may be nothing.
+                let optional = [
+                    "/length",
+                    "/static_coefficient",
+                    "/law/static_coefficient",
+                    "/law/tabulated/static_coefficient",
+                ];
+                let is_nothing = |at: &&str| document.pointer(at).is_some_and(Value::is_null);
+                assert!(
+                    read(document.clone()).is_err() || left_out && optional.iter().any(is_nothing),
+                    "{document}"
+                );
+            }
+        }
+    }
+}
+
+/// Numbers that are read reach the constructors: whatever was changed, the result is one that a
+/// constructor gives, or it is refused.
+#[test]
+fn tampered_numbers_are_read_as_they_are_or_refused() {
+    for (document, read) in documents() {
+        let (mut read_as_is, mut refused) = (0, 0);
+        for x in [-1.0, 0.0, 1e-310, 7.5, 1e300, -1e300] {
+            for changed in tampered(&document, &|_| x.into()) {
+                match read(changed.clone()) {
+                    Ok(again) => {
+                        // −1.0 may be written for −1.
+                        assert_eq!(again, changed);
+                        read_as_is += 1;
+                    }
+                    Err(error) => {
+                        let told = ["not allowed", "invalid type", "invalid value", "below the"];
+                        assert!(told.iter().any(|told| error.contains(told)), "{error}");
+                        refused += 1;
+                    }
+                }
+            }
+        }
+        assert!(read_as_is > 0, "{document}: {refused} refused");
+    }
 }
 
 /// Every number that a JSON text holds, one at a time, as another.
-fn tampered(
-    value: &serde_json::Value,
-    change: &dyn Fn(f64) -> serde_json::Value,
-) -> Vec<serde_json::Value> {
-    use serde_json::Value;
+fn tampered(value: &Value, change: &dyn Fn(f64) -> Value) -> Vec<Value> {
     match value {
         Value::Number(number) => vec![change(number.as_f64().unwrap())],
         Value::Array(items) => (0..items.len())
@@ -288,177 +395,90 @@ fn tampered(
 }
 
 #[test]
-fn cycles_that_are_none_are_refused() {
-    let read = serde_json::from_value::<LimitCycle>;
-    for cycle in cycles() {
-        let written = serde_json::to_value(&cycle).unwrap();
-        let kind = cycle.kind();
-        // A number replaced by nothing is no number.
-        for wrong in tampered(&written, &|_| serde_json::Value::Null) {
-            assert!(read(wrong).is_err(), "{kind}");
-        }
-        // A number replaced by one that is far from it: refused, unless the motion hardly changes,
-        // as by the last terms of a short step.
-        let changed = tampered(&written, &|x| (2.0 * x + 0.7).into());
-        let count = changed.len();
-        let mut accepted = 0;
-        for wrong in changed {
-            if let Ok(other) = read(wrong) {
-                accepted += 1;
-                assert!((other.period() - cycle.period()).abs() < 1e-6);
-                assert!((other.amplitude() - cycle.amplitude()).abs() < 1e-6);
-                assert_eq!(other.is_stable(), cycle.is_stable());
-                let [a, b] = [&other, &cycle].map(|cycle| cycle.energy().damper_loss);
-                assert!((a - b).abs() < 1e-6);
-                let [a, b] = [other.trajectory(), cycle.trajectory()];
-                for ((_, a), (_, b)) in std::iter::zip(a.sample(1000), b.sample(1000)) {
-                    assert!((a.displacement - b.displacement).abs() < 1e-6);
-                    assert!((a.velocity - b.velocity).abs() < 1e-6);
-                }
-            }
-        }
-        println!("{kind}: {accepted} of {count} changes accepted");
-        assert!(accepted < count);
-
-        let with = |key: &str, value: serde_json::Value| {
-            let mut wrong = written.clone();
-            wrong[key] = value;
-            read(wrong).unwrap_err().to_string()
-        };
-        assert!(with("multiplier", (cycle.multiplier() + 0.01).into()).contains("multiplier"));
-        assert!(with("period", (cycle.period() * 1.001).into()).contains("period"));
-        assert!(with("belt_velocity", 0.0.into()).contains("belt_velocity"));
-        assert!(with("damping", (-0.1).into()).contains("damping"));
-        assert!(with("steps", serde_json::json!([])).contains("steps"));
-        assert!(with("colour", 1.into()).contains("unknown field"));
-        let other = if kind == CycleKind::PureSlip {
-            "StickSlip"
-        } else {
-            "PureSlip"
-        };
-        assert!(with("kind", other.into()).contains("kind"));
-        // One step less: it no longer closes.
-        let steps = written["steps"].as_array().unwrap();
-        if steps.len() > 1 {
-            let error = with("steps", steps[1..].into());
-            assert!(error.contains("is not allowed"), "{error}");
-        }
-    }
-    // Cycles lie one inside the other.
+fn what_follows_from_a_system_is_written() {
     let cycles = cycles();
-    let set = |order: [usize; 2]| {
-        let cycles = order.map(|i| serde_json::to_value(&cycles[i]).unwrap());
-        serde_json::json!({"cycles": cycles, "continuum": null, "unresolved": []})
-    };
-    let [inner, outer] = if cycles[0].amplitude() < cycles[1].amplitude() {
-        [0, 1]
-    } else {
-        [1, 0]
-    };
-    assert!(serde_json::from_value::<CycleSet>(set([inner, outer])).is_ok());
-    let error = serde_json::from_value::<CycleSet>(set([outer, inner])).unwrap_err();
-    assert!(error.to_string().contains("ascending"), "{error}");
-}
-
-/// Each change is consistent in itself; only where two steps meet does it show.
-#[test]
-fn steps_that_do_not_meet_are_refused() {
-    let cycle = limit_cycle::stick_slip(&polynomial(0.3, 0.02, 1.0)).unwrap();
-    let written = serde_json::to_value(cycle.unwrap()).unwrap();
-    let refusal = |change: &dyn Fn(&mut Vec<serde_json::Value>)| {
-        let mut wrong = written.clone();
-        change(wrong["steps"].as_array_mut().unwrap());
-        let read = serde_json::from_value::<LimitCycle>(wrong);
-        read.unwrap_err().to_string()
-    };
-    let add = |number: &mut serde_json::Value, change: f64| {
-        *number = (number.as_f64().unwrap() + change).into();
-    };
-    // The second step starts faster than the first ends, at the same place.
-    let error = refusal(&|steps| {
-        assert!(steps[1]["duration"].as_f64().unwrap() < 1.0);
-        add(&mut steps[1]["state"]["velocity"], 1e-6);
-        add(&mut steps[1]["speed"][0], -1e-6);
-    });
-    assert!(error.contains("the end of the step before"), "{error}");
-    // A release, as at the end of stick, between two steps of one slip phase.
-    let error = refusal(&|steps| {
-        steps[0]["event"] = steps[steps.len() - 1]["event"].clone();
-        steps[0]["event"]["time"] = steps[0]["duration"].clone();
-        steps[0]["event"]["state"] = steps[1]["state"].clone();
-    });
-    assert!(error.contains("an event where the mode changes"), "{error}");
-}
-
-/// What a cycle holds twice may differ by 1e-8 of the motion's size, and not by more: of its
-/// period; of |u| + amplitude + |v_b|; and of the square of that times the period.
-#[test]
-fn numbers_of_a_cycle_agree_within_a_hundred_millionth() {
-    let read = serde_json::from_value::<LimitCycle>;
-    let scaled = [(0.013, 0.2), (4.0, 150.0)].map(|(v_b, load)| {
-        let coulomb = Coulomb::new(0.4, 0.25).unwrap();
-        let system = MassOnBelt::new(coulomb, v_b)
-            .and_then(|system| system.with_load(load))
-            .and_then(|system| system.with_damping(0.01));
-        limit_cycle::stick_slip(&system.unwrap()).unwrap().unwrap()
-    });
-    for cycle in cycles().into_iter().step_by(3).chain(scaled) {
-        let written = serde_json::to_value(&cycle).unwrap();
-        let (v_b, period) = (
-            written["belt_velocity"].as_f64().unwrap().abs(),
-            cycle.period(),
-        );
-        let size = cycle.max_displacement().abs() + cycle.amplitude() + v_b;
-        let work = size * size * period;
-        // The logarithm of a multiplier, from second derivatives, agrees within a thousandth.
-        let logarithm = cycle.multiplier().ln();
-        for (part, accepted) in [(0.4, true), (-0.4, true), (2.5, false), (-2.5, false)] {
-            if logarithm.is_finite() {
-                let mut changed = written.clone();
-                let wrong = logarithm + part * 1e-3 * (1.0 + logarithm.abs());
-                changed["multiplier"] = wrong.exp().into();
-                assert_eq!(read(changed).is_ok(), accepted, "{logarithm} {part}");
-            }
-        }
-        let event = cycle.trajectory().events().first().map(|event| event.time);
-        let speed = written["steps"][0]["state"]["velocity"]
-            .as_f64()
-            .unwrap()
-            .abs()
-            + v_b;
-        let ended = written["steps"].as_array().unwrap();
-        let ended = ended.iter().position(|step| !step["event"].is_null());
-        let ended = format!("/steps/{}/event/time", ended.unwrap_or(0));
-        for (pointer, size) in [
-            ("/period", period),
-            ("/stick_duration", period),
-            ("/amplitude", size),
-            ("/mean_displacement", size),
-            ("/max_velocity", size),
-            ("/min_velocity", size),
-            ("/energy/drive_work", work),
-            ("/energy/belt_work", work),
-            ("/energy/damper_loss", work),
-            ("/energy/friction_loss", work),
-            ("/steps/0/state/displacement", size),
-            ("/steps/0/state/velocity", speed),
-            (&ended, event.unwrap_or(0.0)),
-        ] {
-            for (part, accepted) in [(0.4, true), (-0.4, true), (2.5, false), (-2.5, false)] {
-                let mut changed = written.clone();
-                let Some(number) = changed.pointer_mut(pointer) else {
-                    assert_eq!(event, None, "{pointer}");
-                    continue;
-                };
-                *number = (number.as_f64().unwrap() + part * 1e-8 * size).into();
-                let result = read(changed);
-                assert_eq!(
-                    result.is_ok(),
-                    accepted,
-                    "{pointer} {part}: {:?}",
-                    result.err()
-                );
-            }
-        }
+    for kind in [
+        CycleKind::PureSlip,
+        CycleKind::StickSlip,
+        CycleKind::Overshoot,
+        CycleKind::Crossing,
+    ] {
+        let count = cycles.iter().filter(|cycle| cycle.kind() == kind).count();
+        assert!(count >= 2, "{kind}: {count}");
     }
+    assert!(cycles.iter().any(|cycle| !cycle.is_stable()));
+    for cycle in &cycles {
+        let written = serde_json::to_value(cycle).unwrap();
+        let energy = cycle.energy();
+        for (pointer, number) in [
+            ("/multiplier", cycle.multiplier()),
+            ("/period", cycle.period()),
+            ("/stick_duration", cycle.stick_duration()),
+            ("/amplitude", cycle.amplitude()),
+            ("/mean_displacement", cycle.mean_displacement()),
+            ("/max_velocity", cycle.max_velocity()),
+            ("/min_velocity", cycle.min_velocity()),
+            ("/energy/drive_work", energy.drive_work),
+            ("/energy/belt_work", energy.belt_work),
+            ("/energy/damper_loss", energy.damper_loss),
+            ("/energy/friction_loss", energy.friction_loss),
+            ("/state/displacement", cycle.state().displacement),
+            ("/state/velocity", cycle.state().velocity),
+        ] {
+            assert_eq!(written.pointer(pointer), Some(&number.into()), "{pointer}");
+        }
+        assert_eq!(written["kind"], serde_json::to_value(cycle.kind()).unwrap());
+        // Its events can be read, and so can its start: the motion is made again from them.
+        let events: Vec<Event> = serde_json::from_value(written["events"].clone()).unwrap();
+        assert_eq!(events, cycle.trajectory().events());
+        let start: State = serde_json::from_value(written["state"].clone()).unwrap();
+        assert_eq!(start, cycle.state());
+    }
+
+    let system = polynomial(0.3, 0.05, 1.0);
+    let points = bifurcation::diagram(&system, (0..60).map(|i| 0.01 * f64::from(i)));
+    for point in points {
+        let point = point.unwrap();
+        let written = serde_json::to_value(&point).unwrap();
+        assert_eq!(written["belt_velocity"], point.belt_velocity);
+        let equilibrium = &written["equilibrium"];
+        assert_eq!(equilibrium.is_null(), point.belt_velocity == 0.0);
+        if let Some(expected) = point.equilibrium {
+            assert_eq!(equilibrium["displacement"], expected.displacement);
+            assert_eq!(equilibrium["effective_damping"], -expected.jacobian[(1, 1)]);
+            let stability: Stability =
+                serde_json::from_value(equilibrium["stability"].clone()).unwrap();
+            assert_eq!(stability, expected.stability);
+        }
+        let set = written["cycles"]["cycles"].as_array().unwrap();
+        assert_eq!(set.len(), point.cycles.len());
+    }
+
+    let flat = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), 0.2).unwrap();
+    let written = serde_json::to_value(limit_cycle::find(&flat).unwrap()).unwrap();
+    assert_eq!(written["continuum"]["max_amplitude"], 0.2);
+    assert_eq!(written["unresolved"], serde_json::json!([]));
+    // JSON has no ∞.
+    let max_amplitude = f64::INFINITY;
+    let written = serde_json::to_value(Continuum { max_amplitude }).unwrap();
+    assert_eq!(written, serde_json::json!({"max_amplitude": null}));
+    let hidden = limit_cycle::find(&polynomial(0.3, 0.0, 1e-20)).unwrap();
+    let written = serde_json::to_value(&hidden).unwrap();
+    assert_eq!(
+        written["unresolved"][0]["start"],
+        hidden.unresolved()[0].start
+    );
+
+    for (attractor, text) in [
+        (Attractor::Rest, "rest"),
+        (Attractor::Equilibrium, "equilibrium"),
+        (Attractor::Continuum, "continuum"),
+        (Attractor::Unbounded, "unbounded"),
+        (Attractor::Unresolved, "unresolved"),
+    ] {
+        assert_eq!(serde_json::to_value(attractor).unwrap(), text);
+    }
+    let attractor = Attractor::Separatrix(cycles[0].clone());
+    let written = serde_json::to_value(attractor).unwrap();
+    assert_eq!(written["separatrix"]["period"], cycles[0].period());
 }

@@ -133,10 +133,11 @@ pub(crate) fn fig6() -> Result<Figure> {
     ];
 
     let caption = format!(
-        "Fig. 6. Amplitude over the belt velocity, polynomial law, γ² = 1, v_m = 0.5, μ_s = 0.4, μ_m = 0.25, β = 0.05: exact motions and \
-         the formulas for them. Solid lines are stable, dashed ones unstable. A_1, Eq. 18, leaves out the energy that slip gains. \
-         Stick-slip ends at {grazing:.9}; averaging says v_b0 = {by_averaging:.9}, which the paper misprints as √(4/3) v_b1. Steady \
-         sliding is stable from v_b1 = {hopf:.9} on."
+        "Fig. 6. Amplitude over the belt velocity, polynomial law, γ² = 1, v_m = 0.5, μ_s = 0.4, \
+         μ_m = 0.25, β = 0.05: exact motions and the formulas for them. Solid lines are stable, \
+         dashed ones unstable. A_1, Eq. 18, leaves out the energy that slip gains. Stick-slip ends \
+         at {grazing:.9}; averaging says v_b0 = {by_averaging:.9}, which the paper misprints as \
+         √(4/3) v_b1. Steady sliding is stable from v_b1 = {hopf:.9} on."
     );
     svg((860, 430), &caption, |area| {
         let halves = area.split_evenly((1, 2));
@@ -258,7 +259,8 @@ fn beside_sliding(
     panel.finish()
 }
 
-const BISTABILITY: &str = "Amplitude over the belt velocity, exponential law, μ_s = 0.6, μ_k = 0.3, v_s = 0.4, γ² = 1. Right of the Hopf \
-    point steady sliding and a vibration are both stable; an unstable cycle lies between them. (a) It ends where stick-slip does, by grazing, \
-    far beyond the Hopf point. (b) With more damping stick-slip goes over into pure slip, which ends in a fold. At the far left of (a), steady \
-    sliding is stable on a slow belt, too.";
+const BISTABILITY: &str = "Amplitude over the belt velocity, exponential law, μ_s = 0.6, μ_k = \
+    0.3, v_s = 0.4, γ² = 1. Right of the Hopf point steady sliding and a vibration are both \
+    stable; an unstable cycle lies between them. (a) It ends where stick-slip does, by grazing, \
+    far beyond the Hopf point. (b) With more damping stick-slip goes over into pure slip, which \
+    ends in a fold. At the far left of (a), steady sliding is stable on a slow belt, too.";

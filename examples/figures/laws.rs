@@ -11,8 +11,9 @@ const VELOCITY: &str = "relative velocity v_r";
 const COEFFICIENT: &str = "friction coefficient μ(v_r)";
 const THIN: Stroke = Stroke::dashed(GREY, 1.0, [3, 3]);
 
-const POLYNOMIAL: &str = "Fig. 2. The polynomial law, Eqs. 3 to 5, μ_s = 0.4, μ_m = 0.25: it falls from μ_s to its \
-    minimum μ_m at the relative velocity v_m, then rises. In stick the coefficient has any value between −μ_s and μ_s.";
+const POLYNOMIAL: &str = "Fig. 2. The polynomial law, Eqs. 3 to 5, μ_s = 0.4, μ_m = 0.25: it falls \
+    from μ_s to its minimum μ_m at the relative velocity v_m, then rises. In stick the coefficient \
+    has any value between −μ_s and μ_s.";
 
 pub(crate) fn polynomial() -> Result<Figure> {
     svg((860, 380), POLYNOMIAL, |area| {
@@ -38,9 +39,10 @@ pub(crate) fn polynomial() -> Result<Figure> {
     })
 }
 
-const EXPONENTIAL: &str = "Fig. 3. (a) The exponential law, Eq. 6, μ_s = 0.4, μ_k = 0.25, v_s = 0.5. It changes its concavity at \
-    v_s/√2 (the paper says, at v_s). (b) Beside the polynomial law with the same numbers: it never rises (the paper says that it does), and \
-    it is level at v_r = 0.";
+const EXPONENTIAL: &str = "Fig. 3. (a) The exponential law, Eq. 6, μ_s = 0.4, μ_k = 0.25, v_s = \
+    0.5. It changes its concavity at v_s/√2 (the paper says, at v_s). (b) Beside the polynomial \
+    law with the same numbers: it never rises (the paper says that it does), and it is level at \
+    v_r = 0.";
 
 pub(crate) fn exponential() -> Result<Figure> {
     svg((860, 380), EXPONENTIAL, |area| {

@@ -20,24 +20,26 @@ const TRANSIENT: Stroke = Stroke::solid(SKY, 1.0);
 const ASPECT: f64 = 342.0 / 374.0;
 const BELT: Stroke = Stroke::dashed(GREY, 1.0, [3, 3]);
 
-const FIG4: &str = "Fig. 4. From rest to vibration that never sticks: polynomial law, γ² = 1, v_m = 0.5, \
-    μ_s = 0.4, μ_m = 0.25, β = 0.05, v_b = 0.4. The exact limit cycle is drawn over the motion; steady sliding (ring) is unstable.";
+const FIG4: &str = "Fig. 4. From rest to vibration that never sticks: polynomial law, γ² = 1, v_m \
+    = 0.5, μ_s = 0.4, μ_m = 0.25, β = 0.05, v_b = 0.4. The exact limit cycle is drawn over the \
+    motion; steady sliding (ring) is unstable.";
 
 pub(crate) fn fig4() -> Result<Figure> {
     let law = Polynomial::new(0.4, 0.25, 0.5)?;
     motion(FIG4, law, 0.4, 120.0, -0.5..0.6)
 }
 
-const FIG5: &str = "Fig. 5. Stick-slip from rest: as Fig. 4, but v_b = 0.2. Stick phases are marked; from the first \
-    release on the motion is periodic.";
+const FIG5: &str = "Fig. 5. Stick-slip from rest: as Fig. 4, but v_b = 0.2. Stick phases are \
+    marked; from the first release on the motion is periodic.";
 
 pub(crate) fn fig5() -> Result<Figure> {
     let law = Polynomial::new(0.4, 0.25, 0.5)?;
     motion(FIG5, law, 0.2, 30.0, -0.4..0.4)
 }
 
-const FIG7: &str = "Fig. 7. Stick-slip with the exponential law: μ_s = 0.4, μ_k = 0.25, v_s = 0.5, γ² = 1, β = 0.05, \
-    v_b = 0.2 (the paper gives no numbers, but says that they are those of the polynomial law).";
+const FIG7: &str = "Fig. 7. Stick-slip with the exponential law: μ_s = 0.4, μ_k = 0.25, v_s = 0.5, \
+    γ² = 1, β = 0.05, v_b = 0.2 (the paper gives no numbers, but says that they are those of the \
+    polynomial law).";
 
 pub(crate) fn fig7() -> Result<Figure> {
     let law = Exponential::new(0.4, 0.25, 0.5)?;

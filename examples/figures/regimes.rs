@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 
 use plotters::style::RGBColor;
-use stick_slip::analysis::design::QuietLaw;
+use stick_slip::analysis;
 use stick_slip::bifurcation::{
     crossing_velocities, fold_velocities, grazing_velocities, hopf_velocities, overshoot_velocities,
 };
@@ -15,10 +15,12 @@ use super::plot::{Axis, Panel};
 use super::style::{BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, Stroke, VERMILLION, pale};
 use super::svg::{Area, Figure, Result, svg};
 
-const CAPTION: &str = "What the mass settles to, over belt velocity and damping. The borders are exact: Hopf points of steady sliding \
-    (black), grazing, where stick-slip appears (blue), overshoot and crossing, where the mass begins to overtake the belt (purple), folds \
-    of pure-slip cycles (green). (a) Polynomial law, μ_s = 0.4, μ_m = 0.1, v_m = 1, γ² = 0.15. (b) Exponential law, μ_s = 0.6, μ_k = 0.3, \
-    v_s = 0.4, γ² = 1: here two motions can exist side by side, and on a slow belt steady sliding is stable again.";
+const CAPTION: &str = "What the mass settles to, over belt velocity and damping. The borders are \
+    exact: Hopf points of steady sliding (black), grazing, where stick-slip appears (blue), \
+    overshoot and crossing, where the mass begins to overtake the belt (purple), folds of \
+    pure-slip cycles (green). (a) Polynomial law, μ_s = 0.4, μ_m = 0.1, v_m = 1, γ² = 0.15. (b) \
+    Exponential law, μ_s = 0.6, μ_k = 0.3, v_s = 0.4, γ² = 1: here two motions can exist side by \
+    side, and on a slow belt steady sliding is stable again.";
 
 const BELT_VELOCITY: &str = "belt velocity v_b";
 const DAMPING: &str = "damping ratio β";
@@ -41,7 +43,7 @@ pub(crate) fn regimes() -> Result<Figure> {
 
 fn polynomial(area: &Area) -> Result<()> {
     let system = MassOnBelt::new(Polynomial::new(0.4, 0.1, 1.0)?, 0.5)?.with_load(0.15)?;
-    let quiet = QuietLaw::least_damping_everywhere(&system);
+    let quiet = analysis::polynomial::least_damping_everywhere(&system);
     let range = 0.0..1.1;
     let below = |velocities: Vec<f64>| velocities.first().map(|&v_b| [-1.0, v_b]);
     let between = |velocities: Vec<f64>| match velocities[..] {
@@ -93,7 +95,7 @@ fn polynomial(area: &Area) -> Result<()> {
 
 fn exponential(area: &Area) -> Result<()> {
     let system = MassOnBelt::new(Exponential::new(0.6, 0.3, 0.4)?, 0.5)?;
-    let quiet = QuietLaw::least_damping_everywhere(&system);
+    let quiet = analysis::exponential::least_damping_everywhere(&system);
     // The upper border leaves the picture as β → 0; where it is not found, it lies beyond this.
     let end = 2.0;
     let hopf = |beta: f64| {

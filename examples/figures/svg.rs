@@ -39,7 +39,9 @@ pub(crate) fn svg(
         root.present()?;
     }
     let mut text = format!(
-        "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {} {}\" stroke-linejoin=\"round\" xml:space=\"preserve\" \
+        "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {} {}\" \
+         stroke-linejoin=\"round\" \
+         xml:space=\"preserve\" \
          xmlns=\"http://www.w3.org/2000/svg\">\n<desc>{}</desc>\n",
         size.0,
         size.1,

@@ -26,12 +26,13 @@
 
 use std::f64::consts::PI;
 
-use super::roots::{Sample, brackets, isolate, refine};
 use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::friction::{piece_above, slope_on};
 use crate::numerics::adaptive::{Integral, gauss, graded, trapezoid};
+use crate::numerics::bracket::root_between;
+use crate::numerics::chebyshev::{Sample, brackets, isolate};
 
 /// Drift dA/dτ of the amplitude A ≥ 0, dimensionless. Error O(ε²).
 ///
@@ -43,8 +44,8 @@ use crate::numerics::adaptive::{Integral, gauss, graded, trapezoid};
 /// # Errors
 ///
 /// * [`Error::InvalidParameter`] if A is negative or not finite, or |v_b| + A overflows;
-/// * [`Error::NonFiniteFriction`] if the law has no finite value or slope at a speed up to |v_b| +
-///   A.
+/// * [`Error::NonFiniteFriction`] if the law has no finite value at a speed up to |v_b| + A,
+///   [`Error::NotAnalytic`] if it has no finite slope there.
 ///
 /// ```
 /// use stick_slip::analysis::averaging::drift;
@@ -149,7 +150,7 @@ fn sine_of_crossing(belt_speed: f64, amplitude: f64) -> f64 {
 }
 
 /// ∫₀^π μ̂'(|w − A cos ψ|) sin²ψ dψ, and the same with cos²ψ.
-fn slope_integrals<L: FrictionLaw>(law: &L, w: f64, amplitude: f64) -> Result<Integral, Error> {
+fn slope_integrals<L: FrictionLaw>(law: &L, w: f64, amplitude: f64) -> Result<Integral<2>, Error> {
     let speed_at = |psi: f64| (w - amplitude * psi.cos()).abs();
     let weighted = |piece: usize, psi: f64| {
         let slope = slope_on(law, piece, speed_at(psi))?;
@@ -176,7 +177,7 @@ fn slope_integrals<L: FrictionLaw>(law: &L, w: f64, amplitude: f64) -> Result<In
             return Ok(integral);
         }
     }
-    let mut total = Integral::default();
+    let mut total = Integral::ZERO;
     for ends in splits.windows(2).filter(|ends| ends[0] < ends[1]) {
         let piece = piece_above(law, speed_at(0.5 * (ends[0] + ends[1])));
         let f = |psi| weighted(piece, psi);
@@ -243,7 +244,8 @@ impl AveragedCycle {
 }
 
 /// All cycles of the slow flow, by ascending amplitude: stable and unstable, those included that
-/// overtake the belt.
+/// overtake the belt. Stick-slip is not among them where it lives on μ_s > μ̂(0) alone, as for
+/// Coulomb's law: averaging does not know μ_s.
 ///
 /// # What "all" means
 ///
@@ -254,7 +256,8 @@ impl AveragedCycle {
 /// by Chebyshev polynomials to round-off, on pieces cut until each has no root or is monotone. So
 /// no cycle is passed over, except
 ///
-/// * a pair that differs by less than 10⁻⁸|v_b|, as at a fold;
+/// * a pair so close, as at a fold, that A'/A between its amplitudes stays below its rounding
+///   error, some 4·10⁻¹⁵(β + γ²·max abs(dμ̂/ds)): a pair less than 5·10⁻⁷|v_b| apart may be lost;
 /// * where a feature of the law's slope is narrower than some 3·10⁻⁴|v_b| in speed (slow speeds are
 ///   looked at more closely).
 ///
@@ -269,7 +272,8 @@ impl AveragedCycle {
 ///
 /// # Errors
 ///
-/// * [`Error::NonFiniteFriction`] if the law has no finite value or slope at a speed up to 3|v_b|;
+/// * [`Error::NonFiniteFriction`] if the law has no finite value at a speed up to 3|v_b|,
+///   [`Error::NotAnalytic`] if it has no finite slope there;
 /// * [`Error::InvalidParameter`] if 3|v_b| overflows.
 ///
 /// ```
@@ -313,7 +317,7 @@ pub fn cycles<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Vec<AveragedCycl
     brackets(&nodes)
         .into_iter()
         .map(|[low, high]| {
-            let amplitude = refine(low, high, |a| Ok(growth_rate(a)?.value))?;
+            let amplitude = root_between(&mut |a| Ok(growth_rate(a)?.value), low, high)?;
             describe(system, amplitude)
         })
         .collect()

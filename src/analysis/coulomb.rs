@@ -2,9 +2,9 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::roots::refine;
 use crate::belt::MassOnBelt;
 use crate::friction::{Coulomb, FrictionLaw};
+use crate::numerics::bracket::root_between;
 use crate::state::State;
 
 /// The slip phase of the fastest stick-slip cycle, which comes back to the belt tangentially.
@@ -23,6 +23,9 @@ pub struct TangentialSlip {
     /// Λ: the belt velocity in units of γ²(μ_s − μ_k).
     pub velocity_factor: f64,
 }
+
+/// Below this damping ratio θ = √(4πβ) and Λ = 1/θ to rounding: their relative errors are O(β).
+const SMALL: f64 = 1e-17;
 
 /// The slip phase of the fastest stick-slip cycle for damping ratio β. Exact to rounding. `None`
 /// unless 0 < β < 1.
@@ -43,13 +46,17 @@ pub fn tangential_slip(damping: f64) -> Option<TangentialSlip> {
     let ratio = damping / frequency;
     // In θ = 2π − ω_d s: β s + ln(cos θ + (β/ω_d) sin θ) falls from 2πβ/ω_d at θ = 0 to −∞ at θ =
     // π/2 + asin β, where the logarithm's argument vanishes. ln_1p keeps small β exact.
-    let residual = |theta: f64| {
+    let mut residual = |theta: f64| {
         let sine_half = (0.5 * theta).sin();
         let logarithm = (ratio * theta.sin() - 2.0 * sine_half * sine_half).ln_1p();
         // NaN or −∞ at the far end, where rounding may make the argument negative.
         Ok((ratio * (2.0 * PI - theta) + logarithm).max(-f64::MAX))
     };
-    let theta = refine(0.0, FRAC_PI_2 + damping.asin(), residual).ok()?;
+    let theta = if damping < SMALL {
+        (4.0 * PI).sqrt() * damping.sqrt()
+    } else {
+        root_between(&mut residual, 0.0, FRAC_PI_2 + damping.asin()).ok()?
+    };
     let duration = (2.0 * PI - theta) / frequency;
     Some(TangentialSlip {
         duration,
@@ -82,8 +89,8 @@ pub fn largest_stick_slip_velocity(system: &MassOnBelt<Coulomb>) -> f64 {
 }
 
 /// Damping ratio β from which on there is no stick-slip cycle at the system's belt velocity: the
-/// root of γ²(μ_s − μ_k)Λ(β) = |v_b|. Dimensionless, exact; 0 < β < 1, and 0 for μ_s = μ_k. `None`
-/// at v_b = 0. The system's own β is ignored.
+/// root of γ²(μ_s − μ_k)Λ(β) = |v_b|. Dimensionless, exact; 0 < β < 1, and 0 for μ_s = μ_k and
+/// where the root is too small for an `f64`. `None` at v_b = 0. The system's own β is ignored.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::{least_damping, largest_stick_slip_velocity};
@@ -103,12 +110,55 @@ pub fn least_damping(system: &MassOnBelt<Coulomb>) -> Option<f64> {
     if jump == 0.0 {
         return Some(0.0);
     }
+    let reciprocal_factor = jump / speed;
+    let leading = reciprocal_factor / (4.0 * PI) * reciprocal_factor;
+    if leading < SMALL {
+        return Some(leading);
+    }
     // 1/Λ rises from 0 at β = 0 to ∞ at β = 1.
     let reciprocal = |damping: f64| match tangential_slip(damping) {
         Some(slip) => slip.velocity_factor.recip().min(f64::MAX),
         None => damping * f64::MAX,
     };
-    refine(0.0, 1.0, |damping| Ok(reciprocal(damping) - jump / speed)).ok()
+    let mut residual = |damping: f64| Ok(reciprocal(damping) - reciprocal_factor);
+    root_between(&mut residual, 0.0, 1.0).ok()
+}
+
+/// Damping ratio above which there is no vibration at any belt velocity: 1 for μ_s > μ_k, else 0
+/// (without damping every small vibration lasts). Dimensionless, exact. The system's own v_b and β
+/// are ignored.
+///
+/// ```
+/// use stick_slip::analysis::coulomb::least_damping_everywhere;
+/// use stick_slip::{Coulomb, MassOnBelt};
+///
+/// let system = MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.5)?;
+/// assert_eq!(least_damping_everywhere(&system), 1.0);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn least_damping_everywhere(system: &MassOnBelt<Coulomb>) -> f64 {
+    if force_jump(system) > 0.0 { 1.0 } else { 0.0 }
+}
+
+/// Belt velocity above which no vibration lasts: [`largest_stick_slip_velocity`], and ∞ for β = 0,
+/// where small vibrations last at every belt velocity. Dimensionless, exact. The system's own v_b
+/// is ignored.
+///
+/// ```
+/// use stick_slip::analysis::coulomb::quiet_velocity;
+/// use stick_slip::{Coulomb, MassOnBelt};
+///
+/// let system = MassOnBelt::new(Coulomb::new(0.4, 0.4)?, 0.5)?;
+/// assert_eq!(quiet_velocity(&system), f64::INFINITY);
+/// assert_eq!(quiet_velocity(&system.with_damping(1e-3)?), 0.0);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn quiet_velocity(system: &MassOnBelt<Coulomb>) -> f64 {
+    if system.damping() == 0.0 {
+        f64::INFINITY
+    } else {
+        largest_stick_slip_velocity(system)
+    }
 }
 
 fn force_jump(system: &MassOnBelt<Coulomb>) -> f64 {

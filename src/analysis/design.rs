@@ -9,25 +9,26 @@
 //! | least damping for stability at one belt velocity | [`least_damping`] | |
 //! | least damping that leaves no vibration at one belt velocity | [`silencing_damping`](crate::bifurcation::silencing_damping) | [`coulomb::least_damping`] |
 //! | least damping over a range of belt velocities | [`least_damping_over`] | |
-//! | least damping at every belt velocity | | [`QuietLaw::least_damping_everywhere`] |
-//! | belt velocity above which all is quiet | | [`QuietLaw::quiet_velocity`] |
+//! | least damping at every belt velocity | | [`polynomial`], [`exponential`], [`coulomb`]`::least_damping_everywhere` |
+//! | belt velocity above which all is quiet | | [`polynomial`], [`exponential`], [`coulomb`]`::quiet_velocity` |
+//!
+//! [`polynomial`]: super::polynomial
+//! [`exponential`]: super::exponential
+//! [`coulomb`]: super::coulomb
+//! [`coulomb::least_damping`]: super::coulomb::least_damping
 
-use std::f64::consts::{E, SQRT_2};
 use std::ops::Range;
 
-use super::roots::{Sample, brackets, isolate, refine};
-use super::{PureSlip, coulomb, exponential};
 use crate::belt::MassOnBelt;
 use crate::error::Error;
-use crate::friction::{Coulomb, Exponential, FrictionLaw, Polynomial};
-use crate::friction::{slope_on, taylor_coefficients_on};
+use crate::friction::{AlongSlope, FrictionLaw};
 
 /// Damping ratio above which steady sliding at the system's belt velocity is stable: max(0, −½γ²
 /// dμ̂/ds) at |v_b|. Dimensionless, exact. `None` at v_b = 0. The system's own β is ignored.
 ///
-/// Then small disturbances die out. Large ones do too for the polynomial law; for a law that falls
-/// more steeply at other speeds (exponential), or with μ_s > μ̂(0) (Coulomb), a stick-slip
-/// vibration may exist beside the stable state.
+/// Small disturbances then die out. Large ones do too for the polynomial law while friction is weak
+/// beside the spring. For a law that falls more steeply at other speeds (exponential), or for one
+/// that jumps (Coulomb, μ_s > μ̂(0)), a stick-slip vibration may exist beside the stable state.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eq. 14: h1 > 0.
 ///
@@ -50,14 +51,16 @@ pub fn least_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Option<f64> {
 /// Damping ratio above which steady sliding is stable at every belt velocity in a range: ½γ²
 /// max(−dμ̂/ds), or 0. Dimensionless, exact to rounding. The system's own v_b and β are ignored.
 ///
-/// The steepest fall is found among the ends, the breakpoints and all roots of d²μ̂/ds², isolated
-/// by Chebyshev interpolation to round-off; a feature narrower than some 10⁻³ of the range can be
-/// missed.
+/// The law is expanded in power series from one end of the range to the other, each used as far as
+/// it converges and checked in between. The steepest fall is found among their ends, the
+/// breakpoints and all minima of dμ̂/ds on each, isolated so that none is skipped.
 ///
 /// # Errors
 ///
-/// * [`Error::InvalidParameter`] unless 0 ≤ start < end, both finite;
-/// * [`Error::NonFiniteFriction`] if the law has no finite value or slope in the range.
+/// * [`Error::InvalidParameter`] unless 0 ≤ start < end, both finite, and if the range is so long
+///   that the law takes more than 10⁴ power series;
+/// * [`Error::NonFiniteFriction`] if the law has no finite value somewhere in the range,
+///   [`Error::NotAnalytic`] if it has no power series there.
 ///
 /// ```
 /// use stick_slip::analysis::design::least_damping_over;
@@ -85,120 +88,11 @@ pub fn least_damping_over<L: FrictionLaw>(
         end > start,
         "velocities.end > velocities.start",
     )?;
-    let law = system.law();
-    let inside: Vec<f64> = law
-        .breakpoints()
-        .filter(|&b| b > start && b < end)
-        .collect();
-    let first = law.breakpoints().take_while(|&b| b <= start).count();
-    let mut ends = vec![start];
-    ends.extend(inside);
-    ends.push(end);
-    let mut steepest = 0.0_f64;
-    for (piece, ends) in (first..).zip(ends.windows(2)) {
-        let half_curvature = |speed: f64| {
-            slope_on(law, piece, speed)?;
-            Ok(taylor_coefficients_on::<4, _>(law, piece, speed)[2])
-        };
-        let sample = |speed: f64| {
-            let value = half_curvature(speed)?;
-            let noise = 64.0 * f64::EPSILON * value.abs();
-            Ok(Sample { value, noise })
-        };
-        let nodes = isolate(sample, |t| ends[0] + (ends[1] - ends[0]) * t)?;
-        let mut speeds: Vec<f64> = nodes.iter().map(|node| node.at).collect();
-        for [low, high] in brackets(&nodes) {
-            speeds.push(refine(low, high, half_curvature)?);
-        }
-        for speed in speeds {
-            steepest = steepest.max(-slope_on(law, piece, speed)?);
-        }
-    }
-    Ok(0.5 * system.load() * steepest)
-}
-
-/// A law whose quiet range is known in closed form. Implement it for your own law if you know the
-/// formulas.
-///
-/// ```
-/// use stick_slip::analysis::design::QuietLaw;
-/// use stick_slip::{MassOnBelt, Polynomial};
-///
-/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
-/// assert!((QuietLaw::quiet_velocity(&system).unwrap() - 0.4409585518).abs() < 1e-10);
-/// assert!((QuietLaw::least_damping_everywhere(&system) - 0.225).abs() < 1e-15);
-/// # Ok::<(), stick_slip::Error>(())
-/// ```
-pub trait QuietLaw: FrictionLaw + Sized {
-    /// Damping ratio from which on there is no vibration at any belt velocity. Dimensionless. The
-    /// system's own v_b and β are ignored.
-    fn least_damping_everywhere(system: &MassOnBelt<Self>) -> f64;
-
-    /// Belt velocity above which steady sliding is the only lasting motion; 0 if it is so at every
-    /// belt velocity, ∞ if at none. Dimensionless. `None` where no formula is known. The system's
-    /// own v_b is ignored.
-    fn quiet_velocity(system: &MassOnBelt<Self>) -> Option<f64>;
-}
-
-impl QuietLaw for Polynomial {
-    /// η/2, for friction falls most steeply at rest. Exact: then 2βy + γ²μ never falls, and every
-    /// motion loses energy.
-    ///
-    /// Source: Eqs. 10a and 14.
-    fn least_damping_everywhere(system: &MassOnBelt<Self>) -> f64 {
-        let law = system.law();
-        let drop = law.static_coefficient() - law.minimum_coefficient();
-        0.75 * system.load() * drop / law.minimum_velocity()
-    }
-
-    /// v_b1 = v_m√(1 − 2β/η), or 0 where 2β ≥ η. Exact for the stability of steady sliding; that no
-    /// other motion lasts holds for weak friction.
-    ///
-    /// Source: after Eq. 15.
-    fn quiet_velocity(system: &MassOnBelt<Self>) -> Option<f64> {
-        let v_m = system.law().minimum_velocity();
-        let formulas = PureSlip::new(&system.with_belt_velocity(v_m).ok()?)?;
-        Some(formulas.onset_velocity().unwrap_or(0.0))
-    }
-}
-
-impl QuietLaw for Exponential {
-    /// γ²(μ_s − μ_k)/(v_s √(2e)), for friction falls most steeply at v_s/√2. Exact: then 2βy + γ²μ
-    /// never falls, and every motion loses energy.
-    fn least_damping_everywhere(system: &MassOnBelt<Self>) -> f64 {
-        let law = system.law();
-        let drop = law.static_coefficient() - law.kinetic_coefficient();
-        system.load() * drop / law.stribeck_velocity() / (SQRT_2 * E.sqrt())
-    }
-
-    /// 0 from that damping on, ∞ for β = 0; `None` between: above the higher Hopf velocity a
-    /// stick-slip vibration can exist beside stable steady sliding.
-    fn quiet_velocity(system: &MassOnBelt<Self>) -> Option<f64> {
-        let law = system.law();
-        let falls = law.static_coefficient() > law.kinetic_coefficient();
-        if exponential::hopf_velocities(system).is_some() {
-            None
-        } else if falls && system.damping() == 0.0 {
-            Some(f64::INFINITY)
-        } else {
-            Some(0.0)
-        }
-    }
-}
-
-impl QuietLaw for Coulomb {
-    /// 1 for μ_s > μ_k, else 0. Exact.
-    fn least_damping_everywhere(system: &MassOnBelt<Self>) -> f64 {
-        let law = system.law();
-        if law.static_coefficient() > law.kinetic_coefficient() {
-            1.0
-        } else {
-            0.0
-        }
-    }
-
-    /// [`coulomb::largest_stick_slip_velocity`]. Exact.
-    fn quiet_velocity(system: &MassOnBelt<Self>) -> Option<f64> {
-        Some(coulomb::largest_stick_slip_velocity(system))
-    }
+    let slope = AlongSlope {
+        law: system.law(),
+        constant: 0.0,
+        factor: 1.0,
+    };
+    let steepest = -slope.least(velocities, "velocities.end")?;
+    Ok(0.5 * system.load() * steepest.max(0.0))
 }

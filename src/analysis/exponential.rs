@@ -1,10 +1,11 @@
-//! Closed forms for the exponential law (Gaussian Stribeck), Eq. 6.
+//! Closed forms for the exponential law (Gaussian Stribeck), Eq. 6: where steady sliding changes
+//! its stability, and where vibration ends.
 
-use std::f64::consts::FRAC_1_SQRT_2;
+use std::f64::consts::{E, FRAC_1_SQRT_2, SQRT_2};
 
-use super::roots::refine;
 use crate::belt::MassOnBelt;
 use crate::friction::{Exponential, FrictionLaw};
+use crate::numerics::bracket::root_between;
 
 /// A belt velocity at which steady sliding gains or loses stability, and what happens there.
 ///
@@ -38,8 +39,9 @@ impl HopfPoint {
 ///
 /// on either side of x = 1/√2. Dimensionless, exact to rounding (near c = 1/√(2e) both roots are
 /// ill-conditioned). `None` where c ≥ 1/√(2e): steady sliding is stable at every belt velocity; and
-/// where c = 0 (β = 0): unstable at every belt velocity. The system's own v_b is ignored. For any
-/// law: [`bifurcation::hopf_velocities`](crate::bifurcation::hopf_velocities).
+/// where β = 0: unstable at every belt velocity, or neither stable nor unstable at any for constant
+/// friction, μ_s = μ_k. The system's own v_b is ignored. For any law:
+/// [`bifurcation::hopf_velocities`](crate::bifurcation::hopf_velocities).
 ///
 /// The low one is always supercritical. The paper says that this law behaves "almost similar" to
 /// the polynomial one: it does not, for it never rises, and on a slow belt sliding is stable.
@@ -67,12 +69,61 @@ pub fn hopf_velocities(system: &MassOnBelt<Exponential>) -> Option<[HopfPoint; 2
         return None;
     }
     // Each branch in a form that keeps its relative accuracy for small c.
-    let low = refine(c, FRAC_1_SQRT_2, |x| Ok(x - c * (x * x).exp())).ok()?;
+    let low = root_between(&mut |x| Ok(x - c * (x * x).exp()), c, FRAC_1_SQRT_2).ok()?;
     // x² = ln(x/c) ≤ x + ln(1/c)
     let bound = 0.5 + (0.25 - c.ln()).sqrt();
-    let high = refine(FRAC_1_SQRT_2, bound, |x| Ok(x * x - (x / c).ln())).ok()?;
+    let high = root_between(&mut |x| Ok(x * x - (x / c).ln()), FRAC_1_SQRT_2, bound).ok()?;
     Some([low, high].map(|x| HopfPoint {
         velocity: x * law.stribeck_velocity(),
         is_supercritical: x < 1.5_f64.sqrt(),
     }))
+}
+
+/// Damping ratio γ²(μ_s − μ_k)/(v_s √(2e)) above which there is no vibration at any belt velocity,
+/// for friction falls most steeply at v_s/√2. Dimensionless. The system's own v_b and β are
+/// ignored.
+///
+/// Exact: then 2βy + γ²μ rises with y, and every motion loses energy. At that damping itself too,
+/// unless μ_s = μ_k: friction is constant then, and without damping every small vibration lasts.
+///
+/// Source: Farshidianfar and Noei Aghaee, Eqs. 6 and 14.
+///
+/// ```
+/// use stick_slip::analysis::exponential::least_damping_everywhere;
+/// use stick_slip::{Exponential, MassOnBelt};
+///
+/// let system = MassOnBelt::new(Exponential::new(0.4, 0.25, 0.5)?, 0.2)?;
+/// let damping = 0.3 / (2.0 * std::f64::consts::E).sqrt();
+/// assert!((least_damping_everywhere(&system) - damping).abs() < 1e-15);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn least_damping_everywhere(system: &MassOnBelt<Exponential>) -> f64 {
+    let law = system.law();
+    let drop = law.static_coefficient() - law.kinetic_coefficient();
+    system.load() * drop / law.stribeck_velocity() / (SQRT_2 * E.sqrt())
+}
+
+/// Belt velocity above which no vibration lasts: 0 from [`least_damping_everywhere`] on, ∞ for β =
+/// 0. `None` between the two, where no formula is known: above the higher Hopf velocity a
+/// stick-slip vibration can exist beside stable steady sliding. Dimensionless. The system's own v_b
+/// is ignored.
+///
+/// ```
+/// use stick_slip::analysis::exponential::quiet_velocity;
+/// use stick_slip::{Exponential, MassOnBelt};
+///
+/// let system = MassOnBelt::new(Exponential::new(0.4, 0.25, 0.5)?, 0.2)?;
+/// assert_eq!(quiet_velocity(&system), Some(f64::INFINITY));
+/// assert_eq!(quiet_velocity(&system.with_damping(0.1)?), None);
+/// assert_eq!(quiet_velocity(&system.with_damping(0.2)?), Some(0.0));
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn quiet_velocity(system: &MassOnBelt<Exponential>) -> Option<f64> {
+    if system.damping() == 0.0 {
+        Some(f64::INFINITY)
+    } else if system.damping() < least_damping_everywhere(system) {
+        None
+    } else {
+        Some(0.0)
+    }
 }

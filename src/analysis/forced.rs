@@ -2,8 +2,9 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-use super::roots::{Sample, brackets, isolate, refine};
 use crate::error::Error;
+use crate::numerics::bracket::root_between;
+use crate::numerics::chebyshev::{Sample, brackets, isolate};
 
 /// A mass on a spring, a damper and a dry surface at rest, with a harmonic force.
 ///
@@ -258,7 +259,7 @@ fn largest_slope(omega: f64, u: f64) -> Option<f64> {
     let nodes = isolate(sample, |t| t * PI).ok()?;
     let mut largest = 1.0_f64;
     for [a, b] in brackets(&nodes) {
-        let tau = refine(a, b, |tau| Ok(stationary(tau))).ok()?;
+        let tau = root_between(&mut |tau| Ok(stationary(tau)), a, b).ok()?;
         largest = largest.max(numerator(tau)[0] / tau.sin());
     }
     Some(largest)

@@ -8,13 +8,13 @@
 //!
 //! | Question | Answer |
 //! |---|---|
-//! | where the mass can stand still on the moving belt, and whether it stays there | [`equilibrium`] |
+//! | where the mass can stand still on the moving belt, and whether it stays there | [`MassOnBelt::equilibrium`](crate::MassOnBelt::equilibrium) |
 //! | vibration that never sticks, polynomial law | [`PureSlip`], [`PureSlipCycle`], [`Transient`] |
-//! | vibration that sticks, any law | [`StickSlip`], [`StickSlipCycle`] |
-//! | weak friction, any law: slow growth and decay, all cycles | [`averaging`] |
-//! | which of them happens | [`regime`] |
+//! | vibration that sticks, any law | [`StickSlip`]; more closely for a cubic law, [`StickSlipCycle`] |
+//! | weak friction, any law: slow growth and decay, cycles that do not stick | [`averaging`] |
+//! | which of them happens, polynomial law | [`regime`] |
 //! | how much damping, or which belt velocity, keeps it quiet | [`design`] |
-//! | Coulomb's and the exponential law | [`coulomb`], [`exponential`] |
+//! | what is known of one law alone | [`coulomb`], [`exponential`], [`polynomial`] |
 //! | a harmonic force on a mass with dry friction: amplitude, and when it stops | [`forced`] |
 //! | a belt that oscillates, as a force | [`oscillating_belt`] |
 //! | friction under fast vibration | [`fast_vibration`] |
@@ -36,6 +36,28 @@
 //! assert!((cycle.v_min + 0.2893).abs() < 1e-4); // exact: −0.2861
 //! # Ok::<(), stick_slip::Error>(())
 //! ```
+//!
+//! # Where the source paper is wrong
+//!
+//! "Eq. n" is an equation of A. Farshidianfar and N. Noei Aghaee, *Analytical Approaches for
+//! Friction Induced Vibration and Stability Analysis*, which follows J. J. Thomsen and A. Fidlin,
+//! *Int. J. Non-Linear Mech.* 38 (2003) 389-403. "Eq. n, corrected" is one that it prints wrongly;
+//! tests show that the printed formulas fail.
+//!
+//! | where | printed | correct |
+//! |---|---|---|
+//! | Eq. 2 | 2βv_b + u ≤ μ_s | \|2βv_b + u\| ≤ γ²μ_s |
+//! | Eq. 7 | γ²μ(v_r) | γ²μ(v_b) |
+//! | after Eq. 10 | ε ≪ 0 | 0 < ε ≪ 1 |
+//! | Eq. 10b | h2 = −η(v_b/v_m)² | h2 = −ηv_b/v_m² |
+//! | section 4.1.1 | ż < 0, ż ≤ 0 | v_r < 0, v_r ≤ 0 |
+//! | Eq. 13 | A0 = √(−(3/4) h1/h3) | A0 = √(−(4/3) h1/h3) |
+//! | after Eq. 15 | v_b0 = √(4/3) v_b1 | v_b0 = √(4/5) v_b1 |
+//! | after Eq. 15 | stick-slip beyond v_b0 … v_b1 | stick-slip below v_b0; steady sliding above v_b1 |
+//! | Eqs. 16-18 | A1 is the stick-slip amplitude | A1 is that of the arc to which friction gives no energy; see [`StickSlip`] |
+//! | section 3.2, abstract | Eq. 6 falls, then rises | it never rises; steady sliding is stable again on a slow belt |
+//! | Fig. 3 | the concavity changes at v_s | at v_s/√2 |
+//! | section 4.2 | the integrals cannot be solved | [`averaging`] computes them to round-off |
 
 pub mod averaging;
 pub mod coulomb;
@@ -46,10 +68,9 @@ pub mod fast_vibration;
 pub mod forced;
 pub mod mode_coupling;
 pub mod oscillating_belt;
+pub mod polynomial;
 mod pure_slip;
-
 mod regime;
-mod roots;
 mod stick_slip;
 mod transient;
 
@@ -61,21 +82,8 @@ pub use transient::Transient;
 use crate::belt::{Equilibrium, MassOnBelt};
 use crate::friction::FrictionLaw;
 
-/// The steady sliding state, in which the mass stands still on the moving belt: Eq. 7 (corrected),
-/// Eq. 10a for any law, and Eq. 14. `None` at v_b = 0. Exact.
-///
-/// The same as [`MassOnBelt::equilibrium`].
-///
-/// ```
-/// use stick_slip::{MassOnBelt, Polynomial, Stability, analysis};
-///
-/// // Above v_b1 = 0.441 the mass slides steadily.
-/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.46)?.with_damping(0.05)?;
-/// let equilibrium = analysis::equilibrium(&system).unwrap();
-/// assert_eq!(equilibrium.stability, Stability::StableFocus);
-/// assert!((equilibrium.jacobian[(1, 1)] + 0.03088).abs() < 1e-15);
-/// # Ok::<(), stick_slip::Error>(())
-/// ```
+/// [`MassOnBelt::equilibrium`].
+#[doc(hidden)]
 pub fn equilibrium<L: FrictionLaw>(system: &MassOnBelt<L>) -> Option<Equilibrium> {
     system.equilibrium()
 }

@@ -125,7 +125,8 @@ impl PureSlip {
     /// use stick_slip::{MassOnBelt, Polynomial};
     ///
     /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.4)?.with_damping(0.05)?;
-    /// let grazing = PureSlip::new(&system).and_then(|formulas| formulas.grazing_velocity()).unwrap();
+    /// let formulas = PureSlip::new(&system).unwrap();
+    /// let grazing = formulas.grazing_velocity().unwrap();
     /// assert!((grazing - 0.3957987939).abs() < 1e-10); // exact: 0.3957902888
     /// # Ok::<(), stick_slip::Error>(())
     /// ```

@@ -9,7 +9,8 @@ pub enum Regime {
     Rest,
     /// |v_b| ≥ v_b1: steady sliding.
     Equilibrium,
-    /// v_b0 < |v_b| < v_b1: vibration that slips all the time.
+    /// v_b0 < |v_b| < v_b1: vibration that slips all the time. Constant friction (μ_s = μ_m)
+    /// without damping, too: every vibration with an amplitude up to |v_b| lasts.
     PureSlip,
     /// 0 < |v_b| ≤ v_b0: vibration that sticks, or overtakes the belt.
     StickSlip,
@@ -50,6 +51,7 @@ pub fn regime(system: &MassOnBelt<Polynomial>) -> Regime {
         return Regime::Rest;
     };
     match PureSlip::new(system) {
+        Some(formulas) if formulas.eta() == 0.0 && system.damping() == 0.0 => Regime::PureSlip,
         Some(formulas) if formulas.h1() >= 0.0 => Regime::Equilibrium,
         Some(formulas) if formulas.is_valid() => Regime::PureSlip,
         // Where the coefficients overflow.

@@ -1,17 +1,16 @@
 use std::f64::consts::{PI, TAU};
-use std::marker::PhantomData;
 
 use crate::belt::MassOnBelt;
 use crate::error::Error;
-use crate::friction::{FrictionLaw, Polynomial};
-use crate::friction::{piece_above, slope_on, taylor_coefficients_on};
+use crate::friction::{FrictionLaw, slope_on, taylor_coefficients};
 use crate::numerics::adaptive::{gauss, graded};
+use crate::scalar::LONGEST;
 
 /// The paper's stick-slip vibration, for any law: stick, then a slip arc of an undamped oscillation
 /// about ū.
 ///
 /// ```text
-/// κ    = [γ²(μ_s − μ̂(|v_b|)) − 2β|v_b|] / |v_b|      = η(1 − (v_b/v_m)²/3) − 2β for the polynomial law
+/// κ    = [γ²(μ_s − μ̂(|v_b|)) − 2β|v_b|] / |v_b|      (polynomial law: η(1 − (v_b/v_m)²/3) − 2β)
 /// A1   = |v_b| √(1 + κ²)                              (Eqs. 16-18)
 /// stick 2κ,   slip 2π − 2 atan κ,   T = 2π + 2(κ − atan κ),   ω_ss = 2π/T
 /// ```
@@ -20,8 +19,8 @@ use crate::numerics::adaptive::{gauss, graded};
 /// the release point. In truth slip gains energy of order ε and meets it farther out, by O(√ε); so
 /// these formulas are poor: the errors are O(ε) in A1, O(ε^{3/2}) in T (no better in order than 2π)
 /// and O(ε^{1/2}) in the durations. Use [`first_order`](Self::first_order) and
-/// [`second_order`](Self::second_order) for the polynomial law. Range: κ > 0, and 0 < |v_b| < v_b0
-/// for the polynomial law.
+/// [`second_order`](Self::second_order) for a cubic law. Range: κ > 0, and 0 < |v_b| < v_b0 for the
+/// polynomial law.
 ///
 /// Everything is dimensionless and holds for both signs of v_b.
 ///
@@ -39,52 +38,165 @@ use crate::numerics::adaptive::{gauss, graded};
 /// assert!((formulas.stick_duration() - 0.652).abs() < 1e-15); // exact: 1.62956
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
-pub struct StickSlip<L = Polynomial> {
-    arc: Arc,
-    law: PhantomData<fn() -> L>,
-}
-
-/// The numbers of a [`StickSlip`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Arc {
+pub struct StickSlip {
     belt_velocity: f64,
     equilibrium: f64,
     kappa: f64,
     /// γ²μ_s.
     largest_friction: f64,
-    /// H1, H2, H3: h(y) = H1 y + H2 y²/|v_b| + H3 y³/v_b² + …, for a belt that moves forward.
-    h: [f64; 3],
+    /// Where the law is a cubic polynomial from rest on.
+    cubic: Option<Cubic>,
 }
 
-impl<L: FrictionLaw> StickSlip<L> {
+/// What the expansions stand on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Cubic {
+    /// H1, H2, H3: h(y) = H1 y + H2 y²/|v_b| + H3 y³/v_b², for a belt that moves forward.
+    h: [f64; 3],
+    /// Sliding speed up to which the law is this polynomial.
+    up_to: f64,
+}
+
+impl StickSlip {
     /// The formulas for a system. `None` at v_b = 0, where κ ≤ 0 (friction at the belt velocity is
     /// not smaller than static friction by more than the damper's force), and where κ is not
     /// finite.
-    pub fn new(system: &MassOnBelt<L>) -> Option<Self> {
+    ///
+    /// κ ≤ 0 does not mean that the system has no stick-slip cycle: it says that these formulas do
+    /// not describe it.
+    pub fn new<L: FrictionLaw>(system: &MassOnBelt<L>) -> Option<Self> {
         let (law, load) = (system.law(), system.load());
         let v_b = system.belt_velocity();
         let speed = v_b.abs();
         if speed == 0.0 {
             return None;
         }
-        let fall = static_jump(law) / speed - mean_slope(law, speed).ok()?;
+        let jump = static_jump(law);
+        let fall = jump / speed - mean_slope(law, speed).ok()?;
         let kappa = load * fall - 2.0 * system.damping();
-        let piece = piece_above(law, speed);
-        let [_, m1, m2, m3, _] = taylor_coefficients_on::<5, _>(law, piece, speed);
-        let arc = Arc {
+        let series = taylor_coefficients::<LONGEST, _>(law, speed);
+        let first_breakpoint = law.breakpoints().next().unwrap_or(f64::INFINITY);
+        let is_cubic =
+            jump == 0.0 && speed < first_breakpoint && series[4..].iter().all(|&c| c == 0.0);
+        let [_, m1, m2, m3, ..] = series;
+        (kappa > 0.0 && kappa.is_finite()).then_some(Self {
             belt_velocity: v_b,
             equilibrium: system.equilibrium_displacement(),
             kappa,
             largest_friction: load * law.static_coefficient(),
-            h: [
-                2.0 * system.damping() + load * m1,
-                -load * m2 * speed,
-                load * m3 * speed * speed,
-            ],
-        };
-        (kappa > 0.0 && kappa.is_finite()).then_some(Self {
-            arc,
-            law: PhantomData,
+            cubic: is_cubic.then_some(Cubic {
+                h: [
+                    2.0 * system.damping() + load * m1,
+                    -load * m2 * speed,
+                    load * m3 * speed * speed,
+                ],
+                up_to: first_breakpoint,
+            }),
+        })
+    }
+
+    /// κ = [γ²(μ_s − μ̂(|v_b|)) − 2β|v_b|]/|v_b|: how far beyond ū the mass is released, in units
+    /// of |v_b|. Dimensionless, exact.
+    ///
+    /// Source: before Eq. 18.
+    pub fn kappa(&self) -> f64 {
+        self.kappa
+    }
+
+    /// Amplitude A1 = |v_b|√(1 + κ²), dimensionless. Error O(ε), as u_max − ū, ū − u_min or half
+    /// the range.
+    ///
+    /// Source: Eq. 18.
+    pub fn amplitude(&self) -> f64 {
+        self.belt_velocity.abs() * self.kappa.hypot(1.0)
+    }
+
+    /// Largest speed against the belt's direction, A1 again; in the belt's direction the largest is
+    /// |v_b|, exactly. Dimensionless, error O(ε).
+    ///
+    /// Source: Eq. 17.
+    pub fn velocity_amplitude(&self) -> f64 {
+        self.amplitude()
+    }
+
+    /// Duration of stick, 2κ, dimensionless. Error O(ε^{1/2}).
+    ///
+    /// Source: Eqs. 16-18.
+    pub fn stick_duration(&self) -> f64 {
+        2.0 * self.kappa
+    }
+
+    /// Duration of slip, 2π − 2 atan κ, dimensionless. Error O(ε^{1/2}).
+    ///
+    /// Source: Eqs. 16-18.
+    pub fn slip_duration(&self) -> f64 {
+        TAU - 2.0 * self.kappa.atan()
+    }
+
+    /// Period T = 2π + 2(κ − atan κ), dimensionless. Error O(ε^{3/2}).
+    ///
+    /// Source: after Eq. 18.
+    pub fn period(&self) -> f64 {
+        self.stick_duration() + self.slip_duration()
+    }
+
+    /// Angular frequency ω_ss = 2π/T, dimensionless (in units of ω0). Error O(ε^{3/2}).
+    ///
+    /// Source: after Eq. 18.
+    pub fn frequency(&self) -> f64 {
+        TAU / self.period()
+    }
+
+    /// The cycle to first order in ε, with the energy that slip gains. Errors and range:
+    /// [`StickSlipCycle`].
+    ///
+    /// `None`
+    ///
+    /// * unless the law is a cubic polynomial in the sliding speed, μ_s included, over all speeds
+    ///   of the cycle: all its derivatives beyond the third are zero at |v_b|, μ_s = μ̂(0), and no
+    ///   [breakpoint](FrictionLaw::breakpoints) comes before the largest of those speeds;
+    /// * where W1 ≤ 0, which is |v_b| ≥ v_b0 for the polynomial law;
+    /// * where the mass would overtake the belt ([`second_order`](Self::second_order));
+    /// * where the formulas give a slip phase that ends before it begins (W1 ≥ 2π²).
+    pub fn first_order(&self) -> Option<StickSlipCycle> {
+        let cubic = self.cubic?;
+        self.on_belt(&cubic, cubic.first_order()?)
+    }
+
+    /// The cycle to second order in ε. Errors and range: [`StickSlipCycle`].
+    ///
+    /// `None` as [`first_order`](Self::first_order); where W1 + W2 ≤ 0; and where |v_b|·stick >
+    /// 2γ²μ_s: the mass would meet the belt beyond the stick band and overtake it.
+    pub fn second_order(&self) -> Option<StickSlipCycle> {
+        let cubic = self.cubic?;
+        self.on_belt(&cubic, cubic.second_order()?)
+    }
+
+    /// The cycle on this belt, unless it leaves the range of the formulas, or a term overflowed.
+    fn on_belt(&self, cubic: &Cubic, cycle: UnitCycle) -> Option<StickSlipCycle> {
+        let (v_b, speed) = (self.belt_velocity, self.belt_velocity.abs());
+        let overtakes = |cycle: UnitCycle| speed * cycle.stick > 2.0 * self.largest_friction;
+        let in_range = cycle.period.is_finite()
+            && cycle.stick > 0.0
+            && cycle.slip > 0.0
+            && speed * (1.0 - cycle.v_min) <= cubic.up_to;
+        if !in_range || cubic.second_order().is_some_and(overtakes) {
+            return None;
+        }
+        let [far, near, back] = [cycle.z_max, cycle.z_min, cycle.v_min].map(|x| v_b * x);
+        Some(StickSlipCycle {
+            u_max: self.equilibrium + far.max(near),
+            u_min: self.equilibrium + far.min(near),
+            z_max: far.max(near),
+            z_min: far.min(near),
+            v_max: v_b.max(back),
+            v_min: v_b.min(back),
+            stick: cycle.stick,
+            slip: cycle.slip,
+            period: cycle.period,
+            growth: cycle.growth,
+            return_angle: cycle.return_angle,
         })
     }
 }
@@ -107,84 +219,10 @@ fn mean_slope<L: FrictionLaw>(law: &L, speed: f64) -> Result<f64, Error> {
     ends.push(speed);
     let mut mean = 0.0;
     for (piece, ends) in ends.windows(2).enumerate() {
-        let slope = |x: f64| Ok([slope_on(law, piece, x * speed)?, 0.0]);
+        let slope = |x: f64| Ok([slope_on(law, piece, x * speed)?]);
         mean += gauss(slope, &graded(ends[0] / speed, ends[1] / speed))?.parts[0];
     }
     Ok(mean)
-}
-
-impl<L> StickSlip<L> {
-    /// κ = [γ²(μ_s − μ̂(|v_b|)) − 2β|v_b|]/|v_b|: how far beyond ū the mass is released, in units
-    /// of |v_b|. Dimensionless, exact.
-    ///
-    /// Source: before Eq. 18.
-    pub fn kappa(&self) -> f64 {
-        self.arc.kappa
-    }
-
-    /// Amplitude A1 = |v_b|√(1 + κ²), dimensionless. Error O(ε), as u_max − ū, ū − u_min or half
-    /// the range.
-    ///
-    /// Source: Eq. 18.
-    pub fn amplitude(&self) -> f64 {
-        self.arc.belt_velocity.abs() * self.arc.kappa.hypot(1.0)
-    }
-
-    /// Largest speed against the belt's direction, A1 again; in the belt's direction the largest is
-    /// |v_b|, exactly. Dimensionless, error O(ε).
-    ///
-    /// Source: Eq. 17.
-    pub fn velocity_amplitude(&self) -> f64 {
-        self.amplitude()
-    }
-
-    /// Duration of stick, 2κ, dimensionless. Error O(ε^{1/2}).
-    ///
-    /// Source: Eqs. 16-18.
-    pub fn stick_duration(&self) -> f64 {
-        2.0 * self.arc.kappa
-    }
-
-    /// Duration of slip, 2π − 2 atan κ, dimensionless. Error O(ε^{1/2}).
-    ///
-    /// Source: Eqs. 16-18.
-    pub fn slip_duration(&self) -> f64 {
-        TAU - 2.0 * self.arc.kappa.atan()
-    }
-
-    /// Period T = 2π + 2(κ − atan κ), dimensionless. Error O(ε^{3/2}).
-    ///
-    /// Source: after Eq. 18.
-    pub fn period(&self) -> f64 {
-        self.stick_duration() + self.slip_duration()
-    }
-
-    /// Angular frequency ω_ss = 2π/T, dimensionless (in units of ω0). Error O(ε^{3/2}).
-    ///
-    /// Source: after Eq. 18.
-    pub fn frequency(&self) -> f64 {
-        TAU / self.period()
-    }
-}
-
-impl StickSlip<Polynomial> {
-    /// The cycle to first order in ε, with the energy that slip gains. `None` where W1 ≤ 0, which
-    /// is |v_b| ≥ v_b0, and where the mass would overtake the belt
-    /// ([`second_order`](Self::second_order)). Errors and range: [`StickSlipCycle`].
-    pub fn first_order(&self) -> Option<StickSlipCycle> {
-        self.arc
-            .first_order()
-            .and_then(|cycle| self.arc.scale(cycle))
-    }
-
-    /// The cycle to second order in ε. `None` where W1 ≤ 0 or W1 + W2 ≤ 0, and where |v_b|·stick >
-    /// 2γ²μ_s: the mass would meet the belt beyond the stick band and overtake it. Errors and
-    /// range: [`StickSlipCycle`].
-    pub fn second_order(&self) -> Option<StickSlipCycle> {
-        self.arc
-            .second_order()
-            .and_then(|cycle| self.arc.scale(cycle))
-    }
 }
 
 /// A cycle with v_b = 1 and ū = 0.
@@ -200,7 +238,7 @@ struct UnitCycle {
     period: f64,
 }
 
-impl Arc {
+impl Cubic {
     fn first_order(&self) -> Option<UnitCycle> {
         let [h1, h2, h3] = self.h;
         // W1 = −πH1 − (3π/4)H3,  q0 = √(2W1)
@@ -262,36 +300,14 @@ impl Arc {
             period: TAU + delay + (tangent - delta) + correction,
         })
     }
-
-    /// The cycle on this belt, unless the mass would overtake it, or a term overflowed.
-    fn scale(&self, cycle: UnitCycle) -> Option<StickSlipCycle> {
-        let (v_b, speed) = (self.belt_velocity, self.belt_velocity.abs());
-        let overtakes = |cycle: UnitCycle| speed * cycle.stick > 2.0 * self.largest_friction;
-        if !cycle.period.is_finite() || self.second_order().is_some_and(overtakes) {
-            return None;
-        }
-        let [far, near, back] = [cycle.z_max, cycle.z_min, cycle.v_min].map(|x| v_b * x);
-        Some(StickSlipCycle {
-            u_max: self.equilibrium + far.max(near),
-            u_min: self.equilibrium + far.min(near),
-            z_max: far.max(near),
-            z_min: far.min(near),
-            v_max: v_b.max(back),
-            v_min: v_b.min(back),
-            stick: cycle.stick,
-            slip: cycle.slip,
-            period: cycle.period,
-            growth: cycle.growth,
-            return_angle: cycle.return_angle,
-        })
-    }
 }
 
-/// A stick-slip cycle of the polynomial law, as an expansion in ε: [`StickSlip::first_order`] and
+/// A stick-slip cycle of a cubic law, as an expansion in ε: [`StickSlip::first_order`] and
 /// [`StickSlip::second_order`]. Dimensionless.
 ///
-/// With H1 = h1, H2 = h2 v_b, H3 = h3 v_b² of [`PureSlip`](super::PureSlip), for v_b > 0 (mirrored
-/// for v_b < 0):
+/// With H1 = h1, H2 = h2 v_b, H3 = h3 v_b² of [`PureSlip`](super::PureSlip) or, for any cubic law,
+/// H1 = 2β + γ² dμ̂/ds, H2 = −½γ²v_b d²μ̂/ds² and H3 = (1/6)γ²v_b² d³μ̂/ds³ at s = v_b; for v_b > 0
+/// (mirrored for v_b < 0):
 ///
 /// ```text
 /// u_max = ū + v_b[1 − (π/4)H1 − (2/3)H2 − (3π/16)H3]
@@ -330,7 +346,8 @@ impl Arc {
 /// use stick_slip::analysis::StickSlip;
 /// use stick_slip::{MassOnBelt, Polynomial};
 ///
-/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.0075)?.with_load(0.15)?;
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?;
+/// let system = system.with_damping(0.0075)?.with_load(0.15)?;
 /// let formulas = StickSlip::new(&system).unwrap();
 /// let exact = 6.3193778906; // period
 /// let first = formulas.first_order().unwrap().period;
@@ -366,24 +383,4 @@ pub struct StickSlipCycle {
     /// Phase by which the mass meets the belt before the end of a full turn: δ, and q0 to first
     /// order.
     pub return_angle: f64,
-}
-
-impl<L> Clone for StickSlip<L> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<L> Copy for StickSlip<L> {}
-
-impl<L> PartialEq for StickSlip<L> {
-    fn eq(&self, other: &Self) -> bool {
-        self.arc == other.arc
-    }
-}
-
-impl<L> std::fmt::Debug for StickSlip<L> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("StickSlip").field("arc", &self.arc).finish()
-    }
 }

@@ -60,25 +60,34 @@ impl Transient {
         })
     }
 
-    /// Amplitude A(τ), dimensionless. `None` for a time before which the formula has A = ∞, and for
-    /// NaN.
+    /// Amplitude A(τ), dimensionless. Backwards in time it may grow beyond all bounds: `None` at
+    /// and before the time at which the formula has A = ∞, and for NaN.
     pub fn amplitude(&self, time: f64) -> Option<f64> {
         let (a, h1) = (self.initial_amplitude, self.h1);
         if a == 0.0 && !time.is_nan() {
             return Some(0.0);
         }
-        let half = (0.5 * h1 * time).exp();
         // 1/A² = e^{h1τ}/A(0)² + ¾h3(e^{h1τ} − 1)/h1, with the factor that overflows taken out.
         let amplitude = if time < 0.0 {
-            let squared = half * half / (a * a) + 0.75 * self.h3 * growth(h1, time);
-            squared.sqrt().recip()
-        } else if h1 < 0.0 {
-            (half / a)
-                .hypot((0.75 * self.h3 * growth(h1, time)).sqrt())
-                .recip()
+            // Twice the root of the root of e^{−h1τ}: the square root alone may overflow.
+            let quarter = (-0.25 * h1 * time).exp();
+            let cubic = 0.75 * self.h3 * a;
+            let past = if cubic == 0.0 {
+                0.0
+            } else {
+                cubic * growth(-h1, time) * a
+            };
+            a * quarter * quarter / (1.0 + past).sqrt()
         } else {
-            let limit = (0.75 * self.h3 * growth(-h1, time)).sqrt();
-            a.recip().hypot(limit).recip() / half
+            let half = (0.5 * h1 * time).exp();
+            if h1 < 0.0 {
+                (half / a)
+                    .hypot((0.75 * self.h3 * growth(h1, time)).sqrt())
+                    .recip()
+            } else {
+                let limit = (0.75 * self.h3 * growth(-h1, time)).sqrt();
+                a.recip().hypot(limit).recip() / half
+            }
         };
         amplitude.is_finite().then_some(amplitude)
     }

@@ -73,6 +73,11 @@ pub(super) struct Limits {
 }
 
 impl Limits {
+    /// Whether a speed lies on the piece, and not at an end of it.
+    pub(super) fn contain(&self, speed: f64) -> bool {
+        self.low < speed && self.high.is_none_or(|high| speed < high)
+    }
+
     /// First time in (0, h] at which s(t) reaches a limit, and that limit; `speeds` are its values
     /// at the quarters of h.
     #[inline(always)]

@@ -29,8 +29,8 @@ use nalgebra::{Complex, Matrix2};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(into = "crate::raw::Equilibrium", try_from = "crate::raw::Equilibrium")
+    derive(serde::Serialize),
+    serde(into = "super::written::Equilibrium")
 )]
 pub struct Equilibrium {
     /// Displacement ū, dimensionless.
@@ -68,7 +68,11 @@ impl Equilibrium {
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eq. 14.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum Stability {
     /// 0 < h1 < 2: oscillations that die out.
     StableFocus,

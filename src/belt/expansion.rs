@@ -24,15 +24,19 @@ pub(crate) struct SlipSeries {
     pub(crate) speed: PowerSeries,
     /// μ̂(s(t)), without its last coefficient, which the motion does not need.
     pub(super) friction: PowerSeries,
+    /// D = 2β + γ²dμ̂/ds at the start: the rate at which a deviation of s dies out.
+    pub(super) decay: f64,
 }
 
 impl SlipSeries {
     pub(crate) const ZERO: Self = Self {
         speed: PowerSeries::ZERO,
         friction: PowerSeries::ZERO,
+        decay: 0.0,
     };
 
-    /// Expands the motion about a point, on one piece of the law.
+    /// Expands the motion about a point, on one piece of the law. Along a sliding speed that is
+    /// given, in any unit of time, it expands the friction alone.
     ///
     /// The law comes as an argument of its own: behind a reference inside the system, the compiler
     /// would have to load its parameters anew after every coefficient stored.
@@ -42,12 +46,12 @@ impl SlipSeries {
     #[inline(never)]
     pub(crate) fn expand<L: FrictionLaw>(
         &mut self,
-        law: &L,
+        piece: Piece<'_, L>,
         system: &MassOnBelt<&L>,
         workspace: &mut Workspace<TERMS>,
         from: &SlipPoint,
-        piece: usize,
         time: Time,
+        along: Option<&PowerSeries>,
     ) -> Result<(), Error> {
         let sigma = from.direction.sign();
         let (damping, load) = (2.0 * system.damping(), system.load());
@@ -55,14 +59,14 @@ impl SlipSeries {
         let Self {
             speed: series,
             friction,
+            decay: stored_decay,
         } = self;
 
-        let s0 = from.speed;
+        let s0 = along.map_or(from.speed, |along| along[0]);
         // (k + 1) s_{k+1} = −x_k − 2β s_k − γ² m_k, where x_k = s_{k−1}/k and m_k = slope·s_k +
         // scale·rest. The rest is put in last: it has waited for s_{k−1} to pass through the law,
         // and that takes longer than s_k.
         let (mut decay, mut older) = (0.0, 0.0);
-        let piece = Piece { law, index: piece };
         let (value, slope) = expand(piece, workspace, s0, |k, s, m| {
             series[k] = s;
             let weight = -INTEGRAL[k];
@@ -70,10 +74,16 @@ impl SlipSeries {
                 decay = mul_add(load, m.slope, damping);
                 friction[0] = m.rest;
                 older = s + belt;
+                if let Some(along) = along {
+                    return along[1];
+                }
                 let equation = -(sigma * from.displacement) - damping * (s + belt) - load * m.rest;
                 return from.rate.map_or(equation, |rate| time.sign() * rate);
             }
             friction[k] = mul_add(m.slope, s, m.scale * m.rest);
+            if let Some(along) = along {
+                return along[k + 1];
+            }
             // x_1 = s_0 + σv_b
             let spring = if k == 1 {
                 weight * older
@@ -101,7 +111,8 @@ impl SlipSeries {
                 reached: None,
             });
         }
-        if time == Time::Backward {
+        *stored_decay = decay;
+        if time == Time::Backward && along.is_none() {
             // f(−t): the odd coefficients change sign.
             for k in (1..TERMS).step_by(2) {
                 series[k] = -series[k];

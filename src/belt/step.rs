@@ -119,6 +119,16 @@ impl Step {
         self
     }
 
+    /// Its start alone, from another time on: a step of duration 0.
+    pub(crate) fn start_at(self, start: Clock) -> Self {
+        Self {
+            start,
+            duration: 0.0,
+            event: None,
+            ..self
+        }
+    }
+
     /// Time τ at which it starts, dimensionless.
     pub fn start_time(&self) -> f64 {
         self.start.time

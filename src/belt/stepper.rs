@@ -6,8 +6,8 @@ use super::slip_point::SlipPoint;
 use super::system::MassOnBelt;
 use crate::clock::Time;
 use crate::error::{Error, Reached};
-use crate::friction::FrictionLaw;
-use crate::motion::step_control::{Allowance, LONG};
+use crate::friction::{FrictionLaw, Piece};
+use crate::motion::step_control::{Allowance, FARTHEST, LONG, SETTLING, STIFF};
 use crate::scalar::Workspace;
 use crate::series::{PowerSeries, TERMS, quarters};
 use crate::state::State;
@@ -40,6 +40,23 @@ struct Settled {
     /// Limit of the step after it.
     longest_next: f64,
 }
+
+/// What a step may be.
+#[derive(Debug, Clone, Copy)]
+struct Plan {
+    allowance: Allowance,
+    /// How far the coefficients promise that the series holds.
+    reach: f64,
+    /// A shorter step is none.
+    least: f64,
+    /// How long a force that is missing shifts the motion: 1/D where it is slow, else for good.
+    memory: f64,
+}
+
+/// How far u − ū may be beyond what the motion does and still be its scale. With H the mean of D
+/// between |v_b| and s, v' is −(u − ū) − Hv: so where neither H nor D is above 32, the motion does at
+/// least a 64th of it.
+const BEYOND: f64 = 64.0;
 
 /// Takes Taylor steps within slip phases of one system.
 ///
@@ -96,15 +113,15 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
             }
         };
         self.begin(point, piece, time, elapsed)?;
-        let speed = &self.series.speed;
-        if speed[1] == 0.0 && speed[2] == 0.0 {
+        if self.series.speed[1] == 0.0 && self.series.speed[2] == 0.0 {
             return Ok(Advance {
                 duration: f64::INFINITY,
                 end: *point,
-                speed,
+                speed: &self.series.speed,
             });
         }
-        let settled = self.settle(point, piece, elapsed)?;
+        let plan = self.plan(point, piece, time, elapsed)?;
+        let settled = self.settle(point, piece, elapsed, &plan)?;
         self.longest = settled.longest_next;
         Ok(self.land(point, time, &settled))
     }
@@ -119,31 +136,112 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         elapsed: f64,
     ) -> Result<(), Error> {
         let (law, system) = (*self.system.law(), &self.system);
+        let piece = Piece { law, index: piece };
         self.series
-            .expand(law, system, &mut self.workspace, point, piece, time)
+            .expand(piece, system, &mut self.workspace, point, time, None)
             .map_err(|error| error.reached_at(Reached::new(elapsed, point.state(system))))
     }
 
-    /// How far the series is used: up to the first exit from the piece
-    /// of the law, or as far as the last coefficients promise, halved until the defect is accepted.
+    /// What the step from here may be.
     #[inline(always)]
-    fn settle(&self, point: &SlipPoint, piece: usize, elapsed: f64) -> Result<Settled, Error> {
+    fn plan(
+        &mut self,
+        point: &SlipPoint,
+        piece: usize,
+        time: Time,
+        elapsed: f64,
+    ) -> Result<Plan, Error> {
         let (series, speed) = (&self.series, &self.series.speed);
         let state = point.state(&self.system);
-        if !(speed[TERMS - 1].is_finite() && speed[TERMS - 2].is_finite()) {
+        let overflows = !(speed[TERMS - 1].is_finite() && speed[TERMS - 2].is_finite());
+        if overflows || series.decay.abs() > STIFF {
+            return self.stiff_plan(point, piece, time, elapsed);
+        }
+        let error = self.tolerance * self.scale(point, state, time);
+        let allowance = Allowance::new(error, series.largest_term(&self.system, state));
+        Ok(Plan {
+            allowance,
+            reach: allowance.reach(speed),
+            least: f64::EPSILON * elapsed,
+            memory: f64::INFINITY,
+        })
+    }
+
+    /// The same where the motion closes in on a slow one, or leaves it, much faster than it
+    /// oscillates, or where the series overflows; there the series may become that of the slow
+    /// motion.
+    #[inline(never)]
+    fn stiff_plan(
+        &mut self,
+        point: &SlipPoint,
+        piece: usize,
+        time: Time,
+        elapsed: f64,
+    ) -> Result<Plan, Error> {
+        let state = point.state(&self.system);
+        let order = self.series.truncate();
+        if order < 2 {
             let reached = Reached::new(elapsed, state);
             return Err(Error::StepUnderflow { step: 0.0, reached });
         }
-        let allowance = Allowance::new(
-            self.tolerance * self.scale(state),
-            series.largest_term(&self.system, state),
-        );
+        let closing = time.sign() * self.series.decay;
+        let largest_term = self.series.largest_term(&self.system, state);
+        let error = if closing > STIFF {
+            // Or what rounding of the forces shifts the slow motion by.
+            let rounding = f64::EPSILON * largest_term / closing;
+            (self.tolerance * self.scale_here(state, time)).max(rounding)
+        } else {
+            self.tolerance * self.scale(point, state, time)
+        };
+        let allowance = Allowance::new(error, largest_term);
+        let reach = allowance.reach_of(&self.series.speed, order, FARTHEST);
+        let mut plan = Plan {
+            allowance,
+            reach,
+            least: f64::EPSILON * elapsed,
+            memory: f64::INFINITY,
+        };
+        // Time is a sum of two numbers.
+        if closing > STIFF || (time == Time::Backward && closing < -STIFF) {
+            plan.least *= f64::EPSILON;
+        }
+        let has_come = order < TERMS - 1 || closing * reach > SETTLING;
+        if closing > STIFF && has_come && point.rate.is_none() {
+            let (law, system) = (*self.system.law(), &self.system);
+            let limits = self.breakpoints.limits(piece);
+            let piece = Piece { law, index: piece };
+            let workspace = &mut self.workspace;
+            let slow = self
+                .series
+                .slow(piece, system, workspace, point, time, &allowance);
+            if let Some((slow, reach)) = slow
+                && limits.contain(slow.speed[0])
+            {
+                self.series = slow;
+                plan.reach = reach;
+                plan.memory = closing.recip();
+            }
+        }
+        Ok(plan)
+    }
+
+    /// How far the series is used: up to the first exit from the piece
+    /// of the law, or as far as planned, halved until the defect is accepted.
+    #[inline(always)]
+    fn settle(
+        &self,
+        point: &SlipPoint,
+        piece: usize,
+        elapsed: f64,
+        plan: &Plan,
+    ) -> Result<Settled, Error> {
+        let (series, speed) = (&self.series, &self.series.speed);
         let limits = self.breakpoints.limits(piece);
-        let reach = allowance.reach(speed);
-        let mut h = reach.min(self.longest);
+        let mut h = plan.reach.min(self.longest);
         let (duration, end_speed) = loop {
-            if !(h > f64::EPSILON * elapsed && h >= f64::MIN_POSITIVE) {
-                return Err(self.underflow(piece, h, Reached::new(elapsed, state)));
+            if !(h > plan.least && h >= f64::MIN_POSITIVE) {
+                let reached = Reached::new(elapsed, point.state(&self.system));
+                return Err(self.underflow(piece, h, reached));
             }
             let speeds = speed.at_four(quarters(h));
             let Ok(exit) = limits.first_exit(speed, h, speeds) else {
@@ -164,7 +262,7 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
                 series.defect_at_minimum(&self.system, piece, end, speeds),
                 between,
             ];
-            if allowance.accepts(defects, end) {
+            if plan.allowance.accepts(defects, end.min(plan.memory)) {
                 break (end, end_speed);
             }
             h = 0.5 * end;
@@ -172,7 +270,11 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         Ok(Settled {
             duration,
             end_speed,
-            longest_next: if h < reach { 2.0 * h } else { f64::INFINITY },
+            longest_next: if h < plan.reach {
+                2.0 * h
+            } else {
+                f64::INFINITY
+            },
         })
     }
 
@@ -191,12 +293,44 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         }
     }
 
-    /// What the tolerance is relative to: max(|u − ū|, |v|, |v_b|).
+    /// What the tolerance is relative to: max(|u − ū|, |v|, |v_b|), but where a law is so steep that
+    /// ū lies far beyond all that happens, the scale of what does.
     #[inline(always)]
-    fn scale(&self, state: State) -> f64 {
-        let deviation = state.displacement - self.equilibrium;
+    fn scale(&self, point: &SlipPoint, state: State, time: Time) -> f64 {
+        let deviation = (state.displacement - self.equilibrium).abs();
         let v_b = self.system.belt_velocity();
-        deviation.abs().max(state.velocity.abs()).max(v_b.abs())
+        let speed = state.velocity.abs().max(v_b.abs());
+        if deviation <= BEYOND * speed {
+            deviation.max(speed)
+        } else {
+            self.scale_far_out(deviation, point, state, time)
+        }
+    }
+
+    #[inline(never)]
+    fn scale_far_out(&self, deviation: f64, point: &SlipPoint, state: State, time: Time) -> f64 {
+        let here = self.scale_here(state, time);
+        // Friction on the equilibrium's side of the belt has another sign than beyond it.
+        let leads = point.direction.sign() * self.system.belt_velocity() > 0.0;
+        let jump = if leads {
+            2.0 * self.system.largest_friction()
+        } else {
+            0.0
+        };
+        if deviation <= BEYOND * here + jump {
+            deviation
+        } else {
+            here
+        }
+    }
+
+    /// max(|v|, |v_b|, |v'|/max(1, D)): the scale of what the motion does, and is about to do, with D
+    /// the rate at which it closes in on a slow one.
+    fn scale_here(&self, state: State, time: Time) -> f64 {
+        let series = &self.series;
+        let v_b = self.system.belt_velocity();
+        let change = series.speed[1].abs() / (time.sign() * series.decay).max(1.0);
+        state.velocity.abs().max(v_b.abs()).max(change)
     }
 
     /// Displacement at a time t after the start of the step taken last, from `start`.

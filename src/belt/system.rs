@@ -35,7 +35,7 @@ use crate::state::{Direction, State};
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "crate::raw::MassOnBelt<L>"),
+    serde(try_from = "super::read::MassOnBelt<L>"),
     serde(bound(deserialize = "L: FrictionLaw + serde::Deserialize<'de>"))
 )]
 pub struct MassOnBelt<L> {
@@ -145,6 +145,14 @@ impl<L> MassOnBelt<L> {
     pub fn load(&self) -> f64 {
         self.load
     }
+
+    /// The same system on a belt of velocity |v_b|.
+    pub(super) fn with_belt_speed(self) -> Self {
+        Self {
+            belt_velocity: self.belt_velocity.abs(),
+            ..self
+        }
+    }
 }
 
 impl<L: FrictionLaw> MassOnBelt<L> {
@@ -155,14 +163,6 @@ impl<L: FrictionLaw> MassOnBelt<L> {
             belt_velocity: self.belt_velocity,
             damping: self.damping,
             load: self.load,
-        }
-    }
-
-    /// The same system, or its mirror image if v_b < 0: laws are odd in v_r.
-    pub(crate) fn moving_forward(&self) -> MassOnBelt<&L> {
-        MassOnBelt {
-            belt_velocity: self.belt_velocity.abs(),
-            ..self.by_reference()
         }
     }
 

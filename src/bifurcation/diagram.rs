@@ -3,7 +3,7 @@ use std::borrow::Borrow;
 use crate::belt::{Equilibrium, MassOnBelt};
 use crate::error::Error;
 use crate::friction::FrictionLaw;
-use crate::limit_cycle::{CycleSet, find};
+use crate::limit_cycle::{CycleSet, find_borrowed};
 
 /// Everything that a system can settle to at one belt velocity.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,6 +78,6 @@ fn point<L: FrictionLaw>(
     Ok(DiagramPoint {
         belt_velocity,
         equilibrium: system.equilibrium(),
-        cycles: find(&system)?,
+        cycles: find_borrowed(system)?,
     })
 }

@@ -1,17 +1,12 @@
 use std::ops::Range;
 
-use super::positive;
-use super::scan::root_between;
+use super::range::{moving_at, positive};
 use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
-use crate::limit_cycle::Tracer;
-
-/// Belt velocities that a range is first divided into.
-const INTERVALS: usize = 64;
-
-/// Halvings of an interval in which something may be hidden.
-const DEPTH: u32 = 16;
+use crate::limit_cycle::{PeakMap, Tracer};
+use crate::numerics::bracket::sign_change_between;
+use crate::numerics::scan::{Look, Survey, scan};
 
 /// A growth that is larger than this on one side of a number and has the other sign at the next one
 /// has jumped over zero: no cycles meet there.
@@ -19,7 +14,7 @@ const JUMP: f64 = 1e-9;
 
 /// Farthest that a turning point moves from one belt velocity to the next, in units of the range of
 /// peak velocities.
-const FARTHEST: f64 = 0.1;
+const FARTHEST_TURN: f64 = 0.1;
 
 /// Belt velocities in `range`, ascending, at which two pure-slip cycles, one stable and one
 /// unstable, meet and vanish.
@@ -49,36 +44,27 @@ pub fn fold_velocities<L: FrictionLaw>(
     range: Range<f64>,
 ) -> Result<Vec<f64>, Error> {
     let range = positive(range)?;
-    let system = system.moving_forward();
-    let outline = |v_b: f64| -> Result<Outline, Error> {
-        let points = if v_b == 0.0 {
-            Vec::new()
-        } else {
-            Tracer::new(&system.with_belt_velocity(v_b)?).outline()?
-        };
-        Ok(Outline { v_b, points })
+    let system = system.by_reference();
+    let mut outline = |v_b: f64| {
+        let points = moving_at(system, v_b, |system| {
+            PeakMap::of(&mut Tracer::new(system)).outline()
+        })?;
+        Ok(Outline {
+            points: points.unwrap_or_default(),
+        })
     };
-    let mut folds = Vec::new();
-    let width = (range.end - range.start) / INTERVALS as f64;
-    let mut left = outline(range.start)?;
-    for i in 1..=INTERVALS {
-        let v_b = if i == INTERVALS {
-            range.end
-        } else {
-            range.start + width * i as f64
-        };
-        let right = outline(v_b)?;
-        divide(&outline, &left, &right, DEPTH, &mut folds)?;
-        left = right;
-    }
-    Ok(folds)
+    let mut folds = Folds {
+        outline: &mut outline,
+        found: Vec::new(),
+    };
+    scan(&mut folds, &range)?;
+    Ok(folds.found)
 }
 
 /// The growth at one belt velocity: (peak velocity, growth) at the ends of the range of peak
 /// velocities and at the turning points between.
 #[derive(Debug)]
 struct Outline {
-    v_b: f64,
     points: Vec<(f64, f64)>,
 }
 
@@ -111,46 +97,61 @@ impl Outline {
     }
 }
 
-fn divide(
-    outline: &impl Fn(f64) -> Result<Outline, Error>,
-    a: &Outline,
-    b: &Outline,
-    depth: u32,
-    folds: &mut Vec<f64>,
-) -> Result<(), Error> {
-    let mut suspicious = !a.is_like(b) || a.at_ends() != b.at_ends();
-    let mut crossed = Vec::new();
-    if a.is_like(b) {
-        for (i, (p, q)) in std::iter::zip(a.turns(), b.turns()).enumerate() {
-            suspicious |= (p.0 - q.0).abs() > FARTHEST;
-            if (p.1 > 0.0) != (q.1 > 0.0) {
-                crossed.push((i, p.1, q.1));
-            } else {
-                suspicious |= p.1.abs().min(q.1.abs()) < (p.1 - q.1).abs();
+/// The folds found so far, and how a belt velocity is looked at.
+struct Folds<'f> {
+    outline: &'f mut dyn FnMut(f64) -> Result<Outline, Error>,
+    found: Vec<f64>,
+}
+
+impl Survey for Folds<'_> {
+    type Sample = Outline;
+
+    const HALVINGS: u32 = 16;
+
+    fn sample(&mut self, v_b: f64) -> Result<Outline, Error> {
+        (self.outline)(v_b)
+    }
+
+    fn look(
+        &mut self,
+        (low, a): &(f64, Outline),
+        (high, b): &(f64, Outline),
+        halvings: u32,
+    ) -> Result<Look, Error> {
+        let mut may_hide = !a.is_like(b) || a.at_ends() != b.at_ends();
+        let mut crossed = Vec::new();
+        if a.is_like(b) {
+            for (i, (p, q)) in std::iter::zip(a.turns(), b.turns()).enumerate() {
+                may_hide |= (p.0 - q.0).abs() > FARTHEST_TURN;
+                if (p.1 > 0.0) != (q.1 > 0.0) {
+                    crossed.push((i, p.1, q.1));
+                } else {
+                    may_hide |= p.1.abs().min(q.1.abs()) < (p.1 - q.1).abs();
+                }
             }
         }
-    }
-    if !suspicious || depth == 0 {
-        let mut roots = Vec::new();
+        if may_hide && halvings > 0 {
+            return Ok(Look::Halve);
+        }
+        let mut folds = Vec::new();
         for (i, p, q) in &crossed {
             let mut growth = |v_b: f64| {
-                let at = outline(v_b)?;
-                let turn = at.is_like(a).then(|| at.turns().nth(*i)).flatten();
+                let now = (self.outline)(v_b)?;
+                let turn = now.is_like(a).then(|| now.turns().nth(*i)).flatten();
                 Ok(turn.map(|turn| turn.1))
             };
-            let root = root_between(&mut growth, (a.v_b, *p), (b.v_b, *q))?;
-            roots.extend(root.filter(|root| root.1 <= JUMP).map(|root| root.0));
+            let change = sign_change_between(&mut growth, (*low, *p), (*high, *q))?;
+            folds.extend(change.filter(|change| change.residual() <= JUMP));
         }
-        if roots.len() == crossed.len() || depth == 0 {
-            roots.sort_by(f64::total_cmp);
-            folds.extend(roots);
-            return Ok(());
+        if folds.len() < crossed.len() && halvings > 0 {
+            // Not the same turning points after all.
+            return Ok(Look::Halve);
         }
-        // Not the same turning points after all.
+        let mut folds: Vec<f64> = folds.iter().map(|change| change.below).collect();
+        folds.sort_by(f64::total_cmp);
+        self.found.extend(folds);
+        Ok(Look::Done)
     }
-    let middle = outline(0.5 * (a.v_b + b.v_b))?;
-    divide(outline, a, &middle, depth - 1, folds)?;
-    divide(outline, &middle, b, depth - 1, folds)
 }
 
 #[cfg(test)]

@@ -10,6 +10,8 @@
 
 mod harmonic;
 mod profile;
+#[cfg(feature = "serde")]
+mod read;
 #[cfg(test)]
 mod tests;
 
@@ -53,7 +55,7 @@ use crate::series::PowerSeries;
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "crate::raw::Drive")
+    serde(try_from = "read::Drive")
 )]
 pub struct Drive {
     constant: f64,

@@ -1,4 +1,5 @@
 use super::FrictionLaw;
+use super::check::{check_kinetic, check_static};
 use crate::error::Error;
 use crate::scalar::Scalar;
 
@@ -26,7 +27,7 @@ use crate::scalar::Scalar;
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "crate::raw::Coulomb")
+    serde(try_from = "super::read::Coulomb")
 )]
 pub struct Coulomb {
     static_coefficient: f64,
@@ -40,7 +41,8 @@ impl Coulomb {
     ///
     /// [`Error::InvalidParameter`] unless both are finite and 0 ≤ μ_k ≤ μ_s.
     pub fn new(static_coefficient: f64, kinetic_coefficient: f64) -> Result<Self, Error> {
-        check_coefficients(static_coefficient, kinetic_coefficient)?;
+        check_static(static_coefficient)?;
+        check_kinetic(static_coefficient, kinetic_coefficient)?;
         Ok(Self {
             static_coefficient,
             kinetic_coefficient,
@@ -51,23 +53,6 @@ impl Coulomb {
     pub fn kinetic_coefficient(&self) -> f64 {
         self.kinetic_coefficient
     }
-}
-
-/// 0 ≤ μ_k ≤ μ_s, both finite.
-pub(super) fn check_coefficients(mu_s: f64, mu_k: f64) -> Result<(), Error> {
-    Error::check(
-        "static_coefficient",
-        mu_s,
-        mu_s >= 0.0,
-        "static_coefficient ≥ 0",
-    )?;
-    Error::check(
-        "kinetic_coefficient",
-        mu_k,
-        (0.0..=mu_s).contains(&mu_k),
-        "0 ≤ kinetic_coefficient ≤ static_coefficient",
-    )?;
-    Ok(())
 }
 
 impl FrictionLaw for Coulomb {

@@ -1,4 +1,5 @@
 use super::FrictionLaw;
+use super::check::{check_kinetic, check_static};
 use crate::error::Error;
 use crate::scalar::Scalar;
 
@@ -28,7 +29,7 @@ use crate::scalar::Scalar;
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "crate::raw::Exponential")
+    serde(try_from = "super::read::Exponential")
 )]
 pub struct Exponential {
     static_coefficient: f64,
@@ -52,7 +53,8 @@ impl Exponential {
         kinetic_coefficient: f64,
         stribeck_velocity: f64,
     ) -> Result<Self, Error> {
-        super::coulomb::check_coefficients(static_coefficient, kinetic_coefficient)?;
+        check_static(static_coefficient)?;
+        check_kinetic(static_coefficient, kinetic_coefficient)?;
         let rate = -stribeck_velocity.powi(-2);
         Error::check(
             "stribeck_velocity",

@@ -1,11 +1,30 @@
 //! Friction laws: the coefficient as a function of the sliding speed.
+//!
+//! | file | what is in it |
+//! |---|---|
+//! | `mod.rs` | [`FrictionLaw`], what a law of a user's own implements |
+//! | `coulomb.rs`, `exponential.rs`, `polynomial.rs`, `rational.rs`, `stribeck.rs` | the laws with a formula |
+//! | `tabulated.rs` | measured points |
+//! | `any.rs` | a law chosen at run time |
+//! | `memory/` | contact laws with memory |
+//! | `scaled.rs` | a law given in metres per second |
+//! | `expansion.rs` | a law's pieces, and their power series at one speed |
+//! | `along.rs` | a law as a chain of power series over a range of speeds: sign changes and least value of its slope |
+//! | `check.rs` | what is asked of a law before it is used; whether it is constant |
+//! | `read.rs` | how laws are read (feature `serde`) |
 
+mod along;
 mod any;
+pub(crate) mod check;
 mod coulomb;
+mod expansion;
 mod exponential;
 pub(crate) mod memory;
 mod polynomial;
 mod rational;
+#[cfg(feature = "serde")]
+mod read;
+mod scaled;
 mod stribeck;
 mod tabulated;
 
@@ -14,11 +33,21 @@ pub use coulomb::Coulomb;
 pub use exponential::Exponential;
 pub use polynomial::Polynomial;
 pub use rational::Rational;
+pub use scaled::Scaled;
 pub use stribeck::Stribeck;
 pub use tabulated::Tabulated;
 
-use crate::error::Error;
-use crate::scalar::{Function, LONGEST, Scalar, Workspace, expand};
+pub(crate) use along::AlongSlope;
+pub(crate) use check::{has_no_kinetic_friction, is_constant_near, validate};
+pub(crate) use expansion::{
+    Piece, finite_at, piece_above, slope_on, taylor_coefficients, taylor_coefficients_on,
+    value_and_slope,
+};
+
+use crate::scalar::Scalar;
+
+/// The highest derivative that is computed.
+const HIGHEST: usize = 30;
 
 /// A dry friction law: the static coefficient, and the kinetic coefficient μ̂(s) at sliding speed s
 /// = |v_r| ≥ 0.
@@ -131,7 +160,7 @@ pub trait FrictionLaw: Sized {
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     fn slope(&self, speed: f64) -> f64 {
-        taylor_coefficients::<2, _>(&self, speed)[1]
+        value_and_slope(&self, piece_above(self, speed), speed).1
     }
 
     /// d²μ̂/ds² at sliding speed s, exact to rounding; at a breakpoint that of the piece above.
@@ -145,7 +174,7 @@ pub trait FrictionLaw: Sized {
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     fn curvature(&self, speed: f64) -> f64 {
-        2.0 * taylor_coefficients::<4, _>(&self, speed)[2]
+        2.0 * taylor_coefficients::<3, _>(self, speed)[2]
     }
 
     /// n-th derivative of μ̂ at sliding speed s, exact to rounding; at a breakpoint that of the
@@ -160,10 +189,14 @@ pub trait FrictionLaw: Sized {
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     fn derivative(&self, n: usize, speed: f64) -> f64 {
-        let factorial: f64 = (1..=n.min(LONGEST)).map(|k| k as f64).product();
-        taylor_coefficients::<LONGEST, _>(&self, speed)
-            .get(n)
-            .map_or(f64::NAN, |coefficient| coefficient * factorial)
+        match n {
+            1 => self.slope(speed),
+            0..=HIGHEST => {
+                let factorial: f64 = (1..=n).map(|k| k as f64).product();
+                taylor_coefficients::<{ HIGHEST + 1 }, _>(self, speed)[n] * factorial
+            }
+            _ => f64::NAN,
+        }
     }
 }
 
@@ -182,141 +215,17 @@ impl<L: FrictionLaw> FrictionLaw for &L {
     fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
         (**self).kinetic_on(piece, speed)
     }
-}
-
-/// One analytic piece of a law, by its number.
-#[derive(Debug)]
-pub(crate) struct Piece<'l, L> {
-    pub(crate) law: &'l L,
-    pub(crate) index: usize,
-}
-
-impl<L> Clone for Piece<'_, L> {
-    fn clone(&self) -> Self {
-        *self
+    // Not the defaults, which would be compiled once more for each reference.
+    fn coefficient(&self, relative_velocity: f64) -> f64 {
+        (**self).coefficient(relative_velocity)
     }
-}
-
-impl<L> Copy for Piece<'_, L> {}
-
-impl<L: FrictionLaw> Function for Piece<'_, L> {
-    #[inline(always)]
-    fn at<S: Scalar>(self, speed: S) -> S {
-        self.law.kinetic_on(self.index, speed)
+    fn slope(&self, speed: f64) -> f64 {
+        (**self).slope(speed)
     }
-}
-
-/// The piece that holds speeds just above `speed`.
-pub(crate) fn piece_above<L: FrictionLaw>(law: &L, speed: f64) -> usize {
-    law.breakpoints().take_while(|&b| b <= speed).count()
-}
-
-/// Coefficients of μ̂ as a power series in the sliding speed about `speed`; those from order M − 1
-/// on are not computed (order 1 always is).
-pub(crate) fn taylor_coefficients<const M: usize, L: FrictionLaw>(law: &L, speed: f64) -> [f64; M] {
-    taylor_coefficients_on(law, piece_above(law, speed), speed)
-}
-
-/// The same for one piece of the law.
-pub(crate) fn taylor_coefficients_on<const M: usize, L: FrictionLaw>(
-    law: &L,
-    piece: usize,
-    speed: f64,
-) -> [f64; M] {
-    let mut series = [f64::NAN; M];
-    (series[0], series[1]) = expand(
-        Piece { law, index: piece },
-        &mut Workspace::<M>::new(),
-        speed,
-        |k, _, m| {
-            if k >= 2 {
-                series[k] = m.scale * m.rest;
-            }
-            // s = s_0 + t
-            if k == 0 { 1.0 } else { 0.0 }
-        },
-    );
-    series
-}
-
-/// Checks what the trait asks of a law and a system relies on: μ_s finite and ≥ μ̂(0), breakpoints
-/// in order, the law continuous.
-pub(crate) fn validate<L: FrictionLaw>(law: &L) -> Result<(), Error> {
-    let static_coefficient = law.static_coefficient();
-    Error::check(
-        "static_coefficient",
-        static_coefficient,
-        static_coefficient >= 0.0,
-        "static_coefficient ≥ 0",
-    )?;
-    let kinetic_coefficient = law.kinetic(0.0);
-    finite_at(law, 0.0)?;
-    if kinetic_coefficient > static_coefficient * (1.0 + 8.0 * f64::EPSILON) {
-        return Err(Error::StaticBelowKinetic {
-            static_coefficient,
-            kinetic_coefficient,
-        });
+    fn curvature(&self, speed: f64) -> f64 {
+        (**self).curvature(speed)
     }
-    let mut last = 0.0;
-    for (index, value) in law.breakpoints().enumerate() {
-        let (below, above) = (
-            law.kinetic_on(index, value),
-            law.kinetic_on(index + 1, value),
-        );
-        let scale = static_coefficient.max(below.abs());
-        let continuous = (below - above).abs() <= JUMP * scale;
-        if !(value.is_finite() && value > last && continuous) {
-            return Err(Error::BadBreakpoints { index, value });
-        }
-        last = value;
+    fn derivative(&self, n: usize, speed: f64) -> f64 {
+        (**self).derivative(n, speed)
     }
-    Ok(())
-}
-
-/// Largest relative jump at a breakpoint that counts as rounding.
-pub(crate) const JUMP: f64 = 1e-12;
-
-/// The law has a finite value and slope at `speed`.
-pub(crate) fn finite_at<L: FrictionLaw>(law: &L, speed: f64) -> Result<(), Error> {
-    slope_on(law, piece_above(law, speed), speed).map(|_| ())
-}
-
-/// dμ̂/ds on one piece of the law.
-pub(crate) fn slope_on<L: FrictionLaw>(law: &L, piece: usize, speed: f64) -> Result<f64, Error> {
-    let [value, slope] = taylor_coefficients_on::<2, _>(law, piece, speed);
-    if !value.is_finite() {
-        Err(Error::NonFiniteFriction {
-            speed,
-            value,
-            reached: None,
-        })
-    } else if !slope.is_finite() {
-        Err(Error::NotAnalytic {
-            speed,
-            reached: None,
-        })
-    } else {
-        Ok(slope)
-    }
-}
-
-/// Whether friction does not depend on the sliding speed near this one: all derivatives of the law
-/// are zero.
-pub(crate) fn is_constant_near<L: FrictionLaw>(law: &L, speed: f64) -> bool {
-    is_constant(&taylor_coefficients(law, speed))
-}
-
-/// Whether there is no kinetic friction at any speed: on each piece the law and all its derivatives
-/// are zero.
-pub(crate) fn has_no_kinetic_friction<L: FrictionLaw>(law: &L) -> bool {
-    let starts = std::iter::once(0.0).chain(law.breakpoints());
-    starts.enumerate().all(|(piece, speed)| {
-        let series = taylor_coefficients_on(law, piece, speed);
-        series[0] == 0.0 && is_constant(&series)
-    })
-}
-
-/// The last coefficient is not computed.
-fn is_constant(series: &[f64; LONGEST]) -> bool {
-    series[1..LONGEST - 1].iter().all(|&c| c == 0.0)
 }

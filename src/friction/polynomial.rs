@@ -1,4 +1,5 @@
 use super::FrictionLaw;
+use super::check::check_static;
 use crate::error::Error;
 use crate::scalar::Scalar;
 
@@ -27,7 +28,7 @@ use crate::scalar::Scalar;
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "crate::raw::Polynomial")
+    serde(try_from = "super::read::Polynomial")
 )]
 pub struct Polynomial {
     static_coefficient: f64,
@@ -52,12 +53,7 @@ impl Polynomial {
         minimum_velocity: f64,
     ) -> Result<Self, Error> {
         let (mu_s, mu_m, v_m) = (static_coefficient, minimum_coefficient, minimum_velocity);
-        Error::check(
-            "static_coefficient",
-            mu_s,
-            mu_s >= 0.0,
-            "static_coefficient ≥ 0",
-        )?;
+        check_static(mu_s)?;
         Error::check(
             "minimum_coefficient",
             mu_m,

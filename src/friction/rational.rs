@@ -1,4 +1,5 @@
 use super::FrictionLaw;
+use super::check::check_static;
 use crate::error::Error;
 use crate::scalar::Scalar;
 
@@ -32,7 +33,7 @@ use crate::scalar::Scalar;
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "crate::raw::Rational")
+    serde(try_from = "super::read::Rational")
 )]
 pub struct Rational {
     static_coefficient: f64,
@@ -49,12 +50,7 @@ impl Rational {
     ///
     /// [`Error::InvalidParameter`] unless both are finite and ≥ 0.
     pub fn new(static_coefficient: f64, decay: f64) -> Result<Self, Error> {
-        Error::check(
-            "static_coefficient",
-            static_coefficient,
-            static_coefficient >= 0.0,
-            "static_coefficient ≥ 0",
-        )?;
+        check_static(static_coefficient)?;
         Error::check("decay", decay, decay >= 0.0, "decay ≥ 0")?;
         Ok(Self {
             static_coefficient,

@@ -1,4 +1,5 @@
 use super::FrictionLaw;
+use super::check::check_static;
 use crate::error::Error;
 use crate::scalar::Scalar;
 
@@ -34,7 +35,7 @@ use crate::scalar::Scalar;
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "crate::raw::Stribeck")
+    serde(try_from = "super::read::Stribeck")
 )]
 pub struct Stribeck {
     static_coefficient: f64,
@@ -64,12 +65,7 @@ impl Stribeck {
         stribeck_velocity: f64,
         exponent: u32,
     ) -> Result<Self, Error> {
-        Error::check(
-            "static_coefficient",
-            static_coefficient,
-            static_coefficient >= 0.0,
-            "static_coefficient ≥ 0",
-        )?;
+        check_static(static_coefficient)?;
         Error::check(
             "coulomb_coefficient",
             coulomb_coefficient,

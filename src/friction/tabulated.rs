@@ -47,7 +47,7 @@ use crate::scalar::Scalar;
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "crate::raw::Tabulated")
+    serde(try_from = "super::read::Tabulated")
 )]
 pub struct Tabulated {
     static_coefficient: f64,

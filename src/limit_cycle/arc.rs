@@ -2,8 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::belt::{Advance, SlipPoint, Step, Stepper};
-use crate::belt::{MassOnBelt, Stability};
+use crate::belt::{Advance, Forward, SlipPoint, Stability, Step, Stepper};
 use crate::clock::{Clock, Time};
 use crate::error::{Error, Reached};
 use crate::friction::FrictionLaw;
@@ -21,19 +20,23 @@ pub(crate) enum Arrival {
     Maximum(SlipPoint),
     /// Nowhere: it settles at the equilibrium.
     Equilibrium,
-    /// Nowhere: followed backwards, it grows beyond [`FAR`].
+    /// Nowhere: followed backwards, it grows beyond [`FARTHEST`].
     Far,
+    /// Nowhere: on the belt, where slip does not begin.
+    Held,
 }
 
-/// Follows slip arcs of one system, v_b > 0, to round-off.
-#[derive(Debug, Clone)]
+/// Follows slip arcs of one system to round-off.
+#[derive(Debug)]
 pub(crate) struct Tracer<'s, L> {
-    system: &'s MassOnBelt<&'s L>,
+    system: Forward<'s, L>,
     stepper: Stepper<'s, L>,
     /// The direction of time in which the equilibrium attracts, if it does in one.
     attracts: Option<Time>,
     /// Distance within which it then has the motion for good.
     settled: f64,
+    /// max(1, |h1|).
+    stiffness: f64,
     /// Distance within which a motion is at the equilibrium to rounding.
     rounding: f64,
     equilibrium: f64,
@@ -48,8 +51,10 @@ pub(crate) struct Tracer<'s, L> {
 pub(crate) struct Arc {
     pub(crate) steps: Vec<Step>,
     pub(crate) arrival: Arrival,
-    /// ds/dτ at its start and at its end.
-    pub(crate) rates: [f64; 2],
+    /// ds/dτ at its start, in the direction of time that it was followed in.
+    pub(crate) start_rate: f64,
+    /// ds/dτ at its end.
+    pub(crate) end_rate: f64,
 }
 
 /// Fraction of v_b within which the motion near the equilibrium is linear.
@@ -79,14 +84,13 @@ impl Arc {
 /// Friction feeds the mass only where 0 < v < v_b; the averaged cycles of every law have amplitudes
 /// below 2|v_b|. Backwards, a law that rises fast enough lets a motion grow to infinity in finite
 /// time.
-pub(crate) const FAR: f64 = 16.0;
+pub(crate) const FARTHEST: f64 = 16.0;
 
-/// Most steps of one arc. An oscillation takes about ten; on the slow branch of a stiff system
-/// (γ²μ̂' of 1000) it may be ten thousand.
+/// Most steps of one arc. An oscillation takes about ten, a slow motion to a node a hundred.
 const MOST_STEPS: usize = Integrator::DEFAULT_MAX_STEPS;
 
 impl<'s, L: FrictionLaw> Tracer<'s, L> {
-    pub(crate) fn new(system: &'s MassOnBelt<&'s L>) -> Self {
+    pub(crate) fn new(system: Forward<'s, L>) -> Self {
         let equilibrium = system.equilibrium_displacement();
         let attracts = system
             .equilibrium()
@@ -102,12 +106,16 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
             settled: SETTLED * system.belt_velocity().abs(),
             rounding: ROUNDING * f64::EPSILON * (equilibrium.abs() + system.belt_velocity().abs()),
             equilibrium,
+            stiffness: system
+                .effective_damping(system.belt_velocity())
+                .abs()
+                .max(1.0),
             scale: system.belt_velocity().abs() + system.load() * system.law().static_coefficient(),
             work: 0,
         }
     }
 
-    pub(crate) fn system(&self) -> &'s MassOnBelt<&'s L> {
+    pub(crate) fn system(&self) -> Forward<'s, L> {
         self.system
     }
 
@@ -127,40 +135,34 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
     /// A leading mass has v > v_b > 0, so u grows until it comes back to the belt: its arcs end in
     /// contact.
     pub(crate) fn arc(&mut self, start: SlipPoint, time: Time) -> Result<Arc, Error> {
+        if start.speed == 0.0 && !self.slips(&start, time) {
+            return Ok(Arc {
+                steps: Vec::new(),
+                arrival: Arrival::Held,
+                start_rate: 0.0,
+                end_rate: 0.0,
+            });
+        }
+        let v_b = self.system.belt_velocity();
         let mut point = start;
         let mut clock = Clock::default();
         let mut steps: Vec<Step> = Vec::with_capacity(16);
-        // Whether a maximum of v can come: if v grows at the start, or after a minimum, which lies
-        // at v < 0 because v'' = −v there. Near the slow motion of a stiff system rounding makes v'
-        // change its sign in between.
-        let mut grows = false;
+        let mut watch = PeakWatch::new(v_b);
         loop {
-            let advance = self.stepper.advance(&point, time, clock.time)?;
             let Advance {
                 mut duration,
                 end,
                 speed: &speed,
-            } = advance;
-            let is_contact = advance.is_contact();
-            let first = steps.first().map_or(speed[1], |step| step.speed[1]);
-            let behind = point.direction == Direction::Lagging;
-            let v_b = self.system().belt_velocity();
-            grows |= behind && (first < 0.0 || point.speed > v_b);
-            let maximum = if grows
-                && speed[1] >= 0.0
-                && steps.last().is_some_and(|step| rate_at_end(step) < 0.0)
-            {
-                // Between two steps, where rounding may put it before the one and after the other.
-                Some(0.0)
-            } else if behind && may_turn(&speed, duration, v_b, grows) {
-                next_maximum(&speed, duration, v_b, &mut grows)
-            } else {
-                None
+            } = self.stepper.advance(&point, time, clock.time)?;
+            let is_contact = end.speed == 0.0;
+            let maximum = match point.direction {
+                Direction::Lagging => watch.maximum(&speed, duration, steps.last()),
+                Direction::Leading => None,
             };
             if let Some(t) = maximum {
                 duration = t;
             }
-            let state = point.state(self.system);
+            let state = point.state(&self.system);
             let step = Step::slip(clock, duration, point.direction, state, speed, v_b);
             clock = clock.after(duration);
             steps.push(step);
@@ -177,44 +179,90 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
                 Some(Arrival::Equilibrium)
             } else if is_contact {
                 Some(Arrival::Contact(end.displacement))
-            } else if time == Time::Backward && end.speed > FAR * self.scale {
+            } else if time == Time::Backward && end.speed > FARTHEST * self.scale {
                 Some(Arrival::Far)
             } else {
                 None
             };
             if let Some(arrival) = arrival {
-                let last = steps.last().map_or(first, rate_at_end);
                 return Ok(Arc {
-                    steps,
                     arrival,
-                    rates: [first, last],
+                    start_rate: steps.first().map_or(0.0, |step| step.speed[1]),
+                    end_rate: steps.last().map_or(0.0, rate_at_end),
+                    steps,
                 });
             }
             if steps.len() >= MOST_STEPS {
                 let limit = MOST_STEPS;
-                let reached = Reached::new(clock.time, end.state(self.system));
+                let reached = Reached::new(clock.time, end.state(&self.system));
                 return Err(Error::TooManySteps { limit, reached });
             }
             point = end;
         }
     }
 
+    /// Whether a motion from the belt leaves it: the sliding speed grows, at its rate s', or, where
+    /// that is zero, because s'' = −σv_b there.
+    fn slips(&self, start: &SlipPoint, time: Time) -> bool {
+        let sigma = start.direction.sign();
+        let rate = start.rate.unwrap_or_else(|| {
+            let system = &self.system;
+            let force = start.displacement + system.carried_force();
+            -time.sign() * (sigma * force + system.load() * system.law().kinetic(0.0))
+        });
+        rate > 0.0 || (rate == 0.0 && start.direction == Direction::Lagging)
+    }
+
+    /// Whether a motion is at the equilibrium for good, or to rounding. Where the equilibrium
+    /// attracts strongly, u − ū counts by the speed that it causes: u − ū = −h1 v on the slow
+    /// motion of a node, and what is not linear is so in the speed.
     fn has_settled(&self, point: &SlipPoint, time: Time) -> bool {
         let State {
             displacement,
             velocity,
-        } = point.state(self.system);
-        let distance = (displacement - self.equilibrium).abs().max(velocity.abs());
-        distance < self.rounding || (self.attracts == Some(time) && distance < self.settled)
+        } = point.state(&self.system);
+        let deviation = (displacement - self.equilibrium).abs();
+        if self.attracts == Some(time) {
+            let distance = (deviation / self.stiffness).max(velocity.abs());
+            distance < self.rounding.max(self.settled)
+        } else {
+            deviation.max(velocity.abs()) < self.rounding
+        }
+    }
+
+    /// How much an arc between two places on the belt, followed in this direction of time,
+    /// stretches distances there: |du_end/du_start| in forward time.
+    pub(crate) fn stretch(&self, arc: &Arc, time: Time) -> f64 {
+        let (start, end) = match time {
+            Time::Forward => (arc.start_rate, arc.end_rate),
+            Time::Backward => (arc.end_rate, arc.start_rate),
+        };
+        (start / end).abs() * (-self.contraction(arc)).exp()
+    }
+
+    /// The arc from the belt at displacement u, where slip in a direction begins.
+    pub(crate) fn arc_leaving(&mut self, u: f64, direction: Direction) -> Result<Arc, Error> {
+        self.arc(
+            SlipPoint::leaving(&self.system, u, direction),
+            Time::Forward,
+        )
+    }
+
+    /// The arc that ends on the belt at displacement u, where slip in a direction ends, followed
+    /// backwards.
+    pub(crate) fn arc_arriving(&mut self, u: f64, direction: Direction) -> Result<Arc, Error> {
+        self.arc(SlipPoint::arriving(u, direction), Time::Backward)
+    }
+
+    /// The arc from where the velocity behind the belt has the maximum V.
+    pub(crate) fn arc_from_peak(&mut self, peak: f64, time: Time) -> Result<Arc, Error> {
+        self.arc(SlipPoint::at_maximum(&self.system, peak), time)
     }
 
     /// ∫(2β + γ² dμ̂/ds) dτ over an arc: how fast the flow contracts areas, integrated.
     pub(crate) fn contraction(&self, arc: &Arc) -> f64 {
         let system = self.system();
-        let integrand = |step: &Step, t: f64| {
-            let speed = step.speed.at(t).max(0.0);
-            2.0 * system.damping() + system.load() * system.law().slope(speed)
-        };
+        let integrand = |step: &Step, t: f64| system.effective_damping(step.speed.at(t).max(0.0));
         arc.steps
             .iter()
             .map(|step| gauss_legendre(0.0, step.duration, |t| integrand(step, t)))
@@ -227,35 +275,68 @@ fn rate_at_end(step: &Step) -> f64 {
     step.speed.derivative().at(step.duration)
 }
 
-/// Whether the velocity of a lagging motion may have a maximum in (0, h): only after it grew, or
-/// was negative, and where it is positive. It keeps its sign for about half a turn, longer than a
-/// quarter of any step.
-fn may_turn(speed: &PowerSeries, h: f64, v_b: f64, grows: bool) -> bool {
-    let speeds = speed.at_four(quarters(h));
-    let negative = |s: &f64| *s > v_b;
-    (grows || speeds.iter().any(negative)) && !(negative(&speed[0]) && speeds.iter().all(negative))
+/// Watches for the first maximum of the velocity on an arc behind the belt.
+#[derive(Debug, Clone)]
+struct PeakWatch {
+    v_b: f64,
+    /// Whether a maximum can come: v grew at the start, or after a minimum, which lies at v < 0
+    /// because v'' = −v there. Near the slow motion of a stiff system rounding makes v' change its
+    /// sign in between.
+    has_grown: bool,
 }
 
-/// First time in (0, h) at which the velocity of a lagging motion has a maximum: the sliding speed
-/// has a minimum, and `grows`, which is set where the speed has a maximum above v_b.
-fn next_maximum(speed: &PowerSeries, h: f64, v_b: f64, grows: &mut bool) -> Option<f64> {
-    let mut rate = speed.derivative();
-    if rate[0] == 0.0 {
-        // An extremum at the start is divided out: it is known.
-        rate = rate.without_root(1);
+impl PeakWatch {
+    fn new(v_b: f64) -> Self {
+        Self {
+            v_b,
+            has_grown: false,
+        }
     }
-    let mut minimum = None;
-    if h.is_finite() {
-        let _ = rate.sign_changes(h, &mut |t, rising| {
-            if rising && *grows {
-                minimum = Some(t);
-                return ControlFlow::Break(());
-            }
-            *grows |= !rising && speed.at(t) > v_b;
-            ControlFlow::Continue(())
-        });
+
+    /// When the velocity has its maximum within a step, which follows on `before`.
+    fn maximum(&mut self, speed: &PowerSeries, h: f64, before: Option<&Step>) -> Option<f64> {
+        self.has_grown |= (before.is_none() && speed[1] < 0.0) || speed[0] > self.v_b;
+        if self.has_grown && speed[1] >= 0.0 && before.is_some_and(|step| rate_at_end(step) < 0.0) {
+            // Between two steps, where rounding may put it before the one and after the other.
+            Some(0.0)
+        } else if self.may_come(speed, h) {
+            self.first_inside(speed, h)
+        } else {
+            None
+        }
     }
-    minimum
+
+    /// Whether a maximum may lie in (0, h): only after the velocity grew, or was negative, and
+    /// where it is positive. It keeps its sign for about half a turn, longer than a quarter of any
+    /// step.
+    fn may_come(&self, speed: &PowerSeries, h: f64) -> bool {
+        let speeds = speed.at_four(quarters(h));
+        let negative = |s: &f64| *s > self.v_b;
+        let all_negative = negative(&speed[0]) && speeds.iter().all(negative);
+        (self.has_grown || speeds.iter().any(negative)) && !all_negative
+    }
+
+    /// First time in (0, h) at which the velocity has a maximum: the sliding speed has a minimum,
+    /// and v has grown, which it does from where the speed has a maximum above v_b.
+    fn first_inside(&mut self, speed: &PowerSeries, h: f64) -> Option<f64> {
+        let mut rate = speed.derivative();
+        if rate[0] == 0.0 {
+            // An extremum at the start is divided out: it is known.
+            rate = rate.without_root(1);
+        }
+        let mut minimum = None;
+        if h.is_finite() {
+            let _ = rate.sign_changes(h, &mut |t, rising| {
+                if rising && self.has_grown {
+                    minimum = Some(t);
+                    return ControlFlow::Break(());
+                }
+                self.has_grown |= !rising && speed.at(t) > self.v_b;
+                ControlFlow::Continue(())
+            });
+        }
+        minimum
+    }
 }
 
 #[cfg(test)]

@@ -1,8 +1,12 @@
 use super::arc::{Arrival, Tracer};
-use super::maps::ReleaseFate;
-use super::{CycleKind, CycleSet, LimitCycle, facing, find_with};
-use crate::belt::MassOnBelt;
-use crate::belt::{SlipPoint, Start};
+use super::averaged;
+use super::crossings::CrossingMap;
+use super::cycle::{CycleKind, LimitCycle};
+use super::find::{nested_cycles, of_belt_at_rest};
+use super::peaks::PeakMap;
+use super::release::{Release, ReleaseFate};
+use super::set::CycleSet;
+use crate::belt::{Forward, MassOnBelt, SlipPoint, Start};
 use crate::clock::Time;
 use crate::error::Error;
 use crate::friction::{FrictionLaw, has_no_kinetic_friction};
@@ -10,7 +14,11 @@ use crate::state::{Direction, State};
 
 /// Where a motion ends up. See [`attractor`].
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(rename_all = "snake_case")
+)]
 #[non_exhaustive]
 pub enum Attractor {
     /// At rest in the stick band of a belt that stands still.
@@ -27,9 +35,9 @@ pub enum Attractor {
     Continuum,
     /// The motion grows beyond every periodic motion that was found.
     Unbounded,
-    /// Rounding hides whether the motion grows or shrinks: it starts in a range that is
-    /// [unresolved](CycleSet::unresolved), or friction and damping change it by less than 10⁻¹⁴ in
-    /// a turn.
+    /// Rounding hides whether the motion grows or shrinks, and averaging does not tell: it starts in
+    /// a range that is [unresolved](CycleSet::unresolved), or crosses the belt velocity and changes
+    /// by less than 10⁻¹⁴ in a turn.
     Unresolved,
 }
 
@@ -53,7 +61,8 @@ const ON_CYCLE: f64 = 1e-12;
 /// The same where rounding hides the growth: it is small near a cycle whose multiplier is near 1.
 const HIDDEN_BY_CYCLE: f64 = 1e-6;
 
-/// Which attractor the motion from `start` reaches.
+/// Which attractor the motion from `start` reaches. For many starts of one system, ask [`basins`],
+/// which looks for the cycles once.
 ///
 /// Decided from the geometry of the planar flow: cycles lie one inside the other, and a motion
 /// between two of them goes to the one that it moves towards. At most a few slip arcs are followed,
@@ -78,7 +87,7 @@ const HIDDEN_BY_CYCLE: f64 = 1e-6;
 /// use stick_slip::limit_cycle::{Attractor, attractor};
 /// use stick_slip::{Exponential, MassOnBelt, State};
 ///
-/// // Bistable: the unstable cycle between equilibrium and stick-slip has a peak velocity of 0.3112.
+/// // Bistable: between equilibrium and stick-slip lies an unstable cycle of peak velocity 0.3112.
 /// let system = MassOnBelt::new(Exponential::new(0.6, 0.3, 0.4)?, 1.0)?.with_damping(0.01)?;
 /// let rest = system.equilibrium().unwrap().displacement;
 /// assert_eq!(attractor(&system, State::new(rest, 0.30))?, Attractor::Equilibrium);
@@ -86,45 +95,121 @@ const HIDDEN_BY_CYCLE: f64 = 1e-6;
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 pub fn attractor<L: FrictionLaw>(system: &MassOnBelt<L>, start: State) -> Result<Attractor, Error> {
-    if !(start.displacement.is_finite() && start.velocity.is_finite()) {
-        let State {
-            displacement,
-            velocity,
-        } = start;
-        return Err(Error::InvalidState {
-            displacement,
-            velocity,
+    check(start)?;
+    basins(system)?.attractor(start)
+}
+
+/// Which start reaches which attractor: the cycles of a system, found once, and what tells from
+/// them where a motion ends.
+///
+/// # Errors
+///
+/// Those of [`find`](super::find).
+///
+/// ```
+/// use stick_slip::limit_cycle::{Attractor, basins};
+/// use stick_slip::{MassOnBelt, State, Stribeck};
+///
+/// // μ̂ = 0.5 + 0.5 e^(−2s): steady sliding and stick-slip side by side.
+/// let law = Stribeck::new(1.0, 0.5, 0.5, 1)?;
+/// let system = MassOnBelt::new(law, 1.5)?.with_damping(0.05)?;
+/// let basins = basins(&system)?;
+/// assert_eq!(basins.cycles().len(), 2);
+/// let slides = |u: f64, v: f64| -> Result<bool, stick_slip::Error> {
+///     Ok(basins.attractor(State::new(u, v))? == Attractor::Equilibrium)
+/// };
+/// assert!(slides(0.5, 0.0)? && slides(0.5, 0.5)? && !slides(0.5, 1.5)? && !slides(-2.0, 0.0)?);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn basins<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Basins<'_, L>, Error> {
+    let system = system.by_reference();
+    let Some(forward) = Forward::of(system) else {
+        return Ok(Basins {
+            system,
+            cycles: of_belt_at_rest(system),
+            nest: None,
         });
-    }
-    if system.belt_velocity() == 0.0 {
-        let [_, band] = system.stick_limits();
-        let goes_on = system.damping() == 0.0
-            && start.displacement.hypot(start.velocity) > band
-            && has_no_kinetic_friction(system.law());
-        return Ok(if goes_on {
-            Attractor::Continuum
-        } else {
-            Attractor::Rest
-        });
-    }
-    let forward = system.moving_forward();
-    let start = if system.belt_velocity() < 0.0 {
-        start.mirrored()
-    } else {
-        start
     };
-    let mut tracer = Tracer::new(&forward);
-    let fate = tracer.release_fate()?;
-    let basins = Basins {
-        cycles: find_with(&mut tracer, &fate)?,
+    let mut tracer = Tracer::new(forward);
+    let mut release = Release::follow(&mut tracer)?;
+    let fate = release.fate(&mut tracer)?;
+    let cycles = nested_cycles(&mut tracer, release)?;
+    let carried = forward.carried_force();
+    let place = |cycle: &LimitCycle| match cycle.kind() {
+        CycleKind::PureSlip => cycle.max_velocity(),
+        _ => cycle.state().displacement + carried,
+    };
+    let nest = Nest {
+        forward,
         fate,
+        places: cycles.iter().map(place).collect(),
     };
-    let place = tracer.first_place(start)?;
-    Ok(match basins.from(&mut tracer, place)? {
-        Attractor::Cycle(cycle) => Attractor::Cycle(facing(system, cycle)),
-        Attractor::Separatrix(cycle) => Attractor::Separatrix(facing(system, cycle)),
-        other => other,
+    Ok(Basins {
+        system,
+        cycles: if system.belt_velocity() < 0.0 {
+            cycles.mirrored()
+        } else {
+            cycles
+        },
+        nest: Some(nest),
     })
+}
+
+/// Basins of attraction of a system. See [`basins`].
+///
+/// It borrows the system, whose law it asks, and owns the cycles. Nothing in it changes when it is
+/// asked, so that threads may share it:
+///
+/// ```
+/// # use stick_slip::limit_cycle::{Attractor, basins};
+/// # use stick_slip::{MassOnBelt, State, Stribeck};
+/// # let system = MassOnBelt::new(Stribeck::new(1.0, 0.5, 0.5, 1)?, 1.5)?.with_damping(0.05)?;
+/// let basins = basins(&system)?;
+/// let starts: Vec<State> = (0..40).map(|i| State::new(0.1 * f64::from(i) - 2.0, 0.0)).collect();
+/// // With rayon: `starts.par_iter().map(|&start| basins.attractor(start)).collect()`.
+/// let halves = starts.split_at(20);
+/// let reached = |half: &[State]| -> Vec<_> {
+///     half.iter().map(|&start| basins.attractor(start)).collect()
+/// };
+/// let (left, right) = std::thread::scope(|scope| {
+///     let left = scope.spawn(|| reached(halves.0));
+///     (left.join(), reached(halves.1))
+/// });
+/// let slides = |reached: &Result<Attractor, _>| *reached == Ok(Attractor::Equilibrium);
+/// assert!(!slides(&left.unwrap()[0]) && slides(&right[5]));
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Basins<'s, L> {
+    system: MassOnBelt<&'s L>,
+    cycles: CycleSet,
+    /// `None` on a belt at rest.
+    nest: Option<Nest<'s, L>>,
+}
+
+/// What decides, for the system moving forward.
+#[derive(Debug, Clone)]
+struct Nest<'s, L> {
+    forward: Forward<'s, L>,
+    fate: ReleaseFate,
+    /// Of each cycle, its velocity maximum in pure slip, else its force at the start: the release
+    /// point, or the downward crossing.
+    places: Vec<f64>,
+}
+
+fn check(start: State) -> Result<(), Error> {
+    let State {
+        displacement,
+        velocity,
+    } = start;
+    if displacement.is_finite() && velocity.is_finite() {
+        Ok(())
+    } else {
+        Err(Error::InvalidState {
+            displacement,
+            velocity,
+        })
+    }
 }
 
 /// Where the fate of a motion is decided.
@@ -145,7 +230,7 @@ impl<L: FrictionLaw> Tracer<'_, L> {
     fn first_place(&mut self, start: State) -> Result<Place, Error> {
         let system = self.system();
         let v_b = system.belt_velocity();
-        let mut point = match Start::of(system, start) {
+        let mut point = match Start::of(&system, start) {
             Start::Stick => return Ok(Place::Release),
             Start::Slip(point) => point,
         };
@@ -155,6 +240,7 @@ impl<L: FrictionLaw> Tracer<'_, L> {
                 Arrival::Maximum(point) => return Ok(Place::Peak(v_b - point.speed)),
                 Arrival::Contact(displacement) => displacement,
                 Arrival::Equilibrium | Arrival::Far => return Ok(Place::Equilibrium),
+                Arrival::Held => return Ok(Place::Release),
             };
             match self.system().slides_at(displacement) {
                 None => return Ok(Place::Release),
@@ -164,20 +250,67 @@ impl<L: FrictionLaw> Tracer<'_, L> {
                 // At most once: the leading arc that follows ends in stick or in a downward
                 // crossing.
                 Some(Direction::Leading) => {
-                    point = SlipPoint::leaving(system, displacement, Direction::Leading);
+                    point = SlipPoint::leaving(&system, displacement, Direction::Leading);
                 }
             }
         }
     }
 }
 
-/// The nested cycles of a system moving forward.
-struct Basins {
-    cycles: CycleSet,
-    fate: ReleaseFate,
-}
+impl<L: FrictionLaw> Basins<'_, L> {
+    /// The periodic motions: what [`find`](super::find) returns.
+    pub fn cycles(&self) -> &CycleSet {
+        &self.cycles
+    }
 
-impl Basins {
+    /// Which attractor the motion from `start` reaches, as told at [`attractor`]: at most a few
+    /// slip arcs.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidState`] unless `start` is finite; else those of
+    /// [`Integrator::simulate`](crate::Integrator::simulate) that concern the law or the length of
+    /// steps.
+    pub fn attractor(&self, start: State) -> Result<Attractor, Error> {
+        check(start)?;
+        let Some(nest) = &self.nest else {
+            return Ok(self.at_rest(start));
+        };
+        self.reached_from(nest, &mut Tracer::new(nest.forward), start)
+    }
+
+    fn reached_from(
+        &self,
+        nest: &Nest<'_, L>,
+        tracer: &mut Tracer<'_, L>,
+        start: State,
+    ) -> Result<Attractor, Error> {
+        let start = if self.system.belt_velocity() < 0.0 {
+            start.mirrored()
+        } else {
+            start
+        };
+        match tracer.first_place(start)? {
+            Place::Equilibrium => Ok(Attractor::Equilibrium),
+            Place::Peak(peak) => self.reached_from_peak(nest, tracer, peak),
+            Place::Release => Ok(self.reached_from_release(nest)),
+            Place::Crossing(force) => self.reached_from_crossing(nest, tracer, force),
+        }
+    }
+
+    /// On a belt that stands still.
+    fn at_rest(&self, start: State) -> Attractor {
+        let [_, band] = self.system.stick_limits();
+        let goes_on = self.system.damping() == 0.0
+            && start.displacement.hypot(start.velocity) > band
+            && has_no_kinetic_friction(self.system.law());
+        if goes_on {
+            Attractor::Continuum
+        } else {
+            Attractor::Rest
+        }
+    }
+
     fn is_in_continuum(&self, peak: f64) -> bool {
         self.cycles
             .continuum()
@@ -189,98 +322,116 @@ impl Basins {
         ranges.iter().any(|range| range.contains(&peak))
     }
 
-    fn of_kind(&self, kind: CycleKind) -> impl DoubleEndedIterator<Item = &LimitCycle> {
-        self.cycles.iter().filter(move |cycle| cycle.kind() == kind)
+    /// The cycles of a kind with their places, from the inside outwards.
+    fn of_kind(
+        &self,
+        nest: &Nest<'_, L>,
+        kind: CycleKind,
+    ) -> impl DoubleEndedIterator<Item = (&LimitCycle, f64)> {
+        std::iter::zip(self.cycles.iter(), nest.places.iter().copied())
+            .filter(move |(cycle, _)| cycle.kind() == kind)
     }
 
-    fn from<L: FrictionLaw>(
+    fn reached_from_peak(
         &self,
+        nest: &Nest<'_, L>,
         tracer: &mut Tracer<'_, L>,
-        place: Place,
+        peak: f64,
     ) -> Result<Attractor, Error> {
-        let v_b = tracer.system().belt_velocity();
-        // Near the equilibrium, where motion is linear, rounding hides the growth.
-        let equilibrium = tracer.system().equilibrium();
+        if self.is_in_continuum(peak) {
+            return Ok(Attractor::Continuum);
+        }
+        if self.is_unresolved(peak) {
+            return Ok(Attractor::Unresolved);
+        }
+        let grows = PeakMap::of(tracer).grows(peak)?;
+        let v_b = nest.forward.belt_velocity();
+        if let Some(cycle) = self.cycle_through(nest, CycleKind::PureSlip, peak, v_b, grows) {
+            return Ok(attractor_on(cycle));
+        }
+        let grows = match grows {
+            None => averaged::grows(&nest.forward, peak)?,
+            grows => grows,
+        };
+        // Nearest to the equilibrium motion is linear.
+        let equilibrium = nest.forward.equilibrium();
         let unstable = equilibrium.is_some_and(|equilibrium| !equilibrium.is_stable());
-        Ok(match place {
-            Place::Equilibrium => Attractor::Equilibrium,
-            Place::Peak(peak) if self.is_in_continuum(peak) => Attractor::Continuum,
-            Place::Peak(peak) if self.is_unresolved(peak) => Attractor::Unresolved,
-            Place::Peak(peak) => {
-                let peaks = LimitCycle::max_velocity;
-                let grows = tracer.grows_from_peak(peak)?;
-                let mut cycles = self.of_kind(CycleKind::PureSlip);
-                if let Some(cycle) = self.at(CycleKind::PureSlip, peaks, peak, v_b, grows) {
-                    on(cycle)
-                } else if grows.unwrap_or(unstable) {
-                    match cycles.find(|cycle| peaks(cycle) > peak) {
-                        Some(cycle) => Attractor::Cycle(cycle.clone()),
-                        // Out of slip: to what surrounds it.
-                        None => self.from(tracer, Place::Release)?,
-                    }
-                } else {
-                    match cycles.rfind(|cycle| peaks(cycle) < peak) {
-                        Some(cycle) => Attractor::Cycle(cycle.clone()),
-                        None => Attractor::Equilibrium,
-                    }
-                }
+        let mut cycles = self.of_kind(nest, CycleKind::PureSlip);
+        Ok(if grows.unwrap_or(unstable) {
+            match cycles.find(|(_, place)| *place > peak) {
+                Some((cycle, _)) => Attractor::Cycle(cycle.clone()),
+                // Out of slip: to what surrounds it.
+                None => self.reached_from_release(nest),
             }
-            Place::Release => match &self.fate {
-                // It surrounds every motion in slip, and so it comes down to the outermost of them.
-                ReleaseFate::Inward { peak } => match self.of_kind(CycleKind::PureSlip).next_back()
-                {
-                    Some(cycle) => Attractor::Cycle(cycle.clone()),
-                    None if peak.is_some_and(|peak| self.is_in_continuum(peak)) => {
-                        Attractor::Continuum
-                    }
-                    None => Attractor::Equilibrium,
-                },
-                ReleaseFate::Stick { .. } => self
-                    .cycles
-                    .iter()
-                    .find(|cycle| cycle.stick_duration() > 0.0)
-                    .map_or(Attractor::Unbounded, |cycle| {
-                        Attractor::Cycle(cycle.clone())
-                    }),
-                ReleaseFate::Outward => self
-                    .of_kind(CycleKind::Crossing)
-                    .next()
-                    .map_or(Attractor::Unbounded, |cycle| {
-                        Attractor::Cycle(cycle.clone())
-                    }),
-            },
-            Place::Crossing(_) if self.is_in_continuum(f64::INFINITY) => Attractor::Continuum,
-            Place::Crossing(force) => {
-                let offset = tracer.system().carried_force();
-                let forces = |cycle: &LimitCycle| cycle.state().displacement + offset;
-                let grows = tracer.grows_from_crossing(force)?;
-                let mut cycles = self.of_kind(CycleKind::Crossing);
-                match (
-                    self.at(CycleKind::Crossing, forces, force, force, grows),
-                    grows,
-                ) {
-                    (Some(cycle), _) => on(cycle),
-                    (None, None) => Attractor::Unresolved,
-                    (None, Some(true)) => cycles
-                        .find(|cycle| forces(cycle) > force)
-                        .map_or(Attractor::Unbounded, |cycle| {
-                            Attractor::Cycle(cycle.clone())
-                        }),
-                    (None, Some(false)) => match cycles.rfind(|cycle| forces(cycle) < force) {
-                        Some(cycle) => Attractor::Cycle(cycle.clone()),
-                        // In to stick, or past it inwards as the motion from the release point.
-                        None => self.from(tracer, Place::Release)?,
-                    },
-                }
+        } else {
+            match cycles.rfind(|(_, place)| *place < peak) {
+                Some((cycle, _)) => Attractor::Cycle(cycle.clone()),
+                None => Attractor::Equilibrium,
             }
         })
     }
 
-    /// The cycle of a kind that a start lies on, by their places on it.
-    fn at(
+    fn reached_from_release(&self, nest: &Nest<'_, L>) -> Attractor {
+        let to = |cycle: Option<&LimitCycle>| cycle.map(|cycle| Attractor::Cycle(cycle.clone()));
+        match nest.fate {
+            // It surrounds every motion in slip, and so it comes down to the outermost of them.
+            ReleaseFate::Inward { peak } => {
+                let outermost = self.of_kind(nest, CycleKind::PureSlip).next_back();
+                to(outermost.map(|(cycle, _)| cycle)).unwrap_or(
+                    if peak.is_some_and(|peak| self.is_in_continuum(peak)) {
+                        Attractor::Continuum
+                    } else {
+                        Attractor::Equilibrium
+                    },
+                )
+            }
+            ReleaseFate::Stick => {
+                let mut cycles = self.cycles.iter();
+                to(cycles.find(|cycle| {
+                    matches!(cycle.kind(), CycleKind::StickSlip | CycleKind::Overshoot)
+                }))
+                .unwrap_or(Attractor::Unbounded)
+            }
+            ReleaseFate::Outward => {
+                let innermost = self.of_kind(nest, CycleKind::Crossing).next();
+                to(innermost.map(|(cycle, _)| cycle)).unwrap_or(Attractor::Unbounded)
+            }
+        }
+    }
+
+    fn reached_from_crossing(
         &self,
+        nest: &Nest<'_, L>,
+        tracer: &mut Tracer<'_, L>,
+        force: f64,
+    ) -> Result<Attractor, Error> {
+        if self.is_in_continuum(f64::INFINITY) {
+            return Ok(Attractor::Continuum);
+        }
+        let grows = CrossingMap::of(tracer).grows(force)?;
+        if let Some(cycle) = self.cycle_through(nest, CycleKind::Crossing, force, force, grows) {
+            return Ok(attractor_on(cycle));
+        }
+        let mut cycles = self.of_kind(nest, CycleKind::Crossing);
+        Ok(match grows {
+            None => Attractor::Unresolved,
+            Some(true) => match cycles.find(|(_, place)| *place > force) {
+                Some((cycle, _)) => Attractor::Cycle(cycle.clone()),
+                None => Attractor::Unbounded,
+            },
+            Some(false) => match cycles.rfind(|(_, place)| *place < force) {
+                Some((cycle, _)) => Attractor::Cycle(cycle.clone()),
+                // In to stick, or past it inwards as the motion from the release point.
+                None => self.reached_from_release(nest),
+            },
+        })
+    }
+
+    /// The cycle of a kind that a start lies on, by their places on it.
+    fn cycle_through(
+        &self,
+        nest: &Nest<'_, L>,
         kind: CycleKind,
-        place: impl Fn(&LimitCycle) -> f64,
         start: f64,
         scale: f64,
         grows: Option<bool>,
@@ -290,17 +441,22 @@ impl Basins {
         } else {
             HIDDEN_BY_CYCLE
         };
-        let distance = |cycle: &LimitCycle| (place(cycle) - start).abs();
-        self.of_kind(kind)
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
-            .filter(|cycle| distance(cycle) <= reach * scale)
+        self.of_kind(nest, kind)
+            .map(|(cycle, place)| (cycle, (place - start).abs()))
+            .min_by(|(_, a), (_, b)| a.total_cmp(b))
+            .filter(|(_, distance)| *distance <= reach * scale)
+            .map(|(cycle, _)| cycle)
     }
 }
 
-fn on(cycle: &LimitCycle) -> Attractor {
+/// Where a start on a cycle stays, or where it would but for the slightest disturbance.
+fn attractor_on(cycle: &LimitCycle) -> Attractor {
     if cycle.is_stable() {
         Attractor::Cycle(cycle.clone())
     } else {
         Attractor::Separatrix(cycle.clone())
     }
 }
+
+#[cfg(test)]
+mod tests;

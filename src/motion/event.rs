@@ -2,7 +2,11 @@ use crate::state::{Direction, State};
 
 /// What the mass does on the belt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum Mode {
     /// It moves with the belt: v = v_b, to the bit.
     Stick,
@@ -26,7 +30,11 @@ impl std::fmt::Display for Mode {
 /// What happens when the relative velocity is zero, or the load. A direction is that of the slip **after** the
 /// event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum EventKind {
     /// Slip ends; the mass moves with the belt from now on.
     Stick,
@@ -72,7 +80,11 @@ impl std::fmt::Display for EventKind {
 
 /// A change between stick and slip, or of the direction of slip.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct Event<S = State> {
     /// Time since the start, in the units of the system: τ, dimensionless, for a
     /// [`MassOnBelt`](crate::MassOnBelt).

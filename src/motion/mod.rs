@@ -3,9 +3,9 @@
 //! | file | what is in it |
 //! |---|---|
 //! | `integrator.rs` | [`Integrator`]: tolerance, limits of work, `simulate` and `flow` |
-//! | `event.rs` | [`Event`], [`EventKind`], [`Mode`] |
-//! | `step_control.rs` | how long a step may be, and which defect is accepted |
-//! | `run.rs` | clock, counts and limits of one run |
+//! | `event.rs` | [`Event`], [`EventKind`], [`Mode`]; which mode follows each kind of event |
+//! | `step_control.rs` | how long a step may be, which defect is accepted, what counts as stiff |
+//! | `run.rs` | counts and limits of one run (the clock itself: `src/clock.rs`) |
 //! | `trajectory.rs` | [`Trajectory`]: a motion over a finite time |
 
 mod event;

@@ -10,6 +10,12 @@ pub(crate) const LONG: f64 = 1.0;
 /// about 2π.
 pub(crate) const FARTHEST: f64 = 8.0;
 
+/// Rate at which deviations from a slow motion die out (or grow) above which a system is stiff.
+pub(crate) const STIFF: f64 = 8.0;
+
+/// Reach of an explicit step in units of 1/D above which the motion may have come to the slow one.
+pub(crate) const SETTLING: f64 = 7.0;
+
 /// Floor of the defect that rounding alone causes, in units of ε times the largest term of the
 /// equation of motion; it is seldom above 8.
 const DEFECT_FLOOR: f64 = 1000.0;
@@ -40,7 +46,20 @@ impl Allowance {
     /// last two n, to 6 %.
     #[inline(always)]
     pub(crate) fn reach(&self, c: &PowerSeries) -> f64 {
-        reach(self.error, c, TERMS - 1).min(FARTHEST)
+        self.reach_of(c, TERMS - 1, FARTHEST)
+    }
+
+    /// The same of a series that ends with an earlier order, and in the slow motion of a stiff
+    /// system, which may be followed further.
+    #[inline(always)]
+    pub(crate) fn reach_of(&self, c: &PowerSeries, order: usize, farthest: f64) -> f64 {
+        reach(self.error, c, order).min(farthest)
+    }
+
+    /// No series of a motion that closes in on a slow one at this rate is used further: the slow
+    /// motion changes within the time D.
+    pub(crate) fn farthest(closing: f64) -> f64 {
+        FARTHEST * closing.max(1.0)
     }
 
     /// Whether a step of length h may be taken with these defects: what is missing in its equation

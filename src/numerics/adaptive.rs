@@ -7,28 +7,36 @@ use std::f64::consts::PI;
 use crate::error::Error;
 use crate::numerics::gauss::gauss_nodes;
 
-/// Two integrals over the same interval, with the integral and the largest value met of |f_0| +
-/// |f_1|.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Integral {
-    pub(crate) parts: [f64; 2],
+/// N integrals over the same interval. Size and peak are the integral and the largest value of
+/// Σ |f_i|.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Integral<const N: usize> {
+    pub(crate) parts: [f64; N],
     size: f64,
     pub(crate) peak: f64,
 }
 
-impl Integral {
-    fn add(&mut self, weight: f64, value: [f64; 2]) {
-        self.parts[0] += weight * value[0];
-        self.parts[1] += weight * value[1];
-        let size = value[0].abs() + value[1].abs();
+impl<const N: usize> Integral<N> {
+    pub(crate) const ZERO: Self = Self {
+        parts: [0.0; N],
+        size: 0.0,
+        peak: 0.0,
+    };
+
+    fn add(&mut self, weight: f64, value: [f64; N]) {
+        for (part, value) in self.parts.iter_mut().zip(value) {
+            *part += weight * value;
+        }
+        let size = value.iter().map(|value| value.abs()).sum::<f64>();
         self.size += weight * size;
         self.peak = self.peak.max(size);
     }
 
     pub(crate) fn merged(&self, other: &Self) -> Self {
         let mut sum = *other;
-        sum.parts[0] += self.parts[0];
-        sum.parts[1] += self.parts[1];
+        for (sum, part) in sum.parts.iter_mut().zip(self.parts) {
+            *sum += part;
+        }
         sum.size += self.size;
         sum.peak = sum.peak.max(self.peak);
         sum
@@ -57,18 +65,18 @@ const FINEST: usize = 2048;
 
 /// ∫₀^π f dψ of an even 2π-periodic analytic f, by the trapezoidal rule, which converges
 /// geometrically; halved until two rules agree. `None` if f is not resolved.
-pub(crate) fn trapezoid(
-    mut f: impl FnMut(f64) -> Result<[f64; 2], Error>,
-) -> Result<Option<Integral>, Error> {
+pub(crate) fn trapezoid<const N: usize>(
+    mut f: impl FnMut(f64) -> Result<[f64; N], Error>,
+) -> Result<Option<Integral<N>>, Error> {
     let mut n = COARSEST;
-    let mut sum = Integral::default();
+    let mut sum = Integral::ZERO;
     sum.add(0.5, f(0.0)?);
     sum.add(0.5, f(PI)?);
     for j in 1..n {
         sum.add(1.0, f(PI * j as f64 / n as f64)?);
     }
-    let scaled = |sum: &Integral, n: usize| {
-        let mut integral = Integral::default().merged(sum);
+    let scaled = |sum: &Integral<N>, n: usize| {
+        let mut integral = Integral::ZERO.merged(sum);
         let step = PI / n as f64;
         integral.parts = sum.parts.map(|part| part * step);
         integral.size *= step;
@@ -88,11 +96,11 @@ pub(crate) fn trapezoid(
     Ok(None)
 }
 
-fn gauss_panel(
-    f: &mut impl FnMut(f64) -> Result<[f64; 2], Error>,
+fn gauss_panel<const N: usize>(
+    f: &mut impl FnMut(f64) -> Result<[f64; N], Error>,
     [a, b]: [f64; 2],
-) -> Result<Integral, Error> {
-    let mut integral = Integral::default();
+) -> Result<Integral<N>, Error> {
+    let mut integral = Integral::ZERO;
     for (x, weight) in gauss_nodes(a, b) {
         integral.add(weight, f(x)?);
     }
@@ -114,23 +122,23 @@ pub(crate) fn graded(a: f64, b: f64) -> [f64; 13] {
 
 /// ∫ f dx over panels between the points of a mesh, of an f analytic between its ends, by
 /// Gauss-Legendre; panels are halved until each agrees with its halves.
-pub(crate) fn gauss(
-    mut f: impl FnMut(f64) -> Result<[f64; 2], Error>,
+pub(crate) fn gauss<const N: usize>(
+    mut f: impl FnMut(f64) -> Result<[f64; N], Error>,
     mesh: &[f64],
-) -> Result<Integral, Error> {
+) -> Result<Integral<N>, Error> {
     /// Most panels. An undeclared kink needs about 50; a law noisier than its rounding is not
     /// followed for ever.
     const MOST_PANELS: usize = 4096;
     let mut panels = VecDeque::new();
     let mut made = 0;
-    let mut estimate = Integral::default();
+    let mut estimate = Integral::ZERO;
     for ends in mesh.windows(2) {
         let ends = [ends[0], ends[1]];
         let integral = gauss_panel(&mut f, ends)?;
         estimate = estimate.merged(&integral);
         panels.push_back((ends, integral));
     }
-    let mut total = Integral::default();
+    let mut total = Integral::ZERO;
     while let Some(([a, b], whole)) = panels.pop_front() {
         let mid = 0.5 * (a + b);
         let halves = [[a, mid], [mid, b]];

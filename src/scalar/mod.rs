@@ -3,7 +3,7 @@
 //! | file | what is in it |
 //! |---|---|
 //! | `mod.rs` | [`Scalar`]: what a law may do with a number |
-//! | `taylor.rs`, `operations.rs` | order in the type: the fastest, for one mass on its belt |
+//! | `taylor.rs`, `operations.rs` | order in the type: the fastest, for one mass on its belt (the order itself: `series::TERMS`) |
 //! | `jet.rs`, `products.rs` | order at run time: small code, many coupled series, cold paths |
 
 pub(crate) mod jet;
@@ -34,7 +34,10 @@ mod sealed {
 /// # Rules for a law
 ///
 /// * The sequence of operations may depend on the **base value** ([`value`](Self::value)) only, and
-///   on nothing that changes from call to call.
+///   on nothing that changes from call to call. `if speed.value() > 5.0 { … } else { … }` is
+///   allowed where both branches are the same function to rounding, as where one of them avoids an
+///   overflow. Two functions that meet at a speed are pieces, and the speed is a
+///   [breakpoint](crate::FrictionLaw::breakpoints).
 /// * The law must be analytic at every speed it is used at, s = 0 included, or name its
 ///   [breakpoints](crate::FrictionLaw::breakpoints). [`sqrt`](Self::sqrt), [`ln`](Self::ln) and a
 ///   non-integral [`powf`](Self::powf) of a number that is 0 are not, and end in
@@ -70,6 +73,10 @@ pub trait Scalar:
     fn constant(self, c: f64) -> Self;
     /// The base value: the number itself for `f64`, the coefficient of order 0 of a series. Branch
     /// on this alone.
+    ///
+    /// A number stands for one motion, so that there is one base value. A law that asks for it is
+    /// evaluated for one motion at a time, also where others could be evaluated for several at
+    /// once.
     fn value(self) -> f64;
     /// 1/x.
     fn recip(self) -> Self;

@@ -26,6 +26,7 @@ pub(super) struct Row<const M: usize> {
 }
 
 impl<const M: usize> Row<M> {
+    #[inline(always)]
     fn zero() -> Self {
         Self {
             slope: Cell::new(0.0),
@@ -50,6 +51,8 @@ pub(crate) struct Workspace<const M: usize> {
 }
 
 impl<const M: usize> Workspace<M> {
+    // Inlined, the rows of a series of two terms stay in registers.
+    #[inline(always)]
     pub(crate) fn new() -> Self {
         Self {
             inline: std::array::from_fn(|_| Row::zero()),

@@ -2,7 +2,7 @@
 //!
 //! | file | what is in it |
 //! |---|---|
-//! | `mod.rs` | [`PowerSeries`]: values, means, derivative, reflection, known roots divided out |
+//! | `mod.rs` | [`TERMS`], how many coefficients; [`PowerSeries`]: values, means, derivative, reflection, known roots divided out |
 //! | `roots.rs` | the first root, and all sign changes, isolated so that none is skipped |
 //! | `watch.rs` | [`Watch`]: the first time at which something happens, known roots divided out |
 //! | `minima.rs` | where a function comes close to zero |
@@ -20,7 +20,7 @@ pub(crate) use watch::Watch;
 
 use std::ops::{Index, IndexMut};
 
-use crate::scalar::mul_add;
+use crate::scalar::{LONGEST, mul_add};
 
 /// Coefficients of a step's series: order 26.
 ///
@@ -28,6 +28,8 @@ use crate::scalar::mul_add;
 /// ones lose up to a quarter of the time by it (`benches/orders`). A multiple of three, for
 /// [`PowerSeries::at`].
 pub(crate) const TERMS: usize = 27;
+
+const _: () = assert!(TERMS.is_multiple_of(3) && TERMS < LONGEST);
 
 /// 1/(k + 1): the integral of t^k is t^(k+1)/(k+1).
 pub(crate) const INTEGRAL: [f64; TERMS] = {

@@ -16,7 +16,11 @@ pub(crate) mod structure;
 /// assert_eq!(state.velocity, -0.1);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct State {
     /// Displacement u from the position where the spring is unstressed, dimensionless.
     pub displacement: f64,
@@ -43,7 +47,11 @@ impl State {
 /// names are those of a belt that moves forward; on one with v_b < 0 a mass that lags behind it has
 /// v_r > 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum Direction {
     /// v_r < 0.
     Lagging,

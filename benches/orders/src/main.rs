@@ -73,12 +73,18 @@ macro_rules! variants {
     ($($name:ident $order:literal)*) => {
         $(mod $name {
             use super::{DURATION, Law, Motion, REST};
-            use $name::{Error, Exponential, FrictionLaw, Integrator, MassOnBelt, Mode, Polynomial, State};
+            use $name::{
+                Error, Exponential, FrictionLaw, Integrator, MassOnBelt, Mode, Polynomial, State,
+            };
 
             pub fn run(motion: Motion, tolerance: f64, events: &mut Vec<f64>) -> usize {
                 match motion.law {
-                    Law::Polynomial([a, b, c]) => on_belt(Polynomial::new(a, b, c), motion, tolerance, events),
-                    Law::Exponential([a, b, c]) => on_belt(Exponential::new(a, b, c), motion, tolerance, events),
+                    Law::Polynomial([a, b, c]) => {
+                        on_belt(Polynomial::new(a, b, c), motion, tolerance, events)
+                    }
+                    Law::Exponential([a, b, c]) => {
+                        on_belt(Exponential::new(a, b, c), motion, tolerance, events)
+                    }
                 }
             }
 

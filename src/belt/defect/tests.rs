@@ -1,7 +1,7 @@
 use super::super::slip_point::SlipPoint;
 use super::*;
 use crate::clock::Time;
-use crate::friction::Polynomial as Cubic;
+use crate::friction::{Piece, Polynomial as Cubic};
 use crate::scalar::{Scalar, Workspace};
 use crate::series::{PowerSeries, quarters};
 use crate::state::Direction;
@@ -51,6 +51,7 @@ fn series(c: &[f64], slope: f64) -> SlipSeries {
     SlipSeries {
         speed: PowerSeries::from(c),
         friction: PowerSeries::from(&[0.25, slope]),
+        decay: 0.0,
     }
 }
 
@@ -93,9 +94,13 @@ fn terms_of_the_equation_of_motion_are_added_by_size() {
         speed: 1.0,
         rate: None,
     };
+    let piece = Piece {
+        law: &law,
+        index: 0,
+    };
     let (mut series, mut workspace) = (SlipSeries::ZERO, Workspace::new());
     series
-        .expand(&law, &system, &mut workspace, &from, 0, Time::Forward)
+        .expand(piece, &system, &mut workspace, &from, Time::Forward, None)
         .unwrap();
     // μ̂(1) = 0.4 − 0.45 + 0.6 = 0.55 and v = 0.2 − 1.
     let largest = series.largest_term(&system, State::new(-0.7, -0.8));

@@ -1,42 +1,44 @@
 //! Folds of outlines made by hand, and how often they are asked for.
 
-use std::cell::RefCell;
-
 use super::*;
 use crate::friction::Exponential;
+use crate::numerics::scan::look_between;
 
-fn outline(v_b: f64, points: &[(f64, f64)]) -> Outline {
+fn outline(points: &[(f64, f64)]) -> Outline {
     Outline {
-        v_b,
         points: points.to_vec(),
     }
 }
 
 /// One turning point, in the middle, of a certain height, between ends at −1.
-fn hump(v_b: f64, height: f64) -> Outline {
-    outline(v_b, &[(0.0, -1.0), (0.5, height), (1.0, -1.0)])
+fn hump(height: f64) -> Outline {
+    outline(&[(0.0, -1.0), (0.5, height), (1.0, -1.0)])
 }
 
 /// Folds over the belt velocities from 0 to 1, and where outlines were asked for.
-fn folds(f: impl Fn(f64) -> Outline, depth: u32) -> (Vec<f64>, Vec<f64>) {
-    let asked = RefCell::new(Vec::new());
-    let mut folds = Vec::new();
-    let counted = |v_b: f64| {
+fn folds(f: impl Fn(f64) -> Outline, halvings: u32) -> (Vec<f64>, Vec<f64>) {
+    let mut asked = Vec::new();
+    let mut counted = |v_b: f64| {
         assert!(0.0 < v_b && v_b < 1.0, "{v_b}");
-        asked.borrow_mut().push(v_b);
+        asked.push(v_b);
         Ok(f(v_b))
     };
-    divide(&counted, &f(0.0), &f(1.0), depth, &mut folds).unwrap();
-    (folds, asked.into_inner())
+    let mut folds = Folds {
+        outline: &mut counted,
+        found: Vec::new(),
+    };
+    look_between(&mut folds, &(0.0, f(0.0)), &(1.0, f(1.0)), halvings).unwrap();
+    let found = folds.found;
+    (found, asked)
 }
 
 #[test]
 fn outlines_are_alike_if_maxima_and_minima_come_in_the_same_order() {
-    let up = outline(1.0, &[(0.0, 0.0), (0.5, 1.0), (1.0, 0.5)]);
-    let higher = outline(2.0, &[(0.1, 3.0), (0.2, 9.0), (5.0, 1.0)]);
-    let down = outline(1.0, &[(0.0, 0.0), (0.5, -1.0), (1.0, 0.5)]);
-    let longer = outline(1.0, &[(0.0, 0.0), (0.5, 1.0), (0.7, 0.5), (1.0, 0.6)]);
-    let none = outline(1.0, &[]);
+    let up = outline(&[(0.0, 0.0), (0.5, 1.0), (1.0, 0.5)]);
+    let higher = outline(&[(0.1, 3.0), (0.2, 9.0), (5.0, 1.0)]);
+    let down = outline(&[(0.0, 0.0), (0.5, -1.0), (1.0, 0.5)]);
+    let longer = outline(&[(0.0, 0.0), (0.5, 1.0), (0.7, 0.5), (1.0, 0.6)]);
+    let none = outline(&[]);
     assert!(up.is_like(&higher) && higher.is_like(&up) && none.is_like(&none));
     for (a, b) in [(&up, &down), (&up, &longer), (&up, &none), (&down, &none)] {
         assert!(!a.is_like(b) && !b.is_like(a));
@@ -47,46 +49,43 @@ fn outlines_are_alike_if_maxima_and_minima_come_in_the_same_order() {
 fn turning_points_are_what_lies_between_the_ends() {
     let turns = |outline: &Outline| outline.turns().collect::<Vec<_>>();
     let points = [(2.0, 0.1), (3.0, 0.5), (5.0, -0.5), (6.0, 0.2)];
-    assert_eq!(turns(&outline(1.0, &points)), [(0.25, 0.5), (0.75, -0.5)]);
-    assert_eq!(turns(&outline(1.0, &points[..2])), []);
-    assert_eq!(turns(&outline(1.0, &[])), []);
+    assert_eq!(turns(&outline(&points)), [(0.25, 0.5), (0.75, -0.5)]);
+    assert_eq!(turns(&outline(&points[..2])), []);
+    assert_eq!(turns(&outline(&[])), []);
 }
 
 #[test]
 fn ends_count_as_growing_above_zero() {
-    let ends = |first, last| outline(1.0, &[(0.0, first), (0.5, 9.0), (1.0, last)]).at_ends();
+    let ends = |first, last| outline(&[(0.0, first), (0.5, 9.0), (1.0, last)]).at_ends();
     assert_eq!(ends(1.0, -1.0), [true, false]);
     assert_eq!(ends(-1.0, 1.0), [false, true]);
     assert_eq!(ends(0.0, 0.0), [false, false]);
-    assert_eq!(outline(1.0, &[]).at_ends(), [false, false]);
+    assert_eq!(outline(&[]).at_ends(), [false, false]);
 }
 
 #[test]
 fn a_fold_is_where_the_growth_at_a_turning_point_is_zero() {
     for sign in [1.0, -1.0] {
         // Steep enough for the first pass: no division, only the root.
-        let (found, asked) = folds(|v_b| hump(v_b, sign * (v_b - 0.3)), 16);
+        let (found, asked) = folds(|v_b| hump(sign * (v_b - 0.3)), 16);
         assert_eq!(found.len(), 1);
         assert!((found[0] - 0.3).abs() < 1e-15);
         assert!(asked.len() <= 60, "{}", asked.len());
     }
-    let (found, asked) = folds(|v_b| hump(v_b, v_b + 1.0), 16);
+    let (found, asked) = folds(|v_b| hump(v_b + 1.0), 16);
     assert_eq!((found.len(), asked.len()), (0, 0));
 }
 
 #[test]
 fn folds_of_several_turning_points_come_in_order() {
     let two = |v_b: f64| {
-        outline(
-            v_b,
-            &[
-                (0.0, -1.0),
-                (0.3, 0.7 - v_b),
-                (0.6, -2.0),
-                (0.8, 0.2 - v_b),
-                (1.0, -1.0),
-            ],
-        )
+        outline(&[
+            (0.0, -1.0),
+            (0.3, 0.7 - v_b),
+            (0.6, -2.0),
+            (0.8, 0.2 - v_b),
+            (1.0, -1.0),
+        ])
     };
     let (found, _) = folds(two, 16);
     assert_eq!(found.len(), 2);
@@ -97,14 +96,11 @@ fn folds_of_several_turning_points_come_in_order() {
 fn two_folds_of_one_turning_point_are_found_where_it_comes_near_zero() {
     for sign in [1.0, -1.0] {
         let f = |v_b: f64| {
-            outline(
-                v_b,
-                &[
-                    (0.0, -3.0 * sign),
-                    (0.5, sign * ((v_b - 0.4).powi(2) - 1e-4)),
-                    (1.0, -3.0 * sign),
-                ],
-            )
+            outline(&[
+                (0.0, -3.0 * sign),
+                (0.5, sign * ((v_b - 0.4).powi(2) - 1e-4)),
+                (1.0, -3.0 * sign),
+            ])
         };
         let (found, asked) = folds(f, 16);
         assert_eq!(found.len(), 2);
@@ -116,7 +112,7 @@ fn two_folds_of_one_turning_point_are_found_where_it_comes_near_zero() {
 #[test]
 fn a_turning_point_that_only_comes_near_zero_is_followed_to_a_limited_depth() {
     for depth in [4, 8] {
-        let (found, asked) = folds(|v_b| hump(v_b, -(v_b - 0.3_f64).powi(2) - 1e-9), depth);
+        let (found, asked) = folds(|v_b| hump(-(v_b - 0.3_f64).powi(2) - 1e-9), depth);
         assert_eq!(found, []);
         assert!(
             (depth as usize..6 * depth as usize).contains(&asked.len()),
@@ -135,14 +131,11 @@ fn a_turning_point_that_only_comes_near_zero_is_followed_to_a_limited_depth() {
 fn a_turning_point_that_moves_far_is_followed_more_closely() {
     let moving = |speed: f64| {
         move |v_b: f64| {
-            outline(
-                v_b,
-                &[
-                    (0.0, -1.0),
-                    (0.2 + speed * v_b, 5.0 + 0.1 * v_b),
-                    (1.0, -1.0),
-                ],
-            )
+            outline(&[
+                (0.0, -1.0),
+                (0.2 + speed * v_b, 5.0 + 0.1 * v_b),
+                (1.0, -1.0),
+            ])
         }
     };
     assert_eq!(folds(moving(0.09), 16).1.len(), 0);
@@ -155,14 +148,11 @@ fn a_turning_point_that_moves_far_is_followed_more_closely() {
 fn an_end_that_changes_its_sign_is_followed_to_the_last_division() {
     for (first, last) in [(1.0, 0.0), (0.0, 1.0)] {
         let f = |v_b: f64| {
-            outline(
-                v_b,
-                &[
-                    (0.0, first * (v_b - 0.3) - 5.0 * last),
-                    (0.5, 5.0),
-                    (1.0, last * (v_b - 0.3) - 5.0 * first),
-                ],
-            )
+            outline(&[
+                (0.0, first * (v_b - 0.3) - 5.0 * last),
+                (0.5, 5.0),
+                (1.0, last * (v_b - 0.3) - 5.0 * first),
+            ])
         };
         let (found, asked) = folds(f, 8);
         assert_eq!((found.len(), asked.len()), (0, 8));
@@ -174,9 +164,9 @@ fn turning_points_that_come_or_go_are_followed_to_the_last_division() {
     // No hump below 0.3; its growth is positive where it comes, and falls through zero at 0.7.
     let f = |v_b: f64| {
         if v_b < 0.3 {
-            outline(v_b, &[(0.0, -1.0), (1.0, -1.0)])
+            outline(&[(0.0, -1.0), (1.0, -1.0)])
         } else {
-            hump(v_b, 0.7 - v_b)
+            hump(0.7 - v_b)
         }
     };
     let (found, asked) = folds(f, 8);
@@ -186,9 +176,9 @@ fn turning_points_that_come_or_go_are_followed_to_the_last_division() {
     // It dips instead for a while: as many points, another order.
     let f = |v_b: f64| {
         if v_b < 0.3 {
-            hump(v_b, -2.0)
+            hump(-2.0)
         } else {
-            hump(v_b, 0.7 - v_b)
+            hump(0.7 - v_b)
         }
     };
     let (found, _) = folds(f, 8);
@@ -199,23 +189,20 @@ fn turning_points_that_come_or_go_are_followed_to_the_last_division() {
 #[test]
 fn a_growth_that_jumps_over_zero_is_no_fold() {
     for size in [1.0, 1e-8] {
-        let (found, _) = folds(|v_b| hump(v_b, if v_b > 0.3 { size } else { -size }), 6);
+        let (found, _) = folds(|v_b| hump(if v_b > 0.3 { size } else { -size }), 6);
         assert_eq!(found, []);
     }
-    let (found, _) = folds(|v_b| hump(v_b, if v_b > 0.3 { 1e-10 } else { -1e-10 }), 6);
+    let (found, _) = folds(|v_b| hump(if v_b > 0.3 { 1e-10 } else { -1e-10 }), 6);
     assert_eq!(found.len(), 1);
     // One that jumps does not hide another that passes through.
     let two = |v_b: f64| {
-        outline(
-            v_b,
-            &[
-                (0.0, -1.0),
-                (0.3, if v_b > 0.3 { 1.0 } else { -0.9 }),
-                (0.6, -2.0),
-                (0.8, 0.7 - v_b),
-                (1.0, -1.0),
-            ],
-        )
+        outline(&[
+            (0.0, -1.0),
+            (0.3, if v_b > 0.3 { 1.0 } else { -0.9 }),
+            (0.6, -2.0),
+            (0.8, 0.7 - v_b),
+            (1.0, -1.0),
+        ])
     };
     let (found, _) = folds(two, 6);
     assert_eq!(found.len(), 1);
@@ -225,8 +212,8 @@ fn a_growth_that_jumps_over_zero_is_no_fold() {
 #[test]
 fn a_growth_of_zero_counts_as_one_that_dies() {
     // Zero at one end: the range above has the fold, that below has not.
-    assert_eq!(folds(|v_b| hump(v_b, v_b), 4).0.len(), 1);
-    assert_eq!(folds(|v_b| hump(v_b, v_b - 1.0), 4).0.len(), 0);
+    assert_eq!(folds(hump, 4).0.len(), 1);
+    assert_eq!(folds(|v_b| hump(v_b - 1.0), 4).0.len(), 0);
 }
 
 #[test]

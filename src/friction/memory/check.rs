@@ -1,6 +1,6 @@
 use super::{ContactLaw, Slip};
 use crate::error::Error;
-use crate::friction::JUMP;
+use crate::friction::check::JUMP;
 use crate::scalar::{Function, Workspace, expand};
 
 /// The coefficient over the sliding speed, on one piece and with one memory.

@@ -2,7 +2,7 @@
 
 mod check;
 
-pub(crate) use check::{coefficient_and_slope, validate};
+pub(crate) use check::validate;
 
 use crate::friction::FrictionLaw;
 use crate::scalar::Scalar;

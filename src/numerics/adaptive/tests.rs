@@ -17,11 +17,11 @@ fn watched<T>(
     (result.unwrap(), looks.get())
 }
 
-fn counted(f: impl Fn(f64) -> [f64; 2], mesh: &[f64]) -> (Integral, usize) {
+fn counted(f: impl Fn(f64) -> [f64; 2], mesh: &[f64]) -> (Integral<2>, usize) {
     watched(f, |f| gauss(f, mesh))
 }
 
-fn counted_trapezoid(f: impl Fn(f64) -> [f64; 2]) -> (Option<Integral>, usize) {
+fn counted_trapezoid(f: impl Fn(f64) -> [f64; 2]) -> (Option<Integral<2>>, usize) {
     watched(f, |f| trapezoid(f))
 }
 
@@ -44,7 +44,7 @@ fn trapezoid_meets_bessel_functions() {
 
 #[test]
 fn both_integrals_their_size_and_their_peak_are_those_of_the_interval() {
-    let check = |integral: Integral, length: f64| {
+    let check = |integral: Integral<2>, length: f64| {
         let expected = [-2.0 * length, 3.0 * length];
         for (part, expected) in integral.parts.into_iter().zip(expected) {
             assert!((part - expected).abs() < 1e-14 * length, "{integral:?}");
@@ -159,7 +159,7 @@ fn tolerances_grow_with_the_integral_and_with_the_peak() {
 fn a_difference_in_either_integral_counts() {
     let of = |parts| Integral {
         parts,
-        ..Integral::default()
+        ..Integral::ZERO
     };
     let whole = of([1.0, -1.0]);
     assert!(whole.agrees(&of([1.5, -1.5]), 0.5) && whole.agrees(&of([0.5, -0.5]), 0.5));

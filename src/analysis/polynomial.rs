@@ -1,0 +1,54 @@
+//! Closed forms for the polynomial law, Eqs. 3-5: where its vibration ends.
+
+use super::PureSlip;
+use crate::belt::MassOnBelt;
+use crate::friction::{FrictionLaw, Polynomial};
+
+/// Damping ratio η/2 above which there is no vibration at any belt velocity, for friction falls
+/// most steeply at rest. Dimensionless. The system's own v_b and β are ignored.
+///
+/// Exact: then 2βy + γ²μ rises with y, and every motion loses energy. At η/2 itself too, unless
+/// μ_s = μ_m: friction is constant then, and without damping every small vibration lasts.
+///
+/// Source: Farshidianfar and Noei Aghaee, Eqs. 10a and 14.
+///
+/// ```
+/// use stick_slip::analysis::polynomial::least_damping_everywhere;
+/// use stick_slip::{MassOnBelt, Polynomial};
+///
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?;
+/// assert!((least_damping_everywhere(&system) - 0.225).abs() < 1e-15);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn least_damping_everywhere(system: &MassOnBelt<Polynomial>) -> f64 {
+    let law = system.law();
+    let drop = law.static_coefficient() - law.minimum_coefficient();
+    0.75 * system.load() * drop / law.minimum_velocity()
+}
+
+/// Belt velocity above which no vibration lasts: v_b1 = v_m√(1 − 2β/η); 0 where 2β ≥ η; ∞ for
+/// constant friction (μ_s = μ_m) without damping, where small vibrations last at every belt
+/// velocity. Dimensionless. `None` where a coefficient overflows. The system's own v_b is ignored.
+///
+/// Exact for the stability of steady sliding. That no other motion lasts holds while friction is
+/// weak beside the spring.
+///
+/// Source: Farshidianfar and Noei Aghaee, after Eq. 15.
+///
+/// ```
+/// use stick_slip::analysis::polynomial::quiet_velocity;
+/// use stick_slip::{MassOnBelt, Polynomial};
+///
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+/// assert!((quiet_velocity(&system).unwrap() - 0.4409585518).abs() < 1e-10);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn quiet_velocity(system: &MassOnBelt<Polynomial>) -> Option<f64> {
+    let law = system.law();
+    if law.static_coefficient() == law.minimum_coefficient() && system.damping() == 0.0 {
+        return Some(f64::INFINITY);
+    }
+    let v_m = law.minimum_velocity();
+    let formulas = PureSlip::new(&system.with_belt_velocity(v_m).ok()?)?;
+    Some(formulas.onset_velocity().unwrap_or(0.0))
+}

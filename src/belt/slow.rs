@@ -1,0 +1,250 @@
+//! The slow motion of a stiff slip phase.
+//!
+//! Where D = 2β + γ²dμ̂/ds is large, the sliding speed comes within 1/D to a slow motion, on which
+//! friction balances the other forces, and an explicit step ends after about 10/D whatever happens
+//! there: the recurrence for the coefficients s_k amplifies a deviation of s_0 by D^k/k!. The slow
+//! motion's own coefficients are those that it does not amplify, its *minimal solution*. They are
+//! found as such solutions are: not from the start on, but all at once with s_26 = 0 at the far
+//! end, here by Newton's method because friction is not linear. What is cut off shifts s_0 by about
+//! 26!/(D·R)²⁶ of itself, R the radius of convergence, so for D·R > 43 by less than it is rounded;
+//! and an explicit step of accuracy ε is R/4 long where accuracy limits it, 10/D where stability
+//! does: the same at D·R = 40. So these series begin to be exact where explicit steps begin to be
+//! short.
+//!
+//! Sources: F. W. J. Olver, Numerical solution of second-order linear difference equations,
+//! *J. Res. NBS* 71B (1967) 111-129, doi:10.6028/jres.071B.018; W. Gautschi, Computational aspects of
+//! three-term recurrence relations, *SIAM Review* 9 (1967) 24-82, doi:10.1137/1009002; NIST Digital
+//! Library of Mathematical Functions, §3.6, <https://dlmf.nist.gov/3.6>.
+
+use super::expansion::SlipSeries;
+use super::slip_point::SlipPoint;
+use super::system::MassOnBelt;
+use crate::clock::Time;
+use crate::friction::{FrictionLaw, Piece};
+use crate::motion::step_control::Allowance;
+use crate::scalar::Workspace;
+use crate::series::{INTEGRAL, PowerSeries, TERMS};
+
+/// How many coefficients are solved for: s_0 … s_25.
+const UNKNOWNS: usize = TERMS - 1;
+
+/// Distance from the slow motion, in errors of a step, at which a motion has come to it.
+///
+/// The last term of an explicit step is an error to 6 % of its 26th root, so up to 1.06²⁶ = 4.5 of
+/// them, and what such a step leaves of a deviation is 0.4 of its last term.
+const CLOSE: f64 = 4.0;
+
+/// Deviation from the slow motion, in errors of a step, with which the series at hand is still worth
+/// a look.
+const FAR_OFF: f64 = 1e4;
+
+/// Each pass doubles the number of coefficients that are right; from one, five make all of them.
+const MOST_PASSES: usize = 8;
+
+/// Coefficients, and factors of them, above which bounds of a series overflow.
+const LARGEST: f64 = 1e280;
+
+/// Part of the reach within which corrections count: at all of it they would be those of the last
+/// coefficients, which hardly matter.
+const INNER: f64 = 0.8;
+
+impl SlipSeries {
+    /// The slow motion through the same displacement, if the motion has come to it, and how far it
+    /// can be used. This is the explicit series, from `from`.
+    pub(super) fn slow<L: FrictionLaw>(
+        &self,
+        piece: Piece<'_, L>,
+        system: &MassOnBelt<&L>,
+        workspace: &mut Workspace<TERMS>,
+        from: &SlipPoint,
+        time: Time,
+        allowance: &Allowance,
+    ) -> Option<(Self, f64)> {
+        let slow = Slow::new(system, from, time);
+        let closing = time.sign() * self.decay;
+        let unit = slow.unit(from.speed, closing);
+        let mut c = slow.guess(&self.speed, closing, unit, allowance.error);
+        let close = CLOSE * allowance.error.max(f64::EPSILON * from.speed);
+        let farthest = Allowance::farthest(closing) / unit;
+        let mut composed = Self::ZERO;
+        for pass in 0..MOST_PASSES {
+            let composition = composed.expand(piece, system, workspace, from, time, Some(&c));
+            composition.ok()?;
+            let correction = slow.correction(&c, &composed, unit);
+            // The first correction is already the distance, as far as it is small: a motion that is
+            // still on its way costs one pass.
+            if !(correction[0].abs() <= close) && pass == 0 {
+                return None;
+            }
+            let mut inner = 1.0;
+            let mut largest = 0.0;
+            for k in 0..UNKNOWNS {
+                c[k] += correction[k];
+            }
+            let reach = allowance.reach_of(&c, UNKNOWNS - 1, farthest);
+            for k in 0..UNKNOWNS {
+                // Not f64::max, which would drop a NaN.
+                largest += correction[k].abs() * inner;
+                inner *= INNER * reach;
+            }
+            if largest <= close {
+                // The next correction would be the square of this one.
+                let composition = composed.expand(piece, system, workspace, from, time, Some(&c));
+                composition.ok()?;
+                return Some(composed.in_time(unit, allowance, farthest * unit));
+            }
+        }
+        None
+    }
+
+    /// A series in units of time `unit` as one in time, and how far it can be used.
+    fn in_time(mut self, unit: f64, allowance: &Allowance, farthest: f64) -> (Self, f64) {
+        let mut power = 1.0;
+        let mut order = 0;
+        for k in 0..UNKNOWNS {
+            if power < LARGEST && power.recip() < LARGEST {
+                self.speed[k] /= power;
+                self.friction[k] /= power;
+                order = k;
+            } else {
+                self.speed[k] = 0.0;
+                self.friction[k] = 0.0;
+            }
+            power *= unit;
+        }
+        let reach = allowance.reach_of(&self.speed, order, farthest);
+        (self, reach)
+    }
+
+    /// Drops coefficients that overflow; the highest order left.
+    #[cold]
+    pub(super) fn truncate(&mut self) -> usize {
+        let is_ordinary =
+            |k: &usize| self.speed[*k].abs() < LARGEST && self.friction[*k].abs() < LARGEST;
+        let left = (0..TERMS).take_while(is_ordinary).count();
+        for k in left..TERMS {
+            self.speed[k] = 0.0;
+            self.friction[k] = 0.0;
+        }
+        left.saturating_sub(1)
+    }
+}
+
+/// The equations of the coefficients, in the direction of time that is followed:
+///
+/// ```text
+/// (k + 1) s_{k+1} + x_k + 2β (s_k + σv_b [k = 0]) + γ² m_k = 0,   x_1 = s_0 + σv_b,  x_k = s_{k−1}/k
+/// ```
+///
+/// with x_0 = σu, β and γ² of the other sign backward in time.
+struct Slow {
+    /// 1, or −1 backward in time.
+    forward: f64,
+    position: f64,
+    belt: f64,
+    damping: f64,
+    load: f64,
+}
+
+impl Slow {
+    fn new<L: FrictionLaw>(system: &MassOnBelt<&L>, from: &SlipPoint, time: Time) -> Self {
+        let (sigma, forward) = (from.direction.sign(), time.sign());
+        Self {
+            forward,
+            position: forward * sigma * from.displacement,
+            belt: sigma * system.belt_velocity(),
+            damping: forward * 2.0 * system.damping(),
+            load: forward * system.load(),
+        }
+    }
+
+    /// A unit of time T, a power of two, in which the coefficients are of like size: that in which
+    /// the slow motion, s' = −v/D about, changes s by itself, and u − ū falls to a part.
+    fn unit(&self, speed: f64, closing: f64) -> f64 {
+        let time = (speed * closing / (speed + self.belt).abs()).min(closing);
+        const EXPONENT: u64 = 0x7ff << 52;
+        f64::from_bits(time.to_bits() & EXPONENT)
+    }
+
+    /// The first coefficients of the explicit series, as far as a deviation does not hide those of
+    /// the slow motion. Then one correction gives s_0 to the square of the deviation.
+    fn guess(&self, explicit: &PowerSeries, closing: f64, unit: f64, error: f64) -> PowerSeries {
+        let mut c = PowerSeries::ZERO;
+        c[0] = explicit[0];
+        c[1] = -(explicit[0] + self.belt) / closing * unit;
+        let (mut power, mut deviation) = (1.0, FAR_OFF * error);
+        for k in 1..UNKNOWNS {
+            power *= unit;
+            deviation *= closing * unit / k as f64;
+            let coefficient = explicit[k] * power;
+            if !(deviation <= 0.5 * coefficient.abs()) {
+                break;
+            }
+            c[k] = coefficient;
+        }
+        c
+    }
+
+    /// Newton's correction of the coefficients c, with their friction composed: the solution of
+    ///
+    /// ```text
+    /// (k + 1) δ_{k+1} + Σ_{j≤k} D_j δ_{k−j} + δ_{k−1}/k = −r_k,   δ_26 = 0,
+    /// D(t) = 2β + γ² m'(t)/s'(t)
+    /// ```
+    fn correction(&self, c: &PowerSeries, composed: &SlipSeries, unit: f64) -> [f64; TERMS] {
+        let m = &composed.friction;
+        let decay = self.decays(c, composed);
+        let mut right = [0.0; UNKNOWNS];
+        for k in 0..UNKNOWNS {
+            let spring = match k {
+                0 => self.position,
+                1 => unit * (c[0] + self.belt),
+                _ => unit * c[k - 1] * INTEGRAL[k - 1],
+            };
+            let speed = if k == 0 { c[0] + self.belt } else { c[k] };
+            let rate = (k + 1) as f64 * c[k + 1] / unit;
+            right[k] = -(rate + spring + self.damping * speed + self.load * m[k]);
+        }
+        // Rows from the last one up lose what stands above the diagonal.
+        let mut rows = [[0.0; UNKNOWNS]; UNKNOWNS];
+        for (k, row) in rows.iter_mut().enumerate() {
+            for j in 0..=k {
+                row[k - j] = decay[j];
+            }
+            if k > 0 {
+                row[k - 1] += unit * INTEGRAL[k - 1];
+            }
+        }
+        for k in (1..UNKNOWNS).rev() {
+            let (above, below) = rows.split_at_mut(k);
+            let (above, below) = (&mut above[k - 1], &below[0]);
+            let factor = k as f64 / (unit * below[k]);
+            for (a, b) in std::iter::zip(&mut above[..k], &below[..k]) {
+                *a -= factor * b;
+            }
+            right[k - 1] -= factor * right[k];
+        }
+        let mut correction = [0.0; TERMS];
+        for k in 0..UNKNOWNS {
+            let known = std::iter::zip(&rows[k][..k], &correction[..k]);
+            let sum: f64 = known.map(|(a, d)| a * d).sum();
+            correction[k] = (right[k] - sum) / rows[k][k];
+        }
+        correction
+    }
+
+    /// The series of D, by division.
+    fn decays(&self, c: &PowerSeries, composed: &SlipSeries) -> [f64; UNKNOWNS] {
+        let (friction, rate) = (composed.friction.derivative(), c.derivative());
+        let mut decay = [0.0; UNKNOWNS];
+        decay[0] = self.forward * composed.decay;
+        if rate[0] != 0.0 {
+            for j in 1..UNKNOWNS - 1 {
+                let by_law = decay[0] - self.damping;
+                let later: f64 = (1..j).map(|i| rate[i] * decay[j - i]).sum();
+                decay[j] = (self.load * friction[j] - later - rate[j] * by_law) / rate[0];
+            }
+        }
+        decay
+    }
+}

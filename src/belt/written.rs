@@ -1,0 +1,25 @@
+//! How an equilibrium is written (feature `serde`).
+//!
+//! Written and not read, as a cycle is: it follows from its system.
+
+use serde::Serialize;
+
+use super::Stability;
+
+#[derive(Serialize)]
+pub(super) struct Equilibrium {
+    displacement: f64,
+    /// h1.
+    effective_damping: f64,
+    stability: Stability,
+}
+
+impl From<super::Equilibrium> for Equilibrium {
+    fn from(equilibrium: super::Equilibrium) -> Self {
+        Self {
+            displacement: equilibrium.displacement,
+            effective_damping: -equilibrium.jacobian[(1, 1)],
+            stability: equilibrium.stability,
+        }
+    }
+}

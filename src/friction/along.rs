@@ -1,0 +1,293 @@
+//! A law followed along a range of sliding speeds, as a chain of power series: each is used as far
+//! as it converges and is checked in between, so that no feature of the law is passed over.
+
+use std::ops::{ControlFlow, Range};
+
+use super::{FrictionLaw, finite_at, piece_above, slope_on, taylor_coefficients_on};
+use crate::error::Error;
+use crate::series::{PowerSeries, TERMS, quarters};
+
+/// A series is used as far as its last terms stay below this, relative to its largest.
+const TRUNCATION: f64 = 1e-16;
+
+/// It must give h this well in between, relative to its largest term.
+const DEFECT: f64 = 1e-12;
+
+/// Rounding of h, relative to the largest value met so far.
+const ROUNDING: f64 = 1e-14;
+
+/// Least number of series for a range.
+const PIECES: f64 = 64.0;
+
+/// The search for sign changes begins this part below the range, so that a root exactly at its
+/// start is seen as one.
+const LOOK_BACK: f64 = 1e-6;
+
+/// Series after which a search gives up, well within a second.
+const MOST_STRETCHES: usize = 10_000;
+const TOO_LONG: &str =
+    "a shorter range: it takes more than 10000 power series of the law to get there";
+
+/// h(s) = c + f·dμ̂/ds, where c ≥ 0 and f > 0.
+#[derive(Debug)]
+pub(crate) struct AlongSlope<'l, L> {
+    pub(crate) law: &'l L,
+    pub(crate) constant: f64,
+    pub(crate) factor: f64,
+}
+
+impl<L: FrictionLaw> AlongSlope<'_, L> {
+    /// Sliding speeds in a range of positive ones at which h changes its sign, ascending. `end` is
+    /// the name of the range's end, for errors.
+    ///
+    /// Where h touches zero without changing sign, to rounding, nothing is reported. Where it jumps
+    /// over zero, at a breakpoint, that is; where it is zero over a whole interval, the end of that
+    /// interval, if the sign behind it is another.
+    pub(crate) fn sign_changes(
+        &self,
+        range: &Range<f64>,
+        end: &'static str,
+    ) -> Result<Vec<f64>, Error> {
+        let mut changes = SignChanges {
+            h: |speed| self.constant + self.factor * self.law.slope(speed),
+            positive: None,
+            roots: Vec::new(),
+        };
+        let from = range.start * (1.0 - LOOK_BACK);
+        self.follow(from..range.end, end, &mut |stretch, rounding| {
+            changes.follow(stretch, rounding);
+            Ok(())
+        })?;
+        changes.roots.retain(|root| range.contains(root));
+        Ok(changes.roots)
+    }
+
+    /// Least value of h over a range, its ends included, exact to rounding.
+    pub(crate) fn least(&self, range: Range<f64>, end: &'static str) -> Result<f64, Error> {
+        let mut least = f64::INFINITY;
+        self.follow(range, end, &mut |stretch, _| {
+            let mut speeds = vec![stretch.start, stretch.start + stretch.length];
+            // Minima. Their places need not be exact: h is flat there.
+            let slope = stretch.series.derivative();
+            let _ = slope.sign_changes(stretch.length, &mut |t, rising| {
+                if rising {
+                    speeds.push(stretch.start + t);
+                }
+                ControlFlow::Continue(())
+            });
+            for speed in speeds {
+                let slope = slope_on(self.law, stretch.piece, speed)?;
+                least = least.min(self.constant + self.factor * slope);
+            }
+            Ok(())
+        })?;
+        Ok(least)
+    }
+
+    /// The stretches that a range is made of, in order, each with the rounding error of h so far.
+    fn follow(
+        &self,
+        range: Range<f64>,
+        name: &'static str,
+        visit: &mut dyn FnMut(&Stretch, f64) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let mut start = range.start;
+        let longest = (range.end - start) / PIECES;
+        let mut stretches = 0;
+        let mut ends: Vec<f64> = self.law.breakpoints().collect();
+        ends.retain(|&end| start < end && end < range.end);
+        ends.push(range.end);
+        let mut largest = self.constant;
+        for end in ends {
+            while start < end {
+                Error::check(name, range.end, stretches < MOST_STRETCHES, TOO_LONG)?;
+                stretches += 1;
+                let mut stretch = self.stretch(start, longest.min(end - start), &mut largest)?;
+                let ends_here = start + stretch.length >= end;
+                if !ends_here {
+                    stretch.end_away_from_zero();
+                }
+                visit(&stretch, ROUNDING * largest)?;
+                start = if ends_here {
+                    end
+                } else {
+                    (start + stretch.length).max(start.next_up())
+                };
+            }
+        }
+        Ok(())
+    }
+
+    /// The error of the first speed at which the law has no value or no slope, if it has none at
+    /// `end`.
+    fn finite_between(&self, start: f64, end: f64) -> Result<(), Error> {
+        let (mut good, mut bad) = (start, end);
+        let mut found = finite_at(self.law, bad);
+        while found.is_err() {
+            let middle = 0.5 * (good + bad);
+            if !(good < middle && middle < bad) {
+                break;
+            }
+            match finite_at(self.law, middle) {
+                Ok(()) => good = middle,
+                error => (bad, found) = (middle, error),
+            }
+        }
+        found
+    }
+
+    /// The stretch from a speed on, at most `longest` long; `largest`, the largest |h| met so far,
+    /// is kept up.
+    fn stretch(&self, start: f64, longest: f64, largest: &mut f64) -> Result<Stretch, Error> {
+        finite_at(self.law, start)?;
+        let piece = piece_above(self.law, start);
+        let friction = taylor_coefficients_on::<{ TERMS + 1 }, _>(self.law, piece, start);
+        let mut series = PowerSeries::from_fn(|k| self.factor * (k + 1) as f64 * friction[k + 1]);
+        series[0] += self.constant;
+        let mut stretch = Stretch {
+            start,
+            length: longest,
+            piece,
+            series,
+        };
+        let h = |speed: f64| self.constant + self.factor * self.law.slope(speed);
+        loop {
+            let size = stretch.largest_term();
+            *largest = largest.max(series[0].abs());
+            let allowed =
+                DEFECT * (size + self.constant) + ROUNDING * *largest + stretch.rounding_of_speed();
+            if stretch.converges(size + *largest * ROUNDING) && stretch.fits(allowed, h) {
+                return Ok(stretch);
+            }
+            stretch.length *= 0.5;
+            if start + stretch.length <= start {
+                self.finite_between(start, start + longest)?;
+                return Err(Error::NotAnalytic {
+                    speed: start,
+                    reached: None,
+                });
+            }
+        }
+    }
+}
+
+/// h(start + t) as a power series in t, for 0 ≤ t ≤ length.
+struct Stretch {
+    start: f64,
+    length: f64,
+    /// Piece of the law.
+    piece: usize,
+    series: PowerSeries,
+}
+
+impl Stretch {
+    /// |c_k| length^k.
+    fn term(&self, k: usize) -> f64 {
+        match self.series[k] {
+            // Not 0·∞.
+            0.0 => 0.0,
+            coefficient => coefficient.abs() * self.length.powi(k as i32),
+        }
+    }
+
+    fn largest_term(&self) -> f64 {
+        (0..TERMS).map(|k| self.term(k)).fold(0.0, f64::max)
+    }
+
+    /// What the rounding of start + t changes in h.
+    fn rounding_of_speed(&self) -> f64 {
+        let steepest = (1..TERMS).map(|k| k as f64 * self.term(k)).sum::<f64>() / self.length;
+        f64::EPSILON * (self.start + self.length) * steepest
+    }
+
+    /// Whether the last terms, two because a series may be even or odd, are rounding beside `size`.
+    fn converges(&self, size: f64) -> bool {
+        [TERMS - 2, TERMS - 1]
+            .iter()
+            .all(|&k| self.term(k) <= TRUNCATION * size)
+    }
+
+    /// Whether the series gives `h` inside.
+    fn fits(&self, allowed: f64, h: impl Fn(f64) -> f64) -> bool {
+        let times = quarters(self.length);
+        std::iter::zip(times, self.series.at_four(times))
+            // The end may be a breakpoint, where the slope is that of the next piece.
+            .take(3)
+            .all(|(t, value)| (h(self.start + t) - value).abs() <= allowed)
+    }
+
+    /// Shortens it so that no root of h lies at its end, where the rounding of two series could
+    /// lose it, or find it twice.
+    fn end_away_from_zero(&mut self) {
+        let ends = [1.0, 0.875, 0.75].map(|part| part * self.length);
+        let height = |t: &f64| self.series.at(*t).abs();
+        if let Some(end) = ends
+            .into_iter()
+            .max_by(|a, b| height(a).total_cmp(&height(b)))
+        {
+            self.length = end;
+        }
+    }
+}
+
+/// Part of a stretch within which a root belongs to a zero at its end.
+const AT_END: f64 = 1e-3;
+
+/// Distance, relative to the speed, of two roots that may be a touch of zero split by rounding.
+const TOUCH: f64 = 1e-6;
+
+/// Where h changes its sign, as it is followed.
+struct SignChanges<H> {
+    h: H,
+    positive: Option<bool>,
+    roots: Vec<f64>,
+}
+
+impl<H: Fn(f64) -> f64> SignChanges<H> {
+    /// The sign changes on a stretch, and one at its start if h jumps over zero there, or passes
+    /// it.
+    fn follow(&mut self, stretch: &Stretch, rounding: f64) {
+        let Stretch {
+            start,
+            length,
+            series,
+            ..
+        } = stretch;
+        if stretch.largest_term() <= rounding {
+            return; // zero all along
+        }
+        // A zero at an end is at the start of this stretch, or of the next.
+        let is_zero = |t: f64| series.at(t).abs() <= rounding;
+        let first = if is_zero(0.0) { AT_END * length } else { 0.0 };
+        let last = if is_zero(*length) {
+            (1.0 - AT_END) * length
+        } else {
+            *length
+        };
+        self.add(*start, series.at(first) > 0.0, rounding);
+        let _ = series.sign_changes(*length, &mut |t, rising| {
+            if first <= t && t <= last {
+                self.add(start + t, rising, rounding);
+            }
+            ControlFlow::Continue(())
+        });
+    }
+
+    /// From this speed on the sign is this.
+    fn add(&mut self, speed: f64, positive: bool, rounding: f64) {
+        let before = self.positive.replace(positive);
+        if before.is_none_or(|before| before == positive) {
+            return;
+        }
+        match self.roots.last() {
+            // There and back within rounding.
+            Some(&last)
+                if speed - last <= TOUCH * speed
+                    && (self.h)(0.5 * (last + speed)).abs() <= rounding =>
+            {
+                self.roots.pop();
+            }
+            _ => self.roots.push(speed),
+        }
+    }
+}

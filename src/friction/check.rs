@@ -1,0 +1,80 @@
+//! What is asked of a law before it is used, and whether it is constant.
+
+use super::{FrictionLaw, finite_at, taylor_coefficients, taylor_coefficients_on};
+use crate::error::Error;
+use crate::scalar::LONGEST;
+
+/// The static coefficient, if it is one: finite and ≥ 0.
+pub(super) fn check_static(static_coefficient: f64) -> Result<f64, Error> {
+    Error::check(
+        "static_coefficient",
+        static_coefficient,
+        static_coefficient >= 0.0,
+        "static_coefficient ≥ 0",
+    )
+}
+
+/// The kinetic coefficient, if 0 ≤ μ_k ≤ μ_s.
+pub(super) fn check_kinetic(
+    static_coefficient: f64,
+    kinetic_coefficient: f64,
+) -> Result<f64, Error> {
+    Error::check(
+        "kinetic_coefficient",
+        kinetic_coefficient,
+        (0.0..=static_coefficient).contains(&kinetic_coefficient),
+        "0 ≤ kinetic_coefficient ≤ static_coefficient",
+    )
+}
+
+/// Checks what the trait asks of a law and a system relies on: μ_s finite and ≥ μ̂(0), breakpoints
+/// in order, the law continuous.
+pub(crate) fn validate<L: FrictionLaw>(law: &L) -> Result<(), Error> {
+    let static_coefficient = law.static_coefficient();
+    check_static(static_coefficient)?;
+    let kinetic_coefficient = law.kinetic(0.0);
+    finite_at(law, 0.0)?;
+    if kinetic_coefficient > static_coefficient * (1.0 + 8.0 * f64::EPSILON) {
+        return Err(Error::StaticBelowKinetic {
+            static_coefficient,
+            kinetic_coefficient,
+        });
+    }
+    let mut last = 0.0;
+    for (index, value) in law.breakpoints().enumerate() {
+        let (below, above) = (
+            law.kinetic_on(index, value),
+            law.kinetic_on(index + 1, value),
+        );
+        let scale = static_coefficient.max(below.abs());
+        let continuous = (below - above).abs() <= JUMP * scale;
+        if !(value.is_finite() && value > last && continuous) {
+            return Err(Error::BadBreakpoints { index, value });
+        }
+        last = value;
+    }
+    Ok(())
+}
+
+/// Largest relative jump at a breakpoint that counts as rounding.
+pub(crate) const JUMP: f64 = 1e-12;
+
+/// Whether friction does not depend on the sliding speed near this one: all derivatives of the law
+/// are zero.
+pub(crate) fn is_constant_near<L: FrictionLaw>(law: &L, speed: f64) -> bool {
+    is_constant(&taylor_coefficients(law, speed))
+}
+
+/// Whether there is no kinetic friction at any speed: on each piece the law and all its derivatives
+/// are zero.
+pub(crate) fn has_no_kinetic_friction<L: FrictionLaw>(law: &L) -> bool {
+    let starts = std::iter::once(0.0).chain(law.breakpoints());
+    starts.enumerate().all(|(piece, speed)| {
+        let series = taylor_coefficients_on(law, piece, speed);
+        series[0] == 0.0 && is_constant(&series)
+    })
+}
+
+fn is_constant(series: &[f64; LONGEST]) -> bool {
+    series[1..].iter().all(|&c| c == 0.0)
+}

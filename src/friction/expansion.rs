@@ -1,0 +1,78 @@
+//! Pieces of a law, and their power series in the sliding speed.
+
+use super::FrictionLaw;
+use crate::error::Error;
+use crate::scalar::{Function, Scalar, Workspace, expand, jet};
+
+/// One analytic piece of a law, by its number.
+#[derive(Debug)]
+pub(crate) struct Piece<'l, L> {
+    pub(crate) law: &'l L,
+    pub(crate) index: usize,
+}
+
+impl<L> Clone for Piece<'_, L> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<L> Copy for Piece<'_, L> {}
+
+impl<L: FrictionLaw> Function for Piece<'_, L> {
+    #[inline(always)]
+    fn at<S: Scalar>(self, speed: S) -> S {
+        self.law.kinetic_on(self.index, speed)
+    }
+}
+
+/// The piece that holds speeds just above `speed`.
+pub(crate) fn piece_above<L: FrictionLaw>(law: &L, speed: f64) -> usize {
+    law.breakpoints().take_while(|&b| b <= speed).count()
+}
+
+/// The first M coefficients of μ̂ as a power series in the sliding speed about `speed`. Their
+/// number is no part of the code that computes them, which is compiled once for a law.
+pub(crate) fn taylor_coefficients<const M: usize, L: FrictionLaw>(law: &L, speed: f64) -> [f64; M] {
+    taylor_coefficients_on(law, piece_above(law, speed), speed)
+}
+
+/// The same for one piece of the law.
+pub(crate) fn taylor_coefficients_on<const M: usize, L: FrictionLaw>(
+    law: &L,
+    piece: usize,
+    speed: f64,
+) -> [f64; M] {
+    jet::coefficients(Piece { law, index: piece }, speed)
+}
+
+/// μ̂ and dμ̂/ds on one piece of the law. Exact to rounding, and much faster than a longer series:
+/// averaging and every equilibrium ask for it.
+pub(crate) fn value_and_slope<L: FrictionLaw>(law: &L, piece: usize, speed: f64) -> (f64, f64) {
+    let piece = Piece { law, index: piece };
+    expand(piece, &mut Workspace::<2>::new(), speed, |_, _, _| 1.0)
+}
+
+/// The law has a finite value and slope at `speed`.
+pub(crate) fn finite_at<L: FrictionLaw>(law: &L, speed: f64) -> Result<(), Error> {
+    slope_on(law, piece_above(law, speed), speed).map(|_| ())
+}
+
+/// dμ̂/ds on one piece of the law.
+pub(crate) fn slope_on<L: FrictionLaw>(law: &L, piece: usize, speed: f64) -> Result<f64, Error> {
+    let (value, slope) = value_and_slope(law, piece, speed);
+    if !value.is_finite() {
+        Err(Error::NonFiniteFriction {
+            speed,
+            value,
+            reached: None,
+        })
+    } else if !slope.is_finite() {
+        Err(Error::NotAnalytic {
+            speed,
+            reached: None,
+        })
+    } else {
+        Ok(slope)
+    }
+}

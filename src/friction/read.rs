@@ -1,0 +1,66 @@
+//! How laws are read (feature `serde`): their parameters, as they are written, through the checks
+//! of their constructors. What is not a parameter is refused.
+
+use serde::Deserialize;
+
+use super::FrictionLaw;
+use crate::error::Error;
+
+/// A struct with the parameters of the law of the same name, and the way from one to the other.
+macro_rules! read {
+    ($($name:ident { $($(#[$attribute:meta])? $field:ident: $type:ty),* } => $make:expr;)*) => {$(
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub(super) struct $name {
+            $($(#[$attribute])? $field: $type,)*
+        }
+
+        impl TryFrom<$name> for super::$name {
+            type Error = Error;
+            fn try_from($name { $($field),* }: $name) -> Result<Self, Error> {
+                $make
+            }
+        }
+    )*};
+}
+
+read! {
+    Coulomb { static_coefficient: f64, kinetic_coefficient: f64 }
+        => Self::new(static_coefficient, kinetic_coefficient);
+    Exponential { static_coefficient: f64, kinetic_coefficient: f64, stribeck_velocity: f64 }
+        => Self::new(static_coefficient, kinetic_coefficient, stribeck_velocity);
+    Polynomial { static_coefficient: f64, minimum_coefficient: f64, minimum_velocity: f64 }
+        => Self::new(static_coefficient, minimum_coefficient, minimum_velocity);
+    Rational {
+        static_coefficient: f64, decay: f64,
+        #[serde(default)] offset: f64, #[serde(default)] quadratic: f64
+    } => Self::new(static_coefficient, decay)?.with_offset(offset)?.with_quadratic(quadratic);
+    Stribeck {
+        static_coefficient: f64, coulomb_coefficient: f64, stribeck_velocity: f64, exponent: u32,
+        #[serde(default)] viscous_coefficient: f64
+    } => Self::new(static_coefficient, coulomb_coefficient, stribeck_velocity, exponent)?
+        .with_viscous_coefficient(viscous_coefficient);
+    Tabulated {
+        #[serde(default)] static_coefficient: Option<f64>, points: Vec<(f64, f64)>
+    } => {
+        let law = Self::new(points)?;
+        match static_coefficient {
+            Some(static_coefficient) => law.with_static_coefficient(static_coefficient),
+            None => Ok(law),
+        }
+    };
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Scaled<L> {
+    law: L,
+    velocity_unit: f64,
+}
+
+impl<L: FrictionLaw> TryFrom<Scaled<L>> for super::Scaled<L> {
+    type Error = Error;
+    fn try_from(Scaled { law, velocity_unit }: Scaled<L>) -> Result<Self, Error> {
+        Self::new(law, velocity_unit)
+    }
+}

@@ -1,0 +1,93 @@
+use super::FrictionLaw;
+use crate::error::Error;
+use crate::scalar::Scalar;
+
+/// A friction law given in physical speeds, as one in dimensionless speeds.
+///
+/// ```text
+/// μ̂(s) = μ̂_physical(ω0 L s)
+/// ```
+///
+/// Breakpoints and pieces are those of the law inside, at speeds divided by ω0 L. Made by
+/// [`Scaling::system`](crate::Scaling::system) and
+/// [`Scaling::law`](crate::Scaling::law).
+///
+/// ```
+/// use stick_slip::{FrictionLaw, Physical, Scaling, Tabulated};
+///
+/// let scaling = Scaling::new(Physical {
+///     mass: 2.0, stiffness: 5000.0, damping: 4.0, normal_force: 20.0, belt_velocity: 0.05,
+/// })?;
+/// // Measured at 0, 0.1 and 0.3 m/s; ω0 L is 0.2 m/s.
+/// let law = scaling.law(Tabulated::new([(0.0, 0.4), (0.1, 0.3), (0.3, 0.25)])?);
+/// assert_eq!(law.kinetic(0.5), 0.3);
+/// let mut speeds = law.breakpoints().map(|speed| scaling.metres_per_second(speed));
+/// assert_eq!((speeds.next(), speeds.next(), speeds.next()), (Some(0.1), Some(0.3), None));
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "super::read::Scaled<L>"),
+    serde(bound(deserialize = "L: FrictionLaw + serde::Deserialize<'de>"))
+)]
+pub struct Scaled<L> {
+    law: L,
+    velocity_unit: f64,
+}
+
+impl<L: FrictionLaw> Scaled<L> {
+    /// The law given, with the physical speed ω0 L, in m/s, of the dimensionless speed 1.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless the unit is finite and > 0.
+    pub fn new(law: L, velocity_unit: f64) -> Result<Self, Error> {
+        Error::check(
+            "velocity_unit",
+            velocity_unit,
+            velocity_unit > 0.0,
+            "velocity_unit > 0",
+        )?;
+        Ok(Self { law, velocity_unit })
+    }
+}
+
+impl<L> Scaled<L> {
+    /// The law given, with a unit that is known to be an ordinary number.
+    pub(crate) fn of(law: L, velocity_unit: f64) -> Self {
+        Self { law, velocity_unit }
+    }
+
+    /// The law in physical speeds.
+    pub fn law(&self) -> &L {
+        &self.law
+    }
+
+    /// Physical speed ω0 L of the dimensionless speed 1, m/s.
+    pub fn velocity_unit(&self) -> f64 {
+        self.velocity_unit
+    }
+}
+
+impl<L: FrictionLaw> FrictionLaw for Scaled<L> {
+    fn static_coefficient(&self) -> f64 {
+        self.law.static_coefficient()
+    }
+
+    #[inline(always)]
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        self.law.kinetic(speed * self.velocity_unit)
+    }
+
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        let unit = self.velocity_unit;
+        self.law.breakpoints().map(move |speed| speed / unit)
+    }
+
+    #[inline(always)]
+    fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
+        self.law.kinetic_on(piece, speed * self.velocity_unit)
+    }
+}

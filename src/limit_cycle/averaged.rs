@@ -1,0 +1,107 @@
+//! Growth of motions that friction and damping hardly change: over one turn rounding hides it,
+//! averaged it does not.
+//!
+//! A motion of velocity amplitude A ≤ v_b behind the belt drifts at the rate
+//!
+//! ```text
+//! A'/A = −½h1 − (2γ²/π) ∫₀^½π D(A cos ψ) sin²ψ dψ,
+//! D(y) = ½[μ̂'(v_b − y) + μ̂'(v_b + y)] − μ̂'(v_b)
+//! ```
+//!
+//! with h1 = 2β + γ²μ̂'(v_b): Eq. 12 of Farshidianfar and Noei Aghaee for any law, by parts, and
+//! what is linear apart, so that nothing cancels. The next order vanishes, because the motion with
+//! the opposite forces is the same one in reversed time; so each of the two parts is good to a
+//! relative δ², where δ is the change of a motion within a radian.
+
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
+use std::ops::Range;
+
+use crate::belt::Forward;
+use crate::error::Error;
+use crate::friction::FrictionLaw;
+use crate::numerics::adaptive::gauss;
+use crate::numerics::chebyshev::{Sample, isolate};
+
+/// Rounding error of the drift, in units of ε times its largest part.
+const DRIFT_ROUNDING: f64 = 16.0;
+
+/// A'/A at a velocity amplitude A ≤ v_b, and what it may be wrong by.
+fn drift<L: FrictionLaw>(system: &Forward<'_, L>, amplitude: f64) -> Result<Sample, Error> {
+    let (v_b, law) = (system.belt_velocity(), system.law());
+    let at_rest = law.slope(v_b);
+    let mut parts = |psi: f64| {
+        let y = amplitude * psi.cos();
+        let slopes = [law.slope((v_b - y).max(0.0)), law.slope(v_b + y)];
+        let uneven = 0.5 * (slopes[0] + slopes[1]) - at_rest;
+        let weight = psi.sin().powi(2);
+        // Squares, which are smooth, for the sizes.
+        Ok([
+            uneven * weight,
+            uneven * uneven * weight,
+            0.5 * (slopes[0] * slopes[0] + slopes[1] * slopes[1]),
+        ])
+    };
+    let mut mesh: Vec<f64> = amplitudes_at_breakpoints(system)
+        .filter(|touching| *touching < amplitude)
+        .map(|touching| (touching / amplitude).acos())
+        .chain([0.0, FRAC_PI_2])
+        .collect();
+    mesh.sort_by(f64::total_cmp);
+    mesh.dedup();
+    let f: &mut dyn FnMut(f64) -> Result<[f64; 3], Error> = &mut parts;
+    let [uneven, uneven_squared, slope_squared] = gauss(f, &mesh)?.parts;
+    let load = system.load();
+    let linear = -0.5 * system.effective_damping(v_b);
+    let value = linear - load * FRAC_2_PI * uneven;
+    let size = linear.abs() + load * FRAC_2_PI * (uneven_squared * FRAC_PI_2).sqrt();
+    let strength = 2.0 * system.damping() + load * (slope_squared * FRAC_2_PI).sqrt();
+    let noise = DRIFT_ROUNDING * f64::EPSILON * strength + strength * strength * size;
+    Ok(Sample { value, noise })
+}
+
+/// Velocity amplitudes at which a motion about the equilibrium first meets a breakpoint of the law.
+fn amplitudes_at_breakpoints<L: FrictionLaw>(system: &Forward<'_, L>) -> impl Iterator<Item = f64> {
+    let v_b = system.belt_velocity();
+    let distances = system.law().breakpoints().map(move |b| (b - v_b).abs());
+    distances.filter(|distance| *distance > 0.0)
+}
+
+/// Whether a motion of this velocity amplitude grows; `None` if averaging does not tell.
+pub(super) fn grows<L: FrictionLaw>(
+    system: &Forward<'_, L>,
+    amplitude: f64,
+) -> Result<Option<bool>, Error> {
+    let Sample { value, noise } = drift(system, amplitude)?;
+    Ok((value.abs() > noise).then_some(value > 0.0))
+}
+
+/// Whether all motions with an amplitude in a range grow (true), or all die (false); `None` if there
+/// may be a periodic one.
+pub(super) fn all_grow<L: FrictionLaw>(
+    system: &Forward<'_, L>,
+    range: &Range<f64>,
+) -> Result<Option<bool>, Error> {
+    let mut ends: Vec<f64> = amplitudes_at_breakpoints(system)
+        .filter(|touching| range.contains(touching))
+        .chain([range.start, range.end])
+        .collect();
+    ends.sort_by(f64::total_cmp);
+    let mut growing = None;
+    for piece in ends.windows(2).filter(|piece| piece[0] < piece[1]) {
+        let mut at = |amplitude: f64| drift(system, amplitude);
+        let f: &mut dyn FnMut(f64) -> Result<Sample, Error> = &mut at;
+        for node in isolate(f, |t| piece[0] + (piece[1] - piece[0]) * t)? {
+            let Sample { value, noise } = node.sample;
+            // Neither where it is not a number.
+            let is_sure = value.abs() > noise;
+            if !is_sure || growing.is_some_and(|growing| growing != (value > 0.0)) {
+                return Ok(None);
+            }
+            growing = Some(value > 0.0);
+        }
+    }
+    Ok(growing)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,60 @@
+//! Families of periodic motions: where nothing feeds or damps a motion, each is periodic.
+
+use super::peaks::PeakMap;
+#[cfg(feature = "serde")]
+use super::written;
+use crate::belt::MassOnBelt;
+use crate::error::Error;
+use crate::friction::{FrictionLaw, has_no_kinetic_friction, is_constant_near};
+
+/// A family of periodic motions that fills a disc round the equilibrium: without damping, friction
+/// that does not depend on the speed (Coulomb, or μ_s = μ_m) neither feeds nor damps them.
+///
+/// ```
+/// use stick_slip::{Coulomb, MassOnBelt, limit_cycle};
+///
+/// let cycles = limit_cycle::find(&MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.2)?)?;
+/// assert_eq!(cycles.continuum().unwrap().max_amplitude, 0.2);
+/// assert_eq!(cycles.len(), 1); // and the stick-slip cycle round it
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Continuum {
+    /// Amplitude of the largest of them, dimensionless: |v_b|, where it touches the belt velocity;
+    /// less, where friction is constant only up to a breakpoint of the law; infinite without
+    /// friction.
+    #[cfg_attr(feature = "serde", serde(serialize_with = "written::infinite_as_none"))]
+    pub max_amplitude: f64,
+}
+
+impl Continuum {
+    pub(super) const WITHOUT_FRICTION: Self = Self {
+        max_amplitude: f64::INFINITY,
+    };
+}
+
+/// Whether small motions are periodic: there is no damping, and friction does not depend on the
+/// speed near v_b.
+pub(super) fn is_flat<L: FrictionLaw>(system: &MassOnBelt<L>) -> bool {
+    system.damping() == 0.0 && is_constant_near(system.law(), system.belt_velocity())
+}
+
+/// Whether every motion in slip is periodic: the system [`is_flat`], and none grows or shrinks.
+pub(super) fn is_continuum<L: FrictionLaw>(peaks: &mut PeakMap<'_, '_, L>) -> Result<bool, Error> {
+    let system = peaks.system();
+    if !is_flat(&system) {
+        return Ok(false);
+    }
+    for part in [0.9, 0.1, 0.7, 0.3, 0.5] {
+        if !peaks.growth(part * system.belt_velocity())?.vanishes() {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
+/// Whether there is no friction at all.
+pub(crate) fn is_frictionless<L: FrictionLaw>(law: &L) -> bool {
+    law.static_coefficient() == 0.0 && has_no_kinetic_friction(law)
+}

@@ -1,0 +1,159 @@
+use super::arc::Tracer;
+use super::continuum::{Continuum, is_continuum, is_flat, is_frictionless};
+use super::crossings::CrossingMap;
+use super::cycle::{CycleKind, LimitCycle};
+use super::peaks::PeakMap;
+use super::release::Release;
+use super::set::CycleSet;
+use crate::belt::{Forward, MassOnBelt};
+use crate::error::Error;
+use crate::friction::FrictionLaw;
+
+/// The periodic motion through the release point, whatever its kind; `None` where the motion from
+/// there never comes back to it, and at v_b = 0.
+///
+/// Costs one slip arc for plain stick-slip and two for overshoot.
+///
+/// # Errors
+///
+/// Those of [`Integrator::simulate`](crate::Integrator::simulate) that concern the law or the
+/// length of steps.
+///
+/// ```
+/// use stick_slip::{CycleKind, Exponential, MassOnBelt, limit_cycle};
+///
+/// let law = Exponential::new(0.4, 0.25, 0.5)?;
+/// let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
+/// let cycle = limit_cycle::stick_slip(&system)?.unwrap();
+/// assert_eq!(cycle.kind(), CycleKind::StickSlip);
+/// assert!((cycle.period() - 6.430323266948723979).abs() < 1e-14);
+/// // At small belt velocities this law lets the mass slide steadily.
+/// assert_eq!(limit_cycle::stick_slip(&system.with_belt_velocity(0.05)?)?, None);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn stick_slip<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Option<LimitCycle>, Error> {
+    let Some(forward) = system.moving_forward() else {
+        return Ok(None);
+    };
+    let mut tracer = Tracer::new(forward);
+    let cycle = Release::follow(&mut tracer)?.into_cycle(&mut tracer)?;
+    Ok(if system.belt_velocity() < 0.0 {
+        cycle.map(LimitCycle::mirrored)
+    } else {
+        cycle
+    })
+}
+
+/// All isolated periodic motions, stable and unstable, for any v_b.
+///
+/// # Errors
+///
+/// Those of [`Integrator::simulate`](crate::Integrator::simulate) that concern the law or the
+/// length of steps.
+///
+/// ```
+/// use stick_slip::{CycleKind, Exponential, MassOnBelt, limit_cycle};
+///
+/// // A stable equilibrium and stick-slip side by side, an unstable cycle between them.
+/// let law = Exponential::new(0.6, 0.3, 0.4)?;
+/// let system = MassOnBelt::new(law, 1.0)?.with_damping(0.01)?;
+/// let cycles = limit_cycle::find(&system)?;
+/// assert!(system.equilibrium().unwrap().is_stable());
+/// let [inner, outer] = cycles.iter().collect::<Vec<_>>()[..] else { panic!() };
+/// assert_eq!((inner.kind(), inner.is_stable()), (CycleKind::PureSlip, false));
+/// assert!((inner.multiplier() - 1.098130594669941836).abs() < 1e-12);
+/// assert_eq!((outer.kind(), outer.is_stable()), (CycleKind::StickSlip, true));
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn find<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<CycleSet, Error> {
+    find_borrowed(system.by_reference())
+}
+
+/// [`find`] for a system that borrows its law.
+pub(crate) fn find_borrowed<L: FrictionLaw>(system: MassOnBelt<&L>) -> Result<CycleSet, Error> {
+    let Some(forward) = Forward::of(system) else {
+        return Ok(of_belt_at_rest(system));
+    };
+    let mut tracer = Tracer::new(forward);
+    let release = Release::follow(&mut tracer)?;
+    let set = nested_cycles(&mut tracer, release)?;
+    Ok(if system.belt_velocity() < 0.0 {
+        set.mirrored()
+    } else {
+        set
+    })
+}
+
+/// On a belt at rest, of undamped motions only those without friction go on.
+pub(super) fn of_belt_at_rest<L: FrictionLaw>(system: MassOnBelt<&L>) -> CycleSet {
+    let goes_on = system.damping() == 0.0 && is_frictionless(system.law());
+    CycleSet {
+        continuum: goes_on.then_some(Continuum::WITHOUT_FRICTION),
+        ..CycleSet::default()
+    }
+}
+
+/// The cycles of a system moving forward, from the inside outwards.
+pub(super) fn nested_cycles<L: FrictionLaw>(
+    tracer: &mut Tracer<'_, L>,
+    mut release: Release,
+) -> Result<CycleSet, Error> {
+    let mut set = CycleSet::default();
+    if !add_pure_slip(tracer, &mut set)? {
+        return Ok(set);
+    }
+    let fate = release.fate(tracer)?;
+    set.cycles.extend(release.into_cycle(tracer)?);
+    let system = tracer.system();
+    let mut crossings = CrossingMap::of(tracer);
+    let forces = crossings.roots(fate)?;
+    let mut crossing = |force: f64| -> Result<Option<LimitCycle>, Error> {
+        Ok(crossings.cycle(force)?.map(|(arcs, multiplier)| {
+            LimitCycle::join(&system, arcs.into(), CycleKind::Crossing, multiplier)
+        }))
+    };
+    for force in forces.roots {
+        set.cycles.extend(crossing(force)?);
+    }
+    for range in forces.unresolved {
+        if let (Some(inner), Some(outer)) = (crossing(range.start)?, crossing(range.end)?) {
+            set.unresolved
+                .push(inner.max_velocity()..outer.max_velocity());
+        }
+    }
+    Ok(set)
+}
+
+/// Adds what is periodic in slip; false if that is everything, because there is no friction.
+fn add_pure_slip<L: FrictionLaw>(
+    tracer: &mut Tracer<'_, L>,
+    set: &mut CycleSet,
+) -> Result<bool, Error> {
+    let system = tracer.system();
+    let mut peaks = PeakMap::of(tracer);
+    if is_continuum(&mut peaks)? {
+        if is_frictionless(system.law()) {
+            set.continuum = Some(Continuum::WITHOUT_FRICTION);
+            return Ok(false);
+        }
+        let max_amplitude = system.belt_velocity();
+        set.continuum = Some(Continuum { max_amplitude });
+        return Ok(true);
+    }
+    let mut found = peaks.roots()?;
+    if is_flat(&system) && !found.unresolved.is_empty() {
+        // Up to where the motion meets a speed at which friction does vary; inside it is harmonic.
+        let max_amplitude = found.unresolved.remove(0).end;
+        set.continuum = Some(Continuum { max_amplitude });
+    }
+    set.unresolved = found.unresolved;
+    for peak in found.roots {
+        let (arc, multiplier) = peaks.cycle(peak)?;
+        let cycle = LimitCycle::join(&system, vec![arc], CycleKind::PureSlip, multiplier);
+        set.cycles.push(cycle);
+    }
+    Ok(true)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,180 @@
+//! Extremes of a cycle, as roots of its power series; its harmonics and its energies, as integrals
+//! over them.
+
+use std::ops::ControlFlow;
+
+use nalgebra::Complex;
+
+use super::cycle::LimitCycle;
+use crate::belt::Step;
+use crate::numerics::gauss::{gauss_fours, gauss_legendre};
+use crate::series::PowerSeries;
+use crate::state::State;
+
+/// Work done over one period, in dimensionless energy units, K L² in joules
+/// ([`Scaling::joules`](crate::Scaling::joules)); f is the friction force on the mass.
+///
+/// On a periodic motion `belt_work = damper_loss` and
+/// `drive_work = damper_loss + friction_loss = v_b ∮u dτ`.
+///
+/// ```
+/// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
+///
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+/// let cycle = limit_cycle::stick_slip(&system)?.unwrap();
+/// let energy = cycle.energy();
+/// assert!((energy.drive_work - 0.393077187566709).abs() < 1e-14);
+/// assert!((energy.damper_loss - 0.023148067314534).abs() < 1e-14);
+/// assert!((energy.friction_loss - 0.369929120252175).abs() < 1e-14);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+///
+/// A period ends where it began, so that what friction does on the mass is what the damper takes,
+/// and the drive gives both losses: two of the numbers are integrals, ∮u dτ and ∮v² dτ, and two
+/// follow.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct EnergyBudget {
+    /// Work of the belt's drive, ∮ f v_b dτ.
+    pub drive_work: f64,
+    /// Work of the friction force on the mass, ∮ f v dτ.
+    pub belt_work: f64,
+    /// Heat in the damper, ∮ 2β v² dτ.
+    pub damper_loss: f64,
+    /// Heat in the contact, ∮ γ² μ̂(|v_r|)·|v_r| dτ.
+    pub friction_loss: f64,
+}
+
+impl LimitCycle {
+    /// Complex amplitudes of the first n harmonics of u: (2/T)∮u e^(−ikωτ) dτ for k = 1, …, n, time
+    /// counted from [`state`](Self::state), ω = 2π/T. The modulus is the amplitude of the harmonic.
+    /// Each is a quadrature of its own, so that the cost grows with n².
+    ///
+    /// ```
+    /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
+    ///
+    /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+    /// let cycle = limit_cycle::stick_slip(&system)?.unwrap();
+    /// let harmonics = cycle.harmonics(40);
+    /// // The series of the start of the cycle.
+    /// let u = cycle.mean_displacement() + harmonics.iter().map(|a| a.re).sum::<f64>();
+    /// assert!((u - cycle.state().displacement).abs() < 1e-4);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn harmonics(&self, n: usize) -> Vec<Complex<f64>> {
+        let omega = self.frequency();
+        let mean = self.mean_displacement();
+        (1..=n)
+            .map(|k| {
+                let k = k as f64;
+                let part = |weight: fn(f64) -> f64| {
+                    let over = |step: &Step| {
+                        // A step of few radians of the harmonic at a time.
+                        let pieces = (k * omega * step.duration).ceil().max(1.0);
+                        let width = step.duration / pieces;
+                        (0..pieces as usize)
+                            .map(|i| {
+                                let from = i as f64 * width;
+                                gauss_legendre(from, from + width, |t| {
+                                    let phase = k * omega * (step.start.time + t);
+                                    (step.state_at(t).displacement - mean) * weight(phase)
+                                })
+                            })
+                            .sum::<f64>()
+                    };
+                    self.steps.iter().map(over).sum::<f64>()
+                };
+                Complex::new(part(f64::cos), -part(f64::sin)) * (2.0 / self.period())
+            })
+            .collect()
+    }
+
+    /// Work done over one period.
+    pub fn energy(&self) -> EnergyBudget {
+        let v_b = self.belt_velocity();
+        // The force on the mass is f = u + 2βv + v', and over a period ∮v = ∮v' = ∮(u + v')v = 0.
+        let drive_work = v_b * self.integral_of_displacement();
+        let damper_loss = 2.0 * self.damping * self.integral_of_squared_velocity();
+        EnergyBudget {
+            drive_work,
+            belt_work: damper_loss,
+            damper_loss,
+            friction_loss: drive_work - damper_loss,
+        }
+    }
+
+    /// ∮u dτ.
+    pub(super) fn integral_of_displacement(&self) -> f64 {
+        let over = |step: &Step| {
+            let h = step.duration;
+            let slipped = step.direction().map_or(0.0, |direction| {
+                // ∫∫s = h² Σ s_k h^k/((k + 1)(k + 2))
+                let twice = PowerSeries::from_fn(|k| step.speed[k] / ((k + 1) * (k + 2)) as f64);
+                direction.sign() * twice.at(h)
+            });
+            (step.state.displacement + (0.5 * step.belt_velocity + slipped) * h) * h
+        };
+        self.steps.iter().map(over).sum()
+    }
+
+    /// ∮v² dτ.
+    pub(super) fn integral_of_squared_velocity(&self) -> f64 {
+        let over = |step: &Step| {
+            let v_b = step.belt_velocity;
+            let Some(direction) = step.direction() else {
+                return v_b * v_b * step.duration;
+            };
+            let velocity = |s: f64| v_b + direction.sign() * s;
+            let four = |(times, weights): ([f64; 4], [f64; 4])| {
+                let speeds = step.speed.at_four(times);
+                std::iter::zip(weights, speeds)
+                    .map(|(weight, s)| weight * velocity(s) * velocity(s))
+                    .sum::<f64>()
+            };
+            gauss_fours(0.0, step.duration)
+                .map(four)
+                .iter()
+                .sum::<f64>()
+        };
+        self.steps.iter().map(over).sum()
+    }
+
+    /// Least and largest displacement: at the ends of steps, or where v changes sign.
+    pub(super) fn displacements(&self) -> [f64; 2] {
+        self.extremes(
+            |state| state.displacement,
+            |step| {
+                let mut velocity = step.speed.scaled(step.sigma());
+                velocity[0] += step.belt_velocity;
+                velocity
+            },
+        )
+    }
+
+    /// Least and largest velocity: at the ends of steps, or where s' changes sign.
+    pub(super) fn velocities(&self) -> [f64; 2] {
+        self.extremes(|state| state.velocity, |step| step.speed.derivative())
+    }
+
+    fn extremes(
+        &self,
+        quantity: impl Fn(State) -> f64,
+        rate: impl Fn(&Step) -> PowerSeries,
+    ) -> [f64; 2] {
+        let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut include = |state: State| {
+            let value = quantity(state);
+            range = [range[0].min(value), range[1].max(value)];
+        };
+        for step in &self.steps {
+            include(step.state());
+            if step.direction().is_some() {
+                let _ = rate(step).sign_changes(step.duration, &mut |t, _| {
+                    include(step.state_at(t));
+                    ControlFlow::Continue(())
+                });
+            }
+        }
+        range
+    }
+}

@@ -1,0 +1,167 @@
+//! The map from one velocity maximum to the next of motions behind the belt: its fixed points are
+//! the pure-slip cycles.
+
+use super::arc::{Arc, Arrival, Tracer};
+use super::averaged;
+use super::continuum::is_continuum;
+use super::growth::relative_growth;
+use crate::belt::Forward;
+use crate::clock::Time;
+use crate::error::Error;
+use crate::friction::FrictionLaw;
+use crate::numerics::with_slopes::{Roots, Sample, outline_between, roots_between};
+
+/// Smallest velocity maximum searched for, in units of v_b: below it rounding hides how a motion
+/// grows over a turn.
+const SMALLEST_PEAK: f64 = 1e-4;
+
+/// A growth, or a change of it over the range, of less than so many times its rounding error is
+/// hidden.
+const HIDDEN: f64 = 100.0;
+
+/// The map V → P(V).
+#[derive(Debug)]
+pub(crate) struct PeakMap<'t, 's, L> {
+    tracer: &'t mut Tracer<'s, L>,
+}
+
+impl<'t, 's, L: FrictionLaw> PeakMap<'t, 's, L> {
+    pub(crate) fn of(tracer: &'t mut Tracer<'s, L>) -> Self {
+        Self { tracer }
+    }
+
+    pub(super) fn system(&self) -> Forward<'s, L> {
+        self.tracer.system()
+    }
+
+    /// P(V)/V − 1 and its slope, where P(V) is the next velocity maximum of a motion in slip whose
+    /// velocity has a maximum V.
+    ///
+    /// P'(V) = (V/P)·exp(−∮(2β + γ² dμ̂/ds) dτ). A motion that meets the belt instead counts as one
+    /// that grows, and one that settles at a node as one that dies.
+    pub(super) fn growth(&mut self, peak: f64) -> Result<Sample, Error> {
+        let v_b = self.system().belt_velocity();
+        let arc = self.tracer.arc_from_peak(peak, Time::Forward)?;
+        let (next, slope) = match arc.arrival {
+            Arrival::Maximum(point) => {
+                let next = v_b - point.speed;
+                (next, peak / next * (-self.tracer.contraction(&arc)).exp())
+            }
+            Arrival::Contact(_) | Arrival::Far | Arrival::Held => (2.0 * v_b, 0.0),
+            Arrival::Equilibrium => (0.0, 0.0),
+        };
+        Ok(relative_growth(self.tracer, peak, next, slope))
+    }
+
+    /// Whether a motion with the velocity maximum V grows over the next turn; `None` if rounding
+    /// hides it.
+    pub(super) fn grows(&mut self, peak: f64) -> Result<Option<bool>, Error> {
+        self.growth(peak).map(Sample::grows)
+    }
+
+    /// The motion that grazes the belt, followed backwards to the velocity maximum before: the
+    /// largest from which a motion returns without meeting the belt. At v_b, if every motion
+    /// returns; `None`, if none does.
+    fn largest(&mut self) -> Result<Option<Sample>, Error> {
+        let v_b = self.system().belt_velocity();
+        let grazing = self.tracer.arc_from_peak(v_b, Time::Backward)?;
+        match grazing.arrival {
+            Arrival::Maximum(point) => {
+                let peak = v_b - point.speed;
+                let slope = peak / v_b * (-self.tracer.contraction(&grazing)).exp();
+                Ok(Some(relative_growth(self.tracer, peak, v_b, slope)))
+            }
+            Arrival::Contact(_) | Arrival::Far | Arrival::Held => self.growth(v_b).map(Some),
+            Arrival::Equilibrium => Ok(None),
+        }
+    }
+
+    /// Between the smallest velocity maximum that is searched and the largest one.
+    fn range(&mut self) -> Result<Option<[Sample; 2]>, Error> {
+        let v_b = self.system().belt_velocity();
+        let smallest = self.growth(SMALLEST_PEAK * v_b)?;
+        if smallest.x * (1.0 + smallest.value) > v_b {
+            // It meets the belt, and so does every motion round it.
+            return Ok(None);
+        }
+        let largest = self.largest()?;
+        Ok(largest
+            .filter(|largest| largest.x > smallest.x)
+            .map(|largest| [smallest, largest]))
+    }
+
+    /// Velocity maxima V of the periodic motions in slip. Ranges in which rounding hides the growth
+    /// are left unresolved only where averaging does not exclude a cycle.
+    pub(super) fn roots(&mut self) -> Result<Roots, Error> {
+        let mut roots = Roots::default();
+        if let Some([smallest, largest]) = self.range()? {
+            roots_between(&mut |peak| self.growth(peak), smallest, largest, &mut roots)?;
+        }
+        self.decide_hidden(roots)
+    }
+
+    /// The same roots without those that rounding makes, and without ranges that hold none: where
+    /// rounding hides the growth, averaging decides if it can.
+    fn decide_hidden(&mut self, found: Roots) -> Result<Roots, Error> {
+        let system = self.system();
+        let v_b = system.belt_velocity();
+        let mut kept = Roots::default();
+        for root in found.roots {
+            let growth = self.growth(root)?;
+            let is_hidden = (growth.slope * root).abs() <= HIDDEN * growth.noise;
+            if !(is_hidden && averaged::grows(&system, root)?.is_some()) {
+                kept.roots.push(root);
+            }
+        }
+        for range in found.unresolved {
+            let [start, end] = [self.growth(range.start)?, self.growth(range.end)?];
+            let is_decided = start.value.abs() <= HIDDEN * start.noise
+                && match averaged::all_grow(&system, &range)? {
+                    None => false,
+                    Some(false) => true,
+                    // What becomes of them is seen where they come out, unless that is at the belt,
+                    // by less than rounding.
+                    Some(true) => v_b - range.end > HIDDEN * end.noise * v_b,
+                };
+            if !is_decided {
+                kept.unresolved.push(range);
+            }
+        }
+        Ok(kept)
+    }
+
+    /// The growth over one turn as a function of the peak velocity, in outline: (peak, growth) at
+    /// the ends of the range and at the turning points between. Empty if every motion in slip meets
+    /// the belt, or none returns, or each is periodic.
+    pub(crate) fn outline(&mut self) -> Result<Vec<(f64, f64)>, Error> {
+        if is_continuum(self)? {
+            return Ok(Vec::new());
+        }
+        let Some([smallest, largest]) = self.range()? else {
+            return Ok(Vec::new());
+        };
+        let outline = outline_between(&mut |peak| self.growth(peak), smallest, largest)?;
+        Ok(outline.iter().map(|turn| (turn.x, turn.value)).collect())
+    }
+
+    /// The periodic motion in slip whose velocity has the maximum V, and its Floquet multiplier.
+    ///
+    /// An unstable one is followed backwards, where it attracts: forwards it would grow away from
+    /// itself, and not close.
+    pub(super) fn cycle(&mut self, peak: f64) -> Result<(Arc, f64), Error> {
+        let arc = self.tracer.arc_from_peak(peak, Time::Forward)?;
+        let multiplier = (-self.tracer.contraction(&arc)).exp();
+        if multiplier > 1.0 {
+            let backward = self.tracer.arc_from_peak(peak, Time::Backward)?;
+            if let Arrival::Maximum(point) = backward.arrival {
+                let multiplier = (-self.tracer.contraction(&backward)).exp();
+                let start = point.state(&self.system());
+                return Ok((backward.reversed(start), multiplier));
+            }
+        }
+        Ok((arc, multiplier))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,156 @@
+//! The motion from the release point: the lagging arc out of it, and the leading one that follows
+//! if it crosses the belt velocity.
+
+use super::arc::{Arc, Arrival, Tracer};
+use super::averaged;
+use super::cycle::{CycleKind, LimitCycle};
+use super::growth::relative_growth;
+use crate::belt::Landing;
+use crate::error::Error;
+use crate::friction::FrictionLaw;
+use crate::state::Direction;
+
+/// Where the motion from the release point leads. Trajectories in the plane can't cross, so one
+/// turn decides: a motion that returns inside of its start can only go on inwards, one that returns
+/// outside only outwards.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum ReleaseFate {
+    /// The velocity has a maximum V below v_b, or none: no contact, on this turn or any later one.
+    Inward { peak: Option<f64> },
+    /// Back in stick, and so back to the release point: after one arc, or after a crossing and a
+    /// leading arc.
+    Stick,
+    /// Two crossings, the second one beyond the release point: no stick on any later turn either.
+    Outward,
+}
+
+/// The arcs from the release point. The second is followed when something asks for it.
+#[derive(Debug)]
+pub(crate) struct Release {
+    lagging: Arc,
+    leading: Option<Arc>,
+}
+
+impl Release {
+    /// Follows the first arc.
+    pub(crate) fn follow<L: FrictionLaw>(tracer: &mut Tracer<'_, L>) -> Result<Self, Error> {
+        let [_, high] = tracer.system().stick_limits();
+        Ok(Self {
+            lagging: tracer.arc_leaving(high, Direction::Lagging)?,
+            leading: None,
+        })
+    }
+
+    /// The leading arc, if the lagging one ends in a crossing.
+    fn leading<L: FrictionLaw>(
+        &mut self,
+        tracer: &mut Tracer<'_, L>,
+    ) -> Result<Option<&Arc>, Error> {
+        if self.leading.is_none()
+            && let Arrival::Contact(contact) = self.lagging.arrival
+            && let Landing::Crossing(side) = tracer.system().landing(contact, Direction::Lagging)
+        {
+            self.leading = Some(tracer.arc_leaving(contact, side)?);
+        }
+        Ok(self.leading.as_ref())
+    }
+
+    pub(crate) fn fate<L: FrictionLaw>(
+        &mut self,
+        tracer: &mut Tracer<'_, L>,
+    ) -> Result<ReleaseFate, Error> {
+        let system = tracer.system();
+        let contact = match self.lagging.arrival {
+            Arrival::Contact(contact) => contact,
+            Arrival::Maximum(point) => {
+                let peak = Some(system.belt_velocity() - point.speed);
+                return Ok(ReleaseFate::Inward { peak });
+            }
+            Arrival::Equilibrium | Arrival::Far | Arrival::Held => {
+                return Ok(ReleaseFate::Inward { peak: None });
+            }
+        };
+        let v_b = system.belt_velocity();
+        let growth = relative_growth(tracer, v_b, v_b * (1.0 + self.overshoot(tracer)), 1.0);
+        if self.lagging.start_rate == 0.0
+            && growth.vanishes()
+            && averaged::grows(&system, v_b)? == Some(false)
+        {
+            // It comes back to the belt by rounding alone.
+            return Ok(ReleaseFate::Inward { peak: Some(v_b) });
+        }
+        match system.landing(contact, Direction::Lagging) {
+            Landing::Stick => return Ok(ReleaseFate::Stick),
+            // Round to the release point without a contact that lasts.
+            Landing::Touch => {
+                return Ok(ReleaseFate::Inward { peak: Some(v_b) });
+            }
+            Landing::Crossing(_) => {}
+        }
+        let sticks = self
+            .leading(tracer)?
+            .is_some_and(|leading| match leading.arrival {
+                Arrival::Contact(contact) => system.slides_at(contact).is_none(),
+                _ => false,
+            });
+        Ok(if sticks {
+            ReleaseFate::Stick
+        } else {
+            ReleaseFate::Outward
+        })
+    }
+
+    /// The periodic motion through the release point, if it comes back to stick.
+    pub(super) fn into_cycle<L: FrictionLaw>(
+        mut self,
+        tracer: &mut Tracer<'_, L>,
+    ) -> Result<Option<LimitCycle>, Error> {
+        if self.fate(tracer)? != ReleaseFate::Stick {
+            return Ok(None);
+        }
+        let kind = match self.leading {
+            None => CycleKind::StickSlip,
+            Some(_) => CycleKind::Overshoot,
+        };
+        let mut arcs = vec![self.lagging];
+        arcs.extend(self.leading);
+        Ok(Some(LimitCycle::join(&tracer.system(), arcs, kind, 0.0)))
+    }
+
+    /// How far the motion would overshoot the belt velocity, in units of v_b: w²/(2v_b²) for a
+    /// contact with the relative velocity's rate w, and V/v_b − 1 where it turns back below.
+    pub(crate) fn overshoot<L: FrictionLaw>(&self, tracer: &Tracer<'_, L>) -> f64 {
+        let v_b = tracer.system().belt_velocity();
+        match self.lagging.arrival {
+            Arrival::Contact(_) => 0.5 * (self.lagging.end_rate / v_b).powi(2),
+            Arrival::Maximum(point) => -point.speed / v_b,
+            Arrival::Equilibrium | Arrival::Far | Arrival::Held => -1.0,
+        }
+    }
+
+    /// Distance of the first contact beyond the lower end of the stick band, in units of v_b +
+    /// γ²μ_s.
+    pub(crate) fn beyond_low<L: FrictionLaw>(&self, tracer: &Tracer<'_, L>) -> Option<f64> {
+        let [low, _] = tracer.system().stick_limits();
+        match self.lagging.arrival {
+            Arrival::Contact(contact) => Some((low - contact) / tracer.scale()),
+            _ => None,
+        }
+    }
+
+    /// Distance of the second contact, after a crossing, beyond the release point, in the same
+    /// units.
+    pub(crate) fn beyond_high<L: FrictionLaw>(
+        &mut self,
+        tracer: &mut Tracer<'_, L>,
+    ) -> Result<Option<f64>, Error> {
+        let [_, high] = tracer.system().stick_limits();
+        Ok(match self.leading(tracer)?.map(|arc| arc.arrival) {
+            Some(Arrival::Contact(contact)) => Some((contact - high) / tracer.scale()),
+            _ => None,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,78 @@
+use std::ops::Range;
+
+use super::continuum::Continuum;
+use super::cycle::LimitCycle;
+
+/// The periodic motions of a system, by ascending amplitude.
+///
+/// ```
+/// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
+///
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.4071)?.with_damping(0.05)?;
+/// let cycles = limit_cycle::find(&system)?;
+/// assert_eq!(cycles.len(), 1);
+/// let cycle = cycles.stable().next().unwrap();
+/// assert!((cycle.max_velocity() - 0.3436099223332305314).abs() < 1e-14);
+/// assert!((cycle.multiplier() - 0.7118018577630064207).abs() < 1e-13);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct CycleSet {
+    pub(super) cycles: Vec<LimitCycle>,
+    pub(super) continuum: Option<Continuum>,
+    pub(super) unresolved: Vec<Range<f64>>,
+}
+
+impl CycleSet {
+    /// The isolated cycles, by ascending amplitude. They lie one inside the other.
+    pub fn iter(&self) -> std::slice::Iter<'_, LimitCycle> {
+        self.cycles.iter()
+    }
+
+    /// The stable ones.
+    pub fn stable(&self) -> impl Iterator<Item = &LimitCycle> {
+        self.iter().filter(|cycle| cycle.is_stable())
+    }
+
+    /// Those of the mirror image.
+    pub(super) fn mirrored(self) -> Self {
+        let cycles = self.cycles.into_iter().map(LimitCycle::mirrored);
+        Self {
+            cycles: cycles.collect(),
+            ..self
+        }
+    }
+
+    /// How many isolated cycles there are.
+    pub fn len(&self) -> usize {
+        self.cycles.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.cycles.is_empty()
+    }
+
+    /// The family of periodic motions round the equilibrium, if every small motion is periodic.
+    pub fn continuum(&self) -> Option<Continuum> {
+        self.continuum
+    }
+
+    /// Peak velocities (largest v in the direction of the belt, dimensionless) between which double
+    /// precision can't resolve whether there are cycles, and which: either the motion from one end
+    /// of a narrow range dies and that from the other end grows, by far (one unstable cycle, or an
+    /// odd number); or over the whole range a turn changes a motion by no more than rounding does,
+    /// and averaging does not tell that each dies, or that each grows and leaves the range.
+    pub fn unresolved(&self) -> &[Range<f64>] {
+        &self.unresolved
+    }
+}
+
+impl<'s> IntoIterator for &'s CycleSet {
+    type Item = &'s LimitCycle;
+    type IntoIter = std::slice::Iter<'s, LimitCycle>;
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}

@@ -1,0 +1,115 @@
+//! All roots of a function that is known from values alone, isolated by Chebyshev interpolation.
+
+use std::collections::VecDeque;
+
+use crate::error::Error;
+
+/// A value and the size of its rounding error.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sample {
+    pub(crate) value: f64,
+    pub(crate) noise: f64,
+}
+
+/// Where a function was looked at while its roots were isolated.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Node {
+    pub(crate) at: f64,
+    pub(crate) sample: Sample,
+}
+
+/// Degree of the interpolants. Laws with one hump are resolved by one or two of them.
+const DEGREE: usize = 32;
+/// Shortest piece of 0 ≤ t ≤ 1: two roots closer than this can be missed as a pair.
+const SHORTEST: f64 = 1.0 / (1u64 << 30) as f64;
+/// Most pieces in one segment. A smooth function needs a few and each near-double root about 60; a
+/// function noisier than it says is not followed for ever.
+const MOST_PIECES: usize = 2000;
+
+/// Points between which f(x(t)), 0 ≤ t ≤ 1, has at most one root: the ends of pieces where f's
+/// Chebyshev interpolant, resolved to round-off, has no root or is monotone by the sizes of its
+/// coefficients. In ascending t; x(t) must be monotone, f∘x analytic.
+pub(crate) fn isolate(
+    mut f: impl FnMut(f64) -> Result<Sample, Error>,
+    x: impl Fn(f64) -> f64,
+) -> Result<Vec<Node>, Error> {
+    let cosines: [f64; 2 * DEGREE] =
+        std::array::from_fn(|j| (std::f64::consts::PI * j as f64 / DEGREE as f64).cos());
+    let mut nodes = Vec::new();
+    let mut pieces = VecDeque::from([(0.0, 1.0)]);
+    let mut made = 1;
+    while let Some((start, end)) = pieces.pop_front() {
+        let (mid, half) = (0.5 * (start + end), 0.5 * (end - start));
+        let mut samples = Vec::with_capacity(DEGREE + 1);
+        for (j, cosine) in cosines[..=DEGREE].iter().enumerate() {
+            // The ends are those of the neighbours, to the bit.
+            let t = match j {
+                0 => end,
+                DEGREE => start,
+                _ => mid + half * cosine,
+            };
+            let at = x(t);
+            samples.push((t, Node { at, sample: f(at)? }));
+        }
+        let settled = has_one_root_at_most(&samples, &cosines);
+        if settled || end - start <= SHORTEST || made + 2 > MOST_PIECES {
+            nodes.extend([samples[DEGREE], samples[0]]);
+        } else {
+            pieces.extend([(start, mid), (mid, end)]);
+            made += 2;
+        }
+    }
+    nodes.sort_by(|(s, _), (t, _)| s.total_cmp(t));
+    Ok(nodes.into_iter().map(|(_, node)| node).collect())
+}
+
+fn has_one_root_at_most(samples: &[(f64, Node)], cosines: &[f64]) -> bool {
+    let value = |j: usize| samples[j].1.sample.value;
+    let noise = samples
+        .iter()
+        .fold(0.0_f64, |noise, (_, node)| noise.max(node.sample.noise));
+    let mut c = [0.0; DEGREE + 1];
+    for (k, c) in c.iter_mut().enumerate() {
+        let inner: f64 = (1..DEGREE)
+            .map(|j| value(j) * cosines[j * k % (2 * DEGREE)])
+            .sum();
+        let ends = 0.5 * (value(0) + value(DEGREE) * cosines[DEGREE * k % (2 * DEGREE)]);
+        let weight = if k % DEGREE == 0 { 1.0 } else { 2.0 };
+        *c = (inner + ends) * weight / DEGREE as f64;
+    }
+    let sum = |c: &[f64]| c.iter().map(|c| c.abs()).sum::<f64>();
+    let resolved = sum(&c[DEGREE - 3..]) <= 4.0 * noise;
+    let has_no_root = c[0].abs() > sum(&c[1..]) + noise;
+    let is_flat = sum(&c) <= noise;
+    if !resolved || has_no_root || is_flat {
+        return resolved;
+    }
+    // Derivative, without the coefficients that are rounding.
+    let degree = (0..=DEGREE).rfind(|&k| c[k].abs() > noise).unwrap_or(0);
+    let mut d = [0.0; DEGREE + 2];
+    for k in (1..=degree).rev() {
+        d[k - 1] = d[k + 1] + 2.0 * k as f64 * c[k];
+    }
+    0.5 * d[0].abs() > sum(&d[1..])
+}
+
+/// Pairs of points between which the sign changes beyond doubt. Values within their own rounding
+/// error have no sign, so that a function that vanishes on a whole interval has no root there.
+pub(crate) fn brackets(nodes: &[Node]) -> Vec<[f64; 2]> {
+    let definite = nodes
+        .iter()
+        .filter(|node| node.sample.value.abs() > node.sample.noise);
+    let mut found = Vec::new();
+    let mut last: Option<&Node> = None;
+    for node in definite {
+        if let Some(last) = last.filter(|last| last.sample.value * node.sample.value.signum() < 0.0)
+        {
+            found.push([last.at, node.at]);
+        }
+        last = Some(node);
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,138 @@
+//! A range looked at over a grid that is refined where something may hide.
+
+use std::ops::Range;
+
+use super::bracket::sign_change_between;
+use crate::error::Error;
+
+/// Intervals that a range is divided into before anything is known.
+const INTERVALS: usize = 64;
+
+/// What is looked for over a range, and how it is seen at one place.
+pub(crate) trait Survey {
+    /// What is known at one place.
+    type Sample;
+
+    /// How often an interval of the grid may be halved.
+    const HALVINGS: u32;
+
+    /// What is to be seen at x.
+    fn sample(&mut self, x: f64) -> Result<Self::Sample, Error>;
+
+    /// Takes what lies between two neighbouring places, each with what is seen there; or asks for
+    /// the interval to be halved, which is possible as often as `halvings` says.
+    fn look(
+        &mut self,
+        left: &(f64, Self::Sample),
+        right: &(f64, Self::Sample),
+        halvings: u32,
+    ) -> Result<Look, Error>;
+}
+
+/// What came of looking at an interval.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Look {
+    Done,
+    Halve,
+}
+
+/// Looks at a range: at [`INTERVALS`] intervals of equal width, and at the halves of those that
+/// ask for it.
+pub(crate) fn scan<S: Survey>(survey: &mut S, range: &Range<f64>) -> Result<(), Error> {
+    let width = (range.end - range.start) / INTERVALS as f64;
+    let mut left = (range.start, survey.sample(range.start)?);
+    for i in 1..=INTERVALS {
+        let x = if i == INTERVALS {
+            range.end
+        } else {
+            range.start + width * i as f64
+        };
+        let right = (x, survey.sample(x)?);
+        look_between(survey, &left, &right, S::HALVINGS)?;
+        left = right;
+    }
+    Ok(())
+}
+
+/// Looks at one interval, and at its halves if it asks for it.
+pub(crate) fn look_between<S: Survey>(
+    survey: &mut S,
+    left: &(f64, S::Sample),
+    right: &(f64, S::Sample),
+    halvings: u32,
+) -> Result<(), Error> {
+    if survey.look(left, right, halvings)? == Look::Halve && halvings > 0 {
+        let x = 0.5 * (left.0 + right.0);
+        let middle = (x, survey.sample(x)?);
+        look_between(survey, left, &middle, halvings - 1)?;
+        look_between(survey, &middle, right, halvings - 1)?;
+    }
+    Ok(())
+}
+
+/// The sign changes of a function of order 1 over a range, ascending, each to the last bit; `None`
+/// where the function is not defined.
+///
+/// An interval of the grid is halved, up to 10 times, while f is defined at one end only, or while
+/// it comes closer to zero than it changes across the interval. Two sign changes are lost only if
+/// f turns back between points of that grid: narrow the range to look closer.
+pub(crate) fn sign_changes(
+    f: &mut dyn FnMut(f64) -> Result<Option<f64>, Error>,
+    range: &Range<f64>,
+) -> Result<Vec<f64>, Error> {
+    let mut changes = SignChanges {
+        f,
+        found: Vec::new(),
+    };
+    scan(&mut changes, range)?;
+    Ok(changes.found)
+}
+
+struct SignChanges<'f> {
+    f: &'f mut dyn FnMut(f64) -> Result<Option<f64>, Error>,
+    found: Vec<f64>,
+}
+
+impl Survey for SignChanges<'_> {
+    type Sample = Option<f64>;
+
+    const HALVINGS: u32 = 10;
+
+    fn sample(&mut self, x: f64) -> Result<Self::Sample, Error> {
+        (self.f)(x)
+    }
+
+    fn look(
+        &mut self,
+        a: &(f64, Option<f64>),
+        b: &(f64, Option<f64>),
+        _: u32,
+    ) -> Result<Look, Error> {
+        let may_hide = match (a.1, b.1) {
+            (None, None) => false,
+            // Zero throughout, as for a motion that returns to the belt tangentially at every belt
+            // velocity.
+            (Some(p), Some(q)) if p.abs().max(q.abs()) <= ROUNDING => false,
+            (Some(p), Some(q)) if (p > 0.0) != (q > 0.0) => {
+                // A jump is one too: the motion may depend on the belt velocity so steeply that it
+                // passes through zero within an ulp.
+                match sign_change_between(self.f, (a.0, p), (b.0, q))? {
+                    Some(change) => {
+                        self.found.push(change.below);
+                        false
+                    }
+                    None => true,
+                }
+            }
+            (Some(p), Some(q)) => p.abs().min(q.abs()) < (p - q).abs(),
+            _ => true,
+        };
+        Ok(if may_hide { Look::Halve } else { Look::Done })
+    }
+}
+
+/// Size of the rounding error of a function of order 1.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,339 @@
+//! All roots, in an interval, of a function whose value and slope are known at every point, and
+//! its outline: where it turns.
+
+use std::ops::Range;
+
+use super::bracket::Bracket;
+use crate::error::Error;
+
+/// A value of the function with its slope.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Sample {
+    pub(crate) x: f64,
+    pub(crate) value: f64,
+    pub(crate) slope: f64,
+    /// Size of its rounding error.
+    pub(crate) noise: f64,
+    /// Work done so far, in Taylor steps.
+    pub(crate) work: usize,
+}
+
+impl Sample {
+    /// Zero to rounding.
+    pub(crate) fn vanishes(&self) -> bool {
+        self.value.abs() <= self.noise
+    }
+
+    /// Whether it is positive; `None` if it is zero to rounding.
+    pub(crate) fn grows(self) -> Option<bool> {
+        (!self.vanishes()).then_some(self.value > 0.0)
+    }
+}
+
+/// What a search has found.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Roots {
+    /// Roots in ascending order.
+    pub(crate) roots: Vec<f64>,
+    /// Neighbouring floating-point numbers, or nearly so, between which the function jumps over
+    /// zero; and ranges where it is zero to rounding.
+    pub(crate) unresolved: Vec<Range<f64>>,
+}
+
+/// Width, relative to the interval searched, below which an interval is not divided further.
+const NARROWEST: f64 = 1e-9;
+
+/// Taylor steps after which what is left goes unresolved. Some hundreds are the rule; a law with
+/// thousands of waves below the speed of the motion needs a limit.
+const MOST_WORK: usize = 200_000;
+
+/// The cubic through both ends must predict the value in the middle this well, relative to the
+/// values around.
+const CUBIC_FITS: f64 = 0.02;
+
+/// Finds the roots between two samples, and adds them to those found in intervals before.
+///
+/// An interval is divided until the cubic through the values and slopes at its ends predicts value
+/// and slope in the middle. Then the cubics of the two halves decide: a half holds a root if the
+/// signs at its ends differ, and may hold two if its cubic comes closer to zero than the prediction
+/// was wrong; such a half is divided further. A pair of roots is lost only if the function turns
+/// within an interval in which its cubic fits, or if the pair is closer than [`NARROWEST`].
+pub(crate) fn roots_between(
+    f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
+    a: Sample,
+    b: Sample,
+    found: &mut Roots,
+) -> Result<(), Error> {
+    let narrowest = NARROWEST * (b.x - a.x);
+    divide(f, a, b, narrowest, found)
+}
+
+/// A point at which a function turns, or an end of its range.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Turn {
+    pub(crate) x: f64,
+    pub(crate) value: f64,
+    /// Size of its rounding error.
+    pub(crate) noise: f64,
+}
+
+/// Halvings after which turning points are taken from what is known.
+const DEEPEST: usize = 9;
+
+/// The outline of a function between two samples: both ends and, in ascending order between them,
+/// the points at which the slope changes sign. Maxima and minima take turns, each higher than its
+/// neighbours, or lower, by more than rounding.
+///
+/// Divided until the cubics fit and turn no more often than their ends tell, and then refined on
+/// the slope.
+pub(crate) fn outline_between(
+    f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
+    a: Sample,
+    b: Sample,
+) -> Result<Vec<Turn>, Error> {
+    let mut samples = vec![a];
+    let mut intervals = vec![(b, 0)];
+    while let Some((right, depth)) = intervals.pop() {
+        let left = samples[samples.len() - 1];
+        let middle = f(0.5 * (left.x + right.x))?;
+        let settled = || {
+            fits(left, middle, right).0 && !turns_twice(left, middle) && !turns_twice(middle, right)
+        };
+        if depth >= 2 && (depth >= DEEPEST || settled()) {
+            samples.extend([middle, right]);
+        } else {
+            intervals.extend([(right, depth + 1), (middle, depth + 1)]);
+        }
+    }
+    let mut outline = vec![Turn::from(a)];
+    for pair in samples.windows(2) {
+        if (pair[0].slope > 0.0) != (pair[1].slope > 0.0) {
+            outline.push(turn(f, pair[0], pair[1])?.into());
+        }
+    }
+    outline.push(b.into());
+    smooth(&mut outline);
+    Ok(outline)
+}
+
+/// The point between two samples at which the slope passes through zero: as closely as the value,
+/// which is stationary there, needs it.
+fn turn(
+    f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
+    a: Sample,
+    b: Sample,
+) -> Result<Sample, Error> {
+    let mut bracket = Bracket::new((a.x, a.slope), (b.x, b.slope));
+    let mut ends = [a, b];
+    loop {
+        let flatter = usize::from(ends[0].slope.abs() >= ends[1].slope.abs());
+        let best = ends[flatter];
+        if best.slope.abs() * bracket.width() <= 0.01 * best.noise {
+            return Ok(best);
+        }
+        let Some(x) = bracket.next_place() else {
+            return Ok(best);
+        };
+        let sample = f(x)?;
+        bracket.narrow(x, sample.slope);
+        let upper = (sample.slope > 0.0) != (ends[0].slope > 0.0);
+        ends[usize::from(upper)] = sample;
+    }
+}
+
+/// Takes out of an outline the turns that rounding makes.
+fn smooth(outline: &mut Vec<Turn>) {
+    let hidden =
+        |pair: &[Turn]| (pair[0].value - pair[1].value).abs() <= pair[0].noise.max(pair[1].noise);
+    while outline.len() > 2
+        && let Some(i) = outline.windows(2).position(hidden)
+    {
+        // Both, but for the ends.
+        let last = outline.len() - 1;
+        outline.drain(i.max(1)..(i + 2).min(last));
+    }
+}
+
+/// Whether the cubic through both ends, whose slopes have one sign, turns in between, there and
+/// back.
+fn turns_twice(a: Sample, b: Sample) -> bool {
+    let width = b.x - a.x;
+    let (dp, dq) = (a.slope * width, b.slope * width);
+    // c'(t) = dp + 2 c2 t + 3 c3 t² on [0, 1], farthest down or up at t = −c2/(3 c3).
+    let (c2, c3) = (
+        3.0 * (b.value - a.value) - 2.0 * dp - dq,
+        dp + dq - 2.0 * (b.value - a.value),
+    );
+    let t = -c2 / (3.0 * c3);
+    let extreme = dp + c2 * t;
+    dp * dq > 0.0
+        && 0.0 < t
+        && t < 1.0
+        && extreme * dp < 0.0
+        && extreme.abs() > a.noise.max(b.noise)
+}
+
+/// Whether the cubic through the values and slopes at both ends predicts those in the middle, and
+/// by how much the value is missed.
+fn fits(a: Sample, m: Sample, b: Sample) -> (bool, f64) {
+    let width = b.x - a.x;
+    let value = 0.5 * (a.value + b.value) + width * (a.slope - b.slope) / 8.0;
+    let slope = 1.5 * (b.value - a.value) / width - 0.25 * (a.slope + b.slope);
+    let error = (m.value - value).abs() + 0.125 * width * (m.slope - slope).abs();
+    let variation = (a.value - m.value).abs() + (m.value - b.value).abs();
+    let fits = error <= CUBIC_FITS * (variation + m.value.abs()) + m.noise;
+    (fits, error)
+}
+
+fn divide(
+    f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
+    a: Sample,
+    b: Sample,
+    narrowest: f64,
+    found: &mut Roots,
+) -> Result<(), Error> {
+    let m = f(0.5 * (a.x + b.x))?;
+    let (fits, error) = fits(a, m, b);
+    let noise = a.noise.max(m.noise).max(b.noise);
+    // Then no division tells more of a root that rounding hides.
+    let at_rounding = error <= noise;
+    for (left, right) in [(a, m), (m, b)] {
+        let changes = (left.value > 0.0) != (right.value > 0.0);
+        if left.vanishes() && right.vanishes() {
+            found.leave(left.x..right.x);
+        } else if right.x - left.x <= narrowest {
+            if changes {
+                found.refine(f, left, right)?;
+            } else if left.vanishes() || right.vanishes() {
+                found.leave(left.x..right.x);
+            }
+        } else if fits && changes && one_way(left, right) {
+            found.refine(f, left, right)?;
+        } else if at_rounding && hidden(left, right, noise) {
+            found.leave(left.x..right.x);
+        } else if !fits || changes || lowest(left, right) <= error.max(noise) {
+            if m.work < MOST_WORK {
+                divide(f, left, right, narrowest, found)?;
+            } else {
+                found.leave(left.x..right.x);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Both slopes agree with the sign of the change, neither is so steep that the cubic turns in
+/// between, and none is mere rounding.
+fn one_way(a: Sample, b: Sample) -> bool {
+    let secant = (b.value - a.value) / (b.x - a.x);
+    [a, b].iter().all(|end| {
+        let relative = end.slope / secant;
+        let flat = end.vanishes() && (end.slope * end.x).abs() <= 10.0 * end.noise;
+        relative > 0.0 && relative < 3.0 && !flat
+    })
+}
+
+/// Whether the function is zero to rounding at an end, with a root next to it, or where its cubic
+/// comes closest to zero.
+fn hidden(a: Sample, b: Sample, noise: f64) -> bool {
+    if (a.value > 0.0) != (b.value > 0.0) {
+        a.vanishes() || b.vanishes()
+    } else {
+        lowest(a, b).abs() <= noise
+    }
+}
+
+/// The least value, between both ends, of the cubic through them, which have one sign, counted as
+/// positive; infinite where it has no extremum.
+fn lowest(a: Sample, b: Sample) -> f64 {
+    let width = b.x - a.x;
+    let sign = if a.value > 0.0 { 1.0 } else { -1.0 };
+    let (p, q) = (sign * a.value, sign * b.value);
+    let (dp, dq) = (sign * a.slope * width, sign * b.slope * width);
+    // c(t) = p + dp t + c2 t² + c3 t³ on [0, 1]; an extremum inside is a root of dp + 2 c2 t + 3 c3
+    // t².
+    let (c2, c3) = (3.0 * (q - p) - 2.0 * dp - dq, dp + dq - 2.0 * (q - p));
+    let discriminant = c2 * c2 - 3.0 * c3 * dp;
+    if discriminant < 0.0 {
+        return f64::INFINITY;
+    }
+    let larger = -(c2 + discriminant.sqrt().copysign(c2));
+    [larger / (3.0 * c3), dp / larger]
+        .into_iter()
+        .filter(|t| (0.0..=1.0).contains(t))
+        .map(|t| p + t * (dp + t * (c2 + t * c3)))
+        .fold(f64::INFINITY, f64::min)
+}
+
+impl From<Sample> for Turn {
+    fn from(sample: Sample) -> Self {
+        Self {
+            x: sample.x,
+            value: sample.value,
+            noise: sample.noise,
+        }
+    }
+}
+
+impl Roots {
+    /// Leaves a range unresolved, as one with that before it if they meet.
+    fn leave(&mut self, range: Range<f64>) {
+        match self.unresolved.last_mut() {
+            Some(last) if last.end == range.start => last.end = range.end,
+            _ => self.unresolved.push(range),
+        }
+    }
+
+    /// The root between samples of different sign: Newton's method kept inside the bracket.
+    fn refine(
+        &mut self,
+        f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
+        mut a: Sample,
+        mut b: Sample,
+    ) -> Result<(), Error> {
+        let mut now = if a.value.abs() < b.value.abs() { a } else { b };
+        let mut closest = now;
+        let mut last = f64::INFINITY;
+        loop {
+            let correction = (now.value / now.slope).abs();
+            // Quadratic convergence ends where rounding takes over and corrections no longer
+            // shrink.
+            let settled = now.vanishes() && correction >= 0.25 * last;
+            if settled || correction <= 0.5 * f64::EPSILON * now.x {
+                break;
+            }
+            let newton = now.x - now.value / now.slope;
+            let x = if a.x < newton && newton < b.x && correction < 0.5 * last {
+                last = correction;
+                newton
+            } else {
+                last = f64::INFINITY;
+                0.5 * (a.x + b.x)
+            };
+            if x <= a.x || x >= b.x {
+                break;
+            }
+            now = f(x)?;
+            if (now.value > 0.0) == (a.value > 0.0) {
+                a = now;
+            } else {
+                b = now;
+            }
+            if now.value.abs() < closest.value.abs() {
+                closest = now;
+            }
+        }
+        if closest.value.abs() <= JUMP {
+            self.roots.push(closest.x);
+        } else {
+            self.unresolved.push(a.x..b.x);
+        }
+        Ok(())
+    }
+}
+
+/// A function that is still larger when its bracket has shrunk to nothing jumps over zero.
+const JUMP: f64 = 1e-7;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,66 @@
+//! What the feature `serde` writes and reads, with JSON as the example.
+//!
+//! What a user makes is **written and read**: laws, systems, scalings, states; and events, which
+//! are plain facts. It is read through the constructors, so that what they refuse is refused here
+//! too, with the same message; so is a field that is not known. What follows from a system is
+//! **written only**, for other programs: equilibria, cycles, sets of cycles, attractors, points of
+//! a diagram. Read the system, and make them again.
+//!
+//! A struct is a map with its fields by name, all in `snake_case`; an enum is its variant in
+//! `snake_case`, alone or as the only key of a map. Numbers are dimensionless, but for those of
+//! [`Physical`](crate::Physical). Fields in brackets may be left out when read.
+//!
+//! | type | fields | read |
+//! |---|---|---|
+//! | [`Coulomb`](crate::Coulomb) | `static_coefficient`, `kinetic_coefficient` | yes |
+//! | [`Exponential`](crate::Exponential) | `static_coefficient`, `kinetic_coefficient`, `stribeck_velocity` | yes |
+//! | [`Polynomial`](crate::Polynomial) | `static_coefficient`, `minimum_coefficient`, `minimum_velocity` | yes |
+//! | [`Stribeck`](crate::Stribeck) | `static_coefficient`, `coulomb_coefficient`, `stribeck_velocity`, `exponent`, [`viscous_coefficient` = 0] | yes |
+//! | [`Rational`](crate::Rational) | `static_coefficient`, `decay`, [`offset` = 0], [`quadratic` = 0] | yes |
+//! | [`Tabulated`](crate::Tabulated) | `points`: a list of [speed, coefficient]; [`static_coefficient`: that of the first point] | yes |
+//! | [`AnyLaw`](crate::AnyLaw) | `coulomb`, `exponential`, `polynomial`, `stribeck`, `rational` or `tabulated`, with that law | yes |
+//! | [`Scaled`](crate::Scaled) | `law`, `velocity_unit` (m/s) | yes |
+//! | [`Physical`](crate::Physical) | `mass`, `stiffness`, `damping`, `normal_force`, `belt_velocity`, in SI units | yes |
+//! | [`Scaling`](crate::Scaling) | `physical`, [`length` = N/K] | yes |
+//! | [`MassOnBelt`](crate::MassOnBelt) | `law`, `belt_velocity`, [`damping` = 0], [`load` = 1] | yes |
+//! | [`State`](crate::State) | `displacement`, `velocity` | yes |
+//! | [`structure::State`](crate::structure::State) | `displacements`, `velocities`, [`memory`: empty] | yes |
+//! | [`Event`](crate::Event) | `time`, `contact`, `kind`, `state` | yes |
+//! | [`EventKind`](crate::EventKind) | `stick`, or `release` or `crossing` with the direction | yes |
+//! | [`Mode`](crate::Mode) | `stick`, or `slip` with the direction | yes |
+//! | [`Direction`](crate::Direction) | `lagging`, `leading` | yes |
+//! | [`CycleKind`](crate::CycleKind) | `pure_slip`, `stick_slip`, `overshoot`, `crossing` | yes |
+//! | [`Stability`](crate::Stability) | `stable_focus`, `stable_node`, `center`, `unstable_focus`, `unstable_node` | yes |
+//! | [`Criticality`](crate::bifurcation::Criticality) | `supercritical`, `subcritical`, `degenerate` | yes |
+//! | [`Equilibrium`](crate::Equilibrium) | `displacement`, `effective_damping` (h1), `stability` | no |
+//! | [`LimitCycle`](crate::LimitCycle) | `kind`, `belt_velocity`, `damping`, `multiplier`, `period`, `stick_duration`, `amplitude`, `mean_displacement`, `max_velocity`, `min_velocity`, `energy`, `state` (its start), `events` | no |
+//! | [`EnergyBudget`](crate::EnergyBudget) | `drive_work`, `belt_work`, `damper_loss`, `friction_loss` | no |
+//! | [`CycleSet`](crate::CycleSet) | `cycles`, `continuum`, `unresolved`: a list of `start`, `end` | no |
+//! | [`Continuum`](crate::limit_cycle::Continuum) | `max_amplitude`; nothing for ∞ | no |
+//! | [`Attractor`](crate::limit_cycle::Attractor) | `rest`, `equilibrium`, `continuum`, `unbounded`, `unresolved`, or `cycle` or `separatrix` with the cycle | no |
+//! | [`DiagramPoint`](crate::bifurcation::DiagramPoint) | `belt_velocity`, `equilibrium`, `cycles` | no |
+//!
+//! A motion is neither: write its system, its start and its duration, and simulate it again.
+//!
+//! ```
+//! use stick_slip::{AnyLaw, Event, MassOnBelt, State};
+//!
+//! let system: MassOnBelt<AnyLaw> = serde_json::from_str(
+//!     r#"{
+//!         "law": {"stribeck": {
+//!             "static_coefficient": 0.4, "coulomb_coefficient": 0.25,
+//!             "stribeck_velocity": 0.1, "exponent": 1
+//!         }},
+//!         "belt_velocity": 0.2
+//!     }"#,
+//! )?;
+//! let motion = system.simulate(State::new(0.0, 0.0), 10.0)?;
+//! let text = serde_json::to_value(motion.events())?;
+//! assert_eq!(text[1]["kind"], serde_json::json!({"release": "lagging"}));
+//! let events: Vec<Event> = serde_json::from_value(text)?;
+//! assert_eq!(events, motion.events());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! The feature `float_roundtrip` of `serde_json` gives every number back to the bit. JSON has no ∞
+//! and no NaN, and no number that is written here is either, but the one named above.

@@ -1,0 +1,10 @@
+//! Analytic formulas, against the exact motions.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod averaging;
+mod formulas;
+mod misprints;
+mod orders;
+mod properties;

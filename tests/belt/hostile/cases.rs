@@ -1,0 +1,275 @@
+//! Systems and starts that look for trouble: every law, parameters over many decades, starts on and
+//! an ulp beside every boundary.
+
+use proptest::prelude::*;
+use proptest::sample::select;
+use proptest::test_runner::{Config, FileFailurePersistence, RngSeed, TestRunner};
+use stick_slip::{
+    AnyLaw, Coulomb, Error, Exponential, FrictionLaw, Integrator, MassOnBelt, Mode, Polynomial,
+    Rational, Scalar, State, Step, Stribeck, Tabulated,
+};
+
+use crate::common::any::{Any, Wave};
+use crate::common::{Decay, Leine, Table};
+
+/// A motion to be followed.
+#[derive(Debug, Clone)]
+pub(crate) struct Case {
+    pub(crate) system: MassOnBelt<Any>,
+    pub(crate) start: State,
+    pub(crate) duration: f64,
+}
+
+/// Steps after which a motion is given up: stiff systems need any number.
+pub(crate) const MOST_STEPS: usize = 3000;
+
+impl Case {
+    /// The steps up to the end, and the error that came instead of the end.
+    pub(crate) fn run(&self) -> (Vec<Step>, Option<Error>) {
+        let mut steps = Vec::new();
+        let integrator = Integrator::new().with_max_steps(MOST_STEPS).unwrap();
+        let flow = match integrator.flow(&self.system, self.start) {
+            Ok(flow) => flow,
+            Err(error) => return (steps, Some(error)),
+        };
+        for step in flow {
+            match step {
+                Ok(step) => steps.push(step),
+                Err(error) => return (steps, Some(error)),
+            }
+            if steps.last().is_some_and(|s| s.end_time() > self.duration) {
+                break;
+            }
+        }
+        (steps, None)
+    }
+
+    /// (u, v, v_b) → (−u, −v, −v_b).
+    pub(crate) fn mirrored(&self) -> Self {
+        let Self {
+            system,
+            start,
+            duration,
+        } = self.clone();
+        let v_b = -system.belt_velocity();
+        Self {
+            system: system.with_belt_velocity(v_b).unwrap(),
+            start: State::new(-start.displacement, -start.velocity),
+            duration,
+        }
+    }
+
+    /// max(|u − ū|, |v|, |v_b|), by which tolerances are measured.
+    pub(crate) fn scale(&self, state: State) -> f64 {
+        let v_b = self.system.belt_velocity();
+        let centre = self.system.load() * self.system.law().coefficient(v_b);
+        (state.displacement - centre)
+            .abs()
+            .max(state.velocity.abs())
+            .max(v_b.abs())
+    }
+}
+
+/// The power series of the sliding speed over a step: all its digits are in the step's `Debug`
+/// form.
+pub(crate) fn series(step: &Step) -> Vec<f64> {
+    let text = format!("{step:?}");
+    let (_, after) = text.split_once("speed: [").unwrap();
+    let (list, _) = after.split_once(']').unwrap();
+    list.split(", ").map(|c| c.parse().unwrap()).collect()
+}
+
+/// Σ |c_k| h^k: the size of a series over a step, by which its rounding errors are measured.
+pub(crate) fn magnitude(series: &[f64], h: f64) -> f64 {
+    series.iter().rev().fold(0.0, |sum, c| sum * h + c.abs())
+}
+
+/// Σ c_k t^k.
+pub(crate) fn value(series: &[f64], t: f64) -> f64 {
+    series.iter().rev().fold(0.0, |sum, c| sum * t + c)
+}
+
+/// The σ of a slip step.
+pub(crate) fn sigma(step: &Step) -> Option<f64> {
+    match step.mode() {
+        Mode::Stick | Mode::Open => None,
+        Mode::Slip(direction) => Some(direction.sign()),
+    }
+}
+
+/// A law with its speeds in another unit: μ̂(s/unit).
+#[derive(Debug, Clone)]
+pub(crate) struct Stretched<L> {
+    pub(crate) law: L,
+    pub(crate) unit: f64,
+}
+
+impl<L: FrictionLaw> FrictionLaw for Stretched<L> {
+    fn static_coefficient(&self) -> f64 {
+        self.law.static_coefficient()
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        self.law.kinetic(speed / self.unit)
+    }
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        self.law.breakpoints().map(|speed| speed * self.unit)
+    }
+    fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
+        self.law.kinetic_on(piece, speed / self.unit)
+    }
+}
+
+/// Uniform in the logarithm.
+fn decades(low: f64, high: f64) -> impl Strategy<Value = f64> + Clone {
+    (low.log10()..high.log10()).prop_map(|x: f64| 10.0_f64.powf(x))
+}
+
+/// Between 0 and 1, the ends often.
+fn part() -> impl Strategy<Value = f64> + Clone {
+    prop_oneof![1 => Just(0.0), 1 => Just(1.0), 6 => 0.0..1.0]
+}
+
+fn law() -> impl Strategy<Value = Any> {
+    let sizes = (decades(1e-2, 10.0), part(), decades(1e-4, 1e2), part());
+    (0..11_usize, sizes).prop_map(|(kind, (top, least, width, part))| {
+        let least = least * top;
+        let rise = part * (top - least);
+        let law: AnyLaw = match kind {
+            0 => Polynomial::new(top, least, width).unwrap().into(),
+            1 => Exponential::new(top, least, width).unwrap().into(),
+            2 => Coulomb::new(top, least).unwrap().into(),
+            3 => Rational::new(top, 1.0 / width)
+                .and_then(|law| law.with_offset(least))
+                .and_then(|law| law.with_quadratic(0.01 * rise / (width * width)))
+                .unwrap()
+                .into(),
+            4 | 5 => Stribeck::new(top, least, width, 1 + (part * 4.0) as u32)
+                .and_then(|law| law.with_viscous_coefficient(0.05 * rise / width))
+                .unwrap()
+                .into(),
+            6 => {
+                let middle = (0.4 * width, least + part * (top - least));
+                let end = (3.0 * width, least + 0.5 * rise);
+                Tabulated::new([(0.0, top), middle, (width, least), end])
+                    .and_then(|law| law.with_static_coefficient((1.0 + part) * top))
+                    .unwrap()
+                    .into()
+            }
+            7 => {
+                return Any::Leine(Leine {
+                    static_coefficient: top,
+                    decay: 1.0 / width,
+                });
+            }
+            8 => {
+                return Any::Decay(Decay {
+                    static_coefficient: top,
+                    kinetic_coefficient: least,
+                    velocity: width,
+                });
+            }
+            9 => {
+                return Any::Table(Table {
+                    static_coefficient: (1.0 + part) * top,
+                    points: vec![
+                        (0.0, top),
+                        (width, least),
+                        (2.0 * width, least + rise),
+                        (3.0 * width, least + 1.1 * rise),
+                    ],
+                });
+            }
+            _ => {
+                return Any::Wave(Wave {
+                    static_coefficient: top,
+                    fall: top - least,
+                    height: 0.1 * part * top,
+                    number: 1.0 / width,
+                });
+            }
+        };
+        Any::Crate(law)
+    })
+}
+
+fn system() -> impl Strategy<Value = MassOnBelt<Any>> {
+    let belt_velocity = prop_oneof![
+        1 => Just(0.0),
+        9 => (decades(1e-9, 1e3), select(vec![1.0, -1.0])).prop_map(|(v_b, sign)| sign * v_b),
+    ];
+    let damping = prop_oneof![1 => Just(0.0), 6 => decades(1e-6, 10.0)];
+    (law(), belt_velocity, damping, decades(1e-6, 1e4)).prop_map(|(law, v_b, damping, load)| {
+        MassOnBelt::new(law, v_b)
+            .and_then(|system| system.with_damping(damping))
+            .and_then(|system| system.with_load(load))
+            .unwrap()
+    })
+}
+
+/// So many ulps beside x.
+fn beside(x: f64, ulps: i32) -> f64 {
+    (0..ulps.abs()).fold(x, |x, _| if ulps > 0 { x.next_up() } else { x.next_down() })
+}
+
+/// Where a start lies: see [`start`].
+type Place = (usize, [f64; 2], f64, [i32; 2]);
+
+fn start(system: &MassOnBelt<Any>, (kind, [x, y], far, ulps): Place) -> State {
+    let v_b = system.belt_velocity();
+    let [low, high] = system.stick_limits();
+    let size = v_b.abs() + system.load() * system.law().static_coefficient();
+    let centre = system.load() * system.law().coefficient(v_b);
+    let near = |u: f64, v: f64| State::new(beside(u, ulps[0]), beside(v, ulps[1]));
+    let breakpoint = system.law().breakpoints().next().unwrap_or(v_b);
+    match kind {
+        // On the ends of the stick band, the release point among them.
+        0 => near(low, v_b),
+        1 => near(high, v_b),
+        // As fast as the belt.
+        2 => near(x * size, v_b),
+        // On the equilibrium, and near it.
+        3 => near(centre, 0.0),
+        4 => State::new(centre + 1e-3 * x * v_b, 1e-3 * y * v_b),
+        // Far outside.
+        5 => State::new(far * x * size, far * y * size),
+        // On a breakpoint of the law, above or below the belt.
+        6 => near(x * size, v_b + y.signum() * breakpoint),
+        _ => State::new(x * size, y * size),
+    }
+}
+
+/// Every system, every start.
+pub(crate) fn case() -> impl Strategy<Value = Case> {
+    let place = (
+        0..10_usize,
+        [-1.0..1.0, -1.0..1.0],
+        decades(1.0, 1e3),
+        [-2..3, -2..3],
+    );
+    (system(), place, decades(1e-2, 30.0)).prop_map(|(system, place, duration)| Case {
+        start: start(&system, place),
+        system,
+        duration,
+    })
+}
+
+/// Runs a property on so many cases: the same ones in every run, others with `PROPTEST_RNG_SEED`,
+/// more with `PROPTEST_CASES`.
+pub(crate) fn check(cases: u32, property: impl Fn(Case) -> Result<(), TestCaseError>) {
+    let mut config = Config {
+        failure_persistence: Some(Box::new(FileFailurePersistence::Direct(
+            "proptest-regressions/hostile.txt",
+        ))),
+        max_shrink_iters: 2000,
+        ..Config::default()
+    };
+    if std::env::var_os("PROPTEST_CASES").is_none() {
+        config.cases = cases;
+    }
+    if config.rng_seed == RngSeed::Random {
+        config.rng_seed = RngSeed::Fixed(1);
+    }
+    if let Err(error) = TestRunner::new(config).run(&case(), property) {
+        panic!("{error}");
+    }
+}

@@ -1,0 +1,626 @@
+//! What every friction law must satisfy, and what each of the crate's laws says of itself.
+
+use stick_slip::{
+    AnyLaw, Coulomb, Error, EventKind, Exponential, FrictionLaw, MassOnBelt, Mode, Physical,
+    Polynomial, Rational, Scalar, Scaling, State, Step, Stribeck, Tabulated,
+};
+
+/// 1/(1 + δ s) written as a quotient, with a static coefficient above μ̂(0).
+struct Quotient;
+
+impl FrictionLaw for Quotient {
+    fn static_coefficient(&self) -> f64 {
+        0.5
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        (speed + 0.4) / (speed.square() * 2.0 + speed * 0.5 + 1.0)
+    }
+}
+
+/// exp(−s/v).
+struct Decay {
+    velocity: f64,
+}
+
+impl FrictionLaw for Decay {
+    fn static_coefficient(&self) -> f64 {
+        0.4
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        (speed / -self.velocity).exp() * 0.15 + 0.25
+    }
+}
+
+/// A table joined by straight lines: kinks at 0.15 and 0.4.
+struct Kinked;
+
+impl FrictionLaw for Kinked {
+    fn static_coefficient(&self) -> f64 {
+        0.4
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        let piece = self.breakpoints().filter(|&b| b <= speed.value()).count();
+        self.kinetic_on(piece, speed)
+    }
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        [0.15, 0.4].into_iter()
+    }
+    fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
+        match piece {
+            0 => speed * -0.6 + 0.4,
+            1 => (speed - 0.15) * -0.2 + 0.31,
+            _ => (speed - 0.4) * 0.1 + 0.26,
+        }
+    }
+}
+
+/// Stiff enough a table to be unlike the laws it could be taken from, with a rise at its end.
+fn measured() -> [(f64, f64); 6] {
+    [
+        (0.0, 0.4),
+        (0.05, 0.36),
+        (0.15, 0.31),
+        (0.3, 0.27),
+        (0.6, 0.25),
+        (1.0, 0.26),
+    ]
+}
+
+fn brake() -> Scaling {
+    Scaling::new(Physical {
+        mass: 2.0,
+        stiffness: 5000.0,
+        damping: 4.0,
+        normal_force: 20.0,
+        belt_velocity: 0.05,
+    })
+    .unwrap()
+}
+
+#[test]
+fn every_law_conforms() {
+    let polynomial = Polynomial::new(0.4, 0.25, 0.5).unwrap();
+    let tustin = Stribeck::new(0.4, 0.25, 0.5, 1).unwrap();
+    let leine = Rational::new(0.4, 1.0).unwrap();
+    let popp_stelter = leine
+        .with_offset(0.2)
+        .unwrap()
+        .with_quadratic(0.02)
+        .unwrap();
+    let table = Tabulated::new(measured()).unwrap();
+    let raised = table.clone().with_static_coefficient(0.45).unwrap();
+
+    conforms("polynomial", &polynomial, 0.5);
+    conforms(
+        "exponential",
+        &Exponential::new(0.4, 0.25, 0.5).unwrap(),
+        0.5,
+    );
+    conforms("Coulomb", &Coulomb::new(0.4, 0.25).unwrap(), 0.5);
+    for exponent in [1, 2, 3, 8] {
+        let law = Stribeck::new(0.4, 0.25, 0.5, exponent).unwrap();
+        let scale = 0.5 / f64::from(exponent);
+        conforms(&format!("Stribeck {exponent}"), &law, scale);
+        let law = law.with_viscous_coefficient(0.05).unwrap();
+        conforms(&format!("Stribeck {exponent}, viscous"), &law, scale);
+    }
+    conforms("Leine", &leine, 0.5);
+    conforms("Popp and Stelter", &popp_stelter, 0.5);
+    conforms("table", &table, 0.1);
+    conforms("table, μ_s raised", &raised, 0.1);
+
+    let all: [AnyLaw; 6] = [
+        polynomial.into(),
+        Exponential::new(0.4, 0.25, 0.5).unwrap().into(),
+        Coulomb::new(0.4, 0.25).unwrap().into(),
+        tustin.into(),
+        popp_stelter.into(),
+        table.clone().into(),
+    ];
+    for law in &all {
+        conforms(&format!("{law:?}"), law, 0.1);
+    }
+
+    conforms("reference", &&polynomial, 0.5);
+    conforms("reference to a table", &&table, 0.1);
+    conforms("reference to any", &&AnyLaw::from(table.clone()), 0.1);
+
+    // Laws in m/s, where 1 is 0.2 m/s.
+    let in_metres = Polynomial::new(0.4, 0.25, 0.1).unwrap();
+    conforms("scaled polynomial", &brake().law(in_metres), 0.5);
+    let slower = measured().map(|(speed, mu)| (0.2 * speed, mu));
+    conforms(
+        "scaled table",
+        &brake().law(Tabulated::new(slower).unwrap()),
+        0.1,
+    );
+    conforms(
+        "scaled any",
+        &brake().law(AnyLaw::from(Tabulated::new(slower).unwrap())),
+        0.1,
+    );
+    conforms("scaled reference", &brake().law(&in_metres), 0.5);
+
+    conforms("own quotient", &Quotient, 0.3);
+    conforms("own decay", &Decay { velocity: 0.3 }, 0.3);
+    conforms("own kinked", &Kinked, 0.1);
+}
+
+/// All that a law must satisfy, at speeds up to a few times `scale`, the speed over which it
+/// changes.
+fn conforms<L: FrictionLaw>(name: &str, law: &L, scale: f64) {
+    let mu_s = law.static_coefficient();
+    assert!(mu_s.is_finite() && mu_s >= 0.0, "{name}");
+    assert!(
+        law.kinetic(0.0) <= mu_s * (1.0 + 4.0 * f64::EPSILON),
+        "{name}"
+    );
+    is_odd(name, law);
+
+    let breakpoints: Vec<f64> = law.breakpoints().collect();
+    assert!(breakpoints.is_sorted_by(|a, b| a < b), "{name}");
+    assert!(breakpoints.iter().all(|&b| b > 0.0), "{name}");
+    for (piece, &b) in breakpoints.iter().enumerate() {
+        let (below, above) = (law.kinetic_on(piece, b), law.kinetic_on(piece + 1, b));
+        assert!((below - above).abs() <= 1e-14 * mu_s, "{name} jumps at {b}");
+        assert!(
+            (law.kinetic(b) - above).abs() <= 1e-14 * mu_s,
+            "{name} at {b}"
+        );
+    }
+
+    let starts = std::iter::once(0.0).chain(breakpoints.iter().copied());
+    for (piece, start) in starts.enumerate() {
+        let end = breakpoints.get(piece).copied();
+        let width = end.map_or(6.0 * scale, |end| end - start);
+        let h = width.min(scale) / 40.0;
+        for place in [0.0, 0.15, 0.31, 0.5, 0.78] {
+            derivatives_agree(name, law, start + place * width, h, mu_s, start);
+        }
+    }
+    moves_by_the_equation_of_motion(name, law);
+}
+
+fn is_odd<L: FrictionLaw>(name: &str, law: &L) {
+    for speed in [1e-300, 1e-9, 0.1, 0.3, 0.77, 2.0] {
+        let [forward, backward] = [speed, -speed].map(|v| law.coefficient(v));
+        assert_eq!(forward, -backward, "{name} at {speed}");
+        assert_eq!(forward, law.kinetic(speed), "{name} at {speed}");
+    }
+    assert_eq!(law.coefficient(0.0), 0.0, "{name}");
+    assert_eq!(law.coefficient(-0.0), 0.0, "{name}");
+}
+
+/// Derivatives against differences of the coefficient, and each order against differences of the
+/// one below.
+fn derivatives_agree<L: FrictionLaw>(name: &str, law: &L, s: f64, h: f64, mu_s: f64, start: f64) {
+    let at = |n| law.derivative(n, s);
+    // powi of f64 and the products of the series may round differently.
+    assert!(
+        (at(0) - law.kinetic(s)).abs() <= 4.0 * f64::EPSILON * mu_s,
+        "{name} at {s}"
+    );
+    assert_eq!(at(1), law.slope(s), "{name} at {s}");
+    assert_eq!(at(2), law.curvature(s), "{name} at {s}");
+    assert!(at(31).is_nan(), "{name}: only 31 orders");
+
+    // Nine points around s, or above it where the piece begins.
+    let first = ((start - s) / h).ceil().clamp(-4.0, 0.0);
+    let nodes: [f64; 9] = std::array::from_fn(|i| (first + i as f64) * h);
+    for n in 1..=6 {
+        // The size of a derivative of this order, for the errors of differences.
+        let size = mu_s * (1..=n).map(|k| k as f64).product::<f64>() / (40.0 * h).powi(n as i32);
+        let by_values = || {
+            let weights = difference_weights(n, &nodes);
+            sum(weights, nodes, |t| law.kinetic(s + t))
+        };
+        let by_last_order = || {
+            let weights = difference_weights(1, &nodes);
+            sum(weights, nodes, |t| law.derivative(n - 1, s + t))
+        };
+        if n <= 3 {
+            let error = (at(n) - by_values()).abs() / size;
+            assert!(
+                error < 1e-7,
+                "{name}: order {n} at {s} is off by {error:e} from values"
+            );
+        }
+        let error = (at(n) - by_last_order()).abs() / size.max(at(n).abs());
+        assert!(error < 1e-6, "{name}: order {n} at {s} is off by {error:e}");
+    }
+}
+
+fn sum(weights: [f64; 9], nodes: [f64; 9], f: impl Fn(f64) -> f64) -> f64 {
+    std::iter::zip(weights, nodes).map(|(w, t)| w * f(t)).sum()
+}
+
+/// Weights of the n-th derivative at 0 from values at the nodes (Fornberg, Math. Comp. 51 (1988)
+/// 699-706).
+fn difference_weights(n: usize, nodes: &[f64; 9]) -> [f64; 9] {
+    let mut weights = vec![[0.0; 9]; n + 1];
+    weights[0][0] = 1.0;
+    let mut c1 = 1.0;
+    for i in 1..nodes.len() {
+        let mut c2 = 1.0;
+        for j in 0..i {
+            let c3 = nodes[i] - nodes[j];
+            c2 *= c3;
+            for k in (0..=n.min(i)).rev() {
+                let lower = if k > 0 { weights[k - 1] } else { [0.0; 9] };
+                if j == i - 1 {
+                    weights[k][i] =
+                        c1 * (k as f64 * lower[i - 1] - nodes[i - 1] * weights[k][i - 1]) / c2;
+                }
+                weights[k][j] = (nodes[i] * weights[k][j] - k as f64 * lower[j]) / c3;
+            }
+        }
+        c1 = c2;
+    }
+    weights[n]
+}
+
+/// The law drives a mass: from rest it sticks, is released and goes on, and satisfies its equation.
+fn moves_by_the_equation_of_motion<L: FrictionLaw>(name: &str, law: &L) {
+    let system = MassOnBelt::new(law, 0.2)
+        .unwrap()
+        .with_damping(0.05)
+        .unwrap();
+    let motion = system.simulate(State::new(0.0, 0.0), 30.0).unwrap();
+    let kinds: Vec<EventKind> = motion.events().iter().map(|event| event.kind).collect();
+    assert_eq!(kinds.first(), Some(&EventKind::Stick), "{name}");
+    assert!(kinds.len() >= 2, "{name}: {kinds:?}");
+
+    let mut slips = 0;
+    for step in motion.steps() {
+        match step.mode() {
+            Mode::Stick => assert_eq!(step.state().velocity, 0.2, "{name}"),
+            Mode::Slip(_) => {
+                slips += 1;
+                satisfies(name, &system, step);
+            }
+            Mode::Open => panic!("{name}: a belt's contact does not open"),
+        }
+    }
+    assert!(slips > 5, "{name}");
+    // A state at the end of one step is that at the start of the next.
+    for pair in motion.steps().windows(2) {
+        let (end, start) = (pair[0].state_at(pair[0].duration()), pair[1].state());
+        assert!(
+            (end.displacement - start.displacement).abs() < 1e-14,
+            "{name}"
+        );
+        assert!((end.velocity - start.velocity).abs() < 1e-14, "{name}");
+    }
+}
+
+/// u' = v and u'' + 2β u' + u + γ²μ(u' − v_b) = 0 at three places of the step, the derivatives by
+/// differences of nine states.
+fn satisfies<L: FrictionLaw>(name: &str, system: &MassOnBelt<L>, step: &Step) {
+    let duration = step.duration();
+    let h = (duration / 8.0).min(0.0075);
+    let nodes: [f64; 9] = std::array::from_fn(|i| (i as f64 - 4.0) * h);
+    let weights = difference_weights(1, &nodes);
+    for middle in [4.0 * h, 0.5 * duration, duration - 4.0 * h] {
+        let state = step.state_at(middle);
+        let u_dot = sum(weights, nodes, |t| step.state_at(middle + t).displacement);
+        let v_dot = sum(weights, nodes, |t| step.state_at(middle + t).velocity);
+        let friction = system
+            .law()
+            .coefficient(state.velocity - system.belt_velocity());
+        let force = 2.0 * system.damping() * state.velocity + state.displacement + friction;
+
+        // What rounding of the states makes of their differences.
+        let allowed = 4.0 * f64::EPSILON / h;
+        let (first, second) = ((u_dot - state.velocity).abs(), (v_dot + force).abs());
+        let at = step.start_time() + middle;
+        assert!(
+            first < allowed,
+            "{name} at {at}: u' off by {first:e}, h = {h}"
+        );
+        assert!(
+            second < allowed,
+            "{name} at {at}: v' off by {second:e}, h = {h}"
+        );
+    }
+}
+
+fn refused<T: std::fmt::Debug>(result: Result<T, Error>) -> (&'static str, f64) {
+    match result {
+        Err(Error::InvalidParameter { name, value, .. } | Error::BadPoint { name, value, .. }) => {
+            (name, value)
+        }
+        other => panic!("not refused: {other:?}"),
+    }
+}
+
+#[test]
+fn stribeck_refuses_what_its_documentation_says() {
+    let refuse = |mu_s, mu_c, v_s, n| refused(Stribeck::new(mu_s, mu_c, v_s, n)).0;
+    for bad in [-0.1, f64::NAN, f64::INFINITY] {
+        assert_eq!(refuse(bad, 0.0, 0.5, 2), "static_coefficient");
+        assert_eq!(refuse(0.4, bad, 0.5, 2), "coulomb_coefficient");
+        assert_eq!(refuse(0.4, 0.25, bad, 2), "stribeck_velocity");
+        let law = Stribeck::new(0.4, 0.25, 0.5, 2).unwrap();
+        assert_eq!(
+            refused(law.with_viscous_coefficient(bad)).0,
+            "viscous_coefficient"
+        );
+    }
+    assert_eq!(refuse(0.4, 0.41, 0.5, 2), "coulomb_coefficient");
+    assert_eq!(refuse(0.4, 0.25, 0.0, 2), "stribeck_velocity");
+    assert_eq!(refuse(0.4, 0.25, 1e-320, 2), "stribeck_velocity");
+    assert_eq!(refuse(0.4, 0.25, 0.5, 0), "exponent");
+    assert_eq!(refuse(0.4, 0.25, 0.5, 1 << 31), "exponent");
+    Stribeck::new(0.0, 0.0, f64::MIN_POSITIVE, (1 << 31) - 1).unwrap();
+}
+
+#[test]
+fn stribeck_has_the_values_of_its_formula() {
+    for exponent in [1, 2, 3, 7] {
+        let law = Stribeck::new(0.5, 0.2, 0.25, exponent).unwrap();
+        let law = law.with_viscous_coefficient(0.125).unwrap();
+        for s in [0.0, 0.1, 0.25, 0.3, 1.0] {
+            let power = f64::powf(s / 0.25, f64::from(exponent));
+            let expected = 0.2 + 0.3 * (-power).exp() + 0.125 * s;
+            assert!(
+                (law.kinetic(s) - expected).abs() < 1e-15,
+                "{exponent} at {s}"
+            );
+        }
+    }
+}
+
+#[test]
+fn stribeck_with_exponent_2_is_the_exponential_law() {
+    let stribeck = Stribeck::new(0.4, 0.25, 0.3, 2).unwrap();
+    let exponential = Exponential::new(0.4, 0.25, 0.3).unwrap();
+    for i in 0..50 {
+        let s = 0.03 * f64::from(i);
+        for (n, size) in [1.0, 1.0, 20.0, 400.0].into_iter().enumerate() {
+            let (a, b) = (stribeck.derivative(n, s), exponential.derivative(n, s));
+            assert!((a - b).abs() < 1e-15 * size, "order {n} at {s}: {a} {b}");
+        }
+    }
+}
+
+/// (s/v_s)^δ overflows far before a speed does.
+#[test]
+fn stribeck_is_finite_far_above_its_velocity() {
+    for exponent in [1, 2, 3, 20, 400, (1 << 31) - 1] {
+        let law = Stribeck::new(0.4, 0.25, 1e-3, exponent).unwrap();
+        for speed in [1e-4, 0.99e-3, 1.01e-3, 0.1, 1.0, 1e6, 1e60] {
+            let (mu, slope) = (law.kinetic(speed), law.slope(speed));
+            assert!(
+                (0.25..=0.4 + 1e-16).contains(&mu),
+                "{exponent}: {mu} at {speed}"
+            );
+            assert!(
+                slope <= 0.0 && slope.is_finite(),
+                "{exponent}: {slope} at {speed}"
+            );
+            if speed > 1.0 {
+                assert_eq!((mu, slope), (0.25, 0.0));
+            }
+        }
+        MassOnBelt::new(law, 0.2).unwrap();
+    }
+}
+
+#[test]
+fn rational_refuses_what_its_documentation_says() {
+    let law = Rational::new(0.4, 3.0).unwrap();
+    for bad in [-0.1, f64::NAN, f64::INFINITY] {
+        assert_eq!(refused(Rational::new(bad, 3.0)).0, "static_coefficient");
+        assert_eq!(refused(Rational::new(0.4, bad)).0, "decay");
+        assert_eq!(refused(law.with_offset(bad)).0, "offset");
+        assert_eq!(refused(law.with_quadratic(bad)).0, "quadratic");
+    }
+    assert_eq!(refused(law.with_offset(0.41)), ("offset", 0.41));
+    assert_eq!(Rational::new(0.4, 0.0).unwrap().kinetic(9.0), 0.4);
+}
+
+#[test]
+fn rational_has_the_values_of_its_formula() {
+    for (mu_s, decay, offset, quadratic) in [
+        (0.4, 3.0, 0.0, 0.0),
+        (0.4, 3.0, 0.15, 0.0),
+        (0.4, 3.0, 0.15, 0.02),
+        (1.0, 0.5, 0.0, 0.3),
+    ] {
+        let law = Rational::new(mu_s, decay)
+            .and_then(|law| law.with_offset(offset)?.with_quadratic(quadratic))
+            .unwrap();
+        for s in [0.0, 1e-3, 0.2, 1.0, 7.0] {
+            let expected = (mu_s - offset) / (1.0 + decay * s) + offset + quadratic * s * s;
+            assert!(
+                (law.kinetic(s) / expected - 1.0).abs() < 4e-16,
+                "{law:?} {s}"
+            );
+            let slope = -(mu_s - offset) * decay / (1.0 + decay * s).powi(2) + 2.0 * quadratic * s;
+            assert!((law.slope(s) - slope).abs() < 4e-15, "{law:?} {s}");
+        }
+    }
+}
+
+/// The system of Leine et al., Nonlinear Dynamics 16 (1998) 41-54: M = K = 1, F_s = 1, δ = 3, v_b =
+/// 0.2. The period is that of a classical Runge-Kutta integration of the slip phase with steps of
+/// 1/4000.
+#[test]
+fn leines_law_has_the_period_of_an_independent_integration() {
+    let system = MassOnBelt::new(Rational::new(1.0, 3.0).unwrap(), 0.2).unwrap();
+    let motion = system
+        .simulate(system.release_state().unwrap(), 30.0)
+        .unwrap();
+    let releases: Vec<f64> = motion
+        .events()
+        .iter()
+        .filter(|event| matches!(event.kind, EventKind::Release(_)))
+        .map(|event| event.time)
+        .collect();
+    assert!((releases[1] - releases[0] - 12.0010312948).abs() < 1e-9);
+}
+
+#[test]
+fn table_refuses_what_its_documentation_says() {
+    let refuse = |points: &[(f64, f64)]| refused(Tabulated::new(points.iter().copied()));
+    assert_eq!(refuse(&[]), ("points", 0.0));
+    assert_eq!(refuse(&[(0.0, 0.4)]), ("points", 1.0));
+    assert_eq!(refuse(&[(0.0, 0.4), (0.0, 0.3)]), ("speed", 0.0));
+    assert_eq!(
+        refuse(&[(0.0, 0.4), (0.2, 0.3), (0.1, 0.3)]),
+        ("speed", 0.1)
+    );
+    let error = Tabulated::new([(0.0, 0.4), (0.2, 0.3), (0.3, -0.3)]).unwrap_err();
+    let message = error.to_string();
+    assert!(
+        message.contains("point 2") && message.contains("coefficient = -3e-1"),
+        "{message}"
+    );
+    assert_eq!(refuse(&[(-0.1, 0.4), (0.2, 0.3)]), ("speed", -0.1));
+    assert_eq!(refuse(&[(0.0, 0.4), (0.2, -0.3)]), ("coefficient", -0.3));
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        assert_eq!(refuse(&[(0.0, 0.4), (bad, 0.3)]).0, "speed");
+        assert_eq!(refuse(&[(bad, 0.4), (0.2, 0.3)]).0, "speed");
+        assert_eq!(refuse(&[(0.0, 0.4), (0.2, bad)]).0, "coefficient");
+    }
+    assert_eq!(refuse(&[(0.1, 0.4), (0.2, 0.3)]), ("speed", 0.1));
+    assert_eq!(refuse(&[(0.0, 0.4), (1e-200, 0.2), (1.0, 0.3)]).0, "speed");
+
+    let law = Tabulated::new(measured()).unwrap();
+    for bad in [0.39, f64::NAN, f64::INFINITY] {
+        assert_eq!(
+            refused(law.clone().with_static_coefficient(bad)).0,
+            "static_coefficient"
+        );
+    }
+    assert_eq!(law.clone().with_static_coefficient(0.4).unwrap(), law);
+    assert_eq!(law.points(), measured());
+}
+
+#[test]
+fn table_goes_through_its_points_and_between_them_only_as_they_do() {
+    let noisy = [
+        (0.0, 0.40),
+        (0.02, 0.41),
+        (0.1, 0.28),
+        (0.11, 0.28),
+        (0.5, 0.2801),
+        (0.51, 0.25),
+        (0.9, 0.0),
+        (1.0, 0.3),
+    ];
+    for points in [measured().to_vec(), noisy.to_vec(), noisy[..2].to_vec()] {
+        let law = Tabulated::new(points.iter().copied()).unwrap();
+        for pair in points.windows(2) {
+            let ((s0, mu0), (s1, mu1)) = (pair[0], pair[1]);
+            assert_eq!(law.kinetic(s0), mu0);
+            let mut last = mu0;
+            for i in 1..=100 {
+                let mu = law.kinetic(s0 + (s1 - s0) * f64::from(i) / 100.0);
+                assert!(
+                    (mu - last) * (mu1 - mu0).signum() >= -1e-16,
+                    "{mu} after {last}"
+                );
+                assert!(
+                    (mu - mu0) * (mu - mu1) <= 1e-16,
+                    "{mu} is not between {mu0} and {mu1}"
+                );
+                last = mu;
+            }
+        }
+        // The slope is continuous too.
+        for (piece, b) in law.breakpoints().enumerate() {
+            let [below, above] = [-1.0, 1.0].map(|side| {
+                let (h, near) = (1e-7 * b, |t: f64| {
+                    law.kinetic_on(piece + usize::from(side > 0.0), b + side * t)
+                });
+                (near(h) - near(0.0)) / (side * h)
+            });
+            assert!(
+                (below - above).abs() < 1e-4 * (1.0 + above.abs()),
+                "at {b}: {below} {above}"
+            );
+        }
+    }
+}
+
+/// PCHIP slopes by hand, for unequal intervals.
+#[test]
+fn table_has_the_slopes_of_pchip() {
+    let law = Tabulated::new([(0.0, 0.5), (1.0, 0.3), (3.0, 0.2), (4.0, 0.2)]).unwrap();
+    // Chords −0.2, −0.05, 0 of lengths 1, 2, 1.
+    assert!((law.slope(0.0) - (-(4.0 * 0.2) + 0.05) / 3.0).abs() < 1e-16);
+    assert!((law.slope(1.0) - 9.0 / (5.0 / -0.2 + 4.0 / -0.05)).abs() < 1e-16);
+    assert_eq!(law.slope(3.0), 0.0);
+    assert_eq!(law.slope(4.0), 0.0);
+
+    // A first chord much flatter than the second: the parabola would rise.
+    let late = Tabulated::new([(0.0, 0.5), (1.0, 0.49), (2.0, 0.1)]).unwrap();
+    assert_eq!(late.slope(0.0), 0.0);
+    // And where the second turns, the slope is at most three times the chord's.
+    let turning = Tabulated::new([(0.0, 0.5), (1.0, 0.49), (2.0, 0.9)]).unwrap();
+    assert!((turning.slope(0.0) + 0.03).abs() < 1e-15);
+    // Less where the second turns a little: chords −0.1 and 0.05.
+    let little = Tabulated::new([(0.0, 0.5), (1.0, 0.4), (2.0, 0.45)]).unwrap();
+    assert!((little.slope(0.0) + 0.175).abs() < 1e-15);
+}
+
+/// Measured points of a smooth law, ever denser: the error falls as h³ at least where the law is
+/// monotone.
+#[test]
+fn table_converges_to_the_law_it_was_taken_from() {
+    let law = Stribeck::new(0.4, 0.25, 0.5, 1).unwrap();
+    let error = |n: u32| {
+        let points = (0..=n).map(|i| f64::from(i) / f64::from(n));
+        let table = Tabulated::new(points.map(|s| (s, law.kinetic(s)))).unwrap();
+        // Up to the last interval, where the table levels off.
+        let last = 1.0 - 1.0 / f64::from(n);
+        (0..1000)
+            .map(|i| last * f64::from(i) / 1000.0)
+            .map(|s| (table.kinetic(s) - law.kinetic(s)).abs())
+            .fold(0.0, f64::max)
+    };
+    let errors = [8, 16, 32, 64].map(error);
+    for pair in errors.windows(2) {
+        assert!((pair[0] / pair[1]).log2() > 2.7, "{errors:?}");
+    }
+    assert!(errors[3] < 1e-6, "{errors:?}");
+}
+
+#[test]
+fn table_is_constant_above_its_last_point() {
+    let law = Tabulated::new(measured()).unwrap();
+    for speed in [1.0, 1.0 + f64::EPSILON, 2.0, 1e300] {
+        assert_eq!((law.kinetic(speed), law.slope(speed)), (0.26, 0.0));
+    }
+    assert!(law.kinetic(f64::NAN).is_nan());
+}
+
+/// The enum is the law inside, to the bit, in values, pieces and motion.
+#[test]
+fn any_law_is_the_law_inside() {
+    fn same<L: FrictionLaw + Into<AnyLaw> + Clone>(law: L) {
+        let any: AnyLaw = law.clone().into();
+        assert_eq!(any.static_coefficient(), law.static_coefficient());
+        assert!(any.breakpoints().eq(law.breakpoints()));
+        for s in [0.0, 0.03, 0.2, 0.7, 3.0] {
+            assert_eq!(any.kinetic(s), law.kinetic(s));
+            assert_eq!(any.kinetic_on(1, s), law.kinetic_on(1, s));
+        }
+        let [a, b] = [
+            MassOnBelt::new(any, 0.2)
+                .unwrap()
+                .simulate(State::new(0.0, 0.0), 20.0),
+            MassOnBelt::new(law, 0.2)
+                .unwrap()
+                .simulate(State::new(0.0, 0.0), 20.0),
+        ];
+        assert_eq!(a, b);
+    }
+    same(Coulomb::new(0.4, 0.25).unwrap());
+    same(Exponential::new(0.4, 0.25, 0.5).unwrap());
+    same(Polynomial::new(0.4, 0.25, 0.5).unwrap());
+    same(Rational::new(0.4, 1.0).unwrap());
+    same(Stribeck::new(0.4, 0.25, 0.5, 3).unwrap());
+    same(Tabulated::new(measured()).unwrap());
+}

@@ -1,0 +1,16 @@
+//! Motions of one mass on its belt: every step, event and error.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod errors;
+mod hostile;
+mod independent;
+mod integrator;
+mod laws;
+mod radau;
+mod reference;
+mod scaling;
+mod simple;
+mod stiff;
+mod sweep;

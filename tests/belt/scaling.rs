@@ -1,0 +1,354 @@
+//! Physical units: round trips, independence of the length, and an integration in SI units that
+//! knows nothing of the crate's.
+
+use proptest::prelude::*;
+use stick_slip::{
+    AnyLaw, Coulomb, Error, FrictionLaw, MassOnBelt, Physical, Polynomial, Rational, Scaled,
+    Scaling, State, Stribeck, Tabulated, Trajectory,
+};
+
+/// A brake pad: 0.5 kg, 20 kN/m (32 Hz), 50 N, 3 cm/s.
+const PAD: Physical = Physical {
+    mass: 0.5,
+    stiffness: 2e4,
+    damping: 10.0,
+    normal_force: 50.0,
+    belt_velocity: 0.03,
+};
+
+fn parameters() -> impl Strategy<Value = (Physical, f64)> {
+    let log = |low: f64, high: f64| (low.ln()..high.ln()).prop_map(f64::exp);
+    (
+        log(1e-3, 1e3),
+        log(1e-1, 1e9),
+        log(1e-6, 1e5),
+        log(1e-3, 1e6),
+        -10.0..10.0,
+        log(1e-6, 1e2),
+    )
+        .prop_map(
+            |(mass, stiffness, damping, normal_force, belt_velocity, length)| {
+                let physical = Physical {
+                    mass,
+                    stiffness,
+                    damping,
+                    normal_force,
+                    belt_velocity,
+                };
+                (physical, length)
+            },
+        )
+}
+
+fn close(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 8.0 * f64::EPSILON * a.abs().max(b.abs())
+}
+
+proptest! {
+    #[test]
+    fn units_there_and_back((physical, length) in parameters(), x in -1e3..1e3) {
+        let scaling = Scaling::new(physical).unwrap();
+        for scaling in [scaling, scaling.with_length(length).unwrap()] {
+            prop_assert!(close(scaling.seconds(scaling.time(x)), x));
+            prop_assert!(close(scaling.metres(scaling.displacement(x)), x));
+            prop_assert!(close(scaling.metres_per_second(scaling.velocity(x)), x));
+            prop_assert!(close(scaling.hertz(scaling.frequency(x)), x));
+            prop_assert!(close(scaling.newtons(scaling.force(x)), x));
+            prop_assert!(close(scaling.joules(scaling.energy(x)), x));
+            prop_assert!(close(scaling.watts(scaling.power(x)), x));
+            prop_assert!(close(scaling.damping_constant(scaling.damping_ratio(x)), x));
+            // Units of derived quantities are made of the others.
+            prop_assert!(close(scaling.newtons(1.0) * scaling.metres(x), scaling.joules(x)));
+            prop_assert!(close(scaling.joules(x) / scaling.seconds(1.0), scaling.watts(x)));
+            let power = scaling.newtons(1.0) * scaling.metres_per_second(x);
+            prop_assert!(close(power, scaling.watts(x)));
+            prop_assert!(close(scaling.hertz(x) * scaling.seconds(std::f64::consts::TAU), x));
+            prop_assert_eq!(scaling.physical(), physical);
+        }
+    }
+
+    /// The dimensionless parameters say the same as the physical ones, whatever the length.
+    #[test]
+    fn parameters_there_and_back((physical, length) in parameters()) {
+        let scaling = Scaling::new(physical).unwrap();
+        prop_assert_eq!(scaling.system(Coulomb::new(0.4, 0.3).unwrap()).unwrap().load(), 1.0);
+        let scaling = scaling.with_length(length).unwrap();
+        prop_assert_eq!(scaling.length(), length);
+        let system = scaling.system(Coulomb::new(0.4, 0.3).unwrap()).unwrap();
+        let Physical { mass, stiffness, damping, normal_force, belt_velocity } = physical;
+        let omega = scaling.angular_frequency();
+        prop_assert!(close(omega * omega * mass, stiffness));
+        prop_assert!(close(2.0 * system.damping() * (stiffness * mass).sqrt(), damping));
+        prop_assert!(close(scaling.newtons(system.load()), normal_force));
+        prop_assert_eq!(scaling.damping_ratio(damping), system.damping());
+        prop_assert!(close(scaling.damping_constant(system.damping()), damping));
+        prop_assert!(close(scaling.metres_per_second(system.belt_velocity()), belt_velocity));
+        prop_assert!(close(system.law().velocity_unit(), omega * length));
+        // Force of the spring and of the damper at a state.
+        prop_assert!(close(scaling.newtons(scaling.displacement(0.01)), stiffness * 0.01));
+        let drag = 2.0 * system.damping() * scaling.velocity(0.3);
+        prop_assert!(close(scaling.newtons(drag), damping * 0.3));
+    }
+}
+
+#[test]
+fn scaling_refuses_what_its_documentation_says() {
+    let refused = |physical| match Scaling::new(physical) {
+        Err(Error::InvalidParameter { name, .. }) => name,
+        other => panic!("not refused: {other:?}"),
+    };
+    for bad in [-1.0, f64::NAN, f64::INFINITY] {
+        assert_eq!(refused(Physical { mass: bad, ..PAD }), "mass");
+        assert_eq!(
+            refused(Physical {
+                stiffness: bad,
+                ..PAD
+            }),
+            "stiffness"
+        );
+        assert_eq!(
+            refused(Physical {
+                damping: bad,
+                ..PAD
+            }),
+            "damping"
+        );
+        assert_eq!(
+            refused(Physical {
+                normal_force: bad,
+                ..PAD
+            }),
+            "normal_force"
+        );
+        assert!(Scaling::new(PAD).unwrap().with_length(bad).is_err());
+    }
+    assert_eq!(refused(Physical { mass: 0.0, ..PAD }), "mass");
+    assert_eq!(
+        refused(Physical {
+            stiffness: 0.0,
+            ..PAD
+        }),
+        "stiffness"
+    );
+    assert_eq!(
+        refused(Physical {
+            normal_force: 0.0,
+            ..PAD
+        }),
+        "normal_force"
+    );
+    assert_eq!(
+        refused(Physical {
+            belt_velocity: f64::NAN,
+            ..PAD
+        }),
+        "belt_velocity"
+    );
+    assert_eq!(
+        refused(Physical {
+            mass: 1e-300,
+            stiffness: 1e300,
+            ..PAD
+        }),
+        "stiffness"
+    );
+    assert_eq!(
+        refused(Physical {
+            normal_force: 1e-310,
+            ..PAD
+        }),
+        "length"
+    );
+    for length in [0.0, 1e-310, 1e306] {
+        assert!(Scaling::new(PAD).unwrap().with_length(length).is_err());
+    }
+    // A belt that moves, and a damper that damps, do so in dimensionless numbers too.
+    let slow = Physical {
+        belt_velocity: 1e-300,
+        ..PAD
+    };
+    assert!(Scaling::new(slow).unwrap().with_length(1e30).is_err());
+    assert_eq!(
+        refused(Physical {
+            damping: 5e-324,
+            ..PAD
+        }),
+        "length"
+    );
+    Scaling::new(Physical {
+        damping: 0.0,
+        belt_velocity: 0.0,
+        ..PAD
+    })
+    .unwrap();
+}
+
+/// Laws in m/s.
+fn laws() -> Vec<AnyLaw> {
+    let table = [
+        (0.0, 0.4),
+        (0.01, 0.36),
+        (0.03, 0.3),
+        (0.06, 0.27),
+        (0.1, 0.28),
+    ];
+    let viscous = Stribeck::new(0.4, 0.25, 0.05, 1).unwrap();
+    vec![
+        Polynomial::new(0.4, 0.25, 0.075).unwrap().into(),
+        viscous.with_viscous_coefficient(0.2).unwrap().into(),
+        Rational::new(0.4, 10.0).unwrap().into(),
+        Coulomb::new(0.4, 0.3).unwrap().into(),
+        Tabulated::new(table).unwrap().into(),
+    ]
+}
+
+/// From rest at X = 0 for half a second (16 oscillations).
+fn from_rest<'l>(
+    scaling: &Scaling,
+    law: &'l AnyLaw,
+) -> (MassOnBelt<Scaled<&'l AnyLaw>>, Trajectory) {
+    let system = scaling.system(law).unwrap();
+    let motion = system
+        .simulate(State::new(0.0, 0.0), scaling.time(0.5))
+        .unwrap();
+    (system, motion)
+}
+
+#[test]
+fn nothing_physical_depends_on_the_length() {
+    let usual = Scaling::new(PAD).unwrap();
+    for law in &laws() {
+        let (_, motion) = from_rest(&usual, law);
+        assert!(motion.events().len() >= 10, "{law:?}");
+        for length in [1.0, 1e-3, 0.37e-4] {
+            let other = usual.with_length(length).unwrap();
+            let (_, same) = from_rest(&other, law);
+            assert_eq!(motion.events().len(), same.events().len());
+            for (a, b) in std::iter::zip(motion.events(), same.events()) {
+                assert_eq!(a.kind, b.kind);
+                let (t, t_same) = (usual.seconds(a.time), other.seconds(b.time));
+                assert!((t - t_same).abs() < 1e-14, "{law:?}: {t} {t_same}");
+                let x = usual.metres(a.state.displacement);
+                let x_same = other.metres(b.state.displacement);
+                // Of a millimetre.
+                assert!((x - x_same).abs() < 1e-16, "{law:?}: {x} {x_same}");
+            }
+            for ((_, a), (_, b)) in std::iter::zip(motion.sample(50), same.sample(50)) {
+                let (v, v_same) = (
+                    usual.metres_per_second(a.velocity),
+                    other.metres_per_second(b.velocity),
+                );
+                assert!((v - v_same).abs() < 2e-14, "{law:?}: {v} {v_same}");
+            }
+        }
+    }
+}
+
+/// M X'' = −C X' − K X − N μ(X' − V), by the classical Runge-Kutta method with steps of a
+/// microsecond.
+fn slip_in_si_units(law: &AnyLaw, start: [f64; 2], seconds: f64) -> [f64; 2] {
+    let Physical {
+        mass,
+        stiffness,
+        damping,
+        normal_force,
+        belt_velocity,
+    } = PAD;
+    let rate = |[x, v]: [f64; 2]| {
+        let sliding = v - belt_velocity;
+        let friction = normal_force * law.kinetic(sliding.abs()) * sliding.signum();
+        [v, -(damping * v + stiffness * x + friction) / mass]
+    };
+    let steps = (seconds / 1e-6).ceil();
+    let h = seconds / steps;
+    let moved = |y: [f64; 2], k: [f64; 2], h: f64| [y[0] + h * k[0], y[1] + h * k[1]];
+    let mut y = start;
+    for _ in 0..steps as usize {
+        let k1 = rate(y);
+        let k2 = rate(moved(y, k1, 0.5 * h));
+        let k3 = rate(moved(y, k2, 0.5 * h));
+        let k4 = rate(moved(y, k3, h));
+        y = std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
+    }
+    y
+}
+
+#[test]
+fn motion_agrees_with_an_integration_in_si_units() {
+    for length in [2.5e-3, 0.1] {
+        let scaling = Scaling::new(PAD).unwrap().with_length(length).unwrap();
+        for law in &laws() {
+            let system = scaling.system(law).unwrap();
+            // Pulled forward by 2 mm and let go: 10 ms of slip.
+            let start = State::new(scaling.displacement(2e-3), 0.0);
+            let motion = system.simulate(start, scaling.time(0.01)).unwrap();
+            assert_eq!(motion.events(), []);
+            for part in [0.3, 0.7, 1.0] {
+                let time = part * motion.duration();
+                let state = motion.state_at(time).unwrap();
+                let [x, v] = slip_in_si_units(law, [2e-3, 0.0], scaling.seconds(time));
+                let (x_error, v_error) = (
+                    scaling.metres(state.displacement) - x,
+                    scaling.metres_per_second(state.velocity) - v,
+                );
+                // Of 2 mm and 0.3 m/s. The curvature of a table jumps, which costs Runge-Kutta its
+                // order there.
+                assert!(
+                    x_error.abs() < 1e-15,
+                    "{law:?} at {time}: X off by {x_error:e} m"
+                );
+                assert!(
+                    v_error.abs() < 1e-13,
+                    "{law:?} at {time}: X' off by {v_error:e} m/s"
+                );
+            }
+        }
+    }
+}
+
+/// Work of the spring, the damper and friction is the change of kinetic energy, in joules, over
+/// events and all.
+#[test]
+fn energy_balances_in_joules() {
+    let scaling = Scaling::new(PAD).unwrap();
+    let Physical {
+        mass,
+        stiffness,
+        damping,
+        ..
+    } = PAD;
+    for law in &laws() {
+        let (system, motion) = from_rest(&scaling, law);
+        let energy = |state: State| {
+            let (x, v) = (
+                scaling.metres(state.displacement),
+                scaling.metres_per_second(state.velocity),
+            );
+            0.5 * mass * v * v + 0.5 * stiffness * x * x
+        };
+        let power = |state: State| {
+            let v = scaling.metres_per_second(state.velocity);
+            (scaling.newtons(system.friction_force(state)) - damping * v) * v
+        };
+        let mut work = 0.0;
+        for step in motion.steps() {
+            // Gauss-Legendre with five points on each of eight parts.
+            let part = step.duration() / 8.0;
+            for (i, (x, w)) in (0..8).flat_map(|i| GAUSS.map(|node| (f64::from(i), node))) {
+                let state = step.state_at(part * (i + 0.5 + 0.5 * x));
+                work += 0.5 * w * scaling.seconds(part) * power(state);
+            }
+        }
+        let change = energy(motion.last()) - energy(State::new(0.0, 0.0));
+        // Joules; the spring holds 0.01 J at release.
+        assert!((work - change).abs() < 1e-14, "{law:?}: {work} {change}");
+    }
+}
+
+const GAUSS: [(f64, f64); 5] = [
+    (-0.906179845938664, 0.23692688505618908),
+    (-0.5384693101056831, 0.47862867049936647),
+    (0.0, 0.5688888888888889),
+    (0.5384693101056831, 0.47862867049936647),
+    (0.906179845938664, 0.23692688505618908),
+];

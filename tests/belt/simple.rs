@@ -1,0 +1,116 @@
+//! A deliberately simple integrator, which shares no idea and no code with the crate: fixed
+//! Runge-Kutta steps, friction as a closure of numbers, contact by bisection.
+
+use stick_slip::{Event, EventKind};
+
+/// What happened, as the simple integrator tells it: its time, a letter (s: stick, r: release, c:
+/// crossing), and the sign of v_r afterwards.
+pub(crate) type Seen = (f64, char, f64);
+
+/// A mass on a belt in plain numbers.
+pub(crate) struct Simple<'a> {
+    pub(crate) friction: &'a dyn Fn(f64) -> f64,
+    pub(crate) static_friction: f64,
+    pub(crate) damping: f64,
+    pub(crate) belt: f64,
+}
+
+impl Simple<'_> {
+    fn rates(&self, side: f64, [u, v]: [f64; 2]) -> [f64; 2] {
+        let speed = (side * (v - self.belt)).max(0.0);
+        [
+            v,
+            -2.0 * self.damping * v - u - side * (self.friction)(speed),
+        ]
+    }
+
+    /// The classical Runge-Kutta step.
+    fn step(&self, side: f64, x: [f64; 2], h: f64) -> [f64; 2] {
+        let moved = |k: [f64; 2], h: f64| [x[0] + h * k[0], x[1] + h * k[1]];
+        let a = self.rates(side, x);
+        let b = self.rates(side, moved(a, 0.5 * h));
+        let c = self.rates(side, moved(b, 0.5 * h));
+        let d = self.rates(side, moved(c, h));
+        std::array::from_fn(|i| x[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]))
+    }
+
+    /// Where in (0, h] a condition begins to hold that holds at h.
+    fn bisect(h: f64, holds: impl Fn(f64) -> bool) -> f64 {
+        let (mut no, mut yes) = (0.0, h);
+        for _ in 0..60 {
+            let middle = 0.5 * (no + yes);
+            if holds(middle) {
+                yes = middle;
+            } else {
+                no = middle;
+            }
+        }
+        yes
+    }
+
+    /// The side to which a mass at u leaves the belt, or 0 if it sticks.
+    fn leaves(&self, u: f64) -> f64 {
+        let force = u + 2.0 * self.damping * self.belt;
+        if force.abs() <= self.static_friction {
+            0.0
+        } else {
+            -force.signum()
+        }
+    }
+
+    pub(crate) fn run(&self, mut x: [f64; 2], duration: f64, h: f64) -> Vec<Seen> {
+        let mut seen = Vec::new();
+        let mut time = 0.0;
+        let mut side = if x[1] == self.belt {
+            self.leaves(x[0])
+        } else {
+            (x[1] - self.belt).signum()
+        };
+        while time < duration {
+            if side == 0.0 {
+                let release =
+                    self.belt.signum() * self.static_friction - 2.0 * self.damping * self.belt;
+                time += (release - x[0]) / self.belt;
+                x[0] = release;
+                side = -self.belt.signum();
+                seen.push((time, 'r', side));
+                continue;
+            }
+            let speed = |t: f64| side * (self.step(side, x, t)[1] - self.belt);
+            let slows = |t: f64| side * self.rates(side, self.step(side, x, t))[1] < 0.0;
+            // The lowest speed in this step: at its end, or where the mass no longer slows down.
+            let lowest = if slows(0.0) && !slows(h) {
+                Self::bisect(h, |t| !slows(t))
+            } else {
+                h
+            };
+            // After a release the speed grows from 0 like t², below rounding at first.
+            if speed(lowest) >= -1e-15 {
+                x = self.step(side, x, h);
+                time += h;
+                continue;
+            }
+            let contact = Self::bisect(lowest, |t| speed(t) < 0.0);
+            x = [self.step(side, x, contact)[0], self.belt];
+            time += contact;
+            let next = self.leaves(x[0]);
+            if next != side {
+                seen.push((time, if next == 0.0 { 's' } else { 'c' }, next));
+            }
+            side = next;
+        }
+        seen.retain(|event| event.0 < duration);
+        seen
+    }
+}
+
+/// The crate's events in the same words.
+pub(crate) fn told(events: &[Event]) -> Vec<Seen> {
+    let tell = |event: &Event| match event.kind {
+        EventKind::Stick => (event.time, 's', 0.0),
+        EventKind::Release(direction) => (event.time, 'r', direction.sign()),
+        EventKind::Crossing(direction) => (event.time, 'c', direction.sign()),
+        EventKind::Open | EventKind::Close => panic!("a belt's contact holds"),
+    };
+    events.iter().map(tell).collect()
+}

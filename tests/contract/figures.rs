@@ -1,0 +1,137 @@
+//! The figures of the README are those that the example draws today, number by number.
+
+use example::{FIGURES, Figure, escape};
+
+#[path = "../../examples/figures/mod.rs"]
+mod example;
+
+/// Largest difference of two numbers.
+const TOLERANCE: f64 = 1e-6;
+
+fn drawn(name: &str) -> Figure {
+    let (_, draw) = FIGURES.iter().find(|figure| figure.0 == name).unwrap();
+    draw().unwrap()
+}
+
+/// The text between the numbers, signs included, and the numbers: digits with a point or without.
+fn split(svg: &str) -> (Vec<&str>, Vec<f64>) {
+    let (mut texts, mut numbers) = (Vec::new(), Vec::new());
+    let mut rest = svg;
+    while let Some(start) = rest.find(|c: char| c.is_ascii_digit()) {
+        let end = rest[start..]
+            .find(|c: char| !c.is_ascii_digit() && c != '.')
+            .map_or(rest.len(), |length| start + length);
+        let end = start + rest[start..end].trim_end_matches('.').len();
+        texts.push(&rest[..start]);
+        numbers.push(rest[start..end].parse().unwrap());
+        rest = &rest[end..];
+    }
+    texts.push(rest);
+    (texts, numbers)
+}
+
+/// Where two figures differ first.
+fn difference(expected: &str, actual: &str) -> Option<String> {
+    let (texts, numbers) = split(expected);
+    let (new_texts, new_numbers) = split(actual);
+    for (i, (text, new)) in texts.iter().zip(&new_texts).enumerate() {
+        if text != new {
+            return Some(format!("text {i}: {text:?} is now {new:?}"));
+        }
+    }
+    for (i, (number, new)) in numbers.iter().zip(&new_numbers).enumerate() {
+        if (number - new).abs() > TOLERANCE {
+            return Some(format!(
+                "number {i}, after {:?}: {number} is now {new}",
+                texts[i]
+            ));
+        }
+    }
+    let counts = (numbers.len(), new_numbers.len());
+    (counts.0 != counts.1).then(|| format!("{} numbers are now {}", counts.0, counts.1))
+}
+
+fn is_reproduced(name: &str, committed: &str) {
+    let figure = drawn(name);
+    if let Some(difference) = difference(committed, &figure.svg) {
+        panic!("examples/figures/{name}.svg is not what the example draws: {difference}");
+    }
+    assert!(committed.contains(&escape(&figure.caption)));
+    assert!(committed.len() < 100_000);
+    assert!(split(committed).1.len() > 1000);
+}
+
+const AMPLITUDE: &str = include_str!("../../examples/figures/fig6_amplitude.svg");
+const REGIMES: &str = include_str!("../../examples/figures/regimes.svg");
+
+#[test]
+fn amplitude_is_reproduced() {
+    is_reproduced("fig6_amplitude", AMPLITUDE);
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes without optimisation")]
+fn regimes_are_reproduced() {
+    is_reproduced("regimes", REGIMES);
+}
+
+/// The borders in the caption, from 25-digit computations.
+#[test]
+fn caption_has_the_exact_borders() {
+    for border in ["0.395790289", "0.394405319", "0.440958552"] {
+        assert!(AMPLITUDE.contains(border), "{border}");
+    }
+}
+
+#[test]
+fn every_coordinate_lies_in_the_picture() {
+    for svg in [AMPLITUDE, REGIMES] {
+        let size = svg
+            .split_once("viewBox=\"")
+            .unwrap()
+            .1
+            .split('"')
+            .next()
+            .unwrap();
+        let (_, size) = split(size);
+        let mut points = 0;
+        for list in svg.split(" points=\"").skip(1) {
+            let list = list.split('"').next().unwrap();
+            for point in list.split_whitespace() {
+                let (x, y) = point.split_once(',').unwrap();
+                let (x, y): (f64, f64) = (x.parse().unwrap(), y.parse().unwrap());
+                assert!(
+                    (0.0..=size[2]).contains(&x) && (0.0..=size[3]).contains(&y),
+                    "{point}"
+                );
+                points += 1;
+            }
+        }
+        assert!(points > 500);
+    }
+}
+
+#[test]
+fn a_change_is_noticed() {
+    let svg = "<text x=\"10\">0.395790289 − 1.</text>";
+    assert_eq!(split(svg).1, [10.0, 0.395790289, 1.0]);
+    assert_eq!(difference(svg, svg), None);
+    assert_eq!(difference(svg, &svg.replace("0289", "0290")), None);
+    let tampered = AMPLITUDE.replacen("0.395790289", "0.395792289", 1);
+    assert!(difference(AMPLITUDE, &tampered).is_some());
+    for (from, to) in [
+        ("0289", "2289"),
+        ("10", "11"),
+        (" − 1", " − 1 2"),
+        ("−", "+"),
+        ("0.39", "−0.39"),
+        ("text", "tspan"),
+        ("</text>", ""),
+        (" − 1.", ""),
+    ] {
+        assert!(
+            difference(svg, &svg.replace(from, to)).is_some(),
+            "{from} to {to}"
+        );
+    }
+}

@@ -1,0 +1,227 @@
+//! The source keeps its own order: no module knows one above it, imports inside the crate name the
+//! module that owns a thing, and no line is too long to be read beside another.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The modules of the crate, from the ground up. One may use those of lower floors; those that
+/// share a floor know nothing of each other.
+const FLOORS: [&[&str]; 10] = [
+    &["state", "clock"],
+    &["error"],
+    &["scalar"],
+    &["series", "numerics"],
+    &["drive"],
+    &["friction"],
+    &["motion"],
+    &["belt", "structure"],
+    &["limit_cycle", "orbit", "analysis", "scaling"],
+    &["bifurcation", "schema"],
+];
+
+/// Columns that a line may have; words that are addresses and rows of tables are not counted.
+const COLUMNS: usize = 100;
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// All files below a folder, but for what Cargo and Git put there.
+fn files(folder: &Path, into: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_str().unwrap();
+        if !path.is_dir() {
+            into.push(path);
+        } else if !["target", ".git"].contains(&name) && !name.starts_with("mutants.out") {
+            files(&path, into);
+        }
+    }
+}
+
+fn files_of(folder: &str) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    files(&root().join(folder), &mut found);
+    found.sort();
+    assert!(!found.is_empty());
+    found
+}
+
+/// The code without comments, line by line, and the modules that it declares for tests alone.
+/// Items behind `#[cfg(test)]` are left out: tests may look up.
+fn code(text: &str) -> (String, Vec<&str>) {
+    let (mut kept, mut for_tests) = (String::new(), Vec::new());
+    let mut lines = text.lines().map(|line| line.split("//").next().unwrap());
+    while let Some(line) = lines.next() {
+        if line.trim() != "#[cfg(test)]" {
+            kept.push_str(line);
+            kept.push('\n');
+            continue;
+        }
+        let mut depth = 0;
+        for line in lines.by_ref() {
+            if let Some((_, declared)) = line.split_once("mod ") {
+                for_tests.extend(declared.strip_suffix(';'));
+            }
+            depth += line.matches('{').count();
+            depth -= line.matches('}').count();
+            if depth == 0 && line.trim_end().ends_with([';', '}']) {
+                break;
+            }
+        }
+    }
+    (kept, for_tests)
+}
+
+/// What follows each `crate::` in some code: the names of a group in braces, or the one name.
+fn used(code: &str) -> Vec<&str> {
+    let is_name = |c: char| c.is_alphanumeric() || c == '_';
+    let first = |path: &'_ str| path.find(|c| !is_name(c)).unwrap_or(path.len());
+    let mut names = Vec::new();
+    for (at, prefix) in code.match_indices("crate::") {
+        if code[..at].ends_with(|c| is_name(c) || c == '$') {
+            continue;
+        }
+        let path = &code[at + prefix.len()..];
+        let Some(group) = path.strip_prefix('{') else {
+            names.push(&path[..first(path)]);
+            continue;
+        };
+        let mut depth = 0;
+        let mut starts = true;
+        for (i, c) in group.char_indices() {
+            match c {
+                '{' => depth += 1,
+                '}' if depth == 0 => break,
+                '}' => depth -= 1,
+                ',' if depth == 0 => starts = true,
+                c if starts && is_name(c) => {
+                    names.push(&group[i..i + first(&group[i..])]);
+                    starts = false;
+                }
+                _ => {}
+            }
+        }
+    }
+    names
+}
+
+/// The module at the crate's root that a path through `super` leads to, for a file that lies
+/// `depth` modules deep.
+fn above_root(code: &str, depth: usize) -> Vec<&str> {
+    let up = "super::".repeat(depth);
+    let deeper = format!("super::{up}");
+    code.match_indices(&up)
+        .filter(|&(at, _)| !code[..at].ends_with("super::") && !code[at..].starts_with(&deeper))
+        .map(|(at, up)| code[at + up.len()..].split(|c: char| c != '_' && !c.is_alphanumeric()))
+        .filter_map(|mut names| names.next())
+        .filter(|name| floor(name).is_some())
+        .collect()
+}
+
+fn floor(module: &str) -> Option<usize> {
+    FLOORS.iter().position(|floor| floor.contains(&module))
+}
+
+/// The files of `src` that are compiled for users: module path below `src`, and code.
+fn modules() -> Vec<(String, String)> {
+    let src = root().join("src");
+    let mut left_out = BTreeSet::new();
+    let mut all = Vec::new();
+    for path in files_of("src") {
+        let text = fs::read_to_string(&path).unwrap();
+        let name = path.strip_prefix(&src).unwrap().with_extension("");
+        let name = name.to_str().unwrap().replace('\\', "/");
+        let name = name.strip_suffix("/mod").unwrap_or(&name);
+        let (code, for_tests) = code(&text);
+        left_out.extend(for_tests.iter().map(|inner| format!("{name}/{inner}")));
+        all.push((name.to_owned(), code));
+    }
+    let is_left_out = |name: &str| {
+        let ends = name.match_indices('/').map(|(at, _)| at);
+        ends.chain([name.len()])
+            .any(|end| left_out.contains(&name[..end]))
+    };
+    all.retain(|(name, _)| name != "lib" && !is_left_out(name));
+    all
+}
+
+#[test]
+fn no_module_knows_one_above_it() {
+    let mut arrows = BTreeSet::new();
+    for (name, code) in modules() {
+        let from = name.split('/').next().unwrap();
+        let own = floor(from).unwrap_or_else(|| panic!("{from}: on which of FLOORS is it?"));
+        let depth = name.split('/').count();
+        for to in used(&code).into_iter().chain(above_root(&code, depth)) {
+            if let Some(other) = floor(to) {
+                assert!(other < own || to == from, "src/{name} looks up to {to}");
+                arrows.insert((from.to_owned(), to.to_owned()));
+            }
+        }
+    }
+    // The files were found and read.
+    for (from, to) in [("belt", "friction"), ("bifurcation", "limit_cycle")] {
+        assert!(arrows.contains(&(from.to_owned(), to.to_owned())));
+    }
+}
+
+#[test]
+fn imports_name_the_module() {
+    for (name, code) in modules() {
+        for module in used(&code) {
+            assert!(
+                floor(module).is_some(),
+                "src/{name}: crate::{module} is no module; name the one that owns it"
+            );
+        }
+    }
+}
+
+#[test]
+fn no_line_is_too_long() {
+    let mut too_long = Vec::new();
+    for path in files_of("") {
+        let name = path.strip_prefix(root()).unwrap();
+        let is_script = name.extension().is_none() && name.ends_with("run");
+        let is_written = name
+            .extension()
+            .is_some_and(|extension| ["rs", "md", "toml"].iter().any(|e| extension == *e));
+        if !is_script && !is_written {
+            continue;
+        }
+        for (number, line) in fs::read_to_string(&path).unwrap().lines().enumerate() {
+            let text = line
+                .trim_start()
+                .trim_start_matches(['/', '!'])
+                .trim_start();
+            let words = line.split(' ').filter(|word| !word.contains("://"));
+            let columns: usize = words.map(|word| word.chars().count() + 1).sum();
+            if columns > COLUMNS + 1 && !text.starts_with('|') {
+                too_long.push(format!("{}:{}", name.display(), number + 1));
+            }
+        }
+    }
+    assert!(too_long.is_empty(), "over {COLUMNS} columns: {too_long:#?}");
+}
+
+#[test]
+fn the_guards_see_what_they_shall() {
+    let text = "use crate::{state::State, motion::{Event, Mode}, error};\n\
+                use crate::MassOnBelt; // crate::nothing\n\
+                let a = crate::belt::f(super::super::scaling::g());\n\
+                #[cfg(test)]\nuse crate::bifurcation::{\n    A, B,\n};\n\
+                #[cfg(test)]\nmod tests;\n\
+                #[cfg(test)]\nmod more {\n    fn f() {}\n    use crate::analysis::C;\n}\n\
+                use crate::series::D;\n";
+    let (code, for_tests) = code(text);
+    assert_eq!(for_tests, ["tests"]);
+    assert_eq!(
+        used(&code),
+        ["state", "motion", "error", "MassOnBelt", "belt", "series"]
+    );
+    assert_eq!(above_root(&code, 2), ["scaling"]);
+    assert_eq!(above_root(&code, 1), [""; 0]);
+    assert!(floor("state") < floor("belt") && floor("belt") < floor("bifurcation"));
+}

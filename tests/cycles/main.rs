@@ -1,0 +1,11 @@
+//! Limit cycles and bifurcations.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod bifurcations;
+mod cases;
+mod cycles;
+mod folds;
+mod maps;
+mod properties;
