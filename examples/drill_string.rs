@@ -88,7 +88,7 @@ fn main() -> Result<(), Error> {
         );
     }
 
-    // Without the spring of the drive the formulas for two inertias hold.
+    // Two inertias alone, without the spring of the drive and the damping of the pipe: a formula.
     let inertias = TwoInertias {
         upper: TABLE,
         lower: BIT,
@@ -98,7 +98,7 @@ fn main() -> Result<(), Error> {
     let torque_slope = |speed: f64| rock().map(|law| WEIGHT * RADIUS * law.slope(speed));
     if let Some(critical) = inertias.critical_slope() {
         println!(
-            "\nfriction may fall by {:.2} N·m·s at most; it does",
+            "\nwith an undamped pipe and a free drive friction may fall by {:.2} N·m·s; it does",
             -critical
         );
         for rpm in [50.0, 110.0] {

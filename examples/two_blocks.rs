@@ -6,8 +6,7 @@
 //!   order of `with_contact`, and events say at which contact they happen;
 //! * `mode_at` tells what each contact does between events: here the blocks stick together, in
 //!   turn, or not at all;
-//! * small changes of the start grow in some of these motions: what is printed at the end is how
-//!   fast.
+//! * this motion is stable: a small change of the start stays small, as is printed at the end.
 //!
 //! Run it with `cargo run --release --example two_blocks`.
 
