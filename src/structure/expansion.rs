@@ -157,7 +157,7 @@ impl<L: ContactLaw<Z>, const Z: usize> super::parts::Joint<'_, L, Z> {
         let memories = &self.memories;
         let (coefficient, rates) = self.tape.run(k, |run| {
             let slip = Slip {
-                speed: run.input(speed),
+                speed: run.variable(speed),
                 direction,
                 piece,
             };
