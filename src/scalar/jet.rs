@@ -1,14 +1,18 @@
 //! A Taylor number whose order is a run-time value, for cold paths and for series of many coupled
 //! quantities.
 //!
-//! The recurrences are those of `operations.rs`, with loops in place of unrolled orders: one copy
-//! of a law serves every order. A function is run once for every order k; run k computes the
-//! coefficients of t^k alone, from the rows that the runs before left on the [`Tape`]. So equations
-//! that are coupled can be advanced one order at a time, each with a tape of its own.
+//! The recurrences are those of `operations.rs`: one copy of a law serves every order. A function is
+//! run once for every order k; run k computes the coefficients of t^k alone, from the rows that the
+//! runs before left on the [`Tape`]. So equations that are coupled can be advanced one order at a
+//! time, each with a tape of its own.
+//!
+//! As there, a coefficient is slope·s_k + rest, s_k that of the one input which comes last, the
+//! [variable](Run::variable): from one order to the next the critical path is then as short as it
+//! can be. Other inputs enter by their rests.
 //!
 //! ```text
 //! for k in 0..n {
-//!     let m_k = tape.run(k, |run| law(run.input(s_k)).coefficient());
+//!     let m_k = tape.run(k, |run| law(run.variable(s_k)).coefficient());
 //!     let s_{k+1} = …;                                      // from s_k, m_k and whatever else
 //! }
 //! ```
@@ -21,8 +25,20 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use super::products::{Row, inner_product, inner_square};
 use super::{Function, LONGEST, Scalar, mul_add, sealed};
 
-fn zero() -> Row {
-    std::array::from_fn(|_| Cell::new(0.0))
+/// What one operation has computed so far: its slope at order 0, and its coefficients.
+#[derive(Debug, Clone)]
+struct Line {
+    slope: Cell<f64>,
+    c: Row,
+}
+
+impl Line {
+    fn zero() -> Self {
+        Self {
+            slope: Cell::new(0.0),
+            c: std::array::from_fn(|_| Cell::new(0.0)),
+        }
+    }
 }
 
 /// 1/k, by which the recurrences of y' = f(y)·a' divide.
@@ -40,11 +56,11 @@ const INVERSE: [f64; LONGEST] = {
 #[derive(Debug, Clone)]
 pub(crate) struct Tape {
     /// Grown in the first run, never after.
-    rows: Vec<Row>,
+    rows: Vec<Line>,
     /// The row of every constant; and where operations write that find no row yet. A run that
     /// needed it is repeated with enough rows.
-    zero: Row,
-    scratch: Row,
+    zero: Line,
+    scratch: Line,
 }
 
 /// One run of a function: all coefficients of one order.
@@ -53,6 +69,8 @@ pub(crate) struct Run<'t> {
     tape: &'t Tape,
     next: Cell<usize>,
     order: usize,
+    /// s_k of the variable.
+    newest: Cell<f64>,
 }
 
 /// Coefficient of t^k of a power series, k the order of its run.
@@ -62,20 +80,22 @@ pub(crate) struct Run<'t> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Jet<'r> {
     run: &'r Run<'r>,
-    row: &'r Row,
+    row: &'r Line,
     scale: f64,
     /// Coefficient of order 0, of the view.
     value: f64,
-    /// Coefficient of order k, of the view; meaningless for k = 0.
-    newest: f64,
+    /// Derivative of the **row** with respect to the variable at the base point.
+    slope: f64,
+    /// row_k − slope·s_k; meaningless for k = 0.
+    rest: f64,
 }
 
 impl Tape {
     pub(crate) fn new() -> Self {
         Self {
             rows: Vec::new(),
-            zero: zero(),
-            scratch: zero(),
+            zero: Line::zero(),
+            scratch: Line::zero(),
         }
     }
 
@@ -88,13 +108,14 @@ impl Tape {
                 tape: self,
                 next: Cell::new(0),
                 order,
+                newest: Cell::new(0.0),
             };
             let result = function(&run);
             let rows = run.next.get();
             if order > 0 || rows <= self.rows.len() {
                 return result;
             }
-            self.rows.resize_with(rows, zero);
+            self.rows.resize_with(rows, Line::zero);
         }
     }
 
@@ -102,7 +123,7 @@ impl Tape {
     /// [`LONGEST`].
     pub(crate) fn compose(&mut self, function: impl Function, inner: &[f64], outer: &mut [f64]) {
         for (k, (s, f)) in std::iter::zip(inner, outer).take(LONGEST).enumerate() {
-            *f = self.run(k, |run| function.at(run.input(*s)).coefficient());
+            *f = self.run(k, |run| function.at(run.variable(*s)).coefficient());
         }
     }
 }
@@ -119,32 +140,46 @@ pub(crate) fn coefficients<const M: usize>(function: impl Function, x: f64) -> [
 }
 
 impl Run<'_> {
-    /// The next input, by its coefficient of this run's order.
+    /// The variable, by its coefficient of this run's order: one input at most, before all
+    /// operations.
+    #[inline(always)]
+    pub(crate) fn variable(&self, coefficient: f64) -> Jet<'_> {
+        self.newest.set(coefficient);
+        self.line(coefficient, 1.0, 0.0)
+    }
+
+    /// Another input.
     #[inline(always)]
     pub(crate) fn input(&self, coefficient: f64) -> Jet<'_> {
-        self.set(self.claim(), coefficient)
+        self.line(coefficient, 0.0, coefficient)
     }
 
     #[inline(always)]
-    fn claim(&self) -> &Row {
+    fn line(&self, coefficient: f64, slope: f64, rest: f64) -> Jet<'_> {
+        let row = self.claim();
+        self.set(row, coefficient);
+        Jet {
+            run: self,
+            row,
+            scale: 1.0,
+            value: row.c[0].get(),
+            slope,
+            rest,
+        }
+    }
+
+    #[inline(always)]
+    fn claim(&self) -> &Line {
         let index = self.next.get();
         self.next.set(index + 1);
         self.tape.rows.get(index).unwrap_or(&self.tape.scratch)
     }
 
-    /// A view of a row, with its newest coefficient put in.
     #[inline(always)]
-    fn set<'r>(&'r self, row: &'r Row, coefficient: f64) -> Jet<'r> {
+    fn set(&self, row: &Line, coefficient: f64) {
         // Orders are below LONGEST: see `Tape::run`.
-        if let Some(newest) = row.get(self.order) {
+        if let Some(newest) = row.c.get(self.order) {
             newest.set(coefficient);
-        }
-        Jet {
-            run: self,
-            row,
-            scale: 1.0,
-            value: row[0].get(),
-            newest: coefficient,
         }
     }
 }
@@ -156,7 +191,7 @@ impl<'r> Jet<'r> {
         if self.order() == 0 {
             self.value
         } else {
-            self.newest
+            self.newest()
         }
     }
 
@@ -165,33 +200,64 @@ impl<'r> Jet<'r> {
         self.run.order
     }
 
-    /// The result of an operation: in run 0 its value, in every later run its newest coefficient,
-    /// which may read the row that the operation wrote before.
+    /// The coefficient of order k ≥ 1.
+    #[inline(always)]
+    fn newest(self) -> f64 {
+        self.scale * mul_add(self.slope, self.run.newest.get(), self.rest)
+    }
+
+    /// Derivative of the view with respect to the variable.
+    #[inline(always)]
+    fn derivative(self) -> f64 {
+        self.scale * self.slope
+    }
+
+    /// The result of an operation: in run 0 its value and slope, in every later run its rest, which
+    /// may read the row that the operation wrote before.
     #[inline(always)]
     fn operation(
         self,
-        row: &'r Row,
-        value: impl FnOnce() -> f64,
-        newest: impl FnOnce(usize) -> f64,
+        row: &'r Line,
+        base: impl FnOnce() -> (f64, f64),
+        rest: impl FnOnce(usize) -> f64,
     ) -> Self {
-        let coefficient = match self.order() {
-            0 => value(),
-            k => newest(k),
+        let (value, slope, rest) = match self.order() {
+            0 => {
+                let (value, slope) = base();
+                row.slope.set(slope);
+                row.c[0].set(value);
+                (value, slope, 0.0)
+            }
+            k => {
+                let (slope, rest) = (row.slope.get(), rest(k));
+                self.run
+                    .set(row, mul_add(slope, self.run.newest.get(), rest));
+                (row.c[0].get(), slope, rest)
+            }
         };
-        self.run.set(row, coefficient)
+        Self {
+            run: self.run,
+            row,
+            scale: 1.0,
+            value,
+            slope,
+            rest,
+        }
     }
 
-    /// A row of k·c_k, the coefficients that the same recurrences multiply with.
+    /// A row of k·c_k, the coefficients that the recurrences of y' = f(y)·a' multiply with.
     #[inline(always)]
-    fn weighted(self) -> &'r Row {
+    fn weighted(self) -> &'r Line {
         let row = self.run.claim();
         self.write_weighted(row);
         row
     }
 
     #[inline(always)]
-    fn write_weighted(self, row: &Row) {
-        self.run.set(row, self.order() as f64 * self.newest);
+    fn write_weighted(self, row: &Line) {
+        if self.order() > 0 {
+            self.run.set(row, self.order() as f64 * self.newest());
+        }
     }
 
     /// aⁿ, by squaring.
@@ -214,20 +280,21 @@ impl<'r> Jet<'r> {
     #[inline]
     fn sin_cos(self) -> (Self, Self) {
         let (a, weighted, s, c) = (self, self.weighted(), self.run.claim(), self.run.claim());
+        let base = || a.value.sin_cos();
         let sine = self.operation(
             s,
-            || a.value.sin(),
+            || (base().0, base().1 * a.derivative()),
             |k| {
-                let older = inner_product(k, weighted, c) * INVERSE[k];
-                mul_add(c[0].get(), a.newest, older)
+                let older = inner_product(k, &weighted.c, &c.c) * INVERSE[k];
+                mul_add(c.c[0].get() * a.scale, a.rest, older)
             },
         );
         let cosine = self.operation(
             c,
-            || a.value.cos(),
+            || (base().1, -base().0 * a.derivative()),
             |k| {
-                let older = inner_product(k, weighted, s) * INVERSE[k];
-                -mul_add(s[0].get(), a.newest, older)
+                let older = inner_product(k, &weighted.c, &s.c) * INVERSE[k];
+                -mul_add(s.c[0].get() * a.scale, a.rest, older)
             },
         );
         (sine, cosine)
@@ -241,8 +308,10 @@ impl Scalar for Jet<'_> {
     fn constant(self, c: f64) -> Self {
         Self {
             row: &self.run.tape.zero,
+            scale: 1.0,
             value: c,
-            newest: 0.0,
+            slope: 0.0,
+            rest: 0.0,
             ..self
         }
     }
@@ -258,11 +327,11 @@ impl Scalar for Jet<'_> {
         let (b, q) = (self, self.run.claim());
         self.operation(
             q,
-            || b.value.recip(),
+            || (b.value.recip(), -b.derivative() / (b.value * b.value)),
             |k| {
-                let start = q[0].get();
-                let older = inner_product(k, q, b.row) * b.scale;
-                -start * mul_add(start, b.newest, older)
+                let factor = -q.c[0].get() * b.scale;
+                let older = inner_product(k, &q.c, &b.row.c) * factor;
+                mul_add(factor * q.c[0].get(), b.rest, older)
             },
         )
     }
@@ -272,10 +341,10 @@ impl Scalar for Jet<'_> {
         let a = self;
         self.operation(
             self.run.claim(),
-            || a.value * a.value,
+            || (a.value * a.value, 2.0 * a.value * a.derivative()),
             |k| {
-                let older = inner_square(k, a.row) * (a.scale * a.scale);
-                mul_add(2.0 * a.value, a.newest, older)
+                let older = inner_square(k, &a.row.c) * (a.scale * a.scale);
+                mul_add(2.0 * a.value * a.scale, a.rest, older)
             },
         )
     }
@@ -286,10 +355,10 @@ impl Scalar for Jet<'_> {
         let (a, weighted, y) = (self, self.weighted(), self.run.claim());
         self.operation(
             y,
-            || a.value.exp(),
+            || (a.value.exp(), a.value.exp() * a.derivative()),
             |k| {
-                let older = inner_product(k, weighted, y) * INVERSE[k];
-                mul_add(y[0].get(), a.newest, older)
+                let older = inner_product(k, &weighted.c, &y.c) * INVERSE[k];
+                mul_add(y.c[0].get() * a.scale, a.rest, older)
             },
         )
     }
@@ -300,10 +369,10 @@ impl Scalar for Jet<'_> {
         let (a, y, weighted) = (self, self.run.claim(), self.run.claim());
         let y = self.operation(
             y,
-            || a.value.ln(),
+            || (a.value.ln(), a.derivative() / a.value),
             |k| {
-                let older = inner_product(k, weighted, a.row) * a.scale * INVERSE[k];
-                (a.newest - older) / a.value
+                let older = inner_product(k, &weighted.c, &a.row.c) * INVERSE[k];
+                a.scale / a.value * (a.rest - older)
             },
         );
         y.write_weighted(weighted);
@@ -316,8 +385,8 @@ impl Scalar for Jet<'_> {
         let (a, y) = (self, self.run.claim());
         self.operation(
             y,
-            || a.value.sqrt(),
-            |k| (a.newest - inner_square(k, y)) / (2.0 * y[0].get()),
+            || (a.value.sqrt(), a.derivative() / (2.0 * a.value.sqrt())),
+            |k| 0.5 / y.c[0].get() * (a.scale * a.rest - inner_square(k, &y.c)),
         )
     }
 
@@ -341,11 +410,15 @@ impl Scalar for Jet<'_> {
         let (a, weighted, y) = (self, self.weighted(), self.run.claim());
         self.operation(
             y,
-            || a.value.powf(p),
+            || {
+                let value = a.value.powf(p);
+                (value, p * value / a.value * a.derivative())
+            },
             |k| {
-                let by_weight = inner_product(k, weighted, y) * ((p + 1.0) * INVERSE[k]);
-                let by_value = inner_product(k, a.row, y) * a.scale;
-                mul_add(p * y[0].get(), a.newest, by_weight - by_value) / a.value
+                let by_weight = inner_product(k, &weighted.c, &y.c) * ((p + 1.0) * INVERSE[k]);
+                let by_value = inner_product(k, &a.row.c, &y.c) * a.scale;
+                let newest = p * y.c[0].get() * a.scale;
+                mul_add(newest, a.rest, by_weight - by_value) / a.value
             },
         )
     }
@@ -356,17 +429,20 @@ impl Scalar for Jet<'_> {
         let (a, weighted, y, g) = (self, self.weighted(), self.run.claim(), self.run.claim());
         let y = self.operation(
             y,
-            || a.value.tanh(),
+            || {
+                let derivative = a.value.cosh().powi(-2);
+                g.c[0].set(derivative);
+                (a.value.tanh(), derivative * a.derivative())
+            },
             |k| {
-                let older = inner_product(k, weighted, g) * INVERSE[k];
-                mul_add(g[0].get(), a.newest, older)
+                let older = inner_product(k, &weighted.c, &g.c) * INVERSE[k];
+                mul_add(g.c[0].get() * a.scale, a.rest, older)
             },
         );
-        y.operation(
-            g,
-            || a.value.cosh().powi(-2),
-            |k| -mul_add(2.0 * y.value, y.newest, inner_square(k, y.row)),
-        );
+        if self.order() > 0 {
+            let square = inner_square(self.order(), &y.row.c);
+            self.run.set(g, -mul_add(2.0 * y.value, y.newest(), square));
+        }
         y
     }
 
@@ -377,10 +453,10 @@ impl Scalar for Jet<'_> {
         let (y, weighted) = (self.run.claim(), self.run.claim());
         let y = self.operation(
             y,
-            || a.value.atan(),
+            || (a.value.atan(), a.derivative() / b.value),
             |k| {
-                let older = inner_product(k, weighted, b.row) * INVERSE[k];
-                (a.newest - older) / b.value
+                let older = inner_product(k, &weighted.c, &b.row.c) * INVERSE[k];
+                (a.scale * a.rest - older) / b.value
             },
         );
         y.write_weighted(weighted);
@@ -418,8 +494,8 @@ impl Add for Jet<'_> {
         let (a, b) = (self, other);
         self.operation(
             self.run.claim(),
-            || a.value + b.value,
-            |_| a.newest + b.newest,
+            || (a.value + b.value, a.derivative() + b.derivative()),
+            |_| mul_add(a.scale, a.rest, b.scale * b.rest),
         )
     }
 }
@@ -439,10 +515,14 @@ impl Mul for Jet<'_> {
         let (a, b) = (self, other);
         self.operation(
             self.run.claim(),
-            || a.value * b.value,
+            || {
+                let slope = a.value * b.derivative() + b.value * a.derivative();
+                (a.value * b.value, slope)
+            },
             |k| {
-                let older = inner_product(k, a.row, b.row) * (a.scale * b.scale);
-                mul_add(a.value, b.newest, mul_add(b.value, a.newest, older))
+                let older = inner_product(k, &a.row.c, &b.row.c) * (a.scale * b.scale);
+                let older = mul_add(a.value * b.scale, b.rest, older);
+                mul_add(b.value * a.scale, a.rest, older)
             },
         )
     }
@@ -456,10 +536,14 @@ impl Div for Jet<'_> {
         let (a, b, q) = (self, other, self.run.claim());
         self.operation(
             q,
-            || a.value / b.value,
+            || {
+                let value = a.value / b.value;
+                (value, (a.derivative() - value * b.derivative()) / b.value)
+            },
             |k| {
-                let older = inner_product(k, q, b.row) * b.scale;
-                (a.newest - mul_add(q[0].get(), b.newest, older)) / b.value
+                let older = inner_product(k, &q.c, &b.row.c);
+                let known = mul_add(q.c[0].get(), b.rest, older) * b.scale;
+                mul_add(a.scale, a.rest, -known) / b.value
             },
         )
     }
@@ -491,7 +575,6 @@ impl Mul<f64> for Jet<'_> {
         Self {
             scale: self.scale * c,
             value: self.value * c,
-            newest: self.newest * c,
             ..self
         }
     }
@@ -504,7 +587,6 @@ impl Div<f64> for Jet<'_> {
         Self {
             scale: self.scale / c,
             value: self.value / c,
-            newest: self.newest / c,
             ..self
         }
     }

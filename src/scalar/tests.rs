@@ -674,7 +674,7 @@ fn coupled_series_advance_order_by_order() {
     let (mut x, mut y) = ([1.0; LONGEST], [1.0; LONGEST]);
     for k in 0..LONGEST - 1 {
         let rates = tape.run(k, |run| {
-            let (x, y) = (run.input(x[k]), run.input(y[k]));
+            let (x, y) = (run.variable(x[k]), run.input(y[k]));
             [(x * y).coefficient(), (-x.square()).coefficient()]
         });
         [x[k + 1], y[k + 1]] = rates.map(|rate| rate / (k + 1) as f64);

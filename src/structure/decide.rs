@@ -96,7 +96,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
 
     /// Opens or closes a contact as its load says; whether that has changed anything.
     fn revise_load(&mut self, c: usize) -> Result<bool, Error> {
-        let unit = self.model.time_unit;
+        let unit = self.unit;
         let joint = &mut self.joints[c];
         if !joint.load_varies {
             return Ok(false);
@@ -201,12 +201,12 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
         let mut sum = body.force[0].abs()
             + body.surface[1].abs()
             + (stiffness.diagonal()[i] * body.displacement).abs()
-            + (damping.diagonal()[i] * body.velocities[0]).abs();
+            + (damping.diagonal()[i] * body.velocity()).abs();
         for &(j, a) in stiffness.beside_diagonal(i) {
             sum += (a * self.bodies[j].displacement).abs();
         }
         for &(j, a) in damping.beside_diagonal(i) {
-            sum += (a * self.bodies[j].velocities[0]).abs();
+            sum += (a * self.bodies[j].velocity()).abs();
         }
         sum
     }

@@ -2,7 +2,7 @@
 //! of motion.
 
 use super::engine::Engine;
-use super::parts::{Body, Joint};
+use super::parts::Joint;
 use crate::friction::memory::{ContactLaw, Motion, Slip};
 use crate::motion::Mode;
 use crate::motion::step_control::{Allowance, LONG};
@@ -18,7 +18,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
     /// least every quarter of a radian. Coefficients alone miss what lies hidden behind an
     /// underflow, such as the flank of a narrow Gaussian.
     pub(super) fn defects_are_accepted(&self, allowances: &[Allowance], h: f64) -> bool {
-        let unit = self.model.time_unit;
+        let unit = self.unit;
         self.joints.iter().all(|joint| {
             if !matches!(joint.mode, Mode::Slip(_)) {
                 return true;
@@ -26,10 +26,10 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
             let body = &self.bodies[joint.body()];
             let times = quarters(h);
             let speeds = body.speeds.at_four(times);
-            let at_quarters = joint.defect(body, times, speeds);
+            let at_quarters = joint.defect(times, speeds);
             let mut at_minima = 0.0;
             body.speeds.about_minima(h, speeds, &mut |times| {
-                at_minima += joint.defect(body, times, body.speeds.at_four(times));
+                at_minima += joint.defect(times, body.speeds.at_four(times));
             });
             let mut between = 0.0;
             if h > LONG * unit {
@@ -38,7 +38,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
                 for i in 0..fours as usize {
                     let start = i as f64 * 4.0 * part;
                     let times = [0.5, 1.5, 2.5, 3.5].map(|place| start + place * part);
-                    between += joint.defect(body, times, body.speeds.at_four(times));
+                    between += joint.defect(times, body.speeds.at_four(times));
                 }
             }
             allowances[joint.body()].accepts([at_quarters, at_minima, between], h)
@@ -50,8 +50,8 @@ impl<L: ContactLaw<Z>, const Z: usize> Joint<'_, L, Z> {
     /// Largest N/m·|μ(s(t)) − μ(t)| at four times, where s(t) has the values `speeds`: the defect
     /// of the series, up to terms as small as its last. Of the memory's rates likewise.
     #[inline(always)]
-    fn defect(&self, body: &Body, times: [f64; 4], speeds: [f64; 4]) -> f64 {
-        let friction = body.friction.at_four(times);
+    fn defect(&self, times: [f64; 4], speeds: [f64; 4]) -> f64 {
+        let friction = self.friction.at_four(times);
         let mut largest = 0.0;
         for i in 0..4 {
             let Some(value) = self.coefficient_at(speeds[i], times[i]) else {

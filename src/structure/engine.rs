@@ -17,7 +17,7 @@
 //! | `decide.rs` | the modes at an instant |
 //! | `flow.rs`, `step.rs` | steps one after the other, as values |
 
-use super::expansion::LawFault;
+use super::expansion::{Coefficients, LawFault};
 use super::model::Model;
 use super::parts::{Body, Edge, Firing, Joint};
 use super::step::Step;
@@ -39,9 +39,11 @@ pub(super) struct Engine<'s, L, const Z: usize> {
     pub(super) clock: Clock,
     pub(super) bodies: Vec<Body>,
     pub(super) joints: Vec<Joint<'s, L, Z>>,
-    /// Coefficients of the order in work, one for each coordinate.
-    pub(super) velocities: Vec<f64>,
-    pub(super) displacements: Vec<f64>,
+    /// Coefficients of the order in work and of the next, one for each coordinate.
+    pub(super) now: Vec<Coefficients>,
+    pub(super) next: Vec<Coefficients>,
+    /// What a step is long or short by.
+    pub(super) unit: f64,
     /// What each coordinate may leave out in the step under way.
     pub(super) allowances: Vec<Allowance>,
     /// Scale of each velocity, and the size of the terms of its equation.
@@ -87,9 +89,10 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Engine<'s, L, Z> {
         });
         let mut engine = Self {
             joints: joints.collect(),
-            velocities: vec![0.0; bodies.len()],
-            displacements: vec![0.0; bodies.len()],
+            now: vec![Coefficients::default(); bodies.len()],
+            next: vec![Coefficients::default(); bodies.len()],
             bodies,
+            unit: model.time_unit,
             model,
             tolerance,
             clock,
@@ -175,7 +178,7 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Engine<'s, L, Z> {
     fn land(&mut self, settled: Settled) {
         let h = settled.duration;
         for body in &mut self.bodies {
-            body.displacement += h * body.velocities.mean(h);
+            body.displacement += h * body.mean_velocity(h);
             body.rate = None;
             if body.side != 0.0 {
                 body.speed = body.speeds.at(h);
@@ -232,7 +235,7 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Engine<'s, L, Z> {
 
     /// Series of all velocities, then of the memory.
     fn series(&self) -> Vec<PowerSeries> {
-        let velocities = self.bodies.iter().map(|body| body.velocities);
+        let velocities = self.bodies.iter().map(Body::velocities);
         let memories = self.joints.iter().flat_map(|joint| joint.memories);
         velocities.chain(memories).collect()
     }

@@ -5,8 +5,8 @@ use super::model::Target;
 use crate::drive::Drive;
 use crate::friction::memory::{ContactLaw, Motion, Slip};
 use crate::motion::Mode;
-use crate::scalar::Scalar;
 use crate::scalar::jet::Run;
+use crate::scalar::{Scalar, mul_add};
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 
 /// A law that gives no number, or no series.
@@ -25,11 +25,13 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
             match target {
                 Target::Force(i) => {
                     self.bodies[i].force = series(drive).scaled(self.model.inverse_mass[i]);
+                    self.bodies[i].is_driven = true;
                 }
                 Target::Surface(c) => {
                     let joint = &self.joints[c];
                     if joint.mode != Mode::Open {
                         self.bodies[joint.body()].surface = series(drive);
+                        self.bodies[joint.body()].is_driven = true;
                     }
                 }
                 // With its part from displacements, order by order.
@@ -43,82 +45,79 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
     }
 
     /// The series of all coordinates. Order by order: first the law of every contact, from the
-    /// velocities of that order; then R of every coordinate, which gives the velocities of the
+    /// sliding speeds of that order; then R of every coordinate, which gives the velocities of the
     /// next.
     pub(super) fn expand(&mut self) -> Result<(), LawFault> {
         let Self {
             model,
             bodies,
             joints,
-            velocities,
-            displacements,
+            now,
+            next,
             ..
         } = self;
-        for body in bodies.iter_mut() {
+        let (stiffness, damping) = (&model.stiffness, &model.damping);
+        for (body, at) in bodies.iter_mut().zip(&mut *now) {
             body.speeds[0] = body.speed;
             body.resistance = 0.0;
+            *at = Coefficients {
+                displacement: body.displacement,
+                velocity: body.velocity(),
+            };
         }
-        let (stiffness, damping) = (&model.stiffness, &model.damping);
         for k in 0..TERMS - 1 {
-            let bodies = &mut bodies[..];
-            for ((body, v), q) in bodies
-                .iter_mut()
-                .zip(&mut *velocities)
-                .zip(&mut *displacements)
-            {
-                *q = match k.checked_sub(1) {
-                    None => body.displacement,
-                    Some(before) => *v * INTEGRAL[before],
-                };
-                *v = body.surface[k] + body.side * body.speeds[k];
-                body.velocities[k] = *v;
-            }
             for joint in joints.iter_mut() {
                 let i = joint.body();
-                let body = &mut bodies[i];
                 if joint.load_varies {
                     let gradient = joint.contact.load_gradient().iter();
                     let from_displacements: f64 =
-                        gradient.map(|&(j, n)| n * displacements[j]).sum();
+                        gradient.map(|&(j, n)| n * now[j].displacement).sum();
                     joint.load[k] =
                         joint.drive_load[k] + from_displacements * model.inverse_mass[i];
                 }
                 match joint.mode {
                     Mode::Open => {}
                     Mode::Slip(direction) => {
-                        let coefficient = joint.slip_order(k, body.speeds[k], direction.sign());
-                        body.friction[k] = coefficient;
-                        body.resistance = if joint.load_varies {
-                            (0..=k).map(|l| joint.load[l] * body.friction[k - l]).sum()
-                        } else {
-                            joint.load[0] * coefficient
-                        };
+                        let body = &mut bodies[i];
+                        body.resistance = joint.slip_order(k, body.speeds[k], direction.sign());
                     }
                     Mode::Stick => joint.stick_order(k),
                 }
             }
-            for (i, body) in bodies.iter_mut().enumerate() {
-                let mut carried = body.force[k]
-                    - (k + 1) as f64 * body.surface[k + 1]
-                    - damping.diagonal()[i] * velocities[i]
-                    - stiffness.diagonal()[i] * displacements[i];
+            let rows = bodies.iter_mut().zip(&mut *next).enumerate();
+            for (i, (body, next)) in rows {
+                let Coefficients {
+                    displacement,
+                    velocity,
+                } = now[i];
+                let mut carried =
+                    -damping.diagonal()[i] * velocity - stiffness.diagonal()[i] * displacement;
                 for &(j, a) in stiffness.beside_diagonal(i) {
-                    carried -= a * displacements[j];
+                    carried -= a * now[j].displacement;
                 }
                 for &(j, a) in damping.beside_diagonal(i) {
-                    carried -= a * velocities[j];
+                    carried -= a * now[j].velocity;
+                }
+                let mut surface = 0.0;
+                if body.is_driven {
+                    surface = body.surface[k + 1];
+                    carried += body.force[k] - (k + 1) as f64 * surface;
+                } else if k == 0 {
+                    carried += body.force[0];
                 }
                 body.carried[k] = carried;
                 let equation = (body.side * carried - body.resistance) * INTEGRAL[k];
-                body.speeds[k + 1] = match body.rate {
+                let speed = match body.rate {
                     Some(rate) if k == 0 => rate,
                     _ => equation,
                 };
+                body.speeds[k + 1] = speed;
+                *next = Coefficients {
+                    displacement: velocity * INTEGRAL[k],
+                    velocity: mul_add(body.side, speed, surface),
+                };
             }
-        }
-        const LAST: usize = TERMS - 1;
-        for body in bodies.iter_mut() {
-            body.velocities[LAST] = body.surface[LAST] + body.side * body.speeds[LAST];
+            std::mem::swap(now, next);
         }
         self.law_fault().map_or(Ok(()), Err)
     }
@@ -126,23 +125,29 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
     /// The first law that gave no number, or no slope.
     fn law_fault(&self) -> Option<LawFault> {
         let slipping = self.joints.iter().filter(|j| j.direction().is_some());
-        slipping
-            .map(|joint| &self.bodies[joint.body()])
-            .find_map(|body| {
-                let (speed, value) = (body.speed, body.friction[0]);
-                if !value.is_finite() {
-                    Some(LawFault::NonFinite { speed, value })
-                } else if !body.friction[1].is_finite() && body.speeds[1].is_finite() {
-                    Some(LawFault::NotAnalytic { speed })
-                } else {
-                    None
-                }
-            })
+        slipping.into_iter().find_map(|joint| {
+            let body = &self.bodies[joint.body()];
+            let (speed, value) = (body.speed, joint.friction[0]);
+            if !value.is_finite() {
+                Some(LawFault::NonFinite { speed, value })
+            } else if !joint.friction[1].is_finite() && body.speeds[1].is_finite() {
+                Some(LawFault::NotAnalytic { speed })
+            } else {
+                None
+            }
+        })
     }
 }
 
+/// Coefficients of the order in work of one coordinate.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Coefficients {
+    displacement: f64,
+    velocity: f64,
+}
+
 impl<L: ContactLaw<Z>, const Z: usize> super::parts::Joint<'_, L, Z> {
-    /// Coefficient k of σμ in slip, and k + 1 of the memory.
+    /// Coefficient k of Nσμ/m in slip, and k + 1 of the memory.
     #[inline]
     fn slip_order(&mut self, k: usize, speed: f64, direction: f64) -> f64 {
         let (law, piece) = (self.contact.law(), self.piece);
@@ -152,7 +157,7 @@ impl<L: ContactLaw<Z>, const Z: usize> super::parts::Joint<'_, L, Z> {
         let memories = &self.memories;
         let (coefficient, rates) = self.tape.run(k, |run| {
             let slip = Slip {
-                speed: run.input(speed),
+                speed: run.variable(speed),
                 direction,
                 piece,
             };
@@ -162,7 +167,12 @@ impl<L: ContactLaw<Z>, const Z: usize> super::parts::Joint<'_, L, Z> {
             (coefficient, rates.map(|rate| rate.coefficient()))
         });
         self.set_memories(k, rates);
-        coefficient
+        self.friction[k] = coefficient;
+        if self.load_varies {
+            (0..=k).map(|l| self.load[l] * self.friction[k - l]).sum()
+        } else {
+            self.load[0] * coefficient
+        }
     }
 
     /// Coefficient k of the bound N μ_s/m in stick, and k + 1 of the memory.

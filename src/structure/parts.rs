@@ -5,6 +5,7 @@ use crate::clock::Clock;
 use crate::friction::memory::ContactLaw;
 use crate::motion::Mode;
 use crate::scalar::jet::Tape;
+use crate::scalar::mul_add;
 use crate::series::PowerSeries;
 use crate::state::Direction;
 
@@ -26,11 +27,10 @@ pub(super) struct Body {
     /// (N μ)_k, σ folded in; 0 but for slip.
     pub(super) resistance: f64,
     pub(super) speeds: PowerSeries,
-    pub(super) velocities: PowerSeries,
     /// R: in stick what the contact carries.
     pub(super) carried: PowerSeries,
-    /// σμ in slip.
-    pub(super) friction: PowerSeries,
+    /// Whether force or surface ever vary.
+    pub(super) is_driven: bool,
     pub(super) force: PowerSeries,
     /// w.
     pub(super) surface: PowerSeries,
@@ -47,9 +47,8 @@ impl Body {
             rate: None,
             resistance: 0.0,
             speeds: PowerSeries::ZERO,
-            velocities: PowerSeries::ZERO,
             carried: PowerSeries::ZERO,
-            friction: PowerSeries::ZERO,
+            is_driven: false,
             force: series,
             surface: PowerSeries::ZERO,
         }
@@ -58,6 +57,21 @@ impl Body {
     /// v.
     pub(super) fn velocity(&self) -> f64 {
         self.surface[0] + self.side * self.speed
+    }
+
+    /// The series of v.
+    pub(super) fn velocities(&self) -> PowerSeries {
+        PowerSeries::from_fn(|k| mul_add(self.side, self.speeds[k], self.surface[k]))
+    }
+
+    /// Mean of v over [0, t].
+    pub(super) fn mean_velocity(&self, t: f64) -> f64 {
+        let surface = if self.is_driven {
+            self.surface.mean(t)
+        } else {
+            self.surface[0]
+        };
+        mul_add(self.side, self.speeds.mean(t), surface)
     }
 }
 
@@ -125,6 +139,8 @@ pub(super) struct Joint<'s, L, const Z: usize> {
     pub(super) load_varies: bool,
     /// N μ_s/m; without terms beyond the first for a constant load and a law without memory.
     pub(super) bound: PowerSeries,
+    /// σμ in slip.
+    pub(super) friction: PowerSeries,
     /// μ_s, if the law remembers anything.
     pub(super) limits: PowerSeries,
     /// μ_s at the start of the step; `None` for a law that never sticks.
@@ -157,6 +173,7 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Joint<'s, L, Z> {
             drive_load: series,
             load_varies: !contact.load().is_constant() || !contact.load_gradient().is_empty(),
             bound: PowerSeries::ZERO,
+            friction: PowerSeries::ZERO,
             limits: PowerSeries::ZERO,
             limit: contact.law().limit(0.0, memory),
             tape: Tape::new(),

@@ -72,7 +72,9 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
 
     /// Whether every velocity is constant, and every distance from a limit linear in time.
     fn is_linear(&self) -> bool {
-        self.bodies.iter().all(|body| body.velocities.is_constant())
+        self.bodies
+            .iter()
+            .all(|body| body.speeds.is_constant() && body.surface.is_constant())
             && self.joints.iter().all(|joint| match joint.mode {
                 Mode::Stick => {
                     let body = &self.bodies[joint.body()];
@@ -82,11 +84,38 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
             })
     }
 
+    /// The model's time unit; where nothing is elastic and nothing damps, the time in which
+    /// forces change by their own size, or else would change a velocity so.
+    fn time_unit(&self, scales: &[(f64, f64)]) -> f64 {
+        if self.model.time_unit.is_finite() {
+            return self.model.time_unit;
+        }
+        let least = |times: &mut dyn Iterator<Item = f64>| {
+            times
+                .filter(|&time| time > 0.0)
+                .fold(f64::INFINITY, f64::min)
+        };
+        let forces = std::iter::zip(&self.bodies, scales);
+        let mut changing = forces.flat_map(|(body, &(_, terms))| {
+            (1..4).map(move |k| (terms / body.carried[k].abs()).powf(1.0 / k as f64))
+        });
+        let changing = least(&mut changing);
+        if changing.is_finite() {
+            return changing;
+        }
+        let velocities = std::iter::zip(&self.bodies, scales);
+        least(
+            &mut velocities.map(|(body, &(_, terms))| {
+                body.velocity().abs().max(body.surface[0].abs()) / terms
+            }),
+        )
+    }
+
     /// Whether all series could be computed to their ends.
     fn is_finite(&self) -> bool {
         const LAST: usize = TERMS - 1;
         let of_bodies = self.bodies.iter().flat_map(|body| {
-            let [v, r] = [&body.velocities, &body.carried];
+            let [v, r] = [&body.speeds, &body.carried];
             [v[LAST], v[LAST - 1], r[LAST - 1], r[LAST - 2]]
         });
         let of_joints = self.joints.iter().flat_map(|joint| {
@@ -101,7 +130,6 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
     fn reach(&mut self) -> (Vec<Allowance>, f64) {
         let mut allowances = std::mem::take(&mut self.allowances);
         allowances.clear();
-        let unit = self.model.time_unit;
         // A mass that does not move yet is judged by how others will move it.
         let mut energy = 0.0_f64;
         let mut scales = std::mem::take(&mut self.scales);
@@ -110,13 +138,16 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
         for joint in &self.joints {
             let i = joint.body();
             if joint.direction().is_some() {
-                scales[i].1 += (joint.load[0] * self.bodies[i].friction[0]).abs();
+                scales[i].1 += (joint.load[0] * joint.friction[0]).abs();
             }
         }
+        self.unit = self.time_unit(&scales);
+        let unit = self.unit;
         for (i, (scale, terms)) in scales.iter_mut().enumerate() {
             let body = &self.bodies[i];
             let by_force = if unit.is_finite() { unit * *terms } else { 0.0 };
-            *scale = body.velocities[0]
+            *scale = body
+                .velocity()
                 .abs()
                 .max(body.surface[0].abs())
                 .max(by_force);
@@ -133,8 +164,9 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
                 own
             };
             let allowance = Allowance::new(self.tolerance * scale, terms);
-            let by_speed = reach(allowance.error, &body.velocities, TERMS - 1);
-            farthest = farthest.min(by_speed);
+            for series in [&body.speeds, &body.surface] {
+                farthest = farthest.min(reach(allowance.error, series, TERMS - 1));
+            }
             allowances.push(allowance);
         }
         for joint in &self.joints {
