@@ -34,9 +34,9 @@ const MOST_STEPS: usize = 10_000;
 /// Energy defect, in roundings, that is worth a look.
 const REMARKABLE: f64 = 1000.0;
 
-/// Distance between two integrations of one motion, in parts of |u| or of max(|v|, |v_b|), that is
-/// worth a look: it is an error, or the motion itself magnifies rounding (near grazing, or where
-/// |D| is large and negative).
+/// Distance between two integrations of one motion, in parts of max(|u|, |v|, |v_b|) or of max(|v|, |v_b|), that is
+/// worth a look: it is an error, or the motion itself magnifies rounding (near grazing, at a release
+/// where friction falls steeply, or at v_b far below γ²μ_s).
 const APART: f64 = 1e-9;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -227,6 +227,7 @@ fn integrate(
 ) -> Result<Judged, Error> {
     let energy = |state: State| 0.5 * (state.displacement.powi(2) + state.velocity.powi(2));
     let (v_b, damping) = (system.belt_velocity(), system.damping());
+    let centre = system.equilibrium().map_or(0.0, |e| e.displacement);
     let [mut work, mut rounding, mut turnover] = [0.0; 3];
     let mut last = start;
     let integrator = Integrator::new().with_max_steps(MOST_STEPS)?;
@@ -252,14 +253,13 @@ fn integrate(
                 let forces = blur + state.displacement.abs() + force.abs();
                 rounding += weight * forces * state.velocity.abs();
             }
-            // Each step is good to a rounding of what happens in it.
+            // Each step is good to a rounding of max(|u − ū|, |v|, |v_b|), or better.
             let State {
                 displacement: u,
                 velocity: v,
             } = last;
-            let scale = v.abs().max(step.state().velocity.abs()).max(v_b.abs());
-            let moved = (u - step.state().displacement).abs();
-            rounding += (u.abs() + v.abs()) * (scale + moved);
+            let scale = (u - centre).abs().max(v.abs()).max(v_b.abs());
+            rounding += (u.abs() + v.abs()) * scale;
         }
         if step.end_time() >= duration {
             break;
@@ -275,7 +275,7 @@ fn integrate(
     let second = second(system, start, duration)?;
     let speed = last.velocity.abs().max(v_b.abs());
     let apart = [
-        (second.displacement - last.displacement).abs() / last.displacement.abs(),
+        (second.displacement - last.displacement).abs() / last.displacement.abs().max(speed),
         (second.velocity - last.velocity).abs() / speed,
     ];
     // 0/0 is no difference.
