@@ -73,8 +73,8 @@ fn during(reached: &Option<Reached>) -> String {
 /// | [`WrongSize`](Self::WrongSize) | a matrix or a start of a structure | one row, column or number for each coordinate |
 /// | [`CoordinateTaken`](Self::CoordinateTaken) | a second contact on one coordinate | add a coordinate, or one law that holds both |
 /// | [`BeltVelocityJumps`](Self::BeltVelocityJumps) | a contact on a belt whose velocity jumps | make it a steep ramp |
-/// | [`StepUnderflow`](Self::StepUnderflow) | a motion: stiffness, or a kink or jump of the law that is not named | name the breakpoint; reduce γ²·dμ̂/ds; start nearer |
-/// | [`TooManySteps`](Self::TooManySteps) | a motion or a search for cycles: stiffness, or a very long run | `with_max_steps`, or as above |
+/// | [`StepUnderflow`](Self::StepUnderflow) | a motion: a kink or jump of the law that is not named, or a slope beyond about 1e20; stiffness of a structure | name the breakpoint; reduce γ²·dμ̂/ds; start nearer |
+/// | [`TooManySteps`](Self::TooManySteps) | a motion or a search for cycles: a very long run, or as above | `with_max_steps`, or as above |
 /// | [`Separation`](Self::Separation) | a motion: a load that depends on displacements falls to 0 | end the motion there, or press harder |
 /// | [`TooManyEvents`](Self::TooManyEvents) | a run with `with_max_events` | raise the limit, or use `flow` |
 /// | [`At`](Self::At) | a search over belt velocities, or over the damping | see the error inside; search beside that value |
@@ -271,7 +271,7 @@ pub enum Error {
 
     /// The step became too short to move the clock.
     #[error(
-        "the step fell to {step:e} {reached}: the system is too stiff for an explicit method (large γ²·dμ̂/ds), or the law has a kink that is not named as a breakpoint"
+        "the step fell to {step:e} {reached}: the law has a kink or jump there that is not named as a breakpoint, or the system is so stiff that numbers overflow (γ²·dμ̂/ds beyond about 1e20)"
     )]
     StepUnderflow {
         /// Length of the last step tried.
@@ -282,7 +282,7 @@ pub enum Error {
 
     /// The limit of steps was reached.
     #[error(
-        "{limit} steps were not enough {reached}; in a simulation raise the limit with `with_max_steps`, shorten the run, or use `flow`. Steps far below 0.1 mean a stiff system (large γ²·dμ̂/ds), or a law with a jump or kink that is not named as a breakpoint"
+        "{limit} steps were not enough {reached}; in a simulation raise the limit with `with_max_steps`, shorten the run, or use `flow`. Steps far below 0.1 mean a law with a jump or kink that is not named as a breakpoint, or one so stiff (γ²·dμ̂/ds) that nothing else moves"
     )]
     TooManySteps {
         /// The limit in force.

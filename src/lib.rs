@@ -114,7 +114,10 @@
 //!    law with a narrow Stribeck velocity, are not missed. A step longer than one radian is looked
 //!    at every quarter of a radian: a bump exp(−(s/w)²) at some other speed is seen for w down to a
 //!    fortieth of the motion's velocity amplitude. Name the place of a narrower one as a
-//!    [breakpoint](FrictionLaw::breakpoints).
+//!    [breakpoint](FrictionLaw::breakpoints). Where friction or the damper rises so steeply with
+//!    the sliding speed that the motion creeps, the step is the creep's own power series, exact to
+//!    rounding too, so that the number of steps does not grow with D = 2β + γ²·dμ̂/ds. Such a step
+//!    starts up to four errors beside the end of the last one.
 //! 2. **Contacts** are roots of the sliding speed's own polynomial, isolated so that none is
 //!    skipped, and refined to the last bit. A shallow contact, in and out within one step, is
 //!    found.
@@ -127,8 +130,9 @@
 //!    is summed with its rounding errors: after 10⁵ cycles an event comes at its multiple of the
 //!    period, to 4 ulps of the time.
 //! 7. **Tolerance** is relative to the motion's own scale, max(|u − ū|, |v|, |v_b|): a change of
-//!    units scales the result. (Where a law is so steep that ū lies far beyond all that happens,
-//!    that scale is large too, and the result less exact than it could be.)
+//!    units scales the result. Where a law is so steep that ū lies far beyond all that happens,
+//!    and on the slow motion of a stiff system, it is relative to max(|v|, |v_b|, |v'|/max(1, D))
+//!    instead, with D = 2β + γ²·dμ̂/ds: to what the motion does, and is about to do.
 //! 8. **Errors.** What cannot go on is an [`Error`] with the time and the state reached, not a
 //!    panic and not a hang.
 //!
@@ -149,8 +153,9 @@
 //!   planar, and cannot cross. Of a [`Structure`] motions are followed.
 //! * No memory in the law: μ depends on the relative velocity alone (no rate-and-state, LuGre or
 //!   bristle model).
-//! * The method is explicit. A stiff system (large γ²·dμ̂/ds, the cubic law far above its minimum)
-//!   ends in [`Error::StepUnderflow`] or [`Error::TooManySteps`], whose messages name stiffness.
+//! * Stiff systems (large β or γ²·dμ̂/ds, the cubic law far above its minimum) are followed like
+//!   others, up to D of about 1e20; far beyond, numbers overflow, and the motion ends in
+//!   [`Error::StepUnderflow`].
 //! * The law is analytic, at s = 0 too, or piecewise so with
 //!   [breakpoints](FrictionLaw::breakpoints).
 //!

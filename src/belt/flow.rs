@@ -51,7 +51,7 @@ enum Phase {
     Ended,
 }
 
-/// Scales of a motion, max(|u − ū|, |v|, |v_b|), at which the terms of its series neither become
+/// Sizes max(|u − ū|, |v|, |v_b|) of a start at which the terms of its series neither become
 /// subnormal numbers nor overflow.
 const SCALES: RangeInclusive<f64> = 1e-280..=1e300;
 

@@ -91,14 +91,14 @@ impl SlipSeries {
                 // The next correction would be the square of this one.
                 let composition = composed.expand(piece, system, workspace, from, time, Some(&c));
                 composition.ok()?;
-                return Some(composed.in_time(unit, allowance, farthest * unit));
+                return composed.in_time(unit, allowance, farthest * unit);
             }
         }
         None
     }
 
     /// A series in units of time `unit` as one in time, and how far it can be used.
-    fn in_time(mut self, unit: f64, allowance: &Allowance, farthest: f64) -> (Self, f64) {
+    fn in_time(mut self, unit: f64, allowance: &Allowance, farthest: f64) -> Option<(Self, f64)> {
         let mut power = 1.0;
         let mut order = 0;
         for k in 0..UNKNOWNS {
@@ -112,15 +112,20 @@ impl SlipSeries {
             }
             power *= unit;
         }
-        let reach = allowance.reach_of(&self.speed, order, farthest);
-        (self, reach)
+        (order >= 2).then(|| (self, allowance.reach_of(&self.speed, order, farthest)))
     }
 
-    /// Drops coefficients that overflow; the highest order left.
+    /// Drops coefficients that overflow, by a rule that knows no unit of length; the highest order
+    /// left.
     #[cold]
     pub(super) fn truncate(&mut self) -> usize {
+        // Not all three vanish but in a rest.
+        let by_decay = |s: f64, power| (s / self.decay.powi(power)).abs();
+        let [a, b, c] = [0, 1, 2].map(|k| by_decay(self.speed[k as usize], k));
+        let size = a.max(b).max(c);
+        let most = (LARGEST * 1e-20 * size).min(LARGEST);
         let is_ordinary =
-            |k: &usize| self.speed[*k].abs() < LARGEST && self.friction[*k].abs() < LARGEST;
+            |k: &usize| self.speed[*k].abs() <= most && self.friction[*k].abs() < LARGEST;
         let left = (0..TERMS).take_while(is_ordinary).count();
         for k in left..TERMS {
             self.speed[k] = 0.0;

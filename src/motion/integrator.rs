@@ -50,7 +50,8 @@ impl Integrator {
     }
 
     /// Sets the relative tolerance: the error of a step in units of the motion's own scale, max(|u
-    /// − ū|, |v|, |v_b|).
+    /// − ū|, |v|, |v_b|), in stiff systems max(|v|, |v_b|, |v'|/D), see the
+    /// [crate page](crate#what-the-integrator-promises).
     ///
     /// # Errors
     ///
