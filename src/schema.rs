@@ -25,9 +25,12 @@
 //! | [`MassOnBelt`](crate::MassOnBelt) | `law`, `belt_velocity`, [`damping` = 0], [`load` = 1] | yes |
 //! | [`State`](crate::State) | `displacement`, `velocity` | yes |
 //! | [`structure::State`](crate::structure::State) | `displacements`, `velocities`, [`memory`: empty] | yes |
+//! | [`Drive`](crate::Drive) | [`constant` = 0], [`harmonics`: a list of `angular_frequency`, `cosine`, `sine`], [`profiles`: lists of [time, value]] | yes |
+//! | [`Contact`](crate::Contact) | `coordinate`, `law`, `load`, [`load_gradient`: a list of [coordinate, force per displacement]], [`belt_velocity` = 0] | yes |
+//! | [`Structure`](crate::Structure) | `masses`, [`stiffness`, `damping`: lists of rows], [`forces`: a drive for each coordinate], [`contacts`] | yes |
 //! | [`Event`](crate::Event) | `time`, `contact`, `kind`, `state` | yes |
-//! | [`EventKind`](crate::EventKind) | `stick`, or `release` or `crossing` with the direction | yes |
-//! | [`Mode`](crate::Mode) | `stick`, or `slip` with the direction | yes |
+//! | [`EventKind`](crate::EventKind) | `stick`, `open`, `close`, or `release` or `crossing` with the direction | yes |
+//! | [`Mode`](crate::Mode) | `stick`, `open`, or `slip` with the direction | yes |
 //! | [`Direction`](crate::Direction) | `lagging`, `leading` | yes |
 //! | [`CycleKind`](crate::CycleKind) | `pure_slip`, `stick_slip`, `overshoot`, `crossing` | yes |
 //! | [`Stability`](crate::Stability) | `stable_focus`, `stable_node`, `center`, `unstable_focus`, `unstable_node` | yes |

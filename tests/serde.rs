@@ -5,9 +5,9 @@ use serde_json::Value;
 use stick_slip::bifurcation::{self, Criticality};
 use stick_slip::limit_cycle::{Attractor, Continuum};
 use stick_slip::{
-    AnyLaw, Coulomb, CycleKind, CycleSet, Direction, Event, EventKind, Exponential, LimitCycle,
-    MassOnBelt, Mode, Physical, Polynomial, Rational, Scaled, Scaling, Stability, State, Stribeck,
-    Tabulated, limit_cycle, structure,
+    AnyLaw, Contact, Coulomb, CycleKind, CycleSet, Direction, Drive, Event, EventKind, Exponential,
+    LimitCycle, MassOnBelt, Mode, Physical, Polynomial, Rational, Scaled, Scaling, Stability,
+    State, Stribeck, Structure, Tabulated, limit_cycle, structure,
 };
 
 fn there_and_back<T: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(
@@ -481,4 +481,69 @@ fn what_follows_from_a_system_is_written() {
     let attractor = Attractor::Separatrix(cycles[0].clone());
     let written = serde_json::to_value(attractor).unwrap();
     assert_eq!(written["separatrix"]["period"], cycles[0].period());
+}
+
+/// Two masses, one contact, drives of every kind.
+fn blocks() -> Structure<AnyLaw> {
+    let force = Drive::harmonic(0.1 + 0.2, 1.3, 0.7)
+        .and_then(|drive| drive.with_sine(0.2, 2.6)?.with_constant(-0.1))
+        .unwrap();
+    let belt = Drive::profile(&[(0.0, 0.0), (1.0, 0.2), (3.0, 0.1)]).unwrap();
+    let load = Drive::profile(&[(1.0, 1.0), (1.0, 0.0), (2.0, 1.0)]).unwrap();
+    let contact = Contact::new(1, table().into(), load).unwrap().on_belt(belt);
+    Structure::new(&[1.0, 1.0 / 3.0])
+        .and_then(|s| s.with_spring(0, 1, 0.7)?.with_ground_spring(0, 1.0))
+        .and_then(|s| s.with_ground_damper(1, 0.1)?.with_force(0, force))
+        .and_then(|s| s.with_contact(contact.with_load_gradient(0, 0.1)?))
+        .unwrap()
+}
+
+#[test]
+fn structures_there_and_back() {
+    let text = there_and_back(&Drive::sine(0.4, 0.7).unwrap());
+    assert_eq!(
+        text,
+        r#"{"constant":0.0,"harmonics":[{"angular_frequency":0.7,"cosine":0.0,"sine":0.4}],"profiles":[]}"#
+    );
+    there_and_back(&Drive::profile(&[(0.0, 1.0), (2.0, 1.0), (2.0, 3.0)]).unwrap());
+    let text = there_and_back(&blocks());
+    assert!(
+        text.contains(r#""stiffness":[[1.7,-0.7],[-0.7,0.7]]"#),
+        "{text}"
+    );
+    there_and_back(&blocks().contacts()[0]);
+    let read: Structure<Coulomb> = serde_json::from_str(
+        r#"{"masses":[2],"contacts":[{"coordinate":0,"law":{"static_coefficient":0.4,"kinetic_coefficient":0.3},"load":{"constant":5}}]}"#,
+    )
+    .unwrap();
+    let contact = Contact::new(0, Coulomb::new(0.4, 0.3).unwrap(), 5.0).unwrap();
+    let expected = Structure::new(&[2.0]).and_then(|s| s.with_contact(contact));
+    assert_eq!(read, expected.unwrap());
+}
+
+#[test]
+fn reading_structures_checks_what_constructors_check() {
+    refused::<Structure<Coulomb>>(r#"{"masses":[1,-1]}"#, "mass 1");
+    refused::<Structure<Coulomb>>(r#"{"masses":[]}"#, "masses");
+    refused::<Structure<Coulomb>>(
+        r#"{"masses":[1],"stiffness":[[1,2]]}"#,
+        "2 numbers in a row",
+    );
+    refused::<Structure<Coulomb>>(r#"{"masses":[1],"damping":[[1],[2]]}"#, "2 rows");
+    refused::<Structure<Coulomb>>(r#"{"masses":[1],"forces":[{},{}]}"#, "2 forces");
+    refused::<Structure<Coulomb>>(r#"{"masses":[1],"springs":[]}"#, "springs");
+    refused::<Drive>(
+        r#"{"harmonics":[{"angular_frequency":-1,"cosine":1,"sine":0}]}"#,
+        "angular_frequency",
+    );
+    refused::<Drive>(r#"{"profiles":[[[0,1],[-1,2]]]}"#, "point 1");
+    refused::<Drive>(r#"{"profiles":[[]]}"#, "points");
+    let law = r#"{"static_coefficient":0.4,"kinetic_coefficient":0.3}"#;
+    let contact =
+        |load: &str| format!(r#"{{"coordinate":1,"law":{law},"load":{{"constant":{load}}}}}"#);
+    refused::<Contact<Coulomb>>(&contact("0"), "load");
+    refused::<Structure<Coulomb>>(
+        &format!(r#"{{"masses":[1],"contacts":[{}]}}"#, contact("1")),
+        "no coordinate 1",
+    );
 }

@@ -32,6 +32,12 @@ use crate::friction::memory::{ContactLaw, validate};
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "super::read::Contact<L>"),
+    serde(bound(deserialize = "L: ContactLaw<Z> + serde::Deserialize<'de>"))
+)]
 pub struct Contact<L, const Z: usize = 0> {
     coordinate: usize,
     law: L,

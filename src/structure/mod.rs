@@ -3,6 +3,7 @@
 //! | file | what is in it |
 //! |---|---|
 //! | `contact.rs` | [`Contact`]: where, which law, its normal load and the belt under it |
+//! | `read.rs` | how structures are written and read (feature `serde`) |
 //! | `system.rs` | [`Structure`]: masses, springs, dampers, forces and contacts |
 //! | `steady.rs` | [`SteadySliding`]: all masses at rest on moving belts, and how motions near it go |
 //! | `sparse.rs` | a matrix without its zeros |
@@ -16,6 +17,8 @@ mod expansion;
 mod flow;
 mod model;
 mod parts;
+#[cfg(feature = "serde")]
+mod read;
 mod settle;
 mod sparse;
 mod steady;

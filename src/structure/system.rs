@@ -51,9 +51,19 @@ use crate::friction::FrictionLaw;
 ///
 /// Source: Galvanetto and Bishop, *Int. J. Mech. Sci.* 41 (1999) 683-695, for the example.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "super::read::Structure<L, Z>"),
+    serde(bound(
+        deserialize = "L: crate::friction::memory::ContactLaw<Z> + serde::Deserialize<'de>"
+    ))
+)]
 pub struct Structure<L, const Z: usize = 0> {
     masses: Vec<f64>,
+    #[cfg_attr(feature = "serde", serde(serialize_with = "super::read::rows"))]
     stiffness: DMatrix<f64>,
+    #[cfg_attr(feature = "serde", serde(serialize_with = "super::read::rows"))]
     damping: DMatrix<f64>,
     /// One for each coordinate.
     forces: Vec<Drive>,

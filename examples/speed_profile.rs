@@ -1,0 +1,76 @@
+//! A belt that starts, holds its velocity and stops: when the mass begins to squeal.
+//!
+//! What to learn from it:
+//!
+//! * a profile is a list of points (time, value), joined by straight lines and constant outside; a
+//!   ramp's ends are kinks, at which a step ends exactly;
+//! * a mass can be released by a kink: its inertia has to be carried too;
+//! * the same belt velocity gives different motions on the way up and on the way down.
+//!
+//! Run it with `cargo run --release --example speed_profile`.
+
+use stick_slip::structure::State;
+use stick_slip::{Contact, Drive, Error, EventKind, Exponential, Structure};
+
+fn main() -> Result<(), Error> {
+    // Ramp up in 150 units of time, hold for 50, ramp down in 150; then the belt rests.
+    let belt = Drive::profile(&[(0.0, 0.0), (150.0, 0.9), (200.0, 0.9), (350.0, 0.0)])?;
+    let law = Exponential::new(0.4, 0.25, 0.5)?;
+    let system = Structure::new(&[1.0])?
+        .with_ground_spring(0, 1.0)?
+        .with_ground_damper(0, 0.1)?
+        .with_contact(Contact::new(0, law, 1.0)?.on_belt(belt.clone()))?;
+    let motion = system.simulate(State::at_rest(1), 400.0)?;
+
+    println!("belt velocity and peak-to-peak displacement, every 25 units of time\n");
+    println!("  time    belt   peak to peak  sticks");
+    for start in (0..400).step_by(25) {
+        let (start, end) = (f64::from(start), f64::from(start) + 25.0);
+        let times = (0..500).map(|k| start + 0.05 * f64::from(k));
+        let (low, high) = motion
+            .sample_at(times)
+            .map(|(_, state)| state.displacements[0])
+            .fold((f64::MAX, f64::MIN), |(low, high), u| {
+                (low.min(u), high.max(u))
+            });
+        let within = motion
+            .events()
+            .iter()
+            .filter(|event| (start..end).contains(&event.time));
+        let sticks = within
+            .filter(|event| event.kind == EventKind::Stick)
+            .count();
+        let velocity = belt.value(0.5 * (start + end));
+        println!(
+            "  {start:4}  {velocity:6.3}   {:12.6}  {sticks:6}",
+            high - low
+        );
+    }
+
+    // Steady sliding at constant velocities, for comparison.
+    println!("\nsteady sliding on a belt of constant velocity");
+    for velocity in [0.05, 0.1, 0.3, 0.6, 0.75, 0.9] {
+        let constant = Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, 0.1)?
+            .with_contact(Contact::new(0, law, 1.0)?.on_belt(velocity))?;
+        let stable = constant
+            .steady_sliding()
+            .is_some_and(|sliding| sliding.is_stable());
+        println!(
+            "  {velocity:5.3}  {}",
+            if stable { "stable" } else { "unstable" }
+        );
+    }
+
+    let mut sticks = motion
+        .events()
+        .iter()
+        .filter(|event| event.kind == EventKind::Stick);
+    if let (Some(first), Some(last)) = (sticks.next(), sticks.next_back()) {
+        let [up, down] = [first, last].map(|event| belt.value(event.time));
+        println!("\nfirst stick at belt velocity {up:.6}, last at {down:.6}");
+    }
+    println!("at the end: u = {:.12}", motion.last().displacements[0]);
+    Ok(())
+}
