@@ -256,8 +256,9 @@ impl AveragedCycle {
 /// by Chebyshev polynomials to round-off, on pieces cut until each has no root or is monotone. So
 /// no cycle is passed over, except
 ///
-/// * a pair so close, as at a fold, that A'/A between its amplitudes stays below its rounding
-///   error, some 4·10⁻¹⁵(β + γ²·max abs(dμ̂/ds)): a pair less than 5·10⁻⁷|v_b| apart may be lost;
+/// * a pair so close, as at a fold, that A'/A between its amplitudes stays below 10⁻¹⁴(β +
+///   γ²·max abs(dμ̂/ds)), its rounding error: at folds of the exponential law that is a pair less
+///   than some 10⁻⁶|v_b| apart;
 /// * where a feature of the law's slope is narrower than some 3·10⁻⁴|v_b| in speed (slow speeds are
 ///   looked at more closely).
 ///

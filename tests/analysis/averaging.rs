@@ -232,12 +232,13 @@ fn pairs_near_folds_are_found_as_close_as_is_promised() {
         let grid = (1..400).map(|i| v_b * 0.0025 * f64::from(i));
         let top = grid.max_by(|a, b| rate(*a).total_cmp(&rate(*b))).unwrap();
         let (mut low, mut high) = (top - 0.0025 * v_b, top + 0.0025 * v_b);
-        while high - low > 1e-5 * v_b {
-            let third = (high - low) / 3.0;
-            if rate(low + third) < rate(high - third) {
-                low += third;
+        // A'/A rises where dA'/dA is larger than it.
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if drift_slope(&system, middle).unwrap() > rate(middle) {
+                low = middle;
             } else {
-                high -= third;
+                high = middle;
             }
         }
         let peak = 0.5 * (low + high);
@@ -245,8 +246,14 @@ fn pairs_near_folds_are_found_as_close_as_is_promised() {
         let curvature = (rate(peak - h) - 2.0 * rate(peak) + rate(peak + h)) / (h * h);
         assert!(rate(peak) > 0.0 && curvature < 0.0 && peak < 0.98 * v_b);
         folds += 1;
-        for distance in [5e-7, 1e-6, 1e-5, 1e-4] {
-            let depth = -curvature * (distance * v_b).powi(2) / 8.0;
+        let speeds = (0..1000).map(|i| 0.005 * f64::from(i));
+        let steepest = speeds.map(|s| law.slope(s).abs()).fold(0.0, f64::max);
+        let promised = 1e-14 * (rate(peak) + load * steepest);
+        for times in [1.0, 10.0, 1e3, 1e5] {
+            // How far A'/A rises above zero between the two.
+            let depth = times * promised;
+            let distance = (-8.0 * depth / curvature).sqrt() / v_b;
+            assert!(times > 1.0 || distance < 1e-6, "{v_b} {load}: {distance}");
             let near = system.with_damping(rate(peak) - depth).unwrap();
             let pair = cycles(&near).unwrap();
             assert_eq!(pair.len(), 2, "{v_b} {load}: {distance}");
