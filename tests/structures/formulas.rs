@@ -1,6 +1,6 @@
 //! Closed formulas against motions.
 
-use std::f64::consts::{FRAC_2_PI, TAU};
+use std::f64::consts::{FRAC_2_PI, PI, TAU};
 
 use stick_slip::analysis::drill_string::TwoInertias;
 use stick_slip::analysis::fast_vibration::{mean_coefficient, onset_velocity};
@@ -71,8 +71,10 @@ fn flutter_grows_beyond_the_threshold_of_mode_coupling() {
             let structure = brake(factor);
             let expected = structure.steady_sliding().unwrap().eigenvalues[0].re;
             let found = growth(&structure, 600.0);
+            // The largest distance in a window lies up to half a swing from its ends.
+            let allowed = expected.abs() * PI / flutter.angular_frequency / 300.0 + 1e-6;
             assert!(
-                (found - expected).abs() < 1e-5,
+                (found - expected).abs() < allowed,
                 "{damping:?} {factor}: {found} {expected}"
             );
             assert!((expected - 0.0).abs() < 1e-14 || (factor - 1.0) * expected > 0.0);
