@@ -84,18 +84,20 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
                     Mode::Stick => joint.stick_order(k),
                 }
             }
-            let rows = bodies.iter_mut().zip(&mut *next).enumerate();
-            for (i, (body, next)) in rows {
+            let couplings = stiffness.rows().zip(damping.rows());
+            let coefficients = now.iter().zip(&mut *next);
+            for ((body, (&at, next)), (springs, dampers)) in
+                bodies.iter_mut().zip(coefficients).zip(couplings)
+            {
                 let Coefficients {
                     displacement,
                     velocity,
-                } = now[i];
-                let mut carried =
-                    -damping.diagonal()[i] * velocity - stiffness.diagonal()[i] * displacement;
-                for &(j, a) in stiffness.beside_diagonal(i) {
+                } = at;
+                let mut carried = -dampers.0 * velocity - springs.0 * displacement;
+                for &(j, a) in springs.1 {
                     carried -= a * now[j].displacement;
                 }
-                for &(j, a) in damping.beside_diagonal(i) {
+                for &(j, a) in dampers.1 {
                     carried -= a * now[j].velocity;
                 }
                 let mut surface = 0.0;

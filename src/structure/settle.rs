@@ -143,14 +143,15 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
         }
         self.unit = self.time_unit(&scales);
         let unit = self.unit;
-        for (i, (scale, terms)) in scales.iter_mut().enumerate() {
+        for (i, (scale, _)) in scales.iter_mut().enumerate() {
             let body = &self.bodies[i];
-            let by_force = if unit.is_finite() { unit * *terms } else { 0.0 };
+            let rate = body.speeds[1].abs().max(unit * body.speeds[2].abs());
+            let by_rate = if unit.is_finite() { unit * rate } else { 0.0 };
             *scale = body
                 .velocity()
                 .abs()
                 .max(body.surface[0].abs())
-                .max(by_force);
+                .max(by_rate);
             energy = energy.max(*scale / self.model.inverse_mass[i].sqrt());
         }
         self.scales = scales;

@@ -44,6 +44,14 @@ impl Sparse {
         &self.diagonal
     }
 
+    /// Row by row: the entry on the diagonal, and those beside it that are not 0.
+    #[inline]
+    pub(crate) fn rows(&self) -> impl Iterator<Item = (f64, &[(usize, f64)])> {
+        let ends = self.starts.windows(2);
+        let beside = ends.map(|ends| &self.entries[ends[0]..ends[1]]);
+        self.diagonal.iter().copied().zip(beside)
+    }
+
     /// Column and value of the entries of a row that are not 0, but for the diagonal; columns
     /// ascend.
     #[inline]
