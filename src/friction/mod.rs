@@ -49,8 +49,8 @@ use crate::scalar::Scalar;
 /// Order of the highest derivative that is computed.
 const HIGHEST: usize = 30;
 
-/// A dry friction law: the static coefficient, and the kinetic coefficient μ̂(s) at sliding speed s
-/// = |v_r| ≥ 0.
+/// A dry friction law: the static coefficient, and the kinetic coefficient μ̂(s) at sliding speed
+/// s = |v_r| ≥ 0.
 ///
 /// The friction coefficient is odd in the relative velocity v_r = v − v_b: μ(v_r) =
 /// sgn(v_r)·μ̂(|v_r|). All coefficients and speeds are dimensionless.

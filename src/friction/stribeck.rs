@@ -15,8 +15,8 @@ use crate::scalar::Scalar;
 /// the Gaussian of Armstrong-Hélouvry; with k_v = 0 this is [`Exponential`](crate::Exponential).
 ///
 /// The exponent must be a whole number. Bo and Pavelescu found ½ ≤ δ ≤ 1 in their measurements. But
-/// for δ = ½ the slope at s = 0 is infinite, and a law with a fractional δ has no power series at s
-/// = 0, where every slip phase begins. Take [`Tabulated`](crate::Tabulated) for such a curve.
+/// for δ = ½ the slope at s = 0 is infinite, and a law with a fractional δ has no power series at
+/// s = 0, where every slip phase begins. Take [`Tabulated`](crate::Tabulated) for such a curve.
 ///
 /// Source: Bo and Pavelescu, *Wear* 82 (1982) 277-289; Armstrong-Hélouvry, Dupont and Canudas de
 /// Wit, *Automatica* 30 (1994) 1083-1138.
