@@ -34,9 +34,9 @@ const MOST_STEPS: usize = 10_000;
 /// Energy defect, in roundings, that is worth a look.
 const REMARKABLE: f64 = 1000.0;
 
-/// Distance between two integrations of one motion, in parts of max(|u|, |v|, |v_b|) or of max(|v|, |v_b|), that is
-/// worth a look: it is an error, or the motion itself magnifies rounding (near grazing, at a release
-/// where friction falls steeply, or at v_b far below γ²μ_s).
+/// Distance between two integrations of one motion, in parts of max(|u|, |v|, |v_b|) or of max(|v|,
+/// |v_b|), that is worth a look: it is an error, or the motion itself magnifies rounding (near
+/// grazing, at a release where friction falls steeply, or at v_b far below γ²μ_s).
 const APART: f64 = 1e-9;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -285,8 +285,8 @@ pub enum Error {
 
     /// A step became too short to move the clock, or its power series overflows.
     #[error(
-        "the step fell to {step:e} {reached}: the law has a jump or kink there that is not named as \
-         a breakpoint, or the system is too stiff (γ²·dμ̂/ds beyond about 1e20, or a structure)"
+        "the step fell to {step:e} {reached}: the law has a jump or kink there that is not named \
+         as a breakpoint, or the system is too stiff (γ²·dμ̂/ds beyond about 1e20, or a structure)"
     )]
     StepUnderflow {
         /// Length of the last step tried.

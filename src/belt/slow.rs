@@ -11,8 +11,8 @@
 //! does: the same at D·R = 40. So these series begin to be exact where explicit steps begin to be
 //! short.
 //!
-//! Sources: F. W. J. Olver, Numerical solution of second-order linear difference equations,
-//! *J. Res. NBS* 71B (1967) 111-129, doi:10.6028/jres.071B.018; W. Gautschi, Computational aspects of
+//! Sources: F. W. J. Olver, Numerical solution of second-order linear difference equations, *J.
+//! Res. NBS* 71B (1967) 111-129, doi:10.6028/jres.071B.018; W. Gautschi, Computational aspects of
 //! three-term recurrence relations, *SIAM Review* 9 (1967) 24-82, doi:10.1137/1009002; NIST Digital
 //! Library of Mathematical Functions, §3.6, <https://dlmf.nist.gov/3.6>.
 
@@ -34,8 +34,8 @@ const UNKNOWNS: usize = TERMS - 1;
 /// them, and what such a step leaves of a deviation is 0.4 of its last term.
 const CLOSE: f64 = 4.0;
 
-/// Deviation from the slow motion, in errors of a step, with which the series at hand is still worth
-/// a look.
+/// Deviation from the slow motion, in errors of a step, with which the series at hand is still
+/// worth a look.
 const FAR_OFF: f64 = 1e4;
 
 /// Each pass doubles the number of coefficients that are right; from one, five make all of them.
@@ -138,7 +138,8 @@ impl SlipSeries {
 /// The equations of the coefficients, in the direction of time that is followed:
 ///
 /// ```text
-/// (k + 1) s_{k+1} + x_k + 2β (s_k + σv_b [k = 0]) + γ² m_k = 0,   x_1 = s_0 + σv_b,  x_k = s_{k−1}/k
+/// (k + 1) s_{k+1} + x_k + 2β (s_k + σv_b [k = 0]) + γ² m_k = 0
+/// x_1 = s_0 + σv_b,   x_k = s_{k−1}/k
 /// ```
 ///
 /// with x_0 = σu, β and γ² of the other sign backward in time.
