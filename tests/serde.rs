@@ -132,10 +132,13 @@ fn reading_checks_what_constructors_check() {
         "stribeck_velocity",
     );
     let stribeck = |exponent: &str| {
-        format!(concat!(
-            r#"{{"static_coefficient":0.4,"coulomb_coefficient":0.2,"#,
-            r#""stribeck_velocity":0.1,"exponent":{exponent}}}"#,
-        ))
+        format!(
+            concat!(
+                r#"{{"static_coefficient":0.4,"coulomb_coefficient":0.2,"#,
+                r#""stribeck_velocity":0.1,"exponent":{exponent}}}"#,
+            ),
+            exponent = exponent,
+        )
     };
     refused::<Stribeck>(&stribeck("0"), "exponent = 0e0 is not allowed");
     refused::<Stribeck>(&stribeck("0.5"), "invalid type: floating point");

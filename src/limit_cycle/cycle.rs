@@ -238,7 +238,8 @@ impl LimitCycle {
     /// let motion = cycle.trajectory();
     /// assert_eq!(motion.duration(), cycle.period());
     /// assert_eq!(motion.last(), cycle.state()); // it closes
-    /// let kinds: Vec<String> = motion.events().iter().map(|event| event.kind.to_string()).collect();
+    /// let kinds = motion.events().iter().map(|event| event.kind.to_string());
+    /// let kinds: Vec<String> = kinds.collect();
     /// assert_eq!(kinds, ["stick", "release (lagging)"]);
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
