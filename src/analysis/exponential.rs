@@ -72,7 +72,7 @@ pub fn hopf_velocities(system: &MassOnBelt<Exponential>) -> Option<[HopfPoint; 2
     if !(c > 0.0 && c < largest) {
         return None;
     }
-    // Each branch in a form that keeps its relative accuracy for small c.
+    // Each root is sought in a form that keeps its relative accuracy for small c.
     let low = root_between(&mut |x| Ok(x - c * (x * x).exp()), c, FRAC_1_SQRT_2).ok()?;
     // x² = ln(x/c) ≤ x + ln(1/c)
     let bound = 0.5 + (0.25 - c.ln()).sqrt();

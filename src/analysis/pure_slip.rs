@@ -14,7 +14,7 @@ use crate::friction::{FrictionLaw, Polynomial};
 /// ```text
 /// η  = (3/2) γ²(μ_s − μ_m)/v_m         (Eq. 11)
 /// h1 = 2β − η(1 − (v_b/v_m)²)          (Eq. 10a)
-/// h2 = −η v_b/v_m²                     (Eq. 10b, corrected: it prints −η(v_b/v_m)²)
+/// h2 = −η v_b/v_m²                     (Eq. 10b, corrected: printed −η(v_b/v_m)²)
 /// h3 = η/(3 v_m²)                      (Eq. 10c)
 /// ```
 ///
