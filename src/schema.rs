@@ -30,7 +30,7 @@
 //! | [`structure::State`](crate::structure::State) | `displacements`, `velocities`, [`memory`: empty] | yes |
 //! | [`Drive`](crate::Drive) | [`constant` = 0]; [`harmonics`: none], a list of maps `angular_frequency`, `cosine`, `sine`; [`profiles`: none], each a list of [time, value] | yes |
 //! | [`Contact`](crate::Contact) | `coordinate`, `law`, `load`, [`load_gradient`: a list of [coordinate, force per displacement]], [`belt_velocity` = 0] | yes |
-//! | [`Structure`](crate::Structure) | `masses`, [`stiffness`, `damping`: lists of rows], [`forces`: a drive for each coordinate], [`contacts`] | yes |
+//! | [`Structure`](crate::Structure) | `masses`, [`stiffness`, `damping`: lists of rows], [`forces`: a drive for each coordinate], [`contacts`: none] | yes |
 //! | [`Event`](crate::Event) | `time`, `contact`, `kind`, `state` | yes |
 //! | [`EventKind`](crate::EventKind) | `stick`, `open`, `close`, or `release` or `crossing` with the direction | yes |
 //! | [`Mode`](crate::Mode) | `stick`, `open`, or `slip` with the direction | yes |

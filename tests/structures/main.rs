@@ -11,6 +11,7 @@ mod bad_input;
 mod closed_forms;
 mod formulas;
 mod identities;
+mod names;
 mod plain;
 mod random;
 mod reading;

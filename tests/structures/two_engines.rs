@@ -100,7 +100,7 @@ fn reference_motions_of_the_belt() {
             "release" => belt.release_state().unwrap(),
             _ => State::new(number(&case["start"]["u"]), number(&case["start"]["v"])),
         };
-        compared.motion(text(&case["id"]), &belt, start, 30.0);
+        compared.motion(text(&case["id"]), &belt, start, 60.0);
     }
     assert_eq!(compared.motions, 22);
     println!(
