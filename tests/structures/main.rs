@@ -1,6 +1,7 @@
 //! Several masses, drives in time, several contacts.
 //!
-//! `data/driven_trajectories.json`, `data/structure_trajectories.json` and
+//! `data/driven_trajectories.json`, `data/structure_trajectories.json`,
+//! `data/dwell_trajectories.json`, `data/bristle_trajectories.json` and
 //! `data/structure_bifurcations.json` come from a Taylor integration in 220-bit arithmetic, checked
 //! against a Runge-Kutta method; the field `header` of each file explains the others.
 
@@ -10,6 +11,7 @@ mod common;
 mod bad_input;
 mod closed_forms;
 mod identities;
+mod memory;
 mod plain;
 mod random;
 mod reading;
