@@ -208,7 +208,7 @@ pub mod structure;
 pub use belt::{Equilibrium, Flow, MassOnBelt, Stability, Step};
 pub use drive::Drive;
 pub use error::{Error, Reached};
-pub use friction::memory::{ContactLaw, Motion, Slip};
+pub use friction::memory::{AnyContactLaw, ContactLaw, Dahl, Dwell, LuGre, Motion, Slip};
 pub use friction::{
     AnyLaw, Coulomb, Exponential, FrictionLaw, Polynomial, Rational, Scaled, Stribeck, Tabulated,
 };

@@ -20,9 +20,9 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
     pub(super) fn defects_are_accepted(&self, allowances: &[Allowance], h: f64) -> bool {
         let unit = self.unit;
         self.joints.iter().all(|joint| {
-            if !matches!(joint.mode, Mode::Slip(_)) {
+            let Mode::Slip(direction) = joint.mode else {
                 return true;
-            }
+            };
             let body = &self.bodies[joint.body()];
             let times = quarters(h);
             let speeds = body.speeds.at_four(times);
@@ -42,13 +42,14 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
                 }
             }
             allowances[joint.body()].accepts([at_quarters, at_minima, between], h)
+                && joint.memory_is_accepted(direction.sign(), speeds, h)
         })
     }
 }
 
 impl<L: ContactLaw<Z>, const Z: usize> Joint<'_, L, Z> {
     /// Largest N/m·|μ(s(t)) − μ(t)| at four times, where s(t) has the values `speeds`: the defect
-    /// of the series, up to terms as small as its last. Of the memory's rates likewise.
+    /// of the series, up to terms as small as its last.
     #[inline(always)]
     fn defect(&self, times: [f64; 4], speeds: [f64; 4]) -> f64 {
         let friction = self.friction.at_four(times);
@@ -90,13 +91,27 @@ impl<L: ContactLaw<Z>, const Z: usize> Joint<'_, L, Z> {
         let memory = std::array::from_fn(|j| self.memories[j].at(time));
         let law = self.contact.law();
         let coefficient = law.coefficient(slip, memory) * direction;
-        if Z == 0 {
-            return Some(coefficient);
-        }
-        // A memory that is wrong shows in its rates.
-        let rates = law.rates(Motion::Slip(slip), memory);
-        let missing = std::iter::zip(&self.memories, rates)
-            .map(|(series, rate)| (series.derivative().at(time) - rate).abs());
-        Some(coefficient + 0.0 * missing.sum::<f64>())
+        Some(coefficient)
+    }
+
+    /// Whether a step of length h leaves out no more of what the contact remembers than it may, at
+    /// its quarters.
+    fn memory_is_accepted(&self, direction: f64, speeds: [f64; 4], h: f64) -> bool {
+        std::iter::zip(quarters(h), speeds).all(|(time, speed)| {
+            let memory = std::array::from_fn(|j| self.memories[j].at(time));
+            let slip = Slip {
+                speed: speed.max(0.0),
+                direction,
+                piece: self.piece,
+            };
+            let rates = self.contact.law().rates(Motion::Slip(slip), memory);
+            std::iter::zip(&self.memories, rates).all(|(series, rate)| {
+                let scale = series[0].abs().max(series[1].abs() * h);
+                let missing = (series.derivative().at(time) - rate).abs();
+                let allowance =
+                    Allowance::new(f64::EPSILON * scale, rate.abs().max(series[1].abs()));
+                allowance.accepts([missing; 3], h)
+            })
+        })
     }
 }

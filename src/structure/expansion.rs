@@ -65,7 +65,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
                 velocity: body.velocity(),
             };
         }
-        for k in 0..TERMS - 1 {
+        for (k, inverse) in INTEGRAL.into_iter().enumerate().take(TERMS - 1) {
             for joint in joints.iter_mut() {
                 let i = joint.body();
                 if joint.load_varies {
@@ -108,14 +108,14 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
                     carried += body.force[0];
                 }
                 body.carried[k] = carried;
-                let equation = (body.side * carried - body.resistance) * INTEGRAL[k];
+                let equation = (body.side * carried - body.resistance) * inverse;
                 let speed = match body.rate {
                     Some(rate) if k == 0 => rate,
                     _ => equation,
                 };
                 body.speeds[k + 1] = speed;
                 *next = Coefficients {
-                    displacement: velocity * INTEGRAL[k],
+                    displacement: velocity * inverse,
                     velocity: mul_add(body.side, speed, surface),
                 };
             }

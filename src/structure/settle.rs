@@ -166,7 +166,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
             };
             let allowance = Allowance::new(self.tolerance * scale, terms);
             for series in [&body.speeds, &body.surface] {
-                farthest = farthest.min(reach(allowance.error, series, TERMS - 1));
+                farthest = farthest.min(reach_of(allowance.error, series, TERMS - 1));
             }
             allowances.push(allowance);
         }
@@ -175,16 +175,16 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
             if joint.mode == Mode::Stick {
                 // The last coefficient of R needs that of the velocities, and is not there.
                 let error = f64::EPSILON * joint.bound[0].abs().max(self.scales[joint.body()].1);
-                farthest = farthest.min(reach(error, &body.carried, TERMS - 2));
-                farthest = farthest.min(reach(error, &joint.bound, TERMS - 2));
+                farthest = farthest.min(reach_of(error, &body.carried, TERMS - 2));
+                farthest = farthest.min(reach_of(error, &joint.bound, TERMS - 2));
             }
             if joint.load_varies {
                 let error = f64::EPSILON * joint.load[0].abs().max(joint.load.largest_change(unit));
-                farthest = farthest.min(reach(error, &joint.load, TERMS - 2));
+                farthest = farthest.min(reach_of(error, &joint.load, TERMS - 2));
             }
             for (series, memory) in std::iter::zip(&joint.memories, joint.memory) {
                 let scale = memory.abs().max(series[1].abs() * farthest.min(f64::MAX));
-                farthest = farthest.min(reach(f64::EPSILON * scale, series, TERMS - 1));
+                farthest = farthest.min(reach_of(f64::EPSILON * scale, series, TERMS - 1));
             }
         }
         (allowances, farthest)
@@ -228,6 +228,16 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
             }
         }
         Error::StepUnderflow { step, reached }
+    }
+}
+
+/// How far a series may be used; as far as one likes where it ends before its last terms, even if
+/// no error is allowed because nothing moves.
+fn reach_of(error: f64, c: &PowerSeries, n: usize) -> f64 {
+    if c[n] == 0.0 && c[n - 1] == 0.0 {
+        f64::INFINITY
+    } else {
+        reach(error, c, n)
     }
 }
 

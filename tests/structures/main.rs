@@ -1,6 +1,7 @@
 //! Several masses, drives in time, several contacts.
 //!
-//! `data/driven_trajectories.json`, `data/structure_trajectories.json` and
+//! `data/driven_trajectories.json`, `data/structure_trajectories.json`,
+//! `data/dwell_trajectories.json`, `data/bristle_trajectories.json` and
 //! `data/structure_bifurcations.json` come from a Taylor integration in 220-bit arithmetic, checked
 //! against a Runge-Kutta method; the field `header` of each file explains the others.
 
@@ -11,7 +12,7 @@ mod bad_input;
 mod closed_forms;
 mod formulas;
 mod identities;
-mod names;
+mod memory;
 mod plain;
 mod random;
 mod reading;

@@ -25,7 +25,7 @@ fn number_or(value: &Value, parameter: f64) -> f64 {
     }
 }
 
-fn drive(value: &Value, parameter: f64) -> Drive {
+pub(crate) fn drive(value: &Value, parameter: f64) -> Drive {
     let number = |value: &Value| number_or(value, parameter);
     match text(&value["type"]) {
         "const" => number(&value["value"]).into(),
@@ -56,7 +56,7 @@ fn drive(value: &Value, parameter: f64) -> Drive {
     }
 }
 
-fn law(contact: &Value, parameter: f64) -> AnyLaw {
+pub(crate) fn law(contact: &Value, parameter: f64) -> AnyLaw {
     let value = |name: &str| number_or(&contact["law_params"][name], parameter);
     match text(&contact["law"]) {
         "poly" => Polynomial::new(value("mus"), value("mum"), value("vm"))

@@ -1,8 +1,14 @@
 //! Contact laws: friction that may depend on more than the sliding speed.
 
+mod any;
+mod bristle;
 mod check;
+mod dwell;
 
+pub use any::AnyContactLaw;
+pub use bristle::{Dahl, LuGre};
 pub(crate) use check::validate;
+pub use dwell::Dwell;
 
 use crate::friction::FrictionLaw;
 use crate::scalar::Scalar;

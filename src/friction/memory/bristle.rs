@@ -1,0 +1,163 @@
+use super::{ContactLaw, Motion, Slip};
+use crate::error::Error;
+use crate::friction::{Coulomb, FrictionLaw};
+use crate::scalar::Scalar;
+
+/// The LuGre model: friction by the mean deflection z of elastic bristles, its one memory variable.
+///
+/// ```text
+/// z' = r − σ0 |r| z/g(|r|),   μ = σ0 z + σ1 z' + σ2 r
+/// ```
+///
+/// g is the kinetic coefficient μ̂ of any law; in steady sliding μ = sgn(r) g(|r|) + σ2 r. There is
+/// no stick mode: every root of r is a [`Crossing`](crate::EventKind::Crossing). Near stick those
+/// are ill-conditioned, states are not. z in units of length, σ0 per length, σ1 and σ2 time per
+/// length, g dimensionless.
+///
+/// Contacts with σ0|r|/g far above the other rates are stiff, and followed in short steps.
+///
+/// Source: C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, *IEEE Trans. Automatic
+/// Control* 40 (1995) 419-425.
+///
+/// ```
+/// use stick_slip::{Contact, Exponential, LuGre, Structure, structure::State};
+///
+/// let law = LuGre::new(Exponential::new(0.4, 0.25, 0.5)?, 100.0, 0.5, 0.02)?;
+/// let block = Structure::new(&[1.0])?
+///     .with_ground_spring(0, 1.0)?
+///     .with_ground_damper(0, 0.1)?
+///     .with_contact(Contact::new(0, law, 1.0)?.on_belt(0.2))?;
+/// let motion = block.simulate(State::new(&[0.0], &[0.0]), 2.0)?;
+/// let first = &motion.events()[0];
+/// assert!((first.time - 0.5639330527166541).abs() < 1e-14);
+/// assert!((first.state.memory[0] + 0.003983495707454176).abs() < 1e-15);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LuGre<L> {
+    law: L,
+    stiffness: f64,
+    damping: f64,
+    viscous: f64,
+}
+
+impl<L: FrictionLaw> LuGre<L> {
+    /// Bristles of stiffness σ0 and damping σ1, viscous friction σ2.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless σ0 > 0, σ1 ≥ 0, σ2 ≥ 0, all finite, and μ̂(0) > 0.
+    pub fn new(law: L, stiffness: f64, damping: f64, viscous: f64) -> Result<Self, Error> {
+        Error::check("stiffness", stiffness, stiffness > 0.0, "stiffness > 0")?;
+        Error::check("damping", damping, damping >= 0.0, "damping ≥ 0")?;
+        Error::check("viscous", viscous, viscous >= 0.0, "viscous ≥ 0")?;
+        let largest = law.kinetic(0.0);
+        Error::check("coefficient", largest, largest > 0.0, "μ̂(0) > 0")?;
+        Ok(Self {
+            law,
+            stiffness,
+            damping,
+            viscous,
+        })
+    }
+
+    /// The law g.
+    pub fn law(&self) -> &L {
+        &self.law
+    }
+
+    /// z'.
+    #[inline(always)]
+    fn rate<S: Scalar>(&self, slip: Slip<S>, z: S) -> S {
+        let largest = self.law.kinetic_on(slip.piece, slip.speed);
+        let part = z * self.stiffness / largest;
+        (-part + slip.direction) * slip.speed
+    }
+}
+
+impl<L: FrictionLaw> ContactLaw<1> for LuGre<L> {
+    #[inline]
+    fn coefficient<S: Scalar>(&self, slip: Slip<S>, [z]: [S; 1]) -> S {
+        let elastic = z * self.stiffness + slip.velocity() * self.viscous;
+        if self.damping == 0.0 {
+            elastic
+        } else {
+            elastic + self.rate(slip, z) * self.damping
+        }
+    }
+
+    fn limit<S: Scalar>(&self, _: S, _: [S; 1]) -> Option<S> {
+        None
+    }
+
+    #[inline]
+    fn rates<S: Scalar>(&self, motion: Motion<S>, [z]: [S; 1]) -> [S; 1] {
+        match motion {
+            Motion::Stick => [z.constant(0.0)],
+            Motion::Slip(slip) => [self.rate(slip, z)],
+        }
+    }
+
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        self.law.breakpoints()
+    }
+
+    fn caught(&self, memory: [f64; 1]) -> [f64; 1] {
+        memory
+    }
+}
+
+/// Dahl's model: bristles that are only elastic, [`LuGre`] with a constant g and σ1 = σ2 = 0.
+///
+/// ```text
+/// z' = r − σ0 |r| z/g,   μ = σ0 z
+/// ```
+///
+/// Source: P. R. Dahl, *A solid friction model*, The Aerospace Corporation, TOR-158(3107-18), 1968.
+///
+/// ```
+/// use stick_slip::{ContactLaw, Dahl, Slip};
+///
+/// let law = Dahl::new(0.4, 100.0)?;
+/// let slip = Slip { speed: 0.1, direction: 1.0, piece: 0 };
+/// assert_eq!(law.coefficient(slip, [0.004]), 0.4);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dahl(LuGre<Coulomb>);
+
+impl Dahl {
+    /// Bristles of stiffness σ0 that carry the coefficient g at most.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless g > 0 and σ0 > 0, both finite.
+    pub fn new(coefficient: f64, stiffness: f64) -> Result<Self, Error> {
+        let law = Coulomb::new(coefficient, coefficient)?;
+        Ok(Self(LuGre::new(law, stiffness, 0.0, 0.0)?))
+    }
+}
+
+impl ContactLaw<1> for Dahl {
+    #[inline]
+    fn coefficient<S: Scalar>(&self, slip: Slip<S>, memory: [S; 1]) -> S {
+        self.0.coefficient(slip, memory)
+    }
+
+    fn limit<S: Scalar>(&self, _: S, _: [S; 1]) -> Option<S> {
+        None
+    }
+
+    #[inline]
+    fn rates<S: Scalar>(&self, motion: Motion<S>, memory: [S; 1]) -> [S; 1] {
+        self.0.rates(motion, memory)
+    }
+
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        std::iter::empty()
+    }
+
+    fn caught(&self, memory: [f64; 1]) -> [f64; 1] {
+        memory
+    }
+}

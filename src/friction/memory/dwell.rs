@@ -1,0 +1,135 @@
+use super::{ContactLaw, Motion, Slip};
+use crate::error::Error;
+use crate::friction::FrictionLaw;
+use crate::scalar::Scalar;
+
+/// Static friction that rises while the surfaces are at rest on each other.
+///
+/// ```text
+/// exponential   μ_s(θ) = μ_∞ − (μ_∞ − μ_0) exp(−θ/θ_c)
+/// hyperbolic    μ_s(θ) = μ_0 + (μ_∞ − μ_0) θ/(θ + θ_c)
+/// logarithmic   μ_s(θ) = μ_0 + B ln(1 + θ/θ_c)
+/// ```
+///
+/// θ is the time since the contact stuck, its one memory variable: 0 in slip and after a
+/// [`Stick`](crate::EventKind::Stick); the state of a release shows its value just before. A start
+/// in stick may set it. μ_0 is the static coefficient of the law inside, which also gives the
+/// kinetic one. Coefficients are dimensionless, times in the units of the structure.
+///
+/// Source: B. Armstrong-Hélouvry, *Control of Machines with Friction*, Kluwer 1991 (hyperbolic);
+/// J. H. Dieterich, *J. Geophys. Res.* 84 (1979) 2161-2168 (logarithmic).
+///
+/// ```
+/// use stick_slip::{Contact, Coulomb, Dwell, EventKind, Structure, structure::State};
+///
+/// // ΔF = 0.5, θ_c = 2, k = 1, v = 0.2: sticks for θ* = 2ΔF/(kv) − θ_c = 3 in each cycle.
+/// let law = Dwell::hyperbolic(Coulomb::new(0.5, 0.5)?, 1.0, 2.0)?;
+/// let block = Structure::new(&[1.0])?
+///     .with_ground_spring(0, 1.0)?
+///     .with_contact(Contact::new(0, law, 1.0)?.on_belt(0.2))?;
+/// let motion = block.simulate(State::new(&[0.5], &[0.2]), 300.0)?;
+/// let releases = motion.events().iter().filter(|e| matches!(e.kind, EventKind::Release(_)));
+/// let stuck = releases.last().unwrap().state.memory[0];
+/// assert!((stuck - 3.0).abs() < 1e-12);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dwell<L> {
+    law: L,
+    form: Form,
+    /// θ_c.
+    time: f64,
+}
+
+/// With the rise that is reached at last, or B.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Form {
+    Exponential(f64),
+    Hyperbolic(f64),
+    Logarithmic(f64),
+}
+
+impl<L: FrictionLaw> Dwell<L> {
+    /// Rises to the limit μ_∞ within a few times θ_c.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless μ_∞ is finite and at least the law's static coefficient,
+    /// and θ_c is positive and finite.
+    pub fn exponential(law: L, limit: f64, time: f64) -> Result<Self, Error> {
+        let rise = rise_to(&law, limit)?;
+        Self::new(law, Form::Exponential(rise), time)
+    }
+
+    /// Rises to the limit μ_∞, half of it after θ_c.
+    ///
+    /// # Errors
+    ///
+    /// As for [`exponential`](Self::exponential).
+    pub fn hyperbolic(law: L, limit: f64, time: f64) -> Result<Self, Error> {
+        let rise = rise_to(&law, limit)?;
+        Self::new(law, Form::Hyperbolic(rise), time)
+    }
+
+    /// Rises by B for each factor e of time, without a limit.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless B ≥ 0 and θ_c > 0, both finite.
+    pub fn logarithmic(law: L, rate: f64, time: f64) -> Result<Self, Error> {
+        Error::check("rate", rate, rate >= 0.0, "rate ≥ 0")?;
+        Self::new(law, Form::Logarithmic(rate), time)
+    }
+
+    fn new(law: L, form: Form, time: f64) -> Result<Self, Error> {
+        Error::check("time", time, time > 0.0, "time > 0")?;
+        Ok(Self { law, form, time })
+    }
+
+    /// The law inside.
+    pub fn law(&self) -> &L {
+        &self.law
+    }
+}
+
+/// μ_∞ − μ_0.
+fn rise_to(law: &impl FrictionLaw, limit: f64) -> Result<f64, Error> {
+    let rise = limit - law.static_coefficient();
+    let allowed = "limit ≥ static coefficient of the law";
+    Error::check("limit", limit, rise >= 0.0, allowed)?;
+    Ok(rise)
+}
+
+impl<L: FrictionLaw> ContactLaw<1> for Dwell<L> {
+    #[inline(always)]
+    fn coefficient<S: Scalar>(&self, slip: Slip<S>, _: [S; 1]) -> S {
+        self.law.kinetic_on(slip.piece, slip.speed) * slip.direction
+    }
+
+    #[inline]
+    fn limit<S: Scalar>(&self, _: S, [rest]: [S; 1]) -> Option<S> {
+        let theta = rest / self.time;
+        let risen = match self.form {
+            Form::Exponential(rise) => ((-theta).exp() - 1.0) * -rise,
+            Form::Hyperbolic(rise) => theta / (theta + 1.0) * rise,
+            Form::Logarithmic(rate) => (theta + 1.0).ln() * rate,
+        };
+        Some(risen + self.law.static_coefficient())
+    }
+
+    #[inline(always)]
+    fn rates<S: Scalar>(&self, motion: Motion<S>, [rest]: [S; 1]) -> [S; 1] {
+        [rest.constant(match motion {
+            Motion::Stick => 1.0,
+            Motion::Slip(_) => 0.0,
+        })]
+    }
+
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        self.law.breakpoints()
+    }
+
+    fn caught(&self, _: [f64; 1]) -> [f64; 1] {
+        [0.0]
+    }
+}

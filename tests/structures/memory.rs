@@ -1,0 +1,307 @@
+//! Contacts that remember: static friction that rises at rest, and bristles.
+
+use serde_json::Value;
+use stick_slip::nalgebra::DMatrix;
+use stick_slip::structure::State;
+use stick_slip::{
+    AnyContactLaw, AnyLaw, Contact, ContactLaw, Coulomb, Dahl, Direction, Dwell, Error, EventKind,
+    Exponential, FrictionLaw, Integrator, LuGre, Motion, Scalar, Segment, Slip, Structure,
+};
+
+use crate::common::{list, number, text};
+use crate::reading::{cases, drive, law, numbers};
+
+/// A law with a static coefficient of its own.
+#[derive(Debug, Clone)]
+struct Raised {
+    law: AnyLaw,
+    static_coefficient: f64,
+}
+
+impl FrictionLaw for Raised {
+    fn static_coefficient(&self) -> f64 {
+        self.static_coefficient
+    }
+    #[inline]
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        self.law.kinetic(speed)
+    }
+}
+
+fn contact_law(contact: &Value) -> AnyContactLaw<Raised> {
+    let (dwell, bristle) = (&contact["dwell"], &contact["bristle"]);
+    let value = |name: &str| number(&dwell[name]);
+    if !dwell.is_null() {
+        let law = match text(&contact["law"]) {
+            "coulomb" => {
+                let kinetic = number(&contact["law_params"]["muk"]);
+                Coulomb::new(kinetic, kinetic).unwrap().into()
+            }
+            _ => law(contact, f64::NAN),
+        };
+        let raised = Raised {
+            law,
+            static_coefficient: value("mu_0"),
+        };
+        let time = value("theta_c");
+        let made = match text(&dwell["form"]) {
+            "exponential" => Dwell::exponential(raised, value("mu_inf"), time),
+            "hyperbolic" => Dwell::hyperbolic(raised, value("mu_inf"), time),
+            _ => Dwell::logarithmic(raised, value("B"), time),
+        };
+        return made.unwrap().into();
+    }
+    let law = law(contact, f64::NAN);
+    let raised = Raised {
+        static_coefficient: law.static_coefficient(),
+        law,
+    };
+    if bristle.is_null() {
+        return AnyContactLaw::Dry(raised);
+    }
+    let [stiffness, damping, viscous] =
+        ["sigma0", "sigma1", "sigma2"].map(|name| number(&bristle[name]));
+    LuGre::new(raised, stiffness, damping, viscous)
+        .unwrap()
+        .into()
+}
+
+fn structure(system: &Value) -> Structure<AnyContactLaw<Raised>, 1> {
+    let matrix = |name: &str| {
+        let rows: Vec<Vec<f64>> = list(&system[name]).iter().map(numbers).collect();
+        DMatrix::from_fn(rows.len(), rows.len(), |i, j| rows[i][j])
+    };
+    let mut structure = Structure::new(&numbers(&system["m"]))
+        .and_then(|structure| structure.with_stiffness(matrix("K")))
+        .and_then(|structure| structure.with_damping(matrix("C")))
+        .unwrap();
+    for (i, force) in list(&system["f"]).iter().enumerate() {
+        structure = structure.with_force(i, drive(force, f64::NAN)).unwrap();
+    }
+    for (i, contact) in list(&system["contacts"]).iter().enumerate() {
+        if !contact.is_null() {
+            let made = Contact::new(i, contact_law(contact), number(&contact["N0"])).unwrap();
+            let made = made.on_belt(drive(&contact["w"], f64::NAN));
+            structure = structure.with_contact(made).unwrap();
+        }
+    }
+    structure
+}
+
+#[test]
+fn motions_have_the_reference_events_and_states() {
+    let mut all = cases(include_str!("../data/dwell_trajectories.json"));
+    all.extend(cases(include_str!("../data/bristle_trajectories.json")));
+    let structures = cases(include_str!("../data/structure_trajectories.json"));
+    let both = structures.into_iter();
+    all.extend(both.filter(|case| text(&case["family"]) == "dwell_and_bristle"));
+    assert_eq!(all.len(), 21);
+    let (mut events, mut worst) = (0, 0.0_f64);
+    for case in all {
+        let id = text(&case["id"]);
+        let system = structure(&case["system"]);
+        let deflections = |value: &Value| match value.get("z") {
+            Some(z) if !z.is_null() => numbers(z),
+            _ => vec![0.0; system.contacts().len()],
+        };
+        let start = State::new(&numbers(&case["start"]["q"]), &numbers(&case["start"]["v"]))
+            .with_memory(&deflections(&case["start"]));
+        let many = Integrator::new().with_max_steps(1_000_000).unwrap();
+        let motion = many
+            .simulate(&system, start, number(&case["t_end"]))
+            .unwrap();
+        let expected = list(&case["events"]);
+        assert_eq!(motion.events().len(), expected.len(), "{id}");
+        let mut meet = |what: &str, actual: f64, expected: f64| {
+            let error = (actual - expected).abs() / expected.abs().max(1.0);
+            assert!(error <= 1e-13, "{id}, {what}: {actual:e}, not {expected:e}");
+            worst = worst.max(error);
+        };
+        for (actual, expected) in motion.events().iter().zip(expected) {
+            events += 1;
+            let coordinate = system.contacts()[actual.contact].coordinate();
+            assert_eq!(
+                expected["contact"].as_u64(),
+                Some(coordinate as u64),
+                "{id}"
+            );
+            let kind = match text(&expected["kind"]) {
+                "stick" => EventKind::Stick,
+                "release_negative" => EventKind::Release(Direction::Lagging),
+                "release_positive" => EventKind::Release(Direction::Leading),
+                "cross_to_negative" => EventKind::Crossing(Direction::Lagging),
+                _ => EventKind::Crossing(Direction::Leading),
+            };
+            assert_eq!(actual.kind, kind, "{id}");
+            meet("time", actual.time, number(&expected["t"]));
+            for (q, expected) in actual
+                .state
+                .displacements
+                .iter()
+                .zip(numbers(&expected["q"]))
+            {
+                meet("q", *q, expected);
+            }
+            for (v, expected) in actual.state.velocities.iter().zip(numbers(&expected["v"])) {
+                meet("v", *v, expected);
+            }
+            // The clock of rest, just before.
+            if let (EventKind::Release(_), Some(theta)) = (kind, expected.get("theta"))
+                && list(&case["system"]["contacts"])[coordinate]
+                    .get("dwell")
+                    .is_some()
+            {
+                meet("θ", actual.state.memory[actual.contact], number(theta));
+            }
+        }
+        for expected in list(&case["states"]) {
+            let state = motion.state_at(number(&expected["t"])).unwrap();
+            for (q, expected) in state.displacements.iter().zip(numbers(&expected["q"])) {
+                meet("q of a state", *q, expected);
+            }
+            for (v, expected) in state.velocities.iter().zip(numbers(&expected["v"])) {
+                meet("v of a state", *v, expected);
+            }
+        }
+    }
+    assert_eq!(events, 662);
+    println!("{events} events, worst {worst:.1e}");
+}
+
+/// A clock that a start in mid-stick brings along makes the rest of the motion the same.
+#[test]
+fn a_motion_goes_on_from_its_own_clock() {
+    let law = Dwell::exponential(Coulomb::new(0.3, 0.3).unwrap(), 0.6, 2.0).unwrap();
+    let block = Structure::new(&[1.0])
+        .and_then(|s| s.with_ground_spring(0, 1.0))
+        .and_then(|s| s.with_contact(Contact::new(0, law, 1.0)?.on_belt(0.1)))
+        .unwrap();
+    let motion = block.simulate(State::new(&[0.0], &[0.0]), 20.0).unwrap();
+    let [stick, release, ..] = motion.events() else {
+        panic!("no events")
+    };
+    let middle = 0.5 * (stick.time + release.time);
+    let state = motion.state_at(middle).unwrap();
+    assert!((state.memory[0] - (middle - stick.time)).abs() < 1e-15);
+    let again = block.simulate(state.clone(), 20.0).unwrap();
+    assert!((again.events()[0].time + middle - release.time).abs() < 1e-14);
+    // Without it the contact would have to begin anew.
+    let fresh = State::new(&state.displacements, &state.velocities);
+    let fresh = block.simulate(fresh, 20.0).unwrap();
+    assert!(fresh.events()[0].time + middle < release.time - 0.1);
+}
+
+/// P. Dupont, V. Hayward, B. Armstrong, F. Altpeter, *IEEE Trans. Automatic Control* 47 (2002)
+/// 787-792: bristles that are elastic up to a break-away deflection, and then flow.
+struct ElastoPlastic {
+    coefficient: f64,
+    stiffness: f64,
+    /// Part of the largest deflection up to which the bristle is purely elastic.
+    elastic: f64,
+}
+
+impl ContactLaw<1> for ElastoPlastic {
+    fn coefficient<S: Scalar>(&self, _: Slip<S>, [z]: [S; 1]) -> S {
+        z * self.stiffness
+    }
+    fn limit<S: Scalar>(&self, _: S, _: [S; 1]) -> Option<S> {
+        None
+    }
+    fn rates<S: Scalar>(&self, motion: Motion<S>, [z]: [S; 1]) -> [S; 1] {
+        let Motion::Slip(slip) = motion else {
+            return [z.constant(0.0)];
+        };
+        let part = z * (slip.direction * self.stiffness / self.coefficient);
+        // Flow only in the direction of the deflection.
+        let flow = (part - self.elastic) / (1.0 - self.elastic);
+        let flow = if part.value() < self.elastic {
+            flow * 0.0
+        } else {
+            flow
+        };
+        [slip.velocity() * (-flow + 1.0)]
+    }
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        std::iter::empty()
+    }
+    fn caught(&self, memory: [f64; 1]) -> [f64; 1] {
+        memory
+    }
+}
+
+/// Below the break-away deflection a mass on such bristles is a mass on a spring: no drift.
+#[test]
+fn a_law_of_ones_own() {
+    let law = ElastoPlastic {
+        coefficient: 0.5,
+        stiffness: 4.0,
+        elastic: 0.8,
+    };
+    let block = Structure::new(&[1.0])
+        .and_then(|s| s.with_contact(Contact::new(0, law, 1.0)?))
+        .unwrap();
+    let start = State::new(&[0.0], &[0.1]).with_memory(&[0.0]);
+    let motion = block.simulate(start, 100.0).unwrap();
+    for (t, state) in motion.sample(50) {
+        assert!((state.displacements[0] - 0.05 * (2.0 * t).sin()).abs() < 1e-14);
+        assert!((state.memory[0] - state.displacements[0]).abs() < 1e-14);
+    }
+}
+
+#[test]
+fn bad_parameters_are_refused() {
+    let law = || Coulomb::new(0.4, 0.3).unwrap();
+    let refused = |result: Result<(), Error>, expected: &str| match result {
+        Err(Error::InvalidParameter { name, .. }) => assert_eq!(name, expected),
+        other => panic!("{other:?}"),
+    };
+    for bad in [f64::NAN, f64::INFINITY, -1.0, 0.0] {
+        refused(Dwell::exponential(law(), 0.5, bad).map(drop), "time");
+        refused(Dwell::hyperbolic(law(), 0.5, bad).map(drop), "time");
+        refused(Dwell::logarithmic(law(), 0.5, bad).map(drop), "time");
+        refused(LuGre::new(law(), bad, 0.0, 0.0).map(drop), "stiffness");
+        refused(Dahl::new(0.4, bad).map(drop), "stiffness");
+    }
+    for bad in [f64::NAN, f64::INFINITY, 0.39] {
+        refused(Dwell::exponential(law(), bad, 1.0).map(drop), "limit");
+        refused(Dwell::hyperbolic(law(), bad, 1.0).map(drop), "limit");
+    }
+    for bad in [f64::NAN, f64::INFINITY, -1e-3] {
+        refused(Dwell::logarithmic(law(), bad, 1.0).map(drop), "rate");
+        refused(LuGre::new(law(), 1.0, bad, 0.0).map(drop), "damping");
+        refused(LuGre::new(law(), 1.0, 0.0, bad).map(drop), "viscous");
+    }
+    refused(
+        LuGre::new(Coulomb::new(0.4, 0.0).unwrap(), 1.0, 0.0, 0.0).map(drop),
+        "coefficient",
+    );
+}
+
+/// Canudas de Wit et al. 1995, Table I: m = 1, pulled over the ground by a spring of stiffness 2
+/// whose end moves at 0.1. It sticks and slips; the integrator needs thousands of steps, not
+/// millions.
+#[test]
+fn the_first_example_of_lugre() {
+    let law = Exponential::new(1.5, 1.0, 0.001).unwrap();
+    let law = LuGre::new(law, 1e5, 1e5_f64.sqrt(), 0.4).unwrap();
+    // In the frame of the pulling end the ground moves backward.
+    let block = Structure::new(&[1.0])
+        .and_then(|s| s.with_ground_spring(0, 2.0))
+        .and_then(|s| s.with_contact(Contact::new(0, law, 1.0)?.on_belt(-0.1)))
+        .unwrap();
+    let start = State::new(&[0.0], &[-0.1]).with_memory(&[0.0]);
+    let many = Integrator::new().with_max_steps(2_000_000).unwrap();
+    let mut steps = 0;
+    let mut slips = 0;
+    for step in many.flow(&block, start).unwrap() {
+        let step = step.unwrap();
+        steps += 1;
+        let (from, to) = (step.state().velocities[0], step.end_state().velocities[0]);
+        slips += usize::from(from < 0.0 && to >= 0.0);
+        if step.end_time() >= 40.0 {
+            break;
+        }
+    }
+    println!("{steps} steps, {slips} slips");
+    assert!(slips >= 3);
+}
