@@ -13,6 +13,7 @@ mod closed_forms;
 mod formulas;
 mod identities;
 mod memory;
+mod names;
 mod plain;
 mod random;
 mod reading;
