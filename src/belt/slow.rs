@@ -87,7 +87,10 @@ impl SlipSeries {
                 largest += correction[k].abs() * inner;
                 inner *= INNER * reach;
             }
-            if largest <= close {
+            // Rounding moves s_0 by ε s_0 for ever, and with it the whole motion, by exp(−t/D) of
+            // that near a node: so much more in the sum of all terms.
+            let passed_on = (INNER * reach * unit / closing).exp();
+            if largest <= close * passed_on {
                 // The next correction would be the square of this one.
                 let composition = composed.expand(piece, system, workspace, from, time, Some(&c));
                 composition.ok()?;
