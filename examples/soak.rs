@@ -6,7 +6,8 @@
 //! * what cannot be followed ends in an error that says so; the errors are counted here by kind;
 //! * every motion is followed a second time, with half the tolerance and from a state inside its
 //!   first step on, so that all steps start elsewhere: how far the last states are apart shows
-//!   what the integrator itself gets wrong, in u and in the sliding speed themselves;
+//!   what the integrator itself gets wrong, in u and in the sliding speed themselves, unless the
+//!   motion itself magnifies the rounding of its own data as much;
 //! * the energy of every motion is balanced by a quadrature of the law itself, which knows nothing
 //!   of the integrator;
 //! * systems and laws are plain values, so that any number of threads can work on them.
@@ -28,16 +29,26 @@ use stick_slip::{
 /// Integrations and searches where no number is given.
 const DEFAULT: [usize; 2] = [2000, 200];
 
+/// How a task ends that comes to its end.
+const RESULT: &str = "result";
+
 /// Steps after which an integration is given up.
 const MOST_STEPS: usize = 10_000;
 
 /// Energy defect, in roundings, that is worth a look.
 const REMARKABLE: f64 = 1000.0;
 
-/// Distance between two integrations of one motion, in parts of max(|u|, |v|, |v_b|) or of max(|v|,
-/// |v_b|), that is worth a look: it is an error, or the motion itself magnifies rounding (near
-/// grazing, at a release where friction falls steeply, or at v_b far below γ²μ_s).
+/// Distance between two integrations of one motion, in parts of max(|u|, |v|, |v_b|) or of
+/// max(|v|, |v_b|), that is worth a look: it is an error, or the motion itself magnifies rounding
+/// (near grazing, at a release where friction falls steeply, or at v_b far below γ²μ_s).
 const APART: f64 = 1e-9;
+
+/// Rounding errors of a whole integration, in those of its data: two integrations that are further
+/// apart than so many ulps of start, load and duration move the result are wrong.
+const ROUNDINGS: f64 = 64.0;
+
+/// A task that takes longer is named.
+const SLOW: Duration = Duration::from_secs(1);
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1).map(|text| text.parse::<usize>());
@@ -62,6 +73,8 @@ struct Judged {
     defect: f64,
     /// Distance from a second integration.
     apart: f64,
+    /// By how much the result moves with an ulp of the data, if it had to be found out.
+    moved: f64,
 }
 
 /// What became of many tasks.
@@ -70,25 +83,40 @@ struct Tally {
     /// Largest distance between two integrations of one motion, and those beyond [`APART`].
     apart: (f64, usize),
     differing: Vec<usize>,
-    /// How many ended how.
-    ends: BTreeMap<String, usize>,
+    /// Those of them that the rounding of the data does not explain.
+    wrong: Vec<usize>,
+    /// Which ended how.
+    ends: BTreeMap<String, Vec<usize>>,
     /// Largest defect and longest time, each with the index of its system.
     defect: (f64, usize),
     /// Those with a defect above [`REMARKABLE`].
     remarkable: Vec<usize>,
     time: (Duration, usize),
+    slow: Vec<usize>,
+}
+
+/// Whether x is larger than y; NaN counts as larger than anything.
+fn exceeds(x: f64, y: f64) -> bool {
+    x.is_nan() || x > y
 }
 
 impl Tally {
     fn add(&mut self, i: usize, end: &str, judged: &Judged, time: Duration) {
-        let Judged { defect, apart } = *judged;
-        if !(apart <= self.apart.0) {
+        let Judged {
+            defect,
+            apart,
+            moved,
+        } = *judged;
+        if exceeds(apart, self.apart.0) {
             self.apart = (apart, i);
         }
-        if !(apart <= APART) {
+        if exceeds(apart, APART) {
             self.differing.push(i);
+            if exceeds(apart, ROUNDINGS * moved) {
+                self.wrong.push(i);
+            }
         }
-        *self.ends.entry(end.into()).or_default() += 1;
+        self.ends.entry(end.into()).or_default().push(i);
         // A NaN counts as the worst.
         let defect = if defect.is_nan() {
             f64::INFINITY
@@ -104,11 +132,14 @@ impl Tally {
         if time > self.time.0 {
             self.time = (time, i);
         }
+        if time > SLOW {
+            self.slow.push(i);
+        }
     }
 
     fn merge(&mut self, other: Self) {
-        for (end, n) in other.ends {
-            *self.ends.entry(end).or_default() += n;
+        for (end, indices) in other.ends {
+            self.ends.entry(end).or_default().extend(indices);
         }
         if other.defect.0 > self.defect.0 {
             self.defect = other.defect;
@@ -118,6 +149,8 @@ impl Tally {
             self.apart = other.apart;
         }
         self.differing.extend(other.differing);
+        self.wrong.extend(other.wrong);
+        self.slow.extend(other.slow);
         self.time = self.time.max(other.time);
     }
 }
@@ -148,7 +181,7 @@ fn soak(
             let before = Instant::now();
             // A panic would be a bug, and this the place to find it.
             let (end, judged) = match catch_unwind(AssertUnwindSafe(|| task(i))) {
-                Ok(Ok(judged)) => ("result", judged),
+                Ok(Ok(judged)) => (RESULT, judged),
                 Ok(Err(error)) => (name(&error), Judged::default()),
                 Err(_) => ("PANIC", Judged::default()),
             };
@@ -167,9 +200,13 @@ fn soak(
     bar.finish_and_clear();
 
     println!("{count} {what}");
-    for (end, n) in &tally.ends {
-        let share = 100.0 * *n as f64 / count as f64;
+    for (end, indices) in &tally.ends {
+        let n = indices.len();
+        let share = 100.0 * n as f64 / count as f64;
         println!("  {end:20} {n:8}  {share:6.2} %");
+        if end != RESULT {
+            println!("  {:20} as {}", "", some(indices));
+        }
     }
     let describe = |i: usize| match random_motion(i) {
         Ok((system, start, duration)) => format!("{i}: {system:?} {start:?} for {duration:e}"),
@@ -194,12 +231,30 @@ fn soak(
         );
     }
     if !tally.differing.is_empty() {
-        let n = tally.differing.len();
-        println!("  {n} by more than {APART:e}: {:?}", tally.differing);
+        let [all, wrong] = [&tally.differing, &tally.wrong].map(Vec::len);
+        println!(
+            "  {all} by more than {APART:e}: {} as the rounding of the data explains, {wrong} wrong",
+            all - wrong
+        );
+        println!("  those: {}", some(&tally.differing));
+        if wrong > 0 {
+            println!("  wrong: {}", some(&tally.wrong));
+        }
     }
     let (time, i) = tally.time;
     println!("  longest time {time:.1?}, system {}", describe(i));
+    if !tally.slow.is_empty() {
+        println!("  longer than {SLOW:?}: {}", some(&tally.slow));
+    }
     Ok(())
+}
+
+/// The least few of these indices.
+fn some(indices: &[usize]) -> String {
+    let mut sorted = indices.to_vec();
+    sorted.sort_unstable();
+    let most = sorted.len().min(100);
+    format!("{:?}", &sorted[..most])
 }
 
 /// The kind of an error.
@@ -272,18 +327,57 @@ fn integrate(
     } else {
         defect / (f64::EPSILON * rounding)
     };
-    let second = second(system, start, duration)?;
+    let apart = distance(last, second(system, start, duration)?, v_b);
+    let moved = if apart <= APART {
+        0.0
+    } else {
+        moved(system, start, duration, last)
+    };
+    Ok(Judged {
+        defect,
+        apart,
+        moved,
+    })
+}
+
+/// How far apart two ends of one motion are, in parts of themselves.
+fn distance(last: State, other: State, v_b: f64) -> f64 {
     let speed = last.velocity.abs().max(v_b.abs());
     let apart = [
-        (second.displacement - last.displacement).abs() / last.displacement.abs().max(speed),
-        (second.velocity - last.velocity).abs() / speed,
+        (other.displacement - last.displacement).abs() / last.displacement.abs().max(speed),
+        (other.velocity - last.velocity).abs() / speed,
     ];
     // 0/0 is no difference.
-    let apart = apart
+    apart
         .into_iter()
         .filter(|a| !a.is_nan())
-        .fold(0.0, f64::max);
-    Ok(Judged { defect, apart })
+        .fold(0.0, f64::max)
+}
+
+/// By how much an ulp of the data moves the end of a motion: of u, v, γ² and the duration.
+fn moved(system: &MassOnBelt<AnyLaw>, start: State, duration: f64, last: State) -> f64 {
+    let beside = |x: f64| [x.next_down(), x.next_up()];
+    let State {
+        displacement: u,
+        velocity: v,
+    } = start;
+    let mut others = Vec::new();
+    others.extend(beside(u).map(|u| (Ok(system.clone()), State::new(u, v), duration)));
+    others.extend(beside(v).map(|v| (Ok(system.clone()), State::new(u, v), duration)));
+    others.extend(
+        beside(system.load()).map(|load| (system.clone().with_load(load), start, duration)),
+    );
+    others.extend(beside(duration).map(|duration| (Ok(system.clone()), start, duration)));
+    let ends = others.into_iter().map(|(system, start, duration)| {
+        let motion = Integrator::new()
+            .with_max_steps(MOST_STEPS)?
+            .simulate(&system?, start, duration)?;
+        Ok(motion.last())
+    });
+    ends.map(|end: Result<State, Error>| {
+        end.map_or(0.0, |end| distance(last, end, system.belt_velocity()))
+    })
+    .fold(0.0, f64::max)
 }
 
 /// Where the same motion ends, with half the tolerance and other steps.

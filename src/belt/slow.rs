@@ -73,21 +73,25 @@ impl SlipSeries {
             let correction = slow.correction(&c, &composed, unit);
             // The first correction is already the distance, as far as it is small: a motion that is
             // still on its way costs one pass.
-            if !(correction[0].abs() <= close) && pass == 0 {
+            let has_come = correction[0].abs() <= close;
+            if pass == 0 && !has_come {
                 return None;
             }
             let mut inner = 1.0;
             let mut largest = 0.0;
-            for k in 0..UNKNOWNS {
-                c[k] += correction[k];
+            for (k, correction) in correction.iter().enumerate().take(UNKNOWNS) {
+                c[k] += correction;
             }
             let reach = allowance.reach_of(&c, UNKNOWNS - 1, farthest);
-            for k in 0..UNKNOWNS {
+            for correction in &correction[..UNKNOWNS] {
                 // Not f64::max, which would drop a NaN.
-                largest += correction[k].abs() * inner;
+                largest += correction.abs() * inner;
                 inner *= INNER * reach;
             }
-            if largest <= close {
+            // Rounding moves s_0 by ε s_0 for ever, and with it the whole motion, by exp(−t/D) of
+            // that near a node: so much more in the sum of all terms.
+            let passed_on = (INNER * reach * unit / closing).exp();
+            if largest <= close * passed_on {
                 // The next correction would be the square of this one.
                 let composition = composed.expand(piece, system, workspace, from, time, Some(&c));
                 composition.ok()?;
@@ -183,7 +187,8 @@ impl Slow {
             power *= unit;
             deviation *= closing * unit / k as f64;
             let coefficient = explicit[k] * power;
-            if !(deviation <= 0.5 * coefficient.abs()) {
+            let is_seen = deviation <= 0.5 * coefficient.abs();
+            if !is_seen {
                 break;
             }
             c[k] = coefficient;

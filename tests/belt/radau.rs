@@ -44,7 +44,7 @@ impl Radau {
         let mut found = 0;
         let cells = 1000;
         for i in 0..cells {
-            let [mut a, mut b] = [i, i + 1].map(|i| 2.0 * i as f64 / f64::from(cells) - 1.0);
+            let [mut a, mut b] = [i, i + 1].map(|i| 2.0 * f64::from(i) / f64::from(cells) - 1.0);
             if i + 1 == cells || f(a) * f(b) > 0.0 {
                 continue;
             }
@@ -100,8 +100,9 @@ fn solve(mut a: Matrix, mut b: Stages) -> Stages {
         b.swap(k, pivot);
         for i in k + 1..STAGES {
             let factor = a[i][k] / a[k][k];
-            for j in k..STAGES {
-                a[i][j] -= factor * a[k][j];
+            let (above, below) = a.split_at_mut(i);
+            for (x, y) in std::iter::zip(&mut below[0][k..], &above[k][k..]) {
+                *x -= factor * y;
             }
             b[i] -= factor * b[k];
         }
@@ -301,7 +302,7 @@ impl Radau {
             let left = duration - time;
             h = h.min(left);
             let (end, mut used) = loop {
-                if !(h > 1e-30) {
+                if h.is_nan() || h <= 1e-30 {
                     return None;
                 }
                 match slip.checked(self, from, h) {

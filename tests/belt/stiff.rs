@@ -206,3 +206,47 @@ fn work_does_not_grow_with_the_stiffness() {
         assert!(steps <= most, "{beyond:e}: {steps}");
     }
 }
+
+/// The last part of the creep to a stable node: there the speed is v_b to a few digits, and what
+/// moves is hidden behind its rounding. Up to thirty time constants h1 = 2β + γ²μ̂'(v_b) of it.
+#[test]
+fn a_creep_to_a_node_takes_few_steps_to_its_end() {
+    let rational = |top: f64, decay: f64, offset: f64, quadratic: f64| -> AnyLaw {
+        Rational::new(top, decay)
+            .and_then(|law| law.with_offset(offset)?.with_quadratic(quadratic))
+            .unwrap()
+            .into()
+    };
+    let cubic = |top, least, v_m| -> AnyLaw { Polynomial::new(top, least, v_m).unwrap().into() };
+    let systems = [
+        (rational(0.144, 9864.0, 0.0938, 74693.0), 1.77, 1e-5, 74.8),
+        (
+            rational(0.0679, 7897.7, 0.00975, 31609.3),
+            -0.18,
+            6.88,
+            4.88,
+        ),
+        (cubic(0.019, 0.012, 8.5e-4), 434.5, 5.44, 5.7e-5),
+        (cubic(0.0203, 0.0156, 1.28e-4), -7.4e-4, 4e-4, 1797.5),
+        (
+            rational(0.0557, 7942.8, 0.0341, 2699.1),
+            0.0148,
+            0.454,
+            994.8,
+        ),
+    ];
+    for (law, v_b, damping, load) in systems {
+        let system = MassOnBelt::new(law, v_b)
+            .and_then(|system| system.with_damping(damping)?.with_load(load))
+            .unwrap();
+        let h1 = 2.0 * damping + load * system.law().slope(v_b.abs());
+        let motion = system.simulate(State::new(0.0, 0.0), 30.0 * h1).unwrap();
+        let steps = motion.steps().len();
+        assert!(steps <= 150, "{system:?}: {steps}");
+        let last = motion.last();
+        let equilibrium = system.equilibrium().unwrap().displacement;
+        let force = 16.0 * f64::EPSILON * equilibrium.abs();
+        assert!((last.displacement - equilibrium).abs() <= force + 1e-11 * equilibrium.abs());
+        assert!(last.velocity.abs() <= 1e-11 * v_b.abs(), "{last:?}");
+    }
+}

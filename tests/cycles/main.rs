@@ -9,3 +9,4 @@ mod cycles;
 mod folds;
 mod maps;
 mod properties;
+mod stiff;

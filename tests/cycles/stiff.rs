@@ -1,0 +1,213 @@
+//! No search ends for stiffness: parameters that a user may well have, and strong dampers.
+
+use crate::common::Random;
+use stick_slip::limit_cycle::{attractor, find};
+use stick_slip::{
+    AnyLaw, Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Rational, State,
+    Stribeck, Tabulated, bifurcation,
+};
+
+/// Systems of the usual run in each set; the variable, where it is set, is a factor for all. With
+/// 25 they are 3000 reasonable systems, 500 strongly damped ones and 50 ranges.
+const TIMES: &str = "STICK_SLIP_SEARCHES";
+const REASONABLE: usize = 120;
+const DAMPED: usize = 20;
+const RANGES: usize = 2;
+
+fn times() -> usize {
+    std::env::var(TIMES).map_or(1, |n| n.parse().expect("a number"))
+}
+
+/// A law of any kind that falls over a speed, and may rise beyond it.
+fn law(random: &mut Random, kind: usize, width: f64) -> Result<AnyLaw, Error> {
+    let top = random.logarithmic(0.1, 1.0);
+    let least = top * random.uniform(0.2, 0.95);
+    let rise = random.uniform(0.0, 0.3) * top / width;
+    Ok(match kind % 6 {
+        0 => Polynomial::new(top, least, width)?.into(),
+        1 => Exponential::new(top, least, width)?.into(),
+        2 => Coulomb::new(top, least)?.into(),
+        3 => Rational::new(top, 1.0 / width)?
+            .with_offset(0.7 * least)?
+            .with_quadratic(rise / width)?
+            .into(),
+        4 => Stribeck::new(top, least, width, 1 + (kind / 6 % 4) as u32)?
+            .with_viscous_coefficient(rise)?
+            .into(),
+        _ => {
+            let last = (3.0 * width, least + rise * width);
+            let points = [
+                (0.0, top),
+                (0.4 * width, 0.5 * (top + least)),
+                (width, least),
+                last,
+            ];
+            Tabulated::new(points)?
+                .with_static_coefficient(top * random.uniform(1.0, 1.5))?
+                .into()
+        }
+    })
+}
+
+/// Load 0.01 to 10, v_b 0.02 to 3, β 0 to 5, speeds of the law 0.1 to 10 v_b.
+fn reasonable(random: &mut Random, i: usize) -> Result<MassOnBelt<AnyLaw>, Error> {
+    let v_b = random.logarithmic(0.02, 3.0);
+    let width = v_b * random.logarithmic(0.1, 10.0);
+    let law = law(random, i, width)?;
+    let damping = match random.bits() % 4 {
+        0 => 0.0,
+        1 => random.uniform(0.0, 5.0),
+        _ => random.logarithmic(1e-3, 5.0),
+    };
+    MassOnBelt::new(law, random.sign() * v_b)?
+        .with_damping(damping)?
+        .with_load(random.logarithmic(0.01, 10.0))
+}
+
+/// β 1 to 50, load 0.1 to 1000.
+fn damped(random: &mut Random, i: usize) -> Result<MassOnBelt<AnyLaw>, Error> {
+    let v_b = random.logarithmic(0.02, 3.0);
+    let width = v_b * random.logarithmic(0.1, 10.0);
+    let law = law(random, i, width)?;
+    MassOnBelt::new(law, random.sign() * v_b)?
+        .with_damping(random.logarithmic(1.0, 50.0))?
+        .with_load(random.logarithmic(0.1, 1000.0))
+}
+
+/// Searches each of these systems, and asks where a motion from three starts goes.
+fn none_fails(
+    seed: u64,
+    count: usize,
+    system: fn(&mut Random, usize) -> Result<MassOnBelt<AnyLaw>, Error>,
+) {
+    let mut random = Random::new(seed);
+    let mut failed = Vec::new();
+    let (mut longest, mut found) = ((0.0, 0), 0);
+    for i in 0..count {
+        let system = system(&mut random, i).unwrap();
+        let size = system.belt_velocity().abs() + system.load() * system.law().static_coefficient();
+        let from = State::new(
+            size * random.uniform(-1.0, 1.0),
+            system.belt_velocity() * random.uniform(-0.5, 1.5),
+        );
+        let before = std::time::Instant::now();
+        match find(&system) {
+            Ok(cycles) => found += cycles.iter().count(),
+            Err(error) => failed.push(format!("find {i}: {error} {system:?}")),
+        }
+        for start in [State::new(0.0, 0.0), from] {
+            if let Err(error) = attractor(&system, start) {
+                failed.push(format!("attractor {i}: {error} {system:?} {start:?}"));
+            }
+        }
+        let spent = before.elapsed().as_secs_f64();
+        if spent > longest.0 {
+            longest = (spent, i);
+        }
+    }
+    println!("{count} systems, {found} cycles, longest {longest:?}");
+    assert!(failed.is_empty(), "{}\n{}", failed.len(), failed.join("\n"));
+}
+
+#[test]
+fn no_search_of_a_reasonable_system_fails() {
+    none_fails(31, REASONABLE * times(), reasonable);
+}
+
+#[test]
+fn no_search_of_a_strongly_damped_system_fails() {
+    none_fails(32, DAMPED * times(), damped);
+}
+
+/// Belt velocities over four decades, and damping ratios, of reasonable systems.
+#[test]
+fn no_range_fails_for_one_velocity_that_is_stiff() {
+    let mut random = Random::new(33);
+    let mut failed = Vec::new();
+    for i in 0..RANGES * times() {
+        let system = reasonable(&mut random, i).unwrap();
+        let v_b = system.belt_velocity().abs();
+        let range = 1e-2 * v_b..100.0 * v_b;
+        let of_range = [
+            (
+                "grazing",
+                bifurcation::grazing_velocities(&system, range.clone()).err(),
+            ),
+            (
+                "folds",
+                bifurcation::fold_velocities(&system, range.clone()).err(),
+            ),
+            (
+                "overshoot",
+                bifurcation::overshoot_velocities(&system, range).err(),
+            ),
+            ("silencing", bifurcation::silencing_damping(&system).err()),
+        ];
+        for (what, error) in of_range {
+            if let Some(error) = error {
+                failed.push(format!("{what} {i}: {error} {system:?}"));
+            }
+        }
+    }
+    assert!(failed.is_empty(), "{}\n{}", failed.len(), failed.join("\n"));
+}
+
+/// Hostile systems whose search gave up while a motion crept to a stable node.
+#[test]
+fn motions_that_creep_to_a_node_are_concluded() {
+    let rational = |top: f64, decay: f64, offset: f64, quadratic: f64| -> AnyLaw {
+        Rational::new(top, decay)
+            .and_then(|law| law.with_offset(offset)?.with_quadratic(quadratic))
+            .unwrap()
+            .into()
+    };
+    let cubic = |top, least, v_m| -> AnyLaw { Polynomial::new(top, least, v_m).unwrap().into() };
+    let systems = [
+        (
+            rational(
+                0.1441495499283929,
+                9864.047260016057,
+                0.09383026070596923,
+                74693.02141794178,
+            ),
+            [1.7722105085627644, 1.069448586069713e-5, 74.81290945499386],
+        ),
+        (
+            cubic(
+                0.018973465889142727,
+                0.012045744032001109,
+                0.0008498348035486757,
+            ),
+            [434.51565054882354, 5.441088758763837, 5.695829398656496e-5],
+        ),
+        (
+            cubic(
+                0.020313670292533375,
+                0.015584253411722683,
+                0.00012781431572079507,
+            ),
+            [
+                -0.0007371323172936102,
+                0.0004001191642210705,
+                1797.4961740871224,
+            ],
+        ),
+        (
+            rational(
+                0.05571903891839205,
+                7942.789706347661,
+                0.034110817074113,
+                2699.125941559547,
+            ),
+            [0.014846745495592445, 0.45443999929949636, 994.7786406704731],
+        ),
+    ];
+    for (law, [v_b, damping, load]) in systems {
+        let system = MassOnBelt::new(law, v_b)
+            .and_then(|system| system.with_damping(damping)?.with_load(load))
+            .unwrap();
+        assert_eq!(find(&system).unwrap().iter().count(), 0, "{system:?}");
+        let goes_to = attractor(&system, State::new(0.0, 0.0)).unwrap();
+        assert_eq!(goes_to.to_string(), "steady sliding", "{system:?}");
+    }
+}
