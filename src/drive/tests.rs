@@ -307,7 +307,9 @@ proptest! {
         (from, middle, to) in (-50.0..50.0_f64, 0.0..20.0_f64, 0.0..20.0_f64),
     ) {
         let drive = Drive::harmonic(amplitude, frequency, phase)
-            .and_then(|drive| drive.with_profile(&[(-3.0, 0.2), (0.0, 1.0), (0.0, 0.0), (9.0, -1.0)]))
+            .and_then(|drive| {
+                drive.with_profile(&[(-3.0, 0.2), (0.0, 1.0), (0.0, 0.0), (9.0, -1.0)])
+            })
             .unwrap();
         let start = Clock::at(from);
         let [half, end] = [start.after(middle), start.after(middle).after(to)];
