@@ -3,8 +3,10 @@
 //!
 //! What to learn from it:
 //!
-//! * what is asked too much of an explicit method ends in an error that says so; its share is
-//!   counted here;
+//! * what cannot be followed ends in an error that says so; the errors are counted here by kind;
+//! * every motion is followed a second time, with half the tolerance and from a state inside its
+//!   first step on, so that all steps start elsewhere: how far the last states are apart shows
+//!   what the integrator itself gets wrong, in u and in the sliding speed themselves;
 //! * the energy of every motion is balanced by a quadrature of the law itself, which knows nothing
 //!   of the integrator;
 //! * systems and laws are plain values, so that any number of threads can work on them.
@@ -32,6 +34,11 @@ const MOST_STEPS: usize = 10_000;
 /// Energy defect, in roundings, that is worth a look.
 const REMARKABLE: f64 = 1000.0;
 
+/// Distance between two integrations of one motion, in parts of max(|u|, |v|, |v_b|) or of max(|v|,
+/// |v_b|), that is worth a look: it is an error, or the motion itself magnifies rounding (near
+/// grazing, at a release where friction falls steeply, or at v_b far below γ²μ_s).
+const APART: f64 = 1e-9;
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1).map(|text| text.parse::<usize>());
     let integrations = arguments.next().unwrap_or(Ok(DEFAULT[0]))?;
@@ -44,13 +51,25 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     })?;
     soak("searches", first, searches, |i| {
         let (system, ..) = random_motion(i)?;
-        limit_cycle::find(&system).map(|_| 0.0)
+        limit_cycle::find(&system).map(|_| Judged::default())
     })
+}
+
+/// How good a result is.
+#[derive(Default)]
+struct Judged {
+    /// Energy defect, in roundings.
+    defect: f64,
+    /// Distance from a second integration.
+    apart: f64,
 }
 
 /// What became of many tasks.
 #[derive(Default)]
 struct Tally {
+    /// Largest distance between two integrations of one motion, and those beyond [`APART`].
+    apart: (f64, usize),
+    differing: Vec<usize>,
     /// How many ended how.
     ends: BTreeMap<String, usize>,
     /// Largest defect and longest time, each with the index of its system.
@@ -61,7 +80,14 @@ struct Tally {
 }
 
 impl Tally {
-    fn add(&mut self, i: usize, end: &str, defect: f64, time: Duration) {
+    fn add(&mut self, i: usize, end: &str, judged: &Judged, time: Duration) {
+        let Judged { defect, apart } = *judged;
+        if !(apart <= self.apart.0) {
+            self.apart = (apart, i);
+        }
+        if !(apart <= APART) {
+            self.differing.push(i);
+        }
         *self.ends.entry(end.into()).or_default() += 1;
         // A NaN counts as the worst.
         let defect = if defect.is_nan() {
@@ -88,6 +114,10 @@ impl Tally {
             self.defect = other.defect;
         }
         self.remarkable.extend(other.remarkable);
+        if other.apart.0 > self.apart.0 {
+            self.apart = other.apart;
+        }
+        self.differing.extend(other.differing);
         self.time = self.time.max(other.time);
     }
 }
@@ -97,7 +127,7 @@ fn soak(
     what: &str,
     first: usize,
     count: usize,
-    task: impl Fn(usize) -> Result<f64, Error> + Sync,
+    task: impl Fn(usize) -> Result<Judged, Error> + Sync,
 ) -> Result<(), Box<dyn std::error::Error>> {
     if count == 0 {
         return Ok(());
@@ -117,12 +147,12 @@ fn soak(
             let i = first + i;
             let before = Instant::now();
             // A panic would be a bug, and this the place to find it.
-            let (end, defect) = match catch_unwind(AssertUnwindSafe(|| task(i))) {
-                Ok(Ok(defect)) => ("result", defect),
-                Ok(Err(error)) => (name(&error), 0.0),
-                Err(_) => ("PANIC", f64::NAN),
+            let (end, judged) = match catch_unwind(AssertUnwindSafe(|| task(i))) {
+                Ok(Ok(judged)) => ("result", judged),
+                Ok(Err(error)) => (name(&error), Judged::default()),
+                Err(_) => ("PANIC", Judged::default()),
             };
-            tally.add(i, end, defect, before.elapsed());
+            tally.add(i, end, &judged, before.elapsed());
             bar.inc(1);
         }
     };
@@ -156,6 +186,17 @@ fn soak(
         let n = tally.remarkable.len();
         println!("  {n} above {REMARKABLE} roundings, as system {first}");
     }
+    let (apart, i) = tally.apart;
+    if apart != 0.0 {
+        println!(
+            "  two integrations at most {apart:.1e} apart, system {}",
+            describe(i)
+        );
+    }
+    if !tally.differing.is_empty() {
+        let n = tally.differing.len();
+        println!("  {n} by more than {APART:e}: {:?}", tally.differing);
+    }
     let (time, i) = tally.time;
     println!("  longest time {time:.1?}, system {}", describe(i));
     Ok(())
@@ -183,7 +224,7 @@ fn integrate(
     system: &MassOnBelt<AnyLaw>,
     start: State,
     duration: f64,
-) -> Result<f64, Error> {
+) -> Result<Judged, Error> {
     let energy = |state: State| 0.5 * (state.displacement.powi(2) + state.velocity.powi(2));
     let (v_b, damping) = (system.belt_velocity(), system.damping());
     let centre = system.equilibrium().map_or(0.0, |e| e.displacement);
@@ -212,7 +253,7 @@ fn integrate(
                 let forces = blur + state.displacement.abs() + force.abs();
                 rounding += weight * forces * state.velocity.abs();
             }
-            // Each step is good to a rounding of max(|u − ū|, |v|, |v_b|).
+            // Each step is good to a rounding of max(|u − ū|, |v|, |v_b|), or better.
             let State {
                 displacement: u,
                 velocity: v,
@@ -226,11 +267,46 @@ fn integrate(
     }
     let defect = (energy(last) - energy(start) - work).abs();
     rounding += turnover + energy(last) + energy(start);
-    Ok(if defect == 0.0 {
+    let defect = if defect == 0.0 {
         0.0
     } else {
         defect / (f64::EPSILON * rounding)
-    })
+    };
+    let second = second(system, start, duration)?;
+    let speed = last.velocity.abs().max(v_b.abs());
+    let apart = [
+        (second.displacement - last.displacement).abs() / last.displacement.abs().max(speed),
+        (second.velocity - last.velocity).abs() / speed,
+    ];
+    // 0/0 is no difference.
+    let apart = apart
+        .into_iter()
+        .filter(|a| !a.is_nan())
+        .fold(0.0, f64::max);
+    Ok(Judged { defect, apart })
+}
+
+/// Where the same motion ends, with half the tolerance and other steps.
+fn second(system: &MassOnBelt<AnyLaw>, start: State, duration: f64) -> Result<State, Error> {
+    let integrator = Integrator::new()
+        .with_tolerance(0.5 * Integrator::ROUND_OFF)?
+        .with_max_steps(MOST_STEPS)?;
+    // Half of the first step.
+    let Some(first) = integrator.flow(system, start)?.next().transpose()? else {
+        return Ok(start);
+    };
+    let part = 0.5 * first.duration().min(duration);
+    let from = first.state_at(part);
+    let mut last = from;
+    for step in integrator.flow(system, from)? {
+        let step = step?;
+        let left = duration - part - step.start_time();
+        last = step.state_at(step.duration().min(left));
+        if step.duration() >= left {
+            break;
+        }
+    }
+    Ok(last)
 }
 
 /// The rule of Gauss and Legendre with 16 points.

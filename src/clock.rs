@@ -1,16 +1,16 @@
-//! Time that is good after any number of steps, and its direction.
+//! The time of a motion, summed without loss over any number of steps, and its direction.
 
-/// Time as a sum of two numbers, so that 10⁶ steps lose nothing.
+/// A time as the sum of two numbers, so that 10⁶ steps lose nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Clock {
     /// The time, rounded.
     pub(crate) time: f64,
-    /// What rounding took away.
+    /// What rounding took away from `time`.
     remainder: f64,
 }
 
 impl Clock {
-    /// Exactly `time`.
+    /// The clock that shows exactly `time`.
     pub(crate) const fn at(time: f64) -> Self {
         Self {
             time,
@@ -18,7 +18,7 @@ impl Clock {
         }
     }
 
-    /// The time a duration later (Knuth's two-sum).
+    /// The clock a duration later (Knuth's two-sum).
     #[inline(always)]
     pub(crate) fn after(self, duration: f64) -> Self {
         let step = duration + self.remainder;
@@ -28,19 +28,21 @@ impl Clock {
         Self { time, remainder }
     }
 
-    /// Time from here to `time`.
+    /// Duration from this clock's time to `time`.
     #[inline(always)]
     pub(crate) fn until(self, time: f64) -> f64 {
         (time - self.time) - self.remainder
     }
 
-    /// Time from here to another clock's time.
+    /// Duration from this clock's time to another clock's time.
     pub(crate) fn to(self, later: Self) -> f64 {
         (later.time - self.time) + (later.remainder - self.remainder)
     }
 
-    /// factor·time as a number and what rounding took away from it: together good to about ε² of
-    /// the product (two-product with a fused multiply-add).
+    /// The product factor·time as a number and what rounding took away from it.
+    ///
+    /// Together the two are good to about ε² of the product (two-product with a fused
+    /// multiply-add).
     pub(crate) fn times(self, factor: f64) -> (f64, f64) {
         let product = factor * self.time;
         let error = factor.mul_add(self.time, -product);

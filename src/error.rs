@@ -1,6 +1,6 @@
 use crate::state::structure::State;
 
-/// Where an integration stood when it could not go on.
+/// The time and the state that an integration had reached when it could not go on.
 ///
 /// ```
 /// use stick_slip::{Error, Integrator, MassOnBelt, Polynomial, State};
@@ -22,7 +22,7 @@ use crate::state::structure::State;
 pub struct Reached {
     /// Time since the start of the integration, in the units of the system.
     pub time: f64,
-    /// State of all masses at that time; of a [`MassOnBelt`](crate::MassOnBelt) the only one.
+    /// State of all masses at that time. A [`MassOnBelt`](crate::MassOnBelt) has one mass.
     pub state: State,
 }
 
@@ -45,42 +45,45 @@ impl std::fmt::Display for Reached {
     }
 }
 
-/// " at time …", or nothing where no integration was under way.
+/// The words " at time …" for a message; none if no integration was under way.
 fn during(reached: &Option<Reached>) -> String {
     reached
         .as_ref()
         .map_or_else(String::new, |reached| format!(" {reached}"))
 }
 
-/// Why a law, a system or an integration was refused or could not go on.
+/// The reason why a law, a system or a start was refused, or why a motion could not be followed
+/// further.
 ///
-/// Every variant carries the numbers that a caller needs to decide what to do, dimensionless but
-/// for the arguments of [`Scaling`](crate::Scaling); the message names the remedy.
+/// Every variant carries the numbers that a caller needs to decide what to do, and its message
+/// names the remedy. The numbers are dimensionless, except for the arguments of
+/// [`Scaling`](crate::Scaling), in SI units, and those of a [`Structure`](crate::Structure), in the
+/// structure's own units.
 ///
 /// | variant | when | what to do |
 /// |---|---|---|
 /// | [`InvalidParameter`](Self::InvalidParameter) | a constructor, a `with_` method, or a range of belt velocities | give a number in the range named |
 /// | [`BadPoint`](Self::BadPoint) | [`Tabulated::new`](crate::Tabulated::new), [`Drive::profile`](crate::Drive::profile) | correct or leave out that point |
-/// | [`InvalidState`](Self::InvalidState) | a start is not finite, or extremely large or small | check it; choose another unit of length |
+/// | [`InvalidState`](Self::InvalidState) | a start is not finite, or extremely large or small | check the start; choose another unit of length |
 /// | [`InvalidTolerance`](Self::InvalidTolerance) | [`Integrator::with_tolerance`](crate::Integrator::with_tolerance) | stay within the limits named |
 /// | [`InvalidDuration`](Self::InvalidDuration) | `simulate` | give a finite duration ≥ 0, or use `flow` |
 /// | [`StaticBelowKinetic`](Self::StaticBelowKinetic) | [`MassOnBelt::new`](crate::MassOnBelt::new), a law with μ̂(0) > μ_s | raise μ_s or lower μ̂(0) |
-/// | [`NonFiniteFriction`](Self::NonFiniteFriction) | a law gives NaN or ±∞ at a speed that is needed | define it there, or keep the motion away |
+/// | [`NonFiniteFriction`](Self::NonFiniteFriction) | a law gives NaN or ±∞ at a speed that is needed | define the law there, or keep the motion away |
 /// | [`NotAnalytic`](Self::NotAnalytic) | a law has a value but no power series at a speed | use integral powers there, or name a breakpoint |
 /// | [`BadBreakpoints`](Self::BadBreakpoints) | `MassOnBelt::new`, a law with breakpoints | sort them; make the law continuous |
 /// | [`BadElement`](Self::BadElement) | a mass, spring, damper, force or contact of a [`Structure`](crate::Structure) | give a number in the range named |
 /// | [`NoSuchCoordinate`](Self::NoSuchCoordinate) | an element of a structure | count its coordinates from 0 |
 /// | [`WrongSize`](Self::WrongSize) | a matrix or a start of a structure | one row, column or number for each coordinate |
 /// | [`CoordinateTaken`](Self::CoordinateTaken) | a second contact on one coordinate | add a coordinate, or one law that holds both |
-/// | [`BeltVelocityJumps`](Self::BeltVelocityJumps) | a contact on a belt whose velocity jumps | make it a steep ramp |
-/// | [`StepUnderflow`](Self::StepUnderflow) | a motion: stiffness, or a kink or jump of the law that is not named | name the breakpoint; reduce γ²·dμ̂/ds; start nearer |
-/// | [`TooManySteps`](Self::TooManySteps) | a motion or a search for cycles: stiffness, or a very long run | `with_max_steps`, or as above |
+/// | [`BeltVelocityJumps`](Self::BeltVelocityJumps) | a contact on a belt whose velocity jumps | replace the jump by a steep ramp |
+/// | [`StepUnderflow`](Self::StepUnderflow) | a motion: a kink or jump of the law that is not named, a slope γ²·dμ̂/ds beyond about 1e20, or a stiff structure | name the breakpoint; reduce γ²·dμ̂/ds; start nearer to the belt's velocity |
+/// | [`TooManySteps`](Self::TooManySteps) | a motion or a search for cycles: a very long run, or as for `StepUnderflow` | raise the limit with `with_max_steps`, or as for `StepUnderflow` |
 /// | [`Separation`](Self::Separation) | a motion: a load that depends on displacements falls to 0 | end the motion there, or press harder |
 /// | [`TooManyEvents`](Self::TooManyEvents) | a run with `with_max_events` | raise the limit, or use `flow` |
 /// | [`At`](Self::At) | a search over belt velocities, or over the damping | see the error inside; search beside that value |
 ///
-/// A `main` that returns `Result<(), Error>` shows the variant and its fields, by `Debug`; print
-/// the error with `{error}` to show the message.
+/// To show the message, print the error with `{error}`. A `main` that returns `Result<(), Error>`
+/// prints the variant and its fields instead, by `Debug`.
 ///
 /// ```
 /// use stick_slip::{Error, Polynomial};
@@ -96,7 +99,8 @@ fn during(reached: &Option<Reached>) -> String {
 /// );
 /// assert_eq!(
 ///     error.to_string(),
-///     "minimum_coefficient = 5e-1 is not allowed; give a finite number: 0 ≤ minimum_coefficient ≤ static_coefficient"
+///     "minimum_coefficient = 5e-1 is not allowed; give a finite number: \
+///      0 ≤ minimum_coefficient ≤ static_coefficient"
 /// );
 /// ```
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -115,7 +119,8 @@ pub enum Error {
 
     /// A point of a table or of a profile is not allowed.
     #[error(
-        "point {index} of the table, counted from 0: {name} = {value:e} is not allowed; give a finite number: {allowed}"
+        "point {index} of the table, counted from 0: {name} = {value:e} is not allowed; give a \
+         finite number: {allowed}"
     )]
     BadPoint {
         /// Position of the point, from 0.
@@ -131,7 +136,8 @@ pub enum Error {
     /// A start state has an infinite or NaN component, or is so large or so small that the
     /// equations overflow or underflow.
     #[error(
-        "the state u = {displacement:e}, v = {velocity:e} is not finite, or it overflows or underflows; choose a unit of length that makes it a number of ordinary size"
+        "the state u = {displacement:e}, v = {velocity:e} is not finite, or it overflows or \
+         underflows; choose a unit of length that makes it a number of ordinary size"
     )]
     InvalidState {
         /// Displacement u that was given.
@@ -155,17 +161,19 @@ pub enum Error {
 
     /// A duration is negative, infinite or NaN.
     #[error(
-        "the duration {value:e} is not allowed; give a finite number ≥ 0, or use `flow` to go on without an end"
+        "the duration {value:e} is not allowed; give a finite number ≥ 0, or use `flow` to go on \
+         without an end"
     )]
     InvalidDuration {
         /// The value that was given.
         value: f64,
     },
 
-    /// The law's kinetic coefficient at zero speed exceeds its static coefficient by more than a
-    /// few ulps.
+    /// The law's kinetic coefficient at zero speed, μ̂(0), exceeds its static coefficient μ_s by
+    /// more than a few ulps.
     #[error(
-        "the static coefficient {static_coefficient:e} is below the kinetic coefficient at zero speed, {kinetic_coefficient:e}; raise μ_s or lower μ̂(0)"
+        "the static coefficient {static_coefficient:e} is below the kinetic coefficient at zero \
+         speed, {kinetic_coefficient:e}; raise μ_s or lower μ̂(0)"
     )]
     StaticBelowKinetic {
         /// μ_s of the law.
@@ -176,7 +184,8 @@ pub enum Error {
 
     /// The law returned an infinite or NaN coefficient.
     #[error(
-        "the friction law gives {value} at sliding speed {speed:e}{}; define it for every speed the motion reaches, or start closer to the belt velocity",
+        "the friction law gives {value} at sliding speed {speed:e}{}; define it for every speed \
+         the motion reaches, or start closer to the belt velocity",
         during(reached)
     )]
     NonFiniteFriction {
@@ -190,7 +199,8 @@ pub enum Error {
 
     /// The law has a value but no power series at a speed, as √s at s = 0.
     #[error(
-        "the friction law is not analytic at sliding speed {speed:e}{}; use integral powers of the speed there, or name the speed as a breakpoint and give the pieces",
+        "the friction law is not analytic at sliding speed {speed:e}{}; use integral powers of \
+         the speed there, or name the speed as a breakpoint and give the pieces",
         during(reached)
     )]
     NotAnalytic {
@@ -201,9 +211,10 @@ pub enum Error {
     },
 
     /// The law's breakpoints are not finite, positive and strictly ascending, or the law jumps at
-    /// one.
+    /// one of them.
     #[error(
-        "breakpoint {index} of the friction law, {value:e}, is not allowed; breakpoints are finite, positive, strictly ascending, and the law is continuous there"
+        "breakpoint {index} of the friction law, {value:e}, is not allowed; breakpoints are \
+         finite, positive, strictly ascending, and the law is continuous there"
     )]
     BadBreakpoints {
         /// Position of the first bad breakpoint, from 0.
@@ -212,7 +223,8 @@ pub enum Error {
         value: f64,
     },
 
-    /// A number of a structure is outside its range, infinite or NaN.
+    /// A mass, stiffness, damping, force or contact of a structure is outside its range, infinite
+    /// or NaN.
     #[error("{element}: {value:e} is not allowed; give a finite number: {allowed}")]
     BadElement {
         /// Which element of the structure.
@@ -236,10 +248,10 @@ pub enum Error {
         count: usize,
     },
 
-    /// A matrix or a start does not fit the structure.
+    /// A matrix or a start does not have the size of the structure.
     #[error("{found} {name} were given; {expected} are needed, as many as the structure has")]
     WrongSize {
-        /// What was counted, as `rows of the stiffness matrix`.
+        /// What was counted, for example `rows of the stiffness matrix`.
         name: &'static str,
         /// How many were given.
         found: usize,
@@ -247,20 +259,22 @@ pub enum Error {
         expected: usize,
     },
 
-    /// A coordinate can have one contact only.
+    /// A second contact was put on a coordinate, which can have one only.
     #[error(
-        "coordinate {coordinate} has contact {contact} already; add a coordinate for a second one, or write one law that holds both"
+        "coordinate {coordinate} has contact {contact} already; add a coordinate for a second \
+         one, or write one law that holds both"
     )]
     CoordinateTaken {
         /// The coordinate, from 0.
         coordinate: usize,
-        /// The contact that it has, from 0.
+        /// The contact that the coordinate has already, from 0.
         contact: usize,
     },
 
-    /// The velocity of a belt jumps, which would take an infinite force.
+    /// The velocity of a belt jumps; a mass that sticks could follow only under an infinite force.
     #[error(
-        "the belt under coordinate {coordinate} changes its velocity by a jump at time {time:e}; make it a steep ramp"
+        "the belt under coordinate {coordinate} changes its velocity by a jump at time {time:e}; \
+         make it a steep ramp"
     )]
     BeltVelocityJumps {
         /// The coordinate of the contact, from 0.
@@ -269,9 +283,10 @@ pub enum Error {
         time: f64,
     },
 
-    /// The step became too short to move the clock.
+    /// A step became too short to move the clock, or its power series overflows.
     #[error(
-        "the step fell to {step:e} {reached}: the system is too stiff for an explicit method (large γ²·dμ̂/ds), or the law has a kink that is not named as a breakpoint"
+        "the step fell to {step:e} {reached}: the law has a jump or kink there that is not named \
+         as a breakpoint, or the system is too stiff (γ²·dμ̂/ds beyond about 1e20, or a structure)"
     )]
     StepUnderflow {
         /// Length of the last step tried.
@@ -280,9 +295,11 @@ pub enum Error {
         reached: Reached,
     },
 
-    /// The limit of steps was reached.
+    /// The largest number of steps was reached before the motion was at its end.
     #[error(
-        "{limit} steps were not enough {reached}; in a simulation raise the limit with `with_max_steps`, shorten the run, or use `flow`. Steps far below 0.1 mean a stiff system (large γ²·dμ̂/ds), or a law with a jump or kink that is not named as a breakpoint"
+        "{limit} steps were not enough {reached}; in a simulation raise the limit with \
+         `with_max_steps`, shorten the run, or use `flow`. Steps far below 0.1 mean a law with a \
+         jump or kink that is not named as a breakpoint, or a stiff structure"
     )]
     TooManySteps {
         /// The limit in force.
@@ -291,10 +308,14 @@ pub enum Error {
         reached: Reached,
     },
 
-    /// The normal load of a contact, which depends on displacements, fell to 0: the surfaces part,
-    /// and the springs of the structure are no longer those of its stiffness matrix.
+    /// The normal load of a contact fell to 0, where the load depends on displacements.
+    ///
+    /// The surfaces part, and the springs of the structure are no longer those of its stiffness
+    /// matrix. (A load that depends on time alone may fall to 0:
+    /// [`EventKind::Open`](crate::EventKind::Open).)
     #[error(
-        "contact {contact} separates {reached}: its normal load falls to 0; end the motion here, or press the surfaces together with a larger load"
+        "contact {contact} separates {reached}: its normal load falls to 0; end the motion here, \
+         or press the surfaces together with a larger load"
     )]
     Separation {
         /// Number of the contact.
@@ -303,9 +324,10 @@ pub enum Error {
         reached: Reached,
     },
 
-    /// The limit of events was reached.
+    /// The largest number of events was reached before the motion was at its end.
     #[error(
-        "{limit} events were not enough {reached}; raise the limit with `with_max_events`, shorten the run, or use `flow`"
+        "{limit} events were not enough {reached}; raise the limit with `with_max_events`, \
+         shorten the run, or use `flow`"
     )]
     TooManyEvents {
         /// The limit in force.
@@ -314,11 +336,13 @@ pub enum Error {
         reached: Reached,
     },
 
-    /// A search over a parameter could not go on at one value of it: the error inside says why, and
-    /// what to do. A range that leaves the value out is searched as before.
+    /// A search over a parameter could not go on at one value of this parameter.
+    ///
+    /// The error inside says why, and what to do. A range that leaves the value out can still be
+    /// searched.
     #[error("at {parameter} = {value:e}: {source}")]
     At {
-        /// The parameter, by its name: `belt_velocity`, `damping`.
+        /// The parameter, by its name: `belt_velocity` or `damping`.
         parameter: &'static str,
         /// Its value.
         value: f64,
@@ -327,19 +351,19 @@ pub enum Error {
     },
 }
 
-/// A part of a [`Structure`](crate::Structure), by its place; all counted from 0.
+/// A part of a [`Structure`](crate::Structure), by its place, counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Element {
-    /// The mass of a coordinate.
+    /// A mass, by its coordinate.
     Mass(usize),
-    /// Row and column of the stiffness matrix, or the two ends of a spring; twice the same for a
-    /// spring to the ground.
+    /// An entry of the stiffness matrix, by row and column, or a spring, by the coordinates at its
+    /// two ends. A spring to the ground has the same coordinate twice.
     Stiffness(usize, usize),
-    /// Row and column of the damping matrix, or the two ends of a damper; twice the same for a
-    /// damper to the ground.
+    /// An entry of the damping matrix, by row and column, or a damper, by the coordinates at its
+    /// two ends. A damper to the ground has the same coordinate twice.
     Damping(usize, usize),
-    /// The force on a coordinate.
+    /// The force on a coordinate, by the coordinate.
     Force(usize),
     /// A contact, by its number.
     Contact(usize),
@@ -358,7 +382,7 @@ impl std::fmt::Display for Element {
 }
 
 impl Error {
-    /// The same error, with the value of the parameter at which it happened.
+    /// This error inside an [`Error::At`], with the value of the parameter at which it happened.
     pub(crate) fn at(self, parameter: &'static str, value: f64) -> Self {
         Self::At {
             parameter,
@@ -367,7 +391,7 @@ impl Error {
         }
     }
 
-    /// `value` if it lies in the range, else [`Error::InvalidParameter`]; NaN lies in none.
+    /// Returns `value` if it is finite and `in_range`, else [`Error::InvalidParameter`].
     pub(crate) fn check(
         name: &'static str,
         value: f64,
@@ -385,7 +409,7 @@ impl Error {
         }
     }
 
-    /// The same error, as that of an element of a structure.
+    /// An invalid parameter as that of an element of a structure; any other error as it is.
     pub(crate) fn of_element(self, element: Element) -> Self {
         match self {
             Self::InvalidParameter { value, allowed, .. } => Self::BadElement {
@@ -397,7 +421,7 @@ impl Error {
         }
     }
 
-    /// The same error, as that of a point of a table.
+    /// An invalid parameter as that of a point of a table; any other error as it is.
     pub(crate) fn at_point(self, index: usize) -> Self {
         match self {
             Self::InvalidParameter {
@@ -414,7 +438,7 @@ impl Error {
         }
     }
 
-    /// The same error, with the place where the integration stood.
+    /// This error with the place where the integration stood, if it is one of the law.
     pub(crate) fn reached_at(self, at: Reached) -> Self {
         match self {
             Self::NonFiniteFriction { speed, value, .. } => Self::NonFiniteFriction {

@@ -1,7 +1,10 @@
-//! Friction-induced vibration, to round-off: every stick, release and crossing of a mass on a
-//! moving belt, every limit cycle, and the belt velocities at which they appear, for any friction
-//! law that can be written as a function. Several masses, with forces and belts that vary in time,
-//! are followed as exactly.
+//! Friction-induced vibration, computed to round-off.
+//!
+//! For a mass on a moving belt the crate finds every stick (the belt catches the mass), every
+//! release (the belt lets it go), every crossing (the mass passes the belt's velocity without
+//! sticking), every limit cycle, and the belt velocities at which cycles appear. The friction law
+//! can be any that you can write as a function. The motion of several masses, with forces and belts
+//! that vary in time, is followed as exactly.
 //!
 //! ```
 //! use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
@@ -26,22 +29,23 @@
 //! | question | answer |
 //! |---|---|
 //! | how the mass moves from a given start, and when it sticks | [`MassOnBelt::simulate`], then [`Trajectory::events`], [`state_at`](Trajectory::state_at), [`sample`](Trajectory::sample) |
-//! | the same without an end, in constant memory | [`Integrator::flow`] |
-//! | with a looser tolerance, or more steps | [`Integrator::with_tolerance`], [`Integrator::with_max_steps`] |
-//! | everything that it can settle to | [`limit_cycle::find`] |
+//! | how the mass moves, without an end and in constant memory | [`Integrator::flow`] |
+//! | how the mass moves, with a looser tolerance or more steps | [`Integrator::with_tolerance`], [`Integrator::with_max_steps`] |
+//! | everything that the mass can settle to | [`limit_cycle::find`] |
 //! | the stick-slip motion alone | [`limit_cycle::stick_slip`] |
-//! | which of them it settles to from a given start | [`limit_cycle::attractor`]; from many, [`limit_cycle::basins`] |
+//! | what the mass settles to from a given start | [`limit_cycle::attractor`]; from many, [`limit_cycle::basins`] |
 //! | period, extremes, harmonics, energies of a periodic motion | [`LimitCycle`] |
 //! | whether steady sliding is stable | [`MassOnBelt::equilibrium`] |
 //! | the belt velocity at which steady sliding becomes stable | [`bifurcation::hopf_velocities`], [`bifurcation::criticality`] |
-//! | the one at which stick-slip appears or disappears | [`bifurcation::grazing_velocities`] |
-//! | those at which a cycle changes its kind | [`bifurcation::overshoot_velocities`], [`bifurcation::crossing_velocities`], [`bifurcation::fold_velocities`] |
-//! | a picture over the belt velocity | [`bifurcation::diagram`] |
-//! | how much damping keeps it quiet | [`bifurcation::silencing_damping`]; at every belt velocity, [`analysis::design`] |
+//! | the belt velocity at which stick-slip appears or disappears | [`bifurcation::grazing_velocities`] |
+//! | the belt velocity at which a cycle changes its kind | [`bifurcation::overshoot_velocities`], [`bifurcation::crossing_velocities`] |
+//! | the belt velocity at which a stable and an unstable cycle meet and vanish | [`bifurcation::fold_velocities`] |
+//! | all cycles over a range of belt velocities, for a picture | [`bifurcation::diagram`] |
+//! | how much damping keeps the mass quiet | [`bifurcation::silencing_damping`]; at every belt velocity, [`analysis::design`] |
 //! | the formulas of the source paper, and better ones | [`analysis::PureSlip`], [`analysis::StickSlip`], [`analysis::averaging`]; [where the paper is wrong](analysis#where-the-source-paper-is-wrong) |
 //! | several masses, forces and belts that vary in time | [`Structure`], [`Contact`], [`Drive`] |
 //! | whether several masses slide steadily, or flutter | [`Structure::steady_sliding`] |
-//! | kilograms, newtons, metres, hertz | [`Scaling`]; a [`Structure`] takes any consistent units |
+//! | how to work in kilograms, newtons, metres and hertz | [`Scaling`]; a [`Structure`] takes any consistent units |
 //! | a friction law of my own | [`FrictionLaw`], [`Scalar`] |
 //! | measured points as a law | [`Tabulated`] |
 //! | a law chosen at run time | [`AnyLaw`] |
@@ -59,36 +63,40 @@
 //! stick:  u' = v_b,  u'' = 0,  as long as |u + 2βv_b| ≤ γ²μ_s
 //! ```
 //!
-//! Friction drags the mass along until the spring is stretched so far that it slips. Where friction
-//! falls with the sliding speed, the slipping mass takes up energy, and steady sliding gives way to
-//! vibration: brakes groan, doors creak, bows sound.
+//! The belt drags the mass along by friction, until the spring is stretched so far that the mass
+//! slips back. Where friction falls with the sliding speed, the slipping mass takes up energy from
+//! the belt, and steady sliding gives way to vibration: brakes groan, doors creak, bows sound.
 //!
 //! All quantities are dimensionless: u displacement, v = u' velocity, τ time, β ≥ 0 damping ratio,
 //! γ² > 0 friction load, v_b belt velocity of either sign or zero, v_r = v − v_b relative velocity,
-//! s = |v_r| sliding speed. [`Scaling`] leads from kilograms, metres and newtons to them and back.
+//! s = |v_r| sliding speed. [`Scaling`] converts kilograms, metres and newtons to these quantities,
+//! and back.
 //!
-//! A [`FrictionLaw`] is a static coefficient μ_s and a function μ̂(s) for s ≥ 0. Its value at s = 0
-//! is the limit from above, and μ̂(0) ≤ μ_s. The law is odd in the relative velocity:
-//! μ(v_r) = sgn(v_r)·μ̂(|v_r|).
+//! A [`FrictionLaw`] consists of a static coefficient μ_s and a function μ̂(s) for s ≥ 0, the
+//! kinetic coefficient. μ̂(0) is its limit for s → 0, and at most μ_s. The law is odd in the
+//! relative velocity: μ(v_r) = sgn(v_r)·μ̂(|v_r|).
 //!
 //! "Amplitude" has several meanings:
 //!
 //! | where | what it is |
 //! |---|---|
 //! | [`LimitCycle::amplitude`] | half the distance between the largest and the least displacement |
-//! | [`limit_cycle::Continuum`] | the same, of the largest motion of a family |
-//! | [`analysis::PureSlip::amplitude`] | A0 of the source paper, Eq. 15: of displacement and velocity, to first order |
-//! | [`analysis::StickSlip::amplitude`] | A1 of the source paper, Eq. 18: of an arc to which friction gives no energy |
-//! | [`analysis::averaging`] | of the harmonic motion that is averaged over |
-//! | [`LimitCycle::harmonics`] | complex amplitudes of the displacement, one for each harmonic |
+//! | [`limit_cycle::Continuum`] | half that distance, for the largest motion of a family of periodic motions |
+//! | [`analysis::PureSlip::amplitude`] | A0 of the source paper, Eq. 15: the amplitude of both displacement and velocity, to first order |
+//! | [`analysis::StickSlip::amplitude`] | A1 of the source paper, Eq. 18: the amplitude of a slip arc to which friction gives no energy |
+//! | [`analysis::averaging`] | the amplitude of the harmonic motion that is averaged over |
+//! | [`LimitCycle::harmonics`] | the complex amplitudes of the displacement, one for each harmonic |
 //! | [`Drive::harmonic`] | the largest value of one harmonic |
 //!
 //! # Conventions at zero relative velocity
 //!
-//! The contact has to carry the force F = u + 2βv_b in stick; the most that it can is F_s = γ²μ_s.
-//! The band of forces in which the mass sticks is half open, so that every state has one fate:
-//! −F_s ≤ F < F_s for v_b > 0 (at F = F_s the mass is released), mirrored for v_b < 0, closed for
-//! v_b = 0.
+//! In stick the contact has to carry the force F = u + 2βv_b. The largest force that it can carry
+//! is F_s = γ²μ_s. The band of forces in which the mass sticks is half open, so that exactly one
+//! thing follows from every state:
+//!
+//! * v_b > 0: −F_s ≤ F < F_s. At F = F_s the mass is released.
+//! * v_b < 0: −F_s < F ≤ F_s, the mirror image.
+//! * v_b = 0: −F_s ≤ F ≤ F_s.
 //!
 //! | situation | what happens |
 //! |---|---|
@@ -96,72 +104,88 @@
 //! | stick, v_b < 0: F reaches −F_s | `Release`, slip with v_r > 0 (leading) |
 //! | stick, v_b = 0 | rests for ever |
 //! | slip, v_r reaches 0, F in the band | [`Stick`](EventKind::Stick), also where γ²μ̂(0) < \|F\|: static friction holds |
-//! | slip, v_r reaches 0, F outside the band | [`Crossing`](EventKind::Crossing): slip goes on with the other sign. An arrival from leading exactly at the open end of the band is one too |
+//! | slip, v_r reaches 0, F outside the band | [`Crossing`](EventKind::Crossing): slip goes on with the other sign. This holds too if leading slip ends exactly at the open end of the band |
 //! | slip, v_r touches 0 tangentially at the open end, from lagging | no event, slip goes on |
 //! | start with v_r = 0, F in the band | in stick; no event at time 0 |
 //! | start with v_r = 0, F outside the band | slips at once with the sign of −F; no event at time 0 |
-//! | start at the release point, to 4 ulps of the largest term | `Release` at time 0, reported |
+//! | start at the release point, within 4 ulps of the largest term of its formula | `Release` at time 0, reported |
 //!
-//! [`MassOnBelt::stick_limits`] gives the ends of the band in u, as every decision uses them, and
-//! [`MassOnBelt::release_state`] the release point.
+//! (An ulp is the distance between two neighbouring numbers of type `f64`.)
+//!
+//! [`MassOnBelt::stick_limits`] gives the ends of the band as displacements u; every decision uses
+//! these two numbers. [`MassOnBelt::release_state`] gives the release point.
 //!
 //! # What the integrator promises
 //!
-//! 1. **Steps.** A slip phase is followed by Taylor series of order 26. A step is accepted when the
-//!    defect of the series, what is missing in the equation of motion, is small at its end (the
-//!    contact, if there is one), at a quarter, a half and three quarters of it, and about the place
-//!    where the mass comes closest to the belt's velocity. Terms hidden behind exp(−400), as in a
-//!    law with a narrow Stribeck velocity, are not missed. A step longer than one radian is looked
-//!    at every quarter of a radian: a bump exp(−(s/w)²) at some other speed is seen for w down to a
-//!    fortieth of the motion's velocity amplitude. Name the place of a narrower one as a
-//!    [breakpoint](FrictionLaw::breakpoints).
-//! 2. **Contacts** are roots of the sliding speed's own polynomial, isolated so that none is
-//!    skipped, and refined to the last bit. A shallow contact, in and out within one step, is
-//!    found.
-//! 3. **Starts of slip.** The known root of v_r at the start is divided out, simple or double.
-//!    There is no epsilon, no cooldown and no least duration.
-//! 4. **Stick** is closed-form, and there v is v_b to the bit.
-//! 5. **Order.** States are continuous. Event times never decrease, and increase strictly where a
-//!    phase is longer than an ulp of the time. The same call gives the same bits.
-//! 6. **Large numbers.** v_r and not v is integrated, so that contact is exact for large v_b; time
-//!    is summed with its rounding errors: after 10⁵ cycles an event comes at its multiple of the
-//!    period, to 4 ulps of the time.
-//! 7. **Tolerance** is relative to the motion's own scale, max(|u − ū|, |v|, |v_b|): a change of
-//!    units scales the result. (Where a law is so steep that ū lies far beyond all that happens,
-//!    that scale is large too, and the result less exact than it could be.)
-//! 8. **Errors.** What cannot go on is an [`Error`] with the time and the state reached, not a
-//!    panic and not a hang.
+//! 1. **Steps.** A slip phase is followed by Taylor series of order 26. The defect of a series is
+//!    what is missing in the equation of motion when the series is put in. A step is accepted when
+//!    its defect is small at a quarter, a half and three quarters of the step, at its end, and near
+//!    the place where the mass comes closest to the belt's velocity. So no term is missed because
+//!    it rounds to nothing where the step starts, as exp(−400) does in a law with a narrow Stribeck
+//!    velocity. In a step longer than one radian the defect is checked at every quarter of a
+//!    radian. This finds a bump exp(−(s/w)²) of the law at any other speed if w is at least a
+//!    fortieth of the motion's velocity amplitude. Name the place of a narrower bump as a
+//!    [breakpoint](FrictionLaw::breakpoints). Where friction or the damper rises so steeply with
+//!    the sliding speed that the motion creeps, with D = 2β + γ²·dμ̂/ds large, a step is the power
+//!    series of the creep itself. The number of steps then does not grow with D. Such a step may
+//!    start up to four errors beside the end of the step before.
+//! 2. **Contacts** are roots of the sliding speed's own polynomial. They are isolated so that none
+//!    is skipped, and refined to the last bit. A shallow contact, in and out within one step, is
+//!    found too.
+//! 3. **Starts of slip.** At the start of slip v_r has a root that is known, simple or double. This
+//!    root is divided out. There is no epsilon, no cooldown and no least duration.
+//! 4. **Stick** has closed formulas, and v equals v_b to the bit.
+//! 5. **Order.** States are continuous. Event times never decrease, and they increase strictly if
+//!    the phase between two events is longer than an ulp of the time. The same call gives the same
+//!    bits.
+//! 6. **Large numbers.** The integrated variable is v_r and not v, so that contact is exact for
+//!    large v_b. Time is summed together with its rounding errors: after 10⁵ cycles an event comes
+//!    at its multiple of the period, to 4 ulps of the time.
+//! 7. **Tolerance** is relative to the motion's own scale, max(|u − ū|, |v|, |v_b|), with ū the
+//!    displacement of steady sliding. So a change of units only scales the result. Where the law is
+//!    so steep that ū lies far beyond all that happens, and where a motion creeps, the scale is
+//!    max(|v|, |v_b|, |v'|/max(1, D)): what the motion does, and is about to do.
+//! 8. **Errors.** A motion that cannot be followed further ends in an [`Error`] with the time and
+//!    the state reached. It does not panic or hang.
 //!
-//! Each has a test named for it. The events and states of 22 motions that were computed with 25
-//! digits by another method are met within 1e-13·max(1, |value|). What double precision itself
-//! limits: the time of a contact near grazing, about ε/|v_r'| with ε = 2.2e-16; motions for v_b
-//! below 2e-5·γ²μ_s, about ε·γ²μ_s/v_b.
+//! Each promise has a test that is named for it. Another method computed 22 motions with 25 digits;
+//! their events and states are met within 1e-13·max(1, |value|). Double precision itself, with
+//! ε = 2.2e-16, sets two limits: the time of a contact near grazing is known to about ε/|v_r'|, and
+//! motions with v_b below 2e-5·γ²μ_s to about ε·γ²μ_s/v_b.
 //!
 //! # What is guaranteed of cycles
 //!
-//! [`limit_cycle::stick_slip`] is complete. [`limit_cycle::find`] can lose pairs of cycles that lie
-//! closer together than it looks; [how close](limit_cycle#what-is-guaranteed) is stated there, and
-//! so is, with each function of [`bifurcation`], how densely a range is searched.
+//! [`limit_cycle::stick_slip`] is complete: if there is a cycle that sticks, it is found.
+//! [`limit_cycle::find`] can miss a pair of cycles that lie very close together; its page says [how
+//! close](limit_cycle#what-is-guaranteed). Each function of [`bifurcation`] says how densely it
+//! searches a range of belt velocities.
 //!
 //! # Limits
 //!
-//! * All cycles are found of one mass on a belt of constant velocity only: there motions are
-//!   planar, and cannot cross. Of a [`Structure`] motions are followed.
-//! * No memory in the law: μ depends on the relative velocity alone (no rate-and-state, LuGre or
-//!   bristle model).
-//! * The method is explicit. A stiff system (large γ²·dμ̂/ds, the cubic law far above its minimum)
-//!   ends in [`Error::StepUnderflow`] or [`Error::TooManySteps`], whose messages name stiffness.
-//! * The law is analytic, at s = 0 too, or piecewise so with
+//! * **Cycles of one mass only.** Limit cycles are found for one mass on a belt of constant
+//!   velocity, because its motions lie in a plane and cannot cross each other. The motions of a
+//!   [`Structure`] are followed, but its limit cycles are not searched for.
+//! * **No memory.** μ depends on the relative velocity alone. There is no rate-and-state, LuGre or
+//!   bristle law, and static friction does not rise with the time in stick.
+//! * **Stiffness.** A slip phase is stiff where γ²·dμ̂/ds is large, as for the cubic law far above
+//!   its minimum. The method is explicit, but for one mass on a belt a stiff phase is followed by
+//!   the power series of the slow motion on which friction balances the other forces. What is left
+//!   are D so large that the series overflow (beyond about 1e20), and a stiff [`Structure`], which
+//!   has no such series. Both end in [`Error::StepUnderflow`] or
+//!   [`Error::TooManySteps`], whose messages name stiffness.
+//! * **Analytic laws.** A law is analytic, at s = 0 too, or it is so in pieces that meet at
 //!   [breakpoints](FrictionLaw::breakpoints).
+//! * **Narrow bumps.** A bump in the law that is narrower than
+//!   [steps are checked for](#what-the-integrator-promises) has to be named as a breakpoint.
 //!
 //! # Features
 //!
 //! None is on by default.
 //!
-//! * `serde`: laws, systems, scalings, states and events are written and read; equilibria, cycles
-//!   and diagrams, which follow from them, are written. `schema` lists the names.
-//! * `rayon`: `bifurcation::par_diagram`, the [diagram](bifurcation::diagram) on all cores, with
-//!   the same results bit for bit.
+//! * `serde`: writes and reads laws, systems, scalings, drives, states and events; writes
+//!   equilibria, cycles and diagrams, which follow from a system. `schema` lists the names.
+//! * `rayon`: adds `bifurcation::par_diagram`, which computes the [diagram](bifurcation::diagram)
+//!   on all cores, with the same results bit for bit.
 #![forbid(unsafe_code)]
 
 pub mod analysis;
@@ -197,7 +221,7 @@ pub use scaling::{Physical, Scaling};
 pub use state::{Direction, State};
 pub use structure::{Contact, Structure};
 
-/// The program of the README, compiled as a test.
+/// Compiles the program of the README as a test.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -1,4 +1,4 @@
-//! Physical units in and out, for any law.
+//! Conversion from physical units to the dimensionless system and back, for any law.
 
 use crate::belt::MassOnBelt;
 use crate::error::Error;
@@ -25,25 +25,30 @@ pub struct Physical {
     pub stiffness: f64,
     /// Damping constant C ≥ 0 of the damper, N·s/m.
     pub damping: f64,
-    /// Normal force N > 0 between mass and belt, N; M·9.81 m/s² for a mass that lies on a level
-    /// belt.
+    /// Normal force N > 0 between mass and belt, in newtons. For a mass that lies on a level belt
+    /// it is M·9.81 m/s².
     pub normal_force: f64,
-    /// Belt velocity V, m/s; its sign is the direction.
+    /// Belt velocity V, m/s. The sign gives the direction.
     pub belt_velocity: f64,
 }
 
-/// The way from physical units to the dimensionless system, and back.
+/// The conversion from physical units to the dimensionless system, and back.
 ///
 /// ```text
 /// ω0 = √(K/M),   τ = ω0 t,   u = X/L,   v = X'/(ω0 L)
 /// β = C/(2√(K M)),   γ² = N/(K L),   v_b = V/(ω0 L)
 /// ```
 ///
-/// The length L is free, and nothing physical depends on it. Unless set it is N/K, by which the
-/// normal force would stretch the spring, so that γ² = 1.
+/// The length L is free, and nothing physical depends on it. The default is L = N/K, the length by
+/// which the normal force would stretch the spring. It gives γ² = 1.
 ///
-/// The methods are named for what they return: [`seconds`](Self::seconds) of a dimensionless time,
-/// [`time`](Self::time) of a number of seconds.
+/// Each method is named for what it returns: [`seconds`](Self::seconds) takes a dimensionless time,
+/// and [`time`](Self::time) takes seconds.
+///
+/// A mass that turns on a torsion spring is converted likewise: put the moment of inertia (kg·m²)
+/// for the mass, radians for metres, and N·m for newtons. The normal force becomes the product of
+/// normal force and friction radius, in N·m, and the belt velocity and the speeds of the law become
+/// angular velocities, in rad/s.
 ///
 /// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
 /// Stability Analysis*, Eq. 1; Thomsen and Fidlin, *Int. J. Non-Linear Mech.* 38 (2003) 389-403.
@@ -86,13 +91,13 @@ pub struct Physical {
 pub struct Scaling {
     physical: Physical,
     length: f64,
-    /// ω0.
+    /// Angular frequency ω0, rad/s.
     #[cfg_attr(feature = "serde", serde(skip_serializing))]
     angular_frequency: f64,
 }
 
 impl Scaling {
-    /// The scaling with the length L = N/K.
+    /// The scaling with the length L = N/K, for which γ² = 1.
     ///
     /// # Errors
     ///
@@ -136,7 +141,7 @@ impl Scaling {
         .with_length(normal_force / stiffness)
     }
 
-    /// The same scaling with another length L, in m.
+    /// The same scaling with another unit of length L > 0, in m.
     ///
     /// # Errors
     ///
@@ -159,12 +164,12 @@ impl Scaling {
         Ok(self)
     }
 
-    /// The parameters it was made from.
+    /// The physical parameters from which the scaling was made.
     pub fn physical(&self) -> Physical {
         self.physical
     }
 
-    /// Length L, m.
+    /// The unit of length L, m.
     pub fn length(&self) -> f64 {
         self.length
     }
@@ -174,17 +179,17 @@ impl Scaling {
         self.angular_frequency
     }
 
-    /// ω0 L, m/s.
+    /// The unit of velocity ω0 L, m/s.
     fn velocity_unit(&self) -> f64 {
         self.angular_frequency * self.length
     }
 
-    /// K L, N.
+    /// The unit of force K L, N.
     fn force_unit(&self) -> f64 {
         self.physical.stiffness * self.length
     }
 
-    /// β, γ² and v_b.
+    /// The dimensionless parameters β, γ² and v_b.
     fn dimensionless(&self) -> [f64; 3] {
         let Physical {
             damping,
@@ -195,18 +200,18 @@ impl Scaling {
         } = self.physical;
         [
             self.damping_ratio(damping),
-            // In this order, so that it is exactly 1 for L = N/K.
+            // In this order the load is exactly 1 for L = N/K.
             normal_force / stiffness / self.length,
             belt_velocity / self.velocity_unit(),
         ]
     }
 
-    /// The dimensionless system, with a law given in physical speeds, m/s.
+    /// The dimensionless system, with a law whose speeds are in m/s.
     ///
     /// # Errors
     ///
-    /// Those of [`MassOnBelt::new`] and its `with_` methods. A speed or a breakpoint in them is
-    /// dimensionless: see [`metres_per_second`](Self::metres_per_second).
+    /// The errors of [`MassOnBelt::new`] and its `with_` methods. A speed or a breakpoint in such
+    /// an error is dimensionless; [`metres_per_second`](Self::metres_per_second) converts it.
     pub fn system<L: FrictionLaw>(&self, law: L) -> Result<MassOnBelt<Scaled<L>>, Error> {
         let [damping, load, belt_velocity] = self.dimensionless();
         MassOnBelt::new(self.law(law), belt_velocity)?
@@ -214,44 +219,45 @@ impl Scaling {
             .with_load(load)
     }
 
-    /// A law given in physical speeds, m/s, as one in dimensionless speeds.
+    /// The law in dimensionless speeds, from a law whose speeds are in m/s.
     pub fn law<L: FrictionLaw>(&self, law: L) -> Scaled<L> {
-        // The unit is an ordinary number: `with_length` made sure.
+        // `with_length` has checked that the unit is an ordinary number.
         Scaled::of(law, self.velocity_unit())
     }
 
-    /// Time in seconds, t = τ/ω0, of a dimensionless time or period.
+    /// Time t = τ/ω0 in seconds, from a dimensionless time or period τ.
     pub fn seconds(&self, time: f64) -> f64 {
         time / self.angular_frequency
     }
 
-    /// Dimensionless time τ = ω0 t of a time in seconds.
+    /// Dimensionless time τ = ω0 t, from a time t in seconds.
     pub fn time(&self, seconds: f64) -> f64 {
         seconds * self.angular_frequency
     }
 
-    /// Displacement in metres, X = L u, of a dimensionless displacement or amplitude.
+    /// Displacement X = L u in metres, from a dimensionless displacement or amplitude u.
     pub fn metres(&self, displacement: f64) -> f64 {
         displacement * self.length
     }
 
-    /// Dimensionless displacement u = X/L of one in metres.
+    /// Dimensionless displacement u = X/L, from a displacement X in metres.
     pub fn displacement(&self, metres: f64) -> f64 {
         metres / self.length
     }
 
-    /// Velocity in metres per second, X' = ω0 L v, of a dimensionless velocity or sliding speed.
+    /// Velocity X' = ω0 L v in metres per second, from a dimensionless velocity or sliding speed v.
     pub fn metres_per_second(&self, velocity: f64) -> f64 {
         velocity * self.velocity_unit()
     }
 
-    /// Dimensionless velocity v = X'/(ω0 L) of one in metres per second.
+    /// Dimensionless velocity v = X'/(ω0 L), from a velocity X' in metres per second.
     pub fn velocity(&self, metres_per_second: f64) -> f64 {
         metres_per_second / self.velocity_unit()
     }
 
-    /// Frequency in hertz, f = ω0 ω/2π, of a dimensionless **angular** frequency ω = 2π/T; ω = 1 is
-    /// the undamped mass on its spring.
+    /// Frequency f = ω0 ω/2π in hertz, from a dimensionless **angular** frequency ω = 2π/T.
+    ///
+    /// The undamped mass on its spring has ω = 1.
     ///
     /// ```
     /// # use stick_slip::{Physical, Scaling};
@@ -267,22 +273,23 @@ impl Scaling {
         frequency * self.angular_frequency / std::f64::consts::TAU
     }
 
-    /// Dimensionless angular frequency ω = 2πf/ω0 of a frequency in hertz.
+    /// Dimensionless angular frequency ω = 2πf/ω0, from a frequency f in hertz.
     pub fn frequency(&self, hertz: f64) -> f64 {
         hertz * std::f64::consts::TAU / self.angular_frequency
     }
 
-    /// Force in newtons, K L times a dimensionless force such as [`MassOnBelt::friction_force`].
+    /// Force in newtons: K L times a dimensionless force, such as that of
+    /// [`MassOnBelt::friction_force`].
     pub fn newtons(&self, force: f64) -> f64 {
         force * self.force_unit()
     }
 
-    /// Dimensionless force F/(K L) of one in newtons.
+    /// Dimensionless force F/(K L), from a force F in newtons.
     pub fn force(&self, newtons: f64) -> f64 {
         newtons / self.force_unit()
     }
 
-    /// Energy in joules, K L² times a dimensionless one such as those of
+    /// Energy in joules: K L² times a dimensionless energy, such as those of
     /// [`EnergyBudget`](crate::EnergyBudget).
     ///
     /// ```
@@ -306,22 +313,22 @@ impl Scaling {
         energy * self.force_unit() * self.length
     }
 
-    /// Dimensionless energy E/(K L²) of one in joules.
+    /// Dimensionless energy E/(K L²), from an energy E in joules.
     pub fn energy(&self, joules: f64) -> f64 {
         joules / self.force_unit() / self.length
     }
 
-    /// Power in watts, ω0 K L² times a dimensionless one: an energy over a period.
+    /// Power in watts: ω0 K L² times a dimensionless power, such as an energy divided by a period.
     pub fn watts(&self, power: f64) -> f64 {
         power * self.force_unit() * self.velocity_unit()
     }
 
-    /// Dimensionless power P/(ω0 K L²) of one in watts.
+    /// Dimensionless power P/(ω0 K L²), from a power P in watts.
     pub fn power(&self, watts: f64) -> f64 {
         watts / self.force_unit() / self.velocity_unit()
     }
 
-    /// Damping constant C = 2β√(K M), N·s/m, of a damping ratio β.
+    /// Damping constant C = 2β√(K M) in N·s/m, from a damping ratio β.
     ///
     /// ```
     /// # use stick_slip::{Physical, Scaling};
@@ -336,7 +343,7 @@ impl Scaling {
         2.0 * damping_ratio * self.physical.mass * self.angular_frequency
     }
 
-    /// Damping ratio β = C/(2√(K M)) of a damping constant C in N·s/m.
+    /// Damping ratio β = C/(2√(K M)), dimensionless, from a damping constant C in N·s/m.
     pub fn damping_ratio(&self, damping_constant: f64) -> f64 {
         // 2√(KM) = 2 M ω0
         0.5 * damping_constant / self.physical.mass / self.angular_frequency

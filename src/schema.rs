@@ -1,14 +1,17 @@
-//! What the feature `serde` writes and reads, with JSON as the example.
+//! The names of all that the feature `serde` writes and reads, with JSON as the example.
 //!
-//! What a user makes is **written and read**: laws, systems, scalings, states; and events, which
-//! are plain facts. It is read through the constructors, so that what they refuse is refused here
-//! too, with the same message; so is a field that is not known. What follows from a system is
-//! **written only**, for other programs: equilibria, cycles, sets of cycles, attractors, points of
-//! a diagram. Read the system, and make them again.
+//! Laws, systems, scalings, drives, states and events are **written and read**. Reading goes
+//! through the constructors: what they refuse is refused here too, with the same message. A field
+//! that is not known is refused as well.
 //!
-//! A struct is a map with its fields by name, all in `snake_case`; an enum is its variant in
-//! `snake_case`, alone or as the only key of a map. Numbers are dimensionless, but for those of
-//! [`Physical`](crate::Physical). Fields in brackets may be left out when read.
+//! Equilibria, cycles, sets of cycles, attractors and points of a diagram are **written only**, for
+//! other programs, because they follow from a system. To get them back, read the system and make
+//! them again.
+//!
+//! A struct is a map from the names of its fields, all in `snake_case`, to their values. An enum is
+//! the name of its variant in `snake_case`, alone or as the only key of a map. Numbers are
+//! dimensionless, except for those of [`Physical`](crate::Physical) and of a
+//! [`Structure`](crate::Structure) and its drives. Fields in brackets may be left out when read.
 //!
 //! | type | fields | read |
 //! |---|---|---|
@@ -25,9 +28,9 @@
 //! | [`MassOnBelt`](crate::MassOnBelt) | `law`, `belt_velocity`, [`damping` = 0], [`load` = 1] | yes |
 //! | [`State`](crate::State) | `displacement`, `velocity` | yes |
 //! | [`structure::State`](crate::structure::State) | `displacements`, `velocities`, [`memory`: empty] | yes |
-//! | [`Drive`](crate::Drive) | [`constant` = 0], [`harmonics`: a list of `angular_frequency`, `cosine`, `sine`], [`profiles`: lists of [time, value]] | yes |
+//! | [`Drive`](crate::Drive) | [`constant` = 0]; [`harmonics`: none], a list of maps `angular_frequency`, `cosine`, `sine`; [`profiles`: none], each a list of [time, value] | yes |
 //! | [`Contact`](crate::Contact) | `coordinate`, `law`, `load`, [`load_gradient`: a list of [coordinate, force per displacement]], [`belt_velocity` = 0] | yes |
-//! | [`Structure`](crate::Structure) | `masses`, [`stiffness`, `damping`: lists of rows], [`forces`: a drive for each coordinate], [`contacts`] | yes |
+//! | [`Structure`](crate::Structure) | `masses`, [`stiffness`, `damping`: lists of rows], [`forces`: a drive for each coordinate], [`contacts`: none] | yes |
 //! | [`Event`](crate::Event) | `time`, `contact`, `kind`, `state` | yes |
 //! | [`EventKind`](crate::EventKind) | `stick`, `open`, `close`, or `release` or `crossing` with the direction | yes |
 //! | [`Mode`](crate::Mode) | `stick`, `open`, or `slip` with the direction | yes |
@@ -43,7 +46,8 @@
 //! | [`Attractor`](crate::limit_cycle::Attractor) | `rest`, `equilibrium`, `continuum`, `unbounded`, `unresolved`, or `cycle` or `separatrix` with the cycle | no |
 //! | [`DiagramPoint`](crate::bifurcation::DiagramPoint) | `belt_velocity`, `equilibrium`, `cycles` | no |
 //!
-//! A motion is neither: write its system, its start and its duration, and simulate it again.
+//! A motion is neither written nor read: write its system, its start and its duration, and simulate
+//! it again. A [`Structure`](crate::Structure) is neither as yet.
 //!
 //! ```
 //! use stick_slip::{AnyLaw, Event, MassOnBelt, State};
@@ -66,4 +70,5 @@
 //! ```
 //!
 //! The feature `float_roundtrip` of `serde_json` gives every number back to the bit. JSON has no ∞
-//! and no NaN, and no number that is written here is either, but the one named above.
+//! and no NaN. No number that is written here is NaN, and only `max_amplitude` of a
+//! [`Continuum`](crate::limit_cycle::Continuum) can be ∞; it is then written as nothing (`null`).

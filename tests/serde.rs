@@ -44,7 +44,10 @@ fn laws_there_and_back() {
     // Parameters only, and to the bit.
     assert_eq!(
         text,
-        r#"{"static_coefficient":0.4,"minimum_coefficient":0.25,"minimum_velocity":0.30000000000000004}"#
+        concat!(
+            r#"{"static_coefficient":0.4,"minimum_coefficient":0.25,"#,
+            r#""minimum_velocity":0.30000000000000004}"#,
+        )
     );
     there_and_back(&Coulomb::new(0.4, 0.25).unwrap());
     there_and_back(&Exponential::new(0.4, 0.25, 0.5).unwrap());
@@ -92,21 +95,24 @@ fn the_rest_there_and_back() {
 
 #[test]
 fn what_may_be_left_out() {
-    let law: Stribeck = serde_json::from_str(
-        r#"{"static_coefficient":0.4,"coulomb_coefficient":0.25,"stribeck_velocity":0.3,"exponent":1}"#,
-    )
+    let law: Stribeck = serde_json::from_str(concat!(
+        r#"{"static_coefficient":0.4,"coulomb_coefficient":0.25,"stribeck_velocity":0.3,"#,
+        r#""exponent":1}"#,
+    ))
     .unwrap();
     assert_eq!(law, Stribeck::new(0.4, 0.25, 0.3, 1).unwrap());
     let law: Rational = serde_json::from_str(r#"{"static_coefficient":0.4,"decay":3}"#).unwrap();
     assert_eq!(law, Rational::new(0.4, 3.0).unwrap());
-    let system: MassOnBelt<AnyLaw> = serde_json::from_str(
-        r#"{"law":{"tabulated":{"points":[[0,0.4],[0.05,0.36],[0.15,0.31],[0.6,0.25]]}},"belt_velocity":0.2}"#,
-    )
+    let system: MassOnBelt<AnyLaw> = serde_json::from_str(concat!(
+        r#"{"law":{"tabulated":{"points":[[0,0.4],[0.05,0.36],[0.15,0.31],[0.6,0.25]]}},"#,
+        r#""belt_velocity":0.2}"#,
+    ))
     .unwrap();
     assert_eq!(system, MassOnBelt::new(table().into(), 0.2).unwrap());
-    let scaling: Scaling = serde_json::from_str(
-        r#"{"physical":{"mass":2,"stiffness":5000,"damping":4,"normal_force":20,"belt_velocity":0.05}}"#,
-    )
+    let scaling: Scaling = serde_json::from_str(concat!(
+        r#"{"physical":{"mass":2,"stiffness":5000,"damping":4,"normal_force":20,"#,
+        r#""belt_velocity":0.05}}"#,
+    ))
     .unwrap();
     assert_eq!(scaling, brake());
 }
@@ -127,7 +133,11 @@ fn reading_checks_what_constructors_check() {
     );
     let stribeck = |exponent: &str| {
         format!(
-            r#"{{"static_coefficient":0.4,"coulomb_coefficient":0.2,"stribeck_velocity":0.1,"exponent":{exponent}}}"#
+            concat!(
+                r#"{{"static_coefficient":0.4,"coulomb_coefficient":0.2,"#,
+                r#""stribeck_velocity":0.1,"exponent":{exponent}}}"#,
+            ),
+            exponent = exponent,
         )
     };
     refused::<Stribeck>(&stribeck("0"), "exponent = 0e0 is not allowed");
@@ -160,7 +170,10 @@ fn reading_checks_what_constructors_check() {
         "velocity_unit",
     );
     refused::<Scaling>(
-        r#"{"physical":{"mass":0,"stiffness":5000,"damping":4,"normal_force":20,"belt_velocity":0.05}}"#,
+        concat!(
+            r#"{"physical":{"mass":0,"stiffness":5000,"damping":4,"normal_force":20,"#,
+            r#""belt_velocity":0.05}}"#,
+        ),
         "mass",
     );
 }
@@ -503,7 +516,10 @@ fn structures_there_and_back() {
     let text = there_and_back(&Drive::sine(0.4, 0.7).unwrap());
     assert_eq!(
         text,
-        r#"{"constant":0.0,"harmonics":[{"angular_frequency":0.7,"cosine":0.0,"sine":0.4}],"profiles":[]}"#
+        concat!(
+            r#"{"constant":0.0,"harmonics":[{"angular_frequency":0.7,"cosine":0.0,"#,
+            r#""sine":0.4}],"profiles":[]}"#,
+        )
     );
     there_and_back(&Drive::profile(&[(0.0, 1.0), (2.0, 1.0), (2.0, 3.0)]).unwrap());
     let text = there_and_back(&blocks());
@@ -512,9 +528,10 @@ fn structures_there_and_back() {
         "{text}"
     );
     there_and_back(&blocks().contacts()[0]);
-    let read: Structure<Coulomb> = serde_json::from_str(
-        r#"{"masses":[2],"contacts":[{"coordinate":0,"law":{"static_coefficient":0.4,"kinetic_coefficient":0.3},"load":{"constant":5}}]}"#,
-    )
+    let read: Structure<Coulomb> = serde_json::from_str(concat!(
+        r#"{"masses":[2],"contacts":[{"coordinate":0,"law":{"static_coefficient":0.4,"#,
+        r#""kinetic_coefficient":0.3},"load":{"constant":5}}]}"#,
+    ))
     .unwrap();
     let contact = Contact::new(0, Coulomb::new(0.4, 0.3).unwrap(), 5.0).unwrap();
     let expected = Structure::new(&[2.0]).and_then(|s| s.with_contact(contact));

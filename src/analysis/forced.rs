@@ -12,8 +12,8 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 /// x'' + 2ζx' + x = p cos(Ωt + θ) − F sgn x'        m = k = 1
 /// ```
 ///
-/// In units of the system: time 1/ω0, ω0 = √(k/m), so Ω is in units of ω0 and ζ = c/(2√(km)). F, F_s
-/// and p are forces in a unit of choice, and displacements are in that unit over k.
+/// In units of the system: time 1/ω0, ω0 = √(k/m), so Ω is in units of ω0 and ζ = c/(2√(km)). F,
+/// F_s and p are forces in a unit of choice, and displacements are in that unit over k.
 ///
 /// ```
 /// use stick_slip::analysis::forced::ForcedOscillator;
@@ -142,8 +142,8 @@ impl WithoutStops {
         2.0 * self.half_period()
     }
 
-    /// Displacement and velocity at a finite time after the largest displacement, in [`ForcedOscillator`]'s
-    /// units.
+    /// Displacement and velocity at a finite time after the largest displacement, in
+    /// [`ForcedOscillator`]'s units.
     pub fn at(&self, time: f64) -> (f64, f64) {
         let half = self.half_period();
         let halves = (time / half).floor();

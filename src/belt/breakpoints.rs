@@ -1,5 +1,5 @@
-//! Which piece of the law a motion goes through, and where a step leaves it: at a breakpoint or on
-//! the belt.
+//! Which piece of the law a motion goes through, and where a step leaves this piece: at a
+//! breakpoint or on the belt.
 
 use super::slip_point::SlipPoint;
 use super::system::MassOnBelt;
@@ -16,8 +16,8 @@ impl Breakpoints {
         Self(law.breakpoints().collect())
     }
 
-    /// The piece of the law that a motion from this point goes through, and the rate that decided
-    /// on it.
+    /// The piece of the law that a motion from this point goes through, and the rate ds/dt that
+    /// decided on the piece, if one had to.
     #[inline(always)]
     pub(super) fn piece<L: FrictionLaw>(
         &self,
@@ -32,8 +32,10 @@ impl Breakpoints {
         }
     }
 
-    /// The same for a law of several pieces. At a breakpoint the motion decides, by its rate, which
-    /// is then the one that the series starts with.
+    /// As [`piece`](Self::piece), for a law of several pieces.
+    ///
+    /// At a breakpoint the sign of the rate ds/dt decides between the two pieces. The series then
+    /// starts with this rate.
     #[inline(never)]
     fn among_pieces<L: FrictionLaw>(
         &self,
@@ -54,7 +56,7 @@ impl Breakpoints {
         (if rising { above } else { above - 1 }, Some(rate))
     }
 
-    /// Sliding speeds at which a step on this piece must end.
+    /// The sliding speeds at which a step on this piece must end.
     pub(super) fn limits(&self, piece: usize) -> Limits {
         Limits {
             low: if piece == 0 { 0.0 } else { self.0[piece - 1] },
@@ -63,7 +65,8 @@ impl Breakpoints {
     }
 }
 
-/// When a step leaves its piece of the law, and at which sliding speed.
+/// The time at which a step leaves its piece of the law, and the sliding speed there; `None` if it
+/// stays on the piece.
 pub(super) type Exit = Option<(f64, f64)>;
 
 /// The sliding speeds between which one piece of the law holds.
@@ -78,8 +81,8 @@ impl Limits {
         self.low < speed && self.high.is_none_or(|high| speed < high)
     }
 
-    /// First time in (0, h] at which s(t) reaches a limit, and that limit; `speeds` are its values
-    /// at the quarters of h.
+    /// The first time in (0, h] at which s(t) reaches a limit, and that limit. `speeds` are the
+    /// values of s at the quarters of h.
     #[inline(always)]
     pub(super) fn first_exit(
         &self,
@@ -113,10 +116,10 @@ impl Limits {
     }
 }
 
-/// First root in (0, h] of sign·(s(t) − level), which is positive just after t = 0.
+/// The first root in (0, h] of sign·(s(t) − level), which is positive just after t = 0.
 ///
-/// If the motion starts on the level, that root (double where the rate is zero) is divided out: it
-/// is known, so nothing has to be skipped by a small time.
+/// If the motion starts on the level, the root at t = 0 is known (it is double where the rate is
+/// zero) and is divided out, so that nothing has to be skipped by a small time.
 fn first_passage(
     speed: &PowerSeries,
     level: f64,

@@ -1,4 +1,6 @@
-//! Whether the series of a slip phase holds between its coefficients: its defect.
+//! The defect of a slip phase's series: what is missing in the equation of motion when the series
+//! is put in. The coefficients fulfil the equation at the start of a step; the defect shows whether
+//! the series fulfils it elsewhere in the step.
 
 use super::expansion::SlipSeries;
 use super::system::MassOnBelt;
@@ -6,7 +8,8 @@ use crate::friction::FrictionLaw;
 use crate::state::State;
 
 impl SlipSeries {
-    /// |u| + 2β|v| + γ²μ̂ at the start: what the rounding errors of the equation of motion are measured by.
+    /// The sum |u| + 2β|v| + γ²μ̂ at the start, by which the rounding errors of the equation of
+    /// motion are measured.
     #[inline(always)]
     pub(crate) fn largest_term<L>(&self, system: &MassOnBelt<L>, state: State) -> f64 {
         state.displacement.abs()
@@ -14,11 +17,12 @@ impl SlipSeries {
             + system.load() * self.friction[0].abs()
     }
 
-    /// Largest |γ²[μ̂(s(t)) − m(t)]| at four times, where s(t) has the values `speeds`: the defect
-    /// of the series, up to terms as small as its last.
+    /// The largest defect at four times, |γ²[μ̂(s(t)) − m(t)]| up to terms as small as the last of
+    /// the series. m(t) is the series of the friction, and `speeds` are the values of s at these
+    /// times.
     ///
-    /// Coefficients alone miss what lies hidden behind an underflow, such as the flank of a narrow
-    /// Gaussian.
+    /// The coefficients alone do not show what underflows where the step starts, such as the flank
+    /// of a narrow Gaussian in the law.
     #[inline(always)]
     pub(crate) fn defect<L: FrictionLaw>(
         &self,
@@ -41,9 +45,11 @@ impl SlipSeries {
         system.load() * largest
     }
 
-    /// The same about the places where the motion comes closest to the belt within a step of length
-    /// h, if it does; `speeds` are its values at the [`quarters`] of h. The law may have a feature
-    /// at slow speeds that is passed between two of them.
+    /// The largest defect near the minima of s(t) inside a step of length h, where the motion comes
+    /// closest to the belt; 0 if there is none. `speeds` are the values of s at the [`quarters`] of
+    /// h.
+    ///
+    /// The law may have a feature at slow speeds, and a motion may pass it between two quarters.
     #[inline(always)]
     pub(crate) fn defect_at_minimum<L: FrictionLaw>(
         &self,
@@ -53,7 +59,7 @@ impl SlipSeries {
         speeds: [f64; 4],
     ) -> f64 {
         let (start, [a, b, c, d]) = (self.speed[0], speeds);
-        // At the end by the parabola of fourth degree through the five values.
+        // The slope at the end, by the polynomial of fourth degree through the five values.
         let at_end = (25.0 * d - 48.0 * c + 36.0 * b - 16.0 * a + 3.0 * start) / 12.0;
         // ds/dt·h/4 at the PARTS of the step.
         let start_slope = 0.25 * h * self.speed[1];
@@ -75,7 +81,7 @@ impl SlipSeries {
     ) -> f64 {
         const PARTS: [f64; 6] = [0.0, 0.125, 0.375, 0.625, 0.875, 1.0];
         const MOST_PASSES: usize = 10;
-        /// Part of a step; the next correction would be far smaller.
+        /// Correction, as part of the step, after which the next one would be far smaller.
         const CLOSE: f64 = 1e-3;
         let slope = self.speed.derivative();
         let curvature = slope.derivative();
@@ -112,8 +118,10 @@ impl SlipSeries {
         largest
     }
 
-    /// The same in between, at least every quarter of a radian, in a step of length h > [`LONG`]:
-    /// where the law is flat, a step may pass over a whole feature of it.
+    /// The largest defect in between, at least every quarter of a radian, for a step of length h >
+    /// [`LONG`].
+    ///
+    /// Where the law is flat, steps are long, and one may pass over a whole feature of the law.
     #[inline(never)]
     pub(crate) fn defect_in_between<L: FrictionLaw>(
         &self,
@@ -134,8 +142,8 @@ impl SlipSeries {
     }
 }
 
-/// Most fours of such places. Steps longer than three radians are those of motions that hardly
-/// move.
+/// The largest number of fours of places in between. Only motions that hardly move have steps
+/// longer than three radians.
 const MOST_FOURS: f64 = 16.0;
 
 /// Whether a function has a minimum between two places, by its slopes there.

@@ -1,6 +1,7 @@
 use nalgebra::{Complex, Matrix2};
 
-/// Steady sliding at v = 0, and how the motion near it goes.
+/// Steady sliding, in which the mass stands still (v = 0) on the moving belt, and the behaviour of
+/// motions near it.
 ///
 /// ```text
 /// ū = sgn(v_b)·γ²μ̂(|v_b|)                        (Eq. 7, corrected: it prints μ(v_r) for μ(v_b))
@@ -8,9 +9,9 @@ use nalgebra::{Complex, Matrix2};
 /// λ = (−h1 ± √(h1² − 4))/2                         (Eq. 14)
 /// ```
 ///
-/// All dimensionless. Where |v_b| is a breakpoint of the law, the slope is that of the piece above,
-/// and so is the stability, for motions on that side; how those behave that pass the breakpoint,
-/// both slopes decide.
+/// All quantities are dimensionless. If |v_b| is a breakpoint of the law, slope and stability are
+/// those of the piece above, and hold for motions that stay on that side. Whether motions that pass
+/// the breakpoint grow or die out depends on both slopes.
 ///
 /// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
 /// Stability Analysis*.
@@ -33,13 +34,14 @@ use nalgebra::{Complex, Matrix2};
     serde(into = "super::written::Equilibrium")
 )]
 pub struct Equilibrium {
-    /// Displacement ū, dimensionless.
+    /// Displacement ū of the mass, dimensionless.
     pub displacement: f64,
-    /// Jacobian J of (u, v) ↦ (u', v'), dimensionless.
+    /// Jacobian J of the map (u, v) ↦ (u', v'), dimensionless.
     pub jacobian: Matrix2<f64>,
-    /// Eigenvalues λ of J, that with the + sign of Eq. 14 first; dimensionless (in units of ω0).
+    /// Eigenvalues λ of J, dimensionless (in units of ω0). The one with the + sign of Eq. 14 is
+    /// first.
     pub eigenvalues: [Complex<f64>; 2],
-    /// What they say.
+    /// The stability that follows from the eigenvalues.
     pub stability: Stability,
 }
 
@@ -54,8 +56,8 @@ impl Equilibrium {
         }
     }
 
-    /// Whether small disturbances die out: both eigenvalues have a negative real part. False for a
-    /// centre.
+    /// Whether small disturbances die out, that is, both eigenvalues have a negative real part.
+    /// `false` for a centre.
     pub fn is_stable(&self) -> bool {
         matches!(
             self.stability,
@@ -64,7 +66,7 @@ impl Equilibrium {
     }
 }
 
-/// How the motion near an equilibrium goes, from h1 = 2β + γ² dμ̂/ds alone.
+/// The stability of an equilibrium, from h1 = 2β + γ² dμ̂/ds at |v_b| alone, dimensionless.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eq. 14.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -76,13 +78,13 @@ impl Equilibrium {
 pub enum Stability {
     /// 0 < h1 < 2: oscillations that die out.
     StableFocus,
-    /// h1 ≥ 2: disturbances die out without oscillation (at h1 = 2 a degenerate node).
+    /// h1 ≥ 2: disturbances die out without oscillation. At h1 = 2 the node is degenerate.
     StableNode,
-    /// h1 = 0 exactly: undamped oscillations in the linear system; the nonlinear terms decide.
+    /// h1 = 0 exactly: the linear system oscillates undamped, and the nonlinear terms decide.
     Center,
     /// −2 < h1 < 0: oscillations that grow.
     UnstableFocus,
-    /// h1 ≤ −2: disturbances grow without oscillation (at h1 = −2 a degenerate node).
+    /// h1 ≤ −2: disturbances grow without oscillation. At h1 = −2 the node is degenerate.
     UnstableNode,
 }
 
@@ -114,8 +116,8 @@ impl std::fmt::Display for Stability {
     }
 }
 
-/// λ² + h1 λ + 1 = 0, Eq. 14. The eigenvalue of larger magnitude is computed without cancellation,
-/// the other from λ1 λ2 = 1.
+/// The roots of λ² + h1 λ + 1 = 0, Eq. 14. The root of larger magnitude is computed without
+/// cancellation, the other one from λ1 λ2 = 1.
 fn eigenvalues(h1: f64) -> [Complex<f64>; 2] {
     let root = (h1 - 2.0).abs().sqrt() * (h1 + 2.0).abs().sqrt();
     if h1.abs() < 2.0 {

@@ -8,23 +8,23 @@ use crate::friction::{FrictionLaw, Piece};
 use crate::scalar::{Workspace, expand, mul_add};
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 
-/// The power series of a slip phase about one of its points, in the time since.
+/// The power series of a slip phase about one of its points, in the time since that point.
 ///
-/// With σ = ±1 and x = σu the equations of slip are
+/// With the direction of slip σ = ±1 and x = σu the equations of slip are
 ///
 /// ```text
 /// x' = s + σv_b,   s' = −x − 2β(s + σv_b) − γ²μ̂(s),
 /// ```
 ///
-/// in the sliding speed s and not in v, so that contact is exact however large the belt velocity
-/// is.
+/// The unknown is the sliding speed s and not v, so that contact is exact however large the belt
+/// velocity is.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SlipSeries {
-    /// s(t).
+    /// The series of the sliding speed s(t).
     pub(crate) speed: PowerSeries,
-    /// μ̂(s(t)), without its last coefficient, which the motion does not need.
+    /// The series of μ̂(s(t)), without the last coefficient, which the motion does not need.
     pub(super) friction: PowerSeries,
-    /// D = 2β + γ²dμ̂/ds at the start: the rate at which a deviation of s dies out.
+    /// The rate D = 2β + γ²dμ̂/ds at the start, at which a deviation of s dies out.
     pub(super) decay: f64,
 }
 
@@ -35,14 +35,14 @@ impl SlipSeries {
         decay: 0.0,
     };
 
-    /// Expands the motion about a point, on one piece of the law. Along a sliding speed that is
-    /// given, in any unit of time, it expands the friction alone.
+    /// Expands the motion about a point, on one piece of the law. If a series of the sliding speed
+    /// is given as `along`, in any unit of time, only the friction is expanded.
     ///
-    /// The law comes as an argument of its own: behind a reference inside the system, the compiler
-    /// would have to load its parameters anew after every coefficient stored.
-    ///
-    /// In place: a copy would load what has just been stored, and wait for it. Kept out of line:
-    /// inlined into the stepper, it competes for registers and runs at half the speed.
+    /// Three choices are made for speed. The law is an argument of its own: behind a reference
+    /// inside the system, the compiler would have to load the law's parameters anew after every
+    /// coefficient that is stored. The series is written in place: a copy would load what has just
+    /// been stored, and wait for it. The function is kept out of line: inlined into the stepper, it
+    /// would compete for registers and run at half the speed.
     #[inline(never)]
     pub(crate) fn expand<L: FrictionLaw>(
         &mut self,
@@ -63,9 +63,9 @@ impl SlipSeries {
         } = self;
 
         let s0 = along.map_or(from.speed, |along| along[0]);
-        // (k + 1) s_{k+1} = −x_k − 2β s_k − γ² m_k, where x_k = s_{k−1}/k and m_k = slope·s_k +
-        // scale·rest. The rest is put in last: it has waited for s_{k−1} to pass through the law,
-        // and that takes longer than s_k.
+        // (k + 1) s_{k+1} = −x_k − 2β s_k − γ² m_k, where x_k = s_{k−1}/k and
+        // m_k = slope·s_k + scale·rest. The rest is put in last, because it is ready last: s_{k−1}
+        // has to pass through the law first, which takes longer than computing s_k.
         let (mut decay, mut older) = (0.0, 0.0);
         let (value, slope) = expand(piece, workspace, s0, |k, s, m| {
             series[k] = s;
@@ -113,7 +113,7 @@ impl SlipSeries {
         }
         *stored_decay = decay;
         if time == Time::Backward && along.is_none() {
-            // f(−t): the odd coefficients change sign.
+            // In f(−t) the odd coefficients change their sign.
             for k in (1..TERMS).step_by(2) {
                 series[k] = -series[k];
                 friction[k] = -friction[k];

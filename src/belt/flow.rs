@@ -13,13 +13,15 @@ use crate::motion::sealed::Sealed;
 use crate::motion::{EventKind, Integrator, Mode, Run, Segment, System, Trajectory};
 use crate::state::State;
 
-/// The motion from a start state, step by step, without an end: an iterator of [`Step`]s in
-/// constant memory.
+/// The motion of a mass from a start state, as an iterator of [`Step`]s without an end, in constant
+/// memory.
 ///
-/// Made by [`Integrator::flow`]. Steps follow each other without a gap. After an error comes
-/// `None`. A motion that comes to rest for ever (in stick at v_b = 0, or exactly on an equilibrium)
-/// is one last step of infinite duration. One that settles to steady sliding goes on without
-/// events: whoever waits for the next event sets [`Integrator::with_max_steps`].
+/// [`Integrator::flow`] makes it. Steps follow each other without a gap. After an error comes
+/// `None`. If the motion comes to rest for ever (in stick at v_b = 0, or exactly on an
+/// equilibrium), the last step has an infinite duration.
+///
+/// A motion that settles to steady sliding goes on for ever without events. If your program waits
+/// for the next event, set [`Integrator::with_max_steps`].
 ///
 /// ```
 /// use stick_slip::{Coulomb, Integrator, MassOnBelt, Mode, State};
@@ -43,7 +45,7 @@ pub struct Flow<'s, L> {
     phase: Phase,
 }
 
-/// What comes next.
+/// The phase that comes next.
 #[derive(Debug, Clone, Copy)]
 enum Phase {
     Stick,
@@ -51,7 +53,7 @@ enum Phase {
     Ended,
 }
 
-/// Scales of a motion, max(|u − ū|, |v|, |v_b|), at which the terms of its series neither become
+/// Sizes max(|u − ū|, |v|, |v_b|) of a start at which the terms of its series neither become
 /// subnormal numbers nor overflow.
 const SCALES: RangeInclusive<f64> = 1e-280..=1e300;
 
@@ -87,7 +89,7 @@ impl<'s, L: FrictionLaw> Flow<'s, L> {
         })
     }
 
-    /// The next step; afterwards the motion stands at its end.
+    /// The next step. Afterwards the motion stands at the end of this step.
     fn step(&mut self) -> Result<Step, Error> {
         let system = *self.stepper.system();
         let start = self.run.clock;
@@ -129,7 +131,7 @@ impl<'s, L: FrictionLaw> Flow<'s, L> {
     }
 }
 
-/// What follows a Taylor step, and the event at its end.
+/// The phase that follows a Taylor step, and the event at the end of the step, if there is one.
 fn after<L: FrictionLaw>(system: &MassOnBelt<L>, advance: &Advance) -> (Phase, Option<EventKind>) {
     let end = advance.end;
     if advance.duration.is_infinite() {
@@ -181,8 +183,8 @@ impl<L: FrictionLaw> System for MassOnBelt<L> {
 }
 
 impl<L: FrictionLaw> MassOnBelt<L> {
-    /// The motion from `start` over `duration`, to round-off: [`Integrator::simulate`] with its
-    /// defaults.
+    /// The motion from `start` over `duration`, both dimensionless, to round-off:
+    /// [`Integrator::simulate`] with the default settings.
     ///
     /// # Errors
     ///

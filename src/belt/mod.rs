@@ -7,7 +7,7 @@
 //! | `equilibrium.rs` | steady sliding and its stability |
 //! | `slip_point.rs` | points of slip phases, and how each kind of slip begins |
 //! | `expansion.rs` | the power series of a slip phase |
-//! | `slow.rs` | the power series of the slow motion in a stiff slip phase; when it is tried: `stepper.rs` |
+//! | `slow.rs` | the power series of the slow motion in a stiff slip phase (`stepper.rs` decides when it is tried) |
 //! | `defect.rs` | whether a series holds between its coefficients |
 //! | `breakpoints.rs` | pieces of the law, and where a step leaves one |
 //! | `stepper.rs` | one Taylor step: begin, plan (explicit or slow), settle (where its defect is looked at), land |

@@ -1,4 +1,4 @@
-//! Points of slip phases: how each kind of slip begins.
+//! Points of slip phases, and how each kind of slip begins.
 
 use super::system::MassOnBelt;
 use crate::friction::FrictionLaw;
@@ -7,27 +7,27 @@ use crate::state::{Direction, State};
 /// A point of a slip phase.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SlipPoint {
-    /// σ, the sign of v_r.
+    /// The direction of slip σ, the sign of v_r.
     pub(crate) direction: Direction,
-    /// u.
+    /// Displacement u.
     pub(crate) displacement: f64,
-    /// s = |v_r|.
+    /// Sliding speed s = |v_r|.
     pub(crate) speed: f64,
-    /// ds/dt, in the direction of time that is followed, where it is known better than the equation
-    /// of motion gives it: on the belt, and at an extremum of v.
+    /// The rate ds/dt in the direction of time that is followed, if it is known better than from
+    /// the equation of motion: on the belt, and at an extremum of v.
     pub(crate) rate: Option<f64>,
 }
 
 /// What the mass does at the start of a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Start {
-    /// It moves with the belt, if only for a time 0.
+    /// The mass moves with the belt, if only for a time 0.
     Stick,
     Slip(SlipPoint),
 }
 
 impl Start {
-    /// Of the motion from a state.
+    /// What the mass does at the start of the motion from this state.
     pub(crate) fn of<L: FrictionLaw>(system: &MassOnBelt<L>, state: State) -> Self {
         let State {
             displacement,
@@ -43,7 +43,7 @@ impl Start {
             });
         }
         match system.slides_at(displacement) {
-            // At the release point it is in stick, with no time left in it.
+            // At the release point the mass is in stick, with no time left there.
             Some(direction) if !system.is_release(displacement) => {
                 Self::Slip(SlipPoint::leaving(system, displacement, direction))
             }
@@ -53,8 +53,10 @@ impl Start {
 }
 
 impl SlipPoint {
-    /// On the belt, where slip in a direction begins: with the rate that the force beyond the stick
-    /// band gives, exactly 0 at the release point of a law with μ̂(0) = μ_s.
+    /// The point on the belt where slip in a direction begins.
+    ///
+    /// The rate follows from the force beyond the stick band, so that it is exactly 0 at the
+    /// release point of a law with μ̂(0) = μ_s.
     pub(crate) fn leaving<L: FrictionLaw>(
         system: &MassOnBelt<L>,
         displacement: f64,
@@ -70,8 +72,8 @@ impl SlipPoint {
         }
     }
 
-    /// On the belt, where slip in a direction ends, to be followed backwards: with the rate that
-    /// the equation of motion gives.
+    /// The point on the belt where slip in a direction ends, to be followed backwards in time. The
+    /// equation of motion gives the rate.
     pub(crate) fn arriving(displacement: f64, direction: Direction) -> Self {
         Self {
             direction,
@@ -81,13 +83,14 @@ impl SlipPoint {
         }
     }
 
-    /// Its state.
+    /// The state (u, v) at this point.
     pub(crate) fn state<L>(&self, system: &MassOnBelt<L>) -> State {
         let velocity = system.belt_velocity() + self.direction.sign() * self.speed;
         State::new(self.displacement, velocity)
     }
 
-    /// Behind a belt of velocity v_b > 0, where the velocity has a maximum V: v = V, v' = 0.
+    /// The point behind a belt of velocity v_b > 0 where the mass has a velocity maximum: v =
+    /// `peak` and v' = 0.
     pub(crate) fn at_maximum<L: FrictionLaw>(system: &MassOnBelt<L>, peak: f64) -> Self {
         let speed = system.belt_velocity() - peak;
         let friction = system.load() * system.law().kinetic(speed);

@@ -11,8 +11,8 @@
 //! does: the same at D·R = 40. So these series begin to be exact where explicit steps begin to be
 //! short.
 //!
-//! Sources: F. W. J. Olver, Numerical solution of second-order linear difference equations,
-//! *J. Res. NBS* 71B (1967) 111-129, doi:10.6028/jres.071B.018; W. Gautschi, Computational aspects of
+//! Sources: F. W. J. Olver, Numerical solution of second-order linear difference equations, *J.
+//! Res. NBS* 71B (1967) 111-129, doi:10.6028/jres.071B.018; W. Gautschi, Computational aspects of
 //! three-term recurrence relations, *SIAM Review* 9 (1967) 24-82, doi:10.1137/1009002; NIST Digital
 //! Library of Mathematical Functions, §3.6, <https://dlmf.nist.gov/3.6>.
 
@@ -34,8 +34,8 @@ const UNKNOWNS: usize = TERMS - 1;
 /// them, and what such a step leaves of a deviation is 0.4 of its last term.
 const CLOSE: f64 = 4.0;
 
-/// Deviation from the slow motion, in errors of a step, with which the series at hand is still worth
-/// a look.
+/// Deviation from the slow motion, in errors of a step, with which the series at hand is still
+/// worth a look.
 const FAR_OFF: f64 = 1e4;
 
 /// Each pass doubles the number of coefficients that are right; from one, five make all of them.
@@ -91,14 +91,14 @@ impl SlipSeries {
                 // The next correction would be the square of this one.
                 let composition = composed.expand(piece, system, workspace, from, time, Some(&c));
                 composition.ok()?;
-                return Some(composed.in_time(unit, allowance, farthest * unit));
+                return composed.in_time(unit, allowance, farthest * unit);
             }
         }
         None
     }
 
     /// A series in units of time `unit` as one in time, and how far it can be used.
-    fn in_time(mut self, unit: f64, allowance: &Allowance, farthest: f64) -> (Self, f64) {
+    fn in_time(mut self, unit: f64, allowance: &Allowance, farthest: f64) -> Option<(Self, f64)> {
         let mut power = 1.0;
         let mut order = 0;
         for k in 0..UNKNOWNS {
@@ -112,15 +112,20 @@ impl SlipSeries {
             }
             power *= unit;
         }
-        let reach = allowance.reach_of(&self.speed, order, farthest);
-        (self, reach)
+        (order >= 2).then(|| (self, allowance.reach_of(&self.speed, order, farthest)))
     }
 
-    /// Drops coefficients that overflow; the highest order left.
+    /// Drops coefficients that overflow, by a rule that knows no unit of length; the highest order
+    /// left.
     #[cold]
     pub(super) fn truncate(&mut self) -> usize {
+        // Not all three vanish but in a rest.
+        let by_decay = |s: f64, power| (s / self.decay.powi(power)).abs();
+        let [a, b, c] = [0, 1, 2].map(|k| by_decay(self.speed[k as usize], k));
+        let size = a.max(b).max(c);
+        let most = (LARGEST * 1e-20 * size).min(LARGEST);
         let is_ordinary =
-            |k: &usize| self.speed[*k].abs() < LARGEST && self.friction[*k].abs() < LARGEST;
+            |k: &usize| self.speed[*k].abs() <= most && self.friction[*k].abs() < LARGEST;
         let left = (0..TERMS).take_while(is_ordinary).count();
         for k in left..TERMS {
             self.speed[k] = 0.0;
@@ -133,7 +138,8 @@ impl SlipSeries {
 /// The equations of the coefficients, in the direction of time that is followed:
 ///
 /// ```text
-/// (k + 1) s_{k+1} + x_k + 2β (s_k + σv_b [k = 0]) + γ² m_k = 0,   x_1 = s_0 + σv_b,  x_k = s_{k−1}/k
+/// (k + 1) s_{k+1} + x_k + 2β (s_k + σv_b [k = 0]) + γ² m_k = 0
+/// x_1 = s_0 + σv_b,   x_k = s_{k−1}/k
 /// ```
 ///
 /// with x_0 = σu, β and γ² of the other sign backward in time.

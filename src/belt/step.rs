@@ -6,14 +6,17 @@ use crate::motion::{Event, EventKind, Mode, Segment, SystemState, Trajectory};
 use crate::series::PowerSeries;
 use crate::state::{Direction, State};
 
-/// A stretch of motion without an event inside: a stick phase, or one Taylor step of a slip phase.
+/// A step of the motion of a mass on a belt: a stick phase, or one Taylor step of a slip phase.
 ///
-/// A value on its own: it holds the power series of the motion, good to the integrator's tolerance
-/// over its [`duration`](Self::duration). In the time t since its start
+/// There is no event inside a step, only at its end. A step borrows nothing: it holds the power
+/// series of the motion, which is good to the integrator's tolerance over the
+/// [`duration`](Self::duration) of the step. At the time t since the start of the step
 ///
 /// ```text
-/// v(t) = v(0) + σ(s(t) − s(0)),   u(t) = u(0) + ∫ v,   s(t) = Σ s_k t^k the sliding speed |v − v_b|.
+/// v(t) = v(0) + σ(s(t) − s(0)),   u(t) = u(0) + ∫ v dt,   s(t) = Σ s_k t^k
 /// ```
+///
+/// with the sliding speed s = |v − v_b| and the direction of slip σ = ±1.
 ///
 /// ```
 /// use stick_slip::{Integrator, MassOnBelt, Mode, Polynomial, State};
@@ -32,7 +35,7 @@ pub struct Step {
     pub(crate) duration: f64,
     pub(crate) mode: Mode,
     pub(crate) state: State,
-    /// Series of the sliding speed; zero in stick.
+    /// The series of the sliding speed; zero in stick.
     pub(crate) speed: PowerSeries,
     pub(crate) event: Option<Event>,
     pub(crate) belt_velocity: f64,
@@ -60,8 +63,10 @@ impl Step {
         }
     }
 
-    /// A stick phase from displacement u: it grows at the rate v_b up to the release point, and
-    /// rests for ever at v_b = 0.
+    /// A stick phase from displacement u.
+    ///
+    /// The displacement grows at the rate v_b up to the release point. At v_b = 0 the mass rests
+    /// for ever.
     pub(crate) fn stick<L: FrictionLaw>(
         start: Clock,
         displacement: f64,
@@ -94,7 +99,7 @@ impl Step {
         Self { duration, ..rest }.ended_by(EventKind::Release(direction), released)
     }
 
-    /// The same step with this event at its end.
+    /// The same step, ended by an event of this kind at this state.
     #[inline(always)]
     pub(crate) fn ended_by(self, kind: EventKind, state: State) -> Self {
         let event = Event {
@@ -109,7 +114,7 @@ impl Step {
         }
     }
 
-    /// The same step, with its event, from another time on.
+    /// The same step, with its event, shifted to another start time.
     pub(crate) fn starting_at(mut self, start: Clock) -> Self {
         self.start = start;
         let time = self.end_time();
@@ -119,7 +124,7 @@ impl Step {
         self
     }
 
-    /// Its start alone, from another time on: a step of duration 0.
+    /// The start of this step alone, shifted to another start time: a step of duration 0.
     pub(crate) fn start_at(self, start: Clock) -> Self {
         Self {
             start,
@@ -129,33 +134,33 @@ impl Step {
         }
     }
 
-    /// Time τ at which it starts, dimensionless.
+    /// Time τ at which the step starts, dimensionless.
     pub fn start_time(&self) -> f64 {
         self.start.time
     }
 
-    /// Time τ at which it ends, dimensionless; infinite for a rest that lasts for ever.
+    /// Time τ at which the step ends, dimensionless; infinite for a rest that lasts for ever.
     pub fn end_time(&self) -> f64 {
         self.start.after(self.duration).time
     }
 
-    /// How long it lasts, dimensionless; infinite for a rest that lasts for ever.
+    /// Duration of the step, dimensionless; infinite for a rest that lasts for ever.
     pub fn duration(&self) -> f64 {
         self.duration
     }
 
-    /// What the mass does.
+    /// What the mass does during the step.
     pub fn mode(&self) -> Mode {
         self.mode
     }
 
-    /// State at its start.
+    /// State at the start of the step.
     pub fn state(&self) -> State {
         self.state
     }
 
-    /// State at a finite time t after its **start**, 0 ≤ t ≤ [`duration`](Self::duration); beyond,
-    /// the series is not to be trusted.
+    /// State at a finite time t after the **start** of the step, 0 ≤ t ≤
+    /// [`duration`](Self::duration). Outside this range the series is not to be trusted.
     pub fn state_at(&self, t: f64) -> State {
         let State {
             displacement,
@@ -174,17 +179,18 @@ impl Step {
         }
     }
 
-    /// Whether nothing moves: exactly on the equilibrium, or in stick on a belt that stands still.
+    /// Whether the mass stands still for ever: exactly on the equilibrium, or in stick on a belt
+    /// that stands still.
     fn is_rest(&self) -> bool {
         self.state.velocity == 0.0 && self.speed[1] == 0.0 && self.speed[2] == 0.0
     }
 
-    /// The event that ends it, if one does.
+    /// The event that ends the step, if one does.
     pub fn event(&self) -> Option<Event> {
         self.event
     }
 
-    /// σ, the sign of v_r; 0 in stick.
+    /// The sign σ of v_r; 0 in stick.
     pub(crate) fn sigma(&self) -> f64 {
         self.direction().map_or(0.0, Direction::sign)
     }
@@ -197,7 +203,7 @@ impl Step {
         }
     }
 
-    /// The same motion seen in a mirror: (u, v, v_b) → (−u, −v, −v_b).
+    /// The mirror image of this step: (u, v, v_b) → (−u, −v, −v_b).
     pub(crate) fn mirrored(&self) -> Self {
         let kind = |kind| match kind {
             EventKind::Release(direction) => EventKind::Release(direction.opposite()),
@@ -272,8 +278,8 @@ impl SystemState for State {
 }
 
 impl Trajectory {
-    /// What the mass does at a time 0 ≤ τ ≤ [`duration`](Self::duration), at an event what it does
-    /// from then on; `None` outside, and for NaN.
+    /// What the mass does at a time from the start to the end of the motion. At the time of an
+    /// event this is what the mass does from then on. `None` outside, and for NaN.
     pub fn mode_at(&self, time: f64) -> Option<Mode> {
         Some(self.step_at(time)?.mode)
     }

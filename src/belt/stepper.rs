@@ -54,8 +54,8 @@ struct Plan {
 }
 
 /// How far u − ū may be beyond what the motion does and still be its scale. With H the mean of D
-/// between |v_b| and s, v' is −(u − ū) − Hv: so where neither H nor D is above 32, the motion does at
-/// least a 64th of it.
+/// between |v_b| and s, v' is −(u − ū) − Hv: so where neither H nor D is above 32, the motion does
+/// at least a 64th of it.
 const BEYOND: f64 = 64.0;
 
 /// Takes Taylor steps within slip phases of one system.
@@ -293,8 +293,8 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         }
     }
 
-    /// What the tolerance is relative to: max(|u − ū|, |v|, |v_b|), but where a law is so steep that
-    /// ū lies far beyond all that happens, the scale of what does.
+    /// What the tolerance is relative to: max(|u − ū|, |v|, |v_b|), but where a law is so steep
+    /// that ū lies far beyond all that happens, the scale of what does.
     #[inline(always)]
     fn scale(&self, point: &SlipPoint, state: State, time: Time) -> f64 {
         let deviation = (state.displacement - self.equilibrium).abs();
@@ -324,8 +324,8 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         }
     }
 
-    /// max(|v|, |v_b|, |v'|/max(1, D)): the scale of what the motion does, and is about to do, with D
-    /// the rate at which it closes in on a slow one.
+    /// max(|v|, |v_b|, |v'|/max(1, D)): the scale of what the motion does, and is about to do, with
+    /// D the rate at which it closes in on a slow one.
     fn scale_here(&self, state: State, time: Time) -> f64 {
         let series = &self.series;
         let v_b = self.system.belt_velocity();

@@ -14,13 +14,15 @@ use crate::state::{Direction, State};
 /// belt velocity v_b.
 ///
 /// In stick the contact carries the force F = u + 2βv_b. The band of F in which the mass sticks is
-/// half open, so that every state has one fate: for v_b > 0, −γ²μ_s ≤ F < γ²μ_s, and at F = γ²μ_s
-/// the mass is released; mirrored for v_b < 0; closed for v_b = 0, where a mass that sticks rests
-/// for ever.
+/// half open, so that exactly one thing follows from every state:
+///
+/// * v_b > 0: −γ²μ_s ≤ F < γ²μ_s. At F = γ²μ_s the mass is released.
+/// * v_b < 0: −γ²μ_s < F ≤ γ²μ_s, the mirror image.
+/// * v_b = 0: −γ²μ_s ≤ F ≤ γ²μ_s. A mass that sticks rests for ever.
 ///
 /// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
-/// Stability Analysis*, Eqs. 1 and 2, corrected: Eq. 2 prints the stick condition as 2βv_b + u ≤
-/// μ_s, without γ² and one-sided.
+/// Stability Analysis*, Eqs. 1 and 2. Eq. 2 is corrected here: the paper prints the stick condition
+/// as 2βv_b + u ≤ μ_s, one-sided and without γ².
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, State};
@@ -46,8 +48,8 @@ pub struct MassOnBelt<L> {
 }
 
 impl<L: FrictionLaw> MassOnBelt<L> {
-    /// An undamped system (β = 0) with friction load γ² = 1 on a belt of velocity v_b, which may be
-    /// negative or zero.
+    /// An undamped system (β = 0) with friction load γ² = 1, on a belt of velocity v_b
+    /// (dimensionless), which may be negative or zero.
     ///
     /// # Errors
     ///
@@ -55,8 +57,8 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     /// * [`Error::StaticBelowKinetic`] if μ̂(0) exceeds μ_s by more than a few ulps;
     /// * [`Error::NonFiniteFriction`] or [`Error::NotAnalytic`] if the law has no finite value or
     ///   slope at the speeds 0 and |v_b|;
-    /// * [`Error::BadBreakpoints`] if its breakpoints are not positive and ascending, or it jumps
-    ///   at one.
+    /// * [`Error::BadBreakpoints`] if the law's breakpoints are not positive and ascending, or the
+    ///   law jumps at one of them.
     pub fn new(law: L, belt_velocity: f64) -> Result<Self, Error> {
         validate(&law)?;
         Self {
@@ -68,7 +70,7 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         .with_belt_velocity(belt_velocity)
     }
 
-    /// The same system with damping ratio β ≥ 0: 2β u' is the damper's force.
+    /// The same system with damping ratio β ≥ 0, dimensionless. The damper's force is 2β u'.
     ///
     /// # Errors
     ///
@@ -84,8 +86,10 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         Ok(self)
     }
 
-    /// The same system with friction load γ² > 0: γ² μ is the friction force. In dimensional terms
-    /// γ² = N/(K L) for a normal force N, stiffness K and length L.
+    /// The same system with friction load γ² > 0, dimensionless. The friction force is γ² μ.
+    ///
+    /// In physical units γ² = N/(K L), for a normal force N, a stiffness K and the unit of length
+    /// L.
     ///
     /// # Errors
     ///
@@ -101,7 +105,7 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         Ok(self)
     }
 
-    /// The same system on a belt of velocity v_b.
+    /// The same system on a belt of velocity v_b, dimensionless.
     ///
     /// # Errors
     ///
@@ -166,16 +170,18 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         }
     }
 
-    /// Displacements −γ²μ_s − 2βv_b and γ²μ_s − 2βv_b between which the mass can stick,
+    /// The displacements between which the mass can stick, −γ²μ_s − 2βv_b and γ²μ_s − 2βv_b,
     /// dimensionless.
     ///
-    /// Every decision between stick and slip compares u with these two numbers, and the release
-    /// state is one of them.
+    /// Every decision between stick and slip compares u with these two numbers. One of them is the
+    /// displacement of the release state.
     ///
     /// ```
     /// use stick_slip::{Coulomb, MassOnBelt};
     ///
-    /// let system = MassOnBelt::new(Coulomb::new(0.5, 0.25)?, 0.5)?.with_load(2.0)?.with_damping(0.25)?;
+    /// let system = MassOnBelt::new(Coulomb::new(0.5, 0.25)?, 0.5)?
+    ///     .with_load(2.0)?
+    ///     .with_damping(0.25)?;
     /// assert_eq!(system.stick_limits(), [-1.25, 0.75]);
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
@@ -184,24 +190,25 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         [-largest - carried, largest - carried]
     }
 
-    /// γ²μ_s, the most that the contact can carry in stick.
+    /// The largest force that the contact can carry in stick, γ²μ_s.
     pub(crate) fn largest_friction(&self) -> f64 {
         self.load * self.law.static_coefficient()
     }
 
-    /// 2βv_b, what the contact carries in stick at u = 0.
+    /// The force that the contact carries in stick at u = 0, 2βv_b.
     pub(crate) fn carried_force(&self) -> f64 {
         2.0 * self.damping * self.belt_velocity
     }
 
-    /// 2β + γ² dμ̂/ds at a sliding speed: h1 of Eq. 10a at |v_b|, and the rate at which the flow
-    /// contracts areas.
+    /// The effective damping 2β + γ² dμ̂/ds at a sliding speed: the rate at which the flow
+    /// contracts areas in the plane (u, v). At |v_b| it is h1 of Eq. 10a.
     pub(crate) fn effective_damping(&self, speed: f64) -> f64 {
         2.0 * self.damping + self.load * self.law.slope(speed)
     }
 
-    /// Where a mass carried along by the belt is released: u = ±γ²μ_s − 2βv_b (sign of v_b), v =
-    /// v_b. `None` at v_b = 0, where a mass that sticks rests for ever.
+    /// The state in which a mass that is carried along by the belt is released, dimensionless:
+    /// u = sgn(v_b)·γ²μ_s − 2βv_b, v = v_b. `None` at v_b = 0, where a mass that sticks rests for
+    /// ever.
     pub fn release_state(&self) -> Option<State> {
         let [low, high] = self.stick_limits();
         let v_b = self.belt_velocity;
@@ -214,8 +221,8 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         }
     }
 
-    /// How a mass at displacement u that moves with the belt goes on: it slides in the direction
-    /// returned, or sticks (`None`).
+    /// The direction in which a mass at displacement u and with the velocity of the belt begins to
+    /// slide; `None` if it sticks.
     pub(crate) fn slides_at(&self, displacement: f64) -> Option<Direction> {
         let [low, high] = self.stick_limits();
         let v_b = self.belt_velocity;
@@ -229,7 +236,7 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         }
     }
 
-    /// What follows when slip in a direction comes to the belt at displacement u.
+    /// What follows when slip in a direction reaches the belt's velocity at displacement u.
     pub(crate) fn landing(&self, displacement: f64, from: Direction) -> Landing {
         match self.slides_at(displacement) {
             None => Landing::Stick,
@@ -238,7 +245,7 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         }
     }
 
-    /// Whether u is the release point, as far as its formula can be rounded differently.
+    /// Whether u is the release point, up to the different ways of rounding its formula.
     pub(crate) fn is_release(&self, displacement: f64) -> bool {
         self.release_state().is_some_and(|release| {
             let largest = self
@@ -249,11 +256,11 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         })
     }
 
-    /// ds/dτ = |F| − γ²μ̂(0) of a mass that begins to slide at displacement u, where its speed on
-    /// the belt is 0.
+    /// The rate ds/dτ = |F| − γ²μ̂(0) of a mass that begins to slide at displacement u, where its
+    /// speed on the belt is 0.
     ///
-    /// From the same limits that every decision uses, so that it is exactly 0 at the release point
-    /// of a law with μ̂(0) = μ_s.
+    /// The rate is computed from the stick limits that every decision uses, so that it is exactly 0
+    /// at the release point of a law with μ̂(0) = μ_s.
     pub(crate) fn slip_rate(&self, displacement: f64, direction: Direction) -> f64 {
         let [low, high] = self.stick_limits();
         let beyond = match direction {
@@ -265,10 +272,10 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         beyond.max(0.0) + (self.load * jump).max(0.0)
     }
 
-    /// Friction force on the mass, dimensionless (in units of the spring's force at u = 1).
+    /// The friction force on the mass, dimensionless (in units of the spring's force at u = 1).
     ///
-    /// In slip −γ²μ(v_r); in stick what the contact carries, u + 2βv_b. At v_r = 0 outside the
-    /// stick band it is the force just after slip begins.
+    /// In slip this is −γ²μ(v_r), in stick the force that the contact carries, u + 2βv_b. At v_r =
+    /// 0 outside the stick band it is the force just after slip begins.
     ///
     /// ```
     /// use stick_slip::{Coulomb, MassOnBelt, State};
@@ -290,8 +297,8 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         }
     }
 
-    /// Acceleration u'' of the mass, dimensionless: −2βv − u plus the friction force in slip, 0 in
-    /// stick.
+    /// The acceleration u'' of the mass, dimensionless: in slip −2βv − u plus the friction force,
+    /// in stick 0.
     ///
     /// ```
     /// use stick_slip::{Coulomb, MassOnBelt, State};
@@ -312,8 +319,8 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         self.friction_force(state) - 2.0 * self.damping * velocity - displacement
     }
 
-    /// The steady sliding state, in which the mass stands still on the moving belt. `None` at v_b =
-    /// 0, where every state in the stick band is at rest.
+    /// Steady sliding, in which the mass stands still on the moving belt. `None` at v_b = 0, where
+    /// the mass can rest anywhere in the stick band.
     ///
     /// See [`Equilibrium`] for the formulas and an example.
     pub fn equilibrium(&self) -> Option<Equilibrium> {
@@ -326,23 +333,24 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         })
     }
 
-    /// ū = sgn(v_b)·γ²μ̂(|v_b|), and 0 at v_b = 0.
+    /// The displacement of steady sliding, ū = sgn(v_b)·γ²μ̂(|v_b|); 0 at v_b = 0.
     pub(crate) fn equilibrium_displacement(&self) -> f64 {
         self.load * self.law.coefficient(self.belt_velocity)
     }
 }
 
-/// What follows when slip comes to the belt.
+/// What follows when slip reaches the belt's velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Landing {
     /// Static friction holds the mass.
     Stick,
-    /// It goes on in the other direction.
+    /// Slip goes on in the other direction.
     Crossing(Direction),
-    /// It goes back to the side from which it came: a touch at the open end of the stick band.
+    /// Slip goes on in the direction from which it came: the motion has only touched the belt's
+    /// velocity, at the open end of the stick band.
     Touch,
 }
 
-/// Distance from the release point, in units of ε times the largest term of its formula, within
-/// which a state is exactly on it.
+/// Distance from the release point within which a displacement counts as the release point, in
+/// units of ε times the largest term of its formula.
 const RELEASE_ROUNDING: f64 = 4.0;

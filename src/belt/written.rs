@@ -1,6 +1,6 @@
 //! How an equilibrium is written (feature `serde`).
 //!
-//! Written and not read, as a cycle is: it follows from its system.
+//! An equilibrium is written but not read, as is a cycle: read its system, and make it again.
 
 use serde::Serialize;
 

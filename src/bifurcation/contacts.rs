@@ -9,21 +9,24 @@ use crate::friction::FrictionLaw;
 use crate::limit_cycle::{Release, Tracer};
 use crate::numerics::scan::sign_changes;
 
-/// Belt velocities in `range` at which stick-slip appears or disappears, ascending: the motion from
-/// the release point comes back to the belt tangentially.
+/// Belt velocities v_b in `range`, ascending and dimensionless, at which stick-slip appears or
+/// disappears: the motion from the release point comes back to the belt tangentially.
 ///
-/// Where μ̂(0) = μ_s a pure-slip cycle touches the belt velocity there, and so it goes over into
-/// stick-slip. Where μ̂(0) < μ_s (Coulomb) the stick-slip cycle dies alone.
+/// For a law with μ̂(0) = μ_s a pure-slip cycle touches the belt velocity at this v_b and becomes
+/// stick-slip. For a law with μ̂(0) < μ_s (Coulomb) the stick-slip cycle disappears, and no
+/// pure-slip cycle takes its place.
 ///
-/// The function followed is smooth through its roots: w²/(2v_b) for a contact with the relative
-/// velocity's rate w, and V − v_b for a motion that turns back at a velocity maximum V below. The
-/// range is divided into 64 intervals, and those in which a root may hide into up to 2¹⁰ more: a
-/// range a thousand times wider than where the system vibrates may show nothing.
+/// The velocities are the roots of a function of v_b that is smooth through them: w²/(2v_b²) if the
+/// motion meets the belt, where w is the rate of the relative velocity at contact; V/v_b − 1 if it
+/// turns back below, at a velocity maximum V. The range is divided into 64 intervals, and each in
+/// which a root may hide into up to 2¹⁰ parts. If the range is a thousand times wider than the part
+/// in which the system vibrates, nothing may be found: take a narrower one.
 ///
 /// # Errors
 ///
-/// [`Error::InvalidParameter`] unless the range is finite and not empty; else [`Error::At`], with
-/// the belt velocity and one of the errors of [`limit_cycle::find`](crate::limit_cycle::find).
+/// [`Error::InvalidParameter`] unless the range is finite, not empty and holds positive velocities;
+/// else [`Error::At`], with the belt velocity and one of the errors of
+/// [`limit_cycle::find`](crate::limit_cycle::find).
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, bifurcation};
@@ -43,8 +46,8 @@ pub fn grazing_velocities<L: FrictionLaw>(
     })
 }
 
-/// Belt velocities in `range` between plain stick-slip and overshoot, ascending: the first contact
-/// after release lies at the far end of the stick band.
+/// Belt velocities in `range`, ascending and dimensionless, at which plain stick-slip changes into
+/// overshoot or back: the first contact after release lies at the far end of the stick band.
 ///
 /// Searched as densely as in [`grazing_velocities`], and with the same errors.
 ///
@@ -66,8 +69,9 @@ pub fn overshoot_velocities<L: FrictionLaw>(
     })
 }
 
-/// Belt velocities in `range` between overshoot and crossing, ascending: after release and a
-/// crossing the mass comes back exactly at the release point.
+/// Belt velocities in `range`, ascending and dimensionless, at which overshoot changes into
+/// crossing or back: after release and a crossing the mass comes back to the belt exactly at the
+/// release point.
 ///
 /// Searched as densely as in [`grazing_velocities`], and with the same errors.
 ///
@@ -94,10 +98,10 @@ pub fn crossing_velocities<L: FrictionLaw>(
     })
 }
 
-/// A number that the arcs from the release point give.
+/// A number computed from the arcs out of the release point.
 type Number<'s, L> = dyn Fn(&mut Release, &mut Tracer<'s, L>) -> Result<Option<f64>, Error>;
 
-/// Sign changes of such a number over the belt velocity.
+/// Belt velocities in a range at which such a number changes its sign.
 fn over_belt_velocities<'s, L: FrictionLaw>(
     system: &'s MassOnBelt<L>,
     range: Range<f64>,

@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::limit_cycle::{CycleSet, find_borrowed};
 
-/// Everything that a system can settle to at one belt velocity.
+/// Equilibrium and periodic motions at one belt velocity: all that a system can settle to.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct DiagramPoint {
@@ -17,13 +17,13 @@ pub struct DiagramPoint {
     pub cycles: CycleSet,
 }
 
-/// Equilibrium and periodic motions at each of the belt velocities, computed as the iterator is
-/// advanced; the system's own v_b is ignored.
+/// Equilibrium and periodic motions at each of a list of belt velocities (dimensionless). Each is
+/// computed when the iterator comes to it; the system's own v_b is ignored.
 ///
 /// # Errors
 ///
-/// Each item those of [`MassOnBelt::with_belt_velocity`] and [`find`](crate::limit_cycle::find);
-/// the next items follow all the same.
+/// Each item can be an error of [`MassOnBelt::with_belt_velocity`] or of
+/// [`find`](crate::limit_cycle::find); the iterator goes on after it.
 ///
 /// ```
 /// use stick_slip::{CycleKind, MassOnBelt, Polynomial, bifurcation};
@@ -44,10 +44,10 @@ pub fn diagram<L: FrictionLaw>(
         .map(|v_b| point(system, *v_b.borrow()))
 }
 
-/// [`diagram`] with the belt velocities shared among threads; the same results, bit for bit, in the
-/// order of the velocities.
+/// [`diagram`] with the belt velocities shared among threads. The results are the same, bit for
+/// bit, and in the order of the velocities.
 ///
-/// With the feature `rayon`.
+/// Needs the feature `rayon`.
 ///
 /// ```
 /// use stick_slip::{Exponential, MassOnBelt, bifurcation};

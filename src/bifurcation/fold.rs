@@ -8,27 +8,28 @@ use crate::limit_cycle::{PeakMap, Tracer};
 use crate::numerics::bracket::sign_change_between;
 use crate::numerics::scan::{Look, Survey, scan};
 
-/// A growth that is larger than this on one side of a number and has the other sign at the next one
-/// has jumped over zero: no cycles meet there.
+/// Largest |growth| on the two sides of a fold. Where the growth is larger and still changes its
+/// sign between neighbouring numbers, it jumps over zero, and no cycles meet.
 const JUMP: f64 = 1e-9;
 
-/// Farthest that a turning point moves from one belt velocity to the next, in units of the range of
-/// peak velocities.
+/// Farthest that a turning point may move from one belt velocity to the next, in units of the range
+/// of peak velocities.
 const FARTHEST_TURN: f64 = 0.1;
 
-/// Belt velocities in `range`, ascending, at which two pure-slip cycles, one stable and one
-/// unstable, meet and vanish.
+/// Belt velocities v_b in `range`, ascending and dimensionless, at which two pure-slip cycles, one
+/// stable and one unstable, meet and vanish.
 ///
-/// At each belt velocity the growth of a motion over one turn, P(V)/V − 1 as a function of its peak
-/// velocity V, has turning points, where its exact derivative is zero; a fold is where the growth
-/// at a turning point passes through zero, and there the multiplier is 1. Turning points are
-/// followed over 64 belt velocities, and where they come, go or move fast, or come near zero, over
-/// up to 2¹⁶ times as many. Each is followed into the fold, from both sides, so that none is
-/// returned at which no cycles meet.
+/// Let V be the peak velocity of a motion and P(V) the next one. At each belt velocity the growth
+/// over one turn, P(V)/V − 1, has turning points as a function of V, found as roots of its exact
+/// derivative. At a fold the growth at a turning point passes through zero; the multiplier there is
+/// one. Turning points are followed over 64 intervals of the range. An interval in which turning
+/// points come, go, move far or come near zero is divided into up to 2¹⁶ parts. Each turning point
+/// is followed into the fold from both sides, so that every velocity returned is one at which
+/// cycles meet.
 ///
 /// # Errors
 ///
-/// As [`grazing_velocities`](super::grazing_velocities).
+/// Those of [`grazing_velocities`](super::grazing_velocities).
 ///
 /// ```
 /// use stick_slip::{Exponential, MassOnBelt, bifurcation};
@@ -61,15 +62,15 @@ pub fn fold_velocities<L: FrictionLaw>(
     Ok(folds.found)
 }
 
-/// The growth at one belt velocity: (peak velocity, growth) at the ends of the range of peak
-/// velocities and at the turning points between.
+/// Outline of the growth at one belt velocity: (peak velocity, growth) at both ends of the range of
+/// peak velocities and at the turning points between them.
 #[derive(Debug)]
 struct Outline {
     points: Vec<(f64, f64)>,
 }
 
 impl Outline {
-    /// Whether as many maxima and minima come in the same order.
+    /// Whether both outlines have as many maxima and minima, in the same order.
     fn is_like(&self, other: &Self) -> bool {
         let rises = |outline: &Self| {
             outline
@@ -80,7 +81,8 @@ impl Outline {
         self.points.len() == other.points.len() && rises(self) == rises(other)
     }
 
-    /// Turning points: place in the range of peak velocities, from 0 to 1, and growth.
+    /// The turning points, each with its place in the range of peak velocities (from 0 to 1) and
+    /// its growth.
     fn turns(&self) -> impl Iterator<Item = (f64, f64)> {
         let first = self.points.first().map_or(0.0, |point| point.0);
         let last = self.points.last().map_or(1.0, |point| point.0);
@@ -97,7 +99,7 @@ impl Outline {
     }
 }
 
-/// The folds found so far, and how a belt velocity is looked at.
+/// The folds found so far, and the function that gives the outline at a belt velocity.
 struct Folds<'f> {
     outline: &'f mut dyn FnMut(f64) -> Result<Outline, Error>,
     found: Vec<f64>,
@@ -144,7 +146,7 @@ impl Survey for Folds<'_> {
             folds.extend(change.filter(|change| change.residual() <= JUMP));
         }
         if folds.len() < crossed.len() && halvings > 0 {
-            // Not the same turning points after all.
+            // The turning points at the two ends are not the same ones after all.
             return Ok(Look::Halve);
         }
         let mut folds: Vec<f64> = folds.iter().map(|change| change.below).collect();

@@ -5,19 +5,19 @@ use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::{AlongSlope, FrictionLaw};
 
-/// Belt velocities in `range`, ascending, at which the equilibrium loses or regains stability:
-/// where h1 changes sign,
+/// Belt velocities v_b in `range`, ascending and dimensionless, at which the equilibrium loses or
+/// regains stability: h1 changes its sign,
 ///
 /// ```text
 /// h1(v) = 2β + γ² dμ̂/ds(v).
 /// ```
 ///
-/// The law is expanded in power series from one end of the range to the other, each used as far as
-/// it converges and checked in between, and the roots of each are isolated, so that none is
-/// skipped. Where h1 touches zero without changing sign, to rounding, nothing happens, and nothing
-/// is reported. Where it jumps over zero, at a [breakpoint](FrictionLaw::breakpoints), that is
-/// reported; where it is zero over a whole interval, the end of that interval, if the sign behind
-/// it is another.
+/// The law is expanded in power series from one end of the range to the other. Each series is used
+/// as far as it converges, and checked in between; its roots are isolated so that none is skipped.
+/// Where h1 touches zero to rounding and keeps its sign, stability does not change, and nothing is
+/// reported. A [breakpoint](FrictionLaw::breakpoints) at which h1 jumps over zero is reported.
+/// Where h1 is zero over a whole interval, the end of that interval is reported, if the signs
+/// before and behind the interval differ.
 ///
 /// For the exponential law there is the closed form
 /// [`analysis::exponential::hopf_velocities`](crate::analysis::exponential::hopf_velocities).
@@ -27,8 +27,8 @@ use crate::friction::{AlongSlope, FrictionLaw};
 /// # Errors
 ///
 /// [`Error::InvalidParameter`] unless the range is finite, not empty and holds positive velocities,
-/// and if it is so long that the law takes more than 10⁴ power series; [`Error::NonFiniteFriction`]
-/// or [`Error::NotAnalytic`] if the law has no series somewhere in it.
+/// or if it is so long that the law takes more than 10⁴ power series; [`Error::NonFiniteFriction`]
+/// or [`Error::NotAnalytic`] if the law has no power series somewhere in the range.
 ///
 /// ```
 /// use stick_slip::{Exponential, MassOnBelt, bifurcation};
@@ -52,7 +52,7 @@ pub fn hopf_velocities<L: FrictionLaw>(
     damping.sign_changes(&positive(range)?, "range.end")
 }
 
-/// How a pure-slip cycle is born at a Hopf point.
+/// Kind of a Hopf point: which pure-slip cycle is born there.
 ///
 /// Source: the averaged equation A' = −½h1 A − (3/8)h3 A³ with h3 = γ² μ̂'''(v_b)/6 (Eq. 12 of
 /// Farshidianfar and Noei Aghaee, for any law).
@@ -67,7 +67,7 @@ pub enum Criticality {
     Supercritical,
     /// An unstable cycle surrounds the stable equilibrium: μ̂'''(v_b) < 0.
     Subcritical,
-    /// The third derivative is zero, and higher ones decide; or it is not a number.
+    /// The third derivative is zero, so that higher ones decide; or it is not a number.
     Degenerate,
 }
 
@@ -84,8 +84,8 @@ impl std::fmt::Display for Criticality {
 /// Whether the Hopf point at the belt velocity v_b is super- or subcritical, from the sign of
 /// μ̂'''(|v_b|).
 ///
-/// That v_b is a Hopf point is not checked. At a breakpoint the piece above counts; where h1 jumps
-/// over zero there, the third derivative says nothing.
+/// Whether v_b is a Hopf point is not checked. At a breakpoint of the law, the piece above counts.
+/// If h1 jumps over zero at the breakpoint, the third derivative tells nothing.
 ///
 /// ```
 /// use stick_slip::bifurcation::{Criticality, criticality, hopf_velocities};

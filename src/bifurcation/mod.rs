@@ -3,27 +3,27 @@
 //! | function | what happens there |
 //! |---|---|
 //! | [`hopf_velocities`] | the equilibrium loses or regains stability, and a pure-slip cycle is born; [`criticality`] tells which |
-//! | [`grazing_velocities`] | the motion from the release point comes back tangentially: stick-slip appears or disappears |
+//! | [`grazing_velocities`] | stick-slip appears or disappears: the motion from the release point comes back to the belt tangentially |
 //! | [`fold_velocities`] | a stable and an unstable pure-slip cycle meet |
 //! | [`overshoot_velocities`] | the mass begins to overtake the belt before it sticks |
-//! | [`crossing_velocities`] | it no longer sticks at all |
-//! | [`silencing_damping`] | over the damping, at one belt velocity: no vibration lasts from there on |
+//! | [`crossing_velocities`] | the mass no longer sticks at all |
+//! | [`silencing_damping`] | with this damping or more no vibration lasts, at one belt velocity |
 //!
 //! Every velocity is a root of an exact function of the belt velocity, bracketed and refined to
-//! round-off. How densely a range is searched is told with each function; a narrower range is
-//! searched more closely.
+//! round-off. The documentation of each function tells how densely it searches a range; a narrower
+//! range is searched more closely.
 //!
-//! [`analysis`](crate::analysis) has closed forms for some laws and some of these.
+//! [`analysis`](crate::analysis) has closed forms of some of these velocities for some laws.
 //!
-//! [`diagram`] puts equilibrium and all cycles together for a list of belt velocities.
+//! [`diagram`] lists the equilibrium and all cycles for each of a list of belt velocities.
 //!
 //! | file | what is in it |
 //! |---|---|
 //! | `contacts.rs` | grazing, overshoot, crossing: contacts of the motion from the release point; searched by `numerics/scan.rs` |
 //! | `fold.rs` | folds of pure-slip cycles |
 //! | `hopf.rs` | stability of the equilibrium, and how a cycle is born there; the roots themselves: `friction/along.rs` |
-//! | `silence.rs` | the damping from which on nothing vibrates |
-//! | `diagram.rs` | everything at each of a list of belt velocities |
+//! | `silence.rs` | the least damping with which nothing vibrates |
+//! | `diagram.rs` | equilibrium and all cycles at each of a list of belt velocities |
 //! | `range.rs` | ranges of belt velocities |
 
 mod contacts;

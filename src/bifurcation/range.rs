@@ -1,4 +1,4 @@
-//! Ranges of belt velocities, and a system at one of them.
+//! Ranges of belt velocities, and a system at one belt velocity.
 
 use std::ops::Range;
 
@@ -14,8 +14,8 @@ pub(super) fn positive(range: Range<f64>) -> Result<Range<f64>, Error> {
     Ok(range.start.max(0.0)..range.end)
 }
 
-/// What is found for a system on a belt of velocity v_b; nothing on a belt that stands still.
-/// An error tells the velocity.
+/// Applies `find` to the system with the belt velocity v_b; `None` on a belt that stands still. An
+/// error is given v_b.
 pub(super) fn moving_at<'s, L: FrictionLaw, T>(
     system: MassOnBelt<&'s L>,
     v_b: f64,

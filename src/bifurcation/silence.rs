@@ -4,29 +4,31 @@ use crate::friction::FrictionLaw;
 use crate::limit_cycle::{find_borrowed, is_frictionless};
 use crate::numerics::bracket::Bracket;
 
-/// The least damping ratio β from which on no vibration lasts at the system's belt velocity: steady
-/// sliding is stable, and there is no periodic motion. Below it there is one, or steady sliding is
-/// unstable. The system's own β is ignored; 0 at v_b = 0.
+/// The least damping ratio β, dimensionless, from which on no vibration lasts at the system's belt
+/// velocity: steady sliding is stable, and there is no periodic motion. With less damping there is
+/// a periodic motion, or steady sliding is unstable. The system's own β is ignored; 0 at v_b = 0.
 ///
-/// Such a border exists. With more damping the velocity field at every state is turned inwards, so
-/// round a cycle at one β every motion with less damping that starts outside stays outside, and
-/// never gets to steady sliding: what vibrates at one β can vibrate at every smaller one.
+/// Why there is such a border: more damping turns the velocity field at every state inwards. Take a
+/// cycle at one β. With less damping, every motion that starts outside this curve stays outside it
+/// and never reaches steady sliding. So a system that vibrates at one β can vibrate at every
+/// smaller one.
 ///
-/// At the border steady sliding becomes stable, at β = −½γ²dμ̂/ds(|v_b|), or the last two cycles
-/// meet, or stick-slip grazes the belt. It is enclosed by doubling and narrowed to neighbouring
-/// numbers, with [`find`](crate::limit_cycle::find) as the judge, and is as complete as that is: a
-/// range that [can't be resolved](crate::limit_cycle::CycleSet::unresolved) counts as a vibration.
-/// Where rounding hides the growth over a turn, near steady sliding and on very slow belts, `find`
-/// decides by averaging. Steady sliding and a vibration that end within a relative 10⁻⁸ of each
-/// other are not told apart.
+/// At the border steady sliding becomes stable (β = −½γ²dμ̂/ds(|v_b|)), or the last two cycles
+/// meet, or stick-slip grazes the belt. The border is enclosed by doubling β and narrowed to
+/// neighbouring numbers. [`find`](crate::limit_cycle::find) judges whether a system vibrates, so
+/// the result is as complete as that search; a range that [can't be
+/// resolved](crate::limit_cycle::CycleSet::unresolved) counts as a vibration. On very slow belts
+/// and near steady sliding, one turn may change a motion by less than rounding does; `find` then
+/// decides by averaging. If steady sliding becomes stable and vibration ends within a relative 10⁻⁸
+/// of the same β, the two are not told apart.
 ///
 /// Source: cycles of rotated vector fields, Duff, *Ann. Math.* 57 (1953) 15-31.
 ///
 /// # Errors
 ///
-/// [`Error::At`], with the damping and one of the errors of [`find`](crate::limit_cycle::find), at
-/// any of the β tried: the largest is 10⁻³, or less than twice the result, or than twice the β at
-/// which steady sliding becomes stable.
+/// [`Error::At`], with the β tried and one of the errors of [`find`](crate::limit_cycle::find). No
+/// β tried is larger than the largest of 10⁻³, twice the result, and twice the β at which steady
+/// sliding becomes stable.
 ///
 /// ```
 /// use stick_slip::{Coulomb, Exponential, MassOnBelt, bifurcation};
@@ -46,7 +48,7 @@ pub fn silencing_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<f64, 
         return Ok(0.0);
     }
     let system = system.by_reference();
-    // Compiled once, for all that ask it.
+    // A trait object, so that the search is compiled once.
     let vibrates: &dyn Fn(f64) -> Result<bool, Error> = &|damping| {
         let cycles = system
             .with_damping(damping)
@@ -55,7 +57,7 @@ pub fn silencing_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<f64, 
         Ok(!cycles.is_empty() || !cycles.unresolved().is_empty())
     };
     let slope = system.law().slope(system.belt_velocity().abs());
-    // Steady sliding is unstable below.
+    // The β below which steady sliding is unstable.
     let stable = (-0.5 * system.load() * slope).max(0.0);
     let just_above = stable * (1.0 + MARGIN) + f64::MIN_POSITIVE;
     if !vibrates(just_above)? {
@@ -72,10 +74,11 @@ pub fn silencing_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<f64, 
     Ok(border.sign_change().below.next_up())
 }
 
-/// Relative distance from the border of stability within which small cycles are not resolved.
+/// Relative distance above the β at which steady sliding becomes stable; small cycles closer to it
+/// are not resolved.
 const MARGIN: f64 = 1e-8;
 
-/// First β that is tried, if steady sliding is always stable.
+/// First β that is tried if steady sliding is always stable.
 const FIRST: f64 = 1e-3;
 
 #[cfg(test)]

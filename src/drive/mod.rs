@@ -197,12 +197,12 @@ impl Drive {
 
     /// f(t) at a finite time.
     pub fn value(&self, time: f64) -> f64 {
-        self.at(Clock::at(time), Side::After)[0]
+        self.at(Clock::at(time))[0]
     }
 
     /// f'(t) at a finite time.
     pub fn slope(&self, time: f64) -> f64 {
-        self.at(Clock::at(time), Side::After)[1]
+        self.at(Clock::at(time))[1]
     }
 
     /// The least T > 0 with f(t + T) = f(t). `None` for a constant, for a drive with a profile,
@@ -303,10 +303,10 @@ impl Drive {
         Error::check(name, self.constant, true, "any size").map(|_| ())
     }
 
-    /// Value and slope just before or just after a time.
-    pub(crate) fn at(&self, time: Clock, side: Side) -> [f64; 2] {
+    /// Value and slope at a time; of the piece that begins there, if one does.
+    pub(crate) fn at(&self, time: Clock) -> [f64; 2] {
         let harmonics = self.harmonics.iter().map(|harmonic| harmonic.at(time));
-        let profiles = self.profiles.iter().map(|profile| profile.at(time, side));
+        let profiles = self.profiles.iter().map(|profile| profile.at(time));
         harmonics
             .chain(profiles)
             .fold([self.constant, 0.0], |sum, [value, slope]| {
@@ -322,7 +322,7 @@ impl Drive {
             harmonic.add_series(start, &mut series);
         }
         for profile in &self.profiles {
-            let [value, slope] = profile.at(start, Side::After);
+            let [value, slope] = profile.at(start);
             series[0] += value;
             series[1] += slope;
         }
@@ -356,13 +356,6 @@ impl From<f64> for Drive {
     fn from(value: f64) -> Self {
         Self::constant(value)
     }
-}
-
-/// From which side a time is looked at.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Side {
-    Before,
-    After,
 }
 
 /// The least period that several drives have in common, as [`Drive::period`] has it.

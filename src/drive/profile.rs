@@ -1,4 +1,3 @@
-use super::Side;
 use crate::clock::Clock;
 use crate::error::Error;
 
@@ -30,16 +29,14 @@ impl Profile {
     }
 
     /// Value and slope.
-    pub(super) fn at(&self, time: Clock, side: Side) -> [f64; 2] {
-        self.on_piece(self.passed(time, side), time)
+    pub(super) fn at(&self, time: Clock) -> [f64; 2] {
+        self.on_piece(self.passed(time), time)
     }
 
-    /// Points before a time, and with [`Side::After`] those at the time itself.
-    fn passed(&self, time: Clock, side: Side) -> usize {
-        self.points.partition_point(|&(point, _)| {
-            let left = time.until(point);
-            left < 0.0 || (left == 0.0 && side == Side::After)
-        })
+    /// Points before a time and at it.
+    fn passed(&self, time: Clock) -> usize {
+        self.points
+            .partition_point(|&(point, _)| time.until(point) <= 0.0)
     }
 
     /// Value and slope on the piece that ends at point number `end`; the last piece has no end.
@@ -64,7 +61,7 @@ impl Profile {
     }
 
     pub(super) fn next_break(&self, time: Clock) -> Option<f64> {
-        let next = self.points.get(self.passed(time, Side::After));
+        let next = self.points.get(self.passed(time));
         next.map(|&(time, _)| time)
     }
 
@@ -77,7 +74,7 @@ impl Profile {
 
     /// ∫ f dt from one time to a later one, piece by piece.
     pub(super) fn integral(&self, from: Clock, to: Clock) -> f64 {
-        let [first, last] = [from, to].map(|time| self.passed(time, Side::After));
+        let [first, last] = [from, to].map(|time| self.passed(time));
         let mut sum = 0.0;
         let mut start = from;
         for piece in first..=last {

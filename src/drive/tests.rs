@@ -72,7 +72,7 @@ fn phases_are_exact_after_a_billion_periods() {
                 let step = 1e-3 + offset / frequency;
                 let clock = Clock::at(time).after(step);
                 let (sine, cosine) = exact_sin_cos(frequency, &[time, step]);
-                let [value, slope] = drive.at(clock, Side::After);
+                let [value, slope] = drive.at(clock);
                 let exact = 0.7 * cosine + 0.3 * sine;
                 let exact_slope = frequency * (0.3 * cosine - 0.7 * sine);
                 // The clock itself is good to ε² of the time.
@@ -102,7 +102,7 @@ fn a_clock_stepped_through_a_million_periods_keeps_the_phase() {
     let high = f64::from(steps) * step;
     let low = f64::from(steps).mul_add(step, -high);
     let (sine, _) = exact_sin_cos(frequency, &[high, low]);
-    let value = drive.at(clock, Side::After)[0];
+    let value = drive.at(clock)[0];
     assert!((value - sine).abs() < 5e-16, "{value} {sine}");
     // The rounded time alone is far off: the test would notice.
     assert!((drive.value(high) - sine).abs() > 1e-11);
@@ -140,16 +140,17 @@ fn a_step_ends_where_pieces_meet_and_goes_on_with_the_next() {
         clock = Clock::at(time);
     }
     assert_eq!(breaks, [1.0, 2.0, 3.0, 4.0]);
-    let sides = |time| [Side::Before, Side::After].map(|side| drive.at(Clock::at(time), side));
-    assert_eq!(sides(1.0), [[0.0, 0.0], [0.0, 1.0]]);
-    assert_eq!(sides(2.0), [[1.0, 1.0], [0.5, 0.0]]);
-    assert_eq!(sides(3.0), [[0.5, 0.0], [0.5, -1.5]]);
-    assert_eq!(sides(4.0), [[-1.0, -1.5], [-1.0, 0.0]]);
+    let piece = |time| drive.at(Clock::at(time));
+    assert_eq!(piece(1.0), [0.0, 1.0]);
+    assert_eq!(piece(2.0), [0.5, 0.0]);
+    assert_eq!(piece(3.0), [0.5, -1.5]);
+    assert_eq!(piece(4.0), [-1.0, 0.0]);
+    assert_eq!(drive.value(2.0_f64.next_down()), 1.0 - f64::EPSILON);
     // Within an ulp of the kink the remainder of the clock decides.
     let just_before = Clock::at(3.0).after(-1e-17);
     assert_eq!(drive.next_break(just_before), Some(3.0));
-    assert_eq!(drive.at(just_before, Side::After)[1], 0.0);
-    assert_eq!(drive.at(Clock::at(3.0).after(1e-17), Side::Before)[1], -1.5);
+    assert_eq!(drive.at(just_before)[1], 0.0);
+    assert_eq!(drive.at(Clock::at(3.0).after(1e-17))[1], -1.5);
 }
 
 #[test]
@@ -306,7 +307,9 @@ proptest! {
         (from, middle, to) in (-50.0..50.0_f64, 0.0..20.0_f64, 0.0..20.0_f64),
     ) {
         let drive = Drive::harmonic(amplitude, frequency, phase)
-            .and_then(|drive| drive.with_profile(&[(-3.0, 0.2), (0.0, 1.0), (0.0, 0.0), (9.0, -1.0)]))
+            .and_then(|drive| {
+                drive.with_profile(&[(-3.0, 0.2), (0.0, 1.0), (0.0, 0.0), (9.0, -1.0)])
+            })
             .unwrap();
         let start = Clock::at(from);
         let [half, end] = [start.after(middle), start.after(middle).after(to)];

@@ -1,5 +1,5 @@
-//! A law followed along a range of sliding speeds, as a chain of power series: each is used as far
-//! as it converges and is checked in between, so that no feature of the law is passed over.
+//! A law along a range of sliding speeds, as a chain of power series. Each series is used as far as
+//! it converges, and is checked in between, so that no feature of the law is passed over.
 
 use std::ops::{ControlFlow, Range};
 
@@ -7,20 +7,21 @@ use super::{FrictionLaw, finite_at, piece_above, slope_on, taylor_coefficients_o
 use crate::error::Error;
 use crate::series::{PowerSeries, TERMS, quarters};
 
-/// A series is used as far as its last terms stay below this, relative to its largest.
+/// Largest size of a series' last terms, relative to its largest term: the series is used as far as
+/// they stay below.
 const TRUNCATION: f64 = 1e-16;
 
-/// It must give h this well in between, relative to its largest term.
+/// Largest error of a series in between, relative to its largest term.
 const DEFECT: f64 = 1e-12;
 
-/// Rounding of h, relative to the largest value met so far.
+/// Rounding error of h, relative to the largest |h| met so far.
 const ROUNDING: f64 = 1e-14;
 
 /// Least number of series for a range.
 const PIECES: f64 = 64.0;
 
-/// The search for sign changes begins this part below the range, so that a root exactly at its
-/// start is seen as one.
+/// Relative distance below the range at which the search for sign changes begins, so that a root
+/// exactly at the start of the range is seen as one.
 const LOOK_BACK: f64 = 1e-6;
 
 /// Series after which a search gives up, well within a second.
@@ -28,7 +29,7 @@ const MOST_STRETCHES: usize = 10_000;
 const TOO_LONG: &str =
     "a shorter range: it takes more than 10000 power series of the law to get there";
 
-/// h(s) = c + f·dμ̂/ds, where c ≥ 0 and f > 0.
+/// The function h(s) = c + f·dμ̂/ds of the sliding speed, where c ≥ 0 and f > 0.
 #[derive(Debug)]
 pub(crate) struct AlongSlope<'l, L> {
     pub(crate) law: &'l L,
@@ -37,12 +38,12 @@ pub(crate) struct AlongSlope<'l, L> {
 }
 
 impl<L: FrictionLaw> AlongSlope<'_, L> {
-    /// Sliding speeds in a range of positive ones at which h changes its sign, ascending. `end` is
-    /// the name of the range's end, for errors.
+    /// Sliding speeds, ascending, at which h changes its sign, in a range of positive speeds. `end`
+    /// is the name of the range's end, for errors.
     ///
-    /// Where h touches zero without changing sign, to rounding, nothing is reported. Where it jumps
-    /// over zero, at a breakpoint, that is; where it is zero over a whole interval, the end of that
-    /// interval, if the sign behind it is another.
+    /// Where h touches zero to rounding and keeps its sign, nothing is reported. A breakpoint at
+    /// which h jumps over zero is reported. Where h is zero over a whole interval, the end of that
+    /// interval is reported, if the signs before and behind the interval differ.
     pub(crate) fn sign_changes(
         &self,
         range: &Range<f64>,
@@ -67,7 +68,7 @@ impl<L: FrictionLaw> AlongSlope<'_, L> {
         let mut least = f64::INFINITY;
         self.follow(range, end, &mut |stretch, _| {
             let mut speeds = vec![stretch.start, stretch.start + stretch.length];
-            // Minima. Their places need not be exact: h is flat there.
+            // The places of the minima need not be exact, because h is flat there.
             let slope = stretch.series.derivative();
             let _ = slope.sign_changes(stretch.length, &mut |t, rising| {
                 if rising {
@@ -84,7 +85,8 @@ impl<L: FrictionLaw> AlongSlope<'_, L> {
         Ok(least)
     }
 
-    /// The stretches that a range is made of, in order, each with the rounding error of h so far.
+    /// Visits the stretches that make up a range, in order, each with the rounding error of h up to
+    /// there.
     fn follow(
         &self,
         range: Range<f64>,
@@ -118,8 +120,8 @@ impl<L: FrictionLaw> AlongSlope<'_, L> {
         Ok(())
     }
 
-    /// The error of the first speed at which the law has no value or no slope, if it has none at
-    /// `end`.
+    /// If the law has no finite value or slope at `end`: the error of the first such speed, found
+    /// by bisection from `start`.
     fn finite_between(&self, start: f64, end: f64) -> Result<(), Error> {
         let (mut good, mut bad) = (start, end);
         let mut found = finite_at(self.law, bad);
@@ -136,8 +138,8 @@ impl<L: FrictionLaw> AlongSlope<'_, L> {
         found
     }
 
-    /// The stretch from a speed on, at most `longest` long; `largest`, the largest |h| met so far,
-    /// is kept up.
+    /// The stretch that begins at the speed `start` and is at most `longest` long. Updates
+    /// `largest`, the largest |h| met so far.
     fn stretch(&self, start: f64, longest: f64, largest: &mut f64) -> Result<Stretch, Error> {
         finite_at(self.law, start)?;
         let piece = piece_above(self.law, start);
@@ -171,7 +173,7 @@ impl<L: FrictionLaw> AlongSlope<'_, L> {
     }
 }
 
-/// h(start + t) as a power series in t, for 0 ≤ t ≤ length.
+/// A stretch of speeds: h(start + t) as a power series in t, for 0 ≤ t ≤ length.
 struct Stretch {
     start: f64,
     length: f64,
@@ -181,10 +183,10 @@ struct Stretch {
 }
 
 impl Stretch {
-    /// |c_k| length^k.
+    /// Size of term k at the end of the stretch, |c_k| length^k.
     fn term(&self, k: usize) -> f64 {
         match self.series[k] {
-            // Not 0·∞.
+            // Avoids 0·∞.
             0.0 => 0.0,
             coefficient => coefficient.abs() * self.length.powi(k as i32),
         }
@@ -194,30 +196,32 @@ impl Stretch {
         (0..TERMS).map(|k| self.term(k)).fold(0.0, f64::max)
     }
 
-    /// What the rounding of start + t changes in h.
+    /// Error of h that is caused by rounding of start + t.
     fn rounding_of_speed(&self) -> f64 {
         let steepest = (1..TERMS).map(|k| k as f64 * self.term(k)).sum::<f64>() / self.length;
         f64::EPSILON * (self.start + self.length) * steepest
     }
 
-    /// Whether the last terms, two because a series may be even or odd, are rounding beside `size`.
+    /// Whether the last two terms are mere rounding beside `size`; two, because a series may be
+    /// even or odd.
     fn converges(&self, size: f64) -> bool {
         [TERMS - 2, TERMS - 1]
             .iter()
             .all(|&k| self.term(k) <= TRUNCATION * size)
     }
 
-    /// Whether the series gives `h` inside.
+    /// Whether the series agrees with `h` at three places inside, to `allowed`.
     fn fits(&self, allowed: f64, h: impl Fn(f64) -> f64) -> bool {
         let times = quarters(self.length);
         std::iter::zip(times, self.series.at_four(times))
-            // The end may be a breakpoint, where the slope is that of the next piece.
+            // The end is left out: it may be a breakpoint, where the slope is that of the next
+            // piece.
             .take(3)
             .all(|(t, value)| (h(self.start + t) - value).abs() <= allowed)
     }
 
-    /// Shortens it so that no root of h lies at its end, where the rounding of two series could
-    /// lose it, or find it twice.
+    /// Shortens the stretch so that no root of h lies at its end: rounding of the two series that
+    /// meet there could lose the root or find it twice.
     fn end_away_from_zero(&mut self) {
         let ends = [1.0, 0.875, 0.75].map(|part| part * self.length);
         let height = |t: &f64| self.series.at(*t).abs();
@@ -230,13 +234,14 @@ impl Stretch {
     }
 }
 
-/// Part of a stretch within which a root belongs to a zero at its end.
+/// Part of a stretch, at either end, within which a root belongs to a zero at that end.
 const AT_END: f64 = 1e-3;
 
-/// Distance, relative to the speed, of two roots that may be a touch of zero split by rounding.
+/// Distance, relative to the speed, within which two roots may be one touch of zero that rounding
+/// has split.
 const TOUCH: f64 = 1e-6;
 
-/// Where h changes its sign, as it is followed.
+/// The sign changes of h, collected while h is followed.
 struct SignChanges<H> {
     h: H,
     positive: Option<bool>,
@@ -244,8 +249,8 @@ struct SignChanges<H> {
 }
 
 impl<H: Fn(f64) -> f64> SignChanges<H> {
-    /// The sign changes on a stretch, and one at its start if h jumps over zero there, or passes
-    /// it.
+    /// Adds the sign changes on a stretch, and one at its start if h jumps over zero or passes it
+    /// there.
     fn follow(&mut self, stretch: &Stretch, rounding: f64) {
         let Stretch {
             start,
@@ -256,7 +261,7 @@ impl<H: Fn(f64) -> f64> SignChanges<H> {
         if stretch.largest_term() <= rounding {
             return; // zero all along
         }
-        // A zero at an end is at the start of this stretch, or of the next.
+        // A zero at an end counts at the start of this stretch or of the next one.
         let is_zero = |t: f64| series.at(t).abs() <= rounding;
         let first = if is_zero(0.0) { AT_END * length } else { 0.0 };
         let last = if is_zero(*length) {
@@ -273,14 +278,14 @@ impl<H: Fn(f64) -> f64> SignChanges<H> {
         });
     }
 
-    /// From this speed on the sign is this.
+    /// Notes the sign of h from this speed on.
     fn add(&mut self, speed: f64, positive: bool, rounding: f64) {
         let before = self.positive.replace(positive);
         if before.is_none_or(|before| before == positive) {
             return;
         }
         match self.roots.last() {
-            // There and back within rounding.
+            // A change and back again within rounding is none.
             Some(&last)
                 if speed - last <= TOUCH * speed
                     && (self.h)(0.5 * (last + speed)).abs() <= rounding =>

@@ -1,11 +1,11 @@
 use super::{Coulomb, Exponential, FrictionLaw, Polynomial, Rational, Stribeck, Tabulated};
 use crate::scalar::Scalar;
 
-/// Any of the crate's laws, for a choice at run time.
+/// Any of the crate's friction laws, for a choice at run time.
 ///
-/// [`FrictionLaw`] is generic and has no trait objects; this enum is a law itself and gives the
-/// same numbers, to the bit, as the law inside. For laws of your own write such an enum yourself:
-/// three functions with a `match`, and `breakpoints` and `kinetic_on` where a law is piecewise.
+/// [`FrictionLaw`] is generic and has no trait objects. This enum is a law itself and gives the
+/// same numbers as the law inside, to the bit. To choose among laws of your own, write such an
+/// enum: two functions with a `match`, and `breakpoints` and `kinetic_on` if a law is piecewise.
 ///
 /// ```
 /// use stick_slip::{AnyLaw, Coulomb, FrictionLaw, MassOnBelt, Polynomial, Rational, State};
@@ -58,7 +58,7 @@ macro_rules! from_law {
 }
 from_law!(Coulomb Exponential Polynomial Rational Stribeck Tabulated);
 
-/// The same expression for the law in every variant.
+/// Evaluates the same expression with the law of whichever variant.
 macro_rules! for_each {
     ($any:expr, $law:ident => $result:expr) => {
         match $any {
@@ -83,7 +83,7 @@ impl FrictionLaw for AnyLaw {
     }
 
     fn breakpoints(&self) -> impl Iterator<Item = f64> {
-        // The only piecewise law.
+        // `Tabulated` is the only piecewise law.
         let table = match self {
             Self::Tabulated(table) => Some(table),
             _ => None,

@@ -1,10 +1,10 @@
-//! What is asked of a law before it is used, and whether it is constant.
+//! Checks of a law before it is used, and whether it is constant.
 
 use super::{FrictionLaw, finite_at, taylor_coefficients, taylor_coefficients_on};
 use crate::error::Error;
 use crate::scalar::LONGEST;
 
-/// The static coefficient, if it is one: finite and ≥ 0.
+/// The static coefficient, if it is finite and ≥ 0.
 pub(super) fn check_static(static_coefficient: f64) -> Result<f64, Error> {
     Error::check(
         "static_coefficient",
@@ -27,8 +27,8 @@ pub(super) fn check_kinetic(
     )
 }
 
-/// Checks what the trait asks of a law and a system relies on: μ_s finite and ≥ μ̂(0), breakpoints
-/// in order, the law continuous.
+/// Checks the rules of the trait [`FrictionLaw`] on which a system relies: μ_s is finite and ≥
+/// μ̂(0), the breakpoints ascend, and the law is continuous.
 pub(crate) fn validate<L: FrictionLaw>(law: &L) -> Result<(), Error> {
     let static_coefficient = law.static_coefficient();
     check_static(static_coefficient)?;
@@ -59,8 +59,7 @@ pub(crate) fn validate<L: FrictionLaw>(law: &L) -> Result<(), Error> {
 /// Largest relative jump at a breakpoint that counts as rounding.
 pub(crate) const JUMP: f64 = 1e-12;
 
-/// Whether friction does not depend on the sliding speed near this one: all derivatives of the law
-/// are zero.
+/// Whether friction is constant near this sliding speed: all derivatives of the law are zero.
 pub(crate) fn is_constant_near<L: FrictionLaw>(law: &L, speed: f64) -> bool {
     is_constant(&taylor_coefficients(law, speed))
 }

@@ -9,8 +9,8 @@ use crate::scalar::Scalar;
 /// μ̂(s) = μ_k
 /// ```
 ///
-/// Both are dimensionless. With μ_s > μ_k the force jumps at the start of slip, and that jump alone
-/// can keep stick-slip going.
+/// Both coefficients are dimensionless. If μ_s > μ_k the friction force jumps at the start of slip,
+/// and that jump alone can keep stick-slip going.
 ///
 /// Source: C. A. de Coulomb, *Théorie des machines simples* (1785); Popp and Stelter, *Phil. Trans.
 /// R. Soc. A* 332 (1990) 89-105.

@@ -31,13 +31,13 @@ pub(crate) fn piece_above<L: FrictionLaw>(law: &L, speed: f64) -> usize {
     law.breakpoints().take_while(|&b| b <= speed).count()
 }
 
-/// The first M coefficients of μ̂ as a power series in the sliding speed about `speed`. Their
-/// number is no part of the code that computes them, which is compiled once for a law.
+/// The first M coefficients of μ̂ as a power series in the sliding speed about `speed`. The code
+/// that computes them does not depend on M and is compiled once for each law.
 pub(crate) fn taylor_coefficients<const M: usize, L: FrictionLaw>(law: &L, speed: f64) -> [f64; M] {
     taylor_coefficients_on(law, piece_above(law, speed), speed)
 }
 
-/// The same for one piece of the law.
+/// The first M coefficients of one piece of μ̂ as a power series about `speed`.
 pub(crate) fn taylor_coefficients_on<const M: usize, L: FrictionLaw>(
     law: &L,
     piece: usize,
@@ -46,14 +46,14 @@ pub(crate) fn taylor_coefficients_on<const M: usize, L: FrictionLaw>(
     jet::coefficients(Piece { law, index: piece }, speed)
 }
 
-/// μ̂ and dμ̂/ds on one piece of the law. Exact to rounding, and much faster than a longer series:
-/// averaging and every equilibrium ask for it.
+/// μ̂ and dμ̂/ds on one piece of the law, exact to rounding. Much faster than a longer series,
+/// which counts because averaging and every equilibrium use it.
 pub(crate) fn value_and_slope<L: FrictionLaw>(law: &L, piece: usize, speed: f64) -> (f64, f64) {
     let piece = Piece { law, index: piece };
     expand(piece, &mut Workspace::<2>::new(), speed, |_, _, _| 1.0)
 }
 
-/// The law has a finite value and slope at `speed`.
+/// Checks that the law has a finite value and slope at `speed`.
 pub(crate) fn finite_at<L: FrictionLaw>(law: &L, speed: f64) -> Result<(), Error> {
     slope_on(law, piece_above(law, speed), speed).map(|_| ())
 }

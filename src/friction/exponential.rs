@@ -9,13 +9,13 @@ use crate::scalar::Scalar;
 /// μ̂(s) = μ_k + (μ_s − μ_k) exp(−(s/v_s)²)
 /// ```
 ///
-/// All quantities are dimensionless; v_s is the Stribeck velocity. Much of the field calls another
-/// law "the exponential law": that with the first power, exp(−s/v_s), which is
-/// [`Stribeck`](crate::Stribeck) with the exponent 1.
+/// All quantities are dimensionless; v_s is the Stribeck velocity. Many papers call another law
+/// "the exponential law": the one with exp(−s/v_s), which is [`Stribeck`](crate::Stribeck) with the
+/// exponent 1.
 ///
 /// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
-/// Stability Analysis*, Eq. 6 (whose abstract says that it "first drops off and then raises": it
-/// does not).
+/// Stability Analysis*, Eq. 6. (Their abstract says that this law "first drops off and then
+/// raises"; it does not.)
 ///
 /// ```
 /// use stick_slip::{Exponential, FrictionLaw};

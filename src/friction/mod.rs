@@ -1,16 +1,16 @@
-//! Friction laws: the coefficient as a function of the sliding speed.
+//! Friction laws: the friction coefficient as a function of the sliding speed.
 //!
 //! | file | what is in it |
 //! |---|---|
-//! | `mod.rs` | [`FrictionLaw`], what a law of a user's own implements |
+//! | `mod.rs` | [`FrictionLaw`], the trait of every law; implement it for a law of your own |
 //! | `coulomb.rs`, `exponential.rs`, `polynomial.rs`, `rational.rs`, `stribeck.rs` | the laws with a formula |
 //! | `tabulated.rs` | measured points |
 //! | `any.rs` | a law chosen at run time |
 //! | `memory/` | contact laws with memory |
-//! | `scaled.rs` | a law given in metres per second |
+//! | `scaled.rs` | a law given over speeds in metres per second |
 //! | `expansion.rs` | a law's pieces, and their power series at one speed |
 //! | `along.rs` | a law as a chain of power series over a range of speeds: sign changes and least value of its slope |
-//! | `check.rs` | what is asked of a law before it is used; whether it is constant |
+//! | `check.rs` | checks of a law before it is used; whether it is constant |
 //! | `read.rs` | how laws are read (feature `serde`) |
 
 mod along;
@@ -46,20 +46,21 @@ pub(crate) use expansion::{
 
 use crate::scalar::Scalar;
 
-/// The highest derivative that is computed.
+/// Order of the highest derivative that is computed.
 const HIGHEST: usize = 30;
 
-/// A dry friction law: the static coefficient, and the kinetic coefficient μ̂(s) at sliding speed s
-/// = |v_r| ≥ 0.
+/// A dry friction law: the static coefficient, and the kinetic coefficient μ̂(s) at sliding speed
+/// s = |v_r| ≥ 0.
 ///
-/// The full law is odd in the relative velocity v_r = v − v_b: μ(v_r) = sgn(v_r)·μ̂(|v_r|). All
-/// coefficients and speeds are dimensionless.
+/// The friction coefficient is odd in the relative velocity v_r = v − v_b: μ(v_r) =
+/// sgn(v_r)·μ̂(|v_r|). All coefficients and speeds are dimensionless.
 ///
 /// # What to write
 ///
-/// Two functions. [`kinetic`](Self::kinetic) is generic over the number type, so that the crate can
-/// take its power series along a motion and its exact derivatives; nothing else is ever
-/// differentiated by hand. The rules for it are those of [`Scalar`].
+/// A law needs two functions, [`static_coefficient`](Self::static_coefficient) and
+/// [`kinetic`](Self::kinetic). `kinetic` is generic over the number type: so the crate computes its
+/// power series along a motion and its exact derivatives, and you write no derivative by hand.
+/// [`Scalar`] gives the rules for writing it.
 ///
 /// ```
 /// use stick_slip::{FrictionLaw, MassOnBelt, Scalar, State};
@@ -90,48 +91,49 @@ const HIGHEST: usize = 30;
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
-/// Mark `kinetic` as `#[inline]`: the compiler then puts it into the integrator, and a law of your
-/// own runs as fast as one of the crate's. Without the attribute it may stay a call for each order
-/// of each series, at about 1.5 times the cost.
+/// Mark `kinetic` as `#[inline]`. The compiler then puts it into the integrator, and your law runs
+/// as fast as one of the crate's. Without the attribute, every order of every series may cost a
+/// function call, and a step about 1.5 times the time.
 ///
 /// # Piecewise laws
 ///
-/// A law that is analytic only piece by piece (a table, a kink) must be continuous. It names the
-/// speeds where pieces meet in [`breakpoints`](Self::breakpoints) and gives piece i, for breakpoint
-/// i−1 ≤ s ≤ breakpoint i, in [`kinetic_on`](Self::kinetic_on). The integrator ends a step exactly
-/// at a breakpoint and says which piece comes next, so a law never has to decide by comparing a
-/// speed that lies on one. Every piece is also evaluated a little outside its interval.
+/// A law that is analytic only piece by piece (a table, a kink) must be continuous. Its
+/// [`breakpoints`](Self::breakpoints) are the speeds at which pieces meet, and
+/// [`kinetic_on`](Self::kinetic_on) gives piece i, which holds from breakpoint i−1 to breakpoint i.
+/// The integrator ends a step exactly at a breakpoint and then asks for the next piece by its
+/// number, so the law never has to compare the speed with a breakpoint. Every piece is also
+/// evaluated a little outside its interval.
 ///
 /// # What a law must not do
 ///
-/// Give different results for the same speed; panic; return NaN or ±∞ at a speed that the motion
-/// reaches (a typed error, not a wrong result). It must hold μ̂(0) ≤ μ_s, to a few ulps;
-/// [`MassOnBelt::new`](crate::MassOnBelt::new) checks that.
+/// A law must not give different results for the same speed, and must not panic. It must not return
+/// NaN or ±∞ at a speed that the motion reaches: the motion then ends in a typed error. It must
+/// have μ̂(0) ≤ μ_s, to a few ulps; [`MassOnBelt::new`](crate::MassOnBelt::new) checks this.
 pub trait FrictionLaw: Sized {
-    /// Static coefficient μ_s: the mass sticks while the contact carries at most γ²μ_s.
-    /// Dimensionless.
+    /// Static coefficient μ_s, dimensionless: the mass sticks while the contact carries at most
+    /// γ²μ_s.
     fn static_coefficient(&self) -> f64;
 
-    /// Kinetic coefficient μ̂(s) at sliding speed s ≥ 0; at s = 0 its limit from above.
-    /// Dimensionless.
+    /// Kinetic coefficient μ̂(s) at sliding speed s ≥ 0, dimensionless; at s = 0 the limit from
+    /// above.
     fn kinetic<S: Scalar>(&self, speed: S) -> S;
 
-    /// Speeds at which the pieces of the law meet: finitely many, ascending, positive. None for an
-    /// analytic law; but one that has a very narrow feature away from s = 0 should name its place
-    /// and its ends, so that no step passes over it.
+    /// Sliding speeds at which the pieces of the law meet: finitely many, ascending, positive. An
+    /// analytic law has none; but if it has a very narrow feature away from s = 0, give the place
+    /// and the ends of that feature here, so that no step passes over it.
     fn breakpoints(&self) -> impl Iterator<Item = f64> {
         std::iter::empty()
     }
 
-    /// Piece number `piece` of the law, continued analytically beyond its ends. An analytic law has
-    /// one piece.
+    /// Kinetic coefficient on piece number `piece` of the law, dimensionless; each piece is
+    /// continued analytically beyond its ends. An analytic law has one piece.
     #[inline(always)]
     fn kinetic_on<S: Scalar>(&self, _piece: usize, speed: S) -> S {
         self.kinetic(speed)
     }
 
-    /// Friction coefficient μ(v_r) = sgn(v_r)·μ̂(|v_r|) at a relative velocity of either sign; 0 at
-    /// 0.
+    /// Friction coefficient μ(v_r) = sgn(v_r)·μ̂(|v_r|), dimensionless, at a relative velocity v_r
+    /// of either sign; 0 at v_r = 0.
     ///
     /// ```
     /// use stick_slip::{Coulomb, FrictionLaw};
@@ -149,7 +151,8 @@ pub trait FrictionLaw: Sized {
         }
     }
 
-    /// dμ̂/ds at sliding speed s, exact to rounding; at a breakpoint the slope of the piece above.
+    /// Slope dμ̂/ds at sliding speed s, dimensionless, exact to rounding; at a breakpoint the slope
+    /// of the piece above.
     ///
     /// ```
     /// use stick_slip::{FrictionLaw, Polynomial};
@@ -163,7 +166,8 @@ pub trait FrictionLaw: Sized {
         value_and_slope(&self, piece_above(self, speed), speed).1
     }
 
-    /// d²μ̂/ds² at sliding speed s, exact to rounding; at a breakpoint that of the piece above.
+    /// Second derivative d²μ̂/ds² at sliding speed s, dimensionless, exact to rounding; at a
+    /// breakpoint that of the piece above.
     ///
     /// ```
     /// use stick_slip::{FrictionLaw, Polynomial};
@@ -177,8 +181,8 @@ pub trait FrictionLaw: Sized {
         2.0 * taylor_coefficients::<3, _>(self, speed)[2]
     }
 
-    /// n-th derivative of μ̂ at sliding speed s, exact to rounding; at a breakpoint that of the
-    /// piece above. NaN for n > 30.
+    /// Derivative of order n of μ̂ at sliding speed s, dimensionless, exact to rounding; at a
+    /// breakpoint that of the piece above. NaN for n > 30.
     ///
     /// ```
     /// use stick_slip::{Exponential, FrictionLaw};
@@ -215,7 +219,7 @@ impl<L: FrictionLaw> FrictionLaw for &L {
     fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
         (**self).kinetic_on(piece, speed)
     }
-    // Not the defaults, which would be compiled once more for each reference.
+    // These forward to the law itself: the defaults would be compiled once more for the reference.
     fn coefficient(&self, relative_velocity: f64) -> f64 {
         (**self).coefficient(relative_velocity)
     }

@@ -3,17 +3,17 @@ use super::check::check_static;
 use crate::error::Error;
 use crate::scalar::Scalar;
 
-/// The hyperbolic law of Leine and, with an offset and a quadratic term, the form known by the
-/// names of Popp and Stelter.
+/// The hyperbolic law of Leine, and its form with an offset and a quadratic term, which is known by
+/// the names of Popp and Stelter.
 ///
 /// ```text
 /// μ̂(s) = μ_s/(1 + δ s)                              (Leine)
 /// μ̂(s) = (μ_s − μ_o)/(1 + δ s) + μ_o + η s²         (after Popp and Stelter)
 /// ```
 ///
-/// All quantities are dimensionless. The first falls to 0; the second falls towards the offset μ_o
-/// and, for η > 0, rises again. Both begin with the slope −δ(μ_s − μ_o). Symbols for the parameters
-/// differ in the literature.
+/// All quantities are dimensionless. Leine's law falls to 0. The other form falls towards the
+/// offset μ_o and, for η > 0, rises again. At s = 0 the slope is −δ(μ_s − μ_o), with μ_o = 0 for
+/// Leine's law. The literature has other symbols for the parameters, too.
 ///
 /// Source: Leine, van Campen, de Kraker and van den Steen, *Nonlinear Dynamics* 16 (1998) 41-54;
 /// Popp and Stelter, *Phil. Trans. R. Soc. A* 332 (1990) 89-105.
@@ -60,7 +60,7 @@ impl Rational {
         })
     }
 
-    /// The same law with the offset μ_o, which the hyperbola falls towards; dimensionless.
+    /// The same law with the offset μ_o, dimensionless, towards which the hyperbola falls.
     ///
     /// # Errors
     ///
@@ -85,7 +85,7 @@ impl Rational {
         Ok(self)
     }
 
-    /// Decay δ: the hyperbola has fallen by half at s = 1/δ. Dimensionless.
+    /// Decay δ, dimensionless: the hyperbola has fallen by half at s = 1/δ.
     pub fn decay(&self) -> f64 {
         self.decay
     }

@@ -1,12 +1,13 @@
-//! How laws are read (feature `serde`): their parameters, as they are written, through the checks
-//! of their constructors. What is not a parameter is refused.
+//! Reading of laws (feature `serde`). A law is read from its parameters, as they are written, and
+//! goes through the checks of its constructor. Fields that are not parameters are refused.
 
 use serde::Deserialize;
 
 use super::FrictionLaw;
 use crate::error::Error;
 
-/// A struct with the parameters of the law of the same name, and the way from one to the other.
+/// Defines a struct with the parameters of the law of the same name, and the conversion into the
+/// law.
 macro_rules! read {
     ($($name:ident { $($(#[$attribute:meta])? $field:ident: $type:ty),* } => $make:expr;)*) => {$(
         #[derive(Deserialize)]

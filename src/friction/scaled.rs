@@ -2,15 +2,15 @@ use super::FrictionLaw;
 use crate::error::Error;
 use crate::scalar::Scalar;
 
-/// A friction law given in physical speeds, as one in dimensionless speeds.
+/// A friction law given over physical speeds, in m/s, made a law over dimensionless speeds.
 ///
 /// ```text
 /// μ̂(s) = μ̂_physical(ω0 L s)
 /// ```
 ///
-/// Breakpoints and pieces are those of the law inside, at speeds divided by ω0 L. Made by
-/// [`Scaling::system`](crate::Scaling::system) and
-/// [`Scaling::law`](crate::Scaling::law).
+/// Breakpoints and pieces are those of the law inside, at speeds divided by ω0 L.
+/// [`Scaling::system`](crate::Scaling::system) and [`Scaling::law`](crate::Scaling::law) make such
+/// laws.
 ///
 /// ```
 /// use stick_slip::{FrictionLaw, Physical, Scaling, Tabulated};
@@ -38,7 +38,8 @@ pub struct Scaled<L> {
 }
 
 impl<L: FrictionLaw> Scaled<L> {
-    /// The law given, with the physical speed ω0 L, in m/s, of the dimensionless speed 1.
+    /// A law over physical speeds, made dimensionless by `velocity_unit`: the physical speed ω0 L,
+    /// in m/s, of the dimensionless speed 1.
     ///
     /// # Errors
     ///
@@ -55,12 +56,12 @@ impl<L: FrictionLaw> Scaled<L> {
 }
 
 impl<L> Scaled<L> {
-    /// The law given, with a unit that is known to be an ordinary number.
+    /// Like [`new`](Self::new), for a unit that is known to be finite and > 0.
     pub(crate) fn of(law: L, velocity_unit: f64) -> Self {
         Self { law, velocity_unit }
     }
 
-    /// The law in physical speeds.
+    /// The law inside, over physical speeds.
     pub fn law(&self) -> &L {
         &self.law
     }

@@ -3,20 +3,20 @@ use super::check::check_static;
 use crate::error::Error;
 use crate::scalar::Scalar;
 
-/// The Stribeck law: it falls from μ_s towards the Coulomb coefficient μ_c, and a viscous term
-/// raises it again.
+/// The Stribeck law, which falls from μ_s towards the Coulomb coefficient μ_c and rises again by a
+/// viscous term.
 ///
 /// ```text
 /// μ̂(s) = μ_c + (μ_s − μ_c) exp(−(s/v_s)^δ) + k_v s
 /// ```
 ///
-/// All quantities are dimensionless; v_s is the Stribeck velocity, δ the exponent. δ = 1 is
-/// Tustin's law, what much of the field calls "the exponential law"; δ = 2 is the Gaussian of
-/// Armstrong-Hélouvry, and with k_v = 0 the law [`Exponential`](crate::Exponential).
+/// All quantities are dimensionless; v_s is the Stribeck velocity, δ the exponent, k_v the viscous
+/// coefficient. δ = 1 gives Tustin's law, which many papers call "the exponential law". δ = 2 gives
+/// the Gaussian of Armstrong-Hélouvry; with k_v = 0 this is [`Exponential`](crate::Exponential).
 ///
-/// The exponent is a whole number. Bo and Pavelescu found ½ ≤ δ ≤ 1 in their measurements, but for
-/// δ = ½ the slope at s = 0 is infinite, and for no broken δ is there a power series at s = 0,
-/// where every slip phase begins. Take [`Tabulated`](crate::Tabulated) for such a curve.
+/// The exponent must be a whole number. Bo and Pavelescu found ½ ≤ δ ≤ 1 in their measurements. But
+/// for δ = ½ the slope at s = 0 is infinite, and a law with a fractional δ has no power series at
+/// s = 0, where every slip phase begins. Take [`Tabulated`](crate::Tabulated) for such a curve.
 ///
 /// Source: Bo and Pavelescu, *Wear* 82 (1982) 277-289; Armstrong-Hélouvry, Dupont and Canudas de
 /// Wit, *Automatica* 30 (1994) 1083-1138.
@@ -48,7 +48,8 @@ pub struct Stribeck {
     rate: f64,
 }
 
-/// exp(−x) is zero in `f64` for any larger x, all its derivatives with it.
+/// Exponent beyond which the exponential term is left out: exp(−x) and all its derivatives are zero
+/// in `f64` for any larger x.
 const UNDERFLOW: f64 = 1000.0;
 
 impl Stribeck {
@@ -120,7 +121,7 @@ impl Stribeck {
         self.stribeck_velocity
     }
 
-    /// Exponent δ.
+    /// Exponent δ, a whole number.
     pub fn exponent(&self) -> u32 {
         self.exponent
     }
@@ -143,7 +144,7 @@ impl FrictionLaw for Stribeck {
             1 => (-ratio).exp(),
             2 => (-ratio.square()).exp(),
             n => {
-                // (s/v_s)^δ of a large δ overflows, and 0·∞ is no slope.
+                // For a large δ, (s/v_s)^δ overflows, and 0·∞ would give no slope.
                 let power = ratio.value().powi(n as i32);
                 if power > UNDERFLOW {
                     speed.constant(0.0)

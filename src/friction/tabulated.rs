@@ -10,22 +10,22 @@ use crate::scalar::Scalar;
 ///
 /// Speeds s_i and coefficients μ_i are dimensionless. The law goes through every point, has a
 /// continuous slope, and rises and falls only where the points do: between two points it never
-/// leaves their range. The slope d_i is the weighted harmonic mean of the slopes of the two chords
-/// that meet there, or 0 where those have opposite signs.
+/// leaves their range. The slope d_i at point i is the weighted harmonic mean of the slopes of the
+/// two chords that meet there, or 0 if those have opposite signs.
 ///
-/// The first point is at s = 0, where every slip phase begins: how friction falls near rest decides
-/// whether the mass sticks. If the measurements do not reach so far, put the value that you
-/// extrapolate to, or the static coefficient, there.
+/// The first point must be at s = 0. Every slip phase begins there, and how friction falls near
+/// rest decides whether the mass sticks. If your measurements do not reach so far down, put there
+/// the value that you extrapolate, or the static coefficient.
 ///
-/// Above the last point the coefficient stays constant. So that the slope is continuous there too,
-/// it is 0 at the last point: between the last two points the law levels off. Measure up to the
-/// fastest sliding of the motion, which is often twice the belt velocity or more.
+/// Above the last point the coefficient is constant. The slope at the last point is 0, so that it
+/// is continuous there too: between the last two points the law levels off. Measure up to the
+/// largest sliding speed of the motion, which is often twice the belt velocity or more.
 ///
 /// μ_s is μ̂(0), unless set by [`with_static_coefficient`](Self::with_static_coefficient).
 ///
 /// All points but the first are [breakpoints](FrictionLaw::breakpoints), and the integrator ends a
-/// step at each that the motion passes. A few dozen points are plenty; thin out thousands, and
-/// average scattered measurements, first.
+/// step at each one that the motion passes. A few dozen points are plenty: average scattered
+/// measurements, and thin out thousands of points, first.
 ///
 /// Source: Fritsch and Carlson, *SIAM J. Numer. Anal.* 17 (1980) 238-246; slopes of Fritsch and
 /// Butland, *SIAM J. Sci. Stat. Comput.* 5 (1984) 300-304, with the end formula of Moler,
@@ -52,12 +52,12 @@ use crate::scalar::Scalar;
 pub struct Tabulated {
     static_coefficient: f64,
     points: Vec<(f64, f64)>,
-    /// Piece i holds from its own start to that of piece i + 1, the last without an end.
+    /// Piece i holds from its start to the start of piece i + 1; the last piece has no end.
     #[cfg_attr(feature = "serde", serde(skip_serializing))]
     pieces: Vec<Piece>,
 }
 
-/// Σ c_k (s − start)^k.
+/// The cubic Σ c_k (s − start)^k.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Piece {
     start: f64,
@@ -100,7 +100,7 @@ impl Tabulated {
         }
         let pieces = pieces(&points);
         for (index, piece) in pieces.iter().enumerate() {
-            // Between this point and the next, if there is one.
+            // This point and the next, if there is one, make a cubic.
             let next = (index + 1).min(points.len() - 1);
             Error::check(
                 "speed",

@@ -1,4 +1,5 @@
-//! Slip arcs: from a point of a slip phase to the next place where something is decided.
+//! Slip arcs: parts of a slip phase, from one point to the next place where the fate of the motion
+//! is decided.
 
 use std::ops::ControlFlow;
 
@@ -18,11 +19,11 @@ pub(crate) enum Arrival {
     Contact(f64),
     /// At a maximum of the velocity, below v_b.
     Maximum(SlipPoint),
-    /// Nowhere: it settles at the equilibrium.
+    /// Nowhere: the motion settles at the equilibrium.
     Equilibrium,
-    /// Nowhere: followed backwards, it grows beyond [`FARTHEST`].
+    /// Nowhere: the motion, followed backwards, grows beyond [`FARTHEST`].
     Far,
-    /// Nowhere: on the belt, where slip does not begin.
+    /// Nowhere: the start is on the belt, and slip does not begin there.
     Held,
 }
 
@@ -31,16 +32,17 @@ pub(crate) enum Arrival {
 pub(crate) struct Tracer<'s, L> {
     system: Forward<'s, L>,
     stepper: Stepper<'s, L>,
-    /// The direction of time in which the equilibrium attracts, if it does in one.
+    /// The direction of time in which the equilibrium attracts, if there is one.
     attracts: Option<Time>,
-    /// Distance within which it then has the motion for good.
+    /// Distance within which the motion, in that direction of time, stays at the equilibrium for
+    /// good.
     settled: f64,
-    /// max(1, |h1|).
+    /// max(1, |h1|): by this, u − ū is divided to compare it with a velocity.
     stiffness: f64,
     /// Distance within which a motion is at the equilibrium to rounding.
     rounding: f64,
     equilibrium: f64,
-    /// |v_b| + γ²μ_s, by which distances are measured.
+    /// |v_b| + γ²μ_s, the unit of distances.
     scale: f64,
     /// Steps taken so far.
     work: usize,
@@ -51,9 +53,9 @@ pub(crate) struct Tracer<'s, L> {
 pub(crate) struct Arc {
     pub(crate) steps: Vec<Step>,
     pub(crate) arrival: Arrival,
-    /// ds/dτ at its start, in the direction of time that it was followed in.
+    /// ds/dτ at the arc's start, in the direction of time in which the arc was followed.
     pub(crate) start_rate: f64,
-    /// ds/dτ at its end.
+    /// ds/dτ at the arc's end.
     pub(crate) end_rate: f64,
 }
 
@@ -64,12 +66,12 @@ const SETTLED: f64 = 1e-9;
 const ROUNDING: f64 = 16.0;
 
 impl Arc {
-    /// An arc that was followed backwards to the state `end`, as the same arc forwards: each series
-    /// c(t) as c(h − t), the last first.
+    /// The same arc forwards in time, for one that was followed backwards to the state `end`: each
+    /// series c(t) becomes c(h − t), and the last step comes first.
     pub(crate) fn reversed(mut self, end: State) -> Self {
         let mut start = end;
         for step in self.steps.iter_mut().rev() {
-            // It began, backwards, where it now ends, and that is where the next one begins.
+            // Backwards, the step began where it now ends, which is where the next step begins.
             std::mem::swap(&mut step.state, &mut start);
             step.speed = step.speed.reflected(step.duration);
         }
@@ -78,12 +80,12 @@ impl Arc {
     }
 }
 
-/// Distance, in units of |v_b| + γ²μ_s, beyond which no cycle is looked for, and a motion is not
+/// Distance, in units of |v_b| + γ²μ_s, beyond which no cycle is looked for and no motion is
 /// followed backwards.
 ///
-/// Friction feeds the mass only where 0 < v < v_b; the averaged cycles of every law have amplitudes
-/// below 2|v_b|. Backwards, a law that rises fast enough lets a motion grow to infinity in finite
-/// time.
+/// Friction feeds the mass only while 0 < v < v_b, and the averaged cycles of every law have
+/// amplitudes below 2|v_b|. If the law rises fast enough, a motion followed backwards grows to
+/// infinity in finite time.
 pub(crate) const FARTHEST: f64 = 16.0;
 
 /// Most steps of one arc. An oscillation takes about ten, a slow motion to a node a hundred.
@@ -124,7 +126,7 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
         self.work
     }
 
-    /// |v_b| + γ²μ_s.
+    /// The unit of distances, |v_b| + γ²μ_s.
     pub(crate) fn scale(&self) -> f64 {
         self.scale
     }
@@ -132,8 +134,8 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
     /// The arc from `start`, forward or backward in time, to contact or to the next maximum of the
     /// velocity after it.
     ///
-    /// A leading mass has v > v_b > 0, so u grows until it comes back to the belt: its arcs end in
-    /// contact.
+    /// Arcs of a leading mass end in contact: it has v > v_b > 0, so u grows until the spring
+    /// brings it back to the belt.
     pub(crate) fn arc(&mut self, start: SlipPoint, time: Time) -> Result<Arc, Error> {
         if start.speed == 0.0 && !self.slips(&start, time) {
             return Ok(Arc {
@@ -171,7 +173,7 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
                 Some(Arrival::Maximum(SlipPoint {
                     displacement: self.stepper.displacement(&point, time, duration),
                     speed: speed.at(duration),
-                    // Exactly: that is what makes it a maximum.
+                    // Exactly 0, by the definition of a maximum.
                     rate: Some(0.0),
                     ..end
                 }))
@@ -201,8 +203,8 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
         }
     }
 
-    /// Whether a motion from the belt leaves it: the sliding speed grows, at its rate s', or, where
-    /// that is zero, because s'' = −σv_b there.
+    /// Whether a motion that starts on the belt leaves it: the sliding speed grows because its rate
+    /// s' is positive or, where s' = 0, because s'' = −σv_b is.
     fn slips(&self, start: &SlipPoint, time: Time) -> bool {
         let sigma = start.direction.sign();
         let rate = start.rate.unwrap_or_else(|| {
@@ -213,9 +215,9 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
         rate > 0.0 || (rate == 0.0 && start.direction == Direction::Lagging)
     }
 
-    /// Whether a motion is at the equilibrium for good, or to rounding. Where the equilibrium
-    /// attracts strongly, u − ū counts by the speed that it causes: u − ū = −h1 v on the slow
-    /// motion of a node, and what is not linear is so in the speed.
+    /// Whether a motion stays at the equilibrium for good, or is there to rounding. Where the
+    /// equilibrium attracts strongly, u − ū is measured by the speed that it causes: on the slow
+    /// motion of a node u − ū = −h1 v, and the motion is linear as long as the speed is small.
     fn has_settled(&self, point: &SlipPoint, time: Time) -> bool {
         let State {
             displacement,
@@ -230,8 +232,8 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
         }
     }
 
-    /// How much an arc between two places on the belt, followed in this direction of time,
-    /// stretches distances there: |du_end/du_start| in forward time.
+    /// Factor by which an arc between two places on the belt stretches distances: |du_end/du_start|
+    /// in forward time. `time` is the direction in which the arc was followed.
     pub(crate) fn stretch(&self, arc: &Arc, time: Time) -> f64 {
         let (start, end) = match time {
             Time::Forward => (arc.start_rate, arc.end_rate),
@@ -240,7 +242,7 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
         (start / end).abs() * (-self.contraction(arc)).exp()
     }
 
-    /// The arc from the belt at displacement u, where slip in a direction begins.
+    /// The arc that leaves the belt at displacement u, with slip in this direction.
     pub(crate) fn arc_leaving(&mut self, u: f64, direction: Direction) -> Result<Arc, Error> {
         self.arc(
             SlipPoint::leaving(&self.system, u, direction),
@@ -248,18 +250,18 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
         )
     }
 
-    /// The arc that ends on the belt at displacement u, where slip in a direction ends, followed
+    /// The arc that arrives on the belt at displacement u, after slip in this direction; followed
     /// backwards.
     pub(crate) fn arc_arriving(&mut self, u: f64, direction: Direction) -> Result<Arc, Error> {
         self.arc(SlipPoint::arriving(u, direction), Time::Backward)
     }
 
-    /// The arc from where the velocity behind the belt has the maximum V.
+    /// The arc from a velocity maximum V behind the belt.
     pub(crate) fn arc_from_peak(&mut self, peak: f64, time: Time) -> Result<Arc, Error> {
         self.arc(SlipPoint::at_maximum(&self.system, peak), time)
     }
 
-    /// ∫(2β + γ² dμ̂/ds) dτ over an arc: how fast the flow contracts areas, integrated.
+    /// Contraction of areas by the flow along an arc: the logarithm ∫(2β + γ² dμ̂/ds) dτ.
     pub(crate) fn contraction(&self, arc: &Arc) -> f64 {
         let system = self.system();
         let integrand = |step: &Step, t: f64| system.effective_damping(step.speed.at(t).max(0.0));
@@ -279,9 +281,9 @@ fn rate_at_end(step: &Step) -> f64 {
 #[derive(Debug, Clone)]
 struct PeakWatch {
     v_b: f64,
-    /// Whether a maximum can come: v grew at the start, or after a minimum, which lies at v < 0
-    /// because v'' = −v there. Near the slow motion of a stiff system rounding makes v' change its
-    /// sign in between.
+    /// Whether a maximum can come: v has grown, from the start on or since a minimum. A true
+    /// minimum lies at v < 0, because v'' = −v there; near the slow motion of a stiff system
+    /// rounding makes v' change its sign elsewhere, too.
     has_grown: bool,
 }
 
@@ -293,11 +295,11 @@ impl PeakWatch {
         }
     }
 
-    /// When the velocity has its maximum within a step, which follows on `before`.
+    /// The time of the velocity's maximum within a step, which follows the step `before`.
     fn maximum(&mut self, speed: &PowerSeries, h: f64, before: Option<&Step>) -> Option<f64> {
         self.has_grown |= (before.is_none() && speed[1] < 0.0) || speed[0] > self.v_b;
         if self.has_grown && speed[1] >= 0.0 && before.is_some_and(|step| rate_at_end(step) < 0.0) {
-            // Between two steps, where rounding may put it before the one and after the other.
+            // The maximum lies where two steps meet, and rounding may put it outside both.
             Some(0.0)
         } else if self.may_come(speed, h) {
             self.first_inside(speed, h)
@@ -306,9 +308,9 @@ impl PeakWatch {
         }
     }
 
-    /// Whether a maximum may lie in (0, h): only after the velocity grew, or was negative, and
-    /// where it is positive. It keeps its sign for about half a turn, longer than a quarter of any
-    /// step.
+    /// Whether a maximum may lie in (0, h): only where the velocity is positive, after it has grown
+    /// or was negative. Values at the quarters of the step suffice, because v keeps its sign for
+    /// about half a turn, longer than a quarter of any step.
     fn may_come(&self, speed: &PowerSeries, h: f64) -> bool {
         let speeds = speed.at_four(quarters(h));
         let negative = |s: &f64| *s > self.v_b;
@@ -316,12 +318,13 @@ impl PeakWatch {
         (self.has_grown || speeds.iter().any(negative)) && !all_negative
     }
 
-    /// First time in (0, h) at which the velocity has a maximum: the sliding speed has a minimum,
-    /// and v has grown, which it does from where the speed has a maximum above v_b.
+    /// The first time in (0, h) at which the velocity has a maximum: the sliding speed has a
+    /// minimum, and v has grown before. v grows from a place where the sliding speed has a maximum
+    /// above v_b.
     fn first_inside(&mut self, speed: &PowerSeries, h: f64) -> Option<f64> {
         let mut rate = speed.derivative();
         if rate[0] == 0.0 {
-            // An extremum at the start is divided out: it is known.
+            // A known extremum at the start is divided out.
             rate = rate.without_root(1);
         }
         let mut minimum = None;

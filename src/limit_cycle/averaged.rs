@@ -1,5 +1,5 @@
-//! Growth of motions that friction and damping hardly change: over one turn rounding hides it,
-//! averaged it does not.
+//! Growth of motions that friction and damping hardly change, by averaging: the change over one
+//! turn is smaller than rounding, but the averaged rate is accurate.
 //!
 //! A motion of velocity amplitude A ≤ v_b behind the belt drifts at the rate
 //!
@@ -8,10 +8,10 @@
 //! D(y) = ½[μ̂'(v_b − y) + μ̂'(v_b + y)] − μ̂'(v_b)
 //! ```
 //!
-//! with h1 = 2β + γ²μ̂'(v_b): Eq. 12 of Farshidianfar and Noei Aghaee for any law, by parts, and
-//! what is linear apart, so that nothing cancels. The next order vanishes, because the motion with
-//! the opposite forces is the same one in reversed time; so each of the two parts is good to a
-//! relative δ², where δ is the change of a motion within a radian.
+//! with h1 = 2β + γ²μ̂'(v_b). This is Eq. 12 of Farshidianfar and Noei Aghaee for any law,
+//! integrated by parts, with the linear part taken out so that nothing cancels. The next order
+//! vanishes, because opposite forces give the same motion in reversed time. So each of the two
+//! parts has a relative error of δ², where δ is the change of a motion within a radian.
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 use std::ops::Range;
@@ -25,7 +25,7 @@ use crate::numerics::chebyshev::{Sample, isolate};
 /// Rounding error of the drift, in units of ε times its largest part.
 const DRIFT_ROUNDING: f64 = 16.0;
 
-/// A'/A at a velocity amplitude A ≤ v_b, and what it may be wrong by.
+/// The rate A'/A at a velocity amplitude A ≤ v_b, with a bound of its error.
 fn drift<L: FrictionLaw>(system: &Forward<'_, L>, amplitude: f64) -> Result<Sample, Error> {
     let (v_b, law) = (system.belt_velocity(), system.law());
     let at_rest = law.slope(v_b);
@@ -34,7 +34,7 @@ fn drift<L: FrictionLaw>(system: &Forward<'_, L>, amplitude: f64) -> Result<Samp
         let slopes = [law.slope((v_b - y).max(0.0)), law.slope(v_b + y)];
         let uneven = 0.5 * (slopes[0] + slopes[1]) - at_rest;
         let weight = psi.sin().powi(2);
-        // Squares, which are smooth, for the sizes.
+        // Squares measure the sizes, because they are smooth where absolute values are not.
         Ok([
             uneven * weight,
             uneven * uneven * weight,
@@ -59,7 +59,7 @@ fn drift<L: FrictionLaw>(system: &Forward<'_, L>, amplitude: f64) -> Result<Samp
     Ok(Sample { value, noise })
 }
 
-/// Velocity amplitudes at which a motion about the equilibrium first meets a breakpoint of the law.
+/// Velocity amplitudes from which on a motion about the equilibrium meets a breakpoint of the law.
 fn amplitudes_at_breakpoints<L: FrictionLaw>(system: &Forward<'_, L>) -> impl Iterator<Item = f64> {
     let v_b = system.belt_velocity();
     let distances = system.law().breakpoints().map(move |b| (b - v_b).abs());
@@ -75,8 +75,8 @@ pub(super) fn grows<L: FrictionLaw>(
     Ok((value.abs() > noise).then_some(value > 0.0))
 }
 
-/// Whether all motions with an amplitude in a range grow (true), or all die (false); `None` if there
-/// may be a periodic one.
+/// Whether all motions with an amplitude in a range grow (true) or all die (false); `None` if one
+/// of them may be periodic.
 pub(super) fn all_grow<L: FrictionLaw>(
     system: &Forward<'_, L>,
     range: &Range<f64>,
@@ -92,7 +92,7 @@ pub(super) fn all_grow<L: FrictionLaw>(
         let f: &mut dyn FnMut(f64) -> Result<Sample, Error> = &mut at;
         for node in isolate(f, |t| piece[0] + (piece[1] - piece[0]) * t)? {
             let Sample { value, noise } = node.sample;
-            // Neither where it is not a number.
+            // False for a value that is NaN.
             let is_sure = value.abs() > noise;
             if !is_sure || growing.is_some_and(|growing| growing != (value > 0.0)) {
                 return Ok(None);

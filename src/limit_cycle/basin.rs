@@ -21,7 +21,7 @@ use crate::state::{Direction, State};
 )]
 #[non_exhaustive]
 pub enum Attractor {
-    /// At rest in the stick band of a belt that stands still.
+    /// The mass rests in the stick band of a belt that stands still.
     Rest,
     /// Steady sliding at the equilibrium.
     Equilibrium,
@@ -35,9 +35,10 @@ pub enum Attractor {
     Continuum,
     /// The motion grows beyond every periodic motion that was found.
     Unbounded,
-    /// Rounding hides whether the motion grows or shrinks, and averaging does not tell: it starts in
-    /// a range that is [unresolved](CycleSet::unresolved), or crosses the belt velocity and changes
-    /// by less than 10⁻¹⁴ in a turn.
+    /// Not decided: a turn changes the motion by less than rounding does, and averaging does not
+    /// tell whether it grows or shrinks. It starts in a range that is
+    /// [unresolved](CycleSet::unresolved), or crosses the belt velocity and changes by less than
+    /// 10⁻¹⁴ in a turn.
     Unresolved,
 }
 
@@ -58,26 +59,27 @@ impl std::fmt::Display for Attractor {
 /// Relative distance from a cycle within which a start lies on it to rounding.
 const ON_CYCLE: f64 = 1e-12;
 
-/// The same where rounding hides the growth: it is small near a cycle whose multiplier is near 1.
+/// Relative distance from a cycle within which a start counts as on it if rounding hides its
+/// growth, which is small near a cycle whose multiplier is close to 1.
 const HIDDEN_BY_CYCLE: f64 = 1e-6;
 
-/// Which attractor the motion from `start` reaches. For many starts of one system, ask [`basins`],
-/// which looks for the cycles once.
+/// The attractor that the motion from `start` reaches. For many starts of one system use
+/// [`basins`], which looks for the cycles only once.
 ///
-/// Decided from the geometry of the planar flow: cycles lie one inside the other, and a motion
-/// between two of them goes to the one that it moves towards. At most a few slip arcs are followed,
-/// to the first velocity maximum, stick, or crossing outside the stick band; nothing is simulated
-/// until it settles.
+/// The geometry of the planar flow decides: cycles lie one inside the other, and a motion between
+/// two of them ends on the one towards which it moves. So only a few slip arcs are followed, to the
+/// first velocity maximum, stick, or crossing outside the stick band; no motion is simulated until
+/// it settles.
 ///
 /// | start | first decided at | reaches |
 /// |---|---|---|
 /// | v_b = 0 | | [`Rest`](Attractor::Rest); without damping and kinetic friction [`Continuum`](Attractor::Continuum), outside the stick band |
-/// | in stick, or slip that ends in stick | the release point | the cycle through it; if the motion from there turns inwards or outwards, as below |
+/// | in stick, or slip that ends in stick | the release point | the cycle through that point; if the motion from there turns inwards or outwards, as below |
 /// | slip behind the belt, equilibrium a focus | a velocity maximum V | growing over one turn: the next cycle outside, else the next one inside, else the equilibrium |
-/// | slip into a node that it does not turn round, or the equilibrium itself, stable or not | | [`Equilibrium`](Attractor::Equilibrium) |
+/// | slip into a node without a turn round it, or the equilibrium itself, stable or not | | [`Equilibrium`](Attractor::Equilibrium) |
 /// | far out, or above the belt velocity | a crossing beyond the release point | growing over one turn: the next crossing cycle outside, else the next one inside, else as from the release point |
 /// | an unstable cycle, to 10⁻¹² | | [`Separatrix`](Attractor::Separatrix) |
-/// | where rounding hides the growth over one turn | | [`Unresolved`](Attractor::Unresolved) |
+/// | where rounding hides the growth over one turn, and averaging does not tell it | | [`Unresolved`](Attractor::Unresolved) |
 ///
 /// # Errors
 ///
@@ -99,8 +101,8 @@ pub fn attractor<L: FrictionLaw>(system: &MassOnBelt<L>, start: State) -> Result
     basins(system)?.attractor(start)
 }
 
-/// Which start reaches which attractor: the cycles of a system, found once, and what tells from
-/// them where a motion ends.
+/// The basins of attraction of a system: its cycles, found once, and the decision which of them a
+/// motion reaches.
 ///
 /// # Errors
 ///
@@ -157,8 +159,8 @@ pub fn basins<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Basins<'_, L>, E
 
 /// Basins of attraction of a system. See [`basins`].
 ///
-/// It borrows the system, whose law it asks, and owns the cycles. Nothing in it changes when it is
-/// asked, so that threads may share it:
+/// A `Basins` borrows the system's law and owns the cycles. Queries do not change it, so threads
+/// may share it:
 ///
 /// ```
 /// # use stick_slip::limit_cycle::{Attractor, basins};
@@ -187,13 +189,13 @@ pub struct Basins<'s, L> {
     nest: Option<Nest<'s, L>>,
 }
 
-/// What decides, for the system moving forward.
+/// Data for the decision, for the system on a belt that moves forward.
 #[derive(Debug, Clone)]
 struct Nest<'s, L> {
     forward: Forward<'s, L>,
     fate: ReleaseFate,
-    /// Of each cycle, its velocity maximum in pure slip, else its force at the start: the release
-    /// point, or the downward crossing.
+    /// The place of each cycle: its velocity maximum in pure slip, else the force F where it starts
+    /// (the release point, or the downward crossing).
     places: Vec<f64>,
 }
 
@@ -247,8 +249,8 @@ impl<L: FrictionLaw> Tracer<'_, L> {
                 Some(Direction::Lagging) => {
                     return Ok(Place::Crossing(displacement + system.carried_force()));
                 }
-                // At most once: the leading arc that follows ends in stick or in a downward
-                // crossing.
+                // This happens at most once: the leading arc that follows ends in stick or in a
+                // downward crossing.
                 Some(Direction::Leading) => {
                     point = SlipPoint::leaving(&system, displacement, Direction::Leading);
                 }
@@ -258,13 +260,13 @@ impl<L: FrictionLaw> Tracer<'_, L> {
 }
 
 impl<L: FrictionLaw> Basins<'_, L> {
-    /// The periodic motions: what [`find`](super::find) returns.
+    /// The periodic motions of the system, as [`find`](super::find) returns them.
     pub fn cycles(&self) -> &CycleSet {
         &self.cycles
     }
 
-    /// Which attractor the motion from `start` reaches, as told at [`attractor`]: at most a few
-    /// slip arcs.
+    /// The attractor that the motion from `start` reaches, decided as in [`attractor`], by a few
+    /// slip arcs at most.
     ///
     /// # Errors
     ///
@@ -298,7 +300,7 @@ impl<L: FrictionLaw> Basins<'_, L> {
         }
     }
 
-    /// On a belt that stands still.
+    /// The attractor of a start on a belt that stands still.
     fn at_rest(&self, start: State) -> Attractor {
         let [_, band] = self.system.stick_limits();
         let goes_on = self.system.damping() == 0.0
@@ -353,14 +355,15 @@ impl<L: FrictionLaw> Basins<'_, L> {
             None => averaged::grows(&nest.forward, peak)?,
             grows => grows,
         };
-        // Nearest to the equilibrium motion is linear.
+        // Closest to the equilibrium, where no growth is certain, the motion is linear, and the
+        // stability of the equilibrium decides.
         let equilibrium = nest.forward.equilibrium();
         let unstable = equilibrium.is_some_and(|equilibrium| !equilibrium.is_stable());
         let mut cycles = self.of_kind(nest, CycleKind::PureSlip);
         Ok(if grows.unwrap_or(unstable) {
             match cycles.find(|(_, place)| *place > peak) {
                 Some((cycle, _)) => Attractor::Cycle(cycle.clone()),
-                // Out of slip: to what surrounds it.
+                // The motion leaves pure slip for what surrounds it.
                 None => self.reached_from_release(nest),
             }
         } else {
@@ -374,7 +377,8 @@ impl<L: FrictionLaw> Basins<'_, L> {
     fn reached_from_release(&self, nest: &Nest<'_, L>) -> Attractor {
         let to = |cycle: Option<&LimitCycle>| cycle.map(|cycle| Attractor::Cycle(cycle.clone()));
         match nest.fate {
-            // It surrounds every motion in slip, and so it comes down to the outermost of them.
+            // The motion from the release point surrounds all motions in slip, so it comes down to
+            // the outermost cycle among them.
             ReleaseFate::Inward { peak } => {
                 let outermost = self.of_kind(nest, CycleKind::PureSlip).next_back();
                 to(outermost.map(|(cycle, _)| cycle)).unwrap_or(
@@ -421,13 +425,14 @@ impl<L: FrictionLaw> Basins<'_, L> {
             },
             Some(false) => match cycles.rfind(|(_, place)| *place < force) {
                 Some((cycle, _)) => Attractor::Cycle(cycle.clone()),
-                // In to stick, or past it inwards as the motion from the release point.
+                // Inwards there is stick, or the motion passes inwards like the one from the
+                // release point.
                 None => self.reached_from_release(nest),
             },
         })
     }
 
-    /// The cycle of a kind that a start lies on, by their places on it.
+    /// The cycle of a kind on which a start lies, found by comparing places.
     fn cycle_through(
         &self,
         nest: &Nest<'_, L>,
@@ -449,7 +454,7 @@ impl<L: FrictionLaw> Basins<'_, L> {
     }
 }
 
-/// Where a start on a cycle stays, or where it would but for the slightest disturbance.
+/// The attractor of a start on a cycle: the cycle itself, or a separatrix if it is unstable.
 fn attractor_on(cycle: &LimitCycle) -> Attractor {
     if cycle.is_stable() {
         Attractor::Cycle(cycle.clone())

@@ -1,4 +1,4 @@
-//! Families of periodic motions: where nothing feeds or damps a motion, each is periodic.
+//! Families of periodic motions: where nothing feeds or damps a motion, every motion is periodic.
 
 use super::peaks::PeakMap;
 #[cfg(feature = "serde")]
@@ -7,8 +7,9 @@ use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::{FrictionLaw, has_no_kinetic_friction, is_constant_near};
 
-/// A family of periodic motions that fills a disc round the equilibrium: without damping, friction
-/// that does not depend on the speed (Coulomb, or μ_s = μ_m) neither feeds nor damps them.
+/// A family of periodic motions that fills a disc round the equilibrium. It exists without damping
+/// where friction does not depend on the speed (Coulomb, or μ_s = μ_m), because such friction
+/// neither feeds nor damps a motion in slip.
 ///
 /// ```
 /// use stick_slip::{Coulomb, MassOnBelt, limit_cycle};
@@ -21,8 +22,8 @@ use crate::friction::{FrictionLaw, has_no_kinetic_friction, is_constant_near};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Continuum {
-    /// Amplitude of the largest of them, dimensionless: |v_b|, where it touches the belt velocity;
-    /// less, where friction is constant only up to a breakpoint of the law; infinite without
+    /// Amplitude of the largest motion of the family, dimensionless: |v_b| if it touches the belt
+    /// velocity; less if friction is constant only up to a breakpoint of the law; infinite without
     /// friction.
     #[cfg_attr(feature = "serde", serde(serialize_with = "written::infinite_as_none"))]
     pub max_amplitude: f64,
@@ -40,7 +41,8 @@ pub(super) fn is_flat<L: FrictionLaw>(system: &MassOnBelt<L>) -> bool {
     system.damping() == 0.0 && is_constant_near(system.law(), system.belt_velocity())
 }
 
-/// Whether every motion in slip is periodic: the system [`is_flat`], and none grows or shrinks.
+/// Whether every motion in slip is periodic: the system [`is_flat`], and no motion grows or
+/// shrinks.
 pub(super) fn is_continuum<L: FrictionLaw>(peaks: &mut PeakMap<'_, '_, L>) -> Result<bool, Error> {
     let system = peaks.system();
     if !is_flat(&system) {

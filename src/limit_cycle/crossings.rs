@@ -1,5 +1,5 @@
-//! The map from one downward crossing of the belt velocity to the next: its fixed points are the
-//! cycles that cross and never stick.
+//! The map from one downward crossing of the belt velocity to the next. Its fixed points are the
+//! cycles that cross the belt velocity and never stick.
 
 use super::arc::{Arc, Arrival, FARTHEST, Tracer};
 use super::growth::relative_growth;
@@ -10,7 +10,8 @@ use crate::friction::FrictionLaw;
 use crate::numerics::with_slopes::{Roots, Sample, roots_between};
 use crate::state::Direction;
 
-/// The map F → C(F) of the forces F = u + 2βv_b at downward crossings.
+/// The map F → C(F) from the force F = u + 2βv_b at a downward crossing to the force at the next
+/// one.
 #[derive(Debug)]
 pub(super) struct CrossingMap<'t, 's, L> {
     tracer: &'t mut Tracer<'s, L>,
@@ -22,8 +23,8 @@ impl<'t, 's, L: FrictionLaw> CrossingMap<'t, 's, L> {
     }
 
     /// The two arcs, lagging and leading, of a motion that crosses the belt velocity downwards at a
-    /// force F, and the force where it comes back to the belt; `None` if it sticks or turns inwards
-    /// after the first.
+    /// force F, and the force where the second one comes back to the belt. `None` if the motion
+    /// sticks or turns inwards after the first arc.
     fn turn(&mut self, force: f64) -> Result<Option<([Arc; 2], f64)>, Error> {
         let system = self.tracer.system();
         let carried = system.carried_force();
@@ -43,8 +44,8 @@ impl<'t, 's, L: FrictionLaw> CrossingMap<'t, 's, L> {
         })
     }
 
-    /// C(F)/F − 1 and its slope, where C is the force at the next downward crossing; F_s, the force
-    /// at release, for a motion that does not cross again.
+    /// The growth over one turn, C(F)/F − 1, and its slope. C is the force at the next downward
+    /// crossing, or F_s, the force at release, if the motion does not cross again.
     pub(super) fn growth(&mut self, force: f64) -> Result<Sample, Error> {
         let release = self.tracer.system().largest_friction();
         Ok(match self.turn(force)? {
@@ -56,9 +57,9 @@ impl<'t, 's, L: FrictionLaw> CrossingMap<'t, 's, L> {
         })
     }
 
-    /// The growth from a force to the next, over arcs that meet the belt at certain rates of the
-    /// relative velocity: v_b/rate is how far a shift in time or velocity moves the place of
-    /// contact.
+    /// The growth from a force to the next. `rates` are the rates of the relative velocity at the
+    /// contacts: a shift in time or velocity moves the place of contact by v_b/rate times as much,
+    /// and the noise grows accordingly.
     fn growth_to(&self, force: f64, next: f64, slope: f64, rates: [f64; 2]) -> Sample {
         let slowest = rates[0].abs().min(rates[1].abs());
         let steepest = self.tracer.system().belt_velocity() / slowest;
@@ -83,15 +84,15 @@ impl<'t, 's, L: FrictionLaw> CrossingMap<'t, 's, L> {
         self.growth(force).map(Sample::grows)
     }
 
-    /// The least force from which a motion crosses downwards again, for a motion released from
-    /// stick that does not: the one that comes back to an end of the stick band, followed
-    /// backwards.
+    /// The least force from which a motion crosses downwards again, for a system in which the
+    /// motion from the release point does not. Found by following the motion that arrives at an end
+    /// of the stick band backwards.
     pub(super) fn least(&mut self) -> Result<Option<Sample>, Error> {
         let carried = self.tracer.system().carried_force();
         let [low, high] = self.tracer.system().stick_limits();
         if low == high {
-            // Without static friction it touches the belt's velocity at the release point, from
-            // behind, and crosses with no force.
+            // Without static friction this motion touches the belt velocity from behind at the
+            // release point, and crosses with no force.
             let lagging = self.tracer.arc_arriving(high, Direction::Lagging)?;
             return Ok(match lagging.arrival {
                 Arrival::Contact(start) => {
@@ -106,13 +107,13 @@ impl<'t, 's, L: FrictionLaw> CrossingMap<'t, 's, L> {
             Arrival::Contact(_) => {
                 let from_low = self.tracer.arc_leaving(low, Direction::Leading)?;
                 if from_low.arrival == Arrival::Held {
-                    // It begins below the low end by less than rounding shows.
+                    // The arc begins below the low end of the band, but by less than rounding.
                     (low, leading, Time::Backward)
                 } else {
                     (low, from_low, Time::Forward)
                 }
             }
-            // From however far it comes, a leading motion ends in stick.
+            // Every leading motion ends in stick, from however far it comes.
             _ => return Ok(None),
         };
         let (next, leading_rate) = match (time, leading.arrival) {
@@ -133,14 +134,14 @@ impl<'t, 's, L: FrictionLaw> CrossingMap<'t, 's, L> {
     /// Forces at the downward crossings of the periodic motions that cross the belt velocity twice
     /// a period.
     ///
-    /// The force is doubled until motions from it shrink twice running, beyond every breakpoint of
-    /// the law, or until it is [`FARTHEST`].
+    /// The force is doubled until it reaches [`FARTHEST`], or until the motions from two forces in
+    /// succession, both beyond every breakpoint of the law, shrink.
     pub(super) fn roots(&mut self, fate: ReleaseFate) -> Result<Roots, Error> {
         let system = self.tracer.system();
         let release = system.largest_friction();
         let start = match fate {
-            // Without static friction relative growth has no meaning at release; no cycle lies
-            // between that motion's crossings.
+            // Without static friction F = 0 at release, and relative growth has no meaning. The
+            // search begins at the next crossing, because no cycle lies between the two.
             ReleaseFate::Outward if release == 0.0 => match self.turn(release)? {
                 Some((_, next)) if next > 0.0 => Some(self.growth(next)?),
                 _ => None,

@@ -38,8 +38,8 @@ impl std::fmt::Display for CycleKind {
 
 /// A periodic motion, exact to rounding.
 ///
-/// It holds the power series of one period; extremes are roots of those series, integrals
-/// quadratures of them, not sums over samples. All quantities are dimensionless.
+/// A `LimitCycle` holds the power series of one period. Extremes are roots of these series, and
+/// integrals are quadratures of them, not sums over samples. All quantities are dimensionless.
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -53,8 +53,8 @@ impl std::fmt::Display for CycleKind {
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
-/// With the feature `serde` its numbers and its events are written, for other programs. It is not
-/// read: keep the system, which is, and make the cycle again from it.
+/// With the feature `serde` the numbers and events of a cycle are written, for other programs. They
+/// cannot be read: keep the system, which can, and find the cycle again from it.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -115,7 +115,7 @@ impl LimitCycle {
         }
     }
 
-    /// The same motion seen in a mirror: (u, v, v_b) → (−u, −v, −v_b).
+    /// The mirror image of the motion: (u, v, v_b) → (−u, −v, −v_b).
     pub(super) fn mirrored(mut self) -> Self {
         for step in &mut self.steps {
             *step = step.mirrored();
@@ -123,27 +123,27 @@ impl LimitCycle {
         self
     }
 
-    /// What kind of motion it is.
+    /// Kind of the motion.
     pub fn kind(&self) -> CycleKind {
         self.kind
     }
 
-    /// A state on the cycle, where [`trajectory`](Self::trajectory) starts: the release point of
-    /// one that sticks, the largest velocity (in the direction of the belt) of pure slip, and the
-    /// crossing to lagging motion of a crossing cycle.
+    /// The state (u, v) at which [`trajectory`](Self::trajectory) starts, dimensionless: the
+    /// release point if the cycle sticks, the largest velocity in the direction of the belt in pure
+    /// slip, and the crossing to lagging motion of a crossing cycle.
     pub fn state(&self) -> State {
         self.steps
             .first()
             .map_or(State::new(f64::NAN, f64::NAN), Step::state)
     }
 
-    /// Period T.
+    /// Period T, dimensionless.
     pub fn period(&self) -> f64 {
         self.steps.last().map_or(0.0, Step::end_time)
     }
 
-    /// Angular frequency ω = 2π/T; 1 is the undamped mass on its spring.
-    /// [`Scaling::hertz`](crate::Scaling::hertz) takes it to hertz.
+    /// Angular frequency ω = 2π/T, dimensionless; ω = 1 is that of the undamped mass on its spring.
+    /// [`Scaling::hertz`](crate::Scaling::hertz) converts it to hertz.
     ///
     /// ```
     /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -158,12 +158,12 @@ impl LimitCycle {
         std::f64::consts::TAU / self.period()
     }
 
-    /// Time in stick per period.
+    /// Time in stick per period, dimensionless.
     pub fn stick_duration(&self) -> f64 {
         self.time_in(|mode| mode == Mode::Stick)
     }
 
-    /// Time ahead of the belt per period: with v/v_b > 1.
+    /// Time per period in which the mass leads the belt, v/v_b > 1; dimensionless.
     pub fn leading_duration(&self) -> f64 {
         let ahead = if self.belt_velocity() > 0.0 {
             Direction::Leading
@@ -184,39 +184,40 @@ impl LimitCycle {
         self.steps.first().map_or(0.0, |step| step.belt_velocity)
     }
 
-    /// Half the distance between the largest and the least displacement, (u_max − u_min)/2.
+    /// Amplitude of the displacement, (u_max − u_min)/2, dimensionless.
     pub fn amplitude(&self) -> f64 {
         let [min, max] = self.displacements();
         0.5 * (max - min)
     }
 
-    /// Largest displacement u_max.
+    /// Largest displacement u_max, dimensionless.
     pub fn max_displacement(&self) -> f64 {
         self.displacements()[1]
     }
 
-    /// Least displacement u_min.
+    /// Least displacement u_min, dimensionless.
     pub fn min_displacement(&self) -> f64 {
         self.displacements()[0]
     }
 
-    /// Largest velocity v_max.
+    /// Largest velocity v_max, dimensionless.
     pub fn max_velocity(&self) -> f64 {
         self.velocities()[1]
     }
 
-    /// Least velocity v_min.
+    /// Least velocity v_min, dimensionless.
     pub fn min_velocity(&self) -> f64 {
         self.velocities()[0]
     }
 
-    /// Mean displacement (1/T)∮u dτ.
+    /// Mean displacement (1/T)∮u dτ, dimensionless.
     pub fn mean_displacement(&self) -> f64 {
         self.integral_of_displacement() / self.period()
     }
 
-    /// Floquet multiplier: the factor by which a small disturbance changes over one period. 0 for a
-    /// cycle that sticks, because every motion in stick leaves from the same release point.
+    /// Floquet multiplier, dimensionless: the factor by which a small disturbance changes over one
+    /// period. It is 0 for a cycle that sticks, because every motion in stick leaves from the same
+    /// release point.
     pub fn multiplier(&self) -> f64 {
         self.multiplier
     }
@@ -226,8 +227,8 @@ impl LimitCycle {
         self.multiplier < 1.0
     }
 
-    /// The motion over one period, from [`state`](Self::state). A last step of duration 0 holds
-    /// what follows at the time T itself.
+    /// The motion over one period, from [`state`](Self::state) on. A last step of duration 0 gives
+    /// the mode of motion at the time T itself.
     ///
     /// ```
     /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -237,14 +238,15 @@ impl LimitCycle {
     /// let motion = cycle.trajectory();
     /// assert_eq!(motion.duration(), cycle.period());
     /// assert_eq!(motion.last(), cycle.state()); // it closes
-    /// let kinds: Vec<String> = motion.events().iter().map(|event| event.kind.to_string()).collect();
+    /// let kinds = motion.events().iter().map(|event| event.kind.to_string());
+    /// let kinds: Vec<String> = kinds.collect();
     /// assert_eq!(kinds, ["stick", "release (lagging)"]);
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     pub fn trajectory(&self) -> Trajectory {
         let mut steps = self.steps.clone();
         if let (Some(first), Some(last)) = (self.steps.first(), self.steps.last()) {
-            // What follows at the time T itself.
+            // A step of duration 0 gives the mode of motion at the time T itself.
             let start = last.start.after(last.duration);
             steps.push(first.start_at(start));
         }

@@ -9,10 +9,10 @@ use crate::belt::{Forward, MassOnBelt};
 use crate::error::Error;
 use crate::friction::FrictionLaw;
 
-/// The periodic motion through the release point, whatever its kind; `None` where the motion from
-/// there never comes back to it, and at v_b = 0.
+/// The periodic motion through the release point, of either kind that sticks; `None` if the motion
+/// from that point never comes back to it, and at v_b = 0.
 ///
-/// Costs one slip arc for plain stick-slip and two for overshoot.
+/// Takes one slip arc for plain stick-slip and two for overshoot.
 ///
 /// # Errors
 ///
@@ -84,7 +84,8 @@ pub(crate) fn find_borrowed<L: FrictionLaw>(system: MassOnBelt<&L>) -> Result<Cy
     })
 }
 
-/// On a belt at rest, of undamped motions only those without friction go on.
+/// The periodic motions on a belt at rest: a family if there is neither damping nor friction, else
+/// none.
 pub(super) fn of_belt_at_rest<L: FrictionLaw>(system: MassOnBelt<&L>) -> CycleSet {
     let goes_on = system.damping() == 0.0 && is_frictionless(system.law());
     CycleSet {
@@ -124,7 +125,7 @@ pub(super) fn nested_cycles<L: FrictionLaw>(
     Ok(set)
 }
 
-/// Adds what is periodic in slip; false if that is everything, because there is no friction.
+/// Adds the periodic motions in slip. False if there are no others, because there is no friction.
 fn add_pure_slip<L: FrictionLaw>(
     tracer: &mut Tracer<'_, L>,
     set: &mut CycleSet,
@@ -142,7 +143,8 @@ fn add_pure_slip<L: FrictionLaw>(
     }
     let mut found = peaks.roots()?;
     if is_flat(&system) && !found.unresolved.is_empty() {
-        // Up to where the motion meets a speed at which friction does vary; inside it is harmonic.
+        // Motions are harmonic up to the amplitude at which they meet a speed where friction
+        // varies.
         let max_amplitude = found.unresolved.remove(0).end;
         set.continuum = Some(Continuum { max_amplitude });
     }

@@ -1,4 +1,4 @@
-//! How much a motion grows over one turn, as a sample for the searches.
+//! Growth of a motion over one turn, as a sample for the searches.
 
 use super::arc::Tracer;
 use crate::friction::FrictionLaw;
@@ -7,7 +7,7 @@ use crate::numerics::with_slopes::Sample;
 /// Rounding error of one turn, in units of ε times the size of the motion.
 const TURN_ROUNDING: f64 = 32.0;
 
-/// next/x − 1 and its slope, for a map x → next(x) of the given slope.
+/// The growth next/x − 1 and its slope, for a map x → next(x) with this slope.
 pub(super) fn relative_growth<L: FrictionLaw>(
     tracer: &Tracer<'_, L>,
     x: f64,

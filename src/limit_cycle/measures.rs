@@ -1,5 +1,5 @@
-//! Extremes of a cycle, as roots of its power series; its harmonics and its energies, as integrals
-//! over them.
+//! Extremes of a cycle, as roots of its power series; harmonics and energies, as integrals over
+//! these series.
 
 use std::ops::ControlFlow;
 
@@ -11,8 +11,9 @@ use crate::numerics::gauss::{gauss_fours, gauss_legendre};
 use crate::series::PowerSeries;
 use crate::state::State;
 
-/// Work done over one period, in dimensionless energy units, K L² in joules
-/// ([`Scaling::joules`](crate::Scaling::joules)); f is the friction force on the mass.
+/// Energy budget of one period: work and heat, dimensionless, in units of K L²
+/// ([`Scaling::joules`](crate::Scaling::joules) converts them to joules). f is the friction force
+/// on the mass.
 ///
 /// On a periodic motion `belt_work = damper_loss` and
 /// `drive_work = damper_loss + friction_loss = v_b ∮u dτ`.
@@ -29,9 +30,9 @@ use crate::state::State;
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
-/// A period ends where it began, so that what friction does on the mass is what the damper takes,
-/// and the drive gives both losses: two of the numbers are integrals, ∮u dτ and ∮v² dτ, and two
-/// follow.
+/// A period ends in the state in which it began. So the work of friction on the mass is what the
+/// damper takes, and the drive supplies both losses. Two of the numbers are computed as integrals,
+/// of u and of v², and the other two follow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct EnergyBudget {
@@ -46,9 +47,10 @@ pub struct EnergyBudget {
 }
 
 impl LimitCycle {
-    /// Complex amplitudes of the first n harmonics of u: (2/T)∮u e^(−ikωτ) dτ for k = 1, …, n, time
-    /// counted from [`state`](Self::state), ω = 2π/T. The modulus is the amplitude of the harmonic.
-    /// Each is a quadrature of its own, so that the cost grows with n².
+    /// Complex amplitudes of the first n harmonics of u, dimensionless: (2/T)∮u e^(−ikωτ) dτ for
+    /// k = 1, …, n, with ω = 2π/T and time counted from [`state`](Self::state). The modulus is the
+    /// amplitude of the harmonic. Each harmonic has a quadrature of its own, so the cost grows with
+    /// n².
     ///
     /// ```
     /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -69,7 +71,7 @@ impl LimitCycle {
                 let k = k as f64;
                 let part = |weight: fn(f64) -> f64| {
                     let over = |step: &Step| {
-                        // A step of few radians of the harmonic at a time.
+                        // Pieces of at most one radian of the harmonic.
                         let pieces = (k * omega * step.duration).ceil().max(1.0);
                         let width = step.duration / pieces;
                         (0..pieces as usize)
@@ -89,7 +91,7 @@ impl LimitCycle {
             .collect()
     }
 
-    /// Work done over one period.
+    /// Works and losses over one period, in dimensionless energy units.
     pub fn energy(&self) -> EnergyBudget {
         let v_b = self.belt_velocity();
         // The force on the mass is f = u + 2βv + v', and over a period ∮v = ∮v' = ∮(u + v')v = 0.
@@ -103,7 +105,7 @@ impl LimitCycle {
         }
     }
 
-    /// ∮u dτ.
+    /// The integral ∮u dτ over one period.
     pub(super) fn integral_of_displacement(&self) -> f64 {
         let over = |step: &Step| {
             let h = step.duration;
@@ -117,7 +119,7 @@ impl LimitCycle {
         self.steps.iter().map(over).sum()
     }
 
-    /// ∮v² dτ.
+    /// The integral ∮v² dτ over one period.
     pub(super) fn integral_of_squared_velocity(&self) -> f64 {
         let over = |step: &Step| {
             let v_b = step.belt_velocity;
@@ -139,7 +141,7 @@ impl LimitCycle {
         self.steps.iter().map(over).sum()
     }
 
-    /// Least and largest displacement: at the ends of steps, or where v changes sign.
+    /// Least and largest displacement; each lies at an end of a step, or where v changes its sign.
     pub(super) fn displacements(&self) -> [f64; 2] {
         self.extremes(
             |state| state.displacement,
@@ -151,7 +153,7 @@ impl LimitCycle {
         )
     }
 
-    /// Least and largest velocity: at the ends of steps, or where s' changes sign.
+    /// Least and largest velocity; each lies at an end of a step, or where s' changes its sign.
     pub(super) fn velocities(&self) -> [f64; 2] {
         self.extremes(|state| state.velocity, |step| step.speed.derivative())
     }

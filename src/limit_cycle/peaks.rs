@@ -1,4 +1,4 @@
-//! The map from one velocity maximum to the next of motions behind the belt: its fixed points are
+//! The map from one velocity maximum to the next, of motions behind the belt. Its fixed points are
 //! the pure-slip cycles.
 
 use super::arc::{Arc, Arrival, Tracer};
@@ -11,15 +11,15 @@ use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::numerics::with_slopes::{Roots, Sample, outline_between, roots_between};
 
-/// Smallest velocity maximum searched for, in units of v_b: below it rounding hides how a motion
-/// grows over a turn.
+/// Smallest velocity maximum that is searched, in units of v_b. Below it a turn changes a motion by
+/// less than rounding does.
 const SMALLEST_PEAK: f64 = 1e-4;
 
-/// A growth, or a change of it over the range, of less than so many times its rounding error is
-/// hidden.
+/// A growth, or its change over the range, counts as hidden if it is less than so many times its
+/// rounding error.
 const HIDDEN: f64 = 100.0;
 
-/// The map V → P(V).
+/// The map V → P(V) from one velocity maximum to the next.
 #[derive(Debug)]
 pub(crate) struct PeakMap<'t, 's, L> {
     tracer: &'t mut Tracer<'s, L>,
@@ -34,8 +34,8 @@ impl<'t, 's, L: FrictionLaw> PeakMap<'t, 's, L> {
         self.tracer.system()
     }
 
-    /// P(V)/V − 1 and its slope, where P(V) is the next velocity maximum of a motion in slip whose
-    /// velocity has a maximum V.
+    /// The growth over one turn, P(V)/V − 1, and its slope. P(V) is the velocity maximum that
+    /// follows V on a motion in slip.
     ///
     /// P'(V) = (V/P)·exp(−∮(2β + γ² dμ̂/ds) dτ). A motion that meets the belt instead counts as one
     /// that grows, and one that settles at a node as one that dies.
@@ -59,9 +59,9 @@ impl<'t, 's, L: FrictionLaw> PeakMap<'t, 's, L> {
         self.growth(peak).map(Sample::grows)
     }
 
-    /// The motion that grazes the belt, followed backwards to the velocity maximum before: the
-    /// largest from which a motion returns without meeting the belt. At v_b, if every motion
-    /// returns; `None`, if none does.
+    /// The largest velocity maximum from which a motion returns without meeting the belt, with its
+    /// growth. Found by following the motion that grazes the belt backwards to the maximum before.
+    /// It is v_b if every motion returns; `None` if none does.
     fn largest(&mut self) -> Result<Option<Sample>, Error> {
         let v_b = self.system().belt_velocity();
         let grazing = self.tracer.arc_from_peak(v_b, Time::Backward)?;
@@ -76,12 +76,12 @@ impl<'t, 's, L: FrictionLaw> PeakMap<'t, 's, L> {
         }
     }
 
-    /// Between the smallest velocity maximum that is searched and the largest one.
+    /// The range of velocity maxima that is searched, from the smallest to the largest.
     fn range(&mut self) -> Result<Option<[Sample; 2]>, Error> {
         let v_b = self.system().belt_velocity();
         let smallest = self.growth(SMALLEST_PEAK * v_b)?;
         if smallest.x * (1.0 + smallest.value) > v_b {
-            // It meets the belt, and so does every motion round it.
+            // The smallest motion meets the belt, and so does every motion round it.
             return Ok(None);
         }
         let largest = self.largest()?;
@@ -100,7 +100,7 @@ impl<'t, 's, L: FrictionLaw> PeakMap<'t, 's, L> {
         self.decide_hidden(roots)
     }
 
-    /// The same roots without those that rounding makes, and without ranges that hold none: where
+    /// Removes roots that rounding has made, and unresolved ranges that hold no root. Where
     /// rounding hides the growth, averaging decides if it can.
     fn decide_hidden(&mut self, found: Roots) -> Result<Roots, Error> {
         let system = self.system();
@@ -119,8 +119,8 @@ impl<'t, 's, L: FrictionLaw> PeakMap<'t, 's, L> {
                 && match averaged::all_grow(&system, &range)? {
                     None => false,
                     Some(false) => true,
-                    // What becomes of them is seen where they come out, unless that is at the belt,
-                    // by less than rounding.
+                    // All motions grow out of the range, and the growth beyond it is known, unless
+                    // the range ends at the belt to rounding.
                     Some(true) => v_b - range.end > HIDDEN * end.noise * v_b,
                 };
             if !is_decided {
@@ -130,9 +130,9 @@ impl<'t, 's, L: FrictionLaw> PeakMap<'t, 's, L> {
         Ok(kept)
     }
 
-    /// The growth over one turn as a function of the peak velocity, in outline: (peak, growth) at
+    /// Outline of the growth over one turn as a function of the peak velocity: (peak, growth) at
     /// the ends of the range and at the turning points between. Empty if every motion in slip meets
-    /// the belt, or none returns, or each is periodic.
+    /// the belt, if none returns, or if every one is periodic.
     pub(crate) fn outline(&mut self) -> Result<Vec<(f64, f64)>, Error> {
         if is_continuum(self)? {
             return Ok(Vec::new());
@@ -146,8 +146,8 @@ impl<'t, 's, L: FrictionLaw> PeakMap<'t, 's, L> {
 
     /// The periodic motion in slip whose velocity has the maximum V, and its Floquet multiplier.
     ///
-    /// An unstable one is followed backwards, where it attracts: forwards it would grow away from
-    /// itself, and not close.
+    /// An unstable cycle is followed backwards, because it attracts in that direction: followed
+    /// forwards, rounding would grow and the cycle would not close.
     pub(super) fn cycle(&mut self, peak: f64) -> Result<(Arc, f64), Error> {
         let arc = self.tracer.arc_from_peak(peak, Time::Forward)?;
         let multiplier = (-self.tracer.contraction(&arc)).exp();

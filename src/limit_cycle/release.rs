@@ -1,5 +1,5 @@
-//! The motion from the release point: the lagging arc out of it, and the leading one that follows
-//! if it crosses the belt velocity.
+//! The motion from the release point: the lagging arc out of it and, if that arc crosses the belt
+//! velocity, the leading arc that follows.
 
 use super::arc::{Arc, Arrival, Tracer};
 use super::averaged;
@@ -10,21 +10,23 @@ use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::state::Direction;
 
-/// Where the motion from the release point leads. Trajectories in the plane can't cross, so one
-/// turn decides: a motion that returns inside of its start can only go on inwards, one that returns
-/// outside only outwards.
+/// Fate of the motion from the release point. Trajectories in the plane can't cross, so one turn
+/// decides: a motion that returns inside its start can only go on inwards, and one that returns
+/// outside can only go on outwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum ReleaseFate {
-    /// The velocity has a maximum V below v_b, or none: no contact, on this turn or any later one.
+    /// The motion turns inwards: its velocity has a maximum V below v_b, or none, and it does not
+    /// meet the belt on this turn or on any later one.
     Inward { peak: Option<f64> },
-    /// Back in stick, and so back to the release point: after one arc, or after a crossing and a
-    /// leading arc.
+    /// The motion comes back to stick, after one arc or after a crossing and a leading arc, and so
+    /// to the release point.
     Stick,
-    /// Two crossings, the second one beyond the release point: no stick on any later turn either.
+    /// The motion turns outwards: it crosses twice, the second time beyond the release point, and
+    /// does not stick on any later turn.
     Outward,
 }
 
-/// The arcs from the release point. The second is followed when something asks for it.
+/// The arcs from the release point. The second one is followed only when it is needed.
 #[derive(Debug)]
 pub(crate) struct Release {
     lagging: Arc,
@@ -76,12 +78,12 @@ impl Release {
             && growth.vanishes()
             && averaged::grows(&system, v_b)? == Some(false)
         {
-            // It comes back to the belt by rounding alone.
+            // The motion comes back to the belt by rounding alone.
             return Ok(ReleaseFate::Inward { peak: Some(v_b) });
         }
         match system.landing(contact, Direction::Lagging) {
             Landing::Stick => return Ok(ReleaseFate::Stick),
-            // Round to the release point without a contact that lasts.
+            // The motion comes round to the release point, and its contact does not last.
             Landing::Touch => {
                 return Ok(ReleaseFate::Inward { peak: Some(v_b) });
             }
@@ -100,7 +102,7 @@ impl Release {
         })
     }
 
-    /// The periodic motion through the release point, if it comes back to stick.
+    /// The periodic motion through the release point, if the motion from there comes back to stick.
     pub(super) fn into_cycle<L: FrictionLaw>(
         mut self,
         tracer: &mut Tracer<'_, L>,
@@ -117,8 +119,9 @@ impl Release {
         Ok(Some(LimitCycle::join(&tracer.system(), arcs, kind, 0.0)))
     }
 
-    /// How far the motion would overshoot the belt velocity, in units of v_b: w²/(2v_b²) for a
-    /// contact with the relative velocity's rate w, and V/v_b − 1 where it turns back below.
+    /// How far the motion would overshoot the belt velocity, in units of v_b: w²/(2v_b²) if it
+    /// meets the belt, with the rate w of the relative velocity at contact; V/v_b − 1 if it turns
+    /// back at a velocity maximum V below; −1 if there is no maximum.
     pub(crate) fn overshoot<L: FrictionLaw>(&self, tracer: &Tracer<'_, L>) -> f64 {
         let v_b = tracer.system().belt_velocity();
         match self.lagging.arrival {
@@ -138,8 +141,8 @@ impl Release {
         }
     }
 
-    /// Distance of the second contact, after a crossing, beyond the release point, in the same
-    /// units.
+    /// Distance of the second contact, after a crossing, beyond the release point, in units of
+    /// v_b + γ²μ_s.
     pub(crate) fn beyond_high<L: FrictionLaw>(
         &mut self,
         tracer: &mut Tracer<'_, L>,

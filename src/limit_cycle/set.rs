@@ -3,7 +3,8 @@ use std::ops::Range;
 use super::continuum::Continuum;
 use super::cycle::LimitCycle;
 
-/// The periodic motions of a system, by ascending amplitude.
+/// All periodic motions of a system: isolated cycles by ascending amplitude, a family, and the
+/// ranges in which neither could be decided.
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -25,17 +26,17 @@ pub struct CycleSet {
 }
 
 impl CycleSet {
-    /// The isolated cycles, by ascending amplitude. They lie one inside the other.
+    /// The isolated cycles, by ascending amplitude. Each lies inside the next.
     pub fn iter(&self) -> std::slice::Iter<'_, LimitCycle> {
         self.cycles.iter()
     }
 
-    /// The stable ones.
+    /// The stable cycles, by ascending amplitude.
     pub fn stable(&self) -> impl Iterator<Item = &LimitCycle> {
         self.iter().filter(|cycle| cycle.is_stable())
     }
 
-    /// Those of the mirror image.
+    /// The periodic motions of the mirror image.
     pub(super) fn mirrored(self) -> Self {
         let cycles = self.cycles.into_iter().map(LimitCycle::mirrored);
         Self {
@@ -44,12 +45,12 @@ impl CycleSet {
         }
     }
 
-    /// How many isolated cycles there are.
+    /// Number of isolated cycles.
     pub fn len(&self) -> usize {
         self.cycles.len()
     }
 
-    /// Whether there is none.
+    /// Whether there is no isolated cycle.
     pub fn is_empty(&self) -> bool {
         self.cycles.is_empty()
     }
@@ -59,11 +60,12 @@ impl CycleSet {
         self.continuum
     }
 
-    /// Peak velocities (largest v in the direction of the belt, dimensionless) between which double
-    /// precision can't resolve whether there are cycles, and which: either the motion from one end
-    /// of a narrow range dies and that from the other end grows, by far (one unstable cycle, or an
-    /// odd number); or over the whole range a turn changes a motion by no more than rounding does,
-    /// and averaging does not tell that each dies, or that each grows and leaves the range.
+    /// Ranges of peak velocities (largest v in the direction of the belt, dimensionless) in which
+    /// double precision can't resolve whether there are cycles, and which. There are two sorts. In
+    /// a narrow range, the motion from one end dies by far and that from the other end grows by
+    /// far, so that the range holds one unstable cycle, or an odd number. In a wide range, a turn
+    /// changes a motion by no more than rounding does, and averaging shows neither that every
+    /// motion dies nor that every motion grows and leaves the range.
     pub fn unresolved(&self) -> &[Range<f64>] {
         &self.unresolved
     }

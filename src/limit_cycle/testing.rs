@@ -1,5 +1,5 @@
-//! What the tests of this module share: systems with closed forms. With a kinetic coefficient
-//! c + d·s slip is a damped oscillation, and without damping a circle.
+//! What the tests of this module share: systems with closed forms. If the kinetic coefficient is
+//! c + d·s, slip is a damped oscillation, and a circle without damping.
 
 use std::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ use crate::friction::FrictionLaw;
 use crate::numerics::with_slopes::Sample;
 use crate::scalar::Scalar;
 
-/// What a tracer of the system finds.
+/// Calls a function with a tracer of the system, and returns its result.
 pub(super) fn traced<L: FrictionLaw, T>(
     system: &MassOnBelt<L>,
     f: impl FnOnce(&mut Tracer<'_, L>) -> Result<T, Error>,
@@ -28,12 +28,12 @@ pub(super) fn assert_close(found: f64, expected: f64, error: f64) {
     );
 }
 
-/// Where the release point leads.
+/// Fate of the motion from the release point.
 pub(super) fn fate<L: FrictionLaw>(tracer: &mut Tracer<'_, L>) -> Result<ReleaseFate, Error> {
     Release::follow(tracer)?.fate(tracer)
 }
 
-/// μ̂(s) = c0 + c1 s + c3 s³, and from a knee on a straight line.
+/// The law μ̂(s) = c0 + c1 s + c3 s³, and a straight line from a knee on.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Law {
     pub(super) rest: f64,
@@ -72,12 +72,12 @@ pub(super) fn system(rest: f64, c: [f64; 3], v_b: f64, damping: f64) -> System {
         .unwrap()
 }
 
-/// A constant kinetic coefficient, and no damping.
+/// A system with a constant kinetic coefficient and no damping: slip runs on circles.
 pub(super) fn circles(rest: f64, kinetic: f64, v_b: f64) -> System {
     system(rest, [kinetic, 0.0, 0.0], v_b, 0.0)
 }
 
-/// Slip with the damping ratio `damping`, which may be negative.
+/// A system whose slip has the damping ratio `damping`, which may be negative.
 pub(super) fn spiral(damping: f64, v_b: f64) -> System {
     system(0.4, [0.4, 2.0 * damping, 0.0], v_b, 0.0)
 }
@@ -87,13 +87,13 @@ pub(super) fn with_knee(mut law: Law, knee: f64, slope: f64, v_b: f64) -> System
     MassOnBelt::new(law, v_b).unwrap()
 }
 
-/// The set of parameters of most examples of the crate: friction falls to half a unit of speed, and
+/// A system with the parameters of most examples of the crate: friction falls up to the speed ½ and
 /// rises beyond.
 pub(super) fn paper(v_b: f64) -> System {
     system(0.4, [0.4, -0.45, 0.6], v_b, 0.05)
 }
 
-/// A set that overshoots, and crosses, at large belt velocities.
+/// A system that overshoots, and crosses, at large belt velocities.
 pub(super) fn fast(v_b: f64, damping: f64, load: f64) -> System {
     let (k1, k3) = (1.5 * 0.16 / 0.55, 0.5 * 0.16 / 0.55_f64.powi(3));
     system(0.38, [0.38, -k1, k3], v_b, damping)
@@ -101,10 +101,11 @@ pub(super) fn fast(v_b: f64, damping: f64, load: f64) -> System {
         .unwrap()
 }
 
-/// Round a stable equilibrium a cycle that repels, with about this peak.
+/// A system with an unstable cycle of about this peak round a stable equilibrium.
 pub(super) fn repelling(peak: f64, cubic: f64) -> System {
     let v_b = 0.5;
-    // Linear damping 0.75·cubic·V², beside the slope 3·cubic·v_b².
+    // The slope −3·cubic·v_b² of the cubic term is made up for, and 0.75·cubic·V² added as linear
+    // damping.
     let slope = cubic * (3.0 * v_b * v_b + 0.75 * peak * peak);
     system(0.6, [0.6, slope, -cubic], v_b, 0.0)
 }
@@ -129,7 +130,7 @@ pub(super) fn shrinks(damping: f64) -> f64 {
     (-TAU * damping / (1.0 - damping * damping).sqrt()).exp()
 }
 
-/// Numbers next to x, on both sides.
+/// Floating-point numbers next to x, on both sides.
 pub(super) fn neighbours(x: f64) -> Vec<f64> {
     (-6..=6)
         .map(|n| x * (1.0 + f64::from(n) * f64::EPSILON))
@@ -147,8 +148,8 @@ pub(super) fn assert_slope(
     assert_close(sample.slope, difference, accuracy);
 }
 
-/// Largest distance of the values next to x from what they should be, and the noise that is told
-/// there.
+/// Asserts that the values at the numbers next to x differ from the exact ones by no more than the
+/// noise that they report, and not by far less.
 #[track_caller]
 pub(super) fn assert_noise(
     x: f64,

@@ -1,8 +1,8 @@
-//! How cycles are written (feature `serde`).
+//! Writing of cycles (feature `serde`).
 //!
-//! Cycles are written and not read: a cycle follows from its system, which is read, and is made
-//! again from it in less time than reading takes. What could be read would be numbers that no law
-//! vouches for.
+//! Cycles are written but not read. A cycle follows from its system, which can be read, and
+//! computing it again takes less time than reading it would. Numbers that were read might
+//! contradict the law.
 
 use serde::{Serialize, Serializer};
 
@@ -10,7 +10,7 @@ use super::{CycleKind, EnergyBudget, LimitCycle};
 use crate::motion::Event;
 use crate::state::State;
 
-/// The numbers of a cycle.
+/// The numbers and events of a cycle, as they are written.
 #[derive(Serialize)]
 pub(super) struct WrittenCycle {
     kind: CycleKind,
@@ -48,7 +48,7 @@ impl From<LimitCycle> for WrittenCycle {
     }
 }
 
-/// ∞ as nothing: some formats have no infinite numbers.
+/// Writes ∞ as none, because some formats have no infinite numbers.
 pub(super) fn infinite_as_none<S: Serializer>(x: &f64, to: S) -> Result<S::Ok, S::Error> {
     x.is_finite().then_some(*x).serialize(to)
 }

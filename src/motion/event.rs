@@ -1,6 +1,6 @@
 use crate::state::{Direction, State};
 
-/// What the mass does on the belt.
+/// What a mass does at its contact: stick, slip, or neither while the contact is open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -8,12 +8,12 @@ use crate::state::{Direction, State};
     serde(rename_all = "snake_case")
 )]
 pub enum Mode {
-    /// It moves with the belt: v = v_b, to the bit.
+    /// The mass moves with the belt: v = v_b, to the bit.
     Stick,
-    /// It slides, behind the belt or ahead of it.
+    /// The mass slides, behind the belt or ahead of it.
     Slip(Direction),
-    /// The normal load is gone, and friction with it; of a contact of a
-    /// [`Structure`](crate::Structure) whose load varies in time.
+    /// The normal load is gone, and friction with it. Only a contact of a
+    /// [`Structure`](crate::Structure) whose load varies in time can be open.
     Open,
 }
 
@@ -27,8 +27,9 @@ impl std::fmt::Display for Mode {
     }
 }
 
-/// What happens when the relative velocity is zero, or the load. A direction is that of the slip **after** the
-/// event.
+/// What happens at an event: where the relative velocity is zero, or the normal load.
+///
+/// A direction is that of the slip **after** the event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -36,22 +37,24 @@ impl std::fmt::Display for Mode {
     serde(rename_all = "snake_case")
 )]
 pub enum EventKind {
-    /// Slip ends; the mass moves with the belt from now on.
+    /// Slip ends: from now on the mass moves with the belt.
     Stick,
-    /// Stick ends: the contact can carry no more than γ²μ_s.
+    /// Stick ends: the contact would have to carry more than γ²μ_s, the most that it can.
     Release(Direction),
-    /// The relative velocity changes sign without sticking: the contact would have to carry more
-    /// than γ²μ_s.
+    /// The relative velocity changes its sign, and the mass does not stick: the contact would have
+    /// to carry more than γ²μ_s.
     Crossing(Direction),
-    /// The normal load, given in time, falls to 0: no friction from now on.
+    /// The normal load, given as a function of time, falls to 0: no friction from now on.
     Open,
-    /// The normal load comes back.
+    /// The normal load rises from 0 again, and friction comes back.
     Close,
 }
 
 impl EventKind {
-    /// What the mass does from the event on. After a `Close` it sticks or slips, as the relative
-    /// velocity says and not the kind of the event; here it is `Stick`.
+    /// What the mass does from the event on.
+    ///
+    /// After a `Close` the mass sticks or slips; the relative velocity decides, which the kind of
+    /// the event does not know. This function then returns `Stick`.
     ///
     /// ```
     /// use stick_slip::{Direction, EventKind, Mode};
@@ -78,7 +81,7 @@ impl std::fmt::Display for EventKind {
     }
 }
 
-/// A change between stick and slip, or of the direction of slip.
+/// An event of a motion: a change between stick and slip, or of the direction of slip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -89,12 +92,12 @@ pub struct Event<S = State> {
     /// Time since the start, in the units of the system: τ, dimensionless, for a
     /// [`MassOnBelt`](crate::MassOnBelt).
     pub time: f64,
-    /// Number of the contact where it happens; 0 for a [`MassOnBelt`](crate::MassOnBelt), which
-    /// has one.
+    /// Number of the contact at which the event happens; 0 for a
+    /// [`MassOnBelt`](crate::MassOnBelt), which has only one.
     pub contact: usize,
     /// What happens.
     pub kind: EventKind,
-    /// State at the event; the velocity at the contact is that of the belt, to the bit.
+    /// State at the event. The velocity at the contact is that of the belt, to the bit.
     pub state: S,
 }
 

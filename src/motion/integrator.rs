@@ -3,15 +3,16 @@ use crate::error::Error;
 
 /// Settings of the integrator: tolerance and limits of work.
 ///
-/// The method is a Taylor series of order 26 in each step of a slip phase, with contact located as
-/// the first root of the sliding speed's own polynomial, and closed formulas in stick. What it
-/// promises is on the [crate page](crate#what-the-integrator-promises).
+/// Each step of a slip phase is a Taylor series of order 26. Contact is the first root of the
+/// sliding speed's own polynomial. Stick has closed formulas. The
+/// [crate page](crate#what-the-integrator-promises) says what this method promises.
 ///
 /// ```
 /// use stick_slip::{Integrator, MassOnBelt, Polynomial, State};
 ///
 /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
-/// let fast = Integrator::new().with_tolerance(1e-6)?.simulate(&system, State::new(0.0, 0.0), 50.0)?;
+/// let fast = Integrator::new().with_tolerance(1e-6)?;
+/// let fast = fast.simulate(&system, State::new(0.0, 0.0), 50.0)?;
 /// let exact = Integrator::new().simulate(&system, State::new(0.0, 0.0), 50.0)?;
 /// assert_eq!(fast.events().len(), exact.events().len());
 /// assert!((fast.events()[9].time - exact.events()[9].time).abs() < 1e-5);
@@ -26,20 +27,21 @@ pub struct Integrator {
 }
 
 impl Integrator {
-    /// The default tolerance: 2⁻⁵², the rounding of a number. A smaller one takes more steps and
-    /// gains nothing.
+    /// The default tolerance: 2⁻⁵², the relative rounding error of a number. In a simulation a
+    /// smaller tolerance takes more steps and gains nothing.
     pub const ROUND_OFF: f64 = f64::EPSILON;
-    /// The least tolerance, with which cycles are followed: those that are almost neutral magnify
-    /// what a step leaves out.
+    /// The least tolerance. The searches for limit cycles use it, because a cycle that is almost
+    /// neutrally stable magnifies what a step leaves out.
     pub const MIN_TOLERANCE: f64 = 1e-16;
     /// The largest tolerance.
     pub const MAX_TOLERANCE: f64 = 1e-2;
-    /// Steps after which [`simulate`](Self::simulate) gives up unless told otherwise. An
-    /// oscillation takes about ten.
+    /// The default limit of steps, after which [`simulate`](Self::simulate) gives up. One
+    /// oscillation takes about ten steps.
     pub const DEFAULT_MAX_STEPS: usize = 100_000;
 
-    /// Tolerance at round-off, [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) for `simulate`, no
-    /// limit for `flow`.
+    /// The default settings: a tolerance at round-off, and at most
+    /// [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) steps in `simulate`, without a limit in
+    /// `flow`.
     pub const fn new() -> Self {
         Self {
             tolerance: Self::ROUND_OFF,
@@ -49,8 +51,9 @@ impl Integrator {
         }
     }
 
-    /// Sets the relative tolerance: the error of a step in units of the motion's own scale, max(|u
-    /// − ū|, |v|, |v_b|).
+    /// Sets the relative tolerance: the error of a step in units of the motion's own scale,
+    /// max(|u − ū|, |v|, |v_b|). For stiff motions see the
+    /// [crate page](crate#what-the-integrator-promises).
     ///
     /// # Errors
     ///
@@ -67,19 +70,20 @@ impl Integrator {
         Ok(self)
     }
 
-    /// Sets the time of the start, which is 0 else: where the drives of a
-    /// [`Structure`](crate::Structure) are at it. Times of events and states count from the same
-    /// zero as the drives do, not from the start.
+    /// Sets the time at which the motion starts; 0 unless set.
+    ///
+    /// The drives of a [`Structure`](crate::Structure) are functions of this time. The times of
+    /// events and states count from the same zero as the drives do, not from the start.
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] unless it is finite.
+    /// [`Error::InvalidParameter`] unless the time is finite.
     pub fn with_start_time(mut self, time: f64) -> Result<Self, Error> {
         self.start_time = Error::check("start_time", time, true, "any time")?;
         Ok(self)
     }
 
-    /// Sets the largest number of steps of one run, for `flow` too.
+    /// Sets the largest number of steps of one run, for both `simulate` and `flow`.
     ///
     /// # Errors
     ///
@@ -95,8 +99,8 @@ impl Integrator {
         Ok(self)
     }
 
-    /// Sets the largest number of events of one run, for `flow` too: a run that goes on after more
-    /// events than this is an error.
+    /// Sets the largest number of events of one run, for both `simulate` and `flow`. A run that
+    /// would go on after more events than this ends in an error.
     ///
     /// # Errors
     ///
@@ -112,16 +116,19 @@ impl Integrator {
         Ok(self)
     }
 
-    /// The motion from `start` over `duration`, both dimensionless.
+    /// The motion from `start` over `duration`, both in the units of the system: dimensionless for
+    /// a [`MassOnBelt`](crate::MassOnBelt).
     ///
     /// # Errors
     ///
     /// * [`Error::InvalidDuration`] unless `duration` is finite and ≥ 0;
-    /// * [`Error::InvalidState`] unless `start` is finite and the scale of the motion, max(|u − ū|,
-    ///   |v|, |v_b|), is 0 or from 1e-280 to 1e300;
-    /// * [`Error::NonFiniteFriction`], [`Error::NotAnalytic`], [`Error::StepUnderflow`],
-    ///   [`Error::TooManySteps`], [`Error::TooManyEvents`] with the time and state reached, if the
-    ///   motion cannot be followed further.
+    /// * [`Error::InvalidState`] unless `start` is finite and the scale of the motion,
+    ///   max(|u − ū|, |v|, |v_b|), is 0 or from 1e-280 to 1e300;
+    /// * if the motion cannot be followed further, [`Error::NonFiniteFriction`],
+    ///   [`Error::NotAnalytic`], [`Error::StepUnderflow`], [`Error::TooManySteps`] or
+    ///   [`Error::TooManyEvents`], with the time and state reached;
+    /// * for a [`Structure`](crate::Structure) also [`Error::WrongSize`], if `start` does not have
+    ///   its size, and [`Error::Separation`].
     pub fn simulate<S: System>(
         self,
         system: &S,
@@ -140,7 +147,7 @@ impl Integrator {
         for step in limited.flow(system, start)? {
             let step = match step {
                 Ok(step) => step,
-                // What can't be followed lies beyond.
+                // The motion up to the end is complete; what failed lies beyond.
                 Err(_) if steps.last().is_some_and(|last| last.end_time() == end) => break,
                 Err(error) => return Err(error),
             };
@@ -173,8 +180,8 @@ impl Integrator {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidState`] as in [`simulate`](Self::simulate). The items are errors as there;
-    /// after one comes `None`.
+    /// [`Error::InvalidState`] and [`Error::WrongSize`] as in [`simulate`](Self::simulate). The
+    /// errors of a motion that cannot be followed further are items; after an error comes `None`.
     pub fn flow<S: System>(
         self,
         system: &S,

@@ -1,4 +1,4 @@
-//! What the motions of every system share. Nothing here knows a system.
+//! What the motions of every system share. No file here knows a system.
 //!
 //! | file | what is in it |
 //! |---|---|
@@ -25,11 +25,12 @@ pub(crate) mod sealed {
     pub trait Sealed {}
 }
 
-/// A system that the [`Integrator`] can follow: [`MassOnBelt`](crate::MassOnBelt). Sealed.
+/// A system that the [`Integrator`] can follow: [`MassOnBelt`](crate::MassOnBelt) or
+/// [`Structure`](crate::Structure). Sealed: no other type can implement it.
 pub trait System: sealed::Sealed {
-    /// What is known of it at one time.
+    /// The state of the system at one time.
     type State: SystemState;
-    /// Its motion, step by step.
+    /// The motion of the system, step by step.
     type Flow<'s>: Iterator<Item = Result<<Self::State as SystemState>::Step, Error>>
     where
         Self: 's;
@@ -39,31 +40,38 @@ pub trait System: sealed::Sealed {
     fn flow(&self, settings: Integrator, start: Self::State) -> Result<Self::Flow<'_>, Error>;
 }
 
-/// A state of some kind of system: [`State`](crate::State) of one mass. Sealed.
+/// The state of a system: [`State`](crate::State) of one mass, or
+/// [`structure::State`](crate::structure::State) of several. Sealed: no other type can implement
+/// it.
 pub trait SystemState: sealed::Sealed + Clone {
-    /// A step of a motion through such states.
+    /// The steps of which motions through such states consist.
     type Step: Segment<State = Self>;
 }
 
-/// A stretch of a motion, with events at its end only. Sealed.
+/// A stretch of a motion without events but at its end: a step of any system. Sealed: no other
+/// type can implement it.
+///
+/// All times are in the units of the system.
 pub trait Segment: sealed::Sealed + Clone {
-    /// What is known of the system at one time.
+    /// The state of the system at one time.
     type State: SystemState<Step = Self>;
 
-    /// Time at which it starts, in the units of the system.
+    /// Time at which the stretch starts.
     fn start_time(&self) -> f64;
-    /// Time at which it ends; infinite for a rest that lasts for ever.
+    /// Time at which the stretch ends; infinite for a rest that lasts for ever.
     fn end_time(&self) -> f64;
-    /// How long it lasts; infinite for a rest that lasts for ever.
+    /// How long the stretch lasts; infinite for a rest that lasts for ever.
     fn duration(&self) -> f64;
-    /// Time since its start at a time of the motion, kept within 0 and its duration.
+    /// The time that has passed at `time` since the **start** of the stretch: 0 before the stretch,
+    /// and its duration after it.
     fn since_start(&self, time: f64) -> f64;
-    /// State at a finite time t after its **start**, 0 ≤ t ≤ [`duration`](Self::duration).
+    /// State at a finite time t after the **start** of the stretch,
+    /// 0 ≤ t ≤ [`duration`](Self::duration).
     fn state_at(&self, t: f64) -> Self::State;
-    /// State at its end; at an event the event's own.
+    /// State at the end of the stretch; if it ends with an event, the state of the event.
     fn end_state(&self) -> Self::State;
-    /// The events that end it, in the order of the contacts.
+    /// The events that end the stretch, in the order of the contacts.
     fn events(&self) -> &[Event<Self::State>];
-    /// The part of it that lies before `time`, which it does not reach itself.
+    /// The stretch cut short at `time`, without the events at its end.
     fn until(self, time: f64) -> Self;
 }

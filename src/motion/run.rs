@@ -3,7 +3,7 @@ use crate::clock::Clock;
 use crate::error::{Error, Reached};
 use crate::state::structure::State;
 
-/// Clock, counts and limits of one run.
+/// The clock of one run, with its counts of steps and events and their limits.
 #[derive(Debug, Clone)]
 pub(crate) struct Run {
     pub(crate) clock: Clock,
@@ -22,7 +22,7 @@ impl Run {
         }
     }
 
-    /// Why the run may not go on from a state, if it may not.
+    /// The error that ends the run at this state, if a limit is reached.
     #[inline]
     pub(crate) fn limit_reached(&self, state: impl FnOnce() -> State) -> Option<Error> {
         let steps = self.settings.max_steps();

@@ -1,39 +1,45 @@
-//! How long a step may be, and which defect of it is accepted.
+//! How long a step may be, and how large a defect of its series is accepted.
 
 use crate::series::{PowerSeries, TERMS};
 
-/// A step longer than this, in radians of the undamped oscillator, is looked at in more than four
-/// places; few are. Of several masses: in units of the time that the fastest could take.
+/// Length of a step, in radians of the undamped oscillator, above which its defect is looked at in
+/// more than four places. Few steps are so long.
+///
+/// Of several masses: in units of the time that the fastest could take.
 pub(crate) const LONG: f64 = 1.0;
 
-/// No series is used further, even where its last coefficients vanish: the oscillator turns once in
-/// about 2π.
+/// The longest time over which a series is used, even if its last coefficients vanish: the
+/// oscillator turns once in about 2π.
 pub(crate) const FARTHEST: f64 = 8.0;
 
-/// Rate at which deviations from a slow motion die out (or grow) above which a system is stiff.
+/// The rate above which a system is stiff: that at which deviations from a slow motion die out, or
+/// grow.
 pub(crate) const STIFF: f64 = 8.0;
 
-/// Reach of an explicit step in units of 1/D above which the motion may have come to the slow one.
+/// Reach of an explicit step, in units of 1/D, above which the motion may have come to the slow
+/// one. D is the rate at which deviations from the slow motion die out.
 pub(crate) const SETTLING: f64 = 7.0;
 
-/// Floor of the defect that rounding alone causes, in units of ε times the largest term of the
-/// equation of motion; it is seldom above 8.
+/// The defect that is put down to rounding alone, in units of ε times the largest term of the
+/// equation of motion. What rounding causes is seldom above 8.
 const DEFECT_FLOOR: f64 = 1000.0;
 
-/// Defect × step accepted, in units of the error allowed in a step's last term.
+/// Largest product of defect and step length that is accepted, in units of the error allowed in a
+/// step's last term.
 const DEFECT_LIMIT: f64 = 40.0 * TERMS as f64;
 
-/// What a step may leave out.
+/// The errors that are allowed in a step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Allowance {
-    /// The largest of the last terms of the series.
+    /// The most that the last terms of the series may amount to.
     pub(crate) error: f64,
     /// Defect that rounding alone may cause.
     floor: f64,
 }
 
 impl Allowance {
-    /// An error of the motion, beside the largest term of its equation.
+    /// Allows this error of the motion, and what rounding makes of the largest term of its
+    /// equation.
     #[inline(always)]
     pub(crate) fn new(error: f64, largest_term: f64) -> Self {
         Self {
@@ -42,28 +48,29 @@ impl Allowance {
         }
     }
 
-    /// How far the terms of the highest orders stay below the error: (error/|c_n|)^(1/n) for the
-    /// last two n, to 6 %.
+    /// The time up to which the terms of the highest orders stay below the error:
+    /// (error/|c_n|)^(1/n) for the last two n, to 6 %.
     #[inline(always)]
     pub(crate) fn reach(&self, c: &PowerSeries) -> f64 {
         self.reach_of(c, TERMS - 1, FARTHEST)
     }
 
-    /// The same of a series that ends with an earlier order, and in the slow motion of a stiff
-    /// system, which may be followed further.
+    /// As [`reach`](Self::reach), for a series that ends with an earlier order, and for the slow
+    /// motion of a stiff system, which may be followed further.
     #[inline(always)]
     pub(crate) fn reach_of(&self, c: &PowerSeries, order: usize, farthest: f64) -> f64 {
         reach(self.error, c, order).min(farthest)
     }
 
-    /// No series of a motion that closes in on a slow one at this rate is used further: the slow
-    /// motion changes within the time D.
+    /// The longest time over which a series is used, for a motion that closes in on a slow one at
+    /// the rate D = `closing`: the slow motion changes within the time D.
     pub(crate) fn farthest(closing: f64) -> f64 {
         FARTHEST * closing.max(1.0)
     }
 
-    /// Whether a step of length h may be taken with these defects: what is missing in its equation
-    /// of motion. NaN is not accepted.
+    /// Whether a step of length h may be taken with these defects. NaN is not accepted.
+    ///
+    /// A defect is what is missing in the equation of motion when the series is put in.
     #[inline(always)]
     pub(crate) fn accepts(&self, defects: [f64; 3], h: f64) -> bool {
         let accepted = DEFECT_LIMIT * self.error + self.floor * h;
@@ -71,7 +78,8 @@ impl Allowance {
     }
 }
 
-/// How far the terms of order n and n − 1 stay below an error: (error/|c_n|)^(1/n), to 6 %.
+/// The time up to which the terms of order n and n − 1 stay below an error: (error/|c_n|)^(1/n), to
+/// 6 %.
 #[inline(always)]
 pub(crate) fn reach(error: f64, c: &PowerSeries, n: usize) -> f64 {
     let by = |n: usize| root_of_ratio(error, c[n].abs(), n);

@@ -3,10 +3,11 @@ use std::borrow::Borrow;
 use super::{Event, Segment, SystemState};
 use crate::state::State;
 
-/// A motion over a finite time: its events, and its state at any time.
+/// A motion over a finite time, with its events and its state at any time.
 ///
-/// Made by [`MassOnBelt::simulate`](crate::MassOnBelt::simulate). Between events it holds the power
-/// series of the motion, so that the state at any time is as accurate as at the steps.
+/// [`MassOnBelt::simulate`](crate::MassOnBelt::simulate) and
+/// [`Structure::simulate`](crate::Structure::simulate) make it. It holds the power series of the
+/// motion between events, so that the state at any time is as accurate as at the ends of steps.
 ///
 /// ```
 /// use stick_slip::{EventKind, MassOnBelt, Mode, Polynomial, State};
@@ -23,7 +24,7 @@ use crate::state::State;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trajectory<S: SystemState = State> {
-    /// At least one; the last reaches the end.
+    /// At least one step; the last reaches the end.
     steps: Vec<S::Step>,
     events: Vec<Event<S>>,
     start: f64,
@@ -42,44 +43,49 @@ impl<S: SystemState> Trajectory<S> {
         }
     }
 
-    /// The events in order of time; one at the time [`duration`](Self::duration) is among them.
+    /// The events in order of time, with an event exactly at the end among them.
     ///
-    /// A start in stick is no event, but a start exactly at the release point is a release at time
-    /// 0.
+    /// A start in stick is no event. A start exactly at the release point is a release at the time
+    /// of the start.
     pub fn events(&self) -> &[Event<S>] {
         &self.events
     }
 
-    /// The steps, as [`Flow`](crate::Flow) gives them, the last one cut at
-    /// [`duration`](Self::duration).
+    /// The steps of the motion, as [`Integrator::flow`](crate::Integrator::flow) gives them. The
+    /// last one is cut at the end of the motion.
     pub fn steps(&self) -> &[S::Step] {
         &self.steps
     }
 
-    /// Time τ from start to end, dimensionless.
+    /// Time from start to end, in the units of the system: τ, dimensionless, for a
+    /// [`MassOnBelt`](crate::MassOnBelt).
     pub fn duration(&self) -> f64 {
         self.duration
     }
 
-    /// State at the end.
+    /// State at the end of the motion.
     pub fn last(&self) -> S {
         // There is one at least.
         self.steps[self.steps.len() - 1].end_state()
     }
 
-    /// State at a time 0 ≤ τ ≤ [`duration`](Self::duration); `None` outside, and for NaN.
+    /// State at a time from the start to the end of the motion; `None` outside, and for NaN.
+    ///
+    /// The start is at time 0, unless
+    /// [`Integrator::with_start_time`](crate::Integrator::with_start_time) sets another.
     pub fn state_at(&self, time: f64) -> Option<S> {
         let step = self.step_at(time)?;
         Some(step.state_at(step.since_start(time)))
     }
 
-    /// n equidistant times with their states, start and end included; none for n = 0, the start
-    /// alone for n = 1.
+    /// The states at n equidistant times from start to end, each with its time. None for n = 0, the
+    /// start alone for n = 1.
     ///
     /// ```
     /// use stick_slip::{Coulomb, MassOnBelt, State};
     ///
-    /// let motion = MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.5)?.simulate(State::new(0.0, 0.5), 1.5)?;
+    /// let system = MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.5)?;
+    /// let motion = system.simulate(State::new(0.0, 0.5), 1.5)?;
     /// let times: Vec<f64> = motion.sample(4).map(|(time, _)| time).collect();
     /// assert_eq!(times, [0.0, 0.5, 1.0, 1.5]);
     /// # Ok::<(), stick_slip::Error>(())
@@ -97,13 +103,14 @@ impl<S: SystemState> Trajectory<S> {
         })
     }
 
-    /// The states at these times, each with its time. Times outside of the motion, and NaN, are
+    /// The states at given times, each with its time. Times outside of the motion, and NaN, are
     /// left out.
     ///
     /// ```
     /// use stick_slip::{Coulomb, MassOnBelt, State};
     ///
-    /// let motion = MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.5)?.simulate(State::new(0.0, 0.5), 1.5)?;
+    /// let system = MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.5)?;
+    /// let motion = system.simulate(State::new(0.0, 0.5), 1.5)?;
     /// let states: Vec<_> = motion.sample_at([0.25, 0.5, 99.0]).collect();
     /// assert_eq!(states, [(0.25, State::new(0.125, 0.5)), (0.5, State::new(0.25, 0.5))]);
     /// # Ok::<(), stick_slip::Error>(())
@@ -116,12 +123,12 @@ impl<S: SystemState> Trajectory<S> {
         times.filter_map(|time| Some((time, self.state_at(time)?)))
     }
 
-    /// The time of its end.
+    /// The time at which the motion ends.
     fn end(&self) -> f64 {
         self.start + self.duration
     }
 
-    /// The step that holds a time: the last one that starts at it or before.
+    /// The step that holds a time: the last one that starts at that time or before.
     pub(crate) fn step_at(&self, time: f64) -> Option<&S::Step> {
         if !(self.start..=self.end()).contains(&time) {
             return None;

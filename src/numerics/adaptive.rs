@@ -7,8 +7,8 @@ use std::f64::consts::PI;
 use crate::error::Error;
 use crate::numerics::gauss::gauss_nodes;
 
-/// N integrals over the same interval. Size and peak are the integral and the largest value of
-/// Σ |f_i|.
+/// Integrals of f_1 … f_N over the same interval. `size` is the integral of Σ |f_i|, and `peak` the
+/// largest value of that sum.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Integral<const N: usize> {
     pub(crate) parts: [f64; N],
@@ -42,9 +42,10 @@ impl<const N: usize> Integral<N> {
         sum
     }
 
-    /// Largest difference between two rules at which the finer is good to round-off: it converges
-    /// so fast that its own error is smaller by many orders. Where the integrand is narrow,
-    /// rounding of its argument is what counts, and that goes with its peak.
+    /// Largest difference between a coarse and a fine rule at which the fine one is good to
+    /// round-off: the rules converge so fast that the fine one's error is smaller than this
+    /// difference by many orders. For a narrow integrand the rounding of its argument counts most,
+    /// and that error is proportional to its peak.
     fn tolerance(&self) -> f64 {
         1e-12 * self.size + 16.0 * f64::EPSILON * self.peak + f64::MIN_POSITIVE
     }
@@ -59,12 +60,13 @@ impl<const N: usize> Integral<N> {
 
 /// First comparison: 64 against 128 intervals, so that no feature wider than π/128 is passed over.
 const COARSEST: usize = 64;
-/// An analytic integrand that is not resolved by so many is nearly singular; Gauss-Legendre panels
-/// are cheaper then.
+/// Most intervals. An analytic integrand that so many do not resolve is nearly singular, and
+/// Gauss-Legendre panels are cheaper.
 const FINEST: usize = 2048;
 
 /// ∫₀^π f dψ of an even 2π-periodic analytic f, by the trapezoidal rule, which converges
-/// geometrically; halved until two rules agree. `None` if f is not resolved.
+/// geometrically. The intervals are halved until two rules agree; `None` if those with [`FINEST`]
+/// do not.
 pub(crate) fn trapezoid<const N: usize>(
     mut f: impl FnMut(f64) -> Result<[f64; N], Error>,
 ) -> Result<Option<Integral<N>>, Error> {
@@ -107,9 +109,9 @@ fn gauss_panel<const N: usize>(
     Ok(integral)
 }
 
-/// Points that divide a ≤ x ≤ b into panels, four times shorter from one to the next towards both
-/// ends: what a law does at slow speeds is seen whatever its scale (down to some 10⁻⁶ of the
-/// interval).
+/// Points that divide a ≤ x ≤ b into panels. Towards both ends each panel is four times shorter
+/// than the one before, so that what a law does at slow speeds is seen whatever its scale (down to
+/// some 10⁻⁶ of the interval).
 pub(crate) fn graded(a: f64, b: f64) -> [f64; 13] {
     let half = 0.5 * (b - a);
     std::array::from_fn(|j| match j {
@@ -120,14 +122,14 @@ pub(crate) fn graded(a: f64, b: f64) -> [f64; 13] {
     })
 }
 
-/// ∫ f dx over panels between the points of a mesh, of an f analytic between its ends, by
-/// Gauss-Legendre; panels are halved until each agrees with its halves.
+/// ∫ f dx over a mesh, by Gauss-Legendre, of an f that is analytic between neighbouring points of
+/// the mesh. Each interval is a panel, and is halved until the panel agrees with its halves.
 pub(crate) fn gauss<const N: usize>(
     mut f: impl FnMut(f64) -> Result<[f64; N], Error>,
     mesh: &[f64],
 ) -> Result<Integral<N>, Error> {
-    /// Most panels. An undeclared kink needs about 50; a law noisier than its rounding is not
-    /// followed for ever.
+    /// Most panels. An undeclared kink needs about 50; for a law noisier than its rounding the
+    /// halving would never end.
     const MOST_PANELS: usize = 4096;
     let mut panels = VecDeque::new();
     let mut made = 0;

@@ -1,13 +1,13 @@
-//! One root between two signs, from values alone, down to neighbouring numbers.
+//! One root between two places of different sign, from values alone, down to neighbouring numbers.
 
 use crate::error::Error;
 
 /// An interval at whose ends a function has different signs (0 counts as negative), and that
 /// shrinks with every value inside.
 ///
-/// False position: the next place to look at is where the chord passes zero. While one end moves
-/// alone, its steps go twice as far each time, so that the other end soon moves too; and where
-/// three values have not halved the interval, bisection does.
+/// The method is false position: the next place to look at is where the chord passes zero. While
+/// only one end moves, its steps go twice as far each time, so that the other end soon moves too.
+/// If three values have not halved the interval, bisection does.
 #[derive(Debug, Clone)]
 pub(crate) struct Bracket {
     low: f64,
@@ -20,7 +20,7 @@ pub(crate) struct Bracket {
     stretch: f64,
     /// Width when the interval was last halved.
     width: f64,
-    /// Values since then that were not enough, less one for each time that they were.
+    /// How many values have failed to halve the interval, less one for each that did.
     slow: u32,
 }
 
@@ -33,15 +33,15 @@ enum End {
 /// Where a function changes its sign: between `below` and the next number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SignChange {
-    /// The lower of the two neighbouring numbers: it lies in every range in which the change is
-    /// seen, so that none is lost, and none found twice, where a range is cut.
+    /// The lower of the two neighbouring numbers. If a range is cut in two, this number lies in the
+    /// part in which the change is seen, so that no change is lost or found twice.
     pub(crate) below: f64,
     /// The function at `below`, and at the number above.
     pub(crate) values: [f64; 2],
 }
 
 impl SignChange {
-    /// How far from zero the function is on the two sides of it at most: large where it jumps.
+    /// The larger |value| on the two sides of the change: large where the function jumps over zero.
     pub(crate) fn residual(&self) -> f64 {
         self.values[0].abs().max(self.values[1].abs())
     }
@@ -57,7 +57,7 @@ impl SignChange {
 }
 
 impl Bracket {
-    /// Between two places, the lower first, and the values of different sign there.
+    /// The bracket between two places, the lower first, with the values of different sign there.
     pub(crate) fn new((low, low_value): (f64, f64), (high, high_value): (f64, f64)) -> Self {
         Self {
             low,
@@ -94,7 +94,7 @@ impl Bracket {
         (a < x && x < b).then_some(x)
     }
 
-    /// Takes in the value at a place inside.
+    /// Shrinks the interval by the value at a place inside.
     pub(crate) fn narrow(&mut self, x: f64, value: f64) {
         let end = if (value > 0.0) == (self.low_value > 0.0) {
             (self.low, self.low_value) = (x, value);
@@ -125,8 +125,8 @@ impl Bracket {
     }
 }
 
-/// The sign change of a function between two places, the lower first, and its values of different
-/// sign there. `None` if the function has a gap (`None`) where it is asked for in between.
+/// The sign change of a function between two places, the lower first, each given with its value;
+/// the values differ in sign. `None` if the function gives `None` at a place in between.
 pub(crate) fn sign_change_between(
     f: &mut dyn FnMut(f64) -> Result<Option<f64>, Error>,
     a: (f64, f64),
@@ -142,8 +142,8 @@ pub(crate) fn sign_change_between(
     Ok(Some(bracket.sign_change()))
 }
 
-/// The root of a function that is known everywhere between two places, in either order, and of
-/// different sign at them: of two neighbouring numbers, the one at which it is nearer to zero.
+/// The root of a function between two places, in either order, at which its signs differ: of the
+/// two neighbouring numbers about it, the one at which the function is nearer to zero.
 pub(crate) fn root_between(
     f: &mut dyn FnMut(f64) -> Result<f64, Error>,
     a: f64,
@@ -155,7 +155,7 @@ pub(crate) fn root_between(
         return Ok(root);
     }
     let change = sign_change_between(&mut |x| f(x).map(Some), ends[0], ends[1])?;
-    // It has no gap.
+    // This function never gives `None`.
     Ok(change.map_or(low, |change| change.nearest()))
 }
 

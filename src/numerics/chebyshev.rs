@@ -22,13 +22,13 @@ pub(crate) struct Node {
 const DEGREE: usize = 32;
 /// Shortest piece of 0 ≤ t ≤ 1: two roots closer than this can be missed as a pair.
 const SHORTEST: f64 = 1.0 / (1u64 << 30) as f64;
-/// Most pieces in one segment. A smooth function needs a few and each near-double root about 60; a
-/// function noisier than it says is not followed for ever.
+/// Most pieces in one segment. A smooth function needs a few, and each near-double root about 60;
+/// for a function noisier than it says the halving would never end.
 const MOST_PIECES: usize = 2000;
 
-/// Points between which f(x(t)), 0 ≤ t ≤ 1, has at most one root: the ends of pieces where f's
-/// Chebyshev interpolant, resolved to round-off, has no root or is monotone by the sizes of its
-/// coefficients. In ascending t; x(t) must be monotone, f∘x analytic.
+/// Points, in ascending t, between which f(x(t)), 0 ≤ t ≤ 1, has at most one root. Between two of
+/// them the Chebyshev interpolant of f∘x is resolved to round-off, and the sizes of its
+/// coefficients show that it has no root or is monotone. x(t) must be monotone, and f∘x analytic.
 pub(crate) fn isolate(
     mut f: impl FnMut(f64) -> Result<Sample, Error>,
     x: impl Fn(f64) -> f64,
@@ -42,7 +42,7 @@ pub(crate) fn isolate(
         let (mid, half) = (0.5 * (start + end), 0.5 * (end - start));
         let mut samples = Vec::with_capacity(DEGREE + 1);
         for (j, cosine) in cosines[..=DEGREE].iter().enumerate() {
-            // The ends are those of the neighbours, to the bit.
+            // Neighbouring pieces have the same end, to the bit.
             let t = match j {
                 0 => end,
                 DEGREE => start,
@@ -84,7 +84,7 @@ fn has_one_root_at_most(samples: &[(f64, Node)], cosines: &[f64]) -> bool {
     if !resolved || has_no_root || is_flat {
         return resolved;
     }
-    // Derivative, without the coefficients that are rounding.
+    // Coefficients of the derivative, without those that are mere rounding.
     let degree = (0..=DEGREE).rfind(|&k| c[k].abs() > noise).unwrap_or(0);
     let mut d = [0.0; DEGREE + 2];
     for k in (1..=degree).rev() {
@@ -93,8 +93,8 @@ fn has_one_root_at_most(samples: &[(f64, Node)], cosines: &[f64]) -> bool {
     0.5 * d[0].abs() > sum(&d[1..])
 }
 
-/// Pairs of points between which the sign changes beyond doubt. Values within their own rounding
-/// error have no sign, so that a function that vanishes on a whole interval has no root there.
+/// Pairs of points between which the sign changes beyond doubt. A value within its rounding error
+/// has no sign, so a function that vanishes on a whole interval has no root there.
 pub(crate) fn brackets(nodes: &[Node]) -> Vec<[f64; 2]> {
     let definite = nodes
         .iter()

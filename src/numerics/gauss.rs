@@ -12,16 +12,16 @@ const GAUSS: [(f64, f64); 8] = [
     (0.989_400_934_991_649_9, 0.027_152_459_411_754_096),
 ];
 
-/// Nodes and weights of the 16-point rule on a ≤ x ≤ b: exact for polynomials of degree 31, and to
-/// round-off for a function that is analytic up to four times the interval's half length from its
-/// middle, as every Taylor step is.
+/// Nodes and weights of the 16-point rule on a ≤ x ≤ b. The rule is exact for polynomials of degree
+/// 31, and exact to round-off for a function that is analytic within four half lengths of the
+/// interval's middle, as every Taylor step is.
 pub(crate) fn gauss_nodes(a: f64, b: f64) -> impl Iterator<Item = (f64, f64)> {
     gauss_fours(a, b)
         .into_iter()
         .flat_map(|(nodes, weights)| std::iter::zip(nodes, weights))
 }
 
-/// The [`gauss_nodes`] in fours, for functions that are cheaper four at a time.
+/// The [`gauss_nodes`] in fours, for functions that are cheaper to evaluate four at a time.
 pub(crate) fn gauss_fours(a: f64, b: f64) -> [([f64; 4], [f64; 4]); 4] {
     let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
     std::array::from_fn(|i| {

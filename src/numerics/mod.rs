@@ -2,15 +2,15 @@
 //!
 //! | file | what is in it |
 //! |---|---|
-//! | `bracket.rs` | one root between two signs, to neighbouring numbers, from values alone |
-//! | `scan.rs` | a range looked at over a grid: how many intervals, how often halved where something may hide |
-//! | `with_slopes.rs` | all roots, and the outline, of a function known with its slope; how close two roots may lie |
+//! | `bracket.rs` | one root between two places of different sign, to neighbouring numbers, from values alone |
+//! | `scan.rs` | the search of a range over a grid: how many intervals, and how often one is halved where a root may hide |
+//! | `with_slopes.rs` | all roots of a function known with its slope, and its outline (where it turns); how close two roots may lie |
 //! | `gauss.rs` | Gauss-Legendre quadrature on one interval |
 //! | `adaptive.rs` | quadrature to round-off: trapezoidal rule, adaptive Gauss-Legendre |
 //! | `chebyshev.rs` | all roots of a function known from values, by Chebyshev interpolation |
 //!
-//! Searches take their function as `&mut dyn FnMut`, and are compiled once: one call costs a whole
-//! slip arc, or a search for cycles.
+//! Searches take their function as `&mut dyn FnMut` and so are compiled once. The indirect call
+//! costs nothing beside the function, which computes a whole slip arc or searches for cycles.
 
 pub(crate) mod adaptive;
 pub(crate) mod bracket;

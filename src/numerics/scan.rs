@@ -1,11 +1,11 @@
-//! A range looked at over a grid that is refined where something may hide.
+//! The search of a range over a grid, which is refined where something may hide.
 
 use std::ops::Range;
 
 use super::bracket::sign_change_between;
 use crate::error::Error;
 
-/// Intervals that a range is divided into before anything is known.
+/// Number of equal intervals that a range is first divided into.
 const INTERVALS: usize = 64;
 
 /// What is looked for over a range, and how it is seen at one place.
@@ -16,11 +16,11 @@ pub(crate) trait Survey {
     /// How often an interval of the grid may be halved.
     const HALVINGS: u32;
 
-    /// What is to be seen at x.
+    /// Computes what is known at x.
     fn sample(&mut self, x: f64) -> Result<Self::Sample, Error>;
 
-    /// Takes what lies between two neighbouring places, each with what is seen there; or asks for
-    /// the interval to be halved, which is possible as often as `halvings` says.
+    /// Looks between two neighbouring places, each given with its sample: records what lies there,
+    /// or asks for the interval to be halved, if `halvings` are left.
     fn look(
         &mut self,
         left: &(f64, Self::Sample),
@@ -29,15 +29,15 @@ pub(crate) trait Survey {
     ) -> Result<Look, Error>;
 }
 
-/// What came of looking at an interval.
+/// Result of looking at an interval.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Look {
     Done,
     Halve,
 }
 
-/// Looks at a range: at [`INTERVALS`] intervals of equal width, and at the halves of those that
-/// ask for it.
+/// Searches a range: [`INTERVALS`] intervals of equal width, and the halves of those for which the
+/// survey asks.
 pub(crate) fn scan<S: Survey>(survey: &mut S, range: &Range<f64>) -> Result<(), Error> {
     let width = (range.end - range.start) / INTERVALS as f64;
     let mut left = (range.start, survey.sample(range.start)?);
@@ -54,7 +54,7 @@ pub(crate) fn scan<S: Survey>(survey: &mut S, range: &Range<f64>) -> Result<(), 
     Ok(())
 }
 
-/// Looks at one interval, and at its halves if it asks for it.
+/// Looks at one interval, and at its halves if the survey asks for them.
 pub(crate) fn look_between<S: Survey>(
     survey: &mut S,
     left: &(f64, S::Sample),
@@ -70,12 +70,13 @@ pub(crate) fn look_between<S: Survey>(
     Ok(())
 }
 
-/// The sign changes of a function of order 1 over a range, ascending, each to the last bit; `None`
-/// where the function is not defined.
+/// The sign changes over a range, ascending, each to the last bit, of a function f whose values are
+/// of order 1; f gives `None` where it is not defined.
 ///
 /// An interval of the grid is halved, up to 10 times, while f is defined at one end only, or while
-/// it comes closer to zero than it changes across the interval. Two sign changes are lost only if
-/// f turns back between points of that grid: narrow the range to look closer.
+/// f is closer to zero at an end than it changes across the interval. Two sign changes are lost
+/// only if f passes zero and turns back between two points of that refined grid: narrow the range
+/// to look closer.
 pub(crate) fn sign_changes(
     f: &mut dyn FnMut(f64) -> Result<Option<f64>, Error>,
     range: &Range<f64>,
@@ -110,12 +111,12 @@ impl Survey for SignChanges<'_> {
     ) -> Result<Look, Error> {
         let may_hide = match (a.1, b.1) {
             (None, None) => false,
-            // Zero throughout, as for a motion that returns to the belt tangentially at every belt
-            // velocity.
+            // Such a function is zero throughout, as for a motion that returns to the belt
+            // tangentially at every belt velocity.
             (Some(p), Some(q)) if p.abs().max(q.abs()) <= ROUNDING => false,
             (Some(p), Some(q)) if (p > 0.0) != (q > 0.0) => {
-                // A jump is one too: the motion may depend on the belt velocity so steeply that it
-                // passes through zero within an ulp.
+                // A jump over zero counts as a root: the motion may depend so steeply on the belt
+                // velocity that the function passes through zero within an ulp.
                 match sign_change_between(self.f, (a.0, p), (b.0, q))? {
                     Some(change) => {
                         self.found.push(change.below);

@@ -1,5 +1,5 @@
-//! All roots, in an interval, of a function whose value and slope are known at every point, and
-//! its outline: where it turns.
+//! All roots in an interval, and the outline (where it turns), of a function whose value and slope
+//! are known at every point.
 
 use std::ops::Range;
 
@@ -12,19 +12,19 @@ pub(crate) struct Sample {
     pub(crate) x: f64,
     pub(crate) value: f64,
     pub(crate) slope: f64,
-    /// Size of its rounding error.
+    /// Size of the rounding error of `value`.
     pub(crate) noise: f64,
     /// Work done so far, in Taylor steps.
     pub(crate) work: usize,
 }
 
 impl Sample {
-    /// Zero to rounding.
+    /// Whether the value is zero to rounding.
     pub(crate) fn vanishes(&self) -> bool {
         self.value.abs() <= self.noise
     }
 
-    /// Whether it is positive; `None` if it is zero to rounding.
+    /// Whether the value is positive; `None` if it is zero to rounding.
     pub(crate) fn grows(self) -> Option<bool> {
         (!self.vanishes()).then_some(self.value > 0.0)
     }
@@ -35,28 +35,28 @@ impl Sample {
 pub(crate) struct Roots {
     /// Roots in ascending order.
     pub(crate) roots: Vec<f64>,
-    /// Neighbouring floating-point numbers, or nearly so, between which the function jumps over
-    /// zero; and ranges where it is zero to rounding.
+    /// Ranges in which nothing is decided: those, as narrow as two neighbouring numbers or nearly
+    /// so, over which the function jumps across zero, and those where it is zero to rounding.
     pub(crate) unresolved: Vec<Range<f64>>,
 }
 
 /// Width, relative to the interval searched, below which an interval is not divided further.
 const NARROWEST: f64 = 1e-9;
 
-/// Taylor steps after which what is left goes unresolved. Some hundreds are the rule; a law with
-/// thousands of waves below the speed of the motion needs a limit.
+/// Taylor steps after which the rest of the interval is left unresolved. Some hundreds are the
+/// rule; a law with thousands of waves below the speed of the motion needs a limit.
 const MOST_WORK: usize = 200_000;
 
-/// The cubic through both ends must predict the value in the middle this well, relative to the
-/// values around.
+/// Largest error, relative to the values around, with which the cubic through both ends may predict
+/// the value in the middle.
 const CUBIC_FITS: f64 = 0.02;
 
 /// Finds the roots between two samples, and adds them to those found in intervals before.
 ///
 /// An interval is divided until the cubic through the values and slopes at its ends predicts value
-/// and slope in the middle. Then the cubics of the two halves decide: a half holds a root if the
-/// signs at its ends differ, and may hold two if its cubic comes closer to zero than the prediction
-/// was wrong; such a half is divided further. A pair of roots is lost only if the function turns
+/// and slope in the middle. Then the cubics of the two halves decide. A half holds a root if the
+/// signs at its ends differ. It may hold two if its cubic comes closer to zero than the prediction
+/// was wrong, and is then divided further. A pair of roots is lost only if the function turns
 /// within an interval in which its cubic fits, or if the pair is closer than [`NARROWEST`].
 pub(crate) fn roots_between(
     f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
@@ -73,19 +73,19 @@ pub(crate) fn roots_between(
 pub(crate) struct Turn {
     pub(crate) x: f64,
     pub(crate) value: f64,
-    /// Size of its rounding error.
+    /// Size of the rounding error of `value`.
     pub(crate) noise: f64,
 }
 
-/// Halvings after which turning points are taken from what is known.
+/// Halvings after which turning points are taken from the samples at hand.
 const DEEPEST: usize = 9;
 
 /// The outline of a function between two samples: both ends and, in ascending order between them,
 /// the points at which the slope changes sign. Maxima and minima take turns, each higher than its
 /// neighbours, or lower, by more than rounding.
 ///
-/// Divided until the cubics fit and turn no more often than their ends tell, and then refined on
-/// the slope.
+/// The interval is divided until the cubics fit and turn no more often than the slopes at their
+/// ends tell. Each turning point is then refined as a root of the slope.
 pub(crate) fn outline_between(
     f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
     a: Sample,
@@ -116,8 +116,8 @@ pub(crate) fn outline_between(
     Ok(outline)
 }
 
-/// The point between two samples at which the slope passes through zero: as closely as the value,
-/// which is stationary there, needs it.
+/// The point between two samples at which the slope passes through zero, as close as the value
+/// there, which is stationary, needs it.
 fn turn(
     f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
     a: Sample,
@@ -141,21 +141,20 @@ fn turn(
     }
 }
 
-/// Takes out of an outline the turns that rounding makes.
+/// Removes from an outline the turns that are mere rounding.
 fn smooth(outline: &mut Vec<Turn>) {
     let hidden =
         |pair: &[Turn]| (pair[0].value - pair[1].value).abs() <= pair[0].noise.max(pair[1].noise);
     while outline.len() > 2
         && let Some(i) = outline.windows(2).position(hidden)
     {
-        // Both, but for the ends.
+        // Both turns go, but an end of the range stays.
         let last = outline.len() - 1;
         outline.drain(i.max(1)..(i + 2).min(last));
     }
 }
 
-/// Whether the cubic through both ends, whose slopes have one sign, turns in between, there and
-/// back.
+/// Whether the cubic through two ends, whose slopes have the same sign, turns twice in between.
 fn turns_twice(a: Sample, b: Sample) -> bool {
     let width = b.x - a.x;
     let (dp, dq) = (a.slope * width, b.slope * width);
@@ -195,7 +194,7 @@ fn divide(
     let m = f(0.5 * (a.x + b.x))?;
     let (fits, error) = fits(a, m, b);
     let noise = a.noise.max(m.noise).max(b.noise);
-    // Then no division tells more of a root that rounding hides.
+    // At this error, further division tells no more of a root that rounding hides.
     let at_rounding = error <= noise;
     for (left, right) in [(a, m), (m, b)] {
         let changes = (left.value > 0.0) != (right.value > 0.0);
@@ -222,8 +221,8 @@ fn divide(
     Ok(())
 }
 
-/// Both slopes agree with the sign of the change, neither is so steep that the cubic turns in
-/// between, and none is mere rounding.
+/// Whether the cubic surely rises, or surely falls, all the way: both slopes agree with the sign of
+/// the change, neither is so steep that the cubic turns in between, and neither is mere rounding.
 fn one_way(a: Sample, b: Sample) -> bool {
     let secant = (b.value - a.value) / (b.x - a.x);
     [a, b].iter().all(|end| {
@@ -233,8 +232,8 @@ fn one_way(a: Sample, b: Sample) -> bool {
     })
 }
 
-/// Whether the function is zero to rounding at an end, with a root next to it, or where its cubic
-/// comes closest to zero.
+/// Whether rounding may hide a root: beside an end at which the function is zero to rounding, or
+/// where its cubic comes closest to zero.
 fn hidden(a: Sample, b: Sample, noise: f64) -> bool {
     if (a.value > 0.0) != (b.value > 0.0) {
         a.vanishes() || b.vanishes()
@@ -243,8 +242,8 @@ fn hidden(a: Sample, b: Sample, noise: f64) -> bool {
     }
 }
 
-/// The least value, between both ends, of the cubic through them, which have one sign, counted as
-/// positive; infinite where it has no extremum.
+/// The least |value|, between two ends of the same sign, that the cubic through them has at an
+/// extremum, negative if the extremum lies beyond zero; infinite if there is none.
 fn lowest(a: Sample, b: Sample) -> f64 {
     let width = b.x - a.x;
     let sign = if a.value > 0.0 { 1.0 } else { -1.0 };
@@ -276,7 +275,7 @@ impl From<Sample> for Turn {
 }
 
 impl Roots {
-    /// Leaves a range unresolved, as one with that before it if they meet.
+    /// Leaves a range unresolved, and joins it to the one before if they meet.
     fn leave(&mut self, range: Range<f64>) {
         match self.unresolved.last_mut() {
             Some(last) if last.end == range.start => last.end = range.end,
@@ -332,7 +331,8 @@ impl Roots {
     }
 }
 
-/// A function that is still larger when its bracket has shrunk to nothing jumps over zero.
+/// Largest |value| at a root: a function that is still larger when its bracket has shrunk to
+/// neighbouring numbers jumps over zero.
 const JUMP: f64 = 1e-7;
 
 #[cfg(test)]

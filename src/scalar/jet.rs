@@ -1,10 +1,10 @@
 //! A Taylor number whose order is a run-time value, for cold paths and for series of many coupled
 //! quantities.
 //!
-//! The recurrences are those of `operations.rs`: one copy of a law serves every order. A function is
-//! run once for every order k; run k computes the coefficients of t^k alone, from the rows that the
-//! runs before left on the [`Tape`]. So equations that are coupled can be advanced one order at a
-//! time, each with a tape of its own.
+//! The recurrences are those of `operations.rs`: one copy of a law serves every order. A function
+//! is run once for every order k; run k computes the coefficients of t^k alone, from the rows that
+//! the runs before left on the [`Tape`]. So equations that are coupled can be advanced one order at
+//! a time, each with a tape of its own.
 //!
 //! As there, a coefficient is slope·s_k + rest, s_k that of the one input which comes last, the
 //! [variable](Run::variable): from one order to the next the critical path is then as short as it

@@ -1,10 +1,11 @@
-//! The number types a friction law is evaluated on: `f64`, and two Taylor coefficients.
+//! The number types on which a friction law is evaluated: `f64`, and two kinds of Taylor
+//! coefficients.
 //!
 //! | file | what is in it |
 //! |---|---|
 //! | `mod.rs` | [`Scalar`]: what a law may do with a number |
-//! | `taylor.rs`, `operations.rs` | order in the type: the fastest, for one mass on its belt (the order itself: `series::TERMS`) |
-//! | `jet.rs`, `products.rs` | order at run time: small code, many coupled series, cold paths |
+//! | `taylor.rs`, `operations.rs` | Taylor coefficients whose order is part of the type: the fastest, for one mass on its belt (the order itself: `series::TERMS`) |
+//! | `jet.rs`, `products.rs` | Taylor coefficients whose order is chosen at run time: small code, for many coupled series and for cold paths |
 
 pub(crate) mod jet;
 mod operations;
@@ -23,24 +24,26 @@ mod sealed {
 
 /// A number that a friction law can be evaluated on.
 ///
-/// `f64` and the crate's own Taylor coefficients implement it, and no other type can: the trait is
-/// sealed. Write a law once with these operations and the crate gets its values, its
-/// derivatives and its power series along a motion.
+/// Write a law once with the operations of this trait. The crate then computes from it the law's
+/// values, its derivatives and its power series along a motion. `f64` and the crate's own Taylor
+/// coefficients implement the trait. It is sealed: no other type can implement it.
 ///
-/// Arithmetic works with `Self` and with `f64` on the **right** (`speed * 3.0 + 1.0`); Rust does
-/// not allow an `f64` on the left of a generic number, so write `speed.constant(1.0) / speed` or
-/// `speed.recip()`.
+/// The other operand of `+`, `-`, `*` and `/` is a number of the same type, or an `f64` on the
+/// **right**, as in `speed * 3.0 + 1.0`. Rust does not allow an `f64` on the left of a generic
+/// number, so write `speed.recip()` or `speed.constant(1.0) / speed` for 1/s.
 ///
 /// # Rules for a law
 ///
-/// * The sequence of operations may depend on the **base value** ([`value`](Self::value)) only, and
-///   on nothing that changes from call to call. `if speed.value() > 5.0 { … } else { … }` is
-///   allowed where both branches are the same function to rounding, as where one of them avoids an
-///   overflow. Two functions that meet at a speed are pieces, and the speed is a
+/// * **Branches.** The sequence of operations may depend only on the **base value**
+///   ([`value`](Self::value)), not on anything that changes from call to call.
+///   `if speed.value() > 5.0 { … } else { … }` is allowed if both branches are the same function up
+///   to rounding, for example if one of them avoids an overflow. If two different functions meet at
+///   a speed, they are pieces of the law, and this speed has to be named as a
 ///   [breakpoint](crate::FrictionLaw::breakpoints).
-/// * The law must be analytic at every speed it is used at, s = 0 included, or name its
-///   [breakpoints](crate::FrictionLaw::breakpoints). [`sqrt`](Self::sqrt), [`ln`](Self::ln) and a
-///   non-integral [`powf`](Self::powf) of a number that is 0 are not, and end in
+/// * **Smoothness.** The law must be analytic (it has a power series) at every speed that a motion
+///   reaches, s = 0 included, except at its [breakpoints](crate::FrictionLaw::breakpoints).
+///   [`sqrt`](Self::sqrt), [`ln`](Self::ln) and a non-integral [`powf`](Self::powf) are not
+///   analytic where their argument is 0. Used there, they end in
 ///   [`Error::NotAnalytic`](crate::Error::NotAnalytic) or
 ///   [`Error::NonFiniteFriction`](crate::Error::NonFiniteFriction).
 ///
@@ -69,48 +72,47 @@ pub trait Scalar:
     + Mul<f64, Output = Self>
     + Div<f64, Output = Self>
 {
-    /// The constant c as a number of this type. `self` serves only to find the type.
+    /// The constant c as a number of this type. The value of `self` is not used, only its type.
     fn constant(self, c: f64) -> Self;
-    /// The base value: the number itself for `f64`, the coefficient of order 0 of a series. Branch
-    /// on this alone.
+    /// The base value: of an `f64` the number itself, of a series the coefficient of order 0.
     ///
-    /// A number stands for one motion, so that there is one base value. A law that asks for it is
-    /// evaluated for one motion at a time, also where others could be evaluated for several at
-    /// once.
+    /// A law may branch on the base value, and on nothing else. There is one base value because a
+    /// number belongs to one motion: a law that asks for it is evaluated for one motion at a time,
+    /// even where other laws could be evaluated for several motions at once.
     fn value(self) -> f64;
-    /// 1/x.
+    /// The reciprocal 1/x.
     fn recip(self) -> Self;
-    /// x².
+    /// The square x².
     fn square(self) -> Self;
-    /// eˣ.
+    /// The exponential eˣ.
     fn exp(self) -> Self;
-    /// Natural logarithm ln x; analytic for x > 0.
+    /// The natural logarithm ln x; analytic for x > 0.
     fn ln(self) -> Self;
-    /// √x; analytic for x > 0.
+    /// The square root √x; analytic for x > 0.
     fn sqrt(self) -> Self;
-    /// xⁿ by repeated products, so exact in its coefficients at x = 0 too.
+    /// The power xⁿ for an integer n, by repeated products. Its power series is exact at x = 0 too.
     fn powi(self, exponent: i32) -> Self;
-    /// xᵖ. An integral p is [`powi`](Self::powi); any other is analytic for x > 0.
+    /// The power xᵖ. For an integral p it is [`powi`](Self::powi); any other power is analytic for
+    /// x > 0.
     fn powf(self, exponent: f64) -> Self;
-    /// tanh x.
+    /// The hyperbolic tangent tanh x.
     fn tanh(self) -> Self;
-    /// arctan x.
+    /// The arctangent arctan x.
     fn atan(self) -> Self;
-    /// sin x.
+    /// The sine sin x.
     fn sin(self) -> Self;
-    /// cos x.
+    /// The cosine cos x.
     fn cos(self) -> Self;
-    /// |x|, by the sign of the base value; at 0 the branch of positive x.
+    /// The absolute value |x|, by the sign of the base value. If the base value is 0, it is x.
     ///
     /// A kink at a speed c > 0, as in `(speed - c).abs()`, must be named as a
     /// [breakpoint](crate::FrictionLaw::breakpoints).
     fn abs(self) -> Self;
 }
 
-/// A function of one number, written once for every type of number: what a series is composed
-/// with.
+/// A function of one number, written once for every type of number. Series are composed with it.
 pub(crate) trait Function: Copy {
-    /// Its value at x.
+    /// The value of the function at x.
     fn at<S: Scalar>(self, x: S) -> S;
 }
 
@@ -175,8 +177,8 @@ impl Scalar for f64 {
     }
 }
 
-/// a·b + c, fused only where the target has the instruction: elsewhere `f64::mul_add` is a slow
-/// library call.
+/// The sum a·b + c, fused only if the target has the instruction for it. On other targets
+/// `f64::mul_add` is a slow library call.
 #[inline(always)]
 pub(crate) fn mul_add(a: f64, b: f64, c: f64) -> f64 {
     if cfg!(target_feature = "fma") {

@@ -1,17 +1,17 @@
 //! One coefficient of a Taylor series, as a number that a friction law can be evaluated on.
 //!
-//! A law is run once for every order k of the series wanted. In run k each operation computes only
-//! its own k-th coefficient, from the rows of coefficients that it and its operands wrote in the
-//! runs before. A row is identified by the position of its operation in the sequence of operations,
-//! which is the same in every run. The recurrences are the classical ones (Griewank and Walther,
-//! *Evaluating Derivatives*, 2nd ed., SIAM 2008, ch. 13; Jorba and Zou, *Experimental Mathematics*
-//! 14 (2005) 99-117).
+//! A law is run once for every order k of the series. In run k each operation of the law computes
+//! only its own k-th coefficient. For that it reads the rows of coefficients that it and its
+//! operands wrote in the runs before. The row of an operation is found by the operation's position
+//! in the sequence of operations, which is the same in every run. The recurrences are the classical
+//! ones (Griewank and Walther, *Evaluating Derivatives*, 2nd ed., SIAM 2008, ch. 13; Jorba and Zou,
+//! *Experimental Mathematics* 14 (2005) 99-117).
 //!
-//! What makes it fast is short chains. Order and length are const generics, so every instance of a
-//! law has one call site, is inlined, and all row indices are constants. And every operation's k-th
-//! coefficient (k ≥ 1) is `slope·s_k + rest`, where the slope belongs to order 0 and the rest is
-//! made of older coefficients: from one order to the next the critical path is a few multiply-adds,
-//! whatever the law.
+//! Two things make this fast. Order and length are const generics, so that every instance of a law
+//! has one call site, is inlined, and has constants for row indices. And chains are short: the k-th
+//! coefficient (k ≥ 1) of every operation is `slope·s_k + rest`, where the slope belongs to order 0
+//! and the rest consists of older coefficients. So from one order to the next the critical path is
+//! a few multiply-adds, whatever the law.
 
 use std::cell::Cell;
 
@@ -20,7 +20,8 @@ use super::{Function, mul_add};
 /// The coefficients that one operation has computed so far.
 #[derive(Debug, Clone)]
 pub(super) struct Row<const M: usize> {
-    /// d(operation)/ds at the base point; every later coefficient is slope·s_k + rest.
+    /// The derivative of the operation with respect to s at the base point. Every later coefficient
+    /// is slope·s_k + rest.
     slope: Cell<f64>,
     pub(super) c: [Cell<f64>; M],
 }
@@ -35,23 +36,23 @@ impl<const M: usize> Row<M> {
     }
 }
 
-/// Rows kept in place. Laws seldom need more, and a constant index into an array costs no bounds
-/// check.
+/// The number of rows that are kept in place. Laws seldom need more, and a constant index into an
+/// array costs no bounds check.
 const INLINE_ROWS: usize = 8;
 
-/// Working memory for series of M coefficients: row 0 is the sliding speed, then one for each
+/// Working memory for series of M coefficients: row 0 for the sliding speed, then one row for each
 /// operation of the law.
 #[derive(Debug, Clone)]
 pub(crate) struct Workspace<const M: usize> {
     inline: [Row<M>; INLINE_ROWS],
-    /// Rows of longer laws. Grown when a law is first expanded, never after.
+    /// More rows for longer laws. The vector grows when a law is first expanded, and never after.
     spill: Vec<Row<M>>,
-    /// Written by operations that find no row yet; the run is then repeated with enough rows.
+    /// The row for operations that find no row yet. The run is then repeated with enough rows.
     scratch: Row<M>,
 }
 
 impl<const M: usize> Workspace<M> {
-    // Inlined, the rows of a series of two terms stay in registers.
+    // Inlined, because then the rows of a series of two terms stay in registers.
     #[inline(always)]
     pub(crate) fn new() -> Self {
         Self {
@@ -70,7 +71,7 @@ impl<const M: usize> Workspace<M> {
         }
     }
 
-    /// Coefficient k of the sliding speed's own series.
+    /// Sets coefficient k of the sliding speed's own series.
     #[inline(always)]
     fn set_speed(&self, k: usize, coefficient: f64) {
         self.inline[0].c[k].set(coefficient);
@@ -95,28 +96,31 @@ impl<'w, const M: usize> Run<'w, M> {
     }
 }
 
-/// Coefficient K of a power series of M coefficients.
+/// Coefficient K of a power series of M coefficients, as a number.
 ///
-/// A *view* of a row: c_k = scale·row_k for k ≥ 1, so that adding, scaling and negating by
-/// constants need no row of their own.
+/// The number is a *view* of a row: c_k = scale·row_k for k ≥ 1. So sums and products with
+/// constants, and negations, need no row of their own.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Taylor<'r, const K: usize, const M: usize> {
     pub(super) run: &'r Run<'r, M>,
     pub(super) row: &'r Row<M>,
     pub(super) scale: f64,
-    /// Coefficient of order 0, of the view.
+    /// The coefficient of order 0, of the view.
     pub(super) value: f64,
-    /// Derivative of the **row** with respect to the sliding speed at the base point.
+    /// The derivative of the **row** with respect to the sliding speed at the base point.
     pub(super) slope: f64,
-    /// row_K − slope·s_K, made of older coefficients; meaningless for K = 0. Unscaled: a factor
-    /// then meets the scale before it meets the rest, which comes late.
+    /// The part row_K − slope·s_K, which consists of older coefficients; meaningless for K = 0.
+    ///
+    /// The rest is not scaled: a factor is then multiplied with the scale first, and only then with
+    /// the rest, which is ready late.
     pub(super) rest: f64,
 }
 
-/// start + factor·Σ a_i·b_{K−i} for 0 < i < K: the part of a Cauchy product that holds no
+/// The sum start + factor·Σ a_i·b_{K−i} for 0 < i < K: the part of a Cauchy product that holds no
 /// coefficient of order K.
 ///
-/// The newest coefficients, of order K − 1, come last and meet finished factors only.
+/// The newest coefficients, of order K − 1, come last, and all that they are multiplied with is
+/// ready by then.
 #[inline(always)]
 pub(super) fn inner_product<const K: usize, const M: usize>(
     a: &Row<M>,
@@ -138,7 +142,7 @@ pub(super) fn inner_product<const K: usize, const M: usize>(
     }
 }
 
-/// start + factor·Σ a_i·a_{K−i} for 0 < i < K, at half the work of [`inner_product`].
+/// The sum start + factor·Σ a_i·a_{K−i} for 0 < i < K, at half the work of [`inner_product`].
 #[inline(always)]
 pub(super) fn inner_square<const K: usize, const M: usize>(
     a: &Row<M>,
@@ -162,18 +166,19 @@ pub(super) fn inner_square<const K: usize, const M: usize>(
     }
 }
 
-/// Σ x_i·y_i for i = first, first − 1, …, 2.
+/// The sum Σ x_i·y_i for i = first, first − 1, …, 2, in this order.
 ///
-/// In that order the oldest coefficients come first, and one chain of additions waits for new ones
-/// only at its end. More chains, in any other order, are vectorised where the target cannot fuse,
-/// with loads that span coefficients just written one by one, and stall on them.
+/// In this order the oldest coefficients come first, and the one chain of additions waits for new
+/// coefficients only at its end. More chains, or another order, are slower on targets that cannot
+/// fuse: there the compiler vectorises them, with loads that span coefficients which have just been
+/// written one by one, and these loads stall.
 #[inline(always)]
 pub(super) fn from_the_middle(first: usize, factors: impl Fn(usize) -> (f64, f64)) -> f64 {
     if first < 2 {
         return 0.0;
     }
     let (x, y) = factors(first);
-    // A product, not a sum with 0, begins it: the compiler may not drop the addition.
+    // The sum begins with a product, not with 0: the compiler may not drop an addition to 0.
     let mut sum = x * y;
     let mut i = first - 1;
     while i >= 2 {
@@ -185,8 +190,8 @@ pub(super) fn from_the_middle(first: usize, factors: impl Fn(usize) -> (f64, f64
 }
 
 impl<'r, const K: usize, const M: usize> Taylor<'r, K, M> {
-    /// The result of an operation: in run 0 its value and slope, in every later run its rest, which
-    /// may read the row that the operation wrote before.
+    /// The result of an operation. Run 0 computes its value and slope, every later run its rest,
+    /// which may read the row that the operation wrote before.
     #[inline(always)]
     pub(super) fn operation(
         self,
@@ -214,7 +219,7 @@ impl<'r, const K: usize, const M: usize> Taylor<'r, K, M> {
         }
     }
 
-    /// Derivative of the view with respect to the sliding speed.
+    /// The derivative of the view with respect to the sliding speed.
     #[inline(always)]
     pub(super) fn derivative(self) -> f64 {
         self.scale * self.slope
@@ -226,7 +231,7 @@ impl<'r, const K: usize, const M: usize> Taylor<'r, K, M> {
         self.scale * mul_add(self.slope, self.run.newest, self.rest)
     }
 
-    /// A row of k·c_k, the coefficients that the recurrences of y' = f(y)·a' multiply with.
+    /// A row of the products k·c_k, with which the recurrences of y' = f(y)·a' multiply.
     #[inline(always)]
     pub(super) fn weighted(self) -> &'r Row<M> {
         let row = self.run.claim();
@@ -236,23 +241,23 @@ impl<'r, const K: usize, const M: usize> Taylor<'r, K, M> {
         row
     }
 
-    /// 1/K, by which the same recurrences divide.
+    /// The factor 1/K of these recurrences.
     pub(super) const INVERSE: f64 = 1.0 / K as f64;
 }
 
-/// A coefficient of the friction law's series, with the newest of the speed's series still to be
-/// put in.
+/// A coefficient m_k of the friction law's series, into which the newest coefficient s_k of the
+/// speed's series is still to be put.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Composed {
-    /// dμ̂/ds at s_0, the same for every k.
+    /// The slope dμ̂/ds at s_0, the same for every k.
     pub(crate) slope: f64,
-    /// m_0 for k = 0; for k ≥ 1, m_k = slope·s_k + scale·rest.
+    /// For k = 0, m_0 itself; for k ≥ 1 the rest in m_k = slope·s_k + scale·rest.
     pub(crate) rest: f64,
-    /// The same for every k.
+    /// The scale in m_k = slope·s_k + scale·rest, the same for every k.
     pub(crate) scale: f64,
 }
 
-/// Run K of the function: its coefficient, and how many rows it used.
+/// Run K of a function: the coefficient of order K, and the number of rows that the run used.
 #[inline(always)]
 fn run<const K: usize, const M: usize, F: Function>(
     function: F,
@@ -282,13 +287,14 @@ fn run<const K: usize, const M: usize, F: Function>(
     (composed, run.next.get())
 }
 
-/// Longest series that can be expanded: 32 coefficients, order 31.
+/// Largest number of coefficients of a series: 32, for order 31.
 pub(crate) const LONGEST: usize = 32;
 
-/// Expands s(t) = Σ s_k t^k together with m(t) = μ̂(s(t)), to M ≤ [`LONGEST`] coefficients of s.
+/// Expands s(t) = Σ s_k t^k together with m(t) = μ̂(s(t)), to M ≤ [`LONGEST`] coefficients of s,
+/// and returns the law's value and slope at s_0.
 ///
-/// `next(k, s_k, m)` returns s_{k+1} from the newest coefficient of s and that of the law. Returns
-/// the law's value and slope at s_0; if they are not finite, nothing more is expanded.
+/// `next(k, s_k, m_k)` has to return s_{k+1} from the newest coefficients of s and of the law. If
+/// value or slope is not finite, nothing more is expanded.
 #[inline(always)]
 pub(crate) fn expand<const M: usize, F: Function>(
     function: F,

@@ -1,10 +1,10 @@
-//! Attack on the contact finder: polynomials with planted roots, each answer judged in exact
-//! arithmetic.
+//! An attack on the contact finder: polynomials with planted roots, and a judge that checks each
+//! answer in exact arithmetic.
 //!
-//! Every coefficient and every time is a whole number times a power of two, so the sign of a value
-//! is decided in big integers, and the sign on a whole interval by coefficients in Bernstein's
-//! basis, rounded down in units of about 2⁻⁴⁰ of the finder's own error bound. The truth is that of
-//! the coefficients as they are, after rounding.
+//! Every coefficient and every time is a whole number times a power of two, so big integers decide
+//! the sign of a value exactly. The sign on a whole interval is decided by coefficients in
+//! Bernstein's basis, rounded down in units of about 2⁻⁴⁰ of the finder's own error bound. What
+//! counts as true is the polynomial with its coefficients as they are after rounding.
 
 use std::ops::ControlFlow;
 
@@ -20,10 +20,10 @@ use crate::state::{Direction, State};
 
 const DEGREE: usize = TERMS - 1;
 
-/// Cases of the usual test run; the variable of this name asks for more.
+/// Environment variable that asks for another number of cases, and the number without it.
 const CASES: (&str, u64) = ("STICK_SLIP_ATTACK_CASES", 6000);
 
-/// Where a root is known to within this part of the time, its place can be judged.
+/// A root's place can be judged if the root is known to within this part of its time.
 const SHARP: f64 = 1e-3;
 
 // ---- Exact arithmetic ----
@@ -65,10 +65,10 @@ fn is_above(c: &PowerSeries, t: f64, level: f64) -> bool {
     (sum - whole(level, 0)).sign() == Sign::Plus
 }
 
-/// The judge of intervals.
+/// Decides in exact arithmetic whether an answer is right.
 struct Judge {
-    /// C(j, k)·L/C(26, k) with L the least common multiple of all C(26, k): L times Bernstein's
-    /// coefficient j is the sum over k of these times c_k.
+    /// Weights w_jk = L·C(j, k)/C(26, k), where L is the least common multiple of all C(26, k): L
+    /// times Bernstein's coefficient j is Σ_k w_jk c_k.
     weights: [[i128; TERMS]; TERMS],
 }
 
@@ -93,8 +93,8 @@ impl Judge {
         }
     }
 
-    /// Whether sign·c falls to `level` anywhere between the times `from` and `to`. That it does not
-    /// is proven.
+    /// Whether sign·c may fall to `level` anywhere between the times `from` and `to`. The answer
+    /// "no" is proven.
     fn falls(&self, c: &PowerSeries, sign: f64, level: f64, [from, to]: [f64; 2]) -> bool {
         if from >= to {
             return false;
@@ -131,8 +131,8 @@ impl Judge {
     }
 }
 
-/// The same, given Bernstein's coefficients on the part [x, x + w] of the interval, of which what
-/// lies before `from` does not count.
+/// Whether a polynomial may fall to 0 on the part [x, x + w] of an interval, not counting what lies
+/// before `from`; given by its Bernstein coefficients on that part.
 fn falls_to_zero(bernstein: &[i128; TERMS], x: f64, w: f64, from: f64, depth: usize) -> bool {
     if x + w < from || bernstein.iter().all(|&b| b > 0) {
         return false;
@@ -157,18 +157,18 @@ fn falls_to_zero(bernstein: &[i128; TERMS], x: f64, w: f64, from: f64, depth: us
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Verdict {
-    /// Right, and no value that decided it is within its error bound.
+    /// Right, and every value that decided the answer is larger than its error bound.
     Right,
     /// Right for some polynomial within the error bound of this one.
     Undecided,
-    /// Given up, after the number of divisions at which a search stops.
+    /// The search gave up, after [`MOST_DIVISIONS`].
     TooCurved,
     Missed,
     Invented,
 }
 
-/// How far from a time found the root can be, by the error bound of the values and the slope, and
-/// whether that is close.
+/// How far the root can lie from the time found, by the error bound of the values and the slope;
+/// and whether that is close enough to judge its place.
 fn blur(slope: &PowerSeries, t: f64, error: f64) -> (f64, bool) {
     let last_bit = 2.0 * f64::EPSILON * t;
     let blur = last_bit + 2.0 * error / slope.at(t).abs();
@@ -180,9 +180,9 @@ fn blur(slope: &PowerSeries, t: f64, error: f64) -> (f64, bool) {
 }
 
 impl Judge {
-    /// Judges the times in (0, h] at which c is said to change sign, `all` of them or the first.
-    /// Within the error of a value, and as much again by which c may differ from the last chord, a
-    /// dip may be seen or not: hence twice the bound.
+    /// Judges the times in (0, h] at which c is said to change sign, `all` of them or the first. A
+    /// dip below zero may be overlooked if it is less deep than twice the error bound: once for the
+    /// error of a value, and once for the distance of c from the last chord.
     fn judge(&self, c: &PowerSeries, h: f64, found: &[f64], all: bool) -> Verdict {
         let error = c.rounding_bound(h);
         let slope = c.derivative();
@@ -242,7 +242,7 @@ impl Judge {
             ControlFlow::Continue(())
         };
         let _ = c.sign_changes(h, &mut visit);
-        // It doesn't tell whether it gave up.
+        // `sign_changes` does not tell whether it gave up, so the search is repeated.
         let search = Search::new(c, h, c.curvature_bound(h));
         let values = c.at_four(quarters(h));
         let _ = search.run(h, values, &mut |_, _| ControlFlow::Continue(()));
@@ -294,7 +294,7 @@ fn times(a: &[f64], b: &[f64]) -> Vec<f64> {
     product
 }
 
-/// The smallest Chebyshev polynomial on [0, 1] of degree n.
+/// The Chebyshev polynomial of degree n on [0, 1].
 fn chebyshev(n: u64) -> Vec<f64> {
     let (mut last, mut this) = (vec![1.0], vec![-1.0, 2.0]);
     for _ in 1..n {
@@ -321,7 +321,7 @@ const KINDS: [&str; 11] = [
     "grazing slip",
 ];
 
-/// A polynomial on [0, 1] with roots where this kind has them.
+/// A polynomial on [0, 1] with the roots that its kind asks for.
 fn planted(kind: &str, random: &mut Random) -> Vec<f64> {
     let r = random.within(0.0, 1.0);
     let mut roots = Vec::new();
@@ -374,7 +374,7 @@ fn planted(kind: &str, random: &mut Random) -> Vec<f64> {
         }
         _ => unreachable!(),
     }
-    // More roots, seldom, and a factor without roots near the interval, as often as not.
+    // Sometimes more roots, and half of the time a factor without roots near the interval.
     if random.below(4) == 0 {
         roots.extend((0..random.below(4)).map(|_| random.within(-0.5, 1.5)));
     }
@@ -394,8 +394,8 @@ fn planted(kind: &str, random: &mut Random) -> Vec<f64> {
     c
 }
 
-/// The sliding speed of a real phase that comes to rest relative to the belt, or nearly: followed
-/// backward from there, and forward again.
+/// The sliding speed of a slip phase that comes to rest relative to the belt, or nearly: the motion
+/// is followed backward from there, and then forward again.
 fn grazing(random: &mut Random) -> Option<(PowerSeries, f64)> {
     let at_rest = random.within(0.2, 1.0);
     let law = Exponential::new(
@@ -412,7 +412,7 @@ fn grazing(random: &mut Random) -> Option<(PowerSeries, f64)> {
     let state = State::new(0.0, system.belt_velocity() - least);
     let end = SlipPoint {
         direction: Direction::Lagging,
-        // v' = −u + v'(u = 0) is to vanish.
+        // The u at which v' = −u + v'(u = 0) vanishes.
         displacement: system.acceleration(state),
         speed: least,
         rate: Some(0.0),
@@ -429,7 +429,7 @@ fn grazing(random: &mut Random) -> Option<(PowerSeries, f64)> {
     let duration = back.duration;
     let mut c = *stepper.advance(&start, Time::Forward, 0.0).ok()?.speed;
     let h = duration * random.within(0.9, 1.5);
-    // Half of them are moved, so that some miss by a hair.
+    // Half of the polynomials are shifted, so that some miss zero by a hair.
     if random.below(2) == 0 {
         c[0] += random.power(-3.0, 8.0) * c.rounding_bound(h);
     }
@@ -449,8 +449,8 @@ fn case(n: u64) -> (usize, PowerSeries, f64) {
         } else {
             let planted = planted(KINDS[kind], random);
             let h = random.power(-8.0, 3.0).abs();
-            // A quarter of the steps are powers of two, with which planted numbers stay as they
-            // are.
+            // A quarter of the steps are powers of two, so that scaling does not round planted
+            // numbers.
             let h = if random.below(4) == 0 {
                 h.log2().round().exp2()
             } else {
@@ -475,8 +475,8 @@ fn case(n: u64) -> (usize, PowerSeries, f64) {
 
 // ---- The attack ----
 
-/// How often each verdict on each kind, of the first root and of all sign changes, and the most
-/// halvings of a step that was too curved.
+/// How often each verdict was given on each kind, for the first root and for all sign changes; and
+/// the most halvings of a step that was too curved.
 #[derive(Debug, Default, Clone, Copy)]
 struct Tally {
     first: [[u64; 5]; KINDS.len()],
@@ -530,7 +530,7 @@ impl Tally {
     }
 }
 
-/// A judge that lets everything pass would find no fault.
+/// A judge that lets everything pass would find no fault: this test shows that it does not.
 #[test]
 fn wrong_answers_are_recognised() {
     let judge = Judge::new();
@@ -550,7 +550,7 @@ fn wrong_answers_are_recognised() {
     ] {
         assert_eq!(judge.judge(c, 1.0, found, all), verdict, "{c:?} {found:?}");
     }
-    // Found the third of three.
+    // An answer that is the third of three roots.
     let three = PowerSeries::from(&[0.09375, -0.6875, 1.5, -1.0]);
     assert_eq!(judge.judge(&three, 1.0, &[0.75], false), Verdict::Missed);
     none[0] = 0.25 - 1e-12;
@@ -559,7 +559,7 @@ fn wrong_answers_are_recognised() {
     assert_eq!(judge.judge(&none, 1.0, &[], true), Verdict::Undecided);
 }
 
-/// The other root may lie before the first value that is computed.
+/// The root may lie before the first place at which a value is computed.
 #[test]
 fn a_root_close_to_one_at_the_start_is_found() {
     for (root, sign) in [(0.1, 1.0), (0.1, -1.0), (1e-9, 1.0), (1e-9, -1.0)] {

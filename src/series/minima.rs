@@ -1,14 +1,14 @@
-//! Where a function comes close to zero within a step: about its minima.
+//! Times about the minima of a power series within a step, where it comes close to zero.
 
 use super::PowerSeries;
 
 impl PowerSeries {
-    /// Shows the visitor four times about each minimum within [0, h]; `values` are those at the
-    /// quarters of h.
+    /// Calls `look` with four times about each minimum within [0, h]; `values` are the series'
+    /// values at the [`quarters`](super::quarters) of h.
     #[inline]
     pub(crate) fn about_minima(&self, h: f64, values: [f64; 4], look: &mut dyn FnMut([f64; 4])) {
         let (start, [a, b, c, d]) = (self[0], values);
-        // At the end by the parabola of fourth degree through the five values.
+        // The slope at the end is that of the polynomial of fourth degree through the five values.
         let at_end = (25.0 * d - 48.0 * c + 36.0 * b - 16.0 * a + 3.0 * start) / 12.0;
         // Slope·h/4 at the PARTS of the step.
         let start_slope = 0.25 * h * self[1];
@@ -22,7 +22,7 @@ impl PowerSeries {
     fn about_turns(&self, h: f64, slopes: [f64; 6], look: &mut dyn FnMut([f64; 4])) {
         const PARTS: [f64; 6] = [0.0, 0.125, 0.375, 0.625, 0.875, 1.0];
         const MOST_PASSES: usize = 10;
-        /// Part of a step; the next correction would be far smaller.
+        /// Part of a step. After a correction as small as this the next one would be far smaller.
         const CLOSE: f64 = 1e-3;
         let slope = self.derivative();
         let curvature = slope.derivative();
@@ -32,7 +32,7 @@ impl PowerSeries {
             }
             let [mut left, mut right] = [parts[0] * h, parts[1] * h];
             let mut t = left + (right - left) * slopes[0] / (slopes[0] - slopes[1]);
-            // Newton's method, and halving where it would leave the stretch.
+            // Newton's method; halving where that would leave the interval.
             for _ in 0..MOST_PASSES {
                 let slope_here = slope.at(t);
                 if slope_here > 0.0 {
@@ -56,7 +56,7 @@ impl PowerSeries {
     }
 }
 
-/// Whether a function has a minimum between two places, by its slopes there.
+/// Whether a function has a minimum between two places, by its slopes at them.
 #[inline(always)]
 fn is_turn(slopes: &[f64]) -> bool {
     slopes[0] < 0.0 && slopes[1] >= 0.0

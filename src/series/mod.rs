@@ -1,11 +1,11 @@
-//! Power series in the time since the start of a step, as long as the integrators use them.
+//! Power series in the time since the start of a step, with as many terms as the integrators use.
 //!
 //! | file | what is in it |
 //! |---|---|
-//! | `mod.rs` | [`TERMS`], how many coefficients; [`PowerSeries`]: values, means, derivative, reflection, known roots divided out |
+//! | `mod.rs` | [`TERMS`], the number of coefficients; [`PowerSeries`]: values, means, derivative, reflection, division by known roots |
 //! | `roots.rs` | the first root, and all sign changes, isolated so that none is skipped |
-//! | `watch.rs` | [`Watch`]: the first time at which something happens, known roots divided out |
-//! | `minima.rs` | where a function comes close to zero |
+//! | `watch.rs` | [`Watch`]: the first time at which a quantity reaches zero, apart from known roots at the start |
+//! | `minima.rs` | where a series comes close to zero |
 
 #[cfg(test)]
 mod attack;
@@ -22,16 +22,16 @@ use std::ops::{Index, IndexMut};
 
 use crate::scalar::{LONGEST, mul_add};
 
-/// Coefficients of a step's series: order 26.
+/// Number of coefficients of a step's series, whose order is 26.
 ///
-/// Chosen for round-off, the usual tolerance, where none is faster at equal achieved error; looser
-/// ones lose up to a quarter of the time by it (`benches/orders`). A multiple of three, for
-/// [`PowerSeries::at`].
+/// No order is faster for the usual tolerance, round-off, at equal achieved error; at looser
+/// tolerances it costs up to a quarter of the time (`benches/orders`). The number is a multiple of
+/// three, for [`PowerSeries::at`].
 pub(crate) const TERMS: usize = 27;
 
 const _: () = assert!(TERMS.is_multiple_of(3) && TERMS < LONGEST);
 
-/// 1/(k + 1): the integral of t^k is t^(k+1)/(k+1).
+/// Weights 1/(k + 1) of an integral: that of t^k is t^(k+1)/(k+1).
 pub(crate) const INTEGRAL: [f64; TERMS] = {
     let mut weights = [0.0; TERMS];
     let mut k = 0;
@@ -42,13 +42,13 @@ pub(crate) const INTEGRAL: [f64; TERMS] = {
     weights
 };
 
-/// The quarters of [0, h], where a step is looked at.
+/// The times h/4, h/2, 3h/4 and h, at which a step is checked.
 #[inline(always)]
 pub(crate) fn quarters(h: f64) -> [f64; 4] {
     [0.25 * h, 0.5 * h, 0.75 * h, h]
 }
 
-/// c(t) = c_0 + c_1 t + … + c_26 t²⁶.
+/// A power series c(t) = c_0 + c_1 t + … + c_26 t²⁶.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PowerSeries([f64; TERMS]);
 
@@ -65,23 +65,23 @@ impl PowerSeries {
         self.0.iter().copied().find(|c| *c != 0.0)
     }
 
-    /// c_k, and 0 beyond the last.
+    /// The coefficient c_k; 0 beyond the last.
     #[inline(always)]
     fn get(&self, k: usize) -> f64 {
         self.0.get(k).map_or(0.0, |c| *c)
     }
 
-    /// c(t).
+    /// The value c(t).
     #[inline(always)]
     pub(crate) fn at(&self, t: f64) -> f64 {
         sum_of_powers(t, |k| self.0[k])
     }
 
-    /// c at four times at once, in four chains each: powers 0, 4, 8, …, powers 1, 5, 9, … and so
-    /// on.
+    /// The values of c at four times at once, each summed in four chains: powers 0, 4, 8, …, powers
+    /// 1, 5, 9, … and so on.
     ///
-    /// The next step waits for this, so short chains count: two of twice the length make a whole
-    /// step 3 % slower.
+    /// The next step waits for these values, so short chains count: two chains of twice the length
+    /// make a whole step 3 % slower.
     #[inline(always)]
     pub(crate) fn at_four(&self, t: [f64; 4]) -> [f64; 4] {
         const TOP: usize = (TERMS - 1) / 4 * 4;
@@ -108,12 +108,12 @@ impl PowerSeries {
         sum_of_powers(t, |k| self.0[k] * INTEGRAL[k])
     }
 
-    /// dc/dt.
+    /// The derivative dc/dt.
     pub(crate) fn derivative(&self) -> Self {
         Self::from_fn(|k| (k + 1) as f64 * self.get(k + 1))
     }
 
-    /// c(h − t).
+    /// The series of c(h − t).
     pub(crate) fn reflected(&self, h: f64) -> Self {
         let mut shifted = self.0;
         for first in 0..TERMS - 1 {
@@ -124,13 +124,13 @@ impl PowerSeries {
         Self::from_fn(|k| if k % 2 == 0 { shifted[k] } else { -shifted[k] })
     }
 
-    /// factor·c(t).
+    /// The series of factor·c(t).
     pub(crate) fn scaled(&self, factor: f64) -> Self {
         Self(self.0.map(|c| c * factor))
     }
 
-    /// c(t)/t^order, where the first `order` coefficients are 0 or meant to be: a known root at
-    /// t = 0 divided out.
+    /// The series of c(t)/t^order: a known root at t = 0 is divided out. The first `order`
+    /// coefficients are taken to be 0.
     pub(crate) fn without_root(&self, order: usize) -> Self {
         Self::from_fn(|k| self.get(k + order))
     }
@@ -165,8 +165,8 @@ impl IndexMut<usize> for PowerSeries {
 /// Σ c(k) t^k in three interleaved chains, so that the latency of one multiply-add is shared by
 /// three.
 ///
-/// Three and not four: four would be vectorised, with loads that span coefficients just written one
-/// by one, and stall on them.
+/// Why not four chains: the compiler would vectorise them, and its wide loads would stall on
+/// coefficients that were just written one by one.
 #[inline(always)]
 fn sum_of_powers(t: f64, c: impl Fn(usize) -> f64) -> f64 {
     let t3 = t * t * t;

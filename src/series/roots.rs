@@ -5,19 +5,20 @@ use std::ops::ControlFlow;
 
 use super::{PowerSeries, quarters};
 
-/// The roots of a polynomial can't be isolated in bounded work, because its coefficients are far
-/// larger than its values or it is very flat about a root: use it less far.
+/// Error: the roots of a polynomial cannot be isolated in bounded work, because its coefficients
+/// are far larger than its values, or because it is very flat about a root. A shorter step helps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct TooCurved;
 
-/// Divisions after which a search gives up. Two roots that are almost one take about a hundred.
+/// Divisions of intervals after which a search gives up. Two roots that are almost one take about a
+/// hundred.
 pub(super) const MOST_DIVISIONS: usize = 1000;
 
 impl PowerSeries {
-    /// First time in (0, h] at which a polynomial that starts positive becomes zero or negative, to the
-    /// last bit.
+    /// The first time in (0, h], to the last bit, at which a polynomial that starts positive
+    /// becomes zero or negative.
     ///
-    /// `values` are its values at the [`quarters`] of h.
+    /// `values` are the polynomial's values at the [`quarters`] of h.
     #[inline(always)]
     pub(crate) fn first_root(&self, h: f64, values: [f64; 4]) -> Result<Option<f64>, TooCurved> {
         let curvature = self.curvature_bound(h);
@@ -40,11 +41,11 @@ impl PowerSeries {
         }
     }
 
-    /// Every time in (0, h] at which a polynomial changes sign, in order, with `true` where it rises;
-    /// the visitor can stop the search.
+    /// Calls `visit` with every time in (0, h] at which the polynomial changes sign, in order, and
+    /// with `true` where it rises. `visit` can stop the search.
     ///
-    /// A root at t = 0 is not among them. After [`MOST_DIVISIONS`], in stiff systems, the signs found
-    /// so far decide.
+    /// A root at t = 0 is not reported. After [`MOST_DIVISIONS`], in stiff systems, an interval
+    /// counts as one with a sign change only if the signs at its ends differ.
     pub(crate) fn sign_changes(&self, h: f64, visit: Visit<'_>) -> ControlFlow<()> {
         let values = self.at_four(quarters(h));
         let curvature = self.curvature_bound(h);
@@ -54,8 +55,8 @@ impl PowerSeries {
         Search::new(self, h, curvature).run(h, values, visit)
     }
 
-    /// Whether a polynomial is further from zero at 0 and at the quarters of h than it can bend in
-    /// between, as in most steps.
+    /// Whether the polynomial surely has no root on [0, h], as in most steps: at 0 and at the
+    /// quarters of h it is farther from zero than it can bend in between.
     #[inline(always)]
     pub(super) fn stays_away(&self, h: f64, values: [f64; 4], curvature: f64) -> bool {
         let sign = self.0[0].signum();
@@ -66,23 +67,23 @@ impl PowerSeries {
     }
 }
 
-/// What is done at each sign change, in order of time: its place, and whether the polynomial rises
-/// there.
+/// What is called at each sign change, in order of time, with its time and whether the polynomial
+/// rises there.
 type Visit<'v> = &'v mut dyn FnMut(f64, bool) -> ControlFlow<()>;
 
 /// A search for the sign changes of a polynomial on [0, h].
 ///
-/// None is skipped, however close two lie: an interval of width Δ between values p, q of one sign
-/// is passed only if min(|p|, |q|) exceeds max|c''|·Δ²/8, and one is taken to hold at most one root
-/// only if c is monotone there because |q − p| exceeds max|c''|·Δ²/2. Any other is halved. That
-/// ends where Δ is so small that c differs from its chord by less than the rounding error of its
-/// values; there the computed signs at the ends decide, so that a tangential touch within rounding
-/// is no root.
+/// No sign change is skipped, however close two lie. Let c have the values p and q at the ends of
+/// an interval of width Δ. The interval is free of roots if p and q have one sign and min(|p|, |q|)
+/// exceeds max|c''|·Δ²/8. It holds at most one root if |q − p| exceeds max|c''|·Δ²/2, because c is
+/// then monotone. Any other interval is halved, until Δ is so small that c differs from its chord
+/// by less than the rounding error of its values. There the computed signs at the ends decide, so
+/// that a tangential touch within rounding is no root.
 pub(super) struct Search<'c> {
     c: &'c PowerSeries,
     /// Bound of |c''|.
     curvature: f64,
-    /// Bound of the error of a computed value.
+    /// Bound of the rounding error of a computed value.
     rounding: f64,
     pub(super) divisions: Cell<usize>,
 }
@@ -99,8 +100,8 @@ impl<'c> Search<'c> {
     }
 
     pub(super) fn run(&self, h: f64, values: [f64; 4], visit: Visit<'_>) -> ControlFlow<()> {
-        // A polynomial that starts at 0 has the sign that it takes first, and a value that doesn't
-        // show it to stay away from 0.
+        // A polynomial that starts at 0 is given the sign that it takes first, with a value so
+        // small that it does not pass for a distance from 0.
         let start = if self.c[0] == 0.0 {
             let first = self.c.first_nonzero();
             first.map_or(0.0, |c| f64::MIN_POSITIVE.copysign(c))
@@ -134,8 +135,8 @@ impl<'c> Search<'c> {
         let middle = 0.5 * (a + b);
         let exhausted = !(a < middle && middle < b) || self.divisions.get() >= MOST_DIVISIONS;
         let settled = is_settled(self.curvature) || exhausted || {
-            // The bound for [0, b] is the smaller the earlier that is, and worth its time where the
-            // one for all of [0, h] is too large.
+            // The bound on [0, b] is smaller than the one on all of [0, h], and worth its time only
+            // where that one is too large.
             let curvature = self.c.curvature_bound(b);
             is_settled(curvature) || !curvature.is_finite()
         };
@@ -158,7 +159,8 @@ impl<'c> Search<'c> {
         let slope = self.c.derivative();
         let mut t = b + (b - a) * (at_b / (at_a - at_b));
         if t <= a {
-            // So close to a that it is rounded away, or a itself is another root, at the start.
+            // The chord's zero is rounded to a: the root lies very close to a, or a is another
+            // root, at the start.
             let newton = a - at_a / slope.at(a);
             t = if a <= newton && newton < b {
                 newton.max(a.next_up())
@@ -184,10 +186,11 @@ impl<'c> Search<'c> {
                 break;
             }
             let newton = t - correction;
-            // Largest distance of the next correction from this one.
+            // Bound of the error of Newton's next place.
             let error = 0.5 * self.curvature * correction * correction / slope_here.abs();
             (t, last) = if a < newton && newton < b {
-                // And t itself is not so much larger that its rounding would count.
+                // The second condition: t is not so much larger than the root that rounding of t
+                // would count.
                 if error <= 0.25 * f64::EPSILON * newton && correction.abs() <= 0.5 * newton {
                     return newton;
                 }
@@ -200,6 +203,6 @@ impl<'c> Search<'c> {
     }
 }
 
-/// Relative correction below which Newton's method must be converging quadratically, if it is not
-/// at the rounding floor.
+/// Relative correction below which Newton's method converges quadratically, unless rounding has
+/// taken over.
 const NEWTON_REGIME: f64 = 1e-8;

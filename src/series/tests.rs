@@ -3,8 +3,8 @@ use std::ops::ControlFlow;
 use super::roots::Search;
 use super::*;
 
-/// What a search takes for rounding: half a unit in the last place for each multiplication, and
-/// four more.
+/// The rounding error that a search assumes of a term: half an ε for each multiplication, and four
+/// more.
 #[test]
 fn rounding_is_bounded_term_by_term() {
     for t in [0.25_f64, 1.0, 3.0] {

@@ -1,26 +1,27 @@
-//! What can end a step: a power series that starts positive, and the first time at which it is 0.
+//! What can end a step: a quantity that starts positive, and the first time at which it is 0.
 
 use super::{PowerSeries, TERMS, TooCurved, quarters};
 
 /// A quantity that is positive until something happens: a sliding speed, the distance of a load
 /// from its limit, the distance from a breakpoint, a normal load.
 ///
-/// Roots at the start are known, not found: coefficients that are exactly 0 are counted and divided
-/// out. None (away from zero), one (just arrived at a bound, and going back inside), two (released,
-/// or a bound that was only touched), three (a release under forcing that begins at its extremum).
+/// A root at the start is known and need not be found: the first coefficients that are exactly 0
+/// are counted and divided out. Their number is 0 away from zero, 1 after an arrival at a bound
+/// from which the quantity goes back inside, 2 after a release or where a bound was only touched,
+/// and 3 after a release under forcing that begins at its extremum.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Watch(PowerSeries);
 
 impl Watch {
-    /// Of a series whose known roots at t = 0 are zeros to the bit; `None` for one that is 0 at
-    /// all times, as far as the step is concerned.
+    /// Watches a series whose first coefficients are exactly 0 for each known root at t = 0; `None`
+    /// if all coefficients are 0.
     pub(crate) fn new(series: &PowerSeries) -> Option<Self> {
         let known = series.0.iter().position(|&c| c != 0.0)?;
         Some(Self(series.without_root(known)))
     }
 
-    /// The first time in (0, h] at which it is 0; 0 where it starts negative, as rounding can make
-    /// it.
+    /// The first time in (0, h] at which the quantity is 0; time 0 if it starts negative, which
+    /// rounding can cause.
     pub(crate) fn first_zero(&self, h: f64) -> Result<Option<f64>, TooCurved> {
         if self.0[0] < 0.0 {
             return Ok(Some(0.0));
@@ -40,13 +41,14 @@ impl PowerSeries {
         self.0[2..].iter().all(|&c| c == 0.0)
     }
 
-    /// Whether it is the same at all times.
+    /// Whether the series is the same at all times.
     #[inline]
     pub(crate) fn is_constant(&self) -> bool {
         self.0[1] == 0.0 && self.is_linear()
     }
 
-    /// Whether it stays between −bound and bound on [0, h], if that is plain to see.
+    /// Whether the series surely stays between −bound and bound on [0, h], by its values at the
+    /// [`quarters`] and the bound of its curvature.
     #[inline]
     pub(crate) fn stays_within(&self, bound: f64, h: f64) -> bool {
         let values = self.at_four(quarters(h));
@@ -54,8 +56,8 @@ impl PowerSeries {
         bound - largest > self.curvature_bound(h) * h * h / 128.0
     }
 
-    /// Largest of |c_k| t^k, k ≥ 1: how far it may go within a time t, as long as the series is
-    /// good.
+    /// Largest of |c_k| t^k, k ≥ 1: how far the series may move within a time t for which it
+    /// converges.
     pub(crate) fn largest_change(&self, t: f64) -> f64 {
         let mut power = t;
         let mut largest = 0.0_f64;
@@ -66,7 +68,7 @@ impl PowerSeries {
         largest
     }
 
-    /// c(t) − level.
+    /// The series of c(t) − level.
     pub(crate) fn minus(&self, level: f64) -> Self {
         let mut shifted = *self;
         shifted.0[0] -= level;

@@ -1,4 +1,4 @@
-//! Where masses are, and which way they slide. Nothing here knows a system.
+//! The states of masses, and the directions in which they slide. No file here knows a system.
 //!
 //! | file | what is in it |
 //! |---|---|
@@ -7,7 +7,7 @@
 
 pub(crate) mod structure;
 
-/// Displacement u and velocity v = du/dτ of the mass, both dimensionless.
+/// The state of one mass: displacement u and velocity v = du/dτ, both dimensionless.
 ///
 /// ```
 /// use stick_slip::State;
@@ -37,15 +37,17 @@ impl State {
         }
     }
 
-    /// (−u, −v).
+    /// The mirror image (−u, −v).
     pub(crate) const fn mirrored(self) -> Self {
         Self::new(-self.displacement, -self.velocity)
     }
 }
 
-/// Which way the mass slides on the belt: the sign of the relative velocity v_r = v − v_b. The
-/// names are those of a belt that moves forward; on one with v_b < 0 a mass that lags behind it has
-/// v_r > 0.
+/// The direction in which the mass slides on the belt: the sign of the relative velocity
+/// v_r = v − v_b.
+///
+/// The names suit a belt that moves forward. On a belt with v_b < 0 the mass that falls behind has
+/// v_r > 0, and its direction is called [`Leading`](Self::Leading) all the same.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -53,14 +55,14 @@ impl State {
     serde(rename_all = "snake_case")
 )]
 pub enum Direction {
-    /// v_r < 0.
+    /// v_r < 0: on a belt that moves forward, the mass is slower than the belt.
     Lagging,
-    /// v_r > 0.
+    /// v_r > 0: on a belt that moves forward, the mass is faster than the belt.
     Leading,
 }
 
 impl Direction {
-    /// The direction of slip with a relative velocity; `None` where that is 0.
+    /// The direction of slip with this relative velocity; `None` if it is 0.
     pub(crate) fn of(relative_velocity: f64) -> Option<Self> {
         if relative_velocity < 0.0 {
             Some(Self::Lagging)
@@ -71,7 +73,7 @@ impl Direction {
         }
     }
 
-    /// σ = sgn v_r: −1 lagging, +1 leading.
+    /// The sign σ of v_r: −1 for lagging, +1 for leading.
     ///
     /// ```
     /// assert_eq!(stick_slip::Direction::Lagging.sign(), -1.0);

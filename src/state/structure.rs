@@ -1,10 +1,10 @@
 use super::State as OneMass;
 
-/// Displacements and velocities of several masses, and what their contacts remember; in the units
-/// of the system (dimensionless for a [`MassOnBelt`](crate::MassOnBelt)).
+/// The state of several masses: displacements, velocities, and what their contacts remember.
 ///
-/// It is also what an [`Error`](crate::Error) says of the place that a motion had reached, whatever
-/// the system.
+/// All numbers are in the units of the system: the structure's own, or dimensionless for a
+/// [`MassOnBelt`](crate::MassOnBelt). An [`Error`](crate::Error) holds a state of this type for
+/// both systems, to say where a motion had got.
 ///
 /// ```
 /// use stick_slip::{State, structure};
@@ -20,11 +20,11 @@ use super::State as OneMass;
     serde(deny_unknown_fields)
 )]
 pub struct State {
-    /// Displacement of each coordinate.
+    /// The displacement of each coordinate.
     pub displacements: Vec<f64>,
-    /// Velocity of each coordinate.
+    /// The velocity of each coordinate.
     pub velocities: Vec<f64>,
-    /// What the contacts remember, in their order; empty for contacts without memory.
+    /// What the contacts remember, in the order of the contacts; empty for contacts without memory.
     #[cfg_attr(feature = "serde", serde(default))]
     pub memory: Vec<f64>,
 }
@@ -39,7 +39,7 @@ impl State {
         }
     }
 
-    /// n masses at rest, with no spring stretched.
+    /// The state of n masses at rest, with no spring stretched.
     ///
     /// ```
     /// assert_eq!(stick_slip::structure::State::at_rest(2).velocities, [0.0, 0.0]);
@@ -48,7 +48,7 @@ impl State {
         Self::new(&vec![0.0; n], &vec![0.0; n])
     }
 
-    /// The same state with this memory of the contacts, in their order.
+    /// The same state with the numbers that the contacts remember, in the order of the contacts.
     pub fn with_memory(mut self, memory: &[f64]) -> Self {
         self.memory = memory.to_vec();
         self

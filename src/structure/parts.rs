@@ -11,9 +11,10 @@ use crate::state::Direction;
 
 /// One coordinate. All forces are divided by its mass.
 ///
-/// Its velocity is v = w + σy. Of a contact that slips, w is the velocity of the surface, σ the sign
-/// of r and y the sliding speed: what is integrated, so that contact is exact however fast the
-/// surface moves. Of one that sticks σ = 0. Without a contact, or with an open one, w = 0 and σ = 1.
+/// Its velocity is v = w + σy. Of a contact that slips, w is the velocity of the surface, σ the
+/// sign of r and y the sliding speed: what is integrated, so that contact is exact however fast the
+/// surface moves. Of one that sticks σ = 0. Without a contact, or with an open one, w = 0 and σ =
+/// 1.
 #[derive(Debug, Clone)]
 pub(super) struct Body {
     pub(super) displacement: f64,

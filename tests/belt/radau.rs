@@ -341,8 +341,12 @@ impl Radau {
                         break;
                     }
                 }
-                used = b;
-                end = slip.step(self, from, used)?;
+                let (there, error) = slip.checked(self, from, b)?;
+                if error > self.tolerance && b > 1e-12 * time {
+                    h = 0.5 * b;
+                    continue;
+                }
+                (end, used) = (there, b);
                 end[1] = level;
                 reached = Some(level);
                 h = used;

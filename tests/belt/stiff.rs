@@ -130,3 +130,79 @@ fn stiff_motions_are_those_of_an_implicit_method() {
     println!("{judged} of {systems}, most steps {steps:?}, worst {worst:?}");
     assert!(wrong.is_empty(), "{}\n{}", wrong.len(), wrong.join("\n"));
 }
+
+/// The cubic on a belt far faster than its minimum, from rest: v' beside its value on the slow
+/// motion, to its second term. A speed that is wrong by δ shows as D·δ in it.
+#[test]
+fn the_residual_acceleration_is_that_of_the_slow_motion() {
+    let (v_b, damping) = (1.0, 0.05);
+    for (v_m, most) in [(1e-2, 2e-10), (1e-3, 1e-13), (3e-4, 1e-13), (1e-4, 1e-13)] {
+        let system = MassOnBelt::new(Polynomial::new(0.4, 0.2, v_m).unwrap(), v_b)
+            .and_then(|system| system.with_damping(damping))
+            .unwrap();
+        for time in [5.0, 20.0] {
+            let motion = system.simulate(State::new(0.0, 0.0), time).unwrap();
+            assert!(
+                motion.steps().len() <= 100,
+                "{v_m}: {}",
+                motion.steps().len()
+            );
+            let State {
+                displacement: u,
+                velocity: v,
+            } = motion.last();
+            let s = v_b - v;
+            // μ̂(s) = 0.4 − 0.3 z + 0.1 z³, z = s/v_m; forces about s without cancellation in u.
+            let z = s / v_m;
+            let decay = 2.0 * damping + (-0.3 + 0.3 * z * z) / v_m;
+            let bend = 0.6 * z / (v_m * v_m);
+            let acceleration = 0.4 - 0.3 * z + 0.1 * z * z * z - 2.0 * damping * v - u;
+            // v'' = −v − D v' and D' = −bend·v': v' = −(v + v'')/D, twice.
+            let first = -v / decay;
+            let slow = -(v - first / decay - v * bend * first / (decay * decay)) / decay;
+            let wrong = (acceleration - slow) / decay / s;
+            assert!(
+                wrong.abs() < most,
+                "{v_m} {time}: s is wrong by {wrong:e} of itself"
+            );
+        }
+    }
+}
+
+/// Slow belts under a large load: the speeds are far below the rounding of the forces over the
+/// speeds, and the motion creeps nevertheless.
+#[test]
+fn a_creep_far_below_the_forces_is_followed() {
+    for v_b in [1e-4, 1e-6] {
+        let law = Stribeck::new(0.4, 0.3, 0.1 * v_b, 2)
+            .and_then(|law| law.with_viscous_coefficient(0.1 / v_b))
+            .unwrap();
+        let system = MassOnBelt::new(law, v_b)
+            .and_then(|system| system.with_load(10.0))
+            .unwrap();
+        let motion = system.simulate(State::new(0.0, 0.0), 10.0).unwrap();
+        assert!(
+            motion.steps().len() < 100,
+            "{v_b}: {}",
+            motion.steps().len()
+        );
+        let witness = Radau::new(1e-13).run(&system, State::new(0.0, 0.0), 10.0, 2000);
+        let apart = difference(&system, State::new(0.0, 0.0), 10.0, &witness.unwrap());
+        assert!(apart.unwrap().iter().all(|a| *a < 1e-10), "{v_b}");
+    }
+}
+
+/// The cubic law at 20 to 10⁹ times its minimum velocity.
+#[test]
+fn work_does_not_grow_with_the_stiffness() {
+    // From 1e6 on the first steps, from rest, are short of orders: their coefficients overflow.
+    for (beyond, most) in [(20.0, 100), (1e3, 100), (1e6, 150), (1e9, 250)] {
+        let v_m = 0.01;
+        let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, v_m).unwrap(), beyond * v_m)
+            .and_then(|system| system.with_damping(0.05))
+            .unwrap();
+        let motion = system.simulate(State::new(0.0, 0.0), 50.0).unwrap();
+        let steps = motion.steps().len();
+        assert!(steps <= most, "{beyond:e}: {steps}");
+    }
+}

@@ -374,7 +374,7 @@ fn late_phases_are_the_early_ones() {
     }
 }
 
-/// Stuck for 10⁶ periods on a belt that oscillates: carried along to the last bit.
+/// Stuck for 10⁴ periods on a belt that oscillates: carried along without an error.
 #[test]
 fn a_stuck_mass_is_carried_exactly() {
     let omega = 0.9;
@@ -398,17 +398,24 @@ fn a_stuck_mass_is_carried_exactly() {
             break;
         }
     }
+    // Inside the step: its ends are times of two numbers.
     let last = last.unwrap();
-    let time = last.end_time();
+    let time = 0.5 * (last.start_time() + last.end_time());
     // q = (w/Ω)(1 − cos Ωt)
     let expected = Drive::harmonic(-0.4 / omega, omega, 0.0)
         .and_then(|drive| drive.with_constant(0.4 / omega))
         .unwrap();
+<<<<<<< HEAD
     let found = last.end_state().displacements[0];
     // The time itself is rounded, by half an ulp, and the mass moves at up to 0.4.
     let rounded = 0.4 * 0.5 * (time.next_up() - time);
     assert!(
         (found - expected.value(time)).abs() < 1e-15 + rounded,
+=======
+    let found = last.state_at(last.since_start(time)).displacements[0];
+    assert!(
+        (found - expected.value(time)).abs() < 2e-15,
+>>>>>>> 27f2f6f8e5f96b585e06708f4c8ea718ccf44446
         "{found} {} {steps}",
         expected.value(time)
     );
@@ -436,7 +443,8 @@ proptest! {
                 .and_then(|s| s.simulate(State::new(&starts[i..=i], &starts[2 + i..=2 + i]), 20.0))
         };
         let both = Structure::new(&masses)
-            .and_then(|s| s.with_ground_spring(0, stiffness[0])?.with_ground_spring(1, stiffness[1]))
+            .and_then(|s| s.with_ground_spring(0, stiffness[0]))
+            .and_then(|s| s.with_ground_spring(1, stiffness[1]))
             .and_then(|s| s.with_ground_damper(0, damping[0])?.with_ground_damper(1, damping[1]))
             .and_then(|s| s.with_force(0, force(0)?)?.with_force(1, force(1)?))
             .and_then(|s| s.with_contact(Contact::new(0, law, 1.0)?.on_belt(belts[0])))

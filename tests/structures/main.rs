@@ -10,8 +10,10 @@ mod common;
 
 mod bad_input;
 mod closed_forms;
+mod formulas;
 mod identities;
 mod memory;
+mod names;
 mod plain;
 mod random;
 mod reading;

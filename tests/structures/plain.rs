@@ -28,7 +28,7 @@ impl PlainDrive {
             .points
             .iter()
             .filter(|(time, _)| *time < t || (!before && *time == t));
-        let (start, end) = (passed.clone().last(), self.points.get(passed.count()));
+        let (start, end) = (passed.clone().next_back(), self.points.get(passed.count()));
         match (start, end) {
             (Some(&(t0, v0)), Some(&(t1, v1))) => {
                 let slope = (v1 - v0) / (t1 - t0);

@@ -82,13 +82,13 @@ fn motions_obey_the_law() {
                     let load = contact.load_at(time, &state.displacements);
                     match mode {
                         Mode::Stick => {
-                            assert!(r.abs() < 1e-14, "stick: {r:e} at {time} {}", about())
+                            assert!(r.abs() < 1e-14, "stick: {r:e} at {time} {}", about());
                         }
                         Mode::Slip(Direction::Leading) => {
-                            assert!(r > -1e-13, "{r:e} at {time} {}", about())
+                            assert!(r > -1e-13, "{r:e} at {time} {}", about());
                         }
                         Mode::Slip(Direction::Lagging) => {
-                            assert!(r < 1e-13, "{r:e} at {time} {}", about())
+                            assert!(r < 1e-13, "{r:e} at {time} {}", about());
                         }
                         Mode::Open => {}
                     }

@@ -16,7 +16,7 @@ fn a_range_with_stiff_velocities_has_its_harmless_answer() {
         panic!("{found:?}")
     };
     assert!((grazing - 0.2904677118946553).abs() < 1e-13);
-    // Overdamped down to a belt at rest.
+    // A system that is overdamped at every belt velocity down to 0.
     let law = Stribeck::new(0.4, 0.25, 0.05, 1).unwrap();
     let system = MassOnBelt::new(law, 0.2)
         .unwrap()
@@ -25,7 +25,7 @@ fn a_range_with_stiff_velocities_has_its_harmless_answer() {
     assert_eq!(grazing_velocities(&system, 0.0..1.0), Ok(vec![]));
 }
 
-/// Not a number between 1 and 2.
+/// A law that is NaN at speeds between 1 and 2.
 #[derive(Debug, Clone, Copy)]
 struct Gap;
 
@@ -62,7 +62,7 @@ fn an_error_tells_at_which_velocity_it_happened() {
                 matches!(**source, Error::NonFiniteFriction { .. }),
                 "{source}"
             );
-            // The error inside is its source, as `std::error::Error` has it.
+            // `std::error::Error::source` gives the error inside.
             let inner = std::error::Error::source(&error).unwrap();
             assert_eq!(inner.to_string(), source.to_string());
         }

@@ -1,4 +1,4 @@
-//! Folds of outlines made by hand, and how often they are asked for.
+//! Folds of outlines made by hand, and how often outlines are asked for.
 
 use super::*;
 use crate::friction::Exponential;
@@ -10,7 +10,7 @@ fn outline(points: &[(f64, f64)]) -> Outline {
     }
 }
 
-/// One turning point, in the middle, of a certain height, between ends at −1.
+/// An outline with one turning point of this height in the middle, between ends at −1.
 fn hump(height: f64) -> Outline {
     outline(&[(0.0, -1.0), (0.5, height), (1.0, -1.0)])
 }
@@ -66,7 +66,7 @@ fn ends_count_as_growing_above_zero() {
 #[test]
 fn a_fold_is_where_the_growth_at_a_turning_point_is_zero() {
     for sign in [1.0, -1.0] {
-        // Steep enough for the first pass: no division, only the root.
+        // The height changes so steeply that the first pass finds the root without division.
         let (found, asked) = folds(|v_b| hump(sign * (v_b - 0.3)), 16);
         assert_eq!(found.len(), 1);
         assert!((found[0] - 0.3).abs() < 1e-15);
@@ -161,7 +161,7 @@ fn an_end_that_changes_its_sign_is_followed_to_the_last_division() {
 
 #[test]
 fn turning_points_that_come_or_go_are_followed_to_the_last_division() {
-    // No hump below 0.3; its growth is positive where it comes, and falls through zero at 0.7.
+    // There is no hump below 0.3. Above, its growth begins positive and falls through zero at 0.7.
     let f = |v_b: f64| {
         if v_b < 0.3 {
             outline(&[(0.0, -1.0), (1.0, -1.0)])
@@ -173,7 +173,7 @@ fn turning_points_that_come_or_go_are_followed_to_the_last_division() {
     assert_eq!(found.len(), 1);
     assert!((found[0] - 0.7).abs() < 1e-15);
     assert!(asked.len() < 70, "{}", asked.len());
-    // It dips instead for a while: as many points, another order.
+    // For a while a dip takes the place of the hump: as many points, in another order.
     let f = |v_b: f64| {
         if v_b < 0.3 {
             hump(-2.0)
@@ -194,7 +194,7 @@ fn a_growth_that_jumps_over_zero_is_no_fold() {
     }
     let (found, _) = folds(|v_b| hump(if v_b > 0.3 { 1e-10 } else { -1e-10 }), 6);
     assert_eq!(found.len(), 1);
-    // One that jumps does not hide another that passes through.
+    // A turning point that jumps over zero does not hide another that passes through.
     let two = |v_b: f64| {
         outline(&[
             (0.0, -1.0),
@@ -211,7 +211,7 @@ fn a_growth_that_jumps_over_zero_is_no_fold() {
 
 #[test]
 fn a_growth_of_zero_counts_as_one_that_dies() {
-    // Zero at one end: the range above has the fold, that below has not.
+    // If the fold lies where two ranges meet, only the upper range reports it.
     assert_eq!(folds(hump, 4).0.len(), 1);
     assert_eq!(folds(|v_b| hump(v_b - 1.0), 4).0.len(), 0);
 }

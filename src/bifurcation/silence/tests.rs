@@ -1,4 +1,4 @@
-//! Where rounding hides the growth over a turn.
+//! Systems in which rounding hides how much a motion grows over one turn.
 
 use super::*;
 use crate::friction::{Coulomb, Exponential, Polynomial};
@@ -14,8 +14,7 @@ fn assert_silenced<L: FrictionLaw>(system: &MassOnBelt<L>, expected: f64) {
 
 #[test]
 fn on_slow_belts_vibration_ends_where_steady_sliding_becomes_stable() {
-    // −½γ²μ̂'(v_b) = 0.6 v_b exp(−4 v_b²): the cycle is born there as a stable one, and no other is
-    // left.
+    // −½γ²μ̂'(v_b) = 0.6 v_b exp(−4 v_b²): at this β a stable cycle is born, and no other is left.
     let law = Exponential::new(0.4, 0.25, 0.5).unwrap();
     for v_b in [1e-1_f64, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9] {
         let system = MassOnBelt::new(law, v_b).unwrap();

@@ -3,7 +3,7 @@ use crate::error::Error;
 use crate::friction::check::JUMP;
 use crate::scalar::{Function, Workspace, expand};
 
-/// The coefficient over the sliding speed, on one piece and with one memory.
+/// The coefficient as a function of the sliding speed, on one piece and with one memory.
 #[derive(Debug)]
 struct OverSpeed<'l, const Z: usize, L> {
     law: &'l L,
@@ -33,8 +33,8 @@ impl<const Z: usize, L: ContactLaw<Z>> Function for OverSpeed<'_, Z, L> {
     }
 }
 
-/// Coefficient and its slope in the sliding speed, both with the sign of the direction; where
-/// pieces meet, those of the piece named.
+/// The coefficient and its slope over the sliding speed, both with the sign of the direction, on
+/// the piece that `slip` names.
 pub(crate) fn coefficient_and_slope<const Z: usize, L: ContactLaw<Z>>(
     law: &L,
     slip: Slip<f64>,
@@ -70,8 +70,9 @@ pub(crate) fn coefficient_and_slope<const Z: usize, L: ContactLaw<Z>>(
     }
 }
 
-/// Checks what the trait asks of a law and a system relies on, with nothing remembered: μ_s finite
-/// and not below the coefficient at speed 0, breakpoints in order, the law continuous.
+/// Checks the rules of [`ContactLaw`] on which a structure relies, with a memory of zeros: μ_s is
+/// finite and not below the coefficient at speed 0, the breakpoints ascend, and the law is
+/// continuous.
 pub(crate) fn validate<const Z: usize, L: ContactLaw<Z>>(law: &L) -> Result<(), Error> {
     let fresh = [0.0; Z];
     let slip = |piece, speed| Slip {

@@ -13,34 +13,36 @@ pub use dwell::Dwell;
 use crate::friction::FrictionLaw;
 use crate::scalar::Scalar;
 
-/// Slip of a contact, as its law sees it.
+/// Sliding of a contact: what its law is told while it slips.
 #[derive(Debug, Clone, Copy)]
 pub struct Slip<S> {
     /// Sliding speed s = |r| ≥ 0, the size of the relative velocity.
     pub speed: S,
-    /// σ, the sign of r: +1 or −1. At s = 0 the side on which the motion goes on.
+    /// Direction σ of slip, the sign of r: +1 or −1. At s = 0 the direction in which the motion
+    /// goes on.
     pub direction: f64,
-    /// The piece of the law that holds: the number of [breakpoints](ContactLaw::breakpoints) below.
+    /// Number of the piece of the law that holds, which is the number of
+    /// [breakpoints](ContactLaw::breakpoints) below s.
     pub piece: usize,
 }
 
 impl<S: Scalar> Slip<S> {
-    /// r = σs, the relative velocity.
+    /// Relative velocity r = σs.
     pub fn velocity(&self) -> S {
         self.speed * self.direction
     }
 }
 
-/// What a contact does, as its law sees it.
+/// State of motion of a contact, stick or slip, as its law is told.
 #[derive(Debug, Clone, Copy)]
 pub enum Motion<S> {
     /// The surfaces move together.
     Stick,
-    /// They slide.
+    /// The surfaces slide.
     Slip(Slip<S>),
 }
 
-/// The law of a contact: dry friction, with `Z` numbers that it remembers.
+/// The friction law of a contact, with a memory of `Z` numbers.
 ///
 /// ```text
 /// slip:   force on the mass −N·μ(r, z),  z' = rates
@@ -48,29 +50,29 @@ pub enum Motion<S> {
 /// ```
 ///
 /// N is the normal load, r = σs the relative velocity, z the memory. Every [`FrictionLaw`] is a
-/// contact law without memory, with μ(r) = σμ̂(s) and its static coefficient as the limit.
+/// contact law without memory: μ(r) = σμ̂(s), and μ_s is its static coefficient.
 ///
 /// The functions are generic over the number type, by the rules of [`Scalar`]; the law may branch
 /// on the direction of slip and on the base values.
 pub trait ContactLaw<const Z: usize>: Sized {
-    /// Friction coefficient μ(r, z), with the sign of the force that it resists: positive where
-    /// the force on the mass is negative. Dimensionless.
+    /// Friction coefficient μ(r, z), dimensionless. The friction force on the mass is −N·μ, so the
+    /// coefficient is positive where that force is negative.
     fn coefficient<S: Scalar>(&self, slip: Slip<S>, memory: [S; Z]) -> S;
 
-    /// Static coefficient μ_s(z): the contact sticks while it carries at most N·μ_s. `None` for a
-    /// contact that never sticks. Dimensionless. `zero` serves to make constants:
+    /// Static coefficient μ_s(z), dimensionless: the contact sticks while it carries at most N·μ_s.
+    /// `None` for a contact that never sticks. `zero` serves to make constants:
     /// `zero.constant(0.4)`.
     fn limit<S: Scalar>(&self, zero: S, memory: [S; Z]) -> Option<S>;
 
-    /// dz/dt.
+    /// Rates of change dz/dt of the memory.
     fn rates<S: Scalar>(&self, motion: Motion<S>, memory: [S; Z]) -> [S; Z];
 
     /// Sliding speeds at which pieces of the law meet: finitely many, ascending, positive. See
     /// [`FrictionLaw::breakpoints`].
     fn breakpoints(&self) -> impl Iterator<Item = f64>;
 
-    /// What the memory is after slip has ended in stick, or stick in slip. The event itself still
-    /// shows what it was.
+    /// The memory after slip has ended in stick, or stick in slip, given the memory before. The
+    /// event itself still shows the memory before.
     fn caught(&self, memory: [f64; Z]) -> [f64; Z];
 }
 

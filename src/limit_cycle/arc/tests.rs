@@ -1,5 +1,5 @@
-//! Arcs of a law with constant slope, on which slip is a damped oscillation, and the decisions on
-//! polynomials made by hand.
+//! Arcs of a law with constant slope, for which slip is a damped oscillation; and decisions of
+//! `PeakWatch` on polynomials made by hand.
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
@@ -9,7 +9,7 @@ use crate::belt::MassOnBelt;
 use crate::friction::Coulomb;
 use crate::scalar::Scalar;
 
-/// μ̂(s) = value + slope·s.
+/// The law μ̂(s) = value + slope·s.
 #[derive(Debug, Clone, Copy)]
 struct Straight {
     value: f64,
@@ -43,7 +43,7 @@ fn lagging(system: &System, displacement: f64, velocity: f64) -> SlipPoint {
     }
 }
 
-/// Each step begins where and when the one before ends.
+/// Asserts that each step begins where and when the one before ends.
 #[track_caller]
 fn assert_continuous(arc: &Arc, time: Time) {
     for pair in arc.steps.windows(2) {
@@ -58,14 +58,14 @@ fn assert_continuous(arc: &Arc, time: Time) {
 
 #[test]
 fn an_arc_in_slip_ends_at_the_next_maximum_of_the_velocity() {
-    // v = e^(−ζτ)·sin-like: any maximum comes a turn after the last, and is smaller by e^(−ζT).
+    // v = e^(−ζτ)·(a sine): each maximum comes one turn after the last, and is smaller by e^(−ζT).
     for (damping, v_b, load) in [
         (0.1, 0.5, 1.0),
         (-0.1, 0.5, 2.0),
         (0.01, 20.0, 3.0),
         (0.5, 1e-3, 1.0),
     ] {
-        // A part is viscous, the rest the law's.
+        // A part of the damping is viscous, and the rest comes from the law.
         let slope = 2.0 * (damping - 0.005) / load;
         let system = system(0.3, slope, v_b, 0.005).with_load(load).unwrap();
         let frequency = f64::sqrt(1.0 - damping * damping);
@@ -101,7 +101,7 @@ fn an_arc_in_slip_ends_at_the_next_maximum_of_the_velocity() {
             assert_close(arc.end_rate, 0.0, 1e-14 * scale);
             assert!((3..=16).contains(&arc.steps.len()), "{}", arc.steps.len());
             assert_eq!(tracer.work(), arc.steps.len());
-            // And back.
+            // The same arc backwards.
             let back = tracer.arc(end, Time::Backward)?;
             assert_eq!(tracer.work(), arc.steps.len() + back.steps.len());
             let Arrival::Maximum(found) = back.arrival else {
@@ -111,7 +111,7 @@ fn an_arc_in_slip_ends_at_the_next_maximum_of_the_velocity() {
             assert_close(found.displacement, displacement, 1e-13 * scale);
             assert_close(tracer.contraction(&back), 2.0 * damping * turn, 1e-9);
             assert_continuous(&back, Time::Backward);
-            // Reversed, the same arc forwards again.
+            // Reversed, it is the arc forwards again.
             let last = found.state(&tracer.system());
             let again = back.reversed(last);
             assert_eq!(again.steps[0].state, last);
@@ -133,7 +133,7 @@ fn an_arc_in_slip_ends_at_the_next_maximum_of_the_velocity() {
 
 #[test]
 fn an_arc_from_anywhere_ends_at_its_first_maximum() {
-    // Undamped, where v = A sin(φ + τ): a maximum comes at φ + τ = π/2, with v = A.
+    // Without damping v = A sin(φ + τ): a maximum v = A comes at φ + τ = π/2.
     let system = system(0.3, 0.0, 1.0, 0.0);
     for amplitude in [0.2, 0.9] {
         for k in 0..24 {
@@ -171,7 +171,7 @@ fn an_arc_beyond_the_belt_velocity_ends_in_contact() {
             panic!("{:?}", arc.arrival)
         };
         assert_close(end, to, 1e-14);
-        // By symmetry: as fast back to the belt as away from it.
+        // By symmetry the mass comes back to the belt as fast as it left.
         assert_close(arc.start_rate, 0.6, 1e-15);
         assert_close(arc.end_rate, -0.6, 1e-14);
         assert_continuous(&arc, Time::Forward);
@@ -197,14 +197,14 @@ fn an_arc_that_does_not_turn_ends_at_the_equilibrium() {
         });
         assert_eq!(arc.arrival, Arrival::Equilibrium);
         let last = arc.steps.last().unwrap();
-        // By the speed (u − ū)/h1, h1 = 3, that the deviation causes.
+        // The deviation u − ū is measured by the speed (u − ū)/h1 that it causes; h1 = 3.
         let distance = |at: State| ((at.displacement - rest).abs() / 3.0).max(at.velocity.abs());
         assert!(distance(last.state_at(last.duration)) < 1e-9 * v_b);
-        // And not much later than it has to: the step before ends outside.
+        // The arc ends no later than it has to: the step before ends outside.
         assert!(distance(last.state) >= 1e-9 * v_b);
     }
-    // A stiff law too, where rounding decides which way the speed changes: the velocity has a
-    // maximum only if it was below the slow motion's.
+    // In a stiff system rounding decides which way the speed changes along the slow motion. The
+    // velocity has a maximum only if it was below that of the slow motion.
     let system = system(0.3, 20.0, 1.0, 0.0);
     let rest = system.equilibrium_displacement();
     for (offset, velocity, turns) in [
@@ -264,8 +264,8 @@ fn an_arc_that_grows_backwards_without_turning_is_followed_far_and_no_further() 
 
 #[test]
 fn a_motion_has_settled_within_a_billionth_of_the_belt_velocity_where_the_equilibrium_attracts() {
-    // The equilibrium is at 0, and numbers are exact. Where h1 = 2β exceeds 1, u counts by the
-    // speed u/h1 that it causes.
+    // The equilibrium is at 0, so the numbers are exact. Where h1 = 2β exceeds 1, u is measured by
+    // the speed u/h1 that it causes.
     for (damping, stiffness, attracts) in [
         (0.1, 1.0, Some(Time::Forward)),
         (2.0, 4.0, Some(Time::Forward)),
@@ -292,7 +292,7 @@ fn a_motion_has_settled_within_a_billionth_of_the_belt_velocity_where_the_equili
                     assert!(!settled(place, 0.0, time));
                 }
                 assert!(!settled(0.0, 1.01e-9, time) && !settled(0.5e-9, -0.3, time));
-                // To rounding it is there in any case.
+                // Within rounding of the equilibrium, a motion has settled in any case.
                 assert!(settled(15.0 * f64::EPSILON, 0.0, time));
                 assert!(settled(0.0, -15.0 * f64::EPSILON, time));
                 assert!(attracts == Some(time) || !settled(16.0 * f64::EPSILON, 0.0, time));
@@ -325,8 +325,8 @@ fn a_motion_has_settled_within_a_billionth_of_the_belt_velocity_where_the_equili
 
 #[test]
 fn a_slip_that_cannot_begin_is_not_followed() {
-    // Without a jump from static to kinetic friction: at the ends of the stick band v' = 0, and the
-    // belt holds the mass at the lower one.
+    // Without a jump from static to kinetic friction v' = 0 at the ends of the stick band, and the
+    // belt holds the mass at the lower end.
     let flat = system(0.4, 0.0, 1.0, 0.1);
     let jump = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), 1.0).unwrap();
     let [low, high] = flat.stick_limits();
@@ -341,7 +341,7 @@ fn a_slip_that_cannot_begin_is_not_followed() {
         arrival(low - 0.1, Direction::Leading),
         Arrival::Contact(_)
     ));
-    // With a jump it begins at either end.
+    // With a jump, slip begins at either end.
     let start = jump.stick_limits()[0];
     let arc = traced(&jump, |tracer| {
         tracer.arc_leaving(start, Direction::Leading)
@@ -352,7 +352,7 @@ fn a_slip_that_cannot_begin_is_not_followed() {
             .iter()
             .all(|step| step.speed.at(0.5 * step.duration) > 0.0)
     );
-    // Backwards, where the motion would have to come from inside the belt.
+    // Backwards, the motion would have to come through the belt velocity.
     let back = |u, direction| traced(&flat, |tracer| tracer.arc_arriving(u, direction)).arrival;
     assert_eq!(back(high + 0.1, Direction::Lagging), Arrival::Held);
     assert_eq!(back(low - 0.1, Direction::Leading), Arrival::Held);
@@ -401,17 +401,17 @@ fn a_velocity_may_turn_where_it_is_positive_after_it_grew_or_was_negative() {
     let (h, v_b) = (1.0, 1.0);
     let may =
         |c: &[f64], has_grown| PeakWatch { v_b, has_grown }.may_come(&PowerSeries::from(c), h);
-    // Positive all along.
+    // The velocity is positive all along.
     assert!(may(&[0.5, 0.1], true));
     assert!(!may(&[0.5, 0.1], false));
-    // Negative all along.
+    // The velocity is negative all along.
     assert!(!may(&[1.5, 0.1], true) && !may(&[1.5, 0.1], false));
-    // Becoming negative, or positive.
+    // The velocity becomes negative, or positive.
     for grows in [true, false] {
         assert!(may(&[0.5, 0.8], grows));
         assert!(may(&[1.5, -0.8], grows));
         assert!(may(&[0.9, 2.0], grows));
-        // For a while.
+        // The velocity changes its sign for a while.
         assert!(may(&[0.9, 1.0, -1.0], grows));
     }
     // Zero is not negative.
@@ -429,7 +429,7 @@ fn the_next_maximum_of_the_velocity_is_a_minimum_of_the_sliding_speed_after_grow
         let found = watch.first_inside(&PowerSeries::from(c), h);
         (found, watch.has_grown)
     };
-    // Least at t = 0.3.
+    // The sliding speed is least at t = 0.3.
     let parabola = [0.5, -0.6, 1.0];
     let (found, grows) = next(&parabola, 1.0, true);
     assert_close(found.unwrap(), 0.3, 1e-15);
@@ -437,24 +437,25 @@ fn the_next_maximum_of_the_velocity_is_a_minimum_of_the_sliding_speed_after_grow
     assert_eq!(next(&parabola, 1.0, false), (None, false));
     assert_eq!(next(&parabola, 0.29, true), (None, true));
     assert_eq!(next(&parabola, f64::INFINITY, true), (None, true));
-    // Largest there: the velocity has its minimum, and grows from then on if that is negative.
+    // The sliding speed is largest there: the velocity has a minimum, and counts as growing from
+    // then on if the minimum is negative.
     assert_eq!(next(&[0.5, 0.6, -1.0], 1.0, false), (None, false));
     assert_eq!(next(&[1.5, 0.6, -1.0], 1.0, false), (None, true));
     assert_eq!(next(&[0.5, 0.6, -1.0], 1.0, true), (None, true));
-    // To the height 1 exactly.
+    // The sliding speed rises to exactly 1.
     assert_eq!(next(&[0.75, 1.0, -1.0], 1.0, false), (None, false));
-    // Rate −(t − 0.25)(t − 0.5): falls, to its least height at 0.25, and grows to 0.5.
+    // The rate is −(t − 0.25)(t − 0.5): the speed falls to its minimum at 0.25 and grows until 0.5.
     let falls = |height| [height, -0.125, 0.375, -1.0 / 3.0];
     let (found, _) = next(&falls(0.5), 1.0, true);
     assert_close(found.unwrap(), 0.25, 1e-15);
     assert_eq!(next(&falls(0.5), 1.0, false), (None, false));
-    // Rate (t − 0.25)(t − 0.5): largest first.
+    // The rate is (t − 0.25)(t − 0.5): the maximum comes first.
     let rises = |height| [height, 0.125, -0.375, 1.0 / 3.0];
     let (found, grows) = next(&rises(1.0), 1.0, false);
     assert_close(found.unwrap(), 0.5, 1e-15);
     assert!(grows);
     assert_eq!(next(&rises(0.5), 1.0, false), (None, false));
-    // An extremum at the start is not the next one: rate −2t + 4t³, and 2t.
+    // An extremum at the start is not the next one: the rates are −2t + 4t³ and 2t.
     let (found, _) = next(&[0.5, 0.0, -1.0, 0.0, 1.0], 1.0, true);
     assert_close(found.unwrap(), FRAC_1_SQRT_2, 1e-15);
     assert_eq!(next(&[0.5, 0.0, 1.0], 1.0, true), (None, true));

@@ -35,7 +35,8 @@ fn where_friction_is_weak_an_exact_turn_grows_as_the_drift_says_and_no_less_exac
                     panic!("{value} {noise}")
                 };
                 assert_eq!(growth.value > 0.0, grows);
-                // A drifts on over the turn, by a part of the order of the growth itself.
+                // A changes during the turn, so the two differ by a relative amount of the order of
+                // the growth.
                 let rate = growth.value.ln_1p() / TAU;
                 assert_close(rate, value, 4.0 * load * value.abs() + growth.noise);
             }
@@ -57,13 +58,13 @@ fn a_range_without_cycles_is_told_from_one_with_a_cycle() {
     // The averaged cycle has A = √(−(4/3) h1/h3) = 0.26866.
     assert!(has_none(&weak, 1e-4..0.26) && has_none(&weak, 0.28..0.42));
     assert!(!has_none(&weak, 0.26..0.28) && !has_none(&weak, 0.1..0.4));
-    // Rounding.
+    // Without damping and with constant friction nothing but rounding is left.
     assert!(!has_none(&circles(0.4, 0.25, 0.5), 1e-4..0.5));
     assert!(has_none(&spiral(2e-17, 0.5), 1e-4..0.5));
     assert!(has_none(&spiral(-1e-300, 0.5), 1e-4..0.5));
-    // Too strong to tell.
+    // Friction is too strong for averaging to tell.
     assert!(!has_none(&repelling(0.3, 6.0), 0.1..0.2));
-    // A knee inside: without damping below it, motions beyond it die.
+    // Below the knee nothing damps a motion; beyond it motions die.
     let kneed = with_knee(*circles(0.4, 0.25, 0.5).law(), 0.7, 0.01, 0.5);
     assert!(!has_none(&kneed, 0.1..0.4) && !has_none(&kneed, 0.1..0.2));
     assert!(has_none(&kneed, 0.3..0.4));

@@ -1,4 +1,4 @@
-//! Starts of which simulation tells where they end.
+//! Where motions end, compared with simulation.
 
 use super::*;
 use crate::friction::{Coulomb, Stribeck};
@@ -19,7 +19,7 @@ fn basins_are_those_of_the_attractor_and_of_long_simulations() {
             let start = State::new(u, v_b.signum() * (0.5 * f64::from(j) + 0.017));
             let reached = basins.attractor(start).unwrap();
             assert_eq!(attractor(&system, start).unwrap(), reached);
-            // Far beyond any transient; the steady mass has come to rest.
+            // After 400 units of time every transient is over, and steady sliding is at rest.
             let end = system.simulate(start, 400.0).unwrap().last();
             let rests = end.velocity.abs() < 1e-3;
             assert_eq!(reached == Attractor::Equilibrium, rests, "{start:?}");
@@ -77,7 +77,7 @@ fn a_start_costs_at_most_four_simulated_periods() {
         basins.reached_from(nest, &mut tracer, start).unwrap();
         starts += 1;
     }
-    // In Taylor steps, of which nearly all of the time goes into.
+    // Counted in Taylor steps, which take nearly all of the time.
     let steps = period.steps().len();
     assert!(
         tracer.work() <= 4 * steps * starts,

@@ -1,4 +1,4 @@
-//! The map of crossings against closed forms.
+//! The map of crossings, compared with closed forms.
 
 use std::f64::consts::TAU;
 
@@ -9,8 +9,7 @@ use super::super::testing::{
 use super::*;
 use crate::belt::SlipPoint;
 
-/// A friction that drives the mass, and viscous damping: C(F) = r F + d with r < 1, by circles that
-/// shrink.
+/// A system with friction that drives the mass, and viscous damping: C(F) = rF + d with r < 1.
 fn driven(force: f64, v_b: f64) -> System {
     // The crossing cycle lies where 4·0.05 = force·(1 − r), nearly.
     let damping = 0.2 / (TAU * force);
@@ -19,7 +18,7 @@ fn driven(force: f64, v_b: f64) -> System {
 
 #[test]
 fn noise_of_a_crossing_grows_with_the_place_of_contact_that_a_slow_contact_shifts() {
-    // From flat contacts, where the belt is 10⁴ times as fast as the motion accelerates, to steep
+    // From flat contacts, with a belt velocity 10⁴ times as large as the acceleration, to steep
     // ones.
     for (rest, kinetic, v_b) in [
         (0.4, 0.25, 0.2),
@@ -47,7 +46,7 @@ fn crossings_of_circles_lose_four_times_the_friction_force() {
         for force in [1.0 + rest + 4.0 * kinetic, 9.0, 30.0] {
             let growth = traced(&system, |tracer| CrossingMap::of(tracer).growth(force));
             assert_close(growth.value, -4.0 * kinetic / force, growth.noise);
-            // As long as they lie apart on the way out, they do on the way back.
+            // Two motions come back as far apart as they set out.
             assert_close(
                 growth.slope,
                 4.0 * kinetic / (force * force),
@@ -62,14 +61,14 @@ fn crossings_of_circles_lose_four_times_the_friction_force() {
 #[test]
 fn a_motion_that_does_not_cross_again_is_taken_to_the_release_point() {
     let system = circles(0.4, 0.25, 0.2);
-    // It crosses down at more than 2μ_k + μ_s, and down again at less than the release force, if at
-    // all.
+    // A force above 2μ_k + μ_s leads to a second downward crossing, but with less than the release
+    // force.
     for force in [0.5, 0.85, 0.95, 1.3] {
         let growth = traced(&system, |tracer| CrossingMap::of(tracer).growth(force));
         assert_close(growth.value, 0.4 / force - 1.0, 1e-15);
         assert_close(growth.slope, -0.4 / (force * force), 1e-14);
     }
-    // Or never comes back to the belt, or not beyond.
+    // These motions never come back to the belt, or do not cross it.
     let none = |system: &System, force| {
         traced(system, |tracer| CrossingMap::of(tracer).cycle(force)).is_none()
     };
@@ -103,7 +102,7 @@ fn the_slope_of_a_crossing_is_that_of_its_values() {
 
 #[test]
 fn the_least_crossing_comes_back_to_an_end_of_the_stick_band() {
-    // From beyond the lower end of the band to its upper end.
+    // From beyond the lower end of the band, the motion comes back to the upper end.
     let least = traced(&circles(0.4, 0.25, 0.2), |tracer| {
         CrossingMap::of(tracer).least()
     })
@@ -111,7 +110,7 @@ fn the_least_crossing_comes_back_to_an_end_of_the_stick_band() {
     assert_close(least.x, 1.4, 1e-14);
     assert_close(least.value, 0.4 / 1.4 - 1.0, 1e-14);
     assert_close(least.slope, 1.0 / (1.4 * 1.4), 1e-13);
-    // A friction that drives the mass: from the lower end of the band beyond its upper end.
+    // Friction that drives the mass takes it from the lower end of the band beyond the upper end.
     let least = traced(&circles(0.4, -0.05, 0.2), |tracer| {
         CrossingMap::of(tracer).least()
     })
@@ -119,7 +118,7 @@ fn the_least_crossing_comes_back_to_an_end_of_the_stick_band() {
     assert_close(least.x, 0.3, 1e-14);
     assert_close(least.value, 0.5 / 0.3 - 1.0, 1e-14);
     assert_close(least.slope, -0.2 / (0.3 * 0.3), 1e-13);
-    // Every motion beyond the release point crosses again where nothing brakes it.
+    // If nothing brakes a motion beyond the release point, it crosses again.
     let outward = traced(&circles(0.4, -0.25, 0.2), |tracer| {
         CrossingMap::of(tracer).least()
     });
@@ -139,7 +138,7 @@ fn the_least_crossing_has_the_growth_of_the_crossings_just_above() {
             let above = CrossingMap::of(tracer).growth(least.x * (1.0 + 1e-7))?;
             assert_close(least.value, above.value, 1e-5);
             assert_close(least.slope, above.slope, 1e-4 * above.slope.abs());
-            // It comes back to the release point, or, driven, beyond.
+            // The motion comes back to the release point or, if friction drives it, beyond.
             let release = system.load() * system.law().rest;
             let next = least.x * (1.0 + least.value);
             if driven {
@@ -253,11 +252,12 @@ fn crossings_are_searched_to_sixteen_times_the_scale_of_a_system_and_no_further_
 #[test]
 fn the_search_for_crossings_ends_soon_where_motions_shrink_and_where_they_grow() {
     for (system, steps) in [
-        // After two that shrink beyond what the belt velocity can feed.
+        // The search ends after two forces, beyond what the belt velocity can feed, from which
+        // motions shrink.
         (circles(0.4, 0.25, 0.2), 16..26),
         (circles(0.4, 0.1, 20.0), 54..75),
         (paper(0.2), 20..29),
-        // Far out.
+        // The search goes as far as `FARTHEST`.
         (circles(0.4, -0.1, 0.2), 36..52),
         (circles(0.4, -0.1, 20.0), 76..100),
     ] {
@@ -275,7 +275,8 @@ fn the_search_for_crossings_ends_soon_where_motions_shrink_and_where_they_grow()
 
 #[test]
 fn crossings_beyond_the_last_breakpoint_are_found_where_those_below_shrink() {
-    // From the knee on friction drives the mass. Motions with forces from 0.5 to about 10 shrink.
+    // At speeds above the knee friction drives the mass. Motions with forces from 0.5 to about 10
+    // shrink.
     let law = *circles(0.12, 0.1, 1.0).law();
     for unit in [1.0, 64.0, 1.0 / 64.0] {
         let system = rescaled(&with_knee(law, 10.0, -0.5, 1.0), unit);

@@ -1,4 +1,4 @@
-//! Systems that were once beyond the search.
+//! Systems for which the search once failed.
 
 use super::*;
 use crate::friction::{Coulomb, Polynomial, Stribeck};
@@ -50,7 +50,7 @@ fn a_pure_slip_cycle_is_whole() {
         panic!("{cycles:?}")
     };
     assert_eq!(cycle.kind(), CycleKind::PureSlip);
-    // It closes after a period.
+    // The motion closes after a period.
     let motion = system.simulate(cycle.state(), cycle.period()).unwrap();
     let (start, end) = (cycle.state(), motion.last());
     assert!((end.displacement - start.displacement).abs() < 1e-13);
@@ -59,8 +59,8 @@ fn a_pure_slip_cycle_is_whole() {
 
 #[test]
 fn nothing_is_unresolved_where_rounding_hides_that_every_motion_dies() {
-    // Over a turn by less than 1e-15 of itself, and on a belt so slow that rounding of the force
-    // hides everything.
+    // Motions that shrink by less than 1e-15 of themselves over a turn; and a belt so slow that
+    // rounding of the force is larger than any change.
     let coulomb = MassOnBelt::new(Coulomb::new(0.4, 0.4).unwrap(), 0.2).unwrap();
     let slow = MassOnBelt::new(Polynomial::new(0.4, 0.4, 0.5).unwrap(), 1e-9).unwrap();
     for damping in [1e-17, 1e-30, 1e-300] {

@@ -1,4 +1,4 @@
-//! The map of velocity maxima against closed forms.
+//! The map of velocity maxima, compared with closed forms.
 
 use super::super::continuum::is_flat;
 use super::super::testing::{
@@ -87,18 +87,18 @@ fn a_turn_that_meets_the_belt_counts_as_growth_and_one_that_settles_as_death() {
 #[test]
 fn the_largest_peak_comes_back_grazing_the_belt() {
     for v_b in [0.2, 3.0] {
-        // Of a motion that grows, the peak before the belt; it grows by the same factor as every
-        // other.
+        // If motions grow, the largest peak is the one before grazing; this motion grows by the
+        // same factor as every other.
         let largest = traced(&spiral(-0.1, v_b), |tracer| PeakMap::of(tracer).largest()).unwrap();
         assert_close(largest.x, v_b / shrinks(-0.1), largest.noise * v_b);
         assert_close(largest.value, shrinks(-0.1) - 1.0, largest.noise);
         assert_close(largest.slope * largest.x, 0.0, largest.noise);
-        // Of one that dies, the belt velocity itself.
+        // If motions die, the largest peak is the belt velocity itself.
         let largest = traced(&spiral(0.1, v_b), |tracer| PeakMap::of(tracer).largest()).unwrap();
         assert_eq!(largest.x, v_b);
         assert_close(largest.value, shrinks(0.1) - 1.0, largest.noise);
     }
-    // Next to an unstable node no motion turns, and the grazing one comes straight from it.
+    // Near an unstable node no motion turns, and the grazing motion comes straight from the node.
     let none = traced(&spiral(-1.5, 1.0), |tracer| PeakMap::of(tracer).largest());
     assert_eq!(none, None);
 }
@@ -110,7 +110,7 @@ fn the_slope_at_the_largest_peak_is_that_of_the_growth_just_below() {
         let largest = PeakMap::of(tracer).largest()?.unwrap();
         let below = PeakMap::of(tracer).growth(largest.x * (1.0 - 1e-6))?;
         assert_close(largest.value, below.value, 1e-5 * largest.value);
-        // The growth turns steep there.
+        // The slope changes fast near the largest peak.
         assert_close(largest.slope, below.slope, 1e-2 * largest.slope.abs());
         Ok(())
     });
@@ -128,12 +128,12 @@ fn peaks_are_searched_from_a_ten_thousandth_of_the_belt_velocity_to_the_largest(
         }
         let [_, largest] = traced(&spiral(0.1, v_b), |tracer| PeakMap::of(tracer).range()).unwrap();
         assert_eq!(largest.x, v_b);
-        // All motions grow to the belt: by more than 10⁴ a turn.
+        // All motions grow to the belt, by a factor of more than 10⁴ a turn.
         assert_eq!(
             traced(&spiral(-0.9, v_b), |tracer| PeakMap::of(tracer).range()),
             None
         );
-        // By less.
+        // Here the factor is smaller.
         let [_, largest] =
             traced(&spiral(-0.7, v_b), |tracer| PeakMap::of(tracer).range()).unwrap();
         assert_close(largest.x, v_b / shrinks(-0.7), 1e-12 * v_b);
@@ -220,7 +220,7 @@ fn growth_is_not_told_where_rounding_hides_it() {
         assert_eq!(grows(&spiral(0.01, 1.0), peak), Some(false));
     }
     for peak in [1e-6, 0.3] {
-        // 1e-16 or less a turn.
+        // The growth over a turn is 1e-16 or less.
         assert_eq!(grows(&spiral(-2e-17, 1.0), peak), None);
         assert_eq!(grows(&spiral(2e-17, 1.0), peak), None);
     }

@@ -1,4 +1,4 @@
-//! The motion from the release point against closed forms and simulations.
+//! The motion from the release point, compared with closed forms and simulations.
 
 use super::super::crossings::CrossingMap;
 use super::super::peaks::PeakMap;
@@ -10,7 +10,7 @@ use crate::motion::EventKind;
 use crate::numerics::with_slopes::Sample;
 use crate::state::State;
 
-/// What the arcs from the release point do at the belt.
+/// The contacts of the arcs from the release point.
 #[derive(Debug, PartialEq)]
 struct Contacts {
     overshoot: f64,
@@ -29,7 +29,7 @@ fn contacts<L: FrictionLaw>(tracer: &mut Tracer<'_, L>) -> Result<Contacts, Erro
 
 #[test]
 fn nothing_depends_on_the_unit_of_length() {
-    // By a power of two, so that not even rounding does.
+    // The units are powers of two, so that even the rounding is the same.
     let examples = [
         paper(0.2),
         paper(0.43),
@@ -118,7 +118,7 @@ fn the_release_point_leads_to_stick_crossing_or_inwards() {
         fate(&spiral(1.5, 0.2)),
         ReleaseFate::Inward { peak: None }
     ));
-    // The release point of a law without a jump is where the velocity has its maximum v_b.
+    // If the law has no jump, the velocity has its maximum v_b at the release point.
     let ReleaseFate::Inward { peak: Some(peak) } = fate(&spiral(0.1, 0.5)) else {
         panic!()
     };
@@ -129,7 +129,7 @@ fn the_release_point_leads_to_stick_crossing_or_inwards() {
 fn contacts_of_circles() {
     for (rest, kinetic, v_b) in [(0.4, 0.25, 0.2), (0.5, 0.1, 0.3), (4.0, 3.0, 10.0)] {
         let contacts = traced(&circles(rest, kinetic, v_b), contacts);
-        // Round μ_k, from the displacement μ_s back to its mirror image.
+        // The motion circles about μ_k, from the displacement μ_s to its mirror image.
         let excess: f64 = (rest - kinetic) / v_b;
         assert_close(contacts.overshoot, 0.5 * excess * excess, 1e-14);
         let beyond = (-rest - (2.0 * kinetic - rest)) / (v_b + rest);
@@ -174,7 +174,7 @@ fn contacts_are_those_of_the_simulated_motion() {
         );
         assert_eq!(contacts.beyond_low.unwrap() > 0.0, crosses);
         assert_eq!(motion.events()[1].kind != EventKind::Stick, crosses);
-        // The acceleration with which it meets the belt.
+        // The acceleration with which the mass meets the belt.
         let rate = system.acceleration(State::new(places[0], v_b.next_down())) / v_b;
         assert_close(contacts.overshoot, 0.5 * rate * rate, 1e-12);
         let beyond_high = crosses.then(|| (places[1] - high) / scale);

@@ -3,7 +3,7 @@ use std::cell::Cell;
 use super::*;
 use crate::numerics::testing::rough;
 
-/// What a rule makes of a function, and how many of its values it took.
+/// The result of a rule for a function, and how many values the rule took.
 fn watched<T>(
     f: impl Fn(f64) -> [f64; 2],
     rule: impl FnOnce(&dyn Fn(f64) -> Result<[f64; 2], Error>) -> Result<T, Error>,
@@ -102,7 +102,7 @@ fn rules_are_refined_until_both_integrals_agree() {
             assert_eq!(taken, looks);
         }
     }
-    // A kink at 3/8 is an end of panels after three halvings: 7 panels, the last 4 of which agree
+    // After three halvings a kink at 3/8 is an end of panels: 7 panels, the last 4 of which agree
     // with their halves.
     for swapped in [false, true] {
         let kinked = |x: f64| {
@@ -125,7 +125,7 @@ fn integrands_that_are_not_resolved_end() {
     let (integral, looks) = counted_trapezoid(|psi| [rough(psi), 0.0]);
     assert!(integral.is_none());
     assert_eq!(looks, 2048 + 1);
-    // Each halving makes two panels more, 4096 at most; the interval is covered all the same.
+    // Each halving makes two more panels, 4096 at most; even then the whole interval is covered.
     let (integral, looks) = counted(|x| [rough(x), 1.0], &[0.0, 3.0]);
     assert_eq!(looks, 16 + (1 + 4096) * 32);
     assert!((integral.parts[1] - 3.0).abs() < 1e-12);
@@ -145,7 +145,7 @@ fn tolerances_grow_with_the_integral_and_with_the_peak() {
         }
         .tolerance()
     };
-    // Round-off of a sum, and of the largest term: some of it, but not much.
+    // The tolerance allows for some round-off of the sum and of the largest term, but not for much.
     for scale in [1e-9, 1.0, 1e9] {
         let (wide, narrow) = (tolerance(scale, 0.0), tolerance(0.0, scale));
         assert!(wide > f64::EPSILON * scale && wide <= 1e-12 * scale);
@@ -170,7 +170,7 @@ fn a_difference_in_either_integral_counts() {
 
 #[test]
 fn graded_points_are_four_times_closer_from_one_to_the_next() {
-    // Ends of which every point is a binary fraction.
+    // For these ends every point is a binary fraction.
     for [a, b] in [[0.0, 2.0], [-3.0, 5.0], [5.0, 7.0]] {
         let points = graded(a, b);
         assert_eq!([points[0], points[6], points[12]], [a, 0.5 * (a + b), b]);

@@ -89,7 +89,7 @@ fn an_end_may_be_the_root() {
     for (a, b) in [(0.25, 1.0), (-1.0, 0.25), (1.0, 0.25)] {
         assert_eq!(root(|x| 4.0 * x - 1.0, a, b), (0.25, 2));
     }
-    // And one within rounding of an end is found from inside.
+    // A root within rounding of an end is found from inside.
     for k in 1..=200 {
         let end = 1.0 + f64::from(k) / 201.0;
         let last = end.ln() * (1.0 - f64::EPSILON);

@@ -89,8 +89,8 @@ fn undeclared_kinks_end() {
     assert_eq!(found.len(), 2);
 }
 
-// Which functions are settled in one piece: the coefficient of each Chebyshev polynomial T_k must
-// be right for these.
+// Which functions are settled in one piece. These tests fail if the coefficient of any Chebyshev
+// polynomial T_k is wrong.
 
 #[test]
 fn a_constant_that_outweighs_an_oscillation_leaves_no_root() {
@@ -101,7 +101,7 @@ fn a_constant_that_outweighs_an_oscillation_leaves_no_root() {
             assert!(!settles(1e-13, |x| sign * 0.999 + chebyshev(k, x)), "{k}");
         }
     }
-    // Two of them may add up.
+    // Two coefficients may add up.
     assert!(settles(1e-13, |x| 2.001 + chebyshev(5, x) - chebyshev(8, x)));
     assert!(!settles(1e-13, |x| 1.999 + chebyshev(5, x) - chebyshev(8, x)));
     // A root may hide in the noise.
@@ -122,7 +122,7 @@ fn a_slope_that_outweighs_an_oscillation_leaves_one_root() {
             !settles(1e-13, |x| x - 1.001 * chebyshev(k, x) / square),
             "{k}"
         );
-        // What is smaller than its noise is not counted.
+        // A coefficient smaller than the noise is not counted.
         let noise = 1.002 / square;
         assert!(
             settles(noise, |x| x - 1.001 * chebyshev(k, x) / square),
@@ -137,7 +137,7 @@ fn the_last_coefficients_tell_whether_a_function_is_resolved() {
     for k in 29..=32 {
         for sign in [1.0, -1.0] {
             assert!(!settles(1e-13, |x| 3.0 + sign * chebyshev(k, x)), "{k}");
-            // Four times the noise is taken for noise.
+            // Last coefficients of up to four times the noise count as noise.
             assert!(
                 settles(1e-3, |x| 3.0 + sign * 3.99e-3 * chebyshev(k, x)),
                 "{k}"
@@ -155,7 +155,8 @@ fn what_is_smaller_than_its_noise_has_no_roots() {
     assert!(settles(1.0, |x| 0.99 * chebyshev(5, x)));
     assert!(!settles(1.0, |x| 1.01 * chebyshev(5, x)));
     assert!(settles(1.0, |x| 0.5 * chebyshev(2, x) - 0.49 * chebyshev(3, x)));
-    // Together larger than the noise, each smaller: not flat, and no slope is known.
+    // Two coefficients, together larger than the noise, each smaller: the function is not flat, and
+    // its slope is not known.
     assert!(!settles(1.0, |x| 0.5 * chebyshev(2, x) - 0.51 * chebyshev(3, x)));
     assert!(settles(0.0, |_| 0.0));
 }
@@ -219,7 +220,7 @@ fn functions_noisier_than_they_say_are_not_followed_for_ever() {
     let nodes = watched.isolated(0.0);
     // Every piece but the first is one of two halves, so that their number is odd.
     assert_eq!(watched.looks(), (MOST_PIECES - 1) * (DEGREE + 1));
-    // They still cover the interval, evenly.
+    // The pieces still cover the interval, evenly.
     assert_eq!((nodes[0].at, nodes[nodes.len() - 1].at), (0.0, 1.0));
     assert_eq!(nodes.len(), MOST_PIECES);
     assert!(
@@ -257,7 +258,7 @@ fn brackets_need_two_values_beyond_their_noise() {
         found(&[(-0.2, 0.1), (0.05, 0.1), (-0.1, 0.1), (0.2, 0.1)]),
         [[0.0, 3.0]]
     );
-    // No sign at exactly the noise, and none for 0.
+    // A value exactly as large as its noise has no sign, nor has 0.
     assert!(found(&[(0.2, 0.1), (-0.1, 0.1), (0.2, 0.1)]).is_empty());
     assert!(found(&[(0.2, 0.1), (0.0, 0.0), (0.3, 0.1)]).is_empty());
     assert!(found(&[(0.2, 0.1), (7.0, 0.1)]).is_empty() && found(&[]).is_empty());

@@ -2,7 +2,8 @@
 
 use super::*;
 
-/// A third into one of 64 parts, and so a third or two thirds into every half of it.
+/// A place a third of the way into one of the 64 intervals, and so a third or two thirds of the way
+/// into each of its halves.
 const MIDDLE: f64 = 0.5 + 1.0 / 192.0;
 
 /// Sign changes, and the places at which the function was asked.
@@ -99,7 +100,7 @@ fn nothing_is_looked_for_where_a_function_is_zero_to_rounding() {
     assert_eq!(roots, []);
     let (roots, _) = scan(0.0..1.0, |x| Some(1e-11 * (x - 0.3)));
     assert_eq!(roots, [0.3]);
-    // It has to be at both ends of a part.
+    // The function has to be zero to rounding at both ends of an interval.
     let (roots, _) = scan(0.0..1.0, |x| Some(if x > 0.3 { 1.0 } else { -1e-15 }));
     assert_eq!(roots, [0.3]);
 }
@@ -130,7 +131,7 @@ fn a_root_next_to_where_a_function_ends_is_found() {
 
 #[test]
 fn a_gap_is_no_root_but_one_beside_it_is() {
-    // From −1 to 1 through a gap.
+    // A function that goes from −1 to 1 through a gap.
     let (roots, asked) = scan(0.0..1.0, |x| {
         (!(0.3..0.301).contains(&x)).then_some(if x < 0.3 { -1.0 } else { 1.0 })
     });

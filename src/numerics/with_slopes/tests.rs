@@ -31,7 +31,8 @@ impl Cubic {
     }
 }
 
-/// Cubics and intervals with both turns, one or none inside, and the middle of the turns in or out.
+/// Cubics and intervals: both turns inside, one or none, and the middle of the turns inside or
+/// outside.
 fn cubics() -> impl Iterator<Item = (Cubic, f64, f64)> {
     let signs = [1.0, -1.0, 0.3];
     let turns = [(-1.1, 0.7), (0.2, 0.9), (-2.0, 2.5)];
@@ -99,8 +100,8 @@ fn the_cubic_through_both_ends_is_a_cubic() {
 
 #[test]
 fn what_the_cubic_misses_is_told() {
-    // By x⁴ about c, the cubic is off by h⁴ in the middle, by x⁵ not at all, but in its slope, by
-    // h⁴.
+    // For (x − c)⁴ the cubic's value in the middle is wrong by h⁴; for (x − c)⁵ the value is right
+    // and the slope is wrong by h⁴.
     for (c, h) in [(0.0, 1.0), (3.0, 0.5), (-2.0, 2.0_f64)] {
         let fourth = |x: f64| sample(x, (x - c).powi(4), 4.0 * (x - c).powi(3));
         let fifth = |x: f64| sample(x, (x - c).powi(5), 5.0 * (x - c).powi(4));
@@ -179,7 +180,8 @@ fn a_root_passed_in_noise_is_not_passed_one_way() {
         ..sample(2.0, value, slope)
     };
     let b = |slope: f64| sample(2.01, 4e-3, slope);
-    // Its relative slope times x is ten times the noise or less.
+    // A slope counts as rounding if the change that it makes over x itself, relative to the value,
+    // is at most ten times the noise.
     assert!(one_way(a(5.1e-3, -1e-3), b(0.5)));
     assert!(!one_way(a(4.9e-3, -1e-3), b(0.5)));
     assert!(one_way(a(4.9e-3, -1.1e-3), b(0.5)));
@@ -239,7 +241,7 @@ fn ranges_that_meet_are_one() {
     assert_eq!(found.unresolved, [0.0..1.5, 2.0..3.0]);
 }
 
-/// Every root to rounding, in order, and at how few points.
+/// Every root is found to rounding, in order, and at few points.
 #[test]
 fn simple_roots_are_found_in_few_evaluations() {
     let sine = Counted::new(|x: f64| sample(x, (3.0 * x).sin(), 3.0 * (3.0 * x).cos()));
@@ -257,7 +259,7 @@ fn simple_roots_are_found_in_few_evaluations() {
     assert!((found.roots[0] - SQRT_2).abs() <= 3e-16);
     assert!(calls <= 5, "{calls}");
 
-    // In the middle of an interval, to the bit.
+    // A root in the middle of an interval is found to the bit.
     let line = Counted::new(|x: f64| sample(x, x - 1.5, 1.0));
     let (found, calls) = line.roots(1.0, 2.0);
     assert_eq!(found.roots, [1.5]);
@@ -329,7 +331,7 @@ fn what_rounding_hides_is_left_and_nothing_beside_it() {
     assert!(1.0 <= range.end && range.end <= 1.11, "{range:?}");
     assert!(calls <= 10, "{calls}");
 
-    // A parabola that may touch zero: told, and not divided without end.
+    // A parabola that may touch zero is reported, and not divided without end.
     let touch = Counted::new(|x: f64| Sample {
         noise: 1e-9,
         ..sample(x, (x - 0.7) * (x - 0.7), 2.0 * (x - 0.7))
@@ -356,7 +358,7 @@ fn work_is_bounded() {
     let (found, calls) = waves.roots(0.01, 1.0);
     assert!((100..200).contains(&calls), "{calls}");
     assert!(!found.unresolved.is_empty());
-    // Every root found is one, and the others lie in what is left.
+    // Every root found is a root, and all others lie in the unresolved ranges.
     assert!(found.roots.iter().all(|x| (1e4 * x).sin().abs() < 1e-9));
     for i in 32..=3183 {
         let root = f64::from(i) * PI / 1e4;
@@ -413,7 +415,7 @@ fn turns_that_rounding_makes_are_none() {
     assert_eq!(smoothed(&[0.0, 0.05, -1.0, 2.0]), [0.0, 2.0, 3.0]);
     assert_eq!(smoothed(&[0.0, 1.0, -1.0, -0.95]), [0.0, 1.0, 3.0]);
     assert_eq!(smoothed(&[0.0, 0.05]), [0.0, 1.0]);
-    // The noise of either counts.
+    // The noise of either turn counts.
     let mut outline = vec![
         turn(0.0, 0.0),
         turn(1.0, 1.0),

@@ -74,7 +74,7 @@ impl Case {
 /// form.
 pub(crate) fn series(step: &Step) -> Vec<f64> {
     let text = format!("{step:?}");
-    let (_, after) = text.split_once("speed: [").unwrap();
+    let (_, after) = text.split_once("speed: PowerSeries([").unwrap();
     let (list, _) = after.split_once(']').unwrap();
     list.split(", ").map(|c| c.parse().unwrap()).collect()
 }
