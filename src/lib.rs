@@ -43,7 +43,7 @@
 //! | all cycles over a range of belt velocities, for a picture | [`bifurcation::diagram`] |
 //! | how much damping keeps the mass quiet | [`bifurcation::silencing_damping`]; at every belt velocity, [`analysis::design`] |
 //! | the formulas of the source paper, and better ones | [`analysis::PureSlip`], [`analysis::StickSlip`], [`analysis::averaging`]; [where the paper is wrong](analysis#where-the-source-paper-is-wrong) |
-//! | several masses, forces and belts that vary in time | [`Structure`], [`Contact`], [`Drive`] |
+//! | how several masses move, with forces and belts that vary in time | [`Structure`], [`Contact`], [`Drive`] |
 //! | whether several masses slide steadily, or flutter | [`Structure::steady_sliding`] |
 //! | how to work in kilograms, newtons, metres and hertz | [`Scaling`]; a [`Structure`] takes any consistent units |
 //! | a friction law of my own | [`FrictionLaw`], [`Scalar`] |
@@ -81,7 +81,7 @@
 //! | where | what it is |
 //! |---|---|
 //! | [`LimitCycle::amplitude`] | half the distance between the largest and the least displacement |
-//! | [`limit_cycle::Continuum`] | half that distance, for the largest motion of a family of periodic motions |
+//! | [`limit_cycle::Continuum`] | the amplitude in this same sense, of the largest motion of a family of periodic motions |
 //! | [`analysis::PureSlip::amplitude`] | A0 of the source paper, Eq. 15: the amplitude of both displacement and velocity, to first order |
 //! | [`analysis::StickSlip::amplitude`] | A1 of the source paper, Eq. 18: the amplitude of a slip arc to which friction gives no energy |
 //! | [`analysis::averaging`] | the amplitude of the harmonic motion that is averaged over |
@@ -102,12 +102,12 @@
 //! |---|---|
 //! | stick, v_b > 0: F grows at the rate v_b and reaches F_s | [`Release`](EventKind::Release), slip with v_r < 0 (lagging); u = F_s − 2βv_b, v = v_b |
 //! | stick, v_b < 0: F reaches −F_s | `Release`, slip with v_r > 0 (leading) |
-//! | stick, v_b = 0 | rests for ever |
+//! | stick, v_b = 0 | the mass rests for ever |
 //! | slip, v_r reaches 0, F in the band | [`Stick`](EventKind::Stick), also where γ²μ̂(0) < \|F\|: static friction holds |
 //! | slip, v_r reaches 0, F outside the band | [`Crossing`](EventKind::Crossing): slip goes on with the other sign. This holds too if leading slip ends exactly at the open end of the band |
 //! | slip, v_r touches 0 tangentially at the open end, from lagging | no event, slip goes on |
-//! | start with v_r = 0, F in the band | in stick; no event at time 0 |
-//! | start with v_r = 0, F outside the band | slips at once with the sign of −F; no event at time 0 |
+//! | start with v_r = 0, F in the band | the mass sticks; no event at time 0 |
+//! | start with v_r = 0, F outside the band | the mass slips at once, with the sign of −F; no event at time 0 |
 //! | start at the release point, within 4 ulps of the largest term of its formula | `Release` at time 0, reported |
 //!
 //! (An ulp is the distance between two neighbouring numbers of type `f64`.)
@@ -156,9 +156,9 @@
 //! # What is guaranteed of cycles
 //!
 //! [`limit_cycle::stick_slip`] is complete: if there is a cycle that sticks, it is found.
-//! [`limit_cycle::find`] can miss a pair of cycles that lie very close together; its page says [how
-//! close](limit_cycle#what-is-guaranteed). Each function of [`bifurcation`] says how densely it
-//! searches a range of belt velocities.
+//! [`limit_cycle::find`] can miss a pair of cycles that lie very close together; its page says
+//! [how close](limit_cycle#what-is-guaranteed). Each function of [`bifurcation`] says how densely
+//! it searches a range of belt velocities.
 //!
 //! # Limits
 //!
@@ -167,12 +167,11 @@
 //!   [`Structure`] are followed, but its limit cycles are not searched for.
 //! * **No memory.** μ depends on the relative velocity alone. There is no rate-and-state, LuGre or
 //!   bristle law, and static friction does not rise with the time in stick.
-//! * **Stiffness.** A slip phase is stiff where γ²·dμ̂/ds is large, as for the cubic law far above
-//!   its minimum. The method is explicit, but for one mass on a belt a stiff phase is followed by
-//!   the power series of the slow motion on which friction balances the other forces. What is left
-//!   are D so large that the series overflow (beyond about 1e20), and a stiff [`Structure`], which
-//!   has no such series. Both end in [`Error::StepUnderflow`] or
-//!   [`Error::TooManySteps`], whose messages name stiffness.
+//! * **Stiffness.** One mass on a belt is followed even where the system is stiff (large β or
+//!   γ²·dμ̂/ds, as for the cubic law far above its minimum), up to D = 2β + γ²·dμ̂/ds of about
+//!   1e20. Far beyond, numbers overflow. A [`Structure`] is followed by explicit steps only, which
+//!   become short where it is stiff. What cannot be followed ends in [`Error::StepUnderflow`] or
+//!   [`Error::TooManySteps`].
 //! * **Analytic laws.** A law is analytic, at s = 0 too, or it is so in pieces that meet at
 //!   [breakpoints](FrictionLaw::breakpoints).
 //! * **Narrow bumps.** A bump in the law that is narrower than
@@ -180,9 +179,9 @@
 //!
 //! # Features
 //!
-//! None is on by default.
+//! No feature is on by default.
 //!
-//! * `serde`: writes and reads laws, systems, scalings, drives, states and events; writes
+//! * `serde`: writes and reads laws, systems, structures, scalings, states and events; writes
 //!   equilibria, cycles and diagrams, which follow from a system. `schema` lists the names.
 //! * `rayon`: adds `bifurcation::par_diagram`, which computes the [diagram](bifurcation::diagram)
 //!   on all cores, with the same results bit for bit.

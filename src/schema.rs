@@ -1,8 +1,8 @@
 //! The names of all that the feature `serde` writes and reads, with JSON as the example.
 //!
-//! Laws, systems, scalings, drives, states and events are **written and read**. Reading goes
-//! through the constructors: what they refuse is refused here too, with the same message. A field
-//! that is not known is refused as well.
+//! Laws, systems with their parts, scalings, states and events are **written and read**. Reading
+//! goes through the constructors: what they refuse is refused here too, with the same message. A
+//! field that is not known is refused as well.
 //!
 //! Equilibria, cycles, sets of cycles, attractors and points of a diagram are **written only**, for
 //! other programs, because they follow from a system. To get them back, read the system and make
@@ -11,7 +11,7 @@
 //! A struct is a map from the names of its fields, all in `snake_case`, to their values. An enum is
 //! the name of its variant in `snake_case`, alone or as the only key of a map. Numbers are
 //! dimensionless, except for those of [`Physical`](crate::Physical) and of a
-//! [`Structure`](crate::Structure) and its drives. Fields in brackets may be left out when read.
+//! [`Structure`](crate::Structure) with its parts. Fields in brackets may be left out when read.
 //!
 //! | type | fields | read |
 //! |---|---|---|
@@ -47,7 +47,7 @@
 //! | [`DiagramPoint`](crate::bifurcation::DiagramPoint) | `belt_velocity`, `equilibrium`, `cycles` | no |
 //!
 //! A motion is neither written nor read: write its system, its start and its duration, and simulate
-//! it again. A [`Structure`](crate::Structure) is neither as yet.
+//! it again.
 //!
 //! ```
 //! use stick_slip::{AnyLaw, Event, MassOnBelt, State};

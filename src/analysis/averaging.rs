@@ -1,27 +1,27 @@
-//! Averaging: slow growth and decay of a vibration under weak friction, for any law, and the cycles
-//! at which it stops.
+//! Averaging, for weak friction and any law: the slow growth and decay of a vibration, and the
+//! cycles at which they end.
 //!
-//! With z = u − ū = A sin ψ, z' = A cos ψ, the amplitude drifts slowly (Eq. 12, for any law):
+//! Let z = u − ū = A sin ψ and z' = A cos ψ. The amplitude A drifts slowly (Eq. 12, for any law):
 //!
 //! ```text
 //! A' = −(1/2π) ∫₀^2π h(A cos ψ) cos ψ dψ,     h(y) = 2βy + γ²[μ(y − v_b) − μ(−v_b)]
 //! ```
 //!
-//! and the phase does not drift at all. The paper says that such integrals "are not analytically
-//! solvable"; here they are computed to round-off. By parts, so that nothing cancels at small A,
-//! and by mirror symmetry with w = |v_b|:
+//! and the phase does not drift at all: ψ = ψ(0) + τ. The paper says that such integrals "are not
+//! analytically solvable"; here they are computed to round-off. They are integrated by parts, so
+//! that nothing cancels at small A, and mirror symmetry leaves w = |v_b| only:
 //!
 //! ```text
 //! A' = −βA − (γ²A/π) ∫₀^π μ̂'(|w − A cos ψ|) sin²ψ dψ − (2γ²/π) μ̂(0) sin s
 //! dA'/dA = −β − (γ²/π) ∫₀^π μ̂'(|w − A cos ψ|) cos²ψ dψ − (2γ²/π) μ̂(0) w²/(A³ sin s)
 //! ```
 //!
-//! with cos s = w/A. The terms with s stand for the jump of the friction force where the mass
-//! overtakes the belt, and are there only for A > w. The trapezoidal rule serves where the
-//! integrand is smooth and periodic, A ≤ w and one piece of the law; else Gauss-Legendre panels
-//! that end at ψ = s and at the breakpoints.
+//! with cos s = w/A. The terms with s come from the jump of the friction force where the mass
+//! overtakes the belt, and exist only for A > w. The trapezoidal rule is used if the integrand is
+//! smooth and periodic, that is for A ≤ w and speeds on one piece of the law; else Gauss-Legendre
+//! panels that end at ψ = s and at the breakpoints.
 //!
-//! The amplitude so found has error O(ε²), the period 2π too. It describes motions that never
+//! The amplitude A and the period 2π have errors O(ε²). Averaging describes motions that never
 //! stick: see [`AveragedCycle::is_valid`].
 
 use std::f64::consts::PI;
@@ -36,10 +36,11 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 
 /// Drift dA/dτ of the amplitude A ≥ 0, dimensionless. Error O(ε²).
 ///
-/// For Coulomb's law on a belt at rest, −2γ²μ_k/π: the amplitude falls by 4γ²μ_k in each cycle.
+/// For Coulomb's law on a belt at rest the drift is −2γ²μ_k/π: the amplitude falls by 4γ²μ_k in
+/// each cycle.
 ///
-/// Source: Farshidianfar and Noei Aghaee, Eq. 12, whose right sides lack the mean over a cycle; any
-/// law. Holds for both signs of v_b, and for v_b = 0.
+/// Source: Farshidianfar and Noei Aghaee, Eq. 12, whose right sides lack the mean over a cycle.
+/// Holds for any law, both signs of v_b, and v_b = 0.
 ///
 /// # Errors
 ///
@@ -64,7 +65,7 @@ pub fn drift<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64) -> Result<f
 }
 
 /// Slope dA'/dA of the drift at the amplitude A ≥ 0, dimensionless: the rate at which a disturbance
-/// of the amplitude grows. Error O(ε²). −∞ just above A = |v_b| if μ̂(0) > 0.
+/// of the amplitude grows. Error O(ε²). The slope is −∞ just above A = |v_b| if μ̂(0) > 0.
 ///
 /// # Errors
 ///
@@ -83,13 +84,13 @@ pub fn drift_slope<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64) -> Re
     Ok(SlowFlow::at(system, amplitude)?.slope)
 }
 
-/// The three parts of the slow flow at one amplitude.
+/// The slow flow at one amplitude, in parts.
 struct SlowFlow {
-    /// Growth rate A'/A but for the jump.
+    /// Growth rate A'/A without the part of the jump.
     rate: f64,
-    /// (2γ²/π) μ̂(0) sin s, or 0.
+    /// Part of the jump, (2γ²/π) μ̂(0) sin s; 0 for A ≤ w.
     jump: f64,
-    /// dA'/dA.
+    /// Slope dA'/dA.
     slope: f64,
     /// Rounding error of `rate`.
     noise: f64,
@@ -128,7 +129,8 @@ impl SlowFlow {
         amplitude * self.rate - self.jump
     }
 
-    /// A'/A, whose roots are the cycles; regular at A = 0, where it is −h1/2.
+    /// The growth rate A'/A, whose roots are the cycles. It is regular at A = 0, with the value
+    /// −h1/2.
     fn growth_rate(&self, amplitude: f64) -> Sample {
         let jump = if self.jump > 0.0 {
             self.jump / amplitude
@@ -137,26 +139,26 @@ impl SlowFlow {
         };
         Sample {
             value: self.rate - jump,
-            // The last term is what the rounding of A itself does, near A = |v_b| the most.
+            // The last term is the effect of rounding A itself, which is largest near A = |v_b|.
             noise: self.noise + 16.0 * f64::EPSILON * jump + 4.0 * f64::EPSILON * self.slope.abs(),
         }
     }
 }
 
-/// sin s for cos s = |v_b|/A < 1, without cancellation.
+/// The sine of s, where cos s = |v_b|/A < 1, without cancellation.
 fn sine_of_crossing(belt_speed: f64, amplitude: f64) -> f64 {
     let cosine = belt_speed / amplitude;
     ((amplitude - belt_speed) / amplitude * (1.0 + cosine)).sqrt()
 }
 
-/// ∫₀^π μ̂'(|w − A cos ψ|) sin²ψ dψ, and the same with cos²ψ.
+/// The integrals ∫₀^π μ̂'(|w − A cos ψ|) sin²ψ dψ and ∫₀^π μ̂'(|w − A cos ψ|) cos²ψ dψ.
 fn slope_integrals<L: FrictionLaw>(law: &L, w: f64, amplitude: f64) -> Result<Integral<2>, Error> {
     let speed_at = |psi: f64| (w - amplitude * psi.cos()).abs();
     let weighted = |piece: usize, psi: f64| {
         let slope = slope_on(law, piece, speed_at(psi))?;
         Ok([slope * psi.sin().powi(2), slope * psi.cos().powi(2)])
     };
-    // Where the speed |w − A cos ψ| is a breakpoint, and where it vanishes.
+    // Angles ψ at which the speed |w − A cos ψ| is a breakpoint, or vanishes.
     let mut splits = vec![0.0, PI];
     let kinks = law.breakpoints().flat_map(|b| [w - b, w + b]);
     splits.extend(
@@ -164,7 +166,7 @@ fn slope_integrals<L: FrictionLaw>(law: &L, w: f64, amplitude: f64) -> Result<In
             .filter(|y| y.abs() < amplitude)
             .map(|y| (y / amplitude).acos()),
     );
-    // Where the speed is least: there a law may have features of any scale.
+    // The angle of the least speed. At slow speeds a law may have features of any scale.
     let slowest = (w / amplitude).min(1.0).acos();
     if amplitude > w {
         splits.push(slowest);
@@ -193,9 +195,10 @@ fn slope_integrals<L: FrictionLaw>(law: &L, w: f64, amplitude: f64) -> Result<In
 
 /// A cycle of the slow flow: an amplitude A > 0 at which A' = 0.
 ///
-/// All quantities are dimensionless. z = A sin ψ about the equilibrium, with period 2π. Errors are
-/// O(ε²) in the amplitude (half the range of u, or the largest velocity) and in the period, O(ε³)
-/// in the multiplier, O(ε) in how the motion is centred.
+/// The motion is z = A sin ψ about the equilibrium, with period 2π. All quantities are
+/// dimensionless. Errors are O(ε²) in the amplitude (half the range of u, or the largest velocity)
+/// and in the period, O(ε³) in the multiplier, and O(ε) in the mean displacement, because the true
+/// motion is not centred on the equilibrium.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 12 and 13 (corrected: the printed 3/4 is 4/3), for
 /// any law and for cycles that overtake the belt.
@@ -213,12 +216,13 @@ impl AveragedCycle {
         self.amplitude
     }
 
-    /// dA'/dA at the cycle, dimensionless: the rate at which disturbances grow. Error O(ε³).
+    /// Slope dA'/dA of the drift at the cycle, dimensionless: the rate at which disturbances grow.
+    /// Error O(ε³).
     pub fn drift_slope(&self) -> f64 {
         self.drift_slope
     }
 
-    /// Floquet multiplier exp(2π dA'/dA) for one cycle. Error O(ε³).
+    /// Floquet multiplier exp(2π dA'/dA) for one cycle, dimensionless. Error O(ε³).
     pub fn multiplier(&self) -> f64 {
         (2.0 * PI * self.drift_slope).exp()
     }
@@ -228,48 +232,48 @@ impl AveragedCycle {
         self.drift_slope < 0.0
     }
 
-    /// Time per cycle in which the mass overtakes the belt, 2s with cos s = |v_b|/A; 0 for A ≤
-    /// |v_b|. Error O(ε²).
+    /// Time per cycle in which the mass leads the belt, dimensionless: 2s with cos s = |v_b|/A; 0
+    /// for A ≤ |v_b|. Error O(ε²).
     pub fn leading_duration(&self) -> f64 {
         2.0 * self.half_leading_duration
     }
 
-    /// Whether such a motion never sticks, so that averaging describes it: A ≤ |v_b|, or the mass
-    /// leads the belt for so long that friction cannot hold it at the end, A sin s > γ²(μ_s +
-    /// μ̂(0)). Where this fails the motion sticks, and [`StickSlip`](super::StickSlip) has its
-    /// formulas. Relative error O(ε) in γ².
+    /// Whether the motion never sticks, so that averaging describes it. That is so if A ≤ |v_b|, or
+    /// if the mass leads the belt for so long that friction cannot hold it at the end: A sin s >
+    /// γ²(μ_s + μ̂(0)). Otherwise the motion sticks; for its formulas see
+    /// [`StickSlip`](super::StickSlip). Relative error O(ε) in γ².
     pub fn is_valid(&self) -> bool {
         self.is_valid
     }
 }
 
-/// All cycles of the slow flow, by ascending amplitude: stable and unstable, those included that
-/// overtake the belt. Stick-slip is not among them where it lives on μ_s > μ̂(0) alone, as for
-/// Coulomb's law: averaging does not know μ_s.
+/// All cycles of the slow flow, by ascending amplitude: stable and unstable ones, also those that
+/// overtake the belt. Stick-slip that exists only because μ_s > μ̂(0), as for Coulomb's law, is not
+/// among them: averaging does not know μ_s.
 ///
 /// # What "all" means
 ///
 /// Every averaged cycle of a law with μ̂ ≥ 0 has A < 2|v_b|. (Sliding at speed s drives the motion
-/// only at y = |v_b| − s > 0; if A ≥ 2|v_b| the mass also leads the belt by s once a cycle, which
-/// takes out more.) The whole range is searched: A'/A, which is analytic in √(A² − A_i²) between
-/// the amplitudes A_i at which the motion first touches the belt or a breakpoint, is interpolated
-/// by Chebyshev polynomials to round-off, on pieces cut until each has no root or is monotone. So
-/// no cycle is passed over, except
+/// only while its velocity is |v_b| − s > 0. If A ≥ 2|v_b|, the mass also leads the belt with the
+/// sliding speed s in each cycle, which takes out more.) The whole range is searched. Let A_i be
+/// the amplitudes at which the motion first touches the belt or a breakpoint; between them A'/A is
+/// analytic in √(A² − A_i²). It is interpolated by Chebyshev polynomials to round-off, on pieces
+/// that are cut until each has no root or is monotone. So no cycle is passed over, except
 ///
-/// * a pair so close, as at a fold, that A'/A between its amplitudes stays below 10⁻¹⁴(β +
-///   γ²·max abs(dμ̂/ds)), its rounding error: at folds of the exponential law that is a pair less
-///   than some 10⁻⁶|v_b| apart;
-/// * where a feature of the law's slope is narrower than some 3·10⁻⁴|v_b| in speed (slow speeds are
-///   looked at more closely).
+/// * a pair so close, as at a fold, that A'/A between its amplitudes stays below its rounding
+///   error, 10⁻¹⁴(β + γ²·max abs(dμ̂/ds)): at folds of the exponential law a pair less than some
+///   10⁻⁶|v_b| apart may be lost;
+/// * a cycle made by a feature of the law's slope that is narrower than some 3·10⁻⁴|v_b| in speed
+///   (slow speeds are looked at more closely).
 ///
-/// Where A' vanishes to rounding on a whole interval (Coulomb's law without damping: every orbit
-/// with A ≤ |v_b|), its cycles are not isolated and are not listed. At v_b = 0 there are none.
+/// If A' vanishes to rounding on a whole interval (Coulomb's law without damping: every orbit with
+/// A ≤ |v_b|), the cycles there are not isolated and are not listed. At v_b = 0 there are none.
 ///
-/// Amplitudes are good to round-off of A'/A, which is about 10⁻¹⁶(β + γ²·max abs(dμ̂/ds)), divided
-/// by its slope.
+/// The error of an amplitude is the rounding error of A'/A, about 10⁻¹⁶(β + γ²·max abs(dμ̂/ds)),
+/// divided by the slope of A'/A.
 ///
-/// Source: Farshidianfar and Noei Aghaee, Eqs. 12 and 13 (corrected), for any law. Errors in ε:
-/// [`AveragedCycle`].
+/// Source: Farshidianfar and Noei Aghaee, Eqs. 12 and 13 (corrected), for any law. For the orders
+/// of error in ε see [`AveragedCycle`].
 ///
 /// # Errors
 ///
@@ -304,8 +308,8 @@ pub fn cycles<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Vec<AveragedCycl
     let mut nodes = Vec::new();
     for ends in touching_amplitudes(system.law(), w).windows(2) {
         let ([start, end], from_rest) = ([ends[0], ends[1]], ends[0] == 0.0);
-        // A² = start² + (end² − start²) t², or t from A = 0, where A' is a function of A² anyway.
-        // In units of w: nothing overflows.
+        // A² = start² + (end² − start²) t². From A = 0 on, t takes the place of t², because A'/A is
+        // a function of A² there. In units of w nothing overflows.
         let amplitude_at = |t: f64| {
             let x = if from_rest { t } else { t * t };
             if t == 1.0 {
@@ -355,8 +359,8 @@ fn describe<L: FrictionLaw>(
     if amplitude > w {
         let sine = sine_of_crossing(w, amplitude);
         cycle.half_leading_duration = sine.atan2(w / amplitude);
-        // While it leads, u runs over 2A sin s, centred where the acceleration is 0: F = −γ²μ̂(0).
-        // It must end beyond F = γ²μ_s.
+        // While the mass leads, u covers a range of 2A sin s, centred where the acceleration is 0:
+        // F = −γ²μ̂(0). This range must end beyond F = γ²μ_s.
         cycle.is_valid =
             amplitude * sine > system.load() * (law.static_coefficient() + law.kinetic(0.0));
     }

@@ -7,8 +7,8 @@ use crate::friction::{Coulomb, FrictionLaw};
 use crate::numerics::bracket::root_between;
 use crate::state::State;
 
-/// The slip phase of the fastest stick-slip cycle, which comes back to the belt tangentially.
-/// Depends on β alone; dimensionless.
+/// The slip phase of the stick-slip cycle on the fastest belt, which comes back to the belt
+/// tangentially. It depends on β alone and is dimensionless.
 ///
 /// ```text
 /// e^{βs}[cos ω_d s − (β/ω_d) sin ω_d s] = 1,   π < ω_d s < 2π,   ω_d = √(1 − β²)
@@ -18,17 +18,17 @@ use crate::state::State;
 /// Source: the exact solution of the slip phase, which is linear for this law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TangentialSlip {
-    /// Duration s of slip.
+    /// Duration s of slip, dimensionless.
     pub duration: f64,
-    /// Λ: the belt velocity in units of γ²(μ_s − μ_k).
+    /// Factor Λ, dimensionless: the belt velocity in units of γ²(μ_s − μ_k).
     pub velocity_factor: f64,
 }
 
 /// Below this damping ratio θ = √(4πβ) and Λ = 1/θ to rounding: their relative errors are O(β).
 const SMALL: f64 = 1e-17;
 
-/// The slip phase of the fastest stick-slip cycle for damping ratio β. Exact to rounding. `None`
-/// unless 0 < β < 1.
+/// The slip phase of the stick-slip cycle on the fastest belt, for the damping ratio β. Exact to
+/// rounding. `None` unless 0 < β < 1.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::tangential_slip;
@@ -44,12 +44,12 @@ pub fn tangential_slip(damping: f64) -> Option<TangentialSlip> {
     }
     let frequency = ((1.0 - damping) * (1.0 + damping)).sqrt();
     let ratio = damping / frequency;
-    // In θ = 2π − ω_d s: β s + ln(cos θ + (β/ω_d) sin θ) falls from 2πβ/ω_d at θ = 0 to −∞ at θ =
+    // With θ = 2π − ω_d s: β s + ln(cos θ + (β/ω_d) sin θ) falls from 2πβ/ω_d at θ = 0 to −∞ at θ =
     // π/2 + asin β, where the logarithm's argument vanishes. ln_1p keeps small β exact.
     let mut residual = |theta: f64| {
         let sine_half = (0.5 * theta).sin();
         let logarithm = (ratio * theta.sin() - 2.0 * sine_half * sine_half).ln_1p();
-        // NaN or −∞ at the far end, where rounding may make the argument negative.
+        // At the far end rounding may make the argument negative; `max` replaces NaN and −∞.
         Ok((ratio * (2.0 * PI - theta) + logarithm).max(-f64::MAX))
     };
     let theta = if damping < SMALL {
@@ -64,8 +64,8 @@ pub fn tangential_slip(damping: f64) -> Option<TangentialSlip> {
     })
 }
 
-/// Belt velocity γ²(μ_s − μ_k)Λ(β) up to which there is a stick-slip cycle: it exists for 0 < |v_b|
-/// below this. Dimensionless, exact.
+/// Belt velocity γ²(μ_s − μ_k)Λ(β) up to which there is a stick-slip cycle: one exists for
+/// every |v_b| > 0 below this value. Dimensionless, exact.
 ///
 /// Infinite for β = 0 and μ_s > μ_k; 0 (no such cycle) for β ≥ 1, and for μ_s = μ_k. The system's
 /// own v_b is ignored.
@@ -89,8 +89,9 @@ pub fn largest_stick_slip_velocity(system: &MassOnBelt<Coulomb>) -> f64 {
 }
 
 /// Damping ratio β from which on there is no stick-slip cycle at the system's belt velocity: the
-/// root of γ²(μ_s − μ_k)Λ(β) = |v_b|. Dimensionless, exact; 0 < β < 1, and 0 for μ_s = μ_k and
-/// where the root is too small for an `f64`. `None` at v_b = 0. The system's own β is ignored.
+/// root of γ²(μ_s − μ_k)Λ(β) = |v_b|. Dimensionless, exact. The result lies in 0 < β < 1; it is 0
+/// for μ_s = μ_k, and if the root is too small for an `f64`. `None` at v_b = 0. The system's own β
+/// is ignored.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::{least_damping, largest_stick_slip_velocity};
@@ -124,9 +125,9 @@ pub fn least_damping(system: &MassOnBelt<Coulomb>) -> Option<f64> {
     root_between(&mut residual, 0.0, 1.0).ok()
 }
 
-/// Damping ratio above which there is no vibration at any belt velocity: 1 for μ_s > μ_k, else 0
-/// (without damping every small vibration lasts). Dimensionless, exact. The system's own v_b and β
-/// are ignored.
+/// Damping ratio above which there is no vibration at any belt velocity: 1 for μ_s > μ_k, and 0 for
+/// μ_s = μ_k (where small vibrations last without damping only). Dimensionless, exact. The system's
+/// own v_b and β are ignored.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::least_damping_everywhere;
@@ -140,9 +141,9 @@ pub fn least_damping_everywhere(system: &MassOnBelt<Coulomb>) -> f64 {
     if force_jump(system) > 0.0 { 1.0 } else { 0.0 }
 }
 
-/// Belt velocity above which no vibration lasts: [`largest_stick_slip_velocity`], and ∞ for β = 0,
-/// where small vibrations last at every belt velocity. Dimensionless, exact. The system's own v_b
-/// is ignored.
+/// Belt velocity above which no vibration lasts: [`largest_stick_slip_velocity`] or, for β = 0, ∞,
+/// because small vibrations then last at every belt velocity. Dimensionless, exact. The system's
+/// own v_b is ignored.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::quiet_velocity;
@@ -169,9 +170,9 @@ fn force_jump(system: &MassOnBelt<Coulomb>) -> f64 {
 /// Undamped free vibration on a belt at rest: the amplitude falls by 4γ²μ_k in each cycle, until
 /// static friction holds the mass.
 ///
-/// Between turning points the mass swings half a turn about ∓γ²μ_k, so each turning point is 2γ²μ_k
-/// nearer to 0 than the last, on the other side. At the first with |u| ≤ γ²μ_s it rests.
-/// Dimensionless, exact.
+/// Between turning points the mass swings half a turn about ∓γ²μ_k. So each turning point lies on
+/// the other side, and 2γ²μ_k nearer to 0, than the last. The mass comes to rest at the first
+/// turning point with |u| ≤ γ²μ_s. Dimensionless, exact.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::FreeVibration;
@@ -190,17 +191,16 @@ fn force_jump(system: &MassOnBelt<Coulomb>) -> f64 {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeVibration {
-    /// γ²μ_k and γ²μ_s.
+    /// Largest friction forces γ²μ_k in slip and, in `limit`, γ²μ_s in stick.
     kinetic: f64,
     largest: f64,
-    /// The first turning point.
+    /// Time of the first turning point.
     time: f64,
     displacement: f64,
 }
 
 impl FreeVibration {
-    /// The motion from a state at time 0. `None` unless v_b = 0 and β = 0, and for a state that is
-    /// not finite.
+    /// The motion from a state at time 0. `None` unless v_b = 0, β = 0 and the state is finite.
     pub fn new(system: &MassOnBelt<Coulomb>, start: State) -> Option<Self> {
         let kinetic = system.load() * system.law().kinetic_coefficient();
         let State {
@@ -210,8 +210,8 @@ impl FreeVibration {
         let (time, first) = if velocity == 0.0 {
             (0.0, displacement)
         } else {
-            // z = u + σγ²μ_k turns on a circle; σz = R cos(τ − τ_1) has its maximum at the turning
-            // point.
+            // z = u + σγ²μ_k moves on a circle: σz = R cos(τ − τ_1) has its maximum at the turning
+            // point, τ_1.
             let sign = velocity.signum();
             let offset = sign * displacement + kinetic;
             let radius = offset.hypot(velocity);
@@ -231,9 +231,9 @@ impl FreeVibration {
         4.0 * self.kinetic
     }
 
-    /// Times and displacements of the turning points, the place of rest last; endless for μ_k = 0
-    /// unless the first is in the stick band. A start with v = 0 is the first. Dimensionless,
-    /// exact.
+    /// Times and displacements of the turning points, the place of rest last. Dimensionless, exact.
+    /// A start with v = 0 is the first turning point. For μ_k = 0 there is no end, unless the first
+    /// turning point lies in the stick band.
     pub fn turning_points(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
         let motion = *self;
         let last = motion.swings();
@@ -242,8 +242,8 @@ impl FreeVibration {
             .map(move |n| (motion.time + PI * n as f64, motion.turn(n)))
     }
 
-    /// Displacement at which the mass comes to rest, dimensionless, exact. `None` if it never does
-    /// (μ_k = 0), or only after more than 2⁵³ half swings.
+    /// Displacement at which the mass comes to rest, dimensionless, exact. `None` if the mass never
+    /// rests (μ_k = 0), or only after more than 2⁵³ half swings.
     pub fn rest_position(&self) -> Option<f64> {
         self.swings().map(|n| self.turn(n))
     }
@@ -254,14 +254,14 @@ impl FreeVibration {
         self.swings().map(|n| self.time + PI * n as f64)
     }
 
-    /// Turning point n, from 0.
+    /// Displacement of turning point n, counted from 0.
     fn turn(&self, n: u64) -> f64 {
         let side = if n.is_multiple_of(2) { 1.0 } else { -1.0 };
         side * self.displacement.signum()
             * (self.displacement.abs() - 2.0 * self.kinetic * n as f64)
     }
 
-    /// Half swings from the first turning point to rest.
+    /// Number of half swings from the first turning point to rest.
     fn swings(&self) -> Option<u64> {
         let excess = self.displacement.abs() - self.largest;
         if excess <= 0.0 {
@@ -271,7 +271,7 @@ impl FreeVibration {
         if swings.is_nan() || swings > MOST_SWINGS {
             return None;
         }
-        // The quotient is rounded: the comparison with the stick band decides.
+        // The quotient is rounded, so the comparison with the stick band decides.
         let swings = swings as u64;
         let earlier = swings.saturating_sub(1);
         Some(
@@ -283,5 +283,5 @@ impl FreeVibration {
     }
 }
 
-/// Half swings that an `f64` counts without rounding.
+/// Most half swings that an `f64` counts without rounding.
 const MOST_SWINGS: f64 = (1_u64 << 53) as f64;

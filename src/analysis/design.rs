@@ -1,8 +1,8 @@
-//! What keeps steady sliding stable: the least damping, and the belt velocity above which nothing
-//! vibrates.
+//! Design against vibration: the least damping for stable steady sliding, and the belt velocity
+//! above which nothing vibrates.
 //!
-//! Beside a stable steady sliding a stick-slip motion may go on for ever, once a knock has started
-//! it.
+//! Stable steady sliding is not always enough: a stick-slip motion may exist beside it, and go on
+//! for ever once a knock has started it.
 //!
 //! | Question | any law | polynomial, exponential, Coulomb |
 //! |---|---|---|
@@ -24,11 +24,13 @@ use crate::error::Error;
 use crate::friction::{AlongSlope, FrictionLaw};
 
 /// Damping ratio above which steady sliding at the system's belt velocity is stable: max(0, −½γ²
-/// dμ̂/ds) at |v_b|. Dimensionless, exact. `None` at v_b = 0. The system's own β is ignored.
+/// dμ̂/ds), with the slope at |v_b|. Dimensionless, exact. `None` at v_b = 0. The system's own β is
+/// ignored.
 ///
-/// Small disturbances then die out. Large ones do too for the polynomial law while friction is weak
-/// beside the spring. For a law that falls more steeply at other speeds (exponential), or for one
-/// that jumps (Coulomb, μ_s > μ̂(0)), a stick-slip vibration may exist beside the stable state.
+/// With more damping small disturbances die out. For the polynomial law large ones die out too, if
+/// friction is weak beside the spring. For a law that falls more steeply at other speeds
+/// (exponential), or that jumps (Coulomb, μ_s > μ̂(0)), a stick-slip vibration may exist beside the
+/// stable steady sliding.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eq. 14: h1 > 0.
 ///
@@ -51,14 +53,15 @@ pub fn least_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Option<f64> {
 /// Damping ratio above which steady sliding is stable at every belt velocity in a range: ½γ²
 /// max(−dμ̂/ds), or 0. Dimensionless, exact to rounding. The system's own v_b and β are ignored.
 ///
-/// The law is expanded in power series from one end of the range to the other, each used as far as
-/// it converges and checked in between. The steepest fall is found among their ends, the
-/// breakpoints and all minima of dμ̂/ds on each, isolated so that none is skipped.
+/// The law is expanded in power series from one end of the range to the other. Each series is used
+/// as far as it converges, and checked in between. The steepest fall is found among the ends of the
+/// series, the breakpoints, and all minima of dμ̂/ds on each series, which are isolated so that
+/// none is skipped.
 ///
 /// # Errors
 ///
-/// * [`Error::InvalidParameter`] unless 0 ≤ start < end, both finite, and if the range is so long
-///   that the law takes more than 10⁴ power series;
+/// * [`Error::InvalidParameter`] unless 0 ≤ start < end and both are finite, or if the range is so
+///   long that the law takes more than 10⁴ power series;
 /// * [`Error::NonFiniteFriction`] if the law has no finite value somewhere in the range,
 ///   [`Error::NotAnalytic`] if it has no power series there.
 ///

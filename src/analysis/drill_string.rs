@@ -1,14 +1,15 @@
-//! Two inertias on a shaft, friction at the far one: a drill string and its bit.
+//! Drill string and bit: two inertias on a shaft, with friction at the lower one.
 
-/// A driven upper inertia, a shaft, and a lower inertia with friction.
+/// A driven upper inertia, a shaft, and a lower inertia with friction: a drill string with its bit.
 ///
 /// ```text
 /// J_u φ_u'' + b_u φ_u' + k(φ_u − φ_l) = const
 /// J_l φ_l'' − k(φ_u − φ_l) + T(φ_l') = 0,       d = dT/dω at the steady speed
 /// ```
 ///
-/// J_u, J_l moments of inertia, k stiffness of the shaft, b_u damping of the drive. Any consistent
-/// units: kg·m², N·m, N·m·s give radians per second.
+/// J_u and J_l are moments of inertia, k the stiffness of the shaft, b_u the damping of the drive,
+/// T the torque of friction. Units are any consistent ones: kg·m², N·m, N·m·s give radians per
+/// second.
 ///
 /// ```
 /// use stick_slip::analysis::drill_string::TwoInertias;
@@ -25,24 +26,25 @@
 /// Source: Routh-Hurwitz conditions of the system above.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TwoInertias {
-    /// J_u > 0.
+    /// Upper moment of inertia J_u > 0, in kg·m² for example.
     pub upper: f64,
-    /// J_l > 0.
+    /// Lower moment of inertia J_l > 0, in kg·m² for example.
     pub lower: f64,
-    /// k > 0.
+    /// Stiffness k > 0 of the shaft, in N·m per radian for example.
     pub stiffness: f64,
-    /// b_u > 0.
+    /// Damping b_u > 0 of the drive, in N·m·s for example.
     pub damping: f64,
 }
 
 impl TwoInertias {
-    /// Whether steady rotation is stable where the torque of friction has the slope d = dT/dω:
+    /// Whether steady rotation is stable if the torque of friction has the slope d = dT/dω at its
+    /// speed:
     ///
     /// ```text
     /// J_u b_u d² + (J_u²k + J_l b_u²) d + J_l² b_u k > 0,   b_u + d > 0,   J_u d + J_l b_u > 0
     /// ```
     ///
-    /// Exact. (The angle of the whole is free, and left out.)
+    /// Exact. (The angle of the string as a whole is free, and is left out.)
     pub fn is_stable(&self, slope: f64) -> bool {
         let [a, b, c] = self.quadratic();
         (a * slope + b) * slope + c > 0.0
@@ -50,23 +52,23 @@ impl TwoInertias {
             && self.upper * slope + self.lower * self.damping > 0.0
     }
 
-    /// The slope d < 0 of friction down to which steady rotation is stable. Exact. `None` unless
-    /// all parameters are positive.
+    /// Critical slope d < 0 of the torque of friction, in the unit of b_u: steady rotation is
+    /// stable for slopes above it. Exact. `None` unless all parameters are positive.
     pub fn critical_slope(&self) -> Option<f64> {
         let parameters = [self.upper, self.lower, self.stiffness, self.damping];
         if !parameters.iter().all(|&x| x > 0.0) {
             return None;
         }
         let [a, b, c] = self.quadratic();
-        // The root next to 0; NaN where there is none.
+        // The root closest to 0; NaN if there is none.
         let root = -2.0 * c / (b + (b * b - 4.0 * a * c).sqrt());
         let others = [-self.damping, -self.lower * self.damping / self.upper];
         let critical = others.into_iter().fold(root, f64::max);
         critical.is_finite().then_some(critical)
     }
 
-    /// b_u ≈ J_u√(k/J_l), the damper of the drive that allows the steepest fall of friction, to
-    /// first order in d.
+    /// Damping b_u ≈ J_u√(k/J_l) of the drive that allows the steepest fall of friction, to first
+    /// order in d.
     pub fn best_damper(&self) -> f64 {
         self.upper * (self.stiffness / self.lower).sqrt()
     }

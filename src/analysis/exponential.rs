@@ -9,8 +9,8 @@ use crate::numerics::bracket::root_between;
 
 /// A belt velocity at which steady sliding gains or loses stability, and what happens there.
 ///
-/// Source: 2β + γ²μ̂'(v) = 0, Eq. 14; the cubic term of the averaged flow, −γ²μ̂'''(v)A³/16, says
-/// which way the cycle goes.
+/// Source: 2β + γ²μ̂'(v) = 0, Eq. 14. The sign of the cubic term of the averaged flow,
+/// −γ²μ̂'''(v)A³/16, tells on which side the cycle lies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HopfPoint {
     velocity: f64,
@@ -23,9 +23,9 @@ impl HopfPoint {
         self.velocity
     }
 
-    /// Whether a small stable cycle is born on the unstable side (μ̂''' > 0, which is v < √(3/2)
-    /// v_s). If not, a small unstable one lies on the stable side, and a disturbance beyond it
-    /// leads to a large vibration. Exact.
+    /// Whether the point is supercritical: a small stable cycle is born on the unstable side
+    /// (μ̂''' > 0, that is v < √(3/2) v_s). If not, a small unstable cycle lies on the stable side,
+    /// and a disturbance beyond it leads to a large vibration. Exact.
     pub fn is_supercritical(&self) -> bool {
         self.is_supercritical
     }
@@ -38,13 +38,17 @@ impl HopfPoint {
 /// ```
 ///
 /// on either side of x = 1/√2. Dimensionless, exact to rounding (near c = 1/√(2e) both roots are
-/// ill-conditioned). `None` where c ≥ 1/√(2e): steady sliding is stable at every belt velocity; and
-/// where β = 0: unstable at every belt velocity, or neither stable nor unstable at any for constant
-/// friction, μ_s = μ_k. The system's own v_b is ignored. For any law:
-/// [`bifurcation::hopf_velocities`](crate::bifurcation::hopf_velocities).
+/// ill-conditioned). The system's own v_b is ignored.
 ///
-/// The low one is always supercritical. The paper says that this law behaves "almost similar" to
-/// the polynomial one: it does not, for it never rises, and on a slow belt sliding is stable.
+/// `None` if c ≥ 1/√(2e), because steady sliding is then stable at every belt velocity. `None` also
+/// if β = 0, because it is then unstable at every belt velocity or, for constant friction (μ_s =
+/// μ_k), neither stable nor unstable at any.
+///
+/// For any law see [`bifurcation::hopf_velocities`](crate::bifurcation::hopf_velocities).
+///
+/// The Hopf point at v_low is always supercritical. The paper says that this law behaves "almost
+/// similar" to the polynomial one. It does not: it never rises, and on a slow belt steady sliding
+/// is stable.
 ///
 /// Source: Eqs. 6 and 14.
 ///
@@ -68,7 +72,7 @@ pub fn hopf_velocities(system: &MassOnBelt<Exponential>) -> Option<[HopfPoint; 2
     if !(c > 0.0 && c < largest) {
         return None;
     }
-    // Each branch in a form that keeps its relative accuracy for small c.
+    // Each root is sought in a form that keeps its relative accuracy for small c.
     let low = root_between(&mut |x| Ok(x - c * (x * x).exp()), c, FRAC_1_SQRT_2).ok()?;
     // x² = ln(x/c) ≤ x + ln(1/c)
     let bound = 0.5 + (0.25 - c.ln()).sqrt();
@@ -79,12 +83,13 @@ pub fn hopf_velocities(system: &MassOnBelt<Exponential>) -> Option<[HopfPoint; 2
     }))
 }
 
-/// Damping ratio γ²(μ_s − μ_k)/(v_s √(2e)) above which there is no vibration at any belt velocity,
-/// for friction falls most steeply at v_s/√2. Dimensionless. The system's own v_b and β are
+/// Damping ratio γ²(μ_s − μ_k)/(v_s √(2e)) above which there is no vibration at any belt velocity;
+/// friction falls most steeply at the speed v_s/√2. Dimensionless. The system's own v_b and β are
 /// ignored.
 ///
-/// Exact: then 2βy + γ²μ rises with y, and every motion loses energy. At that damping itself too,
-/// unless μ_s = μ_k: friction is constant then, and without damping every small vibration lasts.
+/// Exact: with more damping 2βy + γ²μ rises with y, and every motion loses energy. There is no
+/// vibration at this damping ratio itself either, unless μ_s = μ_k: then the ratio is 0, friction
+/// is constant, and every small vibration lasts.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 6 and 14.
 ///
@@ -103,10 +108,10 @@ pub fn least_damping_everywhere(system: &MassOnBelt<Exponential>) -> f64 {
     system.load() * drop / law.stribeck_velocity() / (SQRT_2 * E.sqrt())
 }
 
-/// Belt velocity above which no vibration lasts: 0 from [`least_damping_everywhere`] on, ∞ for β =
-/// 0. `None` between the two, where no formula is known: above the higher Hopf velocity a
-/// stick-slip vibration can exist beside stable steady sliding. Dimensionless. The system's own v_b
-/// is ignored.
+/// Belt velocity above which no vibration lasts, dimensionless: 0 if β is
+/// [`least_damping_everywhere`] or more, ∞ for β = 0. `None` for a β in between, because no formula
+/// is known: above the higher Hopf velocity a stick-slip vibration can exist beside stable steady
+/// sliding. The system's own v_b is ignored.
 ///
 /// ```
 /// use stick_slip::analysis::exponential::quiet_velocity;

@@ -1,8 +1,8 @@
-//! Friction under fast vibration along the surface: what the slow motion feels.
+//! Friction under fast vibration along the surface, as the slow motion feels it.
 //!
-//! A belt that shakes at a frequency far above those of the system gives the mass a fast relative
-//! velocity w cos Ωt on top of the slow v. The slow motion then feels the mean of the friction
-//! coefficient over one fast period. All formulas are limits for Ω → ∞; dimensionless.
+//! A belt that shakes at a frequency Ω far above those of the system adds a fast relative velocity
+//! w cos Ωt to the slow one, v. The slow motion then feels the mean of the friction coefficient
+//! over one fast period. All formulas are limits for Ω → ∞, and dimensionless.
 //!
 //! ```text
 //! Coulomb:   μ_k (2/π) arcsin(v/w)  for |v| < w        no jump at v = 0, and no stick
@@ -18,8 +18,9 @@ use super::PureSlip;
 use crate::belt::MassOnBelt;
 use crate::friction::{Coulomb, Polynomial};
 
-/// Mean friction coefficient of Coulomb's law at the slow relative velocity v, with a fast one of
-/// amplitude w ≥ 0: μ_k(2/π) arcsin(v/w) for |v| < w, and ±μ_k beyond. Dimensionless.
+/// Mean friction coefficient of Coulomb's law at the slow relative velocity v, under a fast one of
+/// amplitude w ≥ 0: μ_k(2/π) arcsin(v/w) for |v| < w, and ±μ_k beyond. Dimensionless, the limit for
+/// Ω → ∞.
 ///
 /// ```
 /// use stick_slip::Coulomb;
@@ -41,12 +42,11 @@ pub fn mean_coefficient(law: &Coulomb, velocity: f64, amplitude: f64) -> f64 {
     }
 }
 
-/// Belt velocity above which steady sliding is stable under fast vibration of amplitude w ≥ 0 of
-/// the relative velocity, cubic law: v² = v_m²(1 − 2β/η) − w²/2. Dimensionless, the limit for
-/// Ω → ∞.
+/// Belt velocity v above which steady sliding is stable, for the cubic law under a fast relative
+/// velocity of amplitude w ≥ 0: v² = v_m²(1 − 2β/η) − w²/2. Dimensionless, the limit for Ω → ∞.
 ///
-/// `None` where the formula does not hold, v ≤ w, and where sliding is stable at every such
-/// velocity. The system's own v_b is ignored. At w = 0 it is
+/// `None` if v ≤ w, where the formula does not hold, and if sliding is stable at every such
+/// velocity. The system's own v_b is ignored. For w = 0 the result is
 /// [`PureSlip::onset_velocity`](super::PureSlip::onset_velocity).
 ///
 /// ```
@@ -62,7 +62,7 @@ pub fn onset_velocity(system: &MassOnBelt<Polynomial>, amplitude: f64) -> Option
     if amplitude.is_nan() || amplitude < 0.0 {
         return None;
     }
-    // The formulas depend on v_b, the onset does not; any velocity that is not 0 will do.
+    // `PureSlip` needs a v_b that is not 0; the onset velocity does not depend on it.
     let moving = system
         .with_belt_velocity(system.law().minimum_velocity())
         .ok()?;

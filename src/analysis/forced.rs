@@ -12,8 +12,8 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 /// x'' + 2ζx' + x = p cos(Ωt + θ) − F sgn x'        m = k = 1
 /// ```
 ///
-/// In units of the system: time 1/ω0, ω0 = √(k/m), so Ω is in units of ω0 and ζ = c/(2√(km)). F,
-/// F_s and p are forces in a unit of choice, and displacements are in that unit over k.
+/// Time is in units of 1/ω0, where ω0 = √(k/m); so Ω is in units of ω0, and ζ = c/(2√(km)). F, F_s
+/// and p are forces in any one unit, and displacements are in that unit divided by k.
 ///
 /// ```
 /// use stick_slip::analysis::forced::ForcedOscillator;
@@ -39,27 +39,27 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 pub struct ForcedOscillator {
     /// Damping ratio ζ, 0 ≤ ζ < 1.
     pub damping: f64,
-    /// Ω > 0, in units of the natural frequency.
+    /// Angular frequency Ω > 0 of the force, in units of the natural frequency ω0.
     pub angular_frequency: f64,
-    /// F = μ_k N ≥ 0, a force.
+    /// Kinetic friction force F = μ_k N ≥ 0.
     pub kinetic_friction: f64,
-    /// F_s = μ_s N ≥ F, a force.
+    /// Largest static friction force F_s = μ_s N ≥ F.
     pub static_friction: f64,
-    /// p > 0, amplitude of the force.
+    /// Amplitude p > 0 of the harmonic force.
     pub force: f64,
 }
 
-/// The motion that turns twice a period, at ±A, and never stops. Exact.
+/// The periodic motion that turns twice a period, at ±A, and never stops. Exact.
 ///
 /// ```text
 /// x = e^{−ζt}(C cos qt + D sin qt) + F + P cos Ωt − S sin Ωt,    q = √(1 − ζ²)
 /// ```
 ///
-/// on the half period from the largest displacement on; the other half is its mirror image.
+/// on the half period that follows the largest displacement; the other half is the mirror image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WithoutStops {
     oscillator: ForcedOscillator,
-    /// C and D, P and S.
+    /// C and D in `free`, P and S in `forced`.
     free: [f64; 2],
     forced: [f64; 2],
     /// Phase of the force at the largest displacement.
@@ -75,9 +75,9 @@ impl ForcedOscillator {
     /// G = (sinh a − (ζ/q) sin b)/(cosh a + cos b),    H = sin b/(Ωq(cosh a + cos b))
     /// ```
     ///
-    /// `None` where there is none: the root is not real, the mass would turn in between, or the
-    /// force at the turning point does not exceed F_s, so that the mass stops there. `None` too
-    /// outside the ranges of the fields, and at resonance without damping.
+    /// `None` if there is no such motion: the root is not real, the mass would turn in between, or
+    /// the force at the turning point does not exceed F_s, so that the mass stops there. Also
+    /// `None` if a field is out of its range, and at resonance without damping.
     pub fn without_stops(&self) -> Option<WithoutStops> {
         let &Self {
             damping: zeta,
@@ -94,7 +94,7 @@ impl ForcedOscillator {
         if !in_range {
             return None;
         }
-        // All with E = e^{−a} in place of sinh and cosh, which overflow for small Ω.
+        // Written with E = e^{−a} in place of sinh and cosh, which overflow for small Ω.
         let root = ((1.0 - zeta) * (1.0 + zeta)).sqrt();
         let decay = (-PI * zeta / omega).exp();
         let (sine, cosine) = (PI * root / omega).sin_cos();
@@ -126,18 +126,18 @@ impl ForcedOscillator {
 }
 
 impl WithoutStops {
-    /// Largest displacement A, in units of force over stiffness.
+    /// Largest displacement A, in the unit of force divided by k.
     pub fn amplitude(&self) -> f64 {
         self.amplitude
     }
 
-    /// θ, phase of the force at the largest displacement, in radians: the force is p cos(Ωt + θ)
+    /// Phase θ of the force at the largest displacement, in radians: the force is p cos(Ωt + θ),
     /// with t counted from there.
     pub fn phase(&self) -> f64 {
         self.phase
     }
 
-    /// Period 2π/Ω.
+    /// Period 2π/Ω, in units of 1/ω0.
     pub fn period(&self) -> f64 {
         2.0 * self.half_period()
     }
@@ -196,9 +196,9 @@ impl WithoutStops {
     }
 }
 
-/// Largest F/p with which the undamped oscillator (ζ = 0, F_s = F) moves without a stop at the
-/// frequency Ω, in units of the natural one. Dimensionless, exact. `None` unless Ω is positive and
-/// finite.
+/// Largest F/p with which the undamped oscillator (ζ = 0, F_s = F) moves without stops at the
+/// angular frequency Ω, which is in units of ω0. Dimensionless, exact. `None` unless Ω is positive
+/// and finite.
 ///
 /// ```text
 /// √(V²/(U² + (S/Ω²)²)),   V = 1/(1 − Ω²),   U = sin(π/Ω)/(Ω(1 + cos(π/Ω)))
@@ -222,7 +222,7 @@ pub fn no_stop_limit(angular_frequency: f64) -> Option<f64> {
     if omega == 1.0 {
         return Some(FRAC_PI_4);
     }
-    // U = tan(π/(2Ω))/Ω, and U/V without the 0·∞ near Ω = 1.
+    // U = tan(π/(2Ω))/Ω, and U/V in a form without 0·∞ near Ω = 1.
     let turn = FRAC_PI_2 * (omega - 1.0) / omega;
     let tangent = turn.tan().recip();
     let u = tangent / omega;
@@ -232,9 +232,9 @@ pub fn no_stop_limit(angular_frequency: f64) -> Option<f64> {
     Some(u_over_v.hypot(s_over_v).recip())
 }
 
-/// S: where the motion that just turns is steepest beside sin τ. It is 1 at τ = 0, and −1 at π.
+/// The supremum S of [`no_stop_limit`]: the quotient is 1 at τ = 0 and −1 at τ = π.
 fn largest_slope(omega: f64, u: f64) -> Option<f64> {
-    // n and n', n = S sin τ.
+    // The numerator n of the quotient, and its slope n'.
     let numerator = |tau: f64| {
         let (sine, cosine) = (tau / omega).sin_cos();
         let [sum, difference] = [1.0 + 1.0 / omega, 1.0 - 1.0 / omega].map(|f| 0.5 * tau * f);
@@ -244,7 +244,7 @@ fn largest_slope(omega: f64, u: f64) -> Option<f64> {
             cosine + u * omega * omega * (sine / omega - tau.sin()),
         ]
     };
-    // Where n/sin τ is stationary.
+    // Zero where n/sin τ is stationary.
     let stationary = |tau: f64| {
         let [n, slope] = numerator(tau);
         let (sine, cosine) = tau.sin_cos();

@@ -1,25 +1,25 @@
 //! Formulas: closed forms and averaging, each with its source and the order of its error.
 //!
-//! Nothing here integrates the equations of motion, so the formulas and the exact motions of the
-//! rest of the crate are independent of each other. Orders of error are in ε for (γ², β) → (εγ²,
-//! εβ): friction and damping that are weak beside the spring. "Eq. n" is an equation of
-//! Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
-//! Stability Analysis*; "Eq. n, corrected" is one that they print wrongly, and the doc says how.
+//! Nothing here integrates the equations of motion, so the formulas are independent of the exact
+//! motions in the rest of the crate. An error O(εⁿ) means the order as friction and damping become
+//! weak beside the spring, (γ², β) → (εγ², εβ). "Eq. n" is an equation of A. Farshidianfar and N.
+//! Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and Stability Analysis*. "Eq.
+//! n, corrected" is one that they print wrongly; the documentation says how.
 //!
 //! | Question | Answer |
 //! |---|---|
-//! | where the mass can stand still on the moving belt, and whether it stays there | [`MassOnBelt::equilibrium`](crate::MassOnBelt::equilibrium) |
+//! | where the mass can stand still while the belt slides under it, and whether it stays there | [`MassOnBelt::equilibrium`](crate::MassOnBelt::equilibrium) |
 //! | vibration that never sticks, polynomial law | [`PureSlip`], [`PureSlipCycle`], [`Transient`] |
-//! | vibration that sticks, any law | [`StickSlip`]; more closely for a cubic law, [`StickSlipCycle`] |
+//! | vibration that sticks, any law | [`StickSlip`]; more accurately, for a cubic law, [`StickSlipCycle`] |
 //! | weak friction, any law: slow growth and decay, cycles that do not stick | [`averaging`] |
-//! | which of them happens, polynomial law | [`regime`] |
-//! | how much damping, or which belt velocity, keeps it quiet | [`design`] |
-//! | what is known of one law alone | [`coulomb`], [`exponential`], [`polynomial`] |
+//! | which motion the mass settles to, polynomial law | [`regime`] |
+//! | how much damping, or which belt velocity, keeps the system quiet | [`design`] |
+//! | closed forms for one law alone | [`coulomb`], [`exponential`], [`polynomial`] |
 //! | a harmonic force on a mass with dry friction: amplitude, and when it stops | [`forced`] |
 //! | a belt that oscillates, as a force | [`oscillating_belt`] |
 //! | friction under fast vibration | [`fast_vibration`] |
 //! | flutter by mode coupling | [`mode_coupling`] |
-//! | two inertias with friction at the far one | [`drill_string`] |
+//! | two inertias on a shaft, with friction at one | [`drill_string`] |
 //!
 //! ```
 //! use stick_slip::analysis::{PureSlip, Regime, StickSlip, regime};
@@ -39,10 +39,9 @@
 //!
 //! # Where the source paper is wrong
 //!
-//! "Eq. n" is an equation of A. Farshidianfar and N. Noei Aghaee, *Analytical Approaches for
-//! Friction Induced Vibration and Stability Analysis*, which follows J. J. Thomsen and A. Fidlin,
-//! *Int. J. Non-Linear Mech.* 38 (2003) 389-403. "Eq. n, corrected" is one that it prints wrongly;
-//! tests show that the printed formulas fail.
+//! The paper of Farshidianfar and Noei Aghaee follows J. J. Thomsen and A. Fidlin, *Int. J.
+//! Non-Linear Mech.* 38 (2003) 389-403. The following formulas and statements are printed wrongly
+//! in it; tests show that the printed formulas fail.
 //!
 //! | where | printed | correct |
 //! |---|---|---|
@@ -54,8 +53,8 @@
 //! | Eq. 13 | A0 = √(−(3/4) h1/h3) | A0 = √(−(4/3) h1/h3) |
 //! | after Eq. 15 | v_b0 = √(4/3) v_b1 | v_b0 = √(4/5) v_b1 |
 //! | after Eq. 15 | stick-slip beyond v_b0 … v_b1 | stick-slip below v_b0; steady sliding above v_b1 |
-//! | Eqs. 16-18 | A1 is the stick-slip amplitude | A1 is that of the arc to which friction gives no energy; see [`StickSlip`] |
-//! | section 3.2, abstract | Eq. 6 falls, then rises | it never rises; steady sliding is stable again on a slow belt |
+//! | Eqs. 16-18 | A1 is the stick-slip amplitude | A1 is the amplitude of an arc to which friction gives no energy; see [`StickSlip`] |
+//! | section 3.2, abstract | Eq. 6 falls, then rises | Eq. 6 never rises; steady sliding is stable again on a slow belt |
 //! | Fig. 3 | the concavity changes at v_s | at v_s/√2 |
 //! | section 4.2 | the integrals cannot be solved | [`averaging`] computes them to round-off |
 
@@ -82,7 +81,7 @@ pub use transient::Transient;
 use crate::belt::{Equilibrium, MassOnBelt};
 use crate::friction::FrictionLaw;
 
-/// [`MassOnBelt::equilibrium`].
+/// The equilibrium of a system; use [`MassOnBelt::equilibrium`].
 #[doc(hidden)]
 pub fn equilibrium<L: FrictionLaw>(system: &MassOnBelt<L>) -> Option<Equilibrium> {
     system.equilibrium()

@@ -1,13 +1,14 @@
-//! Flutter by mode coupling: friction makes the stiffness matrix unsymmetric, and two modes merge.
+//! Flutter by mode coupling: friction makes the stiffness matrix unsymmetric, and two modes merge
+//! into one.
 
-/// Two coordinates, one of which slides under a load that the other carries.
+/// Two coupled coordinates: the first slides under a normal load that the second one changes.
 ///
 /// ```text
 /// M q'' + C q' + K(μ) q = const,   K(μ) = [[k11, k12 − μk3], [k21, k22]],   C = diag(c1, c2)
 /// ```
 ///
-/// μ is the friction coefficient, constant with speed; k3 the stiffness of the normal spring. Any
-/// consistent units.
+/// μ is the friction coefficient, which does not depend on speed; k3 is the stiffness of the normal
+/// spring. Units are any consistent ones.
 ///
 /// ```
 /// use stick_slip::analysis::mode_coupling::ModeCoupling;
@@ -31,29 +32,31 @@
 /// damping Hoffmann and Gaul, *Z. Angew. Math. Mech.* 83 (2003) 524-534.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModeCoupling {
-    /// m1, m2 > 0.
+    /// Masses m1, m2 > 0.
     pub masses: [f64; 2],
-    /// k11, k12 and k21, k22 without friction.
+    /// Stiffness matrix [[k11, k12], [k21, k22]] without friction.
     pub stiffness: [[f64; 2]; 2],
-    /// k3, what the load on the first coordinate grows by per displacement of the second: the
-    /// contact of coordinate 0 with a load gradient of k3 for coordinate 1, on a belt that moves
-    /// forward.
+    /// Stiffness k3 of the normal spring, by which the load on the first coordinate grows per
+    /// displacement of the second. In a [`Structure`](crate::Structure) this is a contact of
+    /// coordinate 0 with the load gradient k3 for coordinate 1, on a belt that moves forward.
     pub normal_stiffness: f64,
-    /// c1, c2 ≥ 0.
+    /// Damping constants c1, c2 ≥ 0.
     pub damping: [f64; 2],
 }
 
-/// Where steady sliding begins to flutter.
+/// The point at which steady sliding begins to flutter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Flutter {
-    /// Friction coefficient μ_c, dimensionless: flutter for μ above it.
+    /// Friction coefficient μ_c, dimensionless: steady sliding flutters for μ above it.
     pub coefficient: f64,
-    /// Frequency of the motion that neither grows nor decays there, in radians per unit of time.
+    /// Angular frequency of the motion that neither grows nor decays at μ_c, in radians per unit of
+    /// time.
     pub angular_frequency: f64,
 }
 
 impl ModeCoupling {
-    /// The least μ ≥ 0 beyond which steady sliding flutters. Exact.
+    /// The flutter point: the least μ ≥ 0 beyond which steady sliding flutters, and its frequency.
+    /// Exact.
     ///
     /// ```text
     /// undamped:  μ_c = [k12 + (k11 − k22)²/(4k21)]/k3                          (m1 = m2 = 1)
@@ -61,11 +64,11 @@ impl ModeCoupling {
     ///            a3 = c1 + c2,  a2 = k11 + k22 + c1c2,  a1 = c1k22 + c2k11
     /// ```
     ///
-    /// (Rows are divided by their masses first.) Damping on one coordinate alone can lower μ_c, and
-    /// the limit of small damping is not the undamped value.
+    /// In these formulas each row is divided by its mass. Damping on one coordinate alone can lower
+    /// μ_c, and the limit of small damping is not the undamped value.
     ///
-    /// `None` unless k21k3 > 0, without which no growing μ makes modes merge; masses and k11, k22
-    /// are positive and no damping is negative; and μ_c ≥ 0.
+    /// `None` unless masses, k11 and k22 are positive, no damping is negative, k21k3 > 0 (otherwise
+    /// the modes do not merge as μ grows), and μ_c ≥ 0.
     pub fn flutter(&self) -> Option<Flutter> {
         let [m1, m2] = self.masses;
         let [[k11, k12], [k21, k22]] = self.stiffness;
@@ -83,7 +86,8 @@ impl ModeCoupling {
             let coefficient = (k12 + apart * apart / (4.0 * k21)) / k3;
             (coefficient, 0.5 * (k11 + k22))
         } else {
-            // Roots on the axis: a3 s³ + a1 s = 0, so ω² = a1/a3; a0 is the determinant there.
+            // Roots on the imaginary axis have a3 s³ + a1 s = 0, so ω² = a1/a3; a0 is the
+            // determinant at the flutter point.
             let (a2, a1) = (k11 + k22 + c1 * c2, c1 * k22 + c2 * k11);
             let square = a1 / a3;
             let determinant = square * (a2 - square);

@@ -1,18 +1,21 @@
-//! An oscillating belt is a force: the same motion, seen from the belt's oscillation.
+//! Oscillating belts replaced by forces: the same motion, seen from a frame that oscillates with
+//! the belts.
 
 use crate::drive::Drive;
 use crate::state::structure::State;
 use crate::structure::Structure;
 
-/// A structure whose belts all oscillate together, as one on steady belts with additional forces.
+/// A structure whose belts all oscillate together, rewritten as one on steady belts with additional
+/// forces.
 ///
 /// ```text
 /// w_i(t) = w̄_i + W'(t),   q = y + W(t)·1
 /// ```
 ///
-/// y obeys the equations with the belt velocities w̄_i, the additional forces −(M 1 W'' + C 1 W' +
-/// K 1 W), and the additional loads Σ_j n_ij W. Relative velocities are the same, so stick, slip
-/// and all events are. Exact, for any number of coordinates.
+/// W' is the common oscillation of the belt velocities, and 1 a vector of ones. y obeys the
+/// equations with the steady belt velocities w̄_i, the additional forces −(M 1 W'' + C 1 W' + K 1
+/// W), and the additional loads Σ_j n_ij W. Relative velocities are the same, and so are stick,
+/// slip and all events. Exact, for any number of coordinates.
 ///
 /// ```
 /// use stick_slip::analysis::oscillating_belt::OnSteadyBelts;
@@ -38,10 +41,10 @@ pub struct OnSteadyBelts<L, const Z: usize = 0> {
 }
 
 impl<L: Clone, const Z: usize> OnSteadyBelts<L, Z> {
-    /// The structure as seen from its belts' oscillation.
+    /// The structure, seen from a frame that oscillates with its belts.
     ///
-    /// `None` unless it has contacts, the velocities of all their belts differ by constants only,
-    /// none of them follows a profile, and no force overflows.
+    /// `None` unless the structure has contacts, the velocities of all their belts differ by
+    /// constants only, no belt velocity follows a profile, and no force overflows.
     pub fn new(structure: &Structure<L, Z>) -> Option<Self> {
         let oscillation = structure
             .contacts()
@@ -62,22 +65,23 @@ impl<L: Clone, const Z: usize> OnSteadyBelts<L, Z> {
         })
     }
 
-    /// The structure of y, on steady belts.
+    /// The structure on steady belts, whose coordinates are y.
     pub fn structure(&self) -> &Structure<L, Z> {
         &self.structure
     }
 
-    /// W(t), the oscillation of the belts in displacement; its mean is 0.
+    /// Displacement W(t) of the oscillating belts, in the structure's unit of length; its mean
+    /// is 0.
     pub fn shift(&self) -> &Drive {
         &self.shift
     }
 
-    /// (y, y') for a state (q, q') at a time.
+    /// The state (y, y') on steady belts that belongs to a state (q, q') at a time.
     pub fn seen_from_belts(&self, state: &State, time: f64) -> State {
         self.moved(state, time, -1.0)
     }
 
-    /// (q, q') for a state (y, y') at a time.
+    /// The state (q, q') that belongs to a state (y, y') on steady belts at a time.
     pub fn seen_from_ground(&self, state: &State, time: f64) -> State {
         self.moved(state, time, 1.0)
     }

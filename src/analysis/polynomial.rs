@@ -1,14 +1,16 @@
-//! Closed forms for the polynomial law, Eqs. 3-5: where its vibration ends.
+//! Closed forms for the polynomial law, Eqs. 3-5: the damping and the belt velocity at which
+//! vibration ends.
 
 use super::PureSlip;
 use crate::belt::MassOnBelt;
 use crate::friction::{FrictionLaw, Polynomial};
 
-/// Damping ratio η/2 above which there is no vibration at any belt velocity, for friction falls
-/// most steeply at rest. Dimensionless. The system's own v_b and β are ignored.
+/// Damping ratio η/2 above which there is no vibration at any belt velocity; friction falls most
+/// steeply at the sliding speed 0. Dimensionless. The system's own v_b and β are ignored.
 ///
-/// Exact: then 2βy + γ²μ rises with y, and every motion loses energy. At η/2 itself too, unless
-/// μ_s = μ_m: friction is constant then, and without damping every small vibration lasts.
+/// Exact: with more damping 2βy + γ²μ rises with y, and every motion loses energy. There is no
+/// vibration at η/2 itself either, unless μ_s = μ_m: then η = 0, friction is constant, and every
+/// small vibration lasts.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 10a and 14.
 ///
@@ -26,12 +28,12 @@ pub fn least_damping_everywhere(system: &MassOnBelt<Polynomial>) -> f64 {
     0.75 * system.load() * drop / law.minimum_velocity()
 }
 
-/// Belt velocity above which no vibration lasts: v_b1 = v_m√(1 − 2β/η); 0 where 2β ≥ η; ∞ for
-/// constant friction (μ_s = μ_m) without damping, where small vibrations last at every belt
-/// velocity. Dimensionless. `None` where a coefficient overflows. The system's own v_b is ignored.
+/// Belt velocity above which no vibration lasts, dimensionless: v_b1 = v_m√(1 − 2β/η); 0 if 2β ≥ η;
+/// ∞ for constant friction (μ_s = μ_m) without damping, because small vibrations then last at every
+/// belt velocity. `None` if a coefficient overflows. The system's own v_b is ignored.
 ///
-/// Exact for the stability of steady sliding. That no other motion lasts holds while friction is
-/// weak beside the spring.
+/// The velocity above which steady sliding is stable is exact. That no other motion lasts above it
+/// is true while friction is weak beside the spring.
 ///
 /// Source: Farshidianfar and Noei Aghaee, after Eq. 15.
 ///

@@ -5,14 +5,16 @@ use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::{FrictionLaw, Polynomial};
 
-/// Vibration that never sticks, polynomial law: coefficients, averaging, and expansions beyond it.
+/// Vibration that never sticks, for the polynomial law: coefficients, averaging, and expansions
+/// beyond averaging.
 ///
-/// z = u − ū obeys z'' + z + h1 z' + h2 z'² + h3 z'³ = 0 while v_r keeps its sign, with
+/// The displacement z = u − ū obeys z'' + z + h1 z' + h2 z'² + h3 z'³ = 0 while v_r keeps its sign,
+/// with
 ///
 /// ```text
 /// η  = (3/2) γ²(μ_s − μ_m)/v_m         (Eq. 11)
 /// h1 = 2β − η(1 − (v_b/v_m)²)          (Eq. 10a)
-/// h2 = −η v_b/v_m²                     (Eq. 10b, corrected: it prints −η(v_b/v_m)²)
+/// h2 = −η v_b/v_m²                     (Eq. 10b, corrected: printed −η(v_b/v_m)²)
 /// h3 = η/(3 v_m²)                      (Eq. 10c)
 /// ```
 ///
@@ -54,7 +56,7 @@ pub struct PureSlip {
 }
 
 impl PureSlip {
-    /// The formulas for a system. `None` at v_b = 0, and where a coefficient overflows.
+    /// The formulas for a system. `None` at v_b = 0, and if a coefficient overflows.
     pub fn new(system: &MassOnBelt<Polynomial>) -> Option<Self> {
         let (law, v_b) = (system.law(), system.belt_velocity());
         let v_m = law.minimum_velocity();
@@ -78,30 +80,31 @@ impl PureSlip {
         (v_b != 0.0 && finite).then_some(formulas)
     }
 
-    /// η = (3/2)γ²(μ_s − μ_m)/v_m, how steeply friction falls at small speeds. Dimensionless,
-    /// exact. Source: Eq. 11.
+    /// Coefficient η = (3/2)γ²(μ_s − μ_m)/v_m: how steeply friction falls at small speeds.
+    /// Dimensionless, exact. Source: Eq. 11.
     pub fn eta(&self) -> f64 {
         self.eta
     }
 
-    /// h1 = 2β − η(1 − (v_b/v_m)²), the damping of small motions. Dimensionless, exact. Source: Eq.
-    /// 10a.
+    /// Coefficient h1 = 2β − η(1 − (v_b/v_m)²): the damping of small motions. Dimensionless, exact.
+    /// Source: Eq. 10a.
     pub fn h1(&self) -> f64 {
         self.h1
     }
 
-    /// h2 = −η v_b/v_m². Dimensionless, exact. Source: Eq. 10b, corrected: it prints −η(v_b/v_m)².
+    /// Coefficient h2 = −η v_b/v_m². Dimensionless, exact. Source: Eq. 10b, corrected: the paper
+    /// prints −η(v_b/v_m)².
     pub fn h2(&self) -> f64 {
         self.h2
     }
 
-    /// h3 = η/(3v_m²). Dimensionless, exact. Source: Eq. 10c.
+    /// Coefficient h3 = η/(3v_m²). Dimensionless, exact. Source: Eq. 10c.
     pub fn h3(&self) -> f64 {
         self.h3
     }
 
     /// Belt velocity v_b1 = v_m√(1 − 2β/η) below which steady sliding is unstable. Dimensionless,
-    /// exact. `None` where 2β ≥ η: it is stable at every belt velocity.
+    /// exact. `None` if 2β ≥ η: steady sliding is then stable at every belt velocity.
     ///
     /// Source: after Eq. 15.
     pub fn onset_velocity(&self) -> Option<f64> {
@@ -109,16 +112,18 @@ impl PureSlip {
         (excess > 0.0).then(|| self.minimum_velocity * (excess / self.eta).sqrt())
     }
 
-    /// Belt velocity v_b0 = √(4/5) v_b1 below which the mass sticks, by averaging: there A0 = v_b.
-    /// Dimensionless, relative error O(ε²). `None` where 2β ≥ η.
+    /// Belt velocity v_b0 = √(4/5) v_b1 below which the mass sticks, by averaging: A0 = v_b at
+    /// v_b0. Dimensionless, relative error O(ε²). `None` if 2β ≥ η.
     ///
-    /// Source: after Eq. 15, corrected: it prints √(4/3), which is above v_b1.
+    /// Source: after Eq. 15, corrected: the paper prints √(4/3), which would give a velocity above
+    /// v_b1.
     pub fn stick_velocity(&self) -> Option<f64> {
         self.onset_velocity().map(|onset| 0.8_f64.sqrt() * onset)
     }
 
-    /// Belt velocity √(4/5) v_b1 [1 + (3461/76800) q²], q = (4/5)η(v_b1/v_m)², at which the cycle
-    /// touches the belt. Dimensionless, relative error O(ε⁴). `None` where 2β ≥ η.
+    /// Belt velocity √(4/5) v_b1 [1 + (3461/76800) q²], q = (4/5)η(v_b1/v_m)², at which the
+    /// pure-slip cycle touches the belt velocity. Dimensionless, relative error O(ε⁴). `None` if
+    /// 2β ≥ η.
     ///
     /// ```
     /// use stick_slip::analysis::PureSlip;
@@ -137,21 +142,22 @@ impl PureSlip {
     }
 
     /// Amplitude A0 = √(−(4/3) h1/h3) = 2√(v_b1² − v_b²) of the averaged cycle, dimensionless.
-    /// `None` where h1 ≥ 0.
+    /// `None` if h1 ≥ 0.
     ///
-    /// Error O(ε²) as half the range of u, or as the largest velocity; O(ε) as u_max − ū, for the
-    /// cycle is not centred on ū. Below v_b0 the formula still gives a number, which describes no
-    /// motion: [`is_valid`](Self::is_valid).
+    /// A0 has the error O(ε²) if taken for half the range of u or for the largest velocity, and
+    /// O(ε) if taken for u_max − ū, because the cycle is not centred on ū. Below v_b0 the formula
+    /// still gives a number, but this describes no motion: see [`is_valid`](Self::is_valid).
     ///
     /// Source: Eq. 13, corrected (the printed 3/4 is 4/3), and Eq. 15.
     pub fn amplitude(&self) -> Option<f64> {
         (self.h1 < 0.0).then(|| 2.0 * self.minimum_velocity * (-self.h1 / self.eta).sqrt())
     }
 
-    /// Whether the averaged cycle exists and slips all the time: A0 < |v_b|, the same as v_b0 <
-    /// |v_b| < v_b1. Error O(ε²) in the belt velocity.
+    /// Whether the averaged cycle exists and slips all the time: A0 < |v_b|, which is the same as
+    /// v_b0 < |v_b| < v_b1. Error O(ε²) in the belt velocity.
     ///
-    /// Source: 4.1.1, corrected: it asks for ż < 0, the velocity of the mass, and means v_r < 0.
+    /// Source: section 4.1.1, corrected: the paper asks for ż < 0, the velocity of the mass, but
+    /// means v_r < 0.
     pub fn is_valid(&self) -> bool {
         self.amplitude()
             .is_some_and(|amplitude| amplitude < self.belt_velocity.abs())
@@ -161,7 +167,8 @@ impl PureSlip {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] if the amplitude is negative, or one of them is not finite.
+    /// [`Error::InvalidParameter`] if the amplitude is negative, or if the amplitude or the phase
+    /// is not finite.
     pub fn transient(
         &self,
         initial_amplitude: f64,
@@ -171,26 +178,26 @@ impl PureSlip {
         Transient::new(coefficients, initial_amplitude, initial_phase)
     }
 
-    /// The cycle with all terms through ε: averaging, and how the motion is centred. `None` where
-    /// h1 ≥ 0. Errors and range: [`PureSlipCycle`].
+    /// The cycle with all terms through ε: averaging, with the shift of the motion's centre. `None`
+    /// if h1 ≥ 0. For errors and range see [`PureSlipCycle`].
     pub fn first_order(&self) -> Option<PureSlipCycle> {
         self.cycle(1)
     }
 
-    /// The cycle with all terms through ε². `None` where h1 ≥ 0. Errors and range:
+    /// The cycle with all terms through ε². `None` if h1 ≥ 0. For errors and range see
     /// [`PureSlipCycle`].
     pub fn second_order(&self) -> Option<PureSlipCycle> {
         self.cycle(2)
     }
 
-    /// The cycle with the terms through ε³. `None` where h1 ≥ 0. Errors and range:
+    /// The cycle with the terms through ε³. `None` if h1 ≥ 0. For errors and range see
     /// [`PureSlipCycle`].
     pub fn third_order(&self) -> Option<PureSlipCycle> {
         self.cycle(3)
     }
 
-    /// The cycle with the terms through ε³ and the frequency through ε⁴. `None` where h1 ≥ 0.
-    /// Errors and range: [`PureSlipCycle`].
+    /// The cycle with the terms through ε³, and the frequency through ε⁴. `None` if h1 ≥ 0. For
+    /// errors and range see [`PureSlipCycle`].
     pub fn fourth_order(&self) -> Option<PureSlipCycle> {
         self.cycle(4)
     }
@@ -249,8 +256,8 @@ impl PureSlip {
     }
 }
 
-/// A pure-slip cycle of the polynomial law, as an expansion in ε: [`PureSlip::first_order`] and so
-/// on. Dimensionless.
+/// A pure-slip cycle of the polynomial law, as an expansion in ε. Dimensionless.
+/// [`PureSlip::first_order`] to [`PureSlip::fourth_order`] compute it.
 ///
 /// With a = A0 h2 and b = A0² h3:
 ///
@@ -263,7 +270,8 @@ impl PureSlip {
 /// ln(multiplier)       = 2πh1 − πb(81b² + 832a²)/768
 /// ```
 ///
-/// Each order takes the terms up to its own power of ε. Order of the error that is left, in ε:
+/// The cycle of order n takes the terms up to εⁿ (for n = 4 in the frequency only). The remaining
+/// error has this order in ε:
 ///
 /// | field | first | second | third | fourth |
 /// |---|---|---|---|---|
@@ -274,11 +282,11 @@ impl PureSlip {
 /// | `multiplier`, `log_multiplier` | 3 | 3 | 5 | 5 |
 /// | second and third harmonic | 3 | 3 | 3 | 3 |
 ///
-/// Range: v_b0 < |v_b| < v_b1 ([`PureSlip::is_valid`]; more closely from
-/// [`PureSlip::grazing_velocity`] on), and a, b, h1 small beside 1.
+/// Range of validity: v_b0 < |v_b| < v_b1 ([`PureSlip::is_valid`]; [`PureSlip::grazing_velocity`]
+/// is a better lower end), with a, b, h1 small beside 1.
 ///
-/// Source: expansion of z'' + z + h1 z' + h2 z'² + h3 z'³ = 0; the first order is Eqs. 13 and 15
-/// (corrected) with the shift that the paper leaves out.
+/// Source: expansion of z'' + z + h1 z' + h2 z'² + h3 z'³ = 0. The first order is Eqs. 13 and 15
+/// (corrected), with the shift of the centre that the paper leaves out.
 ///
 /// ```
 /// use stick_slip::analysis::PureSlip;
@@ -294,31 +302,31 @@ impl PureSlip {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PureSlipCycle {
-    /// Largest displacement.
+    /// Largest displacement u_max.
     pub u_max: f64,
-    /// Least displacement.
+    /// Least displacement u_min.
     pub u_min: f64,
-    /// Time mean of the displacement.
+    /// Time mean of the displacement u.
     pub u_mean: f64,
-    /// u_max − ū.
+    /// Largest distance from the equilibrium upwards, u_max − ū.
     pub z_max: f64,
-    /// u_min − ū.
+    /// Largest distance from the equilibrium downwards, u_min − ū (negative).
     pub z_min: f64,
     /// Time mean of u − ū.
     pub z_mean: f64,
-    /// Largest velocity.
+    /// Largest velocity v_max.
     pub v_max: f64,
-    /// Least velocity.
+    /// Least velocity v_min.
     pub v_min: f64,
-    /// (u_max − u_min)/2.
+    /// Amplitude (u_max − u_min)/2.
     pub amplitude: f64,
     /// Angular frequency ω = 2π/T, in units of ω0.
     pub frequency: f64,
     /// Period T.
     pub period: f64,
-    /// Floquet multiplier.
+    /// Floquet multiplier: the factor by which a small disturbance changes over one period.
     pub multiplier: f64,
-    /// Its natural logarithm.
+    /// Natural logarithm of the Floquet multiplier.
     pub log_multiplier: f64,
     /// Amplitudes of the first three harmonics of u.
     pub harmonics: [f64; 3],

@@ -2,17 +2,17 @@ use super::PureSlip;
 use crate::belt::MassOnBelt;
 use crate::friction::Polynomial;
 
-/// What a system with the polynomial law settles to, by Eqs. 14 and 15.
+/// The motion that a system with the polynomial law settles to, by Eqs. 14 and 15.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Regime {
-    /// v_b = 0: the mass comes to rest on the belt.
+    /// The mass comes to rest on the belt: v_b = 0.
     Rest,
-    /// |v_b| ≥ v_b1: steady sliding.
+    /// Steady sliding: |v_b| ≥ v_b1.
     Equilibrium,
-    /// v_b0 < |v_b| < v_b1: vibration that slips all the time. Constant friction (μ_s = μ_m)
-    /// without damping, too: every vibration with an amplitude up to |v_b| lasts.
+    /// Vibration that slips all the time: v_b0 < |v_b| < v_b1. Also constant friction (μ_s = μ_m)
+    /// without damping, for which every vibration with an amplitude up to |v_b| lasts.
     PureSlip,
-    /// 0 < |v_b| ≤ v_b0: vibration that sticks, or overtakes the belt.
+    /// Vibration that sticks, or overtakes the belt: 0 < |v_b| ≤ v_b0.
     StickSlip,
 }
 
@@ -27,10 +27,11 @@ impl std::fmt::Display for Regime {
     }
 }
 
-/// What a system with the polynomial law settles to.
+/// Tells what a system with the polynomial law settles to, by closed forms.
 ///
 /// The border v_b1 is exact; v_b0 has a relative error O(ε²), and [`PureSlip::grazing_velocity`] is
-/// better. For a general law there is no such answer: several attractors can exist side by side.
+/// more accurate. For other laws there is no such single answer, because several attractors can
+/// exist side by side.
 ///
 /// Source: Farshidianfar and Noei Aghaee, after Eq. 15, corrected: v_b0 = √(4/5) v_b1 for the
 /// printed √(4/3) v_b1, and stick-slip below v_b0 only.
@@ -54,7 +55,7 @@ pub fn regime(system: &MassOnBelt<Polynomial>) -> Regime {
         Some(formulas) if formulas.eta() == 0.0 && system.damping() == 0.0 => Regime::PureSlip,
         Some(formulas) if formulas.h1() >= 0.0 => Regime::Equilibrium,
         Some(formulas) if formulas.is_valid() => Regime::PureSlip,
-        // Where the coefficients overflow.
+        // The coefficients overflow.
         None if equilibrium.is_stable() => Regime::Equilibrium,
         _ => Regime::StickSlip,
     }

@@ -6,8 +6,8 @@ use crate::friction::{FrictionLaw, slope_on, taylor_coefficients};
 use crate::numerics::adaptive::{gauss, graded};
 use crate::scalar::LONGEST;
 
-/// The paper's stick-slip vibration, for any law: stick, then a slip arc of an undamped oscillation
-/// about ū.
+/// The source paper's formulas for stick-slip, for any law: stick, then a slip arc of an undamped
+/// oscillation about ū.
 ///
 /// ```text
 /// κ    = [γ²(μ_s − μ̂(|v_b|)) − 2β|v_b|] / |v_b|      (polynomial law: η(1 − (v_b/v_m)²/3) − 2β)
@@ -15,12 +15,12 @@ use crate::scalar::LONGEST;
 /// stick 2κ,   slip 2π − 2 atan κ,   T = 2π + 2(κ − atan κ),   ω_ss = 2π/T
 /// ```
 ///
-/// The arc neither gains nor loses energy, so it meets the belt at ū − κ|v_b|, the mirror image of
-/// the release point. In truth slip gains energy of order ε and meets it farther out, by O(√ε); so
-/// these formulas are poor: the errors are O(ε) in A1, O(ε^{3/2}) in T (no better in order than 2π)
-/// and O(ε^{1/2}) in the durations. Use [`first_order`](Self::first_order) and
-/// [`second_order`](Self::second_order) for a cubic law. Range: κ > 0, and 0 < |v_b| < v_b0 for the
-/// polynomial law.
+/// In these formulas slip neither gains nor loses energy, so the arc meets the belt at ū − κ|v_b|,
+/// the mirror image of the release point. In truth slip gains energy of order ε, and the mass meets
+/// the belt farther out, by O(√ε). So the formulas are poor: the errors are O(ε) in A1, O(ε^{3/2})
+/// in T (the same order as for T = 2π) and O(ε^{1/2}) in the durations. For a cubic law use
+/// [`first_order`](Self::first_order) and [`second_order`](Self::second_order). Range of validity:
+/// κ > 0, and 0 < |v_b| < v_b0 for the polynomial law.
 ///
 /// Everything is dimensionless and holds for both signs of v_b.
 ///
@@ -43,28 +43,29 @@ pub struct StickSlip {
     belt_velocity: f64,
     equilibrium: f64,
     kappa: f64,
-    /// γ²μ_s.
+    /// Largest friction force γ²μ_s.
     largest_friction: f64,
-    /// Where the law is a cubic polynomial from rest on.
+    /// Coefficients for a law that is a cubic polynomial from rest on.
     cubic: Option<Cubic>,
 }
 
-/// What the expansions stand on.
+/// A cubic law, as the expansions use it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Cubic {
-    /// H1, H2, H3: h(y) = H1 y + H2 y²/|v_b| + H3 y³/v_b², for a belt that moves forward.
+    /// The coefficients H1, H2, H3 of h(y) = H1 y + H2 y²/|v_b| + H3 y³/v_b², for a belt that moves
+    /// forward.
     h: [f64; 3],
     /// Sliding speed up to which the law is this polynomial.
     up_to: f64,
 }
 
 impl StickSlip {
-    /// The formulas for a system. `None` at v_b = 0, where κ ≤ 0 (friction at the belt velocity is
-    /// not smaller than static friction by more than the damper's force), and where κ is not
+    /// The formulas for a system. `None` at v_b = 0, if κ ≤ 0 (kinetic friction at the belt
+    /// velocity falls short of static friction by no more than the damper's force), and if κ is not
     /// finite.
     ///
-    /// κ ≤ 0 does not mean that the system has no stick-slip cycle: it says that these formulas do
-    /// not describe it.
+    /// A system with κ ≤ 0 may still have a stick-slip cycle, but these formulas do not describe
+    /// it.
     pub fn new<L: FrictionLaw>(system: &MassOnBelt<L>) -> Option<Self> {
         let (law, load) = (system.law(), system.load());
         let v_b = system.belt_velocity();
@@ -96,7 +97,7 @@ impl StickSlip {
         })
     }
 
-    /// κ = [γ²(μ_s − μ̂(|v_b|)) − 2β|v_b|]/|v_b|: how far beyond ū the mass is released, in units
+    /// Distance κ = [γ²(μ_s − μ̂(|v_b|)) − 2β|v_b|]/|v_b| of the release point from ū, in units
     /// of |v_b|. Dimensionless, exact.
     ///
     /// Source: before Eq. 18.
@@ -104,16 +105,16 @@ impl StickSlip {
         self.kappa
     }
 
-    /// Amplitude A1 = |v_b|√(1 + κ²), dimensionless. Error O(ε), as u_max − ū, ū − u_min or half
-    /// the range.
+    /// Amplitude A1 = |v_b|√(1 + κ²), dimensionless. Error O(ε), whether taken for u_max − ū, for
+    /// ū − u_min or for half the range of u.
     ///
     /// Source: Eq. 18.
     pub fn amplitude(&self) -> f64 {
         self.belt_velocity.abs() * self.kappa.hypot(1.0)
     }
 
-    /// Largest speed against the belt's direction, A1 again; in the belt's direction the largest is
-    /// |v_b|, exactly. Dimensionless, error O(ε).
+    /// Largest speed against the belt's direction, which is A1 too. (In the belt's direction the
+    /// largest speed is |v_b|, exactly.) Dimensionless, error O(ε).
     ///
     /// Source: Eq. 17.
     pub fn velocity_amplitude(&self) -> f64 {
@@ -148,32 +149,33 @@ impl StickSlip {
         TAU / self.period()
     }
 
-    /// The cycle to first order in ε, with the energy that slip gains. Errors and range:
+    /// The cycle to first order in ε, with the energy that slip gains. For errors and range see
     /// [`StickSlipCycle`].
     ///
     /// `None`
     ///
-    /// * unless the law is a cubic polynomial in the sliding speed, μ_s included, over all speeds
-    ///   of the cycle: all its derivatives beyond the third are zero at |v_b|, μ_s = μ̂(0), and no
-    ///   [breakpoint](FrictionLaw::breakpoints) comes before the largest of those speeds;
-    /// * where W1 ≤ 0, which is |v_b| ≥ v_b0 for the polynomial law;
-    /// * where the mass would overtake the belt ([`second_order`](Self::second_order));
-    /// * where the formulas give a slip phase that ends before it begins (W1 ≥ 2π²).
+    /// * unless the law is a cubic polynomial in the sliding speed over all speeds of the cycle:
+    ///   all derivatives beyond the third are zero at |v_b|, μ_s = μ̂(0), and no
+    ///   [breakpoint](FrictionLaw::breakpoints) lies below the largest of those speeds;
+    /// * if W1 ≤ 0, which is |v_b| ≥ v_b0 for the polynomial law;
+    /// * if the mass would overtake the belt (see [`second_order`](Self::second_order));
+    /// * if the formulas give a slip phase that ends before it begins (W1 ≥ 2π²).
     pub fn first_order(&self) -> Option<StickSlipCycle> {
         let cubic = self.cubic?;
         self.on_belt(&cubic, cubic.first_order()?)
     }
 
-    /// The cycle to second order in ε. Errors and range: [`StickSlipCycle`].
+    /// The cycle to second order in ε. For errors and range see [`StickSlipCycle`].
     ///
-    /// `None` as [`first_order`](Self::first_order); where W1 + W2 ≤ 0; and where |v_b|·stick >
-    /// 2γ²μ_s: the mass would meet the belt beyond the stick band and overtake it.
+    /// `None` if [`first_order`](Self::first_order) is; if W1 + W2 ≤ 0; and if |v_b|·stick >
+    /// 2γ²μ_s, where the mass would meet the belt beyond the stick band and overtake it.
     pub fn second_order(&self) -> Option<StickSlipCycle> {
         let cubic = self.cubic?;
         self.on_belt(&cubic, cubic.second_order()?)
     }
 
-    /// The cycle on this belt, unless it leaves the range of the formulas, or a term overflowed.
+    /// Scales a cycle to this belt. `None` if it leaves the range of the formulas, or if a term
+    /// overflowed.
     fn on_belt(&self, cubic: &Cubic, cycle: UnitCycle) -> Option<StickSlipCycle> {
         let (v_b, speed) = (self.belt_velocity, self.belt_velocity.abs());
         let overtakes = |cycle: UnitCycle| speed * cycle.stick > 2.0 * self.largest_friction;
@@ -201,7 +203,7 @@ impl StickSlip {
     }
 }
 
-/// μ_s − μ̂(0), and 0 where they differ by rounding alone.
+/// Static jump μ_s − μ̂(0); 0 if the two differ by rounding alone.
 fn static_jump<L: FrictionLaw>(law: &L) -> f64 {
     let mu_s = law.static_coefficient();
     let jump = mu_s - law.kinetic(0.0);
@@ -212,7 +214,7 @@ fn static_jump<L: FrictionLaw>(law: &L) -> f64 {
     }
 }
 
-/// (μ̂(s) − μ̂(0))/s, without cancellation at small s.
+/// Mean slope (μ̂(s) − μ̂(0))/s of the law, without cancellation at small s.
 fn mean_slope<L: FrictionLaw>(law: &L, speed: f64) -> Result<f64, Error> {
     let mut ends = vec![0.0];
     ends.extend(law.breakpoints().take_while(|&b| b < speed));
@@ -302,12 +304,12 @@ impl Cubic {
     }
 }
 
-/// A stick-slip cycle of a cubic law, as an expansion in ε: [`StickSlip::first_order`] and
-/// [`StickSlip::second_order`]. Dimensionless.
+/// A stick-slip cycle of a cubic law, as an expansion in ε. Dimensionless.
+/// [`StickSlip::first_order`] and [`StickSlip::second_order`] compute it.
 ///
-/// With H1 = h1, H2 = h2 v_b, H3 = h3 v_b² of [`PureSlip`](super::PureSlip) or, for any cubic law,
-/// H1 = 2β + γ² dμ̂/ds, H2 = −½γ²v_b d²μ̂/ds² and H3 = (1/6)γ²v_b² d³μ̂/ds³ at s = v_b; for v_b > 0
-/// (mirrored for v_b < 0):
+/// Let H1 = h1, H2 = h2 v_b and H3 = h3 v_b², with h1, h2, h3 of [`PureSlip`](super::PureSlip). For
+/// any cubic law H1 = 2β + γ² dμ̂/ds, H2 = −½γ²v_b d²μ̂/ds² and H3 = (1/6)γ²v_b² d³μ̂/ds³, at s =
+/// v_b. To first order, for v_b > 0 (mirrored for v_b < 0):
 ///
 /// ```text
 /// u_max = ū + v_b[1 − (π/4)H1 − (2/3)H2 − (3π/16)H3]
@@ -317,15 +319,15 @@ impl Cubic {
 /// stick = q0,   slip = 2π − q0,   T = 2π + q0³/3
 /// ```
 ///
-/// To second order, with W = W1 + π²[H1²/2 + (3/2)H1H3 + (27/32)H3²], tan δ = √(W(2 + W)), h' = H1
-/// + 2H2 + 3H3, r = W/(1 + W) and T2 = π[H1²/4 + (2/3)H1H2 + (33/16)H1H3 + H2²/3 + H2H3/2 +
+/// To second order, with W = W1 + π²[H1²/2 + (3/2)H1H3 + (27/32)H3²], tan δ = √(W(2 + W)), h' =
+/// H1 + 2H2 + 3H3, r = W/(1 + W) and T2 = π[H1²/4 + (2/3)H1H2 + (33/16)H1H3 + H2²/3 + H2H3/2 +
 /// (189/128)H3²]:
 ///
 /// ```text
 /// stick = tan δ + (2/3)h'r,   slip = 2π + T2 − δ + h'r/3,   T = 2π + T2 + tan δ − δ + h'r
 /// ```
 ///
-/// and terms quadratic in H1, H2, H3 in the extremes. Order of the error in ε:
+/// and the extremes get terms quadratic in H1, H2, H3. Order of the error in ε:
 ///
 /// | field | first order | second order |
 /// |---|---|---|
@@ -336,11 +338,12 @@ impl Cubic {
 /// | `return_angle`, whose tangent is the duration of stick | 3/2 | 2 |
 /// | the extreme of v along the belt, v_b | exact | exact |
 ///
-/// Range: 0 < |v_b| < v_b0 with a margin (W1 > 0), W1 small beside 1, and |v_b|·stick ≤ 2γ²μ_s, so
-/// that the mass sticks where it meets the belt. That fails as ε → 0 at fixed μ_s; raising μ_s and
-/// μ_m by the same constant widens the stick band and leaves u − ū as it is.
+/// Range of validity: 0 < |v_b| < v_b0 with a margin (W1 > 0), W1 small beside 1, and |v_b|·stick ≤
+/// 2γ²μ_s, so that the mass sticks where it meets the belt. The last condition fails as ε → 0 at
+/// fixed μ_s. If μ_s and μ_m are raised by the same constant, the stick band widens and u − ū stays
+/// as it is.
 ///
-/// Source: expansion of the slip arc out of the release point; it replaces Eqs. 16-18.
+/// Source: expansion of the slip arc out of the release point, which replaces Eqs. 16-18.
 ///
 /// ```
 /// use stick_slip::analysis::StickSlip;
@@ -358,17 +361,17 @@ impl Cubic {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StickSlipCycle {
-    /// Largest displacement.
+    /// Largest displacement u_max.
     pub u_max: f64,
-    /// Least displacement.
+    /// Least displacement u_min.
     pub u_min: f64,
-    /// u_max − ū.
+    /// Largest distance from the equilibrium upwards, u_max − ū.
     pub z_max: f64,
-    /// u_min − ū.
+    /// Largest distance from the equilibrium downwards, u_min − ū (negative).
     pub z_min: f64,
-    /// Largest velocity: v_b for v_b > 0.
+    /// Largest velocity v_max; it is v_b for v_b > 0.
     pub v_max: f64,
-    /// Least velocity: v_b for v_b < 0.
+    /// Least velocity v_min; it is v_b for v_b < 0.
     pub v_min: f64,
     /// Duration of stick.
     pub stick: f64,
@@ -376,11 +379,11 @@ pub struct StickSlipCycle {
     pub slip: f64,
     /// Period T.
     pub period: f64,
-    /// W: (V − |v_b|)/|v_b| for the speed V at which the motion would next be fastest along the
-    /// belt, if friction had no jump there. Slip gains the energy v_b²(W + W²/2). W1 to first
-    /// order.
+    /// Growth W = (V − |v_b|)/|v_b|, which is W1 to first order. V is the next maximum of the speed
+    /// along the belt, if friction did not jump at the belt velocity. Slip gains the energy
+    /// v_b²(W + W²/2).
     pub growth: f64,
-    /// Phase by which the mass meets the belt before the end of a full turn: δ, and q0 to first
-    /// order.
+    /// Return angle δ, in radians, which is q0 to first order: the phase by which the mass meets
+    /// the belt before a full turn is complete.
     pub return_angle: f64,
 }

@@ -1,8 +1,8 @@
 use crate::error::Error;
 use crate::state::State;
 
-/// Slow growth or decay of a motion that does not stick, polynomial law: the solution of Eq. 12 in
-/// closed form.
+/// Slow growth or decay of a motion that does not stick, for the polynomial law: the closed
+/// solution of Eq. 12.
 ///
 /// ```text
 /// A' = −½ h1 A − (3/8) h3 A³     ⇒  A(τ) = A(0) / √(e^{h1 τ} + ¾ h3 A(0)² (e^{h1 τ} − 1)/h1)
@@ -10,12 +10,12 @@ use crate::state::State;
 /// u ≈ ū + A sin ψ,  v ≈ A cos ψ
 /// ```
 ///
-/// A Bernoulli equation, linear in 1/A². All quantities are dimensionless. Errors are O(ε) for
-/// times up to O(1/ε), in the range A(τ) ≤ |v_b|.
+/// The first equation is Bernoulli's, linear in 1/A². All quantities are dimensionless. Errors are
+/// O(ε) for times up to O(1/ε), in the range A(τ) ≤ |v_b|.
 ///
-/// Source: Farshidianfar and Noei Aghaee, Eq. 12, corrected: the right sides are meant as means
-/// over a cycle, and only A is stationary on a cycle. Made by
-/// [`PureSlip::transient`](super::PureSlip::transient).
+/// Source: Farshidianfar and Noei Aghaee, Eq. 12, corrected: the right sides must be means over a
+/// cycle, and only A is stationary on a cycle. [`PureSlip::transient`](super::PureSlip::transient)
+/// makes this type.
 ///
 /// ```
 /// use stick_slip::analysis::PureSlip;
@@ -60,8 +60,8 @@ impl Transient {
         })
     }
 
-    /// Amplitude A(τ), dimensionless. Backwards in time it may grow beyond all bounds: `None` at
-    /// and before the time at which the formula has A = ∞, and for NaN.
+    /// Amplitude A(τ), dimensionless. Backwards in time the amplitude may grow beyond all bounds:
+    /// `None` at and before the time at which the formula gives A = ∞, and for a time that is NaN.
     pub fn amplitude(&self, time: f64) -> Option<f64> {
         let (a, h1) = (self.initial_amplitude, self.h1);
         if a == 0.0 && !time.is_nan() {
@@ -69,7 +69,8 @@ impl Transient {
         }
         // 1/A² = e^{h1τ}/A(0)² + ¾h3(e^{h1τ} − 1)/h1, with the factor that overflows taken out.
         let amplitude = if time < 0.0 {
-            // Twice the root of the root of e^{−h1τ}: the square root alone may overflow.
+            // Multiplies twice by the fourth root of e^{−h1τ}, because its square root may
+            // overflow.
             let quarter = (-0.25 * h1 * time).exp();
             let cubic = 0.75 * self.h3 * a;
             let past = if cubic == 0.0 {
@@ -97,7 +98,7 @@ impl Transient {
         self.initial_phase + time
     }
 
-    /// Displacement and velocity, (ū + A sin ψ, A cos ψ). `None` where
+    /// State (u, v) = (ū + A sin ψ, A cos ψ), dimensionless. `None` where
     /// [`amplitude`](Self::amplitude) is.
     ///
     /// ```
@@ -117,7 +118,7 @@ impl Transient {
     }
 }
 
-/// (e^{hτ} − 1)/h, and τ for h = 0.
+/// The quotient (e^{hτ} − 1)/h, which is τ for h = 0.
 fn growth(h: f64, time: f64) -> f64 {
     if h == 0.0 {
         time

@@ -45,9 +45,9 @@ impl SlipSeries {
         system.load() * largest
     }
 
-    /// The largest defect near the minima of s(t) inside a step of length h, where the motion comes
-    /// closest to the belt; 0 if there is none. `speeds` are the values of s at the [`quarters`] of
-    /// h.
+    /// The defect near the minima of s(t) inside a step of length h, where the motion comes closest
+    /// to the belt: the largest one near each minimum, added up. `speeds` are the values of s at
+    /// the [`quarters`] of h.
     ///
     /// The law may have a feature at slow speeds, and a motion may pass it between two quarters.
     #[inline(always)]
@@ -118,8 +118,8 @@ impl SlipSeries {
         largest
     }
 
-    /// The largest defect in between, at least every quarter of a radian, for a step of length h >
-    /// [`LONG`].
+    /// The defect at places in between, at least every quarter of a radian, for a step longer than
+    /// [`LONG`]: the largest one of each four places, added up.
     ///
     /// Where the law is flat, steps are long, and one may pass over a whole feature of the law.
     #[inline(never)]
@@ -142,7 +142,7 @@ impl SlipSeries {
     }
 }
 
-/// The largest number of fours of places in between. Only motions that hardly move have steps
+/// The largest number of such fours of places. Only motions that hardly move have steps
 /// longer than three radians.
 const MOST_FOURS: f64 = 16.0;
 

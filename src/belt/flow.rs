@@ -53,7 +53,7 @@ enum Phase {
     Ended,
 }
 
-/// Sizes max(|u − ū|, |v|, |v_b|) of a start at which the terms of its series neither become
+/// The sizes max(|u − ū|, |v|, |v_b|) of a start with which the terms of its series neither become
 /// subnormal numbers nor overflow.
 const SCALES: RangeInclusive<f64> = 1e-280..=1e300;
 

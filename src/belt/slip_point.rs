@@ -89,8 +89,8 @@ impl SlipPoint {
         State::new(self.displacement, velocity)
     }
 
-    /// The point behind a belt of velocity v_b > 0 where the mass has a velocity maximum: v =
-    /// `peak` and v' = 0.
+    /// The point behind a belt of velocity v_b > 0 where the velocity has a maximum: v = `peak`,
+    /// v' = 0.
     pub(crate) fn at_maximum<L: FrictionLaw>(system: &MassOnBelt<L>, peak: f64) -> Self {
         let speed = system.belt_velocity() - peak;
         let friction = system.load() * system.law().kinetic(speed);

@@ -159,8 +159,8 @@ impl Step {
         self.state
     }
 
-    /// State at a finite time t after the **start** of the step, 0 ≤ t ≤
-    /// [`duration`](Self::duration). Outside this range the series is not to be trusted.
+    /// State at a finite time t after the **start** of the step,
+    /// 0 ≤ t ≤ [`duration`](Self::duration). Outside this range do not trust the series.
     pub fn state_at(&self, t: f64) -> State {
         let State {
             displacement,

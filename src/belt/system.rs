@@ -274,8 +274,8 @@ impl<L: FrictionLaw> MassOnBelt<L> {
 
     /// The friction force on the mass, dimensionless (in units of the spring's force at u = 1).
     ///
-    /// In slip this is −γ²μ(v_r), in stick the force that the contact carries, u + 2βv_b. At v_r =
-    /// 0 outside the stick band it is the force just after slip begins.
+    /// In slip this is −γ²μ(v_r), in stick the force that the contact carries, u + 2βv_b. If v_r is
+    /// 0 outside the stick band, it is the force just after slip begins.
     ///
     /// ```
     /// use stick_slip::{Coulomb, MassOnBelt, State};

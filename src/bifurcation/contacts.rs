@@ -49,7 +49,11 @@ pub fn grazing_velocities<L: FrictionLaw>(
 /// Belt velocities in `range`, ascending and dimensionless, at which plain stick-slip changes into
 /// overshoot or back: the first contact after release lies at the far end of the stick band.
 ///
-/// Searched as densely as in [`grazing_velocities`], and with the same errors.
+/// The range is searched as densely as by [`grazing_velocities`].
+///
+/// # Errors
+///
+/// Those of [`grazing_velocities`].
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, bifurcation};
@@ -73,7 +77,11 @@ pub fn overshoot_velocities<L: FrictionLaw>(
 /// crossing or back: after release and a crossing the mass comes back to the belt exactly at the
 /// release point.
 ///
-/// Searched as densely as in [`grazing_velocities`], and with the same errors.
+/// The range is searched as densely as by [`grazing_velocities`].
+///
+/// # Errors
+///
+/// Those of [`grazing_velocities`].
 ///
 /// ```
 /// use stick_slip::{CycleKind, MassOnBelt, Polynomial, bifurcation, limit_cycle};

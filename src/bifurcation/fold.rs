@@ -19,13 +19,13 @@ const FARTHEST_TURN: f64 = 0.1;
 /// Belt velocities v_b in `range`, ascending and dimensionless, at which two pure-slip cycles, one
 /// stable and one unstable, meet and vanish.
 ///
-/// Let V be the peak velocity of a motion and P(V) the next one. At each belt velocity the growth
-/// over one turn, P(V)/V − 1, has turning points as a function of V, found as roots of its exact
-/// derivative. At a fold the growth at a turning point passes through zero; the multiplier there is
-/// one. Turning points are followed over 64 intervals of the range. An interval in which turning
-/// points come, go, move far or come near zero is divided into up to 2¹⁶ parts. Each turning point
-/// is followed into the fold from both sides, so that every velocity returned is one at which
-/// cycles meet.
+/// Let V be the peak velocity of a motion and P(V) its next one. At each belt velocity the growth
+/// over one turn, P(V)/V − 1, is a function of V with turning points, found as roots of its exact
+/// derivative. At a fold the growth at a turning point passes through zero, and the multiplier of
+/// the cycle is 1. Turning points are followed over 64 intervals of the range. An interval in which
+/// turning points come, go, move far or come near zero is divided into up to 2¹⁶ parts. Each
+/// turning point is followed into the fold from both sides, so that every velocity returned is one
+/// at which cycles meet.
 ///
 /// # Errors
 ///

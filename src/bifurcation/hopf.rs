@@ -52,7 +52,7 @@ pub fn hopf_velocities<L: FrictionLaw>(
     damping.sign_changes(&positive(range)?, "range.end")
 }
 
-/// Kind of a Hopf point: which pure-slip cycle is born there.
+/// Kind of a Hopf point: whether the pure-slip cycle that is born there is stable.
 ///
 /// Source: the averaged equation A' = −½h1 A − (3/8)h3 A³ with h3 = γ² μ̂'''(v_b)/6 (Eq. 12 of
 /// Farshidianfar and Noei Aghaee, for any law).

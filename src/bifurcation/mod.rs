@@ -1,4 +1,5 @@
-//! Where periodic motions appear, disappear, and change their kind, as the belt velocity varies.
+//! Bifurcations: the belt velocities at which periodic motions appear, disappear or change their
+//! kind.
 //!
 //! | function | what happens there |
 //! |---|---|
@@ -21,7 +22,7 @@
 //! |---|---|
 //! | `contacts.rs` | grazing, overshoot, crossing: contacts of the motion from the release point; searched by `numerics/scan.rs` |
 //! | `fold.rs` | folds of pure-slip cycles |
-//! | `hopf.rs` | stability of the equilibrium, and how a cycle is born there; the roots themselves: `friction/along.rs` |
+//! | `hopf.rs` | belt velocities at which stability changes, and which cycle is born there; the roots are found in `friction/along.rs` |
 //! | `silence.rs` | the least damping with which nothing vibrates |
 //! | `diagram.rs` | equilibrium and all cycles at each of a list of belt velocities |
 //! | `range.rs` | ranges of belt velocities |

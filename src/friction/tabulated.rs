@@ -100,7 +100,7 @@ impl Tabulated {
         }
         let pieces = pieces(&points);
         for (index, piece) in pieces.iter().enumerate() {
-            // This point and the next, if there is one, make a cubic.
+            // A piece whose coefficients overflow is the fault of the point at its end.
             let next = (index + 1).min(points.len() - 1);
             Error::check(
                 "speed",

@@ -12,7 +12,7 @@ use crate::numerics::gauss::gauss_legendre;
 use crate::series::{PowerSeries, quarters};
 use crate::state::{Direction, State};
 
-/// Where a slip arc ends.
+/// The end of a slip arc.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Arrival {
     /// On the belt, v = v_b, at this displacement.
@@ -66,8 +66,8 @@ const SETTLED: f64 = 1e-9;
 const ROUNDING: f64 = 16.0;
 
 impl Arc {
-    /// The same arc forwards in time, for one that was followed backwards to the state `end`: each
-    /// series c(t) becomes c(h − t), and the last step comes first.
+    /// Turns round an arc that was followed backwards to the state `end`, so that it runs forwards
+    /// in time: each series c(t) becomes c(h − t), and the last step comes first.
     pub(crate) fn reversed(mut self, end: State) -> Self {
         let mut start = end;
         for step in self.steps.iter_mut().rev() {

@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::friction::{FrictionLaw, has_no_kinetic_friction};
 use crate::state::{Direction, State};
 
-/// Where a motion ends up. See [`attractor`].
+/// The attractor that a motion reaches, or why there is none. See [`attractor`].
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -214,16 +214,16 @@ fn check(start: State) -> Result<(), Error> {
     }
 }
 
-/// Where the fate of a motion is decided.
+/// The place on a motion where its fate is decided.
 #[derive(Debug, Clone, Copy)]
 enum Place {
-    /// At a velocity maximum V, behind the belt.
+    /// A velocity maximum V, behind the belt.
     Peak(f64),
-    /// At the release point.
+    /// The release point.
     Release,
-    /// At a downward crossing with the force F beyond the release point.
+    /// A downward crossing with the force F, beyond the release point.
     Crossing(f64),
-    /// At a node.
+    /// A node, or the equilibrium itself.
     Equilibrium,
 }
 

@@ -81,7 +81,8 @@ impl std::fmt::Display for EventKind {
     }
 }
 
-/// An event of a motion: a change between stick and slip, or of the direction of slip.
+/// An event of a motion: a change between stick and slip or of the direction of slip, or a contact
+/// that opens or closes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -97,7 +98,8 @@ pub struct Event<S = State> {
     pub contact: usize,
     /// What happens.
     pub kind: EventKind,
-    /// State at the event. The velocity at the contact is that of the belt, to the bit.
+    /// State at the event. If the mass sticks, is released or crosses, the velocity at the contact
+    /// is that of the belt, to the bit; a contact may open or close at any velocity.
     pub state: S,
 }
 

@@ -11,8 +11,9 @@ use crate::error::Error;
 /// use stick_slip::{Integrator, MassOnBelt, Polynomial, State};
 ///
 /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
-/// let fast = Integrator::new().with_tolerance(1e-6)?;
-/// let fast = fast.simulate(&system, State::new(0.0, 0.0), 50.0)?;
+/// let fast = Integrator::new()
+///     .with_tolerance(1e-6)?
+///     .simulate(&system, State::new(0.0, 0.0), 50.0)?;
 /// let exact = Integrator::new().simulate(&system, State::new(0.0, 0.0), 50.0)?;
 /// assert_eq!(fast.events().len(), exact.events().len());
 /// assert!((fast.events()[9].time - exact.events()[9].time).abs() < 1e-5);
@@ -52,7 +53,9 @@ impl Integrator {
     }
 
     /// Sets the relative tolerance: the error of a step in units of the motion's own scale,
-    /// max(|u − ū|, |v|, |v_b|). For stiff motions see the
+    /// max(|u − ū|, |v|, |v_b|).
+    ///
+    /// In stiff systems the scale is max(|v|, |v_b|, |v'|/D): see the
     /// [crate page](crate#what-the-integrator-promises).
     ///
     /// # Errors
@@ -122,8 +125,9 @@ impl Integrator {
     /// # Errors
     ///
     /// * [`Error::InvalidDuration`] unless `duration` is finite and ≥ 0;
-    /// * [`Error::InvalidState`] unless `start` is finite and the scale of the motion,
-    ///   max(|u − ū|, |v|, |v_b|), is 0 or from 1e-280 to 1e300;
+    /// * [`Error::InvalidState`] unless `start` is finite and, for a
+    ///   [`MassOnBelt`](crate::MassOnBelt), the scale of the motion, max(|u − ū|, |v|, |v_b|), is 0
+    ///   or from 1e-280 to 1e300;
     /// * if the motion cannot be followed further, [`Error::NonFiniteFriction`],
     ///   [`Error::NotAnalytic`], [`Error::StepUnderflow`], [`Error::TooManySteps`] or
     ///   [`Error::TooManyEvents`], with the time and state reached;

@@ -84,8 +84,8 @@ impl<S: SystemState> Trajectory<S> {
     /// ```
     /// use stick_slip::{Coulomb, MassOnBelt, State};
     ///
-    /// let system = MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.5)?;
-    /// let motion = system.simulate(State::new(0.0, 0.5), 1.5)?;
+    /// let motion = MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.5)?
+    ///     .simulate(State::new(0.0, 0.5), 1.5)?;
     /// let times: Vec<f64> = motion.sample(4).map(|(time, _)| time).collect();
     /// assert_eq!(times, [0.0, 0.5, 1.0, 1.5]);
     /// # Ok::<(), stick_slip::Error>(())
@@ -109,8 +109,8 @@ impl<S: SystemState> Trajectory<S> {
     /// ```
     /// use stick_slip::{Coulomb, MassOnBelt, State};
     ///
-    /// let system = MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.5)?;
-    /// let motion = system.simulate(State::new(0.0, 0.5), 1.5)?;
+    /// let motion = MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.5)?
+    ///     .simulate(State::new(0.0, 0.5), 1.5)?;
     /// let states: Vec<_> = motion.sample_at([0.25, 0.5, 99.0]).collect();
     /// assert_eq!(states, [(0.25, State::new(0.125, 0.5)), (0.5, State::new(0.25, 0.5))]);
     /// # Ok::<(), stick_slip::Error>(())

@@ -16,11 +16,11 @@ pub(crate) struct Bracket {
     high_value: f64,
     /// The end that moved last.
     moved: Option<End>,
-    /// How much farther than the chord says the next step goes.
+    /// Factor by which the next step goes farther than the zero of the chord.
     stretch: f64,
     /// Width when the interval was last halved.
     width: f64,
-    /// How many values have failed to halve the interval, less one for each that did.
+    /// Number of values that have failed to halve the interval, less one for each that did.
     slow: u32,
 }
 
@@ -30,7 +30,7 @@ enum End {
     High,
 }
 
-/// Where a function changes its sign: between `below` and the next number.
+/// A sign change of a function, between the number `below` and the next one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SignChange {
     /// The lower of the two neighbouring numbers. If a range is cut in two, this number lies in the
@@ -46,7 +46,7 @@ impl SignChange {
         self.values[0].abs().max(self.values[1].abs())
     }
 
-    /// Of the two neighbouring numbers, the one at which the function is nearer to zero.
+    /// The one of the two neighbouring numbers at which the function is nearer to zero.
     pub(crate) fn nearest(&self) -> f64 {
         if self.values[1].abs() < self.values[0].abs() {
             self.below.next_up()
@@ -75,7 +75,7 @@ impl Bracket {
         self.high - self.low
     }
 
-    /// Where to look next; `None` if no number is left between the ends.
+    /// The next place to look at; `None` if no number is left between the ends.
     pub(crate) fn next_place(&self) -> Option<f64> {
         let (a, b) = (self.low, self.high);
         let chord = a + (b - a) * (self.low_value / (self.low_value - self.high_value));

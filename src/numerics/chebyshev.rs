@@ -11,7 +11,7 @@ pub(crate) struct Sample {
     pub(crate) noise: f64,
 }
 
-/// Where a function was looked at while its roots were isolated.
+/// A place at which a function was evaluated while its roots were isolated.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Node {
     pub(crate) at: f64,

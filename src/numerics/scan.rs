@@ -8,15 +8,15 @@ use crate::error::Error;
 /// Number of equal intervals that a range is first divided into.
 const INTERVALS: usize = 64;
 
-/// What is looked for over a range, and how it is seen at one place.
+/// The search for something over a range, as [`scan`] needs it.
 pub(crate) trait Survey {
-    /// What is known at one place.
+    /// The information at one place.
     type Sample;
 
-    /// How often an interval of the grid may be halved.
+    /// Number of times that an interval of the grid may be halved.
     const HALVINGS: u32;
 
-    /// Computes what is known at x.
+    /// Computes the information at x.
     fn sample(&mut self, x: f64) -> Result<Self::Sample, Error>;
 
     /// Looks between two neighbouring places, each given with its sample: records what lies there,

@@ -30,13 +30,14 @@ impl Sample {
     }
 }
 
-/// What a search has found.
+/// The result of a search for roots.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Roots {
     /// Roots in ascending order.
     pub(crate) roots: Vec<f64>,
-    /// Ranges in which nothing is decided: those, as narrow as two neighbouring numbers or nearly
-    /// so, over which the function jumps across zero, and those where it is zero to rounding.
+    /// Ranges in which roots could not be decided. There are two sorts: neighbouring numbers, or
+    /// nearly so, between which the function jumps over zero; and ranges in which it is zero to
+    /// rounding.
     pub(crate) unresolved: Vec<Range<f64>>,
 }
 
@@ -148,7 +149,7 @@ fn smooth(outline: &mut Vec<Turn>) {
     while outline.len() > 2
         && let Some(i) = outline.windows(2).position(hidden)
     {
-        // Both turns go, but an end of the range stays.
+        // Both neighbouring turns are removed, but an end of the range stays.
         let last = outline.len() - 1;
         outline.drain(i.max(1)..(i + 2).min(last));
     }
@@ -194,7 +195,8 @@ fn divide(
     let m = f(0.5 * (a.x + b.x))?;
     let (fits, error) = fits(a, m, b);
     let noise = a.noise.max(m.noise).max(b.noise);
-    // At this error, further division tells no more of a root that rounding hides.
+    // If the prediction is as good as rounding allows, further division tells no more about a root
+    // that rounding hides.
     let at_rounding = error <= noise;
     for (left, right) in [(a, m), (m, b)] {
         let changes = (left.value > 0.0) != (right.value > 0.0);

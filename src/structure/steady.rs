@@ -24,8 +24,7 @@ use crate::friction::FrictionLaw;
 /// use stick_slip::nalgebra::DMatrix;
 /// use stick_slip::{Contact, Coulomb, Structure};
 ///
-/// // Hamburg model of N. Hoffmann et al. (2002): a normal spring of stiffness 4/3 carries the
-/// // load.
+/// // The model of N. Hoffmann et al. (2002): a normal spring of stiffness 4/3 carries the load.
 /// let brake = |coefficient: f64| {
 ///     Structure::new(&[1.0, 1.0])?
 ///         .with_stiffness(DMatrix::from_row_slice(2, 2, &[2.0, 1.0, 1.0, 2.0]))?

@@ -259,9 +259,7 @@ impl<L, const Z: usize> Structure<L, Z> {
     /// let shaken = Structure::new(&[1.0])?
     ///     .with_ground_spring(0, 1.0)?
     ///     .with_force(0, Drive::sine(0.5, 2.0)?)?
-    ///     .with_contact(
-    ///         Contact::new(0, Coulomb::new(0.4, 0.3)?, 1.0)?.on_belt(Drive::sine(0.1, 3.0)?),
-    ///     )?;
+    ///     .with_contact(contact.on_belt(Drive::sine(0.1, 3.0)?))?;
     /// assert_eq!(shaken.period(), Some(std::f64::consts::TAU));
     /// # Ok::<(), stick_slip::Error>(())
     /// ```

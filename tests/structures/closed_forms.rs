@@ -120,8 +120,8 @@ proptest! {
         let t = place * half;
         let h = 1e-3 * t.min(half - t);
         let v_at = |t| motion.at(t).1;
-        let across = |h: f64| v_at(t + h) - v_at(t - h);
-        let slope = (8.0 * across(h) - across(2.0 * h)) / (12.0 * h);
+        let difference = |h: f64| v_at(t + h) - v_at(t - h);
+        let slope = (8.0 * difference(h) - difference(2.0 * h)) / (12.0 * h);
         let (x, v) = motion.at(t);
         let expected = (omega * t + motion.phase()).cos() - x - 2.0 * damping * v + friction;
         let allowed = 1e-10 * scale + 1e-14 * scale / h;
