@@ -75,3 +75,44 @@ impl PowerSeries {
         shifted
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn first_zero(c: &[f64], h: f64) -> Option<f64> {
+        Watch::new(&PowerSeries::from(c))?.first_zero(h).unwrap()
+    }
+
+    #[test]
+    fn known_roots_at_the_start_are_divided_out() {
+        // t^n (1 − t)(2 − t)
+        for n in 0..4 {
+            let mut c = [0.0; 8];
+            c[n..n + 3].copy_from_slice(&[2.0, -3.0, 1.0]);
+            assert_eq!(first_zero(&c, 3.0), Some(1.0), "{n} roots at 0");
+            assert_eq!(first_zero(&c, 0.9), None, "{n} roots at 0");
+        }
+    }
+
+    #[test]
+    fn straight_lines_are_followed_for_ever() {
+        assert_eq!(first_zero(&[3.0, -1e-9], f64::INFINITY), Some(3e9));
+        for never in [[3.0, 1.0], [3.0, 0.0], [3.0, -0.0], [0.0, 1.0], [0.0, 0.0]] {
+            assert_eq!(first_zero(&never, f64::INFINITY), None, "{never:?}");
+        }
+        // Just arrived at a bound that it leaves at once.
+        assert_eq!(first_zero(&[0.0, -1.0], 1.0), Some(0.0));
+        // And one that it leaves later: −t² + t.
+        assert_eq!(first_zero(&[0.0, 1.0, -1.0], 5.0), Some(1.0));
+    }
+
+    #[test]
+    fn what_stays_inside_is_told_from_what_may_leave() {
+        let wave = PowerSeries::from(&[0.5, 0.0, -0.5]);
+        assert!(wave.stays_within(0.6, 1.0));
+        assert!(!wave.stays_within(0.5, 1.0));
+        assert!(!wave.stays_within(0.6, 2.0));
+        assert!(!wave.stays_within(0.6, f64::INFINITY));
+    }
+}

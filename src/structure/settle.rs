@@ -13,6 +13,9 @@ use crate::state::Direction;
 /// rounding alone can part those of mirrored masses so far.
 const TOGETHER: f64 = 4.0;
 
+/// A number that can be halved; in any unit.
+const LONGEST_STEP: f64 = 4294967296.0;
+
 impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
     /// The step's duration, up to the first watch that reaches zero; which contacts it is that end
     /// it is left with them.
@@ -26,7 +29,8 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
         }
         let (allowances, reach) = self.reach();
         let elapsed = self.clock.time.abs();
-        let cut = reach.min(self.longest);
+        // A motion that nothing gives a length is a polynomial, and good at any time.
+        let cut = reach.min(self.longest).min(LONGEST_STEP);
         let mut h = cut.min(to_break);
         let duration = loop {
             if !(h >= to_break || h > f64::EPSILON * elapsed && h >= f64::MIN_POSITIVE) {
@@ -42,7 +46,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
             h = 0.5 * end;
         };
         self.allowances = allowances;
-        let is_cut = h < cut.min(to_break) || cut < reach;
+        let is_cut = h < cut.min(to_break) || self.longest < reach;
         self.longest = if is_cut { 2.0 * h } else { f64::INFINITY };
         Ok(Settled {
             duration,

@@ -164,7 +164,7 @@ fn motions_have_the_reference_events_and_states() {
             }
         }
     }
-    assert_eq!(events, 662);
+    assert_eq!(events, 686);
     println!("{events} events, worst {worst:.1e}");
 }
 
