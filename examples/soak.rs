@@ -232,9 +232,9 @@ fn soak(
     }
     if !tally.differing.is_empty() {
         let [all, wrong] = [&tally.differing, &tally.wrong].map(Vec::len);
+        let explained = all - wrong;
         println!(
-            "  {all} by more than {APART:e}: {} as the rounding of the data explains, {wrong} wrong",
-            all - wrong
+            "  {all} by more than {APART:e}: {explained} by the rounding of the data, {wrong} wrong"
         );
         println!("  those: {}", some(&tally.differing));
         if wrong > 0 {
