@@ -48,7 +48,8 @@
 //! | how to work in kilograms, newtons, metres and hertz | [`Scaling`]; a [`Structure`] takes any consistent units |
 //! | a friction law of my own | [`FrictionLaw`], [`Scalar`] |
 //! | measured points as a law | [`Tabulated`] |
-//! | a law chosen at run time | [`AnyLaw`] |
+//! | static friction that rises at rest, bristles | [`Dwell`], [`Dahl`], [`LuGre`] in a [`Structure`] |
+//! | a law chosen at run time | [`AnyLaw`], [`AnyContactLaw`] |
 //!
 //! # The mass on its belt
 //!
@@ -165,8 +166,9 @@
 //! * **Cycles of one mass only.** Limit cycles are found for one mass on a belt of constant
 //!   velocity, because its motions lie in a plane and cannot cross each other. The motions of a
 //!   [`Structure`] are followed, but its limit cycles are not searched for.
-//! * **No memory.** μ depends on the relative velocity alone. There is no rate-and-state, LuGre or
-//!   bristle law, and static friction does not rise with the time in stick.
+//! * **Memory in structures only.** The law of a [`MassOnBelt`] depends on the relative velocity
+//!   alone. A contact of a [`Structure`] may remember ([`Dwell`], [`Dahl`], [`LuGre`], or a
+//!   [`ContactLaw`] of your own), and a belt enters a structure by `Structure::from`.
 //! * **Stiffness.** One mass on a belt is followed even where the system is stiff (large β or
 //!   γ²·dμ̂/ds, as for the cubic law far above its minimum), up to D = 2β + γ²·dμ̂/ds of about
 //!   1e20. Far beyond, numbers overflow. A [`Structure`] is followed by explicit steps only, which
