@@ -6,16 +6,6 @@
 //! halve or accept; move the state there and set what the watch says to the bit (sliding speed 0,
 //! or load = limit); decide the modes of the contacts whose watches fired, in their order, until
 //! nothing changes; emit the step and its events in the order of the contacts.
-//!
-//! | file | what is in it |
-//! |---|---|
-//! | `engine.rs` | the state, its start, one step |
-//! | `model.rs`, `parts.rs` | what is constant; what is known of each coordinate and contact |
-//! | `expansion.rs` | the series |
-//! | `settle.rs` | how far they are used, and what ends the step |
-//! | `defect.rs` | whether they hold between their coefficients |
-//! | `decide.rs` | the modes at an instant |
-//! | `flow.rs`, `step.rs` | steps one after the other, as values |
 
 use super::expansion::{Coefficients, LawFault};
 use super::model::Model;

@@ -7,7 +7,13 @@
 //! | `system.rs` | [`Structure`]: masses, springs, dampers, forces and contacts |
 //! | `steady.rs` | [`SteadySliding`]: all masses at rest on moving belts, and how motions near it go |
 //! | `sparse.rs` | a matrix without its zeros |
-//! | `engine.rs` | one step of a motion; the table of the engine's files |
+//! | `engine.rs` | one step of a motion, as a paragraph; the state, its start |
+//! | `model.rs`, `parts.rs` | what is constant; what is known of each coordinate and contact |
+//! | `expansion.rs` | the power series of all coordinates, order by order |
+//! | `settle.rs` | how long a step is, and which events end it at one time |
+//! | `defect.rs` | whether the series hold between their coefficients |
+//! | `decide.rs` | which contacts slip, stick or open after an event |
+//! | `flow.rs`, `step.rs` | steps one after the other, as values |
 
 mod contact;
 mod decide;
