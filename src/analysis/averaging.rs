@@ -304,7 +304,8 @@ pub fn cycles<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Vec<AveragedCycl
     if w == 0.0 {
         return Ok(Vec::new());
     }
-    let growth_rate = |amplitude: f64| Ok(SlowFlow::at(system, amplitude)?.growth_rate(amplitude));
+    let mut growth_rate =
+        |amplitude: f64| Ok(SlowFlow::at(system, amplitude)?.growth_rate(amplitude));
     let mut nodes = Vec::new();
     for ends in touching_amplitudes(system.law(), w).windows(2) {
         let ([start, end], from_rest) = ([ends[0], ends[1]], ends[0] == 0.0);
@@ -317,7 +318,7 @@ pub fn cycles<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Vec<AveragedCycl
             }
             w * (start * start + (end - start) * (end + start) * x).sqrt()
         };
-        nodes.extend(isolate(growth_rate, amplitude_at)?);
+        nodes.extend(isolate(&mut growth_rate, &amplitude_at)?);
     }
     brackets(&nodes)
         .into_iter()

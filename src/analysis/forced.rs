@@ -186,11 +186,11 @@ impl WithoutStops {
         let size = self.free.iter().chain(&self.forced).map(|c| c.abs());
         let rate = 1.0 + self.oscillator.angular_frequency;
         let noise = 16.0 * f64::EPSILON * rate * rate * size.sum::<f64>();
-        let velocity = |time: f64| -> Result<Sample, Error> {
+        let mut velocity = |time: f64| -> Result<Sample, Error> {
             let value = self.on_half(time)[1];
             Ok(Sample { value, noise })
         };
-        let nodes = isolate(velocity, |t| t * self.half_period()).ok()?;
+        let nodes = isolate(&mut velocity, &|t| t * self.half_period()).ok()?;
         let rises = nodes.iter().any(|node| node.sample.value > noise);
         Some(!rises && brackets(&nodes).is_empty())
     }
@@ -252,11 +252,11 @@ fn largest_slope(omega: f64, u: f64) -> Option<f64> {
     };
     let size = 1.0 + omega + u.abs() * (omega * omega + omega);
     let noise = 16.0 * f64::EPSILON * (1.0 + omega.recip()) * size;
-    let sample = |tau: f64| -> Result<Sample, Error> {
+    let mut sample = |tau: f64| -> Result<Sample, Error> {
         let value = stationary(tau);
         Ok(Sample { value, noise })
     };
-    let nodes = isolate(sample, |t| t * PI).ok()?;
+    let nodes = isolate(&mut sample, &|t| t * PI).ok()?;
     let mut largest = 1.0_f64;
     for [a, b] in brackets(&nodes) {
         let tau = root_between(&mut |tau| Ok(stationary(tau)), a, b).ok()?;

@@ -89,8 +89,7 @@ pub(super) fn all_grow<L: FrictionLaw>(
     let mut growing = None;
     for piece in ends.windows(2).filter(|piece| piece[0] < piece[1]) {
         let mut at = |amplitude: f64| drift(system, amplitude);
-        let f: &mut dyn FnMut(f64) -> Result<Sample, Error> = &mut at;
-        for node in isolate(f, |t| piece[0] + (piece[1] - piece[0]) * t)? {
+        for node in isolate(&mut at, &|t| piece[0] + (piece[1] - piece[0]) * t)? {
             let Sample { value, noise } = node.sample;
             // False for a value that is NaN.
             let is_sure = value.abs() > noise;

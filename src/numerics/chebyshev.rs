@@ -30,8 +30,8 @@ const MOST_PIECES: usize = 2000;
 /// them the Chebyshev interpolant of f∘x is resolved to round-off, and the sizes of its
 /// coefficients show that it has no root or is monotone. x(t) must be monotone, and f∘x analytic.
 pub(crate) fn isolate(
-    mut f: impl FnMut(f64) -> Result<Sample, Error>,
-    x: impl Fn(f64) -> f64,
+    f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
+    x: &dyn Fn(f64) -> f64,
 ) -> Result<Vec<Node>, Error> {
     let cosines: [f64; 2 * DEGREE] =
         std::array::from_fn(|j| (std::f64::consts::PI * j as f64 / DEGREE as f64).cos());

@@ -27,23 +27,23 @@ impl<F: Fn(f64) -> f64> Watched<F> {
     }
 
     fn isolated(&self, noise: f64) -> Vec<Node> {
-        let sample = |t| {
+        let mut sample = |t| {
             let value = self.at(t);
             Ok(Sample { value, noise })
         };
-        isolate(sample, |t| t).unwrap()
+        isolate(&mut sample, &|t| t).unwrap()
     }
 }
 
 fn roots(f: impl Fn(f64) -> f64) -> Vec<f64> {
-    let sample = |x| {
+    let mut sample = |x| {
         let value = f(x);
         Ok(Sample {
             value,
             noise: 1e-15,
         })
     };
-    let nodes = isolate(sample, |t| 3.0 * t).unwrap();
+    let nodes = isolate(&mut sample, &|t| 3.0 * t).unwrap();
     let refined = |[a, b]: [f64; 2]| root_between(&mut |x| Ok(f(x)), a, b).unwrap();
     brackets(&nodes).into_iter().map(refined).collect()
 }
@@ -189,13 +189,13 @@ fn pieces_are_halved_where_they_must_be_and_nowhere_else() {
 
 #[test]
 fn nodes_are_points_of_the_mapped_interval() {
-    let sample = |x: f64| {
+    let mut sample = |x: f64| {
         Ok(Sample {
             value: x - 7.3,
             noise: 1e-14,
         })
     };
-    let nodes = isolate(sample, |t| 9.0 - 4.0 * t * t).unwrap();
+    let nodes = isolate(&mut sample, &|t| 9.0 - 4.0 * t * t).unwrap();
     assert_eq!(
         nodes.iter().map(|node| node.at).collect::<Vec<_>>(),
         [9.0, 5.0]
@@ -237,7 +237,7 @@ fn functions_noisier_than_they_say_are_not_followed_for_ever() {
 #[test]
 fn errors_of_the_function_are_handed_on() {
     let fails = || Error::check("x", f64::NAN, false, "");
-    assert!(isolate(|_| Err(fails().unwrap_err()), |t| t).is_err());
+    assert!(isolate(&mut |_| Err(fails().unwrap_err()), &|t| t).is_err());
 }
 
 #[test]
