@@ -2,6 +2,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::belt::MassOnBelt;
 use crate::error::Error;
+use crate::friction::check::STATIC_ROUNDING;
 use crate::friction::{FrictionLaw, slope_on, taylor_coefficients};
 use crate::numerics::adaptive::{gauss, graded};
 use crate::scalar::LONGEST;
@@ -207,7 +208,7 @@ impl StickSlip {
 fn static_jump<L: FrictionLaw>(law: &L) -> f64 {
     let mu_s = law.static_coefficient();
     let jump = mu_s - law.kinetic(0.0);
-    if jump <= 8.0 * f64::EPSILON * mu_s {
+    if jump <= STATIC_ROUNDING * mu_s {
         0.0
     } else {
         jump

@@ -5,6 +5,7 @@
 use super::expansion::SlipSeries;
 use super::system::MassOnBelt;
 use crate::friction::FrictionLaw;
+use crate::motion::step_control::MOST_FOURS;
 use crate::state::State;
 
 impl SlipSeries {
@@ -58,63 +59,11 @@ impl SlipSeries {
         h: f64,
         speeds: [f64; 4],
     ) -> f64 {
-        let (start, [a, b, c, d]) = (self.speed[0], speeds);
-        // The slope at the end, by the polynomial of fourth degree through the five values.
-        let at_end = (25.0 * d - 48.0 * c + 36.0 * b - 16.0 * a + 3.0 * start) / 12.0;
-        // ds/dt·h/4 at the PARTS of the step.
-        let start_slope = 0.25 * h * self.speed[1];
-        let slopes = [start_slope, a - start, b - a, c - b, d - c, at_end];
-        if slopes.windows(2).any(is_turn) {
-            self.defect_near_minima(system, piece, h, slopes)
-        } else {
-            0.0
-        }
-    }
-
-    #[inline(never)]
-    fn defect_near_minima<L: FrictionLaw>(
-        &self,
-        system: &MassOnBelt<L>,
-        piece: usize,
-        h: f64,
-        slopes: [f64; 6],
-    ) -> f64 {
-        const PARTS: [f64; 6] = [0.0, 0.125, 0.375, 0.625, 0.875, 1.0];
-        const MOST_PASSES: usize = 10;
-        /// Correction, as part of the step, after which the next one would be far smaller.
-        const CLOSE: f64 = 1e-3;
-        let slope = self.speed.derivative();
-        let curvature = slope.derivative();
         let mut largest = 0.0;
-        for (slopes, parts) in std::iter::zip(slopes.windows(2), PARTS.windows(2)) {
-            if !is_turn(slopes) {
-                continue;
-            }
-            let [mut left, mut right] = [parts[0] * h, parts[1] * h];
-            let mut t = left + (right - left) * slopes[0] / (slopes[0] - slopes[1]);
-            // Newton's method, and halving where it would leave the stretch.
-            for _ in 0..MOST_PASSES {
-                let slope_here = slope.at(t);
-                if slope_here > 0.0 {
-                    right = t;
-                } else {
-                    left = t;
-                }
-                let newton = t - slope_here / curvature.at(t);
-                let last = t;
-                t = if left <= newton && newton <= right {
-                    newton
-                } else {
-                    0.5 * (left + right)
-                };
-                if (t - last).abs() <= CLOSE * h {
-                    break;
-                }
-            }
-            let about = [-0.05, 0.0, 0.02, 0.1].map(|part| (t + part * h).clamp(0.0, h));
+        self.speed.about_minima(h, speeds, &mut |times| {
             // Not f64::max, which would drop a NaN.
-            largest += self.defect(system, piece, about, self.speed.at_four(about));
-        }
+            largest += self.defect(system, piece, times, self.speed.at_four(times));
+        });
         largest
     }
 
@@ -140,16 +89,6 @@ impl SlipSeries {
         }
         largest
     }
-}
-
-/// The largest number of such fours of places. Only motions that hardly move have steps
-/// longer than three radians.
-const MOST_FOURS: f64 = 16.0;
-
-/// Whether a function has a minimum between two places, by its slopes there.
-#[inline(always)]
-fn is_turn(slopes: &[f64]) -> bool {
-    slopes[0] < 0.0 && slopes[1] >= 0.0
 }
 
 #[cfg(test)]

@@ -7,12 +7,12 @@
 //! | `equilibrium.rs` | steady sliding and its stability |
 //! | `slip_point.rs` | points of slip phases, and how each kind of slip begins |
 //! | `expansion.rs` | the power series of a slip phase |
-//! | `slow.rs` | the power series of the slow motion in a stiff slip phase (`stepper.rs` decides when it is tried) |
-//! | `defect.rs` | whether a series holds between its coefficients |
+//! | `slow.rs` | the power series of the slow motion in a stiff slip phase (tried by `stepper.rs`; from which stiffness on: `motion/step_control.rs`) |
+//! | `defect.rs` | whether a series holds between its coefficients, and where that is looked at |
 //! | `breakpoints.rs` | pieces of the law, and where a step leaves one |
-//! | `stepper.rs` | one Taylor step: begin, plan (explicit or slow), settle (where its defect is looked at), land |
-//! | `flow.rs` | the phase machine: stick and slip in turn |
-//! | `step.rs` | [`Step`]: a stretch of motion as a value |
+//! | `stepper.rs` | one Taylor step: begin, plan (explicit or slow), settle, land |
+//! | `flow.rs` | the phase machine: which phase follows which |
+//! | `step.rs` | [`Step`]: a stretch of motion as a value; how a stick phase becomes one |
 //! | `read.rs`, `written.rs` | how a system is read, and an equilibrium written (feature `serde`) |
 
 mod breakpoints;

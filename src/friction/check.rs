@@ -34,7 +34,7 @@ pub(crate) fn validate<L: FrictionLaw>(law: &L) -> Result<(), Error> {
     check_static(static_coefficient)?;
     let kinetic_coefficient = law.kinetic(0.0);
     finite_at(law, 0.0)?;
-    if kinetic_coefficient > static_coefficient * (1.0 + 8.0 * f64::EPSILON) {
+    if kinetic_coefficient > static_coefficient * (1.0 + STATIC_ROUNDING) {
         return Err(Error::StaticBelowKinetic {
             static_coefficient,
             kinetic_coefficient,
@@ -55,6 +55,9 @@ pub(crate) fn validate<L: FrictionLaw>(law: &L) -> Result<(), Error> {
     }
     Ok(())
 }
+
+/// Part of μ_s by which μ̂(0) may exceed it, or fall below it, by rounding alone.
+pub(crate) const STATIC_ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// Largest relative jump at a breakpoint that counts as rounding.
 pub(crate) const JUMP: f64 = 1e-12;

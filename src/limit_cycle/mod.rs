@@ -41,7 +41,7 @@
 //! | `basin.rs` | [`attractor`], [`basins`]: which cycle a start reaches |
 //! | `arc.rs` | slip arcs, to the next place where the fate of the motion is decided |
 //! | `release.rs` | what the motion from the release point does: cycles that stick |
-//! | `peaks.rs` | the map of velocity maxima: pure-slip cycles |
+//! | `peaks.rs` | the map of velocity maxima: pure-slip cycles (how close two may lie: `numerics/with_slopes.rs`) |
 //! | `crossings.rs` | the map of downward crossings: crossing cycles |
 //! | `growth.rs` | a map's growth over a turn as a sample |
 //! | `averaged.rs` | growth by averaging, where a turn changes a motion by less than rounding does |

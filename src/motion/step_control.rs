@@ -8,6 +8,10 @@ use crate::series::{PowerSeries, TERMS};
 /// Of several masses: in units of the time that the fastest could take.
 pub(crate) const LONG: f64 = 1.0;
 
+/// The largest number of fours of places at which a step longer than [`LONG`] is looked at. Only
+/// motions that hardly move have steps longer than three radians.
+pub(crate) const MOST_FOURS: f64 = 16.0;
+
 /// The longest time over which a series is used, even if its last coefficients vanish: the
 /// oscillator turns once in about 2π.
 pub(crate) const FARTHEST: f64 = 8.0;

@@ -5,7 +5,7 @@ use super::PowerSeries;
 impl PowerSeries {
     /// Calls `look` with four times about each minimum within [0, h]; `values` are the series'
     /// values at the [`quarters`](super::quarters) of h.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn about_minima(&self, h: f64, values: [f64; 4], look: &mut dyn FnMut([f64; 4])) {
         let (start, [a, b, c, d]) = (self[0], values);
         // The slope at the end is that of the polynomial of fourth degree through the five values.

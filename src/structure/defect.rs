@@ -5,12 +5,8 @@ use super::engine::Engine;
 use super::parts::Joint;
 use crate::friction::memory::{ContactLaw, Motion, Slip};
 use crate::motion::Mode;
-use crate::motion::step_control::{Allowance, LONG};
+use crate::motion::step_control::{Allowance, LONG, MOST_FOURS};
 use crate::series::quarters;
-
-/// Most fours of places in a long step. Steps longer than three radians are those of motions that
-/// hardly move.
-const MOST_FOURS: f64 = 16.0;
 
 impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
     /// Whether a step of length h leaves out no more than it may, at every contact that slips: at

@@ -1,6 +1,6 @@
 use super::{ContactLaw, Slip};
 use crate::error::Error;
-use crate::friction::check::JUMP;
+use crate::friction::check::{JUMP, STATIC_ROUNDING};
 use crate::scalar::{Function, Workspace, expand};
 
 /// The coefficient as a function of the sliding speed, on one piece and with one memory.
@@ -87,7 +87,7 @@ pub(crate) fn validate<const Z: usize, L: ContactLaw<Z>>(law: &L) -> Result<(), 
     }
     let [kinetic_coefficient, _] = coefficient_and_slope(law, slip(0, 0.0), fresh)?;
     if let Some(static_coefficient) =
-        limit.filter(|limit| kinetic_coefficient > limit * (1.0 + 8.0 * f64::EPSILON))
+        limit.filter(|limit| kinetic_coefficient > limit * (1.0 + STATIC_ROUNDING))
     {
         return Err(Error::StaticBelowKinetic {
             static_coefficient,
