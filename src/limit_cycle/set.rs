@@ -12,7 +12,9 @@ use super::cycle::LimitCycle;
 /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.4071)?.with_damping(0.05)?;
 /// let cycles = limit_cycle::find(&system)?;
 /// assert_eq!(cycles.len(), 1);
-/// let cycle = cycles.stable().next().unwrap();
+/// assert_eq!(cycles.unstable().count(), 0);
+/// let cycle = &cycles[0];
+/// assert!(cycle.is_stable());
 /// assert!((cycle.max_velocity() - 0.3436099223332305314).abs() < 1e-14);
 /// assert!((cycle.multiplier() - 0.7118018577630064207).abs() < 1e-13);
 /// # Ok::<(), stick_slip::Error>(())
@@ -34,6 +36,16 @@ impl CycleSet {
     /// The stable cycles, by ascending amplitude.
     pub fn stable(&self) -> impl Iterator<Item = &LimitCycle> {
         self.iter().filter(|cycle| cycle.is_stable())
+    }
+
+    /// The cycles that are not stable, by ascending amplitude.
+    pub fn unstable(&self) -> impl Iterator<Item = &LimitCycle> {
+        self.iter().filter(|cycle| !cycle.is_stable())
+    }
+
+    /// The isolated cycles as a slice, by ascending amplitude.
+    pub fn as_slice(&self) -> &[LimitCycle] {
+        &self.cycles
     }
 
     /// The periodic motions of the mirror image.
@@ -76,5 +88,21 @@ impl<'s> IntoIterator for &'s CycleSet {
     type IntoIter = std::slice::Iter<'s, LimitCycle>;
     fn into_iter(self) -> Self::IntoIter {
         self.iter()
+    }
+}
+
+impl IntoIterator for CycleSet {
+    type Item = LimitCycle;
+    type IntoIter = std::vec::IntoIter<LimitCycle>;
+    fn into_iter(self) -> Self::IntoIter {
+        self.cycles.into_iter()
+    }
+}
+
+/// Isolated cycle number `index`, by ascending amplitude. Panics if there are not so many.
+impl std::ops::Index<usize> for CycleSet {
+    type Output = LimitCycle;
+    fn index(&self, index: usize) -> &LimitCycle {
+        &self.cycles[index]
     }
 }

@@ -14,8 +14,11 @@ pub(crate) mod structure;
 ///
 /// let state = State::new(0.3, -0.1);
 /// assert_eq!(state.velocity, -0.1);
+/// assert_eq!(State::from((0.3, -0.1)), state);
+/// assert_eq!(State::from([0.3, -0.1]), state);
+/// assert_eq!(State::default(), State::new(0.0, 0.0));
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
@@ -40,6 +43,18 @@ impl State {
     /// The mirror image (−u, −v).
     pub(crate) const fn mirrored(self) -> Self {
         Self::new(-self.displacement, -self.velocity)
+    }
+}
+
+impl From<(f64, f64)> for State {
+    fn from((displacement, velocity): (f64, f64)) -> Self {
+        Self::new(displacement, velocity)
+    }
+}
+
+impl From<[f64; 2]> for State {
+    fn from([displacement, velocity]: [f64; 2]) -> Self {
+        Self::new(displacement, velocity)
     }
 }
 
