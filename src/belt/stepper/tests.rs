@@ -58,7 +58,7 @@ impl Seen {
                 self.jump = self.jump.max(jump / error.max(f64::EPSILON * point.speed));
                 let rate = speed.derivative();
                 for k in 1..32 {
-                    let t = h * k as f64 / 32.0;
+                    let t = h * f64::from(k) / 32.0;
                     let s = speed.at(t);
                     let u = point.displacement + sign * (v_b + sigma * speed.mean(t)) * t;
                     let friction = load * system.law().kinetic(s);
@@ -100,7 +100,7 @@ fn explicit_and_slow_steps_meet_without_a_gap() {
     for i in 0..60 {
         for beyond in [1.5, 3.0, 10.0, 100.0] {
             let v_m = 1e-2;
-            let load = 0.01 * (i as f64 / 6.0).exp2();
+            let load = 0.01 * (f64::from(i) / 6.0).exp2();
             let law = Polynomial::new(0.4, 0.2, v_m).unwrap();
             let system = MassOnBelt::new(law, beyond * v_m)
                 .and_then(|system| system.with_damping(0.05)?.with_load(load))
@@ -122,7 +122,7 @@ fn explicit_and_slow_steps_meet_backwards_too() {
     let mut seen = Seen::default();
     for i in 0..60 {
         for v_b in [0.01, 0.1, 1.0] {
-            let load = 0.3 * (i as f64 / 6.0).exp2();
+            let load = 0.3 * (f64::from(i) / 6.0).exp2();
             let law = Exponential::new(0.4, 0.2, 0.1).unwrap();
             let exponential = MassOnBelt::new(law, v_b)
                 .and_then(|system| system.with_damping(0.05)?.with_load(load))
@@ -148,7 +148,7 @@ fn explicit_and_slow_steps_meet_backwards_too() {
 #[test]
 fn slow_steps_end_at_the_breakpoints_of_the_law() {
     let points = (0..40).map(|i| {
-        let s = 0.01 * i as f64;
+        let s = 0.01 * f64::from(i);
         (s, 0.2 + 3.0 * s + 5.0 * s * s)
     });
     let law = Tabulated::new(points).unwrap();
