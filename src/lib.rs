@@ -129,7 +129,7 @@
 //!    [breakpoint](FrictionLaw::breakpoints). Where friction or the damper rises so steeply with
 //!    the sliding speed that the motion creeps, with D = 2β + γ²·dμ̂/ds large, a step is the power
 //!    series of the creep itself. The number of steps then does not grow with D. Such a step may
-//!    start up to four errors beside the end of the step before.
+//!    start up to eight errors beside the end of the step before.
 //! 2. **Contacts** are roots of the sliding speed's own polynomial. They are isolated so that none
 //!    is skipped, and refined to the last bit. A shallow contact, in and out within one step, is
 //!    found too.

@@ -54,8 +54,8 @@ enum Phase {
 }
 
 /// The sizes max(|u − ū|, |v|, |v_b|) of a start with which the terms of its series neither become
-/// subnormal numbers nor overflow.
-const SCALES: RangeInclusive<f64> = 1e-280..=1e300;
+/// subnormal numbers nor overflow. The tolerance's scale may be smaller.
+const SIZES: RangeInclusive<f64> = 1e-280..=1e300;
 
 impl<'s, L: FrictionLaw> Flow<'s, L> {
     fn new(settings: Integrator, system: &'s MassOnBelt<L>, start: State) -> Result<Self, Error> {
@@ -66,8 +66,8 @@ impl<'s, L: FrictionLaw> Flow<'s, L> {
         } = start;
         let force = displacement + 2.0 * system.damping() * velocity;
         let deviation = displacement - system.equilibrium_displacement();
-        let scale = deviation.abs().max(velocity.abs()).max(v_b.abs());
-        let ordinary = scale == 0.0 || SCALES.contains(&scale);
+        let size = deviation.abs().max(velocity.abs()).max(v_b.abs());
+        let ordinary = size == 0.0 || SIZES.contains(&size);
         if !(force.is_finite() && (velocity - v_b).is_finite() && ordinary) {
             return Err(Error::InvalidState {
                 displacement,

@@ -92,6 +92,9 @@ impl SlipSeries {
             // that near a node: so much more in the sum of all terms.
             let passed_on = (INNER * reach * unit / closing).exp();
             if largest <= close * passed_on {
+                if (c[0] - from.speed).abs() > 2.0 * close {
+                    return None;
+                }
                 // The next correction would be the square of this one.
                 let composition = composed.expand(piece, system, workspace, from, time, Some(&c));
                 composition.ok()?;

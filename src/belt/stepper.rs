@@ -1,5 +1,7 @@
 //! Motion within a slip phase, one Taylor step at a time, forward or backward in time.
 
+use std::cmp::Ordering;
+
 use super::breakpoints::Breakpoints;
 use super::expansion::SlipSeries;
 use super::slip_point::SlipPoint;
@@ -310,12 +312,13 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
     #[inline(never)]
     fn scale_far_out(&self, deviation: f64, point: &SlipPoint, state: State, time: Time) -> f64 {
         let here = self.scale_here(state, time);
-        // Friction on the equilibrium's side of the belt has another sign than beyond it.
-        let leads = point.direction.sign() * self.system.belt_velocity() > 0.0;
-        let jump = if leads {
-            2.0 * self.system.largest_friction()
-        } else {
-            0.0
+        // Friction on the equilibrium's side of the belt has another sign than beyond it; on a belt at
+        // rest ū is 0, halfway between the two.
+        let leads = point.direction.sign() * self.system.belt_velocity();
+        let jump = match leads.partial_cmp(&0.0) {
+            Some(Ordering::Greater) => 2.0 * self.system.largest_friction(),
+            Some(Ordering::Equal) => self.system.largest_friction(),
+            _ => 0.0,
         };
         if deviation <= BEYOND * here + jump {
             deviation
@@ -360,3 +363,6 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -15,7 +15,7 @@ use super::{PowerSeries, TERMS, quarters};
 use crate::belt::MassOnBelt;
 use crate::belt::{SlipPoint, Stepper};
 use crate::clock::Time;
-use crate::friction::Exponential;
+use crate::friction::{Exponential, Polynomial};
 use crate::state::{Direction, State};
 
 const DEGREE: usize = TERMS - 1;
@@ -307,7 +307,7 @@ fn chebyshev(n: u64) -> Vec<f64> {
     this
 }
 
-const KINDS: [&str; 11] = [
+const KINDS: [&str; 12] = [
     "pair, ulps apart",
     "pair",
     "multiple root",
@@ -319,6 +319,7 @@ const KINDS: [&str; 11] = [
     "any magnitudes",
     "starts at zero",
     "grazing slip",
+    "slow step",
 ];
 
 /// A polynomial on [0, 1] with the roots that its kind asks for.
@@ -436,13 +437,50 @@ fn grazing(random: &mut Random) -> Option<(PowerSeries, f64)> {
     Some((c, h))
 }
 
+/// The slow motion of a stiff system, lowered so far that it comes to zero within a step, or nearly.
+fn slow_step(random: &mut Random) -> Option<(PowerSeries, f64)> {
+    let v_m = random.power(-12.0, -3.0).abs();
+    let at_rest = random.within(0.2, 1.0);
+    let law = Polynomial::new(at_rest, at_rest * random.within(0.3, 0.95), v_m).ok()?;
+    let system = MassOnBelt::new(law, v_m * random.power(1.0, 10.0).abs()).ok()?;
+    let system = system.with_damping(random.within(0.0, 0.3)).ok()?;
+    let state = State::new(0.0, system.belt_velocity() * random.within(-0.5, 0.9));
+    let mut point = SlipPoint {
+        direction: Direction::Lagging,
+        displacement: state.displacement,
+        speed: system.belt_velocity() - state.velocity,
+        rate: None,
+    };
+    let mut stepper = Stepper::new(system.by_reference(), random.power(-52.0, -30.0).abs());
+    for _ in 0..100 {
+        let advance = stepper.advance(&point, Time::Forward, 0.0).ok()?;
+        let (end, h, mut c) = (advance.end, advance.duration, *advance.speed);
+        // No explicit step is so long, and none has a last coefficient of zero.
+        let is_slow = h * system.effective_damping(point.speed) > 16.0 && c[TERMS - 1] == 0.0;
+        if is_slow && random.below(4) == 0 {
+            c[0] -= c.at(h * random.within(0.0, 1.2));
+            if random.below(2) == 0 {
+                c[0] += random.power(-3.0, 8.0) * c.rounding_bound(h);
+            }
+            return Some((c, h));
+        }
+        point = end;
+    }
+    None
+}
+
 /// Case number n: its kind, polynomial and step.
 fn case(n: u64) -> (usize, PowerSeries, f64) {
     let kind = (n % KINDS.len() as u64) as usize;
     let random = &mut Random(n);
     loop {
-        let (c, h) = if KINDS[kind] == "grazing slip" {
-            let Some(case) = grazing(random) else {
+        let of_motion = match KINDS[kind] {
+            "grazing slip" => Some(grazing(random)),
+            "slow step" => Some(slow_step(random)),
+            _ => None,
+        };
+        let (c, h) = if let Some(case) = of_motion {
+            let Some(case) = case else {
                 continue;
             };
             case

@@ -28,7 +28,7 @@ fn steps<L: FrictionLaw>(system: &MassOnBelt<L>, start: State, n: usize) -> Vec<
     flow.take(n).collect::<Result<_, _>>().unwrap()
 }
 
-/// max(|u − ū|, |v|, |v_b|), by which tolerances are measured.
+/// max(|u − ū|, |v|, |v_b|), by which tolerances are measured where nothing is stiff.
 fn scale<L: FrictionLaw>(system: &MassOnBelt<L>, state: State) -> f64 {
     let equilibrium = system.equilibrium().map_or(0.0, |e| e.displacement);
     let deviation = state.displacement - equilibrium;
