@@ -256,6 +256,7 @@ impl<L, const Z: usize> Structure<L, Z> {
     /// ```
     /// use stick_slip::{Contact, Coulomb, Drive, Structure};
     ///
+    /// let contact = Contact::new(0, Coulomb::new(0.4, 0.3)?, 1.0)?;
     /// let shaken = Structure::new(&[1.0])?
     ///     .with_ground_spring(0, 1.0)?
     ///     .with_force(0, Drive::sine(0.5, 2.0)?)?
