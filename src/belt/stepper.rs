@@ -312,8 +312,8 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
     #[inline(never)]
     fn scale_far_out(&self, deviation: f64, point: &SlipPoint, state: State, time: Time) -> f64 {
         let here = self.scale_here(state, time);
-        // Friction on the equilibrium's side of the belt has another sign than beyond it; on a belt at
-        // rest ū is 0, halfway between the two.
+        // Friction on the equilibrium's side of the belt has another sign than beyond it; on a belt
+        // at rest ū is 0, halfway between the two.
         let leads = point.direction.sign() * self.system.belt_velocity();
         let jump = match leads.partial_cmp(&0.0) {
             Some(Ordering::Greater) => 2.0 * self.system.largest_friction(),

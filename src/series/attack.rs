@@ -437,7 +437,8 @@ fn grazing(random: &mut Random) -> Option<(PowerSeries, f64)> {
     Some((c, h))
 }
 
-/// The slow motion of a stiff system, lowered so far that it comes to zero within a step, or nearly.
+/// The slow motion of a stiff system, lowered so far that it comes to zero within a step, or
+/// nearly.
 fn slow_step(random: &mut Random) -> Option<(PowerSeries, f64)> {
     let v_m = random.power(-12.0, -3.0).abs();
     let at_rest = random.within(0.2, 1.0);

@@ -304,7 +304,8 @@ fn motions_that_were_wrong_are_right() {
         };
         let apart = difference(&system, start, duration, &witness);
         println!("{name}: {apart:?}");
-        // A contact comes earlier or later by ε v_b/|v_r'|, and where F_s is far above v_b by ε F_s/v_b.
+        // A contact comes earlier or later by ε v_b/|v_r'|, and where F_s is far above v_b by ε
+        // F_s/v_b.
         let is_right = |[s, u, t]: &[f64; 3]| s.max(*u) < 1e-12 && *t < 1e-9;
         if !apart.as_ref().is_ok_and(is_right) {
             wrong.push(format!("{name}: {apart:?}"));

@@ -59,8 +59,8 @@ impl Case {
         }
     }
 
-    /// max(|u − ū|, |v|, |v_b|): the size of the motion, by which tolerances are measured where nothing
-    /// is stiff and ū not far beyond all that happens.
+    /// max(|u − ū|, |v|, |v_b|): the size of the motion, by which tolerances are measured where
+    /// nothing is stiff and ū not far beyond all that happens.
     pub(crate) fn scale(&self, state: State) -> f64 {
         let v_b = self.system.belt_velocity();
         let centre = self.system.load() * self.system.law().coefficient(v_b);
