@@ -116,8 +116,10 @@ impl PowerSeries {
     /// The series of c(h − t).
     pub(crate) fn reflected(&self, h: f64) -> Self {
         let mut shifted = self.0;
-        for first in 0..TERMS - 1 {
-            for k in (first..TERMS - 1).rev() {
+        // A bound known at run time only, so that the loops are not unrolled into 6 kB of code.
+        let last = self.0.iter().rposition(|c| *c != 0.0).unwrap_or(0);
+        for first in 0..last {
+            for k in (first..last).rev() {
                 shifted[k] += h * shifted[k + 1];
             }
         }
