@@ -421,6 +421,22 @@ impl Error {
         }
     }
 
+    /// Checks that a law has a finite value and slope at a speed.
+    pub(crate) fn check_friction(speed: f64, value: f64, slope: f64) -> Result<(), Self> {
+        let reached = None;
+        if !value.is_finite() {
+            Err(Self::NonFiniteFriction {
+                speed,
+                value,
+                reached,
+            })
+        } else if !slope.is_finite() {
+            Err(Self::NotAnalytic { speed, reached })
+        } else {
+            Ok(())
+        }
+    }
+
     /// An invalid parameter as that of a point of a table; any other error as it is.
     pub(crate) fn at_point(self, index: usize) -> Self {
         match self {

@@ -61,18 +61,6 @@ pub(crate) fn finite_at<L: FrictionLaw>(law: &L, speed: f64) -> Result<(), Error
 /// dμ̂/ds on one piece of the law.
 pub(crate) fn slope_on<L: FrictionLaw>(law: &L, piece: usize, speed: f64) -> Result<f64, Error> {
     let (value, slope) = value_and_slope(law, piece, speed);
-    if !value.is_finite() {
-        Err(Error::NonFiniteFriction {
-            speed,
-            value,
-            reached: None,
-        })
-    } else if !slope.is_finite() {
-        Err(Error::NotAnalytic {
-            speed,
-            reached: None,
-        })
-    } else {
-        Ok(slope)
-    }
+    Error::check_friction(speed, value, slope)?;
+    Ok(slope)
 }

@@ -54,20 +54,8 @@ pub(crate) fn coefficient_and_slope<const Z: usize, L: ContactLaw<Z>>(
     let mut workspace = Workspace::<2>::new();
     let along = |k, _, _| if k == 0 { 1.0 } else { 0.0 };
     let (value, slope) = expand(function, &mut workspace, speed, along);
-    if !value.is_finite() {
-        Err(Error::NonFiniteFriction {
-            speed,
-            value,
-            reached: None,
-        })
-    } else if !slope.is_finite() {
-        Err(Error::NotAnalytic {
-            speed,
-            reached: None,
-        })
-    } else {
-        Ok([value, slope])
-    }
+    Error::check_friction(speed, value, slope)?;
+    Ok([value, slope])
 }
 
 /// Checks the rules of [`ContactLaw`] on which a structure relies, with a memory of zeros: μ_s is
