@@ -52,11 +52,16 @@ const INVERSE: [f64; LONGEST] = {
     inverse
 };
 
+/// The number of rows that are kept in place. Laws seldom need more, and a constant index into an
+/// array costs no bounds check.
+const INLINE_ROWS: usize = 8;
+
 /// What the operations of a function have computed so far: one row each, in their sequence.
 #[derive(Debug, Clone)]
 pub(crate) struct Tape {
-    /// Grown in the first run, never after.
-    rows: Vec<Line>,
+    inline: [Line; INLINE_ROWS],
+    /// More rows for longer functions. Grown in the first run, never after.
+    spill: Vec<Line>,
     /// The row of every constant; and where operations write that find no row yet. A run that
     /// needed it is repeated with enough rows.
     zero: Line,
@@ -93,7 +98,8 @@ pub(crate) struct Jet<'r> {
 impl Tape {
     pub(crate) fn new() -> Self {
         Self {
-            rows: Vec::new(),
+            inline: std::array::from_fn(|_| Line::zero()),
+            spill: Vec::new(),
             zero: Line::zero(),
             scratch: Line::zero(),
         }
@@ -112,10 +118,10 @@ impl Tape {
             };
             let result = function(&run);
             let rows = run.next.get();
-            if order > 0 || rows <= self.rows.len() {
+            if order > 0 || rows <= INLINE_ROWS + self.spill.len() {
                 return result;
             }
-            self.rows.resize_with(rows, Line::zero);
+            self.spill.resize_with(rows - INLINE_ROWS, Line::zero);
         }
     }
 
@@ -172,15 +178,23 @@ impl Run<'_> {
     fn claim(&self) -> &Line {
         let index = self.next.get();
         self.next.set(index + 1);
-        self.tape.rows.get(index).unwrap_or(&self.tape.scratch)
+        let Tape {
+            inline,
+            spill,
+            scratch,
+            ..
+        } = self.tape;
+        if index < INLINE_ROWS {
+            &inline[index]
+        } else {
+            spill.get(index - INLINE_ROWS).unwrap_or(scratch)
+        }
     }
 
     #[inline(always)]
     fn set(&self, row: &Line, coefficient: f64) {
-        // Orders are below LONGEST: see `Tape::run`.
-        if let Some(newest) = row.c.get(self.order) {
-            newest.set(coefficient);
-        }
+        // Orders are below LONGEST, a power of two: see `Tape::run`.
+        row.c[self.order % LONGEST].set(coefficient);
     }
 }
 

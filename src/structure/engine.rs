@@ -7,7 +7,7 @@
 //! or load = limit); decide the modes of the contacts whose watches fired, in their order, until
 //! nothing changes; emit the step and its events in the order of the contacts.
 
-use super::expansion::{Coefficients, LawFault};
+use super::expansion::{Course, LawFault};
 use super::model::Model;
 use super::parts::{Body, Edge, Firing, Joint};
 use super::step::Step;
@@ -29,9 +29,8 @@ pub(super) struct Engine<'s, L, const Z: usize> {
     pub(super) clock: Clock,
     pub(super) bodies: Vec<Body>,
     pub(super) joints: Vec<Joint<'s, L, Z>>,
-    /// Coefficients of the order in work and of the next, one for each coordinate.
-    pub(super) now: Vec<Coefficients>,
-    pub(super) next: Vec<Coefficients>,
+    /// Series of all displacements.
+    pub(super) courses: Vec<Course>,
     /// What a step is long or short by.
     pub(super) unit: f64,
     /// What each coordinate may leave out in the step under way.
@@ -67,9 +66,12 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Engine<'s, L, Z> {
         let forces = structure.forces().iter().zip(&model.inverse_mass);
         let forces = forces.map(|(force, inverse_mass)| force.value(clock.time) * inverse_mass);
         let bodies = std::iter::zip(&start.displacements, &start.velocities).zip(forces);
-        let bodies: Vec<Body> = bodies
+        let mut bodies: Vec<Body> = bodies
             .map(|((&q, &v), force)| Body::new(q, v, force))
             .collect();
+        for (c, contact) in structure.contacts().iter().enumerate() {
+            bodies[contact.coordinate()].contact = Some(c);
+        }
         let contacts = structure.contacts().iter().enumerate();
         let joints = contacts.map(|(c, contact)| {
             let memory =
@@ -79,8 +81,7 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Engine<'s, L, Z> {
         });
         let mut engine = Self {
             joints: joints.collect(),
-            now: vec![Coefficients::default(); bodies.len()],
-            next: vec![Coefficients::default(); bodies.len()],
+            courses: vec![Course::ZERO; bodies.len()],
             bodies,
             unit: model.time_unit,
             model,
@@ -225,7 +226,7 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Engine<'s, L, Z> {
 
     /// Series of all velocities, then of the memory.
     fn series(&self) -> Vec<PowerSeries> {
-        let velocities = self.bodies.iter().map(Body::velocities);
+        let velocities = self.courses.iter().map(Course::velocities);
         let memories = self.joints.iter().flat_map(|joint| joint.memories);
         velocities.chain(memories).collect()
     }

@@ -1,5 +1,7 @@
 //! The power series of all coordinates about one time, order by order.
 
+use std::ops::Range;
+
 use super::engine::Engine;
 use super::model::Target;
 use crate::drive::Drive;
@@ -44,84 +46,85 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
         }
     }
 
-    /// The series of all coordinates. Order by order: first the law of every contact, from the
-    /// sliding speeds of that order; then R of every coordinate, which gives the velocities of the
-    /// next.
+    /// The series of all coordinates. Order by order, of every coordinate: first the law of its
+    /// contact, from the sliding speed of that order; then R, which gives the velocity of the next.
+    ///
+    /// Order k of a coordinate needs order k of those that act on it, no more. So where masses act
+    /// on near ones alone, some masses are brought to the last order before the next ones are
+    /// begun: all that one reads and writes lies in the processor's nearest memory. With every
+    /// order the masses in work are shifted, to those of which all neighbours are ready.
     pub(super) fn expand(&mut self) -> Result<(), LawFault> {
+        const LAST: usize = TERMS - 1;
+        for (body, course) in self.bodies.iter_mut().zip(&mut self.courses) {
+            body.speeds[0] = body.speed;
+            course.start(body.displacement, body.velocity());
+        }
+        let (n, shift) = (self.bodies.len(), self.model.bandwidth);
+        for start in (0..n + LAST * shift).step_by(AT_A_TIME) {
+            for k in 0..LAST {
+                let place = |i: usize| i.saturating_sub(k * shift).min(n);
+                self.expand_order(k, place(start)..place(start + AT_A_TIME));
+            }
+        }
+        self.law_fault().map_or(Ok(()), Err)
+    }
+
+    /// Order k + 1 of the velocities of some coordinates.
+    #[inline(always)]
+    fn expand_order(&mut self, k: usize, coordinates: Range<usize>) {
         let Self {
             model,
             bodies,
             joints,
-            now,
-            next,
+            courses,
             ..
         } = self;
         let (stiffness, damping) = (&model.stiffness, &model.damping);
-        for (body, at) in bodies.iter_mut().zip(&mut *now) {
-            body.speeds[0] = body.speed;
-            body.resistance = 0.0;
-            *at = Coefficients {
-                displacement: body.displacement,
-                velocity: body.velocity(),
-            };
-        }
-        for (k, inverse) in INTEGRAL.into_iter().enumerate().take(TERMS - 1) {
-            for joint in joints.iter_mut() {
-                let i = joint.body();
+        for i in coordinates {
+            let body = &mut bodies[i];
+            let mut resistance = 0.0;
+            if let Some(c) = body.contact {
+                let joint = &mut joints[c];
                 if joint.load_varies {
                     let gradient = joint.contact.load_gradient().iter();
                     let from_displacements: f64 =
-                        gradient.map(|&(j, n)| n * now[j].displacement).sum();
+                        gradient.map(|&(j, n)| n * courses[j].displacement(k)).sum();
                     joint.load[k] =
                         joint.drive_load[k] + from_displacements * model.inverse_mass[i];
                 }
                 match joint.mode {
                     Mode::Open => {}
-                    Mode::Slip(direction) => {
-                        let body = &mut bodies[i];
-                        body.resistance = joint.slip_order(k, body.speeds[k], direction.sign());
+                    Mode::Slip(side) => {
+                        resistance = joint.slip_order(k, body.speeds[k], side.sign());
                     }
                     Mode::Stick => joint.stick_order(k),
                 }
             }
-            let couplings = stiffness.rows().zip(damping.rows());
-            let coefficients = now.iter().zip(&mut *next);
-            for ((body, (&at, next)), (springs, dampers)) in
-                bodies.iter_mut().zip(coefficients).zip(couplings)
-            {
-                let Coefficients {
-                    displacement,
-                    velocity,
-                } = at;
-                let mut carried = -dampers.0 * velocity - springs.0 * displacement;
-                for &(j, a) in springs.1 {
-                    carried -= a * now[j].displacement;
-                }
-                for &(j, a) in dampers.1 {
-                    carried -= a * now[j].velocity;
-                }
-                let mut surface = 0.0;
-                if body.is_driven {
-                    surface = body.surface[k + 1];
-                    carried += body.force[k] - (k + 1) as f64 * surface;
-                } else if k == 0 {
-                    carried += body.force[0];
-                }
-                body.carried[k] = carried;
-                let equation = (body.side * carried - body.resistance) * inverse;
-                let speed = match body.rate {
-                    Some(rate) if k == 0 => rate,
-                    _ => equation,
-                };
-                body.speeds[k + 1] = speed;
-                *next = Coefficients {
-                    displacement: velocity * inverse,
-                    velocity: mul_add(body.side, speed, surface),
-                };
+            let own = &courses[i];
+            let mut carried = -damping.diagonal()[i] * own.velocity(k)
+                - stiffness.diagonal()[i] * own.displacement(k);
+            for &(j, a) in stiffness.beside_diagonal(i) {
+                carried -= a * courses[j].displacement(k);
             }
-            std::mem::swap(now, next);
+            for &(j, a) in damping.beside_diagonal(i) {
+                carried -= a * courses[j].velocity(k);
+            }
+            let mut surface = 0.0;
+            if body.is_driven {
+                surface = body.surface[k + 1];
+                carried += body.force[k] - (k + 1) as f64 * surface;
+            } else if k == 0 {
+                carried += body.force[0];
+            }
+            body.carried[k] = carried;
+            let equation = (body.side * carried - resistance) * INTEGRAL[k];
+            let speed = match body.rate {
+                Some(rate) if k == 0 => rate,
+                _ => equation,
+            };
+            body.speeds[k + 1] = speed;
+            courses[i].set_velocity(k + 1, mul_add(body.side, speed, surface));
         }
-        self.law_fault().map_or(Ok(()), Err)
     }
 
     /// The first law that gave no number, or no slope.
@@ -141,16 +144,54 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
     }
 }
 
-/// Coefficients of the order in work of one coordinate.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Coefficients {
-    displacement: f64,
-    velocity: f64,
+/// How many masses of a long chain are brought from order to order together.
+const AT_A_TIME: usize = 32;
+
+/// The series of one displacement q: its value, then the coefficients of the velocity v = q', so
+/// that number k is q_0 or k q_k.
+#[derive(Debug, Clone)]
+pub(super) struct Course([f64; TERMS + 1]);
+
+impl Course {
+    pub(super) const ZERO: Self = Self([0.0; TERMS + 1]);
+
+    fn start(&mut self, displacement: f64, velocity: f64) {
+        [self.0[0], self.0[1]] = [displacement, velocity];
+    }
+
+    #[inline(always)]
+    fn displacement(&self, k: usize) -> f64 {
+        const WEIGHTS: [f64; TERMS + 1] = {
+            let mut weights = [1.0; TERMS + 1];
+            let mut k = 1;
+            while k <= TERMS {
+                weights[k] = INTEGRAL[k - 1];
+                k += 1;
+            }
+            weights
+        };
+        self.0[k] * WEIGHTS[k]
+    }
+
+    #[inline(always)]
+    fn velocity(&self, k: usize) -> f64 {
+        self.0[k + 1]
+    }
+
+    #[inline(always)]
+    fn set_velocity(&mut self, k: usize, coefficient: f64) {
+        self.0[k + 1] = coefficient;
+    }
+
+    /// The series of v.
+    pub(super) fn velocities(&self) -> PowerSeries {
+        PowerSeries::from_fn(|k| self.velocity(k))
+    }
 }
 
 impl<L: ContactLaw<Z>, const Z: usize> super::parts::Joint<'_, L, Z> {
     /// Coefficient k of Nσμ/m in slip, and k + 1 of the memory.
-    #[inline]
+    #[inline(always)]
     fn slip_order(&mut self, k: usize, speed: f64, direction: f64) -> f64 {
         let (law, piece) = (self.contact.law(), self.piece);
         if k == 0 {

@@ -15,6 +15,8 @@ pub(super) struct Model<'s> {
     pub(super) inverse_mass: Vec<f64>,
     /// The drives that are not constant.
     pub(super) varying: Vec<(Target, &'s Drive)>,
+    /// Largest |i − j| of coordinates of which one acts on the other.
+    pub(super) bandwidth: usize,
     /// 1/√(max_i Σ_j |K_ij|/m_i): no free vibration without friction is faster than one radian in
     /// this time. Where nothing is elastic that of the dampers, and infinite without any.
     pub(super) time_unit: f64,
@@ -52,7 +54,13 @@ impl<'s> Model<'s> {
         } else {
             largest_row(&damping)
         };
+        let loads = structure.contacts().iter().flat_map(|contact| {
+            let gradient = contact.load_gradient().iter();
+            gradient.map(|&(j, _)| contact.coordinate().abs_diff(j))
+        });
+        let bandwidth = [stiffness.bandwidth(), damping.bandwidth()];
         Self {
+            bandwidth: loads.chain(bandwidth).max().unwrap_or(0),
             stiffness,
             damping,
             inverse_mass,
@@ -64,10 +72,8 @@ impl<'s> Model<'s> {
 
 /// Largest Σ_j |a_ij|.
 fn largest_row(matrix: &Sparse) -> f64 {
-    let rows = matrix.diagonal().iter().enumerate();
-    rows.map(|(i, diagonal)| {
-        let beside = matrix.beside_diagonal(i).iter();
-        diagonal.abs() + beside.map(|(_, a)| a.abs()).sum::<f64>()
-    })
-    .fold(0.0, f64::max)
+    let rows = matrix.rows().map(|(diagonal, beside)| {
+        diagonal.abs() + beside.iter().map(|(_, a)| a.abs()).sum::<f64>()
+    });
+    rows.fold(0.0, f64::max)
 }

@@ -25,8 +25,8 @@ pub(super) struct Body {
     /// dy/dt at the start of the step, where it is known better than the equation of motion gives
     /// it: where slip begins.
     pub(super) rate: Option<f64>,
-    /// (N μ)_k, σ folded in; 0 but for slip.
-    pub(super) resistance: f64,
+    /// The number of its contact.
+    pub(super) contact: Option<usize>,
     pub(super) speeds: PowerSeries,
     /// R: in stick what the contact carries.
     pub(super) carried: PowerSeries,
@@ -46,7 +46,7 @@ impl Body {
             speed,
             side: 1.0,
             rate: None,
-            resistance: 0.0,
+            contact: None,
             speeds: PowerSeries::ZERO,
             carried: PowerSeries::ZERO,
             is_driven: false,
@@ -58,11 +58,6 @@ impl Body {
     /// v.
     pub(super) fn velocity(&self) -> f64 {
         self.surface[0] + self.side * self.speed
-    }
-
-    /// The series of v.
-    pub(super) fn velocities(&self) -> PowerSeries {
-        PowerSeries::from_fn(|k| mul_add(self.side, self.speeds[k], self.surface[k]))
     }
 
     /// Mean of v over [0, t].

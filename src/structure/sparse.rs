@@ -5,8 +5,8 @@ use nalgebra::DMatrix;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Sparse {
     diagonal: Vec<f64>,
-    /// Where row i begins in `entries`; one more than there are rows.
-    starts: Vec<usize>,
+    /// Where row i begins and ends in `entries`.
+    spans: Vec<(usize, usize)>,
     /// Column and value.
     entries: Vec<(usize, f64)>,
 }
@@ -17,24 +17,24 @@ impl Sparse {
         let n = dense.nrows();
         let mut rows: Vec<Vec<(usize, f64)>> = vec![Vec::new(); n];
         // Column by column, as it lies in memory.
-        for (j, column) in dense.column_iter().enumerate() {
+        for (j, column) in dense.as_slice().chunks_exact(n).enumerate() {
             for (i, &value) in column.iter().enumerate() {
-                if i != j && value != 0.0 {
+                if value != 0.0 && i != j {
                     rows[i].push((j, scale(i, j) * value));
                 }
             }
         }
-        let mut starts = Vec::with_capacity(n + 1);
+        let mut spans = Vec::with_capacity(n);
         let mut entries = Vec::new();
-        starts.push(0);
         for row in rows {
+            let start = entries.len();
             entries.extend(row);
-            starts.push(entries.len());
+            spans.push((start, entries.len()));
         }
         let diagonal = (0..n).map(|i| scale(i, i) * dense[(i, i)]).collect();
         Self {
             diagonal,
-            starts,
+            spans,
             entries,
         }
     }
@@ -45,10 +45,8 @@ impl Sparse {
     }
 
     /// Row by row: the entry on the diagonal, and those beside it that are not 0.
-    #[inline]
     pub(crate) fn rows(&self) -> impl Iterator<Item = (f64, &[(usize, f64)])> {
-        let ends = self.starts.windows(2);
-        let beside = ends.map(|ends| &self.entries[ends[0]..ends[1]]);
+        let beside = (0..self.diagonal.len()).map(|i| self.beside_diagonal(i));
         self.diagonal.iter().copied().zip(beside)
     }
 
@@ -56,7 +54,16 @@ impl Sparse {
     /// ascend.
     #[inline]
     pub(crate) fn beside_diagonal(&self, row: usize) -> &[(usize, f64)] {
-        &self.entries[self.starts[row]..self.starts[row + 1]]
+        let (start, end) = self.spans[row];
+        &self.entries[start..end]
+    }
+
+    /// Largest |i − j| of an entry that is not 0.
+    pub(crate) fn bandwidth(&self) -> usize {
+        let rows = self.rows().enumerate();
+        rows.flat_map(|(i, (_, beside))| beside.iter().map(move |&(j, _)| i.abs_diff(j)))
+            .max()
+            .unwrap_or(0)
     }
 }
 
@@ -77,5 +84,6 @@ mod tests {
         assert_eq!(sparse.beside_diagonal(0), [(1, -20.0)]);
         assert_eq!(sparse.beside_diagonal(2), [(1, -20.0), (3, -40.0)]);
         assert_eq!(sparse.beside_diagonal(4), [(3, -40.0)]);
+        assert_eq!(sparse.bandwidth(), 1);
     }
 }
