@@ -1,5 +1,6 @@
 //! What the searches need of a system.
 
+use super::lyapunov::{self, Growth};
 use super::map::{self, PeriodMap};
 use crate::belt::MassOnBelt;
 use crate::error::Error;
@@ -37,6 +38,9 @@ pub trait Oscillator: System {
     /// Where the motion from a state at time 0 is after a duration, and what its contacts do there.
     #[doc(hidden)]
     fn reach(&self, start: &State, duration: f64) -> Result<(State, Vec<Mode>), Error>;
+    /// How a small change of the motion from a state at time 0 grows, in parts of a duration.
+    #[doc(hidden)]
+    fn growths(&self, start: &State, transient: f64, duration: f64) -> Result<Vec<Growth>, Error>;
     /// The motion over one period in the system's own form.
     #[doc(hidden)]
     fn trajectory(&self, map: PeriodMap, period: f64) -> Result<Trajectory<Self::State>, Error>;
@@ -89,6 +93,10 @@ impl<L: ContactLaw<Z>, const Z: usize> Oscillator for Structure<L, Z> {
         map::reach(self, start, duration)
     }
 
+    fn growths(&self, start: &State, transient: f64, duration: f64) -> Result<Vec<Growth>, Error> {
+        lyapunov::growths(self, start, transient, duration)
+    }
+
     fn trajectory(&self, map: PeriodMap, period: f64) -> Result<Trajectory<State>, Error> {
         Ok(Trajectory::new(map.steps, 0.0, period))
     }
@@ -125,6 +133,10 @@ impl<L: FrictionLaw> Oscillator for MassOnBelt<L> {
 
     fn reach(&self, start: &State, duration: f64) -> Result<(State, Vec<Mode>), Error> {
         Structure::from(&self.by_reference()).reach(start, duration)
+    }
+
+    fn growths(&self, start: &State, transient: f64, duration: f64) -> Result<Vec<Growth>, Error> {
+        Structure::from(&self.by_reference()).growths(start, transient, duration)
     }
 
     fn trajectory(&self, map: PeriodMap, period: f64) -> Result<Trajectory, Error> {

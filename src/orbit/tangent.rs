@@ -36,6 +36,9 @@ pub(super) struct TangentFlow<'s, L, const Z: usize> {
     pub(super) tangents: DMatrix<f64>,
     /// Whether anything has depended on each number of the memory so far.
     pub(super) depends: Vec<bool>,
+    /// If a number, what of the one change was taken out of `tangents` as a factor, so that it does
+    /// not overflow, and underflows only with all that depends on it: its logarithm.
+    pub(super) logarithm: Option<f64>,
     /// What the contacts did at first.
     pub(super) first: Option<Vec<Mode>>,
     tape: Tape,
@@ -59,6 +62,7 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> TangentFlow<'s, L, Z> {
             work: vec![PowerSeries::ZERO; tangents.nrows()],
             tangents,
             depends: vec![false; Z * structure.contacts().len()],
+            logarithm: None,
             first: None,
             tape: Tape::new(),
         })
@@ -97,7 +101,14 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> TangentFlow<'s, L, Z> {
             for column in self.tangents.as_mut_slice().chunks_mut(rows) {
                 if column.iter().any(|x| *x != 0.0) {
                     let matrices = [&self.stiffness, &self.damping];
-                    advance(matrices, &joints, column, step.duration(), &mut self.work);
+                    let logarithm = self.logarithm.as_mut();
+                    advance(
+                        matrices,
+                        &joints,
+                        column,
+                        step.duration(),
+                        (&mut self.work, logarithm),
+                    );
                 }
             }
         }
@@ -128,7 +139,7 @@ fn advance(
     joints: &[Joint],
     column: &mut [f64],
     h: f64,
-    work: &mut [PowerSeries],
+    (work, mut logarithm): (&mut [PowerSeries], Option<&mut f64>),
 ) {
     /// Parts below which a series is taken to have no radius of convergence.
     const SHORTEST: f64 = 1e-9;
@@ -144,6 +155,13 @@ fn advance(
         }
         for (x, series) in column.iter_mut().zip(work.iter()) {
             *x = series.at(part);
+        }
+        if let Some(logarithm) = logarithm.as_deref_mut() {
+            let size = column.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+            if size > 0.0 && !(1e-100..1e100).contains(&size) {
+                column.iter_mut().for_each(|x| *x /= size);
+                *logarithm += size.ln();
+            }
         }
         if part >= left {
             return;

@@ -57,11 +57,6 @@ impl Step {
         self.start
     }
 
-    /// The clock at its end.
-    pub(crate) fn end_clock(&self) -> Clock {
-        self.end
-    }
-
     /// Power series of the velocities in the time since the start, then of what contacts remember;
     /// none for a step of no length.
     pub(crate) fn series(&self) -> &[PowerSeries] {

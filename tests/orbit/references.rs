@@ -82,7 +82,11 @@ impl Worst {
     }
 }
 
-fn compare<S: System<State = State>>(case: &Value, orbit: &Orbit<S>, coordinates: &[usize]) -> Worst {
+fn compare<S: System<State = State>>(
+    case: &Value,
+    orbit: &Orbit<S>,
+    coordinates: &[usize],
+) -> Worst {
     let id = text(&case["id"]);
     let mut worst = Worst::default();
     worst.meet("period", orbit.period(), number(&case["period"]));
@@ -99,7 +103,12 @@ fn compare<S: System<State = State>>(case: &Value, orbit: &Orbit<S>, coordinates
     // A free motion may begin elsewhere.
     let expected = list(&case["events"]);
     let events = orbit.events();
-    assert_eq!(events.len(), expected.len(), "{id}: {:?}", events.iter().map(|e| e.kind).collect::<Vec<_>>());
+    assert_eq!(
+        events.len(),
+        expected.len(),
+        "{id}: {:?}",
+        events.iter().map(|e| e.kind).collect::<Vec<_>>()
+    );
     let fits = |shift: usize| {
         let turned = events.iter().cycle().skip(shift);
         turned.zip(expected).all(|(event, expected)| {
@@ -112,25 +121,47 @@ fn compare<S: System<State = State>>(case: &Value, orbit: &Orbit<S>, coordinates
         let parts = turned.zip(expected).flat_map(|(event, expected)| {
             std::iter::zip(event.state.displacements.clone(), numbers(&expected["q"]))
         });
-        parts.map(|(a, b): (f64, f64)| (a - b).abs()).fold(0.0, f64::max)
+        parts
+            .map(|(a, b): (f64, f64)| (a - b).abs())
+            .fold(0.0, f64::max)
     };
     let shifts = (0..events.len()).filter(|&shift| fits(shift));
     let shift = shifts.min_by(|a, b| distance(*a).total_cmp(&distance(*b)));
-    let shift = if events.is_empty() { 0 } else { shift.unwrap_or_else(|| panic!("{id}: {events:?}")) };
-    let turned: Vec<&Event<State>> = events.iter().cycle().skip(shift).take(events.len()).collect();
+    let shift = if events.is_empty() {
+        0
+    } else {
+        shift.unwrap_or_else(|| panic!("{id}: {events:?}"))
+    };
+    let turned: Vec<&Event<State>> = events
+        .iter()
+        .cycle()
+        .skip(shift)
+        .take(events.len())
+        .collect();
     for (event, expected) in turned.iter().zip(expected) {
         let since = (event.time - turned[0].time).rem_euclid(orbit.period());
         let expected_since = number(&expected["t"]) - number(&list(&case["events"])[0]["t"]);
         // Simultaneous ones may lie on either side of 0.
-        let since = if (since - orbit.period()).abs() < 1e-9 { since - orbit.period() } else { since };
+        let since = if (since - orbit.period()).abs() < 1e-9 {
+            since - orbit.period()
+        } else {
+            since
+        };
         worst.meet("time", since, expected_since);
-        for (q, expected) in event.state.displacements.iter().zip(numbers(&expected["q"])) {
+        for (q, expected) in event
+            .state
+            .displacements
+            .iter()
+            .zip(numbers(&expected["q"]))
+        {
             worst.meet("q of an event", *q, expected);
         }
         for (v, expected) in event.state.velocities.iter().zip(numbers(&expected["v"])) {
             worst.meet("v of an event", *v, expected);
         }
-        if let (Some(theta), EventKind::Release(_), true) = (expected.get("theta"), event.kind, remembers(case)) {
+        if let (Some(theta), EventKind::Release(_), true) =
+            (expected.get("theta"), event.kind, remembers(case))
+        {
             let _ = theta;
             worst.meet("θ", event.state.memory[event.contact], number(theta));
         }
@@ -146,7 +177,11 @@ fn compare<S: System<State = State>>(case: &Value, orbit: &Orbit<S>, coordinates
     // The file leaves out those of clocks that stand.
     expected.resize(count, [0.0; 2]);
     let zeros = case["zero_multipliers"].as_u64().unwrap() as usize;
-    let found_zeros = orbit.multipliers().iter().filter(|m| m.norm() == 0.0).count();
+    let found_zeros = orbit
+        .multipliers()
+        .iter()
+        .filter(|m| m.norm() == 0.0)
+        .count();
     assert!(found_zeros >= zeros, "{id}: {:?}", orbit.multipliers());
     let mut left = orbit.multipliers().to_vec();
     for [re, im] in expected {
@@ -164,7 +199,11 @@ fn compare<S: System<State = State>>(case: &Value, orbit: &Orbit<S>, coordinates
     worst
 }
 
-fn check<S: Oscillator + System<State = State>>(case: &Value, system: &S, contacts: &[usize]) -> [Worst; 2] {
+fn check<S: Oscillator + System<State = State>>(
+    case: &Value,
+    system: &S,
+    contacts: &[usize],
+) -> [Worst; 2] {
     let id = text(&case["id"]);
     let exact = start(case, contacts.len());
     let orbit = shoot(system, &exact, period(case)).unwrap_or_else(|error| panic!("{id}: {error}"));
@@ -179,7 +218,10 @@ fn check<S: Oscillator + System<State = State>>(case: &Value, system: &S, contac
     // From beside it.
     let mut random = Random::new(11);
     let mut beside = exact.clone();
-    let parts = beside.displacements.iter_mut().chain(&mut beside.velocities);
+    let parts = beside
+        .displacements
+        .iter_mut()
+        .chain(&mut beside.velocities);
     for x in parts {
         *x += 1e-3 * random.uniform(-1.0, 1.0);
     }
@@ -187,7 +229,8 @@ fn check<S: Oscillator + System<State = State>>(case: &Value, system: &S, contac
         Period::Free(period) => Period::Free(period * 1.001),
         driven => driven,
     };
-    let orbit = shoot(system, &beside, estimate).unwrap_or_else(|error| panic!("{id}, beside: {error}"));
+    let orbit =
+        shoot(system, &beside, estimate).unwrap_or_else(|error| panic!("{id}, beside: {error}"));
     [first, compare(case, &orbit, contacts)]
 }
 
@@ -213,7 +256,10 @@ fn orbits_have_the_reference_numbers() {
             continue;
         };
         count += 1;
-        println!("{id}: {:.1e} ({}); from beside {:.1e} ({})", exact.0, exact.1, beside.0, beside.1);
+        println!(
+            "{id}: {:.1e} ({}); from beside {:.1e} ({})",
+            exact.0, exact.1, beside.0, beside.1
+        );
         if !(exact.0 <= ACCURACY && beside.0 <= ACCURACY) {
             failures.push(id);
         }

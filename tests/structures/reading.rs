@@ -3,8 +3,8 @@
 use serde_json::Value;
 use stick_slip::nalgebra::DMatrix;
 use stick_slip::{
-    AnyContactLaw, AnyLaw, Contact, Coulomb, Drive, Dwell, Exponential, FrictionLaw, LuGre, Polynomial,
-    Rational, Scalar, Structure,
+    AnyContactLaw, AnyLaw, Contact, Coulomb, Drive, Dwell, Exponential, FrictionLaw, LuGre,
+    Polynomial, Rational, Scalar, Structure,
 };
 
 use crate::common::{list, number, text};
