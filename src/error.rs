@@ -80,6 +80,8 @@ fn during(reached: &Option<Reached>) -> String {
 /// | [`TooManySteps`](Self::TooManySteps) | a motion or a search for cycles: a very long run, or as for `StepUnderflow` | raise the limit with `with_max_steps`, or as for `StepUnderflow` |
 /// | [`Separation`](Self::Separation) | a motion: a load that depends on displacements falls to 0 | end the motion there, or press harder |
 /// | [`TooManyEvents`](Self::TooManyEvents) | a run with `with_max_events` | raise the limit, or use `flow` |
+/// | [`NoCommonPeriod`](Self::NoCommonPeriod), [`NotFree`](Self::NotFree) | a search of [`orbit`](crate::orbit) | the other [`Period`](crate::orbit::Period) |
+/// | [`AtRest`](Self::AtRest), [`NotPeriodic`](Self::NotPeriodic) | a search of `orbit` | a better guess, a longer transient |
 /// | [`At`](Self::At) | a search over belt velocities, or over the damping | see the error inside; search beside that value |
 ///
 /// To show the message, print the error with `{error}`. A `main` that returns `Result<(), Error>`
@@ -334,6 +336,42 @@ pub enum Error {
         limit: usize,
         /// Where the integration stood.
         reached: Reached,
+    },
+
+    /// A periodic motion was asked for with the period of the drives, and they have none in common.
+    #[error(
+        "the drives have no common period: all are constant, or their frequencies are \
+         incommensurate, or one is a profile; for a free motion give `Period::Free`, else make \
+         the frequencies commensurate"
+    )]
+    NoCommonPeriod,
+
+    /// A free periodic motion was asked of a system with a drive that varies in time.
+    #[error("a drive varies in time, so no motion is free; give `Period::Driven`")]
+    NotFree,
+
+    /// A search for a free periodic motion began at, or came to, a state of rest.
+    #[error(
+        "nothing moves there: a state of rest is no periodic motion; give a guess on the motion, \
+         for example the end of a transient"
+    )]
+    AtRest,
+
+    /// Newton's method did not come to a periodic motion.
+    #[error(
+        "no periodic motion was found near the guess: the best start tried, q = {:?}, v = {:?}, \
+         misses itself after {period:e} by {residual:e} of the size of a coordinate; give a guess \
+         nearer to the motion, as `settle` does after a longer transient, or a better period",
+        start.displacements, start.velocities
+    )]
+    NotPeriodic {
+        /// Largest difference of a coordinate between start and end of the period, in units of the
+        /// coordinate's own largest size.
+        residual: f64,
+        /// The period, in units of time.
+        period: f64,
+        /// The best start.
+        start: State,
     },
 
     /// A search over a parameter could not go on at one value of this parameter.

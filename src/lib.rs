@@ -199,6 +199,7 @@ mod friction;
 pub mod limit_cycle;
 mod motion;
 mod numerics;
+pub mod orbit;
 mod scalar;
 mod scaling;
 #[cfg(feature = "serde")]

@@ -1,12 +1,14 @@
-//! The number types on which a friction law is evaluated: `f64`, and two kinds of Taylor
-//! coefficients.
+//! The number types on which a friction law is evaluated: `f64`, two kinds of Taylor coefficients,
+//! and any of these with a derivative.
 //!
 //! | file | what is in it |
 //! |---|---|
 //! | `mod.rs` | [`Scalar`]: what a law may do with a number |
 //! | `taylor.rs`, `operations.rs` | Taylor coefficients whose order is part of the type: the fastest, for one mass on its belt (the order itself: `series::TERMS`) |
+//! | `dual.rs` | any of the numbers with its derivative along one direction |
 //! | `jet.rs`, `products.rs` | Taylor coefficients whose order is chosen at run time: small code, for many coupled series and for cold paths |
 
+pub(crate) mod dual;
 pub(crate) mod jet;
 mod operations;
 mod products;

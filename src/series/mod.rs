@@ -115,15 +115,21 @@ impl PowerSeries {
 
     /// The series of c(h − t).
     pub(crate) fn reflected(&self, h: f64) -> Self {
+        let Self(shifted) = self.shifted(h);
+        Self::from_fn(|k| if k % 2 == 0 { shifted[k] } else { -shifted[k] })
+    }
+
+    /// The series of c(start + t).
+    pub(crate) fn shifted(&self, start: f64) -> Self {
         let mut shifted = self.0;
         // A bound known at run time only, so that the loops are not unrolled into 6 kB of code.
         let last = self.0.iter().rposition(|c| *c != 0.0).unwrap_or(0);
         for first in 0..last {
             for k in (first..last).rev() {
-                shifted[k] += h * shifted[k + 1];
+                shifted[k] += start * shifted[k + 1];
             }
         }
-        Self::from_fn(|k| if k % 2 == 0 { shifted[k] } else { -shifted[k] })
+        Self(shifted)
     }
 
     /// The series of factor·c(t).

@@ -161,8 +161,15 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Engine<'s, L, Z> {
                 Vec::new()
             }
         };
+        let forced = events.iter().filter(|event| self.is_forced(event));
+        let forced = forced.map(|event| event.contact).collect();
         let span = (settled.duration, self.clock);
-        Ok(Step::new(start, span, modes, from, series, events, end))
+        Ok(Step::new(start, span, modes, from, series, events, end).forcing(forced))
+    }
+
+    /// Whether a contact was released without its load having come to the bound: a drive jumped.
+    fn is_forced(&self, event: &Event<State>) -> bool {
+        matches!(event.kind, EventKind::Release(_)) && self.joints[event.contact].edge == Edge::Away
     }
 
     /// Where the series lead after the step's duration, and what its end says to the bit.

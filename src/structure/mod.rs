@@ -26,7 +26,7 @@ mod parts;
 #[cfg(feature = "serde")]
 mod read;
 mod settle;
-mod sparse;
+pub(crate) mod sparse;
 mod steady;
 mod step;
 mod system;

@@ -18,6 +18,8 @@ pub struct Step {
     /// Of the velocities, then of what contacts remember; none for a step of no length.
     series: Vec<PowerSeries>,
     events: Vec<Event<State>>,
+    /// Contacts that a jump of a drive has released at the end, whatever the motion was.
+    forced: Vec<usize>,
     end_state: State,
 }
 
@@ -40,8 +42,31 @@ impl Step {
             state,
             series,
             events,
+            forced: Vec::new(),
             end_state,
         }
+    }
+
+    /// The same step, at whose end a jump of a drive has released these contacts.
+    pub(super) fn forcing(self, forced: Vec<usize>) -> Self {
+        Self { forced, ..self }
+    }
+
+    /// The clock at its start.
+    pub(crate) fn clock(&self) -> Clock {
+        self.start
+    }
+
+    /// Power series of the velocities in the time since the start, then of what contacts remember;
+    /// none for a step of no length.
+    pub(crate) fn series(&self) -> &[PowerSeries] {
+        &self.series
+    }
+
+    /// Whether a release at its end was forced by a jump of a drive: at a time that no change of
+    /// the motion moves.
+    pub(crate) fn is_forced(&self, contact: usize) -> bool {
+        self.forced.contains(&contact)
     }
 
     /// What each contact does during the step.

@@ -9,84 +9,7 @@ use stick_slip::{
 };
 
 use crate::common::{list, number, text};
-use crate::reading::{cases, drive, law, numbers};
-
-/// A law with a static coefficient of its own.
-#[derive(Debug, Clone)]
-struct Raised {
-    law: AnyLaw,
-    static_coefficient: f64,
-}
-
-impl FrictionLaw for Raised {
-    fn static_coefficient(&self) -> f64 {
-        self.static_coefficient
-    }
-    #[inline]
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        self.law.kinetic(speed)
-    }
-}
-
-fn contact_law(contact: &Value) -> AnyContactLaw<Raised> {
-    let (dwell, bristle) = (&contact["dwell"], &contact["bristle"]);
-    let value = |name: &str| number(&dwell[name]);
-    if !dwell.is_null() {
-        let law = match text(&contact["law"]) {
-            "coulomb" => {
-                let kinetic = number(&contact["law_params"]["muk"]);
-                Coulomb::new(kinetic, kinetic).unwrap().into()
-            }
-            _ => law(contact, f64::NAN),
-        };
-        let raised = Raised {
-            law,
-            static_coefficient: value("mu_0"),
-        };
-        let time = value("theta_c");
-        let made = match text(&dwell["form"]) {
-            "exponential" => Dwell::exponential(raised, value("mu_inf"), time),
-            "hyperbolic" => Dwell::hyperbolic(raised, value("mu_inf"), time),
-            _ => Dwell::logarithmic(raised, value("B"), time),
-        };
-        return made.unwrap().into();
-    }
-    let law = law(contact, f64::NAN);
-    let raised = Raised {
-        static_coefficient: law.static_coefficient(),
-        law,
-    };
-    if bristle.is_null() {
-        return AnyContactLaw::Dry(raised);
-    }
-    let [stiffness, damping, viscous] =
-        ["sigma0", "sigma1", "sigma2"].map(|name| number(&bristle[name]));
-    LuGre::new(raised, stiffness, damping, viscous)
-        .unwrap()
-        .into()
-}
-
-fn structure(system: &Value) -> Structure<AnyContactLaw<Raised>, 1> {
-    let matrix = |name: &str| {
-        let rows: Vec<Vec<f64>> = list(&system[name]).iter().map(numbers).collect();
-        DMatrix::from_fn(rows.len(), rows.len(), |i, j| rows[i][j])
-    };
-    let mut structure = Structure::new(&numbers(&system["m"]))
-        .and_then(|structure| structure.with_stiffness(matrix("K")))
-        .and_then(|structure| structure.with_damping(matrix("C")))
-        .unwrap();
-    for (i, force) in list(&system["f"]).iter().enumerate() {
-        structure = structure.with_force(i, drive(force, f64::NAN)).unwrap();
-    }
-    for (i, contact) in list(&system["contacts"]).iter().enumerate() {
-        if !contact.is_null() {
-            let made = Contact::new(i, contact_law(contact), number(&contact["N0"])).unwrap();
-            let made = made.on_belt(drive(&contact["w"], f64::NAN));
-            structure = structure.with_contact(made).unwrap();
-        }
-    }
-    structure
-}
+use crate::reading::{cases, numbers, remembering};
 
 #[test]
 fn motions_have_the_reference_events_and_states() {
@@ -99,7 +22,7 @@ fn motions_have_the_reference_events_and_states() {
     let (mut events, mut worst) = (0, 0.0_f64);
     for case in all {
         let id = text(&case["id"]);
-        let system = structure(&case["system"]);
+        let system = remembering(&case["system"]);
         let deflections = |value: &Value| match value.get("z") {
             Some(z) if !z.is_null() => numbers(z),
             _ => vec![0.0; system.contacts().len()],

@@ -1,0 +1,170 @@
+use std::fmt;
+use std::ops::ControlFlow;
+
+use nalgebra::Complex;
+
+use super::oscillator::Oscillator;
+use super::shoot::{Period, Trial};
+use crate::error::Error;
+use crate::motion::{Event, Segment, System, Trajectory};
+use crate::series::PowerSeries;
+use crate::structure::Step;
+
+/// A periodic motion, exact to rounding, with its Floquet multipliers.
+pub struct Orbit<S: System> {
+    kind: Period,
+    period: f64,
+    state: S::State,
+    trajectory: Trajectory<S::State>,
+    events: Vec<Event<S::State>>,
+    /// Least and largest displacement and velocity of each coordinate.
+    extremes: Vec<[(f64, f64); 2]>,
+    multipliers: Vec<Complex<f64>>,
+}
+
+impl<S: Oscillator> Orbit<S> {
+    pub(super) fn new(system: &S, found: Trial, kind: Period) -> Result<Self, Error> {
+        let Trial {
+            period,
+            map,
+            residual,
+        } = found;
+        let is_free = matches!(kind, Period::Free(_));
+        let start = map.start.clone();
+        let multipliers = map.multipliers(is_free).ok_or(Error::NotPeriodic {
+            residual,
+            period,
+            start,
+        })?;
+        let inside = map.steps.iter().flat_map(Segment::events);
+        let inside = inside.filter(|event| event.time > 0.0).chain(&map.seam);
+        let events = inside.map(|event| Event {
+            time: event.time,
+            contact: event.contact,
+            kind: event.kind,
+            state: S::own(&event.state),
+        });
+        Ok(Self {
+            kind: match kind {
+                Period::Free(_) => Period::Free(period),
+                driven @ Period::Driven(_) => driven,
+            },
+            period,
+            state: S::own(&map.start),
+            events: events.collect(),
+            extremes: (0..system.sizes().0)
+                .map(|i| extremes(&map.steps, i))
+                .collect(),
+            multipliers,
+            trajectory: system.trajectory(map, period)?,
+        })
+    }
+}
+
+impl<S: System> Orbit<S> {
+    /// Which kind of period it was looked for with; of a free motion its period.
+    pub(super) fn kind(&self) -> Period {
+        self.kind
+    }
+
+    /// The period T, in units of time.
+    pub fn period(&self) -> f64 {
+        self.period
+    }
+
+    /// The state at the start of the period, which is that at its end.
+    pub fn state(&self) -> S::State {
+        self.state.clone()
+    }
+
+    /// The motion over one period, from time 0.
+    pub fn trajectory(&self) -> &Trajectory<S::State> {
+        &self.trajectory
+    }
+
+    /// The events in (0, T], in order of time. One at which the period starts is that at T.
+    pub fn events(&self) -> &[Event<S::State>] {
+        &self.events
+    }
+
+    /// Least and largest displacement of a coordinate; NaN for one that there is not.
+    pub fn extremes(&self, coordinate: usize) -> (f64, f64) {
+        self.extremes_of(coordinate, 0)
+    }
+
+    /// Least and largest velocity of a coordinate; NaN for one that there is not.
+    pub fn velocity_extremes(&self, coordinate: usize) -> (f64, f64) {
+        self.extremes_of(coordinate, 1)
+    }
+
+    fn extremes_of(&self, coordinate: usize, which: usize) -> (f64, f64) {
+        let pair = self.extremes.get(coordinate);
+        pair.map_or((f64::NAN, f64::NAN), |pair| pair[which])
+    }
+
+    /// The Floquet multipliers, by falling modulus: 2n, and one for each number that a contact
+    /// remembers; of a free motion without the 1 of a shift along itself.
+    pub fn multipliers(&self) -> &[Complex<f64>] {
+        &self.multipliers
+    }
+
+    /// Whether all multipliers lie inside the unit circle: small disturbances die out.
+    pub fn is_stable(&self) -> bool {
+        self.multipliers.iter().all(|m| m.norm() < 1.0)
+    }
+}
+
+impl<S: System> Clone for Orbit<S> {
+    fn clone(&self) -> Self {
+        Self {
+            kind: self.kind,
+            period: self.period,
+            state: self.state.clone(),
+            trajectory: self.trajectory.clone(),
+            events: self.events.clone(),
+            extremes: self.extremes.clone(),
+            multipliers: self.multipliers.clone(),
+        }
+    }
+}
+
+impl<S: System> fmt::Debug for Orbit<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Orbit")
+            .field("kind", &self.kind)
+            .field("period", &self.period)
+            .field("events", &self.events.len())
+            .field("multipliers", &self.multipliers)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Least and largest displacement and velocity of a coordinate, at the ends of steps and where
+/// velocity or acceleration is 0.
+fn extremes(steps: &[Step], coordinate: usize) -> [(f64, f64); 2] {
+    let mut ranges = [(f64::INFINITY, f64::NEG_INFINITY); 2];
+    let mut meet = |which: usize, value: f64| {
+        let (least, largest): &mut (f64, f64) = &mut ranges[which];
+        (*least, *largest) = (least.min(value), largest.max(value));
+    };
+    for step in steps {
+        for state in [step.state(), &step.end_state()] {
+            meet(0, state.displacements[coordinate]);
+            meet(1, state.velocities[coordinate]);
+        }
+        let Some(velocity) = step.series().get(coordinate) else {
+            continue;
+        };
+        let h = step.duration();
+        let start = step.state().displacements[coordinate];
+        let mut visit = |series: &PowerSeries, which: usize, value: &dyn Fn(f64) -> f64| {
+            let _ = series.sign_changes(h, &mut |t, _| {
+                meet(which, value(t));
+                ControlFlow::Continue(())
+            });
+        };
+        visit(velocity, 0, &|t| start + t * velocity.mean(t));
+        visit(&velocity.derivative(), 1, &|t| velocity.at(t));
+    }
+    ranges
+}

@@ -1,0 +1,217 @@
+//! The largest Lyapunov exponent: how fast a small change of a motion grows in the long run.
+
+use nalgebra::DMatrix;
+
+use super::oscillator::Oscillator;
+use super::tangent::{TangentFlow, flow_of};
+use crate::error::{Error, Reached};
+use crate::friction::memory::ContactLaw;
+use crate::motion::{Integrator, Mode, Segment};
+use crate::state::structure::State;
+use crate::structure::{Step, Structure};
+
+/// A Lyapunov exponent, with what it may be wrong by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LyapunovExponent {
+    /// The exponent, per unit of time.
+    pub value: f64,
+    /// Its standard error, by the differences between 16 parts of the duration, per unit of time;
+    /// infinite if there are not two parts to compare.
+    pub spread: f64,
+}
+
+/// Parts of the duration that are compared.
+const PARTS: usize = 16;
+
+/// What is left of a change along the motion itself when that is taken out is rounding, if it is
+/// below this part of the change.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// Growth of a change over a part of the duration.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Growth {
+    /// Logarithm of the factor; −∞ for a change that is gone.
+    logarithm: f64,
+    time: f64,
+}
+
+/// The largest Lyapunov exponent of the motion from a start, per unit of time: the value of
+/// [`lyapunov_with_spread`].
+pub fn lyapunov<S: Oscillator>(
+    system: &S,
+    start: &S::State,
+    transient: f64,
+    duration: f64,
+) -> Result<f64, Error> {
+    Ok(lyapunov_with_spread(system, start, transient, duration)?.value)
+}
+
+/// The largest Lyapunov exponent with its standard error.
+pub fn lyapunov_with_spread<S: Oscillator>(
+    system: &S,
+    start: &S::State,
+    transient: f64,
+    duration: f64,
+) -> Result<LyapunovExponent, Error> {
+    if !(transient >= 0.0 && transient.is_finite()) {
+        return Err(Error::InvalidDuration { value: transient });
+    }
+    Error::check("duration", duration, duration > 0.0, "duration > 0")?;
+    let parts = system.growths(&S::general(start), transient, duration)?;
+    let parts: Vec<Growth> = parts.into_iter().filter(|part| part.time > 0.0).collect();
+    let sum = |of: fn(&Growth) -> f64| parts.iter().map(of).sum::<f64>();
+    let time = sum(|part| part.time);
+    let value = sum(|part| part.logarithm) / time;
+    if value == f64::NEG_INFINITY {
+        return Ok(LyapunovExponent { value, spread: 0.0 });
+    }
+    let deviations = parts.iter().map(|part| {
+        let deviation = part.logarithm / part.time - value;
+        deviation * deviation * part.time / time
+    });
+    let variance: f64 = deviations.sum();
+    let spread = match parts.len() {
+        0 | 1 => f64::INFINITY,
+        count => (variance / (count - 1) as f64).sqrt(),
+    };
+    Ok(LyapunovExponent { value, spread })
+}
+
+/// The growth of a change in parts of the duration after a transient.
+pub(super) fn growths<L: ContactLaw<Z>, const Z: usize>(
+    structure: &Structure<L, Z>,
+    start: &State,
+    transient: f64,
+    duration: f64,
+) -> Result<Vec<Growth>, Error> {
+    let n = structure.len();
+    let order = 2 * n + Z * structure.contacts().len();
+    let is_free = structure.drives().all(|drive| drive.is_constant());
+    // Any change will do that is not special. Memories take theirs from the motion, so that those
+    // on which nothing depends have none.
+    let change = |i: usize, _| {
+        if i < 2 * n {
+            ((i + 1) as f64).sqrt()
+        } else {
+            0.0
+        }
+    };
+    let tangents = DMatrix::from_fn(order, 1, change);
+    let mut flow = TangentFlow::new(structure, Integrator::new(), start, tangents)?;
+    flow.logarithm = Some(0.0);
+    let mut parts = Parts {
+        growths: [Growth::default(); PARTS],
+        transient,
+        duration,
+        since: 0.0,
+    };
+    while let Some(step) = flow.fetch(f64::INFINITY) {
+        let step = step?;
+        let begins = step.start_time();
+        if step.duration() == 0.0 {
+            flow.carry(&step);
+            continue;
+        }
+        let along = flow_of(&step, n);
+        let along = is_free.then_some(along.as_slice());
+        let stuck = step.modes().iter().filter(|mode| **mode == Mode::Stick);
+        let rests = step.duration() == f64::INFINITY && stuck.count() == n;
+        let alive = !rests && parts.add(begins, normalise(&mut flow, along, &step)?);
+        if !alive {
+            return Ok(Parts::gone(duration));
+        }
+        if begins >= parts.end() {
+            break;
+        }
+        if step.duration() < f64::INFINITY {
+            flow.carry(&step);
+            continue;
+        }
+        // Nothing changes any more: any stretch of the step is like its first.
+        let mut time = begins;
+        while time < parts.end() {
+            let next = if time < transient {
+                transient
+            } else {
+                time + duration / PARTS as f64
+            };
+            flow.carry(&step.clone().until(begins + (next - time)));
+            time = next;
+            if !parts.add(time, normalise(&mut flow, along, &step)?) {
+                return Ok(Parts::gone(duration));
+            }
+        }
+        break;
+    }
+    Ok(parts.growths.to_vec())
+}
+
+/// The growth so far.
+struct Parts {
+    growths: [Growth; PARTS],
+    transient: f64,
+    duration: f64,
+    /// When the change was measured last.
+    since: f64,
+}
+
+impl Parts {
+    /// The growth of a change that is gone.
+    fn gone(duration: f64) -> Vec<Growth> {
+        vec![Growth {
+            logarithm: f64::NEG_INFINITY,
+            time: duration,
+        }]
+    }
+
+    fn end(&self) -> f64 {
+        self.transient + self.duration
+    }
+
+    /// Adds the growth up to a time; whether anything is left of the change.
+    fn add(&mut self, time: f64, logarithm: f64) -> bool {
+        let since = std::mem::replace(&mut self.since, time);
+        if since >= self.transient && time > since {
+            let place = (0.5 * (since + time) - self.transient) / self.duration;
+            let index = ((place * PARTS as f64) as usize).min(PARTS - 1);
+            self.growths[index].logarithm += logarithm;
+            self.growths[index].time += time - since;
+        }
+        logarithm > f64::NEG_INFINITY
+    }
+}
+
+/// Makes the change one of size 1, and gives the logarithm of the factor by which it has grown. Of
+/// a free motion, what lies along the motion is taken out first: it neither grows nor dies.
+fn normalise<L: ContactLaw<Z>, const Z: usize>(
+    flow: &mut TangentFlow<'_, L, Z>,
+    along: Option<&[f64]>,
+    step: &Step,
+) -> Result<f64, Error> {
+    let before = flow.logarithm.replace(0.0).unwrap_or(0.0);
+    let change = flow.tangents.as_mut_slice();
+    let norm = |x: &[f64]| x.iter().fold(0.0, |norm: f64, x| norm.hypot(*x));
+    let whole = norm(change);
+    if let Some(along) = along {
+        let length = norm(along);
+        if length > 0.0 {
+            let products = std::iter::zip(along, &*change);
+            let part: f64 = products.map(|(f, x)| f / length * x).sum();
+            for (f, x) in along.iter().zip(&mut *change) {
+                *x -= part * (f / length);
+            }
+        }
+    }
+    let left = norm(change);
+    if !left.is_finite() {
+        return Err(Error::StepUnderflow {
+            step: 0.0,
+            reached: Reached::new(step.start_time(), step.state().clone()),
+        });
+    }
+    if left <= ROUNDING * whole {
+        return Ok(f64::NEG_INFINITY);
+    }
+    change.iter_mut().for_each(|x| *x /= left);
+    Ok(left.ln() + before)
+}

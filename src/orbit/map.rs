@@ -1,0 +1,215 @@
+//! The map from the start of a period to its end, with its derivative.
+
+use nalgebra::{Complex, DMatrix, DVector};
+
+use super::multipliers::multipliers;
+use super::tangent::{TangentFlow, flow_of};
+use crate::error::Error;
+use crate::friction::memory::ContactLaw;
+use crate::motion::{Event, Integrator, Mode, Segment};
+use crate::state::structure::State;
+use crate::structure::{Step, Structure};
+
+/// A motion over one period, closed or not.
+///
+/// Vectors hold n displacements, n velocities, and what the contacts remember.
+#[derive(Debug, Clone)]
+pub struct PeriodMap {
+    pub(super) start: State,
+    pub(super) end: State,
+    /// At least one; the last is cut at the end of the period.
+    pub(super) steps: Vec<Step>,
+    /// Derivative of the end with respect to the start.
+    pub(super) monodromy: DMatrix<f64>,
+    /// The rates of change of the state at its start and at its end.
+    pub(super) flow: [DVector<f64>; 2],
+    /// Events that lie at the seam: at the end of the period, if the start lies exactly at them.
+    pub(super) seam: Vec<Event<State>>,
+    /// Whether anything depended on each number of the memory.
+    pub(super) depends: Vec<bool>,
+    /// The monodromy of a closed motion, begun where most contacts stick, and the flow there.
+    cycle: (DMatrix<f64>, DVector<f64>),
+}
+
+impl PeriodMap {
+    /// Order of vectors and matrices.
+    pub(super) fn order(&self) -> usize {
+        self.monodromy.nrows()
+    }
+
+    /// End minus start; 0 for what nothing depends on.
+    pub(super) fn residual(&self) -> DVector<f64> {
+        let mut residual = vector(&self.end, self.order()) - vector(&self.start, self.order());
+        let first = self.order() - self.depends.len();
+        for (j, depends) in self.depends.iter().enumerate() {
+            if !depends {
+                residual[first + j] = 0.0;
+            }
+        }
+        residual
+    }
+
+    /// What the contacts do at the end.
+    pub(super) fn end_modes(&self) -> Vec<Mode> {
+        self.steps.last().map(modes_after).unwrap_or_default()
+    }
+
+    /// The largest size of every number of the state at the ends of steps.
+    pub(super) fn sizes(&self) -> DVector<f64> {
+        let mut sizes = DVector::zeros(self.order());
+        let ends = self.steps.iter().map(Segment::end_state);
+        for state in std::iter::once(self.start.clone()).chain(ends) {
+            sizes.zip_apply(&vector(&state, self.order()), |size: &mut f64, x: f64| {
+                *size = size.max(x.abs());
+            });
+        }
+        let n = self.start.displacements.len();
+        let mut first = 0;
+        for length in [n, n, self.order() - 2 * n] {
+            let mut part = sizes.rows_mut(first, length);
+            let largest = part.amax();
+            let least = if largest > 0.0 { largest } else { 1.0 };
+            part.iter_mut()
+                .filter(|x| **x == 0.0)
+                .for_each(|x| *x = least);
+            first += length;
+        }
+        sizes
+    }
+
+    /// The multipliers of a closed motion, by falling modulus; of a free one without the 1 of a
+    /// shift along itself. `None` if they could not be computed.
+    pub(super) fn multipliers(&self, is_free: bool) -> Option<Vec<Complex<f64>>> {
+        let (matrix, flow) = &self.cycle;
+        multipliers(matrix, is_free.then_some(flow), &self.sizes())
+    }
+}
+
+/// A state as a vector. What is missing of the memory is 0.
+pub(super) fn vector(state: &State, order: usize) -> DVector<f64> {
+    let numbers = state.displacements.iter().chain(&state.velocities);
+    let numbers = numbers.chain(&state.memory).copied();
+    DVector::from_iterator(order, numbers.chain(std::iter::repeat(0.0)).take(order))
+}
+
+/// The state of n coordinates from a vector.
+pub(super) fn state(vector: &DVector<f64>, n: usize) -> State {
+    let numbers = vector.as_slice();
+    State::new(&numbers[..n], &numbers[n..2 * n]).with_memory(&numbers[2 * n..])
+}
+
+pub(super) fn period_map<L: ContactLaw<Z>, const Z: usize>(
+    structure: &Structure<L, Z>,
+    start: &State,
+    duration: f64,
+) -> Result<PeriodMap, Error> {
+    let n = structure.len();
+    let order = 2 * n + Z * structure.contacts().len();
+    let settings = Integrator::new().with_max_steps(Integrator::DEFAULT_MAX_STEPS)?;
+    let identity = DMatrix::identity(order, order);
+    let mut flow = TangentFlow::new(structure, settings, start, identity)?;
+    let mut steps: Vec<Step> = Vec::new();
+    let mut first_flow = None;
+    // From the start to the cut, behind which `flow.tangents` begin anew; and the flow there.
+    let mut head = (DMatrix::identity(order, order), DVector::zeros(order));
+    let mut dead = 0;
+    while steps.last().is_none_or(|step| step.end_time() < duration) {
+        let Some(step) = flow.fetch(duration) else {
+            break;
+        };
+        let step = step?;
+        if step.duration() > 0.0 {
+            let rates = flow_of(&step, n);
+            let rows = dead_rows(&flow.tangents);
+            let now = rows.iter().filter(|dead| **dead).count();
+            if first_flow.is_none() || now > dead {
+                let alive = rows.iter().map(|dead| f64::from(u8::from(!dead)));
+                let alive = DMatrix::from_diagonal(&DVector::from_iterator(order, alive));
+                let since = flow.replace(alive);
+                head = (since * head.0, rates.clone());
+                dead = now;
+            }
+            first_flow.get_or_insert(rates);
+        }
+        flow.carry(&step);
+        steps.push(step);
+    }
+    let Some(last) = steps.last() else {
+        return Err(Error::InvalidDuration { value: duration });
+    };
+    let (end, last_flow) = (last.end_state(), flow_at_end(last, n));
+    let monodromy = &flow.tangents * &head.0;
+    let seam = flow.seam(last);
+    flow.pass(last, &seam);
+    let mut cycle = head.0 * &flow.tangents;
+    for (j, depends) in flow.depends.iter().enumerate() {
+        if !depends {
+            cycle.row_mut(2 * n + j).fill(0.0);
+            cycle.column_mut(2 * n + j).fill(0.0);
+        }
+    }
+    let seam = seam.into_iter().map(|(contact, kind)| Event {
+        time: duration,
+        contact,
+        kind,
+        state: end.clone(),
+    });
+    Ok(PeriodMap {
+        start: start.clone(),
+        monodromy,
+        flow: [first_flow.unwrap_or_else(|| last_flow.clone()), last_flow],
+        seam: seam.collect(),
+        depends: flow.depends.clone(),
+        cycle: (cycle, head.1),
+        end,
+        steps,
+    })
+}
+
+/// Where a motion is after a duration, and what its contacts do from then on.
+pub(super) fn reach<L: ContactLaw<Z>, const Z: usize>(
+    structure: &Structure<L, Z>,
+    start: &State,
+    duration: f64,
+) -> Result<(State, Vec<Mode>), Error> {
+    let mut reached = None;
+    for step in Integrator::new().flow(structure, start.clone())? {
+        let step = step?;
+        let is_last = step.end_time() >= duration;
+        if is_last || reached.is_none() {
+            let step = if step.end_time() > duration {
+                step.until(duration)
+            } else {
+                step
+            };
+            reached = Some((step.end_state(), modes_after(&step)));
+        }
+        if is_last {
+            break;
+        }
+    }
+    reached.ok_or(Error::InvalidDuration { value: duration })
+}
+
+/// What the contacts do after a step. One that closes counts as stuck.
+fn modes_after(step: &Step) -> Vec<Mode> {
+    let mut modes = step.modes().to_vec();
+    for event in step.events() {
+        modes[event.contact] = event.kind.mode();
+    }
+    modes
+}
+
+/// Which rows are all zero: coordinates in which all changes are gone.
+fn dead_rows(matrix: &DMatrix<f64>) -> Vec<bool> {
+    let rows = matrix.row_iter();
+    rows.map(|row| row.iter().all(|x| *x == 0.0)).collect()
+}
+
+/// The rates of change of all numbers at the end of a step.
+fn flow_at_end(step: &Step, n: usize) -> DVector<f64> {
+    let velocities = step.end_state().velocities;
+    let rates = step.series().iter();
+    let rates = rates.map(|series| series.derivative().at(step.duration()));
+    DVector::from_iterator(n + step.series().len(), velocities.into_iter().chain(rates))
+}

@@ -1,0 +1,86 @@
+//! Floquet multipliers: the eigenvalues of the monodromy matrix of a closed motion.
+
+use nalgebra::linalg::Schur;
+use nalgebra::{Complex, DMatrix, DVector};
+
+/// Sweeps for each eigenvalue; two or three are usual.
+const MOST_SWEEPS: usize = 100;
+
+/// The multipliers by falling modulus, without the 1 that belongs to `flow` if that is given;
+/// `None` if they do not converge.
+///
+/// Each row or column of zeros is one multiplier that is 0 to the bit. The matrix is scaled by the
+/// sizes of the numbers, so that units do not matter. The eigenvector of the multiplier 1 is known,
+/// the flow f: in an orthonormal basis (f, Q) the matrix M is block triangular, and the others are
+/// the eigenvalues of QᵀMQ.
+pub(super) fn multipliers(
+    matrix: &DMatrix<f64>,
+    flow: Option<&DVector<f64>>,
+    sizes: &DVector<f64>,
+) -> Option<Vec<Complex<f64>>> {
+    let order = matrix.nrows();
+    if !matrix.iter().all(|x| x.is_finite()) {
+        return None;
+    }
+    let alive = alive(matrix);
+    let scaled = DMatrix::from_fn(alive.len(), alive.len(), |i, j| {
+        matrix[(alive[i], alive[j])] * (sizes[alive[j]] / sizes[alive[i]])
+    });
+    let flow = flow.map(|flow| {
+        let numbers = alive.iter().map(|&i| flow[i] / sizes[i]);
+        DVector::from_iterator(alive.len(), numbers)
+    });
+    let (reduced, count) = match flow {
+        Some(flow) => (across(&scaled, flow), order.saturating_sub(1)),
+        None => (scaled, order),
+    };
+    let mut values: Vec<Complex<f64>> = if reduced.nrows() == 0 {
+        Vec::new()
+    } else {
+        let most = MOST_SWEEPS * reduced.nrows();
+        let schur = Schur::try_new(reduced, f64::EPSILON, most)?;
+        schur.complex_eigenvalues().iter().copied().collect()
+    };
+    values.sort_by(|a, b| {
+        let by_modulus = b.norm_sqr().total_cmp(&a.norm_sqr());
+        by_modulus.then(b.im.total_cmp(&a.im))
+    });
+    values.resize(count, Complex::new(0.0, 0.0));
+    Some(values)
+}
+
+/// The coordinates that are left when those with a row or a column of zeros are taken out, again
+/// and again.
+fn alive(matrix: &DMatrix<f64>) -> Vec<usize> {
+    let mut alive: Vec<usize> = (0..matrix.nrows()).collect();
+    loop {
+        let lives = |i: usize| {
+            let in_row = alive.iter().any(|&j| matrix[(i, j)] != 0.0);
+            in_row && alive.iter().any(|&j| matrix[(j, i)] != 0.0)
+        };
+        let kept: Vec<usize> = alive.iter().copied().filter(|&i| lives(i)).collect();
+        if kept.len() == alive.len() {
+            return alive;
+        }
+        alive = kept;
+    }
+}
+
+/// QᵀMQ, Q a basis of what is normal to a vector: by the reflection that takes it to an axis.
+fn across(matrix: &DMatrix<f64>, mut vector: DVector<f64>) -> DMatrix<f64> {
+    let n = vector.len();
+    let Some(first) = vector.get(0).copied() else {
+        return DMatrix::zeros(0, 0);
+    };
+    let norm = vector.norm();
+    vector[0] += if first < 0.0 { -norm } else { norm };
+    let length = vector.norm_squared();
+    let mut reflected = matrix.clone();
+    if length > 0.0 {
+        let row = vector.transpose() * &reflected;
+        reflected -= &vector * row * (2.0 / length);
+        let column = &reflected * &vector;
+        reflected -= column * vector.transpose() * (2.0 / length);
+    }
+    reflected.view((1, 1), (n - 1, n - 1)).into_owned()
+}

@@ -1,0 +1,181 @@
+//! Poincaré sections: a motion looked at once a period, or at one kind of event.
+
+use std::fmt;
+
+use super::oscillator::Oscillator;
+use crate::error::{Error, Reached};
+use crate::motion::{Event, EventKind, Integrator, Segment, SystemState};
+
+/// Steps without anything to show after which a section gives up.
+const PATIENCE: usize = Integrator::DEFAULT_MAX_STEPS;
+
+/// The steps of a motion, with a count of those since something was shown.
+struct Steps<'s, S: Oscillator + 's> {
+    /// The error of the start, until it is shown.
+    flow: Result<S::Flow<'s>, Option<Error>>,
+    count: usize,
+}
+
+impl<'s, S: Oscillator> Steps<'s, S> {
+    fn new(system: &'s S, start: &S::State, checked: Result<f64, Error>) -> Self {
+        let flow = checked.and_then(|_| Integrator::new().flow(system, start.clone()));
+        Self {
+            flow: flow.map_err(Some),
+            count: 0,
+        }
+    }
+
+    /// An error ends the motion.
+    fn next(&mut self) -> Option<Result<<S::State as SystemState>::Step, Error>> {
+        let flow = match &mut self.flow {
+            Ok(flow) => flow,
+            Err(error) => return error.take().map(Err),
+        };
+        let step = match flow.next()? {
+            Ok(step) => step,
+            Err(error) => {
+                self.flow = Err(None);
+                return Some(Err(error));
+            }
+        };
+        self.count += 1;
+        if self.count > PATIENCE {
+            self.flow = Err(None);
+            return Some(Err(Error::TooManySteps {
+                limit: PATIENCE,
+                reached: Reached::new(step.end_time(), S::general(&step.end_state())),
+            }));
+        }
+        Some(Ok(step))
+    }
+}
+
+/// The states of a motion once a period; made by [`section`].
+pub struct Section<'s, S: Oscillator + 's> {
+    steps: Steps<'s, S>,
+    step: Option<<S::State as SystemState>::Step>,
+    period: f64,
+    /// Number of the next state.
+    number: u64,
+}
+
+/// The motion from a start at time 0, looked at at the times T, 2T, 3T, … of a period T: a Poincaré
+/// section, without an end and in constant memory.
+///
+/// The k-th time is the exact product kT, so that after 10⁶ periods of a drive its phase is what it
+/// was.
+///
+/// Where the period, or the start, is not allowed, the only item is that error.
+///
+/// # Errors
+///
+/// Items are errors for [`Error::InvalidParameter`], unless T is positive and finite, and for those
+/// of [`Integrator::flow`]; after an error comes `None`.
+pub fn section<'s, S: Oscillator>(system: &'s S, start: &S::State, period: f64) -> Section<'s, S> {
+    let checked = Error::check("period", period, period > 0.0, "period > 0");
+    Section {
+        steps: Steps::new(system, start, checked),
+        step: None,
+        period,
+        number: 1,
+    }
+}
+
+impl<S: Oscillator> Iterator for Section<'_, S> {
+    type Item = Result<S::State, Error>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let count = self.number as f64;
+        let time = count * self.period;
+        let rest = count.mul_add(self.period, -time);
+        loop {
+            if let Some(step) = &self.step
+                && time <= step.end_time()
+            {
+                self.number += 1;
+                self.steps.count = 0;
+                let since = step.since_start(time) + rest;
+                return Some(Ok(step.state_at(since.clamp(0.0, step.duration()))));
+            }
+            match self.steps.next()? {
+                Ok(step) => self.step = Some(step),
+                Err(error) => return Some(Err(error)),
+            }
+        }
+    }
+}
+
+/// The events of one kind at one contact of a motion; made by [`section_at`].
+pub struct EventSection<'s, S: Oscillator + 's> {
+    steps: Steps<'s, S>,
+    contact: usize,
+    kind: EventKind,
+}
+
+/// The motion from a start at time 0, looked at at every event of one kind of one contact: a
+/// Poincaré section of free motions, without an end and in constant memory.
+///
+/// Ends with `None` if the motion comes to rest for ever.
+///
+/// # Errors
+///
+/// Items are errors for [`Error::InvalidParameter`], if there is no such contact, for
+/// [`Error::TooManySteps`], if there is no such event in 10⁵ steps, and for those of
+/// [`Integrator::flow`]; after an error comes `None`.
+pub fn section_at<'s, S: Oscillator>(
+    system: &'s S,
+    start: &S::State,
+    contact: usize,
+    kind: EventKind,
+) -> EventSection<'s, S> {
+    let exists = contact < system.belts().len();
+    let checked = Error::check("contact", contact as f64, exists, "a contact of the system");
+    EventSection {
+        steps: Steps::new(system, start, checked),
+        contact,
+        kind,
+    }
+}
+
+impl<S: Oscillator> Iterator for EventSection<'_, S> {
+    type Item = Result<Event<S::State>, Error>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            let step = match self.steps.next()? {
+                Ok(step) => step,
+                Err(error) => return Some(Err(error)),
+            };
+            let mut events = step.events().iter();
+            let found =
+                events.find(|event| event.contact == self.contact && event.kind == self.kind);
+            if let Some(event) = found {
+                self.steps.count = 0;
+                return Some(Ok(Event {
+                    time: event.time,
+                    contact: event.contact,
+                    kind: event.kind,
+                    state: event.state.clone(),
+                }));
+            }
+        }
+    }
+}
+
+impl<S: Oscillator> fmt::Debug for Section<'_, S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Section")
+            .field("period", &self.period)
+            .field("number", &self.number)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<S: Oscillator> fmt::Debug for EventSection<'_, S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("EventSection")
+            .field("contact", &self.contact)
+            .field("kind", &self.kind)
+            .finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,232 @@
+//! Newton's method for the fixed points of the map over one period.
+
+use nalgebra::{DMatrix, DVector, SVD};
+
+use super::found::Orbit;
+use super::map::{PeriodMap, state, vector};
+use super::oscillator::{Oscillator, Rhythm};
+use crate::error::Error;
+use crate::motion::Mode;
+use crate::state::structure::State;
+
+/// The period of a motion that is looked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Period {
+    /// So many periods of the drives of a [`Structure`](crate::Structure), at least 1. The state is
+    /// that at time 0 of the drives.
+    Driven(usize),
+    /// An estimate of the period of a free motion, in which no drive varies, in units of time.
+    ///
+    /// The state is on the section through the guess that is normal to the flow there.
+    Free(f64),
+}
+
+/// A fixed point that is looked for: x(T) = x(0).
+#[derive(Debug)]
+pub(super) struct Problem<'s, S> {
+    pub(super) system: &'s S,
+    n: usize,
+    /// Of a free motion: a point of the section, and its normal.
+    section: Option<[DVector<f64>; 2]>,
+}
+
+/// A start, and the motion from there over one period.
+#[derive(Debug, Clone)]
+pub(super) struct Trial {
+    pub(super) period: f64,
+    pub(super) map: PeriodMap,
+    /// Size of the residual, each number in units of its own size.
+    pub(super) residual: f64,
+}
+
+/// Most steps of Newton's method; five to ten are usual.
+const MOST_STEPS: usize = 60;
+
+/// The shortest part of a step that is tried.
+const LEAST_PART: f64 = 1.0 / 1024.0;
+
+/// Singular values below this part of the largest count as 0: the motion is one of a family, and
+/// the nearest one is taken.
+const SINGULAR: f64 = 1e-11;
+
+/// Largest residual of a closed motion, in units of the sizes of its numbers and of what the motion
+/// magnifies. Rounding alone causes about 1e-15.
+const CLOSED: f64 = 1e-11;
+
+impl<'s, S: Oscillator> Problem<'s, S> {
+    /// The problem for a guess, with the first trial.
+    pub(super) fn new(
+        system: &'s S,
+        guess: &State,
+        period: Period,
+    ) -> Result<(Self, Trial), Error> {
+        let (n, memory) = system.sizes();
+        let duration = match (period, system.rhythm()) {
+            (Period::Driven(count), Rhythm::Periodic(period)) => {
+                let allowed = "periods ≥ 1";
+                Error::check("periods", count as f64, count > 0, allowed)? * period
+            }
+            (Period::Driven(_), _) => return Err(Error::NoCommonPeriod),
+            (Period::Free(estimate), Rhythm::Constant) => {
+                Error::check("period", estimate, estimate > 0.0, "period > 0")?
+            }
+            (Period::Free(_), _) => return Err(Error::NotFree),
+        };
+        let mut problem = Self {
+            system,
+            n,
+            section: None,
+        };
+        let trial = problem.trial(guess, duration)?;
+        if let Period::Free(_) = period {
+            let normal = trial.map.flow[0].clone();
+            let length = normal.norm();
+            if length == 0.0 {
+                return Err(Error::AtRest);
+            }
+            problem.section = Some([vector(guess, 2 * n + memory), normal / length]);
+        }
+        Ok((problem, trial))
+    }
+
+    /// The motion over one period from a start.
+    pub(super) fn trial(&self, start: &State, period: f64) -> Result<Trial, Error> {
+        let map = self.system.period_map(start, period)?;
+        let residual = map.residual().component_div(&map.sizes()).amax();
+        Ok(Trial {
+            period,
+            map,
+            residual,
+        })
+    }
+
+    /// The step of Newton's method: changes of the start and of the period, and its size in units
+    /// of what they are changes of.
+    fn step(&self, trial: &Trial) -> Option<(DVector<f64>, f64, f64)> {
+        let map = &trial.map;
+        let (order, sizes) = (map.order(), map.sizes());
+        let unknowns = order + usize::from(self.section.is_some());
+        let mut matrix = DMatrix::zeros(unknowns, unknowns);
+        let mut right = DVector::zeros(unknowns);
+        let residual = map.residual();
+        for i in 0..order {
+            for j in 0..order {
+                let identity = if i == j { 1.0 } else { 0.0 };
+                matrix[(i, j)] = (map.monodromy[(i, j)] - identity) * (sizes[j] / sizes[i]);
+            }
+            right[i] = -residual[i] / sizes[i];
+        }
+        if let Some([point, normal]) = &self.section {
+            let start = vector(&map.start, order);
+            let largest = normal.component_mul(&sizes).amax();
+            for i in 0..order {
+                matrix[(i, order)] = map.flow[1][i] * trial.period / sizes[i];
+                matrix[(order, i)] = normal[i] * sizes[i] / largest;
+            }
+            right[order] = -normal.dot(&(start - point)) / largest;
+        }
+        let svd = SVD::try_new(matrix, true, true, f64::EPSILON, 1000 * unknowns)?;
+        let least = SINGULAR * svd.singular_values.max();
+        let solution = svd.solve(&right, least).ok()?;
+        let size = solution.amax();
+        let change = solution.rows(0, order).component_mul(&sizes);
+        let longer = self
+            .section
+            .as_ref()
+            .map_or(0.0, |_| solution[order] * trial.period);
+        size.is_finite().then_some((change, longer, size))
+    }
+
+    /// The start changed by a part of a step. A contact that sticks at the end moves with its belt
+    /// to the bit.
+    fn changed(&self, trial: &Trial, change: &DVector<f64>, part: f64) -> State {
+        let map = &trial.map;
+        let mut start = vector(&map.start, map.order()) + change * part;
+        let modes = map.end_modes();
+        for ((coordinate, velocity), mode) in std::iter::zip(self.system.belts(), modes) {
+            let row = self.n + coordinate;
+            let sticks_already = map.start.velocities[coordinate] == velocity;
+            if mode == Mode::Stick && (part == 1.0 || sticks_already) {
+                start[row] = velocity;
+            }
+        }
+        state(&start, self.n)
+    }
+
+    /// Newton's method, with shorter steps where the residual would grow.
+    pub(super) fn solve(&self, first: Trial) -> Result<Trial, Error> {
+        let mut best = first;
+        for _ in 0..MOST_STEPS {
+            if best.residual == 0.0 {
+                return Ok(best);
+            }
+            let Some((change, longer, size)) = self.step(&best) else {
+                break;
+            };
+            let growth = best.map.monodromy.amax().max(1.0);
+            let closed = best.residual <= CLOSED * growth && size <= CLOSED.sqrt();
+            let most = 0.5 * best.period / longer.abs();
+            let mut part = most.min(1.0);
+            let found = loop {
+                let start = self.changed(&best, &change, part);
+                let tried = self.trial(&start, best.period + part * longer);
+                let enough = (1.0 - 0.25 * part) * best.residual;
+                match tried {
+                    Ok(tried) if tried.residual < enough => break Some(tried),
+                    _ if closed || part <= LEAST_PART => break None,
+                    _ => part *= 0.5,
+                }
+            };
+            match found {
+                Some(found) => best = found,
+                None if closed => return Ok(best),
+                None => break,
+            }
+        }
+        Err(Error::NotPeriodic {
+            residual: best.residual,
+            period: best.period,
+            start: best.map.start,
+        })
+    }
+}
+
+/// The periodic motion near a guess, by Newton's method with the exact derivative of the map over
+/// one period.
+pub fn shoot<S: Oscillator>(
+    system: &S,
+    guess: &S::State,
+    period: Period,
+) -> Result<Orbit<S>, Error> {
+    let (problem, first) = Problem::new(system, &S::general(guess), period)?;
+    let at_first = first.map.flow[0].norm();
+    let found = problem.solve(first)?;
+    if problem.section.is_some() && found.map.flow[0].norm() <= CLOSED * at_first {
+        return Err(Error::AtRest);
+    }
+    Orbit::new(system, found, period)
+}
+
+/// Follows the motion from a start for a while, then looks for the periodic motion near to where it
+/// has come.
+pub fn settle<S: Oscillator>(
+    system: &S,
+    start: &S::State,
+    transient: f64,
+    period: Period,
+) -> Result<Orbit<S>, Error> {
+    if !(transient >= 0.0 && transient.is_finite()) {
+        return Err(Error::InvalidDuration { value: transient });
+    }
+    let duration = match (period, system.rhythm()) {
+        (Period::Driven(_), Rhythm::Periodic(period)) => (transient / period).ceil() * period,
+        _ => transient,
+    };
+    let (mut reached, modes) = system.reach(&S::general(start), duration)?;
+    for ((coordinate, velocity), mode) in std::iter::zip(system.belts(), modes) {
+        if mode == Mode::Stick {
+            reached.velocities[coordinate] = velocity;
+        }
+    }
+    shoot(system, &S::own(&reached), period)
+}

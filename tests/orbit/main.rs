@@ -1,0 +1,12 @@
+//! Periodic motions of any system: shooting, multipliers, sections, Lyapunov exponents.
+//!
+//! `data/driven_cycles.json`, `data/structure_cycles.json`, `data/dwell_cycles.json` and
+//! `data/bristle_cycles.json` come from a Taylor integration in 220-bit arithmetic; the field
+//! `header` of each file explains the others.
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../structures/reading.rs"]
+mod reading;
+
+mod references;
