@@ -1,9 +1,20 @@
 //! Contact laws: friction that may depend on more than the sliding speed.
+//!
+//! | file | what is in it |
+//! |---|---|
+//! | `mod.rs` | [`ContactLaw`], the trait of every contact law, and what a law is told |
+//! | `dwell.rs` | static friction that rises at rest |
+//! | `bristle.rs` | LuGre's and Dahl's bristles |
+//! | `any.rs` | a contact law chosen at run time |
+//! | `check.rs` | checks of a law before it is used |
+//! | `read.rs` | how these laws are written and read (feature `serde`) |
 
 mod any;
 mod bristle;
 mod check;
 mod dwell;
+#[cfg(feature = "serde")]
+mod read;
 
 pub use any::AnyContactLaw;
 pub use bristle::{Dahl, LuGre};
