@@ -1,4 +1,4 @@
-//! The figures of the source paper, and three more, as SVG files and a page that shows them.
+//! The figures of the source paper, and five more, as SVG files and a page that shows them.
 //!
 //! What to learn from it:
 //!
@@ -10,6 +10,8 @@
 //! * `regimes.rs`: a map whose borders are computed, not sampled: what takes a grid of simulations
 //!   elsewhere is a handful of curves here;
 //! * `errors.rs`: a formula is as good as the order of its error, seen as a slope;
+//! * `memory.rs`: closed forms for rising static friction under motions that have settled; bristles
+//!   beside the dry friction that is their limit;
 //! * `laws.rs`: friction laws on both sides of zero;
 //! * `plot.rs` and what it uses: as much of plotters as a figure in print needs.
 //!

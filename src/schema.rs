@@ -22,6 +22,10 @@
 //! | [`Rational`](crate::Rational) | `static_coefficient`, `decay`, [`offset` = 0], [`quadratic` = 0] | yes |
 //! | [`Tabulated`](crate::Tabulated) | `points`: a list of [speed, coefficient]; [`static_coefficient`: that of the first point] | yes |
 //! | [`AnyLaw`](crate::AnyLaw) | `coulomb`, `exponential`, `polynomial`, `stribeck`, `rational` or `tabulated`, with that law | yes |
+//! | [`Dwell`](crate::Dwell) | `exponential` or `hyperbolic`, with `law`, `limit`, `time`; or `logarithmic`, with `law`, `rate`, `time` | yes |
+//! | [`Dahl`](crate::Dahl) | `coefficient`, `stiffness` | yes |
+//! | [`LuGre`](crate::LuGre) | `law`, `stiffness`, [`damping` = 0], [`viscous` = 0] | yes |
+//! | [`AnyContactLaw`](crate::AnyContactLaw) | `dry`, `dwell`, `dahl` or `lugre`, with that law | yes |
 //! | [`Scaled`](crate::Scaled) | `law`, `velocity_unit` (m/s) | yes |
 //! | [`Physical`](crate::Physical) | `mass`, `stiffness`, `damping`, `normal_force`, `belt_velocity`, in SI units | yes |
 //! | [`Scaling`](crate::Scaling) | `physical`, [`length` = N/K] | yes |

@@ -5,9 +5,10 @@ use serde_json::Value;
 use stick_slip::bifurcation::{self, Criticality};
 use stick_slip::limit_cycle::{Attractor, Continuum};
 use stick_slip::{
-    AnyLaw, Contact, Coulomb, CycleKind, CycleSet, Direction, Drive, Event, EventKind, Exponential,
-    LimitCycle, MassOnBelt, Mode, Physical, Polynomial, Rational, Scaled, Scaling, Stability,
-    State, Stribeck, Structure, Tabulated, limit_cycle, structure,
+    AnyContactLaw, AnyLaw, Contact, Coulomb, CycleKind, CycleSet, Dahl, Direction, Drive, Dwell,
+    Event, EventKind, Exponential, LimitCycle, LuGre, MassOnBelt, Mode, Physical, Polynomial,
+    Rational, Scaled, Scaling, Stability, State, Stribeck, Structure, Tabulated, limit_cycle,
+    structure,
 };
 
 fn there_and_back<T: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(
@@ -70,6 +71,105 @@ fn laws_there_and_back() {
     );
     there_and_back(&AnyLaw::from(table()));
     there_and_back(&brake().law(table()));
+}
+
+/// A contact law of each kind.
+fn contact_laws() -> Vec<AnyContactLaw<AnyLaw>> {
+    let law = || AnyLaw::from(Polynomial::new(0.4, 0.25, 0.1 + 0.2).unwrap());
+    vec![
+        AnyContactLaw::Dry(law()),
+        Dwell::exponential(law(), 0.7, 1.0 / 3.0).unwrap().into(),
+        Dwell::hyperbolic(law(), 0.1 + 0.6, 2.0).unwrap().into(),
+        Dwell::logarithmic(law(), 0.05, 2.0).unwrap().into(),
+        Dahl::new(0.1 + 0.2, 1e3).unwrap().into(),
+        LuGre::new(law(), 1e3, 2.0, 1.0 / 3.0).unwrap().into(),
+    ]
+}
+
+#[test]
+fn contact_laws_there_and_back() {
+    for law in contact_laws() {
+        let text = there_and_back(&law);
+        // To the bit, whatever a constructor makes of it.
+        let again: AnyContactLaw<AnyLaw> = serde_json::from_str(&text).unwrap();
+        assert_eq!(serde_json::to_string(&again).unwrap(), text);
+    }
+    let coulomb = r#"{"static_coefficient":0.5,"kinetic_coefficient":0.3}"#;
+    let law = Coulomb::new(0.5, 0.3).unwrap();
+    assert_eq!(
+        there_and_back(&Dwell::hyperbolic(law, 0.7, 2.0).unwrap()),
+        format!(r#"{{"hyperbolic":{{"law":{coulomb},"limit":0.7,"time":2.0}}}}"#)
+    );
+    assert_eq!(
+        there_and_back(&Dwell::logarithmic(law, 0.1, 2.0).unwrap()),
+        format!(r#"{{"logarithmic":{{"law":{coulomb},"rate":0.1,"time":2.0}}}}"#)
+    );
+    assert_eq!(
+        there_and_back(&Dahl::new(0.4, 50.0).unwrap()),
+        r#"{"coefficient":0.4,"stiffness":50.0}"#
+    );
+    assert_eq!(
+        there_and_back(&LuGre::new(law, 50.0, 1.0, 0.1).unwrap()),
+        format!(r#"{{"law":{coulomb},"stiffness":50.0,"damping":1.0,"viscous":0.1}}"#)
+    );
+    let text = there_and_back(&AnyContactLaw::from(
+        LuGre::new(law, 5.0, 1.0, 0.1).unwrap(),
+    ));
+    assert!(text.starts_with(r#"{"lugre":{"law":"#), "{text}");
+    // What may be left out.
+    let read: LuGre<Coulomb> =
+        serde_json::from_str(&format!(r#"{{"law":{coulomb},"stiffness":50}}"#)).unwrap();
+    assert_eq!(read, LuGre::new(law, 50.0, 0.0, 0.0).unwrap());
+}
+
+#[test]
+fn reading_contact_laws_checks_what_constructors_check() {
+    let law = r#""law":{"static_coefficient":0.5,"kinetic_coefficient":0.3}"#;
+    let dwell = |form: &str, rest: &str| format!(r#"{{"{form}":{{{law},{rest}}}}}"#);
+    for form in ["exponential", "hyperbolic"] {
+        let text = dwell(form, r#""limit":0.4,"time":1"#);
+        refused::<Dwell<Coulomb>>(&text, "limit = 4e-1 is not allowed");
+        refused::<Dwell<Coulomb>>(&dwell(form, r#""limit":0.6,"time":0"#), "time");
+        refused::<Dwell<Coulomb>>(&dwell(form, r#""rate":0.6,"time":1"#), "unknown field");
+    }
+    refused::<Dwell<Coulomb>>(&dwell("logarithmic", r#""rate":-1,"time":1"#), "rate");
+    refused::<Dwell<Coulomb>>(&dwell("linear", r#""rate":1,"time":1"#), "unknown variant");
+    refused::<Dahl>(r#"{"coefficient":0,"stiffness":1}"#, "coefficient = 0");
+    refused::<Dahl>(r#"{"coefficient":1,"stiffness":-1}"#, "stiffness = -1");
+    refused::<Dahl>(
+        r#"{"coefficient":1,"stiffness":1,"damping":1}"#,
+        "unknown field",
+    );
+    let lugre = |rest: &str| format!(r#"{{{law},{rest}}}"#);
+    refused::<LuGre<Coulomb>>(&lugre(r#""stiffness":0"#), "stiffness");
+    refused::<LuGre<Coulomb>>(&lugre(r#""stiffness":1,"damping":-1"#), "damping");
+    refused::<LuGre<Coulomb>>(&lugre(r#""stiffness":1,"viscous":-1"#), "viscous");
+    refused::<LuGre<Coulomb>>(&lugre(r#""stiffness":1,"sigma2":1"#), "unknown field");
+    refused::<AnyContactLaw<Coulomb>>(r#"{"lu_gre":{}}"#, "unknown variant");
+}
+
+/// Structures whose contacts remember, with the events of their motions.
+#[test]
+fn structures_that_remember_there_and_back() {
+    for law in contact_laws() {
+        let contact = |i: usize| Contact::new(i, law.clone(), 1.0).map(|c| c.on_belt(0.1));
+        let blocks = Structure::new(&[1.0, 2.0])
+            .and_then(|s| s.with_ground_spring(0, 1.0)?.with_spring(0, 1, 1.0 / 3.0))
+            .and_then(|s| s.with_contact(contact(0)?)?.with_contact(contact(1)?))
+            .unwrap();
+        there_and_back(&blocks.contacts()[1]);
+        let text = there_and_back(&blocks);
+        let read: Structure<AnyContactLaw<AnyLaw>, 1> = serde_json::from_str(&text).unwrap();
+        let start = structure::State::new(&[0.3, 0.0], &[0.0, 0.1]).with_memory(&[0.0, 1e-5]);
+        there_and_back(&start);
+        let motion = blocks.simulate(start.clone(), 20.0).unwrap();
+        assert!(motion.events().len() > 2, "{text}");
+        there_and_back::<Vec<Event<structure::State>>>(&motion.events().to_vec());
+        assert_eq!(
+            read.simulate(start, 20.0).unwrap().events(),
+            motion.events()
+        );
+    }
 }
 
 #[test]
@@ -283,7 +383,8 @@ fn documents() -> Vec<(Value, Read)> {
     let motion = system.clone().unwrap();
     let motion = motion.simulate(State::new(0.0, 0.0), 20.0).unwrap();
     let memory = structure::State::new(&[0.1, 0.2], &[0.3, -0.4]).with_memory(&[1.5]);
-    vec![
+    let laws = contact_laws().into_iter().map(document);
+    laws.chain([
         document(Coulomb::new(0.4, 0.25).unwrap()),
         document(Exponential::new(0.4, 0.25, 0.5).unwrap()),
         document(polynomial),
@@ -298,7 +399,11 @@ fn documents() -> Vec<(Value, Read)> {
         document(State::new(0.1 + 0.2, -1.0 / 3.0)),
         document(memory),
         document(motion.events()[1]),
-    ]
+        document(LuGre::new(polynomial, 10.0, 1.0, 0.5).unwrap()),
+        document(Dahl::new(0.4, 10.0).unwrap()),
+        document(Dwell::exponential(polynomial, 0.6, 2.0).unwrap()),
+    ])
+    .collect()
 }
 
 type Read = fn(Value) -> Result<Value, String>;
@@ -326,6 +431,7 @@ fn whatever_is_read_is_complete_and_nothing_else() {
                 "damping",
                 "load",
                 "memory",
+                "viscous",
             ];
             let is_optional = optional.contains(&name.as_str())
                 || (name == "static_coefficient" && fields.contains_key("points"));

@@ -1,10 +1,11 @@
-//! The figures. `amplitude`, `errors`, `laws`, `motion` and `regimes` draw them; the other modules
+//! The figures. `amplitude`, `errors`, `laws`, `memory`, `motion` and `regimes` draw them; the other modules
 //! are for what they look like.
 
 mod amplitude;
 mod clip;
 mod errors;
 mod laws;
+mod memory;
 mod motion;
 mod plot;
 mod regimes;
@@ -18,7 +19,7 @@ pub(crate) use typeset::escape;
 type Draw = fn() -> Result<Figure>;
 
 /// Name of the file, and what draws it.
-pub(crate) const FIGURES: [(&str, Draw); 9] = [
+pub(crate) const FIGURES: [(&str, Draw); 11] = [
     ("fig2_polynomial_law", laws::polynomial),
     ("fig3_exponential_law", laws::exponential),
     ("fig4_pure_slip", motion::fig4),
@@ -28,4 +29,6 @@ pub(crate) const FIGURES: [(&str, Draw); 9] = [
     ("regimes", regimes::regimes),
     ("bistability", amplitude::bistability),
     ("errors", errors::errors),
+    ("dwell", memory::dwell),
+    ("lugre", memory::lugre),
 ];

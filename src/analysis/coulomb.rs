@@ -2,7 +2,9 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use super::dwell::{DwellOscillator, ExactCycle};
 use crate::belt::MassOnBelt;
+use crate::friction::memory::Dwell;
 use crate::friction::{Coulomb, FrictionLaw};
 use crate::numerics::bracket::root_between;
 use crate::state::State;
@@ -39,6 +41,17 @@ const SMALL: f64 = 1e-17;
 /// assert_eq!(tangential_slip(1.0), None);
 /// ```
 pub fn tangential_slip(damping: f64) -> Option<TangentialSlip> {
+    let theta = tangential_angle(damping)?;
+    let frequency = ((1.0 - damping) * (1.0 + damping)).sqrt();
+    let duration = (2.0 * PI - theta) / frequency;
+    Some(TangentialSlip {
+        duration,
+        velocity_factor: frequency * (-damping * duration).exp() / theta.sin(),
+    })
+}
+
+/// 2π − ω_d s of that slip phase.
+pub(super) fn tangential_angle(damping: f64) -> Option<f64> {
     if !(damping > 0.0 && damping < 1.0) {
         return None;
     }
@@ -52,16 +65,10 @@ pub fn tangential_slip(damping: f64) -> Option<TangentialSlip> {
         // At the far end rounding may make the argument negative; `max` replaces NaN and −∞.
         Ok((ratio * (2.0 * PI - theta) + logarithm).max(-f64::MAX))
     };
-    let theta = if damping < SMALL {
-        (4.0 * PI).sqrt() * damping.sqrt()
-    } else {
-        root_between(&mut residual, 0.0, FRAC_PI_2 + damping.asin()).ok()?
-    };
-    let duration = (2.0 * PI - theta) / frequency;
-    Some(TangentialSlip {
-        duration,
-        velocity_factor: frequency * (-damping * duration).exp() / theta.sin(),
-    })
+    if damping < SMALL {
+        return Some((4.0 * PI).sqrt() * damping.sqrt());
+    }
+    root_between(&mut residual, 0.0, FRAC_PI_2 + damping.asin()).ok()
 }
 
 /// Belt velocity γ²(μ_s − μ_k)Λ(β) up to which there is a stick-slip cycle: one exists for
@@ -160,6 +167,47 @@ pub fn quiet_velocity(system: &MassOnBelt<Coulomb>) -> f64 {
     } else {
         largest_stick_slip_velocity(system)
     }
+}
+
+/// The stick-slip cycle, with or without damping. Exact; the damping needs one root.
+///
+/// Without damping, in dimensionless form with F = γ²(μ_s − μ_k):
+///
+/// ```text
+/// stick 2F/v_b,   slip 2(π − atan(F/v_b)),   max |v − v_b| = v_b + √(v_b² + F²)
+/// ```
+///
+/// `None` if there is none: at v_b = 0, for μ_s = μ_k, for β ≥ 1, and where |v_b| is
+/// [`largest_stick_slip_velocity`] or more. The multiplier is 0.
+///
+/// Source: the exact solution of both phases, which are linear for this law.
+///
+/// ```
+/// use stick_slip::analysis::coulomb::stick_slip;
+/// use stick_slip::{Coulomb, MassOnBelt, limit_cycle};
+///
+/// let system = MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.1)?;
+/// let cycle = stick_slip(&system).ok_or("no stick-slip")?;
+/// assert_eq!(cycle.stick_duration, 2.0 * (0.4 - 0.25) / 0.1);
+/// assert!((cycle.max_sliding_speed - (0.1 + 0.0325_f64.sqrt())).abs() < 1e-16);
+///
+/// let damped = system.with_damping(0.05)?;
+/// let formula = stick_slip(&damped).ok_or("no stick-slip")?;
+/// let followed = limit_cycle::stick_slip(&damped)?.ok_or("no stick-slip")?;
+/// assert!((formula.period() - followed.period()).abs() < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn stick_slip(system: &MassOnBelt<Coulomb>) -> Option<ExactCycle> {
+    let law = system.law();
+    let without_rise = Dwell::logarithmic(*law, 0.0, 1.0).ok()?;
+    let oscillator = DwellOscillator {
+        law: without_rise,
+        mass: 1.0,
+        stiffness: 1.0,
+        damping: 2.0 * system.damping(),
+        load: system.load(),
+    };
+    oscillator.stick_slip(system.belt_velocity())
 }
 
 fn force_jump(system: &MassOnBelt<Coulomb>) -> f64 {

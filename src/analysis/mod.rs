@@ -17,6 +17,8 @@
 //! | closed forms for one law alone | [`coulomb`], [`exponential`], [`polynomial`] |
 //! | a harmonic force on a mass with dry friction: amplitude, and when it stops | [`forced`] |
 //! | a belt that oscillates, as a force | [`oscillating_belt`] |
+//! | static friction that rises at rest: cycles, when they exist | [`dwell`] |
+//! | bristles: steady sliding, the vibration of a mass they hold, passivity | [`lugre`] |
 //! | friction under fast vibration | [`fast_vibration`] |
 //! | flutter by mode coupling | [`mode_coupling`] |
 //! | two inertias on a shaft, with friction at one | [`drill_string`] |
@@ -62,14 +64,17 @@ pub mod averaging;
 pub mod coulomb;
 pub mod design;
 pub mod drill_string;
+pub mod dwell;
 pub mod exponential;
 pub mod fast_vibration;
 pub mod forced;
+pub mod lugre;
 pub mod mode_coupling;
 pub mod oscillating_belt;
 pub mod polynomial;
 mod pure_slip;
 mod regime;
+mod slip_arc;
 mod stick_slip;
 mod transient;
 

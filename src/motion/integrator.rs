@@ -132,7 +132,8 @@ impl Integrator {
     ///   [`Error::NotAnalytic`], [`Error::StepUnderflow`], [`Error::TooManySteps`] or
     ///   [`Error::TooManyEvents`], with the time and state reached;
     /// * for a [`Structure`](crate::Structure) also [`Error::WrongSize`], if `start` does not have
-    ///   its size, and [`Error::Separation`].
+    ///   its size; [`Error::InvalidParameter`], if a number of its memory is not finite or makes a
+    ///   static coefficient negative; and [`Error::Separation`].
     pub fn simulate<S: System>(
         self,
         system: &S,

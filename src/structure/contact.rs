@@ -52,8 +52,8 @@ impl<const Z: usize, L: ContactLaw<Z>> Contact<L, Z> {
     ///
     /// # Errors
     ///
-    /// * [`Error::InvalidParameter`] if the load is not finite, or a constant ≤ 0, and if μ_s is
-    ///   negative or not finite;
+    /// * [`Error::InvalidParameter`] if the load is not finite, or a constant ≤ 0, if μ_s is
+    ///   negative or not finite, and if a law breaks one of the rules of [`ContactLaw`];
     /// * the errors of [`MassOnBelt::new`](crate::MassOnBelt::new) that a law can cause.
     pub fn new(coordinate: usize, law: L, load: impl Into<Drive>) -> Result<Self, Error> {
         validate(&law)?;

@@ -58,6 +58,16 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Flow<'s, L, Z> {
         for &value in &start.memory {
             Error::check("memory", value, true, "any size")?;
         }
+        if remembered > 0 {
+            let memories = start.memory.chunks_exact(Z.max(1));
+            for (contact, memory) in structure.contacts().iter().zip(memories) {
+                let memory = std::array::from_fn(|j| memory[j]);
+                if let Some(limit) = contact.law().limit(0.0, memory) {
+                    let allowed = "a memory at the start with which static_coefficient ≥ 0";
+                    Error::check("static_coefficient", limit, limit >= 0.0, allowed)?;
+                }
+            }
+        }
         let run = Run::new(settings);
         let (engine, first) = Engine::start(structure, settings.tolerance(), run.clock, start)?;
         Ok(Self {

@@ -1,7 +1,7 @@
 //! Several masses, drives in time, several contacts.
 //!
 //! `data/driven_trajectories.json`, `data/structure_trajectories.json`,
-//! `data/dwell_trajectories.json`, `data/bristle_trajectories.json` and
+//! `data/dwell_trajectories.json`, `data/dwell_cycles.json`, `data/bristle_trajectories.json` and
 //! `data/structure_bifurcations.json` come from a Taylor integration in 220-bit arithmetic, checked
 //! against a Runge-Kutta method; the field `header` of each file explains the others.
 
@@ -13,6 +13,7 @@ mod closed_forms;
 mod formulas;
 mod identities;
 mod memory;
+mod memory_formulas;
 mod names;
 mod plain;
 mod random;

@@ -198,6 +198,245 @@ fn bad_parameters_are_refused() {
         LuGre::new(Coulomb::new(0.4, 0.0).unwrap(), 1.0, 0.0, 0.0).map(drop),
         "coefficient",
     );
+    for bad in [f64::NAN, f64::INFINITY, -0.4, 0.0] {
+        refused(Dahl::new(bad, 1.0).map(drop), "coefficient");
+    }
+}
+
+/// A law that can be spoilt in one place.
+#[derive(Clone, Copy)]
+struct Spoilt {
+    limit: Option<f64>,
+    /// Forward and backward.
+    coefficients: [f64; 2],
+    /// In stick, forward and backward.
+    rates: [f64; 3],
+    /// By how much the law jumps at speed 1, backward.
+    jump: f64,
+}
+
+impl ContactLaw<1> for Spoilt {
+    fn coefficient<S: Scalar>(&self, slip: Slip<S>, _: [S; 1]) -> S {
+        let backward = slip.direction < 0.0;
+        let jump = if backward && slip.piece > 0 {
+            self.jump
+        } else {
+            0.0
+        };
+        slip.speed
+            .constant(self.coefficients[usize::from(backward)] + jump)
+    }
+    fn limit<S: Scalar>(&self, zero: S, _: [S; 1]) -> Option<S> {
+        self.limit.map(|limit| zero.constant(limit))
+    }
+    fn rates<S: Scalar>(&self, motion: Motion<S>, [z]: [S; 1]) -> [S; 1] {
+        [z.constant(match motion {
+            Motion::Stick => self.rates[0],
+            Motion::Slip(slip) => self.rates[1 + usize::from(slip.direction < 0.0)],
+        })]
+    }
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        std::iter::once(1.0)
+    }
+    fn caught(&self, memory: [f64; 1]) -> [f64; 1] {
+        memory
+    }
+}
+
+#[test]
+fn contact_laws_are_checked_in_both_directions() {
+    let good = Spoilt {
+        limit: Some(0.4),
+        coefficients: [0.3, -0.4],
+        rates: [0.0; 3],
+        jump: 0.0,
+    };
+    let made = |law: Spoilt| Contact::new(0, law, 1.0).map(drop);
+    assert_eq!(made(good), Ok(()));
+    let refused = |law: Spoilt, expected: &str| match made(law) {
+        Err(Error::InvalidParameter { name, .. }) => assert_eq!(name, expected),
+        other => panic!("{other:?}"),
+    };
+    for bad in [f64::NAN, f64::INFINITY, -0.1] {
+        refused(
+            Spoilt {
+                limit: Some(bad),
+                ..good
+            },
+            "static_coefficient",
+        );
+    }
+    for (coefficients, kinetic) in [([0.41, -0.3], 0.41), ([0.3, -0.41], 0.41)] {
+        let expected = Error::StaticBelowKinetic {
+            static_coefficient: 0.4,
+            kinetic_coefficient: kinetic,
+        };
+        assert_eq!(
+            made(Spoilt {
+                coefficients,
+                ..good
+            }),
+            Err(expected)
+        );
+    }
+    for coefficients in [
+        [0.3, f64::NAN],
+        [f64::INFINITY, -0.3],
+        [0.3, f64::NEG_INFINITY],
+    ] {
+        let result = made(Spoilt {
+            coefficients,
+            ..good
+        });
+        assert!(
+            matches!(result, Err(Error::NonFiniteFriction { speed: 0.0, .. })),
+            "{result:?}"
+        );
+    }
+    // The sign of the direction was forgotten.
+    let name = "coefficient backward at speed 0";
+    refused(
+        Spoilt {
+            coefficients: [0.3, 0.3],
+            ..good
+        },
+        name,
+    );
+    refused(
+        Spoilt {
+            coefficients: [-0.3, -0.3],
+            ..good
+        },
+        name,
+    );
+    // One that never sticks may not jump at r = 0.
+    let never = Spoilt {
+        limit: None,
+        ..good
+    };
+    refused(never, name);
+    assert_eq!(
+        made(Spoilt {
+            coefficients: [0.0; 2],
+            ..never
+        }),
+        Ok(())
+    );
+    assert_eq!(
+        made(Spoilt {
+            coefficients: [0.1; 2],
+            ..never
+        }),
+        Ok(())
+    );
+    for i in 0..3 {
+        for bad in [f64::NAN, f64::INFINITY] {
+            let mut rates = [0.0; 3];
+            rates[i] = bad;
+            refused(Spoilt { rates, ..good }, "rate");
+        }
+    }
+    let broken = Err(Error::BadBreakpoints {
+        index: 0,
+        value: 1.0,
+    });
+    assert_eq!(made(Spoilt { jump: 1e-6, ..good }), broken);
+    assert_eq!(
+        made(Spoilt {
+            jump: f64::NAN,
+            ..good
+        }),
+        broken
+    );
+}
+
+/// A law whose static coefficient is below its kinetic one is refused where the contact is made,
+/// wherever it is wrapped.
+#[test]
+fn limits_below_the_kinetic_coefficient_are_refused() {
+    let law = || Raised {
+        law: Coulomb::new(0.4, 0.4).unwrap().into(),
+        static_coefficient: 0.3,
+    };
+    let expected = Err(Error::StaticBelowKinetic {
+        static_coefficient: 0.3,
+        kinetic_coefficient: 0.4,
+    });
+    let dwell = Dwell::exponential(law(), 0.6, 1.0).unwrap();
+    assert_eq!(Contact::new(0, dwell.clone(), 1.0).map(drop), expected);
+    let any: AnyContactLaw<Raised> = dwell.into();
+    assert_eq!(Contact::new(0, any, 1.0).map(drop), expected);
+    assert_eq!(
+        Contact::new(0, AnyContactLaw::Dry(law()), 1.0).map(drop),
+        expected
+    );
+    // Bristles have no static coefficient.
+    assert!(Contact::new(0, LuGre::new(law(), 10.0, 0.0, 0.0).unwrap(), 1.0).is_ok());
+}
+
+#[test]
+fn memories_at_the_start_are_checked() {
+    let law = Dwell::hyperbolic(Coulomb::new(0.4, 0.3).unwrap(), 0.6, 2.0).unwrap();
+    let block = Structure::new(&[1.0])
+        .and_then(|s| s.with_contact(Contact::new(0, law, 1.0)?))
+        .unwrap();
+    let result = |memory: &[f64]| {
+        let start = State::new(&[0.0], &[1.0]).with_memory(memory);
+        block.simulate(start, 1.0).map(drop)
+    };
+    assert_eq!(result(&[]), Ok(()));
+    assert_eq!(result(&[0.7]), Ok(()));
+    for (bad, expected) in [
+        (f64::NAN, "memory"),
+        (f64::INFINITY, "memory"),
+        // A clock before its beginning.
+        (-2.0, "static_coefficient"),
+        (-1.9, "static_coefficient"),
+    ] {
+        match result(&[bad]) {
+            Err(Error::InvalidParameter { name, .. }) => assert_eq!(name, expected),
+            other => panic!("{bad}: {other:?}"),
+        }
+    }
+    assert!(matches!(
+        result(&[0.0, 0.0]),
+        Err(Error::WrongSize { name: "memory", .. })
+    ));
+}
+
+/// A memory that becomes infinite at time 1.
+struct Exploding;
+
+impl ContactLaw<1> for Exploding {
+    fn coefficient<S: Scalar>(&self, slip: Slip<S>, [z]: [S; 1]) -> S {
+        z.constant(0.1 * slip.direction)
+    }
+    fn limit<S: Scalar>(&self, zero: S, _: [S; 1]) -> Option<S> {
+        Some(zero.constant(0.1))
+    }
+    fn rates<S: Scalar>(&self, _: Motion<S>, [z]: [S; 1]) -> [S; 1] {
+        [z.square()]
+    }
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        std::iter::empty()
+    }
+    fn caught(&self, memory: [f64; 1]) -> [f64; 1] {
+        memory
+    }
+}
+
+#[test]
+fn memories_that_fail_end_the_motion() {
+    let block = Structure::new(&[1.0])
+        .and_then(|s| s.with_contact(Contact::new(0, Exploding, 1.0)?))
+        .unwrap();
+    let start = State::new(&[0.0], &[1.0]).with_memory(&[1.0]);
+    match block.simulate(start, 2.0) {
+        Err(Error::StepUnderflow { reached, .. } | Error::TooManySteps { reached, .. }) => {
+            assert!((reached.time - 1.0).abs() < 1e-10, "{reached}");
+        }
+        other => panic!("{other:?}"),
+    }
 }
 
 /// Canudas de Wit et al. 1995, Table I: m = 1, pulled over the ground by a spring of stiffness 2

@@ -18,6 +18,15 @@ use crate::scalar::Scalar;
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "lowercase"),
+    serde(bound(
+        serialize = "L: Clone + serde::Serialize",
+        deserialize = "L: FrictionLaw + serde::Deserialize<'de>"
+    ))
+)]
 #[non_exhaustive]
 pub enum AnyContactLaw<L> {
     /// No memory.

@@ -34,6 +34,12 @@ use crate::scalar::Scalar;
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "super::read::LuGre<L>"),
+    serde(bound(deserialize = "L: FrictionLaw + serde::Deserialize<'de>"))
+)]
 pub struct LuGre<L> {
     law: L,
     stiffness: f64,
@@ -43,6 +49,10 @@ pub struct LuGre<L> {
 
 impl<L: FrictionLaw> LuGre<L> {
     /// Bristles of stiffness σ0 and damping σ1, viscous friction σ2.
+    ///
+    /// With more σ1 than σ2 allows, the contact can give energy to the mass. That is not refused;
+    /// [`analysis::lugre::passive_viscosity`](crate::analysis::lugre::passive_viscosity) gives the
+    /// least σ2 at which it cannot.
     ///
     /// # Errors
     ///
@@ -64,6 +74,21 @@ impl<L: FrictionLaw> LuGre<L> {
     /// The law g.
     pub fn law(&self) -> &L {
         &self.law
+    }
+
+    /// Stiffness σ0 of the bristles, per unit of length.
+    pub fn stiffness(&self) -> f64 {
+        self.stiffness
+    }
+
+    /// Damping σ1 of the bristles, in units of time per length.
+    pub fn damping(&self) -> f64 {
+        self.damping
+    }
+
+    /// Viscous friction σ2, in units of time per length.
+    pub fn viscous(&self) -> f64 {
+        self.viscous
     }
 
     /// z'.
@@ -124,6 +149,11 @@ impl<L: FrictionLaw> ContactLaw<1> for LuGre<L> {
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(into = "super::read::Dahl", try_from = "super::read::Dahl")
+)]
 pub struct Dahl(LuGre<Coulomb>);
 
 impl Dahl {
@@ -133,8 +163,24 @@ impl Dahl {
     ///
     /// [`Error::InvalidParameter`] unless g > 0 and σ0 > 0, both finite.
     pub fn new(coefficient: f64, stiffness: f64) -> Result<Self, Error> {
+        Error::check(
+            "coefficient",
+            coefficient,
+            coefficient > 0.0,
+            "coefficient > 0",
+        )?;
         let law = Coulomb::new(coefficient, coefficient)?;
         Ok(Self(LuGre::new(law, stiffness, 0.0, 0.0)?))
+    }
+
+    /// Coefficient g of steady sliding, dimensionless.
+    pub fn kinetic_coefficient(&self) -> f64 {
+        self.0.law().kinetic_coefficient()
+    }
+
+    /// Stiffness σ0 of the bristles, per unit of length.
+    pub fn stiffness(&self) -> f64 {
+        self.0.stiffness()
     }
 }
 

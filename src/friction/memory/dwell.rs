@@ -15,6 +15,7 @@ use crate::scalar::Scalar;
 /// [`Stick`](crate::EventKind::Stick); the state of a release shows its value just before. A start
 /// in stick may set it. μ_0 is the static coefficient of the law inside, which also gives the
 /// kinetic one. Coefficients are dimensionless, times in the units of the structure.
+/// [`analysis::dwell`](crate::analysis::dwell) has closed forms for one mass on a belt.
 ///
 /// Source: B. Armstrong-Hélouvry, *Control of Machines with Friction*, Kluwer 1991 (hyperbolic);
 /// J. H. Dieterich, *J. Geophys. Res.* 84 (1979) 2161-2168 (logarithmic).
@@ -34,16 +35,25 @@ use crate::scalar::Scalar;
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(into = "super::read::Dwell<L>", try_from = "super::read::Dwell<L>"),
+    serde(bound(
+        serialize = "L: Clone + serde::Serialize",
+        deserialize = "L: FrictionLaw + serde::Deserialize<'de>"
+    ))
+)]
 pub struct Dwell<L> {
-    law: L,
-    form: Form,
+    pub(super) law: L,
+    pub(super) form: Form,
     /// θ_c.
-    time: f64,
+    pub(super) time: f64,
 }
 
-/// With the rise that is reached at last, or B.
+/// With μ_∞, or B.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Form {
+pub(super) enum Form {
     Exponential(f64),
     Hyperbolic(f64),
     Logarithmic(f64),
@@ -57,8 +67,8 @@ impl<L: FrictionLaw> Dwell<L> {
     /// [`Error::InvalidParameter`] unless μ_∞ is finite and at least the law's static coefficient,
     /// and θ_c is positive and finite.
     pub fn exponential(law: L, limit: f64, time: f64) -> Result<Self, Error> {
-        let rise = rise_to(&law, limit)?;
-        Self::new(law, Form::Exponential(rise), time)
+        check_limit(&law, limit)?;
+        Self::new(law, Form::Exponential(limit), time)
     }
 
     /// Rises to the limit μ_∞, half of it after θ_c.
@@ -67,8 +77,8 @@ impl<L: FrictionLaw> Dwell<L> {
     ///
     /// As for [`exponential`](Self::exponential).
     pub fn hyperbolic(law: L, limit: f64, time: f64) -> Result<Self, Error> {
-        let rise = rise_to(&law, limit)?;
-        Self::new(law, Form::Hyperbolic(rise), time)
+        check_limit(&law, limit)?;
+        Self::new(law, Form::Hyperbolic(limit), time)
     }
 
     /// Rises by B for each factor e of time, without a limit.
@@ -90,14 +100,57 @@ impl<L: FrictionLaw> Dwell<L> {
     pub fn law(&self) -> &L {
         &self.law
     }
+
+    /// Static coefficient μ_s(θ) after a time θ ≥ 0 at rest, dimensionless.
+    ///
+    /// ```
+    /// use stick_slip::{Coulomb, Dwell};
+    ///
+    /// let law = Dwell::hyperbolic(Coulomb::new(0.4, 0.3)?, 0.6, 2.0)?;
+    /// assert_eq!(law.static_coefficient(0.0), 0.4);
+    /// assert_eq!(law.static_coefficient(2.0), 0.5);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn static_coefficient(&self, rest: f64) -> f64 {
+        self.law.static_coefficient() + self.rise(rest)[0]
+    }
+
+    /// Rate dμ_s/dθ after a time θ ≥ 0 at rest, per unit of time.
+    ///
+    /// ```
+    /// use stick_slip::{Coulomb, Dwell};
+    ///
+    /// // B/(θ + θ_c)
+    /// let law = Dwell::logarithmic(Coulomb::new(0.4, 0.3)?, 0.1, 2.0)?;
+    /// assert_eq!(law.static_rate(2.0), 0.025);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn static_rate(&self, rest: f64) -> f64 {
+        self.rise(rest)[1]
+    }
+
+    /// μ_s(θ) − μ_0, exact for small θ too, and its rate.
+    pub(crate) fn rise(&self, rest: f64) -> [f64; 2] {
+        let theta = rest / self.time;
+        let [rise, slope] = match self.form {
+            Form::Exponential(limit) => {
+                let largest = limit - self.law.static_coefficient();
+                [-(-theta).exp_m1() * largest, (-theta).exp() * largest]
+            }
+            Form::Hyperbolic(limit) => {
+                let part = (limit - self.law.static_coefficient()) / (theta + 1.0);
+                [theta * part, part / (theta + 1.0)]
+            }
+            Form::Logarithmic(rate) => [theta.ln_1p() * rate, rate / (theta + 1.0)],
+        };
+        [rise, slope / self.time]
+    }
 }
 
-/// μ_∞ − μ_0.
-fn rise_to(law: &impl FrictionLaw, limit: f64) -> Result<f64, Error> {
-    let rise = limit - law.static_coefficient();
+fn check_limit(law: &impl FrictionLaw, limit: f64) -> Result<(), Error> {
+    let is_reached = limit >= law.static_coefficient();
     let allowed = "limit ≥ static coefficient of the law";
-    Error::check("limit", limit, rise >= 0.0, allowed)?;
-    Ok(rise)
+    Error::check("limit", limit, is_reached, allowed).map(drop)
 }
 
 impl<L: FrictionLaw> ContactLaw<1> for Dwell<L> {
@@ -109,12 +162,13 @@ impl<L: FrictionLaw> ContactLaw<1> for Dwell<L> {
     #[inline]
     fn limit<S: Scalar>(&self, _: S, [rest]: [S; 1]) -> Option<S> {
         let theta = rest / self.time;
+        let first = self.law.static_coefficient();
         let risen = match self.form {
-            Form::Exponential(rise) => ((-theta).exp() - 1.0) * -rise,
-            Form::Hyperbolic(rise) => theta / (theta + 1.0) * rise,
+            Form::Exponential(limit) => ((-theta).exp() - 1.0) * (first - limit),
+            Form::Hyperbolic(limit) => theta / (theta + 1.0) * (limit - first),
             Form::Logarithmic(rate) => (theta + 1.0).ln() * rate,
         };
-        Some(risen + self.law.static_coefficient())
+        Some(risen + first)
     }
 
     #[inline(always)]

@@ -1,9 +1,20 @@
 //! Contact laws: friction that may depend on more than the sliding speed.
+//!
+//! | file | what is in it |
+//! |---|---|
+//! | `mod.rs` | [`ContactLaw`], the trait of every contact law, and what a law is told |
+//! | `dwell.rs` | static friction that rises at rest |
+//! | `bristle.rs` | LuGre's and Dahl's bristles |
+//! | `any.rs` | a contact law chosen at run time |
+//! | `check.rs` | checks of a law before it is used |
+//! | `read.rs` | how these laws are written and read (feature `serde`) |
 
 mod any;
 mod bristle;
 mod check;
 mod dwell;
+#[cfg(feature = "serde")]
+mod read;
 
 pub use any::AnyContactLaw;
 pub use bristle::{Dahl, LuGre};
@@ -14,6 +25,15 @@ use crate::friction::FrictionLaw;
 use crate::scalar::Scalar;
 
 /// Sliding of a contact: what its law is told while it slips.
+///
+/// ```
+/// use stick_slip::{ContactLaw, Coulomb, Slip};
+///
+/// let backward = Slip { speed: 0.1, direction: -1.0, piece: 0 };
+/// assert_eq!(backward.velocity(), -0.1);
+/// assert_eq!(Coulomb::new(0.4, 0.25)?.coefficient(backward, []), -0.25);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Slip<S> {
     /// Sliding speed s = |r| ≥ 0, the size of the relative velocity.
@@ -34,6 +54,18 @@ impl<S: Scalar> Slip<S> {
 }
 
 /// State of motion of a contact, stick or slip, as its law is told.
+///
+/// ```
+/// use stick_slip::{ContactLaw, Coulomb, Dahl, Dwell, Motion, Slip};
+///
+/// // The clock of rest runs in stick alone; bristles bend in slip alone.
+/// let clock = Dwell::hyperbolic(Coulomb::new(0.4, 0.3)?, 0.6, 2.0)?;
+/// let bristles = Dahl::new(0.4, 50.0)?;
+/// let slip = Motion::Slip(Slip { speed: 0.1, direction: -1.0, piece: 0 });
+/// assert_eq!((clock.rates(Motion::Stick, [0.0]), clock.rates(slip, [0.0])), ([1.0], [0.0]));
+/// assert_eq!((bristles.rates(Motion::Stick, [0.0]), bristles.rates(slip, [0.0])), ([0.0], [-0.1]));
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub enum Motion<S> {
     /// The surfaces move together.
@@ -54,6 +86,46 @@ pub enum Motion<S> {
 ///
 /// The functions are generic over the number type, by the rules of [`Scalar`]; the law may branch
 /// on the direction of slip and on the base values.
+///
+/// [`Contact::new`](crate::Contact::new) checks, in both directions and with a memory of zeros,
+/// that μ_s is not below |μ| at speed 0, that friction opposes slip there, and that the law is
+/// continuous: at its breakpoints, and at r = 0 if it never sticks.
+///
+/// ```
+/// use stick_slip::{Contact, ContactLaw, Motion, Scalar, Slip, Structure, structure::State};
+///
+/// /// A surface that is run in: over the distance slid, z, μ comes from 0.5 to 0.3.
+/// struct RunIn;
+///
+/// impl ContactLaw<1> for RunIn {
+///     fn coefficient<S: Scalar>(&self, slip: Slip<S>, [z]: [S; 1]) -> S {
+///         ((-z).exp() * 0.2 + 0.3) * slip.direction
+///     }
+///     fn limit<S: Scalar>(&self, _: S, [z]: [S; 1]) -> Option<S> {
+///         Some((-z).exp() * 0.2 + 0.3)
+///     }
+///     fn rates<S: Scalar>(&self, motion: Motion<S>, [z]: [S; 1]) -> [S; 1] {
+///         match motion {
+///             Motion::Stick => [z.constant(0.0)],
+///             Motion::Slip(slip) => [slip.speed],
+///         }
+///     }
+///     fn breakpoints(&self) -> impl Iterator<Item = f64> {
+///         std::iter::empty()
+///     }
+///     fn caught(&self, memory: [f64; 1]) -> [f64; 1] {
+///         memory
+///     }
+/// }
+///
+/// let block = Structure::new(&[1.0])?.with_contact(Contact::new(0, RunIn, 1.0)?)?;
+/// let motion = block.simulate(State::new(&[0.0], &[2.0]), 10.0)?;
+/// // It comes to rest where friction has done the work v²/2.
+/// let way = motion.last().displacements[0];
+/// assert!((0.2 * (1.0 - (-way).exp()) + 0.3 * way - 2.0).abs() < 1e-14);
+/// assert!((motion.last().memory[0] - way).abs() < 1e-14);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
 pub trait ContactLaw<const Z: usize>: Sized {
     /// Friction coefficient μ(r, z), dimensionless. The friction force on the mass is −N·μ, so the
     /// coefficient is positive where that force is negative.

@@ -1,0 +1,106 @@
+//! Static friction that rises while surfaces are at rest: stick-slip dies as the belt gets faster.
+//!
+//! What to learn from it:
+//!
+//! * `Dwell` makes any friction law one whose static coefficient rises at rest; its one memory
+//!   variable, the time stuck, is in the state of each event;
+//! * without damping the amplitude falls in a straight line (hyperbolic form) or a curve to nothing
+//!   at Gao's critical velocity; there are closed forms for it, and the motion meets them;
+//! * with damping stick-slip dies at a fold, with a finite amplitude. Just below it, it depends on
+//!   the start whether the mass sticks at all.
+//!
+//! Run it with `cargo run --release --example rising_static_friction`.
+
+use stick_slip::analysis::dwell::DwellOscillator;
+use stick_slip::structure::State;
+use stick_slip::{Contact, Coulomb, Dwell, Error, EventKind, Structure};
+
+/// m = k = N = 1, μ_k = 0.3; static friction rises from there.
+fn oscillator(law: Dwell<Coulomb>, damping: f64) -> DwellOscillator {
+    DwellOscillator {
+        law,
+        mass: 1.0,
+        stiffness: 1.0,
+        damping,
+        load: 1.0,
+    }
+}
+
+fn block(of: &DwellOscillator, velocity: f64) -> Result<Structure<Dwell<Coulomb>, 1>, Error> {
+    Structure::new(&[of.mass])?
+        .with_ground_spring(0, of.stiffness)?
+        .with_ground_damper(0, of.damping)?
+        .with_contact(Contact::new(0, of.law, of.load)?.on_belt(velocity))
+}
+
+/// How long the mass sticks each time, at last; `None` if it does not.
+fn stuck(of: &DwellOscillator, velocity: f64, start: f64) -> Result<Option<f64>, Error> {
+    let duration = 2000.0;
+    let start = State::new(&[start], &[velocity]);
+    let motion = block(of, velocity)?.simulate(start, duration)?;
+    let mut events = motion.events().iter().rev();
+    let last = events.find(|event| matches!(event.kind, EventKind::Release(_)));
+    let last = last.filter(|event| event.time > duration - 100.0);
+    Ok(last.map(|event| event.state.memory[0]))
+}
+
+fn main() -> Result<(), Error> {
+    let law = Coulomb::new(0.3, 0.3)?;
+    let forms = [
+        ("hyperbolic", Dwell::hyperbolic(law, 0.6, 2.0)?),
+        ("exponential", Dwell::exponential(law, 0.6, 2.0)?),
+        ("logarithmic", Dwell::logarithmic(law, 0.05, 0.4)?),
+    ];
+
+    println!("without damping: amplitude, and how long the mass sticks, by formula and simulated");
+    for (name, law) in forms {
+        let of = oscillator(law, 0.0);
+        let critical = of.critical_velocity().unwrap_or(f64::NAN);
+        println!("  {name}, critical velocity {critical:.6}");
+        for part in [0.2, 0.4, 0.6, 0.8, 0.95, 1.05] {
+            let v = part * critical;
+            let simulated = stuck(&of, v, 1.0)?;
+            let Some(cycle) = of.stick_slip(v) else {
+                println!("    {v:8.5}  no stick-slip");
+                assert!(simulated.is_none_or(|theta| theta < 1e-4));
+                continue;
+            };
+            let (amplitude, theta) = (cycle.amplitude, cycle.stick_duration);
+            let simulated = simulated.unwrap_or(0.0);
+            println!("    {v:8.5}  {amplitude:.12}  {theta:16.12}  {simulated:16.12}");
+            assert!((simulated - theta).abs() < 1e-10 * (1.0 + theta));
+        }
+    }
+
+    println!("\nwith a damping ratio of 0.025");
+    println!("  form           unstable from   stick-slip up to   its amplitude there");
+    for (name, law) in forms {
+        let of = oscillator(law, 0.05);
+        let (Some(fold), Some(grazing)) = (of.fold(), of.grazing_velocity()) else {
+            continue;
+        };
+        let (velocity, amplitude) = (fold.belt_velocity, fold.amplitude);
+        println!("  {name:<12}  {grazing:14.12}    {velocity:14.12}   {amplitude:14.12}");
+        // From a large swing it goes on below the fold, and dies above.
+        assert!(stuck(&of, 0.999 * velocity, 1.0)?.is_some());
+        assert!(stuck(&of, 1.001 * velocity, 1.0)?.is_none());
+    }
+
+    // Both sides of the unstable cycle, at one belt velocity: where the mass is caught decides.
+    let of = oscillator(forms[1].1, 0.05);
+    if let Some(cycle) = of.unstable_stick_slip(0.165) {
+        let caught = cycle.contact_displacement;
+        println!("\nexponential form, v = 0.165: the unstable cycle is caught at {caught:.6}");
+        for (start, goes_on) in [(caught - 1e-3, true), (caught + 1e-3, false)] {
+            let motion = block(&of, 0.165)?.simulate(State::new(&[start], &[0.165]), 2000.0)?;
+            let sticks = motion
+                .events()
+                .iter()
+                .filter(|e| e.kind == EventKind::Stick);
+            let sticks = sticks.count();
+            println!("  caught at {start:.6} the mass sticks {sticks} times more");
+            assert_eq!(sticks > 100, goes_on);
+        }
+    }
+    Ok(())
+}

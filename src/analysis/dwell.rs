@@ -1,0 +1,279 @@
+//! Static friction that rises at rest, with constant kinetic friction: stick-slip cycles of one
+//! mass, when they exist, and when they are stable.
+//!
+//! A mass m on a spring k and a damper c, pressed by N on a belt of velocity v. With
+//! F_s(θ) = N μ_s(θ) and F_k = N μ_k, the return map without damping is
+//!
+//! ```text
+//! k v θ_{n+1} = [F_s(θ_n) − F_k] + [F_s(θ_{n+1}) − F_k]
+//! fixed point   F_s(θ*) − F_k = k v θ*/2
+//! multiplier    F_s'(θ*)/(kv − F_s'(θ*)),   stable if F_s'(θ*) < kv/2
+//! slip          (2/ω)(π − atan(ω θ*/2)),    ω = √(k/m)
+//! release       z* = v θ*/2 beyond F_k/k;   amplitude √(z*² + v²/ω²)
+//! ```
+//!
+//! F_s being concave, there is at most one such cycle, and it is stable. If static friction begins
+//! at F_s(0) = F_k, it exists for F_s'(0) > kv/2 (Gao's criterion), that is below
+//! **v_c = 2 F_s'(0)/k**. With ΔF = N(μ_∞ − μ_0), F_0 = N(μ_0 − μ_k) and B that of the law:
+//!
+//! | form | v_c for F_0 = 0 | θ* |
+//! |---|---|---|
+//! | hyperbolic | 2ΔF/(kθ_c) | 2ΔF/(kv) − θ_c for F_0 = 0; so z* = ΔF/k − vθ_c/2, linear in v |
+//! | exponential | 2ΔF/(kθ_c) | θ_c[a/q + W0(−e^{−a/q}/q)], q = kvθ_c/(2ΔF), a = 1 + F_0/ΔF |
+//! | logarithmic | 2NB/(kθ_c) | −θ_c[1 + W−1(−q e^{−q−a})/q], q = kvθ_c/(2NB), a = F_0/(NB) |
+//!
+//! W is Lambert's function. With damping the slip phase is a damped vibration. Each of its arcs
+//! belongs to one duration of stick and to one belt velocity, so that all cycles lie on a curve
+//! that is known in closed form. Along it the belt velocity has one maximum, the fold, at which a
+//! stable cycle and an unstable one meet. The unstable one exists down to the belt velocity at
+//! which its arc comes back to the belt tangentially: N(μ_s(θ) − μ_k)Λω/k, where ωθ = 1/Λ with Λ of
+//! [`coulomb::tangential_slip`](super::coulomb::tangential_slip).
+//!
+//! Source: C. Gao, D. Kuhlmann-Wilsdorf, D. D. Makel, *The dynamic analysis of stick-slip motion*,
+//! Wear 173 (1994) 1-12, for the criterion; the rest follows from the exact solution of both
+//! phases, which are linear.
+
+use super::coulomb::tangential_angle;
+pub use super::slip_arc::ExactCycle;
+use super::slip_arc::{Oscillator, SlipArc};
+use crate::error::Error;
+use crate::friction::memory::Dwell;
+use crate::friction::{Coulomb, FrictionLaw};
+use crate::numerics::bracket::root_between;
+
+/// A mass on a spring, a damper and a belt, with static friction that rises at rest and constant
+/// kinetic friction. Any consistent units.
+///
+/// ```
+/// use stick_slip::analysis::dwell::DwellOscillator;
+/// use stick_slip::{Coulomb, Dwell};
+///
+/// // ΔF = 0.5, θ_c = 2.
+/// let oscillator = DwellOscillator {
+///     law: Dwell::hyperbolic(Coulomb::new(0.5, 0.5)?, 1.0, 2.0)?,
+///     mass: 1.0,
+///     stiffness: 1.0,
+///     damping: 0.0,
+///     load: 1.0,
+/// };
+/// assert_eq!(oscillator.critical_velocity(), Some(0.5)); // 2ΔF/(kθ_c)
+/// let cycle = oscillator.stick_slip(0.2).ok_or("no stick-slip")?;
+/// assert!((cycle.stick_duration - 3.0).abs() < 1e-14); // 2ΔF/(kv) − θ_c
+/// assert!((cycle.slip_duration - 4.317597860685).abs() < 1e-12);
+/// assert!((cycle.release_displacement - 0.8).abs() < 1e-15); // F_k/k + ΔF/k − vθ_c/2
+/// assert_eq!(oscillator.stick_slip(0.6), None);
+///
+/// // Damping ends stick-slip at a fold; below it there is an unstable cycle, too.
+/// let damped = DwellOscillator { damping: 0.05, ..oscillator };
+/// let fold = damped.fold().ok_or("no fold")?;
+/// assert!((fold.multiplier - 1.0).abs() < 1e-8);
+/// let slower = 0.99 * fold.belt_velocity;
+/// let [one, other] = [damped.stick_slip(slower), damped.unstable_stick_slip(slower)];
+/// assert!(one.is_some_and(|cycle| cycle.is_stable()));
+/// assert!(other.is_some_and(|cycle| cycle.multiplier > 1.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DwellOscillator {
+    /// μ_s(θ) and μ_k.
+    pub law: Dwell<Coulomb>,
+    /// Mass m > 0.
+    pub mass: f64,
+    /// Stiffness k > 0.
+    pub stiffness: f64,
+    /// Damping constant c ≥ 0.
+    pub damping: f64,
+    /// Normal load N > 0.
+    pub load: f64,
+}
+
+/// Largest p that is looked at: beyond it mass and spring do not matter.
+const LARGEST: f64 = 1e150;
+
+impl DwellOscillator {
+    /// Belt velocity v_c = 2 F_s'(0)/k below which stick-slip exists without damping (Gao's
+    /// criterion). Exact.
+    ///
+    /// ∞ if μ_s(0) > μ_k. `None` if the oscillator is damped, for which see [`fold`](Self::fold),
+    /// or if a field is out of its range.
+    pub fn critical_velocity(&self) -> Option<f64> {
+        self.oscillator().filter(|of| of.damping == 0.0)?;
+        if self.jump() > 0.0 {
+            return Some(f64::INFINITY);
+        }
+        let [_, rate] = self.law.rise(0.0);
+        Some(2.0 * self.load * rate / self.stiffness)
+    }
+
+    /// The stable stick-slip cycle on a belt of velocity v; v < 0 gives its mirror image. Exact.
+    ///
+    /// `None` if there is none: at v = 0; where |v| is [`critical_velocity`](Self::critical_velocity)
+    /// or more without damping, or above the [`fold`](Self::fold) with damping; for c ≥ 2√(km); and
+    /// where static friction rises so far above the kinetic one that the mass swings past the belt
+    /// at the contact: there it must carry more than N μ_s(0) in the other direction. Also `None`
+    /// if a field is out of its range.
+    pub fn stick_slip(&self, velocity: f64) -> Option<ExactCycle> {
+        let of = self.oscillator()?;
+        let least = match self.fold_arc(&of) {
+            Some(fold) => fold,
+            None => tangential(&of),
+        };
+        let excess = |p: f64| self.excess(&of, velocity.abs(), p);
+        // `excess` is positive at `least` where there is a cycle, and negative for large p.
+        let mut low = least;
+        let mut high = least.max(1.0);
+        if least == 0.0 {
+            low = 1.0;
+            while excess(low) <= 0.0 {
+                (low, high) = (0.5 * low, low);
+                if low < f64::MIN_POSITIVE {
+                    return None;
+                }
+            }
+        }
+        while excess(high) > 0.0 {
+            (low, high) = (high, 2.0 * high);
+            if high > LARGEST {
+                return None;
+            }
+        }
+        self.cycle_between(&of, velocity, low, high)
+    }
+
+    /// The unstable stick-slip cycle on a belt of velocity v, which bounds the starts that lead to
+    /// the stable one: it exists between [`grazing_velocity`](Self::grazing_velocity) and the
+    /// [`fold`](Self::fold), with damping only. Exact. `None` as for
+    /// [`stick_slip`](Self::stick_slip).
+    pub fn unstable_stick_slip(&self, velocity: f64) -> Option<ExactCycle> {
+        let of = self.oscillator()?;
+        let fold = self.fold_arc(&of)?;
+        self.cycle_between(&of, velocity, tangential(&of), fold)
+    }
+
+    /// The cycle at the largest belt velocity of all, where the stable cycle and the unstable one
+    /// meet; its multiplier is 1, to the root of rounding. The belt velocity is exact.
+    ///
+    /// `None` without damping, where the stable cycle has no partner; if static friction does not
+    /// rise; and for c ≥ 2√(km).
+    pub fn fold(&self) -> Option<ExactCycle> {
+        let of = self.oscillator()?;
+        let p = self.fold_arc(&of)?;
+        self.cycle(&of, self.velocity(&of, p), p)
+    }
+
+    /// Belt velocity N(μ_s(θ) − μ_k)Λω/k, ωθ = 1/Λ, at which an arc comes back to the belt
+    /// tangentially: the unstable cycle begins there. Exact. `None` without damping, for
+    /// c ≥ 2√(km), and if a field is out of its range.
+    pub fn grazing_velocity(&self) -> Option<f64> {
+        let of = self.oscillator().filter(|of| of.damping > 0.0)?;
+        Some(self.velocity(&of, tangential(&of)))
+    }
+
+    fn oscillator(&self) -> Option<Oscillator> {
+        let &Self {
+            law,
+            mass,
+            stiffness,
+            damping,
+            load,
+        } = self;
+        let positive = [mass, stiffness, load]
+            .iter()
+            .all(|&x| x > 0.0 && x.is_finite());
+        let of = Oscillator {
+            frequency: (stiffness / mass).sqrt(),
+            damping: 0.5 * damping / (stiffness.sqrt() * mass.sqrt()),
+            stiffness,
+            kinetic: load * law.law().kinetic_coefficient(),
+        };
+        (positive && (0.0..1.0).contains(&of.damping)).then_some(of)
+    }
+
+    /// F_s(0) − F_k.
+    fn jump(&self) -> f64 {
+        let law = self.law.law();
+        self.load * (law.static_coefficient() - law.kinetic_coefficient())
+    }
+
+    /// F_s(θ) − F_k after the rest that belongs to an arc, and its rate.
+    fn risen(&self, of: &Oscillator, arc: &SlipArc) -> [f64; 2] {
+        let [rise, rate] = self.law.rise(arc.rest() / of.frequency);
+        [self.jump() + self.load * rise, self.load * rate]
+    }
+
+    /// The belt velocity of an arc.
+    fn velocity(&self, of: &Oscillator, p: f64) -> f64 {
+        let arc = SlipArc::new(of.damping, p);
+        self.risen(of, &arc)[0] / arc.start * of.frequency / of.stiffness
+    }
+
+    /// By how much friction has risen at the release, less what the spring of an arc needs.
+    fn excess(&self, of: &Oscillator, velocity: f64, p: f64) -> f64 {
+        let arc = SlipArc::new(of.damping, p);
+        self.risen(of, &arc)[0] * of.frequency - of.stiffness * velocity * arc.start
+    }
+
+    /// Where along the arcs the belt velocity is largest, if not at their end.
+    ///
+    /// F_s is concave in θ, and θ in the force at the release, so the belt velocity, their quotient,
+    /// has one maximum at most.
+    fn fold_arc(&self, of: &Oscillator) -> Option<f64> {
+        // The multiplier is 1.
+        let beyond = |p: f64| {
+            let arc = SlipArc::new(of.damping, p);
+            let [force, rate] = self.risen(of, &arc);
+            let held = force / arc.start * of.frequency;
+            rate * (arc.stretched_arrival() - arc.arrival) + held * arc.arrival
+        };
+        let first = tangential(of);
+        if first == 0.0 || beyond(first) >= 0.0 {
+            return None;
+        }
+        let (mut low, mut high) = (first, 2.0 * first);
+        while beyond(high) < 0.0 {
+            (low, high) = (high, 2.0 * high);
+            if high > LARGEST {
+                return None;
+            }
+        }
+        root_between(&mut |p| Ok(beyond(p)), low, high).ok()
+    }
+
+    fn cycle_between(
+        &self,
+        of: &Oscillator,
+        velocity: f64,
+        low: f64,
+        high: f64,
+    ) -> Option<ExactCycle> {
+        let speed = velocity.abs();
+        let mut excess = |p: f64| Ok::<f64, Error>(self.excess(of, speed, p));
+        let changes = excess(low).ok()? * excess(high).ok()? <= 0.0;
+        if !(changes && speed > 0.0) {
+            return None;
+        }
+        let p = root_between(&mut excess, low, high).ok()?;
+        let cycle = self.cycle(of, speed, p)?;
+        let side = velocity.signum();
+        Some(ExactCycle {
+            belt_velocity: velocity,
+            release_displacement: side * cycle.release_displacement,
+            contact_displacement: side * cycle.contact_displacement,
+            ..cycle
+        })
+    }
+
+    /// The cycle with an arc, if the mass sticks at its contact.
+    fn cycle(&self, of: &Oscillator, velocity: f64, p: f64) -> Option<ExactCycle> {
+        let arc = SlipArc::new(of.damping, p);
+        let carried = of.kinetic - of.stiffness * velocity / of.frequency * arc.arrival;
+        let sticks = -carried <= self.load * self.law.law().static_coefficient();
+        let [_, growth] = self.risen(of, &arc);
+        sticks.then(|| arc.cycle(of, velocity, growth))
+    }
+}
+
+/// The arc that comes back to the belt tangentially; 0 without damping.
+fn tangential(of: &Oscillator) -> f64 {
+    tangential_angle(of.damping).map_or(0.0, |angle| (0.5 * angle).tan())
+}

@@ -1,0 +1,154 @@
+//! Bristles of [`LuGre`]: steady sliding, the small vibration of a mass that they hold, and whether
+//! they can give energy to it.
+//!
+//! Source: C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, *IEEE Trans. Automatic
+//! Control* 40 (1995) 419-425, Eqs. 1-3; for passivity N. Barahanov, R. Ortega, *IEEE Trans.
+//! Automatic Control* 45 (2000) 830-832.
+
+use crate::error::Error;
+use crate::friction::memory::LuGre;
+use crate::friction::{AlongSlope, FrictionLaw};
+
+/// Steady sliding at a relative velocity r.
+///
+/// ```text
+/// z = sgn(r) g(|r|)/σ0,   μ = sgn(r) g(|r|) + σ2 r,   z' near it: ∂z'/∂r = |r| g'/g,  ∂z'/∂z = −σ0|r|/g
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SteadyBristles {
+    /// Deflection z, in units of length.
+    pub deflection: f64,
+    /// Friction coefficient μ, dimensionless.
+    pub coefficient: f64,
+    /// Rate σ0|r|/g at which a deviation of z dies out, per unit of time. Beside the rates of the
+    /// rest of a system it tells how stiff that is.
+    pub rate: f64,
+}
+
+/// Steady sliding at a relative velocity r of either sign. Exact. `None` for r = 0, where any
+/// deflection stays, and if r is not finite.
+///
+/// ```
+/// use stick_slip::analysis::lugre::steady_bristles;
+/// use stick_slip::{Coulomb, LuGre};
+///
+/// let law = LuGre::new(Coulomb::new(0.5, 0.4)?, 1e4, 10.0, 0.1)?;
+/// let steady = steady_bristles(&law, -0.2).ok_or("at rest")?;
+/// assert_eq!(steady.deflection, -0.4 / 1e4);
+/// assert_eq!(steady.coefficient, -0.4 - 0.1 * 0.2);
+/// assert_eq!(steady.rate, 1e4 * 0.2 / 0.4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn steady_bristles<L: FrictionLaw>(law: &LuGre<L>, velocity: f64) -> Option<SteadyBristles> {
+    if velocity == 0.0 || !velocity.is_finite() {
+        return None;
+    }
+    let coefficient = law.law().coefficient(velocity);
+    Some(SteadyBristles {
+        deflection: coefficient / law.stiffness(),
+        coefficient: coefficient + law.viscous() * velocity,
+        rate: law.stiffness() * (velocity / coefficient),
+    })
+}
+
+/// The vibration of a mass that bristles hold.
+///
+/// ```text
+/// m x'' + (c + N(σ1 + σ2)) x' + (k + Nσ0) x = 0,   z = x − x_0
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactVibration {
+    /// Angular frequency √((k + Nσ0)/m) without damping, in radians per unit of time.
+    pub angular_frequency: f64,
+    /// Damping ratio (c + N(σ1 + σ2))/(2√((k + Nσ0)m)), dimensionless.
+    pub damping_ratio: f64,
+}
+
+/// The small vibration of a mass m on a spring k and a damper c that bristles hold under a load N:
+/// the limit of small displacements beside g/σ0. Any consistent units.
+///
+/// `None` unless m and N are positive, k ≥ 0 and c ≥ 0, all finite.
+///
+/// ```
+/// use stick_slip::analysis::lugre::contact_vibration;
+/// use stick_slip::{Exponential, LuGre};
+///
+/// // Canudas de Wit et al., Table I: σ1 = √σ0 damps a mass of 1 by one half.
+/// let law = LuGre::new(Exponential::new(1.5, 1.0, 0.001)?, 1e5, 1e5_f64.sqrt(), 0.4)?;
+/// let vibration = contact_vibration(&law, 1.0, 1.0, 0.0, 0.0).ok_or("bad mass")?;
+/// assert!((vibration.angular_frequency - 316.2277660168379).abs() < 1e-12);
+/// assert!((vibration.damping_ratio - 0.5006324555320337).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn contact_vibration<L: FrictionLaw>(
+    law: &LuGre<L>,
+    mass: f64,
+    load: f64,
+    stiffness: f64,
+    damping: f64,
+) -> Option<ContactVibration> {
+    let total = stiffness + load * law.stiffness();
+    let damper = damping + load * (law.damping() + law.viscous());
+    let in_range = mass > 0.0 && load > 0.0 && stiffness >= 0.0 && damping >= 0.0;
+    let vibration = ContactVibration {
+        angular_frequency: (total / mass).sqrt(),
+        damping_ratio: 0.5 * damper / (total.sqrt() * mass.sqrt()),
+    };
+    let ContactVibration {
+        angular_frequency,
+        damping_ratio,
+    } = vibration;
+    let numbers = [mass, load, stiffness, angular_frequency, damping_ratio];
+    let is_finite = numbers.iter().all(|number| number.is_finite());
+    (in_range && is_finite).then_some(vibration)
+}
+
+/// Viscous friction σ2 from which on bristles are passive up to a sliding speed: what they give
+/// back is at most what is stored in them, N·σ0 z²/2. In the unit of σ1.
+///
+/// ```text
+/// σ2 ≥ σ1 (g_max − g_min)/g_min,   g_max and g_min over sliding speeds from 0 to the largest
+/// ```
+///
+/// For a law that falls from μ_s to μ_k this is the condition of Barahanov and Ortega,
+/// σ2 ≥ σ1(μ_s − μ_k)/μ_k; it is also necessary, where no speed is too high. With less, bristles
+/// can give energy to a mass. The law's own σ2 is ignored.
+///
+/// # Errors
+///
+/// [`Error::InvalidParameter`] unless `max_speed` is positive and finite, g positive up to there,
+/// and not so far that its series are too many; [`Error::NonFiniteFriction`] and
+/// [`Error::NotAnalytic`] if the law fails.
+///
+/// ```
+/// use stick_slip::analysis::lugre::passive_viscosity;
+/// use stick_slip::{Exponential, LuGre};
+///
+/// let law = LuGre::new(Exponential::new(1.5, 1.0, 0.001)?, 1e5, 1e5_f64.sqrt(), 0.4)?;
+/// let least = passive_viscosity(&law, 0.1)?;
+/// // The friction of Canudas de Wit et al., Table I, is not passive: 158 s/m would be needed.
+/// assert!((least - 0.5 * 1e5_f64.sqrt()).abs() < 1e-12);
+/// assert!(law.viscous() < least);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn passive_viscosity<L: FrictionLaw>(law: &LuGre<L>, max_speed: f64) -> Result<f64, Error> {
+    Error::check("max_speed", max_speed, max_speed > 0.0, "max_speed > 0")?;
+    let g = law.law();
+    let slope = AlongSlope {
+        law: g,
+        constant: 0.0,
+        factor: 1.0,
+    };
+    // A turning point below the least speed of the search is a speed of 0.
+    let least_speed = f64::EPSILON * max_speed;
+    let turns = slope.sign_changes(&(least_speed..max_speed), "max_speed")?;
+    let speeds = turns.into_iter().chain([0.0, max_speed]);
+    let (mut lowest, mut highest) = (f64::INFINITY, 0.0_f64);
+    for speed in speeds {
+        let value = g.kinetic(speed);
+        let allowed = "a range of speeds in which g is positive";
+        Error::check("max_speed", max_speed, value > 0.0, allowed)?;
+        (lowest, highest) = (lowest.min(value), highest.max(value));
+    }
+    Ok(law.damping() * (highest - lowest) / lowest)
+}

@@ -1,0 +1,147 @@
+//! The slip phase under constant kinetic friction: a piece of a damped free vibration.
+
+use std::f64::consts::PI;
+
+/// A stick-slip cycle under constant kinetic friction, in closed form but for one number.
+///
+/// About the place where kinetic friction balances the spring the slip phase is a damped free
+/// vibration, which leaves the belt's velocity at the release and comes back to it at the contact.
+/// Units are those of the system from which it was made. On a belt that moves backward,
+/// displacements have the other sign.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ExactCycle {
+    /// Belt velocity.
+    pub belt_velocity: f64,
+    /// Duration θ of stick.
+    pub stick_duration: f64,
+    /// Duration of slip.
+    pub slip_duration: f64,
+    /// Displacement at the release, where slip begins.
+    pub release_displacement: f64,
+    /// Displacement at the contact, where slip ends.
+    pub contact_displacement: f64,
+    /// Half the distance between the largest and the least displacement.
+    pub amplitude: f64,
+    /// Largest sliding speed |v − v_b|.
+    pub max_sliding_speed: f64,
+    /// The multiplier that is not that of time: by it a small change of the place of release is
+    /// multiplied in each cycle. Dimensionless.
+    pub multiplier: f64,
+}
+
+impl ExactCycle {
+    /// Period: stick and slip together.
+    pub fn period(&self) -> f64 {
+        self.stick_duration + self.slip_duration
+    }
+
+    /// Whether small changes die out: |multiplier| < 1.
+    pub fn is_stable(&self) -> bool {
+        self.multiplier.abs() < 1.0
+    }
+}
+
+/// One mass on a spring and a damper, with constant kinetic friction; any consistent units.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Oscillator {
+    /// ω = √(k/m).
+    pub(super) frequency: f64,
+    /// β = c/(2√(km)), below 1.
+    pub(super) damping: f64,
+    pub(super) stiffness: f64,
+    /// N μ_k.
+    pub(super) kinetic: f64,
+}
+
+/// A slip arc in units of 1/ω and v/ω, about the place where kinetic friction balances the spring:
+///
+/// ```text
+/// y'' + 2βy' + y = 0,   y(0) = x,   y'(0) = 1 = y'(s)
+/// s = (2/ω_d)(π − atan p),   ω_d = √(1 − β²)
+/// ```
+///
+/// p > 0 numbers the arcs; without damping it is x.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SlipArc {
+    damping: f64,
+    /// ω_d.
+    frequency: f64,
+    p: f64,
+    /// s.
+    duration: f64,
+    /// X = x + 2β: by how much friction rises above its kinetic value before the release.
+    pub(super) start: f64,
+    /// Acceleration at the contact, −y(s) − 2β.
+    pub(super) arrival: f64,
+}
+
+impl SlipArc {
+    pub(super) fn new(damping: f64, p: f64) -> Self {
+        let frequency = ((1.0 - damping) * (1.0 + damping)).sqrt();
+        let duration = 2.0 * (PI - p.atan()) / frequency;
+        // x + β = ω_d (e^{βs} − cos ω_d s)/(−sin ω_d s), and y(s) + β is −x − β for −s.
+        let half = 0.5 * (p + p.recip());
+        let at = |exponent: f64| frequency * (exponent.exp_m1() * half + p);
+        Self {
+            damping,
+            frequency,
+            p,
+            duration,
+            start: at(damping * duration) + damping,
+            arrival: at(-damping * duration) - damping,
+        }
+    }
+
+    /// Duration of stick between two such arcs, θ = x − y(s).
+    pub(super) fn rest(&self) -> f64 {
+        self.start + self.arrival
+    }
+
+    /// dy(s)/dx, times the acceleration at the contact.
+    pub(super) fn stretched_arrival(&self) -> f64 {
+        let (beta, frequency) = (self.damping, self.frequency);
+        let square = self.p * self.p;
+        // ω_d s = 2π − 2 atan p.
+        let [cosine, sine] = if square.is_finite() {
+            [
+                (1.0 - square) / (1.0 + square),
+                -2.0 * self.p / (1.0 + square),
+            ]
+        } else {
+            [-1.0, -2.0 / self.p]
+        };
+        let turned = (cosine + beta * sine / frequency) * self.arrival + sine / frequency;
+        (-beta * self.duration).exp() * turned
+    }
+
+    /// The cycle of an oscillator with this arc, on a belt of velocity v > 0. `growth` is the rate
+    /// at which static friction grows at the release, as a force per time.
+    pub(super) fn cycle(&self, of: &Oscillator, velocity: f64, growth: f64) -> ExactCycle {
+        let (beta, length) = (self.damping, velocity / of.frequency);
+        let center = of.kinetic / of.stiffness;
+        let (x, start) = (self.start - 2.0 * beta, self.start);
+        // y' = 0 first, and then half a turn later.
+        let turn = self.frequency.atan2(x + beta) / self.frequency;
+        let highest = (-beta * turn).exp() * (1.0 + x * (x + 2.0 * beta)).sqrt();
+        let lower = 1.0 + (-PI * beta / self.frequency).exp();
+        // y'' = 0.
+        let fastest = (self.frequency * start).atan2(beta * start - 1.0) / self.frequency;
+        let speed = (-beta * fastest).exp() * (1.0 + start * x).sqrt();
+        let held_back = growth - of.stiffness * velocity;
+        let multiplier = if growth == 0.0 {
+            0.0
+        } else {
+            growth / held_back * (self.stretched_arrival() / self.arrival)
+        };
+        ExactCycle {
+            belt_velocity: velocity,
+            stick_duration: self.rest() / of.frequency,
+            slip_duration: self.duration / of.frequency,
+            release_displacement: center + length * x,
+            contact_displacement: center - length * (self.arrival + 2.0 * beta),
+            amplitude: 0.5 * length * highest * lower,
+            max_sliding_speed: velocity * (1.0 + speed),
+            multiplier,
+        }
+    }
+}
