@@ -82,7 +82,8 @@ fn during(reached: &Option<Reached>) -> String {
 /// | [`TooManyEvents`](Self::TooManyEvents) | a run with `with_max_events` | raise the limit, or use `flow` |
 /// | [`NoCommonPeriod`](Self::NoCommonPeriod), [`NotFree`](Self::NotFree) | a search of [`orbit`](crate::orbit) | the other [`Period`](crate::orbit::Period) |
 /// | [`AtRest`](Self::AtRest), [`NotPeriodic`](Self::NotPeriodic) | a search of `orbit` | a better guess, a longer transient |
-/// | [`At`](Self::At) | a search over belt velocities, or over the damping | see the error inside; search beside that value |
+/// | [`At`](Self::At) | a search along a parameter | see the error inside; search beside that value |
+/// | [`Stopped`](Self::Stopped) | a search with a bound or a watcher | raise the bound; search the rest of the range |
 ///
 /// To show the message, print the error with `{error}`. A `main` that returns `Result<(), Error>`
 /// prints the variant and its fields instead, by `Debug`.
@@ -374,13 +375,31 @@ pub enum Error {
         start: State,
     },
 
+    /// A search along a parameter was stopped, by its bound of the work or by its watcher.
+    #[error(
+        "the search along {parameter} was stopped at {value:e} after {steps} steps, with {} values \
+         found; raise the limit with `with_max_steps`, or go on from there",
+        found.len()
+    )]
+    Stopped {
+        /// The parameter, by its name.
+        parameter: &'static str,
+        /// The value that was to be looked at next. What lies well below was searched.
+        value: f64,
+        /// Steps of slip phases that were taken.
+        steps: usize,
+        /// What was found up to there, in ascending order.
+        found: Vec<f64>,
+    },
+
     /// A search over a parameter could not go on at one value of this parameter.
     ///
     /// The error inside says why, and what to do. A range that leaves the value out can still be
     /// searched.
     #[error("at {parameter} = {value:e}: {source}")]
     At {
-        /// The parameter, by its name: `belt_velocity` or `damping`.
+        /// The parameter, by its name: `belt_velocity`, `damping`, `load`, or the name given to
+        /// [`Along::named`](crate::bifurcation::Along::named).
         parameter: &'static str,
         /// Its value.
         value: f64,
@@ -422,6 +441,10 @@ impl std::fmt::Display for Element {
 impl Error {
     /// This error inside an [`Error::At`], with the value of the parameter at which it happened.
     pub(crate) fn at(self, parameter: &'static str, value: f64) -> Self {
+        // A stop is no failure of the system there.
+        if matches!(self, Self::Stopped { .. }) {
+            return self;
+        }
         Self::At {
             parameter,
             value,

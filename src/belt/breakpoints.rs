@@ -43,7 +43,7 @@ impl Breakpoints {
         point: &SlipPoint,
         time: Time,
     ) -> (usize, Option<f64>) {
-        let above = self.0.partition_point(|&b| b <= point.speed);
+        let above = self.piece_above(point.speed);
         if above == 0 || self.0[above - 1] != point.speed {
             return (above, None);
         }
@@ -54,6 +54,11 @@ impl Breakpoints {
         // Where s' = σv' is zero, s'' = −σv decides.
         let rising = rate > 0.0 || (rate == 0.0 && sigma * state.velocity < 0.0);
         (if rising { above } else { above - 1 }, Some(rate))
+    }
+
+    /// The piece that holds speeds just above this one.
+    pub(super) fn piece_above(&self, speed: f64) -> usize {
+        self.0.partition_point(|&b| b <= speed)
     }
 
     /// The sliding speeds at which a step on this piece must end.

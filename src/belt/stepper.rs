@@ -96,6 +96,11 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         &self.system
     }
 
+    /// The piece of the law that holds speeds just above this one, found by bisection.
+    pub(crate) fn piece_above(&self, speed: f64) -> usize {
+        self.breakpoints.piece_above(speed)
+    }
+
     /// One step from `point`, up to contact or to a breakpoint of the law if one of them is
     /// reached. `elapsed` is the time since the motion began, for the step's least length and for
     /// errors.

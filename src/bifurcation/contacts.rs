@@ -1,8 +1,8 @@
-//! Belt velocities at which the contacts of the motion from the release point change.
+//! Where the contacts of the motion from the release point change.
 
 use std::ops::Range;
 
-use super::range::{moving_at, positive};
+use super::along::{Along, Work, along_velocities};
 use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
@@ -24,9 +24,8 @@ use crate::numerics::scan::sign_changes;
 ///
 /// # Errors
 ///
-/// [`Error::InvalidParameter`] unless the range is finite, not empty and holds positive velocities;
-/// else [`Error::At`], with the belt velocity and one of the errors of
-/// [`limit_cycle::find`](crate::limit_cycle::find).
+/// [`Error::InvalidParameter`] unless the range is finite and not empty; else [`Error::At`], with
+/// the belt velocity and one of the errors of [`limit_cycle::find`](crate::limit_cycle::find).
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, bifurcation};
@@ -41,9 +40,7 @@ pub fn grazing_velocities<L: FrictionLaw>(
     system: &MassOnBelt<L>,
     range: Range<f64>,
 ) -> Result<Vec<f64>, Error> {
-    over_belt_velocities(system, range, &|release, tracer| {
-        Ok(Some(release.overshoot(tracer)))
-    })
+    along_velocities(system, range).grazing()
 }
 
 /// Belt velocities in `range`, ascending and dimensionless, at which plain stick-slip changes into
@@ -68,9 +65,7 @@ pub fn overshoot_velocities<L: FrictionLaw>(
     system: &MassOnBelt<L>,
     range: Range<f64>,
 ) -> Result<Vec<f64>, Error> {
-    over_belt_velocities(system, range, &|release, tracer| {
-        Ok(release.beyond_low(tracer))
-    })
+    along_velocities(system, range).overshoot()
 }
 
 /// Belt velocities in `range`, ascending and dimensionless, at which overshoot changes into
@@ -101,31 +96,93 @@ pub fn crossing_velocities<L: FrictionLaw>(
     system: &MassOnBelt<L>,
     range: Range<f64>,
 ) -> Result<Vec<f64>, Error> {
-    over_belt_velocities(system, range, &|release, tracer| {
-        release.beyond_high(tracer)
-    })
+    along_velocities(system, range).crossing()
 }
 
 /// A number computed from the arcs out of the release point.
-type Number<'s, L> = dyn Fn(&mut Release, &mut Tracer<'s, L>) -> Result<Option<f64>, Error>;
+type Number<L> = fn(&mut Release, &mut Tracer<'_, L>) -> Result<Option<f64>, Error>;
 
-/// Belt velocities in a range at which such a number changes its sign.
-fn over_belt_velocities<'s, L: FrictionLaw>(
-    system: &'s MassOnBelt<L>,
-    range: Range<f64>,
-    number: &Number<'s, L>,
-) -> Result<Vec<f64>, Error> {
-    let range = positive(range)?;
-    let system = system.by_reference();
-    let mut at_velocity = |v_b: f64| {
-        let found = moving_at(system, v_b, |system| {
-            let mut tracer = Tracer::new(system);
-            let mut release = Release::follow(&mut tracer)?;
-            number(&mut release, &mut tracer)
+impl<L: FrictionLaw> Along<'_, L> {
+    /// Values of the parameter, ascending, at which stick-slip appears or disappears. See
+    /// [`grazing_velocities`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`grazing_velocities`], and [`Error::Stopped`].
+    pub fn grazing(&self) -> Result<Vec<f64>, Error> {
+        self.over_parts(&mut |work, part, found| changes(work, part, overshoot, found))
+    }
+
+    /// Values of the parameter, ascending, at which plain stick-slip changes into overshoot or
+    /// back. See [`overshoot_velocities`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`grazing`](Self::grazing).
+    pub fn overshoot(&self) -> Result<Vec<f64>, Error> {
+        self.over_parts(&mut |work, part, found| changes(work, part, beyond_low, found))
+    }
+
+    /// Values of the parameter, ascending, at which overshoot changes into crossing or back. See
+    /// [`crossing_velocities`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`grazing`](Self::grazing).
+    pub fn crossing(&self) -> Result<Vec<f64>, Error> {
+        self.over_parts(&mut |work, part, found| changes(work, part, beyond_high, found))
+    }
+}
+
+fn overshoot<L: FrictionLaw>(
+    release: &mut Release,
+    tracer: &mut Tracer<'_, L>,
+) -> Result<Option<f64>, Error> {
+    Ok(Some(release.overshoot(tracer)))
+}
+
+fn beyond_low<L: FrictionLaw>(
+    release: &mut Release,
+    tracer: &mut Tracer<'_, L>,
+) -> Result<Option<f64>, Error> {
+    Ok(release.beyond_low(tracer))
+}
+
+fn beyond_high<L: FrictionLaw>(
+    release: &mut Release,
+    tracer: &mut Tracer<'_, L>,
+) -> Result<Option<f64>, Error> {
+    release.beyond_high(tracer)
+}
+
+/// Adds the values of the parameter at which the contacts of the motion from the release point
+/// change, of all three kinds.
+pub(super) fn all_changes<L: FrictionLaw>(
+    work: &Work<'_, '_, L>,
+    part: &Range<f64>,
+    found: &mut Vec<f64>,
+) -> Result<(), Error> {
+    let numbers: [Number<L>; 3] = [overshoot, beyond_low, beyond_high];
+    numbers
+        .into_iter()
+        .try_for_each(|number| changes(work, part, number, found))
+}
+
+/// Adds the values of the parameter at which such a number changes its sign.
+fn changes<L: FrictionLaw>(
+    work: &Work<'_, '_, L>,
+    part: &Range<f64>,
+    number: Number<L>,
+    found: &mut Vec<f64>,
+) -> Result<(), Error> {
+    let mut at = |value: f64| {
+        let number = work.moving_at(value, &mut |tracer| {
+            let mut release = Release::follow(tracer)?;
+            number(&mut release, tracer)
         })?;
-        Ok(found.flatten())
+        Ok(number.flatten())
     };
-    sign_changes(&mut at_velocity, &range)
+    sign_changes(&mut at, part, found)
 }
 
 #[cfg(test)]

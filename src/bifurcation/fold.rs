@@ -1,10 +1,10 @@
 use std::ops::Range;
 
-use super::range::{moving_at, positive};
+use super::along::{Along, Work, along_velocities};
 use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
-use crate::limit_cycle::{PeakMap, Tracer};
+use crate::limit_cycle::PeakMap;
 use crate::numerics::bracket::sign_change_between;
 use crate::numerics::scan::{Look, Survey, scan};
 
@@ -44,12 +44,29 @@ pub fn fold_velocities<L: FrictionLaw>(
     system: &MassOnBelt<L>,
     range: Range<f64>,
 ) -> Result<Vec<f64>, Error> {
-    let range = positive(range)?;
-    let system = system.by_reference();
-    let mut outline = |v_b: f64| {
-        let points = moving_at(system, v_b, |system| {
-            PeakMap::of(&mut Tracer::new(system)).outline()
-        })?;
+    along_velocities(system, range).folds()
+}
+
+impl<L: FrictionLaw> Along<'_, L> {
+    /// Values of the parameter, ascending, at which two pure-slip cycles, one stable and one
+    /// unstable, meet and vanish. See [`fold_velocities`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`grazing`](Self::grazing).
+    pub fn folds(&self) -> Result<Vec<f64>, Error> {
+        self.over_parts(&mut |work, part, found| folds(work, part, found))
+    }
+}
+
+/// Adds the folds in a part of the range.
+pub(super) fn folds<L: FrictionLaw>(
+    work: &Work<'_, '_, L>,
+    part: &Range<f64>,
+    found: &mut Vec<f64>,
+) -> Result<(), Error> {
+    let mut outline = |value: f64| {
+        let points = work.moving_at(value, &mut |tracer| PeakMap::of(tracer).outline())?;
         Ok(Outline {
             points: points.unwrap_or_default(),
         })
@@ -58,8 +75,9 @@ pub fn fold_velocities<L: FrictionLaw>(
         outline: &mut outline,
         found: Vec::new(),
     };
-    scan(&mut folds, &range)?;
-    Ok(folds.found)
+    let searched = scan(&mut folds, part);
+    found.append(&mut folds.found);
+    searched
 }
 
 /// Outline of the growth at one belt velocity: (peak velocity, growth) at both ends of the range of

@@ -1,9 +1,10 @@
 use std::ops::Range;
 
-use super::positive;
+use super::along::{Along, Family, Work, along_velocities};
 use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::{AlongSlope, FrictionLaw};
+use crate::numerics::scan::sign_changes;
 
 /// Belt velocities v_b in `range`, ascending and dimensionless, at which the equilibrium loses or
 /// regains stability: h1 changes its sign,
@@ -26,8 +27,8 @@ use crate::friction::{AlongSlope, FrictionLaw};
 ///
 /// # Errors
 ///
-/// [`Error::InvalidParameter`] unless the range is finite, not empty and holds positive velocities,
-/// or if it is so long that the law takes more than 10⁴ power series; [`Error::NonFiniteFriction`]
+/// [`Error::InvalidParameter`] unless the range is finite and not empty, or if it is so long that
+/// the law takes more than 10⁴ power series; [`Error::NonFiniteFriction`]
 /// or [`Error::NotAnalytic`] if the law has no power series somewhere in the range.
 ///
 /// ```
@@ -44,12 +45,71 @@ pub fn hopf_velocities<L: FrictionLaw>(
     system: &MassOnBelt<L>,
     range: Range<f64>,
 ) -> Result<Vec<f64>, Error> {
-    let damping = AlongSlope {
-        law: system.law(),
-        constant: 2.0 * system.damping(),
-        factor: system.load(),
-    };
-    damping.sign_changes(&positive(range)?, "range.end")
+    along_velocities(system, range).hopf()
+}
+
+impl<L: FrictionLaw> Along<'_, L> {
+    /// Values of the parameter, ascending, at which the equilibrium loses or regains stability.
+    ///
+    /// Belt velocities are found as by [`hopf_velocities`]. Along another parameter h1 is known
+    /// from values alone: the range is divided into 64 intervals, and each in which a root may hide
+    /// into up to 2¹⁰ parts. A value at which h1 jumps over zero is reported.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`hopf_velocities`] along the belt velocity, else those of
+    /// [`grazing`](Self::grazing).
+    pub fn hopf(&self) -> Result<Vec<f64>, Error> {
+        self.over_parts(&mut |work, part, found| hopf(self, work, part, found))
+    }
+}
+
+/// Adds the Hopf points in a part of the range.
+pub(super) fn hopf<L: FrictionLaw>(
+    along: &Along<'_, L>,
+    work: &Work<'_, '_, L>,
+    part: &Range<f64>,
+    found: &mut Vec<f64>,
+) -> Result<(), Error> {
+    match along.family() {
+        Family::Velocities(system) => {
+            let damping = AlongSlope {
+                law: *system.law(),
+                constant: 2.0 * system.damping(),
+                factor: system.load(),
+            };
+            let speeds = |range: Range<f64>| damping.sign_changes(&range, "range.end");
+            if part.start < 0.0 {
+                // The mirror image; its lower end does not belong to it, and its upper end does.
+                let past = |end: f64| if end == 0.0 { 0.0 } else { (-end).next_up() };
+                let mirrored = speeds(past(part.end)..past(part.start))?;
+                found.extend(mirrored.iter().rev().map(|speed| -speed));
+            } else {
+                found.append(&mut speeds(part.clone())?);
+            }
+            Ok(())
+        }
+        Family::Systems(_) => sign_changes(&mut |value| relative_damping(work, value), part, found),
+    }
+}
+
+/// h1 in units of the sizes of its terms, so that it is of order 1; `None` on a belt at rest and
+/// where it has no terms.
+fn relative_damping<L: FrictionLaw>(
+    work: &Work<'_, '_, L>,
+    value: f64,
+) -> Result<Option<f64>, Error> {
+    let mut relative = None;
+    work.with_system(value, &mut |system| {
+        let speed = system.belt_velocity().abs();
+        let slope = system.law().slope(speed);
+        let coefficient = system.law().static_coefficient();
+        let size = 2.0 * system.damping() + system.load() * (slope.abs() + coefficient);
+        let damping = 2.0 * system.damping() + system.load() * slope;
+        relative = (speed > 0.0 && size > 0.0).then(|| damping / size);
+        Ok(())
+    })?;
+    Ok(relative)
 }
 
 /// Kind of a Hopf point: whether the pure-slip cycle that is born there is stable.

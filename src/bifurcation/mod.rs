@@ -27,19 +27,20 @@
 //! | `diagram.rs` | equilibrium and all cycles at each of a list of belt velocities |
 //! | `range.rs` | ranges of belt velocities |
 
+mod along;
 mod contacts;
 mod diagram;
 mod fold;
 mod hopf;
-mod range;
+mod ranges;
 mod silence;
 
+pub use along::{Along, Progress, along, along_velocities};
 pub use contacts::{crossing_velocities, grazing_velocities, overshoot_velocities};
 #[cfg(feature = "rayon")]
 pub use diagram::par_diagram;
 pub use diagram::{DiagramPoint, diagram};
 pub use fold::fold_velocities;
 pub use hopf::{Criticality, criticality, hopf_velocities};
-pub use silence::silencing_damping;
-
-use range::positive;
+pub use ranges::{AttractorKind, VibrationRange, vibration_ranges};
+pub use silence::{silencing_damping, silencing_load};

@@ -1,7 +1,8 @@
-use crate::belt::MassOnBelt;
+use super::along::{Along, Work};
+use crate::belt::{Forward, MassOnBelt};
 use crate::error::Error;
 use crate::friction::FrictionLaw;
-use crate::limit_cycle::{find_borrowed, is_frictionless};
+use crate::limit_cycle::{Tracer, find_moving, is_frictionless};
 use crate::numerics::bracket::Bracket;
 
 /// The least damping ratio β, dimensionless, from which on no vibration lasts at the system's belt
@@ -48,13 +49,9 @@ pub fn silencing_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<f64, 
         return Ok(0.0);
     }
     let system = system.by_reference();
-    // A trait object, so that the search is compiled once.
-    let vibrates: &dyn Fn(f64) -> Result<bool, Error> = &|damping| {
-        let cycles = system
-            .with_damping(damping)
-            .and_then(find_borrowed)
-            .map_err(|error| error.at("damping", damping))?;
-        Ok(!cycles.is_empty() || !cycles.unresolved().is_empty())
+    let vibrates: &Vibrates = &|damping| {
+        let vibrates = system.with_damping(damping).and_then(can_vibrate);
+        vibrates.map_err(|error| error.at("damping", damping))
     };
     let slope = system.law().slope(system.belt_velocity().abs());
     // The β below which steady sliding is unstable.
@@ -67,12 +64,162 @@ pub fn silencing_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<f64, 
     while vibrates(silent)? {
         (loud, silent) = (silent, 2.0 * silent);
     }
-    let mut border = Bracket::new((loud, 1.0), (silent, -1.0));
-    while let Some(damping) = border.next_place() {
-        border.narrow(damping, if vibrates(damping)? { 1.0 } else { -1.0 });
-    }
-    Ok(border.sign_change().below.next_up())
+    Ok(border(vibrates, (loud, true), (silent, false))?.next_up())
 }
+
+/// The largest friction load γ², dimensionless, up to which no vibration lasts at the system's belt
+/// velocity and damping: the load from which on the mass can groan. The system's own γ² is ignored.
+///
+/// At the border steady sliding becomes unstable (γ² = −2β/(dμ̂/ds(|v_b|))), or two cycles appear,
+/// or stick-slip does. No load silences what an undamped belt drives: without damping the result is
+/// 0 if friction falls at v_b, or if the mass vibrates under the least load tried, 10⁻⁶ of (1 +
+/// β)|v_b|/μ_s. It is infinite at v_b = 0, and if the mass does not vibrate under 10⁶ times that
+/// load.
+///
+/// The border is enclosed by doubling or halving γ², and narrowed to neighbouring numbers;
+/// [`find`](crate::limit_cycle::find) judges as for [`silencing_damping`]. More damping always
+/// silences, but the same is not proved of less load. If the loads that vibrate are not one
+/// interval, the result is one of their borders; [`Along::vibration_ranges`] lists all.
+///
+/// It takes 60 to 130 searches by `find`. To bound or to watch them, use [`Along::silence`].
+///
+/// # Errors
+///
+/// [`Error::At`], with the load tried and one of the errors of [`find`](crate::limit_cycle::find).
+///
+/// ```
+/// use stick_slip::{Exponential, MassOnBelt, bifurcation};
+///
+/// let law = Exponential::new(0.4, 0.25, 0.5)?;
+/// let system = MassOnBelt::new(law, 0.6)?.with_damping(0.05)?;
+/// let silent = bifurcation::silencing_load(&system)?;
+/// // Steady sliding is stable up to a load of 0.59; the mass can vibrate before.
+/// let hopf = 0.1 / (1.2 * 0.6 * (-1.44_f64).exp());
+/// assert!(silent < hopf && silent > 0.5 * hopf);
+/// // The damping that silences the mass under this load is the system's.
+/// let damping = bifurcation::silencing_damping(&system.with_load(silent)?)?;
+/// assert!((damping - 0.05).abs() < 1e-12);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn silencing_load<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<f64, Error> {
+    let (law, speed) = (system.law(), system.belt_velocity().abs());
+    if speed == 0.0 || is_frictionless(law) {
+        return Ok(f64::INFINITY);
+    }
+    let reference = system.by_reference();
+    let vibrates: &Vibrates = &|load| {
+        let vibrates = reference.with_load(load).and_then(can_vibrate);
+        vibrates.map_err(|error| error.at("load", load))
+    };
+    // The load above which steady sliding is unstable.
+    let stable = match law.slope(speed) {
+        slope if slope < 0.0 => -2.0 * system.damping() / slope,
+        _ => f64::INFINITY,
+    };
+    let just_below = stable * (1.0 - MARGIN);
+    if stable == 0.0 || (stable.is_finite() && !vibrates(just_below)?) {
+        return Ok(stable);
+    }
+    let coefficient = law.static_coefficient().max(law.kinetic(speed));
+    let unit = (1.0 + system.damping()) * speed / coefficient;
+    let mut silent = None;
+    let mut loud = just_below;
+    if stable.is_infinite() {
+        loud = unit;
+        while !vibrates(loud)? {
+            if loud > MOST_LOAD * unit {
+                return Ok(f64::INFINITY);
+            }
+            (silent, loud) = (Some(loud), 2.0 * loud);
+        }
+    }
+    let silent = match silent {
+        Some(silent) => silent,
+        None => {
+            let mut silent = 0.5 * loud;
+            while vibrates(silent)? {
+                if silent * MOST_LOAD < unit.min(loud) {
+                    return Ok(0.0);
+                }
+                (loud, silent) = (silent, 0.5 * silent);
+            }
+            silent
+        }
+    };
+    border(vibrates, (silent, false), (loud, true))
+}
+
+impl<L: FrictionLaw> Along<'_, L> {
+    /// The value of the parameter at which vibration ends or begins between the ends of the range:
+    /// on one side of it the mass can vibrate, on the other side it cannot. `None` if both ends are
+    /// alike.
+    ///
+    /// The mass can vibrate if steady sliding is unstable, or if
+    /// [`find`](crate::limit_cycle::find) finds a cycle or an unresolved range. The result is the
+    /// lower of two neighbouring numbers between which this changes. If it changes more often, one
+    /// of the changes is found; [`vibration_ranges`](Self::vibration_ranges) lists all.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless the range is finite and not empty; else [`Error::At`],
+    /// with the value and one of the errors of `find`; [`Error::Stopped`].
+    ///
+    /// ```
+    /// use stick_slip::{Exponential, MassOnBelt, bifurcation};
+    ///
+    /// let system = MassOnBelt::new(Exponential::new(0.4, 0.25, 0.5)?, 1.0)?;
+    /// let search = bifurcation::along(|damping| system.with_damping(damping), 0.0..0.5);
+    /// let silent = search.silence()?.unwrap();
+    /// assert!((silent - bifurcation::silencing_damping(&system)?).abs() < 1e-15);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn silence(&self) -> Result<Option<f64>, Error> {
+        let whole = self.whole()?;
+        let work = Work::of(self);
+        let vibrates: &Vibrates = &|value| {
+            let vibrates = work.moving_at(value, &mut |tracer| {
+                let equilibrium = tracer.system().equilibrium();
+                let is_stable = equilibrium.is_none_or(|equilibrium| equilibrium.is_stable());
+                Ok(!is_stable || has_cycles(tracer)?)
+            })?;
+            Ok(vibrates.unwrap_or(false))
+        };
+        let at = |value: f64| Ok((value, vibrates(value)?));
+        let (low, high) = (at(whole.start)?, at(whole.end)?);
+        if low.1 == high.1 {
+            return Ok(None);
+        }
+        border(vibrates, low, high).map(Some)
+    }
+}
+
+/// Whether the mass can vibrate at a value of a parameter; a trait object, so that the search is
+/// compiled once.
+type Vibrates<'v> = dyn Fn(f64) -> Result<bool, Error> + 'v;
+
+/// The lower of the two neighbouring numbers between which vibration begins or ends.
+fn border(vibrates: &Vibrates, low: (f64, bool), high: (f64, bool)) -> Result<f64, Error> {
+    let sign = |loud: bool| if loud { 1.0 } else { -1.0 };
+    let mut border = Bracket::new((low.0, sign(low.1)), (high.0, sign(high.1)));
+    while let Some(value) = border.next_place() {
+        border.narrow(value, sign(vibrates(value)?));
+    }
+    Ok(border.sign_change().below)
+}
+
+/// Whether there are cycles, or may be.
+fn has_cycles<L: FrictionLaw>(tracer: &mut Tracer<'_, L>) -> Result<bool, Error> {
+    let cycles = find_moving(tracer)?;
+    Ok(!cycles.is_empty() || !cycles.unresolved().is_empty())
+}
+
+/// The same for any system.
+fn can_vibrate<L: FrictionLaw>(system: MassOnBelt<&L>) -> Result<bool, Error> {
+    Forward::of(system).map_or(Ok(false), |system| has_cycles(&mut Tracer::new(system)))
+}
+
+/// Largest and least load tried, above and below (1 + β)|v_b|/μ_s.
+const MOST_LOAD: f64 = 1e6;
 
 /// Relative distance above the β at which steady sliding becomes stable; small cycles closer to it
 /// are not resolved.

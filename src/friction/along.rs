@@ -3,7 +3,9 @@
 
 use std::ops::{ControlFlow, Range};
 
-use super::{FrictionLaw, finite_at, piece_above, slope_on, taylor_coefficients_on};
+use super::{
+    FrictionLaw, finite_at, piece_above, slope_on, taylor_coefficients_on, value_and_slope,
+};
 use crate::error::Error;
 use crate::series::{PowerSeries, TERMS, quarters};
 
@@ -152,7 +154,8 @@ impl<L: FrictionLaw> AlongSlope<'_, L> {
             piece,
             series,
         };
-        let h = |speed: f64| self.constant + self.factor * self.law.slope(speed);
+        let h =
+            |speed: f64| self.constant + self.factor * value_and_slope(&self.law, piece, speed).1;
         loop {
             let size = stretch.largest_term();
             *largest = largest.max(series[0].abs());

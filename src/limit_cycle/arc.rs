@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use crate::belt::{Advance, Forward, SlipPoint, Stability, Step, Stepper};
 use crate::clock::{Clock, Time};
 use crate::error::{Error, Reached};
-use crate::friction::FrictionLaw;
+use crate::friction::{FrictionLaw, value_and_slope};
 use crate::motion::Integrator;
 use crate::numerics::gauss::gauss_legendre;
 use crate::series::{PowerSeries, quarters};
@@ -263,12 +263,17 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
 
     /// Contraction of areas by the flow along an arc: the logarithm ∫(2β + γ² dμ̂/ds) dτ.
     pub(crate) fn contraction(&self, arc: &Arc) -> f64 {
-        let system = self.system();
-        let integrand = |step: &Step, t: f64| system.effective_damping(step.speed.at(t).max(0.0));
-        arc.steps
-            .iter()
-            .map(|step| gauss_legendre(0.0, step.duration, |t| integrand(step, t)))
-            .sum()
+        let (damping, load) = (2.0 * self.system.damping(), self.system.load());
+        let over_step = |step: &Step| {
+            // A step lies on one piece of the law.
+            let middle = step.speed.at(0.5 * step.duration);
+            let piece = self.stepper.piece_above(middle);
+            gauss_legendre(0.0, step.duration, |t| {
+                let speed = step.speed.at(t).max(0.0);
+                damping + load * value_and_slope(self.system.law(), piece, speed).1
+            })
+        };
+        arc.steps.iter().map(over_step).sum()
     }
 }
 

@@ -20,7 +20,7 @@ use crate::belt::Forward;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::numerics::adaptive::gauss;
-use crate::numerics::chebyshev::{Sample, isolate};
+use crate::numerics::chebyshev::{Sample, sign_throughout};
 
 /// Rounding error of the drift, in units of ε times its largest part.
 const DRIFT_ROUNDING: f64 = 16.0;
@@ -89,14 +89,10 @@ pub(super) fn all_grow<L: FrictionLaw>(
     let mut growing = None;
     for piece in ends.windows(2).filter(|piece| piece[0] < piece[1]) {
         let mut at = |amplitude: f64| drift(system, amplitude);
-        for node in isolate(&mut at, &|t| piece[0] + (piece[1] - piece[0]) * t)? {
-            let Sample { value, noise } = node.sample;
-            // False for a value that is NaN.
-            let is_sure = value.abs() > noise;
-            if !is_sure || growing.is_some_and(|growing| growing != (value > 0.0)) {
-                return Ok(None);
-            }
-            growing = Some(value > 0.0);
+        let amplitude_at = |t: f64| piece[0] + (piece[1] - piece[0]) * t;
+        match sign_throughout(&mut at, &amplitude_at)? {
+            Some(grows) if growing.is_none_or(|growing| growing == grows) => growing = Some(grows),
+            _ => return Ok(None),
         }
     }
     Ok(growing)

@@ -74,14 +74,18 @@ pub(crate) fn find_borrowed<L: FrictionLaw>(system: MassOnBelt<&L>) -> Result<Cy
     let Some(forward) = Forward::of(system) else {
         return Ok(of_belt_at_rest(system));
     };
-    let mut tracer = Tracer::new(forward);
-    let release = Release::follow(&mut tracer)?;
-    let set = nested_cycles(&mut tracer, release)?;
+    let set = find_moving(&mut Tracer::new(forward))?;
     Ok(if system.belt_velocity() < 0.0 {
         set.mirrored()
     } else {
         set
     })
+}
+
+/// [`find`] for a system whose belt moves forward.
+pub(crate) fn find_moving<L: FrictionLaw>(tracer: &mut Tracer<'_, L>) -> Result<CycleSet, Error> {
+    let release = Release::follow(tracer)?;
+    nested_cycles(tracer, release)
 }
 
 /// The periodic motions on a belt at rest: a family if there is neither damping nor friction, else

@@ -128,9 +128,9 @@ pub(crate) fn gauss<const N: usize>(
     mut f: impl FnMut(f64) -> Result<[f64; N], Error>,
     mesh: &[f64],
 ) -> Result<Integral<N>, Error> {
-    /// Most panels. An undeclared kink needs about 50; for a law noisier than its rounding the
-    /// halving would never end.
-    const MOST_PANELS: usize = 4096;
+    /// Most panels beyond those of the mesh. An undeclared kink needs about 50; for a law noisier
+    /// than its rounding the halving would never end.
+    const MOST_PANELS: usize = 256;
     let mut panels = VecDeque::new();
     let mut made = 0;
     let mut estimate = Integral::ZERO;

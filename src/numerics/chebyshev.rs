@@ -33,8 +33,7 @@ pub(crate) fn isolate(
     f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
     x: &dyn Fn(f64) -> f64,
 ) -> Result<Vec<Node>, Error> {
-    let cosines: [f64; 2 * DEGREE] =
-        std::array::from_fn(|j| (std::f64::consts::PI * j as f64 / DEGREE as f64).cos());
+    let cosines = cosines();
     let mut nodes = Vec::new();
     let mut pieces = VecDeque::from([(0.0, 1.0)]);
     let mut made = 1;
@@ -63,20 +62,79 @@ pub(crate) fn isolate(
     Ok(nodes.into_iter().map(|(_, node)| node).collect())
 }
 
-fn has_one_root_at_most(samples: &[(f64, Node)], cosines: &[f64]) -> bool {
-    let value = |j: usize| samples[j].1.sample.value;
+/// Whether f(x(t)) is positive throughout 0 ≤ t ≤ 1 (true) or negative throughout (false); `None`
+/// if it may be zero somewhere.
+///
+/// ln|f| is interpolated instead of f, so that a function that falls by hundreds of decades needs
+/// no more places than one that hardly changes. A zero is a singularity of ln|f|, which no
+/// interpolant resolves.
+pub(crate) fn sign_throughout(
+    f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
+    x: &dyn Fn(f64) -> f64,
+) -> Result<Option<bool>, Error> {
+    let cosines = cosines();
+    let mut positive = None;
+    let mut pieces = vec![(0.0, 1.0)];
+    let mut made = 0;
+    while let Some((start, end)) = pieces.pop() {
+        let mut logarithms = [0.0; DEGREE + 1];
+        let mut surest = f64::INFINITY;
+        for (logarithm, cosine) in std::iter::zip(&mut logarithms, &cosines) {
+            let t = 0.5 * ((start + end) + (end - start) * cosine);
+            let Sample { value, noise } = f(x(t))?;
+            // False for a value that is NaN.
+            let is_sure = value.abs() > noise;
+            if !is_sure || positive.is_some_and(|positive| positive != (value > 0.0)) {
+                return Ok(None);
+            }
+            positive = Some(value > 0.0);
+            surest = surest.min(value.abs() / noise);
+            *logarithm = value.abs().ln();
+        }
+        let tail = coefficients(&logarithms, &cosines)[DEGREE - 2..]
+            .iter()
+            .map(|c| c.abs())
+            .sum::<f64>();
+        if tail > SMOOTH_LOGARITHM {
+            made += 2;
+            if made > MOST_HALVES || surest < HARDLY_SURE {
+                return Ok(None);
+            }
+            let middle = 0.5 * (start + end);
+            pieces.extend([(start, middle), (middle, end)]);
+        }
+    }
+    Ok(positive)
+}
+
+/// Largest last coefficients of ln|f| where f has no zero: those of ln|t| are 2/k.
+const SMOOTH_LOGARITHM: f64 = 1e-2;
+/// Pieces after which a sign counts as unknown.
+const MOST_HALVES: usize = 200;
+/// A value that is not larger than its noise by this factor has no certain logarithm.
+const HARDLY_SURE: f64 = 100.0;
+
+fn cosines() -> [f64; 2 * DEGREE] {
+    std::array::from_fn(|j| (std::f64::consts::PI * j as f64 / DEGREE as f64).cos())
+}
+
+/// Coefficients of the Chebyshev interpolant through values at the places cos(πj/[`DEGREE`]).
+fn coefficients(values: &[f64; DEGREE + 1], cosines: &[f64; 2 * DEGREE]) -> [f64; DEGREE + 1] {
+    std::array::from_fn(|k| {
+        let inner: f64 = (1..DEGREE)
+            .map(|j| values[j] * cosines[j * k % (2 * DEGREE)])
+            .sum();
+        let ends = 0.5 * (values[0] + values[DEGREE] * cosines[DEGREE * k % (2 * DEGREE)]);
+        let weight = if k % DEGREE == 0 { 1.0 } else { 2.0 };
+        (inner + ends) * weight / DEGREE as f64
+    })
+}
+
+fn has_one_root_at_most(samples: &[(f64, Node)], cosines: &[f64; 2 * DEGREE]) -> bool {
     let noise = samples
         .iter()
         .fold(0.0_f64, |noise, (_, node)| noise.max(node.sample.noise));
-    let mut c = [0.0; DEGREE + 1];
-    for (k, c) in c.iter_mut().enumerate() {
-        let inner: f64 = (1..DEGREE)
-            .map(|j| value(j) * cosines[j * k % (2 * DEGREE)])
-            .sum();
-        let ends = 0.5 * (value(0) + value(DEGREE) * cosines[DEGREE * k % (2 * DEGREE)]);
-        let weight = if k % DEGREE == 0 { 1.0 } else { 2.0 };
-        *c = (inner + ends) * weight / DEGREE as f64;
-    }
+    let c = coefficients(&std::array::from_fn(|j| samples[j].1.sample.value), cosines);
     let sum = |c: &[f64]| c.iter().map(|c| c.abs()).sum::<f64>();
     let resolved = sum(&c[DEGREE - 3..]) <= 4.0 * noise;
     let has_no_root = c[0].abs() > sum(&c[1..]) + noise;

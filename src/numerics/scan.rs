@@ -70,8 +70,8 @@ pub(crate) fn look_between<S: Survey>(
     Ok(())
 }
 
-/// The sign changes over a range, ascending, each to the last bit, of a function f whose values are
-/// of order 1; f gives `None` where it is not defined.
+/// Adds to `found` the sign changes over a range, ascending, each to the last bit, of a function f
+/// whose values are of order 1; f gives `None` where it is not defined.
 ///
 /// An interval of the grid is halved, up to 10 times, while f is defined at one end only, or while
 /// f is closer to zero at an end than it changes across the interval. Two sign changes are lost
@@ -80,18 +80,14 @@ pub(crate) fn look_between<S: Survey>(
 pub(crate) fn sign_changes(
     f: &mut dyn FnMut(f64) -> Result<Option<f64>, Error>,
     range: &Range<f64>,
-) -> Result<Vec<f64>, Error> {
-    let mut changes = SignChanges {
-        f,
-        found: Vec::new(),
-    };
-    scan(&mut changes, range)?;
-    Ok(changes.found)
+    found: &mut Vec<f64>,
+) -> Result<(), Error> {
+    scan(&mut SignChanges { f, found }, range)
 }
 
 struct SignChanges<'f> {
     f: &'f mut dyn FnMut(f64) -> Result<Option<f64>, Error>,
-    found: Vec<f64>,
+    found: &'f mut Vec<f64>,
 }
 
 impl Survey for SignChanges<'_> {

@@ -1,0 +1,316 @@
+//! Searches along a parameter: the family of systems, the range, and what bounds and watches the
+//! work.
+
+use std::cell::Cell;
+use std::fmt::{self, Debug, Formatter};
+use std::ops::{ControlFlow, Range};
+
+use crate::belt::{Forward, MassOnBelt};
+use crate::error::Error;
+use crate::friction::FrictionLaw;
+use crate::limit_cycle::Tracer;
+
+/// Searches a family of systems along any parameter: load, damping, a coefficient of the law, a
+/// belt velocity, or whatever the closure puts into the system that it makes from one number.
+///
+/// The searches are the methods of [`Along`]. All values of a range are looked at as they are, also
+/// below 0. The family should be continuous in the parameter, except at a few values.
+///
+/// ```
+/// use stick_slip::{Error, Exponential, MassOnBelt, bifurcation};
+///
+/// // At which normal load does steady sliding begin to vibrate, and when does stick-slip appear?
+/// let law = Exponential::new(0.4, 0.25, 0.5)?;
+/// let brake = |load: f64| MassOnBelt::new(law, 0.4)?.with_damping(0.05)?.with_load(load);
+/// let search = bifurcation::along(brake, 0.01..2.0).named("load");
+/// let [hopf] = search.hopf()?[..] else { panic!() };
+/// // 2β + γ² dμ̂/ds = 0, with dμ̂/ds = −1.2 v_b exp(−4 v_b²)
+/// let expected = 0.1 / (1.2 * 0.4 * (-0.64_f64).exp());
+/// assert!((hopf - expected).abs() < 4e-16);
+/// let [grazing] = search.grazing()?[..] else { panic!() };
+/// assert!(grazing > 0.0 && grazing < 2.0);
+/// # Ok::<(), Error>(())
+/// ```
+pub fn along<'f, L: FrictionLaw>(
+    family: impl Fn(f64) -> Result<MassOnBelt<L>, Error> + 'f,
+    range: Range<f64>,
+) -> Along<'f, L> {
+    Along::of(Family::Systems(Box::new(family)), range, "parameter")
+}
+
+/// Searches one system along its belt velocity: the functions
+/// [`hopf_velocities`](super::hopf_velocities), [`grazing_velocities`](super::grazing_velocities)
+/// and so on, with a bound of the work or a watcher. The system's own v_b is ignored.
+///
+/// A range that holds velocities of both signs is searched in two parts, below 0 and above.
+///
+/// ```
+/// use stick_slip::{MassOnBelt, Polynomial, bifurcation};
+///
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+/// let grazing = bifurcation::along_velocities(&system, -0.5..0.5).grazing()?;
+/// assert_eq!(grazing.len(), 2);
+/// assert!((grazing[0] + grazing[1]).abs() < 1e-15);
+/// assert_eq!(grazing[1], bifurcation::grazing_velocities(&system, 0.0..0.5)?[0]);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn along_velocities<L: FrictionLaw>(system: &MassOnBelt<L>, range: Range<f64>) -> Along<'_, L> {
+    let family = Family::Velocities(system.by_reference());
+    Along::of(family, range, "belt_velocity")
+}
+
+/// A search along a parameter. [`along`] and [`along_velocities`] make one.
+///
+/// # Cost
+///
+/// The unit of work is a step of a slip phase, 1 to 3 microseconds. An oscillation takes some ten
+/// steps, and two more for each breakpoint of the law that it passes. One system costs
+/// [`hopf`](Self::hopf) no steps, [`grazing`](Self::grazing) and [`overshoot`](Self::overshoot) one
+/// slip arc, [`crossing`](Self::crossing) two, and [`folds`](Self::folds) and
+/// [`vibration_ranges`](Self::vibration_ranges) some hundred. A range takes 65 systems, and some
+/// tens more for each value that is found.
+///
+/// A search is stopped by [`with_max_steps`](Self::with_max_steps), or by a closure that
+/// [watches](Self::watched) it. Both are asked before each system, and one system takes no more
+/// than 2·10⁵ steps and a few. Nothing is lost: [`Error::Stopped`] holds what was found up to
+/// there.
+pub struct Along<'f, L> {
+    family: Family<'f, L>,
+    range: Range<f64>,
+    parameter: &'static str,
+    max_steps: usize,
+    watch: Option<Box<Watch<'f>>>,
+}
+
+type Watch<'f> = dyn Fn(&Progress) -> ControlFlow<()> + 'f;
+
+/// The systems of a search, one for each value of the parameter.
+pub(super) enum Family<'f, L> {
+    /// One system at any belt velocity.
+    Velocities(MassOnBelt<&'f L>),
+    /// A trait object, so that the searches are compiled once for a law, not once for a closure.
+    Systems(Box<dyn Fn(f64) -> Result<MassOnBelt<L>, Error> + 'f>),
+}
+
+/// How far a search has come. See [`Along::watched`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Progress {
+    /// Value of the parameter that is looked at next. On the whole it ascends.
+    pub value: f64,
+    /// Number of systems looked at so far.
+    pub systems: usize,
+    /// Steps of slip phases so far.
+    pub steps: usize,
+}
+
+impl<'f, L: FrictionLaw> Along<'f, L> {
+    fn of(family: Family<'f, L>, range: Range<f64>, parameter: &'static str) -> Self {
+        Self {
+            family,
+            range,
+            parameter,
+            max_steps: usize::MAX,
+            watch: None,
+        }
+    }
+
+    /// Gives the parameter a name, for errors.
+    #[must_use]
+    pub fn named(self, parameter: &'static str) -> Self {
+        Self { parameter, ..self }
+    }
+
+    /// Bounds the work of each search: after so many steps it ends in [`Error::Stopped`].
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] for 0.
+    ///
+    /// ```
+    /// use stick_slip::{Error, MassOnBelt, Polynomial, bifurcation};
+    ///
+    /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+    /// let search = bifurcation::along_velocities(&system, 0.01..0.5).with_max_steps(700)?;
+    /// match search.grazing() {
+    ///     // The velocity 0.3958 is among those that were found before the search was stopped.
+    ///     Err(Error::Stopped { value, steps, found, .. }) => {
+    ///         assert!(value < 0.5 && steps >= 700);
+    ///         assert_eq!(found.len(), 1);
+    ///     }
+    ///     other => panic!("{other:?}"),
+    /// }
+    /// # Ok::<(), Error>(())
+    /// ```
+    pub fn with_max_steps(self, max_steps: usize) -> Result<Self, Error> {
+        Error::check(
+            "max_steps",
+            max_steps as f64,
+            max_steps > 0,
+            "max_steps > 0",
+        )?;
+        Ok(Self { max_steps, ..self })
+    }
+
+    /// Calls `watch` before each system of a search: it can show how far the search has come, and
+    /// stop it with [`ControlFlow::Break`]; the search then ends in [`Error::Stopped`].
+    ///
+    /// ```
+    /// use std::ops::ControlFlow::{Break, Continue};
+    /// use std::time::{Duration, Instant};
+    /// use stick_slip::{Error, MassOnBelt, Polynomial, bifurcation};
+    ///
+    /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+    /// let start = Instant::now();
+    /// let search = bifurcation::along_velocities(&system, 0.01..0.5).watched(|_| {
+    ///     if start.elapsed() < Duration::from_secs(60) { Continue(()) } else { Break(()) }
+    /// });
+    /// assert_eq!(search.grazing()?.len(), 1);
+    /// // A search that is stopped tells how far it came.
+    /// let half = bifurcation::along_velocities(&system, 0.01..0.5).watched(|progress| {
+    ///     if progress.value < 0.25 { Continue(()) } else { Break(()) }
+    /// });
+    /// match half.grazing() {
+    ///     Err(Error::Stopped { value, found, .. }) => assert!(value >= 0.25 && found.is_empty()),
+    ///     other => panic!("{other:?}"),
+    /// }
+    /// # Ok::<(), Error>(())
+    /// ```
+    #[must_use]
+    pub fn watched(self, watch: impl Fn(&Progress) -> ControlFlow<()> + 'f) -> Self {
+        Self {
+            watch: Some(Box::new(watch)),
+            ..self
+        }
+    }
+
+    pub(super) fn family(&self) -> &Family<'f, L> {
+        &self.family
+    }
+
+    /// The range, if it is one.
+    pub(super) fn whole(&self) -> Result<Range<f64>, Error> {
+        let Range { start, end } = self.range;
+        Error::check("range.start", start, true, "start < end")?;
+        Error::check("range.end", end, end > start, "start < end")?;
+        Ok(start..end)
+    }
+
+    /// The parts of the range that are searched, ascending: the motion of the belt is another on
+    /// the two sides of v_b = 0.
+    pub(super) fn parts(&self) -> Result<Vec<Range<f64>>, Error> {
+        let Range { start, end } = self.whole()?;
+        let is_split = matches!(self.family, Family::Velocities(_)) && start < 0.0 && end > 0.0;
+        Ok(if is_split {
+            vec![start..0.0, 0.0..end]
+        } else {
+            vec![start..end]
+        })
+    }
+
+    /// Searches the parts of the range one after the other, each with a work counter that all
+    /// share. A search adds what it finds to the list, so that it is there when it is stopped.
+    pub(super) fn over_parts(&self, search: &mut SearchPart<'_, 'f, L>) -> Result<Vec<f64>, Error> {
+        let work = Work::of(self);
+        let mut found = Vec::new();
+        for part in self.parts()? {
+            if let Err(mut error) = search(&work, &part, &mut found) {
+                if let Error::Stopped { found: values, .. } = &mut error {
+                    found.sort_by(f64::total_cmp);
+                    *values = found;
+                }
+                return Err(error);
+            }
+        }
+        Ok(found)
+    }
+}
+
+/// The search of one part of a range.
+pub(super) type SearchPart<'s, 'f, L> =
+    dyn FnMut(&Work<'_, 'f, L>, &Range<f64>, &mut Vec<f64>) -> Result<(), Error> + 's;
+
+/// The work of a search so far.
+pub(super) struct Work<'a, 'f, L> {
+    along: &'a Along<'f, L>,
+    systems: Cell<usize>,
+    steps: Cell<usize>,
+}
+
+impl<'a, 'f, L: FrictionLaw> Work<'a, 'f, L> {
+    pub(super) fn of(along: &'a Along<'f, L>) -> Self {
+        Self {
+            along,
+            systems: Cell::new(0),
+            steps: Cell::new(0),
+        }
+    }
+
+    /// Shows the system at a value of the parameter to `look`. An error is given the value.
+    pub(super) fn with_system(
+        &self,
+        value: f64,
+        look: &mut dyn FnMut(MassOnBelt<&L>) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        self.begin(value)?;
+        let looked = match &self.along.family {
+            Family::Velocities(system) => system.with_belt_velocity(value).and_then(look),
+            Family::Systems(family) => family(value).and_then(|system| look(system.by_reference())),
+        };
+        looked.map_err(|error| error.at(self.along.parameter, value))
+    }
+
+    /// What `look` finds in the system at a value of the parameter, with its belt moving forward;
+    /// `None` if the belt stands still.
+    pub(super) fn moving_at<T>(
+        &self,
+        value: f64,
+        look: &mut dyn FnMut(&mut Tracer<'_, L>) -> Result<T, Error>,
+    ) -> Result<Option<T>, Error> {
+        let mut found = None;
+        self.with_system(value, &mut |system| {
+            if let Some(forward) = Forward::of(system) {
+                let mut tracer = Tracer::new(forward);
+                let looked = look(&mut tracer);
+                self.steps
+                    .set(self.steps.get().saturating_add(tracer.work()));
+                found = Some(looked?);
+            }
+            Ok(())
+        })?;
+        Ok(found)
+    }
+
+    /// Counts a system, unless the search is stopped before it.
+    fn begin(&self, value: f64) -> Result<(), Error> {
+        let progress = Progress {
+            value,
+            systems: self.systems.get(),
+            steps: self.steps.get(),
+        };
+        let watch = self.along.watch.as_ref();
+        let goes_on = progress.steps < self.along.max_steps
+            && watch.is_none_or(|watch| watch(&progress).is_continue());
+        self.systems.set(progress.systems + 1);
+        if goes_on {
+            Ok(())
+        } else {
+            Err(Error::Stopped {
+                parameter: self.along.parameter,
+                value,
+                steps: progress.steps,
+                found: Vec::new(),
+            })
+        }
+    }
+}
+
+impl<L> Debug for Along<'_, L> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Along")
+            .field("parameter", &self.parameter)
+            .field("range", &self.range)
+            .field("max_steps", &self.max_steps)
+            .finish_non_exhaustive()
+    }
+}

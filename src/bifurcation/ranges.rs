@@ -1,0 +1,217 @@
+use std::fmt::{self, Display, Formatter};
+use std::ops::Range;
+
+use super::along::{Along, Work, along_velocities};
+use super::contacts::all_changes;
+use super::fold::folds;
+use super::hopf::hopf;
+use crate::belt::MassOnBelt;
+use crate::error::Error;
+use crate::friction::FrictionLaw;
+use crate::limit_cycle::{CycleKind, Tracer, find_moving};
+
+/// What can happen at which belt velocity: the range cut into intervals in each of which the mass
+/// can settle to the same motions. Neighbouring intervals differ.
+///
+/// The range is cut at all Hopf, grazing, overshoot, crossing and fold velocities. In each interval
+/// between two of them, [`find`](crate::limit_cycle::find) looks at three velocities; where they
+/// disagree (folds of crossing cycles have no search of their own) the border is found by
+/// bisection, to 10⁻¹² of the velocity. v_b = 0 is a border, too: there the mass comes to rest.
+///
+/// The cost is that of the five searches, and three searches by `find` for each interval. To bound
+/// it or to watch it, and for any other parameter, use [`Along::vibration_ranges`].
+///
+/// # Errors
+///
+/// Those of [`hopf_velocities`](super::hopf_velocities) and
+/// [`grazing_velocities`](super::grazing_velocities).
+///
+/// ```
+/// use stick_slip::bifurcation::{AttractorKind, vibration_ranges};
+/// use stick_slip::{CycleKind, Exponential, MassOnBelt};
+///
+/// let system = MassOnBelt::new(Exponential::new(0.6, 0.3, 0.4)?, 1.0)?.with_damping(0.01)?;
+/// let ranges = vibration_ranges(&system, 0.05..4.0)?;
+/// let bistable: Vec<_> = ranges.iter().filter(|range| range.is_bistable()).collect();
+/// // From the upper Hopf velocity to the fold or grazing that ends the vibration.
+/// let stick_slip = AttractorKind::Cycle(CycleKind::StickSlip);
+/// assert_eq!(bistable[0].attractors, [AttractorKind::Equilibrium, stick_slip]);
+/// assert!(bistable[0].velocities.contains(&1.0));
+/// // Beyond, nothing vibrates.
+/// assert_eq!(ranges.last().unwrap().attractors, [AttractorKind::Equilibrium]);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn vibration_ranges<L: FrictionLaw>(
+    system: &MassOnBelt<L>,
+    range: Range<f64>,
+) -> Result<Vec<VibrationRange>, Error> {
+    along_velocities(system, range).vibration_ranges()
+}
+
+/// An interval of belt velocities in which the mass can settle to the same motions. See
+/// [`vibration_ranges`].
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct VibrationRange {
+    /// Belt velocities, dimensionless; values of the parameter in a search [`along`](super::along)
+    /// another one.
+    pub velocities: Range<f64>,
+    /// What the mass can settle to, from the inside outwards. Empty if a motion can grow without an
+    /// end, or where double precision can't tell.
+    pub attractors: Vec<AttractorKind>,
+}
+
+impl VibrationRange {
+    /// Whether the start decides what the mass settles to: there are two attractors or more.
+    pub fn is_bistable(&self) -> bool {
+        self.attractors.len() > 1
+    }
+
+    /// Whether a vibration can last: there is another attractor than steady sliding, or none.
+    pub fn vibrates(&self) -> bool {
+        self.attractors != [AttractorKind::Equilibrium]
+    }
+}
+
+/// A kind of motion to which the mass can settle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(rename_all = "snake_case")
+)]
+pub enum AttractorKind {
+    /// Steady sliding, if it is stable.
+    Equilibrium,
+    /// A family of periodic motions round steady sliding, none of which attracts: a motion that
+    /// comes in stays on one of them.
+    Continuum,
+    /// A stable cycle of this kind.
+    Cycle(CycleKind),
+}
+
+impl Display for AttractorKind {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Equilibrium => f.pad("steady sliding"),
+            Self::Continuum => f.pad("continuum"),
+            Self::Cycle(kind) => kind.fmt(f),
+        }
+    }
+}
+
+impl<L: FrictionLaw> Along<'_, L> {
+    /// What can happen at which value of the parameter. See [`vibration_ranges`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`hopf`](Self::hopf) and [`grazing`](Self::grazing). [`Error::Stopped`] holds the
+    /// borders that were found.
+    ///
+    /// ```
+    /// use stick_slip::{Exponential, MassOnBelt, bifurcation};
+    ///
+    /// // Under which load does the mass vibrate?
+    /// let law = Exponential::new(0.4, 0.25, 0.5)?;
+    /// let loaded = |load: f64| MassOnBelt::new(law, 0.6)?.with_damping(0.05)?.with_load(load);
+    /// let ranges = bifurcation::along(loaded, 0.1..2.0).vibration_ranges()?;
+    /// let vibrating = ranges.iter().find(|range| range.vibrates()).unwrap();
+    /// let silent = bifurcation::silencing_load(&loaded(1.0)?)?;
+    /// assert!((vibrating.velocities.start - silent).abs() < 1e-11);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn vibration_ranges(&self) -> Result<Vec<VibrationRange>, Error> {
+        let mut ranges = Vec::new();
+        self.over_parts(&mut |work, part, found| {
+            hopf(self, work, part, found)?;
+            all_changes(work, part, found)?;
+            folds(work, part, found)?;
+            let mut borders = vec![part.start, part.end];
+            borders.extend(found.iter().filter(|border| part.contains(border)));
+            borders.sort_by(f64::total_cmp);
+            borders.dedup();
+            for ends in borders.windows(2) {
+                let interval = ends[0]..ends[1];
+                add_interval(&mut |value| attractors(work, value), &interval, &mut ranges)?;
+            }
+            Ok(())
+        })?;
+        Ok(ranges)
+    }
+}
+
+/// What the mass can settle to at a value of the parameter.
+fn attractors<L: FrictionLaw>(
+    work: &Work<'_, '_, L>,
+    value: f64,
+) -> Result<Vec<AttractorKind>, Error> {
+    let attractors = work.moving_at(value, &mut |tracer: &mut Tracer<'_, L>| {
+        let cycles = find_moving(tracer)?;
+        let equilibrium = tracer.system().equilibrium();
+        let is_stable = equilibrium.is_some_and(|equilibrium| equilibrium.is_stable());
+        let stable = cycles.stable().map(|cycle| cycle.kind());
+        Ok(is_stable
+            .then_some(AttractorKind::Equilibrium)
+            .into_iter()
+            .chain(cycles.continuum().map(|_| AttractorKind::Continuum))
+            .chain(stable.map(AttractorKind::Cycle))
+            .collect())
+    })?;
+    Ok(attractors.unwrap_or_default())
+}
+
+/// Where an interval is looked at: away from its ends, at which small cycles are hard to see.
+const PLACES: [f64; 3] = [1.0 / 16.0, 0.5, 15.0 / 16.0];
+
+/// Width, relative to the parameter, to which a border is bisected.
+const NARROWEST: f64 = 1e-12;
+
+type Attractors<'a> = dyn FnMut(f64) -> Result<Vec<AttractorKind>, Error> + 'a;
+
+/// Adds an interval in which no search has found a border, cut where its attractors differ.
+fn add_interval(
+    attractors: &mut Attractors,
+    interval: &Range<f64>,
+    ranges: &mut Vec<VibrationRange>,
+) -> Result<(), Error> {
+    let mut seen = Vec::new();
+    for place in PLACES {
+        let value = interval.start + place * (interval.end - interval.start);
+        seen.push((value, attractors(value)?));
+    }
+    let mut start = interval.start;
+    let mut todo: Vec<_> = seen.drain(1..).rev().collect();
+    let mut left = seen.remove(0);
+    while let Some(right) = todo.pop() {
+        let middle = 0.5 * (left.0 + right.0);
+        let is_narrow = right.0 - left.0 <= NARROWEST * left.0.abs().max(right.0.abs());
+        if left.1 == right.1 {
+            left = right;
+        } else if is_narrow || !(left.0 < middle && middle < right.0) {
+            add(start..middle, left.1, ranges);
+            (start, left) = (middle, right);
+        } else {
+            todo.push(right);
+            todo.push((middle, attractors(middle)?));
+        }
+    }
+    add(start..interval.end, left.1, ranges);
+    Ok(())
+}
+
+/// Adds a range, or lengthens the last one if it goes on alike.
+fn add(velocities: Range<f64>, attractors: Vec<AttractorKind>, ranges: &mut Vec<VibrationRange>) {
+    match ranges.last_mut() {
+        Some(last)
+            if last.attractors == attractors && last.velocities.end == velocities.start
+                // The motion of the belt turns round.
+                && velocities.start != 0.0 =>
+        {
+            last.velocities.end = velocities.end;
+        }
+        _ => ranges.push(VibrationRange {
+            velocities,
+            attractors,
+        }),
+    }
+}
