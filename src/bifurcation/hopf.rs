@@ -40,6 +40,7 @@ use crate::friction::{AlongSlope, FrictionLaw};
 /// assert!((hopf[1] - 0.738553461542470176).abs() < 1e-15);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
+#[doc(alias = "sweep")]
 pub fn hopf_velocities<L: FrictionLaw>(
     system: &MassOnBelt<L>,
     range: Range<f64>,
