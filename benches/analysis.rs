@@ -41,7 +41,7 @@ fn formulas(criterion: &mut Criterion) {
         bencher.iter(|| StickSlip::new(black_box(&exponential)).map(|formulas| formulas.period()));
     });
     group.bench_function("least damping over a range", |bencher| {
-        bencher.iter(|| design::least_damping_over(black_box(&exponential), 0.0..2.0));
+        bencher.iter(|| design::stabilizing_damping_over(black_box(&exponential), 0.0..2.0));
     });
     group.finish();
 

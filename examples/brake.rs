@@ -16,7 +16,7 @@
 //!
 //! Run it with `cargo run --release --example brake`.
 
-use stick_slip::analysis::design::least_damping;
+use stick_slip::analysis::design::stabilizing_damping;
 use stick_slip::{Error, LimitCycle, Physical, Scaling, Stribeck, bifurcation, limit_cycle};
 
 /// Friction falls from 0.45 to 0.35, within some 0.05 m/s; the exponent 1 is Tustin's law.
@@ -51,7 +51,7 @@ fn main() -> Result<(), Error> {
     }
 
     // Damping. Steady sliding becomes stable at C1, and the stick-slip motion dies at C2 only.
-    let stable = least_damping(&system).unwrap_or(0.0);
+    let stable = stabilizing_damping(&system).unwrap_or(0.0);
     let silent = bifurcation::silencing_damping(&system)?;
     println!("\ndamping constant above which, at this speed,");
     for (what, damping) in [
@@ -72,7 +72,7 @@ fn main() -> Result<(), Error> {
     }
 
     // Speed. The same two limits, with the damping that the brake has.
-    let fast = scaling.velocity(2.0);
+    let fast = scaling.dimensionless_velocity(2.0);
     println!("\ndisc speed above which, with its own damping,");
     for velocity in bifurcation::hopf_velocities(&system, 0.0..fast)? {
         println!(

@@ -28,6 +28,14 @@ impl Clock {
         Self { time, remainder }
     }
 
+    /// The time that this clock shows if a unit of its time lasts 1/rate.
+    pub(crate) fn at_rate(self, rate: f64) -> Self {
+        Self {
+            time: self.time / rate,
+            remainder: self.remainder / rate,
+        }
+    }
+
     /// Duration from this clock's time to `time`.
     #[inline(always)]
     pub(crate) fn until(self, time: f64) -> f64 {

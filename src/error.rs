@@ -1,4 +1,29 @@
+use crate::state::Units;
 use crate::state::structure::State;
+
+/// A number as one would write it: with its power of ten only below 1e-4 and from 1e6 on.
+pub(crate) struct Plain(pub(crate) f64);
+
+impl std::fmt::Display for Plain {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let x = self.0;
+        if x == 0.0 || !x.is_finite() || (1e-4..1e6).contains(&x.abs()) {
+            write!(f, "{x}")
+        } else {
+            write!(f, "{x:e}")
+        }
+    }
+}
+
+/// A number to six digits, as one would write it.
+pub(crate) struct Digits(pub(crate) f64);
+
+impl std::fmt::Display for Digits {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let rounded = format!("{:.5e}", self.0).parse();
+        Plain(rounded.unwrap_or(self.0)).fmt(f)
+    }
+}
 
 /// The time and the state that an integration had reached when it could not go on.
 ///
@@ -33,13 +58,25 @@ impl Reached {
             state: state.into(),
         }
     }
+
+    /// The same place in other units.
+    fn in_units(mut self, units: Units) -> Self {
+        self.time /= units.rate;
+        for displacement in &mut self.state.displacements {
+            *displacement *= units.length;
+        }
+        for velocity in &mut self.state.velocities {
+            *velocity *= units.velocity();
+        }
+        self
+    }
 }
 
 impl std::fmt::Display for Reached {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "at time {:e}", self.time)?;
+        write!(f, "at time {}", Plain(self.time))?;
         match (&self.state.displacements[..], &self.state.velocities[..]) {
-            ([u], [v]) => write!(f, " (u = {u:e}, v = {v:e})"),
+            ([u], [v]) => write!(f, " (u = {}, v = {})", Plain(*u), Plain(*v)),
             (q, v) => write!(f, " (q = {q:?}, v = {v:?})"),
         }
     }
@@ -50,6 +87,15 @@ fn during(reached: &Option<Reached>) -> String {
     reached
         .as_ref()
         .map_or_else(String::new, |reached| format!(" {reached}"))
+}
+
+/// What to give instead of a number that is not allowed, for a message.
+fn instead(value: f64, allowed: &str) -> String {
+    if value.is_finite() {
+        format!(": {allowed}")
+    } else {
+        format!("; give a finite number: {allowed}")
+    }
 }
 
 /// The reason why a law, a system or a start was refused, or why a motion could not be followed
@@ -102,15 +148,14 @@ fn during(reached: &Option<Reached>) -> String {
 /// );
 /// assert_eq!(
 ///     error.to_string(),
-///     "minimum_coefficient = 5e-1 is not allowed; give a finite number: \
-///      0 ≤ minimum_coefficient ≤ static_coefficient"
+///     "minimum_coefficient = 0.5 is not allowed: 0 ≤ minimum_coefficient ≤ static_coefficient"
 /// );
 /// ```
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A parameter of a law, a system or the integrator is outside its range, infinite or NaN.
-    #[error("{name} = {value:e} is not allowed; give a finite number: {allowed}")]
+    #[error("{name} = {} is not allowed{}", Plain(*value), instead(*value, allowed))]
     InvalidParameter {
         /// The parameter, by its name in the constructor.
         name: &'static str,
@@ -122,8 +167,9 @@ pub enum Error {
 
     /// A point of a table or of a profile is not allowed.
     #[error(
-        "point {index} of the table, counted from 0: {name} = {value:e} is not allowed; give a \
-         finite number: {allowed}"
+        "point {index} of the table, counted from 0: {name} = {} is not allowed{}",
+        Plain(*value),
+        instead(*value, allowed)
     )]
     BadPoint {
         /// Position of the point, from 0.
@@ -139,8 +185,15 @@ pub enum Error {
     /// A start state has an infinite or NaN component, or is so large or so small that the
     /// equations overflow or underflow.
     #[error(
-        "the state u = {displacement:e}, v = {velocity:e} is not finite, or it overflows or \
-         underflows; choose a unit of length that makes it a number of ordinary size"
+        "the state u = {}, v = {} {}",
+        Plain(*displacement),
+        Plain(*velocity),
+        if displacement.is_finite() && velocity.is_finite() {
+            "overflows or underflows in the equations; choose a unit of length that makes it a \
+             number of ordinary size"
+        } else {
+            "is not finite; give two finite numbers"
+        }
     )]
     InvalidState {
         /// Displacement u that was given.
@@ -151,7 +204,8 @@ pub enum Error {
 
     /// A relative tolerance is outside its range or NaN.
     #[error(
-        "the tolerance {value:e} is not allowed; give a number with {min:e} ≤ tolerance ≤ {max:e}"
+        "the tolerance {} is not allowed; give a number with {min:e} ≤ tolerance ≤ {max:e}",
+        Plain(*value)
     )]
     InvalidTolerance {
         /// The value that was given.
@@ -164,8 +218,9 @@ pub enum Error {
 
     /// A duration is negative, infinite or NaN.
     #[error(
-        "the duration {value:e} is not allowed; give a finite number ≥ 0, or use `flow` to go on \
-         without an end"
+        "the duration {} is not allowed; give a finite number ≥ 0, or use `flow` to go on without \
+         an end",
+        Plain(*value)
     )]
     InvalidDuration {
         /// The value that was given.
@@ -175,8 +230,10 @@ pub enum Error {
     /// The law's kinetic coefficient at zero speed, μ̂(0), exceeds its static coefficient μ_s by
     /// more than a few ulps.
     #[error(
-        "the static coefficient {static_coefficient:e} is below the kinetic coefficient at zero \
-         speed, {kinetic_coefficient:e}; raise μ_s or lower μ̂(0)"
+        "the static coefficient {} is below the kinetic coefficient at zero speed, {}; raise μ_s \
+         or lower μ̂(0)",
+        Plain(*static_coefficient),
+        Plain(*kinetic_coefficient)
     )]
     StaticBelowKinetic {
         /// μ_s of the law.
@@ -187,8 +244,9 @@ pub enum Error {
 
     /// The law returned an infinite or NaN coefficient.
     #[error(
-        "the friction law gives {value} at sliding speed {speed:e}{}; define it for every speed \
-         the motion reaches, or start closer to the belt velocity",
+        "the friction law gives {value} at sliding speed {}{}; define it for every speed the \
+         motion reaches, or start closer to the belt velocity",
+        Plain(*speed),
         during(reached)
     )]
     NonFiniteFriction {
@@ -202,8 +260,9 @@ pub enum Error {
 
     /// The law has a value but no power series at a speed, as √s at s = 0.
     #[error(
-        "the friction law is not analytic at sliding speed {speed:e}{}; use integral powers of \
-         the speed there, or name the speed as a breakpoint and give the pieces",
+        "the friction law is not analytic at sliding speed {}{}; use integral powers of the \
+         speed there, or name the speed as a breakpoint and give the pieces",
+        Plain(*speed),
         during(reached)
     )]
     NotAnalytic {
@@ -216,8 +275,9 @@ pub enum Error {
     /// The law's breakpoints are not finite, positive and strictly ascending, or the law jumps at
     /// one of them.
     #[error(
-        "breakpoint {index} of the friction law, {value:e}, is not allowed; breakpoints are \
-         finite, positive, strictly ascending, and the law is continuous there"
+        "breakpoint {index} of the friction law, counted from 0, {}, is not allowed; breakpoints \
+         are finite, positive, strictly ascending, and the law is continuous there",
+        Plain(*value)
     )]
     BadBreakpoints {
         /// Position of the first bad breakpoint, from 0.
@@ -228,7 +288,7 @@ pub enum Error {
 
     /// A mass, stiffness, damping, force or contact of a structure is outside its range, infinite
     /// or NaN.
-    #[error("{element}: {value:e} is not allowed; give a finite number: {allowed}")]
+    #[error("{element}: {} is not allowed{}", Plain(*value), instead(*value, allowed))]
     BadElement {
         /// Which element of the structure.
         element: Element,
@@ -276,8 +336,9 @@ pub enum Error {
 
     /// The velocity of a belt jumps; a mass that sticks could follow only under an infinite force.
     #[error(
-        "the belt under coordinate {coordinate} changes its velocity by a jump at time {time:e}; \
-         make it a steep ramp"
+        "the belt under coordinate {coordinate} changes its velocity by a jump at time {}; make \
+         it a steep ramp",
+        Plain(*time)
     )]
     BeltVelocityJumps {
         /// The coordinate of the contact, from 0.
@@ -288,8 +349,9 @@ pub enum Error {
 
     /// A step became too short to move the clock, or its power series overflows.
     #[error(
-        "the step fell to {step:e} {reached}: the law has a jump or kink there that is not named \
-         as a breakpoint, or the system is too stiff (γ²·dμ̂/ds beyond about 1e20, or a structure)"
+        "the step fell to {} {reached}: the law has a jump or kink there that is not named \
+         as a breakpoint, or the system is too stiff (γ²·dμ̂/ds beyond about 1e20, or a structure)",
+        Plain(*step)
     )]
     StepUnderflow {
         /// Length of the last step tried.
@@ -396,7 +458,7 @@ pub enum Error {
     ///
     /// The error inside says why, and what to do. A range that leaves the value out can still be
     /// searched.
-    #[error("at {parameter} = {value:e}: {source}")]
+    #[error("at {parameter} = {}: {source}", Plain(*value))]
     At {
         /// The parameter, by its name: `belt_velocity`, `damping`, `load`, or the name given to
         /// [`Along::named`](crate::bifurcation::Along::named).
@@ -511,6 +573,63 @@ impl Error {
                 value,
                 allowed,
             },
+            other => other,
+        }
+    }
+
+    /// This error of a dimensionless system, with its speeds, velocities, times and states in other
+    /// units.
+    pub(crate) fn in_units(self, units: Units) -> Self {
+        let speed = |speed: f64| speed * units.velocity();
+        let reached = |reached: Reached| reached.in_units(units);
+        match self {
+            Self::InvalidState {
+                displacement,
+                velocity,
+            } => Self::InvalidState {
+                displacement: displacement * units.length,
+                velocity: speed(velocity),
+            },
+            Self::InvalidDuration { value } => Self::InvalidDuration {
+                value: value / units.rate,
+            },
+            Self::NonFiniteFriction {
+                speed: s,
+                value,
+                reached: at,
+            } => Self::NonFiniteFriction {
+                speed: speed(s),
+                value,
+                reached: at.map(reached),
+            },
+            Self::NotAnalytic {
+                speed: s,
+                reached: at,
+            } => Self::NotAnalytic {
+                speed: speed(s),
+                reached: at.map(reached),
+            },
+            Self::BadBreakpoints { index, value } => Self::BadBreakpoints {
+                index,
+                value: speed(value),
+            },
+            Self::StepUnderflow { step, reached: at } => Self::StepUnderflow {
+                step: step / units.rate,
+                reached: reached(at),
+            },
+            Self::TooManySteps { limit, reached: at } => Self::TooManySteps {
+                limit,
+                reached: reached(at),
+            },
+            Self::TooManyEvents { limit, reached: at } => Self::TooManyEvents {
+                limit,
+                reached: reached(at),
+            },
+            Self::At {
+                parameter: parameter @ "belt_velocity",
+                value,
+                source,
+            } => source.in_units(units).at(parameter, speed(value)),
             other => other,
         }
     }

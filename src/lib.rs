@@ -30,11 +30,12 @@
 //! |---|---|
 //! | how the mass moves from a given start, and when it sticks | [`MassOnBelt::simulate`], then [`Trajectory::events`], [`state_at`](Trajectory::state_at), [`sample`](Trajectory::sample) |
 //! | how the mass moves, without an end and in constant memory | [`Integrator::flow`] |
+//! | how the mass moves until something happens | [`Integrator::simulate_until`] |
 //! | how the mass moves, with a looser tolerance or more steps | [`Integrator::with_tolerance`], [`Integrator::with_max_steps`] |
 //! | everything that the mass can settle to | [`limit_cycle::find`] |
 //! | the stick-slip motion alone | [`limit_cycle::stick_slip`] |
 //! | what the mass settles to from a given start | [`limit_cycle::attractor`]; from many, [`limit_cycle::basins`] |
-//! | period, extremes, harmonics, energies of a periodic motion | [`LimitCycle`] |
+//! | period, extremes, accelerations, harmonics, energies of a periodic motion | [`LimitCycle`] |
 //! | whether steady sliding is stable | [`MassOnBelt::equilibrium`] |
 //! | the belt velocity at which steady sliding becomes stable | [`bifurcation::hopf_velocities`], [`bifurcation::criticality`] |
 //! | the belt velocity at which stick-slip appears or disappears | [`bifurcation::grazing_velocities`] |
@@ -45,8 +46,8 @@
 //! | the formulas of the source paper, and better ones | [`analysis::PureSlip`], [`analysis::StickSlip`], [`analysis::averaging`]; [where the paper is wrong](analysis#where-the-source-paper-is-wrong) |
 //! | how several masses move, with forces and belts that vary in time | [`Structure`], [`Contact`], [`Drive`] |
 //! | whether several masses slide steadily, or flutter | [`Structure::steady_sliding`] |
-//! | how to work in kilograms, newtons, metres and hertz | [`Scaling`]; a [`Structure`] takes any consistent units |
-//! | a friction law of my own | [`FrictionLaw`], [`Scalar`] |
+//! | how to work in kilograms, newtons, metres and hertz | [`PhysicalMassOnBelt`], [`Scaling`]; a [`Structure`] takes any consistent units |
+//! | a friction law of my own | [`FrictionLaw`], [`Scalar`]; whether it is in order: [`check_law`] |
 //! | measured points as a law | [`Tabulated`] |
 //! | static friction that rises at rest, bristles | [`Dwell`], [`Dahl`], [`LuGre`] in a [`Structure`] |
 //! | a law chosen at run time | [`AnyLaw`], [`AnyContactLaw`] |
@@ -70,8 +71,8 @@
 //!
 //! All quantities are dimensionless: u displacement, v = u' velocity, τ time, β ≥ 0 damping ratio,
 //! γ² > 0 friction load, v_b belt velocity of either sign or zero, v_r = v − v_b relative velocity,
-//! s = |v_r| sliding speed. [`Scaling`] converts kilograms, metres and newtons to these quantities,
-//! and back.
+//! s = |v_r| sliding speed. [`PhysicalMassOnBelt`] takes and gives kilograms, metres and newtons;
+//! [`Scaling`] converts them.
 //!
 //! A [`FrictionLaw`] consists of a static coefficient μ_s and a function μ̂(s) for s ≥ 0, the
 //! kinetic coefficient. μ̂(0) is its limit for s → 0, and at most μ_s. The law is odd in the
@@ -200,6 +201,7 @@ pub mod limit_cycle;
 mod motion;
 mod numerics;
 pub mod orbit;
+mod physical;
 mod scalar;
 mod scaling;
 #[cfg(feature = "serde")]
@@ -213,11 +215,17 @@ pub use drive::Drive;
 pub use error::{Error, Reached};
 pub use friction::memory::{AnyContactLaw, ContactLaw, Dahl, Dwell, LuGre, Motion, Slip};
 pub use friction::{
-    AnyLaw, Coulomb, Exponential, FrictionLaw, Polynomial, Rational, Scaled, Stribeck, Tabulated,
+    AnyLaw, Coulomb, Exponential, FrictionLaw, LawFault, Polynomial, Rational, Scaled, Stribeck,
+    Tabulated, check_law,
 };
-pub use limit_cycle::{CycleKind, CycleSet, EnergyBudget, LimitCycle};
-pub use motion::{Event, EventKind, Integrator, Mode, Segment, System, SystemState, Trajectory};
+pub use limit_cycle::{
+    Attractor, Basins, Continuum, CycleKind, CycleSet, EnergyBudget, LimitCycle,
+};
+pub use motion::{
+    Ended, Event, EventKind, Integrator, Mode, Segment, System, SystemState, Trajectory,
+};
 pub use nalgebra;
+pub use physical::PhysicalMassOnBelt;
 pub use scalar::Scalar;
 pub use scaling::{Physical, Scaling};
 pub use state::{Direction, State};

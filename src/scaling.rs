@@ -1,8 +1,11 @@
 //! Conversion from physical units to the dimensionless system and back, for any law.
 
+use std::ops::Range;
+
 use crate::belt::MassOnBelt;
-use crate::error::Error;
+use crate::error::{Digits, Error, Plain};
 use crate::friction::{FrictionLaw, Scaled};
+use crate::state::{State, Units};
 
 #[cfg(feature = "serde")]
 mod read;
@@ -43,7 +46,9 @@ pub struct Physical {
 /// which the normal force would stretch the spring. It gives γ² = 1.
 ///
 /// Each method is named for what it returns: [`seconds`](Self::seconds) takes a dimensionless time,
-/// and [`time`](Self::time) takes seconds.
+/// and [`dimensionless_time`](Self::dimensionless_time) takes seconds. To work in SI units
+/// throughout, and leave the conversion to the crate, see
+/// [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt).
 ///
 /// A mass that turns on a torsion spring is converted likewise: put the moment of inertia (kg·m²)
 /// for the mass, radians for metres, and N·m for newtons. The normal force becomes the product of
@@ -77,7 +82,7 @@ pub struct Physical {
 /// assert!((scaling.metres(release.displacement) - (8.0 - 0.2) / 5000.0).abs() < 1e-17);
 /// assert_eq!(scaling.metres_per_second(release.velocity), 0.05);
 ///
-/// let motion = system.simulate(State::new(0.0, 0.0), scaling.time(1.0))?;
+/// let motion = system.simulate(State::new(0.0, 0.0), scaling.dimensionless_time(1.0))?;
 /// let milliseconds = 1e3 * scaling.seconds(motion.events()[0].time);
 /// assert!((milliseconds - 15.0966).abs() < 1e-4);
 /// # Ok::<(), stick_slip::Error>(())
@@ -179,6 +184,15 @@ impl Scaling {
         self.angular_frequency
     }
 
+    /// The units of the dimensionless system.
+    pub(crate) fn units(&self) -> Units {
+        Units {
+            length: self.length,
+            rate: self.angular_frequency,
+            stiffness: self.physical.stiffness,
+        }
+    }
+
     /// The unit of velocity ω0 L, m/s.
     fn velocity_unit(&self) -> f64 {
         self.angular_frequency * self.length
@@ -231,7 +245,8 @@ impl Scaling {
     }
 
     /// Dimensionless time τ = ω0 t, from a time t in seconds.
-    pub fn time(&self, seconds: f64) -> f64 {
+    #[doc(alias = "time")]
+    pub fn dimensionless_time(&self, seconds: f64) -> f64 {
         seconds * self.angular_frequency
     }
 
@@ -241,7 +256,8 @@ impl Scaling {
     }
 
     /// Dimensionless displacement u = X/L, from a displacement X in metres.
-    pub fn displacement(&self, metres: f64) -> f64 {
+    #[doc(alias = "displacement")]
+    pub fn dimensionless_displacement(&self, metres: f64) -> f64 {
         metres / self.length
     }
 
@@ -251,8 +267,47 @@ impl Scaling {
     }
 
     /// Dimensionless velocity v = X'/(ω0 L), from a velocity X' in metres per second.
-    pub fn velocity(&self, metres_per_second: f64) -> f64 {
+    #[doc(alias = "velocity")]
+    pub fn dimensionless_velocity(&self, metres_per_second: f64) -> f64 {
         metres_per_second / self.velocity_unit()
+    }
+
+    /// The state (X, X') in metres and metres per second, from a dimensionless state (u, v).
+    ///
+    /// ```
+    /// # use stick_slip::{Physical, Scaling, State};
+    /// # let scaling = Scaling::new(Physical {
+    /// #     mass: 2.0, stiffness: 5000.0, damping: 4.0, normal_force: 20.0, belt_velocity: 0.05,
+    /// # })?;
+    /// let start = scaling.dimensionless_state((0.001, -0.05)); // m, m/s
+    /// assert_eq!(start, State::new(0.25, -0.25));
+    /// assert_eq!(scaling.physical_state(start), State::new(0.001, -0.05));
+    /// assert_eq!(scaling.dimensionless_velocities(0.05..0.2), 0.25..1.0);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn physical_state(&self, state: State) -> State {
+        State::new(
+            self.metres(state.displacement),
+            self.metres_per_second(state.velocity),
+        )
+    }
+
+    /// The dimensionless state (u, v), from a state (X, X') in metres and metres per second.
+    #[doc(alias = "state")]
+    pub fn dimensionless_state(&self, state: impl Into<State>) -> State {
+        let state = state.into();
+        State::new(
+            self.dimensionless_displacement(state.displacement),
+            self.dimensionless_velocity(state.velocity),
+        )
+    }
+
+    /// A range of dimensionless velocities, from one in metres per second, as the searches of
+    /// [`bifurcation`](crate::bifurcation) need it.
+    #[doc(alias = "velocities")]
+    pub fn dimensionless_velocities(&self, metres_per_second: Range<f64>) -> Range<f64> {
+        self.dimensionless_velocity(metres_per_second.start)
+            ..self.dimensionless_velocity(metres_per_second.end)
     }
 
     /// Frequency f = ω0 ω/2π in hertz, from a dimensionless **angular** frequency ω = 2π/T.
@@ -274,7 +329,8 @@ impl Scaling {
     }
 
     /// Dimensionless angular frequency ω = 2πf/ω0, from a frequency f in hertz.
-    pub fn frequency(&self, hertz: f64) -> f64 {
+    #[doc(alias = "frequency")]
+    pub fn dimensionless_frequency(&self, hertz: f64) -> f64 {
         hertz * std::f64::consts::TAU / self.angular_frequency
     }
 
@@ -285,7 +341,8 @@ impl Scaling {
     }
 
     /// Dimensionless force F/(K L), from a force F in newtons.
-    pub fn force(&self, newtons: f64) -> f64 {
+    #[doc(alias = "force")]
+    pub fn dimensionless_force(&self, newtons: f64) -> f64 {
         newtons / self.force_unit()
     }
 
@@ -314,7 +371,8 @@ impl Scaling {
     }
 
     /// Dimensionless energy E/(K L²), from an energy E in joules.
-    pub fn energy(&self, joules: f64) -> f64 {
+    #[doc(alias = "energy")]
+    pub fn dimensionless_energy(&self, joules: f64) -> f64 {
         joules / self.force_unit() / self.length
     }
 
@@ -324,7 +382,8 @@ impl Scaling {
     }
 
     /// Dimensionless power P/(ω0 K L²), from a power P in watts.
-    pub fn power(&self, watts: f64) -> f64 {
+    #[doc(alias = "power")]
+    pub fn dimensionless_power(&self, watts: f64) -> f64 {
         watts / self.force_unit() / self.velocity_unit()
     }
 
@@ -347,5 +406,37 @@ impl Scaling {
     pub fn damping_ratio(&self, damping_constant: f64) -> f64 {
         // 2√(KM) = 2 M ω0
         0.5 * damping_constant / self.physical.mass / self.angular_frequency
+    }
+}
+
+/// The parameters in one line, and the undamped frequency.
+///
+/// ```
+/// # use stick_slip::{Physical, Scaling};
+/// # let scaling = Scaling::new(Physical {
+/// #     mass: 2.0, stiffness: 5000.0, damping: 4.0, normal_force: 20.0, belt_velocity: 0.05,
+/// # })?;
+/// assert_eq!(
+///     scaling.to_string(),
+///     "M = 2 kg, K = 5000 N/m, C = 4 N·s/m, N = 20 N, V = 0.05 m/s: 7.95775 Hz, L = 0.004 m"
+/// );
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+impl std::fmt::Display for Scaling {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Physical {
+            mass,
+            stiffness,
+            damping,
+            normal_force,
+            belt_velocity,
+        } = self.physical;
+        let [m, k, c, n, v] = [mass, stiffness, damping, normal_force, belt_velocity].map(Plain);
+        let (hertz, length) = (Digits(self.hertz(1.0)), Digits(self.length));
+        write!(
+            f,
+            "M = {m} kg, K = {k} N/m, C = {c} N·s/m, N = {n} N, V = {v} m/s: "
+        )?;
+        write!(f, "{hertz} Hz, L = {length} m")
     }
 }

@@ -221,7 +221,7 @@ fn what_may_be_left_out() {
 fn reading_checks_what_constructors_check() {
     refused::<Polynomial>(
         r#"{"static_coefficient":0.4,"minimum_coefficient":0.5,"minimum_velocity":0.5}"#,
-        "minimum_coefficient = 5e-1 is not allowed",
+        "minimum_coefficient = 0.5 is not allowed",
     );
     refused::<Coulomb>(
         r#"{"static_coefficient":-1,"kinetic_coefficient":0}"#,
@@ -240,7 +240,7 @@ fn reading_checks_what_constructors_check() {
             exponent = exponent,
         )
     };
-    refused::<Stribeck>(&stribeck("0"), "exponent = 0e0 is not allowed");
+    refused::<Stribeck>(&stribeck("0"), "exponent = 0 is not allowed");
     refused::<Stribeck>(&stribeck("0.5"), "invalid type: floating point");
     refused::<AnyLaw>(&format!(r#"{{"stribeck":{}}}"#, stribeck("0")), "exponent");
     refused::<Rational>(

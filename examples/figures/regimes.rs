@@ -43,7 +43,7 @@ pub(crate) fn regimes() -> Result<Figure> {
 
 fn polynomial(area: &Area) -> Result<()> {
     let system = MassOnBelt::new(Polynomial::new(0.4, 0.1, 1.0)?, 0.5)?.with_load(0.15)?;
-    let quiet = analysis::polynomial::least_damping_everywhere(&system);
+    let quiet = analysis::polynomial::silencing_damping_everywhere(&system);
     let range = 0.0..1.1;
     let below = |velocities: Vec<f64>| velocities.first().map(|&v_b| [-1.0, v_b]);
     let between = |velocities: Vec<f64>| match velocities[..] {
@@ -95,7 +95,7 @@ fn polynomial(area: &Area) -> Result<()> {
 
 fn exponential(area: &Area) -> Result<()> {
     let system = MassOnBelt::new(Exponential::new(0.6, 0.3, 0.4)?, 0.5)?;
-    let quiet = analysis::exponential::least_damping_everywhere(&system);
+    let quiet = analysis::exponential::silencing_damping_everywhere(&system);
     // The upper border leaves the picture as β → 0; where it is not found, it lies beyond this.
     let end = 2.0;
     let hopf = |beta: f64| {

@@ -98,19 +98,21 @@ pub fn largest_stick_slip_velocity(system: &MassOnBelt<Coulomb>) -> f64 {
 /// Damping ratio β from which on there is no stick-slip cycle at the system's belt velocity: the
 /// root of γ²(μ_s − μ_k)Λ(β) = |v_b|. Dimensionless, exact. The result lies in 0 < β < 1; it is 0
 /// for μ_s = μ_k, and if the root is too small for an `f64`. `None` at v_b = 0. The system's own β
-/// is ignored.
+/// is ignored. For any law:
+/// [`bifurcation::silencing_damping`](crate::bifurcation::silencing_damping).
 ///
 /// ```
-/// use stick_slip::analysis::coulomb::{least_damping, largest_stick_slip_velocity};
+/// use stick_slip::analysis::coulomb::{silencing_damping, largest_stick_slip_velocity};
 /// use stick_slip::{Coulomb, MassOnBelt};
 ///
 /// let system = MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.5)?;
-/// let damping = least_damping(&system).unwrap();
+/// let damping = silencing_damping(&system).unwrap();
 /// assert!((damping - 0.006875449).abs() < 1e-9);
 /// assert!((largest_stick_slip_velocity(&system.with_damping(damping)?) - 0.5).abs() < 1e-14);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
-pub fn least_damping(system: &MassOnBelt<Coulomb>) -> Option<f64> {
+#[doc(alias = "least_damping")]
+pub fn silencing_damping(system: &MassOnBelt<Coulomb>) -> Option<f64> {
     let (jump, speed) = (force_jump(system), system.belt_velocity().abs());
     if speed == 0.0 {
         return None;
@@ -137,14 +139,15 @@ pub fn least_damping(system: &MassOnBelt<Coulomb>) -> Option<f64> {
 /// own v_b and β are ignored.
 ///
 /// ```
-/// use stick_slip::analysis::coulomb::least_damping_everywhere;
+/// use stick_slip::analysis::coulomb::silencing_damping_everywhere;
 /// use stick_slip::{Coulomb, MassOnBelt};
 ///
 /// let system = MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.5)?;
-/// assert_eq!(least_damping_everywhere(&system), 1.0);
+/// assert_eq!(silencing_damping_everywhere(&system), 1.0);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
-pub fn least_damping_everywhere(system: &MassOnBelt<Coulomb>) -> f64 {
+#[doc(alias = "least_damping_everywhere")]
+pub fn silencing_damping_everywhere(system: &MassOnBelt<Coulomb>) -> f64 {
     if force_jump(system) > 0.0 { 1.0 } else { 0.0 }
 }
 

@@ -1,21 +1,22 @@
 //! Design against vibration: the least damping for stable steady sliding, and the belt velocity
 //! above which nothing vibrates.
 //!
-//! Stable steady sliding is not always enough: a stick-slip motion may exist beside it, and go on
-//! for ever once a knock has started it.
+//! **Stabilizing** damping makes steady sliding stable. **Silencing** damping leaves no vibration
+//! at all. Stable steady sliding is not always enough: a stick-slip motion may exist beside it, and
+//! go on for ever once a knock has started it.
 //!
 //! | Question | any law | polynomial, exponential, Coulomb |
 //! |---|---|---|
-//! | least damping for stability at one belt velocity | [`least_damping`] | |
-//! | least damping that leaves no vibration at one belt velocity | [`silencing_damping`](crate::bifurcation::silencing_damping) | [`coulomb::least_damping`] |
-//! | least damping over a range of belt velocities | [`least_damping_over`] | |
-//! | least damping at every belt velocity | | [`polynomial`], [`exponential`], [`coulomb`]`::least_damping_everywhere` |
+//! | least damping for stability at one belt velocity | [`stabilizing_damping`] | |
+//! | least damping that leaves no vibration at one belt velocity | [`silencing_damping`](crate::bifurcation::silencing_damping) | [`coulomb::silencing_damping`] |
+//! | least damping over a range of belt velocities | [`stabilizing_damping_over`] | |
+//! | least damping at every belt velocity | | [`polynomial`], [`exponential`], [`coulomb`]`::silencing_damping_everywhere` |
 //! | belt velocity above which all is quiet | | [`polynomial`], [`exponential`], [`coulomb`]`::quiet_velocity` |
 //!
 //! [`polynomial`]: super::polynomial
 //! [`exponential`]: super::exponential
 //! [`coulomb`]: super::coulomb
-//! [`coulomb::least_damping`]: super::coulomb::least_damping
+//! [`coulomb::silencing_damping`]: super::coulomb::silencing_damping
 
 use std::ops::Range;
 
@@ -35,17 +36,18 @@ use crate::friction::{AlongSlope, FrictionLaw};
 /// Source: Farshidianfar and Noei Aghaee, Eq. 14: h1 > 0.
 ///
 /// ```
-/// use stick_slip::analysis::design::least_damping;
+/// use stick_slip::analysis::design::stabilizing_damping;
 /// use stick_slip::{MassOnBelt, Polynomial, Stability};
 ///
 /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?;
-/// let damping = least_damping(&system).unwrap();
+/// let damping = stabilizing_damping(&system).unwrap();
 /// assert!((damping - 0.189).abs() < 1e-15);
 /// let damped = system.with_damping(damping + 1e-6)?;
 /// assert_eq!(damped.equilibrium().unwrap().stability, Stability::StableFocus);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
-pub fn least_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Option<f64> {
+#[doc(alias = "least_damping")]
+pub fn stabilizing_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Option<f64> {
     let speed = system.belt_velocity().abs();
     (speed > 0.0).then(|| (-0.5 * system.load() * system.law().slope(speed)).max(0.0))
 }
@@ -66,15 +68,16 @@ pub fn least_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Option<f64> {
 ///   [`Error::NotAnalytic`] if it has no power series there.
 ///
 /// ```
-/// use stick_slip::analysis::design::least_damping_over;
+/// use stick_slip::analysis::design::stabilizing_damping_over;
 /// use stick_slip::{Exponential, MassOnBelt};
 ///
 /// let system = MassOnBelt::new(Exponential::new(0.4, 0.25, 0.5)?, 0.2)?;
-/// let damping = least_damping_over(&system, 0.0..2.0)?;
+/// let damping = stabilizing_damping_over(&system, 0.0..2.0)?;
 /// assert!((damping - 0.3 / (2.0 * std::f64::consts::E).sqrt()).abs() < 1e-15);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
-pub fn least_damping_over<L: FrictionLaw>(
+#[doc(alias = "least_damping_over")]
+pub fn stabilizing_damping_over<L: FrictionLaw>(
     system: &MassOnBelt<L>,
     velocities: Range<f64>,
 ) -> Result<f64, Error> {

@@ -94,24 +94,25 @@ pub fn hopf_velocities(system: &MassOnBelt<Exponential>) -> Option<[HopfPoint; 2
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 6 and 14.
 ///
 /// ```
-/// use stick_slip::analysis::exponential::least_damping_everywhere;
+/// use stick_slip::analysis::exponential::silencing_damping_everywhere;
 /// use stick_slip::{Exponential, MassOnBelt};
 ///
 /// let system = MassOnBelt::new(Exponential::new(0.4, 0.25, 0.5)?, 0.2)?;
 /// let damping = 0.3 / (2.0 * std::f64::consts::E).sqrt();
-/// assert!((least_damping_everywhere(&system) - damping).abs() < 1e-15);
+/// assert!((silencing_damping_everywhere(&system) - damping).abs() < 1e-15);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
-pub fn least_damping_everywhere(system: &MassOnBelt<Exponential>) -> f64 {
+#[doc(alias = "least_damping_everywhere")]
+pub fn silencing_damping_everywhere(system: &MassOnBelt<Exponential>) -> f64 {
     let law = system.law();
     let drop = law.static_coefficient() - law.kinetic_coefficient();
     system.load() * drop / law.stribeck_velocity() / (SQRT_2 * E.sqrt())
 }
 
 /// Belt velocity above which no vibration lasts, dimensionless: 0 if β is
-/// [`least_damping_everywhere`] or more, ∞ for β = 0. `None` for a β in between, because no formula
-/// is known: above the higher Hopf velocity a stick-slip vibration can exist beside stable steady
-/// sliding. The system's own v_b is ignored.
+/// [`silencing_damping_everywhere`] or more, ∞ for β = 0. `None` for a β in between, because no
+/// formula is known: above the higher Hopf velocity a stick-slip vibration can exist beside stable
+/// steady sliding. The system's own v_b is ignored.
 ///
 /// ```
 /// use stick_slip::analysis::exponential::quiet_velocity;
@@ -126,7 +127,7 @@ pub fn least_damping_everywhere(system: &MassOnBelt<Exponential>) -> f64 {
 pub fn quiet_velocity(system: &MassOnBelt<Exponential>) -> Option<f64> {
     if system.damping() == 0.0 {
         Some(f64::INFINITY)
-    } else if system.damping() < least_damping_everywhere(system) {
+    } else if system.damping() < silencing_damping_everywhere(system) {
         None
     } else {
         Some(0.0)

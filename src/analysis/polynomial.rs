@@ -15,14 +15,15 @@ use crate::friction::{FrictionLaw, Polynomial};
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 10a and 14.
 ///
 /// ```
-/// use stick_slip::analysis::polynomial::least_damping_everywhere;
+/// use stick_slip::analysis::polynomial::silencing_damping_everywhere;
 /// use stick_slip::{MassOnBelt, Polynomial};
 ///
 /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?;
-/// assert!((least_damping_everywhere(&system) - 0.225).abs() < 1e-15);
+/// assert!((silencing_damping_everywhere(&system) - 0.225).abs() < 1e-15);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
-pub fn least_damping_everywhere(system: &MassOnBelt<Polynomial>) -> f64 {
+#[doc(alias = "least_damping_everywhere")]
+pub fn silencing_damping_everywhere(system: &MassOnBelt<Polynomial>) -> f64 {
     let law = system.law();
     let drop = law.static_coefficient() - law.minimum_coefficient();
     0.75 * system.load() * drop / law.minimum_velocity()

@@ -1,5 +1,8 @@
 use nalgebra::{Complex, Matrix2};
 
+use crate::error::Digits;
+use crate::state::Units;
+
 /// Steady sliding, in which the mass stands still (v = 0) on the moving belt, and the behaviour of
 /// motions near it.
 ///
@@ -56,6 +59,17 @@ impl Equilibrium {
         }
     }
 
+    /// This equilibrium of a dimensionless system in other units.
+    pub(crate) fn in_units(&self, units: Units) -> Self {
+        let rate = units.rate;
+        Self {
+            displacement: self.displacement * units.length,
+            jacobian: Matrix2::new(0.0, 1.0, -rate * rate, rate * self.jacobian[(1, 1)]),
+            eigenvalues: self.eigenvalues.map(|eigenvalue| eigenvalue * rate),
+            stability: self.stability,
+        }
+    }
+
     /// Whether small disturbances die out, that is, both eigenvalues have a negative real part.
     /// `false` for a centre.
     pub fn is_stable(&self) -> bool {
@@ -63,6 +77,32 @@ impl Equilibrium {
             self.stability,
             Stability::StableFocus | Stability::StableNode
         )
+    }
+}
+
+/// In one line: stability, displacement and eigenvalues.
+///
+/// ```
+/// use stick_slip::{MassOnBelt, Polynomial};
+///
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+/// assert_eq!(
+///     system.equilibrium().unwrap().to_string(),
+///     "unstable focus: u = 0.3148, λ = 0.139 ± 0.990292i"
+/// );
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+impl std::fmt::Display for Equilibrium {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (stability, u) = (self.stability, Digits(self.displacement));
+        let [first, second] = self.eigenvalues;
+        let [re, im, other] = [first.re, first.im, second.re].map(Digits);
+        write!(f, "{stability}: u = {u}, λ = ")?;
+        if first.im == 0.0 {
+            write!(f, "{re} and {other}")
+        } else {
+            write!(f, "{re} ± {im}i")
+        }
     }
 }
 

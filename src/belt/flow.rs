@@ -200,6 +200,8 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     /// assert!((stick.time - 5.169862999532134).abs() < 4e-15);
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
+    #[doc(alias = "integrate")]
+    #[doc(alias = "solve")]
     pub fn simulate(&self, start: State, duration: f64) -> Result<Trajectory, Error> {
         Integrator::new().simulate(self, start, duration)
     }

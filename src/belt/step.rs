@@ -1,10 +1,11 @@
 use super::system::MassOnBelt;
 use crate::clock::Clock;
+use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::motion::sealed::Sealed;
 use crate::motion::{Event, EventKind, Mode, Segment, SystemState, Trajectory};
 use crate::series::PowerSeries;
-use crate::state::{Direction, State};
+use crate::state::{Direction, State, Units};
 
 /// A step of the motion of a mass on a belt: a stick phase, or one Taylor step of a slip phase.
 ///
@@ -29,7 +30,7 @@ use crate::state::{Direction, State};
 /// assert_eq!(stick.state_at(1.0), State::new(0.1 + 0.2, 0.2));
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, PartialEq)]
 pub struct Step {
     pub(crate) start: Clock,
     pub(crate) duration: f64,
@@ -203,6 +204,31 @@ impl Step {
         }
     }
 
+    /// This step of a dimensionless motion, in other units.
+    pub(crate) fn in_units(&self, units: Units) -> Self {
+        let start = self.start.at_rate(units.rate);
+        let duration = self.duration / units.rate;
+        let mut factor = units.velocity();
+        let speed = PowerSeries::from_fn(|k| {
+            let coefficient = self.speed[k] * factor;
+            factor *= units.rate;
+            coefficient
+        });
+        let step = Self {
+            start,
+            duration,
+            state: units.state(self.state),
+            speed,
+            event: None,
+            belt_velocity: units.velocity() * self.belt_velocity,
+            ..*self
+        };
+        match self.event {
+            Some(event) => step.ended_by(event.kind, units.state(event.state)),
+            None => step,
+        }
+    }
+
     /// The mirror image of this step: (u, v, v_b) → (−u, −v, −v_b).
     pub(crate) fn mirrored(&self) -> Self {
         let kind = |kind| match kind {
@@ -223,6 +249,19 @@ impl Step {
             }),
             ..*self
         }
+    }
+}
+
+/// Without the power series, which is long.
+impl std::fmt::Debug for Step {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Step")
+            .field("start_time", &self.start_time())
+            .field("duration", &self.duration)
+            .field("mode", &self.mode)
+            .field("state", &self.state)
+            .field("event", &self.event)
+            .finish_non_exhaustive()
     }
 }
 
@@ -282,5 +321,38 @@ impl Trajectory {
     /// event this is what the mass does from then on. `None` outside, and for NaN.
     pub fn mode_at(&self, time: f64) -> Option<Mode> {
         Some(self.step_at(time)?.mode)
+    }
+
+    /// This dimensionless motion from time 0, in other units and with its duration there.
+    pub(crate) fn in_units(&self, units: Units, duration: f64) -> Self {
+        let steps = self.steps().iter().map(|step| step.in_units(units));
+        Self::new(steps.collect(), 0.0, duration, self.ended().clone())
+    }
+
+    /// The motion sampled at equal intervals from its start on: time, state, and what the mass does
+    /// at that time. The last sample is the last one that fits. For a rate in hertz see
+    /// [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless the interval is finite and > 0.
+    ///
+    /// ```
+    /// use stick_slip::{MassOnBelt, Mode, Polynomial, State};
+    ///
+    /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+    /// let motion = system.simulate(State::new(0.0, 0.0), 10.0)?;
+    /// let samples: Vec<_> = motion.sample_every(0.01)?.collect();
+    /// assert_eq!(samples.len(), 1001);
+    /// let in_stick = samples.iter().filter(|(_, _, mode)| *mode == Mode::Stick).count();
+    /// assert_eq!(in_stick, 322);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn sample_every(
+        &self,
+        interval: f64,
+    ) -> Result<impl Iterator<Item = (f64, State, Mode)>, Error> {
+        let steps = self.steps_every(interval)?;
+        Ok(steps.map(|(time, step)| (time, step.state_at(step.since_start(time)), step.mode)))
     }
 }

@@ -1,5 +1,5 @@
 use super::equilibrium::Equilibrium;
-use crate::error::Error;
+use crate::error::{Error, Plain};
 use crate::friction::{FrictionLaw, finite_at, validate};
 use crate::state::{Direction, State};
 
@@ -33,6 +33,8 @@ use crate::state::{Direction, State};
 /// assert_eq!(system.release_state(), Some(State::new(0.4 - 2.0 * 0.05 * 0.2, 0.2)));
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
+#[doc(alias = "oscillator")]
+#[doc(alias = "brake")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -75,6 +77,7 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     /// # Errors
     ///
     /// [`Error::InvalidParameter`] if β is negative or not finite, or 2βv_b overflows.
+    #[doc(alias = "critical damping")]
     pub fn with_damping(mut self, damping: f64) -> Result<Self, Error> {
         self.damping = damping;
         Error::check(
@@ -336,6 +339,28 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     /// The displacement of steady sliding, ū = sgn(v_b)·γ²μ̂(|v_b|); 0 at v_b = 0.
     pub(crate) fn equilibrium_displacement(&self) -> f64 {
         self.load * self.law.coefficient(self.belt_velocity)
+    }
+}
+
+/// The parameters; a law need not be able to print itself.
+///
+/// ```
+/// use stick_slip::{MassOnBelt, Polynomial};
+///
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+/// assert_eq!(system.to_string(), "mass on a belt: v_b = 0.2, β = 0.05, γ² = 1");
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+impl<L> std::fmt::Display for MassOnBelt<L> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self {
+            belt_velocity,
+            damping,
+            load,
+            ..
+        } = self;
+        let [v_b, beta, load] = [*belt_velocity, *damping, *load].map(Plain);
+        write!(f, "mass on a belt: v_b = {v_b}, β = {beta}, γ² = {load}")
     }
 }
 

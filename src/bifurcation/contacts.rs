@@ -36,6 +36,8 @@ use crate::numerics::scan::sign_changes;
 /// assert!((grazing[0] - 0.395790288797834012).abs() < 1e-14);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
+#[doc(alias = "sweep")]
+#[doc(alias = "hysteresis")]
 pub fn grazing_velocities<L: FrictionLaw>(
     system: &MassOnBelt<L>,
     range: Range<f64>,

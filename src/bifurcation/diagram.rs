@@ -35,6 +35,10 @@ pub struct DiagramPoint {
 /// assert_eq!(kinds, [Some(CycleKind::StickSlip), Some(CycleKind::PureSlip), None]);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
+#[doc(alias = "sweep")]
+#[doc(alias = "brute force")]
+#[doc(alias = "bifurcation diagram")]
+#[doc(alias = "hysteresis")]
 pub fn diagram<L: FrictionLaw>(
     system: &MassOnBelt<L>,
     velocities: impl IntoIterator<Item = impl Borrow<f64>>,

@@ -40,6 +40,8 @@ const FARTHEST_TURN: f64 = 0.1;
 /// assert!((folds[0] - 1.457823592457963272).abs() < 1e-13);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
+#[doc(alias = "sweep")]
+#[doc(alias = "hysteresis")]
 pub fn fold_velocities<L: FrictionLaw>(
     system: &MassOnBelt<L>,
     range: Range<f64>,

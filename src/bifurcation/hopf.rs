@@ -41,6 +41,7 @@ use crate::numerics::scan::sign_changes;
 /// assert!((hopf[1] - 0.738553461542470176).abs() < 1e-15);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
+#[doc(alias = "sweep")]
 pub fn hopf_velocities<L: FrictionLaw>(
     system: &MassOnBelt<L>,
     range: Range<f64>,

@@ -44,6 +44,9 @@ use crate::numerics::bracket::Bracket;
 /// assert!(bifurcation::silencing_damping(&system)? > 0.1);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
+#[doc(alias = "squeal")]
+#[doc(alias = "critical damping")]
+#[doc(alias = "least_damping")]
 pub fn silencing_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<f64, Error> {
     if system.belt_velocity() == 0.0 || is_frictionless(system.law()) {
         return Ok(0.0);

@@ -176,13 +176,14 @@ impl<L: FrictionLaw> AlongSlope<'_, L> {
     }
 }
 
-/// A stretch of speeds: h(start + t) as a power series in t, for 0 ≤ t ≤ length.
-struct Stretch {
-    start: f64,
-    length: f64,
+/// A stretch of speeds, with a function h of the speed on it: h(start + t) as a power series in t,
+/// for 0 ≤ t ≤ length.
+pub(super) struct Stretch {
+    pub(super) start: f64,
+    pub(super) length: f64,
     /// Piece of the law.
-    piece: usize,
-    series: PowerSeries,
+    pub(super) piece: usize,
+    pub(super) series: PowerSeries,
 }
 
 impl Stretch {
@@ -207,7 +208,7 @@ impl Stretch {
 
     /// Whether the last two terms are mere rounding beside `size`; two, because a series may be
     /// even or odd.
-    fn converges(&self, size: f64) -> bool {
+    pub(super) fn converges(&self, size: f64) -> bool {
         [TERMS - 2, TERMS - 1]
             .iter()
             .all(|&k| self.term(k) <= TRUNCATION * size)

@@ -25,6 +25,7 @@ use crate::scalar::Scalar;
 /// assert_eq!(law.slope(0.0), 0.0);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
+#[doc(alias = "Stribeck")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(
     feature = "serde",

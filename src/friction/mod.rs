@@ -11,6 +11,7 @@
 //! | `expansion.rs` | a law's pieces, and their power series at one speed |
 //! | `along.rs` | a law as a chain of power series over a range of speeds: sign changes and least value of its slope |
 //! | `check.rs` | checks of a law before it is used; whether it is constant |
+//! | `inspect.rs` | [`check_law`]: a law looked at over a range of speeds, for its writer |
 //! | `read.rs` | how laws are read (feature `serde`) |
 
 mod along;
@@ -19,6 +20,7 @@ pub(crate) mod check;
 mod coulomb;
 mod expansion;
 mod exponential;
+mod inspect;
 pub(crate) mod memory;
 mod polynomial;
 mod rational;
@@ -31,6 +33,7 @@ mod tabulated;
 pub use any::AnyLaw;
 pub use coulomb::Coulomb;
 pub use exponential::Exponential;
+pub use inspect::{LawFault, check_law};
 pub use polynomial::Polynomial;
 pub use rational::Rational;
 pub use scaled::Scaled;
@@ -109,6 +112,13 @@ const HIGHEST: usize = 30;
 /// A law must not give different results for the same speed, and must not panic. It must not return
 /// NaN or ±∞ at a speed that the motion reaches: the motion then ends in a typed error. It must
 /// have μ̂(0) ≤ μ_s, to a few ulps; [`MassOnBelt::new`](crate::MassOnBelt::new) checks this.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a friction law",
+    label = "no `FrictionLaw`",
+    note = "a closure cannot be a law, because a law is evaluated on power series, too; write \
+            `struct MyLaw;` and `impl FrictionLaw for MyLaw`, with `static_coefficient` and \
+            `kinetic`, or give points to `Tabulated::new`"
+)]
 pub trait FrictionLaw: Sized {
     /// Static coefficient μ_s, dimensionless: the mass sticks while the contact carries at most
     /// γ²μ_s.

@@ -123,6 +123,8 @@ pub fn attractor<L: FrictionLaw>(system: &MassOnBelt<L>, start: State) -> Result
 /// assert!(slides(0.5, 0.0)? && slides(0.5, 0.5)? && !slides(0.5, 1.5)? && !slides(-2.0, 0.0)?);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
+#[doc(alias = "brute force")]
+#[doc(alias = "basin of attraction")]
 pub fn basins<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Basins<'_, L>, Error> {
     let system = system.by_reference();
     let Some(forward) = Forward::of(system) else {

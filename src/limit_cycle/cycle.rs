@@ -1,9 +1,10 @@
 use super::arc::{Arc, Arrival};
 use crate::belt::{Landing, MassOnBelt, Step};
 use crate::clock::Clock;
+use crate::error::Digits;
 use crate::friction::FrictionLaw;
-use crate::motion::{EventKind, Mode, Trajectory};
-use crate::state::{Direction, State};
+use crate::motion::{Ended, EventKind, Mode, Trajectory};
+use crate::state::{Direction, State, Units};
 
 /// Kinds of periodic motion.
 ///
@@ -55,7 +56,7 @@ impl std::fmt::Display for CycleKind {
 ///
 /// With the feature `serde` the numbers and events of a cycle are written, for other programs. They
 /// cannot be read: keep the system, which can, and find the cycle again from it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone, PartialEq)]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize),
@@ -66,6 +67,8 @@ pub struct LimitCycle {
     pub(super) kind: CycleKind,
     pub(super) multiplier: f64,
     pub(super) damping: f64,
+    /// The units in which the steps are given.
+    pub(super) units: Units,
 }
 
 impl LimitCycle {
@@ -112,7 +115,16 @@ impl LimitCycle {
             kind,
             multiplier,
             damping: system.damping(),
+            units: Units::DIMENSIONLESS,
         }
+    }
+
+    /// This dimensionless motion in other units.
+    pub(crate) fn in_units(mut self, units: Units) -> Self {
+        for step in &mut self.steps {
+            *step = step.in_units(units);
+        }
+        Self { units, ..self }
     }
 
     /// The mirror image of the motion: (u, v, v_b) → (−u, −v, −v_b).
@@ -218,6 +230,9 @@ impl LimitCycle {
     /// Floquet multiplier, dimensionless: the factor by which a small disturbance changes over one
     /// period. It is 0 for a cycle that sticks, because every motion in stick leaves from the same
     /// release point.
+    #[doc(alias = "Floquet")]
+    #[doc(alias = "Lyapunov")]
+    #[doc(alias = "stability")]
     pub fn multiplier(&self) -> f64 {
         self.multiplier
     }
@@ -250,6 +265,43 @@ impl LimitCycle {
             let start = last.start.after(last.duration);
             steps.push(first.start_at(start));
         }
-        Trajectory::new(steps, 0.0, self.period())
+        Trajectory::new(steps, 0.0, self.period(), Ended::Duration)
+    }
+}
+
+/// In one line: kind, period, amplitude and multiplier.
+///
+/// ```
+/// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
+///
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+/// let cycle = limit_cycle::stick_slip(&system)?.unwrap();
+/// assert_eq!(cycle.to_string(), "stick-slip: T = 6.79942, amplitude = 0.286209, stable");
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+impl std::fmt::Display for LimitCycle {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [period, amplitude] = [self.period(), self.amplitude()].map(Digits);
+        let stable = if self.is_stable() {
+            "stable"
+        } else {
+            "unstable"
+        };
+        let kind = self.kind;
+        write!(f, "{kind}: T = {period}, amplitude = {amplitude}, {stable}")
+    }
+}
+
+/// Its measures; without the steps, which are long.
+impl std::fmt::Debug for LimitCycle {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("LimitCycle")
+            .field("kind", &self.kind)
+            .field("period", &self.period())
+            .field("amplitude", &self.amplitude())
+            .field("multiplier", &self.multiplier)
+            .field("state", &self.state())
+            .field("steps", &self.steps.len())
+            .finish_non_exhaustive()
     }
 }

@@ -31,6 +31,8 @@ use crate::friction::FrictionLaw;
 /// assert_eq!(limit_cycle::stick_slip(&system.with_belt_velocity(0.05)?)?, None);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
+#[doc(alias = "release point")]
+#[doc(alias = "squeal")]
 pub fn stick_slip<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Option<LimitCycle>, Error> {
     let Some(forward) = system.moving_forward() else {
         return Ok(None);
@@ -65,6 +67,10 @@ pub fn stick_slip<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Option<Limit
 /// assert_eq!((outer.kind(), outer.is_stable()), (CycleKind::StickSlip, true));
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
+#[doc(alias = "Poincaré")]
+#[doc(alias = "Poincare")]
+#[doc(alias = "limit cycles")]
+#[doc(alias = "shooting")]
 pub fn find<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<CycleSet, Error> {
     find_borrowed(system.by_reference())
 }

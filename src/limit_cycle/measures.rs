@@ -9,7 +9,7 @@ use super::cycle::LimitCycle;
 use crate::belt::Step;
 use crate::numerics::gauss::{gauss_fours, gauss_legendre};
 use crate::series::PowerSeries;
-use crate::state::State;
+use crate::state::{State, Units};
 
 /// Energy budget of one period: work and heat, dimensionless, in units of K L²
 /// ([`Scaling::joules`](crate::Scaling::joules) converts them to joules). f is the friction force
@@ -91,12 +91,114 @@ impl LimitCycle {
             .collect()
     }
 
+    /// Complex amplitudes of the first n harmonics of the velocity v, dimensionless: ikω times
+    /// those of u ([`harmonics`](Self::harmonics)), k = 1, …, n. Harmonic k has the frequency k/T;
+    /// see [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt) for hertz and metres per second.
+    ///
+    /// The velocity of a cycle is continuous, but its acceleration may jump at events, and then the
+    /// amplitudes fall off as 1/k².
+    ///
+    /// ```
+    /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
+    ///
+    /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+    /// let cycle = limit_cycle::stick_slip(&system)?.unwrap();
+    /// // Parseval: the mean of v² is half the sum of all squares.
+    /// let squares: f64 = cycle.velocity_harmonics(40).iter().map(|a| a.norm_sqr()).sum();
+    /// assert!((cycle.rms_velocity() - (0.5 * squares).sqrt()).abs() < 1e-6);
+    /// // In decibels, over 1e-3.
+    /// let decibels = |amplitude: f64| 20.0 * (amplitude / 1e-3).log10();
+    /// assert!((decibels(cycle.velocity_harmonics(1)[0].norm()) - 48.2).abs() < 0.1);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    #[doc(alias = "spectrum")]
+    #[doc(alias = "fft")]
+    pub fn velocity_harmonics(&self, n: usize) -> Vec<Complex<f64>> {
+        self.differentiated_harmonics(n, 1)
+    }
+
+    /// Complex amplitudes of the first n harmonics of the acceleration, dimensionless: (ikω)² times
+    /// those of u ([`harmonics`](Self::harmonics)), k = 1, …, n. Where the acceleration jumps at
+    /// events, they fall off only as 1/k.
+    #[doc(alias = "spectrum")]
+    #[doc(alias = "fft")]
+    pub fn acceleration_harmonics(&self, n: usize) -> Vec<Complex<f64>> {
+        self.differentiated_harmonics(n, 2)
+    }
+
+    fn differentiated_harmonics(&self, n: usize, times: i32) -> Vec<Complex<f64>> {
+        let mut harmonics = self.harmonics(n);
+        for (k, amplitude) in (1..).zip(&mut harmonics) {
+            *amplitude *= Complex::new(0.0, k as f64 * self.frequency()).powi(times);
+        }
+        harmonics
+    }
+
+    /// Root mean square of the velocity, √((1/T)∮v² dτ), dimensionless. (Vibration severity is
+    /// measured by it.)
+    #[doc(alias = "severity")]
+    pub fn rms_velocity(&self) -> f64 {
+        (self.integral_of_squared_velocity() / self.period()).sqrt()
+    }
+
+    /// Root mean square of the acceleration, √((1/T)∮v'² dτ), dimensionless; in stick the
+    /// acceleration is 0.
+    ///
+    /// It equals the root mean square of the velocity, and in physical units ω0 times that. The
+    /// reason: differentiate the equation of motion, multiply it by v and integrate it over a
+    /// period. What is left is ∮v'² = ∮v² − ∮v df with the friction force f, and ∮v df = ∮v_r df =
+    /// 0, because f depends on v_r alone in slip, and v_r is 0 in stick.
+    ///
+    /// ```
+    /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
+    ///
+    /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+    /// let cycle = limit_cycle::stick_slip(&system)?.unwrap();
+    /// assert!((cycle.rms_acceleration() - 0.1845106284158651).abs() < 1e-15);
+    /// assert!((cycle.peak_acceleration() - 0.33677836529307).abs() < 1e-13);
+    /// assert!((cycle.max_sliding_speed() - (0.2 - cycle.min_velocity())).abs() < 1e-16);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn rms_acceleration(&self) -> f64 {
+        self.units.rate * self.rms_velocity()
+    }
+
+    /// Largest |v'|, dimensionless, the values on both sides of each event included.
+    pub fn peak_acceleration(&self) -> f64 {
+        let mut peak = 0.0_f64;
+        for step in &self.steps {
+            let acceleration = step.speed.derivative();
+            let mut include = |t: f64| peak = peak.max(acceleration.at(t).abs());
+            include(0.0);
+            include(step.duration);
+            let _ = acceleration
+                .derivative()
+                .sign_changes(step.duration, &mut |t, _| {
+                    include(t);
+                    ControlFlow::Continue(())
+                });
+        }
+        peak
+    }
+
+    /// Largest sliding speed |v − v_b|, dimensionless: up to there the law has to be known, as to
+    /// the end of a [table](crate::Tabulated).
+    pub fn max_sliding_speed(&self) -> f64 {
+        let [min, max] = self.velocities();
+        let v_b = self.belt_velocity();
+        (max - v_b).max(v_b - min)
+    }
+
     /// Works and losses over one period, in dimensionless energy units.
     pub fn energy(&self) -> EnergyBudget {
         let v_b = self.belt_velocity();
         // The force on the mass is f = u + 2βv + v', and over a period ∮v = ∮v' = ∮(u + v')v = 0.
-        let drive_work = v_b * self.integral_of_displacement();
-        let damper_loss = 2.0 * self.damping * self.integral_of_squared_velocity();
+        let Units {
+            stiffness, rate, ..
+        } = self.units;
+        let drive_work = stiffness * v_b * self.integral_of_displacement();
+        let dissipation = 2.0 * self.damping * stiffness / rate;
+        let damper_loss = dissipation * self.integral_of_squared_velocity();
         EnergyBudget {
             drive_work,
             belt_work: damper_loss,

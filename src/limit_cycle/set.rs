@@ -2,6 +2,7 @@ use std::ops::Range;
 
 use super::continuum::Continuum;
 use super::cycle::LimitCycle;
+use crate::state::Units;
 
 /// All periodic motions of a system: isolated cycles by ascending amplitude, a family, and the
 /// ranges in which neither could be decided.
@@ -54,6 +55,24 @@ impl CycleSet {
         Self {
             cycles: cycles.collect(),
             ..self
+        }
+    }
+
+    /// These dimensionless motions in other units.
+    pub(crate) fn in_units(self, units: Units) -> Self {
+        let cycles = self.cycles.into_iter().map(|cycle| cycle.in_units(units));
+        let continuum = self.continuum.map(|continuum| Continuum {
+            max_amplitude: continuum.max_amplitude * units.length,
+        });
+        let ranges = self.unresolved.iter();
+        let ranges = ranges.map(|range| Range {
+            start: range.start * units.velocity(),
+            end: range.end * units.velocity(),
+        });
+        Self {
+            cycles: cycles.collect(),
+            continuum,
+            unresolved: ranges.collect(),
         }
     }
 

@@ -1,5 +1,8 @@
-use super::{Segment, System, SystemState, Trajectory};
+use super::{Ended, Segment, System, SystemState, Trajectory};
 use crate::error::Error;
+
+/// What ends a motion: called with each step, it returns the time of the end.
+type Stop<'s, Step> = &'s mut dyn FnMut(&Step) -> Option<f64>;
 
 /// Settings of the integrator: tolerance and limits of work.
 ///
@@ -19,6 +22,8 @@ use crate::error::Error;
 /// assert!((fast.events()[9].time - exact.events()[9].time).abs() < 1e-5);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
+#[doc(alias = "solver")]
+#[doc(alias = "ode")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Integrator {
     tolerance: f64,
@@ -103,7 +108,8 @@ impl Integrator {
     }
 
     /// Sets the largest number of events of one run, for both `simulate` and `flow`. A run that
-    /// would go on after more events than this ends in an error.
+    /// would go on after more events than this ends in an error. (To end a motion **at** an event,
+    /// see [`simulate_until`](Self::simulate_until).)
     ///
     /// # Errors
     ///
@@ -134,11 +140,83 @@ impl Integrator {
     /// * for a [`Structure`](crate::Structure) also [`Error::WrongSize`], if `start` does not have
     ///   its size; [`Error::InvalidParameter`], if a number of its memory is not finite or makes a
     ///   static coefficient negative; and [`Error::Separation`].
+    #[doc(alias = "integrate")]
+    #[doc(alias = "solve")]
     pub fn simulate<S: System>(
         self,
         system: &S,
         start: impl Into<S::State>,
         duration: f64,
+    ) -> Result<Trajectory<S::State>, Error> {
+        let motion = self.run(system, start.into(), duration, None)?;
+        match motion.ended() {
+            Ended::Error(error) => Err(error.clone()),
+            Ended::Duration | Ended::Stopped => Ok(motion),
+        }
+    }
+
+    /// The motion from `start` until `stop` says so, until `duration` is over, or until it cannot
+    /// go on: [`Trajectory::ended`] says which. In any case you get the motion up to there.
+    ///
+    /// `stop` is called with each step, in order, and returns the time at which the motion shall
+    /// end, which lies in this step, or `None` to go on. A motion that is stopped at the end of a
+    /// step keeps the events at this end. To stop at a condition on the state, return
+    /// [`Segment::first_zero`]; to stop after a number of events or of steps, count them:
+    ///
+    /// ```
+    /// use stick_slip::{Ended, Integrator, MassOnBelt, Polynomial, Segment, State};
+    ///
+    /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+    /// let (start, integrator) = (State::new(0.0, 0.0), Integrator::new());
+    ///
+    /// // Up to the displacement 0.35, in stick.
+    /// let motion = integrator.simulate_until(&system, start, 100.0, |step| {
+    ///     step.first_zero(|state| state.displacement - 0.35)
+    /// })?;
+    /// assert_eq!(motion.ended(), &Ended::Stopped);
+    /// assert!((motion.last().displacement - 0.35).abs() < 1e-16);
+    /// assert_eq!(motion.events().len(), 1);
+    ///
+    /// // Up to the fifth event.
+    /// let mut events = 0;
+    /// let motion = integrator.simulate_until(&system, start, 100.0, |step| {
+    ///     events += step.events().len();
+    ///     (events == 5).then(|| step.end_time())
+    /// })?;
+    /// assert_eq!(motion.duration(), motion.events()[4].time);
+    ///
+    /// // The first hundred steps, which do not reach the end.
+    /// let motion = integrator.with_max_steps(100)?
+    ///     .simulate_until(&system, start, 1e6, |_| None)?;
+    /// assert!(matches!(motion.ended(), Ended::Error(_)));
+    /// assert_eq!(motion.steps().len(), 100);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidDuration`], [`Error::InvalidState`] and [`Error::WrongSize`] as in
+    /// [`simulate`](Self::simulate), and the error of a motion that cannot even take its first
+    /// step. Any later error is part of the result.
+    #[doc(alias = "event")]
+    #[doc(alias = "condition")]
+    pub fn simulate_until<S: System>(
+        self,
+        system: &S,
+        start: impl Into<S::State>,
+        duration: f64,
+        mut stop: impl FnMut(&<S::State as SystemState>::Step) -> Option<f64>,
+    ) -> Result<Trajectory<S::State>, Error> {
+        self.run(system, start.into(), duration, Some(&mut stop))
+    }
+
+    /// The motion over a duration, or until it is stopped or cannot go on.
+    fn run<S: System>(
+        self,
+        system: &S,
+        start: S::State,
+        duration: f64,
+        mut stop: Option<Stop<'_, <S::State as SystemState>::Step>>,
     ) -> Result<Trajectory<S::State>, Error> {
         if !(duration >= 0.0 && duration.is_finite()) {
             return Err(Error::InvalidDuration { value: duration });
@@ -149,20 +227,47 @@ impl Integrator {
         };
         let end = self.start_time + duration;
         let mut steps: Vec<<S::State as SystemState>::Step> = Vec::new();
+        let mut reached = self.start_time;
+        let mut ended = Ended::Duration;
         for step in limited.flow(system, start)? {
-            let step = match step {
+            let mut step = match step {
                 Ok(step) => step,
                 // The motion up to the end is complete; what failed lies beyond.
-                Err(_) if steps.last().is_some_and(|last| last.end_time() == end) => break,
-                Err(error) => return Err(error),
+                Err(_) if !steps.is_empty() && reached == end => break,
+                Err(error) if steps.is_empty() => return Err(error),
+                Err(error) => {
+                    ended = Ended::Error(error);
+                    break;
+                }
             };
-            if step.end_time() > end {
-                steps.push(step.until(end));
+            let is_last = step.end_time() > end;
+            if is_last {
+                step = step.until(end);
+            }
+            if let Some(stop) = &mut stop
+                && let Some(time) = stop(&step)
+            {
+                // NaN stops at the start of the step.
+                let time = time.max(step.start_time()).min(step.end_time());
+                if time < step.end_time() {
+                    step = step.until(time);
+                }
+                reached = time;
+                steps.push(step);
+                ended = Ended::Stopped;
                 break;
             }
+            reached = step.end_time();
             steps.push(step);
+            if is_last {
+                break;
+            }
         }
-        Ok(Trajectory::new(steps, self.start_time, duration))
+        let duration = match ended {
+            Ended::Duration => duration,
+            Ended::Stopped | Ended::Error(_) => reached - self.start_time,
+        };
+        Ok(Trajectory::new(steps, self.start_time, duration, ended))
     }
 
     /// The motion from `start`, step by step and without an end, in constant memory.

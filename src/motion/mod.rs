@@ -6,10 +6,12 @@
 //! | `event.rs` | [`Event`], [`EventKind`], [`Mode`]; which mode follows each kind of event |
 //! | `step_control.rs` | how long a step may be, which defect is accepted, what counts as stiff |
 //! | `run.rs` | counts and limits of one run (the clock itself: `src/clock.rs`) |
-//! | `trajectory.rs` | [`Trajectory`]: a motion over a finite time |
+//! | `trajectory.rs` | [`Trajectory`]: a motion over a finite time, and why it ended ([`Ended`]) |
+//! | `root.rs` | the first time in a step at which a user's function is zero |
 
 mod event;
 mod integrator;
+mod root;
 mod run;
 pub(crate) mod step_control;
 mod trajectory;
@@ -17,7 +19,7 @@ mod trajectory;
 pub use event::{Event, EventKind, Mode};
 pub use integrator::Integrator;
 pub(crate) use run::Run;
-pub use trajectory::Trajectory;
+pub use trajectory::{Ended, Trajectory};
 
 use crate::error::Error;
 
@@ -74,4 +76,33 @@ pub trait Segment: sealed::Sealed + Clone {
     fn events(&self) -> &[Event<Self::State>];
     /// The stretch cut short at `time`, without the events at its end.
     fn until(self, time: f64) -> Self;
+
+    /// The first time at which a function f of the state is 0 in this stretch, to the last bit;
+    /// `None` if there is none, and in a stretch of infinite duration.
+    ///
+    /// f must be continuous. A zero at the start of the stretch does not count: it belongs to the
+    /// stretch before. Nor does a touch of zero without a change of sign. f is evaluated at 33
+    /// times, and about each of its extremes among them. So f may rise above zero and fall again
+    /// between two of these times, but if it does so twice between two of them, that may be missed.
+    /// (The stretch between two events consists of several steps, each at most about a radian
+    /// long.)
+    ///
+    /// ```
+    /// use stick_slip::{Integrator, MassOnBelt, Polynomial, Segment, State};
+    ///
+    /// // When does the mass first turn back?
+    /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+    /// for step in Integrator::new().flow(&system, State::new(0.0, 0.0))?.skip(1) {
+    ///     let step = step?;
+    ///     if let Some(time) = step.first_zero(|state| state.velocity) {
+    ///         assert!((time - 3.6286366270396).abs() < 1e-12);
+    ///         break;
+    ///     }
+    /// }
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    fn first_zero(&self, mut f: impl FnMut(&Self::State) -> f64) -> Option<f64> {
+        let t = root::first_zero(&mut |t| f(&self.state_at(t)), self.duration())?;
+        Some((self.start_time() + t).min(self.end_time()))
+    }
 }

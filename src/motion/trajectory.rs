@@ -1,7 +1,20 @@
 use std::borrow::Borrow;
 
 use super::{Event, Segment, SystemState};
+use crate::error::Error;
 use crate::state::State;
+
+/// Why a motion ended: see [`Integrator::simulate_until`](crate::Integrator::simulate_until).
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Ended {
+    /// It lasts as long as was asked for.
+    Duration,
+    /// It was stopped on the way.
+    Stopped,
+    /// It could not be followed further, or a limit of steps or events was reached.
+    Error(Error),
+}
 
 /// A motion over a finite time, with its events and its state at any time.
 ///
@@ -22,17 +35,18 @@ use crate::state::State;
 /// assert_eq!(motion.state_at(2.1), None);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Trajectory<S: SystemState = State> {
     /// At least one step; the last reaches the end.
     steps: Vec<S::Step>,
     events: Vec<Event<S>>,
     start: f64,
     duration: f64,
+    ended: Ended,
 }
 
 impl<S: SystemState> Trajectory<S> {
-    pub(crate) fn new(steps: Vec<S::Step>, start: f64, duration: f64) -> Self {
+    pub(crate) fn new(steps: Vec<S::Step>, start: f64, duration: f64, ended: Ended) -> Self {
         let events = steps.iter().flat_map(|step| step.events().iter().cloned());
         let events = events.collect();
         Self {
@@ -40,7 +54,14 @@ impl<S: SystemState> Trajectory<S> {
             events,
             start,
             duration,
+            ended,
         }
+    }
+
+    /// Why the motion ended: [`Ended::Duration`], unless
+    /// [`simulate_until`](crate::Integrator::simulate_until) made it.
+    pub fn ended(&self) -> &Ended {
+        &self.ended
     }
 
     /// The events in order of time, with an event exactly at the end among them.
@@ -123,6 +144,26 @@ impl<S: SystemState> Trajectory<S> {
         times.filter_map(|time| Some((time, self.state_at(time)?)))
     }
 
+    /// The steps that hold the times start, start + interval, … up to the end, each with its time.
+    pub(crate) fn steps_every(
+        &self,
+        interval: f64,
+    ) -> Result<impl Iterator<Item = (f64, &S::Step)>, Error> {
+        Error::check("interval", interval, interval > 0.0, "interval > 0")?;
+        // An interval that fits is not lost by rounding.
+        let n = (self.duration / interval * (1.0 + 4.0 * f64::EPSILON)) as usize;
+        let mut step = 0;
+        Ok((0..=n).filter_map(move |i| {
+            let time = (self.start + interval * i as f64).min(self.end());
+            while let Some(next) = self.steps.get(step + 1)
+                && next.start_time() <= time
+            {
+                step += 1;
+            }
+            Some((time, self.steps.get(step)?))
+        }))
+    }
+
     /// The time at which the motion ends.
     fn end(&self) -> f64 {
         self.start + self.duration
@@ -135,5 +176,19 @@ impl<S: SystemState> Trajectory<S> {
         }
         let after = self.steps.partition_point(|step| step.start_time() <= time);
         self.steps.get(after.checked_sub(1)?)
+    }
+}
+
+/// The steps, which are long, are only counted.
+impl<S: SystemState + std::fmt::Debug> std::fmt::Debug for Trajectory<S> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Trajectory")
+            .field("start", &self.start)
+            .field("duration", &self.duration)
+            .field("ended", &self.ended)
+            .field("steps", &self.steps.len())
+            .field("events", &self.events.len())
+            .field("last", &self.last())
+            .finish_non_exhaustive()
     }
 }

@@ -6,7 +6,7 @@ use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::friction::memory::ContactLaw;
-use crate::motion::{Mode, System, Trajectory};
+use crate::motion::{Ended, Mode, System, Trajectory};
 use crate::state;
 use crate::state::structure::State;
 use crate::structure::Structure;
@@ -98,7 +98,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Oscillator for Structure<L, Z> {
     }
 
     fn trajectory(&self, map: PeriodMap, period: f64) -> Result<Trajectory<State>, Error> {
-        Ok(Trajectory::new(map.steps, 0.0, period))
+        Ok(Trajectory::new(map.steps, 0.0, period, Ended::Duration))
     }
 }
 

@@ -61,6 +61,12 @@ mod sealed {
 /// assert_eq!(kinetic(0.0), 0.1 + 0.2);
 /// assert_eq!(kinetic(3.0), 0.2 + 0.1 / 10.0);
 /// ```
+#[diagnostic::on_unimplemented(
+    message = "a friction law cannot be evaluated on `{Self}`",
+    note = "give the speed as an `f64`, as in `law.kinetic(0.5)`",
+    note = "in a law of your own, an `f64` stands on the right of `+`, `-`, `*` and `/`: \
+            `speed * 0.1`, not `0.1 * speed`; for a constant write `speed.constant(0.1)`"
+)]
 pub trait Scalar:
     sealed::Sealed
     + Copy

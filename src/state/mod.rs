@@ -4,8 +4,12 @@
 //! |---|---|
 //! | `mod.rs` | [`State`] of one mass, [`Direction`] |
 //! | `structure.rs` | the state of several masses |
+//! | `units.rs` | the units in which a dimensionless motion is measured |
 
 pub(crate) mod structure;
+mod units;
+
+pub(crate) use units::Units;
 
 /// The state of one mass: displacement u and velocity v = du/dτ, both dimensionless.
 ///

@@ -127,6 +127,8 @@ impl<L: ContactLaw<Z>, const Z: usize> Structure<L, Z> {
     /// # Errors
     ///
     /// Those of [`Integrator::simulate`](crate::Integrator::simulate).
+    #[doc(alias = "integrate")]
+    #[doc(alias = "solve")]
     pub fn simulate(&self, start: State, duration: f64) -> Result<Trajectory<State>, Error> {
         Integrator::new().simulate(self, start, duration)
     }

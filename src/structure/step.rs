@@ -1,4 +1,5 @@
 use crate::clock::Clock;
+use crate::error::Error;
 use crate::motion::sealed::Sealed;
 use crate::motion::{Event, Mode, Segment, SystemState, Trajectory};
 use crate::series::PowerSeries;
@@ -8,7 +9,7 @@ use crate::state::structure::State;
 ///
 /// Made by [`Integrator::flow`](crate::Integrator::flow), and kept by a [`Trajectory`]. Between its
 /// ends it holds the power series of all velocities.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Step {
     start: Clock,
     end: Clock,
@@ -77,6 +78,19 @@ impl Step {
     /// State at its start. What a contact remembers is there as it is after an event.
     pub fn state(&self) -> &State {
         &self.state
+    }
+}
+
+/// Without the power series, which are long.
+impl std::fmt::Debug for Step {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Step")
+            .field("start_time", &self.start.time)
+            .field("duration", &self.duration)
+            .field("modes", &self.modes)
+            .field("state", &self.state)
+            .field("events", &self.events)
+            .finish_non_exhaustive()
     }
 }
 
@@ -149,5 +163,31 @@ impl Trajectory<State> {
     /// outside, for NaN, and for a contact that there is not.
     pub fn mode_at(&self, contact: usize, time: f64) -> Option<Mode> {
         self.step_at(time)?.modes().get(contact).copied()
+    }
+
+    /// The motion sampled at equal intervals from its start on: time, state, and what each contact
+    /// does at that time. The last sample is the last one that fits.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless the interval is finite and > 0.
+    ///
+    /// ```
+    /// use stick_slip::{Contact, Coulomb, Mode, Structure, structure};
+    ///
+    /// let structure = Structure::new(&[2.0])?
+    ///     .with_ground_spring(0, 50.0)?
+    ///     .with_contact(Contact::new(0, Coulomb::new(0.4, 0.3)?, 20.0)?.on_belt(0.1))?;
+    /// let motion = structure.simulate(structure::State::at_rest(1), 2.0)?;
+    /// let sticks = motion.sample_every(1e-3)?.filter(|(_, _, modes)| modes[0] == Mode::Stick);
+    /// assert!(sticks.count() > 500);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn sample_every(
+        &self,
+        interval: f64,
+    ) -> Result<impl Iterator<Item = (f64, State, &[Mode])>, Error> {
+        let steps = self.steps_every(interval)?;
+        Ok(steps.map(|(time, step)| (time, step.state_at(step.since_start(time)), step.modes())))
     }
 }

@@ -7,7 +7,7 @@ use crate::common::{Ends, Leine, Table, list, number, paper, text};
 use serde_json::Value;
 use stick_slip::analysis::averaging::{cycles, drift, drift_slope};
 use stick_slip::analysis::coulomb::{
-    FreeVibration, largest_stick_slip_velocity, least_damping, tangential_slip,
+    FreeVibration, largest_stick_slip_velocity, silencing_damping, tangential_slip,
 };
 use stick_slip::analysis::exponential::hopf_velocities;
 use stick_slip::analysis::{PureSlip, Regime, StickSlip, equilibrium, regime};
@@ -230,7 +230,7 @@ fn bifurcation_velocities_that_are_formulas_meet_their_reference_values() {
             number(&case["v_stick_slip_max"]),
         );
         // The same relation, solved for β.
-        let least = least_damping(&system.with_belt_velocity(-largest).unwrap()).unwrap();
+        let least = silencing_damping(&system.with_belt_velocity(-largest).unwrap()).unwrap();
         assert!((least / beta - 1.0).abs() < 1e-13, "{id}");
     }
     // Up to β = 1, beyond the half of it.
@@ -238,7 +238,7 @@ fn bifurcation_velocities_that_are_formulas_meet_their_reference_values() {
         let law = Coulomb::new(0.5, 0.25).unwrap();
         let jump = 0.25;
         let speed = jump * tangential_slip(beta).unwrap().velocity_factor;
-        let least = least_damping(&MassOnBelt::new(law, speed).unwrap()).unwrap();
+        let least = silencing_damping(&MassOnBelt::new(law, speed).unwrap()).unwrap();
         assert!((least / beta - 1.0).abs() < 1e-13, "{beta}: {least}");
     }
 }
@@ -382,11 +382,11 @@ fn hostile_input_is_a_typed_error() {
         assert!(refused(drift(&system, bad).unwrap_err()));
         assert!(refused(formulas.transient(bad, 0.0).unwrap_err()));
         assert!(
-            refused(design::least_damping_over(&system, bad..2.0).unwrap_err())
+            refused(design::stabilizing_damping_over(&system, bad..2.0).unwrap_err())
                 || bad == f64::INFINITY
         );
         assert!(refused(
-            design::least_damping_over(&system, 0.0..bad).unwrap_err()
+            design::stabilizing_damping_over(&system, 0.0..bad).unwrap_err()
         ));
     }
     assert!(formulas.transient(0.1, f64::NAN).is_err());
@@ -445,7 +445,10 @@ fn coulomb_limits() {
     );
     let level = MassOnBelt::new(Coulomb::new(0.4, 0.4).unwrap(), 0.5).unwrap();
     assert_eq!(
-        (largest_stick_slip_velocity(&level), least_damping(&level)),
+        (
+            largest_stick_slip_velocity(&level),
+            silencing_damping(&level)
+        ),
         (0.0, Some(0.0))
     );
     // Λ ≈ 1/√(4πβ): the next term is relative O(√β).
@@ -506,26 +509,29 @@ fn free_vibration_rests_in_the_stick_band() {
 fn damping_that_keeps_it_quiet() {
     let system = paper(0.2);
     // (η/2)(1 − (v_b/v_m)²), and η/2 at every belt velocity.
-    assert!((design::least_damping(&system).unwrap() - 0.189).abs() < 1e-16);
-    assert_eq!(design::least_damping(&paper(0.6)), Some(0.0));
-    assert_eq!(design::least_damping(&paper(0.0)), None);
-    assert!((polynomial::least_damping_everywhere(&system) - 0.225).abs() < 1e-16);
-    assert!((design::least_damping_over(&system, 0.0..5.0).unwrap() - 0.225).abs() < 1e-16);
-    assert!((design::least_damping_over(&system, 0.2..5.0).unwrap() - 0.189).abs() < 1e-16);
+    assert!((design::stabilizing_damping(&system).unwrap() - 0.189).abs() < 1e-16);
+    assert_eq!(design::stabilizing_damping(&paper(0.6)), Some(0.0));
+    assert_eq!(design::stabilizing_damping(&paper(0.0)), None);
+    assert!((polynomial::silencing_damping_everywhere(&system) - 0.225).abs() < 1e-16);
+    assert!((design::stabilizing_damping_over(&system, 0.0..5.0).unwrap() - 0.225).abs() < 1e-16);
+    assert!((design::stabilizing_damping_over(&system, 0.2..5.0).unwrap() - 0.189).abs() < 1e-16);
     let table = Table {
         static_coefficient: 0.5,
         points: vec![(0.0, 0.45), (0.1, 0.3), (0.25, 0.28), (1.0, 0.2)],
     };
     let system = MassOnBelt::new(table, 0.2).unwrap();
-    assert!((design::least_damping_over(&system, 0.05..3.0).unwrap() - 0.75).abs() < 1e-15);
-    assert!((design::least_damping_over(&system, 0.1..3.0).unwrap() - 0.2 / 3.0).abs() < 1e-15);
+    assert!((design::stabilizing_damping_over(&system, 0.05..3.0).unwrap() - 0.75).abs() < 1e-15);
+    assert!(
+        (design::stabilizing_damping_over(&system, 0.1..3.0).unwrap() - 0.2 / 3.0).abs() < 1e-15
+    );
     let coulomb = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), 0.2).unwrap();
-    assert_eq!(coulomb::least_damping_everywhere(&coulomb), 1.0);
+    assert_eq!(coulomb::silencing_damping_everywhere(&coulomb), 1.0);
     assert_eq!(coulomb::quiet_velocity(&coulomb), f64::INFINITY);
     let exponential = MassOnBelt::new(Exponential::new(0.4, 0.25, 0.5).unwrap(), 0.2).unwrap();
-    let everywhere = exponential::least_damping_everywhere(&exponential);
+    let everywhere = exponential::silencing_damping_everywhere(&exponential);
     assert!(
-        (design::least_damping_over(&exponential, 0.0..9.0).unwrap() - everywhere).abs() < 1e-16
+        (design::stabilizing_damping_over(&exponential, 0.0..9.0).unwrap() - everywhere).abs()
+            < 1e-16
     );
 }
 
@@ -544,16 +550,16 @@ fn least_damping_is_that_of_the_pieces_in_the_range_alone() {
         (0.05..0.2, 0.5),
         (0.2..0.3, 0.38 / 0.75),
     ] {
-        let damping = design::least_damping_over(&system, range.clone()).unwrap();
+        let damping = design::stabilizing_damping_over(&system, range.clone()).unwrap();
         assert!((damping - 0.75 * slope).abs() < 1e-15, "{range:?}");
     }
     for (v_b, slope) in [(0.05, 0.5), (0.2, 2.0 / 15.0), (0.5, 0.38 / 0.75)] {
         let here = system.clone().with_belt_velocity(-v_b).unwrap();
-        assert!((design::least_damping(&here).unwrap() - 0.75 * slope).abs() < 1e-15);
+        assert!((design::stabilizing_damping(&here).unwrap() - 0.75 * slope).abs() < 1e-15);
     }
     // An empty range, and one turned round.
     for end in [0.3, 0.2] {
-        assert!(design::least_damping_over(&system, 0.3..end).is_err());
+        assert!(design::stabilizing_damping_over(&system, 0.3..end).is_err());
     }
 }
 
@@ -563,29 +569,29 @@ fn least_damping_finds_the_steepest_fall_at_any_scale() {
     for drop in [0.15, 1e-3, 1e-9] {
         let law = Exponential::new(0.4, 0.4 - drop, 0.3).unwrap();
         let system = MassOnBelt::new(law, 0.2).unwrap().with_load(1.7).unwrap();
-        let everywhere = exponential::least_damping_everywhere(&system);
+        let everywhere = exponential::silencing_damping_everywhere(&system);
         let steepest = system.with_belt_velocity(0.3 * 0.5_f64.sqrt()).unwrap();
-        let found = design::least_damping(&steepest).unwrap();
+        let found = design::stabilizing_damping(&steepest).unwrap();
         assert!((found / everywhere - 1.0).abs() < 1e-14, "{drop}");
         for range in [0.0..1.0, 0.1..2.0, 0.2..0.25] {
-            let found = design::least_damping_over(&system, range).unwrap();
+            let found = design::stabilizing_damping_over(&system, range).unwrap();
             assert!((found / everywhere - 1.0).abs() < 1e-14, "{drop}");
         }
     }
     let system = paper(0.2).with_load(1.7).unwrap();
-    let over = design::least_damping_over(&system, 0.0..2.0).unwrap();
-    assert!((polynomial::least_damping_everywhere(&system) / over - 1.0).abs() < 1e-14);
+    let over = design::stabilizing_damping_over(&system, 0.0..2.0).unwrap();
+    assert!((polynomial::silencing_damping_everywhere(&system) / over - 1.0).abs() < 1e-14);
 }
 
 #[test]
 fn laws_are_looked_at_in_the_range_alone_and_vertical_tangents_are_errors() {
     let system = MassOnBelt::new(Ends, 0.5).unwrap();
     // The slope −1/(2√(0.8 − s)), halved.
-    let found = design::least_damping_over(&system, 0.3..0.55).unwrap();
+    let found = design::stabilizing_damping_over(&system, 0.3..0.55).unwrap();
     assert!((found - 0.5).abs() < 1e-15);
     // Whether the range ends there or goes on to where the law is not a number.
     for end in [0.8, 0.9] {
-        let error = design::least_damping_over(&system, 0.3..end).unwrap_err();
+        let error = design::stabilizing_damping_over(&system, 0.3..end).unwrap_err();
         assert_eq!(
             error,
             Error::NotAnalytic {
@@ -600,20 +606,20 @@ fn laws_are_looked_at_in_the_range_alone_and_vertical_tangents_are_errors() {
 fn laws_that_do_not_fall_are_quiet() {
     // Without damping every small vibration lasts, at every belt velocity; with any, none does.
     let flat = MassOnBelt::new(Exponential::new(0.4, 0.4, 0.5).unwrap(), 0.2).unwrap();
-    assert_eq!(exponential::least_damping_everywhere(&flat), 0.0);
+    assert_eq!(exponential::silencing_damping_everywhere(&flat), 0.0);
     assert_eq!(exponential::quiet_velocity(&flat), Some(f64::INFINITY));
     let damped = flat.with_damping(1e-300).unwrap();
     assert_eq!(exponential::quiet_velocity(&damped), Some(0.0));
     assert!(hopf_velocities(&flat).is_none() && hopf_velocities(&damped).is_none());
 
     let level = MassOnBelt::new(Coulomb::new(0.4, 0.4).unwrap(), 0.2).unwrap();
-    assert_eq!(coulomb::least_damping_everywhere(&level), 0.0);
+    assert_eq!(coulomb::silencing_damping_everywhere(&level), 0.0);
     assert_eq!(coulomb::quiet_velocity(&level), f64::INFINITY);
     let damped = level.with_damping(1e-300).unwrap();
     assert_eq!(coulomb::quiet_velocity(&damped), 0.0);
 
     let flat = MassOnBelt::new(Polynomial::new(0.4, 0.4, 0.5).unwrap(), 0.2).unwrap();
-    assert_eq!(polynomial::least_damping_everywhere(&flat), 0.0);
+    assert_eq!(polynomial::silencing_damping_everywhere(&flat), 0.0);
     assert_eq!(polynomial::quiet_velocity(&flat), Some(f64::INFINITY));
     assert_eq!(regime(&flat), Regime::PureSlip);
     let damped = flat.with_damping(1e-300).unwrap();
@@ -640,7 +646,7 @@ fn least_damping_undoes_the_largest_velocity_for_strong_damping_too() {
             .and_then(|system| system.with_damping(damping))
             .unwrap();
         let largest = largest_stick_slip_velocity(&system);
-        let least = least_damping(&system.with_belt_velocity(largest).unwrap()).unwrap();
+        let least = silencing_damping(&system.with_belt_velocity(largest).unwrap()).unwrap();
         assert!((least / damping - 1.0).abs() < 1e-14, "{damping}: {least}");
     }
 }
@@ -998,7 +1004,7 @@ fn coulomb_at_the_ends_of_the_numbers() {
     for exponent in [0, 8, 9, 20, 40, 100, 150] {
         let v_b = 10_f64.powi(exponent);
         let system = MassOnBelt::new(law, v_b).unwrap();
-        let damping = least_damping(&system).unwrap();
+        let damping = silencing_damping(&system).unwrap();
         assert!(damping > 0.0);
         let largest = largest_stick_slip_velocity(&system.with_damping(damping).unwrap());
         assert!((largest / v_b - 1.0).abs() < 1e-13, "{v_b}: {largest}");
@@ -1027,6 +1033,6 @@ fn a_law_without_a_slope_is_not_analytic() {
     };
     assert_eq!(drift(&system, 0.25).unwrap_err(), expected);
     assert_eq!(drift_slope(&system, 0.25).unwrap_err(), expected);
-    let error = design::least_damping_over(&system, 0.25..0.5).unwrap_err();
+    let error = design::stabilizing_damping_over(&system, 0.25..0.5).unwrap_err();
     assert_eq!(error, expected);
 }

@@ -3,14 +3,17 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod check_law;
 mod errors;
 mod hostile;
 mod independent;
 mod integrator;
 mod laws;
+mod physical;
 mod radau;
 mod reference;
 mod scaling;
 mod simple;
 mod stiff;
+mod stop;
 mod sweep;

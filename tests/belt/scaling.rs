@@ -49,13 +49,13 @@ proptest! {
     fn units_there_and_back((physical, length) in parameters(), x in -1e3..1e3) {
         let scaling = Scaling::new(physical).unwrap();
         for scaling in [scaling, scaling.with_length(length).unwrap()] {
-            prop_assert!(close(scaling.seconds(scaling.time(x)), x));
-            prop_assert!(close(scaling.metres(scaling.displacement(x)), x));
-            prop_assert!(close(scaling.metres_per_second(scaling.velocity(x)), x));
-            prop_assert!(close(scaling.hertz(scaling.frequency(x)), x));
-            prop_assert!(close(scaling.newtons(scaling.force(x)), x));
-            prop_assert!(close(scaling.joules(scaling.energy(x)), x));
-            prop_assert!(close(scaling.watts(scaling.power(x)), x));
+            prop_assert!(close(scaling.seconds(scaling.dimensionless_time(x)), x));
+            prop_assert!(close(scaling.metres(scaling.dimensionless_displacement(x)), x));
+            prop_assert!(close(scaling.metres_per_second(scaling.dimensionless_velocity(x)), x));
+            prop_assert!(close(scaling.hertz(scaling.dimensionless_frequency(x)), x));
+            prop_assert!(close(scaling.newtons(scaling.dimensionless_force(x)), x));
+            prop_assert!(close(scaling.joules(scaling.dimensionless_energy(x)), x));
+            prop_assert!(close(scaling.watts(scaling.dimensionless_power(x)), x));
             prop_assert!(close(scaling.damping_constant(scaling.damping_ratio(x)), x));
             // Units of derived quantities are made of the others.
             prop_assert!(close(scaling.newtons(1.0) * scaling.metres(x), scaling.joules(x)));
@@ -85,8 +85,9 @@ proptest! {
         prop_assert!(close(scaling.metres_per_second(system.belt_velocity()), belt_velocity));
         prop_assert!(close(system.law().velocity_unit(), omega * length));
         // Force of the spring and of the damper at a state.
-        prop_assert!(close(scaling.newtons(scaling.displacement(0.01)), stiffness * 0.01));
-        let drag = 2.0 * system.damping() * scaling.velocity(0.3);
+        let stretched = scaling.dimensionless_displacement(0.01);
+        prop_assert!(close(scaling.newtons(stretched), stiffness * 0.01));
+        let drag = 2.0 * system.damping() * scaling.dimensionless_velocity(0.3);
         prop_assert!(close(scaling.newtons(drag), damping * 0.3));
     }
 }
@@ -209,7 +210,7 @@ fn from_rest<'l>(
 ) -> (MassOnBelt<Scaled<&'l AnyLaw>>, Trajectory) {
     let system = scaling.system(law).unwrap();
     let motion = system
-        .simulate(State::new(0.0, 0.0), scaling.time(0.5))
+        .simulate(State::new(0.0, 0.0), scaling.dimensionless_time(0.5))
         .unwrap();
     (system, motion)
 }
@@ -280,8 +281,10 @@ fn motion_agrees_with_an_integration_in_si_units() {
         for law in &laws() {
             let system = scaling.system(law).unwrap();
             // Pulled forward by 2 mm and let go: 10 ms of slip.
-            let start = State::new(scaling.displacement(2e-3), 0.0);
-            let motion = system.simulate(start, scaling.time(0.01)).unwrap();
+            let start = State::new(scaling.dimensionless_displacement(2e-3), 0.0);
+            let motion = system
+                .simulate(start, scaling.dimensionless_time(0.01))
+                .unwrap();
             assert_eq!(motion.events(), []);
             for part in [0.3, 0.7, 1.0] {
                 let time = part * motion.duration();

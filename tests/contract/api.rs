@@ -170,8 +170,14 @@ fn everything() -> String {
             .iter()
             .map(|cycle| (cycle.energy(), cycle.harmonics(3), cycle.amplitude()))
             .collect();
+        let states = |motion: &Trajectory| -> Vec<_> { motion.sample(100).collect() };
+        let turns: Vec<_> = cycles.iter().map(|it| states(&it.trajectory())).collect();
         format!(
-            "{motion:?} {coarse:?} {cycles:?} {numbers:?} {:?} {:?} {:?} {:?} {:?}",
+            "{:?} {:?} {:?} {:?} {turns:?} {cycles:?} {numbers:?} {:?} {:?} {:?} {:?} {:?}",
+            states(&motion),
+            motion.events(),
+            states(&coarse),
+            coarse.events(),
             limit_cycle::attractor(system, start).unwrap(),
             bifurcation::hopf_velocities(system, 0.0..2.0).unwrap(),
             bifurcation::grazing_velocities(system, 0.1..2.0).unwrap(),

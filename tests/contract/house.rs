@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// The modules of the crate, from the ground up. One may use those of lower floors; those that
 /// share a floor know nothing of each other.
-const FLOORS: [&[&str]; 11] = [
+const FLOORS: [&[&str]; 12] = [
     &["state", "clock"],
     &["error"],
     &["scalar"],
@@ -20,6 +20,7 @@ const FLOORS: [&[&str]; 11] = [
     &["structure"],
     &["limit_cycle", "orbit", "analysis", "scaling"],
     &["bifurcation", "schema"],
+    &["physical"],
 ];
 
 /// Columns that a line may have; words that are addresses and rows of tables are not counted.

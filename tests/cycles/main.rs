@@ -8,5 +8,6 @@ mod cases;
 mod cycles;
 mod folds;
 mod maps;
+mod measures;
 mod properties;
 mod stiff;

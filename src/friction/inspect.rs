@@ -1,0 +1,473 @@
+//! A law looked at over a range of speeds: what makes its motions wrong, or unable to go on.
+
+use std::ops::{ControlFlow, Range};
+
+use super::along::Stretch;
+use super::{FrictionLaw, taylor_coefficients_on, validate};
+use crate::error::Error;
+use crate::series::{PowerSeries, TERMS};
+
+/// What [`check_law`] finds in a friction law. Speeds are in the units of the law.
+///
+/// To show it with its remedy, print it with `{fault}`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum LawFault {
+    /// The law jumps at a speed.
+    Jump {
+        /// The sliding speed of the jump.
+        speed: f64,
+        /// μ̂ just below this speed.
+        below: f64,
+        /// μ̂ just above this speed.
+        above: f64,
+    },
+    /// The slope of the law jumps at a speed that is not named as a breakpoint.
+    Kink {
+        /// The sliding speed of the kink.
+        speed: f64,
+        /// dμ̂/ds just below this speed.
+        slope_below: f64,
+        /// dμ̂/ds just above this speed.
+        slope_above: f64,
+    },
+    /// The law is not analytic at a speed in another way, as where a higher derivative jumps or a
+    /// slope is infinite.
+    NotAnalytic {
+        /// The sliding speed.
+        speed: f64,
+    },
+    /// The law gives NaN or ±∞.
+    NotFinite {
+        /// The lowest sliding speed of the stretch on which it does.
+        speed: f64,
+        /// What the law gives there.
+        value: f64,
+    },
+    /// μ̂ is negative: there, friction drives the mass instead of holding it back.
+    Negative {
+        /// Where μ̂ falls below 0, or the start of the range.
+        from: f64,
+        /// Where μ̂ rises above 0 again, or the end of the range.
+        to: f64,
+    },
+    /// A feature of the law so narrow that a step of a fast motion may pass over it unseen.
+    Narrow {
+        /// The sliding speed at which the feature is most pronounced.
+        speed: f64,
+        /// Width of the feature at half its height.
+        width: f64,
+    },
+}
+
+impl std::fmt::Display for LawFault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Jump {
+                speed,
+                below,
+                above,
+            } => write!(
+                f,
+                "jump from {below} to {above} at speed {speed}: laws are continuous; replace it by \
+                 a steep ramp between two breakpoints"
+            ),
+            Self::Kink {
+                speed,
+                slope_below,
+                slope_above,
+            } => write!(
+                f,
+                "kink at speed {speed}, from slope {slope_below} to {slope_above}: name the speed \
+                 in `breakpoints`, and give the pieces in `kinetic_on`"
+            ),
+            Self::NotAnalytic { speed } => write!(
+                f,
+                "no power series at speed {speed}: use integral powers there, or name the speed \
+                 in `breakpoints` and give the pieces in `kinetic_on`"
+            ),
+            Self::NotFinite { speed, value } => write!(
+                f,
+                "{value} from speed {speed} on: define the law there, or keep motions away"
+            ),
+            Self::Negative { from, to } => write!(
+                f,
+                "negative from speed {from} to {to}: friction would drive the mass"
+            ),
+            Self::Narrow { speed, width } => write!(
+                f,
+                "narrow feature at speed {speed}, {width} wide: name the speed in `breakpoints`, \
+                 so that no step passes over it"
+            ),
+        }
+    }
+}
+
+/// Looks at a law before it is used, over the sliding speeds that its motions may reach: what a
+/// motion would meet there and follow wrongly, or not at all. Empty for a law that is in order.
+///
+/// For a motion on a belt of velocity v_b, look from 0 to twice |v_b| and more: up to
+/// [`LimitCycle::max_sliding_speed`](crate::LimitCycle::max_sliding_speed) of its cycle.
+///
+/// Power series of the law are chained from one end of the range to the other, each as long as it
+/// converges, and compared with the law's values at 4096 places over the range and at others
+/// besides. What is narrower than the distance of these places can be missed. A feature counts as
+/// narrow if the integrator's own checks could lie on both sides of it in a motion whose velocity
+/// amplitude is half the range: for a bump exp(−(s/w)²) if w is less than about an 85th of the
+/// range.
+///
+/// # Errors
+///
+/// * Those of [`MassOnBelt::new`](crate::MassOnBelt::new) that concern the law: it would not be
+///   taken at all;
+/// * [`Error::InvalidParameter`] unless 0 ≤ start < end, both finite, or if more than 10 000 power
+///   series do not reach the end of the range.
+///
+/// ```
+/// use stick_slip::{FrictionLaw, LawFault, Polynomial, Scalar, check_law};
+///
+/// assert_eq!(check_law(&Polynomial::new(0.4, 0.25, 0.5)?, 0.0..2.0)?, []);
+///
+/// /// Friction that stops falling at the speed 0.5, which is not named as a breakpoint.
+/// struct Kinked;
+/// impl FrictionLaw for Kinked {
+///     fn static_coefficient(&self) -> f64 {
+///         0.4
+///     }
+///     fn kinetic<S: Scalar>(&self, speed: S) -> S {
+///         if speed.value() < 0.5 { speed * -0.2 + 0.4 } else { speed.constant(0.3) }
+///     }
+/// }
+/// let faults = check_law(&Kinked, 0.0..2.0)?;
+/// let [LawFault::Kink { speed, slope_below, slope_above }] = faults[..] else { panic!() };
+/// assert!((speed - 0.5).abs() < 1e-10);
+/// assert_eq!((slope_below, slope_above), (-0.2, 0.0));
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[doc(alias = "validate")]
+pub fn check_law<L: FrictionLaw>(law: &L, speeds: Range<f64>) -> Result<Vec<LawFault>, Error> {
+    validate(law)?;
+    let Range { start, end } = speeds;
+    Error::check("speeds.start", start, start >= 0.0, "0 ≤ start < end")?;
+    Error::check("speeds.end", end, end > start, "0 ≤ start < end")?;
+    let mut inspection = Inspection {
+        value: &|piece, speed| law.kinetic_on(piece, speed),
+        series: &|piece, speed| {
+            let c = taylor_coefficients_on::<TERMS, _>(law, piece, speed);
+            PowerSeries::from_fn(|k| c[k])
+        },
+        range: end - start,
+        size: law.static_coefficient(),
+        stretches: 0,
+        negative_from: None,
+        faults: Vec::new(),
+    };
+    let mut from = start;
+    for (piece, to) in law.breakpoints().chain([f64::INFINITY]).enumerate() {
+        let to = to.min(end);
+        if from < to {
+            inspection.piece(piece, from, to)?;
+            from = to;
+        }
+    }
+    Ok(inspection.finish(end))
+}
+
+/// Places in the range at which the law's values are looked at, at least.
+const PLACES: f64 = 4096.0;
+
+/// Places in each stretch at which they are looked at, at least.
+const PLACES_IN_STRETCH: f64 = 16.0;
+
+/// Longest stretch of one series, in parts of the range: one radian of a motion whose velocity
+/// amplitude is half the range.
+const LONGEST: f64 = 0.5;
+
+/// Distance of the integrator's checks of a step, in parts of its length.
+const CHECKS: f64 = 0.25;
+
+/// Shortest stretch, in parts of the range: where a series reaches no further, something is wrong.
+const SHORTEST: f64 = 1e-10;
+
+/// Distance, in shortest stretches, at which the search goes on behind a place without a series.
+const GAP: f64 = 64.0;
+
+/// Largest difference of law and series that counts as rounding, relative to the largest
+/// coefficient. The integrator's checks see about as much.
+const ROUNDING: f64 = 1e-12;
+
+/// Largest difference of two neighbouring series where both hold, relative to the largest
+/// coefficient.
+const OVERLAP: f64 = 1e-9;
+
+/// Least difference of the values on both sides of a gap that counts as a jump, relative to the
+/// largest coefficient. An infinite slope, as of a square root, gives less.
+const JUMP: f64 = 1e-3;
+
+/// Least difference of two slopes that counts as a kink, relative to the largest coefficient over
+/// the range. Where a higher derivative jumps, the slopes differ by less at the place found.
+const KINK: f64 = 1e-5;
+
+/// Stretches after which the search gives up.
+const MOST_STRETCHES: usize = 10_000;
+
+/// The search for faults. The law is known by two functions, so that this code is compiled once.
+struct Inspection<'l> {
+    value: &'l dyn Fn(usize, f64) -> f64,
+    series: &'l dyn Fn(usize, f64) -> PowerSeries,
+    /// Length of the range.
+    range: f64,
+    /// The largest coefficient met so far.
+    size: f64,
+    stretches: usize,
+    /// The speed from which on the law is negative, if it is.
+    negative_from: Option<f64>,
+    faults: Vec<LawFault>,
+}
+
+impl Inspection<'_> {
+    /// Looks at one piece of the law.
+    fn piece(&mut self, piece: usize, start: f64, end: f64) -> Result<(), Error> {
+        let mut at = start;
+        let mut before: Option<Stretch> = None;
+        while at < end {
+            self.stretches += 1;
+            let few = self.stretches <= MOST_STRETCHES;
+            Error::check(
+                "speeds.end",
+                end,
+                few,
+                "a shorter range: the law is too rough",
+            )?;
+            let series = (self.series)(piece, at);
+            if !series[0].is_finite() {
+                at = self.not_finite(piece, at, end);
+                before = None;
+                continue;
+            }
+            self.size = self.size.max(series[0].abs());
+            let mut stretch = Stretch {
+                start: at,
+                length: (LONGEST * self.range).min(end - at),
+                piece,
+                series,
+            };
+            let shortest = (SHORTEST * self.range).max(8.0 * f64::EPSILON * at);
+            let least = shortest.min(end - at);
+            while stretch.length >= least && !stretch.converges(self.size) {
+                stretch.length *= 0.5;
+            }
+            if stretch.length < least || (0..TERMS).any(|k| !series[k].is_finite()) {
+                at = self.without_series(piece, at, (at + GAP * shortest).min(end));
+                before = None;
+                continue;
+            }
+            let next = match self.first_difference(&stretch, end) {
+                None => at + stretch.length,
+                Some(beyond) => beyond,
+            };
+            stretch.length = next - at;
+            if let Some(before) = before {
+                self.compare(&before, &stretch);
+            }
+            self.signs(&stretch);
+            before = Some(stretch);
+            at = next.max(at.next_up());
+            if at + least > end {
+                at = end;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the law's value differs from the series at the time t of a stretch.
+    fn difference(&self, stretch: &Stretch, t: f64) -> f64 {
+        let speed = stretch.start + t;
+        let steep = stretch.series.derivative().at(t).abs();
+        let allowed = ROUNDING * self.size + 4.0 * f64::EPSILON * speed * steep;
+        let difference = ((self.value)(stretch.piece, speed) - stretch.series.at(t)).abs();
+        // NaN counts as a difference.
+        if difference <= allowed {
+            0.0
+        } else {
+            difference
+        }
+    }
+
+    /// The first speed of a stretch at which the law differs from the series, if it does so at any
+    /// of the places that are looked at. Notes a feature behind which they soon agree again.
+    fn first_difference(&mut self, stretch: &Stretch, end: f64) -> Option<f64> {
+        let spacing = (self.range / PLACES).min(stretch.length / PLACES_IN_STRETCH);
+        let time = |i: usize| i as f64 * spacing;
+        let last = (stretch.length / spacing).round() as usize;
+        let far = 1.0 + CHECKS;
+        let farthest = ((far * stretch.length).min(end - stretch.start) / spacing) as usize;
+        let mut first = None;
+        let mut feature = Vec::new();
+        for i in 0..=farthest {
+            let difference = self.difference(stretch, time(i));
+            match first {
+                None if difference != 0.0 => first = Some(i),
+                None if i >= last => return None,
+                None => continue,
+                Some(start) if difference == 0.0 => {
+                    if start > 0 && time(feature.len()) < CHECKS * stretch.length {
+                        self.narrow(stretch.start + time(start), spacing, &feature);
+                    }
+                    break;
+                }
+                Some(_) => {}
+            }
+            feature.push(difference);
+        }
+        let first = first?;
+        let (mut same, mut other) = (time(first.saturating_sub(1)), time(first));
+        loop {
+            let middle = 0.5 * (same + other);
+            let speed = stretch.start + middle;
+            if !(stretch.start + same < speed && speed < stretch.start + other) {
+                return Some(stretch.start + other);
+            }
+            if self.difference(stretch, middle) == 0.0 {
+                same = middle;
+            } else {
+                other = middle;
+            }
+        }
+    }
+
+    /// Notes a narrow feature, given by its heights at places from `start` on.
+    fn narrow(&mut self, start: f64, spacing: f64, heights: &[f64]) {
+        let (mut place, mut highest) = (0, 0.0);
+        for (i, &height) in heights.iter().enumerate() {
+            if height > highest {
+                (place, highest) = (i, height);
+            }
+        }
+        let high = heights.iter().filter(|&&h| h > 0.5 * highest).count();
+        self.faults.push(LawFault::Narrow {
+            speed: start + place as f64 * spacing,
+            width: high as f64 * spacing,
+        });
+    }
+
+    /// Notes what lies where two stretches meet, if the law below does not follow the series above.
+    fn compare(&mut self, below: &Stretch, above: &Stretch) {
+        let back = 0.125 * below.length.min(above.length);
+        let there = (self.value)(above.piece, above.start - back);
+        if (above.series.at(-back) - there).abs() <= OVERLAP * self.size {
+            return;
+        }
+        let speed = above.start;
+        let t = below.length;
+        let (value, slope) = (below.series.at(t), below.series.derivative().at(t));
+        self.faults
+            .push(if (above.series[0] - value).abs() > OVERLAP * self.size {
+                LawFault::Jump {
+                    speed,
+                    below: value,
+                    above: above.series[0],
+                }
+            } else if (above.series[1] - slope).abs() * self.range > KINK * self.size {
+                LawFault::Kink {
+                    speed,
+                    slope_below: slope,
+                    slope_above: above.series[1],
+                }
+            } else {
+                LawFault::NotAnalytic { speed }
+            });
+    }
+
+    /// Notes a place where the law has a value but no series, and returns the speed to go on from.
+    fn without_series(&mut self, piece: usize, speed: f64, behind: f64) -> f64 {
+        let (below, above) = ((self.value)(piece, speed), (self.value)(piece, behind));
+        if (above - below).abs() > JUMP * self.size {
+            self.faults.push(LawFault::Jump {
+                speed,
+                below,
+                above,
+            });
+        } else if above.is_finite() {
+            self.faults.push(LawFault::NotAnalytic { speed });
+        }
+        behind
+    }
+
+    /// Notes a stretch on which the law has no finite value, and returns the speed behind it.
+    fn not_finite(&mut self, piece: usize, start: f64, end: f64) -> f64 {
+        let value = (self.value)(piece, start);
+        self.faults.push(LawFault::NotFinite {
+            speed: start,
+            value,
+        });
+        let spacing = self.range / PLACES;
+        let mut behind = start + spacing;
+        while behind < end && !(self.value)(piece, behind).is_finite() {
+            behind += spacing;
+        }
+        behind.min(end)
+    }
+
+    /// Notes where the law is negative along a stretch.
+    fn signs(&mut self, stretch: &Stretch) {
+        let rounding = ROUNDING * self.size;
+        if stretch.series[0] < -rounding {
+            self.negative_from.get_or_insert(stretch.start);
+        } else if stretch.series[0] > rounding {
+            self.positive_from(stretch.start);
+        }
+        let _ = stretch
+            .series
+            .sign_changes(stretch.length, &mut |t, rising| {
+                if rising {
+                    self.positive_from(stretch.start + t);
+                } else if stretch.series.at(t + 1e-3 * stretch.length) < -rounding {
+                    self.negative_from.get_or_insert(stretch.start + t);
+                }
+                ControlFlow::Continue(())
+            });
+    }
+
+    /// Notes that a stretch on which the law is negative ends at this speed, if there is one.
+    fn positive_from(&mut self, to: f64) {
+        if let Some(from) = self.negative_from.take() {
+            self.faults.push(LawFault::Negative { from, to });
+        }
+    }
+
+    /// All faults, once each, by ascending speed.
+    fn finish(mut self, end: f64) -> Vec<LawFault> {
+        self.positive_from(end);
+        let place = |fault: &LawFault| match *fault {
+            LawFault::Jump { speed, .. }
+            | LawFault::Kink { speed, .. }
+            | LawFault::NotAnalytic { speed }
+            | LawFault::NotFinite { speed, .. }
+            | LawFault::Narrow { speed, .. } => speed,
+            LawFault::Negative { from, .. } => from,
+        };
+        let all = std::mem::take(&mut self.faults);
+        let mut faults: Vec<LawFault> = Vec::new();
+        for (i, fault) in all.iter().enumerate() {
+            // What makes a feature narrow may be a jump or a kink, and two stretches may see it.
+            let said = |other: &LawFault, near: f64| (place(other) - place(fault)).abs() <= near;
+            let repeated = match *fault {
+                LawFault::Narrow { width, .. } => {
+                    let near = width.max(2.0 * self.range / PLACES);
+                    all.iter().enumerate().any(|(j, other)| match other {
+                        LawFault::Narrow { .. } => j < i && said(other, near),
+                        LawFault::Negative { .. } => false,
+                        _ => said(other, near),
+                    })
+                }
+                _ => false,
+            };
+            if !repeated {
+                faults.push(*fault);
+            }
+        }
+        faults.sort_by(|a, b| place(a).total_cmp(&place(b)));
+        faults
+    }
+}

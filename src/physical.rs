@@ -1,0 +1,239 @@
+//! One mass on a belt in SI units, from its parameters to its cycles.
+
+use std::borrow::Borrow;
+use std::ops::Range;
+
+use crate::belt::{Equilibrium, MassOnBelt};
+use crate::bifurcation::{self, DiagramPoint};
+use crate::error::Error;
+use crate::friction::{FrictionLaw, Scaled};
+use crate::limit_cycle::{self, CycleSet, LimitCycle};
+use crate::motion::{Integrator, Trajectory};
+use crate::scaling::{Physical, Scaling};
+use crate::state::State;
+
+/// A mass on a belt in SI units: what goes in and what comes out are metres, seconds, newtons and
+/// joules.
+///
+/// ```text
+/// M X'' + C X' + K X + N μ(X' − V) = 0
+/// ```
+///
+/// It holds the [dimensionless system](Self::dimensionless) and converts to and from it. The
+/// motions and cycles that it returns are of the same types as those of a [`MassOnBelt`], but all
+/// their numbers are in SI units: times in s, displacements in m, velocities in m/s, angular
+/// frequencies and eigenvalues in rad/s, energies in J. Multipliers have no unit. Converting costs
+/// a few rounding errors in each number.
+///
+/// **Torsion.** For a mass that turns on a torsion spring, give the moment of inertia (kg·m²) for
+/// the mass, N·m/rad for the stiffness, N·m·s/rad for the damping, the product of normal force and
+/// friction radius (N·m) for the normal force, and rad/s for the velocities of belt and law. Then
+/// radians come out for metres.
+///
+/// ```
+/// use stick_slip::{CycleKind, Physical, PhysicalMassOnBelt, Stribeck, bifurcation};
+///
+/// let pad = Physical {
+///     mass: 2.0,           // kg
+///     stiffness: 5000.0,   // N/m
+///     damping: 4.0,        // N·s/m
+///     normal_force: 20.0,  // N
+///     belt_velocity: 0.05, // m/s
+/// };
+/// let brake = PhysicalMassOnBelt::new(pad, Stribeck::new(0.4, 0.25, 0.1, 1)?)?; // law in m/s
+///
+/// // From rest over one second, sampled at 48 kHz.
+/// let motion = brake.simulate((0.0, 0.0), 1.0)?;
+/// assert!((motion.events()[0].time - 15.0966e-3).abs() < 1e-7); // s
+/// assert_eq!(motion.sample_every(1.0 / 48e3)?.count(), 48_001);
+///
+/// // What it settles to.
+/// let cycles = brake.cycles()?;
+/// let cycle = cycles.stable().next().unwrap();
+/// assert_eq!(cycle.kind(), CycleKind::StickSlip);
+/// assert!((1.0 / cycle.period() - 7.65384).abs() < 1e-5); // Hz
+/// assert!((cycle.amplitude() - 1.24896e-3).abs() < 1e-8); // m
+///
+/// // The belt velocity above which there is no stick-slip, and what happens in between.
+/// let grazing = brake.velocities(bifurcation::grazing_velocities, 0.01..1.0)?;
+/// assert!((grazing[0] - 0.29624).abs() < 1e-5); // m/s
+/// for point in brake.diagram([0.1, 0.5]) {
+///     let point = point?;
+///     assert_eq!(point.cycles.is_empty(), point.belt_velocity > grazing[0]);
+/// }
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[doc(alias = "SI")]
+#[doc(alias = "units")]
+#[doc(alias = "torsion")]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PhysicalMassOnBelt<L> {
+    scaling: Scaling,
+    system: MassOnBelt<Scaled<L>>,
+}
+
+impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
+    /// The system with these parameters, and with a law whose speeds are in m/s.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Scaling::new`] and [`Scaling::system`]; speeds of the law in m/s.
+    pub fn new(physical: Physical, law: L) -> Result<Self, Error> {
+        let scaling = Scaling::new(physical)?;
+        let system = scaling
+            .system(law)
+            .map_err(|error| error.in_units(scaling.units()))?;
+        Ok(Self { scaling, system })
+    }
+
+    /// The parameters, in SI units.
+    pub fn physical(&self) -> Physical {
+        self.scaling.physical()
+    }
+
+    /// The conversion to dimensionless quantities and back.
+    pub fn scaling(&self) -> &Scaling {
+        &self.scaling
+    }
+
+    /// The dimensionless system, for all that this type has no function for.
+    pub fn dimensionless(&self) -> &MassOnBelt<Scaled<L>> {
+        &self.system
+    }
+
+    /// The state in which a mass that is carried along by the belt is released, in m and m/s:
+    /// [`MassOnBelt::release_state`].
+    pub fn release_state(&self) -> Option<State> {
+        let state = self.system.release_state()?;
+        Some(self.scaling.units().state(state))
+    }
+
+    /// Steady sliding and its stability, in m and rad/s: [`MassOnBelt::equilibrium`].
+    pub fn equilibrium(&self) -> Option<Equilibrium> {
+        Some(self.system.equilibrium()?.in_units(self.scaling.units()))
+    }
+
+    /// The motion from a start (m, m/s) over a time in seconds: [`MassOnBelt::simulate`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Integrator::simulate`]; numbers in SI units.
+    #[doc(alias = "integrate")]
+    pub fn simulate(&self, start: impl Into<State>, seconds: f64) -> Result<Trajectory, Error> {
+        self.simulate_with(Integrator::new(), start, seconds)
+    }
+
+    /// The motion from a start (m, m/s) over a time in seconds, with other settings of the
+    /// integrator. Its start time is left out of account: the motion starts at time 0.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Integrator::simulate`]; numbers in SI units.
+    pub fn simulate_with(
+        &self,
+        integrator: Integrator,
+        start: impl Into<State>,
+        seconds: f64,
+    ) -> Result<Trajectory, Error> {
+        let units = self.scaling.units();
+        let start = self.scaling.dimensionless_state(start);
+        let integrator = integrator.with_start_time(0.0)?;
+        let motion = integrator
+            .simulate(
+                &self.system,
+                start,
+                self.scaling.dimensionless_time(seconds),
+            )
+            .map_err(|error| error.in_units(units))?;
+        Ok(motion.in_units(units, seconds))
+    }
+
+    /// All periodic motions, stable and unstable: [`limit_cycle::find`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`limit_cycle::find`]; numbers in SI units.
+    #[doc(alias = "find")]
+    pub fn cycles(&self) -> Result<CycleSet, Error> {
+        let units = self.scaling.units();
+        match limit_cycle::find(&self.system) {
+            Ok(cycles) => Ok(cycles.in_units(units)),
+            Err(error) => Err(error.in_units(units)),
+        }
+    }
+
+    /// The periodic motion that sticks, if there is one: [`limit_cycle::stick_slip`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`limit_cycle::stick_slip`]; numbers in SI units.
+    pub fn stick_slip(&self) -> Result<Option<LimitCycle>, Error> {
+        let units = self.scaling.units();
+        match limit_cycle::stick_slip(&self.system) {
+            Ok(cycle) => Ok(cycle.map(|cycle| cycle.in_units(units))),
+            Err(error) => Err(error.in_units(units)),
+        }
+    }
+
+    /// The belt velocities, in m/s, that a search of [`bifurcation`] finds in a range of m/s. Give
+    /// the search by its name, as in `brake.velocities(bifurcation::hopf_velocities, 0.01..1.0)`.
+    ///
+    /// # Errors
+    ///
+    /// Those of the search; belt velocities and speeds in m/s, but the ends of a bad range
+    /// dimensionless.
+    #[doc(alias = "sweep")]
+    pub fn velocities(
+        &self,
+        search: impl FnOnce(&MassOnBelt<Scaled<L>>, Range<f64>) -> Result<Vec<f64>, Error>,
+        range: Range<f64>,
+    ) -> Result<Vec<f64>, Error> {
+        let units = self.scaling.units();
+        let mut found = search(&self.system, self.scaling.dimensionless_velocities(range))
+            .map_err(|error| error.in_units(units))?;
+        for velocity in &mut found {
+            *velocity *= units.velocity();
+        }
+        Ok(found)
+    }
+
+    /// Equilibrium and periodic motions at each of a list of belt velocities in m/s:
+    /// [`bifurcation::diagram`]. The system's own belt velocity is ignored.
+    ///
+    /// # Errors
+    ///
+    /// Each item can be an error of [`bifurcation::diagram`], with numbers in SI units; the
+    /// iterator goes on after it.
+    #[doc(alias = "sweep")]
+    pub fn diagram(
+        &self,
+        velocities: impl IntoIterator<Item = impl Borrow<f64>>,
+    ) -> impl Iterator<Item = Result<DiagramPoint, Error>> {
+        let units = self.scaling.units();
+        velocities.into_iter().map(move |velocity| {
+            let velocity = *velocity.borrow();
+            let dimensionless = [self.scaling.dimensionless_velocity(velocity)];
+            let mut points = bifurcation::diagram(&self.system, dimensionless);
+            match points.next() {
+                Some(Err(error)) => Err(error.in_units(units)),
+                Some(Ok(point)) => Ok(DiagramPoint {
+                    belt_velocity: velocity,
+                    equilibrium: point.equilibrium.map(|it| it.in_units(units)),
+                    cycles: point.cycles.in_units(units),
+                }),
+                None => Ok(DiagramPoint {
+                    belt_velocity: velocity,
+                    equilibrium: None,
+                    cycles: CycleSet::default(),
+                }),
+            }
+        })
+    }
+}
+
+/// The parameters, in SI units.
+impl<L> std::fmt::Display for PhysicalMassOnBelt<L> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.scaling.fmt(f)
+    }
+}

@@ -1,0 +1,249 @@
+//! A law looked at before it is used: every fault is found where it lies, and the crate's own laws
+//! have none.
+
+use proptest::prelude::*;
+use stick_slip::{
+    AnyLaw, Coulomb, Error, Exponential, FrictionLaw, LawFault, MassOnBelt, Polynomial, Rational,
+    Scalar, State, Stribeck, Tabulated, check_law,
+};
+
+/// Declares laws with μ_s = 0.4, each by its kinetic coefficient.
+macro_rules! laws {
+    ($($name:ident: |$speed:ident| $kinetic:expr;)*) => { $(
+        struct $name;
+        impl FrictionLaw for $name {
+            fn static_coefficient(&self) -> f64 {
+                0.4
+            }
+            fn kinetic<S: Scalar>(&self, $speed: S) -> S {
+                $kinetic
+            }
+        }
+    )* };
+}
+
+laws! {
+    Jump: |s| if s.value() < 0.3 { s * -0.1 + 0.4 } else { s * -0.1 + 0.3 };
+    // Where the range is halved again and again.
+    JumpInTheMiddle: |s| s.constant(if s.value() < 1.0 { 0.4 } else { 0.3 });
+    Kink: |s| (s - 0.3).abs() * 0.1 + 0.2;
+    SmallKink: |s| (s - 0.3).abs() * 1e-4 + 0.2;
+    Curvature: |s| if s.value() < 0.3 { s.constant(0.3) } else { (s - 0.3).square() * 0.2 + 0.3 };
+    Third: |s| if s.value() < 0.3 { s.constant(0.3) } else { (s - 0.3).powi(3) * 0.2 + 0.3 };
+    Root: |s| if s.value() < 0.3 { s.constant(0.3) } else { (s - 0.3).sqrt() * -0.1 + 0.3 };
+    Cusp: |s| (s - 0.5).abs().sqrt() * 0.1 + 0.2;
+    NotANumber: |s| if s.value() < 1.1 { s * -0.1 + 0.4 } else { (s * 0.0).ln() * 0.0 };
+    FallsBelowZero: |s| s * -0.3 + 0.4;
+    BelowZeroForAWhile: |s| (s - 1.0).square() * 0.4 - 0.1 + s * 0.0;
+    TouchesZero: |s| (s - 1.0).square() * 0.4;
+    Pulse: |s| s.constant(if s.value() > 0.7 && s.value() < 0.72 { 0.31 } else { 0.3 });
+    NarrowBump: |s| (-((s - 0.7) / 0.01).square()).exp() * 0.1 + 0.3;
+    NarrowDip: |s| (-((s - 0.7) / 0.005).square()).exp() * -1e-3 + (s * -2.0).exp() * 0.2 + 0.1;
+    WideBump: |s| (-((s - 0.7) / 0.05).square()).exp() * 0.1 + 0.3;
+    NarrowAtRest: |s| (-(s / 1e-3).square()).exp() * 0.1 + 0.3;
+    SteepStep: |s| ((s - 0.4) / 1e-6).tanh() * -0.05 + 0.3;
+}
+
+/// The faults of a law over speeds up to 2.
+fn faults(law: &impl FrictionLaw) -> Vec<LawFault> {
+    check_law(law, 0.0..2.0).unwrap()
+}
+
+#[test]
+fn jumps_are_found_to_the_last_bits() {
+    let [
+        LawFault::Jump {
+            speed,
+            below,
+            above,
+        },
+    ] = faults(&Jump)[..]
+    else {
+        panic!("{:?}", faults(&Jump))
+    };
+    assert!((speed - 0.3).abs() < 1e-15);
+    assert!((below - 0.37).abs() < 1e-14 && (above - 0.27).abs() < 1e-14);
+    let [LawFault::Jump { speed, .. }] = faults(&JumpInTheMiddle)[..] else {
+        panic!()
+    };
+    assert_eq!(speed, 1.0);
+    let [
+        LawFault::Jump { speed: up, .. },
+        LawFault::Jump { speed: down, .. },
+    ] = faults(&Pulse)[..]
+    else {
+        panic!("{:?}", faults(&Pulse))
+    };
+    assert!((up - 0.7).abs() < 1e-15 && (down - 0.72).abs() < 1e-15);
+}
+
+/// What the check is for: `simulate` follows a law that jumps.
+#[test]
+fn a_law_with_a_jump_can_be_simulated_all_the_same() {
+    let system = MassOnBelt::new(JumpInTheMiddle, 0.2).unwrap();
+    assert!(system.simulate(State::new(0.0, 0.0), 10.0).is_ok());
+}
+
+#[test]
+fn kinks_are_told_from_jumps_of_higher_derivatives() {
+    for (found, half) in [(faults(&Kink), 0.1), (faults(&SmallKink), 1e-4)] {
+        let [
+            LawFault::Kink {
+                speed,
+                slope_below,
+                slope_above,
+            },
+        ] = found[..]
+        else {
+            panic!("{found:?}")
+        };
+        assert!((speed - 0.3).abs() < 1e-8, "{speed}");
+        assert!((slope_below + half).abs() < 1e-12 && (slope_above - half).abs() < 1e-12);
+    }
+    for (found, near) in [
+        (faults(&Curvature), 1e-5),
+        (faults(&Third), 1e-3),
+        (faults(&Root), 1e-9),
+        (faults(&Cusp), 1e-8),
+    ] {
+        let [LawFault::NotAnalytic { speed }] = found[..] else {
+            panic!("{found:?}")
+        };
+        let there = if (speed - 0.5).abs() < 0.1 { 0.5 } else { 0.3 };
+        assert!((speed - there).abs() < near, "{speed}");
+    }
+}
+
+#[test]
+fn nan_and_negative_values_are_found() {
+    let [LawFault::NotFinite { speed, value }] = faults(&NotANumber)[..] else {
+        panic!("{:?}", faults(&NotANumber))
+    };
+    assert!((speed - 1.1).abs() < 1e-15 && value.is_nan());
+
+    let [LawFault::Negative { from, to }] = faults(&FallsBelowZero)[..] else {
+        panic!()
+    };
+    assert!((from - 4.0 / 3.0).abs() < 1e-15 && to == 2.0);
+    let [LawFault::Negative { from, to }] = faults(&BelowZeroForAWhile)[..] else {
+        panic!()
+    };
+    assert!((from - 0.5).abs() < 1e-14 && (to - 1.5).abs() < 1e-14);
+    // From the start of the range on.
+    let found = check_law(&FallsBelowZero, 1.5..2.0).unwrap();
+    assert_eq!(found, [LawFault::Negative { from: 1.5, to: 2.0 }]);
+    assert_eq!(faults(&TouchesZero), []);
+}
+
+#[test]
+fn narrow_features_are_found_and_others_are_not_called_narrow() {
+    // Half the height of exp(−(s/w)²) at ±w√ln 2.
+    let width = |w: f64| 2.0 * w * 2.0_f64.ln().sqrt();
+    for (found, w) in [(faults(&NarrowBump), 0.01), (faults(&NarrowDip), 0.005)] {
+        let [LawFault::Narrow { speed, width: is }] = found[..] else {
+            panic!("{found:?}")
+        };
+        assert!((speed - 0.7).abs() < 1e-3);
+        assert!((is - width(w)).abs() < 2e-3, "{is}");
+    }
+    assert_eq!(faults(&WideBump), []);
+    // What is narrow at rest is seen by every slip phase, which begins there.
+    assert_eq!(faults(&NarrowAtRest), []);
+    assert_eq!(faults(&SteepStep), []);
+    // For slower motions the same bump is wide.
+    assert_eq!(check_law(&NarrowBump, 0.6..0.8).unwrap(), []);
+}
+
+#[test]
+fn faults_say_what_to_do() {
+    for (found, remedy) in [
+        (faults(&Jump), "ramp"),
+        (faults(&Kink), "`breakpoints`"),
+        (faults(&Root), "`kinetic_on`"),
+        (faults(&NotANumber), "NaN from speed 1.1"),
+        (faults(&FallsBelowZero), "drive"),
+        (faults(&NarrowBump), "`breakpoints`"),
+    ] {
+        let text = found[0].to_string();
+        assert!(text.contains(remedy), "{text}");
+    }
+}
+
+#[test]
+fn ranges_and_laws_that_no_system_takes_are_refused() {
+    let law = Coulomb::new(0.4, 0.3).unwrap();
+    for (start, end) in [
+        (-1.0, 1.0),
+        (f64::NAN, 1.0),
+        (0.0, f64::NAN),
+        (0.0, f64::INFINITY),
+        (1.0, 1.0),
+        (2.0, 1.0),
+    ] {
+        let found = check_law(&law, start..end);
+        assert!(
+            matches!(found, Err(Error::InvalidParameter { .. })),
+            "{start}..{end}: {found:?}"
+        );
+    }
+    laws! { AboveStatic: |s| s * 0.0 + 0.5; }
+    let found = check_law(&AboveStatic, 0.0..1.0);
+    assert!(matches!(found, Err(Error::StaticBelowKinetic { .. })));
+}
+
+/// Every law of the crate, of any size.
+fn laws_of_the_crate() -> impl Strategy<Value = AnyLaw> {
+    let coefficients = (0.01..2.0_f64, 0.0..1.0_f64).prop_map(|(high, part)| (high, part * high));
+    let speed = (-4.0..2.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent));
+    (
+        coefficients,
+        speed,
+        0..6_usize,
+        prop::collection::vec(0.0..1.0_f64, 4),
+    )
+        .prop_map(|((high, low), speed, which, points)| match which {
+            0 => Coulomb::new(high, low).unwrap().into(),
+            1 => Exponential::new(high, low, speed).unwrap().into(),
+            2 => Stribeck::new(high, low, speed, 1).unwrap().into(),
+            3 => Rational::new(high, 1.0 / speed).unwrap().into(),
+            4 => Tabulated::new((0..).map(|i| f64::from(i) * speed).zip(points))
+                .unwrap()
+                .into(),
+            _ => Polynomial::new(high, low, speed).unwrap().into(),
+        })
+}
+
+proptest! {
+    #[test]
+    fn the_laws_of_the_crate_have_no_faults(law in laws_of_the_crate(), end in 0.01..10.0_f64) {
+        let mut found = check_law(&law, 0.0..end).unwrap();
+        // A table that dips within a narrow part of the range, or falls from rest.
+        if matches!(law, AnyLaw::Polynomial(_)) {
+            // It rises for ever above its minimum, and never falls below.
+            prop_assert_eq!(&found[..], &[]);
+        }
+        found.retain(|fault| !matches!(fault, LawFault::Narrow { .. }));
+        prop_assert_eq!(&found[..], &[]);
+    }
+
+    /// A kink of any size at any place is found there, and nothing else is.
+    #[test]
+    fn a_kink_is_found_wherever_it_lies(at in 0.01..1.99_f64, exponent in -3.0..1.0_f64) {
+        struct Kinked { at: f64, by: f64 }
+        impl FrictionLaw for Kinked {
+            fn static_coefficient(&self) -> f64 {
+                0.4 + self.by * self.at
+            }
+            fn kinetic<S: Scalar>(&self, s: S) -> S {
+                (s - self.at).abs() * self.by + (-s).exp() * 0.2 + 0.2
+            }
+        }
+        let by = 10.0_f64.powf(exponent);
+        let found = faults(&Kinked { at, by });
+        let [LawFault::Kink { speed, slope_below, slope_above }] = found[..] else {
+            return Err(TestCaseError::fail(format!("{found:?}")));
+        };
+        prop_assert!((speed - at).abs() < 1e-8, "{} is not {}", speed, at);
+        prop_assert!((slope_above - slope_below - 2.0 * by).abs() < 1e-7 * (1.0 + by));
+    }
+}

@@ -1,0 +1,243 @@
+//! A mass on a belt in SI units: the same motions and cycles as those of the dimensionless system,
+//! each number converted.
+
+use approx::assert_relative_eq;
+use stick_slip::{
+    Error, Integrator, Physical, PhysicalMassOnBelt, Scaling, State, Stribeck, Tabulated,
+    bifurcation, limit_cycle,
+};
+
+const PAD: Physical = Physical {
+    mass: 2.0,
+    stiffness: 5000.0,
+    damping: 4.0,
+    normal_force: 20.0,
+    belt_velocity: 0.05,
+};
+
+fn law() -> Stribeck {
+    Stribeck::new(0.4, 0.25, 0.1, 1).unwrap()
+}
+
+fn brake() -> PhysicalMassOnBelt<Stribeck> {
+    PhysicalMassOnBelt::new(PAD, law()).unwrap()
+}
+
+#[test]
+fn motions_fulfil_the_equation_in_newtons() {
+    let motion = brake().simulate((1e-3, 0.0), 2.0).unwrap();
+    assert_eq!(motion.duration(), 2.0);
+    assert!(motion.state_at(2.0).is_some());
+    let (dt, mut slipped) = (1e-5, 0);
+    for (time, state, mode) in motion.sample_every(0.0137).unwrap().skip(1) {
+        let at = |time: f64| motion.state_at(time).unwrap();
+        let around = [at(time - dt), at(time + dt)];
+        let same = motion.mode_at(time - dt) == motion.mode_at(time + dt);
+        if mode == stick_slip::Mode::Stick || !same {
+            continue;
+        }
+        let acceleration = (around[1].velocity - around[0].velocity) / (2.0 * dt);
+        let relative = state.velocity - PAD.belt_velocity;
+        let friction = PAD.normal_force * stick_slip::FrictionLaw::coefficient(&law(), relative);
+        let sum = PAD.mass * acceleration
+            + PAD.damping * state.velocity
+            + PAD.stiffness * state.displacement
+            + friction;
+        assert!(sum.abs() < 1e-5, "{sum} N are missing at {time} s");
+        slipped += 1;
+    }
+    assert!(slipped > 50);
+}
+
+#[test]
+fn cycles_and_events_are_those_of_the_dimensionless_system() {
+    let brake = brake();
+    let scaling = *brake.scaling();
+    assert_eq!(scaling, Scaling::new(PAD).unwrap());
+    let system = brake.dimensionless();
+    let (own, bare) = (brake.cycles().unwrap(), limit_cycle::find(system).unwrap());
+    assert_eq!(own.len(), bare.len());
+    for (si, plain) in own.iter().zip(&bare) {
+        let close = |a: f64, b: f64| assert_relative_eq!(a, b, max_relative = 1e-13);
+        assert_eq!(
+            (si.kind(), si.multiplier()),
+            (plain.kind(), plain.multiplier())
+        );
+        close(si.period(), scaling.seconds(plain.period()));
+        close(si.stick_duration(), scaling.seconds(plain.stick_duration()));
+        close(si.amplitude(), scaling.metres(plain.amplitude()));
+        close(
+            si.mean_displacement(),
+            scaling.metres(plain.mean_displacement()),
+        );
+        close(
+            si.min_velocity(),
+            scaling.metres_per_second(plain.min_velocity()),
+        );
+        close(
+            si.max_sliding_speed(),
+            scaling.metres_per_second(plain.max_sliding_speed()),
+        );
+        close(
+            si.rms_velocity(),
+            scaling.metres_per_second(plain.rms_velocity()),
+        );
+        let acceleration = scaling.angular_frequency().powi(2) * scaling.length();
+        close(
+            si.rms_acceleration(),
+            acceleration * plain.rms_acceleration(),
+        );
+        close(
+            si.peak_acceleration(),
+            acceleration * plain.peak_acceleration(),
+        );
+        close(
+            si.energy().drive_work,
+            scaling.joules(plain.energy().drive_work),
+        );
+        close(
+            si.energy().damper_loss,
+            scaling.joules(plain.energy().damper_loss),
+        );
+        close(
+            si.energy().friction_loss,
+            scaling.joules(plain.energy().friction_loss),
+        );
+        for (a, b) in si.harmonics(5).iter().zip(plain.harmonics(5)) {
+            close(a.norm(), scaling.metres(b.norm()));
+        }
+        for (a, b) in si
+            .trajectory()
+            .events()
+            .iter()
+            .zip(plain.trajectory().events())
+        {
+            assert_eq!(a.kind, b.kind);
+            assert!((a.time - scaling.seconds(b.time)).abs() < 1e-15);
+            assert_relative_eq!(
+                a.state.displacement,
+                scaling.metres(b.state.displacement),
+                max_relative = 1e-14
+            );
+        }
+    }
+    let cycle = brake.stick_slip().unwrap().unwrap();
+    assert_eq!(Some(&cycle), own.stable().next());
+    // In stick the mass has the belt's velocity.
+    let stuck = cycle.trajectory().state_at(cycle.period() - 1e-4).unwrap();
+    assert_relative_eq!(stuck.velocity, PAD.belt_velocity, max_relative = 1e-15);
+
+    let release = brake.release_state().unwrap();
+    assert_relative_eq!(release.displacement, (20.0 * 0.4 - 4.0 * 0.05) / 5000.0);
+    let steady = brake.equilibrium().unwrap();
+    assert_relative_eq!(
+        5000.0 * steady.displacement,
+        20.0 * (0.25 + 0.15 * (-0.5_f64).exp())
+    );
+    // λ² + λ h/M + K/M = 0
+    let lambda = steady.eigenvalues[0];
+    let slope = -20.0 * 0.15 / 0.1 * (-0.5_f64).exp();
+    let residual = lambda * lambda * 2.0 + lambda * (4.0 + slope) + 5000.0;
+    assert!(residual.norm() < 1e-9, "{residual}");
+    assert_relative_eq!(steady.jacobian[(1, 0)], -2500.0);
+}
+
+#[test]
+fn velocities_and_diagrams_are_in_metres_per_second() {
+    let brake = brake();
+    let scaling = brake.scaling();
+    for search in [
+        bifurcation::hopf_velocities,
+        bifurcation::grazing_velocities,
+    ] {
+        let found = brake.velocities(search, 0.01..1.0).unwrap();
+        let bare = search(
+            brake.dimensionless(),
+            scaling.dimensionless_velocities(0.01..1.0),
+        );
+        let bare = bare.unwrap();
+        assert!(!bare.is_empty() && found.len() == bare.len());
+        for (found, bare) in found.iter().zip(bare) {
+            assert_relative_eq!(*found, scaling.metres_per_second(bare));
+        }
+    }
+    let points: Vec<_> = brake.diagram([0.05, 0.1, f64::NAN]).collect();
+    let [Ok(first), Ok(second), Err(_)] = &points[..] else {
+        panic!("{points:?}")
+    };
+    assert_eq!((first.belt_velocity, second.belt_velocity), (0.05, 0.1));
+    let cycle = brake.stick_slip().unwrap().unwrap();
+    assert_relative_eq!(
+        first.cycles[0].period(),
+        cycle.period(),
+        max_relative = 1e-13
+    );
+}
+
+#[test]
+fn errors_are_in_si_units() {
+    // A table whose breakpoint lies at 0.1 m/s and jumps nowhere; a bad start and a bad duration.
+    let law = Tabulated::new([(0.0, 0.4), (0.1, 0.3), (0.3, 0.25)]).unwrap();
+    let brake = PhysicalMassOnBelt::new(PAD, law).unwrap();
+    let bad = brake.simulate((0.0, 0.0), -2.0).unwrap_err();
+    let Error::InvalidDuration { value } = bad else {
+        panic!("{bad}")
+    };
+    assert_relative_eq!(value, -2.0);
+    let few = Integrator::new().with_max_steps(5).unwrap();
+    let error = brake.simulate_with(few, (0.0, 0.0), 10.0).unwrap_err();
+    let Error::TooManySteps { reached, .. } = error else {
+        panic!("{error}")
+    };
+    let motion = brake.simulate((0.0, 0.0), reached.time).unwrap();
+    let there: State = motion.last();
+    assert_relative_eq!(
+        there.displacement,
+        reached.state.displacements[0],
+        max_relative = 1e-12
+    );
+    assert_relative_eq!(there.velocity, reached.state.velocities[0], epsilon = 1e-13);
+
+    for wrong in [
+        Physical { mass: 0.0, ..PAD },
+        Physical {
+            normal_force: f64::NAN,
+            ..PAD
+        },
+    ] {
+        let refused = PhysicalMassOnBelt::new(wrong, law_of(0.4));
+        assert!(matches!(refused, Err(Error::InvalidParameter { .. })));
+    }
+}
+
+fn law_of(coefficient: f64) -> Stribeck {
+    Stribeck::new(coefficient, 0.25, 0.1, 1).unwrap()
+}
+
+/// What one number stands for does not change what the system does: the same brake with time in
+/// milliseconds, or turning.
+#[test]
+fn other_consistent_units_give_the_same_motion() {
+    // N/mm, kg → t, mm, N, mm/s
+    let in_mm = Physical {
+        mass: 2e-3,
+        stiffness: 5.0,
+        damping: 4e-3,
+        normal_force: 20.0,
+        belt_velocity: 50.0,
+    };
+    let small = PhysicalMassOnBelt::new(in_mm, Stribeck::new(0.4, 0.25, 100.0, 1).unwrap());
+    let small = small.unwrap();
+    let (a, b) = (
+        brake().stick_slip().unwrap().unwrap(),
+        small.stick_slip().unwrap().unwrap(),
+    );
+    assert_relative_eq!(a.period(), b.period(), max_relative = 1e-13);
+    assert_relative_eq!(1e3 * a.amplitude(), b.amplitude(), max_relative = 1e-13);
+    // N mm
+    assert_relative_eq!(
+        1e3 * a.energy().friction_loss,
+        b.energy().friction_loss,
+        max_relative = 1e-12
+    );
+}

@@ -1,0 +1,126 @@
+//! What is measured on a vibrating machine: rms and peak values, spectra; against each other and
+//! against samples.
+
+use proptest::prelude::*;
+use stick_slip::nalgebra::Complex;
+use stick_slip::{Exponential, LimitCycle, MassOnBelt, Mode, Polynomial, limit_cycle};
+
+fn cycles() -> Vec<LimitCycle> {
+    let mut all = Vec::new();
+    for (v_b, damping) in [
+        (0.2, 0.05),
+        (0.41, 0.05),
+        (0.05, 0.05),
+        (0.1, 0.0),
+        (-0.3, 0.02),
+    ] {
+        let law = Polynomial::new(0.4, 0.25, 0.5).unwrap();
+        let system = MassOnBelt::new(law, v_b)
+            .unwrap()
+            .with_damping(damping)
+            .unwrap();
+        all.extend(limit_cycle::find(&system).unwrap());
+    }
+    let law = Exponential::new(0.6, 0.3, 0.4).unwrap();
+    let system = MassOnBelt::new(law, 1.0)
+        .unwrap()
+        .with_damping(0.01)
+        .unwrap();
+    all.extend(limit_cycle::find(&system).unwrap());
+    assert!(all.len() >= 7);
+    all
+}
+
+/// The mean square of a sum of harmonics: half the sum of the squares of their amplitudes.
+fn power(harmonics: &[Complex<f64>]) -> f64 {
+    0.5 * harmonics.iter().map(|a| a.norm_sqr()).sum::<f64>()
+}
+
+#[test]
+fn parseval_holds_for_velocity_and_acceleration() {
+    for cycle in cycles() {
+        // The mean of both is 0 over a period. What is left out falls off as n⁻³ and n⁻¹.
+        let n = 60;
+        let smooth = cycle.stick_duration() == 0.0 && cycle.leading_duration() == 0.0;
+        let (v, a) = (cycle.velocity_harmonics(n), cycle.acceleration_harmonics(n));
+        let missing_v = 1.0 - power(&v) / cycle.rms_velocity().powi(2);
+        let missing_a = 1.0 - power(&a) / cycle.rms_acceleration().powi(2);
+        let (small_v, small_a) = if smooth { (1e-13, 1e-12) } else { (1e-5, 0.02) };
+        // What is missing is not negative but for rounding.
+        assert!(
+            (-1e-13..small_v).contains(&missing_v),
+            "{cycle}: {missing_v:e}"
+        );
+        assert!(
+            (-1e-12..small_a).contains(&missing_a),
+            "{cycle}: {missing_a:e}"
+        );
+        if !smooth {
+            // And it falls off as it must.
+            let half = 1.0 - power(&a[..n / 2]) / cycle.rms_acceleration().powi(2);
+            let order = (half / missing_a).log2();
+            assert!(order > 0.7, "{cycle}: {order}");
+        }
+    }
+}
+
+#[test]
+fn rms_and_peak_accelerations_are_those_of_samples() {
+    for cycle in cycles() {
+        let motion = cycle.trajectory();
+        let n = 200_000;
+        let (mut squares, mut peak, mut fastest) = (0.0, 0.0_f64, 0.0_f64);
+        let step = cycle.period() / f64::from(n);
+        let belt = motion
+            .steps()
+            .iter()
+            .find(|step| step.mode() == Mode::Stick);
+        let mut last = motion.state_at(0.0).unwrap().velocity;
+        for i in 1..=n {
+            let state = motion
+                .state_at(step * f64::from(i))
+                .unwrap_or_else(|| motion.last());
+            let acceleration = (state.velocity - last) / step;
+            last = state.velocity;
+            squares += acceleration * acceleration / f64::from(n);
+            peak = peak.max(acceleration.abs());
+            if let Some(belt) = belt {
+                fastest = fastest.max((state.velocity - belt.state().velocity).abs());
+            }
+        }
+        assert!(
+            (squares.sqrt() / cycle.rms_acceleration() - 1.0).abs() < 1e-4,
+            "{cycle}"
+        );
+        assert!(
+            (peak / cycle.peak_acceleration() - 1.0).abs() < 1e-4,
+            "{cycle}"
+        );
+        if belt.is_some() {
+            assert!(
+                (fastest / cycle.max_sliding_speed() - 1.0).abs() < 1e-7,
+                "{cycle}"
+            );
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// Parseval once more, for any stick-slip cycle; and no harmonic exceeds what the rms value
+    /// allows.
+    #[test]
+    fn spectra_and_rms_values_agree(v_b in 0.02..0.4_f64, damping in 0.0..0.1_f64) {
+        let law = Polynomial::new(0.4, 0.25, 0.5).unwrap();
+        let system = MassOnBelt::new(law, v_b).unwrap().with_damping(damping).unwrap();
+        let Some(cycle) = limit_cycle::stick_slip(&system).unwrap() else { return Ok(()) };
+        let v = cycle.velocity_harmonics(24);
+        prop_assert!((power(&v) / cycle.rms_velocity().powi(2) - 1.0).abs() < 1e-2);
+        for (a, b) in v.iter().zip(cycle.harmonics(24)).skip(1) {
+            prop_assert!(a.norm() <= 2.0_f64.sqrt() * cycle.rms_velocity());
+            prop_assert!(b.norm() <= a.norm() / cycle.frequency());
+        }
+        prop_assert!(cycle.peak_acceleration() >= cycle.rms_acceleration());
+    }
+}
