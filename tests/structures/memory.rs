@@ -1,15 +1,14 @@
 //! Contacts that remember: static friction that rises at rest, and bristles.
 
 use serde_json::Value;
-use stick_slip::nalgebra::DMatrix;
 use stick_slip::structure::State;
 use stick_slip::{
-    AnyContactLaw, AnyLaw, Contact, ContactLaw, Coulomb, Dahl, Direction, Dwell, Error, EventKind,
-    Exponential, FrictionLaw, Integrator, LuGre, Motion, Scalar, Segment, Slip, Structure,
+    AnyContactLaw, Contact, ContactLaw, Coulomb, Dahl, Direction, Dwell, Error, EventKind,
+    Exponential, Integrator, LuGre, Motion, Scalar, Segment, Slip, Structure,
 };
 
 use crate::common::{list, number, text};
-use crate::reading::{cases, numbers, remembering};
+use crate::reading::{Raised, cases, numbers, remembering};
 
 #[test]
 fn motions_have_the_reference_events_and_states() {

@@ -111,8 +111,8 @@ pub(crate) fn structure(system: &Value, parameter: f64) -> Structure<AnyLaw> {
 /// A law with a static coefficient of its own.
 #[derive(Debug, Clone)]
 pub(crate) struct Raised {
-    law: AnyLaw,
-    static_coefficient: f64,
+    pub(crate) law: AnyLaw,
+    pub(crate) static_coefficient: f64,
 }
 
 impl FrictionLaw for Raised {
