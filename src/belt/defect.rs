@@ -32,10 +32,21 @@ impl SlipSeries {
         times: [f64; 4],
         speeds: [f64; 4],
     ) -> f64 {
+        let law = |s| system.law().kinetic_on(piece, s);
+        system.load() * self.largest_difference(times, speeds, law)
+    }
+
+    #[inline(always)]
+    fn largest_difference(
+        &self,
+        times: [f64; 4],
+        speeds: [f64; 4],
+        law: impl Fn(f64) -> f64,
+    ) -> f64 {
         let friction = self.friction.at_four(times);
         let mut largest = 0.0;
         for (s, m) in std::iter::zip(speeds, friction) {
-            let difference = (system.law().kinetic_on(piece, s.max(0.0)) - m).abs();
+            let difference = (law(s.max(0.0)) - m).abs();
             // Not f64::max, which would drop a NaN.
             largest = if largest >= difference {
                 largest
@@ -43,7 +54,14 @@ impl SlipSeries {
                 difference + 0.0 * largest
             };
         }
-        system.load() * largest
+        largest
+    }
+
+    /// The largest defect elsewhere in the step. Compiled once for all laws, because few steps ask
+    /// for it.
+    #[inline(never)]
+    fn defect_elsewhere(&self, load: f64, law: &dyn Fn(f64) -> f64, times: [f64; 4]) -> f64 {
+        load * self.largest_difference(times, self.speed.at_some(times), law)
     }
 
     /// The defect near the minima of s(t) inside a step of length h, where the motion comes closest
@@ -61,8 +79,9 @@ impl SlipSeries {
     ) -> f64 {
         let mut largest = 0.0;
         self.speed.about_minima(h, speeds, &mut |times| {
+            let law = |s| system.law().kinetic_on(piece, s);
             // Not f64::max, which would drop a NaN.
-            largest += self.defect(system, piece, times, self.speed.at_four(times));
+            largest += self.defect_elsewhere(system.load(), &law, times);
         });
         largest
     }
@@ -78,6 +97,7 @@ impl SlipSeries {
         piece: usize,
         h: f64,
     ) -> f64 {
+        let law = |s| system.law().kinetic_on(piece, s);
         let fours = h.ceil().min(MOST_FOURS);
         let part = 0.25 * h / fours;
         let mut largest = 0.0;
@@ -85,7 +105,7 @@ impl SlipSeries {
             let start = i as f64 * 4.0 * part;
             let times = [0.5, 1.5, 2.5, 3.5].map(|place| start + place * part);
             // Not f64::max, which would drop a NaN.
-            largest += self.defect(system, piece, times, self.speed.at_four(times));
+            largest += self.defect_elsewhere(system.load(), &law, times);
         }
         largest
     }

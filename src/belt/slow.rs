@@ -20,6 +20,7 @@ use super::expansion::SlipSeries;
 use super::slip_point::SlipPoint;
 use super::system::MassOnBelt;
 use crate::clock::Time;
+use crate::error::Error;
 use crate::friction::{FrictionLaw, Piece};
 use crate::motion::step_control::Allowance;
 use crate::scalar::Workspace;
@@ -61,15 +62,29 @@ impl SlipSeries {
         allowance: &Allowance,
     ) -> Option<(Self, f64)> {
         let slow = Slow::new(system, from, time);
+        self.solve(&slow, from.speed, time, allowance, &mut |composed, c| {
+            composed.expand(piece, system, workspace, from, time, Some(c))
+        })
+    }
+
+    /// The same, where `compose` makes the series of the friction along a given series of the
+    /// sliding speed. Compiled once for all laws.
+    fn solve(
+        &self,
+        slow: &Slow,
+        speed: f64,
+        time: Time,
+        allowance: &Allowance,
+        compose: &mut dyn FnMut(&mut Self, &PowerSeries) -> Result<(), Error>,
+    ) -> Option<(Self, f64)> {
         let closing = time.sign() * self.decay;
-        let unit = slow.unit(from.speed, closing);
+        let unit = slow.unit(speed, closing);
         let mut c = slow.guess(&self.speed, closing, unit, allowance.error);
-        let close = CLOSE * allowance.error.max(f64::EPSILON * from.speed);
+        let close = CLOSE * allowance.error.max(f64::EPSILON * speed);
         let farthest = Allowance::farthest(closing) / unit;
         let mut composed = Self::ZERO;
         for pass in 0..MOST_PASSES {
-            let composition = composed.expand(piece, system, workspace, from, time, Some(&c));
-            composition.ok()?;
+            compose(&mut composed, &c).ok()?;
             let correction = slow.correction(&c, &composed, unit);
             // The first correction is already the distance, as far as it is small: a motion that is
             // still on its way costs one pass.
@@ -92,12 +107,11 @@ impl SlipSeries {
             // that near a node: so much more in the sum of all terms.
             let passed_on = (INNER * reach * unit / closing).exp();
             if largest <= close * passed_on {
-                if (c[0] - from.speed).abs() > 2.0 * close {
+                if (c[0] - speed).abs() > 2.0 * close {
                     return None;
                 }
                 // The next correction would be the square of this one.
-                let composition = composed.expand(piece, system, workspace, from, time, Some(&c));
-                composition.ok()?;
+                compose(&mut composed, &c).ok()?;
                 return composed.in_time(unit, allowance, farthest * unit);
             }
         }

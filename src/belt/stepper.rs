@@ -257,7 +257,7 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
             };
             let (end, speeds, end_speed) = match exit {
                 None => (h, speeds, speeds[3]),
-                Some((t, limit)) => (t, speed.at_four(quarters(t)), limit),
+                Some((t, limit)) => (t, speed.at_some(quarters(t)), limit),
             };
             let between = if end > LONG {
                 series.defect_in_between(&self.system, piece, end)
@@ -353,7 +353,7 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
     #[cold]
     fn underflow(&self, piece: usize, step: f64, reached: Reached) -> Error {
         let law = self.system.law();
-        let speeds = self.series.speed.at_four(quarters(2.0 * step));
+        let speeds = self.series.speed.at_some(quarters(2.0 * step));
         let failure = speeds
             .into_iter()
             .map(|s| (s, law.kinetic_on(piece, s.max(0.0))))

@@ -217,7 +217,7 @@ impl Stretch {
     /// Whether the series agrees with `h` at three places inside, to `allowed`.
     fn fits(&self, allowed: f64, h: impl Fn(f64) -> f64) -> bool {
         let times = quarters(self.length);
-        std::iter::zip(times, self.series.at_four(times))
+        std::iter::zip(times, self.series.at_some(times))
             // The end is left out: it may be a breakpoint, where the slope is that of the next
             // piece.
             .take(3)
