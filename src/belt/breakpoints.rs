@@ -135,7 +135,7 @@ fn first_passage(
     if speed[0] == level {
         let known = if speed[1] == 0.0 { 2 } else { 1 };
         let rest = speed.scaled(sign).without_root(known);
-        rest.first_root(h, rest.at_four(quarters(h)))
+        rest.first_root(h, rest.at_some(quarters(h)))
     } else {
         let mut distance = speed.scaled(sign);
         distance[0] -= sign * level;

@@ -121,8 +121,11 @@ impl PowerSeries {
 
     /// The series of c(h − t).
     pub(crate) fn reflected(&self, h: f64) -> Self {
-        let Self(shifted) = self.shifted(h);
-        Self::from_fn(|k| if k % 2 == 0 { shifted[k] } else { -shifted[k] })
+        let mut reflected = self.shifted(h);
+        for odd in reflected.0.iter_mut().skip(1).step_by(2) {
+            *odd = -*odd;
+        }
+        reflected
     }
 
     /// The series of c(start + t).

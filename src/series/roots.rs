@@ -47,7 +47,7 @@ impl PowerSeries {
     /// A root at t = 0 is not reported. After [`MOST_DIVISIONS`], in stiff systems, an interval
     /// counts as one with a sign change only if the signs at its ends differ.
     pub(crate) fn sign_changes(&self, h: f64, visit: Visit<'_>) -> ControlFlow<()> {
-        let values = self.at_four(quarters(h));
+        let values = self.at_some(quarters(h));
         let curvature = self.curvature_bound(h);
         if self.stays_away(h, values, curvature) {
             return ControlFlow::Continue(());
