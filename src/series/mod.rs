@@ -122,7 +122,7 @@ impl PowerSeries {
     /// The series of c(h − t).
     pub(crate) fn reflected(&self, h: f64) -> Self {
         let mut reflected = self.shifted(h);
-        for odd in reflected.0.iter_mut().skip(1).step_by(2) {
+        for [_, odd] in reflected.0.as_chunks_mut().0 {
             *odd = -*odd;
         }
         reflected
