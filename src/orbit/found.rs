@@ -6,7 +6,7 @@ use nalgebra::Complex;
 use super::oscillator::Oscillator;
 use super::shoot::{Period, Trial};
 use crate::error::Error;
-use crate::motion::{Event, Segment, System, Trajectory};
+use crate::motion::{Event, Segment, System, SystemState, Trajectory};
 use crate::series::PowerSeries;
 use crate::structure::Step;
 
@@ -125,6 +125,19 @@ impl<S: System> Clone for Orbit<S> {
             extremes: self.extremes.clone(),
             multipliers: self.multipliers.clone(),
         }
+    }
+}
+
+impl<S: System> PartialEq for Orbit<S>
+where
+    S::State: PartialEq,
+    <S::State as SystemState>::Step: PartialEq,
+{
+    /// All follows from the motion and how it was looked for.
+    fn eq(&self, other: &Self) -> bool {
+        self.kind == other.kind
+            && self.trajectory == other.trajectory
+            && self.multipliers == other.multipliers
     }
 }
 

@@ -56,7 +56,9 @@ pub fn lyapunov_with_spread<S: Oscillator>(
     if !(transient >= 0.0 && transient.is_finite()) {
         return Err(Error::InvalidDuration { value: transient });
     }
-    Error::check("duration", duration, duration > 0.0, "duration > 0")?;
+    if !(duration > 0.0 && (transient + duration).is_finite()) {
+        return Err(Error::InvalidDuration { value: duration });
+    }
     let parts = system.growths(&S::general(start), transient, duration)?;
     let parts: Vec<Growth> = parts.into_iter().filter(|part| part.time > 0.0).collect();
     let sum = |of: fn(&Growth) -> f64| parts.iter().map(of).sum::<f64>();
