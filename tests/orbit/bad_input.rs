@@ -26,7 +26,10 @@ const BAD: [f64; 5] = [0.0, -1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 fn message<T>(found: Result<T, Error>, expected: &str) {
     let text = found.map(|_| ()).unwrap_err().to_string();
     assert!(text.contains(expected), "{text}");
-    assert!(!text.ends_with('.') && !text.starts_with(char::is_uppercase), "{text}");
+    assert!(
+        !text.ends_with('.') && !text.starts_with(char::is_uppercase),
+        "{text}"
+    );
 }
 
 #[test]
@@ -34,14 +37,26 @@ fn periods_fit_the_drives() {
     let (driven, free) = (block(sine(1.0), 0.2.into()), block(0.0.into(), 0.2.into()));
     let start = State::at_rest(1);
     let count = shoot(&driven, &start, Period::Driven(0)).map(|_| ());
-    assert!(matches!(count, Err(Error::InvalidParameter { name: "periods", .. })));
+    assert!(matches!(
+        count,
+        Err(Error::InvalidParameter {
+            name: "periods",
+            ..
+        })
+    ));
     for bad in BAD {
         let found = shoot(&free, &start, Period::Free(bad)).map(|_| ());
-        assert!(matches!(found, Err(Error::InvalidParameter { name: "period", .. })), "{found:?}");
+        assert!(
+            matches!(found, Err(Error::InvalidParameter { name: "period", .. })),
+            "{found:?}"
+        );
     }
     let found = shoot(&driven, &start, Period::Free(6.0)).map(|_| ());
     assert_eq!(found, Err(Error::NotFree));
-    message(shoot(&driven, &start, Period::Free(6.0)), "`Period::Driven`");
+    message(
+        shoot(&driven, &start, Period::Free(6.0)),
+        "`Period::Driven`",
+    );
     let ramp = Drive::profile(&[(0.0, 0.0), (1.0, 0.3)]).unwrap();
     for without in [
         free.clone(),
@@ -62,21 +77,46 @@ fn periods_fit_the_drives() {
 fn starts_are_checked() {
     let driven = block(sine(1.0), 0.2.into());
     let found = shoot(&driven, &State::at_rest(2), Period::Driven(1)).map(|_| ());
-    assert!(matches!(found, Err(Error::WrongSize { found: 2, expected: 1, .. })), "{found:?}");
+    assert!(
+        matches!(
+            found,
+            Err(Error::WrongSize {
+                found: 2,
+                expected: 1,
+                ..
+            })
+        ),
+        "{found:?}"
+    );
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         for start in [State::new(&[bad], &[0.0]), State::new(&[0.0], &[bad])] {
             let found = shoot(&driven, &start, Period::Driven(1)).map(|_| ());
-            assert!(matches!(found, Err(Error::InvalidState { .. })), "{found:?}");
+            assert!(
+                matches!(found, Err(Error::InvalidState { .. })),
+                "{found:?}"
+            );
             let found = settle(&driven, &start, 1.0, Period::Driven(1)).map(|_| ());
-            assert!(matches!(found, Err(Error::InvalidState { .. })), "{found:?}");
+            assert!(
+                matches!(found, Err(Error::InvalidState { .. })),
+                "{found:?}"
+            );
             let found = lyapunov(&driven, &start, 1.0, 1.0);
-            assert!(matches!(found, Err(Error::InvalidState { .. })), "{found:?}");
+            assert!(
+                matches!(found, Err(Error::InvalidState { .. })),
+                "{found:?}"
+            );
             let mut states = section(&driven, &start, 1.0);
-            assert!(matches!(states.next(), Some(Err(Error::InvalidState { .. }))));
+            assert!(matches!(
+                states.next(),
+                Some(Err(Error::InvalidState { .. }))
+            ));
             assert_eq!(states.next(), None);
         }
         let found = shoot(&paper(0.2), &(bad, 0.0).into(), Period::Free(7.0)).map(|_| ());
-        assert!(matches!(found, Err(Error::InvalidState { .. })), "{found:?}");
+        assert!(
+            matches!(found, Err(Error::InvalidState { .. })),
+            "{found:?}"
+        );
     }
 }
 
@@ -86,21 +126,39 @@ fn durations_are_checked() {
     let start = State::at_rest(1);
     for bad in &BAD[1..] {
         let found = settle(&driven, &start, *bad, Period::Driven(1)).map(|_| ());
-        assert!(matches!(found, Err(Error::InvalidDuration { .. })), "{found:?}");
+        assert!(
+            matches!(found, Err(Error::InvalidDuration { .. })),
+            "{found:?}"
+        );
         let found = lyapunov(&driven, &start, *bad, 1.0);
-        assert!(matches!(found, Err(Error::InvalidDuration { .. })), "{found:?}");
+        assert!(
+            matches!(found, Err(Error::InvalidDuration { .. })),
+            "{found:?}"
+        );
     }
     for bad in BAD {
         let found = lyapunov(&driven, &start, 1.0, bad);
-        assert!(matches!(found, Err(Error::InvalidDuration { .. })), "{found:?}");
+        assert!(
+            matches!(found, Err(Error::InvalidDuration { .. })),
+            "{found:?}"
+        );
         let mut states = section(&driven, &start, bad);
         let found = states.next();
-        assert!(matches!(found, Some(Err(Error::InvalidParameter { name: "period", .. }))));
+        assert!(matches!(
+            found,
+            Some(Err(Error::InvalidParameter { name: "period", .. }))
+        ));
         assert_eq!(states.next(), None);
     }
     let mut events = section_at(&driven, &start, 1, EventKind::Stick);
     let found = events.next();
-    assert!(matches!(found, Some(Err(Error::InvalidParameter { name: "contact", .. }))));
+    assert!(matches!(
+        found,
+        Some(Err(Error::InvalidParameter {
+            name: "contact",
+            ..
+        }))
+    ));
     assert_eq!(events.next(), None);
 }
 
@@ -109,7 +167,10 @@ fn rest_is_no_periodic_motion() {
     let rest = MassOnBelt::new(Coulomb::new(0.4, 0.3).unwrap(), 0.0).unwrap();
     let found = shoot(&rest, &(0.1, 0.0).into(), Period::Free(6.0)).map(|_| ());
     assert_eq!(found, Err(Error::AtRest));
-    message(shoot(&rest, &(0.1, 0.0).into(), Period::Free(6.0)), "transient");
+    message(
+        shoot(&rest, &(0.1, 0.0).into(), Period::Free(6.0)),
+        "transient",
+    );
     let sliding = MassOnBelt::new(Coulomb::new(0.25, 0.25).unwrap(), 0.5).unwrap();
     let found = shoot(&sliding, &(0.25, 0.0).into(), Period::Free(6.0)).map(|_| ());
     assert_eq!(found, Err(Error::AtRest));
@@ -131,7 +192,11 @@ fn what_is_not_found_says_how_far_it_is() {
     for start in [(0.5, 0.1), (0.4, 0.5), (1.5, -0.3)] {
         match shoot(&system, &start.into(), Period::Free(6.3)).map(|_| ()) {
             Err(Error::AtRest) => {}
-            Err(Error::NotPeriodic { residual, period, start }) => {
+            Err(Error::NotPeriodic {
+                residual,
+                period,
+                start,
+            }) => {
                 assert!(residual > 1e-9 && residual.is_finite() && period > 0.0);
                 assert_eq!(start.displacements.len(), 1);
             }
@@ -145,7 +210,10 @@ fn what_is_not_found_says_how_far_it_is() {
     // Resonance: no periodic motion exists.
     let found = shoot(&undamped, &State::at_rest(1), Period::Driven(1)).map(|_| ());
     assert!(matches!(found, Err(Error::NotPeriodic { .. })), "{found:?}");
-    message(shoot(&undamped, &State::at_rest(1), Period::Driven(1)), "misses itself");
+    message(
+        shoot(&undamped, &State::at_rest(1), Period::Driven(1)),
+        "misses itself",
+    );
 }
 
 #[test]
@@ -159,9 +227,18 @@ fn what_stops_a_motion_stops_a_search() {
         .and_then(|s| s.with_contact(contact))
         .unwrap();
     let found = shoot(&lifts, &State::at_rest(1), Period::Driven(1)).map(|_| ());
-    assert!(matches!(found, Err(Error::Separation { contact: 0, .. })), "{found:?}");
+    assert!(
+        matches!(found, Err(Error::Separation { contact: 0, .. })),
+        "{found:?}"
+    );
     let found = lyapunov(&lifts, &State::at_rest(1), 100.0, 100.0);
-    assert!(matches!(found, Err(Error::Separation { contact: 0, .. })), "{found:?}");
+    assert!(
+        matches!(found, Err(Error::Separation { contact: 0, .. })),
+        "{found:?}"
+    );
     let last = section(&lifts, &State::at_rest(1), 1.0).last();
-    assert!(matches!(last, Some(Err(Error::Separation { .. }))), "{last:?}");
+    assert!(
+        matches!(last, Some(Err(Error::Separation { .. }))),
+        "{last:?}"
+    );
 }
