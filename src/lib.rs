@@ -46,6 +46,8 @@
 //! | the formulas of the source paper, and better ones | [`analysis::PureSlip`], [`analysis::StickSlip`], [`analysis::averaging`]; [where the paper is wrong](analysis#where-the-source-paper-is-wrong) |
 //! | how several masses move, with forces and belts that vary in time | [`Structure`], [`Contact`], [`Drive`] |
 //! | whether several masses slide steadily, or flutter | [`Structure::steady_sliding`] |
+//! | a periodic motion of any system, with its multipliers | [`orbit::shoot`], [`orbit::settle`] |
+//! | whether a motion is chaotic | [`orbit::lyapunov`], [`orbit::section`] |
 //! | how to work in kilograms, newtons, metres and hertz | [`PhysicalMassOnBelt`], [`Scaling`]; a [`Structure`] takes any consistent units |
 //! | a friction law of my own | [`FrictionLaw`], [`Scalar`]; whether it is in order: [`check_law`] |
 //! | measured points as a law | [`Tabulated`] |
@@ -164,9 +166,9 @@
 //!
 //! # Limits
 //!
-//! * **Cycles of one mass only.** Limit cycles are found for one mass on a belt of constant
-//!   velocity, because its motions lie in a plane and cannot cross each other. The motions of a
-//!   [`Structure`] are followed, but its limit cycles are not searched for.
+//! * **All cycles of one mass only.** Every limit cycle is found for one mass on a belt of constant
+//!   velocity, because its motions lie in a plane and cannot cross each other. Periodic motions of
+//!   a [`Structure`] are found from a guess: see [`orbit`].
 //! * **Memory in structures only.** The law of a [`MassOnBelt`] depends on the relative velocity
 //!   alone. A contact of a [`Structure`] may remember ([`Dwell`], [`Dahl`], [`LuGre`], or a
 //!   [`ContactLaw`] of your own), and a belt enters a structure by `Structure::from`.

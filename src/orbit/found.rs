@@ -6,11 +6,29 @@ use nalgebra::Complex;
 use super::oscillator::Oscillator;
 use super::shoot::{Period, Trial};
 use crate::error::Error;
-use crate::motion::{Event, Segment, System, Trajectory};
+use crate::motion::{Event, Segment, System, SystemState, Trajectory};
 use crate::series::PowerSeries;
 use crate::structure::Step;
 
 /// A periodic motion, exact to rounding, with its Floquet multipliers.
+///
+/// Made by [`shoot`](super::shoot) and [`settle`](super::settle). Extremes are roots of the power
+/// series of one period. All numbers are in the units of the system.
+///
+/// ```
+/// use stick_slip::orbit::{self, Period};
+/// use stick_slip::{EventKind, MassOnBelt, Polynomial};
+///
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+/// let orbit = orbit::shoot(&system, &(0.1, 0.2).into(), Period::Free(7.0))?;
+/// assert!((orbit.period() - 6.799421444472158).abs() < 1e-14);
+/// assert_eq!(orbit.state().velocity, 0.2);
+/// assert!((orbit.extremes(0).1 - 0.5664694667237888).abs() < 1e-14);
+/// assert_eq!(orbit.velocity_extremes(0).1, 0.2);
+/// assert_eq!(orbit.events()[1].kind, EventKind::Stick);
+/// assert_eq!(orbit.multipliers()[0].norm(), 0.0);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
 pub struct Orbit<S: System> {
     kind: Period,
     period: f64,
@@ -102,8 +120,12 @@ impl<S: System> Orbit<S> {
         pair.map_or((f64::NAN, f64::NAN), |pair| pair[which])
     }
 
-    /// The Floquet multipliers, by falling modulus: 2n, and one for each number that a contact
-    /// remembers; of a free motion without the 1 of a shift along itself.
+    /// The Floquet multipliers, by falling modulus, dimensionless: 2n for n coordinates, and one for
+    /// each number that a contact remembers; of a free motion without the 1 of a shift along
+    /// itself.
+    ///
+    /// A small disturbance of the motion is multiplied by them in each period. Those that stick
+    /// causes are 0 to the bit: see [the page of this module](super#multipliers).
     pub fn multipliers(&self) -> &[Complex<f64>] {
         &self.multipliers
     }
@@ -125,6 +147,19 @@ impl<S: System> Clone for Orbit<S> {
             extremes: self.extremes.clone(),
             multipliers: self.multipliers.clone(),
         }
+    }
+}
+
+impl<S: System> PartialEq for Orbit<S>
+where
+    S::State: PartialEq,
+    <S::State as SystemState>::Step: PartialEq,
+{
+    /// All follows from the motion and how it was looked for.
+    fn eq(&self, other: &Self) -> bool {
+        self.kind == other.kind
+            && self.trajectory == other.trajectory
+            && self.multipliers == other.multipliers
     }
 }
 

@@ -10,7 +10,7 @@ use crate::motion::{Integrator, Mode, Segment};
 use crate::state::structure::State;
 use crate::structure::{Step, Structure};
 
-/// A Lyapunov exponent, with what it may be wrong by.
+/// A Lyapunov exponent, with what it may be wrong by; made by [`lyapunov_with_spread`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LyapunovExponent {
     /// The exponent, per unit of time.
@@ -36,7 +36,21 @@ pub struct Growth {
 }
 
 /// The largest Lyapunov exponent of the motion from a start, per unit of time: the value of
-/// [`lyapunov_with_spread`].
+/// [`lyapunov_with_spread`], which says more.
+///
+/// # Errors
+///
+/// Those of [`lyapunov_with_spread`].
+///
+/// ```
+/// use stick_slip::{MassOnBelt, Polynomial, orbit};
+///
+/// // Stick-slip: after one stick phase nothing is left of a change beside the motion.
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+/// let exponent = orbit::lyapunov(&system, &(0.0, 0.0).into(), 0.0, 100.0)?;
+/// assert_eq!(exponent, f64::NEG_INFINITY);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
 pub fn lyapunov<S: Oscillator>(
     system: &S,
     start: &S::State,
@@ -46,7 +60,41 @@ pub fn lyapunov<S: Oscillator>(
     Ok(lyapunov_with_spread(system, start, transient, duration)?.value)
 }
 
-/// The largest Lyapunov exponent with its standard error.
+/// The largest Lyapunov exponent of the motion from a start at time 0, with its standard error:
+/// the mean rate, per unit of time, at which small changes grow, over a duration after a transient.
+///
+/// ```text
+/// λ = lim ln(|δx(t)|/|δx(0)|)/t
+/// ```
+///
+/// Above 0: chaos. Of a stable periodic motion it is ln|μ|/T, μ the largest multiplier. Of a free
+/// motion a shift along itself, whose exponent is 0, is left out, as the multiplier 1 is. It is −∞
+/// where nothing is left of any change, and where all masses stick for ever. The change follows
+/// the linearised equations, so that nothing is lost by differences; memory is constant.
+///
+/// # Errors
+///
+/// [`Error::InvalidDuration`] unless both times are finite, the transient ≥ 0 and the duration
+/// > 0; those of [`Integrator::simulate`].
+///
+/// Source: G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, *Meccanica* 15 (1980) 9-30; for
+/// events, P. C. Müller, *Chaos, Solitons & Fractals* 5 (1995) 1671-1681.
+///
+/// ```
+/// use stick_slip::orbit;
+/// use stick_slip::structure::State;
+/// use stick_slip::{Contact, Drive, Rational, Structure};
+///
+/// // A forced mass on a belt, friction that falls and rises again (K. Popp, P. Stelter, 1990).
+/// let law = Rational::new(0.3, 1.42)?.with_offset(0.1)?.with_quadratic(0.01)?;
+/// let forced = Structure::new(&[1.0])?
+///     .with_ground_spring(0, 1.0)?
+///     .with_force(0, Drive::harmonic(0.1, 0.75, 0.0)?)?
+///     .with_contact(Contact::new(0, law, 1.0)?.on_belt(0.2))?;
+/// let found = orbit::lyapunov_with_spread(&forced, &State::at_rest(1), 200.0, 2000.0)?;
+/// assert!((found.value - 0.035).abs() < 0.01 && found.spread < 0.004);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
 pub fn lyapunov_with_spread<S: Oscillator>(
     system: &S,
     start: &S::State,
@@ -56,7 +104,9 @@ pub fn lyapunov_with_spread<S: Oscillator>(
     if !(transient >= 0.0 && transient.is_finite()) {
         return Err(Error::InvalidDuration { value: transient });
     }
-    Error::check("duration", duration, duration > 0.0, "duration > 0")?;
+    if !(duration > 0.0 && (transient + duration).is_finite()) {
+        return Err(Error::InvalidDuration { value: duration });
+    }
     let parts = system.growths(&S::general(start), transient, duration)?;
     let parts: Vec<Growth> = parts.into_iter().filter(|part| part.time > 0.0).collect();
     let sum = |of: fn(&Growth) -> f64| parts.iter().map(of).sum::<f64>();

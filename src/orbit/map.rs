@@ -32,6 +32,21 @@ pub struct PeriodMap {
 }
 
 impl PeriodMap {
+    /// The state at the end of the period.
+    pub fn end(&self) -> &State {
+        &self.end
+    }
+
+    /// The steps of the motion.
+    pub fn steps(&self) -> &[Step] {
+        &self.steps
+    }
+
+    /// The derivative of the end with respect to the start.
+    pub fn monodromy(&self) -> &DMatrix<f64> {
+        &self.monodromy
+    }
+
     /// Order of vectors and matrices.
     pub(super) fn order(&self) -> usize {
         self.monodromy.nrows()

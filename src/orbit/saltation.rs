@@ -13,7 +13,7 @@
 //! | stick | r | v = w, and what the law makes of its memory |
 //! | crossing | r | nothing changes |
 //! | release | σR − N μ_s | what the law makes of its memory |
-//! | a load that opens or closes, a drive that jumps | a time | nothing changes, δt = 0 |
+//! | a load that opens or closes, a drive that jumps | a time | δt = 0; rest ends with the load |
 //!
 //! At one instant f jumps for the contacts of the events alone, in v' and z'. Where it does not, the
 //! changes go on as they are.
@@ -42,6 +42,31 @@ struct Instant<const Z: usize> {
 }
 
 impl<L: ContactLaw<Z>, const Z: usize> TangentFlow<'_, L, Z> {
+    /// Takes the tangents across the start itself: a contact that slips from r = 0, or is open, has
+    /// had its memory set by its law.
+    pub(super) fn begin(&mut self, step: &Step) {
+        let n = self.structure.len();
+        for (number, contact) in self.structure.contacts().iter().enumerate() {
+            let surface = contact.belt_velocity().at(step.clock())[0];
+            let rests = step.modes()[number] == Mode::Stick;
+            if rests || self.start.velocities[contact.coordinate()] != surface {
+                continue;
+            }
+            let first = 2 * n + number * Z;
+            let memory = |j: usize| self.start.memory.get(number * Z + j).copied();
+            let memory = std::array::from_fn(|j| memory(j).unwrap_or(0.0));
+            let slopes = slopes_of(|memory| contact.law().caught(memory), memory);
+            let before = self.tangents.rows(first, Z).into_owned();
+            for (j, slopes) in slopes.into_iter().enumerate() {
+                let mut row = self.tangents.row_mut(first + j);
+                row.fill(0.0);
+                for (l, slope) in slopes.into_iter().enumerate() {
+                    row += before.row(l) * slope;
+                }
+            }
+        }
+    }
+
     /// Takes the tangents across events at the end of a step.
     pub(super) fn pass(&mut self, step: &Step, events: &[(usize, EventKind)]) {
         if step.series().is_empty() {
@@ -103,6 +128,10 @@ impl<L: ContactLaw<Z>, const Z: usize> TangentFlow<'_, L, Z> {
         let slipping = |side, memory| law.rates(Motion::Slip(at_zero(side)), memory);
         // δt, the jump −f₊ + Dg f₋ + ∂g/∂t of v', and z' before and after.
         let (later, jump, caught, before, after) = match kind {
+            EventKind::Open if step.modes()[contact] == Mode::Stick => {
+                let never = row(velocity) * 0.0;
+                (never, 0.0, true, [0.0; Z], [0.0; Z])
+            }
             EventKind::Open | EventKind::Close => return Vec::new(),
             EventKind::Stick => {
                 let after = law.caught(at.memory);

@@ -71,6 +71,28 @@ pub struct Section<'s, S: Oscillator + 's> {
 ///
 /// Items are errors for [`Error::InvalidParameter`], unless T is positive and finite, and for those
 /// of [`Integrator::flow`]; after an error comes `None`.
+///
+/// ```
+/// use stick_slip::orbit;
+/// use stick_slip::structure::State;
+/// use stick_slip::{Contact, Coulomb, Drive, Structure};
+///
+/// // x'' + 0.1 x' + x = cos 0.8 t − 0.3 sgn x'.
+/// let block = Structure::new(&[1.0])?
+///     .with_ground_spring(0, 1.0)?
+///     .with_ground_damper(0, 0.1)?
+///     .with_force(0, Drive::harmonic(1.0, 0.8, 0.0)?)?
+///     .with_contact(Contact::new(0, Coulomb::new(0.3, 0.3)?, 1.0)?)?;
+/// let period = block.period().ok_or("not driven")?;
+/// let states = orbit::section(&block, &State::at_rest(1), period);
+/// let places: Vec<f64> = states
+///     .take(60)
+///     .map(|state| Ok(state?.displacements[0]))
+///     .collect::<Result<_, stick_slip::Error>>()?;
+/// // One point: the motion has become periodic.
+/// assert!((places[59] - places[58]).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn section<'s, S: Oscillator>(system: &'s S, start: &S::State, period: f64) -> Section<'s, S> {
     let checked = Error::check("period", period, period > 0.0, "period > 0");
     Section {
@@ -122,6 +144,17 @@ pub struct EventSection<'s, S: Oscillator + 's> {
 /// Items are errors for [`Error::InvalidParameter`], if there is no such contact, for
 /// [`Error::TooManySteps`], if there is no such event in 10⁵ steps, and for those of
 /// [`Integrator::flow`]; after an error comes `None`.
+///
+/// ```
+/// use stick_slip::{EventKind, MassOnBelt, Polynomial, orbit};
+///
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+/// let mut sticks = orbit::section_at(&system, &(0.0, 0.0).into(), 0, EventKind::Stick).skip(3);
+/// let (one, next) = (sticks.next().unwrap()?, sticks.next().unwrap()?);
+/// assert!((next.time - one.time - 6.799421444472158).abs() < 1e-13);
+/// assert!((next.state.displacement - 0.05408831101199527).abs() < 1e-14);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
 pub fn section_at<'s, S: Oscillator>(
     system: &'s S,
     start: &S::State,

@@ -41,6 +41,8 @@ pub(super) struct TangentFlow<'s, L, const Z: usize> {
     pub(super) logarithm: Option<f64>,
     /// What the contacts did at first.
     pub(super) first: Option<Vec<Mode>>,
+    /// The start, until then.
+    pub(super) start: State,
     tape: Tape,
     work: Vec<PowerSeries>,
 }
@@ -64,6 +66,7 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> TangentFlow<'s, L, Z> {
             depends: vec![false; Z * structure.contacts().len()],
             logarithm: None,
             first: None,
+            start: start.clone(),
             tape: Tape::new(),
         })
     }
@@ -91,7 +94,10 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> TangentFlow<'s, L, Z> {
     /// start of the motion belong to what was before.
     pub(super) fn carry(&mut self, step: &Step) {
         if step.duration() > 0.0 {
-            self.first.get_or_insert_with(|| step.modes().to_vec());
+            if self.first.is_none() {
+                self.begin(step);
+                self.first = Some(step.modes().to_vec());
+            }
             let joints = joints(self.structure, step, &mut self.tape);
             let of_memory = joints.iter().flat_map(|joint| &joint.depends);
             for (ever, now) in self.depends.iter_mut().zip(of_memory) {

@@ -6,6 +6,7 @@ mod expression;
 use expression::{Expression, SPEED};
 use nalgebra::Complex;
 
+use super::dual::{Dual, Tangent};
 use super::jet::{self, Tape};
 use super::{LONGEST, Scalar, Workspace, expand};
 use crate::friction::{FrictionLaw, Piece};
@@ -383,7 +384,40 @@ fn check(inner: &Inner, law: impl Fn(Expression) -> Expression) {
     let (expected, largest) = contour(|z| law(SPEED).complex(z), inner);
     // Coefficients of a function below `largest` on the circle are below largest/RADIUS^k.
     let magnitude = |k: usize| largest / RADIUS.powi(k as i32);
+    assert_slopes_agree(inner, &law(SPEED));
     assert_series(&compose(law, inner), |k| expected[k], 1e-13, magnitude);
+}
+
+/// Asserts that df/dt = f'(s) ds/dt, with the series of f' by a number with a tangent.
+#[track_caller]
+fn assert_slopes_agree(inner: &Inner, law: &Expression) {
+    let (mut tape, mut plain) = (Tape::new(), Tape::new());
+    let mut slopes = [0.0; ORDERS];
+    for (k, slope) in slopes.iter_mut().enumerate() {
+        let found = tape.run(k, |run| {
+            let number = law.kinetic(Dual::along(run.variable(inner[k]), 1.0));
+            match number.tangent {
+                Tangent::Varying(tangent) => tangent.coefficient(),
+                Tangent::Constant(c) if k == 0 => c,
+                Tangent::Constant(_) => 0.0,
+            }
+        });
+        *slope = found;
+    }
+    let series = compose_by_jets(&mut plain, law, 0, inner);
+    let mut magnitude = 0.0_f64;
+    for k in 0..ORDERS - 1 {
+        let terms = |l: usize| slopes[l] * (k - l + 1) as f64 * inner[k - l + 1];
+        let found: f64 = (0..=k).map(terms).sum();
+        let sizes: f64 = (0..=k).map(|l| terms(l).abs()).sum();
+        let expected = (k + 1) as f64 * series[k + 1];
+        magnitude = (magnitude / RADIUS).max(sizes).max(expected.abs());
+        let apart = (found - expected).abs();
+        assert!(
+            apart <= 1e-12 * magnitude,
+            "order {k}: {found:e}, not {expected:e}"
+        );
+    }
 }
 
 #[test]

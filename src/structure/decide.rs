@@ -90,6 +90,14 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
         let body = &mut self.bodies[joint.contact.coordinate()];
         (body.speed, body.side, body.rate) = (body.velocity(), 1.0, None);
         body.surface = PowerSeries::ZERO;
+        // Rest that ends here has ended; and nothing happens to a contact without load.
+        if joint.mode == Mode::Stick {
+            joint.memory = joint.contact.law().caught(joint.memory);
+        }
+        for (series, memory) in std::iter::zip(&mut joint.memories, joint.memory) {
+            *series = PowerSeries::ZERO;
+            series[0] = memory;
+        }
         joint.mode = Mode::Open;
         joint.fresh = false;
     }

@@ -9,4 +9,9 @@ mod common;
 #[path = "../structures/reading.rs"]
 mod reading;
 
+mod bad_input;
+mod belt;
+mod derivatives;
+mod formulas;
+mod long_run;
 mod references;

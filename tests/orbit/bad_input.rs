@@ -1,0 +1,244 @@
+//! What is refused, and what is not found.
+
+use stick_slip::orbit::{Orbit, Period, lyapunov, section, section_at, settle, shoot};
+use stick_slip::structure::State;
+use stick_slip::{Contact, Coulomb, Drive, Error, EventKind, MassOnBelt, Structure};
+
+use crate::common::paper;
+
+fn block(force: Drive, belt: Drive) -> Structure<Coulomb> {
+    let contact = Contact::new(0, Coulomb::new(0.4, 0.3).unwrap(), 1.0).unwrap();
+    Structure::new(&[1.0])
+        .and_then(|s| s.with_ground_spring(0, 1.0))
+        .and_then(|s| s.with_ground_damper(0, 0.1))
+        .and_then(|s| s.with_force(0, force))
+        .and_then(|s| s.with_contact(contact.on_belt(belt)))
+        .unwrap()
+}
+
+fn sine(frequency: f64) -> Drive {
+    Drive::sine(0.5, frequency).unwrap()
+}
+
+const BAD: [f64; 5] = [0.0, -1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+
+#[track_caller]
+fn message<T>(found: Result<T, Error>, expected: &str) {
+    let text = found.map(|_| ()).unwrap_err().to_string();
+    assert!(text.contains(expected), "{text}");
+    assert!(
+        !text.ends_with('.') && !text.starts_with(char::is_uppercase),
+        "{text}"
+    );
+}
+
+#[test]
+fn periods_fit_the_drives() {
+    let (driven, free) = (block(sine(1.0), 0.2.into()), block(0.0.into(), 0.2.into()));
+    let start = State::at_rest(1);
+    let count = shoot(&driven, &start, Period::Driven(0)).map(|_| ());
+    assert!(matches!(
+        count,
+        Err(Error::InvalidParameter {
+            name: "periods",
+            ..
+        })
+    ));
+    for bad in BAD {
+        let found = shoot(&free, &start, Period::Free(bad)).map(|_| ());
+        assert!(
+            matches!(found, Err(Error::InvalidParameter { name: "period", .. })),
+            "{found:?}"
+        );
+    }
+    let found = shoot(&driven, &start, Period::Free(6.0)).map(|_| ());
+    assert_eq!(found, Err(Error::NotFree));
+    message(
+        shoot(&driven, &start, Period::Free(6.0)),
+        "`Period::Driven`",
+    );
+    let ramp = Drive::profile(&[(0.0, 0.0), (1.0, 0.3)]).unwrap();
+    for without in [
+        free.clone(),
+        block(sine(1.0), sine(2.0_f64.sqrt())),
+        block(ramp.clone(), sine(1.0)),
+    ] {
+        let found = shoot(&without, &start, Period::Driven(1)).map(|_| ());
+        assert_eq!(found, Err(Error::NoCommonPeriod));
+    }
+    message(shoot(&free, &start, Period::Driven(1)), "`Period::Free`");
+    let found = shoot(&block(ramp, 0.2.into()), &start, Period::Free(1.0)).map(|_| ());
+    assert_eq!(found, Err(Error::NotFree));
+    let belt = shoot(&paper(0.2), &(0.0, 0.0).into(), Period::Driven(1)).map(|_| ());
+    assert_eq!(belt, Err(Error::NoCommonPeriod));
+}
+
+#[test]
+fn starts_are_checked() {
+    let driven = block(sine(1.0), 0.2.into());
+    let found = shoot(&driven, &State::at_rest(2), Period::Driven(1)).map(|_| ());
+    assert!(
+        matches!(
+            found,
+            Err(Error::WrongSize {
+                found: 2,
+                expected: 1,
+                ..
+            })
+        ),
+        "{found:?}"
+    );
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for start in [State::new(&[bad], &[0.0]), State::new(&[0.0], &[bad])] {
+            let found = shoot(&driven, &start, Period::Driven(1)).map(|_| ());
+            assert!(
+                matches!(found, Err(Error::InvalidState { .. })),
+                "{found:?}"
+            );
+            let found = settle(&driven, &start, 1.0, Period::Driven(1)).map(|_| ());
+            assert!(
+                matches!(found, Err(Error::InvalidState { .. })),
+                "{found:?}"
+            );
+            let found = lyapunov(&driven, &start, 1.0, 1.0);
+            assert!(
+                matches!(found, Err(Error::InvalidState { .. })),
+                "{found:?}"
+            );
+            let mut states = section(&driven, &start, 1.0);
+            assert!(matches!(
+                states.next(),
+                Some(Err(Error::InvalidState { .. }))
+            ));
+            assert_eq!(states.next(), None);
+        }
+        let found = shoot(&paper(0.2), &(bad, 0.0).into(), Period::Free(7.0)).map(|_| ());
+        assert!(
+            matches!(found, Err(Error::InvalidState { .. })),
+            "{found:?}"
+        );
+    }
+}
+
+#[test]
+fn durations_are_checked() {
+    let driven = block(sine(1.0), 0.2.into());
+    let start = State::at_rest(1);
+    for bad in &BAD[1..] {
+        let found = settle(&driven, &start, *bad, Period::Driven(1)).map(|_| ());
+        assert!(
+            matches!(found, Err(Error::InvalidDuration { .. })),
+            "{found:?}"
+        );
+        let found = lyapunov(&driven, &start, *bad, 1.0);
+        assert!(
+            matches!(found, Err(Error::InvalidDuration { .. })),
+            "{found:?}"
+        );
+    }
+    for bad in BAD {
+        let found = lyapunov(&driven, &start, 1.0, bad);
+        assert!(
+            matches!(found, Err(Error::InvalidDuration { .. })),
+            "{found:?}"
+        );
+        let mut states = section(&driven, &start, bad);
+        let found = states.next();
+        assert!(matches!(
+            found,
+            Some(Err(Error::InvalidParameter { name: "period", .. }))
+        ));
+        assert_eq!(states.next(), None);
+    }
+    let mut events = section_at(&driven, &start, 1, EventKind::Stick);
+    let found = events.next();
+    assert!(matches!(
+        found,
+        Some(Err(Error::InvalidParameter {
+            name: "contact",
+            ..
+        }))
+    ));
+    assert_eq!(events.next(), None);
+}
+
+#[test]
+fn rest_is_no_periodic_motion() {
+    let rest = MassOnBelt::new(Coulomb::new(0.4, 0.3).unwrap(), 0.0).unwrap();
+    let found = shoot(&rest, &(0.1, 0.0).into(), Period::Free(6.0)).map(|_| ());
+    assert_eq!(found, Err(Error::AtRest));
+    message(
+        shoot(&rest, &(0.1, 0.0).into(), Period::Free(6.0)),
+        "transient",
+    );
+    let sliding = MassOnBelt::new(Coulomb::new(0.25, 0.25).unwrap(), 0.5).unwrap();
+    let found = shoot(&sliding, &(0.25, 0.0).into(), Period::Free(6.0)).map(|_| ());
+    assert_eq!(found, Err(Error::AtRest));
+    // Driven by nothing that moves it, a mass may rest: a motion of any period.
+    let held: Orbit<_> = shoot(
+        &block(Drive::sine(0.1, 1.0).unwrap(), 0.0.into()),
+        &State::at_rest(1),
+        Period::Driven(1),
+    )
+    .unwrap();
+    assert_eq!(held.extremes(0), (0.0, 0.0));
+    assert!(held.events().is_empty());
+}
+
+#[test]
+fn what_is_not_found_says_how_far_it_is() {
+    // All spirals into steady sliding: nothing else is periodic.
+    let system = paper(0.6);
+    for start in [(0.5, 0.1), (0.4, 0.5), (1.5, -0.3)] {
+        match shoot(&system, &start.into(), Period::Free(6.3)).map(|_| ()) {
+            Err(Error::AtRest) => {}
+            Err(Error::NotPeriodic {
+                residual,
+                period,
+                start,
+            }) => {
+                assert!(residual > 1e-9 && residual.is_finite() && period > 0.0);
+                assert_eq!(start.displacements.len(), 1);
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    let undamped: Structure<Coulomb> = Structure::new(&[1.0])
+        .and_then(|s| s.with_ground_spring(0, 1.0))
+        .and_then(|s| s.with_force(0, Drive::sine(1.0, 1.0)?))
+        .unwrap();
+    // Resonance: no periodic motion exists.
+    let found = shoot(&undamped, &State::at_rest(1), Period::Driven(1)).map(|_| ());
+    assert!(matches!(found, Err(Error::NotPeriodic { .. })), "{found:?}");
+    message(
+        shoot(&undamped, &State::at_rest(1), Period::Driven(1)),
+        "misses itself",
+    );
+}
+
+#[test]
+fn what_stops_a_motion_stops_a_search() {
+    let contact = Contact::new(0, Coulomb::new(0.4, 0.3).unwrap(), 1.0)
+        .and_then(|contact| contact.with_load_gradient(0, 1.0))
+        .unwrap();
+    let lifts: Structure<Coulomb> = Structure::new(&[1.0])
+        .and_then(|s| s.with_ground_spring(0, 1.0))
+        .and_then(|s| s.with_force(0, Drive::sine(3.0, 0.5)?))
+        .and_then(|s| s.with_contact(contact))
+        .unwrap();
+    let found = shoot(&lifts, &State::at_rest(1), Period::Driven(1)).map(|_| ());
+    assert!(
+        matches!(found, Err(Error::Separation { contact: 0, .. })),
+        "{found:?}"
+    );
+    let found = lyapunov(&lifts, &State::at_rest(1), 100.0, 100.0);
+    assert!(
+        matches!(found, Err(Error::Separation { contact: 0, .. })),
+        "{found:?}"
+    );
+    let last = section(&lifts, &State::at_rest(1), 1.0).last();
+    assert!(
+        matches!(last, Some(Err(Error::Separation { .. }))),
+        "{last:?}"
+    );
+}

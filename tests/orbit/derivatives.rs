@@ -1,0 +1,263 @@
+//! The derivative of the map over a time against differences of motions, for random structures.
+
+use std::collections::BTreeMap;
+
+use stick_slip::nalgebra::DVector;
+use stick_slip::orbit::Oscillator;
+use stick_slip::structure::{State, Step};
+use stick_slip::{
+    AnyContactLaw, AnyLaw, Contact, Coulomb, Dahl, Drive, Dwell, Error, EventKind, Exponential,
+    LuGre, Mode, Polynomial, Rational, Segment, Structure, Tabulated,
+};
+
+use crate::common::Random;
+
+type Law = AnyContactLaw<AnyLaw>;
+
+/// Draws structures.
+struct Draw(Random);
+
+impl Draw {
+    fn uniform(&mut self, low: f64, high: f64) -> f64 {
+        self.0.uniform(low, high)
+    }
+
+    /// One of n.
+    fn one_of(&mut self, n: u64) -> u64 {
+        self.0.bits() % n
+    }
+
+    fn dry(&mut self) -> AnyLaw {
+        let low = self.uniform(0.15, 0.3);
+        let high = low + self.uniform(0.0, 0.3);
+        match self.one_of(5) {
+            0 => Coulomb::new(high, low).map(AnyLaw::from),
+            1 => Exponential::new(high, low, self.uniform(0.2, 0.6)).map(AnyLaw::from),
+            2 => Rational::new(high, self.uniform(0.5, 3.0)).map(AnyLaw::from),
+            3 => {
+                Tabulated::new([(0.0, high), (0.2, low), (0.5, low), (2.0, high)]).map(AnyLaw::from)
+            }
+            _ => Polynomial::new(high, low, self.uniform(0.4, 0.9)).map(AnyLaw::from),
+        }
+        .unwrap()
+    }
+
+    fn law(&mut self) -> Law {
+        let dry = self.dry();
+        match self.one_of(6) {
+            0 => Dwell::exponential(dry, 1.0, self.uniform(0.5, 3.0))
+                .unwrap()
+                .into(),
+            1 => Dwell::logarithmic(dry, self.uniform(0.0, 0.1), 1.0)
+                .unwrap()
+                .into(),
+            2 => Dahl::new(self.uniform(0.2, 0.5), self.uniform(2.0, 20.0))
+                .unwrap()
+                .into(),
+            3 => {
+                let [stiffness, damping, viscous] =
+                    [(2.0, 20.0), (0.0, 0.5), (0.0, 0.1)].map(|(a, b)| self.uniform(a, b));
+                LuGre::new(dry, stiffness, damping, viscous).unwrap().into()
+            }
+            _ => AnyContactLaw::Dry(dry),
+        }
+    }
+
+    /// About a value.
+    fn drive(&mut self, about: f64, amplitude: f64, may_jump: bool) -> Drive {
+        let drive = Drive::constant(about);
+        let (frequency, phase) = (self.uniform(0.3, 2.5), self.uniform(0.0, 6.0));
+        match self.one_of(4) {
+            0 => drive.with_harmonic(amplitude, frequency, phase),
+            1 => {
+                let [a, b, c] = [0.0; 3].map(|_| self.uniform(0.5, 8.0));
+                let jump = if may_jump { 1e-9 } else { 0.5 };
+                let mut times = [a, b, c, a.max(b).max(c) + jump];
+                times.sort_by(f64::total_cmp);
+                if may_jump {
+                    times[3] = times[2];
+                }
+                drive.with_profile(&times.map(|t| (t, self.uniform(-amplitude, amplitude))))
+            }
+            _ => Ok(drive),
+        }
+        .unwrap()
+    }
+
+    fn structure(&mut self) -> Structure<Law, 1> {
+        let n = 1 + self.one_of(4) as usize;
+        let masses: Vec<f64> = (0..n).map(|_| self.uniform(0.5, 2.0)).collect();
+        let mut structure = Structure::new(&masses).unwrap();
+        for i in 0..n {
+            structure = structure
+                .with_ground_spring(i, self.uniform(0.3, 2.0))
+                .and_then(|s| s.with_ground_damper(i, self.uniform(0.0, 0.2)))
+                .and_then(|s| s.with_force(i, self.drive(0.0, 0.7, true)))
+                .unwrap();
+            if i > 0 {
+                structure = structure
+                    .with_spring(i - 1, i, self.uniform(0.2, 2.0))
+                    .and_then(|s| s.with_damper(i - 1, i, self.uniform(0.0, 0.2)))
+                    .unwrap();
+            }
+        }
+        for i in 0..n {
+            if self.one_of(4) == 0 {
+                continue;
+            }
+            let load_varies = self.one_of(4) == 0;
+            let load = if load_varies {
+                self.drive(0.5, 0.9, true)
+            } else {
+                self.uniform(0.4, 2.0).into()
+            };
+            let about = self.uniform(-0.4, 0.4);
+            let belt = self.drive(about, 0.3, false);
+            let mut contact = Contact::new(i, self.law(), load).unwrap().on_belt(belt);
+            if !load_varies && self.one_of(3) == 0 {
+                let j = self.one_of(n as u64) as usize;
+                contact = contact
+                    .with_load_gradient(j, self.uniform(-0.2, 0.2))
+                    .unwrap();
+            }
+            structure = structure.with_contact(contact).unwrap();
+        }
+        structure
+    }
+
+    /// Slipping, but for one contact in four.
+    fn start(&mut self, structure: &Structure<Law, 1>) -> State {
+        let n = structure.len();
+        let mut draw = || self.uniform(-1.0, 1.0);
+        let displacements: Vec<f64> = (0..n).map(|_| draw()).collect();
+        let mut velocities: Vec<f64> = (0..n).map(|_| draw()).collect();
+        let mut memory = Vec::new();
+        for contact in structure.contacts() {
+            if self.one_of(4) == 0 {
+                velocities[contact.coordinate()] = contact.belt_velocity().value(0.0);
+            }
+            memory.push(self.uniform(0.0, 0.02));
+        }
+        State::new(&displacements, &velocities).with_memory(&memory)
+    }
+}
+
+fn vector(state: &State) -> DVector<f64> {
+    let numbers = state.displacements.iter().chain(&state.velocities);
+    let numbers: Vec<f64> = numbers.chain(&state.memory).copied().collect();
+    DVector::from_vec(numbers)
+}
+
+type Sequence = Vec<(usize, EventKind)>;
+
+fn sequence(steps: &[Step]) -> Sequence {
+    let events = steps.iter().flat_map(Segment::events);
+    events.map(|event| (event.contact, event.kind)).collect()
+}
+
+/// Column of the derivative by central differences of three widths, with an estimate of its error;
+/// `None` where a motion beside has other events.
+fn column(
+    structure: &Structure<Law, 1>,
+    start: &State,
+    duration: f64,
+    index: usize,
+    events: &Sequence,
+) -> Option<(DVector<f64>, f64)> {
+    let n = structure.len();
+    let end = |change: f64| -> Option<DVector<f64>> {
+        let mut start = start.clone();
+        let place = match index {
+            i if i < n => &mut start.displacements[i],
+            i if i < 2 * n => &mut start.velocities[i - n],
+            i => &mut start.memory[i - 2 * n],
+        };
+        *place += change;
+        let motion = structure.simulate(start, duration).ok()?;
+        (sequence(motion.steps()) == *events).then(|| vector(&motion.last()))
+    };
+    let difference = |width: f64| Some((end(width)? - end(-width)?) / (2.0 * width));
+    let width = 4e-4;
+    let [far, near, nearest] = [width, width / 2.0, width / 4.0].map(difference);
+    let (far, near, nearest) = (far?, near?, nearest?);
+    let coarse = &near + (&near - &far) / 3.0;
+    let fine = &nearest + (&nearest - &near) / 3.0;
+    let error = (&fine - coarse).amax();
+    Some((fine, error))
+}
+
+#[test]
+fn derivatives_are_those_of_motions_beside() {
+    let mut random = Draw(Random::new(5));
+    let (mut motions, mut columns, mut worst) = (0, 0, 0.0_f64);
+    let mut seen: BTreeMap<String, usize> = BTreeMap::new();
+    let mut tried = 0;
+    while motions < 200 {
+        tried += 1;
+        assert!(tried < 2000, "{motions}");
+        let structure = random.structure();
+        let start = random.start(&structure);
+        let duration = random.uniform(1.0, 12.0);
+        let map = match structure.period_map(&start, duration) {
+            Ok(map) => map,
+            Err(Error::Separation { .. }) => continue,
+            Err(error) => panic!("{error}: {structure:?} {start:?}"),
+        };
+        let events = sequence(map.steps());
+        let n = structure.len();
+        let first = map
+            .steps()
+            .iter()
+            .find(|step| step.duration() > 0.0)
+            .unwrap();
+        let mut compared = 0;
+        for index in 0..map.monodromy().nrows() {
+            // A change that takes a contact out of stick is gone at once, with its clock.
+            let stuck = std::iter::zip(structure.contacts(), first.modes())
+                .any(|(c, mode)| *mode == Mode::Stick && n + c.coordinate() == index);
+            if stuck {
+                assert!(map.monodromy().column(index).iter().all(|x| *x == 0.0));
+                continue;
+            }
+            let Some((expected, error)) = column(&structure, &start, duration, index, &events)
+            else {
+                continue;
+            };
+            let found = map.monodromy().column(index);
+            let size = expected.amax().max(1.0);
+            // Where differences are no measure, nothing is compared.
+            if error > 1e-7 * size {
+                continue;
+            }
+            let apart = (&expected - found).amax();
+            let allowed = 4.0 * error + 2e-10 * size;
+            assert!(
+                apart <= allowed,
+                "column {index}: {apart:e} of {size:e}, differences good to {error:e}\n\
+                 {expected}{found}\n{structure:?}\n{start:?} {duration} {events:?}",
+            );
+            worst = worst.max(apart / size);
+            compared += 1;
+        }
+        if compared > 0 {
+            motions += 1;
+            columns += compared;
+            for (_, kind) in &events {
+                *seen.entry(kind.to_string()).or_default() += 1;
+            }
+        }
+    }
+    println!("{motions} motions, {columns} columns, worst {worst:.1e}, {seen:?}");
+    for kind in [
+        "stick",
+        "release (lagging)",
+        "crossing (leading)",
+        "open",
+        "close",
+    ] {
+        assert!(
+            seen.get(kind).is_some_and(|count| *count > 10),
+            "{kind}: {seen:?}"
+        );
+    }
+}

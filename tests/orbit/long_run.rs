@@ -1,0 +1,244 @@
+//! Lyapunov exponents and Poincaré sections.
+
+use stick_slip::orbit::{
+    Oscillator, Period, lyapunov, lyapunov_with_spread, section, section_at, settle, shoot,
+};
+use stick_slip::structure::State;
+use stick_slip::{
+    AnyLaw, Contact, Coulomb, Direction, Drive, EventKind, Integrator, MassOnBelt, Rational,
+    Structure, System, limit_cycle,
+};
+
+use crate::common::{number, paper, text};
+use crate::reading::{remembering, structure};
+use crate::references::{all, period, remembers, start};
+
+/// K. Popp, P. Stelter, *Phil. Trans. R. Soc. Lond. A* 332 (1990) 89-105: a mass on a belt under a
+/// harmonic force, with friction that falls and rises again.
+fn popp_and_stelter(force: f64, frequency: f64) -> Structure<AnyLaw> {
+    let law = Rational::new(0.3, 1.42)
+        .and_then(|law| law.with_offset(0.1))
+        .and_then(|law| law.with_quadratic(0.01))
+        .unwrap();
+    let contact = Contact::new(0, law.into(), 1.0).unwrap().on_belt(0.2);
+    Structure::new(&[1.0])
+        .and_then(|s| s.with_ground_spring(0, 1.0))
+        .and_then(|s| s.with_force(0, Drive::harmonic(force, frequency, 0.0)?))
+        .and_then(|s| s.with_contact(contact))
+        .unwrap()
+}
+
+/// ln |multiplier|/T of the largest multiplier, against the exponent.
+fn compare<S: Oscillator + System<State = State>>(
+    id: &str,
+    system: &S,
+    guess: &State,
+    kind: Period,
+) {
+    let orbit = shoot(system, guess, kind).unwrap();
+    if !orbit.is_stable() {
+        return;
+    }
+    let expected = orbit.multipliers()[0].norm().ln() / orbit.period();
+    let duration = 60.0 * orbit.period();
+    let found = lyapunov_with_spread(system, &orbit.state(), orbit.period(), duration).unwrap();
+    println!("{id}: {found:?}, {expected}");
+    if expected == f64::NEG_INFINITY {
+        assert_eq!((found.value, found.spread), (expected, 0.0), "{id}");
+        return;
+    }
+    let apart = (found.value - expected).abs();
+    assert!(
+        apart <= 4.0 * found.spread + 1e-12,
+        "{id}: {found:?}, {expected}"
+    );
+    // And the spread says something.
+    assert!(
+        found.spread < 0.05 * (1.0 + expected.abs()),
+        "{id}: {found:?}"
+    );
+    assert_eq!(
+        lyapunov(system, &orbit.state(), orbit.period(), duration),
+        Ok(found.value)
+    );
+}
+
+#[test]
+fn exponents_of_stable_orbits_are_those_of_their_multipliers() {
+    for case in all() {
+        let id = text(&case["id"]);
+        let contacts = case["system"]["contacts"].as_array().unwrap().len();
+        if remembers(&case) {
+            let system = remembering(&case["system"]);
+            compare(id, &system, &start(&case, contacts), period(&case));
+        } else {
+            let system = structure(&case["system"], f64::NAN);
+            compare(id, &system, &start(&case, contacts), period(&case));
+        }
+    }
+}
+
+#[test]
+fn exponents_of_a_belt() {
+    // Pure slip, on its only cycle.
+    let system = paper(0.4071);
+    let cycle = limit_cycle::find(&system).unwrap()[0].clone();
+    let expected = cycle.multiplier().ln() / cycle.period();
+    let found = lyapunov_with_spread(&system, &cycle.state(), 10.0, 600.0).unwrap();
+    assert!(
+        (found.value - expected).abs() <= 4.0 * found.spread,
+        "{found:?} {expected}"
+    );
+    // In stick all that is beside the motion is gone.
+    let found = lyapunov_with_spread(&paper(0.2), &(0.0, 0.0).into(), 0.0, 100.0).unwrap();
+    assert_eq!((found.value, found.spread), (f64::NEG_INFINITY, 0.0));
+    // At rest for ever.
+    let rest = MassOnBelt::new(Coulomb::new(0.4, 0.3).unwrap(), 0.0).unwrap();
+    assert_eq!(
+        lyapunov(&rest, &(0.1, 0.0).into(), 0.0, 10.0),
+        Ok(f64::NEG_INFINITY)
+    );
+    // Exactly on steady sliding: eigenvalues −β ± i√(1 − β²).
+    let sliding = MassOnBelt::new(Coulomb::new(0.25, 0.25).unwrap(), 0.5)
+        .and_then(|system| system.with_damping(0.125))
+        .unwrap();
+    let found = lyapunov_with_spread(&sliding, &(0.25, 0.0).into(), 0.0, 1e4).unwrap();
+    println!("{found:?}");
+    assert!(
+        (found.value + 0.125).abs() <= 4.0 * found.spread,
+        "{found:?}"
+    );
+    assert!(found.spread < 1e-3);
+}
+
+/// Growth by two motions side by side, once a period of the drive: no tangents.
+fn growth_of_two(system: &Structure<AnyLaw>, start: State, periods: usize) -> f64 {
+    const APART: f64 = 1e-8;
+    let step = system.period().unwrap();
+    let at = |number: usize| {
+        Integrator::new()
+            .with_start_time(number as f64 * step)
+            .unwrap()
+    };
+    let mut one = start;
+    let mut other = one.clone();
+    other.displacements[0] += APART;
+    let mut sum = 0.0;
+    for number in 0..periods {
+        one = at(number).simulate(system, one, step).unwrap().last();
+        other = at(number).simulate(system, other, step).unwrap().last();
+        let dq = other.displacements[0] - one.displacements[0];
+        let dv = other.velocities[0] - one.velocities[0];
+        let apart = dq.hypot(dv);
+        sum += (apart / APART).ln();
+        // Where both stick the velocities are those of the belt, to the bit.
+        other.displacements[0] = one.displacements[0] + dq * (APART / apart);
+        other.velocities[0] = one.velocities[0] + dv * (APART / apart);
+    }
+    sum / (periods as f64 * step)
+}
+
+#[test]
+fn a_chaotic_motion_has_a_positive_exponent() {
+    let system = popp_and_stelter(0.1, 0.75);
+    let start = State::at_rest(1);
+    let found = lyapunov_with_spread(&system, &start, 300.0, 5000.0).unwrap();
+    assert!(found.value > 10.0 * found.spread, "{found:?}");
+    let begin = section(&system, &start, system.period().unwrap());
+    let begin = begin.into_iter().nth(40).unwrap().unwrap();
+    let other = growth_of_two(&system, begin, 600);
+    println!("{found:?}, by two motions {other}");
+    assert!(
+        (other - found.value).abs() < 6.0 * found.spread,
+        "{found:?} {other}"
+    );
+    // No motion has come back.
+    let states: Vec<State> = section(&system, &start, system.period().unwrap())
+        .skip(100)
+        .take(200)
+        .map(Result::unwrap)
+        .collect();
+    let mut places: Vec<f64> = states.iter().map(|state| state.displacements[0]).collect();
+    places.sort_by(f64::total_cmp);
+    places.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
+    assert!(places.len() > 150, "{}", places.len());
+}
+
+#[test]
+fn a_section_of_a_periodic_motion_is_a_point() {
+    for case in all() {
+        let id = text(&case["id"]);
+        let Period::Driven(count) = period(&case) else {
+            continue;
+        };
+        if remembers(&case) {
+            continue;
+        }
+        let system = structure(&case["system"], f64::NAN);
+        let guess = start(&case, 1);
+        let orbit = settle(&system, &guess, 0.0, Period::Driven(count)).unwrap();
+        if !orbit.is_stable() {
+            continue;
+        }
+        let expected = orbit.state();
+        let states: Vec<_> = section(&system, &expected, orbit.period())
+            .take(300)
+            .collect();
+        assert_eq!(states.len(), 300);
+        for state in states {
+            let state = state.unwrap();
+            for (a, b) in state.displacements.iter().zip(&expected.displacements) {
+                assert!((a - b).abs() < 1e-13, "{id}: {a} {b}");
+            }
+        }
+    }
+}
+
+#[test]
+fn phases_are_kept_for_ever() {
+    // A mass carried along by a belt that swings: q = sin Ωt, to the bit of the phase.
+    let frequency = 0.7310585;
+    let contact = Contact::new(0, Coulomb::new(10.0, 1.0).unwrap(), 1.0)
+        .unwrap()
+        .on_belt(Drive::harmonic(frequency, frequency, 0.0).unwrap());
+    let system = Structure::new(&[1.0])
+        .and_then(|s| s.with_contact(contact))
+        .unwrap();
+    let start = State::new(&[0.0], &[frequency]);
+    let period = 0.25 * system.period().unwrap();
+    let last = section(&system, &start, period)
+        .nth(99_999)
+        .unwrap()
+        .unwrap();
+    assert!(last.displacements[0].abs() < 1e-10, "{last:?}");
+}
+
+#[test]
+fn events_are_a_section_too() {
+    let system = paper(0.2);
+    let release = EventKind::Release(Direction::Lagging);
+    let times: Vec<f64> = section_at(&system, &(0.0, 0.0).into(), 0, release)
+        .take(50)
+        .map(|event| event.unwrap().time)
+        .collect();
+    let period = limit_cycle::stick_slip(&system).unwrap().unwrap().period();
+    for pair in times.windows(2) {
+        assert!((pair[1] - pair[0] - period).abs() < 1e-12);
+    }
+    // Ends where the motion ends.
+    let rest = MassOnBelt::new(Coulomb::new(0.4, 0.3).unwrap(), 0.0).unwrap();
+    assert_eq!(section_at(&rest, &(0.1, 0.5).into(), 0, release).count(), 0);
+    // And says so where nothing comes: steady sliding for ever.
+    let slides = paper(0.45);
+    let mut none = section_at(&slides, &(0.4, 0.0).into(), 0, release);
+    let found = none.next();
+    assert!(
+        matches!(
+            found,
+            None | Some(Err(stick_slip::Error::TooManySteps { .. }))
+        ),
+        "{found:?}"
+    );
+    assert_eq!(none.next(), None);
+    let _ = number;
+}
