@@ -1,4 +1,4 @@
-//! The figures of the source paper, and three more, as SVG files and a page that shows them.
+//! The figures of the source paper, and five more, as SVG files and a page that shows them.
 //!
 //! What to learn from it:
 //!
@@ -11,6 +11,8 @@
 //!   elsewhere is a handful of curves here;
 //! * `errors.rs`: a formula is as good as the order of its error, seen as a slope;
 //! * `laws.rs`: friction laws on both sides of zero;
+//! * `structures.rs`: the events of many contacts over time and place; eigenvalues of steady sliding
+//!   over a parameter;
 //! * `plot.rs` and what it uses: as much of plotters as a figure in print needs.
 //!
 //! Run it with `cargo run --release --example figures`; another folder than `target/figures` comes

@@ -1,5 +1,5 @@
-//! The figures. `amplitude`, `errors`, `laws`, `motion` and `regimes` draw them; the other modules
-//! are for what they look like.
+//! The figures. `amplitude`, `errors`, `laws`, `motion`, `regimes` and `structures` draw them; the
+//! other modules are for what they look like.
 
 mod amplitude;
 mod clip;
@@ -8,6 +8,7 @@ mod laws;
 mod motion;
 mod plot;
 mod regimes;
+mod structures;
 mod style;
 mod svg;
 mod typeset;
@@ -18,7 +19,7 @@ pub(crate) use typeset::escape;
 type Draw = fn() -> Result<Figure>;
 
 /// Name of the file, and what draws it.
-pub(crate) const FIGURES: [(&str, Draw); 9] = [
+pub(crate) const FIGURES: [(&str, Draw); 11] = [
     ("fig2_polynomial_law", laws::polynomial),
     ("fig3_exponential_law", laws::exponential),
     ("fig4_pure_slip", motion::fig4),
@@ -28,4 +29,6 @@ pub(crate) const FIGURES: [(&str, Draw); 9] = [
     ("regimes", regimes::regimes),
     ("bistability", amplitude::bistability),
     ("errors", errors::errors),
+    ("chain", structures::chain),
+    ("mode_coupling", structures::mode_coupling),
 ];

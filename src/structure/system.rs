@@ -5,7 +5,7 @@ use super::steady::SteadySliding;
 use crate::belt::MassOnBelt;
 use crate::drive::{self, Drive};
 use crate::error::{Element, Error};
-use crate::friction::FrictionLaw;
+use crate::friction::memory::ContactLaw;
 
 /// Several masses on springs and dampers, driven in time, with a friction contact at some or all.
 ///
@@ -329,11 +329,14 @@ impl<L, const Z: usize> Structure<L, Z> {
     }
 }
 
-impl<L: FrictionLaw> Structure<L> {
-    /// Steady sliding: every mass stands still, and every belt moves under its mass.
+impl<const Z: usize, L: ContactLaw<Z>> Structure<L, Z> {
+    /// Steady sliding: every mass stands still, every belt moves under its mass, and what contacts
+    /// remember stays as it is.
     ///
     /// `None` unless all drives are constant, every belt moves, every load is positive there, and
-    /// the place is unique. See [`SteadySliding`] for formulas and an example.
+    /// the place is unique: nothing may be free to turn or to travel as a whole. So hold one end:
+    /// a string that is turned at a given speed has a spring to the ground where seen from a frame
+    /// that turns with it. See [`SteadySliding`] for formulas and an example.
     pub fn steady_sliding(&self) -> Option<SteadySliding> {
         SteadySliding::of(self)
     }

@@ -4,11 +4,13 @@ mod any;
 mod bristle;
 mod check;
 mod dwell;
+mod sliding;
 
 pub use any::AnyContactLaw;
 pub use bristle::{Dahl, LuGre};
 pub(crate) use check::validate;
 pub use dwell::Dwell;
+pub(crate) use sliding::Sliding;
 
 use crate::friction::FrictionLaw;
 use crate::scalar::Scalar;
