@@ -1,4 +1,5 @@
-//! A flow allocates nothing after its first step, whatever the law.
+//! A flow allocates nothing after its first step, whatever the law; that of a structure no more
+//! than the step that it hands out.
 //!
 //! Only an allocator of its own can count, and the trait of allocators is unsafe: this one file may
 //! write `unsafe`.
@@ -10,7 +11,10 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use common::{Decay, Leine, Table, paper};
-use stick_slip::{Coulomb, Exponential, FrictionLaw, Integrator, MassOnBelt, Scalar, State};
+use stick_slip::{
+    AnyContactLaw, Contact, Coulomb, Drive, Dwell, Exponential, FrictionLaw, Integrator, LuGre,
+    MassOnBelt, Scalar, Segment, State, Structure, structure,
+};
 
 /// Counts what this thread asks for; other threads of the test runner do not disturb.
 struct Counting;
@@ -149,4 +153,47 @@ fn a_law_with_pieces_of_different_length_stops_allocating() {
     }
     let system = MassOnBelt::new(Pieces, 0.2).unwrap();
     assert_eq!(calls(&system, 100, 2000), 0);
+}
+
+/// As many calls as a clone of the step makes: nothing but what the step itself holds.
+#[test]
+fn a_structure_allocates_the_steps_alone() {
+    let dry = Coulomb::new(0.4, 0.3).unwrap();
+    let laws: [AnyContactLaw<Coulomb>; 3] = [
+        Dwell::exponential(dry, 0.6, 0.5).unwrap().into(),
+        LuGre::new(dry, 30.0, 0.3, 0.01).unwrap().into(),
+        AnyContactLaw::Dry(dry),
+    ];
+    let n = 12;
+    let mut chain = Structure::new(&vec![1.0; n]).unwrap();
+    for i in 0..n {
+        let belt = Drive::sine(0.2, 0.7).unwrap().with_constant(0.1).unwrap();
+        let mut load: Drive = 1.0.into();
+        if i % 4 == 1 {
+            load = Drive::sine(1.2, 0.5).unwrap().with_constant(1.0).unwrap();
+        }
+        let contact = Contact::new(i, laws[i % 3].clone(), load).unwrap();
+        chain = chain
+            .with_ground_spring(i, 1.0)
+            .and_then(|chain| chain.with_ground_damper(i, 0.1))
+            .and_then(|chain| chain.with_force(i, Drive::sine(0.3, 0.3 + 0.1 * i as f64)?))
+            .and_then(|chain| chain.with_contact(contact.on_belt(belt)))
+            .unwrap();
+        if i > 0 {
+            chain = chain.with_spring(i - 1, i, 0.5).unwrap();
+        }
+    }
+    let start = structure::State::at_rest(n);
+    let mut flow = Integrator::new().flow(&chain, start).unwrap();
+    flow.next().unwrap().unwrap();
+    let mut events = 0;
+    for _ in 0..2000 {
+        let before = CALLS.get();
+        let step = flow.next().unwrap().unwrap();
+        let made = CALLS.get();
+        let copy = std::hint::black_box(step.clone());
+        assert_eq!(made - before, CALLS.get() - made, "{:?}", copy.events());
+        events += step.events().len();
+    }
+    assert!(events > 200, "{events}");
 }

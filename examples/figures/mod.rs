@@ -1,5 +1,5 @@
-//! The figures. `amplitude`, `errors`, `laws`, `memory`, `motion` and `regimes` draw them; the other modules
-//! are for what they look like.
+//! The figures. `amplitude`, `errors`, `laws`, `memory`, `motion`, `regimes` and `structures` draw
+//! them; the other modules are for what they look like.
 
 mod amplitude;
 mod clip;
@@ -9,6 +9,7 @@ mod memory;
 mod motion;
 mod plot;
 mod regimes;
+mod structures;
 mod style;
 mod svg;
 mod typeset;
@@ -19,7 +20,7 @@ pub(crate) use typeset::escape;
 type Draw = fn() -> Result<Figure>;
 
 /// Name of the file, and what draws it.
-pub(crate) const FIGURES: [(&str, Draw); 11] = [
+pub(crate) const FIGURES: [(&str, Draw); 13] = [
     ("fig2_polynomial_law", laws::polynomial),
     ("fig3_exponential_law", laws::exponential),
     ("fig4_pure_slip", motion::fig4),
@@ -31,4 +32,6 @@ pub(crate) const FIGURES: [(&str, Draw); 11] = [
     ("errors", errors::errors),
     ("dwell", memory::dwell),
     ("lugre", memory::lugre),
+    ("chain", structures::chain),
+    ("mode_coupling", structures::mode_coupling),
 ];

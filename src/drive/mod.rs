@@ -231,6 +231,14 @@ impl Drive {
         self.harmonics.is_empty() && self.profiles.is_empty()
     }
 
+    /// Sum of the largest sizes of its parts. |f| is never larger, and what rounding makes of f is
+    /// in units of ε times this.
+    pub(crate) fn size(&self) -> f64 {
+        let harmonics = self.harmonics.iter().map(Harmonic::amplitude);
+        let profiles = self.profiles.iter().map(Profile::size);
+        self.constant.abs() + harmonics.chain(profiles).sum::<f64>()
+    }
+
     /// The sum of two drives.
     pub(crate) fn plus(self, other: &Self) -> Result<Self, Error> {
         let mut sum = self.with_constant(other.constant)?;

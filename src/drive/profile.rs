@@ -28,6 +28,12 @@ impl Profile {
         constant.then_some(first)
     }
 
+    /// Largest size of its values.
+    pub(super) fn size(&self) -> f64 {
+        let sizes = self.points.iter().map(|(_, value)| value.abs());
+        sizes.fold(0.0, f64::max)
+    }
+
     /// Value and slope.
     pub(super) fn at(&self, time: Clock) -> [f64; 2] {
         self.on_piece(self.passed(time), time)

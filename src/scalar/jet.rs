@@ -220,9 +220,9 @@ impl<'r> Jet<'r> {
         self.scale * mul_add(self.slope, self.run.newest.get(), self.rest)
     }
 
-    /// Derivative of the view with respect to the variable.
+    /// Derivative of the view with respect to the variable, at the base point.
     #[inline(always)]
-    fn derivative(self) -> f64 {
+    pub(crate) fn derivative(self) -> f64 {
         self.scale * self.slope
     }
 

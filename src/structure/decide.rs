@@ -105,12 +105,13 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
     /// Opens or closes a contact as its load says; whether that has changed anything.
     fn revise_load(&mut self, c: usize) -> Result<bool, Error> {
         let unit = self.unit;
+        let rounding = EDGE_ROUNDING * f64::EPSILON * self.load_terms(c);
         let joint = &mut self.joints[c];
         if !joint.load_varies {
             return Ok(false);
         }
         let load = joint.load;
-        let is_on_edge = joint.load_edge != Edge::Away || load[0] == 0.0;
+        let is_on_edge = joint.load_edge != Edge::Away || load[0].abs() <= rounding;
         let sign = if is_on_edge {
             let largest = load[0].abs().max(load.largest_change(unit));
             let (edge, sign) = leaving(&load, largest, None);
@@ -144,7 +145,10 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
     /// Releases a contact that cannot stick, and puts one that slides onto its piece of the law;
     /// whether that has changed anything.
     fn revise_mode(&mut self, c: usize) -> bool {
-        let terms = self.terms(self.joints[c].body());
+        let i = self.joints[c].body();
+        let force = self.structure.forces()[i].size() * self.model.inverse_mass[i];
+        let terms = self.terms(i) + force;
+        let load_terms = self.load_terms(c);
         let joint = &mut self.joints[c];
         let body = &mut self.bodies[joint.contact.coordinate()];
         match joint.mode {
@@ -164,27 +168,34 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
                 true
             }
             Mode::Stick => {
-                let carried = body.carried[0];
+                let (carried, bound) = (body.carried[0], joint.bound[0]);
+                // Not of the load itself, which may have just come back from 0.
+                let terms = terms + load_terms * joint.static_coefficient();
+                let rounding = EDGE_ROUNDING * f64::EPSILON * terms;
+                let is_known = joint.edge != Edge::Away;
                 let side = match joint.edge {
                     Edge::On(Some(side)) | Edge::Touched(Some(side)) => side,
                     _ => side_of(carried),
                 };
-                let bound = joint.bound[0];
-                let beyond = side.sign() * carried - bound;
-                let rounding = EDGE_ROUNDING * f64::EPSILON * (terms + bound);
-                let is_known = joint.edge != Edge::Away;
-                let released = if beyond > rounding && !is_known {
-                    Some(beyond)
-                } else if is_known || beyond >= 0.0 || (joint.fresh && beyond >= -rounding) {
-                    let mut distance = joint.distance(&body.carried, side);
-                    distance[0] = 0.0;
-                    let (edge, sign) = leaving(&distance, bound, Some(side));
-                    joint.edge = edge;
-                    (sign < 0.0).then_some(0.0)
+                let mut release = None;
+                if joint.fresh && bound.max(carried.abs()) <= rounding {
+                    // No band yet, for the load begins: on both of its bounds.
+                    joint.edge = Edge::On(None);
+                    let rates = [side, side.opposite()]
+                        .map(|side| (side, joint.leaving(&body.carried, side).1));
+                    let out = rates.into_iter().find(|(_, sign)| *sign < 0.0);
+                    release = out.map(|(side, _)| (side, 0.0));
                 } else {
-                    None
-                };
-                let Some(beyond) = released else {
+                    let beyond = side.sign() * carried - bound;
+                    if beyond > rounding && !is_known {
+                        release = Some((side, beyond));
+                    } else if is_known || beyond >= 0.0 || (joint.fresh && beyond >= -rounding) {
+                        let (edge, sign) = joint.leaving(&body.carried, side);
+                        joint.edge = edge;
+                        release = (sign < 0.0).then_some((side, 0.0));
+                    }
+                }
+                let Some((side, beyond)) = release else {
                     return false;
                 };
                 let jump = bound - joint.load[0] * side.sign() * start_coefficient(joint, side);
@@ -200,6 +211,17 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
                 true
             }
         }
+    }
+
+    /// Sum of the sizes of all terms of the load of a contact, divided by the mass.
+    fn load_terms(&self, c: usize) -> f64 {
+        let joint = &self.joints[c];
+        let gradient = joint.contact.load_gradient().iter();
+        let from_displacements: f64 = gradient
+            .map(|&(j, n)| (n * self.bodies[j].displacement).abs())
+            .sum();
+        let sum = joint.contact.load().size() + from_displacements;
+        sum * self.model.inverse_mass[joint.body()]
     }
 
     /// Sum of the sizes of all terms of what a contact carries, divided by the mass.
@@ -225,7 +247,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Joint<'_, L, Z> {
     pub(super) fn distance(&self, carried: &PowerSeries, side: Direction) -> PowerSeries {
         let mut distance = PowerSeries::from_fn(|k| self.bound[k] - side.sign() * carried[k]);
         let is_at = |edge: Edge| match edge {
-            Edge::On(at) | Edge::Touched(at) => at == Some(side),
+            Edge::On(at) | Edge::Touched(at) => at.is_none_or(|at| at == side),
             Edge::Away => false,
         };
         if is_at(self.edge) {
@@ -234,6 +256,13 @@ impl<L: ContactLaw<Z>, const Z: usize> Joint<'_, L, Z> {
             }
         }
         distance
+    }
+
+    /// Which way the load carried goes at its bound on a side, and what is known of it then.
+    fn leaving(&self, carried: &PowerSeries, side: Direction) -> (Edge, f64) {
+        let mut distance = self.distance(carried, side);
+        distance[0] = 0.0;
+        leaving(&distance, self.bound[0], Some(side))
     }
 }
 

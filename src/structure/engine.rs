@@ -24,6 +24,7 @@ use crate::state::structure::State;
 /// A structure in motion.
 #[derive(Debug, Clone)]
 pub(super) struct Engine<'s, L, const Z: usize> {
+    pub(super) structure: &'s Structure<L, Z>,
     pub(super) model: Model<'s>,
     pub(super) tolerance: f64,
     pub(super) clock: Clock,
@@ -80,6 +81,7 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Engine<'s, L, Z> {
             Joint::new(contact, load, memory)
         });
         let mut engine = Self {
+            structure,
             joints: joints.collect(),
             courses: vec![Course::ZERO; bodies.len()],
             bodies,
@@ -219,10 +221,12 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Engine<'s, L, Z> {
 
     /// The state, with what contacts remember.
     pub(super) fn state(&self) -> State {
+        let mut memory = Vec::with_capacity(Z * self.joints.len());
+        memory.extend(self.joints.iter().flat_map(|joint| joint.memory));
         State {
             displacements: self.bodies.iter().map(|body| body.displacement).collect(),
             velocities: self.bodies.iter().map(Body::velocity).collect(),
-            memory: self.joints.iter().flat_map(|joint| joint.memory).collect(),
+            memory,
         }
     }
 
@@ -233,9 +237,10 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Engine<'s, L, Z> {
 
     /// Series of all velocities, then of the memory.
     fn series(&self) -> Vec<PowerSeries> {
-        let velocities = self.courses.iter().map(Course::velocities);
-        let memories = self.joints.iter().flat_map(|joint| joint.memories);
-        velocities.chain(memories).collect()
+        let mut series = Vec::with_capacity(self.bodies.len() + Z * self.joints.len());
+        series.extend(self.courses.iter().map(Course::velocities));
+        series.extend(self.joints.iter().flat_map(|joint| joint.memories));
+        series
     }
 
     /// What has happened between the modes before and those of now, in the order of the contacts.
@@ -244,14 +249,14 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Engine<'s, L, Z> {
         let kinds = kinds.filter_map(|(contact, (&before, joint))| {
             Some((contact, kind_of(before, joint.mode)?))
         });
-        kinds
-            .map(|(contact, kind)| Event {
-                time: self.clock.time,
-                contact,
-                kind,
-                state: state.clone(),
-            })
-            .collect()
+        let mut events = Vec::with_capacity(kinds.clone().count());
+        events.extend(kinds.map(|(contact, kind)| Event {
+            time: self.clock.time,
+            contact,
+            kind,
+            state: state.clone(),
+        }));
+        events
     }
 
     pub(super) fn reached(&self) -> Reached {

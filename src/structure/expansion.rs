@@ -198,17 +198,19 @@ impl<L: ContactLaw<Z>, const Z: usize> super::parts::Joint<'_, L, Z> {
             self.remember();
         }
         let memories = &self.memories;
-        let (coefficient, rates) = self.tape.run(k, |run| {
+        let (coefficient, slope, rates) = self.tape.run(k, |run| {
             let slip = Slip {
                 speed: run.variable(speed),
                 direction,
                 piece,
             };
             let memory = inputs(run, memories, k);
-            let coefficient = law.coefficient(slip, memory).coefficient() * direction;
+            let coefficient = law.coefficient(slip, memory) * direction;
             let rates = law.rates(Motion::Slip(slip), memory);
-            (coefficient, rates.map(|rate| rate.coefficient()))
+            let rates = rates.map(|rate| rate.coefficient());
+            (coefficient.coefficient(), coefficient.derivative(), rates)
         });
+        self.slope = slope;
         self.set_memories(k, rates);
         self.friction[k] = coefficient;
         if self.load_varies {

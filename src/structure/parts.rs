@@ -137,6 +137,8 @@ pub(super) struct Joint<'s, L, const Z: usize> {
     pub(super) bound: PowerSeries,
     /// σμ in slip.
     pub(super) friction: PowerSeries,
+    /// Its derivative by the sliding speed, at the start of the step.
+    pub(super) slope: f64,
     /// μ_s, if the law remembers anything.
     pub(super) limits: PowerSeries,
     /// μ_s at the start of the step; `None` for a law that never sticks.
@@ -170,6 +172,7 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Joint<'s, L, Z> {
             load_varies: !contact.load().is_constant() || !contact.load_gradient().is_empty(),
             bound: PowerSeries::ZERO,
             friction: PowerSeries::ZERO,
+            slope: 0.0,
             limits: PowerSeries::ZERO,
             limit: contact.law().limit(0.0, memory),
             tape: Tape::new(),

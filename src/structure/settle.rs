@@ -149,6 +149,12 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
         let unit = self.unit;
         for (i, (scale, _)) in scales.iter_mut().enumerate() {
             let body = &self.bodies[i];
+            let closing = self.closing(i);
+            let unit = if closing * unit > 1.0 {
+                closing.recip()
+            } else {
+                unit
+            };
             let rate = body.speeds[1].abs().max(unit * body.speeds[2].abs());
             let by_rate = if unit.is_finite() { unit * rate } else { 0.0 };
             *scale = body
@@ -192,6 +198,16 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
             }
         }
         (allowances, farthest)
+    }
+
+    /// The rate at which a deviation of the sliding speed of a coordinate dies out; 0 unless it
+    /// slips.
+    fn closing(&self, i: usize) -> f64 {
+        let joint = self.bodies[i].contact.map(|c| &self.joints[c]);
+        let slipping = joint.filter(|joint| joint.direction().is_some());
+        slipping.map_or(0.0, |joint| {
+            self.model.damping.diagonal()[i] + joint.load[0] * joint.slope
+        })
     }
 
     /// The first time in (0, h] at which a contact has to be looked at, or h.

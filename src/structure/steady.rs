@@ -2,7 +2,8 @@ use nalgebra::linalg::Schur;
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::Structure;
-use crate::friction::FrictionLaw;
+use crate::friction::memory::{ContactLaw, Sliding, Slip};
+use crate::state::Direction;
 
 /// Steady sliding of a [`Structure`]: every mass stands still while the belts move, and how small
 /// motions about that go.
@@ -12,13 +13,16 @@ use crate::friction::FrictionLaw;
 /// M δq'' + (C + diag(N_i dμ̂_i/ds)) δq' + (K − Σ_i e_i sgn(w_i) μ̂_i n_iᵀ) δq = 0
 /// ```
 ///
+/// Contacts that remember, as bristles do, hold the memory at which z' = 0; its deviations join
+/// those of the masses: −N_i Σ_j ∂μ_i/∂z_j δz_j on the right, and δz' linear in δz and δq'.
+///
 /// The load that follows the displacements makes the stiffness matrix unsymmetric: two modes can
 /// merge and one of them grow (flutter by mode coupling), even where friction does not fall with
 /// speed.
 ///
 /// Eigenvalues are by the Schur form of the 2n × 2n matrix of the scaled system, good to about nε
-/// times the largest; where two of them are nearly equal, to the root of that. Work grows as n³: a
-/// second for n = 100, minutes for 1000.
+/// times the largest; where two of them are nearly equal, to the root of that. With memory the
+/// matrix has a row more for each number. Work grows as n³: a second for n = 100, minutes for 1000.
 ///
 /// ```
 /// use stick_slip::nalgebra::DMatrix;
@@ -48,7 +52,9 @@ pub struct SteadySliding {
     /// Displacement of each coordinate.
     pub displacements: Vec<f64>,
     /// Eigenvalues of small motions, by falling real part, and for equal ones by falling imaginary
-    /// part; two for each coordinate, per unit of time.
+    /// part; two for each coordinate and one for each number that a contact remembers, per unit of
+    /// time. What slip neither changes nor asks for, as the clock of rest of a
+    /// [`Dwell`](crate::Dwell), is −∞: nothing is left of a deviation.
     pub eigenvalues: Vec<Complex<f64>>,
 }
 
@@ -60,7 +66,9 @@ impl SteadySliding {
             .all(|eigenvalue| eigenvalue.re < 0.0)
     }
 
-    pub(super) fn of<L: FrictionLaw>(structure: &Structure<L>) -> Option<Self> {
+    pub(super) fn of<const Z: usize, L: ContactLaw<Z>>(
+        structure: &Structure<L, Z>,
+    ) -> Option<Self> {
         if !structure.drives().all(|drive| drive.is_constant()) {
             return None;
         }
@@ -69,16 +77,26 @@ impl SteadySliding {
         let mut damping = structure.damping().clone();
         let forces = structure.forces().iter().map(|force| force.value(0.0));
         let mut forces = DVector::from_iterator(n, forces);
+        let mut slidings = Vec::new();
         for contact in structure.contacts() {
             let (i, velocity) = (contact.coordinate(), contact.belt_velocity().value(0.0));
-            if velocity == 0.0 {
-                return None;
-            }
-            let coefficient = contact.law().coefficient(velocity);
-            forces[i] += contact.load().value(0.0) * coefficient;
+            let direction = Direction::of(-velocity)?.sign();
+            let speed = velocity.abs();
+            let slip = Slip {
+                speed,
+                direction,
+                piece: contact
+                    .law()
+                    .breakpoints()
+                    .take_while(|b| *b <= speed)
+                    .count(),
+            };
+            let sliding = Sliding::of(contact.law(), slip)?;
+            forces[i] -= contact.load().value(0.0) * sliding.coefficient;
             for &(j, gradient) in contact.load_gradient() {
-                stiffness[(i, j)] -= coefficient * gradient;
+                stiffness[(i, j)] += sliding.coefficient * gradient;
             }
+            slidings.push((sliding, direction));
         }
         // In √m q both matrices have units of time alone, and keep their symmetry if they have it.
         let roots: Vec<f64> = structure.masses().iter().map(|mass| mass.sqrt()).collect();
@@ -100,23 +118,73 @@ impl SteadySliding {
             .zip(&roots)
             .map(|(y, root)| y / root)
             .collect();
-        for contact in structure.contacts() {
+        let mut memories = Vec::new();
+        let mut idle = 0;
+        for (contact, (sliding, direction)) in structure.contacts().iter().zip(&slidings) {
             let load = contact.load_at(0.0, &displacements);
             if load.is_nan() || load <= 0.0 {
                 return None;
             }
-            let (i, speed) = (
-                contact.coordinate(),
-                contact.belt_velocity().value(0.0).abs(),
-            );
-            damping[(i, i)] += load * contact.law().slope(speed);
+            let i = contact.coordinate();
+            damping[(i, i)] += load * direction * sliding.slope;
+            // As the velocity of √m q has it.
+            let memory = Memory::of(sliding, i, load / roots[i], direction / roots[i]);
+            idle += Z - memory.matrix.nrows();
+            memories.push(memory);
         }
         scale(&mut damping);
-        let eigenvalues = eigenvalues(&stiffness, &damping)?;
+        let mut eigenvalues = eigenvalues(&stiffness, &damping, &memories)?;
+        let forgotten = Complex::new(f64::NEG_INFINITY, 0.0);
+        eigenvalues.extend(std::iter::repeat_n(forgotten, idle));
         Some(Self {
             displacements,
             eigenvalues,
         })
+    }
+}
+
+/// Deviations of what one contact remembers, but for what slip has nothing to do with.
+struct Memory {
+    coordinate: usize,
+    /// ∂z_i'/∂z_j.
+    matrix: DMatrix<f64>,
+    /// What z does to the velocity of the coordinate, and that velocity to z.
+    acts: Vec<f64>,
+    driven: Vec<f64>,
+}
+
+impl Memory {
+    fn of<const Z: usize>(
+        sliding: &Sliding<Z>,
+        coordinate: usize,
+        load: f64,
+        direction: f64,
+    ) -> Self {
+        let numbers: Vec<usize> = (0..Z).filter(|&j| !sliding.is_idle(j)).collect();
+        let count = numbers.len();
+        let acts = numbers.iter().map(|&j| -load * sliding.by_memory[j]);
+        let driven = numbers
+            .iter()
+            .map(|&j| direction * sliding.rates_by_speed[j]);
+        let (mut acts, mut driven): (Vec<f64>, Vec<f64>) = (acts.collect(), driven.collect());
+        let entry = |i: usize, j: usize| sliding.rates_by_memory[numbers[i]][numbers[j]];
+        let mut matrix = DMatrix::from_fn(count, count, entry);
+        // In units in which z acts on the velocity as strongly as that on z.
+        for j in 0..count {
+            let unit = (driven[j] / acts[j]).abs().sqrt();
+            if unit > 0.0 && unit.is_finite() {
+                acts[j] *= unit;
+                driven[j] /= unit;
+                matrix.row_mut(j).unscale_mut(unit);
+                matrix.column_mut(j).scale_mut(unit);
+            }
+        }
+        Self {
+            coordinate,
+            matrix,
+            acts,
+            driven,
+        }
     }
 }
 
@@ -132,10 +200,16 @@ fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> Option<DVector<f64>> {
     lu.solve(b).filter(|x| x.iter().all(|x| x.is_finite()))
 }
 
-/// Eigenvalues s of s² + s C + K, by falling real part; `None` if they do not converge.
-fn eigenvalues(stiffness: &DMatrix<f64>, damping: &DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
+/// Eigenvalues s of s² + s C + K and what contacts remember, by falling real part; `None` if they
+/// do not converge.
+fn eigenvalues(
+    stiffness: &DMatrix<f64>,
+    damping: &DMatrix<f64>,
+    memories: &[Memory],
+) -> Option<Vec<Complex<f64>>> {
     let n = stiffness.nrows();
-    let mut values: Vec<Complex<f64>> = if damping.amax() == 0.0 {
+    let remembered: usize = memories.iter().map(|memory| memory.matrix.nrows()).sum();
+    let mut values: Vec<Complex<f64>> = if damping.amax() == 0.0 && remembered == 0 {
         // s² = −λ of K alone: what is undamped has a real part of exactly 0.
         let squares = matrix_eigenvalues(stiffness.clone())?;
         squares
@@ -144,15 +218,28 @@ fn eigenvalues(stiffness: &DMatrix<f64>, damping: &DMatrix<f64>) -> Option<Vec<C
             .flat_map(|root| [root, -root])
             .collect()
     } else {
-        // (ω q, q') for (q, q'): both blocks of one size.
+        // (ω q, q', z) for (q, q', z): blocks of one size.
         let unit = stiffness.amax().sqrt();
         let unit = if unit > 0.0 { unit } else { 1.0 };
-        let mut matrix = DMatrix::zeros(2 * n, 2 * n);
+        let mut matrix = DMatrix::zeros(2 * n + remembered, 2 * n + remembered);
         matrix.view_mut((0, n), (n, n)).fill_diagonal(unit);
         matrix
             .view_mut((n, 0), (n, n))
             .copy_from(&(stiffness / -unit));
         matrix.view_mut((n, n), (n, n)).copy_from(&-damping);
+        let mut start = 2 * n;
+        for memory in memories {
+            let count = memory.matrix.nrows();
+            let place = (start, start);
+            matrix
+                .view_mut(place, (count, count))
+                .copy_from(&memory.matrix);
+            for j in 0..count {
+                matrix[(n + memory.coordinate, start + j)] = memory.acts[j];
+                matrix[(start + j, n + memory.coordinate)] = memory.driven[j];
+            }
+            start += count;
+        }
         matrix_eigenvalues(matrix)?
     };
     // No −0, which would sort after 0.

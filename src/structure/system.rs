@@ -5,7 +5,7 @@ use super::steady::SteadySliding;
 use crate::belt::MassOnBelt;
 use crate::drive::{self, Drive};
 use crate::error::{Element, Error};
-use crate::friction::FrictionLaw;
+use crate::friction::memory::ContactLaw;
 
 /// Several masses on springs and dampers, driven in time, with a friction contact at some or all.
 ///
@@ -16,9 +16,7 @@ use crate::friction::FrictionLaw;
 /// ```
 ///
 /// q_i are displacements or angles, m_i > 0 masses or moments of inertia. K and C need not be
-/// symmetric: follower forces and gyroscopic terms are allowed. Any consistent units will do, SI or
-/// dimensionless: nothing in the crate depends on them. (Kilograms, newtons and metres give
-/// seconds; a coordinate that turns has kg·m², N·m and radians.)
+/// symmetric: follower forces and gyroscopic terms are allowed.
 ///
 /// A coordinate has at most one contact, and the number of a contact is its place in the order of
 /// [`with_contact`](Self::with_contact).
@@ -49,7 +47,31 @@ use crate::friction::FrictionLaw;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// Source: Galvanetto and Bishop, *Int. J. Mech. Sci.* 41 (1999) 683-695, for the example.
+/// Any consistent units will do, SI or dimensionless: nothing in the crate depends on them.
+/// Kilograms, newtons and metres give seconds; a coordinate that turns has kg·m², N·m and radians.
+///
+/// ```
+/// use stick_slip::{Contact, Coulomb, Structure, structure};
+///
+/// // A block of 2 kg on a belt at 50 mm/s, held by a spring of 800 N/m, pressed by its weight.
+/// let (mass, stiffness, speed, load) = (2.0_f64, 800.0, 0.05, 2.0 * 9.80665);
+/// let law = Coulomb::new(0.3, 0.2)?;
+/// let block = Structure::new(&[mass])?
+///     .with_ground_spring(0, stiffness)?
+///     .with_contact(Contact::new(0, law, load)?.on_belt(speed))?;
+/// // It goes with the belt up to 0.3 × 19.6 N / (800 N/m) = 7.4 mm, for the first time after:
+/// let motion = block.simulate(structure::State::new(&[0.0], &[speed]), 1.0)?;
+/// let [release, stick, again, ..] = motion.events() else { panic!() };
+/// assert!((release.time - 0.3 * load / stiffness / speed).abs() < 1e-15); // 0.147 s
+/// // Slip and stick then take as long as theory has it, 0.335 s together.
+/// let (jump, omega) = ((0.3 - 0.2) * load, (stiffness / mass).sqrt());
+/// let slip = 2.0 / omega * (std::f64::consts::PI - (jump * omega / (stiffness * speed)).atan());
+/// assert!((stick.time - release.time - slip).abs() < 1e-14);
+/// assert!((again.time - stick.time - 2.0 * jump / (stiffness * speed)).abs() < 1e-14);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+///
+/// Source of the first example: Galvanetto and Bishop, *Int. J. Mech. Sci.* 41 (1999) 683-695.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -307,11 +329,14 @@ impl<L, const Z: usize> Structure<L, Z> {
     }
 }
 
-impl<L: FrictionLaw> Structure<L> {
-    /// Steady sliding: every mass stands still, and every belt moves under its mass.
+impl<const Z: usize, L: ContactLaw<Z>> Structure<L, Z> {
+    /// Steady sliding: every mass stands still, every belt moves under its mass, and what contacts
+    /// remember stays as it is.
     ///
     /// `None` unless all drives are constant, every belt moves, every load is positive there, and
-    /// the place is unique. See [`SteadySliding`] for formulas and an example.
+    /// the place is unique: nothing may be free to turn or to travel as a whole. So hold one end:
+    /// a string that is turned at a given speed has a spring to the ground where seen from a frame
+    /// that turns with it. See [`SteadySliding`] for formulas and an example.
     pub fn steady_sliding(&self) -> Option<SteadySliding> {
         SteadySliding::of(self)
     }

@@ -374,6 +374,53 @@ fn late_phases_are_the_early_ones() {
     }
 }
 
+/// 10⁶ periods of the drive, step by step: turning points where the closed form has them, and the
+/// same as of a motion that begins a few hundred periods before.
+#[test]
+fn a_million_periods_lose_no_phase() {
+    const PERIODS: f64 = 1e6;
+    let oscillator = ForcedOscillator {
+        damping: 0.05,
+        angular_frequency: 2.0,
+        kinetic_friction: 0.3,
+        static_friction: 0.3,
+        force: 1.0,
+    };
+    let orbit = oscillator.without_stops().unwrap();
+    let structure = forced(&oscillator, orbit.phase());
+    let period = orbit.period();
+    assert_eq!(period, PI);
+    let start = || State::new(&[orbit.amplitude()], &[0.0]);
+    let last = |from: f64| {
+        let flow = Integrator::new().with_start_time(from).unwrap();
+        let steps = flow.flow(&structure, start()).unwrap();
+        let steps = steps.map(Result::unwrap);
+        let late = steps.skip_while(|step| step.start_time() < (PERIODS - 4.0) * period);
+        let events = late.flat_map(|step| step.events().to_vec());
+        events.take(8).collect::<Vec<_>>()
+    };
+    // π in two numbers.
+    const REST: f64 = 1.224_646_799_147_353_2e-16;
+    let followed = last(0.0);
+    let close = last((PERIODS - 200.0) * period);
+    let mut worst = 0.0_f64;
+    for (event, other) in std::iter::zip(&followed, &close) {
+        assert_eq!(event.kind, other.kind);
+        let ulp = event.time.next_up() - event.time;
+        assert!((event.time - other.time).abs() <= 2.0 * ulp);
+        let halves = (event.time / (0.5 * PI)).round();
+        let product = halves * (0.5 * PI);
+        let error = halves.mul_add(0.5 * PI, -product) + halves * 0.5 * REST;
+        let apart = ((event.time - product) - error).abs();
+        worst = worst.max(apart / ulp);
+        let turn = orbit.amplitude() * if halves % 2.0 == 0.0 { 1.0 } else { -1.0 };
+        let place = event.state.displacements[0];
+        assert!((place - turn).abs() < 4e-15, "{place} {turn}");
+    }
+    assert_eq!(followed.len(), 8);
+    assert!(worst <= 4.0, "{worst} ulps");
+}
+
 /// Stuck for 10⁴ periods on a belt that oscillates: carried along without an error.
 #[test]
 fn a_stuck_mass_is_carried_exactly() {

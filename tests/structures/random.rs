@@ -1,12 +1,15 @@
 //! Random structures: nothing panics, hangs or is missed.
 
 use stick_slip::structure::State;
-use stick_slip::{Direction, Error, EventKind, Integrator, Mode, Segment, Trajectory};
+use stick_slip::{
+    Contact, Coulomb, Direction, Drive, Error, EventKind, Integrator, Mode, Segment, Structure,
+    Trajectory,
+};
 
 use crate::common::Random;
 use crate::plain::{Plain, Seen};
 
-/// Number of structures, which the variable `STRUCTURES` may raise.
+/// Number of structures, which the variable `STRUCTURES` may raise: to 100000 before a release.
 fn count(usual: usize) -> usize {
     std::env::var("STRUCTURES").map_or(usual, |text| text.parse().unwrap())
 }
@@ -166,4 +169,38 @@ fn limits_of_work_hold() {
             other => panic!("{other:?}"),
         }
     }
+}
+
+/// A load that opens for a while and comes back over a mass that rests: both bounds of the stick
+/// band begin where the mass is, within rounding of the load.
+#[test]
+fn a_load_comes_back_over_a_mass_at_rest() {
+    let law = Coulomb::new(0.5, 0.3).unwrap();
+    let mut closings = 0;
+    for n in 0..40 {
+        let load = Drive::harmonic(0.3, 2.642581354465535, -0.04 + 0.1 * f64::from(n))
+            .and_then(|load| load.with_harmonic(-0.14, 0.303785835640825, 2.56))
+            .and_then(|load| load.with_sine(0.33, 0.392939285640369))
+            .and_then(|load| load.with_constant(0.08))
+            .unwrap();
+        let structure = Structure::new(&[0.4])
+            .and_then(|s| s.with_ground_spring(0, 0.5))
+            .and_then(|s| s.with_ground_damper(0, 0.3))
+            .and_then(|s| s.with_force(0, 0.01 * f64::from(n % 4)))
+            .and_then(|s| s.with_contact(Contact::new(0, law, load)?))
+            .unwrap();
+        let motion = structure
+            .simulate(State::new(&[0.9], &[0.0]), 500.0)
+            .unwrap();
+        let kinds = motion.events().iter().map(|event| event.kind);
+        closings += kinds.filter(|kind| *kind == EventKind::Close).count();
+        let rest = motion.last().displacements[0] - 0.02 * f64::from(n % 4);
+        assert!(rest.abs() < 1e-3, "{n}: {rest:e}");
+        assert!(
+            motion.steps().len() < 20_000,
+            "{n}: {}",
+            motion.steps().len()
+        );
+    }
+    assert!(closings > 2000, "{closings}");
 }

@@ -2,7 +2,10 @@
 
 use proptest::prelude::*;
 use stick_slip::nalgebra::{Complex, DMatrix};
-use stick_slip::{AnyLaw, Contact, Coulomb, Drive, Exponential, MassOnBelt, Polynomial, Structure};
+use stick_slip::{
+    AnyContactLaw, AnyLaw, Contact, Coulomb, Drive, Dwell, Exponential, FrictionLaw, LuGre,
+    MassOnBelt, Polynomial, Structure, structure as structures,
+};
 
 use crate::common::{number, text};
 use crate::reading::{cases, structure};
@@ -118,6 +121,13 @@ fn what_does_not_slide_steadily_has_no_steady_sliding() {
         .and_then(|structure| structure.with_contact(contact().on_belt(0.2)))
         .unwrap();
     assert_eq!(steady(free), None);
+    // As a whole free to turn, though springs join all and dampers hold it: no place of its own.
+    let string = Structure::new(&[2.0, 1.0])
+        .and_then(|s| s.with_spring(0, 1, 2.0)?.with_ground_damper(0, 0.5))
+        .and_then(|s| s.with_contact(contact().on_belt(0.2)))
+        .unwrap();
+    assert_eq!(steady(string.clone()), None);
+    assert!(steady(string.with_ground_spring(0, 1e-3).unwrap()).is_some());
     let lifted = contact().with_load_gradient(0, -10.0).unwrap().on_belt(0.2);
     let lifted = sprung()
         .with_force(0, 1.0)
@@ -234,4 +244,116 @@ proptest! {
             prop_assert!((one - other * t).norm() <= 1e-12, "{} {}", one, other * t);
         }
     }
+}
+
+/// δq' = δv, and with the bristles of `LuGre` as the theory has them about steady sliding:
+/// ∂z'/∂v = V g'/g, ∂z'/∂z = −σ0 V/g.
+#[test]
+fn bristles_have_an_eigenvalue_of_their_own() {
+    let g = Exponential::new(0.5, 0.3, 0.4).unwrap();
+    let [stiffness, damping, viscous] = [40.0, 0.3, 0.02];
+    let law = LuGre::new(g, stiffness, damping, viscous).unwrap();
+    for (speed, mass, spring, ground, load) in [
+        (0.2, 1.5, 3.0, 0.1, 2.0),
+        (-0.05, 0.2, 8.0, 0.3, 1.0),
+        (1.3, 4.0, 0.5, 0.02, 6.0),
+    ] {
+        let one = Structure::new(&[mass])
+            .and_then(|s| {
+                s.with_ground_spring(0, spring)?
+                    .with_ground_damper(0, ground)
+            })
+            .and_then(|s| s.with_contact(Contact::new(0, law, load)?.on_belt(speed)))
+            .unwrap();
+        let sliding = one.steady_sliding().unwrap();
+        let v = f64::abs(speed);
+        let (g0, slope) = (g.kinetic(v), g.slope(v));
+        let held = load * (g0 + viscous * v) * speed.signum() / spring;
+        assert!((sliding.displacements[0] - held).abs() < 4e-15 * held.abs());
+        let (by_velocity, by_z) = (v * slope / g0, -stiffness * v / g0);
+        // The matrix [[0, 1, 0], [−k/m, −a, −b], [0, p, q]] by its invariants.
+        let a = (ground + load * (damping * by_velocity + viscous)) / mass;
+        let b = load * (stiffness + damping * by_z) / mass;
+        let k = spring / mass;
+        let [x, y, z] = sliding.eigenvalues[..] else {
+            panic!()
+        };
+        let found = [x + y + z, x * y + y * z + z * x, x * y * z];
+        let expected = [by_z - a, k - a * by_z + b * by_velocity, k * by_z];
+        for (found, expected) in std::iter::zip(found, expected) {
+            assert!(
+                (found - expected).norm() < 1e-12 * expected.abs().max(1.0),
+                "{speed}"
+            );
+        }
+    }
+}
+
+/// Small motions of a chain go as its slowest eigenvalues say.
+#[test]
+fn small_motions_with_memory_have_the_eigenvalues() {
+    let law = LuGre::new(Coulomb::new(0.4, 0.4).unwrap(), 25.0, 0.2, 0.05).unwrap();
+    let laws: [AnyContactLaw<Coulomb>; 2] = [law.into(), AnyContactLaw::Dry(*law.law())];
+    let mut pair = Structure::new(&[1.0, 2.0])
+        .and_then(|s| s.with_ground_spring(0, 1.0)?.with_spring(0, 1, 1.0))
+        .and_then(|s| s.with_ground_damper(0, 0.1)?.with_ground_damper(1, 3.0))
+        .unwrap();
+    for (i, law) in laws.into_iter().enumerate() {
+        let contact = Contact::new(i, law, 1.0).unwrap().on_belt(2.0);
+        pair = pair.with_contact(contact).unwrap();
+    }
+    let sliding = pair.steady_sliding().unwrap();
+    assert_eq!(sliding.eigenvalues.len(), 6);
+    assert_eq!(sliding.eigenvalues[5].re, f64::NEG_INFINITY);
+    assert!(sliding.is_stable());
+    let mut q = sliding.displacements.clone();
+    q[0] += 1e-3;
+    let start = structures::State::new(&q, &[0.0, 0.0]).with_memory(&[-0.4 / 25.0, 0.0]);
+    let (first, apart) = (4.0, 0.7);
+    let motion = pair.simulate(start, first + 5.0 * apart).unwrap();
+    // Of five finite eigenvalues: their characteristic polynomial is 0 on six samples.
+    let sample = |k: usize| {
+        let state = motion.state_at(first + apart * k as f64).unwrap();
+        state.displacements[0] - sliding.displacements[0]
+    };
+    let mut polynomial = vec![Complex::new(1.0, 0.0)];
+    for value in &sliding.eigenvalues[..5] {
+        let root = (value * apart).exp();
+        polynomial.push(Complex::new(0.0, 0.0));
+        for i in (1..polynomial.len()).rev() {
+            let above = polynomial[i - 1];
+            polynomial[i] -= root * above;
+        }
+    }
+    let (mut sum, mut size) = (Complex::new(0.0, 0.0), 0.0_f64);
+    for (i, factor) in polynomial.iter().enumerate() {
+        let term = factor * sample(5 - i);
+        sum += term;
+        size = size.max(term.norm());
+    }
+    // μ̂ is constant: what is not linear is |r|z alone, of the order of the square.
+    assert!(sum.norm() < 3e-3 * size, "{sum} {size:e}");
+}
+
+#[test]
+fn a_clock_of_rest_is_forgotten() {
+    let dry = Exponential::new(0.4, 0.3, 0.5).unwrap();
+    let one = |speed: f64| {
+        let structure = Structure::new(&[1.0]).and_then(|s| s.with_ground_spring(0, 1.0));
+        let law = Dwell::exponential(dry, 0.6, 1.0).unwrap();
+        let contact = Contact::new(0, law, 1.0).unwrap().on_belt(speed);
+        let found = structure.and_then(|s| s.with_contact(contact)).unwrap();
+        let structure = Structure::new(&[1.0]).and_then(|s| s.with_ground_spring(0, 1.0));
+        let contact = Contact::new(0, dry, 1.0).unwrap().on_belt(speed);
+        let expected = structure.and_then(|s| s.with_contact(contact)).unwrap();
+        (
+            found.steady_sliding().unwrap(),
+            expected.steady_sliding().unwrap(),
+        )
+    };
+    let (found, expected) = one(0.3);
+    assert_eq!(found.displacements, expected.displacements);
+    assert_eq!(found.eigenvalues[..2], expected.eigenvalues[..]);
+    assert_eq!(found.eigenvalues[2], Complex::new(f64::NEG_INFINITY, 0.0));
+    assert!(!found.is_stable());
 }

@@ -2,7 +2,7 @@
 //! machine must tell the same story.
 
 use stick_slip::structure;
-use stick_slip::{Error, FrictionLaw, MassOnBelt, Mode, State, Structure, Trajectory};
+use stick_slip::{Error, FrictionLaw, MassOnBelt, Mode, Polynomial, State, Structure, Trajectory};
 
 use crate::common::{Law, Random, number, system_of, text};
 use crate::reading::cases;
@@ -127,6 +127,93 @@ fn random_belts() {
         "{} events, worst {:.1e} ({})",
         compared.events, compared.worst, compared.about
     );
+}
+
+/// Laws so steep that slip faster than the belt is damped at rates up to 10⁴. Where the problem
+/// magnifies nothing the two may still be apart by as much as a step may leave out.
+#[test]
+fn steep_cubic_laws() {
+    let mut random = Random::new(99);
+    let (mut compared, mut apart, mut worst) = (0, 0, 0.0_f64);
+    for i in 0..1000 {
+        let limit = random.uniform(0.2, 0.8);
+        let least = limit * random.uniform(0.3, 1.0);
+        let law = Polynomial::new(limit, least, random.logarithmic(0.05, 1.5)).unwrap();
+        let belt = MassOnBelt::new(law, random.sign() * random.logarithmic(0.03, 2.0))
+            .and_then(|belt| belt.with_damping(random.uniform(0.0, 0.4)))
+            .and_then(|belt| belt.with_load(random.logarithmic(0.1, 5.0)))
+            .unwrap();
+        let start = State::new(random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0));
+        let expected = belt.simulate(start, 10.0).unwrap();
+        let found = Structure::from(&belt).simulate(start.into(), 10.0).unwrap();
+        assert_eq!(
+            expected.events().len(),
+            found.events().len(),
+            "{i}: {belt:?}"
+        );
+        let mut largest = 0.0_f64;
+        for (one, other) in std::iter::zip(expected.events(), found.events()) {
+            assert_eq!(one.kind, other.kind, "{i}: {belt:?}");
+            largest = largest.max((one.time - other.time).abs());
+            compared += 1;
+        }
+        for (time, one) in expected.sample(50) {
+            let other = found.state_at(time).unwrap();
+            largest = largest.max((one.displacement - other.displacements[0]).abs());
+        }
+        apart += usize::from(largest > ACCURACY);
+        worst = worst.max(largest);
+    }
+    println!("{compared} events, {apart} motions apart, worst {worst:.1e}");
+    assert!(
+        worst < 1e-12 && apart <= 5,
+        "{apart} motions apart, worst {worst:.1e}"
+    );
+}
+
+/// Fast slip under a steep law, by a Taylor series of order 36 in 40 digits.
+#[test]
+fn steep_cubic_laws_in_40_digits() {
+    for (law, v_b, damping, load, start, time, end) in [
+        (
+            [0.7928079028591324, 0.35623977788734035, 0.07535271910876735],
+            1.3124895666593734,
+            0.3441577769503061,
+            1.9908878679253206,
+            State::new(-0.006246547765100363, -0.24250149573144641),
+            0.1507537688442211,
+            [0.1696024995078068611904, 1.203214045028274820259],
+        ),
+        (
+            [
+                0.28941594734113135,
+                0.10754192408629942,
+                0.07174731950975977,
+            ],
+            -0.9521396727251888,
+            0.02558351653472002,
+            1.9317061350827553,
+            State::new(-1.129488531652095, 1.392228178183121),
+            0.1507537688442211,
+            [-1.241591819809527641185, -0.7933765952009954806155],
+        ),
+    ] {
+        let [limit, least, velocity] = law;
+        let belt = MassOnBelt::new(Polynomial::new(limit, least, velocity).unwrap(), v_b)
+            .and_then(|belt| belt.with_damping(damping))
+            .and_then(|belt| belt.with_load(load))
+            .unwrap();
+        let one = belt.simulate(start, time).unwrap().last();
+        let structure = Structure::from(&belt);
+        let other = structure.simulate(start.into(), time).unwrap().last();
+        for [u, v] in [
+            [one.displacement, one.velocity],
+            [other.displacements[0], other.velocities[0]],
+        ] {
+            assert!((u - end[0]).abs() < 1e-15, "{u:e} {:e}", end[0]);
+            assert!((v - end[1]).abs() < 1e-15, "{v:e} {:e}", end[1]);
+        }
+    }
 }
 
 /// The release point is exactly the edge of the stick band, also where it is rounded.

@@ -6,6 +6,7 @@
 //! | `dwell.rs` | static friction that rises at rest |
 //! | `bristle.rs` | LuGre's and Dahl's bristles |
 //! | `any.rs` | a contact law chosen at run time |
+//! | `sliding.rs` | what a contact with memory does in steady sliding, linearised |
 //! | `check.rs` | checks of a law before it is used |
 //! | `read.rs` | how these laws are written and read (feature `serde`) |
 
@@ -15,11 +16,13 @@ mod check;
 mod dwell;
 #[cfg(feature = "serde")]
 mod read;
+mod sliding;
 
 pub use any::AnyContactLaw;
 pub use bristle::{Dahl, LuGre};
 pub(crate) use check::validate;
 pub use dwell::Dwell;
+pub(crate) use sliding::Sliding;
 
 use crate::friction::FrictionLaw;
 use crate::scalar::Scalar;
