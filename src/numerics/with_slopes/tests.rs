@@ -85,7 +85,7 @@ impl<F: Fn(f64) -> Sample> Counted<F> {
             self.calls.set(self.calls.get() + 1);
             Ok((self.f)(x))
         };
-        let outline = outline_between(&mut f, (self.f)(a), (self.f)(b)).unwrap();
+        let outline = outline_between(&mut f, (self.f)(a), (self.f)(b), f64::INFINITY).unwrap();
         (outline, self.calls.get())
     }
 }
