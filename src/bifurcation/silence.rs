@@ -139,9 +139,10 @@ pub fn silencing_load<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<f64, Err
     let silent = match silent {
         Some(silent) => silent,
         None => {
+            let least = loud.min(unit) / MOST_LOAD;
             let mut silent = 0.5 * loud;
             while vibrates(silent)? {
-                if silent * MOST_LOAD < unit.min(loud) {
+                if silent < least {
                     return Ok(0.0);
                 }
                 (loud, silent) = (silent, 0.5 * silent);

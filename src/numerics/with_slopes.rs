@@ -81,6 +81,9 @@ pub(crate) struct Turn {
 /// Halvings after which turning points are taken from the samples at hand.
 const DEEPEST: usize = 9;
 
+/// Halvings after which a part of an outline that stays beyond reach is not divided further.
+const BEYOND: usize = 4;
+
 /// The outline of a function between two samples: both ends and, in ascending order between them,
 /// the points at which the slope changes sign. Maxima and minima take turns, each higher than its
 /// neighbours, or lower, by more than rounding.
@@ -102,7 +105,7 @@ pub(crate) fn outline_between(
         let middle = f(0.5 * (left.x + right.x))?;
         let settled = || {
             let (fits, error) = fits(left, middle, right);
-            let is_beyond = |a, b| closest(a, b) - error > reach;
+            let is_beyond = |a, b| depth >= BEYOND && closest(a, b) - 2.0 * error > reach;
             (fits && !turns_twice(left, middle) && !turns_twice(middle, right))
                 || (is_beyond(left, middle) && is_beyond(middle, right))
         };

@@ -18,7 +18,7 @@ fn watched<T>(
 }
 
 fn counted(f: impl Fn(f64) -> [f64; 2], mesh: &[f64]) -> (Integral<2>, usize) {
-    watched(f, |f| gauss(f, mesh))
+    watched(f, |f| gauss(f, mesh, 0.0))
 }
 
 fn counted_trapezoid(f: impl Fn(f64) -> [f64; 2]) -> (Option<Integral<2>>, usize) {
@@ -27,7 +27,7 @@ fn counted_trapezoid(f: impl Fn(f64) -> [f64; 2]) -> (Option<Integral<2>>, usize
 
 #[test]
 fn kinks_and_narrow_features_are_resolved() {
-    let kink = gauss(|x| Ok([(x - 0.3).abs(), 0.0]), &[0.0, 1.0]).unwrap();
+    let kink = gauss(|x| Ok([(x - 0.3).abs(), 0.0]), &[0.0, 1.0], 0.0).unwrap();
     assert!((kink.parts[0] - 0.29).abs() < 1e-12);
     let narrow = gauss(|x| Ok([(-x / 1e-5).exp(), 0.0]), &graded(0.0, 1.0)).unwrap();
     assert!((narrow.parts[0] - 1e-5).abs() < 1e-19);
