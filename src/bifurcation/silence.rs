@@ -23,6 +23,9 @@ use crate::numerics::bracket::Bracket;
 /// decides by averaging. If steady sliding becomes stable and vibration ends within a relative 10⁻⁸
 /// of the same β, the two are not told apart.
 ///
+/// It takes one search by `find` if the vibration ends with the instability of steady sliding, else
+/// 60 to 130. To bound or to watch them, use [`Along::silence`].
+///
 /// Source: cycles of rotated vector fields, Duff, *Ann. Math.* 57 (1953) 15-31.
 ///
 /// # Errors

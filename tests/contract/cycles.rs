@@ -7,7 +7,9 @@ use std::ops::Range;
 
 use stick_slip::analysis::averaging::AveragedCycle;
 use stick_slip::analysis::{self, PureSlip, Regime, StickSlip};
-use stick_slip::bifurcation::{self, Criticality, DiagramPoint};
+use stick_slip::bifurcation::{
+    self, Along, AttractorKind, Criticality, DiagramPoint, VibrationRange,
+};
 use stick_slip::limit_cycle::{self, Attractor, Continuum};
 use stick_slip::nalgebra::Complex;
 use stick_slip::{
