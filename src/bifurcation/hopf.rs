@@ -83,7 +83,7 @@ pub(super) fn hopf<L: FrictionLaw>(
             let speeds = |range: Range<f64>| damping.sign_changes(&range, "range.end");
             if part.start < 0.0 {
                 // The mirror image. Its end belongs to the range, and is seen from beyond.
-                let mirrored = speeds(-part.end..-part.start * (1.0 + LOOK_BEYOND))?;
+                let mirrored = speeds(part.end.abs()..part.start.abs() * (1.0 + LOOK_BEYOND))?;
                 let velocities = mirrored.iter().rev().map(|speed| -speed);
                 found.extend(velocities.filter(|v_b| part.contains(v_b)));
             } else {
