@@ -76,7 +76,7 @@ fn grazing_along_load_and_damping_against_the_closed_form() {
         let found = one(along(|load| system.with_load(load), 0.1 * load..3.0 * load).grazing());
         assert_close(found, load, 1e-12);
         assert_close(silencing_load(&system).unwrap(), load, 1e-9);
-        let least = coulomb::least_damping(&system).unwrap();
+        let least = coulomb::silencing_damping(&system).unwrap();
         let found = one(along(|b| system.with_damping(b), 0.1 * least..3.0 * least).grazing());
         assert_close(found, least, 1e-12);
     }

@@ -29,7 +29,7 @@ fn counted_trapezoid(f: impl Fn(f64) -> [f64; 2]) -> (Option<Integral<2>>, usize
 fn kinks_and_narrow_features_are_resolved() {
     let kink = gauss(|x| Ok([(x - 0.3).abs(), 0.0]), &[0.0, 1.0], 0.0).unwrap();
     assert!((kink.parts[0] - 0.29).abs() < 1e-12);
-    let narrow = gauss(|x| Ok([(-x / 1e-5).exp(), 0.0]), &graded(0.0, 1.0)).unwrap();
+    let narrow = gauss(|x| Ok([(-x / 1e-5).exp(), 0.0]), &graded(0.0, 1.0), 0.0).unwrap();
     assert!((narrow.parts[0] - 1e-5).abs() < 1e-19);
 }
 
