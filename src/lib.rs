@@ -42,6 +42,9 @@
 //! | the belt velocity at which a cycle changes its kind | [`bifurcation::overshoot_velocities`], [`bifurcation::crossing_velocities`] |
 //! | the belt velocity at which a stable and an unstable cycle meet and vanish | [`bifurcation::fold_velocities`] |
 //! | all cycles over a range of belt velocities, for a picture | [`bifurcation::diagram`] |
+//! | what can happen at which belt velocity, bistable ranges too | [`bifurcation::vibration_ranges`] |
+//! | the load, the damping or the coefficient of a law at which any of this happens | [`bifurcation::along`] |
+//! | under how much load the mass stays quiet | [`bifurcation::silencing_load`] |
 //! | how much damping keeps the mass quiet | [`bifurcation::silencing_damping`]; at every belt velocity, [`analysis::design`] |
 //! | the formulas of the source paper, and better ones | [`analysis::PureSlip`], [`analysis::StickSlip`], [`analysis::averaging`]; [where the paper is wrong](analysis#where-the-source-paper-is-wrong) |
 //! | how several masses move, with forces and belts that vary in time | [`Structure`], [`Contact`], [`Drive`] |

@@ -48,6 +48,8 @@
 //! | [`CycleSet`](crate::CycleSet) | `cycles`, `continuum`, `unresolved`: a list of `start`, `end` | no |
 //! | [`Continuum`](crate::limit_cycle::Continuum) | `max_amplitude`; nothing for ∞ | no |
 //! | [`Attractor`](crate::limit_cycle::Attractor) | `rest`, `equilibrium`, `continuum`, `unbounded`, `unresolved`, or `cycle` or `separatrix` with the cycle | no |
+//! | [`VibrationRange`](crate::bifurcation::VibrationRange) | `velocities`: `start`, `end`; `attractors` | no |
+//! | [`AttractorKind`](crate::bifurcation::AttractorKind) | `equilibrium`, `continuum`, or `cycle` with its kind | no |
 //! | [`DiagramPoint`](crate::bifurcation::DiagramPoint) | `belt_velocity`, `equilibrium`, `cycles` | no |
 //!
 //! A motion is neither written nor read: write its system, its start and its duration, and simulate

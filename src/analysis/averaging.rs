@@ -61,7 +61,7 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 pub fn drift<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64) -> Result<f64, Error> {
-    Ok(SlowFlow::at(system, amplitude)?.drift(amplitude))
+    Ok(SlowFlow::at(system, amplitude, 0.0)?.drift(amplitude))
 }
 
 /// Slope dA'/dA of the drift at the amplitude A ≥ 0, dimensionless: the rate at which a disturbance
@@ -81,7 +81,7 @@ pub fn drift<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64) -> Result<f
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 pub fn drift_slope<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64) -> Result<f64, Error> {
-    Ok(SlowFlow::at(system, amplitude)?.slope)
+    Ok(SlowFlow::at(system, amplitude, 0.0)?.slope)
 }
 
 /// The slow flow at one amplitude, in parts.
@@ -97,7 +97,13 @@ struct SlowFlow {
 }
 
 impl SlowFlow {
-    fn at<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64) -> Result<Self, Error> {
+    /// `steepest` is the size of the law's slopes, beside which smaller ones are mere rounding; 0
+    /// if that is not known.
+    fn at<L: FrictionLaw>(
+        system: &MassOnBelt<L>,
+        amplitude: f64,
+        steepest: f64,
+    ) -> Result<Self, Error> {
         let belt_speed = system.belt_velocity().abs();
         Error::check(
             "amplitude",
@@ -106,7 +112,7 @@ impl SlowFlow {
             "amplitude ≥ 0, and |v_b| + amplitude finite",
         )?;
         let load = system.load() / PI;
-        let mean = slope_integrals(system.law(), belt_speed, amplitude)?;
+        let mean = slope_integrals(system.law(), belt_speed, amplitude, steepest)?;
         let [rate, mut slope] = mean.parts.map(|mean| -system.damping() - load * mean);
         let mut jump = 0.0;
         if amplitude > belt_speed {
@@ -116,7 +122,7 @@ impl SlowFlow {
             slope -= jump * (cosine * cosine / sine / amplitude);
             jump *= sine;
         }
-        let size = system.damping() + system.load() * mean.peak;
+        let size = system.damping() + system.load() * mean.peak.max(steepest);
         Ok(Self {
             rate,
             jump,
@@ -152,7 +158,12 @@ fn sine_of_crossing(belt_speed: f64, amplitude: f64) -> f64 {
 }
 
 /// The integrals ∫₀^π μ̂'(|w − A cos ψ|) sin²ψ dψ and ∫₀^π μ̂'(|w − A cos ψ|) cos²ψ dψ.
-fn slope_integrals<L: FrictionLaw>(law: &L, w: f64, amplitude: f64) -> Result<Integral<2>, Error> {
+fn slope_integrals<L: FrictionLaw>(
+    law: &L,
+    w: f64,
+    amplitude: f64,
+    steepest: f64,
+) -> Result<Integral<2>, Error> {
     let speed_at = |psi: f64| (w - amplitude * psi.cos()).abs();
     let weighted = |piece: usize, psi: f64| {
         let slope = slope_on(law, piece, speed_at(psi))?;
@@ -184,9 +195,9 @@ fn slope_integrals<L: FrictionLaw>(law: &L, w: f64, amplitude: f64) -> Result<In
         let piece = piece_above(law, speed_at(0.5 * (ends[0] + ends[1])));
         let f = |psi| weighted(piece, psi);
         let panels = if ends.contains(&slowest) {
-            gauss(f, &graded(ends[0], ends[1]))
+            gauss(f, &graded(ends[0], ends[1]), steepest)
         } else {
-            gauss(f, ends)
+            gauss(f, ends, steepest)
         };
         total = total.merged(&panels?);
     }
@@ -304,8 +315,9 @@ pub fn cycles<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Vec<AveragedCycl
     if w == 0.0 {
         return Ok(Vec::new());
     }
+    let steepest = steepest_at_breakpoints(system.law(), 3.0 * w)?;
     let mut growth_rate =
-        |amplitude: f64| Ok(SlowFlow::at(system, amplitude)?.growth_rate(amplitude));
+        |amplitude: f64| Ok(SlowFlow::at(system, amplitude, steepest)?.growth_rate(amplitude));
     let mut nodes = Vec::new();
     for ends in touching_amplitudes(system.law(), w).windows(2) {
         let ([start, end], from_rest) = ([ends[0], ends[1]], ends[0] == 0.0);
@@ -329,6 +341,24 @@ pub fn cycles<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Vec<AveragedCycl
         .collect()
 }
 
+/// The largest |dμ̂/ds| at the law's breakpoints up to a speed; 0 without breakpoints.
+///
+/// A motion that only just reaches a piece of the law sees a part of it that is as narrow as
+/// rounding: slopes there are as good as their size on the whole piece allows.
+fn steepest_at_breakpoints<L: FrictionLaw>(law: &L, fastest: f64) -> Result<f64, Error> {
+    let mut steepest = 0.0_f64;
+    for (piece, speed) in law
+        .breakpoints()
+        .enumerate()
+        .take_while(|(_, b)| *b < fastest)
+    {
+        for piece in [piece, piece + 1] {
+            steepest = steepest.max(slope_on(law, piece, speed)?.abs());
+        }
+    }
+    Ok(steepest)
+}
+
 /// Amplitudes in units of w, from 0 to 2, at which the motion first touches the belt or a
 /// breakpoint of the law.
 fn touching_amplitudes<L: FrictionLaw>(law: &L, w: f64) -> Vec<f64> {
@@ -350,7 +380,7 @@ fn describe<L: FrictionLaw>(
     amplitude: f64,
 ) -> Result<AveragedCycle, Error> {
     let (law, w) = (system.law(), system.belt_velocity().abs());
-    let drift_slope = SlowFlow::at(system, amplitude)?.slope;
+    let drift_slope = SlowFlow::at(system, amplitude, 0.0)?.slope;
     let mut cycle = AveragedCycle {
         amplitude,
         drift_slope,

@@ -223,7 +223,7 @@ fn mean_slope<L: FrictionLaw>(law: &L, speed: f64) -> Result<f64, Error> {
     let mut mean = 0.0;
     for (piece, ends) in ends.windows(2).enumerate() {
         let slope = |x: f64| Ok([slope_on(law, piece, x * speed)?]);
-        mean += gauss(slope, &graded(ends[0] / speed, ends[1] / speed))?.parts[0];
+        mean += gauss(slope, &graded(ends[0] / speed, ends[1] / speed), 0.0)?.parts[0];
     }
     Ok(mean)
 }

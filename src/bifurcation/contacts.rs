@@ -18,7 +18,8 @@ use crate::numerics::scan::sign_changes;
 ///
 /// The velocities are the roots of a function of v_b that is smooth through them: w²/(2v_b²) if the
 /// motion meets the belt, where w is the rate of the relative velocity at contact; V/v_b − 1 if it
-/// turns back below, at a velocity maximum V. The range is divided into 64 intervals, and each in
+/// turns back below, at a velocity maximum V. Negative velocities give the mirror image, −v_b. The
+/// range is divided into 64 intervals, and each in
 /// which a root may hide into up to 2¹⁰ parts. If the range is a thousand times wider than the part
 /// in which the system vibrates, nothing may be found: take a narrower one.
 ///

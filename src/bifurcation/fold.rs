@@ -5,8 +5,9 @@ use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::limit_cycle::PeakMap;
-use crate::numerics::bracket::sign_change_between;
+use crate::numerics::bracket::{SignChange, sign_change_between};
 use crate::numerics::scan::{Look, Survey, scan};
+use crate::numerics::with_slopes::Sample;
 
 /// Largest |growth| on the two sides of a fold. Where the growth is larger and still changes its
 /// sign between neighbouring numbers, it jumps over zero, and no cycles meet.
@@ -16,16 +17,25 @@ const JUMP: f64 = 1e-9;
 /// of peak velocities.
 const FARTHEST_TURN: f64 = 0.1;
 
+/// Distance on both sides of a turning point, in the same units, within which it is looked for
+/// again.
+const NEAR_TURN: f64 = 1e-3;
+
+/// Farthest growth that can come to zero within an interval, in units of the change of the growth
+/// across it.
+const REACH: f64 = 2.0;
+
 /// Belt velocities v_b in `range`, ascending and dimensionless, at which two pure-slip cycles, one
 /// stable and one unstable, meet and vanish.
 ///
 /// Let V be the peak velocity of a motion and P(V) its next one. At each belt velocity the growth
 /// over one turn, P(V)/V − 1, is a function of V with turning points, found as roots of its exact
 /// derivative. At a fold the growth at a turning point passes through zero, and the multiplier of
-/// the cycle is 1. Turning points are followed over 64 intervals of the range. An interval in which
-/// turning points come, go, move far or come near zero is divided into up to 2¹⁶ parts. Each
-/// turning point is followed into the fold from both sides, so that every velocity returned is one
-/// at which cycles meet.
+/// the cycle is 1. The range is divided into 64 intervals. In each, only growths count that are
+/// nearer to zero than twice the change across the interval, which is measured at nine places; an
+/// interval in which turning points come, go, move far or come near zero is divided into up to 2¹⁶
+/// parts. Each turning point is followed into the fold from both sides, so that every velocity
+/// returned is one at which cycles meet.
 ///
 /// # Errors
 ///
@@ -67,14 +77,8 @@ pub(super) fn folds<L: FrictionLaw>(
     part: &Range<f64>,
     found: &mut Vec<f64>,
 ) -> Result<(), Error> {
-    let mut outline = |value: f64| {
-        let points = work.moving_at(value, &mut |tracer| PeakMap::of(tracer).outline())?;
-        Ok(Outline {
-            points: points.unwrap_or_default(),
-        })
-    };
     let mut folds = Folds {
-        outline: &mut outline,
+        growths: work,
         found: Vec::new(),
     };
     let searched = scan(&mut folds, part);
@@ -82,31 +86,116 @@ pub(super) fn folds<L: FrictionLaw>(
     searched
 }
 
-/// Outline of the growth at one belt velocity: (peak velocity, growth) at both ends of the range of
-/// peak velocities and at the turning points between them.
+/// The growth of motions in slip over one turn, at any value of the parameter.
+trait Growths {
+    /// A first look at the growth.
+    fn survey(&self, value: f64) -> Result<Outline, Error>;
+
+    /// Sharpens an outline, so that it has all turning points at which the growth is within `reach`
+    /// of zero.
+    fn sharpen(&self, value: f64, outline: &mut Outline, reach: f64) -> Result<(), Error>;
+
+    /// The growth at the one turning point between two places in the range of peak velocities;
+    /// `None` if there is none for sure.
+    fn turn(&self, value: f64, places: [f64; 2], is_maximum: bool) -> Result<Option<f64>, Error>;
+}
+
+impl<L: FrictionLaw> Growths for Work<'_, '_, L> {
+    fn survey(&self, value: f64) -> Result<Outline, Error> {
+        let seen = self.moving_at(value, &mut |tracer| PeakMap::of(tracer).survey())?;
+        let seen = seen.unwrap_or_default();
+        Ok(Outline {
+            surveyed: seen.iter().map(|sample| sample.value).collect(),
+            seen,
+            points: Vec::new(),
+            reach: -1.0,
+        })
+    }
+
+    fn sharpen(&self, value: f64, outline: &mut Outline, reach: f64) -> Result<(), Error> {
+        if outline.reach < reach {
+            let seen = &mut outline.seen;
+            let points = self.moving_at(value, &mut |tracer| {
+                PeakMap::of(tracer).outline(seen, reach)
+            })?;
+            (outline.points, outline.reach) = (points.unwrap_or_default(), reach);
+        }
+        Ok(())
+    }
+
+    fn turn(&self, value: f64, places: [f64; 2], is_maximum: bool) -> Result<Option<f64>, Error> {
+        let turn = self.moving_at(value, &mut |tracer| {
+            PeakMap::of(tracer).turn(places, is_maximum)
+        })?;
+        Ok(turn.flatten())
+    }
+}
+
+/// Outline of the growth at one value of the parameter.
 #[derive(Debug)]
 struct Outline {
+    /// The growth at the places of the first look.
+    surveyed: Vec<f64>,
+    /// What is known of the growth, by ascending peak velocity.
+    seen: Vec<Sample>,
+    /// (peak velocity, growth) at both ends of the range of peak velocities and at the turning
+    /// points between them.
     points: Vec<(f64, f64)>,
+    /// Growth up to which the turning points are exact.
+    reach: f64,
 }
 
 impl Outline {
-    /// Whether both outlines have as many maxima and minima, in the same order.
+    /// How much the growth changes from one outline to another at the places of a survey; infinite
+    /// if there was none.
+    fn change(&self, other: &Self) -> f64 {
+        if self.surveyed.is_empty() {
+            return f64::INFINITY;
+        }
+        let pairs = std::iter::zip(&self.surveyed, &other.surveyed);
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    }
+
+    fn is_empty(&self) -> bool {
+        self.seen.is_empty() && self.points.is_empty()
+    }
+
+    /// The outline with everything beyond `reach` cut off.
+    fn within(&self, reach: f64) -> Window {
+        let clamped = |(peak, growth): &(f64, f64)| (*peak, growth.clamp(-reach, reach));
+        let mut points: Vec<_> = self.points.iter().map(clamped).collect();
+        // Where the growth stays beyond, the turning points are none any more.
+        while points.len() > 2
+            && let Some(i) = points.windows(2).position(|pair| pair[0].1 == pair[1].1)
+        {
+            let last = points.len() - 1;
+            points.drain(i.max(1)..(i + 2).min(last));
+        }
+        Window(points)
+    }
+}
+
+/// What of an outline lies within reach of zero, in the same form.
+#[derive(Debug)]
+struct Window(Vec<(f64, f64)>);
+
+impl Window {
+    /// Whether both have as many maxima and minima, in the same order.
     fn is_like(&self, other: &Self) -> bool {
-        let rises = |outline: &Self| {
-            outline
-                .points
-                .get(1)
-                .map(|next| next.1 > outline.points[0].1)
-        };
-        self.points.len() == other.points.len() && rises(self) == rises(other)
+        self.0.len() == other.0.len() && self.rises() == other.rises()
+    }
+
+    /// Whether the growth rises from the first point to the second.
+    fn rises(&self) -> Option<bool> {
+        self.0.get(1).map(|next| next.1 > self.0[0].1)
     }
 
     /// The turning points, each with its place in the range of peak velocities (from 0 to 1) and
     /// its growth.
     fn turns(&self) -> impl Iterator<Item = (f64, f64)> {
-        let first = self.points.first().map_or(0.0, |point| point.0);
-        let last = self.points.last().map_or(1.0, |point| point.0);
-        let inner = self.points.get(1..self.points.len().saturating_sub(1));
+        let first = self.0.first().map_or(0.0, |point| point.0);
+        let last = self.0.last().map_or(1.0, |point| point.0);
+        let inner = self.0.get(1..self.0.len().saturating_sub(1));
         let inner = inner.unwrap_or_default();
         inner
             .iter()
@@ -115,14 +204,54 @@ impl Outline {
 
     /// Whether the growth is positive at the ends of the range of peak velocities.
     fn at_ends(&self) -> [bool; 2] {
-        [self.points.first(), self.points.last()].map(|end| end.is_some_and(|end| end.1 > 0.0))
+        [self.0.first(), self.0.last()].map(|end| end.is_some_and(|end| end.1 > 0.0))
     }
 }
 
-/// The folds found so far, and the function that gives the outline at a belt velocity.
+/// The folds found so far, and the growth to look at.
 struct Folds<'f> {
-    outline: &'f mut dyn FnMut(f64) -> Result<Outline, Error>,
+    growths: &'f dyn Growths,
     found: Vec<f64>,
+}
+
+/// A turning point whose growth changes its sign: its number, its places and its growths.
+#[derive(Debug, Clone, Copy)]
+struct Crossed {
+    index: usize,
+    ends: [(f64, f64); 2],
+}
+
+impl Folds<'_> {
+    /// The fold between two values of the parameter at which a turning point passes zero; `None`
+    /// if it is not the same turning point throughout.
+    fn fold(
+        &self,
+        [low, high]: [f64; 2],
+        window: &Window,
+        reach: f64,
+        crossed: &Crossed,
+    ) -> Result<Option<SignChange>, Error> {
+        let [p, q] = crossed.ends;
+        let margin = (0.5 * (p.0 - q.0).abs()).max(NEAR_TURN);
+        let (first, last) = (p.0.min(q.0) - margin, p.0.max(q.0) + margin);
+        let places = [first.max(0.0), last.min(1.0)];
+        let is_maximum = window
+            .rises()
+            .is_some_and(|rises| rises == (crossed.index % 2 == 0));
+        let mut growth = |value: f64| {
+            let turn = self.growths.turn(value, places, is_maximum)?;
+            if turn.is_some() {
+                return Ok(turn);
+            }
+            let mut outline = self.growths.survey(value)?;
+            self.growths.sharpen(value, &mut outline, reach)?;
+            let now = outline.within(reach);
+            let turn = now.is_like(window).then(|| now.turns().nth(crossed.index));
+            Ok(turn.flatten().map(|turn| turn.1))
+        };
+        let change = sign_change_between(&mut growth, (low, p.1), (high, q.1))?;
+        Ok(change.filter(|change| change.residual() <= JUMP))
+    }
 }
 
 impl Survey for Folds<'_> {
@@ -130,23 +259,37 @@ impl Survey for Folds<'_> {
 
     const HALVINGS: u32 = 16;
 
-    fn sample(&mut self, v_b: f64) -> Result<Outline, Error> {
-        (self.outline)(v_b)
+    fn sample(&mut self, value: f64) -> Result<Outline, Error> {
+        self.growths.survey(value)
     }
 
     fn look(
         &mut self,
-        (low, a): &(f64, Outline),
-        (high, b): &(f64, Outline),
+        (low, a): &mut (f64, Outline),
+        (high, b): &mut (f64, Outline),
         halvings: u32,
     ) -> Result<Look, Error> {
-        let mut may_hide = !a.is_like(b) || a.at_ends() != b.at_ends();
+        if a.is_empty() || b.is_empty() {
+            let alike = a.is_empty() && b.is_empty();
+            return Ok(if alike || halvings == 0 {
+                Look::Done
+            } else {
+                Look::Halve
+            });
+        }
+        let reach = REACH * a.change(b);
+        self.growths.sharpen(*low, a, reach)?;
+        self.growths.sharpen(*high, b, reach)?;
+        let (a, b) = (a.within(reach), b.within(reach));
+        let mut may_hide = !a.is_like(&b) || a.at_ends() != b.at_ends();
         let mut crossed = Vec::new();
-        if a.is_like(b) {
-            for (i, (p, q)) in std::iter::zip(a.turns(), b.turns()).enumerate() {
-                may_hide |= (p.0 - q.0).abs() > FARTHEST_TURN;
+        if a.is_like(&b) {
+            for (index, (p, q)) in std::iter::zip(a.turns(), b.turns()).enumerate() {
+                let is_exact = p.1.abs() < reach && q.1.abs() < reach;
+                may_hide |= is_exact && (p.0 - q.0).abs() > FARTHEST_TURN;
                 if (p.1 > 0.0) != (q.1 > 0.0) {
-                    crossed.push((i, p.1, q.1));
+                    let ends = [p, q];
+                    crossed.push(Crossed { index, ends });
                 } else {
                     may_hide |= p.1.abs().min(q.1.abs()) < (p.1 - q.1).abs();
                 }
@@ -156,14 +299,8 @@ impl Survey for Folds<'_> {
             return Ok(Look::Halve);
         }
         let mut folds = Vec::new();
-        for (i, p, q) in &crossed {
-            let mut growth = |v_b: f64| {
-                let now = (self.outline)(v_b)?;
-                let turn = now.is_like(a).then(|| now.turns().nth(*i)).flatten();
-                Ok(turn.map(|turn| turn.1))
-            };
-            let change = sign_change_between(&mut growth, (*low, *p), (*high, *q))?;
-            folds.extend(change.filter(|change| change.residual() <= JUMP));
+        for crossed in &crossed {
+            folds.extend(self.fold([*low, *high], &a, reach, crossed)?);
         }
         if folds.len() < crossed.len() && halvings > 0 {
             // The turning points at the two ends are not the same ones after all.

@@ -16,7 +16,8 @@ use crate::numerics::scan::sign_changes;
 /// The law is expanded in power series from one end of the range to the other. Each series is used
 /// as far as it converges, and checked in between; its roots are isolated so that none is skipped.
 /// Where h1 touches zero to rounding and keeps its sign, stability does not change, and nothing is
-/// reported. A [breakpoint](FrictionLaw::breakpoints) at which h1 jumps over zero is reported.
+/// reported. Negative velocities give the mirror image, −v_b. A
+/// [breakpoint](FrictionLaw::breakpoints) at which h1 jumps over zero is reported.
 /// Where h1 is zero over a whole interval, the end of that interval is reported, if the signs
 /// before and behind the interval differ.
 ///
@@ -81,10 +82,10 @@ pub(super) fn hopf<L: FrictionLaw>(
             };
             let speeds = |range: Range<f64>| damping.sign_changes(&range, "range.end");
             if part.start < 0.0 {
-                // The mirror image; its lower end does not belong to it, and its upper end does.
-                let past = |end: f64| if end == 0.0 { 0.0 } else { (-end).next_up() };
-                let mirrored = speeds(past(part.end)..past(part.start))?;
-                found.extend(mirrored.iter().rev().map(|speed| -speed));
+                // The mirror image. Its end belongs to the range, and is seen from beyond.
+                let mirrored = speeds(part.end.abs()..part.start.abs() * (1.0 + LOOK_BEYOND))?;
+                let velocities = mirrored.iter().rev().map(|speed| -speed);
+                found.extend(velocities.filter(|v_b| part.contains(v_b)));
             } else {
                 found.append(&mut speeds(part.clone())?);
             }
@@ -93,6 +94,9 @@ pub(super) fn hopf<L: FrictionLaw>(
         Family::Systems(_) => sign_changes(&mut |value| relative_damping(work, value), part, found),
     }
 }
+
+/// Relative distance beyond a range of negative velocities up to which they are looked at.
+const LOOK_BEYOND: f64 = 1e-6;
 
 /// h1 in units of the sizes of its terms, so that it is of order 1; `None` on a belt at rest and
 /// where it has no terms.

@@ -1,5 +1,5 @@
-//! Bifurcations: the belt velocities at which periodic motions appear, disappear or change their
-//! kind.
+//! Bifurcations: the belt velocities, loads, dampings or coefficients at which periodic motions
+//! appear, disappear or change their kind.
 //!
 //! | function | what happens there |
 //! |---|---|
@@ -8,11 +8,18 @@
 //! | [`fold_velocities`] | a stable and an unstable pure-slip cycle meet |
 //! | [`overshoot_velocities`] | the mass begins to overtake the belt before it sticks |
 //! | [`crossing_velocities`] | the mass no longer sticks at all |
+//! | [`vibration_ranges`] | what the mass can settle to becomes another; bistable ranges are named |
 //! | [`silencing_damping`] | with this damping or more no vibration lasts, at one belt velocity |
+//! | [`silencing_load`] | with this load or less no vibration lasts, at one belt velocity |
 //!
 //! Every velocity is a root of an exact function of the belt velocity, bracketed and refined to
 //! round-off. The documentation of each function tells how densely it searches a range; a narrower
-//! range is searched more closely.
+//! range is searched more closely. Negative velocities are searched as they are: they give the
+//! mirror image.
+//!
+//! [`along`] searches any other parameter in the same ways: a load, a damping, a coefficient of the
+//! law. Its methods, and those of [`along_velocities`], can be bounded and watched; what a search
+//! costs stands at [`Along`].
 //!
 //! [`analysis`](crate::analysis) has closed forms of some of these velocities for some laws.
 //!
@@ -20,12 +27,13 @@
 //!
 //! | file | what is in it |
 //! |---|---|
+//! | `along.rs` | [`Along`]: the family of systems, the range, the bound of the work and the watcher |
 //! | `contacts.rs` | grazing, overshoot, crossing: contacts of the motion from the release point; searched by `numerics/scan.rs` |
 //! | `fold.rs` | folds of pure-slip cycles |
-//! | `hopf.rs` | belt velocities at which stability changes, and which cycle is born there; the roots are found in `friction/along.rs` |
-//! | `silence.rs` | the least damping with which nothing vibrates |
+//! | `hopf.rs` | where stability changes, and which cycle is born there; belt velocities are found in `friction/along.rs` |
+//! | `ranges.rs` | what can happen in which range |
+//! | `silence.rs` | the least damping and the largest load with which nothing vibrates |
 //! | `diagram.rs` | equilibrium and all cycles at each of a list of belt velocities |
-//! | `range.rs` | ranges of belt velocities |
 
 mod along;
 mod contacts;

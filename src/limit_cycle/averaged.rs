@@ -49,7 +49,7 @@ fn drift<L: FrictionLaw>(system: &Forward<'_, L>, amplitude: f64) -> Result<Samp
     mesh.sort_by(f64::total_cmp);
     mesh.dedup();
     let f: &mut dyn FnMut(f64) -> Result<[f64; 3], Error> = &mut parts;
-    let [uneven, uneven_squared, slope_squared] = gauss(f, &mesh)?.parts;
+    let [uneven, uneven_squared, slope_squared] = gauss(f, &mesh, 0.0)?.parts;
     let load = system.load();
     let linear = -0.5 * system.effective_damping(v_b);
     let value = linear - load * FRAC_2_PI * uneven;

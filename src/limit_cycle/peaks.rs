@@ -9,7 +9,7 @@ use crate::belt::Forward;
 use crate::clock::Time;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
-use crate::numerics::with_slopes::{Roots, Sample, outline_between, roots_between};
+use crate::numerics::with_slopes::{Roots, Sample, eighths, outline_between, roots_between, turn};
 
 /// Smallest velocity maximum that is searched, in units of v_b. Below it a turn changes a motion by
 /// less than rounding does.
@@ -130,18 +130,58 @@ impl<'t, 's, L: FrictionLaw> PeakMap<'t, 's, L> {
         Ok(kept)
     }
 
-    /// Outline of the growth over one turn as a function of the peak velocity: (peak, growth) at
-    /// the ends of the range and at the turning points between. Empty if every motion in slip meets
-    /// the belt, if none returns, or if every one is periodic.
-    pub(crate) fn outline(&mut self) -> Result<Vec<(f64, f64)>, Error> {
+    /// The growth over one turn at nine peak velocities from one end of their range to the other.
+    /// Empty if every motion in slip meets the belt, if none returns, or if every one is periodic.
+    pub(crate) fn survey(&mut self) -> Result<Vec<Sample>, Error> {
         if is_continuum(self)? {
             return Ok(Vec::new());
         }
         let Some([smallest, largest]) = self.range()? else {
             return Ok(Vec::new());
         };
-        let outline = outline_between(&mut |peak| self.growth(peak), smallest, largest)?;
+        eighths(&mut |peak| self.growth(peak), smallest, largest)
+    }
+
+    /// Outline of the growth over one turn as a function of the peak velocity: (peak, growth) at
+    /// the ends of the range and at the turning points between, as far as the growth there is
+    /// within `reach` of zero. `seen` is what is known of the growth, in ascending order, from a
+    /// [`survey`](Self::survey) on; what is looked at is added.
+    pub(crate) fn outline(
+        &mut self,
+        seen: &mut Vec<Sample>,
+        reach: f64,
+    ) -> Result<Vec<(f64, f64)>, Error> {
+        let &[smallest, .., largest] = &seen[..] else {
+            return Ok(Vec::new());
+        };
+        let mut growth = |peak: f64| match seen.binary_search_by(|seen| seen.x.total_cmp(&peak)) {
+            Ok(i) => Ok(seen[i]),
+            Err(i) => {
+                let sample = self.growth(peak)?;
+                seen.insert(i, sample);
+                Ok(sample)
+            }
+        };
+        let outline = outline_between(&mut growth, smallest, largest, reach)?;
         Ok(outline.iter().map(|turn| (turn.x, turn.value)).collect())
+    }
+
+    /// The growth at a turning point between two places in the range of peak velocities, from 0 to
+    /// 1; `None` if the slopes there do not show one, a maximum or else a minimum.
+    pub(crate) fn turn(
+        &mut self,
+        places: [f64; 2],
+        is_maximum: bool,
+    ) -> Result<Option<f64>, Error> {
+        let Some([smallest, largest]) = self.range()? else {
+            return Ok(None);
+        };
+        let at = |place: f64| smallest.x + place * (largest.x - smallest.x);
+        let [a, b] = [self.growth(at(places[0]))?, self.growth(at(places[1]))?];
+        if (a.slope > 0.0) != is_maximum || (b.slope > 0.0) == is_maximum {
+            return Ok(None);
+        }
+        Ok(Some(turn(&mut |peak| self.growth(peak), a, b)?.value))
     }
 
     /// The periodic motion in slip whose velocity has the maximum V, and its Floquet multiplier.

@@ -123,17 +123,22 @@ pub(crate) fn graded(a: f64, b: f64) -> [f64; 13] {
 }
 
 /// ∫ f dx over a mesh, by Gauss-Legendre, of an f that is analytic between neighbouring points of
-/// the mesh. Each interval is a panel, and is halved until the panel agrees with its halves.
+/// the mesh. Each interval is a panel, and is halved until the panel agrees with its halves. `peak`
+/// is a size of f beside which smaller values are mere rounding; 0 if there is none.
 pub(crate) fn gauss<const N: usize>(
     mut f: impl FnMut(f64) -> Result<[f64; N], Error>,
     mesh: &[f64],
+    peak: f64,
 ) -> Result<Integral<N>, Error> {
     /// Most panels beyond those of the mesh. An undeclared kink needs about 50; for a law noisier
     /// than its rounding the halving would never end.
     const MOST_PANELS: usize = 256;
     let mut panels = VecDeque::new();
     let mut made = 0;
-    let mut estimate = Integral::ZERO;
+    let mut estimate = Integral {
+        peak,
+        ..Integral::ZERO
+    };
     for ends in mesh.windows(2) {
         let ends = [ends[0], ends[1]];
         let integral = gauss_panel(&mut f, ends)?;

@@ -19,12 +19,12 @@ pub(crate) trait Survey {
     /// Computes the information at x.
     fn sample(&mut self, x: f64) -> Result<Self::Sample, Error>;
 
-    /// Looks between two neighbouring places, each given with its sample: records what lies there,
-    /// or asks for the interval to be halved, if `halvings` are left.
+    /// Looks between two neighbouring places, each given with its sample, to which it may add:
+    /// records what lies there, or asks for the interval to be halved, if `halvings` are left.
     fn look(
         &mut self,
-        left: &(f64, Self::Sample),
-        right: &(f64, Self::Sample),
+        left: &mut (f64, Self::Sample),
+        right: &mut (f64, Self::Sample),
         halvings: u32,
     ) -> Result<Look, Error>;
 }
@@ -47,8 +47,8 @@ pub(crate) fn scan<S: Survey>(survey: &mut S, range: &Range<f64>) -> Result<(), 
         } else {
             range.start + width * i as f64
         };
-        let right = (x, survey.sample(x)?);
-        look_between(survey, &left, &right, S::HALVINGS)?;
+        let mut right = (x, survey.sample(x)?);
+        look_between(survey, &mut left, &mut right, S::HALVINGS)?;
         left = right;
     }
     Ok(())
@@ -57,15 +57,15 @@ pub(crate) fn scan<S: Survey>(survey: &mut S, range: &Range<f64>) -> Result<(), 
 /// Looks at one interval, and at its halves if the survey asks for them.
 pub(crate) fn look_between<S: Survey>(
     survey: &mut S,
-    left: &(f64, S::Sample),
-    right: &(f64, S::Sample),
+    left: &mut (f64, S::Sample),
+    right: &mut (f64, S::Sample),
     halvings: u32,
 ) -> Result<(), Error> {
     if survey.look(left, right, halvings)? == Look::Halve && halvings > 0 {
         let x = 0.5 * (left.0 + right.0);
-        let middle = (x, survey.sample(x)?);
-        look_between(survey, left, &middle, halvings - 1)?;
-        look_between(survey, &middle, right, halvings - 1)?;
+        let mut middle = (x, survey.sample(x)?);
+        look_between(survey, left, &mut middle, halvings - 1)?;
+        look_between(survey, &mut middle, right, halvings - 1)?;
     }
     Ok(())
 }
@@ -101,8 +101,8 @@ impl Survey for SignChanges<'_> {
 
     fn look(
         &mut self,
-        a: &(f64, Option<f64>),
-        b: &(f64, Option<f64>),
+        a: &mut (f64, Option<f64>),
+        b: &mut (f64, Option<f64>),
         _: u32,
     ) -> Result<Look, Error> {
         let may_hide = match (a.1, b.1) {

@@ -81,16 +81,22 @@ pub(crate) struct Turn {
 /// Halvings after which turning points are taken from the samples at hand.
 const DEEPEST: usize = 9;
 
+/// Halvings after which a part of an outline that stays beyond reach is not divided further.
+const BEYOND: usize = 4;
+
 /// The outline of a function between two samples: both ends and, in ascending order between them,
 /// the points at which the slope changes sign. Maxima and minima take turns, each higher than its
 /// neighbours, or lower, by more than rounding.
 ///
 /// The interval is divided until the cubics fit and turn no more often than the slopes at their
-/// ends tell. Each turning point is then refined as a root of the slope.
+/// ends tell, or stay farther from zero than `reach`. Each turning point within reach is then
+/// refined as a root of the slope; those beyond are at their places and sizes only roughly, or are
+/// left out in pairs.
 pub(crate) fn outline_between(
     f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
     a: Sample,
     b: Sample,
+    reach: f64,
 ) -> Result<Vec<Turn>, Error> {
     let mut samples = vec![a];
     let mut intervals = vec![(b, 0)];
@@ -98,7 +104,10 @@ pub(crate) fn outline_between(
         let left = samples[samples.len() - 1];
         let middle = f(0.5 * (left.x + right.x))?;
         let settled = || {
-            fits(left, middle, right).0 && !turns_twice(left, middle) && !turns_twice(middle, right)
+            let (fits, error) = fits(left, middle, right);
+            let is_beyond = |a, b| depth >= BEYOND && closest(a, b) - 2.0 * error > reach;
+            (fits && !turns_twice(left, middle) && !turns_twice(middle, right))
+                || (is_beyond(left, middle) && is_beyond(middle, right))
         };
         if depth >= 2 && (depth >= DEEPEST || settled()) {
             samples.extend([middle, right]);
@@ -108,8 +117,15 @@ pub(crate) fn outline_between(
     }
     let mut outline = vec![Turn::from(a)];
     for pair in samples.windows(2) {
-        if (pair[0].slope > 0.0) != (pair[1].slope > 0.0) {
-            outline.push(turn(f, pair[0], pair[1])?.into());
+        let [left, right] = [pair[0], pair[1]];
+        if (left.slope > 0.0) != (right.slope > 0.0) {
+            // The cubic may be wrong by as much as it is allowed to miss, and more beside.
+            let error = 5.0 * CUBIC_FITS * left.value.abs().max(right.value.abs());
+            outline.push(if closest(left, right) - error > reach {
+                left.into()
+            } else {
+                turn(f, left, right)?.into()
+            });
         }
     }
     outline.push(b.into());
@@ -117,9 +133,37 @@ pub(crate) fn outline_between(
     Ok(outline)
 }
 
+/// The places at which an outline is looked at first: nine, at equal distances.
+pub(crate) fn eighths(
+    f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
+    a: Sample,
+    b: Sample,
+) -> Result<Vec<Sample>, Error> {
+    let mut samples = vec![a, b];
+    while samples.len() < 9 {
+        let mut finer = vec![a];
+        for pair in samples.windows(2) {
+            // As an outline finds it, to the bit.
+            finer.extend([f(0.5 * (pair[0].x + pair[1].x))?, pair[1]]);
+        }
+        samples = finer;
+    }
+    Ok(samples)
+}
+
+/// Least |value| that the cubic between two samples has; 0 if it changes its sign.
+fn closest(a: Sample, b: Sample) -> f64 {
+    if (a.value > 0.0) == (b.value > 0.0) {
+        let ends = a.value.abs().min(b.value.abs());
+        ends.min(lowest(a, b)).max(0.0)
+    } else {
+        0.0
+    }
+}
+
 /// The point between two samples at which the slope passes through zero, as close as the value
 /// there, which is stationary, needs it.
-fn turn(
+pub(crate) fn turn(
     f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
     a: Sample,
     b: Sample,

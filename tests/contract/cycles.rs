@@ -7,7 +7,9 @@ use std::ops::Range;
 
 use stick_slip::analysis::averaging::AveragedCycle;
 use stick_slip::analysis::{self, PureSlip, Regime, StickSlip};
-use stick_slip::bifurcation::{self, Criticality, DiagramPoint};
+use stick_slip::bifurcation::{
+    self, Along, AttractorKind, Criticality, DiagramPoint, VibrationRange,
+};
 use stick_slip::limit_cycle::{self, Attractor, Continuum};
 use stick_slip::nalgebra::Complex;
 use stick_slip::{
@@ -34,6 +36,8 @@ fn types_have_the_common_traits() {
     small::<EnergyBudget>();
     small::<Continuum>();
     small::<Criticality>();
+    small::<AttractorKind>();
+    value::<VibrationRange>();
     small::<PureSlip>();
     small::<StickSlip>();
     small::<AveragedCycle>();
@@ -107,6 +111,33 @@ fn bifurcations() {
     ];
     let counts = all.map(|velocities| velocities(&paper(0.2), 0.1..0.6).unwrap().len());
     assert_eq!(counts, [1, 1, 0, 0, 0]);
+    let system = paper(0.2);
+    let search: Along<'_, Polynomial> =
+        bifurcation::along(|load: f64| system.with_load(load), 0.05..0.5);
+    let searches: [fn(&Along<'_, Polynomial>) -> Result<Vec<f64>, Error>; 5] = [
+        Along::hopf,
+        Along::grazing,
+        Along::folds,
+        Along::overshoot,
+        Along::crossing,
+    ];
+    assert_eq!(
+        searches.map(|along| along(&search).unwrap().len()),
+        [1, 1, 0, 0, 0]
+    );
+    let ranges: Vec<VibrationRange> = bifurcation::vibration_ranges(&system, 0.1..0.6).unwrap();
+    let VibrationRange {
+        velocities,
+        attractors,
+    } = &ranges[0];
+    let _: (&Range<f64>, &Vec<AttractorKind>) = (velocities, attractors);
+    let silencing: [fn(&MassOnBelt<Polynomial>) -> Result<f64, Error>; 2] =
+        [bifurcation::silencing_damping, bifurcation::silencing_load];
+    assert!(
+        silencing
+            .iter()
+            .all(|silencing| silencing(&system).unwrap() > 0.0)
+    );
     let criticality: fn(&MassOnBelt<Polynomial>, f64) -> Criticality = bifurcation::criticality;
     match criticality(&paper(0.2), 0.44) {
         Criticality::Subcritical | Criticality::Degenerate => panic!(),

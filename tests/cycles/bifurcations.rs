@@ -158,11 +158,15 @@ fn hopf_at_the_ends_of_a_range() {
     assert_eq!(hopf_velocities(&system, 0.5..1.0).unwrap(), [0.5]);
     assert_eq!(hopf_velocities(&system, 0.1..0.5).unwrap(), NONE);
     assert_eq!(hopf_velocities(&system, 0.51..1.0).unwrap(), NONE);
-    assert_eq!(hopf_velocities(&system, -3.0..1.0).unwrap(), [0.5]);
+    assert_eq!(hopf_velocities(&system, -0.3..1.0).unwrap(), [0.5]);
+    assert_eq!(hopf_velocities(&system, -3.0..1.0).unwrap(), [-0.5, 0.5]);
+    // The lower end of a range belongs to it, and the upper one does not, below 0 too.
+    assert_eq!(hopf_velocities(&system, -0.5..-0.1).unwrap(), [-0.5]);
+    assert_eq!(hopf_velocities(&system, -1.0..-0.5).unwrap(), NONE);
     assert_eq!(hopf_velocities(&system, 0.5 - 1e-9..1.0).unwrap(), [0.5]);
 }
 
-/// Empty, turned round, or without a positive velocity; and numbers that are none.
+/// Empty or turned round; and numbers that are none.
 #[test]
 fn ranges_that_hold_no_belt_velocity_are_errors() {
     let system = paper(0.2);
@@ -177,8 +181,7 @@ fn ranges_that_hold_no_belt_velocity_are_errors() {
         for (range, named) in [
             (0.5..0.5, "range.end"),
             (0.5..0.2, "range.end"),
-            (-0.5..0.0, "range.end"),
-            (-0.5..-0.2, "range.end"),
+            (-0.2..-0.5, "range.end"),
             (0.0..0.0, "range.end"),
             (f64::NAN..0.5, "range.start"),
             (f64::NEG_INFINITY..0.5, "range.start"),

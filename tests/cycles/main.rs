@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod along;
 mod bifurcations;
 mod cases;
 mod cycles;

@@ -1,12 +1,44 @@
 //! Folds of outlines made by hand, and how often outlines are asked for.
 
+use std::cell::RefCell;
+
 use super::*;
 use crate::friction::Exponential;
 use crate::numerics::scan::look_between;
 
+/// An outline that is known to any reach.
 fn outline(points: &[(f64, f64)]) -> Outline {
     Outline {
+        surveyed: Vec::new(),
+        seen: Vec::new(),
         points: points.to_vec(),
+        reach: f64::INFINITY,
+    }
+}
+
+fn window(points: &[(f64, f64)]) -> Window {
+    outline(points).within(f64::INFINITY)
+}
+
+/// Outlines made by a function, which keeps the places at which it is asked.
+struct Made<F> {
+    f: F,
+    asked: RefCell<Vec<f64>>,
+}
+
+impl<F: Fn(f64) -> Outline> Growths for Made<F> {
+    fn survey(&self, value: f64) -> Result<Outline, Error> {
+        assert!(0.0 < value && value < 1.0, "{value}");
+        self.asked.borrow_mut().push(value);
+        Ok((self.f)(value))
+    }
+
+    fn sharpen(&self, _: f64, _: &mut Outline, _: f64) -> Result<(), Error> {
+        Ok(())
+    }
+
+    fn turn(&self, _: f64, _: [f64; 2], _: bool) -> Result<Option<f64>, Error> {
+        Ok(None)
     }
 }
 
@@ -17,28 +49,27 @@ fn hump(height: f64) -> Outline {
 
 /// Folds over the belt velocities from 0 to 1, and where outlines were asked for.
 fn folds(f: impl Fn(f64) -> Outline, halvings: u32) -> (Vec<f64>, Vec<f64>) {
-    let mut asked = Vec::new();
-    let mut counted = |v_b: f64| {
-        assert!(0.0 < v_b && v_b < 1.0, "{v_b}");
-        asked.push(v_b);
-        Ok(f(v_b))
+    let (mut low, mut high) = ((0.0, f(0.0)), (1.0, f(1.0)));
+    let made = Made {
+        f,
+        asked: RefCell::default(),
     };
     let mut folds = Folds {
-        outline: &mut counted,
+        growths: &made,
         found: Vec::new(),
     };
-    look_between(&mut folds, &(0.0, f(0.0)), &(1.0, f(1.0)), halvings).unwrap();
+    look_between(&mut folds, &mut low, &mut high, halvings).unwrap();
     let found = folds.found;
-    (found, asked)
+    (found, made.asked.into_inner())
 }
 
 #[test]
 fn outlines_are_alike_if_maxima_and_minima_come_in_the_same_order() {
-    let up = outline(&[(0.0, 0.0), (0.5, 1.0), (1.0, 0.5)]);
-    let higher = outline(&[(0.1, 3.0), (0.2, 9.0), (5.0, 1.0)]);
-    let down = outline(&[(0.0, 0.0), (0.5, -1.0), (1.0, 0.5)]);
-    let longer = outline(&[(0.0, 0.0), (0.5, 1.0), (0.7, 0.5), (1.0, 0.6)]);
-    let none = outline(&[]);
+    let up = window(&[(0.0, 0.0), (0.5, 1.0), (1.0, 0.5)]);
+    let higher = window(&[(0.1, 3.0), (0.2, 9.0), (5.0, 1.0)]);
+    let down = window(&[(0.0, 0.0), (0.5, -1.0), (1.0, 0.5)]);
+    let longer = window(&[(0.0, 0.0), (0.5, 1.0), (0.7, 0.5), (1.0, 0.6)]);
+    let none = window(&[]);
     assert!(up.is_like(&higher) && higher.is_like(&up) && none.is_like(&none));
     for (a, b) in [(&up, &down), (&up, &longer), (&up, &none), (&down, &none)] {
         assert!(!a.is_like(b) && !b.is_like(a));
@@ -47,20 +78,39 @@ fn outlines_are_alike_if_maxima_and_minima_come_in_the_same_order() {
 
 #[test]
 fn turning_points_are_what_lies_between_the_ends() {
-    let turns = |outline: &Outline| outline.turns().collect::<Vec<_>>();
+    let turns = |window: &Window| window.turns().collect::<Vec<_>>();
     let points = [(2.0, 0.1), (3.0, 0.5), (5.0, -0.5), (6.0, 0.2)];
-    assert_eq!(turns(&outline(&points)), [(0.25, 0.5), (0.75, -0.5)]);
-    assert_eq!(turns(&outline(&points[..2])), []);
-    assert_eq!(turns(&outline(&[])), []);
+    assert_eq!(turns(&window(&points)), [(0.25, 0.5), (0.75, -0.5)]);
+    assert_eq!(turns(&window(&points[..2])), []);
+    assert_eq!(turns(&window(&[])), []);
 }
 
 #[test]
 fn ends_count_as_growing_above_zero() {
-    let ends = |first, last| outline(&[(0.0, first), (0.5, 9.0), (1.0, last)]).at_ends();
+    let ends = |first, last| window(&[(0.0, first), (0.5, 9.0), (1.0, last)]).at_ends();
     assert_eq!(ends(1.0, -1.0), [true, false]);
     assert_eq!(ends(-1.0, 1.0), [false, true]);
     assert_eq!(ends(0.0, 0.0), [false, false]);
-    assert_eq!(outline(&[]).at_ends(), [false, false]);
+    assert_eq!(window(&[]).at_ends(), [false, false]);
+}
+
+#[test]
+fn what_lies_beyond_reach_is_cut_off() {
+    let points = [
+        (0.0, -9.0),
+        (1.0, 3.0),
+        (2.0, 2.0),
+        (3.0, 4.0),
+        (4.0, -0.5),
+        (5.0, 0.5),
+    ];
+    let within = |reach| outline(&points).within(reach).0;
+    assert_eq!(within(f64::INFINITY), points);
+    // The dip from 3 to 2 and up again stays beyond.
+    let cut = [(0.0, -1.0), (3.0, 1.0), (4.0, -0.5), (5.0, 0.5)];
+    assert_eq!(within(1.0), cut);
+    let cut = within(0.1).iter().map(|point| point.1).collect::<Vec<_>>();
+    assert_eq!(cut, [-0.1, 0.1, -0.1, 0.1]);
 }
 
 #[test]

@@ -142,18 +142,22 @@ fn peaks_are_searched_from_a_ten_thousandth_of_the_belt_velocity_to_the_largest(
 
 #[test]
 fn the_outline_of_a_straight_growth_has_only_ends() {
-    let outline = traced(&spiral(-0.1, 2.0), |tracer| PeakMap::of(tracer).outline());
-    let [(first, low), (last, high)] = outline[..] else {
-        panic!("{outline:?}")
+    let outline = |rate: f64| {
+        traced(&spiral(rate, 2.0), |tracer| {
+            let mut peaks = PeakMap::of(tracer);
+            let mut seen = peaks.survey()?;
+            peaks.outline(&mut seen, f64::INFINITY)
+        })
+    };
+    let found = outline(-0.1);
+    let [(first, low), (last, high)] = found[..] else {
+        panic!("{found:?}")
     };
     assert_close(first, 2e-4, 1e-15);
     assert_close(last, 2.0 / shrinks(-0.1), 1e-12);
     assert_close(low, shrinks(-0.1) - 1.0, 1e-9);
     assert_close(high, shrinks(-0.1) - 1.0, 1e-13);
-    assert_eq!(
-        traced(&spiral(-0.9, 2.0), |tracer| PeakMap::of(tracer).outline()),
-        []
-    );
+    assert_eq!(outline(-0.9), []);
 }
 
 #[test]

@@ -263,3 +263,45 @@ fn brackets_need_two_values_beyond_their_noise() {
     assert!(found(&[(0.2, 0.1), (0.0, 0.0), (0.3, 0.1)]).is_empty());
     assert!(found(&[(0.2, 0.1), (7.0, 0.1)]).is_empty() && found(&[]).is_empty());
 }
+
+/// The sign of a function all along, and at how many points it was looked at.
+fn sign(noise: f64, f: impl Fn(f64) -> f64) -> (Option<bool>, usize) {
+    let watched = Watched::new(f);
+    let mut sample = |t| {
+        let value = watched.at(t);
+        Ok(Sample { value, noise })
+    };
+    let sign = sign_throughout(&mut sample, &|t| t).unwrap();
+    (sign, watched.looks())
+}
+
+#[test]
+fn a_sign_is_told_in_few_looks_over_hundreds_of_decades() {
+    for scale in [1.0, -1e-3] {
+        let positive = Some(scale > 0.0);
+        let one_piece = (positive, DEGREE + 1);
+        assert_eq!(sign(0.0, |_| scale), one_piece);
+        assert_eq!(sign(0.0, |t| scale * (-700.0 * t * t).exp()), one_piece);
+        // A near zero takes some halvings.
+        let (found, looks) = sign(0.0, |t| scale * ((t - 0.3).powi(2) + 1e-6));
+        assert!(found == positive && looks < 60 * (DEGREE + 1), "{looks}");
+    }
+}
+
+#[test]
+fn a_sign_that_changes_or_is_not_sure_is_unknown() {
+    let unknown = |noise: f64, f: fn(f64) -> f64| {
+        let (sign, looks) = sign(noise, f);
+        assert!(looks <= 250 * (DEGREE + 1), "{looks}");
+        assert_eq!(sign, None);
+    };
+    unknown(0.0, |t| t - 0.3);
+    unknown(0.0, |_| 0.0);
+    unknown(0.0, |_| f64::NAN);
+    unknown(0.0, |t| (t - 0.3).powi(2));
+    unknown(1e-3, |_| 1e-4);
+    // Two roots 10⁻³ apart, of one sign almost everywhere.
+    unknown(0.0, |t| (t - 0.3) * (t - 0.301));
+    // Noise that is no larger than it says, but hides a root.
+    unknown(1e-3, |t| (t - 0.3).powi(2) + 2e-3 + 1e-3 * rough(t));
+}

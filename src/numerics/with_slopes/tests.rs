@@ -81,11 +81,15 @@ impl<F: Fn(f64) -> Sample> Counted<F> {
     }
 
     fn outline(&self, a: f64, b: f64) -> (Vec<Turn>, usize) {
+        self.outline_within(a, b, f64::INFINITY)
+    }
+
+    fn outline_within(&self, a: f64, b: f64, reach: f64) -> (Vec<Turn>, usize) {
         let mut f = |x| {
             self.calls.set(self.calls.get() + 1);
             Ok((self.f)(x))
         };
-        let outline = outline_between(&mut f, (self.f)(a), (self.f)(b)).unwrap();
+        let outline = outline_between(&mut f, (self.f)(a), (self.f)(b), reach).unwrap();
         (outline, self.calls.get())
     }
 }
@@ -394,6 +398,40 @@ fn the_outline_holds_the_ends_and_every_turn() {
     let (outline, calls) = rising.outline(0.0, 1.0);
     assert_eq!(outline.len(), 2);
     assert_eq!(calls, 7);
+}
+
+/// Waves of height 1 about a line that passes zero in the middle.
+#[test]
+fn turns_beyond_reach_cost_little() {
+    let waves = |x: f64| Sample {
+        noise: 1e-15,
+        ..sample(
+            x,
+            10.0 * x + (40.0 * x).sin(),
+            10.0 + 40.0 * (40.0 * x).cos(),
+        )
+    };
+    let (all, full) = Counted::new(waves).outline(-6.0, 6.0);
+    let (within, few) = Counted::new(waves).outline_within(-6.0, 6.0, 0.5);
+    assert!(all.len() > 140 && 4 * few < full, "{few} {full}");
+    let near = |turns: &[Turn]| -> Vec<f64> {
+        let near = turns.iter().filter(|turn| turn.value.abs() <= 0.5);
+        near.map(|turn| turn.value).collect()
+    };
+    let (near_all, near_within) = (near(&all), near(&within));
+    assert_eq!(near_all.len(), near_within.len());
+    for (a, b) in std::iter::zip(near_all, near_within) {
+        assert!((a - b).abs() < 1e-13);
+    }
+}
+
+#[test]
+fn eighths_are_at_equal_distances() {
+    let line = Counted::new(|x: f64| sample(x, x, 1.0));
+    let mut f = |x| Ok((line.f)(x));
+    let eighths = eighths(&mut f, (line.f)(1.0), (line.f)(3.0)).unwrap();
+    let places: Vec<f64> = eighths.iter().map(|sample| sample.x).collect();
+    assert_eq!(places, [1.0, 1.25, 1.5, 1.75, 2.0, 2.25, 2.5, 2.75, 3.0]);
 }
 
 #[test]

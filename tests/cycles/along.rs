@@ -1,0 +1,505 @@
+//! Searches along any parameter, against closed forms and against each other; what bounds them and
+//! what they cost.
+
+use std::cell::Cell;
+use std::ops::ControlFlow::{Break, Continue};
+use std::ops::Range;
+
+use crate::common::Random;
+use stick_slip::analysis::{averaging, coulomb};
+use stick_slip::bifurcation::{
+    AttractorKind, VibrationRange, along, along_velocities, fold_velocities, grazing_velocities,
+    hopf_velocities, overshoot_velocities, silencing_damping, silencing_load, vibration_ranges,
+};
+use stick_slip::limit_cycle;
+use stick_slip::{
+    Coulomb, CycleKind, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Scalar, Stribeck,
+    Tabulated,
+};
+
+fn exponential(v_b: f64, damping: f64) -> MassOnBelt<Exponential> {
+    MassOnBelt::new(Exponential::new(0.6, 0.3, 0.4).unwrap(), v_b)
+        .and_then(|system| system.with_damping(damping))
+        .unwrap()
+}
+
+#[track_caller]
+fn one(found: Result<Vec<f64>, Error>) -> f64 {
+    let found = found.unwrap();
+    assert_eq!(found.len(), 1, "{found:?}");
+    found[0]
+}
+
+#[track_caller]
+fn assert_close(found: f64, expected: f64, tolerance: f64) {
+    assert!(
+        (found - expected).abs() <= tolerance * expected.abs(),
+        "{found:e}, not {expected:e}"
+    );
+}
+
+/// 2β + γ²μ̂'(v_b) = 0, solved for each of the numbers in it.
+#[test]
+fn hopf_along_every_parameter() {
+    let mut random = Random::new(17);
+    for _ in 0..50 {
+        let (v_b, damping) = (random.uniform(0.1, 1.0), random.uniform(0.01, 0.2));
+        let system = exponential(v_b, damping);
+        let slope = system.law().slope(v_b);
+        let load = one(along(
+            |load| system.with_load(load),
+            1e-3..100.0 * damping / -slope,
+        )
+        .hopf());
+        assert_close(load, -2.0 * damping / slope, 1e-14);
+        let border = one(along(|damping| system.with_damping(damping), 0.0..2.0).hopf());
+        assert_close(border, -0.5 * slope, 1e-14);
+        // The slope is proportional to μ_s − μ_k.
+        let fall = |fall: f64| {
+            MassOnBelt::new(Exponential::new(0.1 + fall, 0.1, 0.4)?, v_b)?.with_damping(damping)
+        };
+        let expected = 0.3 * -2.0 * damping / slope;
+        let found = one(along(fall, 1e-3..3.0 * expected).hopf());
+        assert_close(found, expected, 1e-13);
+    }
+}
+
+/// Coulomb's stick-slip ends at v_b = γ²(μ_s − μ_k)Λ(β).
+#[test]
+fn grazing_along_load_and_damping_against_the_closed_form() {
+    let law = Coulomb::new(0.4, 0.25).unwrap();
+    for (v_b, damping) in [(0.1, 0.05), (0.5, 0.02), (2.0, 0.1)] {
+        let system = MassOnBelt::new(law, v_b)
+            .and_then(|system| system.with_damping(damping))
+            .unwrap();
+        let load = v_b / coulomb::largest_stick_slip_velocity(&system);
+        let found = one(along(|load| system.with_load(load), 0.1 * load..3.0 * load).grazing());
+        assert_close(found, load, 1e-12);
+        assert_close(silencing_load(&system).unwrap(), load, 1e-9);
+        let least = coulomb::silencing_damping(&system).unwrap();
+        let found = one(along(|b| system.with_damping(b), 0.1 * least..3.0 * least).grazing());
+        assert_close(found, least, 1e-12);
+    }
+}
+
+#[test]
+fn velocities_are_a_case_of_any_parameter() {
+    let system = exponential(1.0, 0.15);
+    let range = 0.05..1.0;
+    let any = along(|v_b| system.with_belt_velocity(v_b), range.clone());
+    assert_eq!(any.grazing(), grazing_velocities(&system, range.clone()));
+    assert_eq!(any.folds(), fold_velocities(&system, range.clone()));
+    assert!(!any.folds().unwrap().is_empty());
+    let (found, exact) = (
+        any.hopf().unwrap(),
+        hopf_velocities(&system, range).unwrap(),
+    );
+    assert_eq!(found.len(), exact.len());
+    for (found, exact) in std::iter::zip(found, exact) {
+        assert_close(found, exact, 1e-14);
+    }
+    // Along the load there is the fold whose belt velocity is the system's.
+    let fold = one(fold_velocities(&system, 0.5..1.0));
+    let at_fold = system.with_belt_velocity(fold).unwrap();
+    let load = along(|load| at_fold.with_load(load), 0.8..1.3)
+        .folds()
+        .unwrap();
+    assert!(
+        load.iter().any(|load| (load - 1.0).abs() < 1e-11),
+        "{load:?}"
+    );
+}
+
+#[test]
+fn negative_velocities_are_the_mirror_image() {
+    let system = exponential(1.0, 0.15);
+    type Search = fn(&MassOnBelt<Exponential>, Range<f64>) -> Result<Vec<f64>, Error>;
+    let searches: [(Search, f64); 3] = [
+        (hopf_velocities, 2.0),
+        (grazing_velocities, 1.0),
+        (fold_velocities, 1.0),
+    ];
+    for (search, end) in searches {
+        let above = search(&system, 0.0..end).unwrap();
+        assert!(!above.is_empty());
+        let below = search(&system, -end..0.0).unwrap();
+        let whole = search(&system, -end..end).unwrap();
+        assert!(whole.is_sorted());
+        assert_eq!(whole, [&below[..], &above[..]].concat());
+        for (below, above) in std::iter::zip(below.iter().rev(), &above) {
+            assert_close(-below, *above, 1e-13);
+        }
+    }
+    let law = Polynomial::new(0.38, 0.22, 0.55).unwrap();
+    let system = MassOnBelt::new(law, 0.2)
+        .and_then(|system| system.with_damping(0.004)?.with_load(0.1))
+        .unwrap();
+    let mirrored = one(overshoot_velocities(&system, -0.3..-0.05));
+    assert_close(mirrored, -0.1660231185729933121, 1e-13);
+}
+
+#[test]
+fn bad_families_and_ranges_are_errors_that_name_the_value() {
+    let system = exponential(0.4, 0.05);
+    for range in [
+        1.0..1.0,
+        1.0..0.5,
+        f64::NAN..1.0,
+        0.0..f64::NAN,
+        0.0..f64::INFINITY,
+    ] {
+        let search = along(|load| system.with_load(load), range.clone());
+        for found in [search.hopf(), search.grazing(), search.folds()] {
+            assert!(
+                matches!(found, Err(Error::InvalidParameter { .. })),
+                "{found:?}"
+            );
+        }
+        assert!(matches!(
+            search.silence(),
+            Err(Error::InvalidParameter { .. })
+        ));
+        assert!(search.vibration_ranges().is_err());
+    }
+    // Fails at some loads, in two ways.
+    let broken = |load: f64| system.with_load(if load > 1.5 { f64::NAN } else { load });
+    for family in [&broken as &dyn Fn(f64) -> _, &|load| {
+        system.with_load(2.0 - load)
+    }] {
+        let search = along(family, 0.5..3.0).named("brake pressure");
+        let errors = [
+            search.hopf().unwrap_err(),
+            search.grazing().unwrap_err(),
+            search.overshoot().unwrap_err(),
+            search.crossing().unwrap_err(),
+            search.folds().unwrap_err(),
+            search.silence().unwrap_err(),
+            search.vibration_ranges().unwrap_err(),
+        ];
+        for error in errors {
+            let Error::At {
+                parameter, value, ..
+            } = &error
+            else {
+                panic!("{error}")
+            };
+            assert!(*parameter == "brake pressure" && *value > 1.5, "{error}");
+            assert!(
+                error.to_string().starts_with("at brake pressure = "),
+                "{error}"
+            );
+        }
+    }
+    // A belt at rest has no bifurcations.
+    let resting = along(
+        |load| system.with_belt_velocity(0.0)?.with_load(load),
+        0.5..3.0,
+    );
+    assert_eq!(resting.hopf(), Ok(vec![]));
+    assert_eq!(resting.folds(), Ok(vec![]));
+    assert_eq!(resting.silence(), Ok(None));
+}
+
+#[test]
+fn a_search_that_is_stopped_keeps_what_it_has_found() {
+    let system = exponential(1.0, 0.15);
+    let all = along_velocities(&system, -1.0..1.0).grazing().unwrap();
+    assert!(all.len() >= 2);
+    let (mut lengths, mut last) = (vec![], 0);
+    for most in (1..).map(|k| 100 * k) {
+        let search = along_velocities(&system, -1.0..1.0)
+            .with_max_steps(most)
+            .unwrap();
+        match search.grazing() {
+            Ok(found) => {
+                assert_eq!(found, all);
+                break;
+            }
+            Err(Error::Stopped {
+                parameter,
+                value,
+                steps,
+                found,
+            }) => {
+                assert_eq!(parameter, "belt_velocity");
+                assert!(steps >= most && steps < most + 200 && steps >= last);
+                last = steps;
+                assert_eq!(found, all[..found.len()]);
+                assert!(found.iter().all(|found| *found < value + 0.05));
+                lengths.push(found.len());
+            }
+            Err(error) => panic!("{error}"),
+        }
+    }
+    assert!(lengths.is_sorted() && lengths[0] == 0 && *lengths.last().unwrap() > 0);
+    assert!(
+        along_velocities(&system, 0.1..1.0)
+            .with_max_steps(0)
+            .is_err()
+    );
+
+    // A watcher sees every system, and stops any search.
+    let (seen, steps) = (Cell::new(0), Cell::new(0));
+    let search = along_velocities(&system, 0.1..1.0).watched(|progress| {
+        assert_eq!(progress.systems, seen.get());
+        assert!(progress.steps >= steps.get());
+        seen.set(progress.systems + 1);
+        steps.set(progress.steps);
+        Continue(())
+    });
+    search.grazing().unwrap();
+    assert!((65..200).contains(&seen.get()), "{}", seen.get());
+    seen.set(0);
+    steps.set(0);
+    search.vibration_ranges().unwrap();
+    assert!(seen.get() > 4 * 65);
+    let stopped = along(|load| system.with_load(load), 0.1..1.0).watched(|_| Break(()));
+    for result in [
+        stopped.hopf().err(),
+        stopped.folds().err(),
+        stopped.silence().err(),
+        stopped.vibration_ranges().err(),
+    ] {
+        assert!(
+            matches!(result, Some(Error::Stopped { steps: 0, .. })),
+            "{result:?}"
+        );
+    }
+}
+
+/// What `find` says of one system.
+fn attractors<L: FrictionLaw>(system: &MassOnBelt<L>) -> Vec<AttractorKind> {
+    let cycles = limit_cycle::find(system).unwrap();
+    let stable = system.equilibrium().unwrap().is_stable();
+    let stable = stable.then_some(AttractorKind::Equilibrium);
+    let cycles = cycles
+        .stable()
+        .map(|cycle| AttractorKind::Cycle(cycle.kind()));
+    stable.into_iter().chain(cycles).collect()
+}
+
+#[test]
+fn ranges_say_what_a_search_at_one_velocity_says() {
+    let mut random = Random::new(18);
+    let (mut bistable, mut places) = (0, 0);
+    for i in 0..40 {
+        let top = random.uniform(0.3, 0.8);
+        let least = top * random.uniform(0.3, 0.9);
+        let law = Stribeck::new(top, least, random.uniform(0.1, 0.8), 1 + i % 3)
+            .and_then(|law| law.with_viscous_coefficient(random.uniform(0.0, 0.05)))
+            .unwrap();
+        let system = MassOnBelt::new(law, 1.0)
+            .and_then(|system| system.with_damping(random.logarithmic(0.002, 0.2)))
+            .unwrap();
+        let ranges = vibration_ranges(&system, 0.02..2.0).unwrap();
+        assert!(ranges[0].velocities.start == 0.02);
+        assert_eq!(ranges.last().unwrap().velocities.end, 2.0);
+        for pair in ranges.windows(2) {
+            assert_eq!(pair[0].velocities.end, pair[1].velocities.start);
+            assert_ne!(pair[0].attractors, pair[1].attractors);
+        }
+        bistable += ranges.iter().filter(|range| range.is_bistable()).count();
+        for _ in 0..25 {
+            let v_b = random.uniform(0.02, 2.0);
+            let of = |range: &&VibrationRange| range.velocities.contains(&v_b);
+            let range = ranges.iter().find(of).unwrap();
+            let Range { start, end } = range.velocities;
+            if (v_b - start).min(end - v_b) > 1e-6 * v_b {
+                let system = system.with_belt_velocity(v_b).unwrap();
+                assert_eq!(range.attractors, attractors(&system), "{system:?}");
+                places += 1;
+            }
+        }
+    }
+    println!("{bistable} bistable ranges, {places} places");
+    assert!(bistable > 10 && places > 900);
+}
+
+#[test]
+fn ranges_of_both_signs_meet_where_the_belt_stands_still() {
+    let system = exponential(1.0, 0.01);
+    let ranges = vibration_ranges(&system, -2.0..2.0).unwrap();
+    let half = ranges.len() / 2;
+    assert_eq!(ranges[half].velocities.start, 0.0);
+    for (below, above) in std::iter::zip(ranges[..half].iter().rev(), &ranges[half..]) {
+        assert_eq!(below.attractors, above.attractors);
+        assert!((below.velocities.start + above.velocities.end).abs() < 1e-9);
+    }
+    let bistable = ranges.iter().filter(|range| range.is_bistable()).count();
+    assert!(bistable >= 2);
+    let stick_slip = [
+        AttractorKind::Equilibrium,
+        AttractorKind::Cycle(CycleKind::StickSlip),
+    ];
+    assert!(
+        ranges
+            .iter()
+            .any(|range| range.attractors == stick_slip && range.vibrates())
+    );
+    // Without damping constant friction lets a family of motions go on.
+    let law = Coulomb::new(0.4, 0.25).unwrap();
+    let ranges = vibration_ranges(&MassOnBelt::new(law, 1.0).unwrap(), 0.1..1.0).unwrap();
+    let expected = [
+        AttractorKind::Continuum,
+        AttractorKind::Cycle(CycleKind::StickSlip),
+    ];
+    assert_eq!(
+        (ranges.len(), &ranges[0].attractors[..]),
+        (1, &expected[..])
+    );
+    assert_eq!(expected[1].to_string(), "stick-slip");
+    assert_eq!(format!("{:>10}", expected[0]), " continuum");
+}
+
+#[test]
+fn loads_that_silence() {
+    // Where damping silences and where load does is the same border.
+    for (v_b, damping) in [(0.3, 0.05), (0.6, 0.02), (1.0, 0.1), (-0.6, 0.02)] {
+        let system = exponential(v_b, damping);
+        let load = silencing_load(&system).unwrap();
+        let at = system.with_load(load).unwrap();
+        assert_close(silencing_damping(&at).unwrap(), damping, 1e-9);
+        let search = along(|load| system.with_load(load), 0.1 * load..4.0 * load);
+        assert_close(search.silence().unwrap().unwrap(), load, 1e-8);
+    }
+    let of = |law: Exponential, v_b: f64, damping: f64| {
+        let system = MassOnBelt::new(law, v_b).and_then(|system| system.with_damping(damping));
+        silencing_load(&system.unwrap()).unwrap()
+    };
+    let falling = Exponential::new(0.6, 0.3, 0.4).unwrap();
+    assert_eq!(of(falling, 0.0, 0.1), f64::INFINITY);
+    assert_eq!(of(falling, 0.4, 0.0), 0.0);
+    let coulomb = |damping: f64, static_coefficient: f64| {
+        let law = Coulomb::new(static_coefficient, 0.25).unwrap();
+        silencing_load(
+            &MassOnBelt::new(law, 0.4)
+                .unwrap()
+                .with_damping(damping)
+                .unwrap(),
+        )
+        .unwrap()
+    };
+    assert_eq!(coulomb(0.0, 0.4), 0.0);
+    assert_eq!(coulomb(0.1, 0.25), f64::INFINITY);
+    // A cycle that is born where steady sliding becomes unstable: at −2β/μ̂'(v_b).
+    let law = Polynomial::new(0.4, 0.25, 0.5).unwrap();
+    let system = MassOnBelt::new(law, 0.45)
+        .unwrap()
+        .with_damping(0.02)
+        .unwrap();
+    assert_eq!(silencing_load(&system).unwrap(), -0.04 / law.slope(0.45));
+}
+
+thread_local! {
+    /// How often a [`Counted`] law was evaluated, and breakpoints were asked for.
+    static CALLS: Cell<usize> = const { Cell::new(0) };
+    static BREAKPOINTS: Cell<usize> = const { Cell::new(0) };
+}
+
+/// A law that counts what it is asked.
+#[derive(Debug, Clone)]
+struct Counted<L>(L);
+
+impl<L: FrictionLaw> FrictionLaw for Counted<L> {
+    fn static_coefficient(&self) -> f64 {
+        self.0.static_coefficient()
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        CALLS.set(CALLS.get() + 1);
+        self.0.kinetic(speed)
+    }
+    fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
+        CALLS.set(CALLS.get() + 1);
+        self.0.kinetic_on(piece, speed)
+    }
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        let counted = |_: &f64| BREAKPOINTS.set(BREAKPOINTS.get() + 1);
+        self.0.breakpoints().inspect(counted)
+    }
+}
+
+/// The result of a search, and how often it asked the law for a coefficient and for a breakpoint.
+fn cost<L: FrictionLaw, T>(
+    law: L,
+    v_b: f64,
+    damping: f64,
+    load: f64,
+    search: impl FnOnce(&MassOnBelt<Counted<L>>) -> T,
+) -> (T, [usize; 2]) {
+    let system = MassOnBelt::new(Counted(law), v_b)
+        .and_then(|system| system.with_damping(damping)?.with_load(load))
+        .unwrap();
+    CALLS.set(0);
+    BREAKPOINTS.set(0);
+    let found = search(&system);
+    let asked = [CALLS.get(), BREAKPOINTS.get()];
+    println!("{asked:?}");
+    (found, asked)
+}
+
+/// A falling law, measured at `count` speeds up to 3 with an error of ±`scatter`.
+fn measured(count: usize, scatter: f64) -> Tabulated {
+    let mut random = Random::new(7);
+    let point = |i: usize| {
+        let speed = 3.0 * i as f64 / (count - 1) as f64;
+        let error = if i == 0 {
+            0.0
+        } else {
+            random.uniform(-scatter, scatter)
+        };
+        (speed, 0.25 + 0.15 * (-speed / 0.4).exp() + error)
+    };
+    Tabulated::new((0..count).map(point)).unwrap()
+}
+
+/// A full outline of the growth at every belt velocity took 4·10⁸.
+#[test]
+fn folds_of_scattered_points_take_a_bounded_work() {
+    let (folds, [calls, _]) = cost(measured(60, 0.004), 0.2, 0.02, 1.0, |system| {
+        fold_velocities(system, 0.05..1.5).unwrap()
+    });
+    assert!(folds.len() > 5 && folds.is_sorted());
+    assert!(calls < 100_000_000, "{calls}");
+}
+
+/// Each evaluation searched the breakpoints one by one: 10⁹ and more.
+#[test]
+fn thousands_of_points_are_not_searched_one_by_one() {
+    let (cycles, [calls, breakpoints]) = cost(measured(10_000, 0.0), 0.2, 0.02, 1.0, |system| {
+        limit_cycle::find(system).unwrap()
+    });
+    assert_eq!(cycles.len(), 1);
+    assert!(
+        calls < 20_000_000 && breakpoints < 1_000_000,
+        "{calls} {breakpoints}"
+    );
+}
+
+/// The law has fallen to nothing at v_b, so that motions neither grow nor shrink but by numbers
+/// like e^(−2000): they were followed over all their decades, with 3·10⁷ evaluations.
+#[test]
+fn growth_that_underflows_is_told_in_few_looks() {
+    let law = Exponential::new(
+        0.0968079921313783,
+        0.04642376498714029,
+        0.005762175891594119,
+    );
+    let (_, [calls, _]) = cost(law.unwrap(), 0.2776, 0.0, 10.0, |system| {
+        limit_cycle::find(system).unwrap()
+    });
+    assert!(calls < 300_000, "{calls}");
+}
+
+/// Near the amplitude at which a motion just reaches the part of the table that falls, friction is
+/// smaller than the rounding of the speed allows to know it: it was integrated with 10⁸
+/// evaluations.
+#[test]
+fn averaging_over_a_table_that_ends_below_the_belt_velocity() {
+    let points = [(0.0, 0.5), (0.15, 0.4), (0.3, 0.24), (0.58, 0.242)];
+    let law = Tabulated::new(points).unwrap();
+    let (cycles, [calls, _]) = cost(law, -0.71, 0.0, 0.066, |system| {
+        averaging::cycles(system).unwrap()
+    });
+    assert_eq!(cycles.len(), 2);
+    assert!(calls < 5_000_000, "{calls}");
+}
