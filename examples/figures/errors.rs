@@ -12,11 +12,11 @@ use super::svg::{Area, Figure, Result, svg};
 
 const CAPTION: &str = "Error of each formula against the exact cycle, for γ² = ε and β = 0.05 ε; \
     polynomial law, v_m = 0.5. The slope of a line is the order of the error; the number at its \
-    end is the slope between the last two dots, if it has settled. (a) Vibration that never sticks, v_b = 0.42, μ_s = \
-    0.4, μ_m = 0.25; errors as small as those of rounding are left out. (b) Stick-slip, v_b = 0.2, \
-    μ_s = 100.4, μ_m = 100.25, so that the mass sticks where it meets the belt, whatever ε is. The \
-    error of the corrected duration of stick changes its sign near ε = 0.06, and its slope has \
-    not settled yet.";
+    end is the slope between the last two dots, if it has settled. (a) Vibration that never \
+    sticks, v_b = 0.42, μ_s = 0.4, μ_m = 0.25; errors as small as those of rounding are left out. \
+    (b) Stick-slip, v_b = 0.2, μ_s = 100.4, μ_m = 100.25, so that the mass sticks where it meets \
+    the belt, whatever ε is. The error of the corrected duration of stick changes its sign near ε \
+    = 0.06, and its slope has not settled yet.";
 
 /// The smallest ε is 2 to minus this power.
 const HALVINGS: i32 = 10;

@@ -48,7 +48,8 @@ impl TwoInertias {
     ///
     /// ```
     /// # use stick_slip::analysis::drill_string::TwoInertias;
-    /// # let string = TwoInertias { upper: 2000.0, lower: 400.0, stiffness: 500.0, damping: 300.0 };
+    /// # let (upper, lower) = (2000.0, 400.0);
+    /// # let string = TwoInertias { upper, lower, stiffness: 500.0, damping: 300.0 };
     /// assert!(string.is_stable(0.0)); // friction that does not fall
     /// assert!(!string.is_stable(-20.0));
     /// # Ok::<(), stick_slip::Error>(())
@@ -65,7 +66,8 @@ impl TwoInertias {
     ///
     /// ```
     /// # use stick_slip::analysis::drill_string::TwoInertias;
-    /// # let string = TwoInertias { upper: 2000.0, lower: 400.0, stiffness: 500.0, damping: 300.0 };
+    /// # let (upper, lower) = (2000.0, 400.0);
+    /// # let string = TwoInertias { upper, lower, stiffness: 500.0, damping: 300.0 };
     /// assert!((string.critical_slope().unwrap() + 11.829054972953).abs() < 1e-11);
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
@@ -87,7 +89,8 @@ impl TwoInertias {
     ///
     /// ```
     /// # use stick_slip::analysis::drill_string::TwoInertias;
-    /// # let string = TwoInertias { upper: 2000.0, lower: 400.0, stiffness: 500.0, damping: 300.0 };
+    /// # let (upper, lower) = (2000.0, 400.0);
+    /// # let string = TwoInertias { upper, lower, stiffness: 500.0, damping: 300.0 };
     /// let best = TwoInertias { damping: string.best_damper(), ..string };
     /// assert!(best.critical_slope().unwrap() < string.critical_slope().unwrap());
     /// # Ok::<(), stick_slip::Error>(())

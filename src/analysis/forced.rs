@@ -172,7 +172,7 @@ impl WithoutStops {
     /// #     force: 1.0,
     /// # };
     /// # let motion = oscillator.without_stops().unwrap();
-    /// // At resonance the force leads the displacement by about a quarter of a turn; below, by less.
+    /// // Below resonance the force leads the displacement by less than a quarter of a turn.
     /// assert!(motion.phase() > 0.0 && motion.phase() < std::f64::consts::FRAC_PI_2);
     /// # Ok::<(), stick_slip::Error>(())
     /// ```

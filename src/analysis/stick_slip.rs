@@ -8,7 +8,8 @@ use crate::numerics::adaptive::{gauss, graded};
 use crate::scalar::LONGEST;
 
 /// The source paper's formulas for stick-slip, for any law: stick, then a slip arc of an undamped
-/// oscillation about ū. (The exact motion: [`limit_cycle::stick_slip`](crate::limit_cycle::stick_slip).)
+/// oscillation about ū. The exact motion is found by
+/// [`limit_cycle::stick_slip`](crate::limit_cycle::stick_slip).
 ///
 /// ```text
 /// κ    = [γ²(μ_s − μ̂(|v_b|)) − 2β|v_b|] / |v_b|      (polynomial law: η(1 − (v_b/v_m)²/3) − 2β)

@@ -337,8 +337,8 @@ impl LimitCycle {
 
     /// Floquet multiplier, dimensionless: the factor by which a small disturbance changes over one
     /// period; that of a cycle without stick is given on the page of
-    /// [`limit_cycle`](crate::limit_cycle). It is 0 for a cycle that sticks, because every motion in stick leaves from the same
-    /// release point.
+    /// [`limit_cycle`](crate::limit_cycle). It is 0 for a cycle that sticks, because every motion
+    /// in stick leaves from the same release point.
     ///
     /// ```
     /// # use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
