@@ -1,10 +1,10 @@
-//! Creep groan of a vehicle's disc brake, in physical units: kilograms, newtons per metre, newtons
-//! in; hertz, millimetres, watts out.
+//! Creep groan of a vehicle's disc brake, in SI units throughout: kilograms, newtons per metre,
+//! newtons in; hertz, millimetres, watts out.
 //!
 //! What to learn from it:
 //!
-//! * `Scaling` takes physical parameters, and a law given in m/s, to the dimensionless system and
-//!   its results back to SI units;
+//! * `PhysicalMassOnBelt` takes physical parameters, and a law given in m/s; all its results are in
+//!   SI units, too;
 //! * the damping at which steady sliding becomes stable is not the damping that silences the brake:
 //!   in between a knock starts a groan that goes on for ever. The first comes from the slope of the
 //!   law, the second from the limit cycles;
@@ -17,7 +17,7 @@
 //! Run it with `cargo run --release --example brake`.
 
 use stick_slip::analysis::design::stabilizing_damping;
-use stick_slip::{Error, LimitCycle, Physical, Scaling, Stribeck, bifurcation, limit_cycle};
+use stick_slip::{Error, LimitCycle, Physical, PhysicalMassOnBelt, Stribeck, bifurcation};
 
 /// Friction falls from 0.45 to 0.35, within some 0.05 m/s; the exponent 1 is Tustin's law.
 fn law() -> Result<Stribeck, Error> {
@@ -25,20 +25,20 @@ fn law() -> Result<Stribeck, Error> {
 }
 
 fn main() -> Result<(), Error> {
-    let brake = Physical {
+    let parameters = Physical {
         mass: 4.0,           // kg
         stiffness: 1.0e6,    // N/m
         damping: 20.0,       // N·s/m
         normal_force: 800.0, // N
         belt_velocity: 0.03, // m/s, of the disc under the pad
     };
-    let scaling = Scaling::new(brake)?;
-    let system = scaling.system(law()?)?;
+    let brake = PhysicalMassOnBelt::new(parameters, law()?)?;
     println!("brake: 4 kg on 1e6 N/m, 20 N·s/m, pressed with 800 N, disc at 0.03 m/s");
-    println!("  natural frequency  {:8.3} Hz", scaling.hertz(1.0));
+    let system = brake.dimensionless();
+    println!("  natural frequency  {:8.3} Hz", brake.scaling().hertz(1.0));
     println!("  damping ratio      {:8.5}", system.damping());
-    if let Some(steady) = system.equilibrium() {
-        let deflection = 1e3 * scaling.metres(steady.displacement);
+    if let Some(steady) = brake.equilibrium() {
+        let deflection = 1e3 * steady.displacement;
         println!(
             "  steady sliding     {deflection:8.3} mm deflection, {}",
             steady.stability
@@ -46,23 +46,27 @@ fn main() -> Result<(), Error> {
     }
 
     println!("\nit settles to:");
-    for cycle in limit_cycle::find(&system)?.stable() {
-        describe(&scaling, cycle);
+    for cycle in brake.cycles()?.stable() {
+        describe(cycle);
     }
 
     // Damping. Steady sliding becomes stable at C1, and the stick-slip motion dies at C2 only.
-    let stable = stabilizing_damping(&system).unwrap_or(0.0);
-    let silent = bifurcation::silencing_damping(&system)?;
+    let stable = stabilizing_damping(system).unwrap_or(0.0);
+    let stable = brake.scaling().damping_constant(stable);
+    let silent = brake.silencing_damping()?;
     println!("\ndamping constant above which, at this speed,");
-    for (what, damping) in [
+    for (what, constant) in [
         ("steady sliding is stable", stable),
         ("no groan can last", silent),
     ] {
-        let constant = scaling.damping_constant(damping);
         println!("  {what:<26}  {constant:8.2} N·s/m");
     }
     for (what, factor) in [("1 % more than that", 1.01), ("1 % less", 0.99)] {
-        let cycles = limit_cycle::find(&system.with_damping(factor * silent)?)?;
+        let damped = Physical {
+            damping: factor * silent,
+            ..parameters
+        };
+        let cycles = PhysicalMassOnBelt::new(damped, law()?)?.cycles()?;
         let sounds = if cycles.is_empty() {
             "silent"
         } else {
@@ -72,41 +76,36 @@ fn main() -> Result<(), Error> {
     }
 
     // Speed. The same two limits, with the damping that the brake has.
-    let fast = scaling.dimensionless_velocity(2.0);
     println!("\ndisc speed above which, with its own damping,");
-    for velocity in bifurcation::hopf_velocities(&system, 0.0..fast)? {
-        println!(
-            "  steady sliding is stable    {:8.4} m/s",
-            scaling.metres_per_second(velocity)
-        );
+    for velocity in brake.velocities(bifurcation::hopf_velocities, 0.0..2.0)? {
+        println!("  steady sliding is stable    {velocity:8.4} m/s");
     }
-    for velocity in bifurcation::grazing_velocities(&system, 0.1..fast)? {
-        println!(
-            "  no groan can last           {:8.4} m/s",
-            scaling.metres_per_second(velocity)
-        );
+    for velocity in brake.velocities(bifurcation::grazing_velocities, 0.01..2.0)? {
+        println!("  no groan can last           {velocity:8.4} m/s");
     }
     Ok(())
 }
 
-fn describe(scaling: &Scaling, cycle: &LimitCycle) {
-    let heat = scaling.watts(cycle.energy().friction_loss / cycle.period());
+fn describe(cycle: &LimitCycle) {
     println!("  {}", cycle.kind());
-    println!(
-        "    frequency        {:8.3} Hz",
-        scaling.hertz(cycle.frequency())
-    );
+    println!("    frequency        {:8.3} Hz", 1.0 / cycle.period());
     println!(
         "    sticking         {:8.3} % of the time",
         100.0 * cycle.stick_duration() / cycle.period()
     );
+    println!("    amplitude        {:8.4} mm", 1e3 * cycle.amplitude());
     println!(
-        "    amplitude        {:8.4} mm",
-        1e3 * scaling.metres(cycle.amplitude())
+        "    rms velocity     {:8.3} mm/s",
+        1e3 * cycle.rms_velocity()
+    );
+    println!(
+        "    peak acceleration{:8.3} m/s²",
+        cycle.peak_acceleration()
     );
     println!(
         "    largest speed    {:8.4} m/s backwards",
-        -scaling.metres_per_second(cycle.min_velocity())
+        -cycle.min_velocity()
     );
+    let heat = cycle.energy().friction_loss / cycle.period();
     println!("    heat in the pad  {heat:8.4} W");
 }

@@ -15,15 +15,39 @@
 //! `cargo run --release --example measured_law -- my.csv`.
 
 use std::error::Error;
+use std::process::ExitCode;
 
-use stick_slip::{FrictionLaw, Physical, Scaling, Tabulated, bifurcation, limit_cycle};
+use stick_slip::{
+    Error as LawError, FrictionLaw, Physical, Scaling, Tabulated, bifurcation, limit_cycle,
+};
 
 const SAMPLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/friction.csv");
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).unwrap_or_else(|| SAMPLE.into());
-    let table = read(&std::fs::read_to_string(path)?)?;
-    let runs = table.iter().map(|(_, runs)| runs.len()).min().unwrap_or(0);
+    let text = std::fs::read_to_string(&path).map_err(|error| format!("{path}: {error}"))?;
+    let table = read(&text).map_err(|error| format!("{path}, {error}"))?;
+    let runs = table.iter().map(|row| row.runs.len()).min().unwrap_or(0);
+    // Through which points a law goes; a bad one is named by its line.
+    let law = |coefficient: &dyn Fn(&Row) -> f64| {
+        let points = table.iter().map(|row| (row.speed, coefficient(row)));
+        Tabulated::new(points).map_err(|error| match &error {
+            LawError::BadPoint { index, .. } => {
+                format!("{path}, line {}: {error}", table[*index].line)
+            }
+            _ => format!("{path}: {error}"),
+        })
+    };
     println!("{} speeds, {runs} runs", table.len());
 
     let scaling = Scaling::new(Physical {
@@ -46,16 +70,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("{name:<14} {frequency:>10} {amplitude:>10} {sticking:>10}   {stable}");
     }
     for run in 0..runs {
-        let points = table.iter().map(|(speed, runs)| (*speed, runs[run]));
         show(
             &format!("run {}", run + 1),
             &scaling,
-            Tabulated::new(points)?,
+            law(&|row| row.runs[run])?,
         )?;
     }
     let mean = |runs: &[f64]| runs.iter().sum::<f64>() / runs.len() as f64;
-    let points = table.iter().map(|(speed, runs)| (*speed, mean(runs)));
-    show("mean of runs", &scaling, Tabulated::new(points)?)
+    show("mean of runs", &scaling, law(&|row| mean(&row.runs))?)
 }
 
 fn show<L: FrictionLaw>(name: &str, scaling: &Scaling, law: L) -> Result<(), Box<dyn Error>> {
@@ -84,22 +106,33 @@ fn show<L: FrictionLaw>(name: &str, scaling: &Scaling, law: L) -> Result<(), Box
 }
 
 /// A speed, m/s, and the coefficients of all runs.
-type Row = (f64, Vec<f64>);
+struct Row {
+    line: usize,
+    speed: f64,
+    runs: Vec<f64>,
+}
 
 fn read(text: &str) -> Result<Vec<Row>, Box<dyn Error>> {
-    let lines = text.lines().map(str::trim);
+    let lines = (1..).zip(text.lines().map(str::trim));
     let rows = lines
-        .filter(|line| !line.is_empty() && !line.starts_with('#'))
+        .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'))
         .skip(1);
-    rows.map(|row| {
+    rows.map(|(line, row)| {
         let numbers: Vec<f64> = row
             .split(',')
             .map(|number| number.trim().parse())
             .collect::<Result<_, _>>()
-            .map_err(|error| format!("{row:?}: {error}"))?;
+            .map_err(|error| format!("line {line}, {row:?}: {error}"))?;
         match numbers.split_first() {
-            Some((&speed, runs)) if !runs.is_empty() => Ok((speed, runs.to_vec())),
-            _ => Err(format!("{row:?}: a speed and at least one coefficient are needed").into()),
+            Some((&speed, runs)) if !runs.is_empty() => Ok(Row {
+                line,
+                speed,
+                runs: runs.to_vec(),
+            }),
+            _ => {
+                let needed = "a speed and at least one coefficient are needed";
+                Err(format!("line {line}, {row:?}: {needed}").into())
+            }
         }
     })
     .collect()

@@ -423,9 +423,12 @@ pub enum Error {
     /// Newton's method did not come to a periodic motion.
     #[error(
         "no periodic motion was found near the guess: the best start tried, q = {:?}, v = {:?}, \
-         misses itself after {period:e} by {residual:e} of the size of a coordinate; give a guess \
-         nearer to the motion, as `settle` does after a longer transient, or a better period",
-        start.displacements, start.velocities
+         misses itself after {} by {} of the size of a coordinate; give a guess nearer to the \
+         motion, as `settle` does after a longer transient, or a better period",
+        start.displacements,
+        start.velocities,
+        Plain(*period),
+        Plain(*residual)
     )]
     NotPeriodic {
         /// Largest difference of a coordinate between start and end of the period, in units of the
@@ -439,8 +442,9 @@ pub enum Error {
 
     /// A search along a parameter was stopped, by its bound of the work or by its watcher.
     #[error(
-        "the search along {parameter} was stopped at {value:e} after {steps} steps, with {} values \
+        "the search along {parameter} was stopped at {} after {steps} steps, with {} values \
          found; raise the limit with `with_max_steps`, or go on from there",
+        Plain(*value),
         found.len()
     )]
     Stopped {

@@ -4,7 +4,7 @@ use std::borrow::Borrow;
 use std::ops::Range;
 
 use crate::belt::{Equilibrium, MassOnBelt};
-use crate::bifurcation::{self, DiagramPoint};
+use crate::bifurcation::{self, DiagramPoint, VibrationRange};
 use crate::error::Error;
 use crate::friction::{FrictionLaw, Scaled};
 use crate::limit_cycle::{self, CycleSet, LimitCycle};
@@ -195,6 +195,85 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
             *velocity *= units.velocity();
         }
         Ok(found)
+    }
+
+    /// What can happen at which belt velocity, over a range in m/s:
+    /// [`bifurcation::vibration_ranges`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`bifurcation::vibration_ranges`]; belt velocities and speeds in m/s, but the ends
+    /// of a bad range dimensionless.
+    #[doc(alias = "sweep")]
+    pub fn vibration_ranges(&self, range: Range<f64>) -> Result<Vec<VibrationRange>, Error> {
+        let range = self.scaling.dimensionless_velocities(range);
+        let mut ranges = bifurcation::vibration_ranges(&self.system, range)
+            .map_err(|error| self.in_si(error))?;
+        for VibrationRange { velocities, .. } in &mut ranges {
+            *velocities = self.scaling.metres_per_second(velocities.start)
+                ..self.scaling.metres_per_second(velocities.end);
+        }
+        Ok(ranges)
+    }
+
+    /// The least damping constant, in N·s/m, from which on no vibration lasts at the system's belt
+    /// velocity: [`bifurcation::silencing_damping`]. The system's own damping is ignored.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`bifurcation::silencing_damping`]; numbers in SI units.
+    ///
+    /// ```
+    /// # use stick_slip::{Physical, PhysicalMassOnBelt, Stribeck};
+    /// let pad = Physical {
+    ///     mass: 2.0, stiffness: 5000.0, damping: 4.0, normal_force: 20.0, belt_velocity: 0.05,
+    /// };
+    /// let law = Stribeck::new(0.4, 0.25, 0.1, 1)?;
+    /// let brake = PhysicalMassOnBelt::new(pad, law)?;
+    /// let silent = brake.silencing_damping()?; // N·s/m
+    /// let damped = PhysicalMassOnBelt::new(Physical { damping: 1.001 * silent, ..pad }, law)?;
+    /// assert!(damped.cycles()?.is_empty());
+    /// // Or press it with less.
+    /// let silent = brake.silencing_load()?; // N
+    /// let light = PhysicalMassOnBelt::new(Physical { normal_force: 0.999 * silent, ..pad }, law)?;
+    /// assert!(light.cycles()?.is_empty());
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    #[doc(alias = "squeal")]
+    pub fn silencing_damping(&self) -> Result<f64, Error> {
+        let damping = bifurcation::silencing_damping(&self.system);
+        let damping = damping.map_err(|error| self.in_si(error))?;
+        Ok(self.scaling.damping_constant(damping))
+    }
+
+    /// The normal force, in N, below which no vibration lasts at the system's belt velocity:
+    /// [`bifurcation::silencing_load`]. The system's own normal force is ignored.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`bifurcation::silencing_load`]; numbers in SI units.
+    #[doc(alias = "squeal")]
+    pub fn silencing_load(&self) -> Result<f64, Error> {
+        let load = bifurcation::silencing_load(&self.system);
+        let load = load.map_err(|error| self.in_si(error))?;
+        Ok(self.scaling.newtons(load))
+    }
+
+    /// An error of the dimensionless system in SI units.
+    fn in_si(&self, error: Error) -> Error {
+        match error.in_units(self.scaling.units()) {
+            Error::At {
+                parameter: parameter @ "damping",
+                value,
+                source,
+            } => source.at(parameter, self.scaling.damping_constant(value)),
+            Error::At {
+                parameter: "load",
+                value,
+                source,
+            } => source.at("normal_force", self.scaling.newtons(value)),
+            other => other,
+        }
     }
 
     /// Equilibrium and periodic motions at each of a list of belt velocities in m/s:

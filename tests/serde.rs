@@ -128,7 +128,7 @@ fn reading_contact_laws_checks_what_constructors_check() {
     let dwell = |form: &str, rest: &str| format!(r#"{{"{form}":{{{law},{rest}}}}}"#);
     for form in ["exponential", "hyperbolic"] {
         let text = dwell(form, r#""limit":0.4,"time":1"#);
-        refused::<Dwell<Coulomb>>(&text, "limit = 4e-1 is not allowed");
+        refused::<Dwell<Coulomb>>(&text, "limit = 0.4 is not allowed");
         refused::<Dwell<Coulomb>>(&dwell(form, r#""limit":0.6,"time":0"#), "time");
         refused::<Dwell<Coulomb>>(&dwell(form, r#""rate":0.6,"time":1"#), "unknown field");
     }

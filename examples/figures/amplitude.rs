@@ -158,7 +158,7 @@ pub(crate) fn fig6() -> Result<Figure> {
         let key = [
             (STICK_SLIP, "stick-slip, exact"),
             (PURE_SLIP, "pure slip, exact"),
-            (BY_PAPER, "Eqs. 15 and 18"),
+            (BY_PAPER, "paper, Eqs. 15 and 18"),
             (CORRECTED, "corrected"),
         ];
         let views: [(_, _, &[_], &[_]); 2] = [
@@ -246,13 +246,18 @@ fn beside_sliding(
     for branch in branches(&system, &borders)? {
         panel.line(&branch.points, branch.stroke())?;
     }
+    // On a slow belt the two lie so close together that they look like one.
+    if let ([first, _], [grazing, _]) = (&hopf[..], &grazing[..]) {
+        let middle = 0.5 * (first + grazing);
+        panel.label("Hopf, grazing", (middle, 0.75), (5.0, 0.0), GREY)?;
+    }
     if folds.is_empty() {
         let rows = [
             (STICK_SLIP, "stick-slip"),
             (PURE_SLIP, "pure slip"),
-            (UNSTABLE_PURE_SLIP, "unstable"),
+            (UNSTABLE_PURE_SLIP, "pure slip, unstable"),
             (SLIDING, "steady sliding"),
-            (UNSTABLE_SLIDING, "unstable"),
+            (UNSTABLE_SLIDING, "steady sliding, unstable"),
         ];
         panel.key((0.04, 0.05), &rows)?;
     }

@@ -12,10 +12,11 @@ use super::svg::{Area, Figure, Result, svg};
 
 const CAPTION: &str = "Error of each formula against the exact cycle, for γ² = ε and β = 0.05 ε; \
     polynomial law, v_m = 0.5. The slope of a line is the order of the error; the number at its \
-    end is the slope between the last two dots. (a) Vibration that never sticks, v_b = 0.42, μ_s = \
-    0.4, μ_m = 0.25; errors as small as those of rounding are left out. (b) Stick-slip, v_b = 0.2, \
-    μ_s = 100.4, μ_m = 100.25, so that the mass sticks where it meets the belt, whatever ε is. The \
-    error of the corrected duration of stick changes its sign near ε = 0.06.";
+    end is the slope between the last two dots, if it has settled. (a) Vibration that never \
+    sticks, v_b = 0.42, μ_s = 0.4, μ_m = 0.25; errors as small as those of rounding are left out. \
+    (b) Stick-slip, v_b = 0.2, μ_s = 100.4, μ_m = 100.25, so that the mass sticks where it meets \
+    the belt, whatever ε is. The error of the corrected duration of stick changes its sign near ε \
+    = 0.06, and its slope has not settled yet.";
 
 /// The smallest ε is 2 to minus this power.
 const HALVINGS: i32 = 10;
@@ -140,7 +141,7 @@ pub(crate) fn errors() -> Result<Figure> {
         let law = Polynomial::new(0.4, 0.25, 0.5)?;
         panel(
             &halves[0],
-            "(a)  pure slip",
+            "(a)  pure slip; formula: slope",
             law,
             0.42,
             &PURE_SLIP,
@@ -149,7 +150,7 @@ pub(crate) fn errors() -> Result<Figure> {
         let law = Polynomial::new(100.4, 100.25, 0.5)?;
         panel(
             &halves[1],
-            "(b)  stick-slip",
+            "(b)  stick-slip; formula: slope",
             law,
             0.2,
             &STICK_SLIP,
@@ -194,8 +195,13 @@ fn panel(
         panel.line(&points, Stroke::solid(formula.colour, 2.0))?;
         panel.dots(&points, 2.5, formula.colour)?;
         if let [.., (x1, y1), (x2, y2)] = points[..] {
+            // Orders are multiples of 1/2.
             let slope = (y1 - y2) / (x1 - x2);
-            let text = format!("{}: {slope:.2}", formula.name);
+            let text = if (2.0 * slope - (2.0 * slope).round()).abs() < 0.05 {
+                format!("{}: {slope:.2}", formula.name)
+            } else {
+                formula.name.to_string()
+            };
             panel.label(&text, (x2, y2), formula.shift, formula.colour)?;
         }
     }

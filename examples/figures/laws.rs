@@ -32,7 +32,7 @@ pub(crate) fn polynomial() -> Result<Figure> {
             }
             panel.line(&[(v_m, -0.7), (v_m, 0.25)], THIN)?;
             panel.label("v_m", (v_m, -0.7), (8.0, -12.0), BLACK)?;
-            odd(&mut panel, &law, 0.85)?;
+            odd(&mut panel, &law, 0.85, (0.04, 0.06))?;
             panel.finish()?;
         }
         Ok(())
@@ -60,7 +60,7 @@ pub(crate) fn exponential() -> Result<Figure> {
             panel.line(&[(-1.5, y), (1.5, y)], THIN)?;
             panel.label(text, (-1.5, y), (8.0, -10.0), BLACK)?;
         }
-        odd(&mut panel, &law, 1.5)?;
+        odd(&mut panel, &law, 1.5, (0.62, 0.78))?;
         panel.finish()?;
 
         let axes = [
@@ -94,7 +94,7 @@ pub(crate) fn exponential() -> Result<Figure> {
 }
 
 /// A law on both sides of zero: it slips, and sticks in between.
-fn odd<L: FrictionLaw>(panel: &mut Panel, law: &L, end: f64) -> Result<()> {
+fn odd<L: FrictionLaw>(panel: &mut Panel, law: &L, end: f64, key: Point) -> Result<()> {
     let slip = Stroke::solid(BLUE, 2.5);
     let stick = Stroke::solid(VERMILLION, 2.5);
     for side in [-1.0, 1.0] {
@@ -104,7 +104,7 @@ fn odd<L: FrictionLaw>(panel: &mut Panel, law: &L, end: f64) -> Result<()> {
     }
     let mu_s = law.static_coefficient();
     panel.line(&[(0.0, -mu_s), (0.0, mu_s)], stick)?;
-    panel.key((0.04, 0.06), &[(slip, "slip"), (stick, "stick")])
+    panel.key(key, &[(slip, "slip"), (stick, "stick")])
 }
 
 fn curve(start: f64, end: f64, f: impl Fn(f64) -> f64) -> Vec<Point> {

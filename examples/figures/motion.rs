@@ -17,7 +17,7 @@ const SLIP: Stroke = Stroke::solid(BLUE, 2.0);
 const STICK: Stroke = Stroke::solid(VERMILLION, 3.0);
 const TRANSIENT: Stroke = Stroke::solid(SKY, 1.0);
 /// Width over height of the phase plane, so that both axes have the same scale.
-const ASPECT: f64 = 342.0 / 374.0;
+const ASPECT: f64 = 342.0 / 368.0;
 const BELT: Stroke = Stroke::dashed(GREY, 1.0, [3, 3]);
 
 const FIG4: &str = "Fig. 4. From rest to vibration that never sticks: polynomial law, γ² = 1, v_m \

@@ -31,6 +31,9 @@ const STICK_SLIP: RGBColor = pale(SKY, 0.35);
 const HOPF: Stroke = Stroke::solid(BLACK, 2.0);
 const GRAZING: Stroke = Stroke::solid(BLUE, 2.0);
 const OVERTAKING: Stroke = Stroke::solid(PURPLE, 2.0);
+/// Upper left corner of the keys, in fractions of the frame.
+const KEY: Point = (0.58, 0.13);
+
 const FOLD: Stroke = Stroke::solid(GREEN, 2.0);
 
 pub(crate) fn regimes() -> Result<Figure> {
@@ -69,7 +72,7 @@ fn polynomial(area: &Area) -> Result<()> {
 
     let axes = [
         Axis::new(BELT_VELOCITY, range.clone(), 1),
-        Axis::new(DAMPING, 0.0..0.036, 2),
+        Axis::new(DAMPING, 0.0..0.042, 2),
     ];
     let mut panel = Panel::new(area, "(a)  polynomial law", axes)?;
     for (border, colour, stroke) in [
@@ -81,8 +84,18 @@ fn polynomial(area: &Area) -> Result<()> {
         panel.polygon(border, colour)?;
         panel.line(border, stroke)?;
     }
+    let law = "μ_s = 0.4,  μ_m = 0.1,  v_m = 1,  γ² = 0.15";
+    panel.label(law, (0.0, 0.0402), (8.0, 0.0), BLACK)?;
+    panel.key(
+        KEY,
+        &[
+            (HOPF, "Hopf"),
+            (GRAZING, "grazing"),
+            (OVERTAKING, "overtaking"),
+        ],
+    )?;
     for (text, place) in [
-        ("steady sliding", (0.85, 0.027)),
+        ("steady sliding", (0.9, 0.028)),
         ("stick-slip", (0.25, 0.023)),
         ("overshoot", (0.46, 0.0125)),
         ("crossing", (0.58, 0.0025)),
@@ -130,7 +143,7 @@ fn exponential(area: &Area) -> Result<()> {
 
     let axes = [
         Axis::new(BELT_VELOCITY, 0.0..1.4, 1),
-        Axis::new(DAMPING, 0.0..0.34, 2),
+        Axis::new(DAMPING, 0.0..0.4, 2),
     ];
     let mut panel = Panel::new(area, "(b)  exponential law", axes)?;
     panel.polygon(&vibrating, PURE_SLIP)?;
@@ -140,6 +153,16 @@ fn exponential(area: &Area) -> Result<()> {
     panel.line(&or_pure_slip, FOLD)?;
     panel.line(&vibrating, HOPF)?;
     panel.line(&sticking, GRAZING)?;
+    let law = "μ_s = 0.6,  μ_k = 0.3,  v_s = 0.4,  γ² = 1";
+    panel.label(law, (0.0, 0.383), (8.0, 0.0), BLACK)?;
+    panel.key(
+        KEY,
+        &[
+            (HOPF, "Hopf"),
+            (GRAZING, "grazing"),
+            (FOLD, "fold of pure slip"),
+        ],
+    )?;
     panel.label("stick-slip", (0.35, 0.09), (0.0, 0.0), BLACK)?;
     panel.label("steady sliding", (1.12, 0.032), (0.0, -8.0), BLACK)?;
     panel.label("or stick-slip", (1.12, 0.032), (0.0, 8.0), BLACK)?;

@@ -8,7 +8,8 @@ use crate::numerics::adaptive::{gauss, graded};
 use crate::scalar::LONGEST;
 
 /// The source paper's formulas for stick-slip, for any law: stick, then a slip arc of an undamped
-/// oscillation about ū.
+/// oscillation about ū. The exact motion is found by
+/// [`limit_cycle::stick_slip`](crate::limit_cycle::stick_slip).
 ///
 /// ```text
 /// κ    = [γ²(μ_s − μ̂(|v_b|)) − 2β|v_b|] / |v_b|      (polynomial law: η(1 − (v_b/v_m)²/3) − 2β)
@@ -102,6 +103,17 @@ impl StickSlip {
     /// of |v_b|. Dimensionless, exact.
     ///
     /// Source: before Eq. 18.
+    ///
+    /// ```
+    /// # use stick_slip::analysis::StickSlip;
+    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
+    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
+    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
+    /// # let formulas = StickSlip::new(&system).unwrap();
+    /// // (γ²(μ_s − μ̂(0.2)) − 2β·0.2)/0.2
+    /// assert!((formulas.kappa() - 0.326).abs() < 1e-15);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
     pub fn kappa(&self) -> f64 {
         self.kappa
     }
@@ -110,6 +122,16 @@ impl StickSlip {
     /// ū − u_min or for half the range of u.
     ///
     /// Source: Eq. 18.
+    ///
+    /// ```
+    /// # use stick_slip::analysis::StickSlip;
+    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
+    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
+    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
+    /// # let formulas = StickSlip::new(&system).unwrap();
+    /// assert!((formulas.amplitude() - 0.2103593117).abs() < 1e-10); // exact: 0.28621
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
     pub fn amplitude(&self) -> f64 {
         self.belt_velocity.abs() * self.kappa.hypot(1.0)
     }
@@ -118,6 +140,18 @@ impl StickSlip {
     /// largest speed is |v_b|, exactly.) Dimensionless, error O(ε).
     ///
     /// Source: Eq. 17.
+    ///
+    /// ```
+    /// # use stick_slip::analysis::StickSlip;
+    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
+    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
+    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
+    /// # let formulas = StickSlip::new(&system).unwrap();
+    /// let cycle = limit_cycle::stick_slip(&system)?.unwrap();
+    /// assert_eq!(formulas.velocity_amplitude(), formulas.amplitude());
+    /// assert!((-cycle.min_velocity() - 0.28610).abs() < 1e-5); // much more
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
     pub fn velocity_amplitude(&self) -> f64 {
         self.amplitude()
     }
@@ -125,6 +159,16 @@ impl StickSlip {
     /// Duration of stick, 2κ, dimensionless. Error O(ε^{1/2}).
     ///
     /// Source: Eqs. 16-18.
+    ///
+    /// ```
+    /// # use stick_slip::analysis::StickSlip;
+    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
+    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
+    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
+    /// # let formulas = StickSlip::new(&system).unwrap();
+    /// assert!((formulas.stick_duration() - 0.652).abs() < 1e-15); // exact: 1.62956
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
     pub fn stick_duration(&self) -> f64 {
         2.0 * self.kappa
     }
@@ -132,6 +176,16 @@ impl StickSlip {
     /// Duration of slip, 2π − 2 atan κ, dimensionless. Error O(ε^{1/2}).
     ///
     /// Source: Eqs. 16-18.
+    ///
+    /// ```
+    /// # use stick_slip::analysis::StickSlip;
+    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
+    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
+    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
+    /// # let formulas = StickSlip::new(&system).unwrap();
+    /// assert!((formulas.slip_duration() - 5.6529131095).abs() < 1e-10); // exact: 5.16986
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
     pub fn slip_duration(&self) -> f64 {
         TAU - 2.0 * self.kappa.atan()
     }
@@ -139,6 +193,16 @@ impl StickSlip {
     /// Period T = 2π + 2(κ − atan κ), dimensionless. Error O(ε^{3/2}).
     ///
     /// Source: after Eq. 18.
+    ///
+    /// ```
+    /// # use stick_slip::analysis::StickSlip;
+    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
+    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
+    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
+    /// # let formulas = StickSlip::new(&system).unwrap();
+    /// assert!((formulas.period() - 6.3049131095).abs() < 1e-10); // exact: 6.79942
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
     pub fn period(&self) -> f64 {
         self.stick_duration() + self.slip_duration()
     }
@@ -146,6 +210,16 @@ impl StickSlip {
     /// Angular frequency ω_ss = 2π/T, dimensionless (in units of ω0). Error O(ε^{3/2}).
     ///
     /// Source: after Eq. 18.
+    ///
+    /// ```
+    /// # use stick_slip::analysis::StickSlip;
+    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
+    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
+    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
+    /// # let formulas = StickSlip::new(&system).unwrap();
+    /// assert!((formulas.frequency() - 0.99655383).abs() < 1e-8); // exact: 0.92408
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
     pub fn frequency(&self) -> f64 {
         TAU / self.period()
     }
@@ -161,6 +235,19 @@ impl StickSlip {
     /// * if W1 ≤ 0, which is |v_b| ≥ v_b0 for the polynomial law;
     /// * if the mass would overtake the belt (see [`second_order`](Self::second_order));
     /// * if the formulas give a slip phase that ends before it begins (W1 ≥ 2π²).
+    ///
+    /// ```
+    /// # use stick_slip::analysis::StickSlip;
+    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
+    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
+    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
+    /// # let formulas = StickSlip::new(&system).unwrap();
+    /// let cycle = limit_cycle::stick_slip(&system)?.unwrap();
+    /// let formula = formulas.first_order().unwrap();
+    /// assert!((formula.u_max - cycle.max_displacement()).abs() < 2e-3);
+    /// assert!((formula.slip - 5.16986).abs() < 0.2);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
     pub fn first_order(&self) -> Option<StickSlipCycle> {
         let cubic = self.cubic?;
         self.on_belt(&cubic, cubic.first_order()?)
@@ -170,6 +257,19 @@ impl StickSlip {
     ///
     /// `None` if [`first_order`](Self::first_order) is; if W1 + W2 ≤ 0; and if |v_b|·stick >
     /// 2γ²μ_s, where the mass would meet the belt beyond the stick band and overtake it.
+    ///
+    /// ```
+    /// # use stick_slip::analysis::StickSlip;
+    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
+    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
+    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
+    /// # let formulas = StickSlip::new(&system).unwrap();
+    /// let cycle = limit_cycle::stick_slip(&system)?.unwrap();
+    /// let formula = formulas.second_order().unwrap();
+    /// assert!((formula.u_max - cycle.max_displacement()).abs() < 2e-4);
+    /// assert!((formula.slip - 5.16986).abs() < 0.05);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
     pub fn second_order(&self) -> Option<StickSlipCycle> {
         let cubic = self.cubic?;
         self.on_belt(&cubic, cubic.second_order()?)

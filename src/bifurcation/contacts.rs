@@ -23,6 +23,9 @@ use crate::numerics::scan::sign_changes;
 /// which a root may hide into up to 2¹⁰ parts. If the range is a thousand times wider than the part
 /// in which the system vibrates, nothing may be found: take a narrower one.
 ///
+/// Source: sliding bifurcations, di Bernardo, Budd, Champneys and Kowalczyk, *Piecewise-smooth
+/// Dynamical Systems* (Springer 2008), chapter 8.
+///
 /// # Errors
 ///
 /// [`Error::InvalidParameter`] unless the range is finite and not empty; else [`Error::At`], with

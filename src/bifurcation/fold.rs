@@ -37,6 +37,9 @@ const REACH: f64 = 2.0;
 /// parts. Each turning point is followed into the fold from both sides, so that every velocity
 /// returned is one at which cycles meet.
 ///
+/// Source: saddle-node bifurcations of maps, Guckenheimer and Holmes, *Nonlinear Oscillations,
+/// Dynamical Systems, and Bifurcations of Vector Fields* (Springer 1983), section 3.5.
+///
 /// # Errors
 ///
 /// Those of [`grazing_velocities`](super::grazing_velocities).

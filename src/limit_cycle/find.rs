@@ -12,7 +12,10 @@ use crate::friction::FrictionLaw;
 /// The periodic motion through the release point, of either kind that sticks; `None` if the motion
 /// from that point never comes back to it, and at v_b = 0.
 ///
-/// Takes one slip arc for plain stick-slip and two for overshoot.
+/// It is a [`CycleKind::StickSlip`] or, if the mass overtakes the belt before it sticks, a
+/// [`CycleKind::Overshoot`]: ask its [`kind`](LimitCycle::kind). Takes one slip arc for the first
+/// and two for the second. The closed formulas for such motions are
+/// [`analysis::StickSlip`](crate::analysis::StickSlip).
 ///
 /// # Errors
 ///
@@ -47,6 +50,10 @@ pub fn stick_slip<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Option<Limit
 }
 
 /// All isolated periodic motions, stable and unstable, for any v_b.
+///
+/// Source: return maps between a planar flow's crossings of a line (Guckenheimer and Holmes,
+/// *Nonlinear Oscillations, Dynamical Systems, and Bifurcations of Vector Fields*, Springer 1983,
+/// section 1.5); [what is guaranteed](crate::limit_cycle#what-is-guaranteed).
 ///
 /// # Errors
 ///

@@ -129,7 +129,7 @@ impl LimitCycle {
     fn differentiated_harmonics(&self, n: usize, times: i32) -> Vec<Complex<f64>> {
         let mut harmonics = self.harmonics(n);
         for (k, amplitude) in (1..).zip(&mut harmonics) {
-            *amplitude *= Complex::new(0.0, k as f64 * self.frequency()).powi(times);
+            *amplitude *= Complex::new(0.0, f64::from(k) * self.frequency()).powi(times);
         }
         harmonics
     }

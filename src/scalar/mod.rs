@@ -32,7 +32,15 @@ mod sealed {
 ///
 /// The other operand of `+`, `-`, `*` and `/` is a number of the same type, or an `f64` on the
 /// **right**, as in `speed * 3.0 + 1.0`. Rust does not allow an `f64` on the left of a generic
-/// number, so write `speed.recip()` or `speed.constant(1.0) / speed` for 1/s.
+/// number, so write `speed.recip()` or `speed.constant(1.0) / speed` for 1/s, and `speed * 0.1` for
+/// 0.1·s. The other way round the compiler says "cannot multiply `{float}` by `S`":
+///
+/// ```compile_fail,E0277
+/// # use stick_slip::Scalar;
+/// fn kinetic<S: Scalar>(speed: S) -> S {
+///     0.1 * speed
+/// }
+/// ```
 ///
 /// # Rules for a law
 ///
@@ -63,9 +71,7 @@ mod sealed {
 /// ```
 #[diagnostic::on_unimplemented(
     message = "a friction law cannot be evaluated on `{Self}`",
-    note = "give the speed as an `f64`, as in `law.kinetic(0.5)`",
-    note = "in a law of your own, an `f64` stands on the right of `+`, `-`, `*` and `/`: \
-            `speed * 0.1`, not `0.1 * speed`; for a constant write `speed.constant(0.1)`"
+    note = "give the speed as an `f64`, as in `law.kinetic(0.5)`"
 )]
 pub trait Scalar:
     sealed::Sealed

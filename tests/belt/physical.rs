@@ -175,6 +175,32 @@ fn velocities_and_diagrams_are_in_metres_per_second() {
 }
 
 #[test]
+fn what_silences_the_brake_is_in_si_units() {
+    let brake = brake();
+    let (scaling, system) = (brake.scaling(), brake.dimensionless());
+    let damping = bifurcation::silencing_damping(system).unwrap();
+    assert_relative_eq!(
+        brake.silencing_damping().unwrap(),
+        2.0 * damping * (PAD.stiffness * PAD.mass).sqrt(),
+        max_relative = 1e-14
+    );
+    // γ² = 1 stands for the force that it has.
+    let load = bifurcation::silencing_load(system).unwrap();
+    let force = brake.silencing_load().unwrap();
+    assert_relative_eq!(force, load * PAD.normal_force, max_relative = 1e-14);
+
+    let ranges = brake.vibration_ranges(0.01..1.0).unwrap();
+    let bare = bifurcation::vibration_ranges(system, scaling.dimensionless_velocities(0.01..1.0));
+    for (si, plain) in ranges.iter().zip(bare.unwrap()) {
+        assert_eq!(si.attractors, plain.attractors);
+        assert_relative_eq!(si.velocities.end, 0.2 * plain.velocities.end);
+    }
+    assert!(ranges.iter().any(|range| range.vibrates()));
+    // Beyond the largest border nothing vibrates.
+    assert!(!ranges.last().unwrap().vibrates());
+}
+
+#[test]
 fn errors_are_in_si_units() {
     // A table whose breakpoint lies at 0.1 m/s and jumps nowhere; a bad start and a bad duration.
     let law = Tabulated::new([(0.0, 0.4), (0.1, 0.3), (0.3, 0.25)]).unwrap();
