@@ -9,4 +9,5 @@ mod common;
 #[path = "../structures/reading.rs"]
 mod reading;
 
+mod dwell;
 mod references;
