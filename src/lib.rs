@@ -177,9 +177,10 @@
 //!   [`ContactLaw`] of your own), and a belt enters a structure by `Structure::from`.
 //! * **Stiffness.** One mass on a belt is followed even where the system is stiff (large β or
 //!   γ²·dμ̂/ds, as for the cubic law far above its minimum), up to D = 2β + γ²·dμ̂/ds of about
-//!   1e20. Far beyond, numbers overflow. A [`Structure`] is followed by explicit steps only, which
-//!   become short where it is stiff. What cannot be followed ends in [`Error::StepUnderflow`] or
-//!   [`Error::TooManySteps`].
+//!   1e20. Far beyond, numbers overflow. A [`Structure`] is followed by such series where
+//!   bristles, or another memory of one number, are stiff, whatever their stiffness (tried up to σ0
+//!   = 1e12); else by explicit steps, which become short where it is stiff. What cannot be followed
+//!   ends in [`Error::StepUnderflow`] or [`Error::TooManySteps`].
 //! * **Analytic laws.** A law is analytic, at s = 0 too, or it is so in pieces that meet at
 //!   [breakpoints](FrictionLaw::breakpoints).
 //! * **Narrow bumps.** A bump in the law that is narrower than

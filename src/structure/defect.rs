@@ -104,8 +104,14 @@ impl<L: ContactLaw<Z>, const Z: usize> Joint<'_, L, Z> {
             std::iter::zip(&self.memories, rates).all(|(series, rate)| {
                 let scale = series[0].abs().max(series[1].abs() * h);
                 let missing = (series.derivative().at(time) - rate).abs();
-                let allowance =
-                    Allowance::new(f64::EPSILON * scale, rate.abs().max(series[1].abs()));
+                let largest = rate.abs().max(series[1].abs());
+                // What is missing on a slow motion moves it aside by as much divided by D.
+                let (largest, h) = if self.relaxation > 0.0 {
+                    (self.relaxation * scale, self.relaxation.recip())
+                } else {
+                    (largest, h)
+                };
+                let allowance = Allowance::new(f64::EPSILON * scale, largest);
                 allowance.accepts([missing; 3], h)
             })
         })

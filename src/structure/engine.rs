@@ -194,6 +194,7 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Engine<'s, L, Z> {
             for (memory, series) in std::iter::zip(&mut joint.memory, &joint.memories) {
                 *memory = series.at(h);
             }
+            joint.relaxation = 0.0;
             (joint.edge, joint.load_edge) = (Edge::Away, Edge::Away);
             (joint.fresh, joint.arrived_from) = (false, None);
             let is_behind = joint.direction().is_some() && body.speed <= 0.0;

@@ -190,15 +190,42 @@ impl Course {
 }
 
 impl<L: ContactLaw<Z>, const Z: usize> super::parts::Joint<'_, L, Z> {
-    /// Coefficient k of Nσμ/m in slip, and k + 1 of the memory.
+    /// Coefficient k of Nσμ/m in slip, and k + 1 of the memory; on the slow motion k of the memory,
+    /// from k + 1 of the pass before.
     #[inline(always)]
     fn slip_order(&mut self, k: usize, speed: f64, direction: f64) -> f64 {
-        let (law, piece) = (self.contact.law(), self.piece);
-        if k == 0 {
+        let mut corrects = Z == 1 && self.relaxation > 0.0;
+        if k == 0 && !corrects {
             self.remember();
         }
-        let memories = &self.memories;
-        let (coefficient, slope, rates) = self.tape.run(k, |run| {
+        let coefficient = loop {
+            let (coefficient, slope, rates) = self.run_law(k, speed, direction);
+            self.slope = slope;
+            if Z != 1 || self.relaxation == 0.0 {
+                self.set_memories(k, rates);
+            } else if corrects {
+                corrects = false;
+                for (series, rate) in std::iter::zip(&mut self.memories, rates) {
+                    series[k] += (rate - (k + 1) as f64 * series[k + 1]) / self.relaxation;
+                }
+                continue;
+            }
+            break coefficient;
+        };
+        self.friction[k] = coefficient;
+        if self.load_varies {
+            (0..=k).map(|l| self.load[l] * self.friction[k - l]).sum()
+        } else {
+            self.load[0] * coefficient
+        }
+    }
+
+    /// Coefficient k of σμ, the slope ∂(σμ)/∂s at the start, and coefficient k of the rates of the
+    /// memory in slip.
+    #[inline(always)]
+    fn run_law(&mut self, k: usize, speed: f64, direction: f64) -> (f64, f64, [f64; Z]) {
+        let (law, piece, memories) = (self.contact.law(), self.piece, &self.memories);
+        self.tape.run(k, |run| {
             let slip = Slip {
                 speed: run.variable(speed),
                 direction,
@@ -209,15 +236,7 @@ impl<L: ContactLaw<Z>, const Z: usize> super::parts::Joint<'_, L, Z> {
             let rates = law.rates(Motion::Slip(slip), memory);
             let rates = rates.map(|rate| rate.coefficient());
             (coefficient.coefficient(), coefficient.derivative(), rates)
-        });
-        self.slope = slope;
-        self.set_memories(k, rates);
-        self.friction[k] = coefficient;
-        if self.load_varies {
-            (0..=k).map(|l| self.load[l] * self.friction[k - l]).sum()
-        } else {
-            self.load[0] * coefficient
-        }
+        })
     }
 
     /// Coefficient k of the bound N μ_s/m in stick, and k + 1 of the memory.

@@ -11,6 +11,7 @@
 //! | `model.rs`, `parts.rs` | what is constant; what is known of each coordinate and contact |
 //! | `expansion.rs` | the power series of all coordinates, order by order |
 //! | `settle.rs` | how long a step is, and which events end it at one time |
+//! | `slow.rs` | the slow motion of stiff bristles |
 //! | `defect.rs` | whether the series hold between their coefficients |
 //! | `decide.rs` | which contacts slip, stick or open after an event |
 //! | `flow.rs`, `step.rs` | steps one after the other, as values |
@@ -26,6 +27,7 @@ mod parts;
 #[cfg(feature = "serde")]
 mod read;
 mod settle;
+mod slow;
 pub(crate) mod sparse;
 mod steady;
 mod step;

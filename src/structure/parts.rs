@@ -127,6 +127,8 @@ pub(super) struct Joint<'s, L, const Z: usize> {
     /// The memory at that moment.
     pub(super) memory_on_arrival: [f64; Z],
     pub(super) memories: [PowerSeries; Z],
+    /// D, at which the memory relaxes, where its series is that of the slow motion; else 0.
+    pub(super) relaxation: f64,
     /// N/m.
     pub(super) load: PowerSeries,
     /// Its part that is given in time.
@@ -167,6 +169,7 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Joint<'s, L, Z> {
             memory,
             memory_on_arrival: memory,
             memories: [PowerSeries::ZERO; Z],
+            relaxation: 0.0,
             load: series,
             drive_load: series,
             load_varies: !contact.load().is_constant() || !contact.load_gradient().is_empty(),

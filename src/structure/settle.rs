@@ -27,7 +27,8 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
         if !self.is_finite() {
             return Err(self.underflow(0.0));
         }
-        let (allowances, reach) = self.reach();
+        let explicit = self.reach();
+        let (allowances, reach) = self.relax(explicit);
         let elapsed = self.clock.time.abs();
         // A motion that nothing gives a length is a polynomial, and good at any time.
         let cut = reach.min(self.longest).min(LONGEST_STEP);
@@ -131,7 +132,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
 
     /// How far the last coefficients of all series stay below the error allowed, and what each
     /// coordinate is allowed.
-    fn reach(&mut self) -> (Vec<Allowance>, f64) {
+    pub(super) fn reach(&mut self) -> (Vec<Allowance>, f64) {
         let mut allowances = std::mem::take(&mut self.allowances);
         allowances.clear();
         // A mass that does not move yet is judged by how others will move it.

@@ -12,6 +12,7 @@ mod reading;
 mod bad_input;
 mod belt;
 mod derivatives;
+mod dwell;
 mod formulas;
 mod long_run;
 mod references;

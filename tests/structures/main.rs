@@ -19,5 +19,6 @@ mod plain;
 mod random;
 mod reading;
 mod steady;
+mod stiff_memory;
 mod trajectories;
 mod two_engines;
