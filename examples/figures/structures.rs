@@ -124,10 +124,11 @@ pub(crate) fn mode_coupling() -> Result<Figure> {
     svg((860, 400), COUPLING, |area| {
         let halves = area.split_evenly((1, 2));
         let panels = [
-            ("(a)  frequencies", "angular frequency", 0.9..1.8),
-            ("(b)  growth rates", "growth rate", -0.3..0.3),
+            ("(a)  frequencies", "angular frequency", 0.9..1.8, 0.45),
+            ("(b)  growth rates", "growth rate", -0.3..0.3, 0.06),
         ];
-        for (number, (half, (heading, title, range))) in halves.iter().zip(panels).enumerate() {
+        for (number, (half, (heading, title, range, down))) in halves.iter().zip(panels).enumerate()
+        {
             let (low, high) = (range.start, range.end);
             let axes = [
                 Axis::new("friction coefficient μ", 0.0..1.2, 1),
@@ -157,7 +158,7 @@ pub(crate) fn mode_coupling() -> Result<Figure> {
                     panel.line(line, stroke)?;
                 }
             }
-            panel.key((0.05, 0.06), &cases.map(|(_, stroke, name)| (stroke, name)))?;
+            panel.key((0.05, down), &cases.map(|(_, stroke, name)| (stroke, name)))?;
             panel.finish()?;
         }
         Ok(())

@@ -85,7 +85,8 @@ fn caption_has_the_exact_borders() {
 
 #[test]
 fn every_coordinate_lies_in_the_picture() {
-    for svg in [AMPLITUDE, REGIMES] {
+    let structures = ["chain", "mode_coupling"].map(|name| drawn(name).svg);
+    for svg in [AMPLITUDE, REGIMES, &structures[0], &structures[1]] {
         let size = svg
             .split_once("viewBox=\"")
             .unwrap()
