@@ -230,7 +230,7 @@ impl Integrator {
         let mut reached = self.start_time;
         let mut ended = Ended::Duration;
         for step in limited.flow(system, start)? {
-            let mut step = match step {
+            let step = match step {
                 Ok(step) => step,
                 // The motion up to the end is complete; what failed lies beyond.
                 Err(_) if !steps.is_empty() && reached == end => break,
@@ -240,25 +240,29 @@ impl Integrator {
                     break;
                 }
             };
+            // Pushed at once: a step is long, and copies cost time.
             let is_last = step.end_time() > end;
             if is_last {
-                step = step.until(end);
+                reached = end;
+                steps.push(step.until(end));
+            } else {
+                reached = step.end_time();
+                steps.push(step);
             }
             if let Some(stop) = &mut stop
-                && let Some(time) = stop(&step)
+                && let Some(step) = steps.last()
+                && let Some(time) = stop(step)
             {
                 // NaN stops at the start of the step.
-                let time = time.max(step.start_time()).min(step.end_time());
-                if time < step.end_time() {
-                    step = step.until(time);
+                reached = time.max(step.start_time()).min(step.end_time());
+                if reached < step.end_time()
+                    && let Some(step) = steps.pop()
+                {
+                    steps.push(step.until(reached));
                 }
-                reached = time;
-                steps.push(step);
                 ended = Ended::Stopped;
                 break;
             }
-            reached = step.end_time();
-            steps.push(step);
             if is_last {
                 break;
             }
