@@ -240,7 +240,7 @@ impl Folds<'_> {
         let places = [first.max(0.0), last.min(1.0)];
         let is_maximum = window
             .rises()
-            .is_some_and(|rises| rises == (crossed.index % 2 == 0));
+            .is_some_and(|rises| rises == crossed.index.is_multiple_of(2));
         let mut growth = |value: f64| {
             let turn = self.growths.turn(value, places, is_maximum)?;
             if turn.is_some() {
