@@ -1,5 +1,5 @@
-//! The figures. `amplitude`, `errors`, `laws`, `memory`, `motion` and `regimes` draw them; the other modules
-//! are for what they look like.
+//! The figures. `amplitude`, `errors`, `laws`, `memory`, `motion` and `regimes` draw them; the
+//! other modules are for what they look like.
 
 mod amplitude;
 mod clip;
