@@ -191,7 +191,7 @@ pub fn quiet_velocity(system: &MassOnBelt<Coulomb>) -> f64 {
 ///
 /// let system = MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.1)?;
 /// let cycle = stick_slip(&system).ok_or("no stick-slip")?;
-/// assert_eq!(cycle.stick_duration, 2.0 * (0.4 - 0.25) / 0.1);
+/// assert!((cycle.stick_duration - 3.0).abs() < 1e-14);
 /// assert!((cycle.max_sliding_speed - (0.1 + 0.0325_f64.sqrt())).abs() < 1e-16);
 ///
 /// let damped = system.with_damping(0.05)?;
