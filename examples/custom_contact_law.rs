@@ -7,8 +7,8 @@
 //! * LuGre's bristles let a mass creep under any load that swings, however small. The law of
 //!   Dupont et al. bends its bristles elastically up to a break-away deflection, and lets them flow
 //!   in the direction of their deflection only: the mass stays where it is;
-//! * a law may branch on the value of its memory. It is only C¹ where its bristles begin to flow, so
-//!   that a step ends there; it is as exact as any other.
+//! * a law may branch on the value of its memory. This one is only C¹ where bristles begin to flow;
+//!   steps are short there, and as exact as any other.
 //!
 //! Run it with `cargo run --release --example custom_contact_law`.
 

@@ -2,8 +2,8 @@
 //!
 //! What to learn from it:
 //!
-//! * bristles never stick: the mass creeps at a few micrometres a second, and every time at which it
-//!   stands still is a crossing. Such times are ill-conditioned, the states there are not;
+//! * bristles never stick: the mass creeps at a few micrometres a second, and every time at which
+//!   it stands still is a crossing. Such times are ill-conditioned, the states there are not;
 //! * in near-stick the mass is a stiff oscillator (50 Hz here), in slip the bristles follow within
 //!   microseconds: the run takes some hundred steps all the same;
 //! * dry friction with the same law, which is the limit of stiff bristles, slips at nearly the same

@@ -104,9 +104,10 @@ pub(crate) fn dwell() -> Result<Figure> {
         folds.push_str(&format!(", {:.9} ({})", fold.belt_velocity, form.name));
     }
     let caption = format!(
-        "Static friction that rises at rest from μ_k = 0.3: to 0.6 with θ_c = 2, or by 0.06 for each \
-         factor e of 1 + θ/0.4; m = k = N = 1. Lines are closed forms, dashed where the cycle is \
-         unstable; dots are motions that have settled. Grey: a static coefficient of 0.6 at once. \
+        "Static friction that rises at rest from μ_k = 0.3: to 0.6 with θ_c = 2, or by 0.06 for \
+         each factor e of 1 + θ/0.4; m = k = N = 1. Lines are closed forms, dashed where the cycle \
+         is unstable; dots are motions that have settled. Grey: a static coefficient of 0.6 at \
+         once. \
          (a) Without damping stick-slip dies out at v_c = 2F_s'(0)/k. (b) With a damping ratio of \
          0.025 it ends at a fold{folds}."
     );

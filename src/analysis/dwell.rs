@@ -107,9 +107,10 @@ impl DwellOscillator {
 
     /// The stable stick-slip cycle on a belt of velocity v; v < 0 gives its mirror image. Exact.
     ///
-    /// `None` if there is none: at v = 0; where |v| is [`critical_velocity`](Self::critical_velocity)
-    /// or more without damping, or above the [`fold`](Self::fold) with damping; for c ≥ 2√(km); and
-    /// where static friction rises so far above the kinetic one that the mass swings past the belt
+    /// `None` if there is none: at v = 0; where |v| is
+    /// [`critical_velocity`](Self::critical_velocity) or more without damping, or above the
+    /// [`fold`](Self::fold) with damping; for c ≥ 2√(km); and where static friction rises so far
+    /// above the kinetic one that the mass swings past the belt
     /// at the contact: there it must carry more than N μ_s(0) in the other direction. Also `None`
     /// if a field is out of its range.
     pub fn stick_slip(&self, velocity: f64) -> Option<ExactCycle> {
@@ -215,8 +216,8 @@ impl DwellOscillator {
 
     /// Where along the arcs the belt velocity is largest, if not at their end.
     ///
-    /// F_s is concave in θ, and θ in the force at the release, so the belt velocity, their quotient,
-    /// has one maximum at most.
+    /// F_s is concave in θ, and θ in the force at the release, so the belt velocity, their
+    /// quotient, has one maximum at most.
     fn fold_arc(&self, of: &Oscillator) -> Option<f64> {
         // The multiplier is 1.
         let beyond = |p: f64| {

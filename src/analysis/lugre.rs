@@ -12,7 +12,8 @@ use crate::friction::{AlongSlope, FrictionLaw};
 /// Steady sliding at a relative velocity r.
 ///
 /// ```text
-/// z = sgn(r) g(|r|)/σ0,   μ = sgn(r) g(|r|) + σ2 r,   z' near it: ∂z'/∂r = |r| g'/g,  ∂z'/∂z = −σ0|r|/g
+/// z = sgn(r) g(|r|)/σ0,   μ = sgn(r) g(|r|) + σ2 r
+/// near it  ∂z'/∂r = |r| g'/g,   ∂z'/∂z = −σ0|r|/g
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SteadyBristles {

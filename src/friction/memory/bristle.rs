@@ -14,8 +14,9 @@ use crate::scalar::Scalar;
 /// are ill-conditioned, states are not. z in units of length, σ0 per length, σ1 and σ2 time per
 /// length, g dimensionless.
 ///
-/// In slip z follows r at the rate σ0|r|/g. However large that is, the number of steps does not grow
-/// with it: where the bristles have come to follow, a step is the power series of that slow motion.
+/// In slip z follows r at the rate σ0|r|/g. However large that is, the number of steps does not
+/// grow with it: where the bristles have come to follow, a step is the power series of that slow
+/// motion.
 /// In near-stick a mass swings on its bristles at √(Nσ0/m), and steps are about 10/√(Nσ0/m) long,
 /// also after the swing has died out.
 ///

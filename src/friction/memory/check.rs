@@ -59,8 +59,8 @@ pub(crate) fn coefficient_and_slope<const Z: usize, L: ContactLaw<Z>>(
 }
 
 /// Checks the rules of [`ContactLaw`] on which a structure relies, with a memory of zeros and in
-/// both directions of slip: μ_s is finite and not below the coefficient at speed 0, friction opposes
-/// slip there, rates are finite, the breakpoints ascend, and the law is continuous.
+/// both directions of slip: μ_s is finite and not below the coefficient at speed 0, friction
+/// opposes slip there, rates are finite, the breakpoints ascend, and the law is continuous.
 pub(crate) fn validate<const Z: usize, L: ContactLaw<Z>>(law: &L) -> Result<(), Error> {
     let fresh = [0.0; Z];
     let limit = law.limit(0.0, fresh);

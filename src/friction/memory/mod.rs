@@ -65,8 +65,10 @@ impl<S: Scalar> Slip<S> {
 /// let clock = Dwell::hyperbolic(Coulomb::new(0.4, 0.3)?, 0.6, 2.0)?;
 /// let bristles = Dahl::new(0.4, 50.0)?;
 /// let slip = Motion::Slip(Slip { speed: 0.1, direction: -1.0, piece: 0 });
-/// assert_eq!((clock.rates(Motion::Stick, [0.0]), clock.rates(slip, [0.0])), ([1.0], [0.0]));
-/// assert_eq!((bristles.rates(Motion::Stick, [0.0]), bristles.rates(slip, [0.0])), ([0.0], [-0.1]));
+/// assert_eq!(clock.rates(Motion::Stick, [0.0]), [1.0]);
+/// assert_eq!(clock.rates(slip, [0.0]), [0.0]);
+/// assert_eq!(bristles.rates(Motion::Stick, [0.0]), [0.0]);
+/// assert_eq!(bristles.rates(slip, [0.0]), [-0.1]);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy)]
