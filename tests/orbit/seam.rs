@@ -105,8 +105,8 @@ fn free<S: Oscillator + System<State = State>>(id: &str, system: &S, guess: &Sta
         );
         begun += 1;
     }
-    for part in 0..7 {
-        let time = (0.11 + 0.14 * f64::from(part)) * orbit.period();
+    for part in 0..4 {
+        let time = (0.11 + 0.24 * f64::from(part)) * orbit.period();
         let state = orbit.trajectory().state_at(time).unwrap();
         let other = shoot(system, &state, Period::Free(orbit.period()))
             .unwrap_or_else(|error| panic!("{id}, {time}: {error}"));
