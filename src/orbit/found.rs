@@ -49,19 +49,23 @@ impl<S: Oscillator> Orbit<S> {
         } = found;
         let is_free = matches!(kind, Period::Free(_));
         let start = map.start.clone();
-        let multipliers = map.multipliers(is_free).ok_or(Error::NotPeriodic {
+        let apart = system.begun_apart(&map, period)?;
+        let begun = apart.as_ref().unwrap_or(&map);
+        let multipliers = begun.multipliers(is_free).ok_or(Error::NotPeriodic {
             residual,
             period,
             start,
         })?;
-        let inside = map.steps.iter().flat_map(Segment::events);
-        let inside = inside.filter(|event| event.time > 0.0).chain(&map.seam);
-        let events = inside.map(|event| Event {
-            time: event.time,
-            contact: event.contact,
-            kind: event.kind,
-            state: S::own(&event.state),
-        });
+        let events = begun.steps.iter().flat_map(Segment::events);
+        let mut events: Vec<_> = events
+            .map(|event| Event {
+                time: within(event.time, period),
+                contact: event.contact,
+                kind: event.kind,
+                state: S::own(&event.state),
+            })
+            .collect();
+        events.sort_by(|a, b| a.time.total_cmp(&b.time));
         Ok(Self {
             kind: match kind {
                 Period::Free(_) => Period::Free(period),
@@ -69,7 +73,7 @@ impl<S: Oscillator> Orbit<S> {
             },
             period,
             state: S::own(&map.start),
-            events: events.collect(),
+            events,
             extremes: (0..system.sizes().0)
                 .map(|i| extremes(&map.steps, i))
                 .collect(),
@@ -80,8 +84,9 @@ impl<S: Oscillator> Orbit<S> {
 }
 
 impl<S: System> Orbit<S> {
-    /// Which kind of period it was looked for with; of a free motion its period.
-    pub(super) fn kind(&self) -> Period {
+    /// Which kind of motion it is: driven, over so many periods of the drives, or free, with its
+    /// period.
+    pub fn kind(&self) -> Period {
         self.kind
     }
 
@@ -171,6 +176,17 @@ impl<S: System> fmt::Debug for Orbit<S> {
             .field("events", &self.events.len())
             .field("multipliers", &self.multipliers)
             .finish_non_exhaustive()
+    }
+}
+
+/// A time of a motion that repeats itself, in (0, T]. One within rounding of 0 is T.
+fn within(time: f64, period: f64) -> f64 {
+    const ROUNDING: f64 = 16.0 * f64::EPSILON;
+    let time = if time > period { time - period } else { time };
+    if time <= ROUNDING * period || time > (1.0 - ROUNDING) * period {
+        period
+    } else {
+        time
     }
 }
 

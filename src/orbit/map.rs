@@ -6,7 +6,7 @@ use super::multipliers::multipliers;
 use super::tangent::{TangentFlow, flow_of};
 use crate::error::Error;
 use crate::friction::memory::ContactLaw;
-use crate::motion::{Event, Integrator, Mode, Segment};
+use crate::motion::{Integrator, Mode, Segment};
 use crate::state::structure::State;
 use crate::structure::{Step, Structure};
 
@@ -23,8 +23,6 @@ pub struct PeriodMap {
     pub(super) monodromy: DMatrix<f64>,
     /// The rates of change of the state at its start and at its end.
     pub(super) flow: [DVector<f64>; 2],
-    /// Events that lie at the seam: at the end of the period, if the start lies exactly at them.
-    pub(super) seam: Vec<Event<State>>,
     /// Whether anything depended on each number of the memory.
     pub(super) depends: Vec<bool>,
     /// The monodromy of a closed motion, begun where most contacts stick, and the flow there.
@@ -62,6 +60,12 @@ impl PeriodMap {
             }
         }
         residual
+    }
+
+    /// What the contacts do at first.
+    fn first_modes(&self) -> Option<&[Mode]> {
+        let first = self.steps.iter().find(|step| step.duration() > 0.0);
+        first.map(|step| step.modes())
     }
 
     /// What the contacts do at the end.
@@ -113,14 +117,19 @@ pub(super) fn state(vector: &DVector<f64>, n: usize) -> State {
     State::new(&numbers[..n], &numbers[n..2 * n]).with_memory(&numbers[2 * n..])
 }
 
+/// The map over a duration from a state at a time.
 pub(super) fn period_map<L: ContactLaw<Z>, const Z: usize>(
     structure: &Structure<L, Z>,
+    time: f64,
     start: &State,
     duration: f64,
 ) -> Result<PeriodMap, Error> {
     let n = structure.len();
     let order = 2 * n + Z * structure.contacts().len();
-    let settings = Integrator::new().with_max_steps(Integrator::DEFAULT_MAX_STEPS)?;
+    let settings = Integrator::new()
+        .with_max_steps(Integrator::DEFAULT_MAX_STEPS)?
+        .with_start_time(time)?;
+    let end_time = time + duration;
     let identity = DMatrix::identity(order, order);
     let mut flow = TangentFlow::new(structure, settings, start, identity)?;
     let mut steps: Vec<Step> = Vec::new();
@@ -128,8 +137,8 @@ pub(super) fn period_map<L: ContactLaw<Z>, const Z: usize>(
     // From the start to the cut, behind which `flow.tangents` begin anew; and the flow there.
     let mut head = (DMatrix::identity(order, order), DVector::zeros(order));
     let mut dead = 0;
-    while steps.last().is_none_or(|step| step.end_time() < duration) {
-        let Some(step) = flow.fetch(duration) else {
+    while steps.last().is_none_or(|step| step.end_time() < end_time) {
+        let Some(step) = flow.fetch(end_time) else {
             break;
         };
         let step = step?;
@@ -154,8 +163,6 @@ pub(super) fn period_map<L: ContactLaw<Z>, const Z: usize>(
     };
     let (end, last_flow) = (last.end_state(), flow_at_end(last, n));
     let monodromy = &flow.tangents * &head.0;
-    let seam = flow.seam(last);
-    flow.pass(last, &seam);
     let mut cycle = head.0 * &flow.tangents;
     for (j, depends) in flow.depends.iter().enumerate() {
         if !depends {
@@ -163,22 +170,51 @@ pub(super) fn period_map<L: ContactLaw<Z>, const Z: usize>(
             cycle.column_mut(2 * n + j).fill(0.0);
         }
     }
-    let seam = seam.into_iter().map(|(contact, kind)| Event {
-        time: duration,
-        contact,
-        kind,
-        state: end.clone(),
-    });
     Ok(PeriodMap {
         start: start.clone(),
         monodromy,
         flow: [first_flow.unwrap_or_else(|| last_flow.clone()), last_flow],
-        seam: seam.collect(),
         depends: flow.depends.clone(),
         cycle: (cycle, head.1),
         end,
         steps,
     })
+}
+
+/// The map of the same closed motion begun elsewhere, where its start lies so near to an event that
+/// rounding decides whether the end lies before it or after; `None` if it does not.
+pub(super) fn begun_apart<L: ContactLaw<Z>, const Z: usize>(
+    structure: &Structure<L, Z>,
+    map: &PeriodMap,
+    period: f64,
+) -> Result<Option<PeriodMap>, Error> {
+    /// Part of the period within which an event is near.
+    const NEAR: f64 = 1e-6;
+    let events = map.steps.iter().flat_map(Segment::events);
+    let mut times: Vec<f64> = events.map(|event| event.time).collect();
+    let is_near = |time: &f64| *time < NEAR * period || *time > (1.0 - NEAR) * period;
+    if !times.iter().any(is_near) && map.first_modes() == Some(&map.end_modes()[..]) {
+        return Ok(None);
+    }
+    times.push(period);
+    // The middle of the longest time without an event.
+    let mut last = 0.0;
+    let gaps = times
+        .iter()
+        .map(|&time| (std::mem::replace(&mut last, time), time));
+    let gap = gaps.max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)));
+    let time = gap.map_or(0.0, |(from, to)| 0.5 * (from + to));
+    let step = map.steps.iter().find(|step| step.end_time() > time);
+    let Some(step) = step else {
+        return Ok(None);
+    };
+    let mut state = step.state_at(step.since_start(time));
+    for (contact, mode) in structure.contacts().iter().zip(step.modes()) {
+        if *mode == Mode::Stick {
+            state.velocities[contact.coordinate()] = contact.belt_velocity().value(time);
+        }
+    }
+    period_map(structure, time, &state, period).map(Some)
 }
 
 /// Where a motion is after a duration, and what its contacts do from then on.

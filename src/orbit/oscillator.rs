@@ -35,6 +35,9 @@ pub trait Oscillator: System {
     /// state.
     #[doc(hidden)]
     fn period_map(&self, start: &State, duration: f64) -> Result<PeriodMap, Error>;
+    /// The map of the same closed motion begun where no event is near, if its start is near to one.
+    #[doc(hidden)]
+    fn begun_apart(&self, map: &PeriodMap, period: f64) -> Result<Option<PeriodMap>, Error>;
     /// Where the motion from a state at time 0 is after a duration, and what its contacts do there.
     #[doc(hidden)]
     fn reach(&self, start: &State, duration: f64) -> Result<(State, Vec<Mode>), Error>;
@@ -86,7 +89,11 @@ impl<L: ContactLaw<Z>, const Z: usize> Oscillator for Structure<L, Z> {
     }
 
     fn period_map(&self, start: &State, duration: f64) -> Result<PeriodMap, Error> {
-        map::period_map(self, start, duration)
+        map::period_map(self, 0.0, start, duration)
+    }
+
+    fn begun_apart(&self, map: &PeriodMap, period: f64) -> Result<Option<PeriodMap>, Error> {
+        map::begun_apart(self, map, period)
     }
 
     fn reach(&self, start: &State, duration: f64) -> Result<(State, Vec<Mode>), Error> {
@@ -129,6 +136,10 @@ impl<L: FrictionLaw> Oscillator for MassOnBelt<L> {
 
     fn period_map(&self, start: &State, duration: f64) -> Result<PeriodMap, Error> {
         Structure::from(&self.by_reference()).period_map(start, duration)
+    }
+
+    fn begun_apart(&self, map: &PeriodMap, period: f64) -> Result<Option<PeriodMap>, Error> {
+        Structure::from(&self.by_reference()).begun_apart(map, period)
     }
 
     fn reach(&self, start: &State, duration: f64) -> Result<(State, Vec<Mode>), Error> {

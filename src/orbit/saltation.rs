@@ -67,39 +67,18 @@ impl<L: ContactLaw<Z>, const Z: usize> TangentFlow<'_, L, Z> {
         }
     }
 
-    /// Takes the tangents across events at the end of a step.
-    pub(super) fn pass(&mut self, step: &Step, events: &[(usize, EventKind)]) {
+    /// Takes the tangents across the events at the end of a step.
+    pub(super) fn pass(&mut self, step: &Step) {
         if step.series().is_empty() {
             return;
         }
+        let events = step.events().iter();
         let changes: Vec<_> = events
-            .iter()
-            .flat_map(|&(contact, kind)| self.changed(step, contact, kind))
+            .flat_map(|event| self.changed(step, event.contact, event.kind))
             .collect();
         for (row, change) in changes {
             self.tangents.row_mut(row).copy_from(&change);
         }
-    }
-
-    /// The events at the end of a period that lead back to the modes of its start: where the start
-    /// lies exactly at an event, rounding decides whether the end lies before it or after.
-    pub(super) fn seam(&self, last: &Step) -> Vec<(usize, EventKind)> {
-        let mut modes = last.modes().to_vec();
-        for event in last.events() {
-            modes[event.contact] = event.kind.mode();
-        }
-        let pairs = std::iter::zip(modes, self.first.iter().flatten()).enumerate();
-        pairs
-            .filter_map(|(contact, pair)| {
-                let kind = match pair {
-                    (Mode::Slip(_), Mode::Stick) => EventKind::Stick,
-                    (Mode::Slip(from), &Mode::Slip(to)) if from != to => EventKind::Crossing(to),
-                    (Mode::Stick, &Mode::Slip(to)) => EventKind::Release(to),
-                    _ => return None,
-                };
-                Some((contact, kind))
-            })
-            .collect()
     }
 
     /// The rows of the tangents that an event changes.

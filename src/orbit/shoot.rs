@@ -204,8 +204,9 @@ impl<'s, S: Oscillator> Problem<'s, S> {
 /// beforehand: their sequence is whatever it is at each trial. Where the motion is one of a
 /// continuous family, the one nearest the guess is found.
 ///
-/// The guess is a state at time 0 of the drives; for a free motion any state near the motion. An
-/// estimate of the period near twice the period gives the motion run through twice.
+/// The guess is a state at time 0 of the drives; for a free motion any state near the motion. (Where
+/// a free guess lies exactly at an event with a jump, and nothing is found from there, the search
+/// begins between events.) An estimate of the period near twice the period gives the motion run through twice.
 ///
 /// # Errors
 ///
@@ -238,13 +239,33 @@ pub fn shoot<S: Oscillator>(
     guess: &S::State,
     period: Period,
 ) -> Result<Orbit<S>, Error> {
-    let (problem, first) = Problem::new(system, &S::general(guess), period)?;
+    let guess = S::general(guess);
+    let found = match find(system, &guess, period) {
+        Err(failure @ Error::NotPeriodic { .. }) => {
+            let (problem, first) = Problem::new(system, &guess, period)?;
+            // Where the flow jumps at the guess, an event, Newton's method may find no way. A free
+            // motion can begin elsewhere.
+            let apart = problem.section.as_ref();
+            let apart = apart.map(|_| system.begun_apart(&first.map, first.period));
+            match apart.transpose()?.flatten() {
+                Some(apart) => find(system, &apart.start, period)?,
+                None => return Err(failure),
+            }
+        }
+        found => found?,
+    };
+    Orbit::new(system, found, period)
+}
+
+/// A closed motion near a guess.
+fn find<S: Oscillator>(system: &S, guess: &State, period: Period) -> Result<Trial, Error> {
+    let (problem, first) = Problem::new(system, guess, period)?;
     let at_first = first.map.flow[0].norm();
     let found = problem.solve(first)?;
     if problem.section.is_some() && found.map.flow[0].norm() <= CLOSED * at_first {
         return Err(Error::AtRest);
     }
-    Orbit::new(system, found, period)
+    Ok(found)
 }
 
 /// Follows the motion from a start at time 0 for a while, then looks for the periodic motion near

@@ -39,9 +39,8 @@ pub(super) struct TangentFlow<'s, L, const Z: usize> {
     /// If a number, what of the one change was taken out of `tangents` as a factor, so that it does
     /// not overflow, and underflows only with all that depends on it: its logarithm.
     pub(super) logarithm: Option<f64>,
-    /// What the contacts did at first.
-    pub(super) first: Option<Vec<Mode>>,
-    /// The start, until then.
+    /// Whether a step of positive length has been taken.
+    has_begun: bool,
     pub(super) start: State,
     tape: Tape,
     work: Vec<PowerSeries>,
@@ -65,7 +64,7 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> TangentFlow<'s, L, Z> {
             tangents,
             depends: vec![false; Z * structure.contacts().len()],
             logarithm: None,
-            first: None,
+            has_begun: false,
             start: start.clone(),
             tape: Tape::new(),
         })
@@ -94,9 +93,9 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> TangentFlow<'s, L, Z> {
     /// start of the motion belong to what was before.
     pub(super) fn carry(&mut self, step: &Step) {
         if step.duration() > 0.0 {
-            if self.first.is_none() {
+            if !self.has_begun {
                 self.begin(step);
-                self.first = Some(step.modes().to_vec());
+                self.has_begun = true;
             }
             let joints = joints(self.structure, step, &mut self.tape);
             let of_memory = joints.iter().flat_map(|joint| &joint.depends);
@@ -118,10 +117,8 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> TangentFlow<'s, L, Z> {
                 }
             }
         }
-        if self.first.is_some() {
-            let events = step.events().iter();
-            let events: Vec<_> = events.map(|event| (event.contact, event.kind)).collect();
-            self.pass(step, &events);
+        if self.has_begun {
+            self.pass(step);
         }
     }
 

@@ -9,11 +9,12 @@ use stick_slip::analysis::averaging::AveragedCycle;
 use stick_slip::analysis::{PureSlip, PureSlipCycle, Regime, StickSlip, StickSlipCycle, Transient};
 use stick_slip::bifurcation::{self, Criticality, DiagramPoint};
 use stick_slip::limit_cycle::{self, Attractor, Continuum};
+use stick_slip::orbit::{LyapunovExponent, Orbit, Period};
 use stick_slip::{
     AnyLaw, Coulomb, CycleKind, CycleSet, Direction, EnergyBudget, Equilibrium, Error, Event,
     EventKind, Exponential, Flow, FrictionLaw, Integrator, LimitCycle, MassOnBelt, Mode, Physical,
     Polynomial, Rational, Reached, Scalar, Scaled, Scaling, Stability, State, Step, Stribeck,
-    Tabulated, Trajectory,
+    Structure, Tabulated, Trajectory,
 };
 
 #[test]
@@ -25,6 +26,8 @@ fn types_have_the_common_traits() {
 
     value::<Trajectory>();
     value::<LimitCycle>();
+    value::<Orbit<MassOnBelt<AnyLaw>>>();
+    value::<Orbit<Structure<AnyLaw>>>();
     value::<CycleSet>();
     value::<DiagramPoint>();
     value::<Attractor>();
@@ -56,6 +59,8 @@ fn types_have_the_common_traits() {
     small::<StickSlip>();
     small::<StickSlipCycle>();
     small::<Transient>();
+    small::<LyapunovExponent>();
+    small::<Period>();
     small::<AveragedCycle>();
 
     name::<Direction>();

@@ -91,7 +91,7 @@ fn the_reference_cycles_come_out() {
                         }
                     }
                     Err(error) => {
-                        failures.push(format!("{id} {:?} {which}: {error}", cycle.kind()))
+                        failures.push(format!("{id} {:?} {which}: {error}", cycle.kind()));
                     }
                 }
             }

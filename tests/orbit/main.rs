@@ -16,3 +16,4 @@ mod dwell;
 mod formulas;
 mod long_run;
 mod references;
+mod seam;
