@@ -78,10 +78,13 @@ pub(crate) fn sign_throughout(
     let mut made = 0;
     while let Some((start, end)) = pieces.pop() {
         let mut logarithms = [0.0; DEGREE + 1];
+        let mut samples = Vec::with_capacity(DEGREE + 1);
         let mut surest = f64::INFINITY;
         for (logarithm, cosine) in std::iter::zip(&mut logarithms, &cosines) {
             let t = 0.5 * ((start + end) + (end - start) * cosine);
-            let Sample { value, noise } = f(x(t))?;
+            let at = x(t);
+            let sample = f(at)?;
+            let Sample { value, noise } = sample;
             // False for a value that is NaN.
             let is_sure = value.abs() > noise;
             if !is_sure || positive.is_some_and(|positive| positive != (value > 0.0)) {
@@ -90,12 +93,12 @@ pub(crate) fn sign_throughout(
             positive = Some(value > 0.0);
             surest = surest.min(value.abs() / noise);
             *logarithm = value.abs().ln();
+            samples.push((t, Node { at, sample }));
         }
-        let tail = coefficients(&logarithms, &cosines)[DEGREE - 2..]
-            .iter()
-            .map(|c| c.abs())
-            .sum::<f64>();
-        if tail > SMOOTH_LOGARITHM {
+        let last = &coefficients(&logarithms, &cosines)[DEGREE - 2..];
+        let tail = last.iter().map(|c| c.abs()).sum::<f64>();
+        // Between two values of one sign there is not one root alone.
+        if tail > SMOOTH_LOGARITHM && !has_one_root_at_most(&samples, &cosines) {
             made += 2;
             if made > MOST_HALVES || surest < HARDLY_SURE {
                 return Ok(None);
