@@ -86,6 +86,11 @@ impl Limits {
         self.low < speed && self.high.is_none_or(|high| speed < high)
     }
 
+    /// Whether this end of the piece is the lower one.
+    pub(super) fn is_low(&self, limit: f64) -> bool {
+        limit == self.low
+    }
+
     /// The first time in (0, h] at which s(t) reaches a limit, and that limit. `speeds` are the
     /// values of s at the quarters of h.
     #[inline(always)]

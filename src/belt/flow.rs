@@ -99,11 +99,10 @@ impl<'s, L: FrictionLaw> Flow<'s, L> {
                 // stored in parts, and wait for it.
                 let advance = self.stepper.advance(point, Time::Forward, start.time)?;
                 let direction = advance.end.direction;
-                let end = advance.end.state(&system);
                 let (duration, speed, v_b) =
                     (advance.duration, *advance.speed, system.belt_velocity());
                 let step = Step::slip(start, duration, direction, self.state, speed, v_b);
-                let (phase, event) = after(&system, &advance);
+                let (phase, event, end) = after(&system, point, &advance);
                 let step = match event {
                     Some(kind) => step.ended_by(kind, end),
                     None => step,
@@ -131,20 +130,55 @@ impl<'s, L: FrictionLaw> Flow<'s, L> {
     }
 }
 
-/// The phase that follows a Taylor step, and the event at the end of the step, if there is one.
-fn after<L: FrictionLaw>(system: &MassOnBelt<L>, advance: &Advance) -> (Phase, Option<EventKind>) {
+/// What follows a Taylor step: the phase, the event at the end of the step, if there is one, and
+/// the state there.
+type Next = (Phase, Option<EventKind>, State);
+
+fn after<L: FrictionLaw>(system: &MassOnBelt<L>, from: &SlipPoint, advance: &Advance) -> Next {
     let end = advance.end;
+    let state = end.state(system);
     if advance.duration.is_infinite() {
-        return (Phase::Ended, None);
+        return (Phase::Ended, None, state);
     }
     if !advance.is_contact() {
-        return (Phase::Slip(end), None);
+        return (Phase::Slip(end), None, state);
     }
     let leaving = |side| Phase::Slip(SlipPoint::leaving(system, end.displacement, side));
     match system.landing(end.displacement, end.direction) {
-        Landing::Stick => (Phase::Stick, Some(EventKind::Stick)),
-        Landing::Touch => (leaving(end.direction), None),
-        Landing::Crossing(side) => (leaving(side), Some(EventKind::Crossing(side))),
+        Landing::Stick => (Phase::Stick, Some(EventKind::Stick), state),
+        Landing::Touch if end.displacement == from.displacement => unmoved(system, &end),
+        Landing::Touch => (leaving(end.direction), None, state),
+        Landing::Crossing(side) => (leaving(side), Some(EventKind::Crossing(side)), state),
+    }
+}
+
+/// What follows where a mass that should slide away has come back to the belt before u moved by an
+/// ulp.
+///
+/// The force by which it should slide is lost there in the rounding of the forces, and the same
+/// short step would come again and again. On a belt at rest the mass rests, at the end of the stick
+/// band; a belt that moves takes it along, here by one ulp.
+#[cold]
+fn unmoved<L: FrictionLaw>(system: &MassOnBelt<L>, end: &SlipPoint) -> Next {
+    let u = end.displacement;
+    let v_b = system.belt_velocity();
+    let [low, high] = system.stick_limits();
+    let displacement = if v_b > 0.0 {
+        u.next_up()
+    } else if v_b < 0.0 {
+        u.next_down()
+    } else if system.is_at_limit(u) {
+        u.clamp(low, high)
+    } else {
+        u
+    };
+    let state = State::new(displacement, v_b);
+    match system.slides_at(displacement) {
+        None => (Phase::Stick, Some(EventKind::Stick), state),
+        Some(side) => {
+            let leaving = SlipPoint::leaving(system, displacement, side);
+            (Phase::Slip(leaving), None, state)
+        }
     }
 }
 

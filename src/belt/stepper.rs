@@ -9,7 +9,7 @@ use super::system::MassOnBelt;
 use crate::clock::Time;
 use crate::error::{Error, Reached};
 use crate::friction::{FrictionLaw, Piece};
-use crate::motion::step_control::{Allowance, FARTHEST, LONG, SETTLING, STIFF};
+use crate::motion::step_control::{self, Allowance, FARTHEST, LONG, SETTLING, STIFF};
 use crate::scalar::Workspace;
 use crate::series::{PowerSeries, TERMS, quarters};
 use crate::state::State;
@@ -59,6 +59,11 @@ struct Plan {
 /// between |v_b| and s, v' is −(u − ū) − Hv: so where neither H nor D is above 32, the motion does
 /// at least a 64th of it.
 const BEYOND: f64 = 64.0;
+
+/// The loosest tolerance where a system is stiff: an error is measured in units of v and v_b there,
+/// and has to be small beside the speeds over which the law bends, for the motion to come to the
+/// slow one. It costs little, for a step of either kind grows like tolerance^(1/26) only.
+const LOOSEST: f64 = 1e-12;
 
 /// Takes Taylor steps within slip phases of one system.
 ///
@@ -128,7 +133,7 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
             });
         }
         let plan = self.plan(point, piece, time, elapsed)?;
-        let settled = self.settle(point, piece, elapsed, &plan)?;
+        let settled = self.settle(point, piece, time, elapsed, &plan)?;
         self.longest = settled.longest_next;
         Ok(self.land(point, time, &settled))
     }
@@ -193,10 +198,11 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         }
         let closing = time.sign() * self.series.decay;
         let largest_term = self.series.largest_term(&self.system, state);
-        let error = if closing > STIFF {
-            // Or what rounding of the forces shifts the slow motion by.
-            let rounding = f64::EPSILON * largest_term / closing;
-            (self.tolerance * self.scale_here(state, time)).max(rounding)
+        let error = if closing.abs() > STIFF {
+            // Or what rounding of the forces shifts the motion by.
+            let rounding = f64::EPSILON * largest_term / closing.abs();
+            let tolerance = self.tolerance.min(LOOSEST);
+            (tolerance * self.scale_here(state, closing.abs())).max(rounding)
         } else {
             self.tolerance * self.scale(point, state, time)
         };
@@ -239,6 +245,7 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         &self,
         point: &SlipPoint,
         piece: usize,
+        time: Time,
         elapsed: f64,
         plan: &Plan,
     ) -> Result<Settled, Error> {
@@ -270,7 +277,16 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
                 between,
             ];
             if plan.allowance.accepts(defects, end.min(plan.memory)) {
-                break (end, end_speed);
+                // Where a tolerance is large beside the changes of s, a series may have a root that
+                // the motion has not, and would come back to where the step began for ever.
+                let leaves = exit.is_none_or(|(t, limit)| {
+                    let rate = self.rate_after(point, piece, time, t, limit);
+                    let inwards = if limits.is_low(limit) { rate } else { -rate };
+                    plan.allowance.is_rounding(inwards)
+                });
+                if leaves {
+                    break (end, end_speed);
+                }
             }
             h = 0.5 * end;
         };
@@ -283,6 +299,18 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
                 f64::INFINITY
             },
         })
+    }
+
+    /// The rate ds/dt by the equation of motion, a time t after the start of the step taken last,
+    /// at the sliding speed that is reached there.
+    #[inline(never)]
+    fn rate_after(&self, from: &SlipPoint, piece: usize, time: Time, t: f64, speed: f64) -> f64 {
+        let system = &self.system;
+        let sigma = from.direction.sign();
+        let velocity = system.belt_velocity() + sigma * speed;
+        let damper = 2.0 * system.damping() * velocity;
+        let force = sigma * (self.displacement(from, time, t) + damper);
+        time.sign() * (-force - system.load() * system.law().kinetic_on(piece, speed))
     }
 
     /// The step that was settled, and where it ends.
@@ -316,7 +344,12 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
 
     #[inline(never)]
     fn scale_far_out(&self, deviation: f64, point: &SlipPoint, state: State, time: Time) -> f64 {
-        let here = self.scale_here(state, time);
+        // Where the law changes within a small part of a radian, v changes by v' times the step.
+        let reach = step_control::reach(self.tolerance * deviation, &self.series.speed, TERMS - 1);
+        if BEYOND * reach < 1.0 {
+            return self.scale_here(state, (BEYOND * reach).recip());
+        }
+        let here = self.scale_here(state, (time.sign() * self.series.decay).max(1.0));
         // Friction on the equilibrium's side of the belt has another sign than beyond it; on a belt
         // at rest ū is 0, halfway between the two.
         let leads = point.direction.sign() * self.system.belt_velocity();
@@ -332,12 +365,11 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         }
     }
 
-    /// max(|v|, |v_b|, |v'|/max(1, D)): the scale of what the motion does, and is about to do, with
-    /// D the rate at which it closes in on a slow one.
-    fn scale_here(&self, state: State, time: Time) -> f64 {
-        let series = &self.series;
+    /// max(|v|, |v_b|, |v'|/D): the scale of what the motion does, and is about to do, with D the
+    /// rate at which it closes in on a slow one, or leaves it.
+    fn scale_here(&self, state: State, rate: f64) -> f64 {
         let v_b = self.system.belt_velocity();
-        let change = series.speed[1].abs() / (time.sign() * series.decay).max(1.0);
+        let change = self.series.speed[1].abs() / rate;
         state.velocity.abs().max(v_b.abs()).max(change)
     }
 

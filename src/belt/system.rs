@@ -250,13 +250,23 @@ impl<L: FrictionLaw> MassOnBelt<L> {
 
     /// Whether u is the release point, up to the different ways of rounding its formula.
     pub(crate) fn is_release(&self, displacement: f64) -> bool {
-        self.release_state().is_some_and(|release| {
-            let largest = self
-                .largest_friction()
-                .max(release.displacement.abs())
-                .max(displacement.abs());
-            (displacement - release.displacement).abs() <= RELEASE_ROUNDING * f64::EPSILON * largest
-        })
+        let release = self.release_state();
+        release.is_some_and(|release| self.is_rounded(displacement, release.displacement))
+    }
+
+    /// Whether u is an end of the stick band, up to the different ways of rounding its formula.
+    pub(crate) fn is_at_limit(&self, displacement: f64) -> bool {
+        let mut limits = self.stick_limits().into_iter();
+        limits.any(|limit| self.is_rounded(displacement, limit))
+    }
+
+    /// Whether u is this end of the stick band but for rounding.
+    fn is_rounded(&self, displacement: f64, limit: f64) -> bool {
+        let largest = self
+            .largest_friction()
+            .max(limit.abs())
+            .max(displacement.abs());
+        (displacement - limit).abs() <= RELEASE_ROUNDING * f64::EPSILON * largest
     }
 
     /// The rate ds/dτ = |F| − γ²μ̂(0) of a mass that begins to slide at displacement u, where its

@@ -60,8 +60,8 @@ impl Integrator {
     /// Sets the relative tolerance: the error of a step in units of the motion's own scale,
     /// max(|u − ū|, |v|, |v_b|).
     ///
-    /// In stiff systems the scale is max(|v|, |v_b|, |v'|/D): see the
-    /// [crate page](crate#what-the-integrator-promises).
+    /// In stiff systems the scale is max(|v|, |v_b|, |v'|/D), and the tolerance at most 1e-12,
+    /// which costs little: see the [crate page](crate#what-the-integrator-promises).
     ///
     /// # Errors
     ///
