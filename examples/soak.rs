@@ -93,19 +93,14 @@ struct Tally {
 }
 
 impl Tally {
-    fn add(&mut self, i: usize, end: String, judged: Option<Judged>, time: Duration) {
+    fn add(&mut self, i: usize, end: String, judged: Option<&Judged>, time: Duration) {
         self.ends.entry(end).or_default().push(i);
-        if let Some(Judged {
-            defect,
-            apart,
-            verdict,
-        }) = judged
-        {
-            self.verdicts.entry(verdict).or_default().push(i);
-            self.state.add(Worst(apart.state, i));
-            self.time.add(Worst(apart.time, i));
-            self.defect.add(Worst(defect, i));
-            if defect.is_nan() || defect > REMARKABLE {
+        if let Some(judged) = judged {
+            self.verdicts.entry(judged.verdict).or_default().push(i);
+            self.state.add(Worst(judged.apart.state, i));
+            self.time.add(Worst(judged.apart.time, i));
+            self.defect.add(Worst(judged.defect, i));
+            if judged.defect.is_nan() || judged.defect > REMARKABLE {
                 self.remarkable.push(i);
             }
         }
@@ -161,7 +156,7 @@ fn soak(
                 Ok(Err(error)) => (classified(&error), None),
                 Err(_) => ("PANIC".to_string(), None),
             };
-            tally.add(i, end, judged, before.elapsed());
+            tally.add(i, end, judged.as_ref(), before.elapsed());
             bar.inc(1);
         }
     };

@@ -114,7 +114,8 @@ fn bifurcations() {
     let system = paper(0.2);
     let search: Along<'_, Polynomial> =
         bifurcation::along(|load: f64| system.with_load(load), 0.05..0.5);
-    let searches: [fn(&Along<'_, Polynomial>) -> Result<Vec<f64>, Error>; 5] = [
+    type Search = fn(&Along<'_, Polynomial>) -> Result<Vec<f64>, Error>;
+    let searches: [Search; 5] = [
         |search| search.hopf(),
         |search| search.grazing(),
         |search| search.folds(),
@@ -129,8 +130,8 @@ fn bifurcations() {
         attractors,
     } = &ranges[0];
     let _: (&Range<f64>, &Vec<AttractorKind>) = (velocities, attractors);
-    let silencing: [fn(&MassOnBelt<Polynomial>) -> Result<f64, Error>; 2] =
-        [bifurcation::silencing_damping, bifurcation::silencing_load];
+    type Silencing = fn(&MassOnBelt<Polynomial>) -> Result<f64, Error>;
+    let silencing: [Silencing; 2] = [bifurcation::silencing_damping, bifurcation::silencing_load];
     assert!(
         silencing
             .iter()
