@@ -41,6 +41,10 @@ pub(super) struct Engine<'s, L, const Z: usize> {
     /// Limit of the next step: twice the last one, if that had to be cut below what its
     /// coefficients promised; else none.
     pub(super) longest: f64,
+    /// Steps until the slow motion of stiff memories is tried again, and how many they were the
+    /// last time that it was not worth it.
+    pub(super) steps_to_trial: u32,
+    pub(super) pause: u32,
     /// Steps of no length, one after the other.
     idle: usize,
     /// Why the motion cannot go on.
@@ -92,6 +96,8 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Engine<'s, L, Z> {
             allowances: Vec::new(),
             scales: Vec::new(),
             longest: f64::INFINITY,
+            steps_to_trial: 0,
+            pause: 0,
             idle: 0,
             ending: None,
         };
