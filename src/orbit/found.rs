@@ -125,8 +125,8 @@ impl<S: System> Orbit<S> {
         pair.map_or((f64::NAN, f64::NAN), |pair| pair[which])
     }
 
-    /// The Floquet multipliers, by falling modulus, dimensionless: 2n for n coordinates, and one for
-    /// each number that a contact remembers; of a free motion without the 1 of a shift along
+    /// The Floquet multipliers, by falling modulus, dimensionless: 2n for n coordinates, and one
+    /// for each number that a contact remembers; of a free motion without the 1 of a shift along
     /// itself.
     ///
     /// A small disturbance of the motion is multiplied by them in each period. Those that stick

@@ -15,8 +15,8 @@
 //! | release | σR − N μ_s | what the law makes of its memory |
 //! | a load that opens or closes, a drive that jumps | a time | δt = 0; rest ends with the load |
 //!
-//! At one instant f jumps for the contacts of the events alone, in v' and z'. Where it does not, the
-//! changes go on as they are.
+//! At one instant f jumps for the contacts of the events alone, in v' and z'. Where it does not,
+//! the changes go on as they are.
 
 use nalgebra::RowDVector;
 

@@ -204,9 +204,10 @@ impl<'s, S: Oscillator> Problem<'s, S> {
 /// beforehand: their sequence is whatever it is at each trial. Where the motion is one of a
 /// continuous family, the one nearest the guess is found.
 ///
-/// The guess is a state at time 0 of the drives; for a free motion any state near the motion. (Where
-/// a free guess lies exactly at an event with a jump, and nothing is found from there, the search
-/// begins between events.) An estimate of the period near twice the period gives the motion run through twice.
+/// The guess is a state at time 0 of the drives; for a free motion any state near the motion.
+/// (Where a free guess lies exactly at an event with a jump, and nothing is found from there, the
+/// search begins between events.) An estimate near twice the period gives the motion run through
+/// twice.
 ///
 /// # Errors
 ///

@@ -9,7 +9,7 @@ use stick_slip::{
     Structure, System, limit_cycle,
 };
 
-use crate::common::{number, paper, text};
+use crate::common::{paper, text};
 use crate::reading::{remembering, structure};
 use crate::references::{all, period, remembers, start};
 
@@ -240,5 +240,4 @@ fn events_are_a_section_too() {
         "{found:?}"
     );
     assert_eq!(none.next(), None);
-    let _ = number;
 }

@@ -8,7 +8,7 @@ use stick_slip::structure::State;
 use stick_slip::{EventKind, System};
 
 use crate::common::text;
-use crate::reading::{drive, remembering, structure};
+use crate::reading::{remembering, structure};
 use crate::references::{all, period, remembers, start};
 
 /// The largest distance of a multiplier from its partner.
@@ -224,5 +224,4 @@ fn driven_motions_may_have_an_event_at_time_0() {
     }
     println!("{begun} events");
     assert!(begun > 30, "{begun}");
-    let _ = drive;
 }

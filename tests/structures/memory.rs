@@ -3,8 +3,8 @@
 use serde_json::Value;
 use stick_slip::structure::State;
 use stick_slip::{
-    AnyContactLaw, Contact, ContactLaw, Coulomb, Dahl, Direction, Dwell, Error, EventKind,
-    Exponential, Integrator, LuGre, Motion, Scalar, Segment, Slip, Structure,
+    AnyContactLaw, AnyLaw, Contact, ContactLaw, Coulomb, Dahl, Direction, Drive, Dwell, Error,
+    EventKind, Exponential, Integrator, LuGre, Motion, Scalar, Segment, Slip, Structure,
 };
 
 use crate::common::{list, number, text};
@@ -465,4 +465,47 @@ fn the_first_example_of_lugre() {
     }
     println!("{steps} steps, {slips} slips");
     assert!(slips >= 3);
+}
+
+/// What a contact remembers stays while it has no load, but rest has ended.
+#[test]
+fn a_contact_without_load_keeps_its_bristles_and_forgets_its_rest() {
+    let load = || Drive::constant(0.5).with_harmonic(1.0, 1.0, 0.0).unwrap();
+    let block = |law: AnyContactLaw<AnyLaw>| {
+        Structure::new(&[1.0])
+            .and_then(|s| s.with_ground_spring(0, 1.0))
+            .and_then(|s| s.with_contact(Contact::new(0, law, load())?.on_belt(0.1)))
+            .unwrap()
+    };
+    let bristles = block(Dahl::new(0.4, 20.0).unwrap().into());
+    let motion = bristles.simulate(State::new(&[0.3], &[0.0]), 40.0).unwrap();
+    let mut open: Option<f64> = None;
+    let mut seen = 0;
+    for event in motion.events() {
+        match event.kind {
+            EventKind::Open => open = Some(event.state.memory[0]),
+            EventKind::Close => {
+                assert_eq!(open, Some(event.state.memory[0]));
+                seen += 1;
+            }
+            _ => {}
+        }
+    }
+    assert!(seen >= 6, "{seen}");
+    let dry: AnyLaw = Coulomb::new(0.9, 0.9).unwrap().into();
+    let law = Dwell::exponential(dry, 1.0, 2.0).unwrap();
+    // Carried along by the belt: nothing pulls at it, with a load or without.
+    let points = [(2.0, 1.0), (2.0, -0.5), (3.0, -0.5), (3.0, 1.0)];
+    let contact = Contact::new(0, law, Drive::profile(&points).unwrap()).unwrap();
+    let carried = Structure::new(&[1.0])
+        .and_then(|s| s.with_contact(contact.on_belt(0.1)))
+        .unwrap();
+    let motion = carried.simulate(State::new(&[0.0], &[0.1]), 6.0).unwrap();
+    let [open, close] = motion.events() else {
+        panic!("{:?}", motion.events())
+    };
+    assert_eq!((open.kind, close.kind), (EventKind::Open, EventKind::Close));
+    assert_eq!((open.state.memory[0], close.state.memory[0]), (2.0, 0.0));
+    // From there on the clock runs anew.
+    assert!((motion.last().memory[0] - 3.0).abs() < 1e-14);
 }
