@@ -196,6 +196,25 @@
 //!   on all cores, with the same results bit for bit.
 #![forbid(unsafe_code)]
 
+// The floors, from the ground up. No module imports one above its own.
+//
+// | file or folder | what is in it |
+// |---|---|
+// | `state`, `clock.rs` | states and directions; time as a sum of two numbers |
+// | `error.rs` | every error with its message; where errors get their place, parameter and units |
+// | `scalar` | the numbers that a law is evaluated on, and their recurrences |
+// | `series`, `numerics` | power series and their roots; brackets, scans, quadrature |
+// | `drive`, `friction` | functions of time; friction laws, their checks, contacts that remember |
+// | `motion` | what both engines share: settings, step control, events, trajectories |
+// | `belt` | one mass on a belt: system and engine |
+// | `structure` | several masses and contacts: system and engine |
+// | `orbit` | periodic motions of any system, from a guess |
+// | `limit_cycle`, `analysis` | all cycles of the belt; closed formulas |
+// | `scaling.rs` | conversion between SI units and dimensionless numbers |
+// | `bifurcation` | searches of the belt along a parameter |
+// | `physical.rs` | the belt in SI units throughout: the whole road, on top of `scaling.rs` |
+// | `schema.rs` | the names under which things are written |
+
 pub mod analysis;
 mod belt;
 pub mod bifurcation;

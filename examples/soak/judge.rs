@@ -10,10 +10,10 @@
 //! * the state at the start of each step of both motions, the first one included, which stands in
 //!   two rounded numbers u and v (in stick and on the belt in one, because there v is v_b).
 //!
-//! A backward stable integration ends within the sum of these effects. It is large where motions are chaotic or leave an unstable slow motion; where the forces are
-//! far above what moves (u is rounded by ε γ²μ_s, and at v_b ≪ γ²μ_s, or for a start an ulp beside
-//! the stick band, that is all of the motion); and at grazing, where an ulp decides which events
-//! happen.
+//! A backward stable integration ends within the sum of these effects. It is large where motions
+//! are chaotic or leave an unstable slow motion; where the forces are far above what moves (u is
+//! rounded by ε γ²μ_s, and at v_b ≪ γ²μ_s, or for a start an ulp beside the stick band, that is all
+//! of the motion); and at grazing, where an ulp decides which events happen.
 //!
 //! An event happens where s or u reaches a bound, so its time is as exact as they are: a difference
 //! Δt counts as the Δs = s'Δt and Δu = vΔt that it stands for.

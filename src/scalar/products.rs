@@ -12,8 +12,8 @@ use super::{LONGEST, mul_add};
 /// The coefficients that one operation has computed so far.
 pub(super) type Row = [Cell<f64>; LONGEST];
 
-/// `$sum` of an order that the compiler knows, for those of a motion's series; higher ones are asked
-/// for by derivatives only.
+/// `$sum` of an order that the compiler knows, for the orders of a motion's series; higher ones are
+/// asked for by derivatives only.
 macro_rules! by_order {
     ($k:expr, $sum:expr) => {
         by_order!($k, $sum, 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26)
