@@ -9,6 +9,8 @@
 //!   over them;
 //! * `regimes.rs`: a map whose borders are computed, not sampled: what takes a grid of simulations
 //!   elsewhere is a handful of curves here;
+//! * `resonance.rs`: branches of periodic motions followed through folds by `orbit::follow`;
+//! * `chaos.rs`: a Poincaré section and the largest Lyapunov exponent over a parameter;
 //! * `errors.rs`: a formula is as good as the order of its error, seen as a slope;
 //! * `memory.rs`: closed forms for rising static friction under motions that have settled; bristles
 //!   beside the dry friction that is their limit;

@@ -1,7 +1,8 @@
-//! The figures. `amplitude`, `errors`, `laws`, `memory`, `motion`, `regimes` and `structures` draw
-//! them; the other modules are for what they look like.
+//! The figures. `amplitude`, `chaos`, `errors`, `laws`, `memory`, `motion`, `regimes`, `resonance`
+//! and `structures` draw them; the other modules are for what they look like.
 
 mod amplitude;
+mod chaos;
 mod clip;
 mod errors;
 mod laws;
@@ -9,6 +10,7 @@ mod memory;
 mod motion;
 mod plot;
 mod regimes;
+mod resonance;
 mod structures;
 mod style;
 mod svg;
@@ -20,7 +22,7 @@ pub(crate) use typeset::escape;
 type Draw = fn() -> Result<Figure>;
 
 /// Name of the file, and what draws it.
-pub(crate) const FIGURES: [(&str, Draw); 13] = [
+pub(crate) const FIGURES: [(&str, Draw); 15] = [
     ("fig2_polynomial_law", laws::polynomial),
     ("fig3_exponential_law", laws::exponential),
     ("fig4_pure_slip", motion::fig4),
@@ -34,4 +36,6 @@ pub(crate) const FIGURES: [(&str, Draw); 13] = [
     ("lugre", memory::lugre),
     ("chain", structures::chain),
     ("mode_coupling", structures::mode_coupling),
+    ("resonance", resonance::resonance),
+    ("chaos", chaos::chaos),
 ];

@@ -3,10 +3,11 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::multipliers::multipliers;
+use super::oscillator::Passage;
 use super::tangent::{TangentFlow, flow_of};
 use crate::error::Error;
 use crate::friction::memory::ContactLaw;
-use crate::motion::{Integrator, Mode, Segment};
+use crate::motion::{Integrator, Mode, Segment, System};
 use crate::state::structure::State;
 use crate::structure::{Step, Structure};
 
@@ -240,6 +241,25 @@ pub(super) fn reach<L: ContactLaw<Z>, const Z: usize>(
         }
     }
     reached.ok_or(Error::InvalidDuration { value: duration })
+}
+
+/// Where a motion is after a duration, and the events on the way.
+pub(super) fn passage<L: ContactLaw<Z>, const Z: usize>(
+    structure: &Structure<L, Z>,
+    start: &State,
+    duration: f64,
+) -> Result<Passage, Error> {
+    let mut events = Vec::new();
+    let settings = Integrator::new().with_max_steps(Integrator::DEFAULT_MAX_STEPS)?;
+    for step in System::flow(structure, settings, start.clone())? {
+        let step = step?;
+        if step.end_time() >= duration {
+            return Ok((step.until(duration).end_state(), events));
+        }
+        let own = step.events().iter().filter(|event| event.time > 0.0);
+        events.extend(own.map(|event| (event.contact, event.kind)));
+    }
+    Err(Error::InvalidDuration { value: duration })
 }
 
 /// What the contacts do after a step. One that closes counts as stuck.

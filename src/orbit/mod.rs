@@ -93,9 +93,21 @@
 //! | `multipliers.rs` | the eigenvalues of that derivative |
 //! | `shoot.rs` | [`shoot`], [`settle`]: Newton's method for the fixed points of the map |
 //! | `found.rs` | [`Orbit`]: a periodic motion and what it is like |
+//! | `follow.rs` | [`follow`]: a motion followed over a parameter |
+//! | `branch.rs` | [`Branch`]: what is found so |
+//! | `curve.rs` | the equations with the parameter as one more unknown; Newton's method across the curve |
+//! | `walk.rs` | steps along the curve, and where it ends |
+//! | `changes.rs` | what happens between two points of the curve: folds, flips, tori, other events |
+//! | `corner.rs` | where the curve turns back as the events change |
+//! | `sequence.rs` | the events of a period as a cyclic sequence |
 //! | `section.rs` | [`section`], [`section_at`]: Poincaré sections |
 //! | `lyapunov.rs` | [`lyapunov`]: the largest Lyapunov exponent |
 
+mod branch;
+mod changes;
+mod corner;
+mod curve;
+mod follow;
 mod found;
 mod linear;
 mod lyapunov;
@@ -104,9 +116,13 @@ mod multipliers;
 mod oscillator;
 mod saltation;
 mod section;
+mod sequence;
 mod shoot;
 mod tangent;
+mod walk;
 
+pub use branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
+pub use follow::follow;
 pub use found::Orbit;
 pub use lyapunov::{LyapunovExponent, lyapunov, lyapunov_with_spread};
 pub use oscillator::Oscillator;

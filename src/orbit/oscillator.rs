@@ -6,7 +6,7 @@ use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::friction::memory::ContactLaw;
-use crate::motion::{Ended, Mode, System, Trajectory};
+use crate::motion::{Ended, EventKind, Mode, System, Trajectory};
 use crate::state;
 use crate::state::structure::State;
 use crate::structure::Structure;
@@ -41,6 +41,9 @@ pub trait Oscillator: System {
     /// Where the motion from a state at time 0 is after a duration, and what its contacts do there.
     #[doc(hidden)]
     fn reach(&self, start: &State, duration: f64) -> Result<(State, Vec<Mode>), Error>;
+    /// Where the motion from a state at time 0 is after a duration, and the events on the way.
+    #[doc(hidden)]
+    fn passage(&self, start: &State, duration: f64) -> Result<Passage, Error>;
     /// How a small change of the motion from a state at time 0 grows, in parts of a duration.
     #[doc(hidden)]
     fn growths(&self, start: &State, transient: f64, duration: f64) -> Result<Vec<Growth>, Error>;
@@ -48,6 +51,9 @@ pub trait Oscillator: System {
     #[doc(hidden)]
     fn trajectory(&self, map: PeriodMap, period: f64) -> Result<Trajectory<Self::State>, Error>;
 }
+
+/// The end of a motion, and its events: contact and kind.
+pub(super) type Passage = (State, Vec<(usize, EventKind)>);
 
 /// How drives vary.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -100,6 +106,10 @@ impl<L: ContactLaw<Z>, const Z: usize> Oscillator for Structure<L, Z> {
         map::reach(self, start, duration)
     }
 
+    fn passage(&self, start: &State, duration: f64) -> Result<Passage, Error> {
+        map::passage(self, start, duration)
+    }
+
     fn growths(&self, start: &State, transient: f64, duration: f64) -> Result<Vec<Growth>, Error> {
         lyapunov::growths(self, start, transient, duration)
     }
@@ -144,6 +154,10 @@ impl<L: FrictionLaw> Oscillator for MassOnBelt<L> {
 
     fn reach(&self, start: &State, duration: f64) -> Result<(State, Vec<Mode>), Error> {
         Structure::from(&self.by_reference()).reach(start, duration)
+    }
+
+    fn passage(&self, start: &State, duration: f64) -> Result<Passage, Error> {
+        Structure::from(&self.by_reference()).passage(start, duration)
     }
 
     fn growths(&self, start: &State, transient: f64, duration: f64) -> Result<Vec<Growth>, Error> {

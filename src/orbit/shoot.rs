@@ -56,7 +56,7 @@ const SINGULAR: f64 = 1e-11;
 
 /// Largest residual of a closed motion, in units of the sizes of its numbers and of what the motion
 /// magnifies. Rounding alone causes about 1e-15.
-const CLOSED: f64 = 1e-11;
+pub(super) const CLOSED: f64 = 1e-11;
 
 impl<'s, S: Oscillator> Problem<'s, S> {
     /// The problem for a guess, with the first trial.

@@ -13,6 +13,7 @@ mod bad_input;
 mod belt;
 mod derivatives;
 mod dwell;
+mod follow;
 mod formulas;
 mod long_run;
 mod references;

@@ -1,0 +1,314 @@
+//! What happens between two points of a curve of periodic motions.
+
+use nalgebra::{Complex, DVector};
+
+use super::branch::BifurcationKind;
+use super::curve::{Curve, Plane, Solved};
+use crate::error::Error;
+use crate::numerics::bracket::Bracket;
+
+/// A point of the curve, and how far along the tangent of the last one it lies.
+#[derive(Clone)]
+pub(super) struct Place {
+    pub(super) distance: f64,
+    pub(super) solved: Solved,
+}
+
+/// A bifurcation.
+pub(super) struct Found {
+    pub(super) distance: f64,
+    pub(super) kind: BifurcationKind,
+    pub(super) solved: Solved,
+}
+
+/// The curve seen from its last point: by planes across the tangent there.
+pub(super) struct View<'v, 'f> {
+    pub(super) curve: &'v Curve<'f>,
+    pub(super) base: &'v Solved,
+    pub(super) scale: &'v DVector<f64>,
+}
+
+/// Most changes of the events within one step.
+const MOST_CHANGES: usize = 16;
+
+/// Halvings of an interval of the curve: down to neighbouring numbers.
+const MOST_HALVINGS: usize = 100;
+
+/// Motions on the two sides of a change of events lie at most this far from each other, in units of
+/// the scales, when the interval in between is closed.
+const JUMP: f64 = 1e-4;
+
+/// An interval that could not be closed counts as closed below this width.
+const GAP: f64 = 1e-9;
+
+/// Values of a test function below this are rounding: they have no sign.
+const ROUNDING: f64 = 1e-9;
+
+/// How far a multiplier may lie from where it bifurcates.
+const MULTIPLIER: f64 = 1e-6;
+
+/// What changes its sign at a fold (twice: the direction of the parameter, and the product of all
+/// 1 − μ), a flip (the product of all 1 + μ) and a Neimark-Sacker bifurcation (that of all 1 − μμ').
+pub(super) type Signs = [f64; 4];
+
+impl View<'_, '_> {
+    /// The point on the plane at a distance.
+    pub(super) fn at(
+        &self,
+        distance: f64,
+        guess: &DVector<f64>,
+        near: &Solved,
+    ) -> Result<Place, Error> {
+        let origin = self.base.tangent.dot(&self.scaled(self.base));
+        let plane = Plane {
+            scale: self.scale,
+            normal: self.base.tangent.clone(),
+            value: origin + distance,
+            along: &self.base.tangent,
+        };
+        let solved = self.curve.solve(guess, near, &plane)?;
+        Ok(Place { distance, solved })
+    }
+
+    /// The point at which the parameter has a value.
+    pub(super) fn with_parameter(
+        &self,
+        parameter: f64,
+        guess: &DVector<f64>,
+        near: &Solved,
+    ) -> Result<Place, Error> {
+        let last = self.curve.unknowns() - 1;
+        let mut normal = DVector::zeros(last + 1);
+        normal[last] = 1.0;
+        let mut guess = guess.clone();
+        guess[last] = parameter;
+        let plane = Plane {
+            scale: self.scale,
+            normal,
+            value: parameter / self.scale[last],
+            along: &self.base.tangent,
+        };
+        let mut solved = self.curve.solve(&guess, near, &plane)?;
+        solved.y[last] = parameter;
+        let moved = self.scaled(&solved) - self.scaled(self.base);
+        Ok(Place {
+            distance: self.base.tangent.dot(&moved),
+            solved,
+        })
+    }
+
+    pub(super) fn scaled(&self, solved: &Solved) -> DVector<f64> {
+        solved.y.component_div(self.scale)
+    }
+
+    /// How far apart two points lie, in units of the scales.
+    pub(super) fn apart(&self, a: &Place, b: &Place) -> f64 {
+        (self.scaled(&a.solved) - self.scaled(&b.solved)).amax()
+    }
+
+    /// The point at a distance between two others.
+    pub(super) fn between(&self, low: &Place, high: &Place, distance: f64) -> Result<Place, Error> {
+        let part = (distance - low.distance) / (high.distance - low.distance);
+        let guess = &low.solved.y * (1.0 - part) + &high.solved.y * part;
+        let near = if part < 0.5 { low } else { high };
+        self.at(distance, &guess, &near.solved)
+    }
+
+    /// The bifurcations between two points, in their order. `signs` are the last ones met.
+    ///
+    /// An error says that the two points are not connected, as far as can be told.
+    pub(super) fn changes(
+        &self,
+        first: &Place,
+        last: &Place,
+        signs: &mut Signs,
+    ) -> Result<Vec<Found>, Error> {
+        let mut found = Vec::new();
+        let mut from = first.clone();
+        for _ in 0..MOST_CHANGES {
+            if from.solved.sequence.is_like(&last.solved.sequence) {
+                self.smooth(&from, last, signs, &mut found)?;
+                return Ok(found);
+            }
+            let (low, high) = self.change_of_events(&from, last)?;
+            self.smooth(&from, &low, signs, &mut found)?;
+            *signs = [0.0; 4];
+            let kind = low.solved.sequence.change(&high.solved.sequence);
+            let growth = |place: &Place| place.solved.trial.map.monodromy.amax();
+            let smoother = if growth(&high) < growth(&low) {
+                &high
+            } else {
+                &low
+            };
+            found.push(Found {
+                distance: smoother.distance,
+                kind,
+                solved: smoother.solved.clone(),
+            });
+            from = high;
+        }
+        Err(self.lost(last))
+    }
+
+    fn lost(&self, place: &Place) -> Error {
+        self.curve.lost(&place.solved.y, &place.solved.trial)
+    }
+
+    /// The two sides of the first change of events between two points that differ in them.
+    fn change_of_events(&self, first: &Place, last: &Place) -> Result<(Place, Place), Error> {
+        /// Where to try if nothing is found in the middle.
+        const PARTS: [f64; 5] = [0.5, 0.25, 0.75, 0.0625, 0.9375];
+        let (mut low, mut high) = (first.clone(), last.clone());
+        for _ in 0..MOST_HALVINGS {
+            let width = high.distance - low.distance;
+            let mut lost = None;
+            let mut tried = PARTS.iter().filter_map(|part| {
+                let distance = low.distance + part * width;
+                let inside = low.distance < distance && distance < high.distance;
+                match inside.then(|| self.between(&low, &high, distance))? {
+                    Ok(place) => Some(place),
+                    Err(error) => {
+                        lost = Some(error);
+                        None
+                    }
+                }
+            });
+            let Some(place) = tried.next() else {
+                match lost {
+                    Some(error) if width > GAP => return Err(error),
+                    _ => break,
+                }
+            };
+            if place.solved.sequence.is_like(&first.solved.sequence) {
+                low = place;
+            } else {
+                high = place;
+            }
+        }
+        if self.apart(&low, &high) > JUMP {
+            return Err(self.lost(&high));
+        }
+        Ok((low, high))
+    }
+
+    /// Folds, flips and tori between two points with the same events.
+    fn smooth(
+        &self,
+        from: &Place,
+        to: &Place,
+        signs: &mut Signs,
+        found: &mut Vec<Found>,
+    ) -> Result<(), Error> {
+        let (begin, end) = (self.values(&from.solved), self.values(&to.solved));
+        let first = found.len();
+        for (test, sign) in signs.iter_mut().enumerate() {
+            // One without a sign takes that of the last one; two in a row have none: a continuum.
+            let (carried, before) = match begin[test] {
+                0.0 => (0.0, *sign),
+                value => (value, value),
+            };
+            *sign = match end[test] {
+                0.0 => carried,
+                value => value,
+            };
+            if before * *sign >= 0.0 || from.distance >= to.distance {
+                continue;
+            }
+            let bracket = Bracket::new((from.distance, before), (to.distance, *sign));
+            let place = self.sign_change(from, to, bracket, test)?;
+            let multipliers = &place.solved.multipliers;
+            let near = |to: f64| multipliers.iter().any(|m| (m - to).norm() < MULTIPLIER);
+            let on_circle = |m: &Complex<f64>| m.im != 0.0 && (m.norm() - 1.0).abs() < MULTIPLIER;
+            let last = self.curve.unknowns() - 1;
+            let turns = place.solved.tangent[last].abs() < MULTIPLIER.sqrt();
+            let turned = found[first..]
+                .iter()
+                .any(|found| found.kind == BifurcationKind::Fold);
+            let kind = match test {
+                0 if turns => BifurcationKind::Fold,
+                1 if near(1.0) && !turned => BifurcationKind::Fold,
+                2 if near(-1.0) => BifurcationKind::Flip,
+                3 if multipliers.iter().any(on_circle) => BifurcationKind::NeimarkSacker,
+                _ => continue,
+            };
+            found.push(Found {
+                distance: place.distance,
+                kind,
+                solved: place.solved,
+            });
+        }
+        found[first..].sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        Ok(())
+    }
+
+    /// The place between two others at which a test function changes its sign.
+    fn sign_change(
+        &self,
+        from: &Place,
+        to: &Place,
+        mut bracket: Bracket,
+        test: usize,
+    ) -> Result<Place, Error> {
+        let (mut low, mut high) = (from.clone(), to.clone());
+        let rises = bracket.sign_change().values[1] > 0.0;
+        let mut best: Option<(f64, Place)> = None;
+        for _ in 0..MOST_HALVINGS {
+            let Some(distance) = bracket.next_place() else {
+                break;
+            };
+            let place = self.between(&low, &high, distance)?;
+            let value = self.tests(&place.solved)[test];
+            bracket.narrow(distance, value);
+            if best.as_ref().is_none_or(|best| value.abs() < best.0) {
+                best = Some((value.abs(), place.clone()));
+            }
+            if (value > 0.0) == rises {
+                high = place;
+            } else {
+                low = place;
+            }
+            if value == 0.0 || self.apart(&low, &high) <= f64::EPSILON {
+                break;
+            }
+        }
+        Ok(best.map_or(high, |best| best.1))
+    }
+
+    fn tests(&self, solved: &Solved) -> [f64; 4] {
+        let one = Complex::new(1.0, 0.0);
+        let m = &solved.multipliers;
+        let product = |sign: f64| m.iter().map(|m| one - m * sign).product::<Complex<f64>>();
+        let mut pairs = one;
+        for (i, a) in m.iter().enumerate() {
+            for b in &m[..i] {
+                pairs *= one - a * b;
+            }
+        }
+        let last = self.curve.unknowns() - 1;
+        [
+            solved.tangent[last],
+            product(1.0).re,
+            product(-1.0).re,
+            pairs.re,
+        ]
+    }
+
+    /// The test functions; 0 where rounding could give them any sign.
+    fn values(&self, solved: &Solved) -> [f64; 4] {
+        let mut values = self.tests(solved);
+        let m = &solved.multipliers;
+        let nearest = |to: f64| m.iter().map(|m| (m - to).norm()).fold(1.0, f64::min);
+        let mut sizes = [values[0].abs(), nearest(1.0), nearest(-1.0), 1.0];
+        for (i, a) in m.iter().enumerate() {
+            for b in &m[..i] {
+                sizes[3] = sizes[3].min((a * b - 1.0).norm());
+            }
+        }
+        for (value, size) in values.iter_mut().zip(sizes) {
+            if size < ROUNDING {
+                *value = 0.0;
+            }
+        }
+        values
+    }
+}

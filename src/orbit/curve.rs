@@ -1,0 +1,437 @@
+//! Periodic motions as a curve: the equations in which the parameter is one more unknown, and
+//! Newton's method on a plane across the curve.
+//!
+//! The unknowns y are the start, the period of a free motion, and the parameter. A free motion
+//! starts where one coordinate turns back, v_i = 0: such a section is met however small it becomes.
+
+use std::cell::Cell;
+use std::ops::{ControlFlow, Range};
+
+use nalgebra::{Complex, DMatrix, DVector, SVD};
+
+use super::map::{PeriodMap, state, vector};
+use super::oscillator::{Oscillator, Passage, Rhythm};
+use super::sequence::Sequence;
+use super::shoot::{CLOSED, Period, Trial};
+use crate::error::Error;
+use crate::motion::{Mode, Segment};
+use crate::state::structure::State;
+
+/// One system of a family. A trait object, so that nothing of the search is compiled anew for each
+/// family.
+pub(super) trait Member {
+    /// How its drives vary.
+    fn rhythm(&self) -> Rhythm;
+    /// Coordinate of each contact, and the velocity of its belt at time 0.
+    fn belts(&self) -> Vec<(usize, f64)>;
+    /// The map over a duration, with its derivative.
+    fn map(&self, start: &State, duration: f64) -> Result<PeriodMap, Error>;
+    /// The map of the same closed motion begun where no event is near, if its start is near to one.
+    fn apart(&self, map: &PeriodMap, period: f64) -> Result<Option<PeriodMap>, Error>;
+    /// The map alone, and the events on the way.
+    fn passage(&self, start: &State, duration: f64) -> Result<Passage, Error>;
+}
+
+impl<S: Oscillator> Member for S {
+    fn rhythm(&self) -> Rhythm {
+        Oscillator::rhythm(self)
+    }
+
+    fn belts(&self) -> Vec<(usize, f64)> {
+        Oscillator::belts(self)
+    }
+
+    fn map(&self, start: &State, duration: f64) -> Result<PeriodMap, Error> {
+        self.period_map(start, duration)
+    }
+
+    fn apart(&self, map: &PeriodMap, period: f64) -> Result<Option<PeriodMap>, Error> {
+        self.begun_apart(map, period)
+    }
+
+    fn passage(&self, start: &State, duration: f64) -> Result<Passage, Error> {
+        Oscillator::passage(self, start, duration)
+    }
+}
+
+pub(super) type Family<'f> = dyn Fn(f64) -> Result<Box<dyn Member + 'f>, Error> + 'f;
+
+/// The equations of the motions of a family.
+pub(super) struct Curve<'f> {
+    pub(super) family: &'f Family<'f>,
+    pub(super) kind: Period,
+    pub(super) range: Range<f64>,
+    pub(super) n: usize,
+    pub(super) order: usize,
+    /// The coordinate that turns back where a free motion starts.
+    pub(super) turning: Option<usize>,
+    /// How many motions have been tried.
+    pub(super) tried: Cell<usize>,
+}
+
+/// A point of the curve.
+#[derive(Clone)]
+pub(super) struct Solved {
+    pub(super) y: DVector<f64>,
+    pub(super) trial: Trial,
+    pub(super) sequence: Sequence,
+    pub(super) multipliers: Vec<Complex<f64>>,
+    /// Along the curve, in units of the scales with which it was found, of length 1.
+    pub(super) tangent: DVector<f64>,
+    /// Steps of Newton's method.
+    pub(super) steps: usize,
+    /// Which contacts stick at the start.
+    stuck: Vec<bool>,
+}
+
+/// A plane: normal·(y/scale) = value.
+pub(super) struct Plane<'p> {
+    pub(super) scale: &'p DVector<f64>,
+    pub(super) normal: DVector<f64>,
+    pub(super) value: f64,
+    /// Along the curve at its last point.
+    pub(super) along: &'p DVector<f64>,
+}
+
+/// Most steps of Newton's method; three or four are usual.
+const MOST_STEPS: usize = 16;
+
+/// Steps above this size have the derivative by the parameter computed again.
+const COARSE: f64 = 1e-5;
+
+/// Steps below this size are rounding.
+const FINE: f64 = 1e-13;
+
+/// The parts of the range by which the parameter is changed for the derivative: shorter ones where
+/// the events change beside.
+const PARTS: [f64; 3] = [1e-6, 1e-8, 1e-10];
+
+impl Curve<'_> {
+    /// Number of unknowns.
+    pub(super) fn unknowns(&self) -> usize {
+        self.order + usize::from(self.turning.is_some()) + 1
+    }
+
+    pub(super) fn width(&self) -> f64 {
+        self.range.end - self.range.start
+    }
+
+    pub(super) fn parameter(&self, y: &DVector<f64>) -> f64 {
+        y[self.unknowns() - 1]
+    }
+
+    fn member(&self, parameter: f64) -> Result<Box<dyn Member + '_>, Error> {
+        let checked = Error::check("parameter", parameter, true, "a number");
+        checked.and_then(|parameter| (self.family)(parameter))
+    }
+
+    /// A start as it is for one system: contacts that stick move with their belts.
+    fn start(&self, member: &dyn Member, y: &DVector<f64>, stuck: &[bool]) -> State {
+        let mut start = state(&y.rows(0, self.order).into_owned(), self.n);
+        for ((coordinate, velocity), stuck) in std::iter::zip(member.belts(), stuck) {
+            if *stuck {
+                start.velocities[coordinate] = velocity;
+            }
+        }
+        if let Some(i) = self.turning {
+            start.velocities[i] = 0.0;
+        }
+        start
+    }
+
+    fn period(&self, member: &dyn Member, y: &DVector<f64>) -> Result<f64, Error> {
+        match (self.kind, member.rhythm()) {
+            (Period::Driven(count), Rhythm::Periodic(period)) => Ok(count as f64 * period),
+            (Period::Driven(_), _) => Err(Error::NoCommonPeriod),
+            (Period::Free(_), Rhythm::Constant) => {
+                let period = y[self.order];
+                Error::check("period", period, period > 0.0, "period > 0")
+            }
+            (Period::Free(_), _) => Err(Error::NotFree),
+        }
+    }
+
+    fn trial(&self, y: &DVector<f64>, stuck: &[bool]) -> Result<Trial, Error> {
+        self.tried.set(self.tried.get() + 1);
+        let find = || {
+            let member = self.member(self.parameter(y))?;
+            let period = self.period(&*member, y)?;
+            let map = member.map(&self.start(&*member, y, stuck), period)?;
+            let residual = map.residual().component_div(&map.sizes()).amax();
+            let trial = Trial {
+                period,
+                map,
+                residual,
+            };
+            Ok(trial)
+        };
+        find().map_err(|error: Error| error.at("parameter", self.parameter(y)))
+    }
+
+    /// The derivative of the residual by the parameter, by differences between motions with the
+    /// same events: those on both sides, or on one if the other has no such motion.
+    fn by_parameter(&self, y: &DVector<f64>, trial: &Trial, stuck: &[bool]) -> DVector<f64> {
+        let last = self.unknowns() - 1;
+        let steps = trial.map.steps.iter().flat_map(Segment::events);
+        let events: Vec<_> = steps
+            .filter(|event| event.time > 0.0)
+            .map(|event| (event.contact, event.kind))
+            .collect();
+        let miss = |change: f64| {
+            let mut beside = y.clone();
+            beside[last] += change;
+            let member = self.member(beside[last]).ok()?;
+            let period = self.period(&*member, &beside).ok()?;
+            let start = self.start(&*member, &beside, stuck);
+            let (end, passed) = member.passage(&start, period).ok()?;
+            let miss = vector(&end, self.order) - vector(&start, self.order);
+            Some((beside[last] - y[last], miss, passed == events))
+        };
+        let mut slope = DVector::zeros(self.order);
+        // A map with a large derivative bends as strongly.
+        let growth = 0.5 * trial.map.monodromy.amax();
+        for part in PARTS {
+            let step = part * self.width() / (1.0 + growth * growth);
+            let (low, high) = (miss(-step), miss(step));
+            let here = Some((0.0, trial.map.residual(), true));
+            let is_same =
+                |side: &Option<(f64, DVector<f64>, bool)>| side.as_ref().is_some_and(|side| side.2);
+            let any = is_same(&low) || is_same(&high);
+            let pair = match (is_same(&low), is_same(&high)) {
+                (true, false) => (low, here),
+                (false, true) => (here, high),
+                _ if low.is_none() => (here, high),
+                _ if high.is_none() => (low, here),
+                _ => (low, high),
+            };
+            if let (Some((a, below, _)), Some((b, above, _))) = pair {
+                slope = (above - below) / (b - a);
+            }
+            if any {
+                break;
+            }
+        }
+        let first = self.order - trial.map.depends.len();
+        for (j, depends) in trial.map.depends.iter().enumerate() {
+            if !depends {
+                slope[first + j] = 0.0;
+            }
+        }
+        slope
+    }
+
+    /// The derivative of the equations in units of the scales, with a row of zeros below; and the
+    /// right-hand side of Newton's method.
+    fn linearised(
+        &self,
+        y: &DVector<f64>,
+        trial: &Trial,
+        by_parameter: &DVector<f64>,
+        scale: &DVector<f64>,
+    ) -> (DMatrix<f64>, DVector<f64>) {
+        let (map, order, unknowns) = (&trial.map, self.order, self.unknowns());
+        let sizes = map.sizes();
+        let mut matrix = DMatrix::zeros(unknowns, unknowns);
+        let mut right = DVector::zeros(unknowns);
+        let residual = map.residual();
+        for i in 0..order {
+            for j in 0..order {
+                let identity = if i == j { 1.0 } else { 0.0 };
+                matrix[(i, j)] = (map.monodromy[(i, j)] - identity) * (scale[j] / sizes[i]);
+            }
+            matrix[(i, unknowns - 1)] = by_parameter[i] * (scale[unknowns - 1] / sizes[i]);
+            right[i] = -residual[i] / sizes[i];
+        }
+        if let Some(turning) = self.turning {
+            for i in 0..order {
+                matrix[(i, order)] = map.flow[1][i] * (scale[order] / sizes[i]);
+            }
+            let row = self.n + turning;
+            matrix[(order, row)] = 1.0;
+            right[order] = -y[row] / scale[row];
+        }
+        (matrix, right)
+    }
+
+    /// The point of the curve on a plane, near a guess, by Newton's method.
+    pub(super) fn solve(
+        &self,
+        guess: &DVector<f64>,
+        near: &Solved,
+        plane: &Plane<'_>,
+    ) -> Result<Solved, Error> {
+        let (mut y, mut stuck) = (guess.clone(), near.stuck.clone());
+        let mut slope: Option<DVector<f64>> = None;
+        let mut before = f64::INFINITY;
+        let mut steps = 0;
+        loop {
+            let trial = self.trial(&y, &stuck)?;
+            y.rows_mut(0, self.order)
+                .copy_from(&vector(&trial.map.start, self.order));
+            let growth = trial.map.monodromy.amax().max(1.0);
+            let slope = match &mut slope {
+                Some(slope) if before < COARSE / (growth * growth) => slope,
+                slope => slope.insert(self.by_parameter(&y, &trial, &stuck)),
+            };
+            let (mut matrix, mut right) = self.linearised(&y, &trial, slope, plane.scale);
+            let last = self.unknowns() - 1;
+            matrix.row_mut(last).copy_from(&plane.normal.transpose());
+            let place = plane.normal.dot(&y.component_div(plane.scale));
+            right[last] = plane.value - place;
+            let Some(change) = solution(&matrix, &right) else {
+                return Err(self.lost(&y, &trial));
+            };
+            let size = change.amax();
+            let closed = trial.residual <= CLOSED * growth && size <= CLOSED.sqrt();
+            if size <= FINE || (closed && size >= 0.5 * before) {
+                return self.solved(y, trial, (stuck, steps), matrix, plane);
+            }
+            steps += 1;
+            let falls = steps <= 2 || size <= 2.0 * before;
+            if !(size <= 1.0 && falls && steps < MOST_STEPS) {
+                return Err(self.lost(&y, &trial));
+            }
+            before = size;
+            let modes = trial.map.end_modes();
+            stuck = modes.iter().map(|mode| *mode == Mode::Stick).collect();
+            y += change.component_mul(plane.scale);
+        }
+    }
+
+    /// The error that no motion was found near here.
+    pub(super) fn lost(&self, y: &DVector<f64>, trial: &Trial) -> Error {
+        let error = Error::NotPeriodic {
+            residual: trial.residual,
+            period: trial.period,
+            start: trial.map.start.clone(),
+        };
+        error.at("parameter", self.parameter(y))
+    }
+
+    fn solved(
+        &self,
+        y: DVector<f64>,
+        trial: Trial,
+        (stuck, steps): (Vec<bool>, usize),
+        mut matrix: DMatrix<f64>,
+        plane: &Plane<'_>,
+    ) -> Result<Solved, Error> {
+        let last = self.unknowns() - 1;
+        matrix.row_mut(last).copy_from(&plane.along.transpose());
+        let mut right = DVector::zeros(self.unknowns());
+        right[last] = 1.0;
+        let is_free = self.turning.is_some();
+        let apart = self.apart(&y, &trial)?;
+        let begun = apart.as_ref().unwrap_or(&trial.map);
+        let sequence = Sequence::of(begun, trial.period);
+        let found = (
+            solution(&matrix, &right).filter(|tangent| tangent.norm() > 0.0),
+            begun.multipliers(is_free),
+        );
+        let (Some(tangent), Some(multipliers)) = found else {
+            return Err(self.lost(&y, &trial));
+        };
+        Ok(Solved {
+            sequence,
+            y,
+            trial,
+            multipliers,
+            tangent: tangent.normalize(),
+            steps,
+            stuck,
+        })
+    }
+
+    /// The motion of a trial begun where no event is near, if its start is near to one.
+    fn apart(&self, y: &DVector<f64>, trial: &Trial) -> Result<Option<PeriodMap>, Error> {
+        let find = || {
+            self.member(self.parameter(y))?
+                .apart(&trial.map, trial.period)
+        };
+        find().map_err(|error| error.at("parameter", self.parameter(y)))
+    }
+
+    /// The first point, as a guess that `solve` makes good: nothing along the curve is known.
+    pub(super) fn guess(
+        &self,
+        start: &State,
+        period: f64,
+        parameter: f64,
+    ) -> Result<Solved, Error> {
+        let mut y = DVector::zeros(self.unknowns());
+        y.rows_mut(0, self.order)
+            .copy_from(&vector(start, self.order));
+        if self.turning.is_some() {
+            y[self.order] = period;
+        }
+        y[self.unknowns() - 1] = parameter;
+        let none = vec![false; self.member(parameter)?.belts().len()];
+        let trial = self.trial(&y, &none)?;
+        let modes = trial.map.end_modes();
+        let stuck = modes.iter().map(|mode| *mode == Mode::Stick).collect();
+        let apart = self.apart(&y, &trial)?;
+        let begun = apart.as_ref().unwrap_or(&trial.map);
+        Ok(Solved {
+            sequence: Sequence::of(begun, trial.period),
+            tangent: DVector::zeros(self.unknowns()),
+            multipliers: Vec::new(),
+            steps: 0,
+            stuck,
+            y,
+            trial,
+        })
+    }
+
+    /// Of a free motion: the coordinate and the place at which it turns back the most sharply, and
+    /// its acceleration there in units of its velocity.
+    pub(super) fn sharpest(&self, map: &PeriodMap) -> Option<(f64, usize, State)> {
+        let mut sharpest: Option<(f64, usize, State)> = None;
+        let speeds = map.sizes();
+        for step in &map.steps {
+            for i in 0..self.n {
+                let Some(velocity) = step.series().get(i) else {
+                    continue;
+                };
+                let _ = velocity.sign_changes(step.duration(), &mut |t, _| {
+                    let sharpness = velocity.derivative().at(t).abs() / speeds[self.n + i];
+                    // The first of equal ones, whatever rounding says.
+                    let most = sharpest.as_ref().map_or(0.0, |most| 1.001 * most.0);
+                    if sharpness > most {
+                        let mut state = step.state_at(t);
+                        state.velocities[i] = 0.0;
+                        sharpest = Some((sharpness, i, state));
+                    }
+                    ControlFlow::Continue(())
+                });
+            }
+        }
+        sharpest
+    }
+
+    /// The acceleration with which a free motion turns back where it starts; 1 for a driven one.
+    pub(super) fn turn(&self, solved: &Solved) -> f64 {
+        let at = |i: usize| solved.trial.map.flow[0][self.n + i];
+        self.turning.map_or(1.0, at)
+    }
+}
+
+/// Singular values below this part of the largest count as 0, when rows are of size 1: of motions
+/// in a continuum the nearest one is taken.
+const SINGULAR: f64 = 1e-8;
+
+/// The solution of a system of equations, the shortest if there are many.
+fn solution(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
+    let sweeps = 1000 * matrix.nrows();
+    let (mut matrix, mut right) = (matrix.clone(), right.clone());
+    for (mut row, right) in matrix.row_iter_mut().zip(right.iter_mut()) {
+        let size = row.amax();
+        if size > 0.0 {
+            row /= size;
+            *right /= size;
+        }
+    }
+    let svd = SVD::try_new(matrix, true, true, f64::EPSILON, sweeps)?;
+    let least = SINGULAR * svd.singular_values.max();
+    let solution = svd.solve(&right, least).ok()?;
+    solution.iter().all(|x| x.is_finite()).then_some(solution)
+}

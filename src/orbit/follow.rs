@@ -1,0 +1,212 @@
+//! A periodic motion followed over a parameter.
+
+use std::cell::Cell;
+use std::ops::Range;
+
+use nalgebra::DVector;
+
+use super::branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
+use super::curve::{Curve, Member, Plane, Solved};
+use super::found::Orbit;
+use super::oscillator::Oscillator;
+use super::shoot::{CLOSED, Period};
+use super::walk::{Walk, natural_scale};
+use crate::error::Error;
+use crate::state::structure::State;
+
+/// Follows a periodic motion over a parameter, in both directions and through folds, to where it
+/// ends or the parameter leaves a range.
+///
+/// `family` gives the system for a value of the parameter, which may be anything that a closure can
+/// put in: a belt's velocity, a load, a damper, a number of a law, the frequency of a force.
+/// `parameter` is where `from` is a motion of the family, inside the range or at one of its ends.
+/// Both ends of the range belong to it.
+///
+/// The motions x(0), their period T if they are free, and the parameter p are points of the curve
+///
+/// ```text
+/// x(T; x(0), p) − x(0) = 0,
+/// ```
+///
+/// along which pseudo-arclength continuation goes: a step in the direction of the tangent, then
+/// Newton's method on the plane across it, with the exact derivative of the map over one period. No
+/// order of stick and slip is prescribed. Where the events of two neighbouring motions differ, the
+/// change in between is enclosed by bisection, down to neighbouring numbers or what rounding
+/// leaves, and the branch goes on behind it.
+///
+/// A fold is where dp/ds changes its sign, or Π(1 − μ); a flip, where Π(1 + μ) does; a
+/// Neimark-Sacker bifurcation, where Π(1 − μ_i μ_j) does and a complex pair lies on the unit circle.
+/// Each is refined along the arclength, with the motion corrected at every trial. Two of one kind
+/// within one step (1/64 of the range at most) can be missed; a narrower range is followed more
+/// closely. In a continuum of motions one multiplier is 1 all along: the nearest motion is taken.
+///
+/// A free motion starts, at all points of the branch, where one of its coordinates turns back.
+///
+/// At most 2048 points are computed, and 50 000 motions tried, in each direction. What is found before a motion is lost is
+/// kept: [`Branch::ends`] says why the branch ends.
+///
+/// Sources: Kuznetsov, *Elements of Applied Bifurcation Theory*, chapter 10 (continuation, test
+/// functions); Dankowicz and Schilder, *Recipes for Continuation*, chapters 9 and 17 (motions in
+/// pieces); di Bernardo et al., *Piecewise-smooth Dynamical Systems* (changes of the events).
+///
+/// # Errors
+///
+/// [`Error::InvalidParameter`] unless the range is finite and not empty and holds the parameter;
+/// [`Error::At`], with the parameter, if the family has no system there, or `from` is no motion of
+/// that system, or a system refuses a motion that was found.
+///
+/// ```
+/// use stick_slip::orbit::{self, BifurcationKind, Period};
+/// use stick_slip::{Contact, Coulomb, Drive, Error, Structure, structure::State};
+///
+/// // A mass on a belt under a harmonic force, over the frequency of the force.
+/// let family = |frequency: f64| -> Result<Structure<Coulomb>, Error> {
+///     Structure::new(&[1.0])?
+///         .with_ground_spring(0, 1.0)?
+///         .with_ground_damper(0, 0.02)?
+///         .with_force(0, Drive::harmonic(0.3, frequency, 0.0)?)?
+///         .with_contact(Contact::new(0, Coulomb::new(0.5, 0.3)?, 1.5)?.on_belt(0.1))
+/// };
+/// let start = State::at_rest(1);
+/// let orbit = orbit::settle(&family(0.78)?, &start, 400.0, Period::Driven(1))?;
+/// let branch = orbit::follow(family, 0.78, &orbit, 0.7..0.8)?;
+/// // Below this frequency the period doubles.
+/// let flip = &branch.bifurcations[0];
+/// assert_eq!(flip.kind, BifurcationKind::Flip);
+/// assert!((flip.parameter - 0.7427147655161559115).abs() < 1e-12);
+/// assert!((flip.orbit.multipliers()[0].re + 1.0).abs() < 1e-9);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+pub fn follow<S: Oscillator>(
+    family: impl Fn(f64) -> Result<S, Error>,
+    parameter: f64,
+    from: &Orbit<S>,
+    range: Range<f64>,
+) -> Result<Branch<S>, Error> {
+    let valid = range.start < range.end && range.end.is_finite();
+    Error::check("range.start", range.start, valid, "start < end")?;
+    let inside = (range.start..=range.end).contains(&parameter);
+    Error::check("parameter", parameter, inside, "inside the range")?;
+    branch(&family, parameter, from, range)
+}
+
+fn branch<S: Oscillator>(
+    family: &dyn Fn(f64) -> Result<S, Error>,
+    parameter: f64,
+    from: &Orbit<S>,
+    range: Range<f64>,
+) -> Result<Branch<S>, Error> {
+    let at = |parameter: f64| family(parameter).map_err(|error| error.at("parameter", parameter));
+    let system = at(parameter)?;
+    let start = S::general(&from.state());
+    let (n, memory) = system.sizes();
+    let members = |parameter: f64| -> Result<Box<dyn Member + '_>, Error> {
+        Ok(Box::new(family(parameter)?))
+    };
+    let mut curve = Curve {
+        family: &members,
+        kind: from.kind(),
+        range,
+        n,
+        order: 2 * n + memory,
+        turning: None,
+        tried: Cell::new(0),
+    };
+    let mut start = start;
+    if let Period::Free(_) = curve.kind {
+        let map = system.period_map(&start, from.period());
+        let map = map.map_err(|error| error.at("parameter", parameter))?;
+        let (_, turning, state) = curve.sharpest(&map).ok_or(Error::AtRest)?;
+        (curve.turning, start) = (Some(turning), state);
+    }
+    let (found, parts, ends) = walks(&mut curve, &start, from.period(), parameter)?;
+    let kind = curve.kind;
+    let orbit = |solved: Solved, parameter: f64| Orbit::new(&at(parameter)?, solved.trial, kind);
+    let points = found.into_iter().map(|solved| {
+        let parameter = curve.parameter(&solved.y);
+        let orbit = orbit(solved, parameter)?;
+        Ok(BranchPoint { parameter, orbit })
+    });
+    let points = points.collect::<Result<_, Error>>()?;
+    let bifurcations = parts.into_iter().map(|(kind, solved)| {
+        let parameter = curve.parameter(&solved.y);
+        let orbit = orbit(solved, parameter)?;
+        Ok(Bifurcation {
+            parameter,
+            kind,
+            orbit,
+        })
+    });
+    Ok(Branch {
+        bifurcations: bifurcations.collect::<Result<_, Error>>()?,
+        points,
+        ends,
+    })
+}
+
+type Parts = (Vec<Solved>, Vec<(BifurcationKind, Solved)>, [BranchEnd; 2]);
+
+/// Both directions from a start.
+fn walks(
+    curve: &mut Curve<'_>,
+    start: &State,
+    period: f64,
+    parameter: f64,
+) -> Result<Parts, Error> {
+    let first = first(curve, start, period, parameter)?;
+    let first_scale = natural_scale(curve, &first);
+    let turning = curve.turning;
+    let walk = |direction: f64, curve: &mut Curve<'_>| {
+        curve.turning = turning;
+        curve.tried.set(0);
+        let mut walk = Walk {
+            curve,
+            first_scale: first_scale.clone(),
+            points: Vec::new(),
+            found: Vec::new(),
+        };
+        let mut first = first.clone();
+        first.tangent *= direction;
+        let end = walk.run(&first);
+        let found: Vec<_> = walk.found.into_iter().map(|f| (f.kind, f.solved)).collect();
+        (walk.points, found, end)
+    };
+    let (up, found_up, end_up) = walk(1.0, curve);
+    let (mut points, mut found, end_down) = if end_up == BranchEnd::Closed {
+        (Vec::new(), Vec::new(), BranchEnd::Closed)
+    } else {
+        walk(-1.0, curve)
+    };
+    points.reverse();
+    found.reverse();
+    points.push(first);
+    points.extend(up);
+    found.extend(found_up);
+    Ok((points, found, [end_down, end_up]))
+}
+
+/// The first point, with the curve's direction there, towards larger parameters.
+fn first(curve: &Curve<'_>, start: &State, period: f64, parameter: f64) -> Result<Solved, Error> {
+    let guess = curve.guess(start, period, parameter)?;
+    let growth = guess.trial.map.monodromy.amax().max(1.0);
+    if guess.trial.residual > CLOSED.sqrt() * growth {
+        return Err(curve.lost(&guess.y, &guess.trial));
+    }
+    let scale = natural_scale(curve, &guess);
+    let last = curve.unknowns() - 1;
+    let unit =
+        |others: f64| DVector::from_fn(last + 1, |i, _| if i == last { 1.0 } else { others });
+    let plane = Plane {
+        scale: &scale,
+        normal: unit(0.0),
+        value: parameter / scale[last],
+        // Along the parameter, but at a fold along the others.
+        along: &unit(0.001),
+    };
+    let mut first = curve.solve(&guess.y, &guess, &plane)?;
+    first.y[last] = parameter;
+    if first.tangent[last] < 0.0 {
+        first.tangent.neg_mut();
+    }
+    Ok(first)
+}

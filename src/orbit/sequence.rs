@@ -1,0 +1,105 @@
+//! The events of a periodic motion as a cyclic sequence, and what changes from one to another.
+
+use super::branch::BifurcationKind;
+use super::map::PeriodMap;
+use crate::motion::{EventKind, Mode, Segment};
+
+/// Events of a period, contact and kind, from wherever it is counted.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Sequence(Vec<(usize, EventKind)>);
+
+/// Events of different contacts closer than this part of the period count as simultaneous: they
+/// are listed by contact.
+const TOGETHER: f64 = 1e-11;
+
+impl Sequence {
+    /// The events of a closed motion that does not begin near to one.
+    pub(super) fn of(map: &PeriodMap, period: f64) -> Self {
+        let events = map.steps.iter().flat_map(Segment::events);
+        let mut events: Vec<_> = events
+            .map(|event| (event.time, event.contact, event.kind))
+            .collect();
+        // From behind the longest pause, so that none is torn apart at the end of the period.
+        let count = events.len();
+        let pause = |i: usize| match i {
+            0 => events[0].0 + period - events[count - 1].0,
+            _ => events[i].0 - events[i - 1].0,
+        };
+        let longest = (0..count).max_by(|&a, &b| pause(a).total_cmp(&pause(b)));
+        let longest = longest.unwrap_or(0);
+        events.rotate_left(longest);
+        for event in events.iter_mut().skip(count - longest) {
+            event.0 += period;
+        }
+        let mut first = 0;
+        for i in 1..=count {
+            if i == count || events[i].0 - events[i - 1].0 > TOGETHER * period {
+                events[first..i].sort_by_key(|event| event.1);
+                first = i;
+            }
+        }
+        let kinds = events.into_iter();
+        Self(kinds.map(|(_, contact, kind)| (contact, kind)).collect())
+    }
+
+    /// Whether the events are the same, in the same order round the period.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        is_rotated(&self.0, &other.0)
+    }
+
+    /// What a change from one sequence to another is.
+    pub(super) fn change(&self, other: &Self) -> BifurcationKind {
+        let (short, long) = if self.0.len() < other.0.len() {
+            (self, other)
+        } else {
+            (other, self)
+        };
+        let contacts = long.0.iter().chain(&short.0).map(|event| event.0).max();
+        let grazes = (0..=contacts.unwrap_or(0)).all(|contact| {
+            let of = |sequence: &Self| -> Vec<EventKind> {
+                let own = sequence.0.iter().filter(|event| event.0 == contact);
+                own.map(|event| event.1).collect()
+            };
+            has_more_pairs(&of(short), &of(long))
+        });
+        if grazes && short.0.len() < long.0.len() {
+            BifurcationKind::Grazing
+        } else {
+            BifurcationKind::Sequence
+        }
+    }
+}
+
+fn is_rotated<T: PartialEq>(a: &[T], b: &[T]) -> bool {
+    let turned = |by: usize| a.iter().eq(b.iter().cycle().skip(by).take(b.len()));
+    a.len() == b.len() && (a.is_empty() || (0..a.len()).any(turned))
+}
+
+/// Whether the events of one contact become others by taking out pairs after which it goes on as it
+/// did before.
+fn has_more_pairs(short: &[EventKind], long: &[EventKind]) -> bool {
+    /// More pairs than that are not tried out.
+    const MOST_PAIRS: usize = 4;
+    let more = long.len().saturating_sub(short.len());
+    if more == 0 || more % 2 != 0 || more > 2 * MOST_PAIRS {
+        return is_rotated(short, long);
+    }
+    (0..long.len()).any(|i| {
+        let at = |j: usize| long[(i + j) % long.len()];
+        let before = match (at(0), at(1)) {
+            // Whatever it slid like when it was caught.
+            (EventKind::Stick, EventKind::Release(to)) => {
+                let last = long.len() - 1;
+                long.len() == 2 || at(last).mode() == Mode::Slip(to)
+            }
+            (EventKind::Release(_), EventKind::Stick) => true,
+            (EventKind::Crossing(from), EventKind::Crossing(to)) => from != to,
+            _ => false,
+        };
+        if !before {
+            return false;
+        }
+        let rest: Vec<EventKind> = (2..long.len()).map(at).collect();
+        has_more_pairs(short, &rest)
+    })
+}

@@ -1,0 +1,366 @@
+//! Steps along a curve of periodic motions, and where it ends.
+
+use nalgebra::DVector;
+
+use super::branch::BranchEnd;
+use super::changes::{Found, Place, Signs, View};
+use super::curve::{Curve, Plane, Solved};
+use crate::error::Error;
+use crate::motion::{Mode, Segment};
+
+/// One half of a branch.
+pub(super) struct Walk<'v, 'f> {
+    pub(super) curve: &'v mut Curve<'f>,
+    /// Sizes of the unknowns on the first motion.
+    pub(super) first_scale: DVector<f64>,
+    pub(super) points: Vec<Solved>,
+    pub(super) found: Vec<Found>,
+}
+
+/// Most points in one direction.
+const MOST_POINTS: usize = 2048;
+
+/// Most motions that are tried in one direction.
+const MOST_TRIALS: usize = 50_000;
+
+/// The longest step, in units of the range and of the sizes of the motion.
+const LONGEST: f64 = 1.0 / 64.0;
+
+/// The shortest step.
+const SHORTEST: f64 = 1e-9;
+
+/// The least cosine between the directions of the curve at neighbouring points.
+const STRAIGHT: f64 = 0.97;
+
+/// Sizes do not fall below this part of those of the first motion, so that a motion can shrink to a
+/// point in a finite number of steps.
+const LEAST_SIZE: f64 = 0.01;
+
+/// Steps of Newton's method after which a step along the curve is not made longer.
+const MANY_STEPS: usize = 5;
+
+/// A free motion is started elsewhere when its start has become so blunt a turn, compared with the
+/// sharpest there is.
+const BLUNT: f64 = 0.3;
+
+/// The smallest and the largest part of a motion that shrinks to a point by which that point is
+/// found.
+const HOPF_PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
+
+/// Points by which a tangential arrival is found, and the growth of changes from which on it is one.
+const GRAZING_POINTS: usize = 5;
+const GRAZING_GROWTH: f64 = 1e3;
+
+/// A free motion whose acceleration at the start falls below this part of what it was has stopped.
+const AT_REST: f64 = 1e-6;
+
+/// What a step comes to.
+enum Outcome {
+    Next(Place, Vec<Found>),
+    Last(Place, Vec<Found>),
+    End(BranchEnd),
+}
+
+impl Walk<'_, '_> {
+    /// The sizes of the unknowns.
+    pub(super) fn scale(&self, solved: &Solved) -> DVector<f64> {
+        let mut scale = natural_scale(self.curve, solved);
+        let last = scale.len() - 1;
+        for (scale, first) in scale.iter_mut().zip(&self.first_scale).take(last) {
+            *scale = scale.max(LEAST_SIZE * first);
+        }
+        scale
+    }
+
+    /// Goes from a point in the direction of its tangent, which is in units of the first scales.
+    pub(super) fn run(&mut self, first: &Solved) -> BranchEnd {
+        let mut base = first.clone();
+        let (parameter, range) = (self.curve.parameter(&base.y), &self.curve.range);
+        let rises = base.tangent[self.curve.unknowns() - 1] > 0.0;
+        if parameter == if rises { range.end } else { range.start } {
+            return BranchEnd::Range;
+        }
+        let mut scale = self.first_scale.clone();
+        let mut signs: Signs = [0.0; 4];
+        let mut step = 0.25 * LONGEST;
+        for _ in 0..MOST_POINTS {
+            let (outcome, next_step) = self.step(&base, &scale, step, &mut signs);
+            let place = match outcome {
+                Outcome::Next(place, found) => {
+                    self.found.extend(found);
+                    place
+                }
+                Outcome::Last(place, found) => {
+                    self.found.extend(found);
+                    self.points.push(place.solved);
+                    return BranchEnd::Range;
+                }
+                Outcome::End(end) => return end,
+            };
+            step = next_step;
+            if self.came_back(first, &base, &place.solved) {
+                return BranchEnd::Closed;
+            }
+            self.points.push(place.solved.clone());
+            let tangent = place.solved.tangent.component_mul(&scale);
+            base = place.solved;
+            self.start_elsewhere(&mut base);
+            scale = self.scale(&base);
+            let along = tangent.component_div(&scale);
+            self.renew(&mut base, &scale, along);
+        }
+        BranchEnd::Work
+    }
+
+    /// One step, shortened until it succeeds; and how long to make the next one.
+    fn step(
+        &self,
+        base: &Solved,
+        scale: &DVector<f64>,
+        longest: f64,
+        signs: &mut Signs,
+    ) -> (Outcome, f64) {
+        let mut length = longest;
+        // What the map magnifies cannot be told apart as closely.
+        let shortest = SHORTEST * base.trial.map.monodromy.norm().max(1.0);
+        let here = Place {
+            distance: 0.0,
+            solved: base.clone(),
+        };
+        let view = View {
+            curve: self.curve,
+            base,
+            scale,
+        };
+        loop {
+            let mut tried = *signs;
+            match self.tried(&view, &here, length, &mut tried) {
+                Ok(outcome) => {
+                    *signs = tried;
+                    let longer = match &outcome {
+                        Outcome::Next(place, _) if place.solved.steps >= MANY_STEPS => length,
+                        _ => 1.5 * length,
+                    };
+                    return (outcome, longer.min(LONGEST));
+                }
+                Err(error) if length <= shortest => {
+                    let Some((place, found)) = view.corner() else {
+                        return (Outcome::End(self.end(base, error)), length);
+                    };
+                    *signs = [0.0; 4];
+                    let length = view.apart(&here, &place);
+                    return (Outcome::Next(place, vec![found]), length.min(LONGEST));
+                }
+                Err(error) if self.curve.tried.get() > MOST_TRIALS => {
+                    let end = match self.end(base, error) {
+                        BranchEnd::Lost { .. } => BranchEnd::Work,
+                        end => end,
+                    };
+                    return (Outcome::End(end), length);
+                }
+                Err(_) => length *= 0.5,
+            }
+        }
+    }
+
+    fn tried(
+        &self,
+        view: &View<'_, '_>,
+        here: &Place,
+        length: f64,
+        signs: &mut Signs,
+    ) -> Result<Outcome, Error> {
+        let (curve, base) = (self.curve as &Curve<'_>, view.base);
+        let guess = &base.y + base.tangent.component_mul(view.scale) * length;
+        let parameter = curve.parameter(&guess);
+        let range = &curve.range;
+        let mut place = if (range.start..=range.end).contains(&parameter) {
+            view.at(length, &guess, base)?
+        } else {
+            let end = parameter.clamp(range.start, range.end);
+            let part = (end - curve.parameter(&base.y)) / (parameter - curve.parameter(&base.y));
+            let guess = &base.y + (&guess - &base.y) * part;
+            view.with_parameter(end, &guess, base)?
+        };
+        let parameter = curve.parameter(&place.solved.y);
+        if !(range.start..=range.end).contains(&parameter) {
+            let end = parameter.clamp(range.start, range.end);
+            place = view.with_parameter(end, &place.solved.y, &place.solved)?;
+        }
+        let is_last = [range.start, range.end].contains(&curve.parameter(&place.solved.y));
+        let turned = curve.turn(&place.solved) / curve.turn(base);
+        if turned < -AT_REST {
+            return self
+                .hopf(view, here, &place)
+                .ok_or_else(|| curve.lost(&place.solved.y, &place.solved.trial));
+        }
+        if turned <= AT_REST {
+            // Newton's method has come to a state of rest, which is periodic with any period.
+            return Err(Error::AtRest.at("parameter", parameter));
+        }
+        let same = place.solved.sequence.is_like(&base.sequence);
+        let moved = (&place.solved.y - &base.y).component_div(view.scale);
+        let sideways = &moved - &base.tangent * place.distance;
+        let straight = place.solved.tangent.dot(&base.tangent) >= STRAIGHT
+            && sideways.norm() <= 0.5 * place.distance;
+        // A curve may turn sharply where the events change, or one of them passes the start.
+        let same = same && starts(base) == starts(&place.solved);
+        let allowed = straight || (!same && sideways.norm() <= 2.0 * LONGEST);
+        if !(allowed && place.distance > 0.0) {
+            return Err(curve.lost(&place.solved.y, &place.solved.trial));
+        }
+        let found = view.changes(here, &place, signs)?;
+        Ok(if is_last {
+            Outcome::Last(place, found)
+        } else {
+            Outcome::Next(place, found)
+        })
+    }
+
+    /// The point at which the motion shrinks to nothing between two places, if it does.
+    ///
+    /// The parameter is an even analytic function of the acceleration at the start: its value at 0
+    /// is that of the polynomial through four smaller motions.
+    fn hopf(&self, view: &View<'_, '_>, here: &Place, beyond: &Place) -> Option<Outcome> {
+        let curve = view.curve;
+        let turn = |place: &Place| curve.turn(&place.solved);
+        let speed = |place: &Place| {
+            let sizes = place.solved.trial.map.sizes();
+            Some(sizes[curve.n + curve.turning?])
+        };
+        let whole = turn(here);
+        let mut near = here.clone();
+        let slope = (turn(beyond) - whole) / beyond.distance;
+        let mut known: Vec<[f64; 2]> = Vec::new();
+        for part in HOPF_PARTS {
+            let distance = (part - 1.0) * whole / slope;
+            if distance > 0.0 {
+                near = view.between(&near, beyond, distance).ok()?;
+            }
+            // A motion that shrinks does so in proportion; one that only turns elsewhere does not.
+            let in_proportion = (turn(&near) / whole / part - 1.0).abs() < 0.3;
+            if !(in_proportion && speed(&near)? < 2.0 * part * speed(here)?) {
+                return None;
+            }
+            known.push([turn(&near).powi(2), curve.parameter(&near.solved.y)]);
+        }
+        let parameter = at_zero(&mut known);
+        Some(Outcome::End(BranchEnd::Hopf { parameter }))
+    }
+
+    /// Why the curve ends here.
+    ///
+    /// Where an arrival at the belt becomes tangential, the derivative of the map grows like 1/ρ, ρ
+    /// the rate at which the relative velocity arrives, and all numbers of the motion are smooth
+    /// functions of ρ: their values at the end are those of a polynomial in 1/|derivative| at 0.
+    fn end(&self, base: &Solved, error: Error) -> BranchEnd {
+        let growth = |solved: &Solved| solved.trial.map.monodromy.norm();
+        let parameter = self.curve.parameter(&base.y);
+        let mut known: Vec<[f64; 2]> = Vec::new();
+        for solved in self.points.iter().rev() {
+            let place = growth(solved).recip();
+            if known.last().is_none_or(|last| place >= 1.5 * last[0]) {
+                known.push([place, self.curve.parameter(&solved.y)]);
+            }
+            if known.len() == GRAZING_POINTS {
+                break;
+            }
+        }
+        let grows = known.len() == GRAZING_POINTS && known[0][0] * GRAZING_GROWTH < 1.0;
+        if grows && growth(base) * known[GRAZING_POINTS - 1][0] > 3.0 {
+            let parameter = at_zero(&mut known);
+            return BranchEnd::Grazing { parameter };
+        }
+        BranchEnd::Lost { parameter, error }
+    }
+
+    /// Whether the curve has come back to its first point.
+    fn came_back(&self, first: &Solved, base: &Solved, next: &Solved) -> bool {
+        if self.points.len() < 3 {
+            return false;
+        }
+        let scaled = |solved: &Solved| solved.y.component_div(&self.first_scale);
+        let (first, base, next) = (scaled(first), scaled(base), scaled(next));
+        let step = &next - &base;
+        let along = step.norm_squared();
+        let part = step.dot(&(&first - &base)) / along;
+        let beside = &base + &step * part - &first;
+        (0.0..=1.0).contains(&part) && beside.norm_squared() <= 0.01 * along
+    }
+
+    /// Starts a free motion elsewhere if it hardly turns where it starts.
+    fn start_elsewhere(&mut self, base: &mut Solved) {
+        let Some(now) = self.curve.turning else {
+            return;
+        };
+        let map = &base.trial.map;
+        let Some((most, turning, start)) = self.curve.sharpest(map) else {
+            return;
+        };
+        if self.curve.turn(base).abs() >= BLUNT * most * map.sizes()[self.curve.n + now] {
+            return;
+        }
+        self.curve.turning = Some(turning);
+        let parameter = self.curve.parameter(&base.y);
+        match self.curve.guess(&start, base.trial.period, parameter) {
+            Ok(moved) => *base = moved,
+            Err(_) => self.curve.turning = Some(now),
+        }
+    }
+
+    /// A point with the tangent in other units, or after its start was moved.
+    fn renew(&self, base: &mut Solved, scale: &DVector<f64>, along: DVector<f64>) {
+        let last = along.len() - 1;
+        let mut normal = DVector::zeros(last + 1);
+        normal[last] = 1.0;
+        if base.tangent.norm() > 0.0 {
+            base.tangent = along.normalize();
+            return;
+        }
+        // The start has moved: the parameter and the period alone still tell the direction.
+        let mut along = along;
+        along.rows_mut(0, self.curve.order).fill(0.0);
+        let plane = Plane {
+            scale,
+            value: base.y[last] / scale[last],
+            normal,
+            along: &along.normalize(),
+        };
+        if let Ok(solved) = self.curve.solve(&base.y.clone(), base, &plane) {
+            *base = solved;
+        }
+    }
+}
+
+/// What the contacts do where a motion starts.
+fn starts(solved: &Solved) -> Option<&[Mode]> {
+    let mut steps = solved.trial.map.steps.iter();
+    let first = steps.find(|step| step.duration() > 0.0);
+    first.map(|step| step.modes())
+}
+
+/// The value at 0 of the polynomial through points, by Neville's scheme.
+fn at_zero(known: &mut [[f64; 2]]) -> f64 {
+    for level in 1..known.len() {
+        for i in 0..known.len() - level {
+            let ([a, low], [b, _]) = (known[i], known[i + level]);
+            known[i][1] = (a * known[i + 1][1] - b * low) / (a - b);
+        }
+    }
+    known[0][1]
+}
+
+/// The sizes of the unknowns of a point: of its state, its period, and the range.
+pub(super) fn natural_scale(curve: &Curve<'_>, solved: &Solved) -> DVector<f64> {
+    let sizes = solved.trial.map.sizes();
+    let unknowns = curve.unknowns();
+    DVector::from_fn(unknowns, |i, _| {
+        if i < curve.order {
+            sizes[i]
+        } else if i + 1 < unknowns {
+            solved.trial.period
+        } else {
+            curve.width()
+        }
+    })
+}

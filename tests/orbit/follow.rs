@@ -1,0 +1,420 @@
+//! Branches over a parameter: bifurcations known to 25 digits, the belt's own numbers, ends, and
+//! families that misbehave.
+
+use std::cell::Cell;
+
+use serde_json::Value;
+use stick_slip::orbit::{
+    self, BifurcationKind, Branch, BranchEnd, Orbit, Oscillator, Period, follow, settle, shoot,
+};
+use stick_slip::structure::State;
+use stick_slip::{
+    AnyLaw, Contact, Coulomb, Dwell, Error, EventKind, Exponential, FrictionLaw, MassOnBelt,
+    Polynomial, Scalar, Structure, System, bifurcation, limit_cycle,
+};
+
+use crate::common::{number, text};
+use crate::reading::{cases, structure};
+
+/// Error promised for every parameter.
+const ACCURACY: f64 = 1e-10;
+
+fn at<S: System>(branch: &Branch<S>, kind: BifurcationKind) -> Vec<f64> {
+    let of_kind = branch.bifurcations.iter().filter(|b| b.kind == kind);
+    of_kind.map(|b| b.parameter).collect()
+}
+
+fn close(actual: f64, expected: f64) -> bool {
+    (actual - expected).abs() <= ACCURACY * expected.abs().max(1.0)
+}
+
+fn nearest(values: &[f64], to: f64) -> f64 {
+    let by_distance = |a: &&f64, b: &&f64| (*a - to).abs().total_cmp(&(*b - to).abs());
+    values
+        .iter()
+        .min_by(by_distance)
+        .copied()
+        .unwrap_or(f64::NAN)
+}
+
+fn driven(case: &Value, parameter: f64) -> Result<Structure<AnyLaw>, Error> {
+    Ok(structure(&case["system"], parameter))
+}
+
+/// Where to start, the range, and the kind of what is known to happen in it.
+#[test]
+fn bifurcations_of_forced_motions_are_those_of_the_reference() {
+    use BifurcationKind::{Flip, Fold, Grazing, Sequence};
+    let known = [
+        ("sb_05", 0.15, 0.05..0.3, Grazing),
+        ("sb_06", 0.5, 0.3..0.95, Sequence),
+        ("sb_07", 0.78, 0.6..0.9, Flip),
+        ("sb_08", 0.35, 0.1..0.5, Flip),
+        ("sb_09", 0.72, 0.5..1.0, Fold),
+        ("sb_10", 0.3, 0.1..1.0, Grazing),
+    ];
+    let cases = cases(include_str!("../data/structure_bifurcations.json"));
+    for (id, start, range, kind) in known {
+        let case = cases.iter().find(|case| case["id"] == id).unwrap();
+        let family = |parameter: f64| driven(case, parameter);
+        let system = family(start).unwrap();
+        let orbit = settle(
+            &system,
+            &State::new(&[0.3], &[0.0]),
+            400.0,
+            Period::Driven(1),
+        );
+        let branch = follow(family, start, &orbit.unwrap(), range.clone()).unwrap();
+        let expected = number(&case["value"]);
+        let found = nearest(&at(&branch, kind), expected);
+        println!("{id}: {:.1e}", found - expected);
+        assert!(close(found, expected), "{id}: {found}, not {expected}");
+        let there = branch.bifurcations.iter().find(|b| b.parameter == found);
+        let there = &there.unwrap().orbit;
+        if let Some(period) = case.get("period") {
+            assert!(close(there.period(), number(period)), "{id}");
+            let (least, largest) = there.extremes(0);
+            assert!((least - number(&case["q_min"][0])).abs() < 1e-7, "{id}");
+            assert!((largest - number(&case["q_max"][0])).abs() < 1e-7, "{id}");
+            let first = number(&case["multipliers"][0]["re"]);
+            assert!((there.multipliers()[0].re - first).abs() < 1e-7, "{id}");
+        }
+        // Along the branch, and inside the range.
+        for pair in branch.points.windows(2) {
+            let step = (pair[0].parameter - pair[1].parameter).abs();
+            assert!(step <= (range.end - range.start) / 32.0, "{id}");
+        }
+        for point in &branch.points {
+            assert!((range.start..=range.end).contains(&point.parameter), "{id}");
+        }
+    }
+}
+
+/// The system of Fig. 5 over the belt velocity.
+fn paper(belt_velocity: f64) -> Result<MassOnBelt<Polynomial>, Error> {
+    MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, belt_velocity)?.with_damping(0.05)
+}
+
+fn cycle<L: FrictionLaw>(system: &MassOnBelt<L>, is_stable: bool) -> Orbit<MassOnBelt<L>> {
+    let cycles = limit_cycle::find(system).unwrap();
+    let cycle = cycles.iter().find(|cycle| cycle.is_stable() == is_stable);
+    let cycle = cycle.unwrap();
+    let start = cycle.trajectory().state_at(0.0).unwrap();
+    shoot(system, &start, Period::Free(cycle.period())).unwrap()
+}
+
+#[test]
+fn the_branch_of_the_paper_goes_from_stick_slip_through_grazing_to_the_hopf_point() {
+    let system = paper(0.2).unwrap();
+    let branch = follow(paper, 0.2, &cycle(&system, true), 0.05..0.5).unwrap();
+    let grazing = bifurcation::grazing_velocities(&system, 0.01..0.5).unwrap();
+    let hopf = bifurcation::hopf_velocities(&system, 0.01..0.5).unwrap();
+    let found = at(&branch, BifurcationKind::Grazing);
+    assert_eq!((found.len(), branch.bifurcations.len()), (1, 1));
+    assert!((found[0] - grazing[0]).abs() < 1e-12, "{found:?}");
+    assert_eq!(branch.ends[0], BranchEnd::Range);
+    assert_eq!(branch.points[0].parameter, 0.05);
+    let BranchEnd::Hopf { parameter } = branch.ends[1] else {
+        panic!("{:?}", branch.ends)
+    };
+    assert!((parameter - hopf[0]).abs() < ACCURACY, "{parameter}");
+    // The motions between are the cycles of the complete search.
+    let mut compared = 0;
+    for point in branch.points.iter().step_by(9) {
+        let cycles = limit_cycle::find(&paper(point.parameter).unwrap()).unwrap();
+        let Some(cycle) = cycles.stable().next() else {
+            continue;
+        };
+        let (least, largest) = point.orbit.extremes(0);
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{}", point.parameter);
+        near(point.orbit.period(), cycle.period());
+        near(least, cycle.min_displacement());
+        near(largest, cycle.max_displacement());
+        near(point.orbit.multipliers()[0].re, cycle.multiplier());
+        compared += 1;
+    }
+    assert!(compared > 10);
+}
+
+#[test]
+fn an_unstable_cycle_is_followed_through_a_fold() {
+    let law = Exponential::new(0.4, 0.3, 1.0).unwrap();
+    let family = |v_b: f64| MassOnBelt::new(law, v_b)?.with_damping(0.02);
+    let system = family(1.45).unwrap();
+    let unstable = cycle(&system, false);
+    let branch = follow(family, 1.45, &unstable, 1.0..1.6).unwrap();
+    let fold = bifurcation::fold_velocities(&system, 1.3..1.6).unwrap()[0];
+    let grazing = bifurcation::grazing_velocities(&system, 1.0..2.0).unwrap()[0];
+    let hopf = bifurcation::hopf_velocities(&system, 1.0..2.0).unwrap()[0];
+    assert!(close(at(&branch, BifurcationKind::Fold)[0], fold));
+    assert!(close(at(&branch, BifurcationKind::Grazing)[0], grazing));
+    let end =
+        |end: &BranchEnd| matches!(end, BranchEnd::Hopf { parameter } if close(*parameter, hopf));
+    assert!(branch.ends.iter().any(end), "{:?}", branch.ends);
+    assert!(branch.ends.contains(&BranchEnd::Range));
+    // Stable on one side of the fold, unstable on the other.
+    let turns = branch.points.iter().map(|point| point.parameter);
+    let turn = turns
+        .enumerate()
+        .max_by(|a, b| a.1.total_cmp(&b.1))
+        .unwrap()
+        .0;
+    let stable = |points: &[orbit::BranchPoint<_>]| {
+        points
+            .iter()
+            .filter(|point| point.orbit.is_stable())
+            .count()
+    };
+    let (before, after) = branch.points.split_at(turn);
+    let counts = (stable(before), stable(&after[1..]));
+    let expected = (0, after.len() - 1);
+    let mirrored = (before.len(), 0);
+    assert!(counts == expected || counts == mirrored, "{counts:?}");
+}
+
+/// Coulomb's law, with a static coefficient of its own.
+#[derive(Debug, Clone)]
+struct Raised(f64, f64);
+
+impl FrictionLaw for Raised {
+    fn static_coefficient(&self) -> f64 {
+        self.1
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        speed.constant(self.0)
+    }
+}
+
+fn dwelling(
+    [damping, kinetic, at_once]: [f64; 3],
+    form: &dyn Fn(Raised) -> Result<Dwell<Raised>, Error>,
+    belt_velocity: f64,
+) -> Result<Structure<Dwell<Raised>, 1>, Error> {
+    let law = form(Raised(kinetic, at_once))?;
+    Structure::new(&[1.0])?
+        .with_ground_spring(0, 1.0)?
+        .with_ground_damper(0, damping)?
+        .with_contact(Contact::new(0, law, 1.0)?.on_belt(belt_velocity))
+}
+
+#[test]
+fn stick_slip_with_dwell_ends_at_the_folds_of_the_reference() {
+    type Form<'f> = &'f dyn Fn(Raised) -> Result<Dwell<Raised>, Error>;
+    let cases = cases(include_str!("../data/dwell_cycles.json"));
+    let known: [(&str, [f64; 3], f64, Form<'_>); 3] = [
+        ("dwc_bif_01", [0.05, 0.3, 0.3], 0.1, &|law| {
+            Dwell::exponential(law, 0.6, 2.0)
+        }),
+        ("dwc_bif_02", [0.04, 0.3, 0.35], 0.15, &|law| {
+            Dwell::hyperbolic(law, 0.6, 1.5)
+        }),
+        ("dwc_bif_03", [0.05, 0.4, 0.4], 0.08, &|law| {
+            Dwell::logarithmic(law, 0.03, 0.1)
+        }),
+    ];
+    for (id, numbers, start, form) in known {
+        let case = cases.iter().find(|case| case["id"] == id).unwrap();
+        let family = |v_b: f64| dwelling(numbers, form, v_b);
+        let system = family(start).unwrap();
+        let motion = system.simulate(State::new(&[-0.6], &[0.0]), 300.0).unwrap();
+        let sticks = motion
+            .events()
+            .iter()
+            .filter(|e| e.kind == EventKind::Stick);
+        let times: Vec<f64> = sticks.map(|event| event.time).collect();
+        let period = times[times.len() - 1] - times[times.len() - 2];
+        let orbit = settle(&system, &motion.last(), 0.0, Period::Free(period)).unwrap();
+        let branch = follow(family, start, &orbit, 0.02..0.5).unwrap();
+        let folds = at(&branch, BifurcationKind::Fold);
+        let expected = number(&case["v_fold"]);
+        println!("{id}: {:.1e}, {:?}", folds[0] - expected, branch.ends);
+        assert_eq!(folds.len(), 1);
+        assert!(close(folds[0], expected), "{id}: {folds:?}");
+        // The unstable motion ends where its arc comes back tangentially.
+        let BranchEnd::Grazing { parameter } = branch.ends[1] else {
+            panic!("{id}: {:?}", branch.ends)
+        };
+        let expected = number(&case["v_graze"]);
+        println!("{id}: end {:.1e}", parameter - expected);
+        assert!((parameter - expected).abs() < 1e-7, "{id}: {parameter}");
+    }
+}
+
+fn small() -> (Structure<Polynomial>, Orbit<Structure<Polynomial>>) {
+    let system = forced(0.3).unwrap();
+    let orbit = settle(&system, &State::at_rest(1), 200.0, Period::Driven(1)).unwrap();
+    (system, orbit)
+}
+
+/// The system of `sb_10` of the reference, over the amplitude of its force.
+fn forced(amplitude: f64) -> Result<Structure<Polynomial>, Error> {
+    let law = Polynomial::new(0.45, 0.3, 0.5)?;
+    Structure::new(&[1.0])?
+        .with_ground_spring(0, 1.0)?
+        .with_ground_damper(0, 0.2)?
+        .with_force(0, stick_slip::Drive::harmonic(amplitude, 0.8, 0.0)?)?
+        .with_contact(Contact::new(0, law, 1.0)?.on_belt(0.7))
+}
+
+#[test]
+fn a_branch_is_the_same_each_time_to_the_bit() {
+    let (_, orbit) = small();
+    let [a, b] = [0, 1].map(|_| follow(forced, 0.3, &orbit, 0.1..0.6).unwrap());
+    assert_eq!(a.points.len(), b.points.len());
+    for (a, b) in a.points.iter().zip(&b.points) {
+        assert_eq!(a.parameter.to_bits(), b.parameter.to_bits());
+        assert_eq!(a.orbit.state(), b.orbit.state());
+        assert_eq!(a.orbit.multipliers(), b.orbit.multipliers());
+    }
+    let bits = |branch: &Branch<_>| {
+        let places = branch.bifurcations.iter().map(|b| b.parameter.to_bits());
+        places.collect::<Vec<_>>()
+    };
+    assert_eq!(bits(&a), bits(&b));
+}
+
+#[test]
+fn a_family_that_fails_ends_the_branch_with_its_error() {
+    let (_, orbit) = small();
+    let refuse = |amplitude: f64| match amplitude {
+        a if a > 0.4 => Err(Error::NotFree),
+        a if a < 0.2 => Polynomial::new(0.4, f64::NAN, a).and_then(|_| forced(a)),
+        a => forced(a),
+    };
+    let branch = follow(refuse, 0.3, &orbit, 0.1..0.6).unwrap();
+    for (end, border) in branch.ends.iter().zip([0.2, 0.4]) {
+        let BranchEnd::Lost { parameter, error } = end else {
+            panic!("{end:?}")
+        };
+        assert!((parameter - border).abs() < 1e-6, "{parameter}");
+        let Error::At {
+            parameter: "parameter",
+            value,
+            ..
+        } = error
+        else {
+            panic!("{error:?}")
+        };
+        assert!((value - border).abs() < 1e-6, "{value}");
+    }
+}
+
+#[test]
+fn a_family_that_jumps_ends_the_branch() {
+    let (_, orbit) = small();
+    let jumps = |a: f64| forced(if a > 0.35 { a + 0.1 } else { a });
+    let branch = follow(jumps, 0.3, &orbit, 0.1..0.6).unwrap();
+    assert_eq!(branch.ends[0], BranchEnd::Range);
+    let BranchEnd::Lost { parameter, .. } = branch.ends[1] else {
+        panic!("{:?}", branch.ends)
+    };
+    assert!((parameter - 0.35).abs() < 1e-6);
+}
+
+#[test]
+fn what_cannot_be_followed_is_refused() {
+    let (_, orbit) = small();
+    let nan = f64::NAN;
+    for (parameter, range) in [
+        (0.3, 0.6..0.1),
+        (0.3, nan..0.6),
+        (0.3, 0.1..nan),
+        (0.3, 0.1..f64::INFINITY),
+        (0.3, f64::NEG_INFINITY..0.6),
+        (nan, 0.1..0.6),
+        (0.7, 0.1..0.6),
+        (0.3, 0.3..0.3),
+    ] {
+        let calls = Cell::new(0);
+        let family = |a: f64| {
+            calls.set(calls.get() + 1);
+            forced(a)
+        };
+        let error = follow(family, parameter, &orbit, range).unwrap_err();
+        assert!(matches!(error, Error::InvalidParameter { .. }), "{error}");
+        assert_eq!(calls.get(), 0);
+    }
+    // Not a motion of this family at this parameter.
+    let error = follow(forced, 0.31, &orbit, 0.1..0.6).unwrap_err();
+    let is_refused = |error: &Error| {
+        matches!(error, Error::At { value: 0.31, source, .. }
+            if matches!(**source, Error::NotPeriodic { .. }))
+    };
+    assert!(is_refused(&error), "{error}");
+    let error = follow(|_| Err(Error::NotFree), 0.3, &orbit, 0.1..0.6)
+        .map(|_: Branch<Structure<Polynomial>>| ());
+    assert_eq!(
+        error,
+        Err(Error::At {
+            parameter: "parameter",
+            value: 0.3,
+            source: Box::new(Error::NotFree)
+        })
+    );
+}
+
+/// Any start on the branch gives the same branch.
+#[test]
+fn both_directions_meet() {
+    let (_, orbit) = small();
+    let branch = follow(forced, 0.3, &orbit, 0.1..0.6).unwrap();
+    let grazing = at(&branch, BifurcationKind::Grazing);
+    for i in [0, branch.points.len() / 2, branch.points.len() - 1] {
+        let point = &branch.points[i];
+        let again = follow(forced, point.parameter, &point.orbit, 0.1..0.6).unwrap();
+        assert_eq!(again.ends, [BranchEnd::Range, BranchEnd::Range]);
+        assert!(close(at(&again, BifurcationKind::Grazing)[0], grazing[0]));
+        let ends = |branch: &Branch<_>| {
+            let last = branch.points.len() - 1;
+            [0, last].map(|i| branch.points[i].orbit.extremes(0))
+        };
+        for (a, b) in ends(&again).iter().zip(ends(&branch)) {
+            assert!((a.0 - b.0).abs() < 1e-11 && (a.1 - b.1).abs() < 1e-11);
+        }
+    }
+}
+
+/// Csernák, Stépán and Shaw's continuum at Ω = 1/2: one multiplier is 1 along a whole family, and
+/// nothing hangs.
+#[test]
+fn a_continuum_is_passed() {
+    let family = |friction: f64| {
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_force(0, stick_slip::Drive::harmonic(1.0, 0.5, 0.0)?)?
+            .with_contact(Contact::new(0, Coulomb::new(friction, friction)?, 1.0)?)
+    };
+    let system = family(0.2).unwrap();
+    let orbit = settle(&system, &State::at_rest(1), 400.0, Period::Driven(1)).unwrap();
+    let branch = follow(family, 0.2, &orbit, 0.1..0.3).unwrap();
+    assert!(branch.points.len() < 2000);
+    for point in &branch.points {
+        let (least, largest) = point.orbit.extremes(0);
+        assert!(
+            (largest - least - 8.0 / 3.0).abs() < 1e-9,
+            "{}",
+            point.parameter
+        );
+    }
+}
+
+/// A trait object would do: the search knows nothing of the closure.
+#[allow(dead_code)]
+fn is_general<S: Oscillator>(
+    family: &dyn Fn(f64) -> Result<S, Error>,
+    orbit: &Orbit<S>,
+) -> Result<Branch<S>, Error> {
+    follow(family, 0.0, orbit, -1.0..1.0)
+}
+
+#[test]
+fn kinds_have_names() {
+    assert_eq!(
+        text(&Value::from(BifurcationKind::Fold.to_string())),
+        "fold"
+    );
+    assert_eq!(
+        format!("{:>16}", BifurcationKind::NeimarkSacker),
+        "  Neimark-Sacker"
+    );
+}
