@@ -6,8 +6,8 @@
 //! * `orbit::section` is an iterator without an end: the motion takes no memory, however long it is
 //!   followed;
 //! * the exponent is that of the equations, not of two simulations side by side: it tells a long
-//!   period (below 0) from chaos (above 0 by more than its spread) and from a torus (0). Where it is `−∞` small changes die out altogether: the
-//!   mass sticks;
+//!   period (below 0) from chaos (above 0 by more than its spread) and from a torus (0). Where it is
+//!   `−∞` small changes die out altogether: the mass sticks;
 //! * systems are values and can be given to threads: here one thread for each part of the range.
 //!
 //! Run it with `cargo run --release --example chaos`.
@@ -67,7 +67,7 @@ fn different(section: &[f64]) -> usize {
 }
 
 fn main() -> Result<(), Error> {
-    let force = |i: usize| 0.02 + 0.38 * i as f64 / (FORCES - 1) as f64;
+    let force = |i: usize| 0.06 + 0.08 * i as f64 / (FORCES - 1) as f64;
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let rows: Vec<Result<Row, Error>> = std::thread::scope(|scope| {
         let part = |first: usize| move || (first..FORCES).step_by(threads);

@@ -465,7 +465,8 @@ pub enum Error {
     #[error("at {parameter} = {}: {source}", Plain(*value))]
     At {
         /// The parameter, by its name: `belt_velocity`, `damping`, `load`, or the name given to
-        /// [`Along::named`](crate::bifurcation::Along::named).
+        /// [`Along::named`](crate::bifurcation::Along::named); `parameter` for
+        /// [`orbit::follow`](crate::orbit::follow()).
         parameter: &'static str,
         /// Its value.
         value: f64,

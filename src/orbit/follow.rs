@@ -42,8 +42,8 @@ use crate::state::structure::State;
 ///
 /// A free motion starts, at all points of the branch, where one of its coordinates turns back.
 ///
-/// At most 2048 points are computed, and 50 000 motions tried, in each direction. What is found before a motion is lost is
-/// kept: [`Branch::ends`] says why the branch ends.
+/// At most 2048 points are computed, and 50 000 motions tried, in each direction. What is found
+/// before a motion is lost is kept: [`Branch::ends`] says why the branch ends.
 ///
 /// Sources: Kuznetsov, *Elements of Applied Bifurcation Theory*, chapter 10 (continuation, test
 /// functions); Dankowicz and Schilder, *Recipes for Continuation*, chapters 9 and 17 (motions in

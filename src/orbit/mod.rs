@@ -37,6 +37,7 @@
 //! | `MassOnBelt`: where motions appear and vanish | [`bifurcation`](crate::bifurcation) | as dense as each function says |
 //! | any system: the motion near a guess, stable or not | [`shoot`] | one motion, exact to rounding, or a typed error |
 //! | any system: what a start settles to | [`settle`] | likewise |
+//! | any system: how a motion changes over a parameter, where it bifurcates, and where it ends | [`follow`] | what is connected with it, but for two bifurcations of one kind within a step |
 //! | any system: whether a motion is periodic at all | [`section`], [`section_at`] | a picture |
 //! | any system: whether a motion is chaotic | [`lyapunov`], [`lyapunov_with_spread`] | a mean with its standard error |
 //!
