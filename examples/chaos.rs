@@ -67,7 +67,7 @@ fn different(section: &[f64]) -> usize {
 }
 
 fn main() -> Result<(), Error> {
-    let force = |i: usize| 0.06 + 0.08 * i as f64 / (FORCES - 1) as f64;
+    let force = |i: usize| 0.07 + 0.05 * i as f64 / (FORCES - 1) as f64;
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let rows: Vec<Result<Row, Error>> = std::thread::scope(|scope| {
         let part = |first: usize| move || (first..FORCES).step_by(threads);

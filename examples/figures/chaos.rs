@@ -10,8 +10,8 @@ use super::style::{BLACK, BLUE, GREY, Stroke};
 use super::svg::{Figure, Result, svg};
 
 const FREQUENCY: f64 = 1.15;
-const FORCES: std::ops::Range<f64> = 0.02..0.4;
-const COUNT: usize = 240;
+const FORCES: std::ops::Range<f64> = 0.07..0.12;
+const COUNT: usize = 160;
 const TRANSIENT: usize = 300;
 const SAMPLES: usize = 60;
 
@@ -49,11 +49,11 @@ pub(crate) fn chaos() -> Result<Figure> {
     svg((860, 560), caption, |area| {
         let halves = area.split_evenly((2, 1));
         let force = || Axis::new("force p", FORCES, 2);
-        let axes = [force(), Axis::new("x once a period", -0.2..1.2, 1)];
+        let axes = [force(), Axis::new("x once a period", -0.2..0.8, 1)];
         let mut panel = Panel::new(&halves[0], "", axes)?;
         panel.dots(&states, 0.7, BLACK)?;
         panel.finish()?;
-        let axes = [force(), Axis::new("largest exponent", -0.3..0.15, 2)];
+        let axes = [force(), Axis::new("largest exponent", -0.15..0.05, 2)];
         let mut panel = Panel::new(&halves[1], "", axes)?;
         panel.horizontal(0.0, Stroke::solid(GREY, 0.8))?;
         panel.line(&exponents, Stroke::solid(BLUE, 1.2))?;

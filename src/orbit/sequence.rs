@@ -81,7 +81,7 @@ fn has_more_pairs(short: &[EventKind], long: &[EventKind]) -> bool {
     /// More pairs than that are not tried out.
     const MOST_PAIRS: usize = 4;
     let more = long.len().saturating_sub(short.len());
-    if more == 0 || more % 2 != 0 || more > 2 * MOST_PAIRS {
+    if more == 0 || !more.is_multiple_of(2) || more > 2 * MOST_PAIRS {
         return is_rotated(short, long);
     }
     (0..long.len()).any(|i| {
