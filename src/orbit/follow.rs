@@ -67,7 +67,7 @@ use crate::state::structure::State;
 ///         .with_force(0, Drive::harmonic(0.3, frequency, 0.0)?)?
 ///         .with_contact(Contact::new(0, Coulomb::new(0.5, 0.3)?, 1.5)?.on_belt(0.1))
 /// };
-/// let start = State::at_rest(1);
+/// let start = State::new(&[0.3], &[0.0]);
 /// let orbit = orbit::settle(&family(0.78)?, &start, 400.0, Period::Driven(1))?;
 /// let branch = orbit::follow(family, 0.78, &orbit, 0.7..0.8)?;
 /// // Below this frequency the period doubles.

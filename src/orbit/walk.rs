@@ -7,6 +7,7 @@ use super::changes::{Found, Place, Signs, View};
 use super::curve::{Curve, Plane, Solved};
 use crate::error::Error;
 use crate::motion::{Mode, Segment};
+use crate::state::structure::State;
 
 /// One half of a branch.
 pub(super) struct Walk<'v, 'f> {
@@ -104,10 +105,11 @@ impl Walk<'_, '_> {
             self.points.push(place.solved.clone());
             let tangent = place.solved.tangent.component_mul(&scale);
             base = place.solved;
-            self.start_elsewhere(&mut base);
             scale = self.scale(&base);
-            let along = tangent.component_div(&scale);
-            self.renew(&mut base, &scale, along);
+            base.tangent = tangent.component_div(&scale).normalize();
+            if let Some((moved, moved_scale)) = self.started_elsewhere(&base, &tangent) {
+                (base, scale) = (moved, moved_scale);
+            }
         }
         BranchEnd::Work
     }
@@ -288,47 +290,50 @@ impl Walk<'_, '_> {
         (0.0..=1.0).contains(&part) && beside.norm_squared() <= 0.01 * along
     }
 
-    /// Starts a free motion elsewhere if it hardly turns where it starts.
-    fn start_elsewhere(&mut self, base: &mut Solved) {
-        let Some(now) = self.curve.turning else {
-            return;
-        };
+    /// A free motion started elsewhere, if it hardly turns where it starts; with its scales.
+    fn started_elsewhere(
+        &mut self,
+        base: &Solved,
+        tangent: &DVector<f64>,
+    ) -> Option<(Solved, DVector<f64>)> {
+        let now = self.curve.turning?;
         let map = &base.trial.map;
-        let Some((most, turning, start)) = self.curve.sharpest(map) else {
-            return;
-        };
+        let (most, turning, start) = self.curve.sharpest(map)?;
         if self.curve.turn(base).abs() >= BLUNT * most * map.sizes()[self.curve.n + now] {
-            return;
+            return None;
         }
         self.curve.turning = Some(turning);
-        let parameter = self.curve.parameter(&base.y);
-        match self.curve.guess(&start, base.trial.period, parameter) {
-            Ok(moved) => *base = moved,
-            Err(_) => self.curve.turning = Some(now),
+        let moved = self.moved(base, &start, tangent);
+        if moved.is_none() {
+            self.curve.turning = Some(now);
         }
+        moved
     }
 
-    /// A point with the tangent in other units, or after its start was moved.
-    fn renew(&self, base: &mut Solved, scale: &DVector<f64>, along: DVector<f64>) {
-        let last = along.len() - 1;
+    /// The same motion from another start. Of the tangent, only the period and the parameter still
+    /// tell the direction.
+    fn moved(
+        &self,
+        base: &Solved,
+        start: &State,
+        tangent: &DVector<f64>,
+    ) -> Option<(Solved, DVector<f64>)> {
+        let (curve, last) = (&*self.curve, tangent.len() - 1);
+        let parameter = curve.parameter(&base.y);
+        let guess = curve.guess(start, base.trial.period, parameter).ok()?;
+        let scale = self.scale(&guess);
+        let mut along = tangent.component_div(&scale);
+        along.rows_mut(0, curve.order).fill(0.0);
         let mut normal = DVector::zeros(last + 1);
         normal[last] = 1.0;
-        if base.tangent.norm() > 0.0 {
-            base.tangent = along.normalize();
-            return;
-        }
-        // The start has moved: the parameter and the period alone still tell the direction.
-        let mut along = along;
-        along.rows_mut(0, self.curve.order).fill(0.0);
         let plane = Plane {
-            scale,
-            value: base.y[last] / scale[last],
+            scale: &scale,
+            value: parameter / scale[last],
             normal,
             along: &along.normalize(),
         };
-        if let Ok(solved) = self.curve.solve(&base.y.clone(), base, &plane) {
-            *base = solved;
-        }
+        let solved = curve.solve(&guess.y, &guess, &plane).ok()?;
+        Some((solved, scale))
     }
 }
 
