@@ -1,4 +1,4 @@
-//! The figures of the source paper, and five more, as SVG files and a page that shows them.
+//! The figures of the source paper, and nine more, as SVG files and a page that shows them.
 //!
 //! What to learn from it:
 //!

@@ -4,7 +4,8 @@
 //! release (the belt lets it go), every crossing (the mass passes the belt's velocity without
 //! sticking), every limit cycle, and the belt velocities at which cycles appear. The friction law
 //! can be any that you can write as a function. The motion of several masses, with forces and belts
-//! that vary in time, is followed as exactly.
+//! that vary in time, is followed as exactly, and their [periodic motions](orbit) are found from a
+//! guess.
 //!
 //! ```
 //! use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
@@ -50,6 +51,7 @@
 //! | how several masses move, with forces and belts that vary in time | [`Structure`], [`Contact`], [`Drive`] |
 //! | whether several masses slide steadily, or flutter | [`Structure::steady_sliding`] |
 //! | a periodic motion of any system, with its multipliers | [`orbit::shoot`], [`orbit::settle`] |
+//! | how a periodic motion changes over any parameter | [`orbit::follow`] |
 //! | whether a motion is chaotic | [`orbit::lyapunov`], [`orbit::section`] |
 //! | how to work in kilograms, newtons, metres and hertz | [`PhysicalMassOnBelt`], [`Scaling`]; a [`Structure`] takes any consistent units |
 //! | a friction law of my own | [`FrictionLaw`], [`Scalar`]; whether it is in order: [`check_law`] |
