@@ -30,6 +30,10 @@ pub struct PeriodMap {
     cycle: (DMatrix<f64>, DVector<f64>),
 }
 
+/// The least velocity, in displacements a period, that is not rounding of the displacement, with a
+/// margin of the 1e-11 to which a motion is closed.
+const LEAST_VELOCITY: f64 = 1e-2;
+
 impl PeriodMap {
     /// The state at the end of the period.
     pub fn end(&self) -> &State {
@@ -74,7 +78,9 @@ impl PeriodMap {
         self.steps.last().map(modes_after).unwrap_or_default()
     }
 
-    /// The largest size of every number of the state at the ends of steps.
+    /// The largest size of every number of the state at the ends of steps, and of a velocity at
+    /// least [`LEAST_VELOCITY`] of its displacement over the period: a mass that slides steadily has
+    /// no velocity but rounding. What is 0 has the size of the largest of its kind.
     pub(super) fn sizes(&self) -> DVector<f64> {
         let mut sizes = DVector::zeros(self.order());
         let ends = self.steps.iter().map(Segment::end_state);
@@ -84,6 +90,10 @@ impl PeriodMap {
             });
         }
         let n = self.start.displacements.len();
+        let period: f64 = self.steps.iter().map(Segment::duration).sum();
+        for i in 0..n {
+            sizes[n + i] = sizes[n + i].max(LEAST_VELOCITY * sizes[i] / period);
+        }
         let mut first = 0;
         for length in [n, n, self.order() - 2 * n] {
             let mut part = sizes.rows_mut(first, length);

@@ -410,3 +410,45 @@ fn kinds_have_names() {
         "  Neimark-Sacker"
     );
 }
+
+/// A forced mass beside one that slides steadily on a belt: where the second one begins to vibrate
+/// by itself, a pair of multipliers leaves the unit circle.
+fn forced_beside_sliding(velocity: f64, coupling: f64) -> Result<Structure<Polynomial>, Error> {
+    let law = Polynomial::new(0.4, 0.25, 0.5)?;
+    Structure::new(&[2.0, 1.0])?
+        .with_ground_spring(0, 3.0)?
+        .with_ground_damper(0, 0.2)?
+        .with_force(0, stick_slip::Drive::harmonic(0.05, 0.7, 0.0)?)?
+        .with_ground_spring(1, 1.0)?
+        .with_ground_damper(1, 0.1)?
+        .with_spring(0, 1, coupling)?
+        .with_contact(Contact::new(1, law, 1.0)?.on_belt(velocity))
+}
+
+#[test]
+fn a_pair_of_multipliers_leaves_the_unit_circle() {
+    // Without coupling at the Hopf velocity: 2β = 0.1 = 0.45 − 1.8 v².
+    let hopf = (0.35_f64 / 1.8).sqrt();
+    for (coupling, exact) in [(0.0, Some(hopf)), (0.15, None)] {
+        let family = |velocity: f64| forced_beside_sliding(velocity, coupling);
+        let guess = State::new(&[0.0, 0.25], &[0.0, 0.0]);
+        let orbit = shoot(&family(0.6).unwrap(), &guess, Period::Driven(1)).unwrap();
+        assert!(orbit.is_stable() && orbit.multipliers().len() == 4);
+        let branch = follow(family, 0.6, &orbit, 0.35..0.8).unwrap();
+        println!("{:?} {}", branch.ends, branch.points.len());
+        let found = at(&branch, BifurcationKind::NeimarkSacker);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert_eq!(branch.bifurcations.len(), 1);
+        if let Some(exact) = exact {
+            assert!(close(found[0], exact), "{} not {exact}", found[0]);
+        }
+        let largest = branch.bifurcations[0].orbit.multipliers()[0];
+        assert!((largest.norm() - 1.0).abs() < 1e-12 && largest.im.abs() > 0.1);
+        for point in &branch.points {
+            let is_sure = (point.parameter - found[0]).abs() > 1e-9;
+            assert!(!is_sure || point.orbit.is_stable() == (point.parameter > found[0]));
+        }
+        let ends = [&branch.ends[0], &branch.ends[1]];
+        assert!(ends.iter().all(|end| matches!(end, BranchEnd::Range)));
+    }
+}
