@@ -8,7 +8,7 @@ use super::stepper::{Advance, Stepper};
 use super::system::{Landing, MassOnBelt};
 use crate::clock::Time;
 use crate::error::Error;
-use crate::friction::FrictionLaw;
+use crate::friction::{FrictionLaw, static_is_nan};
 use crate::motion::sealed::Sealed;
 use crate::motion::{EventKind, Integrator, Mode, Run, Segment, System, Trajectory};
 use crate::state::State;
@@ -111,6 +111,9 @@ impl<'s, L: FrictionLaw> Flow<'s, L> {
             }
             Phase::Stick | Phase::Ended => {
                 let step = Step::stick(start, self.state.displacement, &system);
+                if step.duration.is_nan() {
+                    return Err(static_is_nan());
+                }
                 let phase = match (step.event(), step.end_state()) {
                     (Some(event), State { displacement, .. }) => match event.kind.mode() {
                         Mode::Slip(side) => {

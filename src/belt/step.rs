@@ -92,6 +92,10 @@ impl Step {
         } else {
             ((release.displacement - displacement) / v_b, release)
         };
+        if duration == f64::INFINITY {
+            // The belt is so slow that the time of the release overflows.
+            return rest;
+        }
         let direction = if v_b > 0.0 {
             Direction::Lagging
         } else {

@@ -21,7 +21,8 @@ use crate::numerics::scan::sign_changes;
 /// turns back below, at a velocity maximum V. Negative velocities give the mirror image, −v_b. The
 /// range is divided into 64 intervals, and each in
 /// which a root may hide into up to 2¹⁰ parts. If the range is a thousand times wider than the part
-/// in which the system vibrates, nothing may be found: take a narrower one.
+/// in which the system vibrates, nothing may be found: take a narrower one. Below 64 ε γ²μ_s, with
+/// ε = 2⁻⁵², nothing is looked for: there, a motion of size v_b is lost in the rounding of u.
 ///
 /// Source: sliding bifurcations, di Bernardo, Budd, Champneys and Kowalczyk, *Piecewise-smooth
 /// Dynamical Systems* (Springer 2008), chapter 8.
@@ -183,6 +184,9 @@ fn changes<L: FrictionLaw>(
 ) -> Result<(), Error> {
     let mut at = |value: f64| {
         let number = work.moving_at(value, &mut |tracer| {
+            if tracer.system().belt_velocity() <= LOST * tracer.scale() {
+                return Ok(None);
+            }
             let mut release = Release::follow(tracer)?;
             number(&mut release, tracer)
         })?;
@@ -190,6 +194,10 @@ fn changes<L: FrictionLaw>(
     };
     sign_changes(&mut at, part, found)
 }
+
+/// Belt velocity, in units of v_b + γ²μ_s, up to which a motion from the release point is lost in
+/// the rounding of u: it moves by some v_b only.
+const LOST: f64 = 64.0 * f64::EPSILON;
 
 #[cfg(test)]
 mod tests;

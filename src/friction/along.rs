@@ -96,7 +96,8 @@ impl<L: FrictionLaw> AlongSlope<'_, L> {
         visit: &mut dyn FnMut(&Stretch, f64) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let mut start = range.start;
-        let longest = (range.end - start) / PIECES;
+        // A range of some ulps would be divided into nothing.
+        let longest = ((range.end - start) / PIECES).max(start.next_up() - start);
         let mut stretches = 0;
         let mut ends: Vec<f64> = self.law.breakpoints().collect();
         ends.retain(|&end| start < end && end < range.end);

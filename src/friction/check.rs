@@ -14,6 +14,15 @@ pub(super) fn check_static(static_coefficient: f64) -> Result<f64, Error> {
     )
 }
 
+/// The error of a law whose static coefficient has turned NaN since the law was checked.
+pub(crate) fn static_is_nan() -> Error {
+    Error::InvalidParameter {
+        name: "static_coefficient",
+        value: f64::NAN,
+        allowed: "static_coefficient ≥ 0",
+    }
+}
+
 /// The kinetic coefficient, if 0 ≤ μ_k ≤ μ_s.
 pub(super) fn check_kinetic(
     static_coefficient: f64,
@@ -65,6 +74,11 @@ pub(crate) const JUMP: f64 = 1e-12;
 /// Whether friction is constant near this sliding speed: all derivatives of the law are zero.
 pub(crate) fn is_constant_near<L: FrictionLaw>(law: &L, speed: f64) -> bool {
     is_constant(&taylor_coefficients(law, speed))
+}
+
+/// Whether friction is constant on a piece of the law, seen from a speed there or at its end.
+pub(crate) fn is_constant_on<L: FrictionLaw>(law: &L, piece: usize, speed: f64) -> bool {
+    is_constant(&taylor_coefficients_on(law, piece, speed))
 }
 
 /// Whether there is no kinetic friction at any speed: on each piece the law and all its derivatives

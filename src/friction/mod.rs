@@ -41,7 +41,9 @@ pub use stribeck::Stribeck;
 pub use tabulated::Tabulated;
 
 pub(crate) use along::AlongSlope;
-pub(crate) use check::{has_no_kinetic_friction, is_constant_near, validate};
+pub(crate) use check::{
+    has_no_kinetic_friction, is_constant_near, is_constant_on, static_is_nan, validate,
+};
 pub(crate) use expansion::{
     Piece, finite_at, piece_above, slope_on, taylor_coefficients, taylor_coefficients_on,
     value_and_slope,
@@ -109,9 +111,24 @@ const HIGHEST: usize = 30;
 ///
 /// # What a law must not do
 ///
-/// A law must not give different results for the same speed, and must not panic. It must not return
-/// NaN or ±∞ at a speed that the motion reaches: the motion then ends in a typed error. It must
-/// have μ̂(0) ≤ μ_s, to a few ulps; [`MassOnBelt::new`](crate::MassOnBelt::new) checks this.
+/// A law must not give different results for the same speed, nor other breakpoints or another μ_s
+/// when it is asked again, and must not panic. It must not return NaN or ±∞ at a speed that the
+/// motion reaches: the motion then ends in a typed error. It must have μ̂(0) ≤ μ_s, to a few ulps.
+///
+/// What is noticed, and where:
+///
+/// | fault of the law | noticed by |
+/// |---|---|
+/// | μ_s < μ̂(0); μ_s negative or not finite; a law that is not finite at s = 0 | [`MassOnBelt::new`](crate::MassOnBelt::new) |
+/// | breakpoints that do not ascend; a jump at a breakpoint | [`MassOnBelt::new`](crate::MassOnBelt::new) |
+/// | μ_s that turns NaN later | the next phase of stick, as an error |
+/// | NaN, ±∞ or an infinite slope at a speed that a step looks at | the step, as an error |
+/// | a jump or kink that is not named | steps, as a rule: they shorten until the law fits its series on both sides, which costs time, or end in an error; what lies between the places that they look at is passed over, and the motion is then wrong by as much |
+/// | a feature narrower than the distance of these places (a step, up to a radian, is looked at in four), NaN included | [`check_law`] alone |
+/// | μ̂ < 0 | [`check_law`] alone: motions follow the law as it is, and friction drives the mass |
+/// | breakpoints that change | nothing: the motion follows one of the laws, or ends in an error |
+///
+/// Steps look at the law's values only; [`check_law`] looks at all of a range.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a friction law",
     label = "no `FrictionLaw`",

@@ -5,11 +5,12 @@ use super::peaks::PeakMap;
 use super::written;
 use crate::belt::MassOnBelt;
 use crate::error::Error;
-use crate::friction::{FrictionLaw, has_no_kinetic_friction, is_constant_near};
+use crate::friction::{FrictionLaw, has_no_kinetic_friction, is_constant_near, is_constant_on};
 
 /// A family of periodic motions that fills a disc round the equilibrium. It exists without damping
 /// where friction does not depend on the speed (Coulomb, or μ_s = μ_m), because such friction
-/// neither feeds nor damps a motion in slip.
+/// neither feeds nor damps a motion in slip. On a belt at rest the family needs that there is no
+/// kinetic friction; if there is static friction, it lies outside the stick band.
 ///
 /// ```
 /// use stick_slip::{Coulomb, MassOnBelt, limit_cycle};
@@ -38,7 +39,24 @@ impl Continuum {
 /// Whether small motions are periodic: there is no damping, and friction does not depend on the
 /// speed near v_b.
 pub(super) fn is_flat<L: FrictionLaw>(system: &MassOnBelt<L>) -> bool {
-    system.damping() == 0.0 && is_constant_near(system.law(), system.belt_velocity())
+    system.damping() == 0.0
+        && is_constant_near(system.law(), system.belt_velocity())
+        && flat_amplitude(system) > 0.0
+}
+
+/// Velocity amplitude up to which a motion in slip, where friction is constant near v_b, meets no
+/// piece of the law on which friction varies; at most v_b.
+pub(super) fn flat_amplitude<L: FrictionLaw>(system: &MassOnBelt<L>) -> f64 {
+    let (law, v_b) = (system.law(), system.belt_velocity());
+    let varies = |piece: usize, end: f64| !is_constant_on(law, piece, end);
+    let mut amplitude = v_b;
+    for (i, breakpoint) in law.breakpoints().enumerate() {
+        let beyond = if breakpoint <= v_b { i } else { i + 1 };
+        if varies(beyond, breakpoint) {
+            amplitude = amplitude.min((v_b - breakpoint).abs());
+        }
+    }
+    amplitude
 }
 
 /// Whether every motion in slip is periodic: the system [`is_flat`], and no motion grows or

@@ -1,5 +1,5 @@
 use super::arc::Tracer;
-use super::continuum::{Continuum, is_continuum, is_flat, is_frictionless};
+use super::continuum::{Continuum, flat_amplitude, is_continuum, is_flat, is_frictionless};
 use super::crossings::CrossingMap;
 use super::cycle::{CycleKind, LimitCycle};
 use super::peaks::PeakMap;
@@ -7,7 +7,7 @@ use super::release::Release;
 use super::set::CycleSet;
 use crate::belt::{Forward, MassOnBelt};
 use crate::error::Error;
-use crate::friction::FrictionLaw;
+use crate::friction::{FrictionLaw, has_no_kinetic_friction};
 
 /// The periodic motion through the release point, of either kind that sticks; `None` if the motion
 /// from that point never comes back to it, and at v_b = 0.
@@ -101,10 +101,10 @@ pub(crate) fn find_moving<L: FrictionLaw>(tracer: &mut Tracer<'_, L>) -> Result<
     nested_cycles(tracer, release)
 }
 
-/// The periodic motions on a belt at rest: a family if there is neither damping nor friction, else
-/// none.
+/// The periodic motions on a belt at rest: a family if there is neither damping nor kinetic
+/// friction, else none.
 pub(super) fn of_belt_at_rest<L: FrictionLaw>(system: MassOnBelt<&L>) -> CycleSet {
-    let goes_on = system.damping() == 0.0 && is_frictionless(system.law());
+    let goes_on = system.damping() == 0.0 && has_no_kinetic_friction(system.law());
     CycleSet {
         continuum: goes_on.then_some(Continuum::WITHOUT_FRICTION),
         ..CycleSet::default()
@@ -162,8 +162,15 @@ fn add_pure_slip<L: FrictionLaw>(
     if is_flat(&system) && !found.unresolved.is_empty() {
         // Motions are harmonic up to the amplitude at which they meet a speed where friction
         // varies.
-        let max_amplitude = found.unresolved.remove(0).end;
+        let max_amplitude = flat_amplitude(&system).min(found.unresolved.remove(0).end);
         set.continuum = Some(Continuum { max_amplitude });
+        // Beyond, growth sets in gently, and rounding may give it both signs.
+        for root in std::mem::take(&mut found.roots) {
+            let between = 0.5 * (max_amplitude + root);
+            if max_amplitude < root && !peaks.growth(between)?.vanishes() {
+                found.roots.push(root);
+            }
+        }
     }
     set.unresolved = found.unresolved;
     for peak in found.roots {

@@ -138,7 +138,8 @@ impl LimitCycle {
     /// measured by it.)
     #[doc(alias = "severity")]
     pub fn rms_velocity(&self) -> f64 {
-        (self.integral_of_squared_velocity() / self.period()).sqrt()
+        let unit = self.unit_of_velocity();
+        unit * (self.integral_of_squared_velocity(unit) / self.period()).sqrt()
     }
 
     /// Root mean square of the acceleration, √((1/T)∮v'² dτ), dimensionless; in stick the
@@ -189,22 +190,34 @@ impl LimitCycle {
         (max - v_b).max(v_b - min)
     }
 
-    /// Works and losses over one period, in dimensionless energy units.
+    /// Works and losses over one period, in dimensionless energy units; ±∞ where one is beyond the
+    /// largest number (velocities above 10¹⁵³, of a load in unfit units).
     pub fn energy(&self) -> EnergyBudget {
         let v_b = self.belt_velocity();
         // The force on the mass is f = u + 2βv + v', and over a period ∮v = ∮v' = ∮(u + v')v = 0.
         let Units {
             stiffness, rate, ..
         } = self.units;
-        let drive_work = stiffness * v_b * self.integral_of_displacement();
+        let unit = self.unit_of_velocity();
+        let drive_work = stiffness * (v_b / unit) * (self.integral_of_displacement() / unit);
         let dissipation = 2.0 * self.damping * stiffness / rate;
-        let damper_loss = dissipation * self.integral_of_squared_velocity();
+        let damper_loss = dissipation * self.integral_of_squared_velocity(unit);
+        let in_full = |energy: f64| energy * unit * unit;
         EnergyBudget {
-            drive_work,
-            belt_work: damper_loss,
-            damper_loss,
-            friction_loss: drive_work - damper_loss,
+            drive_work: in_full(drive_work),
+            belt_work: in_full(damper_loss),
+            damper_loss: in_full(damper_loss),
+            friction_loss: in_full(drive_work - damper_loss),
         }
+    }
+
+    /// A power of two, at least 1, in which velocities have squares that do not overflow. To count
+    /// in powers of two rounds nothing.
+    fn unit_of_velocity(&self) -> f64 {
+        const EXPONENT: u64 = 0x7ff << 52;
+        let [min, max] = self.velocities();
+        let largest = self.belt_velocity().abs().max(-min).max(max);
+        f64::from_bits(largest.max(1.0).to_bits() & EXPONENT)
     }
 
     /// The integral ∮u dτ over one period.
@@ -221,14 +234,14 @@ impl LimitCycle {
         self.steps.iter().map(over).sum()
     }
 
-    /// The integral ∮v² dτ over one period.
-    pub(super) fn integral_of_squared_velocity(&self) -> f64 {
+    /// The integral ∮v² dτ over one period, with v counted in a unit.
+    fn integral_of_squared_velocity(&self, unit: f64) -> f64 {
         let over = |step: &Step| {
             let v_b = step.belt_velocity;
             let Some(direction) = step.direction() else {
-                return v_b * v_b * step.duration;
+                return (v_b / unit).powi(2) * step.duration;
             };
-            let velocity = |s: f64| v_b + direction.sign() * s;
+            let velocity = |s: f64| (v_b + direction.sign() * s) / unit;
             let four = |(times, weights): ([f64; 4], [f64; 4])| {
                 let speeds = step.speed.at_four(times);
                 std::iter::zip(weights, speeds)

@@ -7,7 +7,7 @@ use super::cycle::{CycleKind, LimitCycle};
 use super::growth::relative_growth;
 use crate::belt::Landing;
 use crate::error::Error;
-use crate::friction::FrictionLaw;
+use crate::friction::{FrictionLaw, static_is_nan};
 use crate::state::Direction;
 
 /// Fate of the motion from the release point. Trajectories in the plane can't cross, so one turn
@@ -116,7 +116,11 @@ impl Release {
         };
         let mut arcs = vec![self.lagging];
         arcs.extend(self.leading);
-        Ok(Some(LimitCycle::join(&tracer.system(), arcs, kind, 0.0)))
+        let cycle = LimitCycle::join(&tracer.system(), arcs, kind, 0.0);
+        if cycle.period().is_nan() {
+            return Err(static_is_nan());
+        }
+        Ok(Some(cycle))
     }
 
     /// How far the motion would overshoot the belt velocity, in units of v_b: w²/(2v_b²) if it

@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod broken_laws;
 mod check_law;
 mod errors;
 mod hostile;

@@ -7,6 +7,7 @@ mod along;
 mod bifurcations;
 mod cases;
 mod cycles;
+mod faults;
 mod folds;
 mod maps;
 mod measures;

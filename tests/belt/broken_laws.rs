@@ -1,0 +1,132 @@
+//! Laws that break their contract, or use its edges: what stepping makes of them.
+
+use std::cell::Cell;
+
+use stick_slip::{Coulomb, Error, FrictionLaw, Integrator, MassOnBelt, Mode, Scalar, State};
+
+/// A law whose static coefficient is NaN from some call on.
+struct TurnsNan {
+    calls: Cell<u32>,
+    good: u32,
+}
+
+impl FrictionLaw for TurnsNan {
+    fn static_coefficient(&self) -> f64 {
+        self.calls.set(self.calls.get() + 1);
+        if self.calls.get() > self.good {
+            f64::NAN
+        } else {
+            0.4
+        }
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        (speed + 1.0).recip() * 0.4
+    }
+}
+
+#[test]
+fn a_static_coefficient_that_turns_nan_ends_the_motion_in_an_error() {
+    let mut seen = 0;
+    for good in 2..40 {
+        for duration in [0.1, 3.0, 30.0] {
+            let law = TurnsNan {
+                calls: Cell::new(0),
+                good,
+            };
+            let system = MassOnBelt::new(law, 0.2).unwrap();
+            match system.simulate(State::new(0.0, 0.0), duration) {
+                Ok(motion) => {
+                    let State {
+                        displacement,
+                        velocity,
+                    } = motion.last();
+                    assert!(displacement.is_finite() && velocity.is_finite(), "{good}");
+                }
+                Err(Error::InvalidParameter { name, value, .. }) => {
+                    assert!(name == "static_coefficient" && value.is_nan());
+                    seen += 1;
+                }
+                Err(error) => panic!("{good}: {error:?}"),
+            }
+        }
+    }
+    assert!(seen > 20, "{seen}");
+}
+
+/// Friction that does not depend on the speed, of either sign.
+struct Constant(f64);
+
+impl FrictionLaw for Constant {
+    fn static_coefficient(&self) -> f64 {
+        0.4
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        speed.constant(self.0)
+    }
+}
+
+#[test]
+fn negative_friction_is_followed_as_it_is() {
+    let system = MassOnBelt::new(Constant(-0.1), -0.5).unwrap();
+    let motion = system.simulate(State::new(0.3, 0.0), 4.0).unwrap();
+    for (time, state) in motion.sample(50) {
+        // v_r > 0: u'' + u − 0.1 = 0.
+        let expected = 0.1 + 0.2 * time.cos();
+        assert!((state.displacement - expected).abs() < 1e-15);
+    }
+}
+
+/// An analytic law that names other breakpoints at each call.
+struct Wandering(Cell<u32>);
+
+impl FrictionLaw for Wandering {
+    fn static_coefficient(&self) -> f64 {
+        0.4
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        (speed + 1.0).recip() * 0.4
+    }
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        self.0.set(self.0.get() + 1);
+        let calls = self.0.get();
+        (1..=calls % 4).map(move |i| 0.1 * f64::from(i) + 0.01 * f64::from(calls % 7))
+    }
+}
+
+#[test]
+fn breakpoints_that_change_cut_steps_and_no_more() {
+    struct Steady;
+    impl FrictionLaw for Steady {
+        fn static_coefficient(&self) -> f64 {
+            0.4
+        }
+        fn kinetic<S: Scalar>(&self, speed: S) -> S {
+            (speed + 1.0).recip() * 0.4
+        }
+    }
+    let system = MassOnBelt::new(Steady, 0.2).unwrap();
+    let steady = system.simulate(State::new(0.0, 0.0), 30.0).unwrap().last();
+    for calls in 0..28 {
+        let system = MassOnBelt::new(Wandering(Cell::new(calls)), 0.2).unwrap();
+        let last = system.simulate(State::new(0.0, 0.0), 30.0).unwrap().last();
+        assert!((last.displacement - steady.displacement).abs() < 1e-13);
+        assert!((last.velocity - steady.velocity).abs() < 1e-13);
+    }
+}
+
+#[test]
+fn a_release_whose_time_overflows_never_comes() {
+    for v_b in [f64::from_bits(1), -f64::from_bits(1), 1e-310] {
+        let system = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), v_b).unwrap();
+        let mut flow = Integrator::new()
+            .flow(&system, State::new(0.0, v_b))
+            .unwrap();
+        let rest = flow.next().unwrap().unwrap();
+        assert_eq!((rest.mode(), rest.duration()), (Mode::Stick, f64::INFINITY));
+        assert_eq!(rest.event(), None);
+        assert!(flow.next().is_none());
+        let motion = system.simulate(State::new(0.0, v_b), 30.0).unwrap();
+        assert!(motion.events().is_empty());
+        assert_eq!(motion.last().velocity, v_b);
+    }
+}

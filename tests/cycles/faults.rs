@@ -1,0 +1,195 @@
+//! Edges at which searches once went wrong: ranges of some ulps, the border of a continuum, a belt
+//! at rest, units in which squares overflow.
+
+use std::cell::Cell;
+
+use stick_slip::limit_cycle::{self, Attractor};
+use stick_slip::{
+    Coulomb, CycleKind, Error, Exponential, FrictionLaw, LimitCycle, MassOnBelt, Polynomial,
+    Scalar, State, Stribeck, Tabulated, bifurcation,
+};
+
+#[test]
+fn no_grazing_velocity_is_made_by_rounding() {
+    fn search(law: impl FrictionLaw) {
+        let system = MassOnBelt::new(law, 0.2).unwrap();
+        let system = system.with_damping(0.05).unwrap();
+        for start in [0.0, 1e-16, 1e-15] {
+            for end in [1e-13, 1e-12, 1e-11, 1e-10, 1e-8] {
+                let found = bifurcation::grazing_velocities(&system, start..end);
+                assert_eq!(found, Ok(vec![]), "{start:e}..{end:e}");
+            }
+        }
+    }
+    search(Polynomial::new(0.4, 0.25, 0.5).unwrap());
+    search(Stribeck::new(0.4, 0.25, 0.05, 1).unwrap());
+    search(Exponential::new(0.4, 0.25, 0.5).unwrap());
+}
+
+#[test]
+fn hopf_velocities_are_looked_for_in_a_range_of_one_ulp() {
+    let least = f64::from_bits(1);
+    let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5).unwrap(), 0.2).unwrap();
+    for end in [least, 2.0 * least, 1e-322, 1e-310] {
+        assert_eq!(bifurcation::hopf_velocities(&system, 0.0..end), Ok(vec![]));
+    }
+    let system = system.with_damping(0.05).unwrap();
+    let hopf = bifurcation::hopf_velocities(&system, 0.1..1.0).unwrap()[0];
+    // The root is known to rounding, so it may lie beyond a range of one ulp.
+    let found = bifurcation::hopf_velocities(&system, hopf..hopf.next_up()).unwrap();
+    assert!(found.iter().all(|&root| root == hopf));
+    let found = bifurcation::hopf_velocities(&system, hopf - 1e-9..hopf + 1e-9).unwrap();
+    assert!(found.len() == 1 && (found[0] - hopf).abs() < 1e-15);
+}
+
+#[test]
+fn no_cycle_is_made_by_rounding_at_the_border_of_a_continuum() {
+    let law = Tabulated::new([(0.0, 0.5), (0.2, 0.45), (0.4, 0.4)]).unwrap();
+    let mut random = 1_u64;
+    for case in 0..40 {
+        // The load of the first case made a cycle of multiplier 1 + 7e-11.
+        random = random
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        let load = match case {
+            0 => 0.135_889_639_229_022_2,
+            _ => 0.02 + 0.5 * (random >> 11) as f64 * 2_f64.powi(-53),
+        };
+        let system = MassOnBelt::new(&law, 1.1).unwrap().with_load(load).unwrap();
+        let cycles = limit_cycle::find(&system).unwrap();
+        // Motions are harmonic up to the one that touches the speed 0.4.
+        let border = cycles.continuum().unwrap().max_amplitude;
+        assert!((border - 0.7).abs() < 1e-15, "{load}: {border}");
+        let slipping = |cycle: &&LimitCycle| cycle.kind() == CycleKind::PureSlip;
+        assert_eq!(cycles.iter().filter(slipping).count(), 0, "{load}");
+    }
+}
+
+#[test]
+fn a_cycle_round_a_continuum_is_kept() {
+    // Flat from 0.4 to 0.6; above, friction rises and damps, below, it falls and feeds.
+    let points = [(0.0, 0.5), (0.4, 0.4), (0.6, 0.4), (0.9, 0.45)];
+    let system = MassOnBelt::new(Tabulated::new(points).unwrap(), 0.55).unwrap();
+    let cycles = limit_cycle::find(&system.with_load(0.13).unwrap()).unwrap();
+    assert!((cycles.continuum().unwrap().max_amplitude - 0.05).abs() < 1e-15);
+    let [inner, outer] = cycles.iter().collect::<Vec<_>>()[..] else {
+        panic!("{cycles:?}");
+    };
+    assert_eq!(
+        (inner.kind(), inner.is_stable()),
+        (CycleKind::PureSlip, false)
+    );
+    assert!((inner.multiplier() - 1.061_624_813_772_26).abs() < 1e-9);
+    assert_eq!(
+        (outer.kind(), outer.is_stable()),
+        (CycleKind::StickSlip, true)
+    );
+}
+
+#[test]
+fn no_continuum_about_a_breakpoint_beyond_which_friction_varies() {
+    let law = Tabulated::new([(0.0, 0.5), (0.4, 0.4)]).unwrap();
+    let system = MassOnBelt::new(law, 0.4).unwrap().with_load(0.13).unwrap();
+    assert_eq!(limit_cycle::find(&system).unwrap().continuum(), None);
+}
+
+#[test]
+fn cycles_and_basins_agree_on_a_belt_at_rest_without_kinetic_friction() {
+    let continuum = |law: Coulomb, damping: f64| {
+        let system = MassOnBelt::new(law, 0.0).unwrap();
+        let system = system.with_damping(damping).unwrap();
+        let found = limit_cycle::find(&system).unwrap().continuum();
+        let reached = limit_cycle::attractor(&system, State::new(2.0, 0.0)).unwrap();
+        assert_eq!(found.is_some(), reached == Attractor::Continuum);
+        found.map(|continuum| continuum.max_amplitude)
+    };
+    assert_eq!(
+        continuum(Coulomb::new(0.4, 0.0).unwrap(), 0.0),
+        Some(f64::INFINITY)
+    );
+    assert_eq!(
+        continuum(Coulomb::new(0.0, 0.0).unwrap(), 0.0),
+        Some(f64::INFINITY)
+    );
+    assert_eq!(continuum(Coulomb::new(0.4, 0.0).unwrap(), 0.1), None);
+    assert_eq!(continuum(Coulomb::new(0.4, 0.1).unwrap(), 0.0), None);
+}
+
+#[test]
+fn energies_beyond_the_largest_number_are_infinite_and_never_nan() {
+    let cycle = |unit: f64, damping: f64| {
+        let law = Coulomb::new(0.4, 0.25).unwrap();
+        let system = MassOnBelt::new(law, 0.1 * unit).unwrap();
+        let system = system.with_load(unit).unwrap();
+        limit_cycle::stick_slip(&system.with_damping(damping).unwrap())
+            .unwrap()
+            .unwrap()
+    };
+    for damping in [0.0, 0.01] {
+        let one = cycle(1.0, damping);
+        let scaled = |unit: f64, value: f64| value * unit * unit;
+        for unit in [
+            2_f64.powi(400),
+            2_f64.powi(511),
+            2_f64.powi(754),
+            2_f64.powi(960),
+        ] {
+            let large = cycle(unit, damping);
+            let (energy, expected) = (large.energy(), one.energy());
+            let pairs = [
+                (energy.drive_work, expected.drive_work),
+                (energy.belt_work, expected.belt_work),
+                (energy.damper_loss, expected.damper_loss),
+                (energy.friction_loss, expected.friction_loss),
+            ];
+            for (large, small) in pairs {
+                let expected = scaled(unit, small);
+                let same = large == expected || (large / expected - 1.0).abs() < 1e-12;
+                assert!(same, "{unit:e}: {large:e}, {expected:e}");
+            }
+            let rms = large.rms_velocity() / unit;
+            assert!((rms / one.rms_velocity() - 1.0).abs() < 1e-14);
+        }
+    }
+}
+
+/// A law whose static coefficient is NaN from some call on.
+struct TurnsNan {
+    calls: Cell<u32>,
+    good: u32,
+}
+
+impl FrictionLaw for TurnsNan {
+    fn static_coefficient(&self) -> f64 {
+        self.calls.set(self.calls.get() + 1);
+        if self.calls.get() > self.good {
+            f64::NAN
+        } else {
+            0.4
+        }
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        (speed + 1.0).recip() * 0.4
+    }
+}
+
+#[test]
+fn no_cycle_holds_a_static_coefficient_that_has_turned_nan() {
+    for good in 1..40 {
+        let law = TurnsNan {
+            calls: Cell::new(0),
+            good,
+        };
+        let Ok(system) = MassOnBelt::new(law, 0.2) else {
+            continue;
+        };
+        match limit_cycle::stick_slip(&system) {
+            Ok(cycle) => assert!((cycle.unwrap().period() - 6.985871959728993).abs() < 1e-12),
+            Err(Error::InvalidParameter { name, value, .. }) => {
+                assert!(name == "static_coefficient" && value.is_nan());
+            }
+            // Slip cannot start from a release point that is not a number.
+            Err(error) => assert!(matches!(error, Error::StepUnderflow { .. }), "{error:?}"),
+        }
+    }
+}
