@@ -6,5 +6,6 @@ mod common;
 mod averaging;
 mod formulas;
 mod misprints;
+mod motions;
 mod orders;
 mod properties;

@@ -4,8 +4,8 @@
 //! Halve ε and watch the error fall by 2^p. `cargo test --test analysis orders --
 //! --nocapture` prints what was measured.
 
-mod points;
-mod tables;
+pub(crate) mod points;
+pub(crate) mod tables;
 
 use std::f64::consts::TAU;
 

@@ -173,26 +173,29 @@ pub(crate) fn halvings(count: usize) -> impl Iterator<Item = f64> {
     })
 }
 
+/// A system at one ε, if its motion is of that kind.
+pub(crate) fn at(parameters: Parameters, epsilon: f64, kind: CycleKind) -> Option<Point> {
+    let system = system(parameters, epsilon);
+    let mut cycles: Vec<_> = match kind {
+        CycleKind::StickSlip => limit_cycle::stick_slip(&system)
+            .unwrap()
+            .into_iter()
+            .collect(),
+        _ => limit_cycle::find(&system)
+            .unwrap()
+            .stable()
+            .cloned()
+            .collect(),
+    };
+    let cycle = cycles.pop().filter(|cycle| cycle.kind() == kind)?;
+    Some(Point::new(system, cycle))
+}
+
 /// Each system at ε = 1, 1/2, …, for as long as its motion is of that kind.
 pub(crate) fn points(systems: &[Parameters], kind: CycleKind, count: usize) -> Vec<Vec<Point>> {
-    let point = |system| {
-        let mut cycles: Vec<_> = match kind {
-            CycleKind::StickSlip => limit_cycle::stick_slip(&system)
-                .unwrap()
-                .into_iter()
-                .collect(),
-            _ => limit_cycle::find(&system)
-                .unwrap()
-                .stable()
-                .cloned()
-                .collect(),
-        };
-        let cycle = cycles.pop().filter(|cycle| cycle.kind() == kind)?;
-        Some(Point::new(system, cycle))
-    };
     let of = |parameters: &Parameters| {
         let along: Vec<_> = halvings(count)
-            .map_while(|epsilon| point(system(*parameters, epsilon)))
+            .map_while(|epsilon| at(*parameters, epsilon, kind))
             .collect();
         assert!(
             along.len() >= count.min(13),
