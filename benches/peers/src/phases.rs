@@ -1,9 +1,9 @@
 //! What a user of a general integrator has to write around it: the equation of motion, stick, and
 //! the change of phases.
 
-use stick_slip::{FrictionLaw, State};
+use stick_slip::{FrictionLaw, MassOnBelt, State};
 
-use crate::set::{DURATION, REST, Set};
+use crate::set::{DURATION, Set};
 
 /// Slip behind the belt in u and w = v − v_b < 0: the root of w is the contact, without
 /// cancellation.
@@ -16,7 +16,7 @@ pub struct Slip<L> {
 }
 
 impl<L: FrictionLaw + Copy> Slip<L> {
-    pub fn new(set: &Set<L>) -> Self {
+    pub fn new(set: &Set<MassOnBelt<L>>) -> Self {
         Self {
             law: *set.system.law(),
             belt_velocity: set.system.belt_velocity(),
@@ -41,13 +41,32 @@ pub struct Contact {
     pub displacement: f64,
 }
 
-/// Runs the motion from rest and writes down its events; `contact` integrates one slip phase from u
-/// and w.
-///
-/// Each phase starts at time 0 and its duration is added with the rounding error carried along, so
-/// that the clock costs no solver accuracy.
+/// The time, with its rounding error carried along. Each phase starts at time 0 and its duration is
+/// added here, so that the clock costs no solver accuracy.
+#[derive(Default)]
+pub struct Clock {
+    time: f64,
+    carry: f64,
+}
+
+impl Clock {
+    /// Writes down the event that comes after so long, and tells whether it is within the duration.
+    pub fn note(&mut self, after: f64, events: &mut Vec<f64>) -> bool {
+        let term = after - self.carry;
+        let sum = self.time + term;
+        self.carry = (sum - self.time) - term;
+        self.time = sum;
+        let within = sum < DURATION;
+        if within {
+            events.push(sum);
+        }
+        within
+    }
+}
+
+/// Runs the motion and writes down its events; `contact` integrates one slip phase from u and w.
 pub fn run<L: FrictionLaw>(
-    set: &Set<L>,
+    set: &Set<MassOnBelt<L>>,
     events: &mut Vec<f64>,
     mut contact: impl FnMut(f64, f64) -> Contact,
 ) {
@@ -57,20 +76,9 @@ pub fn run<L: FrictionLaw>(
     let State {
         displacement: mut start,
         velocity,
-    } = REST;
+    } = set.start;
     let mut relative_velocity = velocity - belt_velocity;
-    let (mut time, mut carry) = (0.0, 0.0);
-    // Whether the event is within the duration.
-    let mut note = |duration: f64| {
-        let term = duration - carry;
-        let sum = time + term;
-        carry = (sum - time) - term;
-        time = sum;
-        if time < DURATION {
-            events.push(time);
-        }
-        time < DURATION
-    };
+    let mut clock = Clock::default();
     loop {
         let Contact { time, displacement } = contact(start, relative_velocity);
         let force = displacement + 2.0 * system.damping() * belt_velocity;
@@ -78,7 +86,8 @@ pub fn run<L: FrictionLaw>(
             force.abs() < system.load() * system.law().static_coefficient(),
             "the sets stick at each contact"
         );
-        if !(note(time) && note((release - displacement) / belt_velocity)) {
+        let stick = (release - displacement) / belt_velocity;
+        if !(clock.note(time, events) && clock.note(stick, events)) {
             break;
         }
         (start, relative_velocity) = (release, 0.0);

@@ -1,7 +1,7 @@
 //! `differential-equations`: Verner's 9(8) pair with its interpolant of order 9 (`rkv989e`),
 //! stepped by hand.
 //!
-//! By hand, because the solution that `solve` collects is not needed, and the contact is found to
+//! By hand, because the solution that `solve` collects is not needed, and an event is found to
 //! round-off by Newton's method on the interpolant. Not `dop853`: its interpolant is far worse than
 //! its steps.
 
@@ -10,12 +10,13 @@ use differential_equations::methods::ExplicitRungeKutta;
 use differential_equations::ode::{ODE, OrdinaryNumericalMethod};
 use stick_slip::FrictionLaw;
 
+use crate::blocks::{End, Phase, Point};
 use crate::phases::{Contact, Slip};
 
-/// Longer than any slip phase.
+/// Longer than any phase.
 const HORIZON: f64 = 100.0;
 
-/// A change of the contact time that ends its search.
+/// A change of an event's time that ends its search.
 const ROUND_OFF: f64 = 1e-14;
 
 struct OverTime<L>(Slip<L>);
@@ -24,6 +25,15 @@ impl<L: FrictionLaw + Copy> ODE<f64, [f64; 2]> for OverTime<L> {
     #[inline]
     fn diff(&self, _time: f64, y: &[f64; 2], dydt: &mut [f64; 2]) {
         *dydt = self.0.derivative(y[0], y[1]);
+    }
+}
+
+struct Modes<L>(Phase<L>);
+
+impl<L: FrictionLaw + Copy> ODE<f64, Point> for Modes<L> {
+    #[inline]
+    fn diff(&self, _time: f64, y: &Point, dydt: &mut Point) {
+        *dydt = self.0.derivative(y);
     }
 }
 
@@ -45,29 +55,64 @@ pub fn contact<L: FrictionLaw + Copy>(
         while method.t() == 0.0 || method.y()[1] < 0.0 {
             method.step(&ode).expect("slip");
         }
-        // Newton's method, kept inside the step.
-        let (mut before, mut after) = (method.t_prev(), method.t());
-        let fraction = method.y_prev()[1] / (method.y_prev()[1] - method.y()[1]);
-        let mut time = before + fraction * (after - before);
-        loop {
-            let [displacement, relative_velocity] =
-                method.interpolate(time).expect("inside the step");
-            if relative_velocity < 0.0 {
-                before = time;
-            } else {
-                after = time;
+        let span = [method.t_prev(), method.t()];
+        let part = method.y_prev()[1] / (method.y_prev()[1] - method.y()[1]);
+        let (time, [displacement, _]) = newton(span, part, |time| {
+            let y: [f64; 2] = method.interpolate(time).expect("inside the step");
+            let [_, acceleration] = slip.derivative(y[0], y[1]);
+            (y, -y[1], -acceleration)
+        });
+        Contact { time, displacement }
+    }
+}
+
+pub fn end<L: FrictionLaw + Copy>(tolerance: f64) -> impl FnMut(Phase<L>, Point) -> End {
+    let mut method = ExplicitRungeKutta::rkv989e()
+        .rtol(tolerance)
+        .atol(tolerance)
+        .max_steps(usize::MAX);
+    move |phase, start| {
+        let ode = Modes(phase);
+        method.init(&ode, 0.0, HORIZON, &start).expect("start");
+        let (block, part) = loop {
+            method.step(&ode).expect("a phase");
+            if let Some(first) = phase.first(method.y_prev(), method.y()) {
+                break first;
             }
-            let [_, acceleration] = slip.derivative(displacement, relative_velocity);
-            let next = time - relative_velocity / acceleration;
-            let next = if next > before && next < after {
-                next
-            } else {
-                0.5 * (before + after)
-            };
-            if (next - time).abs() <= ROUND_OFF || relative_velocity == 0.0 {
-                return Contact { time, displacement };
-            }
-            time = next;
+        };
+        let span = [method.t_prev(), method.t()];
+        let (time, point) = newton(span, part, |time| {
+            let y: Point = method.interpolate(time).expect("inside the step");
+            (y, phase.margin(block, &y), phase.margin_rate(block, &y))
+        });
+        End { block, time, point }
+    }
+}
+
+/// Where a margin falls to 0 in a step: Newton's method, kept inside the step. `at` gives the
+/// state, the margin and its rate.
+fn newton<Y>(
+    [mut before, mut after]: [f64; 2],
+    part: f64,
+    mut at: impl FnMut(f64) -> (Y, f64, f64),
+) -> (f64, Y) {
+    let mut time = before + part * (after - before);
+    loop {
+        let (state, margin, rate) = at(time);
+        if margin > 0.0 {
+            before = time;
+        } else {
+            after = time;
         }
+        let next = time - margin / rate;
+        let next = if next > before && next < after {
+            next
+        } else {
+            0.5 * (before + after)
+        };
+        if (next - time).abs() <= ROUND_OFF || margin == 0.0 {
+            return (time, state);
+        }
+        time = next;
     }
 }
