@@ -32,7 +32,7 @@ pub struct PeriodMap {
 
 /// The least velocity, in displacements a period, that is not rounding of the displacement, with a
 /// margin of the 1e-11 to which a motion is closed.
-const LEAST_VELOCITY: f64 = 1e-2;
+const LEAST_VELOCITY: f64 = 1e-3;
 
 impl PeriodMap {
     /// The state at the end of the period.

@@ -435,7 +435,6 @@ fn a_pair_of_multipliers_leaves_the_unit_circle() {
         let orbit = shoot(&family(0.6).unwrap(), &guess, Period::Driven(1)).unwrap();
         assert!(orbit.is_stable() && orbit.multipliers().len() == 4);
         let branch = follow(family, 0.6, &orbit, 0.35..0.8).unwrap();
-        println!("{:?} {}", branch.ends, branch.points.len());
         let found = at(&branch, BifurcationKind::NeimarkSacker);
         assert_eq!(found.len(), 1, "{found:?}");
         assert_eq!(branch.bifurcations.len(), 1);
