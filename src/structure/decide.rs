@@ -104,8 +104,8 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
 
     /// Opens or closes a contact as its load says; whether that has changed anything.
     fn revise_load(&mut self, c: usize) -> Result<bool, Error> {
-        let unit = self.unit;
-        let rounding = EDGE_ROUNDING * f64::EPSILON * self.load_terms(c);
+        let terms = self.load_terms(c);
+        let rounding = EDGE_ROUNDING * f64::EPSILON * terms;
         let joint = &mut self.joints[c];
         if !joint.load_varies {
             return Ok(false);
@@ -113,8 +113,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
         let load = joint.load;
         let is_on_edge = joint.load_edge != Edge::Away || load[0].abs() <= rounding;
         let sign = if is_on_edge {
-            let largest = load[0].abs().max(load.largest_change(unit));
-            let (edge, sign) = leaving(&load, largest, None);
+            let (edge, sign) = leaving(&load, terms, None);
             joint.load_edge = edge;
             // One that stays 0 gives no friction.
             if sign == 0.0 { -1.0 } else { sign }
@@ -214,7 +213,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
     }
 
     /// Sum of the sizes of all terms of the load of a contact, divided by the mass.
-    fn load_terms(&self, c: usize) -> f64 {
+    pub(super) fn load_terms(&self, c: usize) -> f64 {
         let joint = &self.joints[c];
         let gradient = joint.contact.load_gradient().iter();
         let from_displacements: f64 = gradient

@@ -181,7 +181,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
             }
             allowances.push(allowance);
         }
-        for joint in &self.joints {
+        for (c, joint) in self.joints.iter().enumerate() {
             let body = &self.bodies[joint.body()];
             if joint.mode == Mode::Stick {
                 // The last coefficient of R needs that of the velocities, and is not there.
@@ -190,7 +190,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
                 farthest = farthest.min(reach_of(error, &joint.bound, TERMS - 2));
             }
             if joint.load_varies {
-                let error = f64::EPSILON * joint.load[0].abs().max(joint.load.largest_change(unit));
+                let error = f64::EPSILON * self.load_terms(c);
                 farthest = farthest.min(reach_of(error, &joint.load, TERMS - 2));
             }
             for (series, memory) in std::iter::zip(&joint.memories, joint.memory) {

@@ -2,8 +2,8 @@
 
 use stick_slip::structure::State;
 use stick_slip::{
-    Contact, Coulomb, Direction, Drive, Error, EventKind, Integrator, Mode, Segment, Structure,
-    Trajectory,
+    AnyContactLaw, Contact, Coulomb, Direction, Drive, Dwell, Error, EventKind, Integrator, Mode,
+    Segment, Structure, Trajectory,
 };
 
 use crate::common::Random;
@@ -203,4 +203,32 @@ fn a_load_comes_back_over_a_mass_at_rest() {
         );
     }
     assert!(closings > 2000, "{closings}");
+}
+
+/// A mass with neither spring nor damper carries nothing: its band and its load vanish together.
+#[test]
+fn a_load_opens_over_a_mass_that_carries_nothing() {
+    let load = Drive::harmonic(1.0, 1.0, 0.0).unwrap();
+    let load = load.with_constant(0.5).unwrap();
+    let opens = 2.0 * std::f64::consts::FRAC_PI_3;
+    let turn = std::f64::consts::TAU;
+    let times = [opens, turn - opens, turn + opens, 2.0 * turn - opens];
+    for belt in [0.1, 0.0, -3.0] {
+        let dry = Coulomb::new(0.9, 0.9).unwrap();
+        let dwell = Dwell::exponential(dry, 1.0, 2.0).unwrap();
+        let contacts: [AnyContactLaw<Coulomb>; 2] = [AnyContactLaw::Dry(dry), dwell.into()];
+        for law in contacts {
+            let contact = Contact::new(0, law, load.clone()).unwrap();
+            let block = Structure::new(&[1.0]).unwrap();
+            let block = block.with_contact(contact.on_belt(belt)).unwrap();
+            let motion = block.simulate(State::new(&[0.0], &[belt]), 14.0).unwrap();
+            let kinds: Vec<EventKind> = motion.events().iter().map(|e| e.kind).collect();
+            use EventKind::{Close, Open};
+            assert_eq!(kinds, [Open, Close, Open, Close], "{belt}");
+            for (event, time) in std::iter::zip(motion.events(), times) {
+                assert!((event.time - time).abs() <= 4.0 * f64::EPSILON * time);
+                assert_eq!(event.state.velocities, [belt]);
+            }
+        }
+    }
 }
