@@ -105,10 +105,9 @@ mod tests {
         // The first of several, and with a kink.
         let root = first_zero(&mut |t: f64| (20.0 * t).cos(), 1.0).unwrap();
         assert!((root - std::f64::consts::FRAC_PI_2 / 20.0).abs() < 1e-17);
-        assert_eq!(
-            first_zero(&mut |t: f64| (t - 0.5).abs() - 0.25, 1.0),
-            Some(0.25)
-        );
+        // This one is 0 at the number below 0.25 too.
+        let root = first_zero(&mut |t: f64| (t - 0.5).abs() - 0.25, 1.0).unwrap();
+        assert!((0.25_f64.next_down()..=0.25).contains(&root), "{root}");
     }
 
     #[test]
