@@ -6,8 +6,8 @@
 //! * `orbit::section` is an iterator without an end: the motion takes no memory, however long it is
 //!   followed;
 //! * the exponent is that of the equations, not of two simulations side by side: it tells a long
-//!   period (below 0) from chaos (above 0 by more than its spread) and from a torus (0). Where it is
-//!   `−∞` small changes die out altogether: the mass sticks;
+//!   period (below 0) from chaos (above 0 by more than its spread) and from a torus (0). Where it
+//!   is `−∞` small changes die out altogether: the mass sticks;
 //! * systems are values and can be given to threads: here one thread for each part of the range.
 //!
 //! Run it with `cargo run --release --example chaos`.

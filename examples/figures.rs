@@ -15,8 +15,8 @@
 //! * `memory.rs`: closed forms for rising static friction under motions that have settled; bristles
 //!   beside the dry friction that is their limit;
 //! * `laws.rs`: friction laws on both sides of zero;
-//! * `structures.rs`: the events of many contacts over time and place; eigenvalues of steady sliding
-//!   over a parameter;
+//! * `structures.rs`: the events of many contacts over time and place; eigenvalues of steady
+//!   sliding over a parameter;
 //! * `plot.rs` and what it uses: as much of plotters as a figure in print needs.
 //!
 //! Run it with `cargo run --release --example figures`; another folder than `target/figures` comes

@@ -190,6 +190,22 @@ impl Step {
         self.state.velocity == 0.0 && self.speed[1] == 0.0 && self.speed[2] == 0.0
     }
 
+    /// Coefficients of the power series of the sliding speed s in the time since the step's start,
+    /// s(t) = Σ c_k t^k, to the last bit what the step is made of; zeros in stick.
+    ///
+    /// ```
+    /// use stick_slip::{Coulomb, MassOnBelt, State};
+    ///
+    /// let system = MassOnBelt::new(Coulomb::new(0.4, 0.25)?, 0.2)?;
+    /// let motion = system.simulate(State::new(0.0, 0.0), 0.5)?;
+    /// // s(0) = v_b, s'(0) = −μ_k
+    /// assert_eq!(motion.steps()[0].speed_coefficients()[..2], [0.2, -0.25]);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn speed_coefficients(&self) -> &[f64] {
+        self.speed.coefficients()
+    }
+
     /// The event that ends the step, if one does.
     pub fn event(&self) -> Option<Event> {
         self.event

@@ -47,8 +47,8 @@ const ROUNDING: f64 = 1e-9;
 /// How far a multiplier may lie from where it bifurcates.
 const MULTIPLIER: f64 = 1e-6;
 
-/// What changes its sign at a fold (twice: the direction of the parameter, and the product of all
-/// 1 − μ), a flip (the product of all 1 + μ) and a Neimark-Sacker bifurcation (that of all 1 − μμ').
+/// What changes its sign at a fold (twice: the direction of the parameter, and the product of all 1
+/// − μ), a flip (the product of all 1 + μ) and a Neimark-Sacker bifurcation (that of all 1 − μμ').
 pub(super) type Signs = [f64; 4];
 
 impl View<'_, '_> {

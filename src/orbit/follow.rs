@@ -35,10 +35,11 @@ use crate::state::structure::State;
 /// leaves, and the branch goes on behind it.
 ///
 /// A fold is where dp/ds changes its sign, or Π(1 − μ); a flip, where Π(1 + μ) does; a
-/// Neimark-Sacker bifurcation, where Π(1 − μ_i μ_j) does and a complex pair lies on the unit circle.
-/// Each is refined along the arclength, with the motion corrected at every trial. Two of one kind
-/// within one step (1/64 of the range at most) can be missed; a narrower range is followed more
-/// closely. In a continuum of motions one multiplier is 1 all along: the nearest motion is taken.
+/// Neimark-Sacker bifurcation, where Π(1 − μ_i μ_j) does and a complex pair lies on the unit
+/// circle. Each is refined along the arclength, with the motion corrected at every trial. Two of
+/// one kind within one step (1/64 of the range at most) can be missed; a narrower range is followed
+/// more closely. In a continuum of motions one multiplier is 1 all along: the nearest motion is
+/// taken.
 ///
 /// A free motion starts, at all points of the branch, where one of its coordinates turns back.
 ///

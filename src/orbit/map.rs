@@ -79,8 +79,8 @@ impl PeriodMap {
     }
 
     /// The largest size of every number of the state at the ends of steps, and of a velocity at
-    /// least [`LEAST_VELOCITY`] of its displacement over the period: a mass that slides steadily has
-    /// no velocity but rounding. What is 0 has the size of the largest of its kind.
+    /// least [`LEAST_VELOCITY`] of its displacement over the period: a mass that slides steadily
+    /// has no velocity but rounding. What is 0 has the size of the largest of its kind.
     pub(super) fn sizes(&self) -> DVector<f64> {
         let mut sizes = DVector::zeros(self.order());
         let ends = self.steps.iter().map(Segment::end_state);

@@ -48,7 +48,8 @@ const BLUNT: f64 = 0.3;
 /// found.
 const HOPF_PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 
-/// Points by which a tangential arrival is found, and the growth of changes from which on it is one.
+/// Points by which a tangential arrival is found, and the growth of changes from which on it is
+/// one.
 const GRAZING_POINTS: usize = 5;
 const GRAZING_GROWTH: f64 = 1e3;
 

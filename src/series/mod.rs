@@ -108,6 +108,10 @@ impl PowerSeries {
         self.at_four(t)
     }
 
+    pub(crate) fn coefficients(&self) -> &[f64] {
+        &self.0
+    }
+
     /// Mean of c over [0, t].
     #[inline(always)]
     pub(crate) fn mean(&self, t: f64) -> f64 {

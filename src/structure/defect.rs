@@ -13,7 +13,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
     /// its quarters, about the places where the sliding speed is least, and, in a long step, at
     /// least every quarter of a radian. Coefficients alone miss what lies hidden behind an
     /// underflow, such as the flank of a narrow Gaussian.
-    pub(super) fn defects_are_accepted(&self, allowances: &[Allowance], h: f64) -> bool {
+    pub(super) fn defects_are_accepted(&self, h: f64) -> bool {
         let unit = self.unit;
         self.joints.iter().all(|joint| {
             let Mode::Slip(direction) = joint.mode else {
@@ -37,7 +37,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
                     between += joint.defect(times, body.speeds.at_four(times));
                 }
             }
-            allowances[joint.body()].accepts([at_quarters, at_minima, between], h)
+            self.allowances[joint.body()].accepts([at_quarters, at_minima, between], h)
                 && joint.memory_is_accepted(direction.sign(), speeds, h)
         })
     }

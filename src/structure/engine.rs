@@ -36,6 +36,8 @@ pub(super) struct Engine<'s, L, const Z: usize> {
     pub(super) unit: f64,
     /// What each coordinate may leave out in the step under way.
     pub(super) allowances: Vec<Allowance>,
+    /// The series of the last pass to the slow motion.
+    pub(super) pass_before: Vec<PowerSeries>,
     /// Scale of each velocity, and the size of the terms of its equation.
     pub(super) scales: Vec<(f64, f64)>,
     /// Limit of the next step: twice the last one, if that had to be cut below what its
@@ -94,6 +96,7 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Engine<'s, L, Z> {
             tolerance,
             clock,
             allowances: Vec::new(),
+            pass_before: Vec::new(),
             scales: Vec::new(),
             longest: f64::INFINITY,
             steps_to_trial: 0,

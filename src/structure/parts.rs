@@ -129,6 +129,8 @@ pub(super) struct Joint<'s, L, const Z: usize> {
     pub(super) memories: [PowerSeries; Z],
     /// D, at which the memory relaxes, where its series is that of the slow motion; else 0.
     pub(super) relaxation: f64,
+    /// Whether it does so since the last trial.
+    pub(super) relaxes_anew: bool,
     /// N/m.
     pub(super) load: PowerSeries,
     /// Its part that is given in time.
@@ -170,6 +172,7 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Joint<'s, L, Z> {
             memory_on_arrival: memory,
             memories: [PowerSeries::ZERO; Z],
             relaxation: 0.0,
+            relaxes_anew: false,
             load: series,
             drive_load: series,
             load_varies: !contact.load().is_constant() || !contact.load_gradient().is_empty(),

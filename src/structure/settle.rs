@@ -28,7 +28,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
             return Err(self.underflow(0.0));
         }
         let explicit = self.reach();
-        let (allowances, reach) = self.relax(explicit);
+        let reach = self.relax(explicit);
         let elapsed = self.clock.time.abs();
         // A motion that nothing gives a length is a polynomial, and good at any time.
         let cut = reach.min(self.longest).min(LONGEST_STEP);
@@ -41,12 +41,11 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
                 h *= 0.5;
                 continue;
             };
-            if self.defects_are_accepted(&allowances, end) {
+            if self.defects_are_accepted(end) {
                 break end;
             }
             h = 0.5 * end;
         };
-        self.allowances = allowances;
         let is_cut = h < cut.min(to_break) || self.longest < reach;
         self.longest = if is_cut { 2.0 * h } else { f64::INFINITY };
         Ok(Settled {
@@ -130,9 +129,9 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
         of_bodies.chain(of_joints).all(f64::is_finite)
     }
 
-    /// How far the last coefficients of all series stay below the error allowed, and what each
-    /// coordinate is allowed.
-    pub(super) fn reach(&mut self) -> (Vec<Allowance>, f64) {
+    /// How far the last coefficients of all series stay below the error allowed; what each
+    /// coordinate is allowed is noted.
+    pub(super) fn reach(&mut self) -> f64 {
         let mut allowances = std::mem::take(&mut self.allowances);
         allowances.clear();
         // A mass that does not move yet is judged by how others will move it.
@@ -198,7 +197,8 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
                 farthest = farthest.min(reach_of(f64::EPSILON * scale, series, TERMS - 1));
             }
         }
-        (allowances, farthest)
+        self.allowances = allowances;
+        farthest
     }
 
     /// The rate at which a deviation of the sliding speed of a coordinate dies out; 0 unless it

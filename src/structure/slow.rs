@@ -28,7 +28,7 @@ use super::engine::Engine;
 use super::parts::Joint;
 use crate::friction::memory::{ContactLaw, Motion, Slip};
 use crate::motion::Mode;
-use crate::motion::step_control::{Allowance, SETTLING};
+use crate::motion::step_control::SETTLING;
 use crate::series::{PowerSeries, TERMS};
 
 /// Passes after which the slow motion is given up.
@@ -52,9 +52,9 @@ const LONGEST_PAUSE: u32 = 256;
 
 impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
     /// The series of the slow motion in place of the explicit ones, if a memory is stiff, the
-    /// motion has come to the slow one, and it can be used further; allowances and reach of
+    /// motion has come to the slow one, and it can be used further than `explicit`; the reach of
     /// whichever it is.
-    pub(super) fn relax(&mut self, explicit: (Vec<Allowance>, f64)) -> (Vec<Allowance>, f64) {
+    pub(super) fn relax(&mut self, explicit: f64) -> f64 {
         // Several numbers of one contact may be stiff together.
         if Z != 1 {
             return explicit;
@@ -63,26 +63,25 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
             self.steps_to_trial -= 1;
             return explicit;
         }
-        let reach = explicit.1;
         let mut best = explicit;
         let mut is_tried = false;
         // Where the stiffest memories do not limit the step any more, the next ones may.
-        while let Some(newly) = self.next_stiff(best.1) {
+        while self.begins_to_relax(best) {
             is_tried = true;
-            if let Some(slow) = self.slow_series(best.1) {
+            if let Some(slow) = self.slow_series(best) {
                 best = slow;
                 continue;
             }
-            for c in newly {
-                self.joints[c].relaxation = 0.0;
+            for joint in self.joints.iter_mut().filter(|joint| joint.relaxes_anew) {
+                joint.relaxation = 0.0;
             }
             // The same as before.
             if self.joints.iter().any(|joint| joint.relaxation > 0.0) {
-                best = self.slow_series(0.0).unwrap_or(best);
+                best = self.slow_series(0.0).unwrap_or(explicit);
             }
             break;
         }
-        if best.1 >= WORTH * reach {
+        if best >= WORTH * explicit {
             self.pause = 0;
         } else if is_tried {
             self.pause = (2 * self.pause).clamp(1, LONGEST_PAUSE);
@@ -97,25 +96,26 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
         best
     }
 
-    /// Begins to treat as slow the memories that relax well within `reach`, and tells which are
-    /// new.
-    fn next_stiff(&mut self, reach: f64) -> Option<Vec<usize>> {
-        let mut newly = Vec::new();
-        for (c, joint) in self.joints.iter_mut().enumerate() {
+    /// Begins to treat as slow the memories that relax well within `reach`, and marks which are
+    /// new; whether there are any.
+    fn begins_to_relax(&mut self, reach: f64) -> bool {
+        let mut found = false;
+        for joint in &mut self.joints {
+            joint.relaxes_anew = false;
             if joint.relaxation == 0.0 {
                 let rate = joint.relaxation_at(self.bodies[joint.contact.coordinate()].speed);
                 if rate * reach > SETTLING {
-                    joint.relaxation = rate;
-                    newly.push(c);
+                    (joint.relaxation, joint.relaxes_anew) = (rate, true);
+                    found = true;
                 }
             }
         }
-        (!newly.is_empty()).then_some(newly)
+        found
     }
 
     /// The series of the slow motion, and how far they reach: further than `shorter` by
     /// [`LONGER`].
-    fn slow_series(&mut self, shorter: f64) -> Option<(Vec<Allowance>, f64)> {
+    fn slow_series(&mut self, shorter: f64) -> Option<f64> {
         for joint in self.joints.iter_mut().filter(|j| j.relaxation > 0.0) {
             for (series, memory) in std::iter::zip(&mut joint.memories, joint.memory) {
                 *series = PowerSeries::ZERO;
@@ -123,10 +123,19 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
             }
         }
         self.expand().ok()?;
+        let mut before = std::mem::take(&mut self.pass_before);
+        let found = self.slow_passes(shorter, &mut before);
+        self.pass_before = before;
+        found
+    }
+
+    /// Passes until the series do not change any more.
+    fn slow_passes(&mut self, shorter: f64, before: &mut Vec<PowerSeries>) -> Option<f64> {
         for _ in 1..MOST_PASSES {
-            let before: Vec<PowerSeries> = self.unknowns().copied().collect();
+            before.clear();
+            before.extend(self.unknowns());
             self.expand().ok()?;
-            let (allowances, reach) = self.reach();
+            let reach = self.reach();
             let may_have_come = std::iter::zip(self.slow_memories(), &before[self.bodies.len()..])
                 .all(|((series, memory), before)| {
                     let moved = 4.0 * (series[0] - before[0]).abs();
@@ -135,10 +144,10 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
             if !may_have_come || reach < LONGER * shorter {
                 return None;
             }
-            let errors = allowances.iter().map(|allowance| allowance.error);
+            let errors = self.allowances.iter().map(|allowance| allowance.error);
             let memories = self.slow_memories();
             let errors = errors.chain(memories.map(|(z, _)| f64::EPSILON * z[0].abs()));
-            let changes = std::iter::zip(self.unknowns(), &before);
+            let changes = std::iter::zip(self.unknowns(), &*before);
             let is_settled = changes.zip(errors).all(|((now, before), error)| {
                 let mut power = 1.0;
                 let mut change = 0.0;
@@ -149,7 +158,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
                 change <= CLOSE * error
             });
             if is_settled {
-                return Some((allowances, reach));
+                return Some(reach);
             }
         }
         None

@@ -473,7 +473,7 @@ fn table_refuses_what_its_documentation_says() {
     let error = Tabulated::new([(0.0, 0.4), (0.2, 0.3), (0.3, -0.3)]).unwrap_err();
     let message = error.to_string();
     assert!(
-        message.contains("point 2") && message.contains("coefficient = -3e-1"),
+        message.contains("point 2") && message.contains("coefficient = -0.3"),
         "{message}"
     );
     assert_eq!(refuse(&[(-0.1, 0.4), (0.2, 0.3)]), ("speed", -0.1));

@@ -12,8 +12,8 @@
 //! between machines than times do. Criterion's report of the same runs follows.
 //!
 //! The columns are the peers' absolute and relative tolerances 1e-9, 1e-12 and 1e-14. This crate
-//! joins each with the loosest of 1e-8, 5e-9, 2e-9, 1e-9, … with which its worst error stays
-//! within a bound. For one mass the bounds are 2e-9, 4e-12 and 2e-13, what heyoka, a compiling Taylor
+//! joins each with the loosest of 1e-8, 5e-9, 2e-9, 1e-9, … with which its worst error stays within
+//! a bound. For one mass the bounds are 2e-9, 4e-12 and 2e-13, what heyoka, a compiling Taylor
 //! integrator in C++, reaches in the same places; for two blocks they are the errors of Dop853.
 //!
 //! What the peers are given: one phase after the other in u and v − v_b, a compensated clock, no

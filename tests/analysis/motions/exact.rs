@@ -16,8 +16,8 @@ use super::{Bounds, Verdict, check, decades, or_zero, sign, system};
 
 const EPS: f64 = f64::EPSILON;
 
-/// μ_s and μ_k, the load and the damping ratio. Not μ_k = 0: without damping the mass then meets the
-/// belt where static friction can just hold it, and rounding decides.
+/// μ_s and μ_k, the load and the damping ratio. Not μ_k = 0: without damping the mass then meets
+/// the belt where static friction can just hold it, and rounding decides.
 fn constant() -> impl Strategy<Value = (Coulomb, f64, f64)> {
     let law = (decades(1e-2, 10.0), 0.01..0.99);
     let law = law.prop_map(|(top, least)| Coulomb::new(top, least * top).unwrap());

@@ -111,8 +111,8 @@ fn stick_slip() {
         (parameters(0.02..0.3, 0.02..0.5), 1..5_i32),
         |(parameters, last), bounds| {
             let sizes = sizes(4.0, last);
-            // Without a change of the motion μ is raised, so that the mass sticks where it meets the
-            // belt, and so that μ is positive where `growth` continues the law beyond it.
+            // Without a change of the motion μ is raised, so that the mass sticks where it meets
+            // the belt, and so that μ is positive where `growth` continues the law beyond it.
             let [mu_s, mu_m, v_m, load, damping, v_b] = parameters;
             let raise = 100.0 * mu_s + v_b / (load * sizes[3].sqrt());
             let parameters = [mu_s + raise, mu_m + raise, v_m, load, damping, v_b];
