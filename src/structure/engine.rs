@@ -96,7 +96,7 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Engine<'s, L, Z> {
             tolerance,
             clock,
             allowances: Vec::new(),
-            pass_before: Vec::new(),
+            pass_before: Vec::with_capacity(structure.len() + Z * structure.contacts().len()),
             scales: Vec::new(),
             longest: f64::INFINITY,
             steps_to_trial: 0,
