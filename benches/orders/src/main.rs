@@ -29,6 +29,8 @@
 //! lower order for looser tolerances would save up to a quarter there and double what is compiled
 //! for each law; there is one order.
 
+// The peers use more of it.
+#[allow(dead_code)]
 #[path = "../../peers/src/set.rs"]
 mod set;
 
@@ -39,7 +41,7 @@ use std::time::{Duration, Instant};
 extern crate order26 as stick_slip;
 
 use set::{DURATION, REST, Set};
-use stick_slip::FrictionLaw;
+use stick_slip::{FrictionLaw, MassOnBelt};
 
 /// Largest errors of an event time.
 const BOUNDS: [f64; 6] = [1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 2e-13];
@@ -147,7 +149,7 @@ struct Contender {
     least: Duration,
 }
 
-fn compare<L: FrictionLaw>(law: Law, set: &Set<L>) {
+fn compare<L: FrictionLaw>(law: Law, set: &Set<MassOnBelt<L>>) {
     let motion = Motion {
         law,
         belt_velocity: set.system.belt_velocity(),
@@ -191,7 +193,7 @@ fn compare<L: FrictionLaw>(law: Law, set: &Set<L>) {
 fn loosest<L: FrictionLaw>(
     variant: Variant,
     motion: Motion,
-    set: &Set<L>,
+    set: &Set<MassOnBelt<L>>,
     bound: f64,
 ) -> Option<f64> {
     let mut events = Vec::new();
@@ -201,12 +203,17 @@ fn loosest<L: FrictionLaw>(
         .take_while(|&tolerance| {
             events.clear();
             (variant.run)(motion, tolerance, &mut events);
-            set.worst_error(&events) <= bound
+            set.reference.worst_error(&events) <= bound
         })
         .last()
 }
 
-fn print_table<L: FrictionLaw>(motion: Motion, set: &Set<L>, bound: f64, contenders: &[Contender]) {
+fn print_table<L: FrictionLaw>(
+    motion: Motion,
+    set: &Set<MassOnBelt<L>>,
+    bound: f64,
+    contenders: &[Contender],
+) {
     let yardstick = contenders
         .iter()
         .find(|contender| contender.variant.order == 26)
@@ -226,9 +233,9 @@ fn print_table<L: FrictionLaw>(motion: Motion, set: &Set<L>, bound: f64, contend
         println!(
             "{:>5}{tolerance:>11.1e}{:>14.2}{:>11.0}{:>12.2}{:>7.2}",
             variant.order,
-            steps / set.cycles(),
+            steps / set.reference.cycles(),
             1e9 * seconds / steps,
-            1e6 * seconds / set.cycles(),
+            1e6 * seconds / set.reference.cycles(),
             seconds / yardstick.least.as_secs_f64(),
         );
     }

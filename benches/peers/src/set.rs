@@ -8,7 +8,7 @@ use stick_slip::{
 pub const DURATION: f64 = 1000.0;
 
 /// Where one mass starts.
-const REST: State = State::new(0.0, 0.0);
+pub const REST: State = State::new(0.0, 0.0);
 
 /// A system, where it starts, and its events from there.
 pub struct Set<S: System> {
