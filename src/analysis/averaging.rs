@@ -185,14 +185,14 @@ fn slope_integrals<L: FrictionLaw>(
     splits.sort_by(f64::total_cmp);
 
     if splits.len() == 2 {
-        let piece = piece_above(law, speed_at(0.5 * PI));
+        let piece = piece_above(law.breakpoints(), speed_at(0.5 * PI));
         if let Some(integral) = trapezoid(|psi| weighted(piece, psi))? {
             return Ok(integral);
         }
     }
     let mut total = Integral::ZERO;
     for ends in splits.windows(2).filter(|ends| ends[0] < ends[1]) {
-        let piece = piece_above(law, speed_at(0.5 * (ends[0] + ends[1])));
+        let piece = piece_above(law.breakpoints(), speed_at(0.5 * (ends[0] + ends[1])));
         let f = |psi| weighted(piece, psi);
         let panels = if ends.contains(&slowest) {
             gauss(f, &graded(ends[0], ends[1]), steepest)

@@ -7,6 +7,9 @@ use crate::error::Error;
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(transparent))]
 pub(super) struct Profile {
     points: Vec<(f64, f64)>,
+    /// Largest size of its values.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    size: f64,
 }
 
 impl Profile {
@@ -16,8 +19,10 @@ impl Profile {
         for (index, &(time, value)) in points.iter().enumerate() {
             check_point(&points[..index], time, value).map_err(|error| error.at_point(index))?;
         }
+        let sizes = points.iter().map(|(_, value)| value.abs());
         Ok(Self {
             points: points.to_vec(),
+            size: sizes.fold(0.0, f64::max),
         })
     }
 
@@ -30,8 +35,7 @@ impl Profile {
 
     /// Largest size of its values.
     pub(super) fn size(&self) -> f64 {
-        let sizes = self.points.iter().map(|(_, value)| value.abs());
-        sizes.fold(0.0, f64::max)
+        self.size
     }
 
     /// Value and slope.

@@ -27,7 +27,7 @@ const PIECES: f64 = 64.0;
 const LOOK_BACK: f64 = 1e-6;
 
 /// Series after which a search gives up, well within a second.
-const MOST_STRETCHES: usize = 10_000;
+pub(super) const MOST_STRETCHES: usize = 10_000;
 const TOO_LONG: &str =
     "a shorter range: it takes more than 10000 power series of the law to get there";
 
@@ -145,7 +145,7 @@ impl<L: FrictionLaw> AlongSlope<'_, L> {
     /// `largest`, the largest |h| met so far.
     fn stretch(&self, start: f64, longest: f64, largest: &mut f64) -> Result<Stretch, Error> {
         finite_at(self.law, start)?;
-        let piece = piece_above(self.law, start);
+        let piece = piece_above(self.law.breakpoints(), start);
         let friction = taylor_coefficients_on::<{ TERMS + 1 }, _>(self.law, piece, start);
         let mut series = PowerSeries::from_fn(|k| self.factor * (k + 1) as f64 * friction[k + 1]);
         series[0] += self.constant;

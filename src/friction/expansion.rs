@@ -26,15 +26,15 @@ impl<L: FrictionLaw> Function for Piece<'_, L> {
     }
 }
 
-/// The piece that holds speeds just above `speed`.
-pub(crate) fn piece_above<L: FrictionLaw>(law: &L, speed: f64) -> usize {
-    law.breakpoints().take_while(|&b| b <= speed).count()
+/// The piece of a law with these breakpoints that holds speeds just above `speed`.
+pub(crate) fn piece_above(breakpoints: impl Iterator<Item = f64>, speed: f64) -> usize {
+    breakpoints.take_while(|&b| b <= speed).count()
 }
 
 /// The first M coefficients of μ̂ as a power series in the sliding speed about `speed`. The code
 /// that computes them does not depend on M and is compiled once for each law.
 pub(crate) fn taylor_coefficients<const M: usize, L: FrictionLaw>(law: &L, speed: f64) -> [f64; M] {
-    taylor_coefficients_on(law, piece_above(law, speed), speed)
+    taylor_coefficients_on(law, piece_above(law.breakpoints(), speed), speed)
 }
 
 /// The first M coefficients of one piece of μ̂ as a power series about `speed`.
@@ -55,7 +55,7 @@ pub(crate) fn value_and_slope<L: FrictionLaw>(law: &L, piece: usize, speed: f64)
 
 /// Checks that the law has a finite value and slope at `speed`.
 pub(crate) fn finite_at<L: FrictionLaw>(law: &L, speed: f64) -> Result<(), Error> {
-    slope_on(law, piece_above(law, speed), speed).map(|_| ())
+    slope_on(law, piece_above(law.breakpoints(), speed), speed).map(|_| ())
 }
 
 /// dμ̂/ds on one piece of the law.

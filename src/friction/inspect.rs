@@ -2,7 +2,7 @@
 
 use std::ops::{ControlFlow, Range};
 
-use super::along::Stretch;
+use super::along::{MOST_STRETCHES, Stretch};
 use super::{FrictionLaw, taylor_coefficients_on, validate};
 use crate::error::Error;
 use crate::series::{PowerSeries, TERMS};
@@ -181,7 +181,7 @@ const PLACES_IN_STRETCH: f64 = 16.0;
 
 /// Longest stretch of one series, in parts of the range: one radian of a motion whose velocity
 /// amplitude is half the range.
-const LONGEST: f64 = 0.5;
+const REACH: f64 = 0.5;
 
 /// Distance of the integrator's checks of a step, in parts of its length.
 const CHECKS: f64 = 0.25;
@@ -194,7 +194,7 @@ const GAP: f64 = 64.0;
 
 /// Largest difference of law and series that counts as rounding, relative to the largest
 /// coefficient. The integrator's checks see about as much.
-const ROUNDING: f64 = 1e-12;
+const MISFIT: f64 = 1e-12;
 
 /// Largest difference of two neighbouring series where both hold, relative to the largest
 /// coefficient.
@@ -202,14 +202,11 @@ const OVERLAP: f64 = 1e-9;
 
 /// Least difference of the values on both sides of a gap that counts as a jump, relative to the
 /// largest coefficient. An infinite slope, as of a square root, gives less.
-const JUMP: f64 = 1e-3;
+const LEAST_JUMP: f64 = 1e-3;
 
 /// Least difference of two slopes that counts as a kink, relative to the largest coefficient over
 /// the range. Where a higher derivative jumps, the slopes differ by less at the place found.
-const KINK: f64 = 1e-5;
-
-/// Stretches after which the search gives up.
-const MOST_STRETCHES: usize = 10_000;
+const LEAST_KINK: f64 = 1e-5;
 
 /// The search for faults. The law is known by two functions, so that this code is compiled once.
 struct Inspection<'l> {
@@ -248,7 +245,7 @@ impl Inspection<'_> {
             self.size = self.size.max(series[0].abs());
             let mut stretch = Stretch {
                 start: at,
-                length: (LONGEST * self.range).min(end - at),
+                length: (REACH * self.range).min(end - at),
                 piece,
                 series,
             };
@@ -284,7 +281,7 @@ impl Inspection<'_> {
     fn difference(&self, stretch: &Stretch, t: f64) -> f64 {
         let speed = stretch.start + t;
         let steep = stretch.series.derivative().at(t).abs();
-        let allowed = ROUNDING * self.size + 4.0 * f64::EPSILON * speed * steep;
+        let allowed = MISFIT * self.size + 4.0 * f64::EPSILON * speed * steep;
         let difference = ((self.value)(stretch.piece, speed) - stretch.series.at(t)).abs();
         // NaN counts as a difference.
         if difference <= allowed {
@@ -368,7 +365,7 @@ impl Inspection<'_> {
                     below: value,
                     above: above.series[0],
                 }
-            } else if (above.series[1] - slope).abs() * self.range > KINK * self.size {
+            } else if (above.series[1] - slope).abs() * self.range > LEAST_KINK * self.size {
                 LawFault::Kink {
                     speed,
                     slope_below: slope,
@@ -382,7 +379,7 @@ impl Inspection<'_> {
     /// Notes a place where the law has a value but no series, and returns the speed to go on from.
     fn without_series(&mut self, piece: usize, speed: f64, behind: f64) -> f64 {
         let (below, above) = ((self.value)(piece, speed), (self.value)(piece, behind));
-        if (above - below).abs() > JUMP * self.size {
+        if (above - below).abs() > LEAST_JUMP * self.size {
             self.faults.push(LawFault::Jump {
                 speed,
                 below,
@@ -411,7 +408,7 @@ impl Inspection<'_> {
 
     /// Notes where the law is negative along a stretch.
     fn signs(&mut self, stretch: &Stretch) {
-        let rounding = ROUNDING * self.size;
+        let rounding = MISFIT * self.size;
         if stretch.series[0] < -rounding {
             self.negative_from.get_or_insert(stretch.start);
         } else if stretch.series[0] > rounding {

@@ -7,14 +7,14 @@
 use std::cell::Cell;
 use std::ops::{ControlFlow, Range};
 
-use nalgebra::{Complex, DMatrix, DVector, SVD};
+use nalgebra::{Complex, DMatrix, DVector};
 
 use super::map::{PeriodMap, state, vector};
 use super::oscillator::{Oscillator, Passage, Rhythm};
 use super::sequence::Sequence;
-use super::shoot::{CLOSED, Period, Trial};
+use super::shoot::{CLOSED, Period, Trial, shortest};
 use crate::error::Error;
-use crate::motion::{Mode, Segment};
+use crate::motion::Segment;
 use crate::state::structure::State;
 
 /// One system of a family. A trait object, so that nothing of the search is compiled anew for each
@@ -140,15 +140,11 @@ impl Curve<'_> {
     }
 
     fn period(&self, member: &dyn Member, y: &DVector<f64>) -> Result<f64, Error> {
-        match (self.kind, member.rhythm()) {
-            (Period::Driven(count), Rhythm::Periodic(period)) => Ok(count as f64 * period),
-            (Period::Driven(_), _) => Err(Error::NoCommonPeriod),
-            (Period::Free(_), Rhythm::Constant) => {
-                let period = y[self.order];
-                Error::check("period", period, period > 0.0, "period > 0")
-            }
-            (Period::Free(_), _) => Err(Error::NotFree),
-        }
+        let kind = match self.kind {
+            Period::Free(_) => Period::Free(y[self.order]),
+            driven @ Period::Driven(_) => driven,
+        };
+        kind.duration(member.rhythm())
     }
 
     fn trial(&self, y: &DVector<f64>, stuck: &[bool]) -> Result<Trial, Error> {
@@ -157,13 +153,7 @@ impl Curve<'_> {
             let member = self.member(self.parameter(y))?;
             let period = self.period(&*member, y)?;
             let map = member.map(&self.start(&*member, y, stuck), period)?;
-            let residual = map.residual().component_div(&map.sizes()).amax();
-            let trial = Trial {
-                period,
-                map,
-                residual,
-            };
-            Ok(trial)
+            Ok(Trial::new(map, period))
         };
         find().map_err(|error: Error| error.at("parameter", self.parameter(y)))
     }
@@ -231,16 +221,9 @@ impl Curve<'_> {
     ) -> (DMatrix<f64>, DVector<f64>) {
         let (map, order, unknowns) = (&trial.map, self.order, self.unknowns());
         let sizes = map.sizes();
-        let mut matrix = DMatrix::zeros(unknowns, unknowns);
-        let mut right = DVector::zeros(unknowns);
-        let residual = map.residual();
+        let (mut matrix, mut right) = map.closing(scale, unknowns);
         for i in 0..order {
-            for j in 0..order {
-                let identity = if i == j { 1.0 } else { 0.0 };
-                matrix[(i, j)] = (map.monodromy[(i, j)] - identity) * (scale[j] / sizes[i]);
-            }
             matrix[(i, unknowns - 1)] = by_parameter[i] * (scale[unknowns - 1] / sizes[i]);
-            right[i] = -residual[i] / sizes[i];
         }
         if let Some(turning) = self.turning {
             for i in 0..order {
@@ -292,8 +275,7 @@ impl Curve<'_> {
                 return Err(self.lost(&y, &trial));
             }
             before = size;
-            let modes = trial.map.end_modes();
-            stuck = modes.iter().map(|mode| *mode == Mode::Stick).collect();
+            stuck = trial.map.sticking();
             y += change.component_mul(plane.scale);
         }
     }
@@ -367,8 +349,7 @@ impl Curve<'_> {
         y[self.unknowns() - 1] = parameter;
         let none = vec![false; self.member(parameter)?.belts().len()];
         let trial = self.trial(&y, &none)?;
-        let modes = trial.map.end_modes();
-        let stuck = modes.iter().map(|mode| *mode == Mode::Stick).collect();
+        let stuck = trial.map.sticking();
         let apart = self.apart(&y, &trial)?;
         let begun = apart.as_ref().unwrap_or(&trial.map);
         Ok(Solved {
@@ -415,13 +396,11 @@ impl Curve<'_> {
     }
 }
 
-/// Singular values below this part of the largest count as 0, when rows are of size 1: of motions
-/// in a continuum the nearest one is taken.
+/// As in shooting, where rows are of size 1.
 const SINGULAR: f64 = 1e-8;
 
 /// The solution of a system of equations, the shortest if there are many.
 fn solution(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
-    let sweeps = 1000 * matrix.nrows();
     let (mut matrix, mut right) = (matrix.clone(), right.clone());
     for (mut row, right) in matrix.row_iter_mut().zip(right.iter_mut()) {
         let size = row.amax();
@@ -430,8 +409,6 @@ fn solution(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>>
             *right /= size;
         }
     }
-    let svd = SVD::try_new(matrix, true, true, f64::EPSILON, sweeps)?;
-    let least = SINGULAR * svd.singular_values.max();
-    let solution = svd.solve(&right, least).ok()?;
+    let solution = shortest(matrix, &right, SINGULAR)?;
     solution.iter().all(|x| x.is_finite()).then_some(solution)
 }

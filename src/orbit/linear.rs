@@ -2,6 +2,7 @@
 //! memory of its contact, as power series in time.
 
 use crate::friction::memory::{ContactLaw, Motion, Slip};
+use crate::friction::piece_above;
 use crate::motion::{Mode, Segment};
 use crate::scalar::dual::{Dual, Tangent};
 use crate::scalar::jet::{Jet, Run, Tape};
@@ -135,7 +136,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Along<'_, L, Z> {
         let speeds = PowerSeries::from_fn(|k| direction * (velocity[k] - surface[k]));
         let middle = speeds.at(0.5 * step.duration());
         let (law, memories) = (self.contact.law(), self.memories);
-        let piece = law.breakpoints().take_while(|&b| b <= middle).count();
+        let piece = piece_above(law.breakpoints(), middle);
         let load = self.load(step.state());
         for along in 0..=Z {
             let mut friction = PowerSeries::ZERO;

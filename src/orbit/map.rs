@@ -74,8 +74,35 @@ impl PeriodMap {
     }
 
     /// What the contacts do at the end.
-    pub(super) fn end_modes(&self) -> Vec<Mode> {
+    fn end_modes(&self) -> Vec<Mode> {
         self.steps.last().map(modes_after).unwrap_or_default()
+    }
+
+    /// Which contacts stick at the end.
+    pub(super) fn sticking(&self) -> Vec<bool> {
+        let modes = self.end_modes().into_iter();
+        modes.map(|mode| mode == Mode::Stick).collect()
+    }
+
+    /// The equations of Newton's method for x(T) = x(0), (M − 1)·Δx = −residual: each row in units
+    /// of the size of its number, each column in those of a scale. Rows and columns of zeros follow
+    /// for the other unknowns.
+    pub(super) fn closing(
+        &self,
+        scale: &DVector<f64>,
+        unknowns: usize,
+    ) -> (DMatrix<f64>, DVector<f64>) {
+        let (order, sizes, residual) = (self.order(), self.sizes(), self.residual());
+        let mut matrix = DMatrix::zeros(unknowns, unknowns);
+        let mut right = DVector::zeros(unknowns);
+        for i in 0..order {
+            for j in 0..order {
+                let identity = if i == j { 1.0 } else { 0.0 };
+                matrix[(i, j)] = (self.monodromy[(i, j)] - identity) * (scale[j] / sizes[i]);
+            }
+            right[i] = -residual[i] / sizes[i];
+        }
+        (matrix, right)
     }
 
     /// The largest size of every number of the state at the ends of steps, and of a velocity at

@@ -26,6 +26,23 @@ pub enum Period {
     Free(f64),
 }
 
+impl Period {
+    /// In units of time, where drives vary like this.
+    pub(super) fn duration(self, rhythm: Rhythm) -> Result<f64, Error> {
+        match (self, rhythm) {
+            (Self::Driven(count), Rhythm::Periodic(period)) => {
+                let allowed = "periods ≥ 1";
+                Ok(Error::check("periods", count as f64, count > 0, allowed)? * period)
+            }
+            (Self::Driven(_), _) => Err(Error::NoCommonPeriod),
+            (Self::Free(estimate), Rhythm::Constant) => {
+                Error::check("period", estimate, estimate > 0.0, "period > 0")
+            }
+            (Self::Free(_), _) => Err(Error::NotFree),
+        }
+    }
+}
+
 /// A fixed point that is looked for: x(T) = x(0).
 #[derive(Debug)]
 pub(super) struct Problem<'s, S> {
@@ -42,6 +59,17 @@ pub(super) struct Trial {
     pub(super) map: PeriodMap,
     /// Size of the residual, each number in units of its own size.
     pub(super) residual: f64,
+}
+
+impl Trial {
+    pub(super) fn new(map: PeriodMap, period: f64) -> Self {
+        let residual = map.residual().component_div(&map.sizes()).amax();
+        Self {
+            period,
+            map,
+            residual,
+        }
+    }
 }
 
 /// Most steps of Newton's method; five to ten are usual.
@@ -66,17 +94,7 @@ impl<'s, S: Oscillator> Problem<'s, S> {
         period: Period,
     ) -> Result<(Self, Trial), Error> {
         let (n, memory) = system.sizes();
-        let duration = match (period, system.rhythm()) {
-            (Period::Driven(count), Rhythm::Periodic(period)) => {
-                let allowed = "periods ≥ 1";
-                Error::check("periods", count as f64, count > 0, allowed)? * period
-            }
-            (Period::Driven(_), _) => return Err(Error::NoCommonPeriod),
-            (Period::Free(estimate), Rhythm::Constant) => {
-                Error::check("period", estimate, estimate > 0.0, "period > 0")?
-            }
-            (Period::Free(_), _) => return Err(Error::NotFree),
-        };
+        let duration = period.duration(system.rhythm())?;
         let mut problem = Self {
             system,
             n,
@@ -97,12 +115,7 @@ impl<'s, S: Oscillator> Problem<'s, S> {
     /// The motion over one period from a start.
     pub(super) fn trial(&self, start: &State, period: f64) -> Result<Trial, Error> {
         let map = self.system.period_map(start, period)?;
-        let residual = map.residual().component_div(&map.sizes()).amax();
-        Ok(Trial {
-            period,
-            map,
-            residual,
-        })
+        Ok(Trial::new(map, period))
     }
 
     /// The step of Newton's method: changes of the start and of the period, and its size in units
@@ -111,16 +124,7 @@ impl<'s, S: Oscillator> Problem<'s, S> {
         let map = &trial.map;
         let (order, sizes) = (map.order(), map.sizes());
         let unknowns = order + usize::from(self.section.is_some());
-        let mut matrix = DMatrix::zeros(unknowns, unknowns);
-        let mut right = DVector::zeros(unknowns);
-        let residual = map.residual();
-        for i in 0..order {
-            for j in 0..order {
-                let identity = if i == j { 1.0 } else { 0.0 };
-                matrix[(i, j)] = (map.monodromy[(i, j)] - identity) * (sizes[j] / sizes[i]);
-            }
-            right[i] = -residual[i] / sizes[i];
-        }
+        let (mut matrix, mut right) = map.closing(&sizes, unknowns);
         if let Some([point, normal]) = &self.section {
             let start = vector(&map.start, order);
             let largest = normal.component_mul(&sizes).amax();
@@ -130,9 +134,7 @@ impl<'s, S: Oscillator> Problem<'s, S> {
             }
             right[order] = -normal.dot(&(start - point)) / largest;
         }
-        let svd = SVD::try_new(matrix, true, true, f64::EPSILON, 1000 * unknowns)?;
-        let least = SINGULAR * svd.singular_values.max();
-        let solution = svd.solve(&right, least).ok()?;
+        let solution = shortest(matrix, &right, SINGULAR)?;
         let size = solution.amax();
         let change = solution.rows(0, order).component_mul(&sizes);
         let longer = self
@@ -147,11 +149,11 @@ impl<'s, S: Oscillator> Problem<'s, S> {
     fn changed(&self, trial: &Trial, change: &DVector<f64>, part: f64) -> State {
         let map = &trial.map;
         let mut start = vector(&map.start, map.order()) + change * part;
-        let modes = map.end_modes();
-        for ((coordinate, velocity), mode) in std::iter::zip(self.system.belts(), modes) {
+        for ((coordinate, velocity), sticks) in std::iter::zip(self.system.belts(), map.sticking())
+        {
             let row = self.n + coordinate;
             let sticks_already = map.start.velocities[coordinate] == velocity;
-            if mode == Mode::Stick && (part == 1.0 || sticks_already) {
+            if sticks && (part == 1.0 || sticks_already) {
                 start[row] = velocity;
             }
         }
@@ -194,6 +196,19 @@ impl<'s, S: Oscillator> Problem<'s, S> {
             start: best.map.start,
         })
     }
+}
+
+/// The solution of a system of equations, the shortest if there are many: singular values below a
+/// part of the largest count as 0.
+pub(super) fn shortest(
+    matrix: DMatrix<f64>,
+    right: &DVector<f64>,
+    singular: f64,
+) -> Option<DVector<f64>> {
+    let sweeps = 1000 * matrix.nrows();
+    let svd = SVD::try_new(matrix, true, true, f64::EPSILON, sweeps)?;
+    let least = singular * svd.singular_values.max();
+    svd.solve(right, least).ok()
 }
 
 /// The periodic motion near a guess, by Newton's method with the exact derivative of the map over

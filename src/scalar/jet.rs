@@ -23,7 +23,7 @@ use std::cell::Cell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::products::{Row, inner_product, inner_square};
-use super::{Function, LONGEST, Scalar, mul_add, sealed};
+use super::{Function, INLINE_ROWS, LONGEST, Scalar, mul_add, sealed};
 
 /// What one operation has computed so far: its slope at order 0, and its coefficients.
 #[derive(Debug, Clone)]
@@ -51,10 +51,6 @@ const INVERSE: [f64; LONGEST] = {
     }
     inverse
 };
-
-/// The number of rows that are kept in place. Laws seldom need more, and a constant index into an
-/// array costs no bounds check.
-const INLINE_ROWS: usize = 8;
 
 /// What the operations of a function have computed so far: one row each, in their sequence.
 #[derive(Debug, Clone)]

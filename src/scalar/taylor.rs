@@ -15,7 +15,7 @@
 
 use std::cell::Cell;
 
-use super::{Function, mul_add};
+use super::{Function, INLINE_ROWS, mul_add};
 
 /// The coefficients that one operation has computed so far.
 #[derive(Debug, Clone)]
@@ -35,10 +35,6 @@ impl<const M: usize> Row<M> {
         }
     }
 }
-
-/// The number of rows that are kept in place. Laws seldom need more, and a constant index into an
-/// array costs no bounds check.
-const INLINE_ROWS: usize = 8;
 
 /// Working memory for series of M coefficients: row 0 for the sliding speed, then one row for each
 /// operation of the law.

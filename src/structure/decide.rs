@@ -104,12 +104,12 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
 
     /// Opens or closes a contact as its load says; whether that has changed anything.
     fn revise_load(&mut self, c: usize) -> Result<bool, Error> {
+        if !self.joints[c].load_varies {
+            return Ok(false);
+        }
         let terms = self.load_terms(c);
         let rounding = EDGE_ROUNDING * f64::EPSILON * terms;
         let joint = &mut self.joints[c];
-        if !joint.load_varies {
-            return Ok(false);
-        }
         let load = joint.load;
         let is_on_edge = joint.load_edge != Edge::Away || load[0].abs() <= rounding;
         let sign = if is_on_edge {
@@ -144,10 +144,6 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
     /// Releases a contact that cannot stick, and puts one that slides onto its piece of the law;
     /// whether that has changed anything.
     fn revise_mode(&mut self, c: usize) -> bool {
-        let i = self.joints[c].body();
-        let force = self.structure.forces()[i].size() * self.model.inverse_mass[i];
-        let terms = self.terms(i) + force;
-        let load_terms = self.load_terms(c);
         let joint = &mut self.joints[c];
         let body = &mut self.bodies[joint.contact.coordinate()];
         match joint.mode {
@@ -166,50 +162,59 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
                 (joint.piece, body.side) = (0, direction.sign());
                 true
             }
-            Mode::Stick => {
-                let (carried, bound) = (body.carried[0], joint.bound[0]);
-                // Not of the load itself, which may have just come back from 0.
-                let terms = terms + load_terms * joint.static_coefficient();
-                let rounding = EDGE_ROUNDING * f64::EPSILON * terms;
-                let is_known = joint.edge != Edge::Away;
-                let side = match joint.edge {
-                    Edge::On(Some(side)) | Edge::Touched(Some(side)) => side,
-                    _ => side_of(carried),
-                };
-                let mut release = None;
-                if joint.fresh && bound.max(carried.abs()) <= rounding {
-                    // No band yet, for the load begins: on both of its bounds.
-                    joint.edge = Edge::On(None);
-                    let rates = [side, side.opposite()]
-                        .map(|side| (side, joint.leaving(&body.carried, side).1));
-                    let out = rates.into_iter().find(|(_, sign)| *sign < 0.0);
-                    release = out.map(|(side, _)| (side, 0.0));
-                } else {
-                    let beyond = side.sign() * carried - bound;
-                    if beyond > rounding && !is_known {
-                        release = Some((side, beyond));
-                    } else if is_known || beyond >= 0.0 || (joint.fresh && beyond >= -rounding) {
-                        let (edge, sign) = joint.leaving(&body.carried, side);
-                        joint.edge = edge;
-                        release = (sign < 0.0).then_some((side, 0.0));
-                    }
-                }
-                let Some((side, beyond)) = release else {
-                    return false;
-                };
-                let jump = bound - joint.load[0] * side.sign() * start_coefficient(joint, side);
-                joint.mode = Mode::Slip(side);
-                joint.memory = match joint.arrived_from {
-                    Some(_) => joint.memory_on_arrival,
-                    None => joint.contact.law().caught(joint.memory),
-                };
-                (joint.piece, joint.fresh) = (0, false);
-                (body.speed, body.side) = (0.0, side.sign());
-                // μ̂(0) may exceed μ_s by an ulp.
-                body.rate = Some(beyond + jump.max(0.0));
-                true
+            Mode::Stick => self.revise_stick(c),
+        }
+    }
+
+    /// Releases a contact that carries more than it can; whether it does.
+    fn revise_stick(&mut self, c: usize) -> bool {
+        let i = self.joints[c].body();
+        let force = self.structure.forces()[i].size() * self.model.inverse_mass[i];
+        let terms = self.terms(i) + force;
+        let load_terms = self.load_terms(c);
+        let joint = &mut self.joints[c];
+        let body = &mut self.bodies[i];
+        let (carried, bound) = (body.carried[0], joint.bound[0]);
+        // Not of the load itself, which may have just come back from 0.
+        let terms = terms + load_terms * joint.static_coefficient();
+        let rounding = EDGE_ROUNDING * f64::EPSILON * terms;
+        let is_known = joint.edge != Edge::Away;
+        let side = match joint.edge {
+            Edge::On(Some(side)) | Edge::Touched(Some(side)) => side,
+            _ => side_of(carried),
+        };
+        let mut release = None;
+        if joint.fresh && bound.max(carried.abs()) <= rounding {
+            // No band yet, for the load begins: on both of its bounds.
+            joint.edge = Edge::On(None);
+            let rates =
+                [side, side.opposite()].map(|side| (side, joint.leaving(&body.carried, side).1));
+            let out = rates.into_iter().find(|(_, sign)| *sign < 0.0);
+            release = out.map(|(side, _)| (side, 0.0));
+        } else {
+            let beyond = side.sign() * carried - bound;
+            if beyond > rounding && !is_known {
+                release = Some((side, beyond));
+            } else if is_known || beyond >= 0.0 || (joint.fresh && beyond >= -rounding) {
+                let (edge, sign) = joint.leaving(&body.carried, side);
+                joint.edge = edge;
+                release = (sign < 0.0).then_some((side, 0.0));
             }
         }
+        let Some((side, beyond)) = release else {
+            return false;
+        };
+        let jump = bound - joint.load[0] * side.sign() * start_coefficient(joint, side);
+        joint.mode = Mode::Slip(side);
+        joint.memory = match joint.arrived_from {
+            Some(_) => joint.memory_on_arrival,
+            None => joint.contact.law().caught(joint.memory),
+        };
+        (joint.piece, joint.fresh) = (0, false);
+        (body.speed, body.side) = (0.0, side.sign());
+        // μ̂(0) may exceed μ_s by an ulp.
+        body.rate = Some(beyond + jump.max(0.0));
+        true
     }
 
     /// Sum of the sizes of all terms of the load of a contact, divided by the mass.

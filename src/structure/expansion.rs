@@ -194,23 +194,26 @@ impl<L: ContactLaw<Z>, const Z: usize> super::parts::Joint<'_, L, Z> {
     /// from k + 1 of the pass before.
     #[inline(always)]
     fn slip_order(&mut self, k: usize, speed: f64, direction: f64) -> f64 {
-        let mut corrects = Z == 1 && self.relaxation > 0.0;
-        if k == 0 && !corrects {
+        let relaxes = Z == 1 && self.relaxation > 0.0;
+        if k == 0 && !relaxes {
             self.remember();
         }
+        // Where the memory relaxes the law runs twice: for the memory, then with it. The call
+        // stands in one place, so that the law is inlined once.
+        let mut corrects = relaxes;
         let coefficient = loop {
             let (coefficient, slope, rates) = self.run_law(k, speed, direction);
             self.slope = slope;
-            if Z != 1 || self.relaxation == 0.0 {
-                self.set_memories(k, rates);
-            } else if corrects {
-                corrects = false;
-                for (series, rate) in std::iter::zip(&mut self.memories, rates) {
-                    series[k] += (rate - (k + 1) as f64 * series[k + 1]) / self.relaxation;
+            if !corrects {
+                if !relaxes {
+                    self.set_memories(k, rates);
                 }
-                continue;
+                break coefficient;
             }
-            break coefficient;
+            corrects = false;
+            for (series, rate) in std::iter::zip(&mut self.memories, rates) {
+                series[k] += (rate - (k + 1) as f64 * series[k + 1]) / self.relaxation;
+            }
         };
         self.friction[k] = coefficient;
         if self.load_varies {

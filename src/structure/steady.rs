@@ -3,6 +3,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use super::Structure;
 use crate::friction::memory::{ContactLaw, Sliding, Slip};
+use crate::friction::piece_above;
 use crate::state::Direction;
 
 /// Steady sliding of a [`Structure`]: every mass stands still while the belts move, and how small
@@ -85,11 +86,7 @@ impl SteadySliding {
             let slip = Slip {
                 speed,
                 direction,
-                piece: contact
-                    .law()
-                    .breakpoints()
-                    .take_while(|b| *b <= speed)
-                    .count(),
+                piece: piece_above(contact.law().breakpoints(), speed),
             };
             let sliding = Sliding::of(contact.law(), slip)?;
             forces[i] -= contact.load().value(0.0) * sliding.coefficient;
