@@ -40,13 +40,9 @@ use std::fmt::Debug;
 use proptest::prelude::*;
 use proptest::sample::select;
 use proptest::test_runner::{Config, FileFailurePersistence, RngSeed, TestRunner};
-use stick_slip::{
-    AnyLaw, Coulomb, Exponential, FrictionLaw, MassOnBelt, Polynomial, Rational, Stribeck,
-    Tabulated,
-};
+use stick_slip::{FrictionLaw, MassOnBelt};
 
-use crate::common::any::{Any, Wave};
-use crate::common::{Decay, Leine, Table};
+use crate::common::any::Any;
 
 type Verdict = Result<(), TestCaseError>;
 
@@ -152,63 +148,8 @@ fn or_zero(values: impl Strategy<Value = f64> + Clone) -> impl Strategy<Value = 
 /// Any law of the crate or of the tests, with features 0.1 to 1 wide in speed.
 fn any_law() -> impl Strategy<Value = Any> {
     let sizes = (0.1..1.0, 0.0..1.0, 0.1..1.0, 0.0..1.0);
-    (0..10_usize, sizes).prop_map(|(kind, (top, least, width, part))| {
-        let least = least * top;
-        let rise = part * (top - least);
-        let law: AnyLaw = match kind {
-            0 => Polynomial::new(top, least, width).unwrap().into(),
-            1 => Exponential::new(top, least, width).unwrap().into(),
-            2 => Coulomb::new(top, least).unwrap().into(),
-            3 => Rational::new(top, 1.0 / width)
-                .and_then(|law| law.with_offset(least))
-                .unwrap()
-                .into(),
-            4 => Stribeck::new(top, least, width, 1 + (part * 4.0) as u32)
-                .and_then(|law| law.with_viscous_coefficient(0.05 * rise / width))
-                .unwrap()
-                .into(),
-            5 => {
-                let middle = (0.4 * width, least + part * (top - least));
-                let end = (3.0 * width, least + 0.5 * rise);
-                Tabulated::new([(0.0, top), middle, (width, least), end])
-                    .and_then(|law| law.with_static_coefficient((1.0 + part) * top))
-                    .unwrap()
-                    .into()
-            }
-            6 => {
-                return Any::Leine(Leine {
-                    static_coefficient: top,
-                    decay: 1.0 / width,
-                });
-            }
-            7 => {
-                return Any::Decay(Decay {
-                    static_coefficient: top,
-                    kinetic_coefficient: least,
-                    velocity: width,
-                });
-            }
-            8 => {
-                return Any::Table(Table {
-                    static_coefficient: (1.0 + part) * top,
-                    points: vec![
-                        (0.0, top),
-                        (width, least),
-                        (2.0 * width, least + rise),
-                        (3.0 * width, least + 1.1 * rise),
-                    ],
-                });
-            }
-            _ => {
-                return Any::Wave(Wave {
-                    static_coefficient: top,
-                    fall: top - least,
-                    height: 0.1 * part * top,
-                    number: 1.0 / width,
-                });
-            }
-        };
-        Any::Crate(law)
+    (0..Any::KINDS, sizes).prop_map(|(kind, (top, least, width, part))| {
+        Any::of_kind(kind, [top, least, width, part], 0.0)
     })
 }
 

@@ -2,37 +2,15 @@
 
 use std::cell::Cell;
 
+use crate::common::TurnsNan;
 use stick_slip::{Coulomb, Error, FrictionLaw, Integrator, MassOnBelt, Mode, Scalar, State};
-
-/// A law whose static coefficient is NaN from some call on.
-struct TurnsNan {
-    calls: Cell<u32>,
-    good: u32,
-}
-
-impl FrictionLaw for TurnsNan {
-    fn static_coefficient(&self) -> f64 {
-        self.calls.set(self.calls.get() + 1);
-        if self.calls.get() > self.good {
-            f64::NAN
-        } else {
-            0.4
-        }
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        (speed + 1.0).recip() * 0.4
-    }
-}
 
 #[test]
 fn a_static_coefficient_that_turns_nan_ends_the_motion_in_an_error() {
     let mut seen = 0;
     for good in 2..40 {
         for duration in [0.1, 3.0, 30.0] {
-            let law = TurnsNan {
-                calls: Cell::new(0),
-                good,
-            };
+            let law = TurnsNan::after(good);
             let system = MassOnBelt::new(law, 0.2).unwrap();
             match system.simulate(State::new(0.0, 0.0), duration) {
                 Ok(motion) => {

@@ -4,7 +4,7 @@
 //! arithmetic, checked against a Runge-Kutta method and closed forms; the field `header` of each
 //! file explains the others.
 
-use crate::common::{list, number, system_of, text};
+use crate::common::{kind, list, number, system_of, text};
 use serde_json::Value;
 use stick_slip::{Direction, Event, EventKind, Mode, State};
 
@@ -22,17 +22,6 @@ fn trajectories() -> Vec<Value> {
 
 fn overshoots() -> Vec<Value> {
     load(include_str!("../data/overshoot.json"))
-}
-
-fn kind(name: &str) -> EventKind {
-    match name {
-        "stick" => EventKind::Stick,
-        "release_negative" => EventKind::Release(Direction::Lagging),
-        "release_positive" => EventKind::Release(Direction::Leading),
-        "cross_to_negative" => EventKind::Crossing(Direction::Lagging),
-        "cross_to_positive" => EventKind::Crossing(Direction::Leading),
-        other => panic!("unknown event {other}"),
-    }
 }
 
 /// The largest error met so far, in units of max(1, |value|), and where.

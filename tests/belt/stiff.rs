@@ -1,6 +1,7 @@
 //! Stiff systems: as exact as any other, beside an integrator that shares nothing with the crate's.
 
 use crate::common::Random;
+use crate::common::any::{cubic, rational};
 use crate::radau::{Motion, Radau};
 use crate::simple::{Seen, told};
 use stick_slip::{
@@ -363,13 +364,6 @@ fn work_does_not_grow_with_the_stiffness() {
 /// moves is hidden behind its rounding. Up to thirty time constants h1 = 2β + γ²μ̂'(v_b) of it.
 #[test]
 fn a_creep_to_a_node_takes_few_steps_to_its_end() {
-    let rational = |top: f64, decay: f64, offset: f64, quadratic: f64| -> AnyLaw {
-        Rational::new(top, decay)
-            .and_then(|law| law.with_offset(offset)?.with_quadratic(quadratic))
-            .unwrap()
-            .into()
-    };
-    let cubic = |top, least, v_m| -> AnyLaw { Polynomial::new(top, least, v_m).unwrap().into() };
     let systems = [
         (rational(0.144, 9864.0, 0.0938, 74693.0), 1.77, 1e-5, 74.8),
         (

@@ -72,6 +72,91 @@ impl FrictionLaw for Any {
     }
 }
 
+impl Any {
+    /// How many kinds [`of_kind`](Self::of_kind) knows.
+    pub(crate) const KINDS: usize = 10;
+
+    /// A law of one kind: from μ_s = top down to a part `least` of it over a speed `width`; then it
+    /// rises by a `part` of its fall, if it can. A rational law rises by as much times `quadratic`,
+    /// with the square of the speed.
+    pub(crate) fn of_kind(
+        kind: usize,
+        [top, least, width, part]: [f64; 4],
+        quadratic: f64,
+    ) -> Self {
+        let least = least * top;
+        let rise = part * (top - least);
+        let law: AnyLaw = match kind {
+            0 => Polynomial::new(top, least, width).unwrap().into(),
+            1 => Exponential::new(top, least, width).unwrap().into(),
+            2 => Coulomb::new(top, least).unwrap().into(),
+            3 => Rational::new(top, 1.0 / width)
+                .and_then(|law| law.with_offset(least))
+                .and_then(|law| law.with_quadratic(quadratic * rise / (width * width)))
+                .unwrap()
+                .into(),
+            4 => Stribeck::new(top, least, width, 1 + (part * 4.0) as u32)
+                .and_then(|law| law.with_viscous_coefficient(0.05 * rise / width))
+                .unwrap()
+                .into(),
+            5 => {
+                let middle = (0.4 * width, least + part * (top - least));
+                let end = (3.0 * width, least + 0.5 * rise);
+                Tabulated::new([(0.0, top), middle, (width, least), end])
+                    .and_then(|law| law.with_static_coefficient((1.0 + part) * top))
+                    .unwrap()
+                    .into()
+            }
+            6 => {
+                return Self::Leine(Leine {
+                    static_coefficient: top,
+                    decay: 1.0 / width,
+                });
+            }
+            7 => {
+                return Self::Decay(Decay {
+                    static_coefficient: top,
+                    kinetic_coefficient: least,
+                    velocity: width,
+                });
+            }
+            8 => {
+                return Self::Table(Table {
+                    static_coefficient: (1.0 + part) * top,
+                    points: vec![
+                        (0.0, top),
+                        (width, least),
+                        (2.0 * width, least + rise),
+                        (3.0 * width, least + 1.1 * rise),
+                    ],
+                });
+            }
+            _ => {
+                return Self::Wave(Wave {
+                    static_coefficient: top,
+                    fall: top - least,
+                    height: 0.1 * part * top,
+                    number: 1.0 / width,
+                });
+            }
+        };
+        Self::Crate(law)
+    }
+}
+
+/// A rational law of all its terms.
+pub(crate) fn rational(top: f64, decay: f64, offset: f64, quadratic: f64) -> AnyLaw {
+    Rational::new(top, decay)
+        .and_then(|law| law.with_offset(offset)?.with_quadratic(quadratic))
+        .unwrap()
+        .into()
+}
+
+/// The paper's cubic law.
+pub(crate) fn cubic(top: f64, least: f64, velocity: f64) -> AnyLaw {
+    Polynomial::new(top, least, velocity).unwrap().into()
+}
+
 impl Random {
     /// How many kinds [`any_law`](Self::any_law) knows.
     pub(crate) const KINDS: usize = 11;

@@ -5,9 +5,12 @@
 pub(crate) mod any;
 pub(crate) mod orbit;
 
+use std::cell::Cell;
+
 use serde_json::Value;
 use stick_slip::{
-    Coulomb, Exponential, FrictionLaw, LimitCycle, MassOnBelt, Polynomial, Scalar, State,
+    Coulomb, Direction, EventKind, Exponential, FrictionLaw, LimitCycle, MassOnBelt, Polynomial,
+    Scalar, State,
 };
 
 /// A reference number: a decimal string of 25 digits, rounded to `f64`.
@@ -26,6 +29,18 @@ pub(crate) fn text(value: &Value) -> &str {
 /// The items of a JSON array.
 pub(crate) fn list(value: &Value) -> &[Value] {
     value.as_array().unwrap()
+}
+
+/// The event of a name in the reference data.
+pub(crate) fn kind(name: &str) -> EventKind {
+    match name {
+        "stick" => EventKind::Stick,
+        "release_negative" => EventKind::Release(Direction::Lagging),
+        "release_positive" => EventKind::Release(Direction::Leading),
+        "cross_to_negative" => EventKind::Crossing(Direction::Lagging),
+        "cross_to_positive" => EventKind::Crossing(Direction::Leading),
+        other => panic!("unknown event {other}"),
+    }
 }
 
 /// A law chosen at run time.
@@ -260,5 +275,33 @@ pub(crate) fn assert_mirrored(a: &LimitCycle, b: &LimitCycle, about: &str) {
     }
     for (a, b) in std::iter::zip(a.sample(20), b.sample(20)) {
         assert_eq!(a, (b.0, mirrored(b.1)), "{about}");
+    }
+}
+
+/// A law whose static coefficient is NaN from some call on.
+pub(crate) struct TurnsNan {
+    calls: Cell<u32>,
+    good: u32,
+}
+
+impl TurnsNan {
+    /// Right for so many calls.
+    pub(crate) fn after(good: u32) -> Self {
+        let calls = Cell::new(0);
+        Self { calls, good }
+    }
+}
+
+impl FrictionLaw for TurnsNan {
+    fn static_coefficient(&self) -> f64 {
+        self.calls.set(self.calls.get() + 1);
+        if self.calls.get() > self.good {
+            f64::NAN
+        } else {
+            0.4
+        }
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        (speed + 1.0).recip() * 0.4
     }
 }

@@ -1,12 +1,11 @@
 //! Edges at which searches once went wrong: ranges of some ulps, the border of a continuum, a belt
 //! at rest, units in which squares overflow.
 
-use std::cell::Cell;
-
+use crate::common::TurnsNan;
 use stick_slip::limit_cycle::{self, Attractor};
 use stick_slip::{
-    Coulomb, CycleKind, Error, Exponential, FrictionLaw, LimitCycle, MassOnBelt, Polynomial,
-    Scalar, State, Stribeck, Tabulated, bifurcation,
+    Coulomb, CycleKind, Error, Exponential, FrictionLaw, LimitCycle, MassOnBelt, Polynomial, State,
+    Stribeck, Tabulated, bifurcation,
 };
 
 #[test]
@@ -153,33 +152,10 @@ fn energies_beyond_the_largest_number_are_infinite_and_never_nan() {
     }
 }
 
-/// A law whose static coefficient is NaN from some call on.
-struct TurnsNan {
-    calls: Cell<u32>,
-    good: u32,
-}
-
-impl FrictionLaw for TurnsNan {
-    fn static_coefficient(&self) -> f64 {
-        self.calls.set(self.calls.get() + 1);
-        if self.calls.get() > self.good {
-            f64::NAN
-        } else {
-            0.4
-        }
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        (speed + 1.0).recip() * 0.4
-    }
-}
-
 #[test]
 fn no_cycle_holds_a_static_coefficient_that_has_turned_nan() {
     for good in 1..40 {
-        let law = TurnsNan {
-            calls: Cell::new(0),
-            good,
-        };
+        let law = TurnsNan::after(good);
         let Ok(system) = MassOnBelt::new(law, 0.2) else {
             continue;
         };

@@ -1,6 +1,7 @@
 //! No search ends for stiffness: parameters that a user may well have, and strong dampers.
 
 use crate::common::Random;
+use crate::common::any::{cubic, rational};
 use stick_slip::limit_cycle::{attractor, find};
 use stick_slip::{
     AnyLaw, Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Rational, State,
@@ -155,13 +156,6 @@ fn no_range_fails_for_one_velocity_that_is_stiff() {
 /// Hostile systems whose search gave up while a motion crept to a stable node.
 #[test]
 fn motions_that_creep_to_a_node_are_concluded() {
-    let rational = |top: f64, decay: f64, offset: f64, quadratic: f64| -> AnyLaw {
-        Rational::new(top, decay)
-            .and_then(|law| law.with_offset(offset)?.with_quadratic(quadratic))
-            .unwrap()
-            .into()
-    };
-    let cubic = |top, least, v_m| -> AnyLaw { Polynomial::new(top, least, v_m).unwrap().into() };
     let systems = [
         (
             rational(

@@ -3,24 +3,13 @@
 use serde_json::Value;
 use stick_slip::orbit::{Orbit, Oscillator, Period, shoot};
 use stick_slip::structure::State;
-use stick_slip::{Direction, Event, EventKind, System};
+use stick_slip::{Event, EventKind, System};
 
-use crate::common::{Random, list, number, text};
+use crate::common::{Random, kind, list, number, text};
 use crate::reading::{cases, numbers, remembering, structure};
 
 /// Error promised for every number, in units of max(1, |value|).
 const ACCURACY: f64 = 1e-12;
-
-fn kind(name: &str) -> EventKind {
-    match name {
-        "stick" => EventKind::Stick,
-        "release_negative" => EventKind::Release(Direction::Lagging),
-        "release_positive" => EventKind::Release(Direction::Leading),
-        "cross_to_negative" => EventKind::Crossing(Direction::Lagging),
-        "cross_to_positive" => EventKind::Crossing(Direction::Leading),
-        other => panic!("unknown event {other}"),
-    }
-}
 
 pub(crate) fn remembers(case: &Value) -> bool {
     let contacts = list(&case["system"]["contacts"]);

@@ -7,7 +7,7 @@ use stick_slip::{
     AnyLaw, Direction, Error, Event, EventKind, Integrator, Mode, Structure, Trajectory,
 };
 
-use crate::common::{list, number, text};
+use crate::common::{kind, list, number, text};
 use crate::reading::{cases, numbers, structure};
 
 /// Error promised for every time, displacement and velocity, in units of max(1, |value|).
@@ -15,17 +15,6 @@ const ACCURACY: f64 = 1e-13;
 
 fn state(value: &Value) -> State {
     State::new(&numbers(&value["q"]), &numbers(&value["v"]))
-}
-
-fn kind(name: &str) -> EventKind {
-    match name {
-        "stick" => EventKind::Stick,
-        "release_negative" => EventKind::Release(Direction::Lagging),
-        "release_positive" => EventKind::Release(Direction::Leading),
-        "cross_to_negative" => EventKind::Crossing(Direction::Lagging),
-        "cross_to_positive" => EventKind::Crossing(Direction::Leading),
-        other => panic!("unknown event {other}"),
-    }
 }
 
 /// Cases of dry friction; the contacts of the others remember something.

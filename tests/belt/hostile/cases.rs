@@ -4,13 +4,9 @@
 use proptest::prelude::*;
 use proptest::sample::select;
 use proptest::test_runner::{Config, FileFailurePersistence, RngSeed, TestRunner};
-use stick_slip::{
-    AnyLaw, Coulomb, Error, Exponential, FrictionLaw, Integrator, MassOnBelt, Mode, Polynomial,
-    Rational, Scalar, State, Step, Stribeck, Tabulated,
-};
+use stick_slip::{Error, FrictionLaw, Integrator, MassOnBelt, Mode, Scalar, State, Step};
 
-use crate::common::any::{Any, Wave};
-use crate::common::{Decay, Leine, Table};
+use crate::common::any::Any;
 
 /// A motion to be followed.
 #[derive(Debug, Clone)]
@@ -128,65 +124,9 @@ fn part() -> impl Strategy<Value = f64> + Clone {
 
 fn law() -> impl Strategy<Value = Any> {
     let sizes = (decades(1e-2, 10.0), part(), decades(1e-4, 1e2), part());
-    (0..11_usize, sizes).prop_map(|(kind, (top, least, width, part))| {
-        let least = least * top;
-        let rise = part * (top - least);
-        let law: AnyLaw = match kind {
-            0 => Polynomial::new(top, least, width).unwrap().into(),
-            1 => Exponential::new(top, least, width).unwrap().into(),
-            2 => Coulomb::new(top, least).unwrap().into(),
-            3 => Rational::new(top, 1.0 / width)
-                .and_then(|law| law.with_offset(least))
-                .and_then(|law| law.with_quadratic(0.01 * rise / (width * width)))
-                .unwrap()
-                .into(),
-            4 | 5 => Stribeck::new(top, least, width, 1 + (part * 4.0) as u32)
-                .and_then(|law| law.with_viscous_coefficient(0.05 * rise / width))
-                .unwrap()
-                .into(),
-            6 => {
-                let middle = (0.4 * width, least + part * (top - least));
-                let end = (3.0 * width, least + 0.5 * rise);
-                Tabulated::new([(0.0, top), middle, (width, least), end])
-                    .and_then(|law| law.with_static_coefficient((1.0 + part) * top))
-                    .unwrap()
-                    .into()
-            }
-            7 => {
-                return Any::Leine(Leine {
-                    static_coefficient: top,
-                    decay: 1.0 / width,
-                });
-            }
-            8 => {
-                return Any::Decay(Decay {
-                    static_coefficient: top,
-                    kinetic_coefficient: least,
-                    velocity: width,
-                });
-            }
-            9 => {
-                return Any::Table(Table {
-                    static_coefficient: (1.0 + part) * top,
-                    points: vec![
-                        (0.0, top),
-                        (width, least),
-                        (2.0 * width, least + rise),
-                        (3.0 * width, least + 1.1 * rise),
-                    ],
-                });
-            }
-            _ => {
-                return Any::Wave(Wave {
-                    static_coefficient: top,
-                    fall: top - least,
-                    height: 0.1 * part * top,
-                    number: 1.0 / width,
-                });
-            }
-        };
-        Any::Crate(law)
-    })
+    (select(vec![0, 1, 2, 3, 4, 4, 5, 6, 7, 8, 9]), sizes).prop_map(
+        |(kind, (top, least, width, part))| Any::of_kind(kind, [top, least, width, part], 0.01),
+    )
 }
 
 fn system() -> impl Strategy<Value = MassOnBelt<Any>> {
