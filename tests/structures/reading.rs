@@ -3,8 +3,8 @@
 use serde_json::Value;
 use stick_slip::nalgebra::DMatrix;
 use stick_slip::{
-    AnyContactLaw, AnyLaw, Contact, Coulomb, Drive, Dwell, Exponential, FrictionLaw, LuGre,
-    Polynomial, Rational, Scalar, Structure,
+    AnyContactLaw, AnyLaw, Contact, ContactLaw, Coulomb, Drive, Dwell, Exponential, FrictionLaw,
+    LuGre, Polynomial, Rational, Scalar, Structure,
 };
 
 use crate::common::{list, number, text};
@@ -81,6 +81,19 @@ pub(crate) fn law(contact: &Value, parameter: f64) -> AnyLaw {
 
 /// The system of a case, with a value of its parameter if it has one.
 pub(crate) fn structure(system: &Value, parameter: f64) -> Structure<AnyLaw> {
+    with_laws(system, parameter, |contact| law(contact, parameter))
+}
+
+/// The system of a case whose contacts remember.
+pub(crate) fn remembering(system: &Value) -> Structure<AnyContactLaw<Raised>, 1> {
+    with_laws(system, f64::NAN, contact_law)
+}
+
+fn with_laws<L: ContactLaw<Z>, const Z: usize>(
+    system: &Value,
+    parameter: f64,
+    law: impl Fn(&Value) -> L,
+) -> Structure<L, Z> {
     let matrix = |name: &str| {
         let rows: Vec<Vec<f64>> = list(&system[name]).iter().map(numbers).collect();
         DMatrix::from_fn(rows.len(), rows.len(), |i, j| rows[i][j])
@@ -97,10 +110,11 @@ pub(crate) fn structure(system: &Value, parameter: f64) -> Structure<AnyLaw> {
             continue;
         }
         let load = number(&contact["N0"]);
-        let mut made = Contact::new(i, law(contact, parameter), load)
+        let mut made = Contact::new(i, law(contact), load)
             .unwrap()
             .on_belt(drive(&contact["w"], parameter));
-        for (j, gradient) in numbers(&contact["n"]).into_iter().enumerate() {
+        let gradients = contact.get("n").map(numbers).unwrap_or_default();
+        for (j, gradient) in gradients.into_iter().enumerate() {
             made = made.with_load_gradient(j, gradient).unwrap();
         }
         structure = structure.with_contact(made).unwrap();
@@ -161,27 +175,4 @@ fn contact_law(contact: &Value) -> AnyContactLaw<Raised> {
     LuGre::new(raised, stiffness, damping, viscous)
         .unwrap()
         .into()
-}
-
-/// The system of a case whose contacts remember.
-pub(crate) fn remembering(system: &Value) -> Structure<AnyContactLaw<Raised>, 1> {
-    let matrix = |name: &str| {
-        let rows: Vec<Vec<f64>> = list(&system[name]).iter().map(numbers).collect();
-        DMatrix::from_fn(rows.len(), rows.len(), |i, j| rows[i][j])
-    };
-    let mut structure = Structure::new(&numbers(&system["m"]))
-        .and_then(|structure| structure.with_stiffness(matrix("K")))
-        .and_then(|structure| structure.with_damping(matrix("C")))
-        .unwrap();
-    for (i, force) in list(&system["f"]).iter().enumerate() {
-        structure = structure.with_force(i, drive(force, f64::NAN)).unwrap();
-    }
-    for (i, contact) in list(&system["contacts"]).iter().enumerate() {
-        if !contact.is_null() {
-            let made = Contact::new(i, contact_law(contact), number(&contact["N0"])).unwrap();
-            let made = made.on_belt(drive(&contact["w"], f64::NAN));
-            structure = structure.with_contact(made).unwrap();
-        }
-    }
-    structure
 }
