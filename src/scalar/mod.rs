@@ -6,7 +6,7 @@
 //! | `mod.rs` | [`Scalar`]: what a law may do with a number |
 //! | `taylor.rs`, `operations.rs` | Taylor coefficients whose order is part of the type: the fastest, for one mass on its belt (the order itself: `series::TERMS`) |
 //! | `dual.rs` | any of the numbers with its derivative along one direction |
-//! | `jet.rs`, `products.rs` | Taylor coefficients whose order is chosen at run time: small code, for many coupled series and for cold paths |
+//! | `jet.rs`, `jet/operations.rs`, `products.rs` | Taylor coefficients whose order is chosen at run time: small code, for many coupled series and for cold paths |
 
 pub(crate) mod dual;
 pub(crate) mod jet;
