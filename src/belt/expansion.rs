@@ -5,7 +5,7 @@ use super::system::MassOnBelt;
 use crate::clock::Time;
 use crate::error::Error;
 use crate::friction::{FrictionLaw, Piece};
-use crate::scalar::{Workspace, expand, mul_add};
+use crate::scalar::{Composed, Workspace, expand, fused, jet, mul_add};
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 
 /// The power series of a slip phase about one of its points, in the time since that point.
@@ -34,6 +34,26 @@ impl SlipSeries {
         friction: PowerSeries::ZERO,
         decay: 0.0,
     };
+}
+
+/// The series of a slip phase, and the rows in which it is computed.
+///
+/// Both in one place, because the compiler then knows that what is written to one is not in the
+/// other: see [`fused::compute`]. Else it would load anew, after every coefficient that is stored,
+/// what it has in registers.
+#[derive(Debug, Clone)]
+pub(crate) struct Expander {
+    pub(super) series: SlipSeries,
+    workspace: Workspace<TERMS>,
+}
+
+impl Expander {
+    pub(crate) fn new() -> Self {
+        Self {
+            series: SlipSeries::ZERO,
+            workspace: Workspace::new(),
+        }
+    }
 
     /// Expands the motion about a point, on one piece of the law. If a series of the sliding speed
     /// is given as `along`, in any unit of time, only the friction is expanded.
@@ -48,26 +68,58 @@ impl SlipSeries {
         &mut self,
         piece: Piece<'_, L>,
         system: &MassOnBelt<&L>,
-        workspace: &mut Workspace<TERMS>,
         from: &SlipPoint,
         time: Time,
         along: Option<&PowerSeries>,
     ) -> Result<(), Error> {
+        let Piece { law, index } = piece;
+        let mut work = (self, index, system, from, time, along);
+        let expanded = fused::compute(
+            law,
+            &mut work,
+            #[inline(always)]
+            |law, (expander, index, system, from, time, along)| {
+                let piece = Piece { law, index: *index };
+                expander.expand_by::<_, true>(piece, system, from, *time, *along)
+            },
+        );
+        let (expander, ..) = work;
+        expanded.unwrap_or_else(|| expander.expand_by::<_, false>(piece, system, from, time, along))
+    }
+
+    /// The same, unrolled for every order or by jets.
+    #[inline(always)]
+    fn expand_by<L: FrictionLaw, const UNROLLED: bool>(
+        &mut self,
+        piece: Piece<'_, L>,
+        system: &MassOnBelt<&L>,
+        from: &SlipPoint,
+        time: Time,
+        along: Option<&PowerSeries>,
+    ) -> Result<(), Error> {
+        let mul_add = |a, b, c| {
+            if UNROLLED {
+                fused::mul_add(a, b, c)
+            } else {
+                mul_add(a, b, c)
+            }
+        };
         let sigma = from.direction.sign();
         let (damping, load) = (2.0 * system.damping(), system.load());
         let belt = sigma * system.belt_velocity();
-        let Self {
+        let Self { series, workspace } = self;
+        let SlipSeries {
             speed: series,
             friction,
             decay: stored_decay,
-        } = self;
+        } = series;
 
         let s0 = along.map_or(from.speed, |along| along[0]);
         // (k + 1) s_{k+1} = −x_k − 2β s_k − γ² m_k, where x_k = s_{k−1}/k and
         // m_k = slope·s_k + scale·rest. The rest is put in last, because it is ready last: s_{k−1}
         // has to pass through the law first, which takes longer than computing s_k.
         let (mut decay, mut older) = (0.0, 0.0);
-        let (value, slope) = expand(piece, workspace, s0, |k, s, m| {
+        let next = |k: usize, s: f64, m: Composed| {
             series[k] = s;
             let weight = -INTEGRAL[k];
             if k == 0 {
@@ -97,7 +149,12 @@ impl SlipSeries {
                 series[k + 1] = next;
             }
             next
-        });
+        };
+        let (value, slope) = if UNROLLED {
+            expand(piece, workspace, s0, next)
+        } else {
+            jet::expand(piece, TERMS, s0, next)
+        };
         if !value.is_finite() {
             return Err(Error::NonFiniteFriction {
                 speed: s0,
