@@ -72,6 +72,9 @@ impl Expander {
         time: Time,
         along: Option<&PowerSeries>,
     ) -> Result<(), Error> {
+        if !fused::CHOSEN {
+            return self.expand_by::<_, true>(piece, system, from, time, along);
+        }
         let Piece { law, index } = piece;
         let mut work = (self, index, system, from, time, along);
         let expanded = fused::compute(
