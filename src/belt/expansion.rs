@@ -182,3 +182,6 @@ impl Expander {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;
