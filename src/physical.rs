@@ -25,6 +25,8 @@ use crate::state::State;
 /// frequencies and eigenvalues in rad/s, energies in J. Multipliers have no unit. Converting costs
 /// a few rounding errors in each number.
 ///
+/// Errors are in SI units, too, and parameters in them have the names of [`Physical`]'s fields.
+///
 /// **Torsion.** For a mass that turns on a torsion spring, give the moment of inertia (kg·m²) for
 /// the mass, N·m/rad for the stiffness, N·m·s/rad for the damping, the product of normal force and
 /// friction radius (N·m) for the normal force, and rad/s for the velocities of belt and law. Then
@@ -80,9 +82,8 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     /// Those of [`Scaling::new`] and [`Scaling::system`]; speeds of the law in m/s.
     pub fn new(physical: Physical, law: L) -> Result<Self, Error> {
         let scaling = Scaling::new(physical)?;
-        let system = scaling
-            .system(law)
-            .map_err(|error| error.in_units(scaling.units()))?;
+        let system = scaling.system(law);
+        let system = system.map_err(|error| error.in_units(scaling.units()))?;
         Ok(Self { scaling, system })
     }
 
@@ -135,17 +136,20 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         start: impl Into<State>,
         seconds: f64,
     ) -> Result<Trajectory, Error> {
-        let units = self.scaling.units();
-        let start = self.scaling.dimensionless_state(start);
+        let given = start.into();
+        let start = self.scaling.dimensionless_state(given);
+        let duration = self.scaling.dimensionless_time(seconds);
         let integrator = integrator.with_start_time(0.0)?;
-        let motion = integrator
-            .simulate(
-                &self.system,
-                start,
-                self.scaling.dimensionless_time(seconds),
-            )
-            .map_err(|error| error.in_units(units))?;
-        Ok(motion.in_units(units, seconds))
+        match integrator.simulate(&self.system, start, duration) {
+            Ok(motion) => Ok(motion.in_units(self.scaling.units(), seconds)),
+            // As they were given: in the conversion they may have overflown.
+            Err(Error::InvalidState { .. }) => Err(Error::InvalidState {
+                displacement: given.displacement,
+                velocity: given.velocity,
+            }),
+            Err(Error::InvalidDuration { .. }) => Err(Error::InvalidDuration { value: seconds }),
+            Err(error) => Err(self.in_si(error)),
+        }
     }
 
     /// All periodic motions, stable and unstable: [`limit_cycle::find`].
@@ -155,10 +159,9 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     /// Those of [`limit_cycle::find`]; numbers in SI units.
     #[doc(alias = "find")]
     pub fn cycles(&self) -> Result<CycleSet, Error> {
-        let units = self.scaling.units();
         match limit_cycle::find(&self.system) {
-            Ok(cycles) => Ok(cycles.in_units(units)),
-            Err(error) => Err(error.in_units(units)),
+            Ok(cycles) => Ok(cycles.in_units(self.scaling.units())),
+            Err(error) => Err(self.in_si(error)),
         }
     }
 
@@ -168,10 +171,9 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// Those of [`limit_cycle::stick_slip`]; numbers in SI units.
     pub fn stick_slip(&self) -> Result<Option<LimitCycle>, Error> {
-        let units = self.scaling.units();
         match limit_cycle::stick_slip(&self.system) {
-            Ok(cycle) => Ok(cycle.map(|cycle| cycle.in_units(units))),
-            Err(error) => Err(error.in_units(units)),
+            Ok(cycle) => Ok(cycle.map(|cycle| cycle.in_units(self.scaling.units()))),
+            Err(error) => Err(self.in_si(error)),
         }
     }
 
@@ -180,19 +182,16 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// Those of the search; belt velocities and speeds in m/s, but the ends of a bad range
-    /// dimensionless.
+    /// Those of the search; numbers in SI units.
     #[doc(alias = "sweep")]
     pub fn velocities(
         &self,
         search: impl FnOnce(&MassOnBelt<Scaled<L>>, Range<f64>) -> Result<Vec<f64>, Error>,
         range: Range<f64>,
     ) -> Result<Vec<f64>, Error> {
-        let units = self.scaling.units();
-        let mut found = search(&self.system, self.scaling.dimensionless_velocities(range))
-            .map_err(|error| error.in_units(units))?;
+        let mut found = self.over(&range, |range| search(&self.system, range))?;
         for velocity in &mut found {
-            *velocity *= units.velocity();
+            *velocity = self.scaling.metres_per_second(*velocity);
         }
         Ok(found)
     }
@@ -202,13 +201,11 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// Those of [`bifurcation::vibration_ranges`]; belt velocities and speeds in m/s, but the ends
-    /// of a bad range dimensionless.
+    /// Those of [`bifurcation::vibration_ranges`]; numbers in SI units.
     #[doc(alias = "sweep")]
     pub fn vibration_ranges(&self, range: Range<f64>) -> Result<Vec<VibrationRange>, Error> {
-        let range = self.scaling.dimensionless_velocities(range);
-        let mut ranges = bifurcation::vibration_ranges(&self.system, range)
-            .map_err(|error| self.in_si(error))?;
+        let search = |range| bifurcation::vibration_ranges(&self.system, range);
+        let mut ranges = self.over(&range, search)?;
         for VibrationRange { velocities, .. } in &mut ranges {
             *velocities = self.scaling.metres_per_second(velocities.start)
                 ..self.scaling.metres_per_second(velocities.end);
@@ -261,19 +258,28 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
 
     /// An error of the dimensionless system in SI units.
     fn in_si(&self, error: Error) -> Error {
-        match error.in_units(self.scaling.units()) {
-            Error::At {
-                parameter: parameter @ "damping",
-                value,
-                source,
-            } => source.at(parameter, self.scaling.damping_constant(value)),
-            Error::At {
-                parameter: "load",
-                value,
-                source,
-            } => source.at("normal_force", self.scaling.newtons(value)),
-            other => other,
-        }
+        error.in_units(self.scaling.units())
+    }
+
+    /// What a search finds over a range in m/s. An error holds the ends of a bad range as they were
+    /// given.
+    fn over<T>(
+        &self,
+        range: &Range<f64>,
+        search: impl FnOnce(Range<f64>) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        let found = search(self.scaling.dimensionless_velocities(range.clone()));
+        found.map_err(|error| {
+            let mut error = self.in_si(error);
+            if let Error::InvalidParameter { name, value, .. } = &mut error {
+                match *name {
+                    "range.start" => *value = range.start,
+                    "range.end" => *value = range.end,
+                    _ => {}
+                }
+            }
+            error
+        })
     }
 
     /// Equilibrium and periodic motions at each of a list of belt velocities in m/s:
@@ -294,7 +300,15 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
             let dimensionless = [self.scaling.dimensionless_velocity(velocity)];
             let mut points = bifurcation::diagram(&self.system, dimensionless);
             match points.next() {
-                Some(Err(error)) => Err(error.in_units(units)),
+                Some(Err(error)) => {
+                    let mut error = error.in_units(units);
+                    if let Error::InvalidParameter { value, .. } | Error::At { value, .. } =
+                        &mut error
+                    {
+                        *value = velocity;
+                    }
+                    Err(error)
+                }
                 Some(Ok(point)) => Ok(DiagramPoint {
                     belt_velocity: velocity,
                     equilibrium: point.equilibrium.map(|it| it.in_units(units)),

@@ -148,6 +148,7 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
     /// ```
     pub fn with_max_steps(self, max_steps: usize) -> Result<Self, Error> {
         Error::check(
+            "bifurcation::along",
             "max_steps",
             max_steps as f64,
             max_steps > 0,
@@ -195,8 +196,20 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
     /// The range, if it is one.
     pub(super) fn whole(&self) -> Result<Range<f64>, Error> {
         let Range { start, end } = self.range;
-        Error::check("range.start", start, true, "start < end")?;
-        Error::check("range.end", end, end > start, "start < end")?;
+        Error::check(
+            "bifurcation::along",
+            "range.start",
+            start,
+            true,
+            "start < end",
+        )?;
+        Error::check(
+            "bifurcation::along",
+            "range.end",
+            end,
+            end > start,
+            "start < end",
+        )?;
         Ok(start..end)
     }
 

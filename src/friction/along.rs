@@ -41,7 +41,7 @@ pub(crate) struct AlongSlope<'l, L> {
 
 impl<L: FrictionLaw> AlongSlope<'_, L> {
     /// Sliding speeds, ascending, at which h changes its sign, in a range of positive speeds. `end`
-    /// is the name of the range's end, for errors.
+    /// is the function that was called and its name of the range's end, for errors.
     ///
     /// Where h touches zero to rounding and keeps its sign, nothing is reported. A breakpoint at
     /// which h jumps over zero is reported. Where h is zero over a whole interval, the end of that
@@ -49,7 +49,7 @@ impl<L: FrictionLaw> AlongSlope<'_, L> {
     pub(crate) fn sign_changes(
         &self,
         range: &Range<f64>,
-        end: &'static str,
+        end: [&'static str; 2],
     ) -> Result<Vec<f64>, Error> {
         let mut changes = SignChanges {
             h: |speed| self.constant + self.factor * self.law.slope(speed),
@@ -66,7 +66,7 @@ impl<L: FrictionLaw> AlongSlope<'_, L> {
     }
 
     /// Least value of h over a range, its ends included, exact to rounding.
-    pub(crate) fn least(&self, range: Range<f64>, end: &'static str) -> Result<f64, Error> {
+    pub(crate) fn least(&self, range: Range<f64>, end: [&'static str; 2]) -> Result<f64, Error> {
         let mut least = f64::INFINITY;
         self.follow(range, end, &mut |stretch, _| {
             let mut speeds = vec![stretch.start, stretch.start + stretch.length];
@@ -92,7 +92,7 @@ impl<L: FrictionLaw> AlongSlope<'_, L> {
     fn follow(
         &self,
         range: Range<f64>,
-        name: &'static str,
+        [of, name]: [&'static str; 2],
         visit: &mut dyn FnMut(&Stretch, f64) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let mut start = range.start;
@@ -105,7 +105,7 @@ impl<L: FrictionLaw> AlongSlope<'_, L> {
         let mut largest = self.constant;
         for end in ends {
             while start < end {
-                Error::check(name, range.end, stretches < MOST_STRETCHES, TOO_LONG)?;
+                Error::check(of, name, range.end, stretches < MOST_STRETCHES, TOO_LONG)?;
                 stretches += 1;
                 let mut stretch = self.stretch(start, longest.min(end - start), &mut largest)?;
                 let ends_here = start + stretch.length >= end;

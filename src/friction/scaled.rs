@@ -46,6 +46,7 @@ impl<L: FrictionLaw> Scaled<L> {
     /// [`Error::InvalidParameter`] unless the unit is finite and > 0.
     pub fn new(law: L, velocity_unit: f64) -> Result<Self, Error> {
         Error::check(
+            "Scaled",
             "velocity_unit",
             velocity_unit,
             velocity_unit > 0.0,

@@ -84,10 +84,23 @@ pub fn follow<S: Oscillator>(
     from: &Orbit<S>,
     range: Range<f64>,
 ) -> Result<Branch<S>, Error> {
-    let valid = range.start < range.end && range.end.is_finite();
-    Error::check("range.start", range.start, valid, "start < end")?;
+    let Range { start, end } = range;
+    Error::check("orbit::follow", "range.start", start, true, "start < end")?;
+    Error::check(
+        "orbit::follow",
+        "range.end",
+        end,
+        end > start,
+        "start < end",
+    )?;
     let inside = (range.start..=range.end).contains(&parameter);
-    Error::check("parameter", parameter, inside, "inside the range")?;
+    Error::check(
+        "orbit::follow",
+        "parameter",
+        parameter,
+        inside,
+        "inside the range",
+    )?;
     branch(&family, parameter, from, range)
 }
 
