@@ -193,9 +193,9 @@ pub enum Error {
 
     /// A duration is negative, infinite or NaN.
     #[error(
-        "the duration {} is not allowed; give a finite number ≥ 0, or use `flow` to go on without \
-         an end",
-        Plain(*value)
+        "duration = {} is not allowed{}; a simulation without an end is `flow`",
+        Plain(*value),
+        instead(*value, "duration ≥ 0")
     )]
     InvalidDuration {
         /// The value that was given.

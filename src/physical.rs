@@ -3,7 +3,7 @@
 use std::borrow::Borrow;
 use std::ops::Range;
 
-use crate::belt::{Equilibrium, MassOnBelt};
+use crate::belt::{Equilibrium, MassOnBelt, Step};
 use crate::bifurcation::{self, DiagramPoint, VibrationRange};
 use crate::error::Error;
 use crate::friction::{FrictionLaw, Scaled};
@@ -63,6 +63,25 @@ use crate::state::State;
 ///     let point = point?;
 ///     assert_eq!(point.cycles.is_empty(), point.belt_velocity > grazing[0]);
 /// }
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+///
+/// **Any parameter.** A family of such systems is searched by [`bifurcation::along`], in the units
+/// of the family's parameter:
+///
+/// ```
+/// # use stick_slip::{Error, Physical, PhysicalMassOnBelt, Stribeck, bifurcation};
+/// # let pad = Physical {
+/// #     mass: 2.0, stiffness: 5000.0, damping: 4.0, normal_force: 20.0, belt_velocity: 0.05,
+/// # };
+/// let law = Stribeck::new(0.4, 0.25, 0.1, 1)?;
+/// let pressed = |normal_force: f64| -> Result<_, Error> {
+///     let brake = PhysicalMassOnBelt::new(Physical { normal_force, ..pad }, law)?;
+///     Ok(*brake.dimensionless())
+/// };
+/// // Steady sliding becomes unstable where C + N dμ̂/dV = 0, with dμ̂/dV = −1.5 exp(−0.5) s/m.
+/// let hopf = bifurcation::along(pressed, 1.0..20.0).named("normal_force").hopf()?; // N
+/// assert!((hopf[0] - 4.0 / (1.5 * (-0.5_f64).exp())).abs() < 1e-14);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[doc(alias = "SI")]
@@ -136,11 +155,72 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         start: impl Into<State>,
         seconds: f64,
     ) -> Result<Trajectory, Error> {
-        let given = start.into();
+        let integrator = integrator.with_start_time(0.0)?;
+        self.motion(start.into(), seconds, |start, duration| {
+            integrator.simulate(&self.system, start, duration)
+        })
+    }
+
+    /// The motion from a start (m, m/s) until `stop` says so, until a time in seconds is over, or
+    /// until it cannot go on: [`Integrator::simulate_until`]. `stop` is given each step in SI units
+    /// and returns a time in seconds.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Integrator::simulate_until`]; numbers in SI units.
+    ///
+    /// ```
+    /// use stick_slip::{Ended, Integrator, Physical, PhysicalMassOnBelt, Segment, Stribeck};
+    ///
+    /// let pad = Physical {
+    ///     mass: 2.0, stiffness: 5000.0, damping: 4.0, normal_force: 20.0, belt_velocity: 0.05,
+    /// };
+    /// let brake = PhysicalMassOnBelt::new(pad, Stribeck::new(0.4, 0.25, 0.1, 1)?)?;
+    /// // Until the spring is stretched by 1.5 mm.
+    /// let motion = brake.simulate_until(Integrator::new(), (0.0, 0.0), 10.0, |step| {
+    ///     step.first_zero(|state| state.displacement - 1.5e-3)
+    /// })?;
+    /// assert_eq!(motion.ended(), &Ended::Stopped);
+    /// assert!((motion.last().displacement - 1.5e-3).abs() < 1e-17);
+    /// // It sticks already and moves with the belt.
+    /// let stick = motion.events()[0];
+    /// let way = 0.05 * (motion.duration() - stick.time);
+    /// assert!((stick.state.displacement + way - 1.5e-3).abs() < 1e-17);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    #[doc(alias = "event")]
+    pub fn simulate_until(
+        &self,
+        integrator: Integrator,
+        start: impl Into<State>,
+        seconds: f64,
+        mut stop: impl FnMut(&Step) -> Option<f64>,
+    ) -> Result<Trajectory, Error> {
+        let units = self.scaling.units();
+        let mut stop = |step: &Step| {
+            let converted = step.in_units(units);
+            let time = stop(&converted)?;
+            // The end of a step remains its end, and keeps the event there.
+            let is_end = time >= converted.end_time();
+            let time = self.scaling.dimensionless_time(time);
+            Some(if is_end { step.end_time() } else { time })
+        };
+        let integrator = integrator.with_start_time(0.0)?;
+        self.motion(start.into(), seconds, |start, duration| {
+            integrator.simulate_until(&self.system, start, duration, &mut stop)
+        })
+    }
+
+    /// The motion in SI units that `run` makes from a dimensionless start and duration.
+    fn motion(
+        &self,
+        given: State,
+        seconds: f64,
+        run: impl FnOnce(State, f64) -> Result<Trajectory, Error>,
+    ) -> Result<Trajectory, Error> {
         let start = self.scaling.dimensionless_state(given);
         let duration = self.scaling.dimensionless_time(seconds);
-        let integrator = integrator.with_start_time(0.0)?;
-        match integrator.simulate(&self.system, start, duration) {
+        match run(start, duration) {
             Ok(motion) => Ok(motion.in_units(self.scaling.units(), seconds)),
             // As they were given: in the conversion they may have overflown.
             Err(Error::InvalidState { .. }) => Err(Error::InvalidState {

@@ -31,6 +31,8 @@ use crate::limit_cycle::Tracer;
 /// assert!(grazing > 0.0 && grazing < 2.0);
 /// # Ok::<(), Error>(())
 /// ```
+#[doc(alias = "sweep")]
+#[doc(alias = "continuation")]
 pub fn along<'f, L: FrictionLaw>(
     family: impl Fn(f64) -> Result<MassOnBelt<L>, Error> + 'f,
     range: Range<f64>,

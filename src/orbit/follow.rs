@@ -78,6 +78,8 @@ use crate::state::structure::State;
 /// assert!((flip.orbit.multipliers()[0].re + 1.0).abs() < 1e-9);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
+#[doc(alias = "continuation")]
+#[doc(alias = "sweep")]
 pub fn follow<S: Oscillator>(
     family: impl Fn(f64) -> Result<S, Error>,
     parameter: f64,

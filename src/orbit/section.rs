@@ -93,6 +93,9 @@ pub struct Section<'s, S: Oscillator + 's> {
 /// assert!((places[59] - places[58]).abs() < 1e-14);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias = "Poincaré")]
+#[doc(alias = "Poincare")]
+#[doc(alias = "stroboscopic map")]
 pub fn section<'s, S: Oscillator>(system: &'s S, start: &S::State, period: f64) -> Section<'s, S> {
     let checked = Error::check(
         "orbit::section",

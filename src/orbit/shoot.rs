@@ -257,6 +257,8 @@ pub(super) fn shortest(
 /// assert!((orbit.period() - cycle.period()).abs() < 1e-13);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
+#[doc(alias = "solve")]
+#[doc(alias = "Newton")]
 pub fn shoot<S: Oscillator>(
     system: &S,
     guess: &S::State,

@@ -5,8 +5,8 @@ use std::ops::Range;
 
 use approx::assert_relative_eq;
 use stick_slip::{
-    Error, FrictionLaw, Integrator, Physical, PhysicalMassOnBelt, Scalar, Scaling, State, Stribeck,
-    Tabulated, bifurcation, limit_cycle,
+    Ended, Error, FrictionLaw, Integrator, Physical, PhysicalMassOnBelt, Scalar, Scaling, Segment,
+    State, Step, Stribeck, Tabulated, bifurcation, limit_cycle,
 };
 
 const PAD: Physical = Physical {
@@ -253,6 +253,69 @@ impl FrictionLaw for Ends {
             (speed * -10.0).exp() * 0.15 + 0.25
         }
     }
+}
+
+#[test]
+fn motions_end_where_they_shall_in_si_units() {
+    let brake = brake();
+    let whole = brake.simulate((0.0, 0.0), 2.0).unwrap();
+    let until = |integrator: Integrator, stop: &mut dyn FnMut(&Step) -> Option<f64>| {
+        let motion = brake.simulate_until(integrator, (0.0, 0.0), 2.0, stop);
+        motion.unwrap()
+    };
+    // After n events, the last one among them.
+    for n in [1, 2, 5, 8] {
+        let mut left = n;
+        let motion = until(Integrator::new(), &mut |step| {
+            left -= step.events().len();
+            (left == 0).then(|| step.end_time())
+        });
+        assert_eq!(
+            (motion.ended(), motion.events()),
+            (&Ended::Stopped, &whole.events()[..n])
+        );
+        assert_relative_eq!(
+            motion.duration(),
+            whole.events()[n - 1].time,
+            max_relative = 1e-15
+        );
+    }
+    // At a condition, in metres and metres per second, in slip and in stick.
+    let conditions: [fn(&State) -> f64; 3] = [
+        |state| state.displacement - 1.5e-3,
+        |state| state.velocity + 0.02,
+        |state| state.displacement - 1e-3 - 1e-2 * state.velocity,
+    ];
+    for condition in conditions {
+        let motion = until(Integrator::new(), &mut |step| step.first_zero(condition));
+        assert_eq!(motion.ended(), &Ended::Stopped);
+        assert!(
+            condition(&motion.last()).abs() < 1e-16,
+            "{}",
+            condition(&motion.last())
+        );
+        let there = whole.state_at(motion.duration()).unwrap();
+        assert_relative_eq!(
+            there.displacement,
+            motion.last().displacement,
+            epsilon = 1e-17
+        );
+    }
+    // At a limit of steps, with the motion up to there and an error in seconds.
+    let few = Integrator::new().with_max_steps(30).unwrap();
+    let motion = until(few, &mut |_| None);
+    let Ended::Error(Error::TooManySteps { limit: 30, reached }) = motion.ended() else {
+        panic!("{motion:?}")
+    };
+    assert_relative_eq!(reached.time, motion.duration(), max_relative = 1e-15);
+    assert_relative_eq!(
+        reached.state.displacements[0],
+        motion.last().displacement,
+        max_relative = 1e-14
+    );
+    assert_eq!(motion.steps(), &whole.steps()[..30]);
+    // Nowhere: as without a condition.
+    assert_eq!(until(Integrator::new(), &mut |_| None), whole);
 }
 
 /// The numbers that a user gave come back to the bit, also those that overflow on the way.
