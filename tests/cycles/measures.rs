@@ -160,5 +160,5 @@ fn period_and_amplitude_do_not_settle_a_law() {
     for (found, wanted) in found.iter().zip(wanted) {
         assert!((found - wanted).abs() < 1e-13, "{found} {wanted}");
     }
-    assert!((stick - other_stick).abs() > 0.2, "{stick} {other_stick}");
+    assert!((stick - other_stick).abs() > 0.06, "{stick} {other_stick}");
 }
