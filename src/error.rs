@@ -179,7 +179,8 @@ pub enum Error {
 
     /// A relative tolerance is outside its range or NaN.
     #[error(
-        "Integrator: tolerance = {} is not allowed; give a number with {min:e} ≤ tolerance ≤ {max:e}",
+        "Integrator: tolerance = {} is not allowed; give a number with \
+         {min:e} ≤ tolerance ≤ {max:e}",
         Plain(*value)
     )]
     InvalidTolerance {
@@ -263,7 +264,11 @@ pub enum Error {
 
     /// A mass, stiffness, damping, force or contact of a structure is outside its range, infinite
     /// or NaN.
-    #[error("Structure: {element} = {} is not allowed{}", Plain(*value), instead(*value, allowed))]
+    #[error(
+        "Structure: {element} = {} is not allowed{}",
+        Plain(*value),
+        instead(*value, allowed)
+    )]
     BadElement {
         /// Which element of the structure.
         element: Element,
@@ -496,8 +501,8 @@ impl Error {
         }
     }
 
-    /// Returns `value` if it is finite and `in_range`, else [`Error::InvalidParameter`]; `of` is the
-    /// type or the function that the parameter is one of, as users write it.
+    /// Returns `value` if it is finite and `in_range`, else [`Error::InvalidParameter`]. `of` is
+    /// the type or the function whose parameter it is, as users write it.
     pub(crate) fn check(
         of: &'static str,
         name: &'static str,
