@@ -472,7 +472,7 @@ fn errors_of_searches_are_in_si_units() {
     let grazing = whole.unwrap()[0];
     for name in ["belt_velocity", "V"] {
         let (value, found) = bounded(10, name);
-        assert!(value < 0.0 && value >= -0.5 && found.is_empty(), "{value}");
+        assert!((-0.5..0.0).contains(&value) && found.is_empty(), "{value}");
         let (value, found) = bounded(1500, name);
         assert!(value > -grazing && value < 0.5, "{value}");
         assert_relative_eq!(found[0], -grazing, max_relative = 1e-12);
