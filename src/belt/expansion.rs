@@ -4,7 +4,7 @@ use super::slip_point::SlipPoint;
 use super::system::MassOnBelt;
 use crate::clock::Time;
 use crate::error::Error;
-use crate::friction::{FrictionLaw, Piece};
+use crate::friction::{FrictionLaw, LawVisitor, Piece};
 use crate::scalar::{Workspace, expand, mul_add};
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 
@@ -37,13 +37,7 @@ impl SlipSeries {
 
     /// Expands the motion about a point, on one piece of the law. If a series of the sliding speed
     /// is given as `along`, in any unit of time, only the friction is expanded.
-    ///
-    /// Three choices are made for speed. The law is an argument of its own: behind a reference
-    /// inside the system, the compiler would have to load the law's parameters anew after every
-    /// coefficient that is stored. The series is written in place: a copy would load what has just
-    /// been stored, and wait for it. The function is kept out of line: inlined into the stepper, it
-    /// would compete for registers and run at half the speed.
-    #[inline(never)]
+    #[inline(always)]
     pub(crate) fn expand<L: FrictionLaw>(
         &mut self,
         piece: Piece<'_, L>,
@@ -53,9 +47,45 @@ impl SlipSeries {
         time: Time,
         along: Option<&PowerSeries>,
     ) -> Result<(), Error> {
+        let equation = Equation {
+            damping: 2.0 * system.damping(),
+            load: system.load(),
+            belt: from.direction.sign() * system.belt_velocity(),
+        };
+        piece.law.give_to(Expansion {
+            series: self,
+            piece: piece.index,
+            equation: &equation,
+            workspace,
+            from,
+            time,
+            along,
+        })
+    }
+
+    /// The same for one law, not a choice of several.
+    ///
+    /// Three choices are made for speed. The law is an argument of its own: behind a reference
+    /// inside the system, the compiler would have to load the law's parameters anew after every
+    /// coefficient that is stored. The series is written in place: a copy would load what has just
+    /// been stored, and wait for it. The function is kept out of line: inlined into the stepper, it
+    /// would compete for registers and run at half the speed.
+    #[inline(never)]
+    fn expand_one<L: FrictionLaw>(
+        &mut self,
+        piece: Piece<'_, L>,
+        equation: &Equation,
+        workspace: &mut Workspace<TERMS>,
+        from: &SlipPoint,
+        time: Time,
+        along: Option<&PowerSeries>,
+    ) -> Result<(), Error> {
         let sigma = from.direction.sign();
-        let (damping, load) = (2.0 * system.damping(), system.load());
-        let belt = sigma * system.belt_velocity();
+        let &Equation {
+            damping,
+            load,
+            belt,
+        } = equation;
         let Self {
             speed: series,
             friction,
@@ -120,5 +150,45 @@ impl SlipSeries {
             }
         }
         Ok(())
+    }
+}
+
+/// The constants 2β, γ² and σv_b of the equations of slip.
+struct Equation {
+    damping: f64,
+    load: f64,
+    belt: f64,
+}
+
+/// The arguments of an expansion, on their way to the law.
+struct Expansion<'a> {
+    series: &'a mut SlipSeries,
+    piece: usize,
+    equation: &'a Equation,
+    workspace: &'a mut Workspace<TERMS>,
+    from: &'a SlipPoint,
+    time: Time,
+    along: Option<&'a PowerSeries>,
+}
+
+impl LawVisitor for Expansion<'_> {
+    type Output = Result<(), Error>;
+
+    #[inline(always)]
+    fn visit<L: FrictionLaw>(self, law: &L) -> Self::Output {
+        let piece = Piece {
+            law,
+            index: self.piece,
+        };
+        let Self {
+            equation,
+            workspace,
+            from,
+            time,
+            along,
+            ..
+        } = self;
+        self.series
+            .expand_one(piece, equation, workspace, from, time, along)
     }
 }
