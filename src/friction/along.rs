@@ -188,6 +188,12 @@ pub(super) struct Stretch {
 }
 
 impl Stretch {
+    /// h(start + t), in one copy of the code.
+    #[inline(never)]
+    fn at(&self, t: f64) -> f64 {
+        self.series.at(t)
+    }
+
     /// Size of term k at the end of the stretch, |c_k| length^k.
     fn term(&self, k: usize) -> f64 {
         match self.series[k] {
@@ -229,7 +235,7 @@ impl Stretch {
     /// meet there could lose the root or find it twice.
     fn end_away_from_zero(&mut self) {
         let ends = [1.0, 0.875, 0.75].map(|part| part * self.length);
-        let height = |t: &f64| self.series.at(*t).abs();
+        let height = |t: &f64| self.at(*t).abs();
         if let Some(end) = ends
             .into_iter()
             .max_by(|a, b| height(a).total_cmp(&height(b)))
@@ -267,14 +273,14 @@ impl<H: Fn(f64) -> f64> SignChanges<H> {
             return; // zero all along
         }
         // A zero at an end counts at the start of this stretch or of the next one.
-        let is_zero = |t: f64| series.at(t).abs() <= rounding;
+        let is_zero = |t: f64| stretch.at(t).abs() <= rounding;
         let first = if is_zero(0.0) { AT_END * length } else { 0.0 };
         let last = if is_zero(*length) {
             (1.0 - AT_END) * length
         } else {
             *length
         };
-        self.add(*start, series.at(first) > 0.0, rounding);
+        self.add(*start, stretch.at(first) > 0.0, rounding);
         let _ = series.sign_changes(*length, &mut |t, rising| {
             if first <= t && t <= last {
                 self.add(start + t, rising, rounding);

@@ -122,19 +122,14 @@ pub(super) fn nested_cycles<L: FrictionLaw>(
     }
     let fate = release.fate(tracer)?;
     set.cycles.extend(release.into_cycle(tracer)?);
-    let system = tracer.system();
     let mut crossings = CrossingMap::of(tracer);
     let forces = crossings.roots(fate)?;
-    let mut crossing = |force: f64| -> Result<Option<LimitCycle>, Error> {
-        Ok(crossings.cycle(force)?.map(|(arcs, multiplier)| {
-            LimitCycle::join(&system, arcs.into(), CycleKind::Crossing, multiplier)
-        }))
-    };
     for force in forces.roots {
-        set.cycles.extend(crossing(force)?);
+        set.cycles.extend(crossings.cycle(force)?);
     }
     for range in forces.unresolved {
-        if let (Some(inner), Some(outer)) = (crossing(range.start)?, crossing(range.end)?) {
+        let ends = [crossings.cycle(range.start)?, crossings.cycle(range.end)?];
+        if let [Some(inner), Some(outer)] = ends {
             set.unresolved
                 .push(inner.max_velocity()..outer.max_velocity());
         }

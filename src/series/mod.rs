@@ -119,11 +119,13 @@ impl PowerSeries {
     }
 
     /// The derivative dc/dt.
+    #[inline(never)]
     pub(crate) fn derivative(&self) -> Self {
         Self::from_fn(|k| (k + 1) as f64 * self.get(k + 1))
     }
 
     /// The series of c(h − t).
+    #[inline(never)]
     pub(crate) fn reflected(&self, h: f64) -> Self {
         let mut reflected = self.shifted(h);
         for [_, odd] in reflected.0.as_chunks_mut().0 {
