@@ -287,17 +287,29 @@ impl<'a, 'f, L: FrictionLaw> Work<'a, 'f, L> {
         look: &mut dyn FnMut(&mut Tracer<'_, L>) -> Result<T, Error>,
     ) -> Result<Option<T>, Error> {
         let mut found = None;
-        self.with_system(value, &mut |system| {
-            if let Some(forward) = Forward::of(system) {
-                let mut tracer = Tracer::new(forward);
-                let looked = look(&mut tracer);
-                self.steps
-                    .set(self.steps.get().saturating_add(tracer.work()));
-                found = Some(looked?);
-            }
+        self.with_tracer(value, &mut |tracer| {
+            found = Some(look(tracer)?);
             Ok(())
         })?;
         Ok(found)
+    }
+
+    /// The same, compiled once for all that `look` may find.
+    fn with_tracer(
+        &self,
+        value: f64,
+        look: &mut dyn FnMut(&mut Tracer<'_, L>) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        self.with_system(value, &mut |system| {
+            let Some(forward) = Forward::of(system) else {
+                return Ok(());
+            };
+            let mut tracer = Tracer::new(forward);
+            let looked = look(&mut tracer);
+            self.steps
+                .set(self.steps.get().saturating_add(tracer.work()));
+            looked
+        })
     }
 
     /// Counts a system, unless the search is stopped before it.

@@ -156,7 +156,7 @@ impl<L: FrictionLaw> AlongSlope<'_, L> {
             series,
         };
         let h =
-            |speed: f64| self.constant + self.factor * value_and_slope(&self.law, piece, speed).1;
+            |speed: f64| self.constant + self.factor * value_and_slope(self.law, piece, speed).1;
         loop {
             let size = stretch.largest_term();
             *largest = largest.max(series[0].abs());

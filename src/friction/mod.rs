@@ -209,7 +209,7 @@ pub trait FrictionLaw: Sized {
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     fn slope(&self, speed: f64) -> f64 {
-        value_and_slope(&self, piece_above(self.breakpoints(), speed), speed).1
+        value_and_slope(self, piece_above(self.breakpoints(), speed), speed).1
     }
 
     /// Second derivative d²μ̂/ds² at sliding speed s, dimensionless, exact to rounding; at a

@@ -104,7 +104,7 @@ pub(crate) fn find_moving<L: FrictionLaw>(tracer: &mut Tracer<'_, L>) -> Result<
 /// The periodic motions on a belt at rest: a family if there is neither damping nor kinetic
 /// friction, else none.
 pub(super) fn of_belt_at_rest<L: FrictionLaw>(system: MassOnBelt<&L>) -> CycleSet {
-    let goes_on = system.damping() == 0.0 && has_no_kinetic_friction(system.law());
+    let goes_on = system.damping() == 0.0 && has_no_kinetic_friction(*system.law());
     CycleSet {
         continuum: goes_on.then_some(Continuum::WITHOUT_FRICTION),
         ..CycleSet::default()

@@ -124,14 +124,12 @@ impl PowerSeries {
         Self::from_fn(|k| (k + 1) as f64 * self.get(k + 1))
     }
 
-    /// The series of c(h − t).
-    #[inline(never)]
-    pub(crate) fn reflected(&self, h: f64) -> Self {
-        let mut reflected = self.shifted(h);
-        for [_, odd] in reflected.0.as_chunks_mut().0 {
+    /// Makes it the series of c(h − t).
+    pub(crate) fn reflect(&mut self, h: f64) {
+        *self = self.shifted(h);
+        for [_, odd] in self.0.as_chunks_mut().0 {
             *odd = -*odd;
         }
-        reflected
     }
 
     /// The series of c(start + t).
