@@ -233,7 +233,7 @@ impl Folds<'_> {
         window: &Window,
         reach: f64,
         crossed: &Crossed,
-    ) -> Result<Option<SignChange>, Error> {
+    ) -> Result<Option<f64>, Error> {
         let [p, q] = crossed.ends;
         let margin = (0.5 * (p.0 - q.0).abs()).max(NEAR_TURN);
         let (first, last) = (p.0.min(q.0) - margin, p.0.max(q.0) + margin);
@@ -253,7 +253,8 @@ impl Folds<'_> {
             Ok(turn.flatten().map(|turn| turn.1))
         };
         let change = sign_change_between(&mut growth, (low, p.1), (high, q.1))?;
-        Ok(change.filter(|change| change.residual() <= JUMP))
+        let is_passed = |change: &SignChange| change.residual() <= JUMP;
+        Ok(change.filter(is_passed).map(|change| change.below))
     }
 }
 
@@ -309,7 +310,6 @@ impl Survey for Folds<'_> {
             // The turning points at the two ends are not the same ones after all.
             return Ok(Look::Halve);
         }
-        let mut folds: Vec<f64> = folds.iter().map(|change| change.below).collect();
         folds.sort_by(f64::total_cmp);
         self.found.extend(folds);
         Ok(Look::Done)

@@ -68,15 +68,18 @@ const ROUNDING: f64 = 16.0;
 impl Arc {
     /// Turns round an arc that was followed backwards to the state `end`, so that it runs forwards
     /// in time: each series c(t) becomes c(h − t), and the last step comes first.
-    pub(crate) fn reversed(mut self, end: State) -> Self {
+    pub(crate) fn reversed(self, end: State) -> Self {
         let mut start = end;
-        for step in self.steps.iter_mut().rev() {
+        let turned = self.steps.into_iter().rev().map(|mut step| {
             // Backwards, the step began where it now ends, which is where the next step begins.
             std::mem::swap(&mut step.state, &mut start);
             step.speed.reflect(step.duration);
+            step
+        });
+        Self {
+            steps: turned.collect(),
+            ..self
         }
-        self.steps.reverse();
-        self
     }
 }
 

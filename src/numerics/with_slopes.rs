@@ -141,12 +141,11 @@ pub(crate) fn eighths(
 ) -> Result<Vec<Sample>, Error> {
     let mut samples = vec![a, b];
     while samples.len() < 9 {
-        let mut finer = vec![a];
-        for pair in samples.windows(2) {
+        for i in (0..samples.len() - 1).map(|interval| 2 * interval) {
             // As an outline finds it, to the bit.
-            finer.extend([f(0.5 * (pair[0].x + pair[1].x))?, pair[1]]);
+            let middle = f(0.5 * (samples[i].x + samples[i + 1].x))?;
+            samples.insert(i + 1, middle);
         }
-        samples = finer;
     }
     Ok(samples)
 }
@@ -290,6 +289,7 @@ fn hidden(a: Sample, b: Sample, noise: f64) -> bool {
 
 /// The least |value|, between two ends of the same sign, that the cubic through them has at an
 /// extremum, negative if the extremum lies beyond zero; infinite if there is none.
+#[inline(never)]
 fn lowest(a: Sample, b: Sample) -> f64 {
     let width = b.x - a.x;
     let sign = if a.value > 0.0 { 1.0 } else { -1.0 };

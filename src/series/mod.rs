@@ -153,7 +153,11 @@ impl PowerSeries {
     /// The series of c(t)/t^order: a known root at t = 0 is divided out. The first `order`
     /// coefficients are taken to be 0.
     pub(crate) fn without_root(&self, order: usize) -> Self {
-        Self::from_fn(|k| self.get(k + order))
+        let mut series = Self::ZERO;
+        for (c, later) in std::iter::zip(&mut series.0, self.0.iter().skip(order)) {
+            *c = *later;
+        }
+        series
     }
 
     /// Bound of |d²c/dt²| on [0, t]: Σ k(k−1)|c_k| t^(k−2).
