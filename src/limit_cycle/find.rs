@@ -121,11 +121,11 @@ pub(super) fn nested_cycles<L: FrictionLaw>(
         return Ok(set);
     }
     let fate = release.fate(tracer)?;
-    set.cycles.extend(release.into_cycle(tracer)?);
+    set.add(release.into_cycle(tracer)?);
     let mut crossings = CrossingMap::of(tracer);
     let forces = crossings.roots(fate)?;
     for force in forces.roots {
-        set.cycles.extend(crossings.cycle(force)?);
+        set.add(crossings.cycle(force)?);
     }
     for range in forces.unresolved {
         let ends = [crossings.cycle(range.start)?, crossings.cycle(range.end)?];

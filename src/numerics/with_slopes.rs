@@ -151,6 +151,7 @@ pub(crate) fn eighths(
 }
 
 /// Least |value| that the cubic between two samples has; 0 if it changes its sign.
+#[inline(never)]
 fn closest(a: Sample, b: Sample) -> f64 {
     if (a.value > 0.0) == (b.value > 0.0) {
         let ends = a.value.abs().min(b.value.abs());
