@@ -146,7 +146,7 @@
 //! 4. **Stick** has closed formulas, and v equals v_b to the bit.
 //! 5. **Order.** States are continuous. Event times never decrease, and they increase strictly if
 //!    the phase between two events is longer than an ulp of the time. The same call gives the same
-//!    bits.
+//!    bits on the same kind of processor.
 //! 6. **Large numbers.** The integrated variable is v_r and not v, so that contact is exact for
 //!    large v_b. Time is summed together with its rounding errors: after 10⁵ cycles an event comes
 //!    at its multiple of the period, to 4 ulps of the time.

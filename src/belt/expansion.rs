@@ -5,8 +5,9 @@ use super::system::MassOnBelt;
 use crate::clock::Time;
 use crate::error::Error;
 use crate::friction::{FrictionLaw, LawVisitor, Piece};
-use crate::scalar::{Workspace, expand, mul_add};
+use crate::scalar::{Composed, Workspace, expand, fused, jet, mul_add};
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
+use crate::state::Direction;
 
 /// The power series of a slip phase about one of its points, in the time since that point.
 ///
@@ -34,6 +35,26 @@ impl SlipSeries {
         friction: PowerSeries::ZERO,
         decay: 0.0,
     };
+}
+
+/// The series of a slip phase, and the rows in which it is computed.
+///
+/// Both in one place, because the compiler then knows that what is written to one is not in the
+/// other: see [`fused::compute`]. Else it would load anew, after every coefficient that is stored,
+/// what it has in registers.
+#[derive(Debug, Clone)]
+pub(crate) struct Expander {
+    pub(super) series: SlipSeries,
+    workspace: Workspace<TERMS>,
+}
+
+impl Expander {
+    pub(crate) fn new() -> Self {
+        Self {
+            series: SlipSeries::ZERO,
+            workspace: Workspace::new(),
+        }
+    }
 
     /// Expands the motion about a point, on one piece of the law. If a series of the sliding speed
     /// is given as `along`, in any unit of time, only the friction is expanded.
@@ -42,21 +63,15 @@ impl SlipSeries {
         &mut self,
         piece: Piece<'_, L>,
         system: &MassOnBelt<&L>,
-        workspace: &mut Workspace<TERMS>,
         from: &SlipPoint,
         time: Time,
         along: Option<&PowerSeries>,
     ) -> Result<(), Error> {
-        let equation = Equation {
-            damping: 2.0 * system.damping(),
-            load: system.load(),
-            belt: from.direction.sign() * system.belt_velocity(),
-        };
+        let equation = Equation::of(system, from.direction);
         piece.law.give_to(Expansion {
-            series: self,
+            expander: self,
             piece: piece.index,
             equation: &equation,
-            workspace,
             from,
             time,
             along,
@@ -75,29 +90,65 @@ impl SlipSeries {
         &mut self,
         piece: Piece<'_, L>,
         equation: &Equation,
-        workspace: &mut Workspace<TERMS>,
         from: &SlipPoint,
         time: Time,
         along: Option<&PowerSeries>,
     ) -> Result<(), Error> {
+        if !fused::CHOSEN {
+            return self.expand_by::<_, true>(piece, equation, from, time, along);
+        }
+        let Piece { law, index } = piece;
+        let mut work = (self, index, equation, from, time, along);
+        let expanded = fused::compute(
+            law,
+            &mut work,
+            #[inline(always)]
+            |law, (expander, index, equation, from, time, along)| {
+                let piece = Piece { law, index: *index };
+                expander.expand_by::<_, true>(piece, equation, from, *time, *along)
+            },
+        );
+        let (expander, ..) = work;
+        expanded
+            .unwrap_or_else(|| expander.expand_by::<_, false>(piece, equation, from, time, along))
+    }
+
+    /// The same, unrolled for every order or by jets.
+    #[inline(always)]
+    fn expand_by<L: FrictionLaw, const UNROLLED: bool>(
+        &mut self,
+        piece: Piece<'_, L>,
+        equation: &Equation,
+        from: &SlipPoint,
+        time: Time,
+        along: Option<&PowerSeries>,
+    ) -> Result<(), Error> {
+        let mul_add = |a, b, c| {
+            if UNROLLED {
+                fused::mul_add(a, b, c)
+            } else {
+                mul_add(a, b, c)
+            }
+        };
         let sigma = from.direction.sign();
         let &Equation {
             damping,
             load,
             belt,
         } = equation;
-        let Self {
+        let Self { series, workspace } = self;
+        let SlipSeries {
             speed: series,
             friction,
             decay: stored_decay,
-        } = self;
+        } = series;
 
         let s0 = along.map_or(from.speed, |along| along[0]);
         // (k + 1) s_{k+1} = −x_k − 2β s_k − γ² m_k, where x_k = s_{k−1}/k and
         // m_k = slope·s_k + scale·rest. The rest is put in last, because it is ready last: s_{k−1}
         // has to pass through the law first, which takes longer than computing s_k.
         let (mut decay, mut older) = (0.0, 0.0);
-        let (value, slope) = expand(piece, workspace, s0, |k, s, m| {
+        let next = |k: usize, s: f64, m: Composed| {
             series[k] = s;
             let weight = -INTEGRAL[k];
             if k == 0 {
@@ -127,7 +178,12 @@ impl SlipSeries {
                 series[k + 1] = next;
             }
             next
-        });
+        };
+        let (value, slope) = if UNROLLED {
+            expand(piece, workspace, s0, next)
+        } else {
+            jet::expand(piece, TERMS, s0, next)
+        };
         if !value.is_finite() {
             return Err(Error::NonFiniteFriction {
                 speed: s0,
@@ -160,12 +216,21 @@ struct Equation {
     belt: f64,
 }
 
+impl Equation {
+    fn of<L: FrictionLaw>(system: &MassOnBelt<&L>, direction: Direction) -> Self {
+        Self {
+            damping: 2.0 * system.damping(),
+            load: system.load(),
+            belt: direction.sign() * system.belt_velocity(),
+        }
+    }
+}
+
 /// The arguments of an expansion, on their way to the law.
 struct Expansion<'a> {
-    series: &'a mut SlipSeries,
+    expander: &'a mut Expander,
     piece: usize,
     equation: &'a Equation,
-    workspace: &'a mut Workspace<TERMS>,
     from: &'a SlipPoint,
     time: Time,
     along: Option<&'a PowerSeries>,
@@ -181,14 +246,16 @@ impl LawVisitor for Expansion<'_> {
             index: self.piece,
         };
         let Self {
+            expander,
             equation,
-            workspace,
             from,
             time,
             along,
             ..
         } = self;
-        self.series
-            .expand_one(piece, equation, workspace, from, time, along)
+        expander.expand_one(piece, equation, from, time, along)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -16,14 +16,13 @@
 //! three-term recurrence relations, *SIAM Review* 9 (1967) 24-82, doi:10.1137/1009002; NIST Digital
 //! Library of Mathematical Functions, §3.6, <https://dlmf.nist.gov/3.6>.
 
-use super::expansion::SlipSeries;
+use super::expansion::{Expander, SlipSeries};
 use super::slip_point::SlipPoint;
 use super::system::MassOnBelt;
 use crate::clock::Time;
 use crate::error::Error;
 use crate::friction::{FrictionLaw, Piece};
 use crate::motion::step_control::Allowance;
-use crate::scalar::Workspace;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 
 /// How many coefficients are solved for: s_0 … s_25.
@@ -56,14 +55,16 @@ impl SlipSeries {
         &self,
         piece: Piece<'_, L>,
         system: &MassOnBelt<&L>,
-        workspace: &mut Workspace<TERMS>,
+        expander: &mut Expander,
         from: &SlipPoint,
         time: Time,
         allowance: &Allowance,
     ) -> Option<(Self, f64)> {
         let slow = Slow::new(system, from, time);
         self.solve(&slow, from.speed, time, allowance, &mut |composed, c| {
-            composed.expand(piece, system, workspace, from, time, Some(c))
+            expander.expand(piece, system, from, time, Some(c))?;
+            *composed = expander.series;
+            Ok(())
         })
     }
 

@@ -3,14 +3,13 @@
 use std::cmp::Ordering;
 
 use super::breakpoints::Breakpoints;
-use super::expansion::SlipSeries;
+use super::expansion::Expander;
 use super::slip_point::SlipPoint;
 use super::system::MassOnBelt;
 use crate::clock::Time;
 use crate::error::{Error, Reached};
 use crate::friction::{FrictionLaw, Piece};
 use crate::motion::step_control::{self, Allowance, FARTHEST, LONG, SETTLING, STIFF};
-use crate::scalar::Workspace;
 use crate::series::{PowerSeries, TERMS, quarters};
 use crate::state::State;
 
@@ -73,8 +72,7 @@ const LOOSEST: f64 = 1e-12;
 #[derive(Debug, Clone)]
 pub(crate) struct Stepper<'s, L> {
     system: MassOnBelt<&'s L>,
-    workspace: Workspace<TERMS>,
-    series: SlipSeries,
+    expander: Expander,
     breakpoints: Breakpoints,
     tolerance: f64,
     /// ū, from which the scale of the motion is measured.
@@ -87,8 +85,7 @@ pub(crate) struct Stepper<'s, L> {
 impl<'s, L: FrictionLaw> Stepper<'s, L> {
     pub(crate) fn new(system: MassOnBelt<&'s L>, tolerance: f64) -> Self {
         Self {
-            workspace: Workspace::new(),
-            series: SlipSeries::ZERO,
+            expander: Expander::new(),
             breakpoints: Breakpoints::new(system.law()),
             tolerance,
             equilibrium: system.equilibrium_displacement(),
@@ -125,11 +122,11 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
             }
         };
         self.begin(point, piece, time, elapsed)?;
-        if self.series.speed[1] == 0.0 && self.series.speed[2] == 0.0 {
+        if self.expander.series.speed[1] == 0.0 && self.expander.series.speed[2] == 0.0 {
             return Ok(Advance {
                 duration: f64::INFINITY,
                 end: *point,
-                speed: &self.series.speed,
+                speed: &self.expander.series.speed,
             });
         }
         let plan = self.plan(point, piece, time, elapsed)?;
@@ -149,8 +146,8 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
     ) -> Result<(), Error> {
         let (law, system) = (*self.system.law(), &self.system);
         let piece = Piece { law, index: piece };
-        self.series
-            .expand(piece, system, &mut self.workspace, point, time, None)
+        self.expander
+            .expand(piece, system, point, time, None)
             .map_err(|error| error.reached_at(Reached::new(elapsed, point.state(system))))
     }
 
@@ -163,7 +160,7 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         time: Time,
         elapsed: f64,
     ) -> Result<Plan, Error> {
-        let (series, speed) = (&self.series, &self.series.speed);
+        let (series, speed) = (&self.expander.series, &self.expander.series.speed);
         let state = point.state(&self.system);
         let overflows = !(speed[TERMS - 1].is_finite() && speed[TERMS - 2].is_finite());
         if overflows || series.decay.abs() > STIFF {
@@ -191,13 +188,13 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         elapsed: f64,
     ) -> Result<Plan, Error> {
         let state = point.state(&self.system);
-        let order = self.series.truncate();
+        let order = self.expander.series.truncate();
         if order < 2 {
             let reached = Reached::new(elapsed, state);
             return Err(Error::StepUnderflow { step: 0.0, reached });
         }
-        let closing = time.sign() * self.series.decay;
-        let largest_term = self.series.largest_term(&self.system, state);
+        let closing = time.sign() * self.expander.series.decay;
+        let largest_term = self.expander.series.largest_term(&self.system, state);
         let error = if closing.abs() > STIFF {
             // Or what rounding of the forces shifts the motion by.
             let rounding = f64::EPSILON * largest_term / closing.abs();
@@ -207,7 +204,7 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
             self.tolerance * self.scale(point, state, time)
         };
         let allowance = Allowance::new(error, largest_term);
-        let reach = allowance.reach_of(&self.series.speed, order, FARTHEST);
+        let reach = allowance.reach_of(&self.expander.series.speed, order, FARTHEST);
         let mut plan = Plan {
             allowance,
             reach,
@@ -223,17 +220,16 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
             let (law, system) = (*self.system.law(), &self.system);
             let limits = self.breakpoints.limits(piece);
             let piece = Piece { law, index: piece };
-            let workspace = &mut self.workspace;
-            let slow = self
-                .series
-                .slow(piece, system, workspace, point, time, &allowance);
-            if let Some((slow, reach)) = slow
-                && limits.contain(slow.speed[0])
-            {
-                self.series = slow;
-                plan.reach = reach;
-                plan.memory = closing.recip();
-            }
+            let explicit = self.expander.series;
+            let slow = explicit.slow(piece, system, &mut self.expander, point, time, &allowance);
+            self.expander.series = match slow {
+                Some((slow, reach)) if limits.contain(slow.speed[0]) => {
+                    plan.reach = reach;
+                    plan.memory = closing.recip();
+                    slow
+                }
+                _ => explicit,
+            };
         }
         Ok(plan)
     }
@@ -249,7 +245,7 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         elapsed: f64,
         plan: &Plan,
     ) -> Result<Settled, Error> {
-        let (series, speed) = (&self.series, &self.series.speed);
+        let (series, speed) = (&self.expander.series, &self.expander.series.speed);
         let limits = self.breakpoints.limits(piece);
         let mut h = plan.reach.min(self.longest);
         let (duration, end_speed) = loop {
@@ -324,7 +320,7 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
                 rate: None,
                 ..*point
             },
-            speed: &self.series.speed,
+            speed: &self.expander.series.speed,
         }
     }
 
@@ -345,11 +341,15 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
     #[inline(never)]
     fn scale_far_out(&self, deviation: f64, point: &SlipPoint, state: State, time: Time) -> f64 {
         // Where the law changes within a small part of a radian, v changes by v' times the step.
-        let reach = step_control::reach(self.tolerance * deviation, &self.series.speed, TERMS - 1);
+        let reach = step_control::reach(
+            self.tolerance * deviation,
+            &self.expander.series.speed,
+            TERMS - 1,
+        );
         if BEYOND * reach < 1.0 {
             return self.scale_here(state, (BEYOND * reach).recip());
         }
-        let here = self.scale_here(state, (time.sign() * self.series.decay).max(1.0));
+        let here = self.scale_here(state, (time.sign() * self.expander.series.decay).max(1.0));
         // Friction on the equilibrium's side of the belt has another sign than beyond it; on a belt
         // at rest ū is 0, halfway between the two.
         let leads = point.direction.sign() * self.system.belt_velocity();
@@ -369,7 +369,7 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
     /// rate at which it closes in on a slow one, or leaves it.
     fn scale_here(&self, state: State, rate: f64) -> f64 {
         let v_b = self.system.belt_velocity();
-        let change = self.series.speed[1].abs() / rate;
+        let change = self.expander.series.speed[1].abs() / rate;
         state.velocity.abs().max(v_b.abs()).max(change)
     }
 
@@ -382,7 +382,7 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
     /// The same where speed counts.
     #[inline(always)]
     fn displacement_inline(&self, start: &SlipPoint, time: Time, t: f64) -> f64 {
-        let mean_speed = self.series.speed.mean(t);
+        let mean_speed = self.expander.series.speed.mean(t);
         let mean_velocity = self.system.belt_velocity() + start.direction.sign() * mean_speed;
         start.displacement + time.sign() * mean_velocity * t
     }
@@ -391,7 +391,7 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
     #[cold]
     fn underflow(&self, piece: usize, step: f64, reached: Reached) -> Error {
         let law = self.system.law();
-        let speeds = self.series.speed.at_some(quarters(2.0 * step));
+        let speeds = self.expander.series.speed.at_some(quarters(2.0 * step));
         let failure = speeds
             .into_iter()
             .map(|s| (s, law.kinetic_on(piece, s.max(0.0))))

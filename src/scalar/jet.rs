@@ -17,13 +17,15 @@
 //! }
 //! ```
 //!
-//! [`coefficients`] and [`Tape::compose`] are that loop where the inner series is known.
+//! [`coefficients`] and [`Tape::compose`] are that loop where the inner series is known, [`expand`]
+//! where it is that of a motion.
 
 mod operations;
 
 use std::cell::Cell;
 
 use super::products::Row;
+use super::taylor::Composed;
 use super::{Function, INLINE_ROWS, LONGEST, mul_add};
 
 /// What one operation has computed so far: its slope at order 0, and its coefficients.
@@ -123,15 +125,45 @@ impl Tape {
 /// The coefficients of f about x: f(x + t) = Σ f_k t^k, M ≤ [`LONGEST`] of them.
 pub(crate) fn coefficients<const M: usize>(function: impl Function, x: f64) -> [f64; M] {
     let mut coefficients = [f64::NAN; M];
-    expand(function, x, &mut coefficients);
+    expand_about(function, x, &mut coefficients);
     coefficients
 }
 
 /// The same, compiled once for every number of coefficients.
-fn expand(function: impl Function, x: f64, coefficients: &mut [f64]) {
+fn expand_about(function: impl Function, x: f64, coefficients: &mut [f64]) {
     let mut inner = [0.0; LONGEST];
     (inner[0], inner[1]) = (x, 1.0);
     Tape::new().compose(function, &inner, coefficients);
+}
+
+/// What [`expand`](super::expand) does, to `terms` ≤ [`LONGEST`] coefficients, with code that
+/// serves every order.
+pub(crate) fn expand(
+    function: impl Function,
+    terms: usize,
+    speed: f64,
+    mut next: impl FnMut(usize, f64, Composed) -> f64,
+) -> (f64, f64) {
+    let mut tape = Tape::new();
+    let (mut newest, mut base) = (speed, (speed, 0.0));
+    for k in 0..terms - 1 {
+        let m = tape.run(k, |run| {
+            let m = function.at(run.variable(newest));
+            Composed {
+                slope: m.derivative(),
+                rest: if k == 0 { m.value } else { m.rest },
+                scale: m.scale,
+            }
+        });
+        if k == 0 {
+            base = (m.rest, m.slope);
+            if !(m.rest.is_finite() && m.slope.is_finite()) {
+                break;
+            }
+        }
+        newest = next(k, newest, m);
+    }
+    base
 }
 
 impl Run<'_> {

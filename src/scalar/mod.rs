@@ -5,10 +5,12 @@
 //! |---|---|
 //! | `mod.rs` | [`Scalar`]: what a law may do with a number |
 //! | `taylor.rs`, `operations.rs` | Taylor coefficients whose order is part of the type: the fastest, for one mass on its belt (the order itself: `series::TERMS`) |
+//! | `fused.rs` | with which instructions they are computed, where that is chosen at run time |
 //! | `dual.rs` | any of the numbers with its derivative along one direction |
 //! | `jet.rs`, `jet/operations.rs`, `products.rs` | Taylor coefficients whose order is chosen at run time: small code, for many coupled series and for cold paths |
 
 pub(crate) mod dual;
+pub(crate) mod fused;
 pub(crate) mod jet;
 mod operations;
 mod products;
@@ -16,7 +18,7 @@ mod taylor;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use taylor::{LONGEST, Workspace, expand};
+pub(crate) use taylor::{Composed, LONGEST, Workspace, expand};
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -195,13 +197,12 @@ impl Scalar for f64 {
     }
 }
 
-/// The sum a·b + c, fused only if the target has the instruction for it. On other targets
+/// Whether every processor of the target has an instruction for the fused multiply-add. For others
 /// `f64::mul_add` is a slow library call.
+const FUSED: bool = cfg!(any(target_feature = "fma", target_arch = "aarch64"));
+
+/// The sum a·b + c, fused only if the target has the instruction for it.
 #[inline(always)]
 pub(crate) fn mul_add(a: f64, b: f64, c: f64) -> f64 {
-    if cfg!(target_feature = "fma") {
-        a.mul_add(b, c)
-    } else {
-        a * b + c
-    }
+    if FUSED { a.mul_add(b, c) } else { a * b + c }
 }

@@ -5,8 +5,9 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::fused::mul_add;
 use super::taylor::{Taylor, inner_product, inner_square};
-use super::{Scalar, mul_add, sealed};
+use super::{Scalar, sealed};
 
 impl<const K: usize, const M: usize> sealed::Sealed for Taylor<'_, K, M> {}
 

@@ -46,8 +46,8 @@ fn product(k: usize, a: &Row, b: &Row) -> f64 {
     if k == 2 {
         return a(1) * b(1);
     }
-    let low = from_the_middle(k / 2, |i| (a(i), b(k - i)));
-    let high = from_the_middle((k - 1) / 2, |i| (a(k - i), b(i)));
+    let low = from_the_middle(mul_add, k / 2, |i| (a(i), b(k - i)));
+    let high = from_the_middle(mul_add, (k - 1) / 2, |i| (a(k - i), b(i)));
     mul_add(b(1), a(k - 1), mul_add(a(1), b(k - 1), low + high))
 }
 
@@ -57,7 +57,7 @@ fn square(k: usize, a: &Row) -> f64 {
     if k == 2 {
         return a(1) * a(1);
     }
-    let half = from_the_middle((k - 1) / 2, |i| (a(i), a(k - i)));
+    let half = from_the_middle(mul_add, (k - 1) / 2, |i| (a(i), a(k - i)));
     let half = mul_add(a(1), a(k - 1), half);
     if k.is_multiple_of(2) {
         mul_add(a(k / 2), a(k / 2), 2.0 * half)

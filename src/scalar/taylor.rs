@@ -15,7 +15,8 @@
 
 use std::cell::Cell;
 
-use super::{Function, INLINE_ROWS, mul_add};
+use super::fused::mul_add;
+use super::{Function, INLINE_ROWS};
 
 /// The coefficients that one operation has computed so far.
 #[derive(Debug, Clone)]
@@ -129,8 +130,8 @@ pub(super) fn inner_product<const K: usize, const M: usize>(
         0 | 1 => start,
         2 => mul_add(factor * a(1), b(1), start),
         _ => {
-            let low = from_the_middle(K / 2, |i| (a(i), b(K - i)));
-            let high = from_the_middle((K - 1) / 2, |i| (a(K - i), b(i)));
+            let low = from_the_middle(mul_add, K / 2, |i| (a(i), b(K - i)));
+            let high = from_the_middle(mul_add, (K - 1) / 2, |i| (a(K - i), b(i)));
             let start = mul_add(factor, low + high, start);
             let start = mul_add(factor * a(1), b(K - 1), start);
             mul_add(factor * b(1), a(K - 1), start)
@@ -150,7 +151,7 @@ pub(super) fn inner_square<const K: usize, const M: usize>(
         0 | 1 => start,
         2 => mul_add(factor * a(1), a(1), start),
         _ => {
-            let half = from_the_middle((K - 1) / 2, |i| (a(i), a(K - i)));
+            let half = from_the_middle(mul_add, (K - 1) / 2, |i| (a(i), a(K - i)));
             let start = mul_add(2.0 * factor, half, start);
             let start = if K.is_multiple_of(2) {
                 mul_add(factor * a(K / 2), a(K / 2), start)
@@ -169,7 +170,11 @@ pub(super) fn inner_square<const K: usize, const M: usize>(
 /// fuse: there the compiler vectorises them, with loads that span coefficients which have just been
 /// written one by one, and these loads stall.
 #[inline(always)]
-pub(super) fn from_the_middle(first: usize, factors: impl Fn(usize) -> (f64, f64)) -> f64 {
+pub(super) fn from_the_middle(
+    mul_add: impl Fn(f64, f64, f64) -> f64,
+    first: usize,
+    factors: impl Fn(usize) -> (f64, f64),
+) -> f64 {
     if first < 2 {
         return 0.0;
     }

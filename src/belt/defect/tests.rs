@@ -1,8 +1,9 @@
+use super::super::expansion::Expander;
 use super::super::slip_point::SlipPoint;
 use super::*;
 use crate::clock::Time;
 use crate::friction::{Piece, Polynomial as Cubic};
-use crate::scalar::{Scalar, Workspace};
+use crate::scalar::Scalar;
 use crate::series::{PowerSeries, quarters};
 use crate::state::Direction;
 
@@ -98,10 +99,11 @@ fn terms_of_the_equation_of_motion_are_added_by_size() {
         law: &law,
         index: 0,
     };
-    let (mut series, mut workspace) = (SlipSeries::ZERO, Workspace::new());
-    series
-        .expand(piece, &system, &mut workspace, &from, Time::Forward, None)
+    let mut expander = Expander::new();
+    expander
+        .expand(piece, &system, &from, Time::Forward, None)
         .unwrap();
+    let series = expander.series;
     // μ̂(1) = 0.4 − 0.45 + 0.6 = 0.55 and v = 0.2 − 1.
     let largest = series.largest_term(&system, State::new(-0.7, -0.8));
     assert!((largest - (0.7 + 2.0 * 0.3 * 0.8 + LOAD * 0.55)).abs() < 1e-15);

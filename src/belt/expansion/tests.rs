@@ -1,0 +1,155 @@
+use super::*;
+use crate::friction::{Exponential, Polynomial, Rational};
+use crate::scalar::Scalar;
+use crate::state::Direction;
+
+/// An expander that holds another series.
+fn used() -> Expander {
+    let mut expander = Expander::new();
+    expander.series.speed = PowerSeries::from_fn(|k| k as f64);
+    expander.series.friction = PowerSeries::from_fn(|k| -(k as f64));
+    expander
+}
+
+/// Calls `look` with expansions of many motions on one law: at once, unrolled outside of the
+/// dispatch, and by jets.
+fn every_way<L: FrictionLaw>(law: &L, look: impl Fn([SlipSeries; 3])) {
+    let slow = PowerSeries::from_fn(|k| 0.4 * 0.3_f64.powi(k as i32));
+    let points = [
+        (Direction::Lagging, 0.3, 0.0, Some(0.1)),
+        (Direction::Lagging, -0.7, 1.0, None),
+        (Direction::Leading, 0.9, 0.2, None),
+    ];
+    for (direction, displacement, speed, rate) in points {
+        let from = SlipPoint {
+            direction,
+            displacement,
+            speed,
+            rate,
+        };
+        for (time, along) in [
+            (Time::Forward, None),
+            (Time::Backward, None),
+            (Time::Forward, Some(&slow)),
+        ] {
+            let system = MassOnBelt::new(law, 0.2).and_then(|s| s.with_damping(0.05));
+            let system = system.unwrap();
+            let piece = Piece { law, index: 0 };
+            let [mut dispatched, mut unrolled, mut jets] = [used(), used(), used()];
+            dispatched
+                .expand(piece, &system, &from, time, along)
+                .unwrap();
+            unrolled
+                .expand_by::<_, true>(
+                    piece,
+                    &Equation::of(&system, from.direction),
+                    &from,
+                    time,
+                    along,
+                )
+                .unwrap();
+            jets.expand_by::<_, false>(
+                piece,
+                &Equation::of(&system, from.direction),
+                &from,
+                time,
+                along,
+            )
+            .unwrap();
+            look([dispatched, unrolled, jets].map(|expander| expander.series));
+        }
+    }
+}
+
+fn on_every_law(look: impl Fn([SlipSeries; 3])) {
+    every_way(&Polynomial::new(0.4, 0.25, 0.5).unwrap(), &look);
+    every_way(&Exponential::new(0.4, 0.25, 0.3).unwrap(), &look);
+    every_way(&Rational::new(0.4, 2.0).unwrap(), &look);
+}
+
+fn bits(series: &SlipSeries) -> Vec<u64> {
+    let SlipSeries {
+        speed,
+        friction,
+        decay,
+    } = series;
+    let coefficients = speed.coefficients().iter().chain(friction.coefficients());
+    coefficients.chain([decay]).map(|c| c.to_bits()).collect()
+}
+
+#[test]
+fn the_bits_of_a_series_do_not_depend_on_how_its_code_was_compiled() {
+    // A processor without the instruction takes the other way.
+    let is_unrolled = fused::compute(&(), &mut (), |(), ()| ()).is_some() || !fused::CHOSEN;
+    on_every_law(|[dispatched, unrolled, jets]| {
+        let expected = if is_unrolled { unrolled } else { jets };
+        assert_eq!(bits(&dispatched), bits(&expected));
+    });
+}
+
+#[test]
+fn both_ways_give_the_same_series_up_to_roundings() {
+    on_every_law(|[_, unrolled, jets]| {
+        assert!((unrolled.decay - jets.decay).abs() <= 1e-15 * unrolled.decay.abs());
+        let pairs = [
+            (unrolled.speed, jets.speed),
+            (unrolled.friction, jets.friction),
+        ];
+        for (unrolled, jets) in pairs {
+            // Terms of lower orders may be larger, and cancel.
+            let mut size = 0.0_f64;
+            for (k, c) in unrolled.coefficients().iter().enumerate().take(TERMS - 1) {
+                size = (2.0 * size).max(c.abs());
+                assert!((c - jets[k]).abs() <= 1e-14 * size, "{k}: {c} {}", jets[k]);
+            }
+        }
+    });
+}
+
+#[test]
+fn both_ways_refuse_a_law_that_gives_no_number() {
+    /// A kink at 0.5 and a pole at 2.
+    #[derive(Debug)]
+    struct Broken;
+    impl FrictionLaw for Broken {
+        fn static_coefficient(&self) -> f64 {
+            1.0
+        }
+        fn kinetic<S: Scalar>(&self, speed: S) -> S {
+            (speed - 0.5).square().sqrt() * 0.1 + (speed - 2.0).square().recip() * 0.1
+        }
+    }
+    let (law, index) = (&Broken, 0);
+    let (piece, system) = (Piece { law, index }, MassOnBelt::new(law, 1.0).unwrap());
+    for (speed, is_number) in [(0.5, true), (2.0, false)] {
+        let from = SlipPoint {
+            direction: Direction::Lagging,
+            displacement: 0.0,
+            speed,
+            rate: None,
+        };
+        let mut expander = Expander::new();
+        for error in [
+            expander.expand_by::<_, true>(
+                piece,
+                &Equation::of(&system, from.direction),
+                &from,
+                Time::Forward,
+                None,
+            ),
+            expander.expand_by::<_, false>(
+                piece,
+                &Equation::of(&system, from.direction),
+                &from,
+                Time::Forward,
+                None,
+            ),
+        ] {
+            match error.unwrap_err() {
+                Error::NotAnalytic { .. } => assert!(is_number),
+                Error::NonFiniteFriction { .. } => assert!(!is_number),
+                other => panic!("{other}"),
+            }
+        }
+    }
+}

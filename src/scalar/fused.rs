@@ -1,0 +1,67 @@
+//! With which instructions the series of a slip phase are computed.
+//!
+//! A fused multiply-add rounds once, and takes one instruction instead of two. Not every x86-64
+//! processor has it, so a build for all of them asks at run time. It asks in one place, [`compute`],
+//! for the expansion of a slip phase, which is more than half of all work and nearly all that these
+//! instructions gain.
+//!
+//! | target | a·b + c in `taylor.rs` | in everything else |
+//! |---|---|---|
+//! | x86-64 built with `fma`; 64-bit ARM | fused | fused |
+//! | x86-64 | fused | two roundings |
+//! | others, such as WebAssembly | two roundings | two roundings |
+//!
+//! In the second row a processor without the instruction expands by `jet.rs` instead, with two
+//! roundings. A whole motion then takes up to 1.4 times as long as unrolled without fusing, but a
+//! second copy of the unrolled code would be 14 kB for each law, and of these 0.5 kB.
+//!
+//! The software that stands for the instruction elsewhere is slow. It would be called by code that
+//! is meant for [`compute`] and not inlined into it; `.ci/run` looks for that.
+
+use super::FUSED;
+
+/// Whether the processor is asked.
+pub(crate) const CHOSEN: bool = cfg!(all(target_arch = "x86_64", not(target_feature = "fma")));
+
+/// The sum a·b + c of `taylor.rs`.
+#[inline(always)]
+pub(crate) fn mul_add(a: f64, b: f64, c: f64) -> f64 {
+    if FUSED || CHOSEN {
+        a.mul_add(b, c)
+    } else {
+        a * b + c
+    }
+}
+
+/// What `kernel` makes of `fixed` and `work`, with the instructions of this processor; `None`, and
+/// nothing is done, if the fused multiply-add is not among them, or if the processor is not to be
+/// asked.
+///
+/// The kernel and all that it calls has to be `#[inline(always)]`, or is compiled for any
+/// processor. It gets two references and no more, because two are handed over in registers, as
+/// what they are: the compiler then knows that `fixed` stays the same while `work` is written. Of
+/// two more, read from memory, it would not know whether they overlap.
+#[inline(always)]
+#[cfg_attr(
+    not(all(target_arch = "x86_64", not(target_feature = "fma"))),
+    expect(unused_variables)
+)]
+pub(crate) fn compute<A, B, R>(
+    fixed: &A,
+    work: &mut B,
+    kernel: impl FnOnce(&A, &mut B) -> R,
+) -> Option<R> {
+    #[cfg(all(target_arch = "x86_64", not(target_feature = "fma")))]
+    {
+        use fearless_simd::{Level, Simd};
+
+        let processor = Level::new().as_avx2()?;
+        let result = processor.vectorize(
+            #[inline(always)]
+            move || kernel(fixed, work),
+        );
+        Some(result)
+    }
+    #[cfg(not(all(target_arch = "x86_64", not(target_feature = "fma"))))]
+    None
+}
