@@ -69,12 +69,13 @@ pub fn along_velocities<L: FrictionLaw>(system: &MassOnBelt<L>, range: Range<f64
 /// steps, and two more for each breakpoint of the law that it passes. One system costs
 /// [`hopf`](Self::hopf) no steps; [`grazing`](Self::grazing) and [`overshoot`](Self::overshoot) one
 /// slip arc; [`crossing`](Self::crossing) two; [`folds`](Self::folds) some ten oscillations for a
-/// smooth law, and some hundred for a table of scattered points. A range takes 65 systems, and some
-/// tens more for each value that is found. [`vibration_ranges`](Self::vibration_ranges) costs all
-/// five searches.
+/// smooth law, and up to a hundred for a table of scattered points. A range takes 65 systems, and
+/// some tens more for each value that is found. [`vibration_ranges`](Self::vibration_ranges) costs
+/// all five searches.
 ///
-/// So folds over a table of n points of wide scatter cost about n² steps, times some hundred: 60
-/// points a second or more, 400 points minutes. Bound such a search, or smooth the table.
+/// So folds over a table of n points of wide scatter take about 200 n² steps: 60 points a second,
+/// 400 points a minute or two, and a law with thousands of waves much longer. Smooth the table, or
+/// bound the search: a million steps are one to two seconds.
 ///
 /// A search is stopped by [`with_max_steps`](Self::with_max_steps), or by a closure that
 /// [watches](Self::watched) it. Both are asked before each system, and one system takes no more
