@@ -37,7 +37,12 @@ fn run() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).unwrap_or_else(|| SAMPLE.into());
     let text = std::fs::read_to_string(&path).map_err(|error| format!("{path}: {error}"))?;
     let table = read(&text).map_err(|error| format!("{path}, {error}"))?;
-    let runs = table.iter().map(|row| row.runs.len()).min().unwrap_or(0);
+    let runs = table.first().map_or(0, |row| row.runs.len());
+    if let Some(Row { line, .. }) = table.iter().find(|row| row.runs.len() != runs) {
+        return Err(
+            format!("{path}, line {line}: {runs} coefficients are needed, as above").into(),
+        );
+    }
     // Through which points a law goes; a bad one is named by its line.
     let law = |coefficient: &dyn Fn(&Row) -> f64| {
         let points = table.iter().map(|row| (row.speed, coefficient(row)));

@@ -1,29 +1,9 @@
-use crate::state::Units;
 use crate::state::structure::State;
 
-/// A number as one would write it: with its power of ten only below 1e-4 and from 1e6 on.
-pub(crate) struct Plain(pub(crate) f64);
+mod numbers;
+mod units;
 
-impl std::fmt::Display for Plain {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let x = self.0;
-        if x == 0.0 || !x.is_finite() || (1e-4..1e6).contains(&x.abs()) {
-            write!(f, "{x}")
-        } else {
-            write!(f, "{x:e}")
-        }
-    }
-}
-
-/// A number to six digits, as one would write it.
-pub(crate) struct Digits(pub(crate) f64);
-
-impl std::fmt::Display for Digits {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let rounded = format!("{:.5e}", self.0).parse();
-        Plain(rounded.unwrap_or(self.0)).fmt(f)
-    }
-}
+pub(crate) use numbers::{Digits, Plain};
 
 /// The time and the state that an integration had reached when it could not go on.
 ///
@@ -58,18 +38,6 @@ impl Reached {
             state: state.into(),
         }
     }
-
-    /// The same place in other units.
-    fn in_units(mut self, units: Units) -> Self {
-        self.time /= units.rate;
-        for displacement in &mut self.state.displacements {
-            *displacement *= units.length;
-        }
-        for velocity in &mut self.state.velocities {
-            *velocity *= units.velocity();
-        }
-        self
-    }
 }
 
 impl std::fmt::Display for Reached {
@@ -102,9 +70,10 @@ fn instead(value: f64, allowed: &str) -> String {
 /// further.
 ///
 /// Every variant carries the numbers that a caller needs to decide what to do, and its message
-/// names the remedy. The numbers are dimensionless, except for the arguments of
-/// [`Scaling`](crate::Scaling), in SI units, and those of a [`Structure`](crate::Structure), in the
-/// structure's own units.
+/// names the remedy. The numbers are in the units of what was called: dimensionless for a
+/// [`MassOnBelt`](crate::MassOnBelt), in SI units for [`Scaling`](crate::Scaling) and
+/// [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt), in its own units for a
+/// [`Structure`](crate::Structure).
 ///
 /// | variant | when | what to do |
 /// |---|---|---|
@@ -141,6 +110,7 @@ fn instead(value: f64, allowed: &str) -> String {
 /// assert_eq!(
 ///     error,
 ///     Error::InvalidParameter {
+///         of: "Polynomial",
 ///         name: "minimum_coefficient",
 ///         value: 0.5,
 ///         allowed: "0 ≤ minimum_coefficient ≤ static_coefficient",
@@ -148,15 +118,18 @@ fn instead(value: f64, allowed: &str) -> String {
 /// );
 /// assert_eq!(
 ///     error.to_string(),
-///     "minimum_coefficient = 0.5 is not allowed: 0 ≤ minimum_coefficient ≤ static_coefficient"
+///     "Polynomial: minimum_coefficient = 0.5 is not allowed: \
+///      0 ≤ minimum_coefficient ≤ static_coefficient"
 /// );
 /// ```
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A parameter of a law, a system or the integrator is outside its range, infinite or NaN.
-    #[error("{name} = {} is not allowed{}", Plain(*value), instead(*value, allowed))]
+    #[error("{of}: {name} = {} is not allowed{}", Plain(*value), instead(*value, allowed))]
     InvalidParameter {
+        /// The type or the function that refused it, for example `Stribeck`.
+        of: &'static str,
         /// The parameter, by its name in the constructor.
         name: &'static str,
         /// The value that was given.
@@ -167,11 +140,13 @@ pub enum Error {
 
     /// A point of a table or of a profile is not allowed.
     #[error(
-        "point {index} of the table, counted from 0: {name} = {} is not allowed{}",
+        "{of}: point {index}, counted from 0: {name} = {} is not allowed{}",
         Plain(*value),
         instead(*value, allowed)
     )]
     BadPoint {
+        /// `Tabulated` or `Drive`.
+        of: &'static str,
         /// Position of the point, from 0.
         index: usize,
         /// Which of its two numbers: `speed` or `coefficient`, `time` or `value`.
@@ -204,7 +179,8 @@ pub enum Error {
 
     /// A relative tolerance is outside its range or NaN.
     #[error(
-        "the tolerance {} is not allowed; give a number with {min:e} ≤ tolerance ≤ {max:e}",
+        "Integrator: tolerance = {} is not allowed; give a number with \
+         {min:e} ≤ tolerance ≤ {max:e}",
         Plain(*value)
     )]
     InvalidTolerance {
@@ -218,9 +194,9 @@ pub enum Error {
 
     /// A duration is negative, infinite or NaN.
     #[error(
-        "the duration {} is not allowed; give a finite number ≥ 0, or use `flow` to go on without \
-         an end",
-        Plain(*value)
+        "duration = {} is not allowed{}; a simulation without an end is `flow`",
+        Plain(*value),
+        instead(*value, "duration ≥ 0")
     )]
     InvalidDuration {
         /// The value that was given.
@@ -288,7 +264,11 @@ pub enum Error {
 
     /// A mass, stiffness, damping, force or contact of a structure is outside its range, infinite
     /// or NaN.
-    #[error("{element}: {} is not allowed{}", Plain(*value), instead(*value, allowed))]
+    #[error(
+        "Structure: {element} = {} is not allowed{}",
+        Plain(*value),
+        instead(*value, allowed)
+    )]
     BadElement {
         /// Which element of the structure.
         element: Element,
@@ -300,7 +280,8 @@ pub enum Error {
 
     /// An element is attached to a coordinate that the structure does not have.
     #[error(
-        "{element}: there is no coordinate {coordinate}; the {count} coordinates are counted from 0"
+        "Structure: {element}: there is no coordinate {coordinate}; the {count} coordinates are \
+         counted from 0"
     )]
     NoSuchCoordinate {
         /// Which element of the structure.
@@ -363,8 +344,8 @@ pub enum Error {
     /// The largest number of steps was reached before the motion was at its end.
     #[error(
         "{limit} steps were not enough {reached}; in a simulation raise the limit with \
-         `with_max_steps`, shorten the run, or use `flow`. Steps far below 0.1 mean a law with a \
-         jump or kink that is not named as a breakpoint, or a stiff structure"
+         `with_max_steps`, shorten the run, or use `flow`. Hundreds of steps in an oscillation \
+         mean a law with a jump or kink that is not named as a breakpoint, or a stiff structure"
     )]
     TooManySteps {
         /// The limit in force.
@@ -466,7 +447,8 @@ pub enum Error {
     At {
         /// The parameter, by its name: `belt_velocity`, `damping`, `load`, or the name given to
         /// [`Along::named`](crate::bifurcation::Along::named); `parameter` for
-        /// [`orbit::follow`](crate::orbit::follow()).
+        /// [`orbit::follow`](crate::orbit::follow()); `belt_velocity`, `damping` or `normal_force`,
+        /// in SI units, for a [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt).
         parameter: &'static str,
         /// Its value.
         value: f64,
@@ -519,8 +501,10 @@ impl Error {
         }
     }
 
-    /// Returns `value` if it is finite and `in_range`, else [`Error::InvalidParameter`].
+    /// Returns `value` if it is finite and `in_range`, else [`Error::InvalidParameter`]. `of` is
+    /// the type or the function whose parameter it is, as users write it.
     pub(crate) fn check(
+        of: &'static str,
         name: &'static str,
         value: f64,
         in_range: bool,
@@ -530,6 +514,7 @@ impl Error {
             Ok(value)
         } else {
             Err(Self::InvalidParameter {
+                of,
                 name,
                 value,
                 allowed,
@@ -569,72 +554,17 @@ impl Error {
     pub(crate) fn at_point(self, index: usize) -> Self {
         match self {
             Self::InvalidParameter {
+                of,
                 name,
                 value,
                 allowed,
             } => Self::BadPoint {
+                of,
                 index,
                 name,
                 value,
                 allowed,
             },
-            other => other,
-        }
-    }
-
-    /// This error of a dimensionless system, with its speeds, velocities, times and states in other
-    /// units.
-    pub(crate) fn in_units(self, units: Units) -> Self {
-        let speed = |speed: f64| speed * units.velocity();
-        let reached = |reached: Reached| reached.in_units(units);
-        match self {
-            Self::InvalidState {
-                displacement,
-                velocity,
-            } => Self::InvalidState {
-                displacement: displacement * units.length,
-                velocity: speed(velocity),
-            },
-            Self::InvalidDuration { value } => Self::InvalidDuration {
-                value: value / units.rate,
-            },
-            Self::NonFiniteFriction {
-                speed: s,
-                value,
-                reached: at,
-            } => Self::NonFiniteFriction {
-                speed: speed(s),
-                value,
-                reached: at.map(reached),
-            },
-            Self::NotAnalytic {
-                speed: s,
-                reached: at,
-            } => Self::NotAnalytic {
-                speed: speed(s),
-                reached: at.map(reached),
-            },
-            Self::BadBreakpoints { index, value } => Self::BadBreakpoints {
-                index,
-                value: speed(value),
-            },
-            Self::StepUnderflow { step, reached: at } => Self::StepUnderflow {
-                step: step / units.rate,
-                reached: reached(at),
-            },
-            Self::TooManySteps { limit, reached: at } => Self::TooManySteps {
-                limit,
-                reached: reached(at),
-            },
-            Self::TooManyEvents { limit, reached: at } => Self::TooManyEvents {
-                limit,
-                reached: reached(at),
-            },
-            Self::At {
-                parameter: parameter @ "belt_velocity",
-                value,
-                source,
-            } => source.in_units(units).at(parameter, speed(value)),
             other => other,
         }
     }

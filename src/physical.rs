@@ -3,7 +3,7 @@
 use std::borrow::Borrow;
 use std::ops::Range;
 
-use crate::belt::{Equilibrium, MassOnBelt};
+use crate::belt::{Equilibrium, MassOnBelt, Step};
 use crate::bifurcation::{self, DiagramPoint, VibrationRange};
 use crate::error::Error;
 use crate::friction::{FrictionLaw, Scaled};
@@ -24,6 +24,8 @@ use crate::state::State;
 /// their numbers are in SI units: times in s, displacements in m, velocities in m/s, angular
 /// frequencies and eigenvalues in rad/s, energies in J. Multipliers have no unit. Converting costs
 /// a few rounding errors in each number.
+///
+/// Errors are in SI units, too, and parameters in them have the names of [`Physical`]'s fields.
 ///
 /// **Torsion.** For a mass that turns on a torsion spring, give the moment of inertia (kg·m²) for
 /// the mass, N·m/rad for the stiffness, N·m·s/rad for the damping, the product of normal force and
@@ -63,6 +65,25 @@ use crate::state::State;
 /// }
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
+///
+/// **Any parameter.** A family of such systems is searched by [`bifurcation::along`], in the units
+/// of the family's parameter:
+///
+/// ```
+/// # use stick_slip::{Error, Physical, PhysicalMassOnBelt, Stribeck, bifurcation};
+/// # let pad = Physical {
+/// #     mass: 2.0, stiffness: 5000.0, damping: 4.0, normal_force: 20.0, belt_velocity: 0.05,
+/// # };
+/// let law = Stribeck::new(0.4, 0.25, 0.1, 1)?;
+/// let pressed = |normal_force: f64| -> Result<_, Error> {
+///     let brake = PhysicalMassOnBelt::new(Physical { normal_force, ..pad }, law)?;
+///     Ok(*brake.dimensionless())
+/// };
+/// // Steady sliding becomes unstable where C + N dμ̂/dV = 0, with dμ̂/dV = −1.5 exp(−0.5) s/m.
+/// let hopf = bifurcation::along(pressed, 1.0..20.0).named("normal_force").hopf()?; // N
+/// assert!((hopf[0] - 4.0 / (1.5 * (-0.5_f64).exp())).abs() < 1e-14);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
 #[doc(alias = "SI")]
 #[doc(alias = "units")]
 #[doc(alias = "torsion")]
@@ -80,9 +101,8 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     /// Those of [`Scaling::new`] and [`Scaling::system`]; speeds of the law in m/s.
     pub fn new(physical: Physical, law: L) -> Result<Self, Error> {
         let scaling = Scaling::new(physical)?;
-        let system = scaling
-            .system(law)
-            .map_err(|error| error.in_units(scaling.units()))?;
+        let system = scaling.system(law);
+        let system = system.map_err(|error| error.in_units(scaling.units()))?;
         Ok(Self { scaling, system })
     }
 
@@ -135,17 +155,81 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         start: impl Into<State>,
         seconds: f64,
     ) -> Result<Trajectory, Error> {
-        let units = self.scaling.units();
-        let start = self.scaling.dimensionless_state(start);
         let integrator = integrator.with_start_time(0.0)?;
-        let motion = integrator
-            .simulate(
-                &self.system,
-                start,
-                self.scaling.dimensionless_time(seconds),
-            )
-            .map_err(|error| error.in_units(units))?;
-        Ok(motion.in_units(units, seconds))
+        self.motion(start.into(), seconds, |start, duration| {
+            integrator.simulate(&self.system, start, duration)
+        })
+    }
+
+    /// The motion from a start (m, m/s) until `stop` says so, until a time in seconds is over, or
+    /// until it cannot go on: [`Integrator::simulate_until`]. `stop` is given each step in SI units
+    /// and returns a time in seconds.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Integrator::simulate_until`]; numbers in SI units.
+    ///
+    /// ```
+    /// use stick_slip::{Ended, Integrator, Physical, PhysicalMassOnBelt, Segment, Stribeck};
+    ///
+    /// let pad = Physical {
+    ///     mass: 2.0, stiffness: 5000.0, damping: 4.0, normal_force: 20.0, belt_velocity: 0.05,
+    /// };
+    /// let brake = PhysicalMassOnBelt::new(pad, Stribeck::new(0.4, 0.25, 0.1, 1)?)?;
+    /// // Until the spring is stretched by 1.5 mm.
+    /// let motion = brake.simulate_until(Integrator::new(), (0.0, 0.0), 10.0, |step| {
+    ///     step.first_zero(|state| state.displacement - 1.5e-3)
+    /// })?;
+    /// assert_eq!(motion.ended(), &Ended::Stopped);
+    /// assert!((motion.last().displacement - 1.5e-3).abs() < 1e-17);
+    /// // It sticks already and moves with the belt.
+    /// let stick = motion.events()[0];
+    /// let way = 0.05 * (motion.duration() - stick.time);
+    /// assert!((stick.state.displacement + way - 1.5e-3).abs() < 1e-17);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    #[doc(alias = "event")]
+    pub fn simulate_until(
+        &self,
+        integrator: Integrator,
+        start: impl Into<State>,
+        seconds: f64,
+        mut stop: impl FnMut(&Step) -> Option<f64>,
+    ) -> Result<Trajectory, Error> {
+        let units = self.scaling.units();
+        let mut stop = |step: &Step| {
+            let converted = step.in_units(units);
+            let time = stop(&converted)?;
+            // The end of a step remains its end, and keeps the event there.
+            let is_end = time >= converted.end_time();
+            let time = self.scaling.dimensionless_time(time);
+            Some(if is_end { step.end_time() } else { time })
+        };
+        let integrator = integrator.with_start_time(0.0)?;
+        self.motion(start.into(), seconds, |start, duration| {
+            integrator.simulate_until(&self.system, start, duration, &mut stop)
+        })
+    }
+
+    /// The motion in SI units that `run` makes from a dimensionless start and duration.
+    fn motion(
+        &self,
+        given: State,
+        seconds: f64,
+        run: impl FnOnce(State, f64) -> Result<Trajectory, Error>,
+    ) -> Result<Trajectory, Error> {
+        let start = self.scaling.dimensionless_state(given);
+        let duration = self.scaling.dimensionless_time(seconds);
+        match run(start, duration) {
+            Ok(motion) => Ok(motion.in_units(self.scaling.units(), seconds)),
+            // As they were given: in the conversion they may have overflown.
+            Err(Error::InvalidState { .. }) => Err(Error::InvalidState {
+                displacement: given.displacement,
+                velocity: given.velocity,
+            }),
+            Err(Error::InvalidDuration { .. }) => Err(Error::InvalidDuration { value: seconds }),
+            Err(error) => Err(self.in_si(error)),
+        }
     }
 
     /// All periodic motions, stable and unstable: [`limit_cycle::find`].
@@ -155,10 +239,9 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     /// Those of [`limit_cycle::find`]; numbers in SI units.
     #[doc(alias = "find")]
     pub fn cycles(&self) -> Result<CycleSet, Error> {
-        let units = self.scaling.units();
         match limit_cycle::find(&self.system) {
-            Ok(cycles) => Ok(cycles.in_units(units)),
-            Err(error) => Err(error.in_units(units)),
+            Ok(cycles) => Ok(cycles.in_units(self.scaling.units())),
+            Err(error) => Err(self.in_si(error)),
         }
     }
 
@@ -168,10 +251,9 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// Those of [`limit_cycle::stick_slip`]; numbers in SI units.
     pub fn stick_slip(&self) -> Result<Option<LimitCycle>, Error> {
-        let units = self.scaling.units();
         match limit_cycle::stick_slip(&self.system) {
-            Ok(cycle) => Ok(cycle.map(|cycle| cycle.in_units(units))),
-            Err(error) => Err(error.in_units(units)),
+            Ok(cycle) => Ok(cycle.map(|cycle| cycle.in_units(self.scaling.units()))),
+            Err(error) => Err(self.in_si(error)),
         }
     }
 
@@ -180,19 +262,16 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// Those of the search; belt velocities and speeds in m/s, but the ends of a bad range
-    /// dimensionless.
+    /// Those of the search; numbers in SI units.
     #[doc(alias = "sweep")]
     pub fn velocities(
         &self,
         search: impl FnOnce(&MassOnBelt<Scaled<L>>, Range<f64>) -> Result<Vec<f64>, Error>,
         range: Range<f64>,
     ) -> Result<Vec<f64>, Error> {
-        let units = self.scaling.units();
-        let mut found = search(&self.system, self.scaling.dimensionless_velocities(range))
-            .map_err(|error| error.in_units(units))?;
+        let mut found = self.over(&range, |range| search(&self.system, range))?;
         for velocity in &mut found {
-            *velocity *= units.velocity();
+            *velocity = self.scaling.metres_per_second(*velocity);
         }
         Ok(found)
     }
@@ -202,13 +281,11 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// Those of [`bifurcation::vibration_ranges`]; belt velocities and speeds in m/s, but the ends
-    /// of a bad range dimensionless.
+    /// Those of [`bifurcation::vibration_ranges`]; numbers in SI units.
     #[doc(alias = "sweep")]
     pub fn vibration_ranges(&self, range: Range<f64>) -> Result<Vec<VibrationRange>, Error> {
-        let range = self.scaling.dimensionless_velocities(range);
-        let mut ranges = bifurcation::vibration_ranges(&self.system, range)
-            .map_err(|error| self.in_si(error))?;
+        let search = |range| bifurcation::vibration_ranges(&self.system, range);
+        let mut ranges = self.over(&range, search)?;
         for VibrationRange { velocities, .. } in &mut ranges {
             *velocities = self.scaling.metres_per_second(velocities.start)
                 ..self.scaling.metres_per_second(velocities.end);
@@ -261,19 +338,28 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
 
     /// An error of the dimensionless system in SI units.
     fn in_si(&self, error: Error) -> Error {
-        match error.in_units(self.scaling.units()) {
-            Error::At {
-                parameter: parameter @ "damping",
-                value,
-                source,
-            } => source.at(parameter, self.scaling.damping_constant(value)),
-            Error::At {
-                parameter: "load",
-                value,
-                source,
-            } => source.at("normal_force", self.scaling.newtons(value)),
-            other => other,
-        }
+        error.in_units(self.scaling.units())
+    }
+
+    /// What a search finds over a range in m/s. An error holds the ends of a bad range as they were
+    /// given.
+    fn over<T>(
+        &self,
+        range: &Range<f64>,
+        search: impl FnOnce(Range<f64>) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        let found = search(self.scaling.dimensionless_velocities(range.clone()));
+        found.map_err(|error| {
+            let mut error = self.in_si(error);
+            if let Error::InvalidParameter { name, value, .. } = &mut error {
+                match *name {
+                    "range.start" => *value = range.start,
+                    "range.end" => *value = range.end,
+                    _ => {}
+                }
+            }
+            error
+        })
     }
 
     /// Equilibrium and periodic motions at each of a list of belt velocities in m/s:
@@ -294,7 +380,15 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
             let dimensionless = [self.scaling.dimensionless_velocity(velocity)];
             let mut points = bifurcation::diagram(&self.system, dimensionless);
             match points.next() {
-                Some(Err(error)) => Err(error.in_units(units)),
+                Some(Err(error)) => {
+                    let mut error = error.in_units(units);
+                    if let Error::InvalidParameter { value, .. } | Error::At { value, .. } =
+                        &mut error
+                    {
+                        *value = velocity;
+                    }
+                    Err(error)
+                }
                 Some(Ok(point)) => Ok(DiagramPoint {
                     belt_velocity: velocity,
                     equilibrium: point.equilibrium.map(|it| it.in_units(units)),

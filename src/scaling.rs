@@ -116,16 +116,24 @@ impl Scaling {
             normal_force,
             belt_velocity,
         } = physical;
-        Error::check("mass", mass, mass > 0.0, "mass > 0")?;
-        Error::check("stiffness", stiffness, stiffness > 0.0, "stiffness > 0")?;
-        Error::check("damping", damping, damping >= 0.0, "damping ≥ 0")?;
+        Error::check("Scaling", "mass", mass, mass > 0.0, "mass > 0")?;
         Error::check(
+            "Scaling",
+            "stiffness",
+            stiffness,
+            stiffness > 0.0,
+            "stiffness > 0",
+        )?;
+        Error::check("Scaling", "damping", damping, damping >= 0.0, "damping ≥ 0")?;
+        Error::check(
+            "Scaling",
             "normal_force",
             normal_force,
             normal_force > 0.0,
             "normal_force > 0",
         )?;
         Error::check(
+            "Scaling",
             "belt_velocity",
             belt_velocity,
             true,
@@ -133,6 +141,7 @@ impl Scaling {
         )?;
         let angular_frequency = (stiffness / mass).sqrt();
         Error::check(
+            "Scaling",
             "stiffness",
             stiffness,
             angular_frequency.is_normal(),
@@ -161,6 +170,7 @@ impl Scaling {
             && (damping.is_normal() || self.physical.damping == 0.0)
             && (belt_velocity.is_normal() || self.physical.belt_velocity == 0.0);
         Error::check(
+            "Scaling",
             "length",
             length,
             length > 0.0 && ordinary,

@@ -10,8 +10,11 @@
 //!
 //! A struct is a map from the names of its fields, all in `snake_case`, to their values. An enum is
 //! the name of its variant in `snake_case`, alone or as the only key of a map. Numbers are
-//! dimensionless, except for those of [`Physical`](crate::Physical) and of a
-//! [`Structure`](crate::Structure) with its parts. Fields in brackets may be left out when read.
+//! dimensionless, except for those of [`Physical`](crate::Physical), of a
+//! [`Structure`](crate::Structure) with its parts, and of what a
+//! [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt) has found, which are in SI units (but for
+//! `damping` of a cycle, which is the ratio β everywhere). To write a `PhysicalMassOnBelt`, write
+//! its `Physical` and its law. Fields in brackets may be left out when read.
 //!
 //! | type | fields | read |
 //! |---|---|---|

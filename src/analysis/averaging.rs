@@ -106,6 +106,7 @@ impl SlowFlow {
     ) -> Result<Self, Error> {
         let belt_speed = system.belt_velocity().abs();
         Error::check(
+            "averaging",
             "amplitude",
             amplitude,
             amplitude >= 0.0 && (belt_speed + amplitude).is_finite(),

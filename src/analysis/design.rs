@@ -83,12 +83,14 @@ pub fn stabilizing_damping_over<L: FrictionLaw>(
 ) -> Result<f64, Error> {
     let (start, end) = (velocities.start, velocities.end);
     Error::check(
+        "design::stabilizing_damping_over",
         "velocities.start",
         start,
         start >= 0.0,
         "0 ≤ velocities.start",
     )?;
     Error::check(
+        "design::stabilizing_damping_over",
         "velocities.end",
         end,
         end > start,
@@ -99,6 +101,9 @@ pub fn stabilizing_damping_over<L: FrictionLaw>(
         constant: 0.0,
         factor: 1.0,
     };
-    let steepest = -slope.least(velocities, "velocities.end")?;
+    let steepest = -slope.least(
+        velocities,
+        ["design::stabilizing_damping_over", "velocities.end"],
+    )?;
     Ok(0.5 * system.load() * steepest.max(0.0))
 }

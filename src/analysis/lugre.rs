@@ -133,7 +133,13 @@ pub fn contact_vibration<L: FrictionLaw>(
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 pub fn passive_viscosity<L: FrictionLaw>(law: &LuGre<L>, max_speed: f64) -> Result<f64, Error> {
-    Error::check("max_speed", max_speed, max_speed > 0.0, "max_speed > 0")?;
+    Error::check(
+        "lugre::passive_viscosity",
+        "max_speed",
+        max_speed,
+        max_speed > 0.0,
+        "max_speed > 0",
+    )?;
     let g = law.law();
     let slope = AlongSlope {
         law: g,
@@ -142,13 +148,22 @@ pub fn passive_viscosity<L: FrictionLaw>(law: &LuGre<L>, max_speed: f64) -> Resu
     };
     // A turning point below the least speed of the search is a speed of 0.
     let least_speed = f64::EPSILON * max_speed;
-    let turns = slope.sign_changes(&(least_speed..max_speed), "max_speed")?;
+    let turns = slope.sign_changes(
+        &(least_speed..max_speed),
+        ["lugre::passive_viscosity", "max_speed"],
+    )?;
     let speeds = turns.into_iter().chain([0.0, max_speed]);
     let (mut lowest, mut highest) = (f64::INFINITY, 0.0_f64);
     for speed in speeds {
         let value = g.kinetic(speed);
         let allowed = "a range of speeds in which g is positive";
-        Error::check("max_speed", max_speed, value > 0.0, allowed)?;
+        Error::check(
+            "lugre::passive_viscosity",
+            "max_speed",
+            max_speed,
+            value > 0.0,
+            allowed,
+        )?;
         (lowest, highest) = (lowest.min(value), highest.max(value));
     }
     Ok(law.damping() * (highest - lowest) / lowest)

@@ -444,6 +444,12 @@ impl Cubic {
 /// fixed μ_s. If μ_s and μ_m are raised by the same constant, the stick band widens and u − ū stays
 /// as it is.
 ///
+/// As |v_b| → v_b0 stick shrinks like √δ, δ = 1 − |v_b|/v_b0. But it ends at
+/// [`grazing_velocity`](super::PureSlip::grazing_velocity), a little above v_b0: the duration of
+/// the second order is too short by the part (3461/153600) q²/δ, q of that velocity, as long as
+/// this is small. So keep δ above q², or find the cycle. The errors of the extremes and of the
+/// period do not grow.
+///
 /// Source: expansion of the slip arc out of the release point, which replaces Eqs. 16-18.
 ///
 /// ```

@@ -45,12 +45,19 @@ impl Transient {
         initial_phase: f64,
     ) -> Result<Self, Error> {
         Error::check(
+            "PureSlip",
             "initial_amplitude",
             initial_amplitude,
             initial_amplitude >= 0.0,
             "initial_amplitude ≥ 0",
         )?;
-        Error::check("initial_phase", initial_phase, true, "any value")?;
+        Error::check(
+            "PureSlip",
+            "initial_phase",
+            initial_phase,
+            true,
+            "any value",
+        )?;
         Ok(Self {
             equilibrium,
             h1,

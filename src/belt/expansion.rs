@@ -4,9 +4,10 @@ use super::slip_point::SlipPoint;
 use super::system::MassOnBelt;
 use crate::clock::Time;
 use crate::error::Error;
-use crate::friction::{FrictionLaw, Piece};
+use crate::friction::{FrictionLaw, LawVisitor, Piece};
 use crate::scalar::{Composed, Workspace, expand, fused, jet, mul_add};
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
+use crate::state::Direction;
 
 /// The power series of a slip phase about one of its points, in the time since that point.
 ///
@@ -57,13 +58,7 @@ impl Expander {
 
     /// Expands the motion about a point, on one piece of the law. If a series of the sliding speed
     /// is given as `along`, in any unit of time, only the friction is expanded.
-    ///
-    /// Three choices are made for speed. The law is an argument of its own: behind a reference
-    /// inside the system, the compiler would have to load the law's parameters anew after every
-    /// coefficient that is stored. The series is written in place: a copy would load what has just
-    /// been stored, and wait for it. The function is kept out of line: inlined into the stepper, it
-    /// would compete for registers and run at half the speed.
-    #[inline(never)]
+    #[inline(always)]
     pub(crate) fn expand<L: FrictionLaw>(
         &mut self,
         piece: Piece<'_, L>,
@@ -72,22 +67,50 @@ impl Expander {
         time: Time,
         along: Option<&PowerSeries>,
     ) -> Result<(), Error> {
+        let equation = Equation::of(system, from.direction);
+        piece.law.give_to(Expansion {
+            expander: self,
+            piece: piece.index,
+            equation: &equation,
+            from,
+            time,
+            along,
+        })
+    }
+
+    /// The same for one law, not a choice of several.
+    ///
+    /// Three choices are made for speed. The law is an argument of its own: behind a reference
+    /// inside the system, the compiler would have to load the law's parameters anew after every
+    /// coefficient that is stored. The series is written in place: a copy would load what has just
+    /// been stored, and wait for it. The function is kept out of line: inlined into the stepper, it
+    /// would compete for registers and run at half the speed.
+    #[inline(never)]
+    fn expand_one<L: FrictionLaw>(
+        &mut self,
+        piece: Piece<'_, L>,
+        equation: &Equation,
+        from: &SlipPoint,
+        time: Time,
+        along: Option<&PowerSeries>,
+    ) -> Result<(), Error> {
         if !fused::CHOSEN {
-            return self.expand_by::<_, true>(piece, system, from, time, along);
+            return self.expand_by::<_, true>(piece, equation, from, time, along);
         }
         let Piece { law, index } = piece;
-        let mut work = (self, index, system, from, time, along);
+        let mut work = (self, index, equation, from, time, along);
         let expanded = fused::compute(
             law,
             &mut work,
             #[inline(always)]
-            |law, (expander, index, system, from, time, along)| {
+            |law, (expander, index, equation, from, time, along)| {
                 let piece = Piece { law, index: *index };
-                expander.expand_by::<_, true>(piece, system, from, *time, *along)
+                expander.expand_by::<_, true>(piece, equation, from, *time, *along)
             },
         );
         let (expander, ..) = work;
-        expanded.unwrap_or_else(|| expander.expand_by::<_, false>(piece, system, from, time, along))
+        expanded
+            .unwrap_or_else(|| expander.expand_by::<_, false>(piece, equation, from, time, along))
     }
 
     /// The same, unrolled for every order or by jets.
@@ -95,7 +118,7 @@ impl Expander {
     fn expand_by<L: FrictionLaw, const UNROLLED: bool>(
         &mut self,
         piece: Piece<'_, L>,
-        system: &MassOnBelt<&L>,
+        equation: &Equation,
         from: &SlipPoint,
         time: Time,
         along: Option<&PowerSeries>,
@@ -108,8 +131,11 @@ impl Expander {
             }
         };
         let sigma = from.direction.sign();
-        let (damping, load) = (2.0 * system.damping(), system.load());
-        let belt = sigma * system.belt_velocity();
+        let &Equation {
+            damping,
+            load,
+            belt,
+        } = equation;
         let Self { series, workspace } = self;
         let SlipSeries {
             speed: series,
@@ -180,6 +206,54 @@ impl Expander {
             }
         }
         Ok(())
+    }
+}
+
+/// The constants 2β, γ² and σv_b of the equations of slip.
+struct Equation {
+    damping: f64,
+    load: f64,
+    belt: f64,
+}
+
+impl Equation {
+    fn of<L: FrictionLaw>(system: &MassOnBelt<&L>, direction: Direction) -> Self {
+        Self {
+            damping: 2.0 * system.damping(),
+            load: system.load(),
+            belt: direction.sign() * system.belt_velocity(),
+        }
+    }
+}
+
+/// The arguments of an expansion, on their way to the law.
+struct Expansion<'a> {
+    expander: &'a mut Expander,
+    piece: usize,
+    equation: &'a Equation,
+    from: &'a SlipPoint,
+    time: Time,
+    along: Option<&'a PowerSeries>,
+}
+
+impl LawVisitor for Expansion<'_> {
+    type Output = Result<(), Error>;
+
+    #[inline(always)]
+    fn visit<L: FrictionLaw>(self, law: &L) -> Self::Output {
+        let piece = Piece {
+            law,
+            index: self.piece,
+        };
+        let Self {
+            expander,
+            equation,
+            from,
+            time,
+            along,
+            ..
+        } = self;
+        expander.expand_one(piece, equation, from, time, along)
     }
 }
 

@@ -18,6 +18,13 @@ impl<'s, L> Forward<'s, L> {
     }
 }
 
+impl<'s, L: FrictionLaw> Forward<'s, L> {
+    /// The law itself, not the reference to it: what is done with it is compiled for the law, once.
+    pub(crate) fn law(&self) -> &'s L {
+        self.0.law()
+    }
+}
+
 impl<L: FrictionLaw> MassOnBelt<L> {
     /// The same system if v_b > 0, its mirror image if v_b < 0; `None` at v_b = 0.
     pub(crate) fn moving_forward(&self) -> Option<Forward<'_, L>> {

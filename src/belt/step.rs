@@ -3,7 +3,7 @@ use crate::clock::Clock;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::motion::sealed::Sealed;
-use crate::motion::{Event, EventKind, Mode, Segment, SystemState, Trajectory};
+use crate::motion::{Ended, Event, EventKind, Mode, Segment, SystemState, Trajectory};
 use crate::series::PowerSeries;
 use crate::state::{Direction, State, Units};
 
@@ -343,10 +343,17 @@ impl Trajectory {
         Some(self.step_at(time)?.mode)
     }
 
-    /// This dimensionless motion from time 0, in other units and with its duration there.
-    pub(crate) fn in_units(&self, units: Units, duration: f64) -> Self {
+    /// This dimensionless motion from time 0, in other units. `asked` is the duration there for
+    /// which it was asked.
+    pub(crate) fn in_units(&self, units: Units, asked: f64) -> Self {
         let steps = self.steps().iter().map(|step| step.in_units(units));
-        Self::new(steps.collect(), 0.0, duration, self.ended().clone())
+        let reached = self.duration() / units.rate;
+        let (duration, ended) = match self.ended().clone() {
+            Ended::Duration => (asked, Ended::Duration),
+            Ended::Stopped => (reached, Ended::Stopped),
+            Ended::Error(error) => (reached, Ended::Error(error.in_units(units))),
+        };
+        Self::new(steps.collect(), 0.0, duration, ended)
     }
 
     /// The motion sampled at equal intervals from its start on: time, state, and what the mass does

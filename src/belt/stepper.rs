@@ -315,7 +315,7 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         Advance {
             duration: settled.duration,
             end: SlipPoint {
-                displacement: self.displacement(point, time, settled.duration),
+                displacement: self.displacement_inline(point, time, settled.duration),
                 speed: settled.end_speed,
                 rate: None,
                 ..*point
@@ -374,8 +374,14 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
     }
 
     /// Displacement at a time t after the start of the step taken last, from `start`.
-    #[inline(always)]
+    #[inline(never)]
     pub(crate) fn displacement(&self, start: &SlipPoint, time: Time, t: f64) -> f64 {
+        self.displacement_inline(start, time, t)
+    }
+
+    /// The same where speed counts.
+    #[inline(always)]
+    fn displacement_inline(&self, start: &SlipPoint, time: Time, t: f64) -> f64 {
         let mean_speed = self.expander.series.speed.mean(t);
         let mean_velocity = self.system.belt_velocity() + start.direction.sign() * mean_speed;
         start.displacement + time.sign() * mean_velocity * t

@@ -81,6 +81,7 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     pub fn with_damping(mut self, damping: f64) -> Result<Self, Error> {
         self.damping = damping;
         Error::check(
+            "MassOnBelt",
             "damping",
             damping,
             damping >= 0.0 && self.has_finite_limits(),
@@ -100,6 +101,7 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     pub fn with_load(mut self, load: f64) -> Result<Self, Error> {
         self.load = load;
         Error::check(
+            "MassOnBelt",
             "load",
             load,
             load > 0.0 && self.has_finite_limits(),
@@ -118,6 +120,7 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     pub fn with_belt_velocity(mut self, belt_velocity: f64) -> Result<Self, Error> {
         self.belt_velocity = belt_velocity;
         Error::check(
+            "MassOnBelt",
             "belt_velocity",
             belt_velocity,
             self.has_finite_limits(),

@@ -31,6 +31,8 @@ use crate::limit_cycle::Tracer;
 /// assert!(grazing > 0.0 && grazing < 2.0);
 /// # Ok::<(), Error>(())
 /// ```
+#[doc(alias = "sweep")]
+#[doc(alias = "continuation")]
 pub fn along<'f, L: FrictionLaw>(
     family: impl Fn(f64) -> Result<MassOnBelt<L>, Error> + 'f,
     range: Range<f64>,
@@ -67,12 +69,13 @@ pub fn along_velocities<L: FrictionLaw>(system: &MassOnBelt<L>, range: Range<f64
 /// steps, and two more for each breakpoint of the law that it passes. One system costs
 /// [`hopf`](Self::hopf) no steps; [`grazing`](Self::grazing) and [`overshoot`](Self::overshoot) one
 /// slip arc; [`crossing`](Self::crossing) two; [`folds`](Self::folds) some ten oscillations for a
-/// smooth law, and some hundred for a table of scattered points. A range takes 65 systems, and some
-/// tens more for each value that is found. [`vibration_ranges`](Self::vibration_ranges) costs all
-/// five searches.
+/// smooth law, and up to a hundred for a table of scattered points. A range takes 65 systems, and
+/// some tens more for each value that is found. [`vibration_ranges`](Self::vibration_ranges) costs
+/// all five searches.
 ///
-/// So folds over a table of n points of wide scatter cost about n² steps, times some hundred: 60
-/// points a second or more, 400 points minutes. Bound such a search, or smooth the table.
+/// So folds over a table of n points of wide scatter take about 200 n² steps: 60 points a second,
+/// 400 points a minute or two, and a law with thousands of waves much longer. Smooth the table, or
+/// bound the search: a million steps are one to two seconds.
 ///
 /// A search is stopped by [`with_max_steps`](Self::with_max_steps), or by a closure that
 /// [watches](Self::watched) it. Both are asked before each system, and one system takes no more
@@ -148,6 +151,7 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
     /// ```
     pub fn with_max_steps(self, max_steps: usize) -> Result<Self, Error> {
         Error::check(
+            "bifurcation::along",
             "max_steps",
             max_steps as f64,
             max_steps > 0,
@@ -195,8 +199,20 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
     /// The range, if it is one.
     pub(super) fn whole(&self) -> Result<Range<f64>, Error> {
         let Range { start, end } = self.range;
-        Error::check("range.start", start, true, "start < end")?;
-        Error::check("range.end", end, end > start, "start < end")?;
+        Error::check(
+            "bifurcation::along",
+            "range.start",
+            start,
+            true,
+            "start < end",
+        )?;
+        Error::check(
+            "bifurcation::along",
+            "range.end",
+            end,
+            end > start,
+            "start < end",
+        )?;
         Ok(start..end)
     }
 
@@ -272,17 +288,29 @@ impl<'a, 'f, L: FrictionLaw> Work<'a, 'f, L> {
         look: &mut dyn FnMut(&mut Tracer<'_, L>) -> Result<T, Error>,
     ) -> Result<Option<T>, Error> {
         let mut found = None;
-        self.with_system(value, &mut |system| {
-            if let Some(forward) = Forward::of(system) {
-                let mut tracer = Tracer::new(forward);
-                let looked = look(&mut tracer);
-                self.steps
-                    .set(self.steps.get().saturating_add(tracer.work()));
-                found = Some(looked?);
-            }
+        self.with_tracer(value, &mut |tracer| {
+            found = Some(look(tracer)?);
             Ok(())
         })?;
         Ok(found)
+    }
+
+    /// The same, compiled once for all that `look` may find.
+    fn with_tracer(
+        &self,
+        value: f64,
+        look: &mut dyn FnMut(&mut Tracer<'_, L>) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        self.with_system(value, &mut |system| {
+            let Some(forward) = Forward::of(system) else {
+                return Ok(());
+            };
+            let mut tracer = Tracer::new(forward);
+            let looked = look(&mut tracer);
+            self.steps
+                .set(self.steps.get().saturating_add(tracer.work()));
+            looked
+        })
     }
 
     /// Counts a system, unless the search is stopped before it.

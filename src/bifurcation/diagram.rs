@@ -22,8 +22,9 @@ pub struct DiagramPoint {
 ///
 /// # Errors
 ///
-/// Each item can be an error of [`MassOnBelt::with_belt_velocity`] or of
-/// [`find`](crate::limit_cycle::find); the iterator goes on after it.
+/// Each item can be an error of [`MassOnBelt::with_belt_velocity`], or [`Error::At`] with the belt
+/// velocity and one of the errors of [`find`](crate::limit_cycle::find); the iterator goes on after
+/// it.
 ///
 /// ```
 /// use stick_slip::{CycleKind, MassOnBelt, Polynomial, bifurcation};
@@ -82,6 +83,6 @@ fn point<L: FrictionLaw>(
     Ok(DiagramPoint {
         belt_velocity,
         equilibrium: system.equilibrium(),
-        cycles: find_borrowed(system)?,
+        cycles: find_borrowed(system).map_err(|error| error.at("belt_velocity", belt_velocity))?,
     })
 }

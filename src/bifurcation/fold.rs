@@ -25,6 +25,14 @@ const NEAR_TURN: f64 = 1e-3;
 /// across it.
 const REACH: f64 = 2.0;
 
+/// Farthest growth that can come to zero and turn back within half an interval, in units of what
+/// the growth in the middle differs from the mean of both ends: eight times what a parabola needs.
+const REACH_OF_BEND: f64 = 2.0;
+
+/// The same in units of the change across the half, at the least: a function that is odd about the
+/// middle does not show there how it bends.
+const LEAST_BEND: f64 = 0.25;
+
 /// Belt velocities v_b in `range`, ascending and dimensionless, at which two pure-slip cycles, one
 /// stable and one unstable, meet and vanish.
 ///
@@ -32,10 +40,11 @@ const REACH: f64 = 2.0;
 /// over one turn, P(V)/V − 1, is a function of V with turning points, found as roots of its exact
 /// derivative. At a fold the growth at a turning point passes through zero, and the multiplier of
 /// the cycle is 1. The range is divided into 64 intervals. In each, only growths count that are
-/// nearer to zero than twice the change across the interval, which is measured at nine places; an
-/// interval in which turning points come, go, move far or come near zero is divided into up to 2¹⁶
-/// parts. Each turning point is followed into the fold from both sides, so that every velocity
-/// returned is one at which cycles meet.
+/// nearer to zero than twice the change across the interval, which is measured at nine places. An
+/// interval in which turning points come, go, move far or come nearer to zero than the growth may
+/// bend away from a straight line in v_b is divided into up to 2¹⁶ parts. Each turning point is
+/// followed into the fold from both sides, so that every velocity returned is one at which cycles
+/// meet.
 ///
 /// Source: saddle-node bifurcations of maps, Guckenheimer and Holmes, *Nonlinear Oscillations,
 /// Dynamical Systems, and Bifurcations of Vector Fields* (Springer 1983), section 3.5.
@@ -112,6 +121,7 @@ impl<L: FrictionLaw> Growths for Work<'_, '_, L> {
             seen,
             points: Vec::new(),
             reach: -1.0,
+            bend: f64::INFINITY,
         })
     }
 
@@ -146,6 +156,9 @@ struct Outline {
     points: Vec<(f64, f64)>,
     /// Growth up to which the turning points are exact.
     reach: f64,
+    /// How far the growth in the middle of the interval that was halved last, with this outline at
+    /// an end or in the middle, is from the mean of both ends; infinite before.
+    bend: f64,
 }
 
 impl Outline {
@@ -157,6 +170,29 @@ impl Outline {
         }
         let pairs = std::iter::zip(&self.surveyed, &other.surveyed);
         pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    }
+
+    /// How far the growth at the places of a survey is from the mean of two others; infinite if
+    /// one has no survey.
+    fn bend_between(&self, a: &Self, b: &Self) -> f64 {
+        let all = [self, a, b].map(|outline| &outline.surveyed[..]);
+        if all.iter().any(|surveyed| surveyed.is_empty()) {
+            return f64::INFINITY;
+        }
+        let [middle, a, b] = all;
+        let bend = |i: usize| (middle[i] - 0.5 * (a[i] + b[i])).abs();
+        (0..middle.len()).map(bend).fold(0.0, f64::max)
+    }
+
+    /// Whether the growth is positive at the ends of the range of peak velocities.
+    fn at_ends(&self) -> [bool; 2] {
+        let of_points = [self.points.first(), self.points.last()].map(|end| end.map(|end| end.1));
+        let of_survey = [self.surveyed.first(), self.surveyed.last()].map(|end| end.copied());
+        [0, 1].map(|i| {
+            of_survey[i]
+                .or(of_points[i])
+                .is_some_and(|growth| growth > 0.0)
+        })
     }
 
     fn is_empty(&self) -> bool {
@@ -205,9 +241,27 @@ impl Window {
             .map(move |(peak, growth)| ((peak - first) / (last - first), *growth))
     }
 
-    /// Whether the growth is positive at the ends of the range of peak velocities.
-    fn at_ends(&self) -> [bool; 2] {
-        [self.0.first(), self.0.last()].map(|end| end.is_some_and(|end| end.1 > 0.0))
+    /// The places of neighbouring points between which the growth passes through zero.
+    fn zeros(&self) -> Vec<[f64; 2]> {
+        let last = self.0.last().copied().into_iter();
+        let inner = self.turns().chain(last.map(|end| (1.0, end.1)));
+        let mut zeros = Vec::new();
+        let mut before = (0.0, self.0.first().is_some_and(|end| end.1 > 0.0));
+        for (place, growth) in inner {
+            let positive = growth > 0.0;
+            if positive != before.1 {
+                zeros.push([before.0, place]);
+            }
+            before = (place, positive);
+        }
+        zeros
+    }
+
+    /// Whether the growth is zero as often as in another window, and may be so at the same places.
+    fn may_have_zeros_of(&self, other: &Self) -> bool {
+        let (a, b) = (self.zeros(), other.zeros());
+        let meet = |(a, b): (&[f64; 2], &[f64; 2])| a[0] < b[1] && b[0] < a[1];
+        a.len() == b.len() && std::iter::zip(&a, &b).all(meet)
     }
 }
 
@@ -233,7 +287,7 @@ impl Folds<'_> {
         window: &Window,
         reach: f64,
         crossed: &Crossed,
-    ) -> Result<Option<SignChange>, Error> {
+    ) -> Result<Option<f64>, Error> {
         let [p, q] = crossed.ends;
         let margin = (0.5 * (p.0 - q.0).abs()).max(NEAR_TURN);
         let (first, last) = (p.0.min(q.0) - margin, p.0.max(q.0) + margin);
@@ -253,7 +307,8 @@ impl Folds<'_> {
             Ok(turn.flatten().map(|turn| turn.1))
         };
         let change = sign_change_between(&mut growth, (low, p.1), (high, q.1))?;
-        Ok(change.filter(|change| change.residual() <= JUMP))
+        let is_passed = |change: &SignChange| change.residual() <= JUMP;
+        Ok(change.filter(is_passed).map(|change| change.below))
     }
 }
 
@@ -264,6 +319,20 @@ impl Survey for Folds<'_> {
 
     fn sample(&mut self, value: f64) -> Result<Outline, Error> {
         self.growths.survey(value)
+    }
+
+    fn middle(
+        &mut self,
+        value: f64,
+        left: &mut Outline,
+        right: &mut Outline,
+    ) -> Result<Outline, Error> {
+        let mut middle = self.sample(value)?;
+        let bend = middle.bend_between(left, right);
+        for outline in [&mut middle, left, right] {
+            outline.bend = bend;
+        }
+        Ok(middle)
     }
 
     fn look(
@@ -280,11 +349,18 @@ impl Survey for Folds<'_> {
                 Look::Halve
             });
         }
-        let reach = REACH * a.change(b);
+        if a.at_ends() != b.at_ends() && halvings > 0 {
+            // The cycle that appears at an end may meet another close by.
+            return Ok(Look::Halve);
+        }
+        let change = a.change(b);
+        let reach = REACH * change;
         self.growths.sharpen(*low, a, reach)?;
         self.growths.sharpen(*high, b, reach)?;
+        let near = REACH_OF_BEND * a.bend.max(b.bend);
+        let near = near.max(LEAST_BEND * change).min(reach);
         let (a, b) = (a.within(reach), b.within(reach));
-        let mut may_hide = !a.is_like(&b) || a.at_ends() != b.at_ends();
+        let mut may_hide = false;
         let mut crossed = Vec::new();
         if a.is_like(&b) {
             for (index, (p, q)) in std::iter::zip(a.turns(), b.turns()).enumerate() {
@@ -294,9 +370,12 @@ impl Survey for Folds<'_> {
                     let ends = [p, q];
                     crossed.push(Crossed { index, ends });
                 } else {
-                    may_hide |= p.1.abs().min(q.1.abs()) < (p.1 - q.1).abs();
+                    may_hide |= p.1.abs().min(q.1.abs()) < (p.1 - q.1).abs().min(near);
                 }
             }
+        } else {
+            let are_far = |window: &Window| window.turns().all(|turn| turn.1.abs() >= near);
+            may_hide = !(a.may_have_zeros_of(&b) && are_far(&a) && are_far(&b));
         }
         if may_hide && halvings > 0 {
             return Ok(Look::Halve);
@@ -309,7 +388,6 @@ impl Survey for Folds<'_> {
             // The turning points at the two ends are not the same ones after all.
             return Ok(Look::Halve);
         }
-        let mut folds: Vec<f64> = folds.iter().map(|change| change.below).collect();
         folds.sort_by(f64::total_cmp);
         self.found.extend(folds);
         Ok(Look::Done)

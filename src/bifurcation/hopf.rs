@@ -80,7 +80,9 @@ pub(super) fn hopf<L: FrictionLaw>(
                 constant: 2.0 * system.damping(),
                 factor: system.load(),
             };
-            let speeds = |range: Range<f64>| damping.sign_changes(&range, "range.end");
+            let speeds = |range: Range<f64>| {
+                damping.sign_changes(&range, ["bifurcation::along", "range.end"])
+            };
             if part.start < 0.0 {
                 // The mirror image. Its end belongs to the range, and is seen from beyond.
                 let mirrored = speeds(part.end.abs()..part.start.abs() * (1.0 + LOOK_BEYOND))?;

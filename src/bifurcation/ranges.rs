@@ -41,6 +41,9 @@ use crate::limit_cycle::{CycleKind, Tracer, find_moving};
 /// assert_eq!(ranges.last().unwrap().attractors, [AttractorKind::Equilibrium]);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
+#[doc(alias = "sweep")]
+#[doc(alias = "hysteresis")]
+#[doc(alias = "squeal")]
 pub fn vibration_ranges<L: FrictionLaw>(
     system: &MassOnBelt<L>,
     range: Range<f64>,

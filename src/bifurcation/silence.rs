@@ -107,6 +107,8 @@ pub fn silencing_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<f64, 
 /// assert!((damping - 0.05).abs() < 1e-12);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
+#[doc(alias = "squeal")]
+#[doc(alias = "critical load")]
 pub fn silencing_load<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<f64, Error> {
     let (law, speed) = (system.law(), system.belt_velocity().abs());
     if speed == 0.0 || is_frictionless(law) {

@@ -121,7 +121,13 @@ impl Drive {
     pub fn with_constant(mut self, value: f64) -> Result<Self, Error> {
         self.constant += value;
         let finite = self.constant.is_finite();
-        Error::check("value", value, finite, "a sum of constants that is finite")?;
+        Error::check(
+            "Drive",
+            "value",
+            value,
+            finite,
+            "a sum of constants that is finite",
+        )?;
         Ok(self)
     }
 
@@ -136,8 +142,8 @@ impl Drive {
         angular_frequency: f64,
         phase: f64,
     ) -> Result<Self, Error> {
-        Error::check("amplitude", amplitude, true, "any size")?;
-        Error::check("phase", phase, true, "any number of radians")?;
+        Error::check("Drive", "amplitude", amplitude, true, "any size")?;
+        Error::check("Drive", "phase", phase, true, "any number of radians")?;
         let (sine, cosine) = phase.sin_cos();
         self.with_waves(angular_frequency, amplitude * cosine, -amplitude * sine)
     }
@@ -148,7 +154,7 @@ impl Drive {
     ///
     /// As for [`sine`](Self::sine).
     pub fn with_sine(self, amplitude: f64, angular_frequency: f64) -> Result<Self, Error> {
-        Error::check("amplitude", amplitude, true, "any size")?;
+        Error::check("Drive", "amplitude", amplitude, true, "any size")?;
         self.with_waves(angular_frequency, 0.0, amplitude)
     }
 
@@ -171,6 +177,7 @@ impl Drive {
     /// cosine·cos(Ωt) + sine·sin(Ωt) added.
     fn with_waves(mut self, frequency: f64, cosine: f64, sine: f64) -> Result<Self, Error> {
         Error::check(
+            "Drive",
             "angular_frequency",
             frequency,
             frequency > 0.0,
@@ -188,7 +195,13 @@ impl Drive {
             self.harmonics.remove(place);
         }
         let amplitude = new.amplitude();
-        Error::check("amplitude", amplitude, true, "amplitudes with a finite sum")?;
+        Error::check(
+            "Drive",
+            "amplitude",
+            amplitude,
+            true,
+            "amplitudes with a finite sum",
+        )?;
         if amplitude != 0.0 {
             self.harmonics.insert(place, new);
         }
@@ -305,10 +318,10 @@ impl Drive {
         Ok(sum)
     }
 
-    /// [`Error::InvalidParameter`] with the name that the drive has where it is put to use, unless
-    /// it is finite at all times.
-    pub(crate) fn check(&self, name: &'static str) -> Result<(), Error> {
-        Error::check(name, self.constant, true, "any size").map(|_| ())
+    /// [`Error::InvalidParameter`] unless the drive of a contact is finite at all times. `name` is
+    /// what it is there.
+    pub(crate) fn check(&self, name: &'static str, allowed: &'static str) -> Result<(), Error> {
+        Error::check("Contact", name, self.constant, true, allowed).map(drop)
     }
 
     /// Value and slope at a time; of the piece that begins there, if one does.
@@ -393,8 +406,8 @@ impl Drive {
             sine,
         } in harmonics
         {
-            Error::check("cosine", cosine, true, "any size")?;
-            Error::check("sine", sine, true, "any size")?;
+            Error::check("Drive", "cosine", cosine, true, "any size")?;
+            Error::check("Drive", "sine", sine, true, "any size")?;
             drive = drive.with_waves(angular_frequency, cosine, sine)?;
         }
         for points in profiles {

@@ -15,7 +15,13 @@ pub(super) struct Profile {
 impl Profile {
     pub(super) fn new(points: &[(f64, f64)]) -> Result<Self, Error> {
         let count = points.len() as f64;
-        Error::check("points", count, count > 0.0, "points ≥ 1: their number")?;
+        Error::check(
+            "Drive",
+            "points",
+            count,
+            count > 0.0,
+            "points ≥ 1: their number",
+        )?;
         for (index, &(time, value)) in points.iter().enumerate() {
             check_point(&points[..index], time, value).map_err(|error| error.at_point(index))?;
         }
@@ -106,12 +112,13 @@ impl Profile {
 
 /// Whether a point may follow the points before it.
 fn check_point(before: &[(f64, f64)], time: f64, value: f64) -> Result<(), Error> {
-    Error::check("value", value, true, "any size")?;
+    Error::check("Drive", "value", value, true, "any size")?;
     let Some(&(last_time, last_value)) = before.last() else {
-        Error::check("time", time, true, "any time")?;
+        Error::check("Drive", "time", time, true, "any time")?;
         return Ok(());
     };
     Error::check(
+        "Drive",
         "time",
         time,
         time >= last_time,
@@ -121,6 +128,7 @@ fn check_point(before: &[(f64, f64)], time: f64, value: f64) -> Result<(), Error
         let (rise, run) = (value - last_value, time - last_time);
         let slope = rise / run;
         Error::check(
+            "Drive",
             "time",
             time,
             slope.is_finite() && run.is_finite(),
@@ -130,6 +138,7 @@ fn check_point(before: &[(f64, f64)], time: f64, value: f64) -> Result<(), Error
     }
     let third = before.len() >= 2 && before[before.len() - 2].0 == time;
     Error::check(
+        "Drive",
         "time",
         time,
         !third,

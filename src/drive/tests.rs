@@ -249,7 +249,7 @@ fn bad_numbers_are_refused_where_they_enter() {
         assert!(Drive::sine(1.0, x).is_err());
         assert!(Drive::profile(&[(x, 0.0)]).is_err());
         assert!(Drive::profile(&[(0.0, x)]).is_err());
-        assert!(Drive::from(x).check("force").is_err());
+        assert!(Drive::from(x).check("load", "load > 0").is_err());
     }
     assert!(Drive::sine(1.0, 0.0).is_err());
     assert!(Drive::sine(1.0, -1.0).is_err());

@@ -41,7 +41,7 @@ pub(crate) struct AlongSlope<'l, L> {
 
 impl<L: FrictionLaw> AlongSlope<'_, L> {
     /// Sliding speeds, ascending, at which h changes its sign, in a range of positive speeds. `end`
-    /// is the name of the range's end, for errors.
+    /// is the function that was called and its name of the range's end, for errors.
     ///
     /// Where h touches zero to rounding and keeps its sign, nothing is reported. A breakpoint at
     /// which h jumps over zero is reported. Where h is zero over a whole interval, the end of that
@@ -49,7 +49,7 @@ impl<L: FrictionLaw> AlongSlope<'_, L> {
     pub(crate) fn sign_changes(
         &self,
         range: &Range<f64>,
-        end: &'static str,
+        end: [&'static str; 2],
     ) -> Result<Vec<f64>, Error> {
         let mut changes = SignChanges {
             h: |speed| self.constant + self.factor * self.law.slope(speed),
@@ -66,7 +66,7 @@ impl<L: FrictionLaw> AlongSlope<'_, L> {
     }
 
     /// Least value of h over a range, its ends included, exact to rounding.
-    pub(crate) fn least(&self, range: Range<f64>, end: &'static str) -> Result<f64, Error> {
+    pub(crate) fn least(&self, range: Range<f64>, end: [&'static str; 2]) -> Result<f64, Error> {
         let mut least = f64::INFINITY;
         self.follow(range, end, &mut |stretch, _| {
             let mut speeds = vec![stretch.start, stretch.start + stretch.length];
@@ -92,7 +92,7 @@ impl<L: FrictionLaw> AlongSlope<'_, L> {
     fn follow(
         &self,
         range: Range<f64>,
-        name: &'static str,
+        [of, name]: [&'static str; 2],
         visit: &mut dyn FnMut(&Stretch, f64) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let mut start = range.start;
@@ -105,7 +105,7 @@ impl<L: FrictionLaw> AlongSlope<'_, L> {
         let mut largest = self.constant;
         for end in ends {
             while start < end {
-                Error::check(name, range.end, stretches < MOST_STRETCHES, TOO_LONG)?;
+                Error::check(of, name, range.end, stretches < MOST_STRETCHES, TOO_LONG)?;
                 stretches += 1;
                 let mut stretch = self.stretch(start, longest.min(end - start), &mut largest)?;
                 let ends_here = start + stretch.length >= end;
@@ -156,7 +156,7 @@ impl<L: FrictionLaw> AlongSlope<'_, L> {
             series,
         };
         let h =
-            |speed: f64| self.constant + self.factor * value_and_slope(&self.law, piece, speed).1;
+            |speed: f64| self.constant + self.factor * value_and_slope(self.law, piece, speed).1;
         loop {
             let size = stretch.largest_term();
             *largest = largest.max(series[0].abs());
@@ -188,6 +188,12 @@ pub(super) struct Stretch {
 }
 
 impl Stretch {
+    /// h(start + t), in one copy of the code.
+    #[inline(never)]
+    fn at(&self, t: f64) -> f64 {
+        self.series.at(t)
+    }
+
     /// Size of term k at the end of the stretch, |c_k| length^k.
     fn term(&self, k: usize) -> f64 {
         match self.series[k] {
@@ -229,7 +235,7 @@ impl Stretch {
     /// meet there could lose the root or find it twice.
     fn end_away_from_zero(&mut self) {
         let ends = [1.0, 0.875, 0.75].map(|part| part * self.length);
-        let height = |t: &f64| self.series.at(*t).abs();
+        let height = |t: &f64| self.at(*t).abs();
         if let Some(end) = ends
             .into_iter()
             .max_by(|a, b| height(a).total_cmp(&height(b)))
@@ -267,14 +273,14 @@ impl<H: Fn(f64) -> f64> SignChanges<H> {
             return; // zero all along
         }
         // A zero at an end counts at the start of this stretch or of the next one.
-        let is_zero = |t: f64| series.at(t).abs() <= rounding;
+        let is_zero = |t: f64| stretch.at(t).abs() <= rounding;
         let first = if is_zero(0.0) { AT_END * length } else { 0.0 };
         let last = if is_zero(*length) {
             (1.0 - AT_END) * length
         } else {
             *length
         };
-        self.add(*start, series.at(first) > 0.0, rounding);
+        self.add(*start, stretch.at(first) > 0.0, rounding);
         let _ = series.sign_changes(*length, &mut |t, rising| {
             if first <= t && t <= last {
                 self.add(start + t, rising, rounding);

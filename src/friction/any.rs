@@ -1,4 +1,6 @@
-use super::{Coulomb, Exponential, FrictionLaw, Polynomial, Rational, Stribeck, Tabulated};
+use super::{
+    Coulomb, Exponential, FrictionLaw, LawVisitor, Polynomial, Rational, Stribeck, Tabulated,
+};
 use crate::scalar::Scalar;
 
 /// Any of the crate's friction laws, for a choice at run time.
@@ -94,5 +96,9 @@ impl FrictionLaw for AnyLaw {
     #[inline(always)]
     fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
         for_each!(self, law => law.kinetic_on(piece, speed))
+    }
+
+    fn give_to<V: LawVisitor>(&self, visitor: V) -> V::Output {
+        for_each!(self, law => law.give_to(visitor))
     }
 }

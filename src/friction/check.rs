@@ -4,9 +4,10 @@ use super::{FrictionLaw, finite_at, taylor_coefficients, taylor_coefficients_on}
 use crate::error::Error;
 use crate::scalar::LONGEST;
 
-/// The static coefficient, if it is finite and ≥ 0.
-pub(super) fn check_static(static_coefficient: f64) -> Result<f64, Error> {
+/// The static coefficient of the law `of`, if it is finite and ≥ 0.
+pub(super) fn check_static(of: &'static str, static_coefficient: f64) -> Result<f64, Error> {
     Error::check(
+        of,
         "static_coefficient",
         static_coefficient,
         static_coefficient >= 0.0,
@@ -17,18 +18,21 @@ pub(super) fn check_static(static_coefficient: f64) -> Result<f64, Error> {
 /// The error of a law whose static coefficient has turned NaN since the law was checked.
 pub(crate) fn static_is_nan() -> Error {
     Error::InvalidParameter {
+        of: "FrictionLaw",
         name: "static_coefficient",
         value: f64::NAN,
         allowed: "static_coefficient ≥ 0",
     }
 }
 
-/// The kinetic coefficient, if 0 ≤ μ_k ≤ μ_s.
+/// The kinetic coefficient of the law `of`, if 0 ≤ μ_k ≤ μ_s.
 pub(super) fn check_kinetic(
+    of: &'static str,
     static_coefficient: f64,
     kinetic_coefficient: f64,
 ) -> Result<f64, Error> {
     Error::check(
+        of,
         "kinetic_coefficient",
         kinetic_coefficient,
         (0.0..=static_coefficient).contains(&kinetic_coefficient),
@@ -40,7 +44,7 @@ pub(super) fn check_kinetic(
 /// μ̂(0), the breakpoints ascend, and the law is continuous.
 pub(crate) fn validate<L: FrictionLaw>(law: &L) -> Result<(), Error> {
     let static_coefficient = law.static_coefficient();
-    check_static(static_coefficient)?;
+    check_static("FrictionLaw", static_coefficient)?;
     let kinetic_coefficient = law.kinetic(0.0);
     finite_at(law, 0.0)?;
     if kinetic_coefficient > static_coefficient * (1.0 + STATIC_ROUNDING) {

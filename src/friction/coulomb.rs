@@ -41,8 +41,8 @@ impl Coulomb {
     ///
     /// [`Error::InvalidParameter`] unless both are finite and 0 ≤ μ_k ≤ μ_s.
     pub fn new(static_coefficient: f64, kinetic_coefficient: f64) -> Result<Self, Error> {
-        check_static(static_coefficient)?;
-        check_kinetic(static_coefficient, kinetic_coefficient)?;
+        check_static("Coulomb", static_coefficient)?;
+        check_kinetic("Coulomb", static_coefficient, kinetic_coefficient)?;
         Ok(Self {
             static_coefficient,
             kinetic_coefficient,

@@ -59,6 +59,7 @@ pub(crate) fn finite_at<L: FrictionLaw>(law: &L, speed: f64) -> Result<(), Error
 }
 
 /// dμ̂/ds on one piece of the law.
+#[inline(never)]
 pub(crate) fn slope_on<L: FrictionLaw>(law: &L, piece: usize, speed: f64) -> Result<f64, Error> {
     let (value, slope) = value_and_slope(law, piece, speed);
     Error::check_friction(speed, value, slope)?;

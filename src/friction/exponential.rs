@@ -54,10 +54,11 @@ impl Exponential {
         kinetic_coefficient: f64,
         stribeck_velocity: f64,
     ) -> Result<Self, Error> {
-        check_static(static_coefficient)?;
-        check_kinetic(static_coefficient, kinetic_coefficient)?;
+        check_static("Exponential", static_coefficient)?;
+        check_kinetic("Exponential", static_coefficient, kinetic_coefficient)?;
         let rate = -stribeck_velocity.powi(-2);
         Error::check(
+            "Exponential",
             "stribeck_velocity",
             stribeck_velocity,
             stribeck_velocity > 0.0 && rate.is_finite(),

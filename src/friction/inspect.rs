@@ -148,8 +148,20 @@ impl std::fmt::Display for LawFault {
 pub fn check_law<L: FrictionLaw>(law: &L, speeds: Range<f64>) -> Result<Vec<LawFault>, Error> {
     validate(law)?;
     let Range { start, end } = speeds;
-    Error::check("speeds.start", start, start >= 0.0, "0 ≤ start < end")?;
-    Error::check("speeds.end", end, end > start, "0 ≤ start < end")?;
+    Error::check(
+        "check_law",
+        "speeds.start",
+        start,
+        start >= 0.0,
+        "0 ≤ start < end",
+    )?;
+    Error::check(
+        "check_law",
+        "speeds.end",
+        end,
+        end > start,
+        "0 ≤ start < end",
+    )?;
     let mut inspection = Inspection {
         value: &|piece, speed| law.kinetic_on(piece, speed),
         series: &|piece, speed| {
@@ -231,6 +243,7 @@ impl Inspection<'_> {
             self.stretches += 1;
             let few = self.stretches <= MOST_STRETCHES;
             Error::check(
+                "check_law",
                 "speeds.end",
                 end,
                 few,

@@ -51,6 +51,16 @@ pub(crate) use expansion::{
 
 use crate::scalar::Scalar;
 
+/// Work on a law of any type. See [`FrictionLaw::give_to`].
+#[doc(hidden)]
+pub trait LawVisitor {
+    /// The result.
+    type Output;
+
+    /// Does the work.
+    fn visit<L: FrictionLaw>(self, law: &L) -> Self::Output;
+}
+
 /// Order of the highest derivative that is computed.
 const HIGHEST: usize = 30;
 
@@ -159,6 +169,15 @@ pub trait FrictionLaw: Sized {
         self.kinetic(speed)
     }
 
+    /// Gives the law to a visitor. A choice of laws gives the chosen one, and a reference what it
+    /// refers to: the long code of a power series is then compiled for each law once, and not again
+    /// for everything that holds the law.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn give_to<V: LawVisitor>(&self, visitor: V) -> V::Output {
+        visitor.visit(self)
+    }
+
     /// Friction coefficient μ(v_r) = sgn(v_r)·μ̂(|v_r|), dimensionless, at a relative velocity v_r
     /// of either sign; 0 at v_r = 0.
     ///
@@ -190,7 +209,7 @@ pub trait FrictionLaw: Sized {
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     fn slope(&self, speed: f64) -> f64 {
-        value_and_slope(&self, piece_above(self.breakpoints(), speed), speed).1
+        value_and_slope(self, piece_above(self.breakpoints(), speed), speed).1
     }
 
     /// Second derivative d²μ̂/ds² at sliding speed s, dimensionless, exact to rounding; at a
@@ -245,6 +264,10 @@ impl<L: FrictionLaw> FrictionLaw for &L {
     #[inline(always)]
     fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
         (**self).kinetic_on(piece, speed)
+    }
+    #[inline(always)]
+    fn give_to<V: LawVisitor>(&self, visitor: V) -> V::Output {
+        (**self).give_to(visitor)
     }
     // These forward to the law itself: the defaults would be compiled once more for the reference.
     fn coefficient(&self, relative_velocity: f64) -> f64 {

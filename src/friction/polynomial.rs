@@ -53,8 +53,9 @@ impl Polynomial {
         minimum_velocity: f64,
     ) -> Result<Self, Error> {
         let (mu_s, mu_m, v_m) = (static_coefficient, minimum_coefficient, minimum_velocity);
-        check_static(mu_s)?;
+        check_static("Polynomial", mu_s)?;
         Error::check(
+            "Polynomial",
             "minimum_coefficient",
             mu_m,
             (0.0..=mu_s).contains(&mu_m),
@@ -63,6 +64,7 @@ impl Polynomial {
         let k1 = 1.5 * (mu_s - mu_m) / v_m;
         let k3 = 0.5 * (mu_s - mu_m) / v_m / v_m / v_m;
         Error::check(
+            "Polynomial",
             "minimum_velocity",
             v_m,
             v_m > 0.0 && k1.is_finite() && k3.is_finite(),

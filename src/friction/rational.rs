@@ -50,8 +50,8 @@ impl Rational {
     ///
     /// [`Error::InvalidParameter`] unless both are finite and ≥ 0.
     pub fn new(static_coefficient: f64, decay: f64) -> Result<Self, Error> {
-        check_static(static_coefficient)?;
-        Error::check("decay", decay, decay >= 0.0, "decay ≥ 0")?;
+        check_static("Rational", static_coefficient)?;
+        Error::check("Rational", "decay", decay, decay >= 0.0, "decay ≥ 0")?;
         Ok(Self {
             static_coefficient,
             decay,
@@ -67,6 +67,7 @@ impl Rational {
     /// [`Error::InvalidParameter`] unless 0 ≤ μ_o ≤ μ_s.
     pub fn with_offset(mut self, offset: f64) -> Result<Self, Error> {
         self.offset = Error::check(
+            "Rational",
             "offset",
             offset,
             (0.0..=self.static_coefficient).contains(&offset),
@@ -81,7 +82,13 @@ impl Rational {
     ///
     /// [`Error::InvalidParameter`] unless η is finite and ≥ 0.
     pub fn with_quadratic(mut self, quadratic: f64) -> Result<Self, Error> {
-        self.quadratic = Error::check("quadratic", quadratic, quadratic >= 0.0, "quadratic ≥ 0")?;
+        self.quadratic = Error::check(
+            "Rational",
+            "quadratic",
+            quadratic,
+            quadratic >= 0.0,
+            "quadratic ≥ 0",
+        )?;
         Ok(self)
     }
 

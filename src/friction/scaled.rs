@@ -1,4 +1,4 @@
-use super::FrictionLaw;
+use super::{FrictionLaw, LawVisitor};
 use crate::error::Error;
 use crate::scalar::Scalar;
 
@@ -46,6 +46,7 @@ impl<L: FrictionLaw> Scaled<L> {
     /// [`Error::InvalidParameter`] unless the unit is finite and > 0.
     pub fn new(law: L, velocity_unit: f64) -> Result<Self, Error> {
         Error::check(
+            "Scaled",
             "velocity_unit",
             velocity_unit,
             velocity_unit > 0.0,
@@ -90,5 +91,29 @@ impl<L: FrictionLaw> FrictionLaw for Scaled<L> {
     #[inline(always)]
     fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
         self.law.kinetic_on(piece, speed * self.velocity_unit)
+    }
+
+    #[inline(always)]
+    fn give_to<V: LawVisitor>(&self, visitor: V) -> V::Output {
+        let Self { law, velocity_unit } = self;
+        law.give_to(Scaling {
+            velocity_unit: *velocity_unit,
+            visitor,
+        })
+    }
+}
+
+/// Scales the law inside on its way to a visitor.
+struct Scaling<V> {
+    velocity_unit: f64,
+    visitor: V,
+}
+
+impl<V: LawVisitor> LawVisitor for Scaling<V> {
+    type Output = V::Output;
+
+    #[inline(always)]
+    fn visit<L: FrictionLaw>(self, law: &L) -> V::Output {
+        self.visitor.visit(&Scaled::of(law, self.velocity_unit))
     }
 }

@@ -66,8 +66,9 @@ impl Stribeck {
         stribeck_velocity: f64,
         exponent: u32,
     ) -> Result<Self, Error> {
-        check_static(static_coefficient)?;
+        check_static("Stribeck", static_coefficient)?;
         Error::check(
+            "Stribeck",
             "coulomb_coefficient",
             coulomb_coefficient,
             (0.0..=static_coefficient).contains(&coulomb_coefficient),
@@ -75,12 +76,14 @@ impl Stribeck {
         )?;
         let rate = stribeck_velocity.recip();
         Error::check(
+            "Stribeck",
             "stribeck_velocity",
             stribeck_velocity,
             stribeck_velocity > 0.0 && rate.is_finite(),
             "stribeck_velocity > 0, and not so small that 1/v_s overflows",
         )?;
         Error::check(
+            "Stribeck",
             "exponent",
             f64::from(exponent),
             (1..1 << 31).contains(&exponent),
@@ -103,6 +106,7 @@ impl Stribeck {
     /// [`Error::InvalidParameter`] unless k_v is finite and ≥ 0.
     pub fn with_viscous_coefficient(mut self, viscous_coefficient: f64) -> Result<Self, Error> {
         self.viscous_coefficient = Error::check(
+            "Stribeck",
             "viscous_coefficient",
             viscous_coefficient,
             viscous_coefficient >= 0.0,

@@ -75,6 +75,7 @@ impl Tabulated {
     pub fn new(points: impl IntoIterator<Item = (f64, f64)>) -> Result<Self, Error> {
         let points: Vec<_> = points.into_iter().collect();
         Error::check(
+            "Tabulated",
             "points",
             points.len() as f64,
             points.len() >= 2,
@@ -86,9 +87,10 @@ impl Tabulated {
                 None => (speed == 0.0, "speed = 0 at the first point: add one there"),
                 Some(last) => (speed > last, "each speed greater than the one before"),
             };
-            Error::check("speed", speed, in_order, allowed)
+            Error::check("Tabulated", "speed", speed, in_order, allowed)
                 .and_then(|_| {
                     Error::check(
+                        "Tabulated",
                         "coefficient",
                         coefficient,
                         coefficient >= 0.0,
@@ -103,6 +105,7 @@ impl Tabulated {
             // A piece whose coefficients overflow is the fault of the point at its end.
             let next = (index + 1).min(points.len() - 1);
             Error::check(
+                "Tabulated",
                 "speed",
                 points[next].0,
                 piece.c.iter().all(|c| c.is_finite()),
@@ -125,6 +128,7 @@ impl Tabulated {
     /// [`Error::InvalidParameter`] unless μ_s is finite and ≥ μ̂(0).
     pub fn with_static_coefficient(mut self, static_coefficient: f64) -> Result<Self, Error> {
         self.static_coefficient = Error::check(
+            "Tabulated",
             "static_coefficient",
             static_coefficient,
             static_coefficient >= self.kinetic(0.0),

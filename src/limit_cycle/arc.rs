@@ -68,15 +68,18 @@ const ROUNDING: f64 = 16.0;
 impl Arc {
     /// Turns round an arc that was followed backwards to the state `end`, so that it runs forwards
     /// in time: each series c(t) becomes c(h − t), and the last step comes first.
-    pub(crate) fn reversed(mut self, end: State) -> Self {
+    pub(crate) fn reversed(self, end: State) -> Self {
         let mut start = end;
-        for step in self.steps.iter_mut().rev() {
+        let turned = self.steps.into_iter().rev().map(|mut step| {
             // Backwards, the step began where it now ends, which is where the next step begins.
             std::mem::swap(&mut step.state, &mut start);
-            step.speed = step.speed.reflected(step.duration);
+            step.speed.reflect(step.duration);
+            step
+        });
+        Self {
+            steps: turned.collect(),
+            ..self
         }
-        self.steps.reverse();
-        self
     }
 }
 
@@ -170,13 +173,7 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
             steps.push(step);
             self.work += 1;
             let arrival = if maximum.is_some() {
-                Some(Arrival::Maximum(SlipPoint {
-                    displacement: self.stepper.displacement(&point, time, duration),
-                    speed: speed.at(duration),
-                    // Exactly 0, by the definition of a maximum.
-                    rate: Some(0.0),
-                    ..end
-                }))
+                Some(self.maximum(&point, time, &speed, duration))
             } else if duration.is_infinite() || self.has_settled(&end, time) {
                 Some(Arrival::Equilibrium)
             } else if is_contact {
@@ -201,6 +198,18 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
             }
             point = end;
         }
+    }
+
+    /// The maximum of the velocity, a time t after the start of the step taken last.
+    #[inline(never)]
+    fn maximum(&self, start: &SlipPoint, time: Time, speed: &PowerSeries, t: f64) -> Arrival {
+        Arrival::Maximum(SlipPoint {
+            displacement: self.stepper.displacement(start, time, t),
+            speed: speed.at(t),
+            // Exactly 0, by the definition of a maximum.
+            rate: Some(0.0),
+            ..*start
+        })
     }
 
     /// Whether a motion that starts on the belt leaves it: the sliding speed grows because its rate

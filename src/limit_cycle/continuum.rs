@@ -3,7 +3,7 @@
 use super::peaks::PeakMap;
 #[cfg(feature = "serde")]
 use super::written;
-use crate::belt::MassOnBelt;
+use crate::belt::Forward;
 use crate::error::Error;
 use crate::friction::{FrictionLaw, has_no_kinetic_friction, is_constant_near, is_constant_on};
 
@@ -38,7 +38,7 @@ impl Continuum {
 
 /// Whether small motions are periodic: there is no damping, and friction does not depend on the
 /// speed near v_b.
-pub(super) fn is_flat<L: FrictionLaw>(system: &MassOnBelt<L>) -> bool {
+pub(super) fn is_flat<L: FrictionLaw>(system: &Forward<'_, L>) -> bool {
     system.damping() == 0.0
         && is_constant_near(system.law(), system.belt_velocity())
         && flat_amplitude(system) > 0.0
@@ -46,7 +46,7 @@ pub(super) fn is_flat<L: FrictionLaw>(system: &MassOnBelt<L>) -> bool {
 
 /// Velocity amplitude up to which a motion in slip, where friction is constant near v_b, meets no
 /// piece of the law on which friction varies; at most v_b.
-pub(super) fn flat_amplitude<L: FrictionLaw>(system: &MassOnBelt<L>) -> f64 {
+pub(super) fn flat_amplitude<L: FrictionLaw>(system: &Forward<'_, L>) -> f64 {
     let (law, v_b) = (system.law(), system.belt_velocity());
     let varies = |piece: usize, end: f64| !is_constant_on(law, piece, end);
     let mut amplitude = v_b;

@@ -2,6 +2,7 @@
 //! cycles that cross the belt velocity and never stick.
 
 use super::arc::{Arc, Arrival, FARTHEST, Tracer};
+use super::cycle::{CycleKind, LimitCycle};
 use super::growth::relative_growth;
 use super::release::ReleaseFate;
 use crate::clock::Time;
@@ -169,12 +170,12 @@ impl<'t, 's, L: FrictionLaw> CrossingMap<'t, 's, L> {
         Ok(roots)
     }
 
-    /// The periodic motion that crosses the belt velocity downwards at a force F, and its Floquet
-    /// multiplier.
-    pub(super) fn cycle(&mut self, force: f64) -> Result<Option<([Arc; 2], f64)>, Error> {
+    /// The periodic motion that crosses the belt velocity downwards at a force F.
+    pub(super) fn cycle(&mut self, force: f64) -> Result<Option<LimitCycle>, Error> {
         Ok(self.turn(force)?.map(|(arcs, _)| {
             let multiplier = self.stretch(&arcs);
-            (arcs, multiplier)
+            let system = self.tracer.system();
+            LimitCycle::join(&system, arcs.into(), CycleKind::Crossing, multiplier)
         }))
     }
 }

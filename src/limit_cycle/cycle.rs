@@ -93,10 +93,11 @@ impl LimitCycle {
                     Some(Landing::Crossing(side)) => {
                         arc.steps.push(last.ended_by(EventKind::Crossing(side), at));
                     }
-                    Some(Landing::Stick) => arc.steps.extend([
-                        last.ended_by(EventKind::Stick, at),
-                        Step::stick(Clock::default(), displacement, system),
-                    ]),
+                    Some(Landing::Stick) => {
+                        arc.steps.push(last.ended_by(EventKind::Stick, at));
+                        let stick = Step::stick(Clock::default(), displacement, system);
+                        arc.steps.push(stick);
+                    }
                     Some(Landing::Touch) | None => arc.steps.push(last),
                 }
             }

@@ -104,7 +104,7 @@ pub(crate) fn find_moving<L: FrictionLaw>(tracer: &mut Tracer<'_, L>) -> Result<
 /// The periodic motions on a belt at rest: a family if there is neither damping nor kinetic
 /// friction, else none.
 pub(super) fn of_belt_at_rest<L: FrictionLaw>(system: MassOnBelt<&L>) -> CycleSet {
-    let goes_on = system.damping() == 0.0 && has_no_kinetic_friction(system.law());
+    let goes_on = system.damping() == 0.0 && has_no_kinetic_friction(*system.law());
     CycleSet {
         continuum: goes_on.then_some(Continuum::WITHOUT_FRICTION),
         ..CycleSet::default()
@@ -121,20 +121,15 @@ pub(super) fn nested_cycles<L: FrictionLaw>(
         return Ok(set);
     }
     let fate = release.fate(tracer)?;
-    set.cycles.extend(release.into_cycle(tracer)?);
-    let system = tracer.system();
+    set.add(release.into_cycle(tracer)?);
     let mut crossings = CrossingMap::of(tracer);
     let forces = crossings.roots(fate)?;
-    let mut crossing = |force: f64| -> Result<Option<LimitCycle>, Error> {
-        Ok(crossings.cycle(force)?.map(|(arcs, multiplier)| {
-            LimitCycle::join(&system, arcs.into(), CycleKind::Crossing, multiplier)
-        }))
-    };
     for force in forces.roots {
-        set.cycles.extend(crossing(force)?);
+        set.add(crossings.cycle(force)?);
     }
     for range in forces.unresolved {
-        if let (Some(inner), Some(outer)) = (crossing(range.start)?, crossing(range.end)?) {
+        let ends = [crossings.cycle(range.start)?, crossings.cycle(range.end)?];
+        if let [Some(inner), Some(outer)] = ends {
             set.unresolved
                 .push(inner.max_velocity()..outer.max_velocity());
         }

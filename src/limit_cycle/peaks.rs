@@ -181,7 +181,7 @@ impl<'t, 's, L: FrictionLaw> PeakMap<'t, 's, L> {
         if (a.slope > 0.0) != is_maximum || (b.slope > 0.0) == is_maximum {
             return Ok(None);
         }
-        Ok(Some(turn(&mut |peak| self.growth(peak), a, b)?.value))
+        Ok(Some(turn(&mut |peak| self.growth(peak), a, b, 0.0)?.value))
     }
 
     /// The periodic motion in slip whose velocity has the maximum V, and its Floquet multiplier.

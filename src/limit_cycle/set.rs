@@ -49,6 +49,12 @@ impl CycleSet {
         &self.cycles
     }
 
+    /// Adds a cycle outside the others, if there is one.
+    #[inline(never)]
+    pub(super) fn add(&mut self, cycle: Option<LimitCycle>) {
+        self.cycles.extend(cycle);
+    }
+
     /// The periodic motions of the mirror image.
     pub(super) fn mirrored(self) -> Self {
         let cycles = self.cycles.into_iter().map(LimitCycle::mirrored);

@@ -87,7 +87,7 @@ impl Integrator {
     ///
     /// [`Error::InvalidParameter`] unless the time is finite.
     pub fn with_start_time(mut self, time: f64) -> Result<Self, Error> {
-        self.start_time = Error::check("start_time", time, true, "any time")?;
+        self.start_time = Error::check("Integrator", "start_time", time, true, "any time")?;
         Ok(self)
     }
 
@@ -98,6 +98,7 @@ impl Integrator {
     /// [`Error::InvalidParameter`] for 0.
     pub fn with_max_steps(mut self, max_steps: usize) -> Result<Self, Error> {
         Error::check(
+            "Integrator",
             "max_steps",
             max_steps as f64,
             max_steps > 0,
@@ -116,6 +117,7 @@ impl Integrator {
     /// [`Error::InvalidParameter`] for 0.
     pub fn with_max_events(mut self, max_events: usize) -> Result<Self, Error> {
         Error::check(
+            "Integrator",
             "max_events",
             max_events as f64,
             max_events > 0,

@@ -8,8 +8,8 @@ use crate::series::{PowerSeries, TERMS};
 /// Of several masses: in units of the time that the fastest could take.
 pub(crate) const LONG: f64 = 1.0;
 
-/// The largest number of fours of places at which a step longer than [`LONG`] is looked at. Only
-/// motions that hardly move have steps longer than three radians.
+/// The largest number of fours of places at which a step longer than [`LONG`] is looked at. Steps
+/// that need it are those of slow motions, which may be 10²⁰ radians long; others have up to eight.
 pub(crate) const MOST_FOURS: f64 = 16.0;
 
 /// The longest time over which a series is used, even if its last coefficients vanish: the

@@ -149,7 +149,13 @@ impl<S: SystemState> Trajectory<S> {
         &self,
         interval: f64,
     ) -> Result<impl Iterator<Item = (f64, &S::Step)>, Error> {
-        Error::check("interval", interval, interval > 0.0, "interval > 0")?;
+        Error::check(
+            "Trajectory",
+            "interval",
+            interval,
+            interval > 0.0,
+            "interval > 0",
+        )?;
         // An interval that fits is not lost by rounding.
         let n = (self.duration / interval * (1.0 + 4.0 * f64::EPSILON)) as usize;
         let mut step = 0;

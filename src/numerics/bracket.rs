@@ -95,6 +95,7 @@ impl Bracket {
     }
 
     /// Shrinks the interval by the value at a place inside.
+    #[inline(never)]
     pub(crate) fn narrow(&mut self, x: f64, value: f64) {
         let end = if (value > 0.0) == (self.low_value > 0.0) {
             (self.low, self.low_value) = (x, value);

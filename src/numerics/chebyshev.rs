@@ -95,8 +95,7 @@ pub(crate) fn sign_throughout(
             *logarithm = value.abs().ln();
             samples.push((t, Node { at, sample }));
         }
-        let last = &coefficients(&logarithms, &cosines)[DEGREE - 2..];
-        let tail = last.iter().map(|c| c.abs()).sum::<f64>();
+        let tail = sum(&coefficients(&logarithms, &cosines)[DEGREE - 2..]);
         // Between two values of one sign there is not one root alone.
         if tail > SMOOTH_LOGARITHM && !has_one_root_at_most(&samples, &cosines) {
             made += 2;
@@ -137,8 +136,11 @@ fn has_one_root_at_most(samples: &[(f64, Node)], cosines: &[f64; 2 * DEGREE]) ->
     let noise = samples
         .iter()
         .fold(0.0_f64, |noise, (_, node)| noise.max(node.sample.noise));
-    let c = coefficients(&std::array::from_fn(|j| samples[j].1.sample.value), cosines);
-    let sum = |c: &[f64]| c.iter().map(|c| c.abs()).sum::<f64>();
+    let mut values = [0.0; DEGREE + 1];
+    for (value, (_, node)) in std::iter::zip(&mut values, samples) {
+        *value = node.sample.value;
+    }
+    let c = coefficients(&values, cosines);
     let resolved = sum(&c[DEGREE - 3..]) <= 4.0 * noise;
     let has_no_root = c[0].abs() > sum(&c[1..]) + noise;
     let is_flat = sum(&c) <= noise;
@@ -146,12 +148,19 @@ fn has_one_root_at_most(samples: &[(f64, Node)], cosines: &[f64; 2 * DEGREE]) ->
         return resolved;
     }
     // Coefficients of the derivative, without those that are mere rounding.
-    let degree = (0..=DEGREE).rfind(|&k| c[k].abs() > noise).unwrap_or(0);
+    let is_real = |&k: &usize| c[k].abs() > noise;
+    let degree = (0..samples.len()).rfind(is_real).unwrap_or(0);
     let mut d = [0.0; DEGREE + 2];
     for k in (1..=degree).rev() {
         d[k - 1] = d[k + 1] + 2.0 * k as f64 * c[k];
     }
     0.5 * d[0].abs() > sum(&d[1..])
+}
+
+/// Σ |c_k|, in one copy of the code: four would be unrolled.
+#[inline(never)]
+fn sum(c: &[f64]) -> f64 {
+    c.iter().map(|c| c.abs()).sum()
 }
 
 /// Pairs of points between which the sign changes beyond doubt. A value within its rounding error

@@ -24,13 +24,14 @@ pub(crate) fn gauss_nodes(a: f64, b: f64) -> impl Iterator<Item = (f64, f64)> {
 /// The [`gauss_nodes`] in fours, for functions that are cheaper to evaluate four at a time.
 pub(crate) fn gauss_fours(a: f64, b: f64) -> [([f64; 4], [f64; 4]); 4] {
     let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
-    std::array::from_fn(|i| {
+    let four = |i: usize| {
         let [(x, p), (y, q)] = [GAUSS[2 * i], GAUSS[2 * i + 1]];
         (
             [-x, x, -y, y].map(|node| middle + half * node),
             [p, p, q, q].map(|weight| half * weight),
         )
-    })
+    };
+    [four(0), four(1), four(2), four(3)]
 }
 
 /// ∫ f from a to b by the [`gauss_nodes`].

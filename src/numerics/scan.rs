@@ -19,6 +19,17 @@ pub(crate) trait Survey {
     /// Computes the information at x.
     fn sample(&mut self, x: f64) -> Result<Self::Sample, Error>;
 
+    /// Computes the information in the middle of an interval, and may compare it with that at the
+    /// ends.
+    fn middle(
+        &mut self,
+        x: f64,
+        _: &mut Self::Sample,
+        _: &mut Self::Sample,
+    ) -> Result<Self::Sample, Error> {
+        self.sample(x)
+    }
+
     /// Looks between two neighbouring places, each given with its sample, to which it may add:
     /// records what lies there, or asks for the interval to be halved, if `halvings` are left.
     fn look(
@@ -63,7 +74,7 @@ pub(crate) fn look_between<S: Survey>(
 ) -> Result<(), Error> {
     if survey.look(left, right, halvings)? == Look::Halve && halvings > 0 {
         let x = 0.5 * (left.0 + right.0);
-        let mut middle = (x, survey.sample(x)?);
+        let mut middle = (x, survey.middle(x, &mut left.1, &mut right.1)?);
         look_between(survey, left, &mut middle, halvings - 1)?;
         look_between(survey, &mut middle, right, halvings - 1)?;
     }

@@ -44,8 +44,9 @@ pub(crate) struct Roots {
 /// Width, relative to the interval searched, below which an interval is not divided further.
 const NARROWEST: f64 = 1e-9;
 
-/// Taylor steps after which the rest of the interval is left unresolved. Some hundreds are the
-/// rule; a law with thousands of waves below the speed of the motion needs a limit.
+/// Taylor steps after which the rest of the interval is left unresolved, or of an outline as it is.
+/// Some hundreds are the rule; a law with thousands of waves below the speed of the motion needs a
+/// limit.
 const MOST_WORK: usize = 200_000;
 
 /// Largest error, relative to the values around, with which the cubic through both ends may predict
@@ -78,6 +79,9 @@ pub(crate) struct Turn {
     pub(crate) noise: f64,
 }
 
+/// Relative error to which an outline knows the values at its turning points.
+const HUNDREDTH: f64 = 0.01;
+
 /// Halvings after which turning points are taken from the samples at hand.
 const DEEPEST: usize = 9;
 
@@ -90,8 +94,8 @@ const BEYOND: usize = 4;
 ///
 /// The interval is divided until the cubics fit and turn no more often than the slopes at their
 /// ends tell, or stay farther from zero than `reach`. Each turning point within reach is then
-/// refined as a root of the slope; those beyond are at their places and sizes only roughly, or are
-/// left out in pairs.
+/// refined as a root of the slope, until its sign is known and its size to a hundredth; those
+/// beyond are at their places and sizes only roughly, or are left out in pairs.
 pub(crate) fn outline_between(
     f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
     a: Sample,
@@ -100,6 +104,7 @@ pub(crate) fn outline_between(
 ) -> Result<Vec<Turn>, Error> {
     let mut samples = vec![a];
     let mut intervals = vec![(b, 0)];
+    let mut work = 0;
     while let Some((right, depth)) = intervals.pop() {
         let left = samples[samples.len() - 1];
         let middle = f(0.5 * (left.x + right.x))?;
@@ -109,7 +114,8 @@ pub(crate) fn outline_between(
             (fits && !turns_twice(left, middle) && !turns_twice(middle, right))
                 || (is_beyond(left, middle) && is_beyond(middle, right))
         };
-        if depth >= 2 && (depth >= DEEPEST || settled()) {
+        work = middle.work;
+        if depth >= 2 && (depth >= DEEPEST || work >= MOST_WORK || settled()) {
             samples.extend([middle, right]);
         } else {
             intervals.extend([(right, depth + 1), (middle, depth + 1)]);
@@ -121,11 +127,13 @@ pub(crate) fn outline_between(
         if (left.slope > 0.0) != (right.slope > 0.0) {
             // The cubic may be wrong by as much as it is allowed to miss, and more beside.
             let error = 5.0 * CUBIC_FITS * left.value.abs().max(right.value.abs());
-            outline.push(if closest(left, right) - error > reach {
-                left.into()
+            let turn = if closest(left, right) - error > reach || work >= MOST_WORK {
+                left
             } else {
-                turn(f, left, right)?.into()
-            });
+                turn(f, left, right, HUNDREDTH)?
+            };
+            work = work.max(turn.work);
+            outline.push(turn.into());
         }
     }
     outline.push(b.into());
@@ -141,17 +149,17 @@ pub(crate) fn eighths(
 ) -> Result<Vec<Sample>, Error> {
     let mut samples = vec![a, b];
     while samples.len() < 9 {
-        let mut finer = vec![a];
-        for pair in samples.windows(2) {
+        for i in (0..samples.len() - 1).map(|interval| 2 * interval) {
             // As an outline finds it, to the bit.
-            finer.extend([f(0.5 * (pair[0].x + pair[1].x))?, pair[1]]);
+            let middle = f(0.5 * (samples[i].x + samples[i + 1].x))?;
+            samples.insert(i + 1, middle);
         }
-        samples = finer;
     }
     Ok(samples)
 }
 
 /// Least |value| that the cubic between two samples has; 0 if it changes its sign.
+#[inline(never)]
 fn closest(a: Sample, b: Sample) -> f64 {
     if (a.value > 0.0) == (b.value > 0.0) {
         let ends = a.value.abs().min(b.value.abs());
@@ -162,18 +170,20 @@ fn closest(a: Sample, b: Sample) -> f64 {
 }
 
 /// The point between two samples at which the slope passes through zero, as close as the value
-/// there, which is stationary, needs it.
+/// there, which is stationary, needs it for this relative error.
 pub(crate) fn turn(
     f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
     a: Sample,
     b: Sample,
+    error: f64,
 ) -> Result<Sample, Error> {
     let mut bracket = Bracket::new((a.x, a.slope), (b.x, b.slope));
     let mut ends = [a, b];
     loop {
         let flatter = usize::from(ends[0].slope.abs() >= ends[1].slope.abs());
         let best = ends[flatter];
-        if best.slope.abs() * bracket.width() <= 0.01 * best.noise {
+        let allowed = (0.01 * best.noise).max(error * best.value.abs());
+        if best.slope.abs() * bracket.width() <= allowed {
             return Ok(best);
         }
         let Some(x) = bracket.next_place() else {
@@ -290,6 +300,7 @@ fn hidden(a: Sample, b: Sample, noise: f64) -> bool {
 
 /// The least |value|, between two ends of the same sign, that the cubic through them has at an
 /// extremum, negative if the extremum lies beyond zero; infinite if there is none.
+#[inline(never)]
 fn lowest(a: Sample, b: Sample) -> f64 {
     let width = b.x - a.x;
     let sign = if a.value > 0.0 { 1.0 } else { -1.0 };

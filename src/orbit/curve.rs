@@ -121,7 +121,7 @@ impl Curve<'_> {
     }
 
     fn member(&self, parameter: f64) -> Result<Box<dyn Member + '_>, Error> {
-        let checked = Error::check("parameter", parameter, true, "a number");
+        let checked = Error::check("orbit::follow", "parameter", parameter, true, "a number");
         checked.and_then(|parameter| (self.family)(parameter))
     }
 

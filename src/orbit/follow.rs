@@ -78,16 +78,31 @@ use crate::state::structure::State;
 /// assert!((flip.orbit.multipliers()[0].re + 1.0).abs() < 1e-9);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
+#[doc(alias = "continuation")]
+#[doc(alias = "sweep")]
 pub fn follow<S: Oscillator>(
     family: impl Fn(f64) -> Result<S, Error>,
     parameter: f64,
     from: &Orbit<S>,
     range: Range<f64>,
 ) -> Result<Branch<S>, Error> {
-    let valid = range.start < range.end && range.end.is_finite();
-    Error::check("range.start", range.start, valid, "start < end")?;
+    let Range { start, end } = range;
+    Error::check("orbit::follow", "range.start", start, true, "start < end")?;
+    Error::check(
+        "orbit::follow",
+        "range.end",
+        end,
+        end > start,
+        "start < end",
+    )?;
     let inside = (range.start..=range.end).contains(&parameter);
-    Error::check("parameter", parameter, inside, "inside the range")?;
+    Error::check(
+        "orbit::follow",
+        "parameter",
+        parameter,
+        inside,
+        "inside the range",
+    )?;
     branch(&family, parameter, from, range)
 }
 

@@ -131,6 +131,7 @@ impl<S: System> Orbit<S> {
     ///
     /// A small disturbance of the motion is multiplied by them in each period. Those that stick
     /// causes are 0 to the bit: see [the page of this module](super#multipliers).
+    #[doc(alias = "Floquet")]
     pub fn multipliers(&self) -> &[Complex<f64>] {
         &self.multipliers
     }

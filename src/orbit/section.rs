@@ -93,8 +93,17 @@ pub struct Section<'s, S: Oscillator + 's> {
 /// assert!((places[59] - places[58]).abs() < 1e-14);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias = "Poincaré")]
+#[doc(alias = "Poincare")]
+#[doc(alias = "stroboscopic map")]
 pub fn section<'s, S: Oscillator>(system: &'s S, start: &S::State, period: f64) -> Section<'s, S> {
-    let checked = Error::check("period", period, period > 0.0, "period > 0");
+    let checked = Error::check(
+        "orbit::section",
+        "period",
+        period,
+        period > 0.0,
+        "period > 0",
+    );
     Section {
         steps: Steps::new(system, start, checked),
         step: None,
@@ -162,7 +171,13 @@ pub fn section_at<'s, S: Oscillator>(
     kind: EventKind,
 ) -> EventSection<'s, S> {
     let exists = contact < system.belts().len();
-    let checked = Error::check("contact", contact as f64, exists, "a contact of the system");
+    let checked = Error::check(
+        "orbit::section_at",
+        "contact",
+        contact as f64,
+        exists,
+        "a contact of the system",
+    );
     EventSection {
         steps: Steps::new(system, start, checked),
         contact,

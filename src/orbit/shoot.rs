@@ -32,12 +32,19 @@ impl Period {
         match (self, rhythm) {
             (Self::Driven(count), Rhythm::Periodic(period)) => {
                 let allowed = "periods ≥ 1";
-                Ok(Error::check("periods", count as f64, count > 0, allowed)? * period)
+                Ok(
+                    Error::check("orbit::Period", "periods", count as f64, count > 0, allowed)?
+                        * period,
+                )
             }
             (Self::Driven(_), _) => Err(Error::NoCommonPeriod),
-            (Self::Free(estimate), Rhythm::Constant) => {
-                Error::check("period", estimate, estimate > 0.0, "period > 0")
-            }
+            (Self::Free(estimate), Rhythm::Constant) => Error::check(
+                "orbit::Period",
+                "period",
+                estimate,
+                estimate > 0.0,
+                "period > 0",
+            ),
             (Self::Free(_), _) => Err(Error::NotFree),
         }
     }
@@ -250,6 +257,8 @@ pub(super) fn shortest(
 /// assert!((orbit.period() - cycle.period()).abs() < 1e-13);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
+#[doc(alias = "solve")]
+#[doc(alias = "Newton")]
 pub fn shoot<S: Oscillator>(
     system: &S,
     guess: &S::State,

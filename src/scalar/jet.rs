@@ -124,13 +124,16 @@ impl Tape {
 
 /// The coefficients of f about x: f(x + t) = Σ f_k t^k, M ≤ [`LONGEST`] of them.
 pub(crate) fn coefficients<const M: usize>(function: impl Function, x: f64) -> [f64; M] {
-    let mut inner = [0.0; M];
-    for (s, start) in std::iter::zip(&mut inner, [x, 1.0]) {
-        *s = start;
-    }
-    let mut outer = [f64::NAN; M];
-    Tape::new().compose(function, &inner, &mut outer);
-    outer
+    let mut coefficients = [f64::NAN; M];
+    expand_about(function, x, &mut coefficients);
+    coefficients
+}
+
+/// The same, compiled once for every number of coefficients.
+fn expand_about(function: impl Function, x: f64, coefficients: &mut [f64]) {
+    let mut inner = [0.0; LONGEST];
+    (inner[0], inner[1]) = (x, 1.0);
+    Tape::new().compose(function, &inner, coefficients);
 }
 
 /// What [`expand`](super::expand) does, to `terms` ≤ [`LONGEST`] coefficients, with code that

@@ -22,8 +22,8 @@ pub(crate) use taylor::{Composed, LONGEST, Workspace, expand};
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// The number of rows of a series' workspace that are kept in place. Laws seldom need more, and a constant index into an
-/// array costs no bounds check.
+/// The number of rows of a series' workspace that are kept in place. Laws seldom need more, and a
+/// constant index into an array costs no bounds check.
 const INLINE_ROWS: usize = 8;
 
 mod sealed {

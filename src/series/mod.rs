@@ -119,17 +119,17 @@ impl PowerSeries {
     }
 
     /// The derivative dc/dt.
+    #[inline(never)]
     pub(crate) fn derivative(&self) -> Self {
         Self::from_fn(|k| (k + 1) as f64 * self.get(k + 1))
     }
 
-    /// The series of c(h − t).
-    pub(crate) fn reflected(&self, h: f64) -> Self {
-        let mut reflected = self.shifted(h);
-        for [_, odd] in reflected.0.as_chunks_mut().0 {
+    /// Makes it the series of c(h − t).
+    pub(crate) fn reflect(&mut self, h: f64) {
+        *self = self.shifted(h);
+        for [_, odd] in self.0.as_chunks_mut().0 {
             *odd = -*odd;
         }
-        reflected
     }
 
     /// The series of c(start + t).
@@ -153,7 +153,11 @@ impl PowerSeries {
     /// The series of c(t)/t^order: a known root at t = 0 is divided out. The first `order`
     /// coefficients are taken to be 0.
     pub(crate) fn without_root(&self, order: usize) -> Self {
-        Self::from_fn(|k| self.get(k + order))
+        let mut series = Self::ZERO;
+        for (c, later) in std::iter::zip(&mut series.0, self.0.iter().skip(order)) {
+            *c = *later;
+        }
+        series
     }
 
     /// Bound of |d²c/dt²| on [0, t]: Σ k(k−1)|c_k| t^(k−2).

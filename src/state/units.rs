@@ -25,6 +25,20 @@ impl Units {
         self.rate * self.length
     }
 
+    /// A parameter of the dimensionless system, or an end of a range of belt velocities, in these
+    /// units, with its name in [`Physical`](crate::Physical); `None` for other names.
+    pub(crate) fn parameter(self, name: &str, value: f64) -> Option<(&'static str, f64)> {
+        match name {
+            "belt_velocity" => Some(("belt_velocity", value * self.velocity())),
+            "range.start" => Some(("range.start", value * self.velocity())),
+            "range.end" => Some(("range.end", value * self.velocity())),
+            // C = 2β√(K M), with √(K M) = K/ω0.
+            "damping" => Some(("damping", 2.0 * value * self.stiffness / self.rate)),
+            "load" => Some(("normal_force", value * self.stiffness * self.length)),
+            _ => None,
+        }
+    }
+
     /// A dimensionless state in these units.
     pub(crate) fn state(self, state: State) -> State {
         State::new(

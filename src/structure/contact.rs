@@ -58,10 +58,10 @@ impl<const Z: usize, L: ContactLaw<Z>> Contact<L, Z> {
     pub fn new(coordinate: usize, law: L, load: impl Into<Drive>) -> Result<Self, Error> {
         validate(&law)?;
         let load = load.into();
-        load.check("load")?;
+        load.check("load", "load > 0")?;
         if load.is_constant() {
             let value = load.value(0.0);
-            Error::check("load", value, value > 0.0, "load > 0")?;
+            Error::check("Contact", "load", value, value > 0.0, "load > 0")?;
         }
         Ok(Self {
             coordinate,
@@ -113,7 +113,13 @@ impl<L, const Z: usize> Contact<L, Z> {
             self.load_gradient.remove(place);
             sum += old;
         }
-        Error::check("gradient", gradient, sum.is_finite(), "a finite sum")?;
+        Error::check(
+            "Contact",
+            "gradient",
+            gradient,
+            sum.is_finite(),
+            "a finite sum",
+        )?;
         if sum != 0.0 {
             self.load_gradient.insert(place, (coordinate, sum));
         }
@@ -185,7 +191,7 @@ impl<L, const Z: usize> Contact<L, Z> {
             }
         }
         self.belt_velocity
-            .check("velocity")
+            .check("belt_velocity", "a belt velocity of any size")
             .map_err(|error| error.of_element(Element::Contact(number)))?;
         match self.belt_velocity.first_jump() {
             Some(time) => Err(Error::BeltVelocityJumps {

@@ -56,7 +56,7 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Flow<'s, L, Z> {
             }
         }
         for &value in &start.memory {
-            Error::check("memory", value, true, "any size")?;
+            Error::check("Structure", "memory", value, true, "any size")?;
         }
         if remembered > 0 {
             let memories = start.memory.chunks_exact(Z.max(1));
@@ -64,7 +64,13 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Flow<'s, L, Z> {
                 let memory = std::array::from_fn(|j| memory[j]);
                 if let Some(limit) = contact.law().limit(0.0, memory) {
                     let allowed = "a memory at the start with which static_coefficient ≥ 0";
-                    Error::check("static_coefficient", limit, limit >= 0.0, allowed)?;
+                    Error::check(
+                        "Structure",
+                        "static_coefficient",
+                        limit,
+                        limit >= 0.0,
+                        allowed,
+                    )?;
                 }
             }
         }

@@ -101,9 +101,15 @@ impl<L, const Z: usize> Structure<L, Z> {
     /// [`Error::InvalidParameter`] if there is none.
     pub fn new(masses: &[f64]) -> Result<Self, Error> {
         let n = masses.len();
-        Error::check("masses", n as f64, n > 0, "at least one: their number")?;
+        Error::check(
+            "Structure",
+            "masses",
+            n as f64,
+            n > 0,
+            "at least one: their number",
+        )?;
         for (i, &mass) in masses.iter().enumerate() {
-            Error::check("mass", mass, mass > 0.0, "mass > 0")
+            Error::check("Structure", "mass", mass, mass > 0.0, "mass > 0")
                 .map_err(|error| error.of_element(Element::Mass(i)))?;
         }
         Ok(Self {
@@ -387,7 +393,7 @@ fn add(
         }
     }
     let sum = matrix[(i, j)] + value;
-    Error::check("value", value, sum.is_finite(), "a finite sum")
+    Error::check("Structure", "value", value, sum.is_finite(), "a finite sum")
         .map_err(|error| error.of_element(element))?;
     matrix[(i, j)] = sum;
     Ok(())

@@ -953,6 +953,38 @@ fn no_phase_of_a_formula_ends_before_it_begins() {
     }
 }
 
+/// Stick ends where the cycle grazes the belt, not at v_b0: close by, the duration of the second
+/// order is too short by the part that the docs give, and the period keeps its error O(ε³).
+#[test]
+fn stick_beside_the_velocity_at_which_it_ends() {
+    // Raised by 400, so that the mass sticks wherever it meets the belt.
+    let law = Polynomial::new(400.4, 400.25, 0.5).unwrap();
+    for eta in [0.0125, 0.05] {
+        let load = eta * 0.5 / (1.5 * (0.4 - 0.25));
+        let system = MassOnBelt::new(law, 0.1)
+            .and_then(|system| system.with_load(load)?.with_damping(0.1 * eta))
+            .unwrap();
+        let formulas = PureSlip::new(&system).unwrap();
+        let [slowest, onset] = [formulas.stick_velocity(), formulas.onset_velocity()];
+        let q = 0.8 * eta * (onset.unwrap() / 0.5_f64).powi(2);
+        for delta in [1.0 * q * q, 4.0 * q * q] {
+            let system = system
+                .with_belt_velocity(slowest.unwrap() * (1.0 - delta))
+                .unwrap();
+            let exact = limit_cycle::stick_slip(&system).unwrap().unwrap();
+            let formula = StickSlip::new(&system).unwrap().second_order().unwrap();
+            let part = formula.stick / exact.stick_duration() - 1.0;
+            let expected = -3461.0 / 153_600.0 * q * q / delta;
+            assert!(
+                (part / expected - 1.0).abs() < 0.1,
+                "{eta} {delta}: {part} {expected}"
+            );
+            let late = formula.period - exact.period();
+            assert!(late.abs() < eta.powi(3), "{eta} {delta}: {late}");
+        }
+    }
+}
+
 #[test]
 fn transients_go_back_as_far_as_they_can() {
     // h1 = −0.078 and A0 = 0.2687: a motion inside has always been there.

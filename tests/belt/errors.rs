@@ -45,7 +45,8 @@ fn error_of(result: Result<stick_slip::Trajectory, Error>) -> Error {
     }
 }
 
-/// The form of a good message: lower case, no full stop, every part there.
+/// The form of a good message: lower case behind the name of what refused, no full stop, every part
+/// there.
 #[track_caller]
 fn assert_message(error: &Error, parts: &[&str]) {
     let text = error.to_string();
@@ -53,7 +54,12 @@ fn assert_message(error: &Error, parts: &[&str]) {
         assert!(text.contains(part), "{part:?} is missing: {text}");
     }
     assert!(!text.ends_with('.') && !text.is_empty(), "{text}");
-    let first = text.chars().next().unwrap();
+    let said = text.split_once(": ").filter(|(of, _)| !of.contains(' '));
+    let first = said
+        .map_or(&*text, |(_, said)| said)
+        .chars()
+        .next()
+        .unwrap();
     assert!(!first.is_uppercase(), "{text}");
 }
 
@@ -78,17 +84,13 @@ const NOT_FINITE: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 
 fn name_of<T: std::fmt::Debug>(result: Result<T, Error>) -> (&'static str, f64) {
     match result.unwrap_err() {
-        Error::InvalidParameter {
+        error @ Error::InvalidParameter {
+            of,
             name,
             value,
             allowed,
         } => {
-            let error = Error::InvalidParameter {
-                name,
-                value,
-                allowed,
-            };
-            assert_message(&error, &[name, allowed]);
+            assert_message(&error, &[of, name, allowed]);
             // Nobody is told to give a finite number who has done so.
             assert_eq!(
                 error.to_string().contains("finite number"),
@@ -261,6 +263,7 @@ fn bad_point() {
     ] {
         let error = Tabulated::new(points).unwrap_err();
         let Error::BadPoint {
+            of,
             index: at,
             name: which,
             value: found,
@@ -269,7 +272,7 @@ fn bad_point() {
         else {
             panic!("{error}")
         };
-        assert_eq!((at, which, found), (index, name, value));
+        assert_eq!((of, at, which, found), ("Tabulated", index, name, value));
         let number = match value.abs() {
             small if small < 1e-4 && small > 0.0 => format!("{value:e}"),
             _ => value.to_string(),
@@ -348,6 +351,7 @@ fn invalid_duration() {
         };
         assert_eq!(value.to_bits(), duration.to_bits());
         assert_message(&error, &["duration", "flow"]);
+        assert_eq!(error.to_string().contains("finite"), !duration.is_finite());
     }
 }
 

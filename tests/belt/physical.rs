@@ -1,10 +1,12 @@
 //! A mass on a belt in SI units: the same motions and cycles as those of the dimensionless system,
 //! each number converted.
 
+use std::ops::Range;
+
 use approx::assert_relative_eq;
 use stick_slip::{
-    Error, Integrator, Physical, PhysicalMassOnBelt, Scaling, State, Stribeck, Tabulated,
-    bifurcation, limit_cycle,
+    Ended, Error, FrictionLaw, Integrator, Physical, PhysicalMassOnBelt, Scalar, Scaling, Segment,
+    State, Step, Stribeck, Tabulated, bifurcation, limit_cycle,
 };
 
 const PAD: Physical = Physical {
@@ -38,7 +40,7 @@ fn motions_fulfil_the_equation_in_newtons() {
         }
         let acceleration = (around[1].velocity - around[0].velocity) / (2.0 * dt);
         let relative = state.velocity - PAD.belt_velocity;
-        let friction = PAD.normal_force * stick_slip::FrictionLaw::coefficient(&law(), relative);
+        let friction = PAD.normal_force * FrictionLaw::coefficient(&law(), relative);
         let sum = PAD.mass * acceleration
             + PAD.damping * state.velocity
             + PAD.stiffness * state.displacement
@@ -233,6 +235,247 @@ fn errors_are_in_si_units() {
     ] {
         let refused = PhysicalMassOnBelt::new(wrong, law_of(0.4));
         assert!(matches!(refused, Err(Error::InvalidParameter { .. })));
+    }
+}
+
+/// Friction until the pad slides faster than 1 m/s, where it is not defined.
+#[derive(Debug, Clone, Copy)]
+struct Ends;
+
+impl FrictionLaw for Ends {
+    fn static_coefficient(&self) -> f64 {
+        0.4
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        if speed.value() > 1.0 {
+            speed.constant(f64::NAN)
+        } else {
+            (speed * -10.0).exp() * 0.15 + 0.25
+        }
+    }
+}
+
+#[test]
+fn motions_end_where_they_shall_in_si_units() {
+    let brake = brake();
+    let whole = brake.simulate((0.0, 0.0), 2.0).unwrap();
+    let until = |integrator: Integrator, stop: &mut dyn FnMut(&Step) -> Option<f64>| {
+        let motion = brake.simulate_until(integrator, (0.0, 0.0), 2.0, stop);
+        motion.unwrap()
+    };
+    // After n events, the last one among them.
+    for n in [1, 2, 5, 8] {
+        let mut left = n;
+        let motion = until(Integrator::new(), &mut |step| {
+            left -= step.events().len();
+            (left == 0).then(|| step.end_time())
+        });
+        assert_eq!(
+            (motion.ended(), motion.events()),
+            (&Ended::Stopped, &whole.events()[..n])
+        );
+        assert_relative_eq!(
+            motion.duration(),
+            whole.events()[n - 1].time,
+            max_relative = 1e-15
+        );
+    }
+    // At a condition, in metres and metres per second, in slip and in stick.
+    let conditions: [fn(&State) -> f64; 3] = [
+        |state| state.displacement - 1.5e-3,
+        |state| state.velocity + 0.02,
+        |state| state.displacement - 1e-3 - 1e-2 * state.velocity,
+    ];
+    for condition in conditions {
+        let motion = until(Integrator::new(), &mut |step| step.first_zero(condition));
+        assert_eq!(motion.ended(), &Ended::Stopped);
+        assert!(
+            condition(&motion.last()).abs() < 1e-16,
+            "{}",
+            condition(&motion.last())
+        );
+        let there = whole.state_at(motion.duration()).unwrap();
+        assert_relative_eq!(
+            there.displacement,
+            motion.last().displacement,
+            epsilon = 1e-17
+        );
+    }
+    // At a limit of steps, with the motion up to there and an error in seconds.
+    let few = Integrator::new().with_max_steps(30).unwrap();
+    let motion = until(few, &mut |_| None);
+    let Ended::Error(Error::TooManySteps { limit: 30, reached }) = motion.ended() else {
+        panic!("{motion:?}")
+    };
+    assert_relative_eq!(reached.time, motion.duration(), max_relative = 1e-15);
+    assert_relative_eq!(
+        reached.state.displacements[0],
+        motion.last().displacement,
+        max_relative = 1e-14
+    );
+    assert_eq!(motion.steps(), &whole.steps()[..30]);
+    // Nowhere: as without a condition.
+    assert_eq!(until(Integrator::new(), &mut |_| None), whole);
+}
+
+/// The numbers that a user gave come back to the bit, also those that overflow on the way.
+#[test]
+fn errors_hold_what_was_given() {
+    let brake = brake();
+    for start in [
+        (f64::NAN, 0.1),
+        (0.1, f64::INFINITY),
+        (1e308, 0.3),
+        (0.3, -1e308),
+    ] {
+        let Err(Error::InvalidState {
+            displacement,
+            velocity,
+        }) = brake.simulate(start, 1.0)
+        else {
+            panic!("{start:?}")
+        };
+        let bits = |(a, b): (f64, f64)| (a.to_bits(), b.to_bits());
+        assert_eq!(bits((displacement, velocity)), bits(start));
+    }
+    for seconds in [f64::NAN, f64::INFINITY, -0.3, 1e308] {
+        let Err(Error::InvalidDuration { value }) = brake.simulate((0.0, 0.0), seconds) else {
+            panic!("{seconds}")
+        };
+        assert_eq!(value.to_bits(), seconds.to_bits());
+    }
+    let searches: [&dyn Fn(Range<f64>) -> Error; 3] = [
+        &|range| {
+            let found = brake.velocities(bifurcation::hopf_velocities, range);
+            found.unwrap_err()
+        },
+        &|range| {
+            let found = brake.velocities(bifurcation::fold_velocities, range);
+            found.unwrap_err()
+        },
+        &|range| brake.vibration_ranges(range).unwrap_err(),
+    ];
+    let bad = [
+        (0.3..0.1, "range.end", 0.1),
+        (0.3..0.3, "range.end", 0.3),
+        (0.3..f64::INFINITY, "range.end", f64::INFINITY),
+        (f64::NAN..0.3, "range.start", f64::NAN),
+        (f64::NEG_INFINITY..0.3, "range.start", f64::NEG_INFINITY),
+    ];
+    for search in searches {
+        for (range, end, given) in bad.clone() {
+            let error = search(range);
+            let Error::InvalidParameter { name, value, .. } = error else {
+                panic!("{error}")
+            };
+            assert_eq!((name, value.to_bits()), (end, given.to_bits()));
+            let text = error.to_string();
+            assert!(
+                text.starts_with("PhysicalMassOnBelt (SI units): range."),
+                "{text}"
+            );
+        }
+    }
+    for velocity in [f64::NAN, f64::NEG_INFINITY, 1e308] {
+        let error = brake.diagram([velocity]).next().unwrap().unwrap_err();
+        let Error::InvalidParameter { name, value, .. } = error else {
+            panic!("{error}")
+        };
+        assert_eq!(
+            (name, value.to_bits()),
+            ("belt_velocity", velocity.to_bits())
+        );
+    }
+}
+
+/// The parameter at which a search failed or was stopped is in SI units, and so is what lies
+/// inside.
+#[test]
+fn errors_of_searches_are_in_si_units() {
+    let fast = Physical {
+        belt_velocity: 0.7,
+        ..PAD
+    };
+    let brake = PhysicalMassOnBelt::new(fast, Ends).unwrap();
+    let beyond = |source: &Error| match source {
+        Error::NonFiniteFriction { speed, reached, .. } => {
+            assert!((1.0..1.5).contains(speed), "{speed} m/s");
+            reached.clone()
+        }
+        other => panic!("{other}"),
+    };
+    // The law fails within the motion, where the belt is fast enough.
+    let error = brake.cycles().unwrap_err();
+    let reached = beyond(&error).unwrap();
+    assert!(
+        reached.time > 1e-3 && reached.time < 1.0,
+        "{} s",
+        reached.time
+    );
+    assert!(reached.state.displacements[0].abs() < 0.1);
+    let simulated = brake.simulate((0.02, -0.5), 1.0).unwrap_err();
+    let reached = beyond(&simulated).unwrap();
+    assert_eq!(reached.time, 0.0);
+    assert_relative_eq!(reached.state.displacements[0], 0.02);
+    assert_relative_eq!(reached.state.velocities[0], -0.5);
+
+    let at = |error: Error| match error {
+        Error::At {
+            parameter,
+            value,
+            source,
+        } => {
+            beyond(&source);
+            (parameter, value)
+        }
+        other => panic!("{other}"),
+    };
+    let searched = brake.velocities(bifurcation::grazing_velocities, 0.3..0.9);
+    let (parameter, velocity) = at(searched.unwrap_err());
+    assert!(parameter == "belt_velocity" && (0.3..0.9).contains(&velocity));
+    let (parameter, velocity) = at(brake.vibration_ranges(0.3..0.9).unwrap_err());
+    assert!(parameter == "belt_velocity" && (0.3..0.9).contains(&velocity));
+    let failed = brake.diagram([0.7]).next().unwrap().unwrap_err();
+    assert_eq!(at(failed), ("belt_velocity", 0.7));
+    // Both are tried from where steady sliding changes its stability.
+    let slope = -10.0 * 0.15 * (-7.0_f64).exp();
+    let (parameter, damping) = at(brake.silencing_damping().unwrap_err());
+    assert_eq!(parameter, "damping");
+    assert_relative_eq!(damping, -PAD.normal_force * slope, max_relative = 1e-7);
+    let (parameter, force) = at(brake.silencing_load().unwrap_err());
+    assert_eq!(parameter, "normal_force");
+    assert_relative_eq!(force, -PAD.damping / slope, max_relative = 1e-7);
+
+    // A search with a bound, of a parameter that is called as its user likes.
+    let bounded = |steps: usize, name: &'static str| {
+        let error = self::brake().velocities(
+            |system, range| {
+                let search = bifurcation::along_velocities(system, range).named(name);
+                search.with_max_steps(steps)?.grazing()
+            },
+            -0.5..0.5,
+        );
+        match error.unwrap_err() {
+            Error::Stopped {
+                parameter,
+                value,
+                found,
+                ..
+            } => {
+                assert_eq!(parameter, name);
+                (value, found)
+            }
+            other => panic!("{other}"),
+        }
+    };
+    let whole = self::brake().velocities(bifurcation::grazing_velocities, 0.0..0.5);
+    let grazing = whole.unwrap()[0];
+    for name in ["belt_velocity", "V"] {
+        let (value, found) = bounded(10, name);
+        assert!((-0.5..0.0).contains(&value) && found.is_empty(), "{value}");
+        let (value, found) = bounded(1500, name);
+        assert!(value > -grazing && value < 0.5, "{value}");
+        assert_relative_eq!(found[0], -grazing, max_relative = 1e-12);
     }
 }
 

@@ -6,3 +6,4 @@ mod cycles;
 mod figures;
 mod house;
 mod readme;
+mod refusals;

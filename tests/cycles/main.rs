@@ -5,6 +5,7 @@ mod common;
 
 mod along;
 mod bifurcations;
+mod brute_force;
 mod cases;
 mod cycles;
 mod faults;

@@ -124,3 +124,41 @@ proptest! {
         prop_assert!(cycle.peak_acceleration() >= cycle.rms_acceleration());
     }
 }
+
+/// Two laws with different static coefficients have the same period and amplitude; the time in
+/// stick tells them apart.
+#[test]
+fn period_and_amplitude_do_not_settle_a_law() {
+    let vibration = |[static_coefficient, velocity]: [f64; 2]| {
+        let law = Polynomial::new(static_coefficient, 0.25, velocity).unwrap();
+        let system = MassOnBelt::new(law, 0.2).unwrap();
+        let cycle = limit_cycle::stick_slip(&system.with_damping(0.05).unwrap());
+        let cycle = cycle.unwrap().unwrap();
+        ([cycle.period(), cycle.amplitude()], cycle.stick_duration())
+    };
+    let (wanted, stick) = vibration([0.43, 0.62]);
+    let mut other = [0.4623, 0.3379];
+    for _ in 0..8 {
+        let (now, _) = vibration(other);
+        let columns = [0, 1].map(|i| {
+            let mut shifted = other;
+            shifted[i] += 1e-6;
+            let (above, _) = vibration(shifted);
+            [0, 1].map(|k| (above[k] - now[k]) / 1e-6)
+        });
+        let [[a, c], [b, d]] = columns;
+        let missing = [0, 1].map(|k| wanted[k] - now[k]);
+        let determinant = a * d - b * c;
+        other[0] += (d * missing[0] - b * missing[1]) / determinant;
+        other[1] += (a * missing[1] - c * missing[0]) / determinant;
+    }
+    assert!(
+        (other[0] - 0.4623).abs() < 1e-4 && (other[1] - 0.3379).abs() < 1e-4,
+        "{other:?}"
+    );
+    let (found, other_stick) = vibration(other);
+    for (found, wanted) in found.iter().zip(wanted) {
+        assert!((found - wanted).abs() < 1e-13, "{found} {wanted}");
+    }
+    assert!((stick - other_stick).abs() > 0.06, "{stick} {other_stick}");
+}

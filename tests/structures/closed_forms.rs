@@ -9,7 +9,10 @@ use stick_slip::analysis::fast_vibration::{mean_coefficient, onset_velocity};
 use stick_slip::analysis::forced::{ForcedOscillator, no_stop_limit};
 use stick_slip::analysis::mode_coupling::ModeCoupling;
 use stick_slip::analysis::oscillating_belt::OnSteadyBelts;
-use stick_slip::{Contact, Coulomb, Drive, FrictionLaw, MassOnBelt, Polynomial, Structure};
+use stick_slip::{
+    Contact, ContactLaw, Coulomb, Drive, EventKind, FrictionLaw, MassOnBelt, Motion, Polynomial,
+    Scalar, Slip, Structure, structure,
+};
 
 use crate::common::{number, text};
 use crate::reading::cases;
@@ -365,4 +368,83 @@ fn additional_forces_of_an_oscillating_belt() {
         steady.structure().contacts()[0].belt_velocity(),
         &Drive::constant(0.0)
     );
+}
+
+/// Friction with the nap of a surface, and against it.
+#[derive(Debug, Clone, Copy)]
+struct Nap {
+    forward: f64,
+    backward: f64,
+    at_rest: f64,
+}
+
+impl ContactLaw<0> for Nap {
+    fn coefficient<S: Scalar>(&self, slip: Slip<S>, _: [S; 0]) -> S {
+        let forward = slip.direction > 0.0;
+        let coefficient = if forward {
+            self.forward
+        } else {
+            -self.backward
+        };
+        slip.speed.constant(coefficient)
+    }
+    fn limit<S: Scalar>(&self, zero: S, _: [S; 0]) -> Option<S> {
+        Some(zero.constant(self.at_rest))
+    }
+    fn rates<S: Scalar>(&self, _: Motion<S>, memory: [S; 0]) -> [S; 0] {
+        memory
+    }
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        std::iter::empty()
+    }
+    fn caught(&self, memory: [f64; 0]) -> [f64; 0] {
+        memory
+    }
+}
+
+/// A free vibration dies out by half swings about N μ/k, on the side of the direction that it has.
+#[test]
+fn friction_may_depend_on_the_direction() {
+    let law = Nap {
+        forward: 0.05,
+        backward: 0.2,
+        at_rest: 0.25,
+    };
+    let (load, stiffness, mass) = (3.0, 2.0, 0.5);
+    let block = Structure::new(&[mass])
+        .and_then(|block| block.with_ground_spring(0, stiffness))
+        .and_then(|block| block.with_contact(Contact::new(0, law, load)?))
+        .unwrap();
+    let half = PI * (mass / stiffness).sqrt();
+    let start = 4.1;
+    let motion = block
+        .simulate(structure::State::new(&[start], &[0.0]), 20.0)
+        .unwrap();
+    let (mut turn, mut time, mut swings) = (start, 0.0, 0);
+    let reach = load * law.at_rest / stiffness;
+    for event in motion.events() {
+        let moving_back = swings % 2 == 0;
+        let coefficient = if moving_back {
+            law.backward
+        } else {
+            -law.forward
+        };
+        turn = 2.0 * load * coefficient / stiffness - turn;
+        time += half;
+        swings += 1;
+        assert!((event.time - time).abs() < 1e-13, "{event:?}");
+        assert!(
+            (event.state.displacements[0] - turn).abs() < 1e-13,
+            "{event:?}"
+        );
+        let stays = turn.abs() <= reach;
+        assert_eq!(event.kind == EventKind::Stick, stays);
+    }
+    // It rests where it first comes within the reach of static friction.
+    assert!(turn.abs() <= reach);
+    assert_eq!(
+        motion.last().displacements[0],
+        motion.events()[swings - 1].state.displacements[0]
+    );
+    assert_eq!(swings, 10);
 }

@@ -1,3 +1,5 @@
+use std::cell::Cell;
+
 use super::super::expansion::Expander;
 use super::super::slip_point::SlipPoint;
 use super::*;
@@ -36,6 +38,20 @@ impl FrictionLaw for Ends {
         } else {
             speed.constant(0.25)
         }
+    }
+}
+
+/// Friction 0.25, by a law that counts how often it is asked.
+#[derive(Default)]
+struct Counted(Cell<usize>);
+
+impl FrictionLaw for Counted {
+    fn static_coefficient(&self) -> f64 {
+        1.0
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        self.0.set(self.0.get() + 1);
+        speed.constant(0.25)
     }
 }
 
@@ -226,5 +242,17 @@ fn every_minimum_of_a_step_is_looked_at() {
     for at in [first, second] {
         let seen = closest(Bump { at, width: 1e-6 }, &c, 1.0) / LOAD;
         assert!((seen - 0.1).abs() < 1e-4, "{at}: {seen}");
+    }
+}
+
+/// Four places for each radian, but not more than 64: a step of a slow motion may be 10²⁰ radians
+/// long.
+#[test]
+fn a_long_step_is_looked_at_in_so_many_places() {
+    let system = on_belt(Counted::default());
+    for (h, places) in [(1.5, 8), (3.0, 12), (16.0, 64), (17.0, 64), (1e20, 64)] {
+        system.law().0.set(0);
+        assert_eq!(series(&[1.0], 0.0).defect_in_between(&system, 0, h), 0.0);
+        assert_eq!(system.law().0.get(), places, "{h}");
     }
 }

@@ -40,10 +40,22 @@ fn every_way<L: FrictionLaw>(law: &L, look: impl Fn([SlipSeries; 3])) {
                 .expand(piece, &system, &from, time, along)
                 .unwrap();
             unrolled
-                .expand_by::<_, true>(piece, &system, &from, time, along)
+                .expand_by::<_, true>(
+                    piece,
+                    &Equation::of(&system, from.direction),
+                    &from,
+                    time,
+                    along,
+                )
                 .unwrap();
-            jets.expand_by::<_, false>(piece, &system, &from, time, along)
-                .unwrap();
+            jets.expand_by::<_, false>(
+                piece,
+                &Equation::of(&system, from.direction),
+                &from,
+                time,
+                along,
+            )
+            .unwrap();
             look([dispatched, unrolled, jets].map(|expander| expander.series));
         }
     }
@@ -118,8 +130,20 @@ fn both_ways_refuse_a_law_that_gives_no_number() {
         };
         let mut expander = Expander::new();
         for error in [
-            expander.expand_by::<_, true>(piece, &system, &from, Time::Forward, None),
-            expander.expand_by::<_, false>(piece, &system, &from, Time::Forward, None),
+            expander.expand_by::<_, true>(
+                piece,
+                &Equation::of(&system, from.direction),
+                &from,
+                Time::Forward,
+                None,
+            ),
+            expander.expand_by::<_, false>(
+                piece,
+                &Equation::of(&system, from.direction),
+                &from,
+                Time::Forward,
+                None,
+            ),
         ] {
             match error.unwrap_err() {
                 Error::NotAnalytic { .. } => assert!(is_number),

@@ -13,6 +13,7 @@ fn outline(points: &[(f64, f64)]) -> Outline {
         seen: Vec::new(),
         points: points.to_vec(),
         reach: f64::INFINITY,
+        bend: f64::INFINITY,
     }
 }
 
@@ -87,11 +88,46 @@ fn turning_points_are_what_lies_between_the_ends() {
 
 #[test]
 fn ends_count_as_growing_above_zero() {
-    let ends = |first, last| window(&[(0.0, first), (0.5, 9.0), (1.0, last)]).at_ends();
+    let ends = |first, last| outline(&[(0.0, first), (0.5, 9.0), (1.0, last)]).at_ends();
     assert_eq!(ends(1.0, -1.0), [true, false]);
     assert_eq!(ends(-1.0, 1.0), [false, true]);
     assert_eq!(ends(0.0, 0.0), [false, false]);
-    assert_eq!(window(&[]).at_ends(), [false, false]);
+    assert_eq!(outline(&[]).at_ends(), [false, false]);
+}
+
+#[test]
+fn zeros_are_at_the_same_places_where_they_may_be() {
+    let one = window(&[(0.0, -1.0), (0.4, -0.5), (0.6, 0.5), (1.0, 0.2)]);
+    let other = window(&[(0.0, -2.0), (0.5, 0.1), (0.7, 0.05), (1.0, 1.0)]);
+    let later = window(&[(0.0, -2.0), (0.6, -1.0), (0.8, -1.5), (1.0, 1.0)]);
+    let none = window(&[(0.0, 1.0), (1.0, 2.0)]);
+    assert_eq!(one.zeros(), [[0.4, 0.6]]);
+    assert_eq!(other.zeros(), [[0.0, 0.5]]);
+    assert_eq!(later.zeros(), [[0.8, 1.0]]);
+    assert_eq!(none.zeros(), [[0.0; 2]; 0]);
+    assert!(one.may_have_zeros_of(&other) && none.may_have_zeros_of(&none));
+    assert!(!one.may_have_zeros_of(&later) && !one.may_have_zeros_of(&none));
+    assert!(!window(&[]).may_have_zeros_of(&one) && window(&[]).may_have_zeros_of(&none));
+}
+
+/// A hump whose growth is known at nine places too.
+fn surveyed(height: f64) -> Outline {
+    let at = |i: usize| height - (1.0 + height) * (0.25 * i as f64 - 1.0).powi(2);
+    Outline {
+        surveyed: (0..9).map(at).collect(),
+        ..hump(height)
+    }
+}
+
+/// A turning point that moves by ten times its distance from zero, but evenly, needs two more
+/// looks; one that turns back is followed.
+#[test]
+fn growth_that_moves_evenly_is_not_followed() {
+    let (found, asked) = folds(|v_b| surveyed(0.1 + v_b), 16);
+    assert_eq!((found.len(), asked.len()), (0, 2));
+    let (found, asked) = folds(|v_b| surveyed((v_b - 0.4).powi(2) - 1e-4), 16);
+    assert_eq!(found.len(), 2);
+    assert!(asked.len() < 140, "{}", asked.len());
 }
 
 #[test]

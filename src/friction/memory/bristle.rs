@@ -62,11 +62,17 @@ impl<L: FrictionLaw> LuGre<L> {
     ///
     /// [`Error::InvalidParameter`] unless σ0 > 0, σ1 ≥ 0, σ2 ≥ 0, all finite, and μ̂(0) > 0.
     pub fn new(law: L, stiffness: f64, damping: f64, viscous: f64) -> Result<Self, Error> {
-        Error::check("stiffness", stiffness, stiffness > 0.0, "stiffness > 0")?;
-        Error::check("damping", damping, damping >= 0.0, "damping ≥ 0")?;
-        Error::check("viscous", viscous, viscous >= 0.0, "viscous ≥ 0")?;
+        Error::check(
+            "LuGre",
+            "stiffness",
+            stiffness,
+            stiffness > 0.0,
+            "stiffness > 0",
+        )?;
+        Error::check("LuGre", "damping", damping, damping >= 0.0, "damping ≥ 0")?;
+        Error::check("LuGre", "viscous", viscous, viscous >= 0.0, "viscous ≥ 0")?;
         let largest = law.kinetic(0.0);
-        Error::check("coefficient", largest, largest > 0.0, "μ̂(0) > 0")?;
+        Error::check("LuGre", "coefficient", largest, largest > 0.0, "μ̂(0) > 0")?;
         Ok(Self {
             law,
             stiffness,
@@ -168,10 +174,18 @@ impl Dahl {
     /// [`Error::InvalidParameter`] unless g > 0 and σ0 > 0, both finite.
     pub fn new(coefficient: f64, stiffness: f64) -> Result<Self, Error> {
         Error::check(
+            "Dahl",
             "coefficient",
             coefficient,
             coefficient > 0.0,
             "coefficient > 0",
+        )?;
+        Error::check(
+            "Dahl",
+            "stiffness",
+            stiffness,
+            stiffness > 0.0,
+            "stiffness > 0",
         )?;
         let law = Coulomb::new(coefficient, coefficient)?;
         Ok(Self(LuGre::new(law, stiffness, 0.0, 0.0)?))

@@ -66,7 +66,13 @@ pub(crate) fn validate<const Z: usize, L: ContactLaw<Z>>(law: &L) -> Result<(), 
     let limit = law.limit(0.0, fresh);
     if let Some(limit) = limit {
         let allowed = "static_coefficient ≥ 0";
-        Error::check("static_coefficient", limit, limit >= 0.0, allowed)?;
+        Error::check(
+            "ContactLaw",
+            "static_coefficient",
+            limit,
+            limit >= 0.0,
+            allowed,
+        )?;
     }
     let mut at_rest = [0.0; 2];
     for (at_rest, direction) in std::iter::zip(&mut at_rest, DIRECTIONS) {
@@ -97,6 +103,7 @@ pub(crate) fn validate<const Z: usize, L: ContactLaw<Z>>(law: &L) -> Result<(), 
         (jump <= JUMP * forward.abs().max(backward.abs()), CONTINUOUS)
     };
     Error::check(
+        "ContactLaw",
         "coefficient backward at speed 0",
         backward,
         is_allowed,
@@ -134,7 +141,7 @@ const CONTINUOUS: &str = "the same as forward: a law that never sticks is contin
 fn check_rates<const Z: usize>(rates: [f64; Z]) -> Result<(), Error> {
     for rate in rates {
         let allowed = "rates of the memory at speed 0 and in stick";
-        Error::check("rate", rate, true, allowed)?;
+        Error::check("ContactLaw", "rate", rate, true, allowed)?;
     }
     Ok(())
 }

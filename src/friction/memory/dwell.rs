@@ -87,12 +87,12 @@ impl<L: FrictionLaw> Dwell<L> {
     ///
     /// [`Error::InvalidParameter`] unless B ≥ 0 and θ_c > 0, both finite.
     pub fn logarithmic(law: L, rate: f64, time: f64) -> Result<Self, Error> {
-        Error::check("rate", rate, rate >= 0.0, "rate ≥ 0")?;
+        Error::check("Dwell", "rate", rate, rate >= 0.0, "rate ≥ 0")?;
         Self::new(law, Form::Logarithmic(rate), time)
     }
 
     fn new(law: L, form: Form, time: f64) -> Result<Self, Error> {
-        Error::check("time", time, time > 0.0, "time > 0")?;
+        Error::check("Dwell", "time", time, time > 0.0, "time > 0")?;
         Ok(Self { law, form, time })
     }
 
@@ -150,7 +150,7 @@ impl<L: FrictionLaw> Dwell<L> {
 fn check_limit(law: &impl FrictionLaw, limit: f64) -> Result<(), Error> {
     let is_reached = limit >= law.static_coefficient();
     let allowed = "limit ≥ static coefficient of the law";
-    Error::check("limit", limit, is_reached, allowed).map(drop)
+    Error::check("Dwell", "limit", limit, is_reached, allowed).map(drop)
 }
 
 impl<L: FrictionLaw> ContactLaw<1> for Dwell<L> {

@@ -131,6 +131,13 @@ pub enum Motion<S> {
 /// assert!((motion.last().memory[0] - way).abs() < 1e-14);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not the law of a contact with a memory of {Z} numbers",
+    label = "neither `FrictionLaw` nor `ContactLaw<{Z}>`",
+    note = "a closure cannot be a law, because a law is evaluated on power series, too; write \
+            `struct MyLaw;` and `impl FrictionLaw for MyLaw`, or `impl ContactLaw<1> for MyLaw` \
+            with a memory of one number"
+)]
 pub trait ContactLaw<const Z: usize>: Sized {
     /// Friction coefficient μ(r, z), dimensionless. The friction force on the mass is −N·μ, so the
     /// coefficient is positive where that force is negative.

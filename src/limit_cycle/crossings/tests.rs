@@ -217,7 +217,7 @@ fn the_multiplier_of_a_crossing_cycle_is_how_far_a_shift_comes_back() {
         let found = CrossingMap::of(tracer).roots(fate)?;
         assert_eq!((found.roots.len(), found.unresolved.len()), (1, 0));
         let force = found.roots[0];
-        let (_, multiplier) = CrossingMap::of(tracer).cycle(force)?.unwrap();
+        let multiplier = CrossingMap::of(tracer).cycle(force)?.unwrap().multiplier();
         let mut next = |force: f64| -> Result<f64, Error> {
             Ok(CrossingMap::of(tracer).turn(force)?.unwrap().1)
         };
@@ -286,7 +286,7 @@ fn crossings_beyond_the_last_breakpoint_are_found_where_those_below_shrink() {
             let [force] = found.roots[..] else {
                 panic!("{found:?}")
             };
-            let (_, multiplier) = CrossingMap::of(tracer).cycle(force)?.unwrap();
+            let multiplier = CrossingMap::of(tracer).cycle(force)?.unwrap().multiplier();
             assert!(multiplier > 1.0);
             assert_eq!(CrossingMap::of(tracer).grows(0.99 * force)?, Some(false));
             assert_eq!(CrossingMap::of(tracer).grows(1.01 * force)?, Some(true));

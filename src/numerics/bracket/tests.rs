@@ -110,6 +110,6 @@ fn roots_are_found_however_small_they_are() {
 
 #[test]
 fn errors_of_the_function_are_handed_on() {
-    let mut fails = |_| Error::check("x", f64::NAN, false, "");
+    let mut fails = |_| Error::check("test", "x", f64::NAN, false, "");
     assert!(root_between(&mut fails, 0.0, 1.0).is_err());
 }

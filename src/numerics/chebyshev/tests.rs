@@ -236,7 +236,7 @@ fn functions_noisier_than_they_say_are_not_followed_for_ever() {
 
 #[test]
 fn errors_of_the_function_are_handed_on() {
-    let fails = || Error::check("x", f64::NAN, false, "");
+    let fails = || Error::check("test", "x", f64::NAN, false, "");
     assert!(isolate(&mut |_| Err(fails().unwrap_err()), &|t| t).is_err());
 }
 

@@ -389,10 +389,12 @@ fn the_outline_holds_the_ends_and_every_turn() {
     assert_eq!(outline.len(), turns.len() + 2);
     assert_eq!((outline[0].x, outline[turns.len() + 1].x), (0.0, 6.0));
     for (turn, exact) in outline[1..].iter().zip(&turns) {
-        assert!((turn.x - exact).abs() < 1e-9, "{turn:?}, {exact}");
-        assert!((turn.value - (3.0 * exact).sin() - exact).abs() < 1e-15);
+        let (value, curvature) = ((3.0 * exact).sin() + exact, 9.0 * (3.0 * exact).sin());
+        let allowed = 0.01 * value;
+        assert!((turn.value - value).abs() <= allowed, "{turn:?}, {exact}");
+        assert!(curvature.abs() * (turn.x - exact).powi(2) < 2.1 * allowed);
     }
-    assert!(calls <= 166, "{calls}");
+    assert!(calls <= 120, "{calls}");
 
     let rising = Counted::new(|x: f64| sample(x, x.exp(), x.exp()));
     let (outline, calls) = rising.outline(0.0, 1.0);
@@ -421,7 +423,7 @@ fn turns_beyond_reach_cost_little() {
     let (near_all, near_within) = (near(&all), near(&within));
     assert_eq!(near_all.len(), near_within.len());
     for (a, b) in std::iter::zip(near_all, near_within) {
-        assert!((a - b).abs() < 1e-13);
+        assert!((a - b).abs() < 0.02 * a.abs() && (a > 0.0) == (b > 0.0));
     }
 }
 
@@ -486,7 +488,7 @@ fn a_turn_is_found_whatever_the_curvature() {
                 calls.set(calls.get() + 1);
                 Ok(f(x))
             };
-            let found = turn(&mut counted, f(a), f(b)).unwrap();
+            let found = turn(&mut counted, f(a), f(b), 0.0).unwrap();
             assert!(found.value <= 1e-18 + 1e-16, "{power} {a} {b}: {found:?}");
             assert!(calls.get() <= 51, "{power} {a} {b}: {}", calls.get());
         }

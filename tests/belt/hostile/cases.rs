@@ -4,7 +4,7 @@
 use proptest::prelude::*;
 use proptest::sample::select;
 use proptest::test_runner::{Config, FileFailurePersistence, RngSeed, TestRunner};
-use stick_slip::{Error, FrictionLaw, Integrator, MassOnBelt, Mode, Scalar, State, Step};
+use stick_slip::{Error, FrictionLaw, Integrator, MassOnBelt, Mode, State, Step};
 
 use crate::common::any::Any;
 
@@ -87,28 +87,6 @@ pub(crate) fn sigma(step: &Step) -> Option<f64> {
     match step.mode() {
         Mode::Stick | Mode::Open => None,
         Mode::Slip(direction) => Some(direction.sign()),
-    }
-}
-
-/// A law with its speeds in another unit: μ̂(s/unit).
-#[derive(Debug, Clone)]
-pub(crate) struct Stretched<L> {
-    pub(crate) law: L,
-    pub(crate) unit: f64,
-}
-
-impl<L: FrictionLaw> FrictionLaw for Stretched<L> {
-    fn static_coefficient(&self) -> f64 {
-        self.law.static_coefficient()
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        self.law.kinetic(speed / self.unit)
-    }
-    fn breakpoints(&self) -> impl Iterator<Item = f64> {
-        self.law.breakpoints().map(|speed| speed * self.unit)
-    }
-    fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
-        self.law.kinetic_on(piece, speed / self.unit)
     }
 }
 

@@ -1,0 +1,25 @@
+//! How numbers are written in messages.
+
+/// A number as one would write it: with its power of ten only below 1e-4 and from 1e6 on.
+pub(crate) struct Plain(pub(crate) f64);
+
+impl std::fmt::Display for Plain {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let x = self.0;
+        if x == 0.0 || !x.is_finite() || (1e-4..1e6).contains(&x.abs()) {
+            write!(f, "{x}")
+        } else {
+            write!(f, "{x:e}")
+        }
+    }
+}
+
+/// A number to six digits, as one would write it.
+pub(crate) struct Digits(pub(crate) f64);
+
+impl std::fmt::Display for Digits {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let rounded = format!("{:.5e}", self.0).parse();
+        Plain(rounded.unwrap_or(self.0)).fmt(f)
+    }
+}
