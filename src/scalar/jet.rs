@@ -17,8 +17,7 @@
 //! }
 //! ```
 //!
-//! [`coefficients`] and [`Tape::compose`] are that loop where the inner series is known, [`expand`]
-//! where it is that of a motion.
+//! [`coefficients`] is that loop for s = x + t, and [`expand`] for the speed of a motion.
 
 mod operations;
 
@@ -112,28 +111,17 @@ impl Tape {
             self.spill.resize_with(rows - INLINE_ROWS, Line::zero);
         }
     }
-
-    /// The coefficients of f(s(t)) from those of s(t), as many as both slices hold, at most
-    /// [`LONGEST`].
-    pub(crate) fn compose(&mut self, function: impl Function, inner: &[f64], outer: &mut [f64]) {
-        for (k, (s, f)) in std::iter::zip(inner, outer).take(LONGEST).enumerate() {
-            *f = self.run(k, |run| function.at(run.variable(*s)).coefficient());
-        }
-    }
 }
 
 /// The coefficients of f about x: f(x + t) = Σ f_k t^k, M ≤ [`LONGEST`] of them.
 pub(crate) fn coefficients<const M: usize>(function: impl Function, x: f64) -> [f64; M] {
     let mut coefficients = [f64::NAN; M];
-    expand_about(function, x, &mut coefficients);
+    let take = &mut |k: usize, _: f64, coefficient: f64, _: Composed| {
+        coefficients[k] = coefficient;
+        if k == 0 { 1.0 } else { 0.0 }
+    };
+    order_by_order(function, M, x, take);
     coefficients
-}
-
-/// The same, compiled once for every number of coefficients.
-fn expand_about(function: impl Function, x: f64, coefficients: &mut [f64]) {
-    let mut inner = [0.0; LONGEST];
-    (inner[0], inner[1]) = (x, 1.0);
-    Tape::new().compose(function, &inner, coefficients);
 }
 
 /// What [`expand`](super::expand) does, to `terms` ≤ [`LONGEST`] coefficients, with code that
@@ -144,26 +132,39 @@ pub(crate) fn expand(
     speed: f64,
     mut next: impl FnMut(usize, f64, Composed) -> f64,
 ) -> (f64, f64) {
+    let mut base = (f64::NAN, f64::NAN);
+    let step = &mut |k: usize, newest: f64, _: f64, m: Composed| {
+        if k == 0 {
+            base = (m.rest, m.slope);
+        }
+        next(k, newest, m)
+    };
+    order_by_order(function, terms - 1, speed, step);
+    base
+}
+
+/// The next coefficient of the argument.
+type Next<'n> = dyn FnMut(usize, f64, f64, Composed) -> f64 + 'n;
+
+/// Expands a function order by order: `next` is given the newest coefficient of the argument, and
+/// that of the function, also as [`expand`](super::expand) gives it, and answers with the next one
+/// of the argument. Compiled once for a function.
+#[inline(never)]
+fn order_by_order(function: impl Function, terms: usize, x: f64, next: &mut Next<'_>) {
     let mut tape = Tape::new();
-    let (mut newest, mut base) = (speed, (speed, 0.0));
-    for k in 0..terms - 1 {
-        let m = tape.run(k, |run| {
+    let mut newest = x;
+    for k in 0..terms {
+        let (coefficient, m) = tape.run(k, |run| {
             let m = function.at(run.variable(newest));
-            Composed {
+            let composed = Composed {
                 slope: m.derivative(),
                 rest: if k == 0 { m.value } else { m.rest },
                 scale: m.scale,
-            }
+            };
+            (m.coefficient(), composed)
         });
-        if k == 0 {
-            base = (m.rest, m.slope);
-            if !(m.rest.is_finite() && m.slope.is_finite()) {
-                break;
-            }
-        }
-        newest = next(k, newest, m);
+        newest = next(k, newest, coefficient, m);
     }
-    base
 }
 
 impl Run<'_> {

@@ -56,7 +56,11 @@ fn compose_by_jets(
     inner: &Inner,
 ) -> [f64; ORDERS] {
     let mut series = [f64::NAN; ORDERS];
-    tape.compose(Piece { law, index: piece }, inner, &mut series);
+    for (k, (s, m)) in std::iter::zip(inner, &mut series).enumerate() {
+        *m = tape.run(k, |run| {
+            law.kinetic_on(piece, run.variable(*s)).coefficient()
+        });
+    }
     series
 }
 
