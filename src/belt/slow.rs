@@ -62,6 +62,8 @@ impl SlipSeries {
     ) -> Option<(Self, f64)> {
         let slow = Slow::new(system, from, time);
         self.solve(&slow, from.speed, time, allowance, &mut |composed, c| {
+            // Not with the last coefficient of the explicit series, which is not written here.
+            expander.series = Self::ZERO;
             expander.expand(piece, system, from, time, Some(c))?;
             *composed = expander.series;
             Ok(())
