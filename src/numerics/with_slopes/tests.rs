@@ -427,6 +427,24 @@ fn turns_beyond_reach_cost_little() {
     }
 }
 
+/// Waves that would take hundreds of samples, each of which costs a hundredth of all.
+#[test]
+fn an_outline_that_costs_too_much_is_left_as_it_is() {
+    let calls = Cell::new(0);
+    let mut f = |x: f64| {
+        calls.set(calls.get() + 1);
+        let (value, slope) = ((40.0 * x).sin(), 40.0 * (40.0 * x).cos());
+        Ok(Sample {
+            noise: 1e-15,
+            work: calls.get() * MOST_WORK / 100,
+            ..sample(x, value, slope)
+        })
+    };
+    let (a, b) = (f(-6.0).unwrap(), f(6.0).unwrap());
+    outline_between(&mut f, a, b, f64::INFINITY).unwrap();
+    assert!((100..130).contains(&calls.get()), "{}", calls.get());
+}
+
 #[test]
 fn eighths_are_at_equal_distances() {
     let line = Counted::new(|x: f64| sample(x, x, 1.0));
