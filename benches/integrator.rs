@@ -40,9 +40,9 @@
 //!   series alone, and takes 1.05 to 1.1 times as long as a native one. Without that it took 1.26
 //!   times as long: one half because a sum and a product are two instructions, the other because
 //!   these then overwrite one of their operands, which has to be copied before.
-//! * For this the series and the rows it is computed from have to lie in one object, and the law has
-//!   to be one of two references that are handed over: else the compiler cannot know that they do
-//!   not overlap, loads anew what it has stored, and a third of the gain is left.
+//! * For this the series and the rows it is computed from have to lie in one object, and the law
+//!   has to be one of two references that are handed over: else the compiler cannot know that they
+//!   do not overlap, loads anew what it has stored, and a third of the gain is left.
 //! * The same source varies by 4 % with where the compiler puts it; less than that was not pursued.
 //!   The same program takes a fifth to a third longer while a neighbour is busy on the same core,
 //!   for fractions of a second: least times of many compare, means do not.

@@ -1,9 +1,9 @@
 //! With which instructions the series of a slip phase are computed.
 //!
 //! A fused multiply-add rounds once, and takes one instruction instead of two. Not every x86-64
-//! processor has it, so a build for all of them asks at run time. It asks in one place, [`compute`],
-//! for the expansion of a slip phase, which is more than half of all work and nearly all that these
-//! instructions gain.
+//! processor has it, so a build for all of them asks at run time. It asks in one place,
+//! [`compute`], for the expansion of a slip phase, which is more than half of all work and nearly
+//! all that these instructions gain.
 //!
 //! | target | a·b + c in `taylor.rs` | in everything else |
 //! |---|---|---|
