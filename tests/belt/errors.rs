@@ -5,7 +5,7 @@ use std::sync::mpsc;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use crate::common::{Random, Table, paper};
+use crate::common::{Random, Table, assert_form, paper};
 use stick_slip::{
     Coulomb, Error, EventKind, Exponential, FrictionLaw, Integrator, MassOnBelt, Mode, Polynomial,
     Scalar, State,
@@ -53,14 +53,7 @@ fn assert_message(error: &Error, parts: &[&str]) {
     for part in parts {
         assert!(text.contains(part), "{part:?} is missing: {text}");
     }
-    assert!(!text.ends_with('.') && !text.is_empty(), "{text}");
-    let said = text.split_once(": ").filter(|(of, _)| !of.contains(' '));
-    let first = said
-        .map_or(&*text, |(_, said)| said)
-        .chars()
-        .next()
-        .unwrap();
-    assert!(!first.is_uppercase(), "{text}");
+    assert_form(&text);
 }
 
 /// A law given by a function of the speed, with its static coefficient.

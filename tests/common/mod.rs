@@ -31,6 +31,17 @@ pub(crate) fn list(value: &Value) -> &[Value] {
     value.as_array().unwrap()
 }
 
+/// A message has the form of all: behind the name of what refused, if there is one, lower case; and
+/// no full stop.
+#[track_caller]
+pub(crate) fn assert_form(message: &str) {
+    let named = message.split_once(": ");
+    let named = named.filter(|(of, _)| !of.contains(' '));
+    let said = named.map_or(message, |(_, said)| said);
+    assert!(!said.is_empty() && !said.ends_with('.'), "{message}");
+    assert!(!said.starts_with(char::is_uppercase), "{message}");
+}
+
 /// The event of a name in the reference data.
 pub(crate) fn kind(name: &str) -> EventKind {
     match name {

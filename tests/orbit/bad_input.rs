@@ -4,7 +4,7 @@ use stick_slip::orbit::{Orbit, Period, lyapunov, section, section_at, settle, sh
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Drive, Error, EventKind, MassOnBelt, Structure};
 
-use crate::common::paper;
+use crate::common::{assert_form, paper};
 
 fn block(force: Drive, belt: Drive) -> Structure<Coulomb> {
     let contact = Contact::new(0, Coulomb::new(0.4, 0.3).unwrap(), 1.0).unwrap();
@@ -26,10 +26,7 @@ const BAD: [f64; 5] = [0.0, -1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 fn message<T>(found: Result<T, Error>, expected: &str) {
     let text = found.map(|_| ()).unwrap_err().to_string();
     assert!(text.contains(expected), "{text}");
-    assert!(
-        !text.ends_with('.') && !text.starts_with(char::is_uppercase),
-        "{text}"
-    );
+    assert_form(&text);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! What is refused, with an error that names the element.
 
+use crate::common::assert_form;
 use stick_slip::nalgebra::DMatrix;
 use stick_slip::structure::Element;
 use stick_slip::{Contact, Coulomb, Drive, Error, Scalar, Structure};
@@ -30,8 +31,7 @@ fn message<T>(result: Result<T, Error>, parts: &[&str]) {
     for part in parts {
         assert!(text.contains(part), "{part:?} is missing: {text}");
     }
-    assert!(!text.ends_with('.'), "{text}");
-    assert!(!text.starts_with(char::is_uppercase), "{text}");
+    assert_form(&text);
 }
 
 #[test]

@@ -33,6 +33,16 @@ impl<const Z: usize, L: ContactLaw<Z>> Function for OverSpeed<'_, Z, L> {
     }
 }
 
+/// Which trait a law implements that remembers so many numbers. A law without memory is a
+/// `FrictionLaw`.
+const fn of_law(memory: usize) -> &'static str {
+    if memory == 0 {
+        "FrictionLaw"
+    } else {
+        "ContactLaw"
+    }
+}
+
 /// The coefficient and its slope over the sliding speed, both with the sign of the direction, on
 /// the piece that `slip` names.
 pub(crate) fn coefficient_and_slope<const Z: usize, L: ContactLaw<Z>>(
@@ -67,7 +77,7 @@ pub(crate) fn validate<const Z: usize, L: ContactLaw<Z>>(law: &L) -> Result<(), 
     if let Some(limit) = limit {
         let allowed = "static_coefficient ≥ 0";
         Error::check(
-            "ContactLaw",
+            of_law(Z),
             "static_coefficient",
             limit,
             limit >= 0.0,
@@ -103,7 +113,7 @@ pub(crate) fn validate<const Z: usize, L: ContactLaw<Z>>(law: &L) -> Result<(), 
         (jump <= JUMP * forward.abs().max(backward.abs()), CONTINUOUS)
     };
     Error::check(
-        "ContactLaw",
+        of_law(Z),
         "coefficient backward at speed 0",
         backward,
         is_allowed,
@@ -141,7 +151,7 @@ const CONTINUOUS: &str = "the same as forward: a law that never sticks is contin
 fn check_rates<const Z: usize>(rates: [f64; Z]) -> Result<(), Error> {
     for rate in rates {
         let allowed = "rates of the memory at speed 0 and in stick";
-        Error::check("ContactLaw", "rate", rate, true, allowed)?;
+        Error::check(of_law(Z), "rate", rate, true, allowed)?;
     }
     Ok(())
 }
