@@ -182,7 +182,7 @@ fn laws() -> Vec<Case> {
         case("FrictionLaw", "static_coefficient", below, |x| {
             MassOnBelt::new(Given(x), 0.2)
         }),
-        case("ContactLaw", "static_coefficient", below, |x| {
+        case("FrictionLaw", "static_coefficient", below, |x| {
             Contact::new(0, Given(x), 1.0)
         }),
         case("ContactLaw", "rate", &ANY, |x| {
