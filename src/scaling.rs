@@ -205,12 +205,12 @@ impl Scaling {
 
     /// The unit of velocity ω0 L, m/s.
     fn velocity_unit(&self) -> f64 {
-        self.angular_frequency * self.length
+        self.units().velocity()
     }
 
     /// The unit of force K L, N.
     fn force_unit(&self) -> f64 {
-        self.physical.stiffness * self.length
+        self.units().force()
     }
 
     /// The dimensionless parameters β, γ² and v_b.

@@ -148,8 +148,7 @@ fn has_one_root_at_most(samples: &[(f64, Node)], cosines: &[f64; 2 * DEGREE]) ->
         return resolved;
     }
     // Coefficients of the derivative, without those that are mere rounding.
-    let is_real = |&k: &usize| c[k].abs() > noise;
-    let degree = (0..samples.len()).rfind(is_real).unwrap_or(0);
+    let degree = c.iter().rposition(|c| c.abs() > noise).unwrap_or(0);
     let mut d = [0.0; DEGREE + 2];
     for k in (1..=degree).rev() {
         d[k - 1] = d[k + 1] + 2.0 * k as f64 * c[k];

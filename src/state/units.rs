@@ -25,6 +25,11 @@ impl Units {
         self.rate * self.length
     }
 
+    /// K L, newtons.
+    pub(crate) fn force(self) -> f64 {
+        self.stiffness * self.length
+    }
+
     /// A parameter of the dimensionless system, or an end of a range of belt velocities, in these
     /// units, with its name in [`Physical`](crate::Physical); `None` for other names.
     pub(crate) fn parameter(self, name: &str, value: f64) -> Option<(&'static str, f64)> {
@@ -34,7 +39,7 @@ impl Units {
             "range.end" => Some(("range.end", value * self.velocity())),
             // C = 2β√(K M), with √(K M) = K/ω0.
             "damping" => Some(("damping", 2.0 * value * self.stiffness / self.rate)),
-            "load" => Some(("normal_force", value * self.stiffness * self.length)),
+            "load" => Some(("normal_force", value * self.force())),
             _ => None,
         }
     }

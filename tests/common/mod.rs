@@ -8,9 +8,10 @@ pub(crate) mod orbit;
 use std::cell::Cell;
 
 use serde_json::Value;
+use stick_slip::analysis::dwell::DwellOscillator;
 use stick_slip::{
-    Coulomb, Direction, EventKind, Exponential, FrictionLaw, LawVisitor, LimitCycle, MassOnBelt,
-    Polynomial, Scalar, State,
+    Contact, Coulomb, Direction, Dwell, EventKind, Exponential, FrictionLaw, LawVisitor,
+    LimitCycle, MassOnBelt, Polynomial, Scalar, State, Structure,
 };
 
 /// A reference number: a decimal string of 25 digits, rounded to `f64`.
@@ -323,4 +324,14 @@ impl FrictionLaw for TurnsNan {
     fn kinetic<S: Scalar>(&self, speed: S) -> S {
         (speed + 1.0).recip() * 0.4
     }
+}
+
+/// The mass of a closed formula on its belt.
+pub(crate) fn dwelling(of: &DwellOscillator, velocity: f64) -> Structure<Dwell<Coulomb>, 1> {
+    let contact = Contact::new(0, of.law, of.load).unwrap();
+    Structure::new(&[of.mass])
+        .and_then(|s| s.with_ground_spring(0, of.stiffness))
+        .and_then(|s| s.with_ground_damper(0, of.damping))
+        .and_then(|s| s.with_contact(contact.on_belt(velocity)))
+        .unwrap()
 }

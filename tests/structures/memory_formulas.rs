@@ -10,7 +10,7 @@ use stick_slip::{
     MassOnBelt, Motion, Polynomial, Slip, Structure, Tabulated, limit_cycle,
 };
 
-use crate::common::{list, number, text};
+use crate::common::{dwelling, list, number, text};
 use crate::reading::cases;
 
 fn assert_near(what: &str, actual: f64, expected: f64, allowed: f64) {
@@ -28,15 +28,6 @@ fn oscillator(law: Dwell<Coulomb>, damping_ratio: f64) -> DwellOscillator {
         damping: 2.0 * damping_ratio * f64::sqrt(mass * stiffness),
         load: 7.0,
     }
-}
-
-fn structure(of: &DwellOscillator, velocity: f64) -> Structure<Dwell<Coulomb>, 1> {
-    let contact = Contact::new(0, of.law, of.load).unwrap();
-    Structure::new(&[of.mass])
-        .and_then(|s| s.with_ground_spring(0, of.stiffness))
-        .and_then(|s| s.with_ground_damper(0, of.damping))
-        .and_then(|s| s.with_contact(contact.on_belt(velocity)))
-        .unwrap()
 }
 
 /// Of each form, with and without a jump from kinetic to static friction.
@@ -152,7 +143,7 @@ fn is_followed(of: &DwellOscillator, cycle: &ExactCycle) {
     let before = 0.5 * cycle.stick_duration;
     let place = cycle.release_displacement - v * before;
     let start = State::new(&[place], &[v]).with_memory(&[cycle.stick_duration - before]);
-    let motion = structure(of, v)
+    let motion = dwelling(of, v)
         .simulate(start, 1.6 * cycle.period())
         .unwrap();
     let [release, stick, again, ..] = motion.events() else {
@@ -312,7 +303,7 @@ fn critical_velocities_are_bracketed_by_motions() {
                 let near = of.stick_slip(0.999 * critical).unwrap();
                 // From a larger swing than that of the cycle, by far.
                 let start = State::new(&[near.release_displacement + 0.2 * near.amplitude], &[v]);
-                let motion = structure(&of, v).simulate(start, 3000.0).unwrap();
+                let motion = dwelling(&of, v).simulate(start, 3000.0).unwrap();
                 let released = motion.events().iter().rev();
                 let last = released
                     .into_iter()

@@ -39,23 +39,12 @@ fn every_way<L: FrictionLaw>(law: &L, look: impl Fn([SlipSeries; 3])) {
             dispatched
                 .expand(piece, &system, &from, time, along)
                 .unwrap();
+            let equation = Equation::of(&system, direction);
             unrolled
-                .expand_by::<_, true>(
-                    piece,
-                    &Equation::of(&system, from.direction),
-                    &from,
-                    time,
-                    along,
-                )
+                .expand_by::<_, true>(piece, &equation, &from, time, along)
                 .unwrap();
-            jets.expand_by::<_, false>(
-                piece,
-                &Equation::of(&system, from.direction),
-                &from,
-                time,
-                along,
-            )
-            .unwrap();
+            jets.expand_by::<_, false>(piece, &equation, &from, time, along)
+                .unwrap();
             look([dispatched, unrolled, jets].map(|expander| expander.series));
         }
     }
@@ -129,21 +118,10 @@ fn both_ways_refuse_a_law_that_gives_no_number() {
             rate: None,
         };
         let mut expander = Expander::new();
+        let (equation, time) = (Equation::of(&system, from.direction), Time::Forward);
         for error in [
-            expander.expand_by::<_, true>(
-                piece,
-                &Equation::of(&system, from.direction),
-                &from,
-                Time::Forward,
-                None,
-            ),
-            expander.expand_by::<_, false>(
-                piece,
-                &Equation::of(&system, from.direction),
-                &from,
-                Time::Forward,
-                None,
-            ),
+            expander.expand_by::<_, true>(piece, &equation, &from, time, None),
+            expander.expand_by::<_, false>(piece, &equation, &from, time, None),
         ] {
             match error.unwrap_err() {
                 Error::NotAnalytic { .. } => assert!(is_number),

@@ -13,6 +13,7 @@ use stick_slip::{
 };
 
 use super::{Bounds, Verdict, check, decades, or_zero, sign, system};
+use crate::common::dwelling;
 
 const EPS: f64 = f64::EPSILON;
 
@@ -178,20 +179,11 @@ fn free_vibration() {
     );
 }
 
-fn structure(of: &DwellOscillator, velocity: f64) -> Structure<Dwell<Coulomb>, 1> {
-    let contact = Contact::new(0, of.law, of.load).unwrap();
-    Structure::new(&[of.mass])
-        .and_then(|s| s.with_ground_spring(0, of.stiffness))
-        .and_then(|s| s.with_ground_damper(0, of.damping))
-        .and_then(|s| s.with_contact(contact.on_belt(velocity)))
-        .unwrap()
-}
-
 /// Time and place of the release and of the contact that follow a contact at some place.
 fn caught(of: &DwellOscillator, cycle: &ExactCycle, place: f64) -> Option<[(f64, f64); 2]> {
     let v = cycle.belt_velocity;
     let start = Place::new(&[place], &[v]).with_memory(&[0.0]);
-    let motion = structure(of, v)
+    let motion = dwelling(of, v)
         .simulate(start, 1.5 * cycle.period())
         .unwrap();
     let [release, contact, ..] = motion.events() else {
@@ -207,7 +199,7 @@ fn reaches(bounds: &Bounds, of: &DwellOscillator, cycle: &ExactCycle) -> Verdict
     const MOMENTS: usize = 1000;
     let v = cycle.belt_velocity;
     let start = Place::new(&[cycle.contact_displacement], &[v]).with_memory(&[0.0]);
-    let motion = structure(of, v).simulate(start, cycle.period()).unwrap();
+    let motion = dwelling(of, v).simulate(start, cycle.period()).unwrap();
     let (mut least, mut largest, mut fastest) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
     for (_, state) in motion.sample(MOMENTS) {
         least = least.min(state.displacements[0]);
