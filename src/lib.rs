@@ -240,13 +240,13 @@ pub mod structure;
 pub use belt::{Equilibrium, Flow, MassOnBelt, Stability, Step};
 pub use drive::Drive;
 pub use error::{Error, Reached};
-#[doc(hidden)]
-pub use friction::LawVisitor;
 pub use friction::memory::{AnyContactLaw, ContactLaw, Dahl, Dwell, LuGre, Motion, Slip};
 pub use friction::{
     AnyLaw, Coulomb, Exponential, FrictionLaw, LawFault, Polynomial, Rational, Scaled, Stribeck,
     Tabulated, check_law,
 };
+#[doc(hidden)]
+pub use friction::{LawRef, LawVisitor};
 pub use limit_cycle::{
     Attractor, Basins, Continuum, CycleKind, CycleSet, EnergyBudget, LimitCycle,
 };

@@ -26,10 +26,10 @@
 
 use std::f64::consts::PI;
 
-use crate::belt::MassOnBelt;
+use crate::belt::{Belt, MassOnBelt};
 use crate::error::Error;
-use crate::friction::FrictionLaw;
-use crate::friction::{piece_above, slope_on};
+use crate::friction::slope_on;
+use crate::friction::{FrictionLaw, Values};
 use crate::numerics::adaptive::{Integral, gauss, graded, trapezoid};
 use crate::numerics::bracket::root_between;
 use crate::numerics::chebyshev::{Sample, brackets, isolate};
@@ -61,7 +61,7 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 pub fn drift<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64) -> Result<f64, Error> {
-    Ok(SlowFlow::at(system, amplitude, 0.0)?.drift(amplitude))
+    Ok(SlowFlow::at(&system.belt(), amplitude, 0.0)?.drift(amplitude))
 }
 
 /// Slope dA'/dA of the drift at the amplitude A ≥ 0, dimensionless: the rate at which a disturbance
@@ -81,7 +81,7 @@ pub fn drift<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64) -> Result<f
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 pub fn drift_slope<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64) -> Result<f64, Error> {
-    Ok(SlowFlow::at(system, amplitude, 0.0)?.slope)
+    Ok(SlowFlow::at(&system.belt(), amplitude, 0.0)?.slope)
 }
 
 /// The slow flow at one amplitude, in parts.
@@ -99,11 +99,7 @@ struct SlowFlow {
 impl SlowFlow {
     /// `steepest` is the size of the law's slopes, beside which smaller ones are mere rounding; 0
     /// if that is not known.
-    fn at<L: FrictionLaw>(
-        system: &MassOnBelt<L>,
-        amplitude: f64,
-        steepest: f64,
-    ) -> Result<Self, Error> {
+    fn at(system: &Belt<'_>, amplitude: f64, steepest: f64) -> Result<Self, Error> {
         let belt_speed = system.belt_velocity().abs();
         Error::check(
             "averaging",
@@ -159,8 +155,8 @@ fn sine_of_crossing(belt_speed: f64, amplitude: f64) -> f64 {
 }
 
 /// The integrals ∫₀^π μ̂'(|w − A cos ψ|) sin²ψ dψ and ∫₀^π μ̂'(|w − A cos ψ|) cos²ψ dψ.
-fn slope_integrals<L: FrictionLaw>(
-    law: &L,
+fn slope_integrals(
+    law: &dyn Values,
     w: f64,
     amplitude: f64,
     steepest: f64,
@@ -172,7 +168,7 @@ fn slope_integrals<L: FrictionLaw>(
     };
     // Angles ψ at which the speed |w − A cos ψ| is a breakpoint, or vanishes.
     let mut splits = vec![0.0, PI];
-    let kinks = law.breakpoints().flat_map(|b| [w - b, w + b]);
+    let kinks = law.breakpoints().into_iter().flat_map(|b| [w - b, w + b]);
     splits.extend(
         kinks
             .filter(|y| y.abs() < amplitude)
@@ -186,14 +182,14 @@ fn slope_integrals<L: FrictionLaw>(
     splits.sort_by(f64::total_cmp);
 
     if splits.len() == 2 {
-        let piece = piece_above(law.breakpoints(), speed_at(0.5 * PI));
+        let piece = law.piece_above(speed_at(0.5 * PI));
         if let Some(integral) = trapezoid(|psi| weighted(piece, psi))? {
             return Ok(integral);
         }
     }
     let mut total = Integral::ZERO;
     for ends in splits.windows(2).filter(|ends| ends[0] < ends[1]) {
-        let piece = piece_above(law.breakpoints(), speed_at(0.5 * (ends[0] + ends[1])));
+        let piece = law.piece_above(speed_at(0.5 * (ends[0] + ends[1])));
         let f = |psi| weighted(piece, psi);
         let panels = if ends.contains(&slowest) {
             gauss(f, &graded(ends[0], ends[1]), steepest)
@@ -312,6 +308,10 @@ impl AveragedCycle {
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 pub fn cycles<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Vec<AveragedCycle>, Error> {
+    cycles_of(&system.belt())
+}
+
+fn cycles_of(system: &Belt<'_>) -> Result<Vec<AveragedCycle>, Error> {
     let w = system.belt_velocity().abs();
     if w == 0.0 {
         return Ok(Vec::new());
@@ -346,10 +346,11 @@ pub fn cycles<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Vec<AveragedCycl
 ///
 /// A motion that only just reaches a piece of the law sees a part of it that is as narrow as
 /// rounding: slopes there are as good as their size on the whole piece allows.
-fn steepest_at_breakpoints<L: FrictionLaw>(law: &L, fastest: f64) -> Result<f64, Error> {
+fn steepest_at_breakpoints(law: &dyn Values, fastest: f64) -> Result<f64, Error> {
     let mut steepest = 0.0_f64;
     for (piece, speed) in law
         .breakpoints()
+        .into_iter()
         .enumerate()
         .take_while(|(_, b)| *b < fastest)
     {
@@ -362,9 +363,10 @@ fn steepest_at_breakpoints<L: FrictionLaw>(law: &L, fastest: f64) -> Result<f64,
 
 /// Amplitudes in units of w, from 0 to 2, at which the motion first touches the belt or a
 /// breakpoint of the law.
-fn touching_amplitudes<L: FrictionLaw>(law: &L, w: f64) -> Vec<f64> {
+fn touching_amplitudes(law: &dyn Values, w: f64) -> Vec<f64> {
     let touching = law
         .breakpoints()
+        .into_iter()
         .map(|b| b / w)
         .flat_map(|b| [(1.0 - b).abs(), 1.0 + b]);
     let mut amplitudes: Vec<f64> = touching
@@ -376,10 +378,7 @@ fn touching_amplitudes<L: FrictionLaw>(law: &L, w: f64) -> Vec<f64> {
     amplitudes
 }
 
-fn describe<L: FrictionLaw>(
-    system: &MassOnBelt<L>,
-    amplitude: f64,
-) -> Result<AveragedCycle, Error> {
+fn describe(system: &Belt<'_>, amplitude: f64) -> Result<AveragedCycle, Error> {
     let (law, w) = (system.law(), system.belt_velocity().abs());
     let drift_slope = SlowFlow::at(system, amplitude, 0.0)?.slope;
     let mut cycle = AveragedCycle {

@@ -68,7 +68,7 @@ impl PureSlip {
             belt_velocity: v_b,
             minimum_velocity: v_m,
             damping: system.damping(),
-            equilibrium: system.equilibrium_displacement(),
+            equilibrium: system.belt().equilibrium_displacement(),
             eta,
             h1: 2.0 * system.damping() - eta * (1.0 - ratio) * (1.0 + ratio),
             h2,

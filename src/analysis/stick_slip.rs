@@ -1,9 +1,9 @@
 use std::f64::consts::{PI, TAU};
 
-use crate::belt::MassOnBelt;
+use crate::belt::{Belt, MassOnBelt};
 use crate::error::Error;
 use crate::friction::check::STATIC_ROUNDING;
-use crate::friction::{FrictionLaw, slope_on, taylor_coefficients};
+use crate::friction::{FrictionLaw, Values, slope_on, taylor_coefficients};
 use crate::numerics::adaptive::{gauss, graded};
 use crate::scalar::LONGEST;
 
@@ -69,6 +69,10 @@ impl StickSlip {
     /// A system with κ ≤ 0 may still have a stick-slip cycle, but these formulas do not describe
     /// it.
     pub fn new<L: FrictionLaw>(system: &MassOnBelt<L>) -> Option<Self> {
+        Self::of(&system.belt())
+    }
+
+    fn of(system: &Belt<'_>) -> Option<Self> {
         let (law, load) = (system.law(), system.load());
         let v_b = system.belt_velocity();
         let speed = v_b.abs();
@@ -78,8 +82,8 @@ impl StickSlip {
         let jump = static_jump(law);
         let fall = jump / speed - mean_slope(law, speed).ok()?;
         let kappa = load * fall - 2.0 * system.damping();
-        let series = taylor_coefficients::<LONGEST, _>(law, speed);
-        let first_breakpoint = law.breakpoints().next().unwrap_or(f64::INFINITY);
+        let series = taylor_coefficients::<LONGEST>(law, speed);
+        let first_breakpoint = law.breakpoints().first().copied().unwrap_or(f64::INFINITY);
         let is_cubic =
             jump == 0.0 && speed < first_breakpoint && series[4..].iter().all(|&c| c == 0.0);
         let [_, m1, m2, m3, ..] = series;
@@ -305,7 +309,7 @@ impl StickSlip {
 }
 
 /// Static jump μ_s − μ̂(0); 0 if the two differ by rounding alone.
-fn static_jump<L: FrictionLaw>(law: &L) -> f64 {
+fn static_jump(law: &dyn Values) -> f64 {
     let mu_s = law.static_coefficient();
     let jump = mu_s - law.kinetic(0.0);
     if jump <= STATIC_ROUNDING * mu_s {
@@ -316,9 +320,9 @@ fn static_jump<L: FrictionLaw>(law: &L) -> f64 {
 }
 
 /// Mean slope (μ̂(s) − μ̂(0))/s of the law, without cancellation at small s.
-fn mean_slope<L: FrictionLaw>(law: &L, speed: f64) -> Result<f64, Error> {
+fn mean_slope(law: &dyn Values, speed: f64) -> Result<f64, Error> {
     let mut ends = vec![0.0];
-    ends.extend(law.breakpoints().take_while(|&b| b < speed));
+    ends.extend(law.breakpoints().into_iter().take_while(|&b| b < speed));
     ends.push(speed);
     let mut mean = 0.0;
     for (piece, ends) in ends.windows(2).enumerate() {

@@ -1,10 +1,10 @@
 //! Which piece of the law a motion goes through, and where a step leaves this piece: at a
 //! breakpoint or on the belt.
 
-use super::slip_point::SlipPoint;
-use super::system::MassOnBelt;
+use super::model::Belt;
 use crate::clock::Time;
-use crate::friction::FrictionLaw;
+use crate::friction::Values;
+use crate::friction::slip::SlipPoint;
 use crate::series::{PowerSeries, TooCurved, quarters};
 
 /// The speeds at which the pieces of a law meet, ascending.
@@ -12,16 +12,16 @@ use crate::series::{PowerSeries, TooCurved, quarters};
 pub(super) struct Breakpoints(Vec<f64>);
 
 impl Breakpoints {
-    pub(super) fn new(law: &impl FrictionLaw) -> Self {
-        Self(law.breakpoints().collect())
+    pub(super) fn new(law: &dyn Values) -> Self {
+        Self(law.breakpoints())
     }
 
     /// The piece of the law that a motion from this point goes through, and the rate ds/dt that
     /// decided on the piece, if one had to.
     #[inline(always)]
-    pub(super) fn piece<L: FrictionLaw>(
+    pub(super) fn piece(
         &self,
-        system: &MassOnBelt<L>,
+        system: &Belt<'_>,
         point: &SlipPoint,
         time: Time,
     ) -> (usize, Option<f64>) {
@@ -37,9 +37,9 @@ impl Breakpoints {
     /// At a breakpoint the sign of the rate ds/dt decides between the two pieces. The series then
     /// starts with this rate.
     #[inline(never)]
-    fn among_pieces<L: FrictionLaw>(
+    fn among_pieces(
         &self,
-        system: &MassOnBelt<L>,
+        system: &Belt<'_>,
         point: &SlipPoint,
         time: Time,
     ) -> (usize, Option<f64>) {

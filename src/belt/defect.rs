@@ -2,9 +2,8 @@
 //! is put in. The coefficients fulfil the equation at the start of a step; the defect shows whether
 //! the series fulfils it elsewhere in the step.
 
-use super::expansion::SlipSeries;
-use super::system::MassOnBelt;
-use crate::friction::FrictionLaw;
+use super::model::Belt;
+use crate::friction::slip::SlipSeries;
 use crate::motion::step_control::MOST_FOURS;
 use crate::state::State;
 
@@ -12,7 +11,7 @@ impl SlipSeries {
     /// The sum |u| + 2β|v| + γ²μ̂ at the start, by which the rounding errors of the equation of
     /// motion are measured.
     #[inline(always)]
-    pub(crate) fn largest_term<L>(&self, system: &MassOnBelt<L>, state: State) -> f64 {
+    pub(crate) fn largest_term(&self, system: &Belt<'_>, state: State) -> f64 {
         state.displacement.abs()
             + 2.0 * system.damping() * state.velocity.abs()
             + system.load() * self.friction[0].abs()
@@ -25,28 +24,18 @@ impl SlipSeries {
     /// The coefficients alone do not show what underflows where the step starts, such as the flank
     /// of a narrow Gaussian in the law.
     #[inline(always)]
-    pub(crate) fn defect<L: FrictionLaw>(
+    pub(crate) fn defect(
         &self,
-        system: &MassOnBelt<L>,
+        system: &Belt<'_>,
         piece: usize,
         times: [f64; 4],
         speeds: [f64; 4],
     ) -> f64 {
-        let law = |s| system.law().kinetic_on(piece, s);
-        system.load() * self.largest_difference(times, speeds, law)
-    }
-
-    #[inline(always)]
-    fn largest_difference(
-        &self,
-        times: [f64; 4],
-        speeds: [f64; 4],
-        law: impl Fn(f64) -> f64,
-    ) -> f64 {
         let friction = self.friction.at_four(times);
+        let exact = system.law().at_four(piece, speeds.map(|s| s.max(0.0)));
         let mut largest = 0.0;
-        for (s, m) in std::iter::zip(speeds, friction) {
-            let difference = (law(s.max(0.0)) - m).abs();
+        for (exact, m) in std::iter::zip(exact, friction) {
+            let difference = (exact - m).abs();
             // Not f64::max, which would drop a NaN.
             largest = if largest >= difference {
                 largest
@@ -54,14 +43,13 @@ impl SlipSeries {
                 difference + 0.0 * largest
             };
         }
-        largest
+        system.load() * largest
     }
 
-    /// The largest defect elsewhere in the step. Compiled once for all laws, because few steps ask
-    /// for it.
+    /// The largest defect elsewhere in the step.
     #[inline(never)]
-    fn defect_elsewhere(&self, load: f64, law: &dyn Fn(f64) -> f64, times: [f64; 4]) -> f64 {
-        load * self.largest_difference(times, self.speed.at_some(times), law)
+    fn defect_elsewhere(&self, system: &Belt<'_>, piece: usize, times: [f64; 4]) -> f64 {
+        self.defect(system, piece, times, self.speed.at_some(times))
     }
 
     /// The defect near the minima of s(t) inside a step of length h, where the motion comes closest
@@ -70,18 +58,17 @@ impl SlipSeries {
     ///
     /// The law may have a feature at slow speeds, and a motion may pass it between two quarters.
     #[inline(always)]
-    pub(crate) fn defect_at_minimum<L: FrictionLaw>(
+    pub(crate) fn defect_at_minimum(
         &self,
-        system: &MassOnBelt<L>,
+        system: &Belt<'_>,
         piece: usize,
         h: f64,
         speeds: [f64; 4],
     ) -> f64 {
         let mut largest = 0.0;
         self.speed.about_minima(h, speeds, &mut |times| {
-            let law = |s| system.law().kinetic_on(piece, s);
             // Not f64::max, which would drop a NaN.
-            largest += self.defect_elsewhere(system.load(), &law, times);
+            largest += self.defect_elsewhere(system, piece, times);
         });
         largest
     }
@@ -91,13 +78,7 @@ impl SlipSeries {
     ///
     /// Where the law is flat, steps are long, and one may pass over a whole feature of the law.
     #[inline(never)]
-    pub(crate) fn defect_in_between<L: FrictionLaw>(
-        &self,
-        system: &MassOnBelt<L>,
-        piece: usize,
-        h: f64,
-    ) -> f64 {
-        let law = |s| system.law().kinetic_on(piece, s);
+    pub(crate) fn defect_in_between(&self, system: &Belt<'_>, piece: usize, h: f64) -> f64 {
         let fours = h.ceil().min(MOST_FOURS);
         let part = 0.25 * h / fours;
         let mut largest = 0.0;
@@ -105,7 +86,7 @@ impl SlipSeries {
             let start = i as f64 * 4.0 * part;
             let times = [0.5, 1.5, 2.5, 3.5].map(|place| start + place * part);
             // Not f64::max, which would drop a NaN.
-            largest += self.defect_elsewhere(system.load(), &law, times);
+            largest += self.defect_elsewhere(system, piece, times);
         }
         largest
     }

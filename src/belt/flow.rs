@@ -2,16 +2,18 @@
 
 use std::ops::RangeInclusive;
 
-use super::slip_point::{SlipPoint, Start};
+use super::model::{Belt, Landing};
+use super::slip_point::Start;
 use super::step::Step;
 use super::stepper::{Advance, Stepper};
-use super::system::{Landing, MassOnBelt};
+use super::system::MassOnBelt;
 use crate::clock::Time;
 use crate::error::Error;
+use crate::friction::slip::SlipPoint;
 use crate::friction::{FrictionLaw, static_is_nan};
 use crate::motion::sealed::Sealed;
 use crate::motion::{EventKind, Integrator, Mode, Run, Segment, System, Trajectory};
-use crate::state::State;
+use crate::state::{Direction, State};
 
 /// The motion of a mass from a start state, as an iterator of [`Step`]s without an end, in constant
 /// memory.
@@ -39,7 +41,14 @@ use crate::state::State;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Flow<'s, L> {
-    stepper: Stepper<'s, L>,
+    system: &'s MassOnBelt<L>,
+    machine: Machine,
+}
+
+/// A motion of any system, which is given anew for each step.
+#[derive(Debug, Clone)]
+struct Machine {
+    stepper: Stepper,
     run: Run,
     state: State,
     phase: Phase,
@@ -49,6 +58,8 @@ pub struct Flow<'s, L> {
 #[derive(Debug, Clone, Copy)]
 enum Phase {
     Stick,
+    /// Slip in a direction, from the belt.
+    Leaving(Direction),
     Slip(SlipPoint),
     Ended,
 }
@@ -57,8 +68,8 @@ enum Phase {
 /// subnormal numbers nor overflow. The tolerance's scale may be smaller.
 const SIZES: RangeInclusive<f64> = 1e-280..=1e300;
 
-impl<'s, L: FrictionLaw> Flow<'s, L> {
-    fn new(settings: Integrator, system: &'s MassOnBelt<L>, start: State) -> Result<Self, Error> {
+impl Machine {
+    fn new(settings: Integrator, system: &Belt<'_>, start: State) -> Result<Self, Error> {
         let v_b = system.belt_velocity();
         let State {
             displacement,
@@ -75,7 +86,7 @@ impl<'s, L: FrictionLaw> Flow<'s, L> {
             });
         }
         Ok(Self {
-            stepper: Stepper::new(system.by_reference(), settings.tolerance()),
+            stepper: Stepper::new(system, settings.tolerance()),
             run: Run::new(settings),
             state: if velocity - v_b == 0.0 {
                 State::new(displacement, v_b)
@@ -89,112 +100,13 @@ impl<'s, L: FrictionLaw> Flow<'s, L> {
         })
     }
 
-    /// The next step. Afterwards the motion stands at the end of this step.
-    fn step(&mut self) -> Result<Step, Error> {
-        let system = *self.stepper.system();
-        let start = self.run.clock;
-        let (step, phase, end) = match &self.phase {
-            Phase::Slip(point) => {
-                // By reference: a copy of the point would load, as a whole, what has just been
-                // stored in parts, and wait for it.
-                let advance = self.stepper.advance(point, Time::Forward, start.time)?;
-                let direction = advance.end.direction;
-                let (duration, speed, v_b) =
-                    (advance.duration, *advance.speed, system.belt_velocity());
-                let step = Step::slip(start, duration, direction, self.state, speed, v_b);
-                let (phase, event, end) = after(&system, point, &advance);
-                let step = match event {
-                    Some(kind) => step.ended_by(kind, end),
-                    None => step,
-                };
-                (step, phase, end)
-            }
-            Phase::Stick | Phase::Ended => {
-                let step = Step::stick(start, self.state.displacement, &system);
-                if step.duration.is_nan() {
-                    return Err(static_is_nan());
-                }
-                let phase = match (step.event(), step.end_state()) {
-                    (Some(event), State { displacement, .. }) => match event.kind.mode() {
-                        Mode::Slip(side) => {
-                            Phase::Slip(SlipPoint::leaving(&system, displacement, side))
-                        }
-                        Mode::Stick | Mode::Open => Phase::Stick,
-                    },
-                    (None, _) => Phase::Ended,
-                };
-                (step, phase, step.end_state())
-            }
-        };
-        self.phase = phase;
-        self.state = end;
-        self.run.clock = start.after(step.duration());
-        Ok(step)
-    }
-}
-
-/// What follows a Taylor step: the phase, the event at the end of the step, if there is one, and
-/// the state there.
-type Next = (Phase, Option<EventKind>, State);
-
-fn after<L: FrictionLaw>(system: &MassOnBelt<L>, from: &SlipPoint, advance: &Advance) -> Next {
-    let end = advance.end;
-    let state = end.state(system);
-    if advance.duration.is_infinite() {
-        return (Phase::Ended, None, state);
-    }
-    if !advance.is_contact() {
-        return (Phase::Slip(end), None, state);
-    }
-    let leaving = |side| Phase::Slip(SlipPoint::leaving(system, end.displacement, side));
-    match system.landing(end.displacement, end.direction) {
-        Landing::Stick => (Phase::Stick, Some(EventKind::Stick), state),
-        Landing::Touch if end.displacement == from.displacement => unmoved(system, &end),
-        Landing::Touch => (leaving(end.direction), None, state),
-        Landing::Crossing(side) => (leaving(side), Some(EventKind::Crossing(side)), state),
-    }
-}
-
-/// What follows where a mass that should slide away has come back to the belt before u moved by an
-/// ulp.
-///
-/// The force by which it should slide is lost there in the rounding of the forces, and the same
-/// short step would come again and again. On a belt at rest the mass rests, at the end of the stick
-/// band; a belt that moves takes it along, here by one ulp.
-#[cold]
-fn unmoved<L: FrictionLaw>(system: &MassOnBelt<L>, end: &SlipPoint) -> Next {
-    let u = end.displacement;
-    let v_b = system.belt_velocity();
-    let [low, high] = system.stick_limits();
-    let displacement = if v_b > 0.0 {
-        u.next_up()
-    } else if v_b < 0.0 {
-        u.next_down()
-    } else if system.is_at_limit(u) {
-        u.clamp(low, high)
-    } else {
-        u
-    };
-    let state = State::new(displacement, v_b);
-    match system.slides_at(displacement) {
-        None => (Phase::Stick, Some(EventKind::Stick), state),
-        Some(side) => {
-            let leaving = SlipPoint::leaving(system, displacement, side);
-            (Phase::Slip(leaving), None, state)
-        }
-    }
-}
-
-impl<L: FrictionLaw> Iterator for Flow<'_, L> {
-    type Item = Result<Step, Error>;
-
-    fn next(&mut self) -> Option<Self::Item> {
+    fn next(&mut self, system: &Belt<'_>) -> Option<Result<Step, Error>> {
         if matches!(self.phase, Phase::Ended) {
             return None;
         }
         let step = match self.run.limit_reached(|| self.state.into()) {
             Some(error) => Err(error),
-            None => self.step(),
+            None => self.step(system),
         };
         match &step {
             Ok(step) => self.run.count(usize::from(step.event().is_some())),
@@ -202,6 +114,116 @@ impl<L: FrictionLaw> Iterator for Flow<'_, L> {
             Err(_) => self.phase = Phase::Ended,
         }
         Some(step)
+    }
+
+    /// The next step. Afterwards the motion stands at the end of this step.
+    fn step(&mut self, system: &Belt<'_>) -> Result<Step, Error> {
+        let start = self.run.clock;
+        let leaving;
+        let point = match &self.phase {
+            // By reference: a copy of the point would load, as a whole, what has just been stored
+            // in parts, and wait for it.
+            Phase::Slip(point) => point,
+            Phase::Leaving(side) => {
+                leaving = SlipPoint::leaving(system, self.state.displacement, *side);
+                &leaving
+            }
+            Phase::Stick | Phase::Ended => return self.stick(system),
+        };
+        let from = point.displacement;
+        let advance = self
+            .stepper
+            .advance(system, point, Time::Forward, start.time)?;
+        let Advance { duration, end } = advance;
+        let state = std::mem::replace(&mut self.state, end.state(system));
+        self.run.clock = start.after(duration);
+        // In place, for the same reason.
+        let event = if duration.is_infinite() {
+            self.phase = Phase::Ended;
+            None
+        } else if advance.is_contact() {
+            self.arrive(system, from, &end)
+        } else {
+            self.phase = Phase::Slip(end);
+            None
+        };
+        let event = event.map(|kind| (kind, self.state));
+        let (speed, v_b) = (self.stepper.speed(), system.belt_velocity());
+        Ok(Step::slip(
+            start,
+            duration,
+            end.direction,
+            state,
+            speed,
+            v_b,
+            event,
+        ))
+    }
+
+    /// A stick phase.
+    fn stick(&mut self, system: &Belt<'_>) -> Result<Step, Error> {
+        let step = Step::stick(self.run.clock, self.state.displacement, system);
+        if step.duration.is_nan() {
+            return Err(static_is_nan());
+        }
+        self.phase = match step.event().map(|event| event.kind.mode()) {
+            Some(Mode::Slip(side)) => Phase::Leaving(side),
+            Some(Mode::Stick | Mode::Open) => Phase::Stick,
+            None => Phase::Ended,
+        };
+        self.state = step.end_state();
+        self.run.clock = self.run.clock.after(step.duration());
+        Ok(step)
+    }
+
+    /// What follows where slip that began at displacement `from` has come to the belt: sets the
+    /// phase, and says which event this is.
+    fn arrive(&mut self, system: &Belt<'_>, from: f64, end: &SlipPoint) -> Option<EventKind> {
+        let (phase, event) = match system.landing(end.displacement, end.direction) {
+            Landing::Stick => (Phase::Stick, Some(EventKind::Stick)),
+            Landing::Touch if end.displacement == from => return self.stay(system, end),
+            Landing::Touch => (Phase::Leaving(end.direction), None),
+            Landing::Crossing(side) => (Phase::Leaving(side), Some(EventKind::Crossing(side))),
+        };
+        self.phase = phase;
+        event
+    }
+
+    /// What follows where a mass that should slide away has come back to the belt before u moved by
+    /// an ulp.
+    ///
+    /// The force by which it should slide is lost there in the rounding of the forces, and the same
+    /// short step would come again and again. On a belt at rest the mass rests, at the end of the
+    /// stick band; a belt that moves takes it along, here by one ulp.
+    #[cold]
+    fn stay(&mut self, system: &Belt<'_>, end: &SlipPoint) -> Option<EventKind> {
+        let u = end.displacement;
+        let v_b = system.belt_velocity();
+        let [low, high] = system.stick_limits();
+        let displacement = if v_b > 0.0 {
+            u.next_up()
+        } else if v_b < 0.0 {
+            u.next_down()
+        } else if system.is_at_limit(u) {
+            u.clamp(low, high)
+        } else {
+            u
+        };
+        self.state = State::new(displacement, v_b);
+        let (phase, event) = match system.slides_at(displacement) {
+            None => (Phase::Stick, Some(EventKind::Stick)),
+            Some(side) => (Phase::Leaving(side), None),
+        };
+        self.phase = phase;
+        event
+    }
+}
+
+impl<L: FrictionLaw> Iterator for Flow<'_, L> {
+    type Item = Result<Step, Error>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.machine.next(&self.system.belt())
     }
 }
 
@@ -215,7 +237,11 @@ impl<L: FrictionLaw> System for MassOnBelt<L> {
         Self: 's;
 
     fn flow(&self, settings: Integrator, start: State) -> Result<Flow<'_, L>, Error> {
-        Flow::new(settings, self, start)
+        let machine = Machine::new(settings, &self.belt(), start)?;
+        Ok(Flow {
+            system: self,
+            machine,
+        })
     }
 }
 

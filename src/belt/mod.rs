@@ -2,11 +2,11 @@
 //!
 //! | file | what is in it |
 //! |---|---|
-//! | `system.rs` | [`MassOnBelt`]: parameters, forces, the stick band, what follows an arrival |
-//! | `forward.rs` | [`Forward`]: a system whose belt moves forward, its law borrowed |
+//! | `system.rs` | [`MassOnBelt`]: what users see of a system |
+//! | `model.rs` | [`Belt`]: what the engines see; forces, the stick band, what follows an arrival |
+//! | `forward.rs` | [`Forward`]: a system whose belt moves forward |
 //! | `equilibrium.rs` | steady sliding and its stability |
-//! | `slip_point.rs` | points of slip phases, and how each kind of slip begins |
-//! | `expansion.rs` | the power series of a slip phase |
+//! | `slip_point.rs` | how each kind of slip begins (the power series of slip: `friction/slip.rs`) |
 //! | `slow.rs` | the power series of the slow motion in a stiff slip phase (tried by `stepper.rs`; from which stiffness on: `motion/step_control.rs`) |
 //! | `defect.rs` | whether a series holds between its coefficients, and where that is looked at |
 //! | `breakpoints.rs` | pieces of the law, and where a step leaves one |
@@ -18,9 +18,9 @@
 mod breakpoints;
 mod defect;
 mod equilibrium;
-mod expansion;
 mod flow;
 mod forward;
+mod model;
 #[cfg(feature = "serde")]
 mod read;
 mod slip_point;
@@ -34,8 +34,8 @@ mod written;
 pub use equilibrium::{Equilibrium, Stability};
 pub use flow::Flow;
 pub(crate) use forward::Forward;
-pub(crate) use slip_point::{SlipPoint, Start};
+pub(crate) use model::{Belt, Landing};
+pub(crate) use slip_point::Start;
 pub use step::Step;
 pub(crate) use stepper::{Advance, Stepper};
-pub(crate) use system::Landing;
 pub use system::MassOnBelt;

@@ -1,22 +1,8 @@
-//! Points of slip phases, and how each kind of slip begins.
+//! How each kind of slip begins.
 
-use super::system::MassOnBelt;
-use crate::friction::FrictionLaw;
+use super::model::Belt;
+use crate::friction::slip::SlipPoint;
 use crate::state::{Direction, State};
-
-/// A point of a slip phase.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct SlipPoint {
-    /// The direction of slip σ, the sign of v_r.
-    pub(crate) direction: Direction,
-    /// Displacement u.
-    pub(crate) displacement: f64,
-    /// Sliding speed s = |v_r|.
-    pub(crate) speed: f64,
-    /// The rate ds/dt in the direction of time that is followed, if it is known better than from
-    /// the equation of motion: on the belt, and at an extremum of v.
-    pub(crate) rate: Option<f64>,
-}
 
 /// What the mass does at the start of a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,7 +14,7 @@ pub(crate) enum Start {
 
 impl Start {
     /// What the mass does at the start of the motion from this state.
-    pub(crate) fn of<L: FrictionLaw>(system: &MassOnBelt<L>, state: State) -> Self {
+    pub(crate) fn of(system: &Belt<'_>, state: State) -> Self {
         let State {
             displacement,
             velocity,
@@ -57,11 +43,7 @@ impl SlipPoint {
     ///
     /// The rate follows from the force beyond the stick band, so that it is exactly 0 at the
     /// release point of a law with μ̂(0) = μ_s.
-    pub(crate) fn leaving<L: FrictionLaw>(
-        system: &MassOnBelt<L>,
-        displacement: f64,
-        direction: Direction,
-    ) -> Self {
+    pub(crate) fn leaving(system: &Belt<'_>, displacement: f64, direction: Direction) -> Self {
         let exact = match system.release_state() {
             Some(release) if system.is_release(displacement) => release.displacement,
             _ => displacement,
@@ -84,14 +66,15 @@ impl SlipPoint {
     }
 
     /// The state (u, v) at this point.
-    pub(crate) fn state<L>(&self, system: &MassOnBelt<L>) -> State {
+    #[inline]
+    pub(crate) fn state(&self, system: &Belt<'_>) -> State {
         let velocity = system.belt_velocity() + self.direction.sign() * self.speed;
         State::new(self.displacement, velocity)
     }
 
     /// The point behind a belt of velocity v_b > 0 where the velocity has a maximum: v = `peak`,
     /// v' = 0.
-    pub(crate) fn at_maximum<L: FrictionLaw>(system: &MassOnBelt<L>, peak: f64) -> Self {
+    pub(crate) fn at_maximum(system: &Belt<'_>, peak: f64) -> Self {
         let speed = system.belt_velocity() - peak;
         let friction = system.load() * system.law().kinetic(speed);
         Self {

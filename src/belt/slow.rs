@@ -16,12 +16,10 @@
 //! three-term recurrence relations, *SIAM Review* 9 (1967) 24-82, doi:10.1137/1009002; NIST Digital
 //! Library of Mathematical Functions, §3.6, <https://dlmf.nist.gov/3.6>.
 
-use super::expansion::{Expander, SlipSeries};
-use super::slip_point::SlipPoint;
-use super::system::MassOnBelt;
+use super::model::Belt;
 use crate::clock::Time;
 use crate::error::Error;
-use crate::friction::{FrictionLaw, Piece};
+use crate::friction::slip::{Expander, SlipPoint, SlipSeries};
 use crate::motion::step_control::Allowance;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 
@@ -51,43 +49,32 @@ const INNER: f64 = 0.8;
 impl SlipSeries {
     /// The slow motion through the same displacement, if the motion has come to it, and how far it
     /// can be used. This is the explicit series, from `from`.
-    pub(super) fn slow<L: FrictionLaw>(
+    pub(super) fn slow(
         &self,
-        piece: Piece<'_, L>,
-        system: &MassOnBelt<&L>,
+        piece: usize,
+        system: &Belt<'_>,
         expander: &mut Expander,
         from: &SlipPoint,
         time: Time,
         allowance: &Allowance,
     ) -> Option<(Self, f64)> {
-        let slow = Slow::new(system, from, time);
-        self.solve(&slow, from.speed, time, allowance, &mut |composed, c| {
+        let (slow, speed) = (Slow::new(system, from, time), from.speed);
+        let equation = system.equation(from.direction);
+        // The series of the friction along a given series of the sliding speed.
+        let mut compose = |c: &PowerSeries| -> Result<Self, Error> {
             // Not with the last coefficient of the explicit series, which is not written here.
             expander.series = Self::ZERO;
-            expander.expand(piece, system, from, time, Some(c))?;
-            *composed = expander.series;
-            Ok(())
-        })
-    }
-
-    /// The same, where `compose` makes the series of the friction along a given series of the
-    /// sliding speed. Compiled once for all laws.
-    fn solve(
-        &self,
-        slow: &Slow,
-        speed: f64,
-        time: Time,
-        allowance: &Allowance,
-        compose: &mut dyn FnMut(&mut Self, &PowerSeries) -> Result<(), Error>,
-    ) -> Option<(Self, f64)> {
+            let law = system.law();
+            law.expand_slip(expander, piece, &equation, from, time, Some(c))?;
+            Ok(expander.series)
+        };
         let closing = time.sign() * self.decay;
         let unit = slow.unit(speed, closing);
         let mut c = slow.guess(&self.speed, closing, unit, allowance.error);
         let close = CLOSE * allowance.error.max(f64::EPSILON * speed);
         let farthest = Allowance::farthest(closing) / unit;
-        let mut composed = Self::ZERO;
         for pass in 0..MOST_PASSES {
-            compose(&mut composed, &c).ok()?;
+            let composed = compose(&c).ok()?;
             let correction = slow.correction(&c, &composed, unit);
             // The first correction is already the distance, as far as it is small: a motion that is
             // still on its way costs one pass.
@@ -114,8 +101,7 @@ impl SlipSeries {
                     return None;
                 }
                 // The next correction would be the square of this one.
-                compose(&mut composed, &c).ok()?;
-                return composed.in_time(unit, allowance, farthest * unit);
+                return compose(&c).ok()?.in_time(unit, allowance, farthest * unit);
             }
         }
         None
@@ -177,7 +163,7 @@ struct Slow {
 }
 
 impl Slow {
-    fn new<L: FrictionLaw>(system: &MassOnBelt<&L>, from: &SlipPoint, time: Time) -> Self {
+    fn new(system: &Belt<'_>, from: &SlipPoint, time: Time) -> Self {
         let (sigma, forward) = (from.direction.sign(), time.sign());
         Self {
             forward,

@@ -1,7 +1,6 @@
-use super::system::MassOnBelt;
+use super::model::Belt;
 use crate::clock::Clock;
 use crate::error::Error;
-use crate::friction::FrictionLaw;
 use crate::motion::sealed::Sealed;
 use crate::motion::{Ended, Event, EventKind, Mode, Segment, SystemState, Trajectory};
 use crate::series::PowerSeries;
@@ -50,16 +49,18 @@ impl Step {
         duration: f64,
         direction: Direction,
         state: State,
-        speed: PowerSeries,
+        speed: &PowerSeries,
         belt_velocity: f64,
+        end: Option<(EventKind, State)>,
     ) -> Self {
+        let time = start.after(duration).time;
         Self {
             start,
             duration,
             mode: Mode::Slip(direction),
             state,
-            speed,
-            event: None,
+            speed: *speed,
+            event: end.map(|(kind, state)| event(time, kind, state)),
             belt_velocity,
         }
     }
@@ -68,11 +69,7 @@ impl Step {
     ///
     /// The displacement grows at the rate v_b up to the release point. At v_b = 0 the mass rests
     /// for ever.
-    pub(crate) fn stick<L: FrictionLaw>(
-        start: Clock,
-        displacement: f64,
-        system: &MassOnBelt<L>,
-    ) -> Self {
+    pub(crate) fn stick(start: Clock, displacement: f64, system: &Belt<'_>) -> Self {
         let v_b = system.belt_velocity();
         let state = State::new(displacement, v_b);
         let rest = Self {
@@ -106,17 +103,9 @@ impl Step {
 
     /// The same step, ended by an event of this kind at this state.
     #[inline(always)]
-    pub(crate) fn ended_by(self, kind: EventKind, state: State) -> Self {
-        let event = Event {
-            time: self.end_time(),
-            contact: 0,
-            kind,
-            state,
-        };
-        Self {
-            event: Some(event),
-            ..self
-        }
+    pub(crate) fn ended_by(mut self, kind: EventKind, state: State) -> Self {
+        self.event = Some(event(self.end_time(), kind, state));
+        self
     }
 
     /// The same step, with its event, shifted to another start time.
@@ -273,6 +262,16 @@ impl Step {
 }
 
 /// Without the power series, which is long.
+/// An event of the one contact.
+fn event(time: f64, kind: EventKind, state: State) -> Event {
+    Event {
+        time,
+        contact: 0,
+        kind,
+        state,
+    }
+}
+
 impl std::fmt::Debug for Step {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Step")

@@ -3,29 +3,24 @@
 use std::cmp::Ordering;
 
 use super::breakpoints::Breakpoints;
-use super::expansion::Expander;
-use super::slip_point::SlipPoint;
-use super::system::MassOnBelt;
+use super::model::Belt;
 use crate::clock::Time;
 use crate::error::{Error, Reached};
-use crate::friction::{FrictionLaw, Piece};
+use crate::friction::slip::{Expander, SlipPoint};
 use crate::motion::step_control::{self, Allowance, FARTHEST, LONG, SETTLING, STIFF};
 use crate::series::{PowerSeries, TERMS, quarters};
 use crate::state::State;
 
 /// One Taylor step.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Advance<'s> {
+pub(crate) struct Advance {
     /// How long the step lasts; infinite exactly on an equilibrium.
     pub(crate) duration: f64,
     /// Where it ends.
     pub(crate) end: SlipPoint,
-    /// The sliding speed over the step, in the time since its start; backward time where that was
-    /// asked for.
-    pub(crate) speed: &'s PowerSeries,
 }
 
-impl Advance<'_> {
+impl Advance {
     /// Whether it ends in contact: at zero sliding speed.
     pub(crate) fn is_contact(&self) -> bool {
         self.end.speed == 0.0
@@ -64,14 +59,10 @@ const BEYOND: f64 = 64.0;
 /// slow one. It costs little, for a step of either kind grows like tolerance^(1/26) only.
 const LOOSEST: f64 = 1e-12;
 
-/// Takes Taylor steps within slip phases of one system.
-///
-/// The system borrows the law, so that simulations and searches for cycles share one instance:
-/// `kinetic` of one type is then called from one place for each order, and inlined there. Called
-/// from two, it is not, and a step takes 1.5 times as long.
+/// Takes Taylor steps within slip phases of one system, which is given anew for each step: so what
+/// users hold between steps borrows the law as it is, and can be moved to another thread with it.
 #[derive(Debug, Clone)]
-pub(crate) struct Stepper<'s, L> {
-    system: MassOnBelt<&'s L>,
+pub(crate) struct Stepper {
     expander: Expander,
     breakpoints: Breakpoints,
     tolerance: f64,
@@ -82,20 +73,22 @@ pub(crate) struct Stepper<'s, L> {
     longest: f64,
 }
 
-impl<'s, L: FrictionLaw> Stepper<'s, L> {
-    pub(crate) fn new(system: MassOnBelt<&'s L>, tolerance: f64) -> Self {
+impl Stepper {
+    pub(crate) fn new(system: &Belt<'_>, tolerance: f64) -> Self {
         Self {
             expander: Expander::new(),
             breakpoints: Breakpoints::new(system.law()),
             tolerance,
             equilibrium: system.equilibrium_displacement(),
             longest: f64::INFINITY,
-            system,
         }
     }
 
-    pub(crate) fn system(&self) -> &MassOnBelt<&'s L> {
-        &self.system
+    /// The sliding speed over the step taken last, in the time since its start; backward time where
+    /// that was asked for.
+    #[inline]
+    pub(crate) fn speed(&self) -> &PowerSeries {
+        &self.expander.series.speed
     }
 
     /// The piece of the law that holds speeds just above this one, found by bisection.
@@ -109,45 +102,47 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
     #[inline]
     pub(crate) fn advance(
         &mut self,
+        system: &Belt<'_>,
         point: &SlipPoint,
         time: Time,
         elapsed: f64,
-    ) -> Result<Advance<'_>, Error> {
+    ) -> Result<Advance, Error> {
         let at_breakpoint;
-        let (piece, point) = match self.breakpoints.piece(&self.system, point, time) {
+        let (piece, point) = match self.breakpoints.piece(system, point, time) {
             (piece, None) => (piece, point),
             (piece, rate) => {
                 at_breakpoint = SlipPoint { rate, ..*point };
                 (piece, &at_breakpoint)
             }
         };
-        self.begin(point, piece, time, elapsed)?;
+        self.begin(system, point, piece, time, elapsed)?;
         if self.expander.series.speed[1] == 0.0 && self.expander.series.speed[2] == 0.0 {
             return Ok(Advance {
                 duration: f64::INFINITY,
                 end: *point,
-                speed: &self.expander.series.speed,
             });
         }
-        let plan = self.plan(point, piece, time, elapsed)?;
-        let settled = self.settle(point, piece, time, elapsed, &plan)?;
+        let plan = self.plan(system, point, piece, time, elapsed)?;
+        let settled = self.settle(system, point, piece, time, elapsed, &plan)?;
         self.longest = settled.longest_next;
-        Ok(self.land(point, time, &settled))
+        Ok(self.land(system, point, time, &settled))
     }
 
     /// The series from `point`.
     #[inline(always)]
     fn begin(
         &mut self,
+        system: &Belt<'_>,
         point: &SlipPoint,
         piece: usize,
         time: Time,
         elapsed: f64,
     ) -> Result<(), Error> {
-        let (law, system) = (*self.system.law(), &self.system);
-        let piece = Piece { law, index: piece };
-        self.expander
-            .expand(piece, system, point, time, None)
+        let equation = system.equation(point.direction);
+        let expander = &mut self.expander;
+        system
+            .law()
+            .expand_slip(expander, piece, &equation, point, time, None)
             .map_err(|error| error.reached_at(Reached::new(elapsed, point.state(system))))
     }
 
@@ -155,19 +150,20 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
     #[inline(always)]
     fn plan(
         &mut self,
+        system: &Belt<'_>,
         point: &SlipPoint,
         piece: usize,
         time: Time,
         elapsed: f64,
     ) -> Result<Plan, Error> {
         let (series, speed) = (&self.expander.series, &self.expander.series.speed);
-        let state = point.state(&self.system);
+        let state = point.state(system);
         let overflows = !(speed[TERMS - 1].is_finite() && speed[TERMS - 2].is_finite());
         if overflows || series.decay.abs() > STIFF {
-            return self.stiff_plan(point, piece, time, elapsed);
+            return self.stiff_plan(system, point, piece, time, elapsed);
         }
-        let error = self.tolerance * self.scale(point, state, time);
-        let allowance = Allowance::new(error, series.largest_term(&self.system, state));
+        let error = self.tolerance * self.scale(system, point, state, time);
+        let allowance = Allowance::new(error, series.largest_term(system, state));
         Ok(Plan {
             allowance,
             reach: allowance.reach(speed),
@@ -182,26 +178,27 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
     #[inline(never)]
     fn stiff_plan(
         &mut self,
+        system: &Belt<'_>,
         point: &SlipPoint,
         piece: usize,
         time: Time,
         elapsed: f64,
     ) -> Result<Plan, Error> {
-        let state = point.state(&self.system);
+        let state = point.state(system);
         let order = self.expander.series.truncate();
         if order < 2 {
             let reached = Reached::new(elapsed, state);
             return Err(Error::StepUnderflow { step: 0.0, reached });
         }
         let closing = time.sign() * self.expander.series.decay;
-        let largest_term = self.expander.series.largest_term(&self.system, state);
+        let largest_term = self.expander.series.largest_term(system, state);
         let error = if closing.abs() > STIFF {
             // Or what rounding of the forces shifts the motion by.
             let rounding = f64::EPSILON * largest_term / closing.abs();
             let tolerance = self.tolerance.min(LOOSEST);
-            (tolerance * self.scale_here(state, closing.abs())).max(rounding)
+            (tolerance * self.scale_here(system, state, closing.abs())).max(rounding)
         } else {
-            self.tolerance * self.scale(point, state, time)
+            self.tolerance * self.scale(system, point, state, time)
         };
         let allowance = Allowance::new(error, largest_term);
         let reach = allowance.reach_of(&self.expander.series.speed, order, FARTHEST);
@@ -217,9 +214,7 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         }
         let has_come = order < TERMS - 1 || closing * reach > SETTLING;
         if closing > STIFF && has_come && point.rate.is_none() {
-            let (law, system) = (*self.system.law(), &self.system);
             let limits = self.breakpoints.limits(piece);
-            let piece = Piece { law, index: piece };
             let explicit = self.expander.series;
             let slow = explicit.slow(piece, system, &mut self.expander, point, time, &allowance);
             self.expander.series = match slow {
@@ -239,6 +234,7 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
     #[inline(always)]
     fn settle(
         &self,
+        system: &Belt<'_>,
         point: &SlipPoint,
         piece: usize,
         time: Time,
@@ -250,8 +246,8 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
         let mut h = plan.reach.min(self.longest);
         let (duration, end_speed) = loop {
             if !(h > plan.least && h >= f64::MIN_POSITIVE) {
-                let reached = Reached::new(elapsed, point.state(&self.system));
-                return Err(self.underflow(piece, h, reached));
+                let reached = Reached::new(elapsed, point.state(system));
+                return Err(self.underflow(system, piece, h, reached));
             }
             let speeds = speed.at_four(quarters(h));
             let Ok(exit) = limits.first_exit(speed, h, speeds) else {
@@ -263,20 +259,20 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
                 Some((t, limit)) => (t, speed.at_some(quarters(t)), limit),
             };
             let between = if end > LONG {
-                series.defect_in_between(&self.system, piece, end)
+                series.defect_in_between(system, piece, end)
             } else {
                 0.0
             };
             let defects = [
-                series.defect(&self.system, piece, quarters(end), speeds),
-                series.defect_at_minimum(&self.system, piece, end, speeds),
+                series.defect(system, piece, quarters(end), speeds),
+                series.defect_at_minimum(system, piece, end, speeds),
                 between,
             ];
             if plan.allowance.accepts(defects, end.min(plan.memory)) {
                 // Where a tolerance is large beside the changes of s, a series may have a root that
                 // the motion has not, and would come back to where the step began for ever.
                 let leaves = exit.is_none_or(|(t, limit)| {
-                    let rate = self.rate_after(point, piece, time, t, limit);
+                    let rate = self.rate_after(system, point, piece, time, t, limit);
                     let inwards = if limits.is_low(limit) { rate } else { -rate };
                     plan.allowance.is_rounding(inwards)
                 });
@@ -300,46 +296,59 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
     /// The rate ds/dt by the equation of motion, a time t after the start of the step taken last,
     /// at the sliding speed that is reached there.
     #[inline(never)]
-    fn rate_after(&self, from: &SlipPoint, piece: usize, time: Time, t: f64, speed: f64) -> f64 {
-        let system = &self.system;
+    fn rate_after(
+        &self,
+        system: &Belt<'_>,
+        from: &SlipPoint,
+        piece: usize,
+        time: Time,
+        t: f64,
+        speed: f64,
+    ) -> f64 {
         let sigma = from.direction.sign();
         let velocity = system.belt_velocity() + sigma * speed;
         let damper = 2.0 * system.damping() * velocity;
-        let force = sigma * (self.displacement(from, time, t) + damper);
+        let force = sigma * (self.displacement(system, from, time, t) + damper);
         time.sign() * (-force - system.load() * system.law().kinetic_on(piece, speed))
     }
 
     /// The step that was settled, and where it ends.
     #[inline(always)]
-    fn land(&self, point: &SlipPoint, time: Time, settled: &Settled) -> Advance<'_> {
+    fn land(&self, system: &Belt<'_>, point: &SlipPoint, time: Time, settled: &Settled) -> Advance {
         Advance {
             duration: settled.duration,
             end: SlipPoint {
-                displacement: self.displacement_inline(point, time, settled.duration),
+                displacement: self.displacement_inline(system, point, time, settled.duration),
                 speed: settled.end_speed,
                 rate: None,
                 ..*point
             },
-            speed: &self.expander.series.speed,
         }
     }
 
     /// What the tolerance is relative to: max(|u − ū|, |v|, |v_b|), but where a law is so steep
     /// that ū lies far beyond all that happens, the scale of what does.
     #[inline(always)]
-    fn scale(&self, point: &SlipPoint, state: State, time: Time) -> f64 {
+    fn scale(&self, system: &Belt<'_>, point: &SlipPoint, state: State, time: Time) -> f64 {
         let deviation = (state.displacement - self.equilibrium).abs();
-        let v_b = self.system.belt_velocity();
+        let v_b = system.belt_velocity();
         let speed = state.velocity.abs().max(v_b.abs());
         if deviation <= BEYOND * speed {
             deviation.max(speed)
         } else {
-            self.scale_far_out(deviation, point, state, time)
+            self.scale_far_out(system, deviation, point, state, time)
         }
     }
 
     #[inline(never)]
-    fn scale_far_out(&self, deviation: f64, point: &SlipPoint, state: State, time: Time) -> f64 {
+    fn scale_far_out(
+        &self,
+        system: &Belt<'_>,
+        deviation: f64,
+        point: &SlipPoint,
+        state: State,
+        time: Time,
+    ) -> f64 {
         // Where the law changes within a small part of a radian, v changes by v' times the step.
         let reach = step_control::reach(
             self.tolerance * deviation,
@@ -347,15 +356,19 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
             TERMS - 1,
         );
         if BEYOND * reach < 1.0 {
-            return self.scale_here(state, (BEYOND * reach).recip());
+            return self.scale_here(system, state, (BEYOND * reach).recip());
         }
-        let here = self.scale_here(state, (time.sign() * self.expander.series.decay).max(1.0));
+        let here = self.scale_here(
+            system,
+            state,
+            (time.sign() * self.expander.series.decay).max(1.0),
+        );
         // Friction on the equilibrium's side of the belt has another sign than beyond it; on a belt
         // at rest ū is 0, halfway between the two.
-        let leads = point.direction.sign() * self.system.belt_velocity();
+        let leads = point.direction.sign() * system.belt_velocity();
         let jump = match leads.partial_cmp(&0.0) {
-            Some(Ordering::Greater) => 2.0 * self.system.largest_friction(),
-            Some(Ordering::Equal) => self.system.largest_friction(),
+            Some(Ordering::Greater) => 2.0 * system.largest_friction(),
+            Some(Ordering::Equal) => system.largest_friction(),
             _ => 0.0,
         };
         if deviation <= BEYOND * here + jump {
@@ -367,30 +380,36 @@ impl<'s, L: FrictionLaw> Stepper<'s, L> {
 
     /// max(|v|, |v_b|, |v'|/D): the scale of what the motion does, and is about to do, with D the
     /// rate at which it closes in on a slow one, or leaves it.
-    fn scale_here(&self, state: State, rate: f64) -> f64 {
-        let v_b = self.system.belt_velocity();
+    fn scale_here(&self, system: &Belt<'_>, state: State, rate: f64) -> f64 {
+        let v_b = system.belt_velocity();
         let change = self.expander.series.speed[1].abs() / rate;
         state.velocity.abs().max(v_b.abs()).max(change)
     }
 
     /// Displacement at a time t after the start of the step taken last, from `start`.
     #[inline(never)]
-    pub(crate) fn displacement(&self, start: &SlipPoint, time: Time, t: f64) -> f64 {
-        self.displacement_inline(start, time, t)
+    pub(crate) fn displacement(
+        &self,
+        system: &Belt<'_>,
+        start: &SlipPoint,
+        time: Time,
+        t: f64,
+    ) -> f64 {
+        self.displacement_inline(system, start, time, t)
     }
 
     /// The same where speed counts.
     #[inline(always)]
-    fn displacement_inline(&self, start: &SlipPoint, time: Time, t: f64) -> f64 {
+    fn displacement_inline(&self, system: &Belt<'_>, start: &SlipPoint, time: Time, t: f64) -> f64 {
         let mean_speed = self.expander.series.speed.mean(t);
-        let mean_velocity = self.system.belt_velocity() + start.direction.sign() * mean_speed;
+        let mean_velocity = system.belt_velocity() + start.direction.sign() * mean_speed;
         start.displacement + time.sign() * mean_velocity * t
     }
 
     /// The law's own failure if it gave no number where the motion goes, else a step too short.
     #[cold]
-    fn underflow(&self, piece: usize, step: f64, reached: Reached) -> Error {
-        let law = self.system.law();
+    fn underflow(&self, system: &Belt<'_>, piece: usize, step: f64, reached: Reached) -> Error {
+        let law = system.law();
         let speeds = self.expander.series.speed.at_some(quarters(2.0 * step));
         let failure = speeds
             .into_iter()

@@ -5,7 +5,7 @@ use std::cell::Cell;
 use std::fmt::{self, Debug, Formatter};
 use std::ops::{ControlFlow, Range};
 
-use crate::belt::{Forward, MassOnBelt};
+use crate::belt::{Belt, Forward, MassOnBelt};
 use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::limit_cycle::Tracer;
@@ -57,8 +57,7 @@ pub fn along<'f, L: FrictionLaw>(
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 pub fn along_velocities<L: FrictionLaw>(system: &MassOnBelt<L>, range: Range<f64>) -> Along<'_, L> {
-    let family = Family::Velocities(system.by_reference());
-    Along::of(family, range, "belt_velocity")
+    Along::of(Family::Velocities(system), range, "belt_velocity")
 }
 
 /// A search along a parameter. [`along`] and [`along_velocities`] make one.
@@ -92,10 +91,9 @@ pub struct Along<'f, L> {
 type Watch<'f> = dyn Fn(&Progress) -> ControlFlow<()> + 'f;
 
 /// The systems of a search, one for each value of the parameter.
-pub(super) enum Family<'f, L> {
+enum Family<'f, L> {
     /// One system at any belt velocity.
-    Velocities(MassOnBelt<&'f L>),
-    /// A trait object, so that the searches are compiled once for a law, not once for a closure.
+    Velocities(&'f MassOnBelt<L>),
     Systems(Box<dyn Fn(f64) -> Result<MassOnBelt<L>, Error> + 'f>),
 }
 
@@ -192,10 +190,50 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
         }
     }
 
-    pub(super) fn family(&self) -> &Family<'f, L> {
-        &self.family
+    /// Does a search, which is compiled once for all laws.
+    pub(super) fn search<T>(
+        &self,
+        search: impl FnOnce(&Search<'_>) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        let systems = |value: f64, look: &mut Look<'_>| self.show(value, look);
+        search(&Search {
+            systems: &systems,
+            velocities_of: match &self.family {
+                Family::Velocities(system) => Some(system.belt()),
+                Family::Systems(_) => None,
+            },
+            range: self.range.clone(),
+            parameter: self.parameter,
+            max_steps: self.max_steps,
+            watch: self.watch.as_deref(),
+        })
     }
 
+    /// Shows the system at a value of the parameter.
+    fn show(&self, value: f64, look: &mut Look<'_>) -> Result<(), Error> {
+        match &self.family {
+            Family::Velocities(system) => system.belt().with_belt_velocity(value).and_then(look),
+            Family::Systems(family) => family(value).and_then(|system| look(system.belt())),
+        }
+    }
+}
+
+/// What is done with a system.
+pub(super) type Look<'l> = dyn FnMut(Belt<'_>) -> Result<(), Error> + 'l;
+
+/// An [`Along`] of any law.
+pub(super) struct Search<'f> {
+    /// Shows the system at a value of the parameter.
+    systems: &'f dyn Fn(f64, &mut Look<'_>) -> Result<(), Error>,
+    /// The system, if the parameter is the velocity of its belt.
+    pub(super) velocities_of: Option<Belt<'f>>,
+    range: Range<f64>,
+    parameter: &'static str,
+    max_steps: usize,
+    watch: Option<&'f Watch<'f>>,
+}
+
+impl<'f> Search<'f> {
     /// The range, if it is one.
     pub(super) fn whole(&self) -> Result<Range<f64>, Error> {
         let Range { start, end } = self.range;
@@ -220,7 +258,7 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
     /// the two sides of v_b = 0.
     pub(super) fn parts(&self) -> Result<Vec<Range<f64>>, Error> {
         let Range { start, end } = self.whole()?;
-        let is_split = matches!(self.family, Family::Velocities(_)) && start < 0.0 && end > 0.0;
+        let is_split = self.velocities_of.is_some() && start < 0.0 && end > 0.0;
         Ok(if is_split {
             vec![start..0.0, 0.0..end]
         } else {
@@ -230,7 +268,7 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
 
     /// Searches the parts of the range one after the other, each with a work counter that all
     /// share. A search adds what it finds to the list, so that it is there when it is stopped.
-    pub(super) fn over_parts(&self, search: &mut SearchPart<'_, 'f, L>) -> Result<Vec<f64>, Error> {
+    pub(super) fn over_parts(&self, search: &mut SearchPart<'_, 'f>) -> Result<Vec<f64>, Error> {
         let work = Work::of(self);
         let mut found = Vec::new();
         for part in self.parts()? {
@@ -247,37 +285,29 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
 }
 
 /// The search of one part of a range.
-pub(super) type SearchPart<'s, 'f, L> =
-    dyn FnMut(&Work<'_, 'f, L>, &Range<f64>, &mut Vec<f64>) -> Result<(), Error> + 's;
+pub(super) type SearchPart<'s, 'f> =
+    dyn FnMut(&Work<'_, 'f>, &Range<f64>, &mut Vec<f64>) -> Result<(), Error> + 's;
 
 /// The work of a search so far.
-pub(super) struct Work<'a, 'f, L> {
-    along: &'a Along<'f, L>,
+pub(super) struct Work<'a, 'f> {
+    search: &'a Search<'f>,
     systems: Cell<usize>,
     steps: Cell<usize>,
 }
 
-impl<'a, 'f, L: FrictionLaw> Work<'a, 'f, L> {
-    pub(super) fn of(along: &'a Along<'f, L>) -> Self {
+impl<'a, 'f> Work<'a, 'f> {
+    pub(super) fn of(search: &'a Search<'f>) -> Self {
         Self {
-            along,
+            search,
             systems: Cell::new(0),
             steps: Cell::new(0),
         }
     }
 
     /// Shows the system at a value of the parameter to `look`. An error is given the value.
-    pub(super) fn with_system(
-        &self,
-        value: f64,
-        look: &mut dyn FnMut(MassOnBelt<&L>) -> Result<(), Error>,
-    ) -> Result<(), Error> {
+    pub(super) fn with_system(&self, value: f64, look: &mut Look<'_>) -> Result<(), Error> {
         self.begin(value)?;
-        let looked = match &self.along.family {
-            Family::Velocities(system) => system.with_belt_velocity(value).and_then(look),
-            Family::Systems(family) => family(value).and_then(|system| look(system.by_reference())),
-        };
-        looked.map_err(|error| error.at(self.along.parameter, value))
+        (self.search.systems)(value, look).map_err(|error| error.at(self.search.parameter, value))
     }
 
     /// What `look` finds in the system at a value of the parameter, with its belt moving forward;
@@ -285,7 +315,7 @@ impl<'a, 'f, L: FrictionLaw> Work<'a, 'f, L> {
     pub(super) fn moving_at<T>(
         &self,
         value: f64,
-        look: &mut dyn FnMut(&mut Tracer<'_, L>) -> Result<T, Error>,
+        look: &mut dyn FnMut(&mut Tracer<'_>) -> Result<T, Error>,
     ) -> Result<Option<T>, Error> {
         let mut found = None;
         self.with_tracer(value, &mut |tracer| {
@@ -299,7 +329,7 @@ impl<'a, 'f, L: FrictionLaw> Work<'a, 'f, L> {
     fn with_tracer(
         &self,
         value: f64,
-        look: &mut dyn FnMut(&mut Tracer<'_, L>) -> Result<(), Error>,
+        look: &mut dyn FnMut(&mut Tracer<'_>) -> Result<(), Error>,
     ) -> Result<(), Error> {
         self.with_system(value, &mut |system| {
             let Some(forward) = Forward::of(system) else {
@@ -320,15 +350,17 @@ impl<'a, 'f, L: FrictionLaw> Work<'a, 'f, L> {
             systems: self.systems.get(),
             steps: self.steps.get(),
         };
-        let watch = self.along.watch.as_ref();
-        let goes_on = progress.steps < self.along.max_steps
-            && watch.is_none_or(|watch| watch(&progress).is_continue());
+        let search = self.search;
+        let goes_on = progress.steps < search.max_steps
+            && search
+                .watch
+                .is_none_or(|watch| watch(&progress).is_continue());
         self.systems.set(progress.systems + 1);
         if goes_on {
             Ok(())
         } else {
             Err(Error::Stopped {
-                parameter: self.along.parameter,
+                parameter: self.search.parameter,
                 value,
                 steps: progress.steps,
                 found: Vec::new(),

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::along::{Along, Work, along_velocities};
+use super::along::{Along, Search, Work, along_velocities};
 use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
@@ -107,7 +107,7 @@ pub fn crossing_velocities<L: FrictionLaw>(
 }
 
 /// A number computed from the arcs out of the release point.
-type Number<L> = fn(&mut Release, &mut Tracer<'_, L>) -> Result<Option<f64>, Error>;
+type Number = fn(&mut Release, &mut Tracer<'_>) -> Result<Option<f64>, Error>;
 
 impl<L: FrictionLaw> Along<'_, L> {
     /// Values of the parameter, ascending, at which stick-slip appears or disappears. See
@@ -117,7 +117,7 @@ impl<L: FrictionLaw> Along<'_, L> {
     ///
     /// Those of [`grazing_velocities`], and [`Error::Stopped`].
     pub fn grazing(&self) -> Result<Vec<f64>, Error> {
-        self.over_parts(&mut |work, part, found| changes(work, part, overshoot, found))
+        self.search(|search| search.grazing())
     }
 
     /// Values of the parameter, ascending, at which plain stick-slip changes into overshoot or
@@ -127,7 +127,7 @@ impl<L: FrictionLaw> Along<'_, L> {
     ///
     /// Those of [`grazing`](Self::grazing).
     pub fn overshoot(&self) -> Result<Vec<f64>, Error> {
-        self.over_parts(&mut |work, part, found| changes(work, part, beyond_low, found))
+        self.search(|search| search.overshoot())
     }
 
     /// Values of the parameter, ascending, at which overshoot changes into crossing or back. See
@@ -137,49 +137,54 @@ impl<L: FrictionLaw> Along<'_, L> {
     ///
     /// Those of [`grazing`](Self::grazing).
     pub fn crossing(&self) -> Result<Vec<f64>, Error> {
+        self.search(|search| search.crossing())
+    }
+}
+
+impl Search<'_> {
+    fn grazing(&self) -> Result<Vec<f64>, Error> {
+        self.over_parts(&mut |work, part, found| changes(work, part, overshoot, found))
+    }
+
+    fn overshoot(&self) -> Result<Vec<f64>, Error> {
+        self.over_parts(&mut |work, part, found| changes(work, part, beyond_low, found))
+    }
+
+    fn crossing(&self) -> Result<Vec<f64>, Error> {
         self.over_parts(&mut |work, part, found| changes(work, part, beyond_high, found))
     }
 }
 
-fn overshoot<L: FrictionLaw>(
-    release: &mut Release,
-    tracer: &mut Tracer<'_, L>,
-) -> Result<Option<f64>, Error> {
+fn overshoot(release: &mut Release, tracer: &mut Tracer<'_>) -> Result<Option<f64>, Error> {
     Ok(Some(release.overshoot(tracer)))
 }
 
-fn beyond_low<L: FrictionLaw>(
-    release: &mut Release,
-    tracer: &mut Tracer<'_, L>,
-) -> Result<Option<f64>, Error> {
+fn beyond_low(release: &mut Release, tracer: &mut Tracer<'_>) -> Result<Option<f64>, Error> {
     Ok(release.beyond_low(tracer))
 }
 
-fn beyond_high<L: FrictionLaw>(
-    release: &mut Release,
-    tracer: &mut Tracer<'_, L>,
-) -> Result<Option<f64>, Error> {
+fn beyond_high(release: &mut Release, tracer: &mut Tracer<'_>) -> Result<Option<f64>, Error> {
     release.beyond_high(tracer)
 }
 
 /// Adds the values of the parameter at which the contacts of the motion from the release point
 /// change, of all three kinds.
-pub(super) fn all_changes<L: FrictionLaw>(
-    work: &Work<'_, '_, L>,
+pub(super) fn all_changes(
+    work: &Work<'_, '_>,
     part: &Range<f64>,
     found: &mut Vec<f64>,
 ) -> Result<(), Error> {
-    let numbers: [Number<L>; 3] = [overshoot, beyond_low, beyond_high];
+    let numbers: [Number; 3] = [overshoot, beyond_low, beyond_high];
     numbers
         .into_iter()
         .try_for_each(|number| changes(work, part, number, found))
 }
 
 /// Adds the values of the parameter at which such a number changes its sign.
-fn changes<L: FrictionLaw>(
-    work: &Work<'_, '_, L>,
+fn changes(
+    work: &Work<'_, '_>,
     part: &Range<f64>,
-    number: Number<L>,
+    number: Number,
     found: &mut Vec<f64>,
 ) -> Result<(), Error> {
     let mut at = |value: f64| {

@@ -1,9 +1,9 @@
 use std::borrow::Borrow;
 
-use crate::belt::{Equilibrium, MassOnBelt};
+use crate::belt::{Belt, Equilibrium, MassOnBelt};
 use crate::error::Error;
 use crate::friction::FrictionLaw;
-use crate::limit_cycle::{CycleSet, find_borrowed};
+use crate::limit_cycle::{CycleSet, find_all};
 
 /// Equilibrium and periodic motions at one belt velocity: all that a system can settle to.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,7 +46,7 @@ pub fn diagram<L: FrictionLaw>(
 ) -> impl Iterator<Item = Result<DiagramPoint, Error>> {
     velocities
         .into_iter()
-        .map(|v_b| point(system, *v_b.borrow()))
+        .map(|v_b| point(system.belt(), *v_b.borrow()))
 }
 
 /// [`diagram`] with the belt velocities shared among threads. The results are the same, bit for
@@ -71,18 +71,15 @@ pub fn par_diagram<L: FrictionLaw + Sync>(
     use rayon::prelude::*;
     velocities
         .par_iter()
-        .map(|&v_b| point(system, v_b))
+        .map(|&v_b| point(system.belt(), v_b))
         .collect()
 }
 
-fn point<L: FrictionLaw>(
-    system: &MassOnBelt<L>,
-    belt_velocity: f64,
-) -> Result<DiagramPoint, Error> {
-    let system = system.by_reference().with_belt_velocity(belt_velocity)?;
+fn point(system: Belt<'_>, belt_velocity: f64) -> Result<DiagramPoint, Error> {
+    let system = system.with_belt_velocity(belt_velocity)?;
     Ok(DiagramPoint {
         belt_velocity,
         equilibrium: system.equilibrium(),
-        cycles: find_borrowed(system).map_err(|error| error.at("belt_velocity", belt_velocity))?,
+        cycles: find_all(system).map_err(|error| error.at("belt_velocity", belt_velocity))?,
     })
 }

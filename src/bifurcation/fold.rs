@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use super::along::{Along, Work, along_velocities};
+use super::along::{Along, Search, Work, along_velocities};
 use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
@@ -79,13 +79,19 @@ impl<L: FrictionLaw> Along<'_, L> {
     ///
     /// Those of [`grazing`](Self::grazing).
     pub fn folds(&self) -> Result<Vec<f64>, Error> {
+        self.search(|search| search.folds())
+    }
+}
+
+impl Search<'_> {
+    fn folds(&self) -> Result<Vec<f64>, Error> {
         self.over_parts(&mut |work, part, found| folds(work, part, found))
     }
 }
 
 /// Adds the folds in a part of the range.
-pub(super) fn folds<L: FrictionLaw>(
-    work: &Work<'_, '_, L>,
+pub(super) fn folds(
+    work: &Work<'_, '_>,
     part: &Range<f64>,
     found: &mut Vec<f64>,
 ) -> Result<(), Error> {
@@ -112,7 +118,7 @@ trait Growths {
     fn turn(&self, value: f64, places: [f64; 2], is_maximum: bool) -> Result<Option<f64>, Error>;
 }
 
-impl<L: FrictionLaw> Growths for Work<'_, '_, L> {
+impl Growths for Work<'_, '_> {
     fn survey(&self, value: f64) -> Result<Outline, Error> {
         let seen = self.moving_at(value, &mut |tracer| PeakMap::of(tracer).survey())?;
         let seen = seen.unwrap_or_default();

@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use super::along::{Along, Family, Work, along_velocities};
+use super::along::{Along, Search, Work, along_velocities};
 use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::{AlongSlope, FrictionLaw};
@@ -62,21 +62,27 @@ impl<L: FrictionLaw> Along<'_, L> {
     /// Those of [`hopf_velocities`] along the belt velocity, else those of
     /// [`grazing`](Self::grazing).
     pub fn hopf(&self) -> Result<Vec<f64>, Error> {
+        self.search(|search| search.hopf())
+    }
+}
+
+impl Search<'_> {
+    fn hopf(&self) -> Result<Vec<f64>, Error> {
         self.over_parts(&mut |work, part, found| hopf(self, work, part, found))
     }
 }
 
 /// Adds the Hopf points in a part of the range.
-pub(super) fn hopf<L: FrictionLaw>(
-    along: &Along<'_, L>,
-    work: &Work<'_, '_, L>,
+pub(super) fn hopf(
+    search: &Search<'_>,
+    work: &Work<'_, '_>,
     part: &Range<f64>,
     found: &mut Vec<f64>,
 ) -> Result<(), Error> {
-    match along.family() {
-        Family::Velocities(system) => {
+    match search.velocities_of {
+        Some(system) => {
             let damping = AlongSlope {
-                law: *system.law(),
+                law: system.law(),
                 constant: 2.0 * system.damping(),
                 factor: system.load(),
             };
@@ -93,7 +99,7 @@ pub(super) fn hopf<L: FrictionLaw>(
             }
             Ok(())
         }
-        Family::Systems(_) => sign_changes(&mut |value| relative_damping(work, value), part, found),
+        None => sign_changes(&mut |value| relative_damping(work, value), part, found),
     }
 }
 
@@ -102,10 +108,7 @@ const LOOK_BEYOND: f64 = 1e-6;
 
 /// h1 in units of the sizes of its terms, so that it is of order 1; `None` on a belt at rest and
 /// where it has no terms.
-fn relative_damping<L: FrictionLaw>(
-    work: &Work<'_, '_, L>,
-    value: f64,
-) -> Result<Option<f64>, Error> {
+fn relative_damping(work: &Work<'_, '_>, value: f64) -> Result<Option<f64>, Error> {
     let mut relative = None;
     work.with_system(value, &mut |system| {
         let speed = system.belt_velocity().abs();

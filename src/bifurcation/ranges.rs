@@ -1,7 +1,7 @@
 use std::fmt::{self, Display, Formatter};
 use std::ops::Range;
 
-use super::along::{Along, Work, along_velocities};
+use super::along::{Along, Search, Work, along_velocities};
 use super::contacts::all_changes;
 use super::fold::folds;
 use super::hopf::hopf;
@@ -124,6 +124,12 @@ impl<L: FrictionLaw> Along<'_, L> {
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     pub fn vibration_ranges(&self) -> Result<Vec<VibrationRange>, Error> {
+        self.search(|search| search.vibration_ranges())
+    }
+}
+
+impl Search<'_> {
+    fn vibration_ranges(&self) -> Result<Vec<VibrationRange>, Error> {
         let mut ranges = Vec::new();
         self.over_parts(&mut |work, part, found| {
             hopf(self, work, part, found)?;
@@ -144,11 +150,8 @@ impl<L: FrictionLaw> Along<'_, L> {
 }
 
 /// What the mass can settle to at a value of the parameter.
-fn attractors<L: FrictionLaw>(
-    work: &Work<'_, '_, L>,
-    value: f64,
-) -> Result<Vec<AttractorKind>, Error> {
-    let attractors = work.moving_at(value, &mut |tracer: &mut Tracer<'_, L>| {
+fn attractors(work: &Work<'_, '_>, value: f64) -> Result<Vec<AttractorKind>, Error> {
+    let attractors = work.moving_at(value, &mut |tracer: &mut Tracer<'_>| {
         let cycles = find_moving(tracer)?;
         let equilibrium = tracer.system().equilibrium();
         let is_stable = equilibrium.is_some_and(|equilibrium| equilibrium.is_stable());

@@ -1,5 +1,5 @@
-use super::along::{Along, Work};
-use crate::belt::{Forward, MassOnBelt};
+use super::along::{Along, Search, Work};
+use crate::belt::{Belt, Forward, MassOnBelt};
 use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::limit_cycle::{Tracer, find_moving, is_frictionless};
@@ -51,10 +51,13 @@ use crate::numerics::bracket::Bracket;
 #[doc(alias = "critical damping")]
 #[doc(alias = "least_damping")]
 pub fn silencing_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<f64, Error> {
+    least_damping(system.belt())
+}
+
+fn least_damping(system: Belt<'_>) -> Result<f64, Error> {
     if system.belt_velocity() == 0.0 || is_frictionless(system.law()) {
         return Ok(0.0);
     }
-    let system = system.by_reference();
     let vibrates: &Vibrates = &|damping| {
         let vibrates = system.with_damping(damping).and_then(can_vibrate);
         vibrates.map_err(|error| error.at("damping", damping))
@@ -110,13 +113,16 @@ pub fn silencing_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<f64, 
 #[doc(alias = "squeal")]
 #[doc(alias = "critical load")]
 pub fn silencing_load<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<f64, Error> {
+    largest_load(system.belt())
+}
+
+fn largest_load(system: Belt<'_>) -> Result<f64, Error> {
     let (law, speed) = (system.law(), system.belt_velocity().abs());
     if speed == 0.0 || is_frictionless(law) {
         return Ok(f64::INFINITY);
     }
-    let reference = system.by_reference();
     let vibrates: &Vibrates = &|load| {
-        let vibrates = reference.with_load(load).and_then(can_vibrate);
+        let vibrates = system.with_load(load).and_then(can_vibrate);
         vibrates.map_err(|error| error.at("load", load))
     };
     // The load above which steady sliding is unstable.
@@ -183,6 +189,12 @@ impl<L: FrictionLaw> Along<'_, L> {
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     pub fn silence(&self) -> Result<Option<f64>, Error> {
+        self.search(|search| search.silence())
+    }
+}
+
+impl Search<'_> {
+    fn silence(&self) -> Result<Option<f64>, Error> {
         let whole = self.whole()?;
         let work = Work::of(self);
         let vibrates: &Vibrates = &|value| {
@@ -217,13 +229,13 @@ fn border(vibrates: &Vibrates, low: (f64, bool), high: (f64, bool)) -> Result<f6
 }
 
 /// Whether there are cycles, or may be.
-fn has_cycles<L: FrictionLaw>(tracer: &mut Tracer<'_, L>) -> Result<bool, Error> {
+fn has_cycles(tracer: &mut Tracer<'_>) -> Result<bool, Error> {
     let cycles = find_moving(tracer)?;
     Ok(!cycles.is_empty() || !cycles.unresolved().is_empty())
 }
 
 /// The same for any system.
-fn can_vibrate<L: FrictionLaw>(system: MassOnBelt<&L>) -> Result<bool, Error> {
+fn can_vibrate(system: Belt<'_>) -> Result<bool, Error> {
     Forward::of(system).map_or(Ok(false), |system| has_cycles(&mut Tracer::new(system)))
 }
 

@@ -3,9 +3,7 @@
 
 use std::ops::{ControlFlow, Range};
 
-use super::{
-    FrictionLaw, finite_at, piece_above, slope_on, taylor_coefficients_on, value_and_slope,
-};
+use super::{Values, finite_at, slope_on, taylor_coefficients_on};
 use crate::error::Error;
 use crate::series::{PowerSeries, TERMS, quarters};
 
@@ -32,14 +30,13 @@ const TOO_LONG: &str =
     "a shorter range: it takes more than 10000 power series of the law to get there";
 
 /// The function h(s) = c + f·dμ̂/ds of the sliding speed, where c ≥ 0 and f > 0.
-#[derive(Debug)]
-pub(crate) struct AlongSlope<'l, L> {
-    pub(crate) law: &'l L,
+pub(crate) struct AlongSlope<'l> {
+    pub(crate) law: &'l dyn Values,
     pub(crate) constant: f64,
     pub(crate) factor: f64,
 }
 
-impl<L: FrictionLaw> AlongSlope<'_, L> {
+impl AlongSlope<'_> {
     /// Sliding speeds, ascending, at which h changes its sign, in a range of positive speeds. `end`
     /// is the function that was called and its name of the range's end, for errors.
     ///
@@ -99,7 +96,7 @@ impl<L: FrictionLaw> AlongSlope<'_, L> {
         // A range of some ulps would be divided into nothing.
         let longest = ((range.end - start) / PIECES).max(start.next_up() - start);
         let mut stretches = 0;
-        let mut ends: Vec<f64> = self.law.breakpoints().collect();
+        let mut ends = self.law.breakpoints();
         ends.retain(|&end| start < end && end < range.end);
         ends.push(range.end);
         let mut largest = self.constant;
@@ -145,8 +142,8 @@ impl<L: FrictionLaw> AlongSlope<'_, L> {
     /// `largest`, the largest |h| met so far.
     fn stretch(&self, start: f64, longest: f64, largest: &mut f64) -> Result<Stretch, Error> {
         finite_at(self.law, start)?;
-        let piece = piece_above(self.law.breakpoints(), start);
-        let friction = taylor_coefficients_on::<{ TERMS + 1 }, _>(self.law, piece, start);
+        let piece = self.law.piece_above(start);
+        let friction = taylor_coefficients_on::<{ TERMS + 1 }>(self.law, piece, start);
         let mut series = PowerSeries::from_fn(|k| self.factor * (k + 1) as f64 * friction[k + 1]);
         series[0] += self.constant;
         let mut stretch = Stretch {
@@ -155,8 +152,7 @@ impl<L: FrictionLaw> AlongSlope<'_, L> {
             piece,
             series,
         };
-        let h =
-            |speed: f64| self.constant + self.factor * value_and_slope(self.law, piece, speed).1;
+        let h = |speed: f64| self.constant + self.factor * self.law.value_and_slope(piece, speed).1;
         loop {
             let size = stretch.largest_term();
             *largest = largest.max(series[0].abs());

@@ -1,5 +1,6 @@
 use super::{
-    Coulomb, Exponential, FrictionLaw, LawVisitor, Polynomial, Rational, Stribeck, Tabulated,
+    Coulomb, Exponential, FrictionLaw, LawRef, LawVisitor, Polynomial, Rational, Stribeck,
+    Tabulated,
 };
 use crate::scalar::Scalar;
 
@@ -100,5 +101,10 @@ impl FrictionLaw for AnyLaw {
 
     fn give_to<V: LawVisitor>(&self, visitor: V) -> V::Output {
         for_each!(self, law => law.give_to(visitor))
+    }
+
+    #[inline(never)]
+    fn erased(&self) -> LawRef<'_> {
+        LawRef::of(self)
     }
 }

@@ -1,6 +1,6 @@
 //! Checks of a law before it is used, and whether it is constant.
 
-use super::{FrictionLaw, finite_at, taylor_coefficients, taylor_coefficients_on};
+use super::{Values, finite_at, taylor_coefficients, taylor_coefficients_on};
 use crate::error::Error;
 use crate::scalar::LONGEST;
 
@@ -42,7 +42,7 @@ pub(super) fn check_kinetic(
 
 /// Checks the rules of the trait [`FrictionLaw`] on which a system relies: μ_s is finite and ≥
 /// μ̂(0), the breakpoints ascend, and the law is continuous.
-pub(crate) fn validate<L: FrictionLaw>(law: &L) -> Result<(), Error> {
+pub(crate) fn validate(law: &dyn Values) -> Result<(), Error> {
     let static_coefficient = law.static_coefficient();
     check_static("FrictionLaw", static_coefficient)?;
     let kinetic_coefficient = law.kinetic(0.0);
@@ -54,11 +54,8 @@ pub(crate) fn validate<L: FrictionLaw>(law: &L) -> Result<(), Error> {
         });
     }
     let mut last = 0.0;
-    for (index, value) in law.breakpoints().enumerate() {
-        let (below, above) = (
-            law.kinetic_on(index, value),
-            law.kinetic_on(index + 1, value),
-        );
+    for (index, value) in law.breakpoints().into_iter().enumerate() {
+        let [below, above] = [index, index + 1].map(|piece| law.kinetic_on(piece, value));
         let scale = static_coefficient.max(below.abs());
         let continuous = (below - above).abs() <= JUMP * scale;
         if !(value.is_finite() && value > last && continuous) {
@@ -76,18 +73,18 @@ pub(crate) const STATIC_ROUNDING: f64 = 8.0 * f64::EPSILON;
 pub(crate) const JUMP: f64 = 1e-12;
 
 /// Whether friction is constant near this sliding speed: all derivatives of the law are zero.
-pub(crate) fn is_constant_near<L: FrictionLaw>(law: &L, speed: f64) -> bool {
+pub(crate) fn is_constant_near(law: &dyn Values, speed: f64) -> bool {
     is_constant(&taylor_coefficients(law, speed))
 }
 
 /// Whether friction is constant on a piece of the law, seen from a speed there or at its end.
-pub(crate) fn is_constant_on<L: FrictionLaw>(law: &L, piece: usize, speed: f64) -> bool {
+pub(crate) fn is_constant_on(law: &dyn Values, piece: usize, speed: f64) -> bool {
     is_constant(&taylor_coefficients_on(law, piece, speed))
 }
 
 /// Whether there is no kinetic friction at any speed: on each piece the law and all its derivatives
 /// are zero.
-pub(crate) fn has_no_kinetic_friction<L: FrictionLaw>(law: &L) -> bool {
+pub(crate) fn has_no_kinetic_friction(law: &dyn Values) -> bool {
     let starts = std::iter::once(0.0).chain(law.breakpoints());
     starts.enumerate().all(|(piece, speed)| {
         let series = taylor_coefficients_on(law, piece, speed);

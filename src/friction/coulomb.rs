@@ -1,5 +1,5 @@
-use super::FrictionLaw;
 use super::check::{check_kinetic, check_static};
+use super::{FrictionLaw, LawRef};
 use crate::error::Error;
 use crate::scalar::Scalar;
 
@@ -63,5 +63,10 @@ impl FrictionLaw for Coulomb {
     #[inline(always)]
     fn kinetic<S: Scalar>(&self, speed: S) -> S {
         speed.constant(self.kinetic_coefficient)
+    }
+
+    #[inline(never)]
+    fn erased(&self) -> LawRef<'_> {
+        LawRef::of(self)
     }
 }

@@ -1,8 +1,8 @@
 //! Pieces of a law, and their power series in the sliding speed.
 
-use super::FrictionLaw;
+use super::{FrictionLaw, Values};
 use crate::error::Error;
-use crate::scalar::{Function, Scalar, Workspace, expand, jet};
+use crate::scalar::{Function, Scalar, Workspace, expand};
 
 /// One analytic piece of a law, by its number.
 #[derive(Debug)]
@@ -31,19 +31,20 @@ pub(crate) fn piece_above(breakpoints: impl Iterator<Item = f64>, speed: f64) ->
     breakpoints.take_while(|&b| b <= speed).count()
 }
 
-/// The first M coefficients of μ̂ as a power series in the sliding speed about `speed`. The code
-/// that computes them does not depend on M and is compiled once for each law.
-pub(crate) fn taylor_coefficients<const M: usize, L: FrictionLaw>(law: &L, speed: f64) -> [f64; M] {
-    taylor_coefficients_on(law, piece_above(law.breakpoints(), speed), speed)
+/// The first M coefficients of μ̂ as a power series in the sliding speed about `speed`.
+pub(crate) fn taylor_coefficients<const M: usize>(law: &dyn Values, speed: f64) -> [f64; M] {
+    taylor_coefficients_on(law, law.piece_above(speed), speed)
 }
 
 /// The first M coefficients of one piece of μ̂ as a power series about `speed`.
-pub(crate) fn taylor_coefficients_on<const M: usize, L: FrictionLaw>(
-    law: &L,
+pub(crate) fn taylor_coefficients_on<const M: usize>(
+    law: &dyn Values,
     piece: usize,
     speed: f64,
 ) -> [f64; M] {
-    jet::coefficients(Piece { law, index: piece }, speed)
+    let mut coefficients = [f64::NAN; M];
+    law.expand_on(piece, speed, &mut coefficients);
+    coefficients
 }
 
 /// μ̂ and dμ̂/ds on one piece of the law, exact to rounding. Much faster than a longer series,
@@ -54,14 +55,13 @@ pub(crate) fn value_and_slope<L: FrictionLaw>(law: &L, piece: usize, speed: f64)
 }
 
 /// Checks that the law has a finite value and slope at `speed`.
-pub(crate) fn finite_at<L: FrictionLaw>(law: &L, speed: f64) -> Result<(), Error> {
-    slope_on(law, piece_above(law.breakpoints(), speed), speed).map(|_| ())
+pub(crate) fn finite_at(law: &dyn Values, speed: f64) -> Result<(), Error> {
+    slope_on(law, law.piece_above(speed), speed).map(|_| ())
 }
 
 /// dμ̂/ds on one piece of the law.
-#[inline(never)]
-pub(crate) fn slope_on<L: FrictionLaw>(law: &L, piece: usize, speed: f64) -> Result<f64, Error> {
-    let (value, slope) = value_and_slope(law, piece, speed);
+pub(crate) fn slope_on(law: &dyn Values, piece: usize, speed: f64) -> Result<f64, Error> {
+    let (value, slope) = law.value_and_slope(piece, speed);
     Error::check_friction(speed, value, slope)?;
     Ok(slope)
 }

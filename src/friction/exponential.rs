@@ -1,5 +1,5 @@
-use super::FrictionLaw;
 use super::check::{check_kinetic, check_static};
+use super::{FrictionLaw, LawRef};
 use crate::error::Error;
 use crate::scalar::Scalar;
 
@@ -92,5 +92,10 @@ impl FrictionLaw for Exponential {
     fn kinetic<S: Scalar>(&self, speed: S) -> S {
         (speed.square() * self.rate).exp() * (self.static_coefficient - self.kinetic_coefficient)
             + self.kinetic_coefficient
+    }
+
+    #[inline(never)]
+    fn erased(&self) -> LawRef<'_> {
+        LawRef::of(self)
     }
 }

@@ -3,7 +3,7 @@
 use std::ops::{ControlFlow, Range};
 
 use super::along::{MOST_STRETCHES, Stretch};
-use super::{FrictionLaw, taylor_coefficients_on, validate};
+use super::{FrictionLaw, Values, taylor_coefficients_on, validate};
 use crate::error::Error;
 use crate::series::{PowerSeries, TERMS};
 
@@ -146,6 +146,10 @@ impl std::fmt::Display for LawFault {
 /// ```
 #[doc(alias = "validate")]
 pub fn check_law<L: FrictionLaw>(law: &L, speeds: Range<f64>) -> Result<Vec<LawFault>, Error> {
+    inspect(law, speeds)
+}
+
+fn inspect(law: &dyn Values, speeds: Range<f64>) -> Result<Vec<LawFault>, Error> {
     validate(law)?;
     let Range { start, end } = speeds;
     Error::check(
@@ -163,11 +167,7 @@ pub fn check_law<L: FrictionLaw>(law: &L, speeds: Range<f64>) -> Result<Vec<LawF
         "0 ≤ start < end",
     )?;
     let mut inspection = Inspection {
-        value: &|piece, speed| law.kinetic_on(piece, speed),
-        series: &|piece, speed| {
-            let c = taylor_coefficients_on::<TERMS, _>(law, piece, speed);
-            PowerSeries::from_fn(|k| c[k])
-        },
+        law,
         range: end - start,
         size: law.static_coefficient(),
         stretches: 0,
@@ -175,7 +175,12 @@ pub fn check_law<L: FrictionLaw>(law: &L, speeds: Range<f64>) -> Result<Vec<LawF
         faults: Vec::new(),
     };
     let mut from = start;
-    for (piece, to) in law.breakpoints().chain([f64::INFINITY]).enumerate() {
+    for (piece, to) in law
+        .breakpoints()
+        .into_iter()
+        .chain([f64::INFINITY])
+        .enumerate()
+    {
         let to = to.min(end);
         if from < to {
             inspection.piece(piece, from, to)?;
@@ -220,10 +225,9 @@ const LEAST_JUMP: f64 = 1e-3;
 /// the range. Where a higher derivative jumps, the slopes differ by less at the place found.
 const LEAST_KINK: f64 = 1e-5;
 
-/// The search for faults. The law is known by two functions, so that this code is compiled once.
+/// The search for faults.
 struct Inspection<'l> {
-    value: &'l dyn Fn(usize, f64) -> f64,
-    series: &'l dyn Fn(usize, f64) -> PowerSeries,
+    law: &'l dyn Values,
     /// Length of the range.
     range: f64,
     /// The largest coefficient met so far.
@@ -249,7 +253,8 @@ impl Inspection<'_> {
                 few,
                 "a shorter range: the law is too rough",
             )?;
-            let series = (self.series)(piece, at);
+            let c = taylor_coefficients_on::<TERMS>(self.law, piece, at);
+            let series = PowerSeries::from_fn(|k| c[k]);
             if !series[0].is_finite() {
                 at = self.not_finite(piece, at, end);
                 before = None;
@@ -295,7 +300,7 @@ impl Inspection<'_> {
         let speed = stretch.start + t;
         let steep = stretch.series.derivative().at(t).abs();
         let allowed = MISFIT * self.size + 4.0 * f64::EPSILON * speed * steep;
-        let difference = ((self.value)(stretch.piece, speed) - stretch.series.at(t)).abs();
+        let difference = (self.law.kinetic_on(stretch.piece, speed) - stretch.series.at(t)).abs();
         // NaN counts as a difference.
         if difference <= allowed {
             0.0
@@ -364,7 +369,7 @@ impl Inspection<'_> {
     /// Notes what lies where two stretches meet, if the law below does not follow the series above.
     fn compare(&mut self, below: &Stretch, above: &Stretch) {
         let back = 0.125 * below.length.min(above.length);
-        let there = (self.value)(above.piece, above.start - back);
+        let there = self.law.kinetic_on(above.piece, above.start - back);
         if (above.series.at(-back) - there).abs() <= OVERLAP * self.size {
             return;
         }
@@ -391,7 +396,10 @@ impl Inspection<'_> {
 
     /// Notes a place where the law has a value but no series, and returns the speed to go on from.
     fn without_series(&mut self, piece: usize, speed: f64, behind: f64) -> f64 {
-        let (below, above) = ((self.value)(piece, speed), (self.value)(piece, behind));
+        let (below, above) = (
+            self.law.kinetic_on(piece, speed),
+            self.law.kinetic_on(piece, behind),
+        );
         if (above - below).abs() > LEAST_JUMP * self.size {
             self.faults.push(LawFault::Jump {
                 speed,
@@ -406,14 +414,14 @@ impl Inspection<'_> {
 
     /// Notes a stretch on which the law has no finite value, and returns the speed behind it.
     fn not_finite(&mut self, piece: usize, start: f64, end: f64) -> f64 {
-        let value = (self.value)(piece, start);
+        let value = self.law.kinetic_on(piece, start);
         self.faults.push(LawFault::NotFinite {
             speed: start,
             value,
         });
         let spacing = self.range / PLACES;
         let mut behind = start + spacing;
-        while behind < end && !(self.value)(piece, behind).is_finite() {
+        while behind < end && !self.law.kinetic_on(piece, behind).is_finite() {
             behind += spacing;
         }
         behind.min(end)

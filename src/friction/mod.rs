@@ -8,7 +8,9 @@
 //! | `any.rs` | a law chosen at run time |
 //! | `memory/` | contact laws with memory |
 //! | `scaled.rs` | a law given over speeds in metres per second |
+//! | `law.rs` | a law behind a reference, as the engines see it |
 //! | `expansion.rs` | a law's pieces, and their power series at one speed |
+//! | `slip.rs` | the power series of a mass that slides on a law |
 //! | `along.rs` | a law as a chain of power series over a range of speeds: sign changes and least value of its slope |
 //! | `check.rs` | checks of a law before it is used; whether it is constant |
 //! | `inspect.rs` | [`check_law`]: a law looked at over a range of speeds, for its writer |
@@ -21,12 +23,14 @@ mod coulomb;
 mod expansion;
 mod exponential;
 mod inspect;
+mod law;
 pub(crate) mod memory;
 mod polynomial;
 mod rational;
 #[cfg(feature = "serde")]
 mod read;
 mod scaled;
+pub(crate) mod slip;
 mod stribeck;
 mod tabulated;
 
@@ -34,6 +38,8 @@ pub use any::AnyLaw;
 pub use coulomb::Coulomb;
 pub use exponential::Exponential;
 pub use inspect::{LawFault, check_law};
+#[doc(hidden)]
+pub use law::LawRef;
 pub use polynomial::Polynomial;
 pub use rational::Rational;
 pub use scaled::Scaled;
@@ -48,6 +54,7 @@ pub(crate) use expansion::{
     Piece, finite_at, piece_above, slope_on, taylor_coefficients, taylor_coefficients_on,
     value_and_slope,
 };
+pub(crate) use law::{Law, Values};
 
 use crate::scalar::Scalar;
 
@@ -178,6 +185,13 @@ pub trait FrictionLaw: Sized {
         visitor.visit(self)
     }
 
+    /// The law as the engines see it. The crate's own laws do this in its own code, and so are
+    /// compiled there, once, not again in every program that uses them.
+    #[doc(hidden)]
+    fn erased(&self) -> LawRef<'_> {
+        LawRef::of(self)
+    }
+
     /// Friction coefficient μ(v_r) = sgn(v_r)·μ̂(|v_r|), dimensionless, at a relative velocity v_r
     /// of either sign; 0 at v_r = 0.
     ///
@@ -224,7 +238,7 @@ pub trait FrictionLaw: Sized {
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     fn curvature(&self, speed: f64) -> f64 {
-        2.0 * taylor_coefficients::<3, _>(self, speed)[2]
+        2.0 * taylor_coefficients::<3>(self, speed)[2]
     }
 
     /// Derivative of order n of μ̂ at sliding speed s, dimensionless, exact to rounding; at a
@@ -243,7 +257,7 @@ pub trait FrictionLaw: Sized {
             1 => self.slope(speed),
             0..=HIGHEST => {
                 let factorial: f64 = (1..=n).map(|k| k as f64).product();
-                taylor_coefficients::<{ HIGHEST + 1 }, _>(self, speed)[n] * factorial
+                taylor_coefficients::<{ HIGHEST + 1 }>(self, speed)[n] * factorial
             }
             _ => f64::NAN,
         }
@@ -268,6 +282,9 @@ impl<L: FrictionLaw> FrictionLaw for &L {
     #[inline(always)]
     fn give_to<V: LawVisitor>(&self, visitor: V) -> V::Output {
         (**self).give_to(visitor)
+    }
+    fn erased(&self) -> LawRef<'_> {
+        (**self).erased()
     }
     // These forward to the law itself: the defaults would be compiled once more for the reference.
     fn coefficient(&self, relative_velocity: f64) -> f64 {

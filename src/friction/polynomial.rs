@@ -1,5 +1,5 @@
-use super::FrictionLaw;
 use super::check::check_static;
+use super::{FrictionLaw, LawRef};
 use crate::error::Error;
 use crate::scalar::Scalar;
 
@@ -98,5 +98,10 @@ impl FrictionLaw for Polynomial {
     #[inline(always)]
     fn kinetic<S: Scalar>(&self, speed: S) -> S {
         (speed.square() * self.k3 - self.k1) * speed + self.static_coefficient
+    }
+
+    #[inline(never)]
+    fn erased(&self) -> LawRef<'_> {
+        LawRef::of(self)
     }
 }

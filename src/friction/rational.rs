@@ -1,5 +1,5 @@
-use super::FrictionLaw;
 use super::check::check_static;
+use super::{FrictionLaw, LawRef};
 use crate::error::Error;
 use crate::scalar::Scalar;
 
@@ -122,5 +122,10 @@ impl FrictionLaw for Rational {
         } else {
             falling + speed.square() * self.quadratic
         }
+    }
+
+    #[inline(never)]
+    fn erased(&self) -> LawRef<'_> {
+        LawRef::of(self)
     }
 }

@@ -1,5 +1,5 @@
-use super::FrictionLaw;
 use super::check::check_static;
+use super::{FrictionLaw, LawRef};
 use crate::error::Error;
 use crate::scalar::Scalar;
 
@@ -164,5 +164,10 @@ impl FrictionLaw for Stribeck {
         } else {
             falling + speed * self.viscous_coefficient
         }
+    }
+
+    #[inline(never)]
+    fn erased(&self) -> LawRef<'_> {
+        LawRef::of(self)
     }
 }

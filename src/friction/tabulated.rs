@@ -1,4 +1,4 @@
-use super::FrictionLaw;
+use super::{FrictionLaw, LawRef};
 use crate::error::Error;
 use crate::scalar::Scalar;
 
@@ -239,5 +239,10 @@ impl FrictionLaw for Tabulated {
         };
         let t = speed - start;
         ((t * c[3] + c[2]) * t + c[1]) * t + c[0]
+    }
+
+    #[inline(never)]
+    fn erased(&self) -> LawRef<'_> {
+        LawRef::of(self)
     }
 }

@@ -3,10 +3,10 @@
 
 use std::ops::ControlFlow;
 
-use crate::belt::{Advance, Forward, SlipPoint, Stability, Step, Stepper};
+use crate::belt::{Advance, Forward, Stability, Step, Stepper};
 use crate::clock::{Clock, Time};
 use crate::error::{Error, Reached};
-use crate::friction::{FrictionLaw, value_and_slope};
+use crate::friction::slip::SlipPoint;
 use crate::motion::Integrator;
 use crate::numerics::gauss::gauss_legendre;
 use crate::series::{PowerSeries, quarters};
@@ -28,10 +28,9 @@ pub(crate) enum Arrival {
 }
 
 /// Follows slip arcs of one system to round-off.
-#[derive(Debug)]
-pub(crate) struct Tracer<'s, L> {
-    system: Forward<'s, L>,
-    stepper: Stepper<'s, L>,
+pub(crate) struct Tracer<'s> {
+    system: Forward<'s>,
+    stepper: Stepper,
     /// The direction of time in which the equilibrium attracts, if there is one.
     attracts: Option<Time>,
     /// Distance within which the motion, in that direction of time, stays at the equilibrium for
@@ -94,8 +93,9 @@ pub(crate) const FARTHEST: f64 = 16.0;
 /// Most steps of one arc. An oscillation takes about ten, a slow motion to a node a hundred.
 const MOST_STEPS: usize = Integrator::DEFAULT_MAX_STEPS;
 
-impl<'s, L: FrictionLaw> Tracer<'s, L> {
-    pub(crate) fn new(system: Forward<'s, L>) -> Self {
+impl<'s> Tracer<'s> {
+    #[inline(never)]
+    pub(crate) fn new(system: Forward<'s>) -> Self {
         let equilibrium = system.equilibrium_displacement();
         let attracts = system
             .equilibrium()
@@ -106,7 +106,7 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
             });
         Self {
             system,
-            stepper: Stepper::new(*system, Integrator::MIN_TOLERANCE),
+            stepper: Stepper::new(&system, Integrator::MIN_TOLERANCE),
             attracts,
             settled: SETTLED * system.belt_velocity().abs(),
             rounding: ROUNDING * f64::EPSILON * (equilibrium.abs() + system.belt_velocity().abs()),
@@ -120,7 +120,7 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
         }
     }
 
-    pub(crate) fn system(&self) -> Forward<'s, L> {
+    pub(crate) fn system(&self) -> Forward<'s> {
         self.system
     }
 
@@ -154,11 +154,10 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
         let mut steps: Vec<Step> = Vec::with_capacity(16);
         let mut watch = PeakWatch::new(v_b);
         loop {
-            let Advance {
-                mut duration,
-                end,
-                speed: &speed,
-            } = self.stepper.advance(&point, time, clock.time)?;
+            let Advance { mut duration, end } =
+                self.stepper
+                    .advance(&self.system, &point, time, clock.time)?;
+            let speed = *self.stepper.speed();
             let is_contact = end.speed == 0.0;
             let maximum = match point.direction {
                 Direction::Lagging => watch.maximum(&speed, duration, steps.last()),
@@ -168,7 +167,7 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
                 duration = t;
             }
             let state = point.state(&self.system);
-            let step = Step::slip(clock, duration, point.direction, state, speed, v_b);
+            let step = Step::slip(clock, duration, point.direction, state, &speed, v_b, None);
             clock = clock.after(duration);
             steps.push(step);
             self.work += 1;
@@ -204,7 +203,7 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
     #[inline(never)]
     fn maximum(&self, start: &SlipPoint, time: Time, speed: &PowerSeries, t: f64) -> Arrival {
         Arrival::Maximum(SlipPoint {
-            displacement: self.stepper.displacement(start, time, t),
+            displacement: self.stepper.displacement(&self.system, start, time, t),
             speed: speed.at(t),
             // Exactly 0, by the definition of a maximum.
             rate: Some(0.0),
@@ -279,7 +278,7 @@ impl<'s, L: FrictionLaw> Tracer<'s, L> {
             let piece = self.stepper.piece_above(middle);
             gauss_legendre(0.0, step.duration, |t| {
                 let speed = step.speed.at(t).max(0.0);
-                damping + load * value_and_slope(self.system.law(), piece, speed).1
+                damping + load * self.system.law().value_and_slope(piece, speed).1
             })
         };
         arc.steps.iter().map(over_step).sum()

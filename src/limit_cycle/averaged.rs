@@ -18,7 +18,6 @@ use std::ops::Range;
 
 use crate::belt::Forward;
 use crate::error::Error;
-use crate::friction::FrictionLaw;
 use crate::numerics::adaptive::gauss;
 use crate::numerics::chebyshev::{Sample, sign_throughout};
 
@@ -26,7 +25,7 @@ use crate::numerics::chebyshev::{Sample, sign_throughout};
 const DRIFT_ROUNDING: f64 = 16.0;
 
 /// The rate A'/A at a velocity amplitude A ≤ v_b, with a bound of its error.
-fn drift<L: FrictionLaw>(system: &Forward<'_, L>, amplitude: f64) -> Result<Sample, Error> {
+fn drift(system: &Forward<'_>, amplitude: f64) -> Result<Sample, Error> {
     let (v_b, law) = (system.belt_velocity(), system.law());
     let at_rest = law.slope(v_b);
     let mut parts = |psi: f64| {
@@ -60,27 +59,25 @@ fn drift<L: FrictionLaw>(system: &Forward<'_, L>, amplitude: f64) -> Result<Samp
 }
 
 /// Velocity amplitudes from which on a motion about the equilibrium meets a breakpoint of the law.
-fn amplitudes_at_breakpoints<L: FrictionLaw>(system: &Forward<'_, L>) -> impl Iterator<Item = f64> {
+fn amplitudes_at_breakpoints(system: &Forward<'_>) -> impl Iterator<Item = f64> {
     let v_b = system.belt_velocity();
-    let distances = system.law().breakpoints().map(move |b| (b - v_b).abs());
+    let distances = system
+        .law()
+        .breakpoints()
+        .into_iter()
+        .map(move |b| (b - v_b).abs());
     distances.filter(|distance| *distance > 0.0)
 }
 
 /// Whether a motion of this velocity amplitude grows; `None` if averaging does not tell.
-pub(super) fn grows<L: FrictionLaw>(
-    system: &Forward<'_, L>,
-    amplitude: f64,
-) -> Result<Option<bool>, Error> {
+pub(super) fn grows(system: &Forward<'_>, amplitude: f64) -> Result<Option<bool>, Error> {
     let Sample { value, noise } = drift(system, amplitude)?;
     Ok((value.abs() > noise).then_some(value > 0.0))
 }
 
 /// Whether all motions with an amplitude in a range grow (true) or all die (false); `None` if one
 /// of them may be periodic.
-pub(super) fn all_grow<L: FrictionLaw>(
-    system: &Forward<'_, L>,
-    range: &Range<f64>,
-) -> Result<Option<bool>, Error> {
+pub(super) fn all_grow(system: &Forward<'_>, range: &Range<f64>) -> Result<Option<bool>, Error> {
     let mut ends: Vec<f64> = amplitudes_at_breakpoints(system)
         .filter(|touching| range.contains(touching))
         .chain([range.start, range.end])

@@ -6,9 +6,10 @@ use super::find::{nested_cycles, of_belt_at_rest};
 use super::peaks::PeakMap;
 use super::release::{Release, ReleaseFate};
 use super::set::CycleSet;
-use crate::belt::{Forward, MassOnBelt, SlipPoint, Start};
+use crate::belt::{Belt, Forward, MassOnBelt, Start};
 use crate::clock::Time;
 use crate::error::Error;
+use crate::friction::slip::SlipPoint;
 use crate::friction::{FrictionLaw, has_no_kinetic_friction};
 use crate::state::{Direction, State};
 
@@ -126,37 +127,16 @@ pub fn attractor<L: FrictionLaw>(system: &MassOnBelt<L>, start: State) -> Result
 #[doc(alias = "brute force")]
 #[doc(alias = "basin of attraction")]
 pub fn basins<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Basins<'_, L>, Error> {
-    let system = system.by_reference();
-    let Some(forward) = Forward::of(system) else {
-        return Ok(Basins {
-            system,
-            cycles: of_belt_at_rest(system),
-            nest: None,
-        });
-    };
-    let mut tracer = Tracer::new(forward);
-    let mut release = Release::follow(&mut tracer)?;
-    let fate = release.fate(&mut tracer)?;
-    let cycles = nested_cycles(&mut tracer, release)?;
-    let carried = forward.carried_force();
-    let place = |cycle: &LimitCycle| match cycle.kind() {
-        CycleKind::PureSlip => cycle.max_velocity(),
-        _ => cycle.state().displacement + carried,
-    };
-    let nest = Nest {
-        forward,
-        fate,
-        places: cycles.iter().map(place).collect(),
-    };
-    Ok(Basins {
-        system,
-        cycles: if system.belt_velocity() < 0.0 {
-            cycles.mirrored()
-        } else {
-            cycles
-        },
-        nest: Some(nest),
-    })
+    let nest = Nest::of(system.belt())?;
+    Ok(Basins { system, nest })
+}
+
+/// The motions of a system that bound the basins.
+#[derive(Debug, Clone)]
+struct Nest {
+    cycles: CycleSet,
+    /// `None` on a belt at rest.
+    bounds: Option<Bounds>,
 }
 
 /// Basins of attraction of a system. See [`basins`].
@@ -185,16 +165,13 @@ pub fn basins<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Basins<'_, L>, E
 /// ```
 #[derive(Debug, Clone)]
 pub struct Basins<'s, L> {
-    system: MassOnBelt<&'s L>,
-    cycles: CycleSet,
-    /// `None` on a belt at rest.
-    nest: Option<Nest<'s, L>>,
+    system: &'s MassOnBelt<L>,
+    nest: Nest,
 }
 
-/// Data for the decision, for the system on a belt that moves forward.
+/// What bounds the basins of a belt that moves forward.
 #[derive(Debug, Clone)]
-struct Nest<'s, L> {
-    forward: Forward<'s, L>,
+struct Bounds {
     fate: ReleaseFate,
     /// The place of each cycle: its velocity maximum in pure slip, else the force F where it starts
     /// (the release point, or the downward crossing).
@@ -229,7 +206,7 @@ enum Place {
     Equilibrium,
 }
 
-impl<L: FrictionLaw> Tracer<'_, L> {
+impl Tracer<'_> {
     /// The first place on the motion from `start` where its fate is decided.
     fn first_place(&mut self, start: State) -> Result<Place, Error> {
         let system = self.system();
@@ -264,7 +241,7 @@ impl<L: FrictionLaw> Tracer<'_, L> {
 impl<L: FrictionLaw> Basins<'_, L> {
     /// The periodic motions of the system, as [`find`](super::find) returns them.
     pub fn cycles(&self) -> &CycleSet {
-        &self.cycles
+        &self.nest.cycles
     }
 
     /// The attractor that the motion from `start` reaches, decided as in [`attractor`], by a few
@@ -277,37 +254,73 @@ impl<L: FrictionLaw> Basins<'_, L> {
     /// steps.
     pub fn attractor(&self, start: State) -> Result<Attractor, Error> {
         check(start)?;
-        let Some(nest) = &self.nest else {
-            return Ok(self.at_rest(start));
+        self.nest.attractor(self.system.belt(), start)
+    }
+}
+
+impl Nest {
+    fn of(system: Belt<'_>) -> Result<Self, Error> {
+        let Some(forward) = Forward::of(system) else {
+            return Ok(Self {
+                cycles: of_belt_at_rest(system),
+                bounds: None,
+            });
         };
-        self.reached_from(nest, &mut Tracer::new(nest.forward), start)
+        let mut tracer = Tracer::new(forward);
+        let mut release = Release::follow(&mut tracer)?;
+        let fate = release.fate(&mut tracer)?;
+        let cycles = nested_cycles(&mut tracer, release)?;
+        let carried = forward.carried_force();
+        let place = |cycle: &LimitCycle| match cycle.kind() {
+            CycleKind::PureSlip => cycle.max_velocity(),
+            _ => cycle.state().displacement + carried,
+        };
+        let bounds = Bounds {
+            fate,
+            places: cycles.iter().map(place).collect(),
+        };
+        Ok(Self {
+            cycles: if system.belt_velocity() < 0.0 {
+                cycles.mirrored()
+            } else {
+                cycles
+            },
+            bounds: Some(bounds),
+        })
     }
 
-    fn reached_from(
-        &self,
-        nest: &Nest<'_, L>,
-        tracer: &mut Tracer<'_, L>,
-        start: State,
-    ) -> Result<Attractor, Error> {
-        let start = if self.system.belt_velocity() < 0.0 {
+    fn attractor(&self, system: Belt<'_>, start: State) -> Result<Attractor, Error> {
+        let (Some(bounds), Some(forward)) = (&self.bounds, Forward::of(system)) else {
+            return Ok(self.at_rest(system, start));
+        };
+        let start = if system.belt_velocity() < 0.0 {
             start.mirrored()
         } else {
             start
         };
+        self.reached_from(bounds, &mut Tracer::new(forward), start)
+    }
+
+    fn reached_from(
+        &self,
+        bounds: &Bounds,
+        tracer: &mut Tracer<'_>,
+        start: State,
+    ) -> Result<Attractor, Error> {
         match tracer.first_place(start)? {
             Place::Equilibrium => Ok(Attractor::Equilibrium),
-            Place::Peak(peak) => self.reached_from_peak(nest, tracer, peak),
-            Place::Release => Ok(self.reached_from_release(nest)),
-            Place::Crossing(force) => self.reached_from_crossing(nest, tracer, force),
+            Place::Peak(peak) => self.reached_from_peak(bounds, tracer, peak),
+            Place::Release => Ok(self.reached_from_release(bounds)),
+            Place::Crossing(force) => self.reached_from_crossing(bounds, tracer, force),
         }
     }
 
     /// The attractor of a start on a belt that stands still.
-    fn at_rest(&self, start: State) -> Attractor {
-        let [_, band] = self.system.stick_limits();
-        let goes_on = self.system.damping() == 0.0
+    fn at_rest(&self, system: Belt<'_>, start: State) -> Attractor {
+        let [_, band] = system.stick_limits();
+        let goes_on = system.damping() == 0.0
             && start.displacement.hypot(start.velocity) > band
-            && has_no_kinetic_friction(self.system.law());
+            && has_no_kinetic_friction(system.law());
         if goes_on {
             Attractor::Continuum
         } else {
@@ -329,17 +342,17 @@ impl<L: FrictionLaw> Basins<'_, L> {
     /// The cycles of a kind with their places, from the inside outwards.
     fn of_kind(
         &self,
-        nest: &Nest<'_, L>,
+        bounds: &Bounds,
         kind: CycleKind,
     ) -> impl DoubleEndedIterator<Item = (&LimitCycle, f64)> {
-        std::iter::zip(self.cycles.iter(), nest.places.iter().copied())
+        std::iter::zip(self.cycles.iter(), bounds.places.iter().copied())
             .filter(move |(cycle, _)| cycle.kind() == kind)
     }
 
     fn reached_from_peak(
         &self,
-        nest: &Nest<'_, L>,
-        tracer: &mut Tracer<'_, L>,
+        bounds: &Bounds,
+        tracer: &mut Tracer<'_>,
         peak: f64,
     ) -> Result<Attractor, Error> {
         if self.is_in_continuum(peak) {
@@ -349,24 +362,24 @@ impl<L: FrictionLaw> Basins<'_, L> {
             return Ok(Attractor::Unresolved);
         }
         let grows = PeakMap::of(tracer).grows(peak)?;
-        let v_b = nest.forward.belt_velocity();
-        if let Some(cycle) = self.cycle_through(nest, CycleKind::PureSlip, peak, v_b, grows) {
+        let v_b = tracer.system().belt_velocity();
+        if let Some(cycle) = self.cycle_through(bounds, CycleKind::PureSlip, peak, v_b, grows) {
             return Ok(attractor_on(cycle));
         }
         let grows = match grows {
-            None => averaged::grows(&nest.forward, peak)?,
+            None => averaged::grows(&tracer.system(), peak)?,
             grows => grows,
         };
         // Closest to the equilibrium, where no growth is certain, the motion is linear, and the
         // stability of the equilibrium decides.
-        let equilibrium = nest.forward.equilibrium();
+        let equilibrium = tracer.system().equilibrium();
         let unstable = equilibrium.is_some_and(|equilibrium| !equilibrium.is_stable());
-        let mut cycles = self.of_kind(nest, CycleKind::PureSlip);
+        let mut cycles = self.of_kind(bounds, CycleKind::PureSlip);
         Ok(if grows.unwrap_or(unstable) {
             match cycles.find(|(_, place)| *place > peak) {
                 Some((cycle, _)) => Attractor::Cycle(cycle.clone()),
                 // The motion leaves pure slip for what surrounds it.
-                None => self.reached_from_release(nest),
+                None => self.reached_from_release(bounds),
             }
         } else {
             match cycles.rfind(|(_, place)| *place < peak) {
@@ -376,13 +389,13 @@ impl<L: FrictionLaw> Basins<'_, L> {
         })
     }
 
-    fn reached_from_release(&self, nest: &Nest<'_, L>) -> Attractor {
+    fn reached_from_release(&self, bounds: &Bounds) -> Attractor {
         let to = |cycle: Option<&LimitCycle>| cycle.map(|cycle| Attractor::Cycle(cycle.clone()));
-        match nest.fate {
+        match bounds.fate {
             // The motion from the release point surrounds all motions in slip, so it comes down to
             // the outermost cycle among them.
             ReleaseFate::Inward { peak } => {
-                let outermost = self.of_kind(nest, CycleKind::PureSlip).next_back();
+                let outermost = self.of_kind(bounds, CycleKind::PureSlip).next_back();
                 to(outermost.map(|(cycle, _)| cycle)).unwrap_or(
                     if peak.is_some_and(|peak| self.is_in_continuum(peak)) {
                         Attractor::Continuum
@@ -399,7 +412,7 @@ impl<L: FrictionLaw> Basins<'_, L> {
                 .unwrap_or(Attractor::Unbounded)
             }
             ReleaseFate::Outward => {
-                let innermost = self.of_kind(nest, CycleKind::Crossing).next();
+                let innermost = self.of_kind(bounds, CycleKind::Crossing).next();
                 to(innermost.map(|(cycle, _)| cycle)).unwrap_or(Attractor::Unbounded)
             }
         }
@@ -407,18 +420,18 @@ impl<L: FrictionLaw> Basins<'_, L> {
 
     fn reached_from_crossing(
         &self,
-        nest: &Nest<'_, L>,
-        tracer: &mut Tracer<'_, L>,
+        bounds: &Bounds,
+        tracer: &mut Tracer<'_>,
         force: f64,
     ) -> Result<Attractor, Error> {
         if self.is_in_continuum(f64::INFINITY) {
             return Ok(Attractor::Continuum);
         }
         let grows = CrossingMap::of(tracer).grows(force)?;
-        if let Some(cycle) = self.cycle_through(nest, CycleKind::Crossing, force, force, grows) {
+        if let Some(cycle) = self.cycle_through(bounds, CycleKind::Crossing, force, force, grows) {
             return Ok(attractor_on(cycle));
         }
-        let mut cycles = self.of_kind(nest, CycleKind::Crossing);
+        let mut cycles = self.of_kind(bounds, CycleKind::Crossing);
         Ok(match grows {
             None => Attractor::Unresolved,
             Some(true) => match cycles.find(|(_, place)| *place > force) {
@@ -429,7 +442,7 @@ impl<L: FrictionLaw> Basins<'_, L> {
                 Some((cycle, _)) => Attractor::Cycle(cycle.clone()),
                 // Inwards there is stick, or the motion passes inwards like the one from the
                 // release point.
-                None => self.reached_from_release(nest),
+                None => self.reached_from_release(bounds),
             },
         })
     }
@@ -437,7 +450,7 @@ impl<L: FrictionLaw> Basins<'_, L> {
     /// The cycle of a kind on which a start lies, found by comparing places.
     fn cycle_through(
         &self,
-        nest: &Nest<'_, L>,
+        bounds: &Bounds,
         kind: CycleKind,
         start: f64,
         scale: f64,
@@ -448,7 +461,7 @@ impl<L: FrictionLaw> Basins<'_, L> {
         } else {
             HIDDEN_BY_CYCLE
         };
-        self.of_kind(nest, kind)
+        self.of_kind(bounds, kind)
             .map(|(cycle, place)| (cycle, (place - start).abs()))
             .min_by(|(_, a), (_, b)| a.total_cmp(b))
             .filter(|(_, distance)| *distance <= reach * scale)

@@ -5,7 +5,7 @@ use super::peaks::PeakMap;
 use super::written;
 use crate::belt::Forward;
 use crate::error::Error;
-use crate::friction::{FrictionLaw, has_no_kinetic_friction, is_constant_near, is_constant_on};
+use crate::friction::{Values, has_no_kinetic_friction, is_constant_near, is_constant_on};
 
 /// A family of periodic motions that fills a disc round the equilibrium. It exists without damping
 /// where friction does not depend on the speed (Coulomb, or μ_s = μ_m), because such friction
@@ -38,7 +38,7 @@ impl Continuum {
 
 /// Whether small motions are periodic: there is no damping, and friction does not depend on the
 /// speed near v_b.
-pub(super) fn is_flat<L: FrictionLaw>(system: &Forward<'_, L>) -> bool {
+pub(super) fn is_flat(system: &Forward<'_>) -> bool {
     system.damping() == 0.0
         && is_constant_near(system.law(), system.belt_velocity())
         && flat_amplitude(system) > 0.0
@@ -46,11 +46,11 @@ pub(super) fn is_flat<L: FrictionLaw>(system: &Forward<'_, L>) -> bool {
 
 /// Velocity amplitude up to which a motion in slip, where friction is constant near v_b, meets no
 /// piece of the law on which friction varies; at most v_b.
-pub(super) fn flat_amplitude<L: FrictionLaw>(system: &Forward<'_, L>) -> f64 {
+pub(super) fn flat_amplitude(system: &Forward<'_>) -> f64 {
     let (law, v_b) = (system.law(), system.belt_velocity());
     let varies = |piece: usize, end: f64| !is_constant_on(law, piece, end);
     let mut amplitude = v_b;
-    for (i, breakpoint) in law.breakpoints().enumerate() {
+    for (i, breakpoint) in law.breakpoints().into_iter().enumerate() {
         let beyond = if breakpoint <= v_b { i } else { i + 1 };
         if varies(beyond, breakpoint) {
             amplitude = amplitude.min((v_b - breakpoint).abs());
@@ -61,7 +61,7 @@ pub(super) fn flat_amplitude<L: FrictionLaw>(system: &Forward<'_, L>) -> f64 {
 
 /// Whether every motion in slip is periodic: the system [`is_flat`], and no motion grows or
 /// shrinks.
-pub(super) fn is_continuum<L: FrictionLaw>(peaks: &mut PeakMap<'_, '_, L>) -> Result<bool, Error> {
+pub(super) fn is_continuum(peaks: &mut PeakMap<'_, '_>) -> Result<bool, Error> {
     let system = peaks.system();
     if !is_flat(&system) {
         return Ok(false);
@@ -75,6 +75,6 @@ pub(super) fn is_continuum<L: FrictionLaw>(peaks: &mut PeakMap<'_, '_, L>) -> Re
 }
 
 /// Whether there is no friction at all.
-pub(crate) fn is_frictionless<L: FrictionLaw>(law: &L) -> bool {
+pub(crate) fn is_frictionless(law: &dyn Values) -> bool {
     law.static_coefficient() == 0.0 && has_no_kinetic_friction(law)
 }

@@ -7,19 +7,17 @@ use super::growth::relative_growth;
 use super::release::ReleaseFate;
 use crate::clock::Time;
 use crate::error::Error;
-use crate::friction::FrictionLaw;
 use crate::numerics::with_slopes::{Roots, Sample, roots_between};
 use crate::state::Direction;
 
 /// The map F → C(F) from the force F = u + 2βv_b at a downward crossing to the force at the next
 /// one.
-#[derive(Debug)]
-pub(super) struct CrossingMap<'t, 's, L> {
-    tracer: &'t mut Tracer<'s, L>,
+pub(super) struct CrossingMap<'t, 's> {
+    tracer: &'t mut Tracer<'s>,
 }
 
-impl<'t, 's, L: FrictionLaw> CrossingMap<'t, 's, L> {
-    pub(super) fn of(tracer: &'t mut Tracer<'s, L>) -> Self {
+impl<'t, 's> CrossingMap<'t, 's> {
+    pub(super) fn of(tracer: &'t mut Tracer<'s>) -> Self {
         Self { tracer }
     }
 
@@ -153,7 +151,7 @@ impl<'t, 's, L: FrictionLaw> CrossingMap<'t, 's, L> {
         let Some(mut low) = start.filter(|start| start.x > 0.0) else {
             return Ok(Roots::default());
         };
-        let last_breakpoint = system.law().breakpoints().last().unwrap_or(0.0);
+        let last_breakpoint = system.law().breakpoints().last().copied().unwrap_or(0.0);
         let beyond = 2.0 * (system.belt_velocity() + last_breakpoint);
         let mut roots = Roots::default();
         let mut shrinks = 0;

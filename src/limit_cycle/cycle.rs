@@ -1,8 +1,7 @@
 use super::arc::{Arc, Arrival};
-use crate::belt::{Landing, MassOnBelt, Step};
+use crate::belt::{Belt, Landing, Step};
 use crate::clock::Clock;
 use crate::error::Digits;
-use crate::friction::FrictionLaw;
 use crate::motion::{Ended, EventKind, Mode, Trajectory};
 use crate::state::{Direction, State, Units};
 
@@ -74,8 +73,8 @@ pub struct LimitCycle {
 
 impl LimitCycle {
     /// Joins arcs of slip, and a stick phase up to `release` if the last one ends in stick.
-    pub(super) fn join<L: FrictionLaw>(
-        system: &MassOnBelt<L>,
+    pub(super) fn join(
+        system: &Belt<'_>,
         arcs: Vec<Arc>,
         kind: CycleKind,
         multiplier: f64,

@@ -5,7 +5,7 @@ use super::cycle::{CycleKind, LimitCycle};
 use super::peaks::PeakMap;
 use super::release::Release;
 use super::set::CycleSet;
-use crate::belt::{Forward, MassOnBelt};
+use crate::belt::{Belt, Forward, MassOnBelt};
 use crate::error::Error;
 use crate::friction::{FrictionLaw, has_no_kinetic_friction};
 
@@ -37,7 +37,11 @@ use crate::friction::{FrictionLaw, has_no_kinetic_friction};
 #[doc(alias = "release point")]
 #[doc(alias = "squeal")]
 pub fn stick_slip<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Option<LimitCycle>, Error> {
-    let Some(forward) = system.moving_forward() else {
+    stick_slip_of(system.belt())
+}
+
+fn stick_slip_of(system: Belt<'_>) -> Result<Option<LimitCycle>, Error> {
+    let Some(forward) = Forward::of(system) else {
         return Ok(None);
     };
     let mut tracer = Tracer::new(forward);
@@ -79,11 +83,11 @@ pub fn stick_slip<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Option<Limit
 #[doc(alias = "limit cycles")]
 #[doc(alias = "shooting")]
 pub fn find<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<CycleSet, Error> {
-    find_borrowed(system.by_reference())
+    find_all(system.belt())
 }
 
 /// [`find`] for a system that borrows its law.
-pub(crate) fn find_borrowed<L: FrictionLaw>(system: MassOnBelt<&L>) -> Result<CycleSet, Error> {
+pub(crate) fn find_all(system: Belt<'_>) -> Result<CycleSet, Error> {
     let Some(forward) = Forward::of(system) else {
         return Ok(of_belt_at_rest(system));
     };
@@ -96,15 +100,15 @@ pub(crate) fn find_borrowed<L: FrictionLaw>(system: MassOnBelt<&L>) -> Result<Cy
 }
 
 /// [`find`] for a system whose belt moves forward.
-pub(crate) fn find_moving<L: FrictionLaw>(tracer: &mut Tracer<'_, L>) -> Result<CycleSet, Error> {
+pub(crate) fn find_moving(tracer: &mut Tracer<'_>) -> Result<CycleSet, Error> {
     let release = Release::follow(tracer)?;
     nested_cycles(tracer, release)
 }
 
 /// The periodic motions on a belt at rest: a family if there is neither damping nor kinetic
 /// friction, else none.
-pub(super) fn of_belt_at_rest<L: FrictionLaw>(system: MassOnBelt<&L>) -> CycleSet {
-    let goes_on = system.damping() == 0.0 && has_no_kinetic_friction(*system.law());
+pub(super) fn of_belt_at_rest(system: Belt<'_>) -> CycleSet {
+    let goes_on = system.damping() == 0.0 && has_no_kinetic_friction(system.law());
     CycleSet {
         continuum: goes_on.then_some(Continuum::WITHOUT_FRICTION),
         ..CycleSet::default()
@@ -112,8 +116,8 @@ pub(super) fn of_belt_at_rest<L: FrictionLaw>(system: MassOnBelt<&L>) -> CycleSe
 }
 
 /// The cycles of a system moving forward, from the inside outwards.
-pub(super) fn nested_cycles<L: FrictionLaw>(
-    tracer: &mut Tracer<'_, L>,
+pub(super) fn nested_cycles(
+    tracer: &mut Tracer<'_>,
     mut release: Release,
 ) -> Result<CycleSet, Error> {
     let mut set = CycleSet::default();
@@ -138,10 +142,7 @@ pub(super) fn nested_cycles<L: FrictionLaw>(
 }
 
 /// Adds the periodic motions in slip. False if there are no others, because there is no friction.
-fn add_pure_slip<L: FrictionLaw>(
-    tracer: &mut Tracer<'_, L>,
-    set: &mut CycleSet,
-) -> Result<bool, Error> {
+fn add_pure_slip(tracer: &mut Tracer<'_>, set: &mut CycleSet) -> Result<bool, Error> {
     let system = tracer.system();
     let mut peaks = PeakMap::of(tracer);
     if is_continuum(&mut peaks)? {

@@ -1,19 +1,13 @@
 //! Growth of a motion over one turn, as a sample for the searches.
 
 use super::arc::Tracer;
-use crate::friction::FrictionLaw;
 use crate::numerics::with_slopes::Sample;
 
 /// Rounding error of one turn, in units of ε times the size of the motion.
 const TURN_ROUNDING: f64 = 32.0;
 
 /// The growth next/x − 1 and its slope, for a map x → next(x) with this slope.
-pub(super) fn relative_growth<L: FrictionLaw>(
-    tracer: &Tracer<'_, L>,
-    x: f64,
-    next: f64,
-    slope: f64,
-) -> Sample {
+pub(super) fn relative_growth(tracer: &Tracer<'_>, x: f64, next: f64, slope: f64) -> Sample {
     Sample {
         x,
         value: next / x - 1.0,

@@ -74,7 +74,7 @@ pub use continuum::Continuum;
 pub(crate) use continuum::is_frictionless;
 pub use cycle::{CycleKind, LimitCycle};
 pub use find::{find, stick_slip};
-pub(crate) use find::{find_borrowed, find_moving};
+pub(crate) use find::{find_all, find_moving};
 pub use measures::EnergyBudget;
 pub(crate) use peaks::PeakMap;
 pub(crate) use release::Release;

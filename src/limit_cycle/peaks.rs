@@ -8,7 +8,6 @@ use super::growth::relative_growth;
 use crate::belt::Forward;
 use crate::clock::Time;
 use crate::error::Error;
-use crate::friction::FrictionLaw;
 use crate::numerics::with_slopes::{Roots, Sample, eighths, outline_between, roots_between, turn};
 
 /// Smallest velocity maximum that is searched, in units of v_b. Below it a turn changes a motion by
@@ -20,17 +19,16 @@ const SMALLEST_PEAK: f64 = 1e-4;
 const HIDDEN: f64 = 100.0;
 
 /// The map V → P(V) from one velocity maximum to the next.
-#[derive(Debug)]
-pub(crate) struct PeakMap<'t, 's, L> {
-    tracer: &'t mut Tracer<'s, L>,
+pub(crate) struct PeakMap<'t, 's> {
+    tracer: &'t mut Tracer<'s>,
 }
 
-impl<'t, 's, L: FrictionLaw> PeakMap<'t, 's, L> {
-    pub(crate) fn of(tracer: &'t mut Tracer<'s, L>) -> Self {
+impl<'t, 's> PeakMap<'t, 's> {
+    pub(crate) fn of(tracer: &'t mut Tracer<'s>) -> Self {
         Self { tracer }
     }
 
-    pub(super) fn system(&self) -> Forward<'s, L> {
+    pub(super) fn system(&self) -> Forward<'s> {
         self.tracer.system()
     }
 

@@ -7,7 +7,7 @@ use super::cycle::{CycleKind, LimitCycle};
 use super::growth::relative_growth;
 use crate::belt::Landing;
 use crate::error::Error;
-use crate::friction::{FrictionLaw, static_is_nan};
+use crate::friction::static_is_nan;
 use crate::state::Direction;
 
 /// Fate of the motion from the release point. Trajectories in the plane can't cross, so one turn
@@ -35,7 +35,7 @@ pub(crate) struct Release {
 
 impl Release {
     /// Follows the first arc.
-    pub(crate) fn follow<L: FrictionLaw>(tracer: &mut Tracer<'_, L>) -> Result<Self, Error> {
+    pub(crate) fn follow(tracer: &mut Tracer<'_>) -> Result<Self, Error> {
         let [_, high] = tracer.system().stick_limits();
         Ok(Self {
             lagging: tracer.arc_leaving(high, Direction::Lagging)?,
@@ -44,10 +44,7 @@ impl Release {
     }
 
     /// The leading arc, if the lagging one ends in a crossing.
-    fn leading<L: FrictionLaw>(
-        &mut self,
-        tracer: &mut Tracer<'_, L>,
-    ) -> Result<Option<&Arc>, Error> {
+    fn leading(&mut self, tracer: &mut Tracer<'_>) -> Result<Option<&Arc>, Error> {
         if self.leading.is_none()
             && let Arrival::Contact(contact) = self.lagging.arrival
             && let Landing::Crossing(side) = tracer.system().landing(contact, Direction::Lagging)
@@ -57,10 +54,7 @@ impl Release {
         Ok(self.leading.as_ref())
     }
 
-    pub(crate) fn fate<L: FrictionLaw>(
-        &mut self,
-        tracer: &mut Tracer<'_, L>,
-    ) -> Result<ReleaseFate, Error> {
+    pub(crate) fn fate(&mut self, tracer: &mut Tracer<'_>) -> Result<ReleaseFate, Error> {
         let system = tracer.system();
         let contact = match self.lagging.arrival {
             Arrival::Contact(contact) => contact,
@@ -103,9 +97,9 @@ impl Release {
     }
 
     /// The periodic motion through the release point, if the motion from there comes back to stick.
-    pub(super) fn into_cycle<L: FrictionLaw>(
+    pub(super) fn into_cycle(
         mut self,
-        tracer: &mut Tracer<'_, L>,
+        tracer: &mut Tracer<'_>,
     ) -> Result<Option<LimitCycle>, Error> {
         if self.fate(tracer)? != ReleaseFate::Stick {
             return Ok(None);
@@ -126,7 +120,7 @@ impl Release {
     /// How far the motion would overshoot the belt velocity, in units of v_b: w²/(2v_b²) if it
     /// meets the belt, with the rate w of the relative velocity at contact; V/v_b − 1 if it turns
     /// back at a velocity maximum V below; −1 if there is no maximum.
-    pub(crate) fn overshoot<L: FrictionLaw>(&self, tracer: &Tracer<'_, L>) -> f64 {
+    pub(crate) fn overshoot(&self, tracer: &Tracer<'_>) -> f64 {
         let v_b = tracer.system().belt_velocity();
         match self.lagging.arrival {
             Arrival::Contact(_) => 0.5 * (self.lagging.end_rate / v_b).powi(2),
@@ -137,7 +131,7 @@ impl Release {
 
     /// Distance of the first contact beyond the lower end of the stick band, in units of v_b +
     /// γ²μ_s.
-    pub(crate) fn beyond_low<L: FrictionLaw>(&self, tracer: &Tracer<'_, L>) -> Option<f64> {
+    pub(crate) fn beyond_low(&self, tracer: &Tracer<'_>) -> Option<f64> {
         let [low, _] = tracer.system().stick_limits();
         match self.lagging.arrival {
             Arrival::Contact(contact) => Some((low - contact) / tracer.scale()),
@@ -147,10 +141,7 @@ impl Release {
 
     /// Distance of the second contact, after a crossing, beyond the release point, in units of
     /// v_b + γ²μ_s.
-    pub(crate) fn beyond_high<L: FrictionLaw>(
-        &mut self,
-        tracer: &mut Tracer<'_, L>,
-    ) -> Result<Option<f64>, Error> {
+    pub(crate) fn beyond_high(&mut self, tracer: &mut Tracer<'_>) -> Result<Option<f64>, Error> {
         let [_, high] = tracer.system().stick_limits();
         Ok(match self.leading(tracer)?.map(|arc| arc.arrival) {
             Some(Arrival::Contact(contact)) => Some((contact - high) / tracer.scale()),

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use super::arc::Tracer;
 use super::release::{Release, ReleaseFate};
-use crate::belt::MassOnBelt;
+use crate::belt::{Forward, MassOnBelt};
 use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::numerics::with_slopes::Sample;
@@ -14,9 +14,9 @@ use crate::scalar::Scalar;
 /// Calls a function with a tracer of the system, and returns its result.
 pub(super) fn traced<L: FrictionLaw, T>(
     system: &MassOnBelt<L>,
-    f: impl FnOnce(&mut Tracer<'_, L>) -> Result<T, Error>,
+    f: impl FnOnce(&mut Tracer<'_>) -> Result<T, Error>,
 ) -> T {
-    let forward = system.moving_forward().unwrap();
+    let forward = Forward::of(system.belt()).unwrap();
     f(&mut Tracer::new(forward)).unwrap()
 }
 
@@ -29,7 +29,7 @@ pub(super) fn assert_close(found: f64, expected: f64, error: f64) {
 }
 
 /// Fate of the motion from the release point.
-pub(super) fn fate<L: FrictionLaw>(tracer: &mut Tracer<'_, L>) -> Result<ReleaseFate, Error> {
+pub(super) fn fate(tracer: &mut Tracer<'_>) -> Result<ReleaseFate, Error> {
     Release::follow(tracer)?.fate(tracer)
 }
 

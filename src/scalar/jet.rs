@@ -113,15 +113,14 @@ impl Tape {
     }
 }
 
-/// The coefficients of f about x: f(x + t) = Σ f_k t^k, M ≤ [`LONGEST`] of them.
-pub(crate) fn coefficients<const M: usize>(function: impl Function, x: f64) -> [f64; M] {
-    let mut coefficients = [f64::NAN; M];
+/// The first coefficients of f about x, at most [`LONGEST`]: f(x + t) = Σ f_k t^k.
+pub(crate) fn coefficients(function: impl Function, x: f64, coefficients: &mut [f64]) {
+    let terms = coefficients.len();
     let take = &mut |k: usize, _: f64, coefficient: f64, _: Composed| {
         coefficients[k] = coefficient;
         if k == 0 { 1.0 } else { 0.0 }
     };
-    order_by_order(function, M, x, take);
-    coefficients
+    order_by_order(function, terms, x, take);
 }
 
 /// What [`expand`](super::expand) does, to `terms` ≤ [`LONGEST`] coefficients, with code that

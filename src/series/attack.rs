@@ -13,8 +13,9 @@ use num_bigint::{BigInt, Sign};
 use super::roots::{MOST_DIVISIONS, Search};
 use super::{PowerSeries, TERMS, quarters};
 use crate::belt::MassOnBelt;
-use crate::belt::{SlipPoint, Stepper};
+use crate::belt::Stepper;
 use crate::clock::Time;
+use crate::friction::slip::SlipPoint;
 use crate::friction::{Exponential, Polynomial};
 use crate::state::{Direction, State};
 
@@ -418,17 +419,19 @@ fn grazing(random: &mut Random) -> Option<(PowerSeries, f64)> {
         speed: least,
         rate: Some(0.0),
     };
-    let mut stepper = Stepper::new(system.by_reference(), random.power(-52.0, -8.0).abs());
-    let back = stepper.advance(&end, Time::Backward, 0.0).ok()?;
+    let belt = system.belt();
+    let mut stepper = Stepper::new(&belt, random.power(-52.0, -8.0).abs());
+    let back = stepper.advance(&belt, &end, Time::Backward, 0.0).ok()?;
     if back.duration.is_infinite() {
         return None;
     }
     let start = SlipPoint {
-        speed: back.speed.at(back.duration),
+        speed: stepper.speed().at(back.duration),
         ..back.end
     };
     let duration = back.duration;
-    let mut c = *stepper.advance(&start, Time::Forward, 0.0).ok()?.speed;
+    stepper.advance(&belt, &start, Time::Forward, 0.0).ok()?;
+    let mut c = *stepper.speed();
     let h = duration * random.within(0.9, 1.5);
     // Half of the polynomials are shifted, so that some miss zero by a hair.
     if random.below(2) == 0 {
@@ -452,12 +455,13 @@ fn slow_step(random: &mut Random) -> Option<(PowerSeries, f64)> {
         speed: system.belt_velocity() - state.velocity,
         rate: None,
     };
-    let mut stepper = Stepper::new(system.by_reference(), random.power(-52.0, -30.0).abs());
+    let belt = system.belt();
+    let mut stepper = Stepper::new(&belt, random.power(-52.0, -30.0).abs());
     for _ in 0..100 {
-        let advance = stepper.advance(&point, Time::Forward, 0.0).ok()?;
-        let (end, h, mut c) = (advance.end, advance.duration, *advance.speed);
+        let advance = stepper.advance(&belt, &point, Time::Forward, 0.0).ok()?;
+        let (end, h, mut c) = (advance.end, advance.duration, *stepper.speed());
         // No explicit step is so long, and none has a last coefficient of zero.
-        let is_slow = h * system.effective_damping(point.speed) > 16.0 && c[TERMS - 1] == 0.0;
+        let is_slow = h * belt.effective_damping(point.speed) > 16.0 && c[TERMS - 1] == 0.0;
         if is_slow && random.below(4) == 0 {
             c[0] -= c.at(h * random.within(0.0, 1.2));
             if random.below(2) == 0 {

@@ -1,10 +1,10 @@
 use std::cell::Cell;
 
-use super::super::expansion::Expander;
-use super::super::slip_point::SlipPoint;
+use super::super::system::MassOnBelt;
 use super::*;
 use crate::clock::Time;
-use crate::friction::{Piece, Polynomial as Cubic};
+use crate::friction::slip::{Expander, SlipPoint};
+use crate::friction::{FrictionLaw, Polynomial as Cubic};
 use crate::scalar::Scalar;
 use crate::series::{PowerSeries, quarters};
 use crate::state::Direction;
@@ -98,7 +98,7 @@ const SHAPES: [(f64, f64); 5] = [
 fn closest(law: Bump, c: &[f64], h: f64) -> f64 {
     let series = series(c, 0.0);
     let speeds = series.speed.at_four(quarters(h));
-    series.defect_at_minimum(&on_belt(law), 0, h, speeds)
+    series.defect_at_minimum(&on_belt(law).belt(), 0, h, speeds)
 }
 
 #[test]
@@ -111,13 +111,11 @@ fn terms_of_the_equation_of_motion_are_added_by_size() {
         speed: 1.0,
         rate: None,
     };
-    let piece = Piece {
-        law: &law,
-        index: 0,
-    };
+    let (system, time) = (system.belt(), Time::Forward);
+    let equation = system.equation(from.direction);
     let mut expander = Expander::new();
-    expander
-        .expand(piece, &system, &from, Time::Forward, None)
+    (system.law())
+        .expand_slip(&mut expander, 0, &equation, &from, time, None)
         .unwrap();
     let series = expander.series;
     // μ̂(1) = 0.4 − 0.45 + 0.6 = 0.55 and v = 0.2 − 1.
@@ -139,11 +137,11 @@ fn the_defect_is_the_largest_of_four() {
             [4.0, 3.0, 2.0, 1.0],
             [1.0, 4.0, 2.0, 3.0],
         ] {
-            let defect = series.defect(&system, 0, times, [1.0; 4]);
+            let defect = series.defect(&system.belt(), 0, times, [1.0; 4]);
             assert!((defect - LOAD * 0.04).abs() < 1e-15, "{times:?}: {defect}");
         }
         // Speeds below zero are those of contact, within rounding.
-        assert!(series.defect(&system, 0, [0.0; 4], [-1e-20; 4]) > 0.19);
+        assert!(series.defect(&system.belt(), 0, [0.0; 4], [-1e-20; 4]) > 0.19);
     }
 }
 
@@ -154,7 +152,7 @@ fn no_number_is_larger_than_any_defect() {
     for bad in 0..4 {
         let mut speeds = [0.5; 4];
         speeds[bad] = 1.5;
-        let defect = series.defect(&system, 0, [1.0, 2.0, 3.0, 4.0], speeds);
+        let defect = series.defect(&system.belt(), 0, [1.0, 2.0, 3.0, 4.0], speeds);
         assert!(defect.is_nan(), "{bad}: {defect}");
     }
 }
@@ -252,7 +250,10 @@ fn a_long_step_is_looked_at_in_so_many_places() {
     let system = on_belt(Counted::default());
     for (h, places) in [(1.5, 8), (3.0, 12), (16.0, 64), (17.0, 64), (1e20, 64)] {
         system.law().0.set(0);
-        assert_eq!(series(&[1.0], 0.0).defect_in_between(&system, 0, h), 0.0);
+        assert_eq!(
+            series(&[1.0], 0.0).defect_in_between(&system.belt(), 0, h),
+            0.0
+        );
         assert_eq!(system.law().0.get(), places, "{h}");
     }
 }

@@ -4,7 +4,8 @@
 //! bounds the error of a motion that closes in on a slow one. So no other method is needed.
 
 use super::*;
-use crate::friction::{Exponential, Polynomial, Stribeck, Tabulated};
+use crate::belt::MassOnBelt;
+use crate::friction::{Exponential, FrictionLaw, Polynomial, Stribeck, Tabulated};
 use crate::state::Direction;
 
 /// What was seen of the steps of some motions.
@@ -27,8 +28,8 @@ impl Seen {
         time: Time,
         most: usize,
     ) {
-        let system = system.by_reference();
-        let mut stepper = Stepper::new(system, 2.0 * f64::EPSILON);
+        let system = system.belt();
+        let mut stepper = Stepper::new(&system, 2.0 * f64::EPSILON);
         let (sign, sigma) = (time.sign(), start.direction.sign());
         let (damping, load, v_b) = (
             2.0 * system.damping(),
@@ -37,10 +38,10 @@ impl Seen {
         );
         let (mut point, mut elapsed) = (start, 0.0);
         for _ in 0..most {
-            let Ok(advance) = stepper.advance(&point, time, elapsed) else {
+            let Ok(advance) = stepper.advance(&system, &point, time, elapsed) else {
                 panic!("{start:?}");
             };
-            let (h, end, speed) = (advance.duration, advance.end, *advance.speed);
+            let (h, end, speed) = (advance.duration, advance.end, *stepper.speed());
             if advance.is_contact() || !h.is_finite() {
                 return;
             }
@@ -157,11 +158,14 @@ fn slow_steps_end_at_the_breakpoints_of_the_law() {
         let system = MassOnBelt::new(law.clone(), 0.3)
             .and_then(|system| system.with_load(load))
             .unwrap();
-        let mut stepper = Stepper::new(system.by_reference(), 2.0 * f64::EPSILON);
+        let mut stepper = Stepper::new(&system.belt(), 2.0 * f64::EPSILON);
         let mut point = at_force_balance(&system, 0.055);
         let mut passed = 0;
         for _ in 0..400 {
-            let end = stepper.advance(&point, time, 0.0).unwrap().end;
+            let end = stepper
+                .advance(&system.belt(), &point, time, 0.0)
+                .unwrap()
+                .end;
             let on_breakpoint = system.law().breakpoints().any(|b| b == end.speed);
             passed += usize::from(on_breakpoint);
             let piece = |s: f64| system.law().breakpoints().take_while(|b| *b < s).count();

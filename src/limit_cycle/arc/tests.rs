@@ -7,6 +7,7 @@ use super::super::testing::{assert_close, traced};
 use super::*;
 use crate::belt::MassOnBelt;
 use crate::friction::Coulomb;
+use crate::friction::FrictionLaw;
 use crate::scalar::Scalar;
 
 /// The law μ̂(s) = value + slope·s.
@@ -191,7 +192,7 @@ fn an_arc_beyond_the_belt_velocity_ends_in_contact() {
 fn an_arc_that_does_not_turn_ends_at_the_equilibrium() {
     for v_b in [0.01, 1.0, 100.0] {
         let system = system(0.3, 3.0, v_b, 0.0);
-        let rest = system.equilibrium_displacement();
+        let rest = system.belt().equilibrium_displacement();
         let arc = traced(&system, |tracer| {
             tracer.arc(lagging(&system, rest - 0.1 * v_b, 0.5 * v_b), Time::Forward)
         });
@@ -206,7 +207,7 @@ fn an_arc_that_does_not_turn_ends_at_the_equilibrium() {
     // In a stiff system rounding decides which way the speed changes along the slow motion. The
     // velocity has a maximum only if it was below that of the slow motion.
     let system = system(0.3, 20.0, 1.0, 0.0);
-    let rest = system.equilibrium_displacement();
+    let rest = system.belt().equilibrium_displacement();
     for (offset, velocity, turns) in [
         (-0.5, 0.0, true),
         (-0.5, -0.5, true),
@@ -245,7 +246,7 @@ fn an_arc_from_the_equilibrium_stays_there() {
 fn an_arc_that_grows_backwards_without_turning_is_followed_far_and_no_further() {
     for unit in [1.0 / 256.0, 1.0, 256.0] {
         let system = system(0.3, 3.0 / unit, unit, 0.0).with_load(unit).unwrap();
-        let rest = system.equilibrium_displacement();
+        let rest = system.belt().equilibrium_displacement();
         let arc = traced(&system, |tracer| {
             tracer.arc(
                 lagging(&system, rest + 0.3 * unit, -0.5 * unit),
@@ -302,7 +303,7 @@ fn a_motion_has_settled_within_a_billionth_of_the_belt_velocity_where_the_equili
     }
     // An unstable equilibrium attracts backwards, and distances are measured from it.
     let system = system(0.3, -0.1, 1.0, 0.0).with_load(2.0).unwrap();
-    let rest = system.equilibrium_displacement();
+    let rest = system.belt().equilibrium_displacement();
     assert_close(rest, 0.4, 1e-15);
     traced(&system, |tracer| {
         let near = lagging(&system, rest + 0.5e-9, 0.0);

@@ -10,7 +10,7 @@ use super::*;
 fn the_drift_of_a_cubic_law_has_a_closed_form() {
     // −½h1 − (3/8)h3 A² with h1 = −0.278, h3 = 0.6
     let system = paper(0.2);
-    let forward = system.moving_forward().unwrap();
+    let forward = Forward::of(system.belt()).unwrap();
     for amplitude in [1e-5, 0.1, 0.2] {
         let drift = drift(&forward, amplitude).unwrap();
         assert_close(drift.value, 0.139 - 0.225 * amplitude * amplitude, 1e-15);
@@ -26,7 +26,7 @@ fn where_friction_is_weak_an_exact_turn_grows_as_the_drift_says_and_no_less_exac
                 .unwrap()
                 .with_damping(0.05 * load)
                 .unwrap();
-            let forward = system.moving_forward().unwrap();
+            let forward = Forward::of(system.belt()).unwrap();
             for part in [0.1, 0.5, 0.8] {
                 let amplitude = part * v_b;
                 let Sample { value, noise } = drift(&forward, amplitude).unwrap();
@@ -47,7 +47,7 @@ fn where_friction_is_weak_an_exact_turn_grows_as_the_drift_says_and_no_less_exac
 #[test]
 fn a_range_without_cycles_is_told_from_one_with_a_cycle() {
     let has_none = |system: &super::super::testing::System, range: Range<f64>| {
-        let all = all_grow(&system.moving_forward().unwrap(), &range).unwrap();
+        let all = all_grow(&Forward::of(system.belt()).unwrap(), &range).unwrap();
         all.is_some()
     };
     let weak = paper(0.42)

@@ -69,12 +69,13 @@ fn a_start_costs_at_most_four_simulated_periods() {
     let period = system
         .simulate(stick_slip.state(), stick_slip.period())
         .unwrap();
-    let nest = basins.nest.as_ref().unwrap();
-    let mut tracer = Tracer::new(nest.forward);
+    let (nest, forward) = (&basins.nest, Forward::of(system.belt()).unwrap());
+    let mut tracer = Tracer::new(forward);
     let mut starts = 0;
     for (i, j) in (0..40).flat_map(|i| (0..20).map(move |j| (i, j))) {
         let start = State::new(-2.0 + 0.1 * f64::from(i), 0.1 * f64::from(j));
-        basins.reached_from(nest, &mut tracer, start).unwrap();
+        nest.reached_from(nest.bounds.as_ref().unwrap(), &mut tracer, start)
+            .unwrap();
         starts += 1;
     }
     // Counted in Taylor steps, which take nearly all of the time.

@@ -18,7 +18,7 @@ struct Contacts {
     beyond_high: Option<f64>,
 }
 
-fn contacts<L: FrictionLaw>(tracer: &mut Tracer<'_, L>) -> Result<Contacts, Error> {
+fn contacts(tracer: &mut Tracer<'_>) -> Result<Contacts, Error> {
     let mut release = Release::follow(tracer)?;
     Ok(Contacts {
         overshoot: release.overshoot(tracer),

@@ -1,13 +1,25 @@
-//! The power series of a slip phase.
+//! The power series of a slip phase: of one mass on a spring and a damper that slides on a law.
 
-use super::slip_point::SlipPoint;
-use super::system::MassOnBelt;
+use super::{FrictionLaw, LawVisitor, Piece};
 use crate::clock::Time;
 use crate::error::Error;
-use crate::friction::{FrictionLaw, LawVisitor, Piece};
 use crate::scalar::{Composed, Workspace, expand, fused, jet, mul_add};
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 use crate::state::Direction;
+
+/// A point of a slip phase.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct SlipPoint {
+    /// The direction of slip σ, the sign of v_r.
+    pub(crate) direction: Direction,
+    /// Displacement u.
+    pub(crate) displacement: f64,
+    /// Sliding speed s = |v_r|.
+    pub(crate) speed: f64,
+    /// The rate ds/dt in the direction of time that is followed, if it is known better than from
+    /// the equation of motion: on the belt, and at an extremum of v.
+    pub(crate) rate: Option<f64>,
+}
 
 /// The power series of a slip phase about one of its points, in the time since that point.
 ///
@@ -24,9 +36,9 @@ pub(crate) struct SlipSeries {
     /// The series of the sliding speed s(t).
     pub(crate) speed: PowerSeries,
     /// The series of μ̂(s(t)), without the last coefficient, which the motion does not need.
-    pub(super) friction: PowerSeries,
+    pub(crate) friction: PowerSeries,
     /// The rate D = 2β + γ²dμ̂/ds at the start, at which a deviation of s dies out.
-    pub(super) decay: f64,
+    pub(crate) decay: f64,
 }
 
 impl SlipSeries {
@@ -44,11 +56,12 @@ impl SlipSeries {
 /// what it has in registers.
 #[derive(Debug, Clone)]
 pub(crate) struct Expander {
-    pub(super) series: SlipSeries,
+    pub(crate) series: SlipSeries,
     workspace: Workspace<TERMS>,
 }
 
 impl Expander {
+    #[inline(never)]
     pub(crate) fn new() -> Self {
         Self {
             series: SlipSeries::ZERO,
@@ -58,20 +71,19 @@ impl Expander {
 
     /// Expands the motion about a point, on one piece of the law. If a series of the sliding speed
     /// is given as `along`, in any unit of time, only the friction is expanded.
-    #[inline(always)]
-    pub(crate) fn expand<L: FrictionLaw>(
+    pub(super) fn expand<L: FrictionLaw>(
         &mut self,
-        piece: Piece<'_, L>,
-        system: &MassOnBelt<&L>,
+        law: &L,
+        piece: usize,
+        equation: &Equation,
         from: &SlipPoint,
         time: Time,
         along: Option<&PowerSeries>,
     ) -> Result<(), Error> {
-        let equation = Equation::of(system, from.direction);
-        piece.law.give_to(Expansion {
+        law.give_to(Expansion {
             expander: self,
-            piece: piece.index,
-            equation: &equation,
+            piece,
+            equation,
             from,
             time,
             along,
@@ -211,21 +223,14 @@ impl Expander {
     }
 }
 
-/// The constants 2β, γ² and σv_b of the equations of slip.
-struct Equation {
-    damping: f64,
-    load: f64,
-    belt: f64,
-}
-
-impl Equation {
-    fn of<L: FrictionLaw>(system: &MassOnBelt<&L>, direction: Direction) -> Self {
-        Self {
-            damping: 2.0 * system.damping(),
-            load: system.load(),
-            belt: direction.sign() * system.belt_velocity(),
-        }
-    }
+/// The constants of the equations of slip.
+pub(crate) struct Equation {
+    /// 2β.
+    pub(crate) damping: f64,
+    /// γ².
+    pub(crate) load: f64,
+    /// σv_b.
+    pub(crate) belt: f64,
 }
 
 /// The arguments of an expansion, on their way to the law.

@@ -1,0 +1,245 @@
+//! A mass on its belt as the engines see it: the law behind a reference.
+
+use super::equilibrium::Equilibrium;
+use crate::error::Error;
+use crate::friction::slip::Equation;
+use crate::friction::{Law, finite_at};
+use crate::state::{Direction, State};
+
+/// A [`MassOnBelt`](super::MassOnBelt) of any law. What follows from its parameters is computed
+/// here; what users ask of a system is handed on.
+#[derive(Clone, Copy)]
+pub(crate) struct Belt<'s> {
+    pub(super) law: &'s dyn Law,
+    pub(super) belt_velocity: f64,
+    pub(super) damping: f64,
+    pub(super) load: f64,
+}
+
+impl<'s> Belt<'s> {
+    pub(crate) fn with_damping(mut self, damping: f64) -> Result<Self, Error> {
+        self.damping = damping;
+        Error::check(
+            "MassOnBelt",
+            "damping",
+            damping,
+            damping >= 0.0 && self.has_finite_limits(),
+            "damping ≥ 0, and 2βv_b ± γ²μ_s finite",
+        )?;
+        Ok(self)
+    }
+
+    pub(crate) fn with_load(mut self, load: f64) -> Result<Self, Error> {
+        self.load = load;
+        Error::check(
+            "MassOnBelt",
+            "load",
+            load,
+            load > 0.0 && self.has_finite_limits(),
+            "load > 0, and 2βv_b ± γ²μ_s finite",
+        )?;
+        Ok(self)
+    }
+
+    pub(crate) fn with_belt_velocity(mut self, belt_velocity: f64) -> Result<Self, Error> {
+        self.belt_velocity = belt_velocity;
+        Error::check(
+            "MassOnBelt",
+            "belt_velocity",
+            belt_velocity,
+            self.has_finite_limits(),
+            "2βv_b ± γ²μ_s finite",
+        )?;
+        finite_at(self.law, belt_velocity.abs())?;
+        Ok(self)
+    }
+
+    fn has_finite_limits(&self) -> bool {
+        self.stick_limits().iter().all(|limit| limit.is_finite())
+    }
+
+    #[inline]
+    pub(crate) fn law(&self) -> &'s dyn Law {
+        self.law
+    }
+
+    #[inline]
+    pub(crate) fn belt_velocity(&self) -> f64 {
+        self.belt_velocity
+    }
+
+    #[inline]
+    pub(crate) fn damping(&self) -> f64 {
+        self.damping
+    }
+
+    #[inline]
+    pub(crate) fn load(&self) -> f64 {
+        self.load
+    }
+
+    /// The constants of slip in a direction.
+    #[inline]
+    pub(crate) fn equation(&self, direction: Direction) -> Equation {
+        Equation {
+            damping: 2.0 * self.damping,
+            load: self.load,
+            belt: direction.sign() * self.belt_velocity,
+        }
+    }
+
+    /// [`MassOnBelt::stick_limits`](super::MassOnBelt::stick_limits).
+    pub(crate) fn stick_limits(&self) -> [f64; 2] {
+        let (largest, carried) = (self.largest_friction(), self.carried_force());
+        [-largest - carried, largest - carried]
+    }
+
+    /// The largest force that the contact can carry in stick, γ²μ_s.
+    #[inline]
+    pub(crate) fn largest_friction(&self) -> f64 {
+        self.load * self.law.static_coefficient()
+    }
+
+    /// The force that the contact carries in stick at u = 0, 2βv_b.
+    #[inline]
+    pub(crate) fn carried_force(&self) -> f64 {
+        2.0 * self.damping * self.belt_velocity
+    }
+
+    /// The effective damping 2β + γ² dμ̂/ds at a sliding speed: the rate at which the flow
+    /// contracts areas in the plane (u, v). At |v_b| it is h1 of Eq. 10a.
+    pub(crate) fn effective_damping(&self, speed: f64) -> f64 {
+        2.0 * self.damping + self.load * self.law.slope(speed)
+    }
+
+    /// [`MassOnBelt::release_state`](super::MassOnBelt::release_state).
+    pub(crate) fn release_state(&self) -> Option<State> {
+        let [low, high] = self.stick_limits();
+        let v_b = self.belt_velocity;
+        if v_b > 0.0 {
+            Some(State::new(high, v_b))
+        } else if v_b < 0.0 {
+            Some(State::new(low, v_b))
+        } else {
+            None
+        }
+    }
+
+    /// The direction in which a mass at displacement u and with the velocity of the belt begins to
+    /// slide; `None` if it sticks.
+    pub(crate) fn slides_at(&self, displacement: f64) -> Option<Direction> {
+        let [low, high] = self.stick_limits();
+        let v_b = self.belt_velocity;
+        let (below, above) = (displacement < low, displacement > high);
+        if above || (displacement == high && v_b > 0.0) {
+            Some(Direction::Lagging)
+        } else if below || (displacement == low && v_b < 0.0) {
+            Some(Direction::Leading)
+        } else {
+            None
+        }
+    }
+
+    /// What follows when slip in a direction reaches the belt's velocity at displacement u.
+    pub(crate) fn landing(&self, displacement: f64, from: Direction) -> Landing {
+        match self.slides_at(displacement) {
+            None => Landing::Stick,
+            Some(side) if side == from => Landing::Touch,
+            Some(side) => Landing::Crossing(side),
+        }
+    }
+
+    /// Whether u is the release point, up to the different ways of rounding its formula.
+    pub(crate) fn is_release(&self, displacement: f64) -> bool {
+        let release = self.release_state();
+        release.is_some_and(|release| self.is_rounded(displacement, release.displacement))
+    }
+
+    /// Whether u is an end of the stick band, up to the different ways of rounding its formula.
+    pub(crate) fn is_at_limit(&self, displacement: f64) -> bool {
+        let mut limits = self.stick_limits().into_iter();
+        limits.any(|limit| self.is_rounded(displacement, limit))
+    }
+
+    /// Whether u is this end of the stick band but for rounding.
+    fn is_rounded(&self, displacement: f64, limit: f64) -> bool {
+        let largest = self
+            .largest_friction()
+            .max(limit.abs())
+            .max(displacement.abs());
+        (displacement - limit).abs() <= RELEASE_ROUNDING * f64::EPSILON * largest
+    }
+
+    /// The rate ds/dτ = |F| − γ²μ̂(0) of a mass that begins to slide at displacement u, where its
+    /// speed on the belt is 0.
+    ///
+    /// The rate is computed from the stick limits that every decision uses, so that it is exactly 0
+    /// at the release point of a law with μ̂(0) = μ_s.
+    pub(crate) fn slip_rate(&self, displacement: f64, direction: Direction) -> f64 {
+        let [low, high] = self.stick_limits();
+        let beyond = match direction {
+            Direction::Lagging => displacement - high,
+            Direction::Leading => low - displacement,
+        };
+        let jump = self.law.static_coefficient() - self.law.kinetic(0.0);
+        // μ̂(0) may exceed μ_s by an ulp.
+        beyond.max(0.0) + (self.load * jump).max(0.0)
+    }
+
+    /// [`MassOnBelt::friction_force`](super::MassOnBelt::friction_force).
+    pub(crate) fn friction_force(&self, state: State) -> f64 {
+        let relative_velocity = state.velocity - self.belt_velocity;
+        if relative_velocity == 0.0 {
+            match self.slides_at(state.displacement) {
+                None => state.displacement + self.carried_force(),
+                Some(direction) => -direction.sign() * self.load * self.law.kinetic(0.0),
+            }
+        } else {
+            -self.load * self.law.coefficient(relative_velocity)
+        }
+    }
+
+    /// [`MassOnBelt::acceleration`](super::MassOnBelt::acceleration).
+    pub(crate) fn acceleration(&self, state: State) -> f64 {
+        let State {
+            displacement,
+            velocity,
+        } = state;
+        if velocity == self.belt_velocity && self.slides_at(displacement).is_none() {
+            return 0.0;
+        }
+        self.friction_force(state) - 2.0 * self.damping * velocity - displacement
+    }
+
+    /// [`MassOnBelt::equilibrium`](super::MassOnBelt::equilibrium).
+    pub(crate) fn equilibrium(&self) -> Option<Equilibrium> {
+        let speed = self.belt_velocity.abs();
+        (speed > 0.0).then(|| {
+            Equilibrium::new(
+                self.equilibrium_displacement(),
+                self.effective_damping(speed),
+            )
+        })
+    }
+
+    /// The displacement of steady sliding, ū = sgn(v_b)·γ²μ̂(|v_b|); 0 at v_b = 0.
+    pub(crate) fn equilibrium_displacement(&self) -> f64 {
+        self.load * self.law.coefficient(self.belt_velocity)
+    }
+}
+
+/// What follows when slip reaches the belt's velocity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Landing {
+    /// Static friction holds the mass.
+    Stick,
+    /// Slip goes on in the other direction.
+    Crossing(Direction),
+    /// Slip goes on in the direction from which it came: the motion has only touched the belt's
+    /// velocity, at the open end of the stick band.
+    Touch,
+}
+
+/// Distance from the release point within which a displacement counts as the release point, in
+/// units of ε times the largest term of its formula.
+const RELEASE_ROUNDING: f64 = 4.0;
