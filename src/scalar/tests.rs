@@ -21,13 +21,16 @@ const ORDERS: usize = 31;
 /// hold an older series.
 fn compose_in(
     workspace: &mut Workspace<LONGEST>,
-    law: &impl FrictionLaw,
+    law: Expression,
     piece: usize,
     inner: &Inner,
 ) -> [f64; ORDERS] {
     let mut series = [f64::NAN; ORDERS];
     let (value, slope) = expand(
-        Piece { law, index: piece },
+        Piece {
+            law: &law,
+            index: piece,
+        },
         workspace,
         inner[0],
         |k, s, m| {
@@ -49,12 +52,7 @@ fn compose_in(
 }
 
 /// The same with the order at run time.
-fn compose_by_jets(
-    tape: &mut Tape,
-    law: &impl FrictionLaw,
-    piece: usize,
-    inner: &Inner,
-) -> [f64; ORDERS] {
+fn compose_by_jets(tape: &mut Tape, law: Expression, piece: usize, inner: &Inner) -> [f64; ORDERS] {
     let mut series = [f64::NAN; ORDERS];
     for (k, (s, m)) in std::iter::zip(inner, &mut series).enumerate() {
         *m = tape.run(k, |run| {
@@ -79,8 +77,8 @@ fn assert_jets_agree(unrolled: &[f64; ORDERS], jets: &[f64; ORDERS]) {
     }
 }
 
-fn compose(law: impl Fn(Expression) -> Expression, inner: &Inner) -> [f64; ORDERS] {
-    compose_in(&mut Workspace::new(), &law(SPEED), 0, inner)
+fn compose(law: Expression, inner: &Inner) -> [f64; ORDERS] {
+    compose_in(&mut Workspace::new(), law, 0, inner)
 }
 
 /// s_0 + t.
@@ -107,8 +105,22 @@ fn assert_series(
     tolerance: f64,
     magnitude: impl Fn(usize) -> f64,
 ) {
+    let (expected, magnitude) = (
+        std::array::from_fn(expected),
+        std::array::from_fn(magnitude),
+    );
+    assert_close(actual, &expected, tolerance, &magnitude);
+}
+
+#[track_caller]
+fn assert_close(
+    actual: &[f64; ORDERS],
+    expected: &[f64; ORDERS],
+    tolerance: f64,
+    magnitude: &[f64; ORDERS],
+) {
     for (k, &actual) in actual.iter().enumerate() {
-        let (expected, allowed) = (expected(k), tolerance * magnitude(k));
+        let (expected, allowed) = (expected[k], tolerance * magnitude[k]);
         assert!(
             (actual - expected).abs() <= allowed,
             "order {k}: {actual:e}, not {expected:e} ± {allowed:.1e}"
@@ -131,40 +143,38 @@ const KNOWN: f64 = 2e-14;
 
 #[test]
 fn arithmetic_is_exact() {
+    let s = SPEED;
     let inner = wavy(0.75);
     let same = |law: [f64; ORDERS], expected: &dyn Fn(usize) -> f64| {
         assert_series(&law, expected, f64::EPSILON, |k| expected(k).abs());
     };
     let base = |k: usize, c: f64| if k == 0 { c } else { 0.0 };
-    same(compose(|s| s, &inner), &|k| inner[k]);
-    same(compose(|s| -s, &inner), &|k| -inner[k]);
-    same(compose(|s| s + 2.5, &inner), &|k| inner[k] + base(k, 2.5));
-    same(compose(|s| s - 0.5, &inner), &|k| inner[k] - base(k, 0.5));
-    same(compose(|s| s * -3.0, &inner), &|k| -3.0 * inner[k]);
-    same(compose(|s| s / 8.0, &inner), &|k| inner[k] / 8.0);
-    same(compose(|s| s + s, &inner), &|k| 2.0 * inner[k]);
-    same(compose(|s| s - s, &inner), &|_| 0.0);
-    same(compose(|s| s - s * 3.0, &inner), &|k| -2.0 * inner[k]);
-    same(compose(|s| s * 4.0 - 1.0 + s / 2.0, &inner), &|k| {
+    same(compose(s, &inner), &|k| inner[k]);
+    same(compose(-s, &inner), &|k| -inner[k]);
+    same(compose(s + 2.5, &inner), &|k| inner[k] + base(k, 2.5));
+    same(compose(s - 0.5, &inner), &|k| inner[k] - base(k, 0.5));
+    same(compose(s * -3.0, &inner), &|k| -3.0 * inner[k]);
+    same(compose(s / 8.0, &inner), &|k| inner[k] / 8.0);
+    same(compose(s + s, &inner), &|k| 2.0 * inner[k]);
+    same(compose(s - s, &inner), &|_| 0.0);
+    same(compose(s - s * 3.0, &inner), &|k| -2.0 * inner[k]);
+    same(compose(s * 4.0 - 1.0 + s / 2.0, &inner), &|k| {
         4.5 * inner[k] - base(k, 1.0)
     });
-    same(compose(|s| s.constant(0.3), &inner), &|k| base(k, 0.3));
-    same(compose(|s| s.constant(0.25) - s, &inner), &|k| {
+    same(compose(s.constant(0.3), &inner), &|k| base(k, 0.3));
+    same(compose(s.constant(0.25) - s, &inner), &|k| {
         base(k, 0.25) - inner[k]
     });
-    same(compose(|s| s.constant(2.0) * s, &inner), &|k| {
-        2.0 * inner[k]
-    });
-    same(compose(|s| s / s.constant(2.0), &inner), &|k| {
-        inner[k] / 2.0
-    });
-    same(compose(|s| s * 0.0 + 7.0, &inner), &|k| base(k, 7.0));
+    same(compose(s.constant(2.0) * s, &inner), &|k| 2.0 * inner[k]);
+    same(compose(s / s.constant(2.0), &inner), &|k| inner[k] / 2.0);
+    same(compose(s * 0.0 + 7.0, &inner), &|k| base(k, 7.0));
     // Scaled views: nothing underflows on the way to a moderate result.
-    same(compose(|s| s * 1e-200 * 1e200, &inner), &|k| inner[k]);
+    same(compose(s * 1e-200 * 1e200, &inner), &|k| inner[k]);
 }
 
 #[test]
 fn products_and_quotients_of_polynomials_are_the_convolutions() {
+    let s = SPEED;
     for inner in [wavy(0.7), wavy(0.0), line(0.0), line(-1.5)] {
         let convolution = |k: usize| (0..=k).map(|i| inner[i] * inner[k - i]).sum::<f64>();
         let magnitude = |k: usize| {
@@ -173,52 +183,53 @@ fn products_and_quotients_of_polynomials_are_the_convolutions() {
                 .sum::<f64>()
         };
         for series in [
-            compose(|s| s * s, &inner),
-            compose(|s| s.square(), &inner),
-            compose(|s| s.powi(2), &inner),
-            compose(|s| s.powf(2.0), &inner),
+            compose(s * s, &inner),
+            compose(s.square(), &inner),
+            compose(s.powi(2), &inner),
+            compose(s.powf(2.0), &inner),
         ] {
             assert_series(&series, convolution, 4.0 * f64::EPSILON, magnitude);
         }
         // (2s + 1)(3 − s/2) = 3 + 5.5 s − s², from two views of one row.
-        let product = compose(|s| (s * 2.0 + 1.0) * (-s / 2.0 + 3.0), &inner);
+        let product = compose((s * 2.0 + 1.0) * (-s / 2.0 + 3.0), &inner);
         let expected = |k: usize| 5.5 * inner[k] - convolution(k) + if k == 0 { 3.0 } else { 0.0 };
         assert_series(&product, expected, 4.0 * f64::EPSILON, |k| {
             8.0 + magnitude(k)
         });
         // A quotient undoes a product.
-        let quotient = compose(|s| s * (s.square() + 2.0) / (s * s + 2.0), &inner);
+        let quotient = compose(s * (s.square() + 2.0) / (s * s + 2.0), &inner);
         assert_series(&quotient, |k| inner[k], KNOWN, |_| 2.0);
     }
 }
 
 #[test]
 fn known_series_about_zero() {
+    let s = SPEED;
     let zero = line(0.0);
     let odd = |k: usize| k % 2 == 1;
     let alternate = |m: usize| if m.is_multiple_of(2) { 1.0 } else { -1.0 };
     let relative = |law: [f64; ORDERS], expected: &dyn Fn(usize) -> f64| {
         assert_series(&law, expected, KNOWN, |k| expected(k).abs());
     };
-    relative(compose(|s| s.exp(), &zero), &inverse_factorial);
-    relative(compose(|s| (s * -3.0).exp(), &zero), &|k| {
+    relative(compose(s.exp(), &zero), &inverse_factorial);
+    relative(compose((s * -3.0).exp(), &zero), &|k| {
         inverse_factorial(k) * (-3.0_f64).powi(k as i32)
     });
-    relative(compose(|s| s.sin(), &zero), &|k| {
+    relative(compose(s.sin(), &zero), &|k| {
         if odd(k) {
             alternate(k / 2) * inverse_factorial(k)
         } else {
             0.0
         }
     });
-    relative(compose(|s| s.cos(), &zero), &|k| {
+    relative(compose(s.cos(), &zero), &|k| {
         if odd(k) {
             0.0
         } else {
             alternate(k / 2) * inverse_factorial(k)
         }
     });
-    relative(compose(|s| s.atan(), &zero), &|k| {
+    relative(compose(s.atan(), &zero), &|k| {
         if odd(k) {
             alternate(k / 2) / k as f64
         } else {
@@ -227,7 +238,7 @@ fn known_series_about_zero() {
     });
     // From the poles of tanh at ±iπ/2, ±3iπ/2, ...: c_k = ±2 (2/π)^(k+1) Σ 1/(2j+1)^(k+1),
     // Bernoulli numbers in closed form.
-    relative(compose(|s| s.tanh(), &zero), &|k| {
+    relative(compose(s.tanh(), &zero), &|k| {
         let n = k as i32 + 1;
         let poles: f64 = (0..200_000)
             .map(|j| f64::from(2 * j + 1).powi(-n))
@@ -241,79 +252,81 @@ fn known_series_about_zero() {
             _ => 0.0,
         }
     });
-    relative(compose(|s| (s + 1.0).ln(), &zero), &|k| {
+    relative(compose((s + 1.0).ln(), &zero), &|k| {
         if k == 0 {
             0.0
         } else {
             -alternate(k) / k as f64
         }
     });
-    relative(compose(|s| (s + 1.0).recip(), &zero), &alternate);
-    relative(compose(|s| s.constant(1.0) / (s + 1.0), &zero), &alternate);
-    relative(compose(|s| (s + 1.0).sqrt(), &zero), &|k| binomial(0.5, k));
+    relative(compose((s + 1.0).recip(), &zero), &alternate);
+    relative(compose(s.constant(1.0) / (s + 1.0), &zero), &alternate);
+    relative(compose((s + 1.0).sqrt(), &zero), &|k| binomial(0.5, k));
     for p in [0.5, -0.5, 1.0 / 3.0, 2.5, -1.75, 7.3, 29.5, 1e-3] {
-        relative(compose(|s| (s + 1.0).powf(p), &zero), &|k| binomial(p, k));
+        relative(compose((s + 1.0).powf(p), &zero), &|k| binomial(p, k));
     }
     for n in [-12, -7, -3, -2, -1, 0, 1, 2, 3, 5, 8, 13, 30] {
         let p = f64::from(n);
-        let by_powi = compose(|s| (s + 1.0).powi(p as i32), &zero);
+        let by_powi = compose((s + 1.0).powi(p as i32), &zero);
         relative(by_powi, &|k| binomial(p, k));
-        assert_eq!(compose(|s| (s + 1.0).powf(p), &zero), by_powi);
+        assert_eq!(compose((s + 1.0).powf(p), &zero), by_powi);
     }
 }
 
 /// Integral powers of 0 itself are exact: no division by the base.
 #[test]
 fn integral_powers_of_zero_are_exact() {
+    let s = SPEED;
     for n in 0..=30 {
         let p = f64::from(n);
         let expected: [f64; ORDERS] =
             std::array::from_fn(|k| if k == n as usize { 1.0 } else { 0.0 });
-        assert_eq!(compose(|s| s.powi(p as i32), &line(0.0)), expected, "s^{n}");
-        assert_eq!(compose(|s| s.powf(p), &line(0.0)), expected, "s^{n}");
+        assert_eq!(compose(s.powi(p as i32), &line(0.0)), expected, "s^{n}");
+        assert_eq!(compose(s.powf(p), &line(0.0)), expected, "s^{n}");
         let law = SPEED.powi(p as i32);
-        let jets = compose_by_jets(&mut Tape::new(), &law, 0, &line(0.0));
+        let jets = compose_by_jets(&mut Tape::new(), law, 0, &line(0.0));
         assert_eq!(jets, expected, "s^{n}");
     }
-    let cubed = compose(|s| s.powi(3), &wavy(0.0));
-    let product = compose(|s| s * s * s, &wavy(0.0));
+    let cubed = compose(s.powi(3), &wavy(0.0));
+    let product = compose(s * s * s, &wavy(0.0));
     assert_eq!(cubed[..3], [0.0; 3]);
     assert_series(&cubed, |k| product[k], KNOWN, |_| 1.0);
 }
 
 #[test]
 fn known_series_about_other_points() {
+    let s = SPEED;
     for base in [1e-3, 0.3, 1.0, 2.75, 40.0] {
         let at = line(base);
         let power = |k: usize| base.powi(-(k as i32));
-        let ln = compose(|s| s.ln(), &at);
+        let ln = compose(s.ln(), &at);
         let coefficient = |k: usize| -(-1.0_f64).powi(k as i32) * power(k) / k as f64;
         let expected = |k: usize| if k == 0 { base.ln() } else { coefficient(k) };
         assert_series(&ln, expected, KNOWN, |k| expected(k).abs());
-        let recip = compose(|s| s.recip(), &at);
+        let recip = compose(s.recip(), &at);
         let expected = |k: usize| (-1.0_f64).powi(k as i32) * power(k) / base;
         assert_series(&recip, expected, KNOWN, |k| expected(k).abs());
-        let sqrt = compose(|s| s.sqrt(), &at);
+        let sqrt = compose(s.sqrt(), &at);
         let expected = |k: usize| binomial(0.5, k) * base.sqrt() * power(k);
         assert_series(&sqrt, expected, KNOWN, |k| expected(k).abs());
         for p in [0.37, -1.21, 3.5] {
-            let powf = compose(|s| s.powf(p), &at);
+            let powf = compose(s.powf(p), &at);
             let expected = |k: usize| binomial(p, k) * base.powf(p) * power(k);
             assert_series(&powf, expected, KNOWN, |k| expected(k).abs());
         }
-        let exp = compose(|s| s.exp(), &at);
+        let exp = compose(s.exp(), &at);
         let expected = |k: usize| base.exp() * inverse_factorial(k);
         assert_series(&exp, expected, KNOWN, |k| expected(k).abs());
         let quarter = |k: usize| std::f64::consts::FRAC_PI_2 * k as f64;
-        let sin = compose(|s| s.sin(), &at);
+        let sin = compose(s.sin(), &at);
         let expected = |k: usize| (base + quarter(k)).sin() * inverse_factorial(k);
         assert_series(&sin, expected, KNOWN, inverse_factorial);
-        let cos = compose(|s| s.cos(), &at);
+        let cos = compose(s.cos(), &at);
         let expected = |k: usize| (base + quarter(k)).cos() * inverse_factorial(k);
         assert_series(&cos, expected, KNOWN, inverse_factorial);
         // dᵏ atan/dsᵏ = (k−1)! cosᵏφ sin k(φ + π/2), φ = atan s.
         let phi = base.atan();
-        let atan = compose(|s| s.atan(), &at);
+        let atan = compose(s.atan(), &at);
         let magnitude = |k: usize| phi.cos().powi(k as i32) / k.max(1) as f64;
         let expected = |k: usize| match k {
             0 => phi,
@@ -327,9 +340,10 @@ fn known_series_about_other_points() {
 
 #[test]
 fn abs_takes_the_branch_of_the_base_value() {
+    let s = SPEED;
     for (base, sign) in [(0.3, -1.0), (1.0, 1.0), (1.5, 1.0)] {
         let inner = wavy(base);
-        let actual = compose(|s| (s - 1.0).abs(), &inner);
+        let actual = compose((s - 1.0).abs(), &inner);
         let shifted = |k: usize| inner[k] - if k == 0 { 1.0 } else { 0.0 };
         assert_series(
             &actual,
@@ -338,22 +352,12 @@ fn abs_takes_the_branch_of_the_base_value() {
             |k| shifted(k).abs(),
         );
     }
-    struct Branch;
-    impl FrictionLaw for Branch {
-        fn static_coefficient(&self) -> f64 {
-            1.0
-        }
-        fn kinetic<S: Scalar>(&self, s: S) -> S {
-            if s.value() < 0.5 {
-                s.exp()
-            } else {
-                s.sin() + s * s
-            }
-        }
+    let (below, above) = (s.exp(), s.sin() + s * s);
+    let law = Expression::below(0.5, below, above);
+    for (base, chosen) in [(0.4, below), (0.5, above)] {
+        let inner = wavy(base);
+        assert_eq!(compose(law, &inner), compose(chosen, &inner));
     }
-    let branch = |inner: &Inner| compose_in(&mut Workspace::new(), &Branch, 0, inner);
-    assert_eq!(branch(&wavy(0.4)), compose(|s| s.exp(), &wavy(0.4)));
-    assert_eq!(branch(&wavy(0.5)), compose(|s| s.sin() + s * s, &wavy(0.5)));
 }
 
 /// Radius of the circle for [`contour`].
@@ -361,7 +365,7 @@ const RADIUS: f64 = 0.9;
 
 /// Taylor coefficients of f(s(t)) by the trapezoidal rule for Cauchy's integral on |t| =
 /// [`RADIUS`], which shares nothing with the recurrences; and the largest |f| on the circle.
-fn contour(f: impl Fn(Complex<f64>) -> Complex<f64>, inner: &Inner) -> ([f64; ORDERS], f64) {
+fn contour(f: Expression, inner: &Inner) -> ([f64; ORDERS], f64) {
     const POINTS: usize = 512;
     let mut sums = [Complex::new(0.0, 0.0); ORDERS];
     let mut largest = 0.0_f64;
@@ -372,7 +376,7 @@ fn contour(f: impl Fn(Complex<f64>) -> Complex<f64>, inner: &Inner) -> ([f64; OR
             .iter()
             .rev()
             .fold(Complex::new(0.0, 0.0), |sum, &c| sum * t + c);
-        let value = f(s);
+        let value = f.complex(s);
         largest = largest.max(value.norm());
         for (k, sum) in sums.iter_mut().enumerate() {
             *sum += value * Complex::from_polar(1.0, -angle * k as f64);
@@ -384,17 +388,17 @@ fn contour(f: impl Fn(Complex<f64>) -> Complex<f64>, inner: &Inner) -> ([f64; OR
 
 /// Compares the series of an expression with its contour integral in complex numbers.
 #[track_caller]
-fn check(inner: &Inner, law: impl Fn(Expression) -> Expression) {
-    let (expected, largest) = contour(|z| law(SPEED).complex(z), inner);
+fn check(inner: &Inner, law: Expression) {
+    let (expected, largest) = contour(law, inner);
     // Coefficients of a function below `largest` on the circle are below largest/RADIUS^k.
     let magnitude = |k: usize| largest / RADIUS.powi(k as i32);
-    assert_slopes_agree(inner, &law(SPEED));
+    assert_slopes_agree(inner, law);
     assert_series(&compose(law, inner), |k| expected[k], 1e-13, magnitude);
 }
 
 /// Asserts that df/dt = f'(s) ds/dt, with the series of f' by a number with a tangent.
 #[track_caller]
-fn assert_slopes_agree(inner: &Inner, law: &Expression) {
+fn assert_slopes_agree(inner: &Inner, law: Expression) {
     let (mut tape, mut plain) = (Tape::new(), Tape::new());
     let mut slopes = [0.0; ORDERS];
     for (k, slope) in slopes.iter_mut().enumerate() {
@@ -426,96 +430,86 @@ fn assert_slopes_agree(inner: &Inner, law: &Expression) {
 
 #[test]
 fn every_operation_composes_with_a_series() {
+    let s = SPEED;
     for inner in &[wavy(0.7), wavy(0.0), wavy(1.9), line(0.0), line(0.7)] {
-        check(inner, |s| s.exp());
-        check(inner, |s| (s * -2.0 + 0.5).exp());
-        check(inner, |s| (s * s * -1.5).exp() * 0.15 + 0.25);
-        check(inner, |s| (s + 1.5).ln());
-        check(inner, |s| (s * -0.3 + 2.0).ln());
-        check(inner, |s| (s + 1.5).sqrt());
-        check(inner, |s| (-s * 0.2 + 3.0).sqrt() * -2.0);
-        check(inner, |s| (s + 1.5).powf(-1.3));
-        check(inner, |s| (s * 0.4 + 1.5).powf(2.7));
-        check(inner, |s| s.powi(5));
-        check(inner, |s| (s * -0.5 + 3.0).powi(-4));
-        check(inner, |s| s.tanh());
-        check(inner, |s| (s * -1.5 + 1.0).tanh());
-        check(inner, |s| (s * 0.3 + 0.7).atan());
-        check(inner, |s| (s * -0.6).atan());
-        check(inner, |s| s.sin());
-        check(inner, |s| (s * 3.0 - 1.0).sin());
-        check(inner, |s| s.cos());
-        check(inner, |s| (s * -2.0 + 0.3).cos() / 3.0 - 1.0);
-        check(inner, |s| (s + 1.5).recip());
-        check(inner, |s| (s * -0.5 + 3.0).recip() * 2.0);
-        check(inner, |s| (s * 2.0 - 0.5).square());
-        check(inner, |s| s / (s * 0.5 + 1.5));
-        check(inner, |s| (s - 2.0) / (-s + 4.0) * 3.0);
-        check(inner, |s| (s * 3.0 - 2.0) * (s * 0.5 + 1.0));
-        check(inner, |s| s.exp() - s.sin() * 2.0 - s);
+        check(inner, s.exp());
+        check(inner, (s * -2.0 + 0.5).exp());
+        check(inner, (s * s * -1.5).exp() * 0.15 + 0.25);
+        check(inner, (s + 1.5).ln());
+        check(inner, (s * -0.3 + 2.0).ln());
+        check(inner, (s + 1.5).sqrt());
+        check(inner, (-s * 0.2 + 3.0).sqrt() * -2.0);
+        check(inner, (s + 1.5).powf(-1.3));
+        check(inner, (s * 0.4 + 1.5).powf(2.7));
+        check(inner, s.powi(5));
+        check(inner, (s * -0.5 + 3.0).powi(-4));
+        check(inner, s.tanh());
+        check(inner, (s * -1.5 + 1.0).tanh());
+        check(inner, (s * 0.3 + 0.7).atan());
+        check(inner, (s * -0.6).atan());
+        check(inner, s.sin());
+        check(inner, (s * 3.0 - 1.0).sin());
+        check(inner, s.cos());
+        check(inner, (s * -2.0 + 0.3).cos() / 3.0 - 1.0);
+        check(inner, (s + 1.5).recip());
+        check(inner, (s * -0.5 + 3.0).recip() * 2.0);
+        check(inner, (s * 2.0 - 0.5).square());
+        check(inner, s / (s * 0.5 + 1.5));
+        check(inner, (s - 2.0) / (-s + 4.0) * 3.0);
+        check(inner, (s * 3.0 - 2.0) * (s * 0.5 + 1.0));
+        check(inner, s.exp() - s.sin() * 2.0 - s);
     }
 }
 
 #[test]
 fn operations_on_operations() {
+    let s = SPEED;
     for inner in &[wavy(0.7), wavy(0.0)] {
-        check(inner, |s| (s.exp() + 1.0).ln());
-        check(inner, |s| s.sin().exp() / (s.cos() * 0.4 + 2.0));
-        check(inner, |s| ((s * s + 1.5).sqrt() * -0.5).tanh().atan());
-        check(inner, |s| {
-            (s.tanh() * 0.5 + 1.0).powf(1.7) * (s.atan() - 2.0)
-        });
-        check(inner, |s| ((s + 2.0).ln().powi(3) + 4.0).powi(-2));
-        check(inner, |s| {
-            (s.cos() - s.sin() * 0.5) * (s.cos() - s.sin() * 0.5)
-        });
-        check(inner, |s| {
-            (-(s.exp() * 0.3)).exp() - (s.exp() * 0.3 + 1.0).powf(-0.5)
-        });
+        check(inner, (s.exp() + 1.0).ln());
+        check(inner, s.sin().exp() / (s.cos() * 0.4 + 2.0));
+        check(inner, ((s * s + 1.5).sqrt() * -0.5).tanh().atan());
+        check(inner, (s.tanh() * 0.5 + 1.0).powf(1.7) * (s.atan() - 2.0));
+        check(inner, ((s + 2.0).ln().powi(3) + 4.0).powi(-2));
+        check(inner, (s.cos() - s.sin() * 0.5) * (s.cos() - s.sin() * 0.5));
+        check(
+            inner,
+            (-(s.exp() * 0.3)).exp() - (s.exp() * 0.3 + 1.0).powf(-0.5),
+        );
         // Friction laws that people use: Stribeck with exponent 1.5 and viscous term, regularised,
         // rational.
-        check(inner, |s| {
-            (-(s + 0.8).powf(1.5)).exp() * 0.2 + 0.3 + s * 0.01
-        });
-        check(inner, |s| (s * 2.0).tanh() * 0.4 + s / (s * s + 2.0) * 0.1);
+        check(inner, (-(s + 0.8).powf(1.5)).exp() * 0.2 + 0.3 + s * 0.01);
+        check(inner, (s * 2.0).tanh() * 0.4 + s / (s * s + 2.0) * 0.1);
     }
 }
 
 /// Views of a row whose scale is not ±1, of a row that has a rest.
 #[test]
 fn every_operation_on_scaled_views() {
+    let s = SPEED;
     for inner in &[wavy(0.7), wavy(0.0)] {
-        let a = |s: Expression| s.exp() * 0.3 + 1.2;
-        let b = |s: Expression| s.sin() * -0.4 + 2.0;
-        check(inner, |s| a(s).recip());
-        check(inner, |s| a(s).square());
-        check(inner, |s| a(s).exp());
-        check(inner, |s| a(s).ln());
-        check(inner, |s| a(s).sqrt());
-        check(inner, |s| a(s).powf(1.3));
-        check(inner, |s| a(s).tanh());
-        check(inner, |s| b(s).atan());
-        check(inner, |s| a(s).sin());
-        check(inner, |s| a(s).cos());
-        check(inner, |s| a(s) * b(s));
-        check(inner, |s| a(s) / b(s));
-        check(inner, |s| a(s) - b(s));
+        let a = s.exp() * 0.3 + 1.2;
+        let b = s.sin() * -0.4 + 2.0;
+        check(inner, a.recip());
+        check(inner, a.square());
+        check(inner, a.exp());
+        check(inner, a.ln());
+        check(inner, a.sqrt());
+        check(inner, a.powf(1.3));
+        check(inner, a.tanh());
+        check(inner, b.atan());
+        check(inner, a.sin());
+        check(inner, a.cos());
+        check(inner, a * b);
+        check(inner, a / b);
+        check(inner, a - b);
     }
 }
 
 /// A constant made from a number is free of it, even of an infinite slope.
 #[test]
 fn constants_forget_what_they_were_made_from() {
-    struct FromRoot;
-    impl FrictionLaw for FromRoot {
-        fn static_coefficient(&self) -> f64 {
-            1.0
-        }
-        fn kinetic<S: Scalar>(&self, s: S) -> S {
-            s.sqrt().constant(0.25) + s
-        }
-    }
-    let series = compose_in(&mut Workspace::new(), &FromRoot, 0, &line(0.0));
+    let s = SPEED;
+    let series = compose(s.sqrt().constant(0.25) + s, &line(0.0));
     let expected: [f64; ORDERS] =
         std::array::from_fn(|k| [0.25, 1.0].get(k).copied().unwrap_or(0.0));
     assert_eq!(series, expected);
@@ -523,62 +517,64 @@ fn constants_forget_what_they_were_made_from() {
 
 /// Asserts that two expressions have the same series.
 #[track_caller]
-fn same(inner: &Inner, laws: impl Fn(Expression) -> (Expression, Expression)) {
-    let [left, right] = [compose(|s| laws(s).0, inner), compose(|s| laws(s).1, inner)];
+fn same(inner: &Inner, (left, right): (Expression, Expression)) {
+    let [left, right] = [left, right].map(|law| compose(law, inner));
     let magnitude = |k: usize| right[0].abs().max(1.0) / RADIUS.powi(k as i32);
     assert_series(&left, |k| right[k], 1e-13, magnitude);
 }
 
 #[test]
 fn operations_agree_with_each_other() {
+    let s = SPEED;
     for inner in &[wavy(0.7), wavy(1.4), line(1.2), line(2.0)] {
-        same(inner, |s| (s.exp().ln(), s));
-        same(inner, |s| (s.ln().exp(), s));
-        same(inner, |s| (s.sqrt().square(), s));
-        same(inner, |s| (s.sqrt(), s.powf(0.5)));
-        same(inner, |s| (s.recip(), s.constant(1.0) / s));
-        same(inner, |s| (s.recip(), s.powi(-1)));
-        same(inner, |s| (s.recip().recip(), s));
-        same(inner, |s| (s.powi(7), s * s * s * s * s * s * s));
-        same(inner, |s| (s.powi(-3), (s * s * s).recip()));
+        same(inner, (s.exp().ln(), s));
+        same(inner, (s.ln().exp(), s));
+        same(inner, (s.sqrt().square(), s));
+        same(inner, (s.sqrt(), s.powf(0.5)));
+        same(inner, (s.recip(), s.constant(1.0) / s));
+        same(inner, (s.recip(), s.powi(-1)));
+        same(inner, (s.recip().recip(), s));
+        same(inner, (s.powi(7), s * s * s * s * s * s * s));
+        same(inner, (s.powi(-3), (s * s * s).recip()));
         for p in [0.37, -1.21, 2.5] {
-            same(inner, |s| (s.powf(p), (s.ln() * p).exp()));
-            same(inner, |s| (s.powf(p) * s.powf(-p), s.constant(1.0)));
+            same(inner, (s.powf(p), (s.ln() * p).exp()));
+            same(inner, (s.powf(p) * s.powf(-p), s.constant(1.0)));
         }
     }
     for inner in &[wavy(0.7), wavy(0.0), line(0.0), line(0.3)] {
         let one = SPEED.constant(1.0);
-        same(inner, |s| (s.sin().square() + s.cos().square(), one));
-        same(inner, |s| (s.exp() * (-s).exp(), one));
-        same(inner, |s| {
-            (s.tanh(), ((s * 2.0).exp() - 1.0) / ((s * 2.0).exp() + 1.0))
-        });
-        same(inner, |s| ((s * 2.0).sin(), s.sin() * s.cos() * 2.0));
-        same(inner, |s| {
-            ((s * 2.0).cos(), s.cos().square() - s.sin().square())
-        });
-        same(inner, |s| ((s + 1.0).abs(), s + 1.0));
+        same(inner, (s.sin().square() + s.cos().square(), one));
+        same(inner, (s.exp() * (-s).exp(), one));
+        same(
+            inner,
+            (s.tanh(), ((s * 2.0).exp() - 1.0) / ((s * 2.0).exp() + 1.0)),
+        );
+        same(inner, ((s * 2.0).sin(), s.sin() * s.cos() * 2.0));
+        same(
+            inner,
+            ((s * 2.0).cos(), s.cos().square() - s.sin().square()),
+        );
+        same(inner, ((s + 1.0).abs(), s + 1.0));
         // tan(atan s) = s and sin(2 atan s) = 2s/(1 + s²).
-        same(inner, |s| (s.atan().sin() / s.atan().cos(), s));
-        same(inner, |s| {
-            ((s.atan() * 2.0).sin(), s * 2.0 / (s.square() + 1.0))
-        });
+        same(inner, (s.atan().sin() / s.atan().cos(), s));
+        same(
+            inner,
+            ((s.atan() * 2.0).sin(), s * 2.0 / (s.square() + 1.0)),
+        );
     }
 }
 
 /// More operations than there are rows kept in place, and every number of rows around that limit.
 #[test]
 fn a_law_may_have_any_number_of_operations() {
+    let s = SPEED;
     for inner in &[wavy(0.7), wavy(0.0)] {
         // 14 rounds of sin, +, tanh and a product: 56 operations that own rows.
-        check(inner, |s| {
-            (0..14).fold(s, |x, _| {
-                ((x * 0.7).sin() * 0.3 + s * 0.5).tanh() * (s * 0.5 + 1.0)
-            })
-        });
+        let round = |x: Expression| ((x * 0.7).sin() * 0.3 + s * 0.5).tanh() * (s * 0.5 + 1.0);
+        check(inner, (0..14).fold(s, |x, _| round(x)));
     }
     for factors in 1..=60 {
-        let power = |s| (1..factors).fold(s + 1.0, |product, _| product * (s + 1.0));
+        let power = (1..factors).fold(s + 1.0, |product, _| product * (s + 1.0));
         let expected = |k: usize| binomial(f64::from(factors), k);
         assert_series(&compose(power, &line(0.0)), expected, KNOWN, expected);
     }
@@ -588,32 +584,22 @@ fn a_law_may_have_any_number_of_operations() {
 /// series.
 #[test]
 fn a_workspace_keeps_nothing_between_series() {
-    struct Pieces;
-    impl FrictionLaw for Pieces {
-        fn static_coefficient(&self) -> f64 {
-            1.0
-        }
-        fn kinetic<S: Scalar>(&self, speed: S) -> S {
-            self.kinetic_on(0, speed)
-        }
-        fn kinetic_on<S: Scalar>(&self, piece: usize, s: S) -> S {
-            match piece {
-                0 => s.exp(),
-                1 => (s.tanh() * s.atan() + (s + 2.0).powf(0.7)).ln() / (s.cos() + 3.0).sqrt(),
-                2 => s * s + s.sin(),
-                _ => s.powi(9) - s.powi(-5) + (s * s + 1.0).recip().tanh().sin().exp(),
-            }
-        }
-    }
+    let s = SPEED;
+    let pieces = Expression::pieces(vec![
+        s.exp(),
+        (s.tanh() * s.atan() + (s + 2.0).powf(0.7)).ln() / (s.cos() + 3.0).sqrt(),
+        s * s + s.sin(),
+        s.powi(9) - s.powi(-5) + (s * s + 1.0).recip().tanh().sin().exp(),
+    ]);
     let (mut workspace, mut tape) = (Workspace::new(), Tape::new());
     for round in 0..3 {
         for piece in [0, 3, 1, 0, 2, 1, 3, 2] {
             let inner = wavy(0.5 + 0.3 * f64::from(round));
-            let used = compose_in(&mut workspace, &Pieces, piece, &inner);
-            let fresh = compose_in(&mut Workspace::new(), &Pieces, piece, &inner);
+            let used = compose_in(&mut workspace, pieces, piece, &inner);
+            let fresh = compose_in(&mut Workspace::new(), pieces, piece, &inner);
             assert_eq!(used, fresh, "piece {piece}");
-            let used = compose_by_jets(&mut tape, &Pieces, piece, &inner);
-            let fresh = compose_by_jets(&mut Tape::new(), &Pieces, piece, &inner);
+            let used = compose_by_jets(&mut tape, pieces, piece, &inner);
+            let fresh = compose_by_jets(&mut Tape::new(), pieces, piece, &inner);
             assert_eq!(used, fresh, "piece {piece}");
         }
     }
@@ -719,16 +705,14 @@ fn coupled_series_advance_order_by_order() {
     }
     // x² + y² = 2: with a = √2, y = a tanh(c − at), x = a/cosh(c − at), tanh c = 1/a.
     let a = 2.0_f64.sqrt();
-    let exact = coefficients_of(|t| ((t * -a) + (1.0 / a).atanh()).tanh() * a);
+    let exact = ((SPEED * -a) + (1.0 / a).atanh()).tanh() * a;
+    let exact = compose(exact, &line(0.0));
     assert_series(
         &std::array::from_fn(|k| y[k]),
         |k| exact[k],
         1e-13,
         |k| 0.7_f64.powi(-(k as i32)),
     );
-    fn coefficients_of(f: impl Fn(Expression) -> Expression) -> [f64; ORDERS] {
-        compose(f, &line(0.0))
-    }
 }
 
 #[test]

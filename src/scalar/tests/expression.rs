@@ -13,7 +13,7 @@ pub(super) struct Expression(&'static Node);
 #[derive(Debug)]
 enum Node {
     Speed,
-    Constant(f64),
+    Constant(Expression, f64),
     Neg(Expression),
     Add(Expression, Expression),
     Sub(Expression, Expression),
@@ -35,6 +35,10 @@ enum Node {
     Sin(Expression),
     Cos(Expression),
     Abs(Expression),
+    /// The first below a sliding speed, the second from there on.
+    Below(f64, Expression, Expression),
+    /// One for each piece of a law.
+    Pieces(&'static [Expression]),
 }
 
 pub(super) const SPEED: Expression = Expression(&Node::Speed);
@@ -80,7 +84,7 @@ impl Expression {
     functions!(recip Recip  square Square  exp Exp  ln Ln  sqrt Sqrt  tanh Tanh  atan Atan);
     functions!(sin Sin  cos Cos  abs Abs);
     pub(super) fn constant(self, c: f64) -> Self {
-        node(Node::Constant(c))
+        node(Node::Constant(self, c))
     }
     pub(super) fn powi(self, n: i32) -> Self {
         node(Node::Powi(self, n))
@@ -88,15 +92,24 @@ impl Expression {
     pub(super) fn powf(self, p: f64) -> Self {
         node(Node::Powf(self, p))
     }
+    pub(super) fn below(speed: f64, below: Self, above: Self) -> Self {
+        node(Node::Below(speed, below, above))
+    }
+    pub(super) fn pieces(pieces: Vec<Self>) -> Self {
+        node(Node::Pieces(pieces.leak()))
+    }
 }
 
-/// The value of an expression in one number type; the last four entries are what complex numbers
-/// write differently.
+/// The value of an expression in one number type; the last entries are what complex numbers write
+/// differently.
 macro_rules! evaluate {
-    ($self:ident, $s:ident, $value:ident, $constant:expr, $recip:expr, $square:expr, $abs:expr) => {
+    (
+        $self:ident, $s:ident, $value:ident, $constant:expr, $recip:expr, $square:expr, $abs:expr,
+        $is_below:expr
+    ) => {
         match *$self.0 {
             Node::Speed => $s,
-            Node::Constant(c) => $constant(c),
+            Node::Constant(a, c) => $constant(a.$value($s), c),
             Node::Neg(a) => -a.$value($s),
             Node::Add(a, b) => a.$value($s) + b.$value($s),
             Node::Sub(a, b) => a.$value($s) - b.$value($s),
@@ -118,6 +131,9 @@ macro_rules! evaluate {
             Node::Sin(a) => a.$value($s).sin(),
             Node::Cos(a) => a.$value($s).cos(),
             Node::Abs(a) => $abs(a.$value($s)),
+            Node::Below(c, a, _) if $is_below($s, c) => a.$value($s),
+            Node::Below(_, _, b) => b.$value($s),
+            Node::Pieces(pieces) => pieces[0].$value($s),
         }
     };
 }
@@ -129,10 +145,11 @@ impl Expression {
             self,
             s,
             complex,
-            Complex::from,
+            |_, c| Complex::from(c),
             |z: Complex<f64>| z.inv(),
             |z| z * z,
-            abs
+            abs,
+            |_, _| panic!("a branch is not analytic")
         )
     }
 }
@@ -141,15 +158,24 @@ impl FrictionLaw for Expression {
     fn static_coefficient(&self) -> f64 {
         f64::INFINITY
     }
+    // Not into the 31 orders of `expand` as well: compiling this function takes long.
+    #[inline(never)]
     fn kinetic<S: Scalar>(&self, s: S) -> S {
         evaluate!(
             self,
             s,
             kinetic,
-            |c| s.constant(c),
+            S::constant,
             S::recip,
             S::square,
-            S::abs
+            S::abs,
+            |s: S, c| s.value() < c
         )
+    }
+    fn kinetic_on<S: Scalar>(&self, piece: usize, s: S) -> S {
+        match self.0 {
+            Node::Pieces(pieces) => pieces[piece].kinetic(s),
+            _ => self.kinetic(s),
+        }
     }
 }
