@@ -2,7 +2,7 @@
 
 use std::cell::OnceCell;
 
-use stick_slip::analysis::averaging::{self, AveragedCycle};
+use stick_slip::nalgebra::Complex;
 use stick_slip::{CycleKind, FrictionLaw, LimitCycle, MassOnBelt, Polynomial, Scalar, limit_cycle};
 
 /// μ_s, μ_m, v_m, γ², β, v_b at ε = 1.
@@ -65,7 +65,7 @@ pub(crate) struct Point {
     pub(crate) cycle: LimitCycle,
     pub(crate) rest: f64,
     pub(crate) noise: f64,
-    averaged: OnceCell<AveragedCycle>,
+    harmonics: OnceCell<Vec<Complex<f64>>>,
 }
 
 impl Point {
@@ -83,13 +83,8 @@ impl Point {
             rest,
             noise: 4.0 * f64::EPSILON * (1.0 + size) / (1.0 - cycle.multiplier()) / rate,
             cycle,
-            averaged: OnceCell::new(),
+            harmonics: OnceCell::new(),
         }
-    }
-
-    pub(crate) fn averaged(&self) -> &AveragedCycle {
-        self.averaged
-            .get_or_init(|| averaging::cycles(&self.system).unwrap().pop().unwrap())
     }
 
     pub(crate) fn z_max(&self) -> f64 {
@@ -109,7 +104,8 @@ impl Point {
     }
 
     pub(crate) fn harmonic(&self, k: usize) -> f64 {
-        self.cycle.harmonics(k)[k - 1].norm()
+        let harmonics = self.harmonics.get_or_init(|| self.cycle.harmonics(3));
+        harmonics[k - 1].norm()
     }
 
     pub(crate) fn growth_rate(&self) -> f64 {
