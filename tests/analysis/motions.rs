@@ -35,7 +35,8 @@ mod weak;
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::fmt::Debug;
+use std::fmt::{Debug, Formatter};
+use std::rc::Rc;
 
 use proptest::prelude::*;
 use proptest::sample::select;
@@ -93,18 +94,43 @@ fn reach(nodes: &[f64]) -> f64 {
 }
 
 /// Runs a property on 256 cases.
-fn check<S: Strategy>(cases: S, property: impl Fn(S::Value, &Bounds) -> Verdict)
-where
-    S::Value: Debug,
-{
+fn check<S: Strategy + 'static>(
+    cases: S,
+    property: impl Fn(S::Value, &Bounds) -> Verdict + 'static,
+) {
     check_some(256, cases, property);
 }
 
 /// Runs a property. Every bound has to have been looked at in a quarter of the cases.
-fn check_some<S: Strategy>(count: u32, cases: S, property: impl Fn(S::Value, &Bounds) -> Verdict)
-where
-    S::Value: Debug,
-{
+fn check_some<S: Strategy + 'static>(
+    count: u32,
+    cases: S,
+    property: impl Fn(S::Value, &Bounds) -> Verdict + 'static,
+) {
+    let property = Rc::new(property);
+    let case = move |values: S::Value| {
+        let property = Rc::clone(&property);
+        Case {
+            values: format!("{values:?}"),
+            holds: Box::new(move |bounds| property(values, bounds)),
+        }
+    };
+    run(count, &cases.prop_map(case).boxed());
+}
+
+/// A property with the values to be tried: of one type, so that one runner is compiled.
+struct Case {
+    values: String,
+    holds: Box<dyn FnOnce(&Bounds) -> Verdict>,
+}
+
+impl Debug for Case {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.values)
+    }
+}
+
+fn run(count: u32, cases: &BoxedStrategy<Case>) {
     let mut config = Config {
         failure_persistence: Some(Box::new(FileFailurePersistence::Direct(
             "proptest-regressions/motions.txt",
@@ -120,7 +146,7 @@ where
         config.rng_seed = RngSeed::Fixed(1);
     }
     let (bounds, least) = (Bounds::default(), config.cases / 4);
-    let outcome = TestRunner::new(config).run(&cases, |case| property(case, &bounds));
+    let outcome = TestRunner::new(config).run(cases, |case| (case.holds)(&bounds));
     for (name, (looks, used)) in bounds.0.borrow().iter() {
         println!("{name:<45} {looks:6} {used:9.2e}");
     }
