@@ -1,13 +1,15 @@
 //! The tests' own view of periodic motions: return maps from simulated turns, quadrature, extremes
 //! of a run.
 
+use std::sync::LazyLock;
+
 use stick_slip::{
     CycleSet, Direction, EventKind, FrictionLaw, Integrator, LimitCycle, MassOnBelt, Mode, State,
     Step, limit_cycle,
 };
 
-/// ∫ over [0, h] by Gauss-Legendre rules of 20 points, on 4 pieces.
-pub(crate) fn integrate(h: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
+/// Nodes on [−1, 1] and weights of the Gauss-Legendre rule of 20 points.
+static RULE: LazyLock<[(f64, f64); 20]> = LazyLock::new(|| {
     const N: usize = 20;
     let legendre = |x: f64| {
         let (mut p, mut last) = (x, 1.0);
@@ -17,16 +19,22 @@ pub(crate) fn integrate(h: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
         }
         (p, N as f64 * (x * p - last) / (x * x - 1.0))
     };
-    let width = h / 4.0;
-    let mut sum = 0.0;
-    for i in 0..N {
+    std::array::from_fn(|i| {
         let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (N as f64 + 0.5)).cos();
         for _ in 0..6 {
             let (p, slope) = legendre(x);
             x -= p / slope;
         }
         let slope = legendre(x).1;
-        let weight = 2.0 / ((1.0 - x * x) * slope * slope);
+        (x, 2.0 / ((1.0 - x * x) * slope * slope))
+    })
+});
+
+/// ∫ over [0, h] by Gauss-Legendre rules of 20 points, on 4 pieces.
+pub(crate) fn integrate(h: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
+    let width = h / 4.0;
+    let mut sum = 0.0;
+    for (x, weight) in *RULE {
         for piece in 0..4 {
             sum += weight * f(width * (f64::from(piece) + 0.5 * (1.0 + x)));
         }
@@ -68,17 +76,19 @@ pub(crate) fn next_peak<L: FrictionLaw>(system: &MassOnBelt<L>, peak: f64) -> Tu
             return Turn::Ends;
         }
         let time = |i: u32| step.duration() * f64::from(i) / 16.0;
+        let states: [State; 17] = std::array::from_fn(|i| step.state_at(time(i as u32)));
         for i in 0..16 {
-            let (mut a, mut b) = (time(i), time(i + 1));
-            let rate = |t: f64| system.acceleration(step.state_at(t));
-            backwards |= step.state_at(a).velocity < 0.0;
+            let [before, after] = [states[i], states[i + 1]];
+            backwards |= before.velocity < 0.0;
             let last = i == 15 && step.event().is_some();
             if backwards
                 && !last
-                && step.state_at(b).velocity > 0.0
-                && rate(a) > 0.0
-                && rate(b) <= 0.0
+                && after.velocity > 0.0
+                && system.acceleration(before) > 0.0
+                && system.acceleration(after) <= 0.0
             {
+                let (mut a, mut b) = (time(i as u32), time(i as u32 + 1));
+                let rate = |t: f64| system.acceleration(step.state_at(t));
                 for _ in 0..60 {
                     let middle = 0.5 * (a + b);
                     if rate(middle) > 0.0 {
