@@ -2,7 +2,7 @@
 
 use crate::common::Random;
 use stick_slip::bifurcation::{
-    crossing_velocities, fold_velocities, grazing_velocities, overshoot_velocities,
+    crossing_velocities, fold_velocities, grazing_velocities, hopf_velocities, overshoot_velocities,
 };
 use stick_slip::limit_cycle::{self, CycleSet};
 use stick_slip::{
@@ -144,8 +144,10 @@ fn random_system(random: &mut Random, kind: usize) -> (MassOnBelt<AnyLaw>, f64) 
 }
 
 /// Belt velocities, to 10⁻⁶, between which the number of pure-slip cycles changes, with the change.
+/// Intervals are cut at the `cuts` in them first, then into halves.
 fn changes(
     system: &MassOnBelt<AnyLaw>,
+    cuts: &[f64],
     a: (f64, usize),
     b: (f64, usize),
     found: &mut Vec<(f64, f64, usize)>,
@@ -157,10 +159,11 @@ fn changes(
         found.push((a.0, b.0, a.1.abs_diff(b.1)));
         return;
     }
-    let middle = 0.5 * (a.0 + b.0);
+    let cut = cuts.iter().find(|&&cut| a.0 < cut && cut < b.0);
+    let middle = cut.copied().unwrap_or(0.5 * (a.0 + b.0));
     if let Some(cycles) = count(system, middle) {
-        changes(system, a, (middle, cycles), found);
-        changes(system, (middle, cycles), b, found);
+        changes(system, cuts, a, (middle, cycles), found);
+        changes(system, cuts, (middle, cycles), b, found);
     }
 }
 
@@ -182,9 +185,23 @@ fn folds_are_where_two_cycles_appear() {
             .map(|k| range.start * (range.end / range.start).powf((f64::from(k) + 0.5) / 60.0))
             .filter_map(|v_b| Some((v_b, count(&system, v_b)?)))
             .collect();
+        // Where something happens by other searches, the number of cycles may change.
+        let searches = [
+            hopf_velocities,
+            grazing_velocities,
+            overshoot_velocities,
+            crossing_velocities,
+        ];
+        let happens = searches.map(|search| search(&system, range.clone()).unwrap());
+        let cuts: Vec<f64> = happens
+            .iter()
+            .chain([&found])
+            .flatten()
+            .flat_map(|v_b| [v_b * (1.0 - 4e-7), v_b * (1.0 + 4e-7)])
+            .collect();
         let mut brackets = Vec::new();
         for pair in counts.windows(2) {
-            changes(&system, pair[0], pair[1], &mut brackets);
+            changes(&system, &cuts, pair[0], pair[1], &mut brackets);
         }
         for (low, high, change) in brackets {
             let here = found
@@ -257,19 +274,21 @@ fn kinds_change_where_they_are_said_to() {
             }
         }
         let mut seen = [0; 3];
-        let points: Vec<f64> = (0..200)
+        let at = |v_b: f64| (v_b, released(&system, v_b));
+        let points: Vec<_> = (0..200)
             .map(|k| range.start * (range.end / range.start).powf((f64::from(k) + 0.5) / 200.0))
+            .map(at)
             .collect();
         for pair in points.windows(2) {
             let mut stack = vec![(pair[0], pair[1])];
-            while let Some((a, b)) = stack.pop() {
-                let (at_a, at_b) = (released(&system, a), released(&system, b));
+            while let Some(((a, at_a), (b, at_b))) = stack.pop() {
                 let middle = 0.5 * (a + b);
                 if at_a == at_b {
                     continue;
                 }
                 if b / a - 1.0 > 1e-11 {
-                    stack.extend([(a, middle), (middle, b)]);
+                    let halfway = at(middle);
+                    stack.extend([((a, at_a), halfway), (halfway, (b, at_b))]);
                 } else if let Some(which) = between(at_a, at_b) {
                     seen[which] += 1;
                     let near = |v: &&f64| (*v / middle - 1.0).abs() < 1e-10;
