@@ -213,8 +213,8 @@ fn harmonics_are_those_of_the_motion() {
             let (period, mean, amplitude) =
                 (cycle.period(), cycle.mean_displacement(), cycle.amplitude());
             let size = size(&system, cycle);
-            // 40 in the time of a free oscillation: a slow cycle has its fast phases too.
-            let n = (40.0 * period / TAU).clamp(40.0, 600.0) as usize;
+            // 24 in the time of a free oscillation: a slow cycle has its fast phases too.
+            let n = (24.0 * period / TAU).clamp(24.0, 360.0) as usize;
             let harmonics = cycle.harmonics(n);
             assert_eq!(harmonics.len(), n);
             let own_mean = around(cycle, |_, state| state.displacement) / period;
