@@ -17,15 +17,27 @@ fn within<T: Send + 'static>(
     seconds: u64,
     run: impl FnOnce(&dyn Fn(String)) -> T + Send + 'static,
 ) -> T {
+    let result = Arc::new(Mutex::new(None));
+    let place = Arc::clone(&result);
+    end_within(
+        seconds,
+        Box::new(move |note| *place.lock().unwrap() = Some(run(note))),
+    );
+    let result = result.lock().unwrap().take();
+    result.unwrap()
+}
+
+#[track_caller]
+fn end_within(seconds: u64, run: Box<dyn FnOnce(&dyn Fn(String)) + Send>) {
     let note = Arc::new(Mutex::new(String::new()));
     let (sender, receiver) = mpsc::channel();
     let written = Arc::clone(&note);
     let thread = std::thread::spawn(move || {
-        let result = run(&|text| *written.lock().unwrap() = text);
-        let _ = sender.send(result);
+        run(&|text| *written.lock().unwrap() = text);
+        let _ = sender.send(());
     });
     match receiver.recv_timeout(Duration::from_secs(seconds)) {
-        Ok(result) => result,
+        Ok(()) => {}
         Err(mpsc::RecvTimeoutError::Timeout) => {
             panic!("still running after {seconds} s: {}", note.lock().unwrap())
         }

@@ -1,7 +1,7 @@
 //! A simple integrator, written without an idea of the crate's, must see the same events.
 
 use crate::common::Random;
-use crate::simple::{Simple, told};
+use crate::simple::{Seen, Simple, told};
 use stick_slip::{
     Coulomb, Direction, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Rational, State,
     Stribeck, Tabulated,
@@ -19,7 +19,7 @@ struct Count {
 fn compare<L: FrictionLaw>(
     random: &mut Random,
     law: Result<L, Error>,
-    friction: impl Fn(f64) -> f64,
+    friction: &dyn Fn(f64) -> f64,
     count: &mut Count,
 ) {
     let (belt, damping) = (
@@ -31,7 +31,6 @@ fn compare<L: FrictionLaw>(
         .and_then(|system| system.with_damping(damping)?.with_load(load))
         .unwrap();
     let start = [random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0)];
-    let duration = 20.0;
     let simple = Simple {
         friction: &|s| load * friction(s),
         static_friction: load * system.law().static_coefficient(),
@@ -39,26 +38,48 @@ fn compare<L: FrictionLaw>(
         belt,
     };
     let motion = system
-        .simulate(State::new(start[0], start[1]), duration)
+        .simulate(State::new(start[0], start[1]), DURATION)
         .unwrap();
-    let crate_events = told(motion.events());
+    let has_kinks = system.law().breakpoints().next().is_some();
+    let about = format!("belt {belt} damping {damping} load {load} start {start:?}");
+    let [coarse, fine] = [2.0 * STEP, STEP].map(|h| simple.run(start, DURATION, h));
+    judge(
+        &about,
+        &told(motion.events()),
+        [&coarse, &fine],
+        has_kinks,
+        count,
+    );
+}
+
+const DURATION: f64 = 20.0;
+
+/// Step of the finer run.
+const STEP: f64 = 2e-3;
+
+/// The crate's events against those of the simple integrator.
+fn judge(
+    about: &str,
+    crate_events: &[Seen],
+    [coarse, fine]: [&[Seen]; 2],
+    has_kinks: bool,
+    count: &mut Count,
+) {
     // The error of the finer run is less than what halving the step has changed; where it steps
     // over a kink, it is of the order h².
-    const STEP: f64 = 2e-3;
-    let [coarse, fine] = [2.0 * STEP, STEP].map(|h| simple.run(start, duration, h));
-    let has_kinks = system.law().breakpoints().next().is_some();
     let floor = if has_kinks { STEP * STEP } else { 1e-9 };
     for i in 0..coarse.len().max(fine.len()).max(crate_events.len()) {
         let about = || {
             format!(
-                "event {i}: {crate_events:?}\n{fine:?}\nbelt {belt} damping {damping} load {load} \
-                 start {start:?}"
+                "event {i}: {crate_events:?}
+{fine:?}
+{about}"
             )
         };
         let (Some(a), Some(b)) = (coarse.get(i), fine.get(i)) else {
             if coarse.len() == fine.len() {
                 // One more in the crate's motion: only at the very end.
-                assert!(crate_events[i].0 > duration - 1e-6, "{}", about());
+                assert!(crate_events[i].0 > DURATION - 1e-6, "{}", about());
             } else {
                 count.undecided += 1;
             }
@@ -70,7 +91,7 @@ fn compare<L: FrictionLaw>(
             return;
         }
         let Some(event) = crate_events.get(i) else {
-            assert!(b.0 > duration - 1e-6, "{}", about());
+            assert!(b.0 > DURATION - 1e-6, "{}", about());
             return;
         };
         assert_eq!((event.1, event.2), (b.1, b.2), "{}", about());
@@ -99,7 +120,7 @@ fn a_simple_integrator_sees_the_same_events() {
         compare(
             r,
             Polynomial::new(top, least, width),
-            |s| {
+            &|s| {
                 let x = s / width;
                 top + fall * (0.5 * x * x * x - 1.5 * x)
             },
@@ -108,16 +129,16 @@ fn a_simple_integrator_sees_the_same_events() {
         compare(
             r,
             Exponential::new(top, least, width),
-            |s| least + fall * (-(s / width) * (s / width)).exp(),
+            &|s| least + fall * (-(s / width) * (s / width)).exp(),
             &mut count,
         );
-        compare(r, Coulomb::new(top, least), |_| least, &mut count);
+        compare(r, Coulomb::new(top, least), &|_| least, &mut count);
         let rational = Rational::new(top, 1.0 / width)
             .and_then(|law| law.with_offset(least)?.with_quadratic(0.02));
         compare(
             r,
             rational,
-            |s| fall * width / (width + s) + least + 0.02 * s * s,
+            &|s| fall * width / (width + s) + least + 0.02 * s * s,
             &mut count,
         );
         for exponent in 1..=4 {
@@ -126,7 +147,7 @@ fn a_simple_integrator_sees_the_same_events() {
             compare(
                 r,
                 stribeck,
-                |s| least + fall * (-(s / width).powi(exponent as i32)).exp() + 0.03 * s,
+                &|s| least + fall * (-(s / width).powi(exponent as i32)).exp() + 0.03 * s,
                 &mut count,
             );
         }
@@ -143,7 +164,7 @@ fn a_simple_integrator_sees_the_same_events() {
         compare(
             r,
             table,
-            |s| {
+            &|s| {
                 if s <= width {
                     return top + slope * s;
                 }
@@ -170,7 +191,7 @@ fn a_simple_integrator_sees_the_same_events() {
         compare(
             r,
             Ok(broken),
-            |s| match s / width {
+            &|s| match s / width {
                 x if x < 1.0 => top - x * fall,
                 x if x < 2.0 => least + (x - 1.0) * (middle - least),
                 _ => middle,
@@ -186,7 +207,7 @@ fn a_simple_integrator_sees_the_same_events() {
         compare(
             r,
             Ok(wave),
-            |s| top - fall * s / (1.0 + s) + 0.05 * top * ((6.0 * s).cos() - 1.0),
+            &|s| top - fall * s / (1.0 + s) + 0.05 * top * ((6.0 * s).cos() - 1.0),
             &mut count,
         );
     }

@@ -166,7 +166,7 @@ fn promise_1_hidden_terms_are_not_missed() {
             damping: random.uniform(0.0, 0.2),
             load: random.logarithmic(0.2, 3.0),
             belt: random.logarithmic(0.03, 1.0),
-            fineness: 100.0,
+            fineness: 25.0,
         };
         let start = State::new(random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0));
         let duration = random.uniform(2.0, 12.0);

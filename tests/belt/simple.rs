@@ -76,17 +76,20 @@ impl Simple<'_> {
                 seen.push((time, 'r', side));
                 continue;
             }
-            let speed = |t: f64| side * (self.step(side, x, t)[1] - self.belt);
-            let slows = |t: f64| side * self.rates(side, self.step(side, x, t))[1] < 0.0;
+            let next = self.step(side, x, h);
+            let speed_at = |x: [f64; 2]| side * (x[1] - self.belt);
+            let speed = |t: f64| speed_at(self.step(side, x, t));
+            let slows_at = |x: [f64; 2]| side * self.rates(side, x)[1] < 0.0;
             // The lowest speed in this step: at its end, or where the mass no longer slows down.
-            let lowest = if slows(0.0) && !slows(h) {
-                Self::bisect(h, |t| !slows(t))
+            let (lowest, least) = if slows_at(x) && !slows_at(next) {
+                let turn = Self::bisect(h, |t| !slows_at(self.step(side, x, t)));
+                (turn, speed(turn))
             } else {
-                h
+                (h, speed_at(next))
             };
             // After a release the speed grows from 0 like t², below rounding at first.
-            if speed(lowest) >= -1e-15 {
-                x = self.step(side, x, h);
+            if least >= -1e-15 {
+                x = next;
                 time += h;
                 continue;
             }

@@ -171,6 +171,11 @@ pub(crate) fn case() -> impl Strategy<Value = Case> {
 /// Runs a property on so many cases: the same ones in every run, others with `PROPTEST_RNG_SEED`,
 /// more with `PROPTEST_CASES`.
 pub(crate) fn check(cases: u32, property: impl Fn(Case) -> Result<(), TestCaseError>) {
+    // One runner is compiled, not one for each property.
+    run(cases, &property);
+}
+
+fn run(cases: u32, property: &dyn Fn(Case) -> Result<(), TestCaseError>) {
     let mut config = Config {
         failure_persistence: Some(Box::new(FileFailurePersistence::Direct(
             "proptest-regressions/hostile.txt",
