@@ -197,7 +197,7 @@ fn derivatives_are_those_of_motions_beside() {
         assert!(tried < 2000, "{motions}");
         let structure = random.structure();
         let start = random.start(&structure);
-        let duration = random.uniform(1.0, 12.0);
+        let duration = random.uniform(1.0, 8.0);
         let map = match structure.period_map(&start, duration) {
             Ok(map) => map,
             Err(Error::Separation { .. }) => continue,

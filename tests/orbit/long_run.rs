@@ -57,10 +57,6 @@ fn compare<S: Oscillator + System<State = State>>(
         found.spread < 0.05 * (1.0 + expected.abs()),
         "{id}: {found:?}"
     );
-    assert_eq!(
-        lyapunov(system, &orbit.state(), orbit.period(), duration),
-        Ok(found.value)
-    );
 }
 
 #[test]
@@ -88,6 +84,10 @@ fn exponents_of_a_belt() {
     assert!(
         (found.value - expected).abs() <= 4.0 * found.spread,
         "{found:?} {expected}"
+    );
+    assert_eq!(
+        lyapunov(&system, &cycle.state(), 10.0, 600.0),
+        Ok(found.value)
     );
     // In stick all that is beside the motion is gone.
     let found = lyapunov_with_spread(&paper(0.2), &(0.0, 0.0).into(), 0.0, 100.0).unwrap();
