@@ -76,26 +76,27 @@ fn apart(a: &State, b: &State) -> f64 {
 fn slow_steps_and_explicit_ones_give_one_motion() {
     let exponential = Exponential::new(0.4, 0.25, 0.5).unwrap();
     let cubic = Polynomial::new(0.4, 0.25, 0.5).unwrap();
-    let mut worst = 0.0_f64;
+    let (mut worst, mut cell) = (0.0_f64, 0);
     for stiffness in [30.0, 100.0, 300.0, 1e3, 3e3, 1e4] {
         for belt in [-0.15, 0.2, 0.6] {
             let shaken = Drive::sine(0.1, 1.7)
                 .and_then(|d| d.with_constant(belt))
                 .unwrap();
             for damping in [0.0, 0.3, f64::sqrt(stiffness)] {
+                // Each law on one of the two belts, by turns.
+                let drives = [Drive::constant(belt), shaken.clone()];
                 let law = LuGre::new(exponential, stiffness, damping, 0.02).unwrap();
-                let other = LuGre::new(cubic, stiffness, damping, 0.02).unwrap();
-                for drive in [Drive::constant(belt), shaken.clone()] {
-                    let one = both(law, &drive);
-                    let two = both(other, &drive);
-                    for [slow, explicit] in [one.0, two.0] {
-                        assert!(slow <= explicit, "{stiffness} {belt}: {slow} {explicit}");
-                        if stiffness > 2e3 && belt == 0.6 {
-                            assert!(slow * 20 < explicit, "{stiffness}: {slow} {explicit}");
-                        }
+                let one = both(law, &drives[cell % 2]);
+                let law = LuGre::new(cubic, stiffness, damping, 0.02).unwrap();
+                let two = both(law, &drives[1 - cell % 2]);
+                cell += 1;
+                for [slow, explicit] in [one.0, two.0] {
+                    assert!(slow <= explicit, "{stiffness} {belt}: {slow} {explicit}");
+                    if stiffness > 2e3 && belt == 0.6 {
+                        assert!(slow * 20 < explicit, "{stiffness}: {slow} {explicit}");
                     }
-                    worst = worst.max(one.1).max(two.1);
                 }
+                worst = worst.max(one.1).max(two.1);
             }
         }
     }
