@@ -3,7 +3,9 @@
 use std::cell::Cell;
 
 use crate::common::TurnsNan;
-use stick_slip::{Coulomb, Error, FrictionLaw, Integrator, MassOnBelt, Mode, Scalar, State};
+use stick_slip::{
+    Coulomb, Error, FrictionLaw, Integrator, MassOnBelt, Mode, Rational, Scalar, State,
+};
 
 #[test]
 fn a_static_coefficient_that_turns_nan_ends_the_motion_in_an_error() {
@@ -73,16 +75,8 @@ impl FrictionLaw for Wandering {
 
 #[test]
 fn breakpoints_that_change_cut_steps_and_no_more() {
-    struct Steady;
-    impl FrictionLaw for Steady {
-        fn static_coefficient(&self) -> f64 {
-            0.4
-        }
-        fn kinetic<S: Scalar>(&self, speed: S) -> S {
-            (speed + 1.0).recip() * 0.4
-        }
-    }
-    let system = MassOnBelt::new(Steady, 0.2).unwrap();
+    let same_law = Rational::new(0.4, 1.0).unwrap();
+    let system = MassOnBelt::new(same_law, 0.2).unwrap();
     let steady = system.simulate(State::new(0.0, 0.0), 30.0).unwrap().last();
     for calls in 0..28 {
         let system = MassOnBelt::new(Wandering(Cell::new(calls)), 0.2).unwrap();

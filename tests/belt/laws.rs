@@ -6,6 +6,7 @@ use stick_slip::{
 };
 
 /// 1/(1 + δ s) written as a quotient, with a static coefficient above μ̂(0).
+#[derive(Clone)]
 struct Quotient;
 
 impl FrictionLaw for Quotient {
@@ -18,6 +19,7 @@ impl FrictionLaw for Quotient {
 }
 
 /// exp(−s/v).
+#[derive(Clone)]
 struct Decay {
     velocity: f64,
 }
@@ -32,6 +34,7 @@ impl FrictionLaw for Decay {
 }
 
 /// A table joined by straight lines: kinks at 0.15 and 0.4.
+#[derive(Clone)]
 struct Kinked;
 
 impl FrictionLaw for Kinked {
@@ -165,7 +168,7 @@ const DAMPING: f64 = 0.05;
 
 struct Given<'l, L>(&'l L);
 
-impl<L: FrictionLaw> Known for Given<'_, L> {
+impl<L: FrictionLaw + Clone> Known for Given<'_, L> {
     fn static_coefficient(&self) -> f64 {
         self.0.static_coefficient()
     }
@@ -191,7 +194,8 @@ impl<L: FrictionLaw> Known for Given<'_, L> {
         self.0.curvature(speed)
     }
     fn motion(&self, duration: f64) -> Trajectory {
-        let system = MassOnBelt::new(self.0, BELT).and_then(|system| system.with_damping(DAMPING));
+        let system =
+            MassOnBelt::new(self.0.clone(), BELT).and_then(|system| system.with_damping(DAMPING));
         let motion = system.and_then(|system| system.simulate(State::new(0.0, 0.0), duration));
         motion.unwrap()
     }
@@ -199,7 +203,7 @@ impl<L: FrictionLaw> Known for Given<'_, L> {
 
 /// All that a law must satisfy, at speeds up to a few times `scale`, the speed over which it
 /// changes.
-fn conforms<L: FrictionLaw>(name: &str, law: &L, scale: f64) {
+fn conforms<L: FrictionLaw + Clone>(name: &str, law: &L, scale: f64) {
     known_conforms(name, &Given(law), scale);
 }
 
