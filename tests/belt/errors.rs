@@ -27,8 +27,11 @@ fn within<T: Send + 'static>(
     result.unwrap()
 }
 
+/// What runs, with a place for its notes.
+type Noting = dyn FnOnce(&dyn Fn(String)) + Send;
+
 #[track_caller]
-fn end_within(seconds: u64, run: Box<dyn FnOnce(&dyn Fn(String)) + Send>) {
+fn end_within(seconds: u64, run: Box<Noting>) {
     let note = Arc::new(Mutex::new(String::new()));
     let (sender, receiver) = mpsc::channel();
     let written = Arc::clone(&note);
