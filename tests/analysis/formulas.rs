@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::f64::consts::{E, PI, TAU};
 
-use crate::common::{Ends, Leine, Table, list, number, paper, text};
+use crate::common::{Ends, Leine, Table, json, list, number, paper, text};
 use serde_json::Value;
 use stick_slip::analysis::averaging::{cycles, drift, drift_slope};
 use stick_slip::analysis::coulomb::{
@@ -18,11 +18,10 @@ use stick_slip::{
 };
 
 fn cases(file: &str, kind: &str) -> Vec<Value> {
-    let all: Value = serde_json::from_str(match file {
+    let all = json(match file {
         "asymptotics" => include_str!("../data/asymptotics.json"),
         _ => include_str!("../data/bifurcations.json"),
-    })
-    .unwrap();
+    });
     let of_kind = |case: &&Value| text(&case["kind"]) == kind;
     let cases: Vec<Value> = list(&all["cases"])
         .iter()

@@ -4,16 +4,15 @@
 //! arithmetic, checked against a Runge-Kutta method and closed forms; the field `header` of each
 //! file explains the others.
 
-use crate::common::{kind, list, number, system_of, text};
+use crate::common::{json, kind, list, number, system_of, text};
 use serde_json::Value;
 use stick_slip::{Direction, Event, EventKind, Mode, State};
 
 /// Error promised for every time, displacement and velocity, in units of max(1, |value|).
 const ACCURACY: f64 = 1e-13;
 
-fn load(json: &str) -> Vec<Value> {
-    let file: Value = serde_json::from_str(json).unwrap();
-    file["cases"].as_array().unwrap().clone()
+fn load(file: &str) -> Vec<Value> {
+    list(&json(file)["cases"]).to_vec()
 }
 
 fn trajectories() -> Vec<Value> {

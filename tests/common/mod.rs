@@ -14,6 +14,11 @@ use stick_slip::{
     LimitCycle, MassOnBelt, Polynomial, Scalar, State, Structure,
 };
 
+/// Reads JSON, by code that is compiled in `serde_json` and not once more in each program.
+pub(crate) fn json(text: &str) -> Value {
+    text.parse().unwrap()
+}
+
 /// A reference number: a decimal string of 25 digits, rounded to `f64`.
 pub(crate) fn number(value: &Value) -> f64 {
     let text = value

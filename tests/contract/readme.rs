@@ -101,7 +101,7 @@ fn durations_are_the_ones_printed_and_accurate_to_4e15() {
 /// That they are met within 1e-13 is asserted beside the data, in `tests/belt/reference.rs`.
 #[test]
 fn reference_motions_are_counted() {
-    let data: Value = serde_json::from_str(include_str!("../data/trajectories.json")).unwrap();
+    let data: Value = include_str!("../data/trajectories.json").parse().unwrap();
     let count = data["cases"].as_array().unwrap().len();
     assert!(
         README.contains(&format!("{count} reference motions")),

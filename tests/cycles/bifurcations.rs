@@ -3,8 +3,7 @@
 
 use std::ops::Range;
 
-use crate::common::{list, number, paper, system_of, text};
-use serde_json::Value;
+use crate::common::{json, list, number, paper, system_of, text};
 use stick_slip::bifurcation::{
     Criticality, criticality, crossing_velocities, fold_velocities, grazing_velocities,
     hopf_velocities, overshoot_velocities, silencing_damping,
@@ -25,7 +24,7 @@ fn assert_close(id: &str, what: &str, found: f64, expected: f64) {
 
 #[test]
 fn every_number_of_the_reference() {
-    let data: Value = serde_json::from_str(include_str!("../data/bifurcations.json")).unwrap();
+    let data = json(include_str!("../data/bifurcations.json"));
     for case in list(&data["cases"]) {
         let id = text(&case["id"]);
         let mut case = case.clone();

@@ -1,6 +1,6 @@
 //! Limit cycles against 25-digit reference data.
 
-use crate::common::{assert_mirrored, list, number, paper, system_of, text};
+use crate::common::{assert_mirrored, json, list, number, paper, system_of, text};
 use serde_json::Value;
 use std::f64::consts::TAU;
 use stick_slip::{
@@ -106,7 +106,7 @@ fn check<L: FrictionLaw>(case: &Value, system: &MassOnBelt<L>) -> f64 {
 #[test]
 fn every_number_of_the_reference() {
     let mut worst = 0.0_f64;
-    let data: Value = serde_json::from_str(include_str!("../data/cycles.json")).unwrap();
+    let data = json(include_str!("../data/cycles.json"));
     for case in list(&data["cases"]) {
         worst = worst.max(check(case, &system_of(case)));
     }
@@ -115,7 +115,7 @@ fn every_number_of_the_reference() {
 
 #[test]
 fn overshoot_and_crossing_of_the_reference() {
-    let data: Value = serde_json::from_str(include_str!("../data/overshoot.json")).unwrap();
+    let data = json(include_str!("../data/overshoot.json"));
     let mut worst = 0.0_f64;
     for case in list(&data["cases"]) {
         let id = text(&case["id"]);
@@ -164,7 +164,7 @@ fn cycles_on_a_belt_that_runs_backwards_are_mirror_images() {
         include_str!("../data/cycles.json"),
         include_str!("../data/overshoot.json"),
     ];
-    let data = data.map(|text| serde_json::from_str::<Value>(text).unwrap());
+    let data = data.map(json);
     let mut kinds = std::collections::HashSet::new();
     for case in data.iter().flat_map(|data| list(&data["cases"])) {
         let system = system_of(case);

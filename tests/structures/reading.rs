@@ -7,11 +7,10 @@ use stick_slip::{
     LuGre, Polynomial, Rational, Scalar, Structure,
 };
 
-use crate::common::{list, number, text};
+use crate::common::{json, list, number, text};
 
-pub(crate) fn cases(json: &str) -> Vec<Value> {
-    let file: Value = serde_json::from_str(json).unwrap();
-    file["cases"].as_array().unwrap().clone()
+pub(crate) fn cases(file: &str) -> Vec<Value> {
+    list(&json(file)["cases"]).to_vec()
 }
 
 /// Decimal strings as numbers.
