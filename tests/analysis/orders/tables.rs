@@ -60,15 +60,15 @@ const AVERAGED_PURE_SLIP: &[AveragedRow] = &[
 
 #[rustfmt::skip]
 pub(crate) const AVERAGED_CROSSING: &[AveragedRow] = &[
-    ("A as half the range",      |f, _| f.amplitude(),          |x| x.cycle.amplitude(),        2.0),
-    ("A as v_max",               |f, _| f.amplitude(),          |x| x.cycle.max_velocity(),     2.0),
-    ("A as −v_min",              |f, _| f.amplitude(),          |x| -x.cycle.min_velocity(),    2.0),
-    ("A as u_max − ū",           |f, _| f.amplitude(),          Point::z_max,                   1.0),
-    ("A as ū − u_min",           |f, _| f.amplitude(),          |x| -x.z_min(),                 1.0),
-    ("2π as T",                  |_, _| TAU,                    |x| x.cycle.period(),           2.0),
-    ("time ahead of the belt",   |f, _| f.leading_duration(),   |x| x.cycle.leading_duration(), 2.0),
-    ("multiplier",               |f, e| f.multiplier().powf(e), |x| x.cycle.multiplier(),       3.0),
-    ("drift_slope",              |f, e| e * f.drift_slope(),    Point::growth_rate,             3.0),
+    ("A as half the range",     |f, _| f.amplitude(),          |x| x.cycle.amplitude(),        2.0),
+    ("A as v_max",              |f, _| f.amplitude(),          |x| x.cycle.max_velocity(),     2.0),
+    ("A as −v_min",             |f, _| f.amplitude(),          |x| -x.cycle.min_velocity(),    2.0),
+    ("A as u_max − ū",          |f, _| f.amplitude(),          Point::z_max,                   1.0),
+    ("A as ū − u_min",          |f, _| f.amplitude(),          |x| -x.z_min(),                 1.0),
+    ("2π as T",                 |_, _| TAU,                    |x| x.cycle.period(),           2.0),
+    ("time ahead of the belt",  |f, _| f.leading_duration(),   |x| x.cycle.leading_duration(), 2.0),
+    ("multiplier",              |f, e| f.multiplier().powf(e), |x| x.cycle.multiplier(),       3.0),
+    ("drift_slope",             |f, e| e * f.drift_slope(),    Point::growth_rate,             3.0),
 ];
 
 /// The paper's stick-slip formulas as they are.
