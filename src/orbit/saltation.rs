@@ -176,10 +176,11 @@ impl<L: ContactLaw<Z>, const Z: usize> TangentFlow<'_, L, Z> {
     ) -> RowDVector<f64> {
         let (n, i) = (self.structure.len(), at.coordinate);
         let row = |row: usize| self.tangents.row(row);
-        let mut gradient: RowDVector<f64> = row(i) * (-sign * self.stiffness.diagonal()[i]);
-        gradient += row(n + i) * (-sign * self.damping.diagonal()[i]);
-        for (first, matrix) in [(0, &self.stiffness), (n, &self.damping)] {
-            for &(j, a) in matrix.beside_diagonal(i) {
+        let [(spring, springs), (damper, dampers)] = [self.stiffness.row(i), self.damping.row(i)];
+        let mut gradient: RowDVector<f64> = row(i) * (-sign * spring);
+        gradient += row(n + i) * (-sign * damper);
+        for (first, beside) in [(0, springs), (n, dampers)] {
+            for &(j, a) in beside {
                 gradient += row(first + j) * (-sign * a);
             }
         }
@@ -207,19 +208,20 @@ impl<L: ContactLaw<Z>, const Z: usize> TangentFlow<'_, L, Z> {
         let load = contact.load().series(step.clock());
         let acceleration = |j: usize| slope(&step.series()[j]);
         let velocity = |j: usize| state.velocities[j];
+        let [(spring, springs), (damper, dampers)] = [self.stiffness.row(i), self.damping.row(i)];
         let mut carried_rate = slope(&force) / mass
             - slope(&surface.derivative())
-            - self.stiffness.diagonal()[i] * velocity(i)
-            - self.damping.diagonal()[i] * acceleration(i);
-        for &(j, a) in self.stiffness.beside_diagonal(i) {
+            - spring * velocity(i)
+            - damper * acceleration(i);
+        for &(j, a) in springs {
             carried_rate -= a * velocity(j);
         }
-        for &(j, a) in self.damping.beside_diagonal(i) {
+        for &(j, a) in dampers {
             carried_rate -= a * acceleration(j);
         }
         let gradient = contact.load_gradient().iter();
         let from_displacements: f64 = gradient.map(|&(j, a)| a * velocity(j)).sum();
-        let load_now = load.at(h) + contact.displacement_load(&state.displacements);
+        let load_now = load.at(h) + contact.support().displacement_load(&state.displacements);
         let memory = |j: usize| state.memory.get(number * Z + j).copied().unwrap_or(0.0);
         debug_assert_eq!(step.series().len(), n + Z * self.structure.contacts().len());
         Instant {

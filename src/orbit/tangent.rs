@@ -28,7 +28,7 @@ use crate::structure::{Flow, Step, Structure};
 #[derive(Debug)]
 pub(super) struct TangentFlow<'s, L, const Z: usize> {
     pub(super) structure: &'s Structure<L, Z>,
-    flow: Flow<'s, L, Z>,
+    flow: Flow<'s>,
     /// K/m and C/m.
     pub(super) stiffness: Sparse,
     pub(super) damping: Sparse,
@@ -150,7 +150,7 @@ fn advance(
     let mut left = h;
     loop {
         expand(matrices, &joints, column, work);
-        let n = matrices[0].diagonal().len();
+        let n = matrices[0].rows().count();
         let part = reach_of(work, n, left);
         if part.is_nan() || part < SHORTEST * h {
             column.fill(f64::NAN);
@@ -210,7 +210,7 @@ fn expand(
     for (series, x) in work.iter_mut().zip(column) {
         series[0] = *x;
     }
-    let n = stiffness.diagonal().len();
+    let n = stiffness.rows().count();
     let (q, rest) = work.split_at_mut(n);
     let (v, z) = rest.split_at_mut(n);
     for k in 0..TERMS - 1 {

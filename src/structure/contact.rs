@@ -1,3 +1,6 @@
+use std::borrow::Cow;
+
+use super::model::Support;
 use crate::belt::MassOnBelt;
 use crate::drive::Drive;
 use crate::error::{Element, Error};
@@ -155,7 +158,17 @@ impl<L, const Z: usize> Contact<L, Z> {
     /// Normal load N = N0(t) + Σ n_j q_j at a time, in units of force; NaN where a displacement
     /// is missing. It may be negative: the contact is open then, or the motion has ended.
     pub fn load_at(&self, time: f64, displacements: &[f64]) -> f64 {
-        self.load.value(time) + self.displacement_load(displacements)
+        self.support().load_at(time, displacements)
+    }
+
+    /// All but its law.
+    pub(crate) fn support(&self) -> Support<'_> {
+        Support {
+            coordinate: self.coordinate,
+            load: Cow::Borrowed(&self.load),
+            load_gradient: &self.load_gradient,
+            belt_velocity: Cow::Borrowed(&self.belt_velocity),
+        }
     }
 
     /// The contact as seen from a frame that oscillates with its belt.
@@ -168,14 +181,6 @@ impl<L, const Z: usize> Contact<L, Z> {
         seen.load = seen.load.plus(&displacement.scaled(gradient)?)?;
         seen.belt_velocity = seen.belt_velocity.plus(&velocity.scaled(-1.0)?)?;
         Ok(seen)
-    }
-
-    /// Σ n_j q_j.
-    pub(crate) fn displacement_load(&self, displacements: &[f64]) -> f64 {
-        let terms = self.load_gradient.iter();
-        terms
-            .map(|&(j, n)| n * displacements.get(j).copied().unwrap_or(f64::NAN))
-            .sum()
     }
 
     /// Whether it may be contact number `number` of a structure with `count` coordinates.
