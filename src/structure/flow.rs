@@ -83,11 +83,6 @@ impl<'s> Flow<'s> {
             ended: false,
         })
     }
-
-    /// What moves.
-    pub(crate) fn model(&self) -> &Model<'s> {
-        &self.engine.model
-    }
 }
 
 impl Iterator for Flow<'_> {

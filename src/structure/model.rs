@@ -5,9 +5,11 @@ use std::rc::Rc;
 
 use nalgebra::DMatrix;
 
-use super::laws::Laws;
+use super::laws::{Laws, Typed};
 use super::sparse::Sparse;
+use crate::belt::MassOnBelt;
 use crate::drive::Drive;
+use crate::friction::FrictionLaw;
 
 /// What moves, what acts on it, and how fast it could go. The type of its laws is left behind.
 #[derive(Debug, Clone)]
@@ -67,6 +69,25 @@ impl Support<'_> {
 }
 
 impl<'s> Model<'s> {
+    /// A mass on a belt as the structure that it is.
+    pub(crate) fn of_belt<L: FrictionLaw>(belt: &'s MassOnBelt<L>) -> Self {
+        let one = |entry: f64| DMatrix::from_element(1, 1, entry);
+        let (stiffness, damping) = (one(1.0), one(2.0 * belt.damping()));
+        let contact = Support {
+            coordinate: 0,
+            load: Cow::Owned(Drive::constant(belt.load())),
+            load_gradient: &[],
+            belt_velocity: Cow::Owned(Drive::constant(belt.belt_velocity())),
+        };
+        Self::new(
+            Cow::Borrowed(&[1.0]),
+            [&stiffness, &damping],
+            Cow::Owned(vec![Drive::constant(0.0)]),
+            vec![contact],
+            Rc::new(Typed::<L, 0>(vec![belt.law()])),
+        )
+    }
+
     pub(crate) fn new(
         masses: Cow<'s, [f64]>,
         [stiffness, damping]: [&DMatrix<f64>; 2],
@@ -120,6 +141,13 @@ impl<'s> Model<'s> {
     /// Numbers that all contacts remember.
     pub(crate) fn remembered(&self) -> usize {
         self.laws.memory() * self.contacts.len()
+    }
+
+    /// All functions of time that act on it.
+    pub(crate) fn drives(&self) -> impl Iterator<Item = &Drive> {
+        let contacts = self.contacts.iter();
+        let of_contacts = contacts.flat_map(|contact| [&*contact.load, &*contact.belt_velocity]);
+        self.forces.iter().chain(of_contacts)
     }
 
     /// The drive that acts there.

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 
 use super::contact::Contact;
 use super::laws::Typed;
-use super::model::{Model, Support};
+use super::model::Model;
 use super::steady::SteadySliding;
 use crate::belt::MassOnBelt;
 use crate::drive::{self, Drive};
@@ -333,11 +333,6 @@ impl<L, const Z: usize> Structure<L, Z> {
         self.forces.iter().chain(of_contacts)
     }
 
-    /// The contacts without their laws.
-    pub(super) fn supports(&self) -> Vec<Support<'_>> {
-        self.contacts.iter().map(Contact::support).collect()
-    }
-
     /// The number of the contact that a coordinate has.
     pub(crate) fn contact_of(&self, coordinate: usize) -> Option<usize> {
         let mut contacts = self.contacts.iter();
@@ -348,14 +343,18 @@ impl<L, const Z: usize> Structure<L, Z> {
 impl<const Z: usize, L: ContactLaw<Z>> Structure<L, Z> {
     /// What moves, as the engine sees it.
     pub(crate) fn model(&self) -> Model<'_> {
-        let laws = Typed::<L, Z>(self.contacts.iter().map(Contact::law).collect());
         Model::new(
             Cow::Borrowed(&self.masses),
             [&self.stiffness, &self.damping],
             Cow::Borrowed(&self.forces),
-            self.supports(),
-            Rc::new(laws),
+            self.contacts.iter().map(Contact::support).collect(),
+            Rc::new(self.laws()),
         )
+    }
+
+    /// The laws of its contacts.
+    pub(crate) fn laws(&self) -> Typed<'_, L, Z> {
+        Typed(self.contacts.iter().map(Contact::law).collect())
     }
 
     /// Steady sliding: every mass stands still, every belt moves under its mass, and what contacts
