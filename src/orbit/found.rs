@@ -49,9 +49,9 @@ impl<S: Oscillator> Orbit<S> {
         found: Trial,
         kind: Period,
     ) -> Result<Self, Error> {
-        let (events, multipliers) = looked_at(form, &found, kind)?;
+        let facts = Facts::of(form, &found, kind)?;
         let Trial { period, map, .. } = found;
-        let events = events.into_iter().map(|event| Event {
+        let events = facts.events.into_iter().map(|event| Event {
             time: event.time,
             contact: event.contact,
             kind: event.kind,
@@ -65,36 +65,44 @@ impl<S: Oscillator> Orbit<S> {
             period,
             state: S::own(&map.start),
             events: events.collect(),
-            extremes: (0..form.len()).map(|i| extremes(&map.steps, i)).collect(),
-            multipliers,
+            extremes: facts.extremes,
+            multipliers: facts.multipliers,
             trajectory: system.trajectory(map, period)?,
         })
     }
 }
 
-/// The events of a closed motion in their order, and its multipliers.
-fn looked_at(
-    form: &Form<'_>,
-    found: &Trial,
-    kind: Period,
-) -> Result<(Vec<Event<State>>, Vec<Complex<f64>>), Error> {
-    let (map, period) = (&found.map, found.period);
-    let apart = map::begun_apart(form, map, period)?;
-    let begun = apart.as_ref().unwrap_or(map);
-    let is_free = matches!(kind, Period::Free(_));
-    let multipliers = begun.multipliers(is_free).ok_or(Error::NotPeriodic {
-        residual: found.residual,
-        period,
-        start: map.start.clone(),
-    })?;
-    let events = begun.steps.iter().flat_map(Segment::events);
-    let events = events.map(|event| Event {
-        time: within(event.time, period),
-        ..event.clone()
-    });
-    let mut events: Vec<_> = events.collect();
-    events.sort_by(|a, b| a.time.total_cmp(&b.time));
-    Ok((events, multipliers))
+/// What a closed motion is like.
+struct Facts {
+    events: Vec<Event<State>>,
+    extremes: Vec<[(f64, f64); 2]>,
+    multipliers: Vec<Complex<f64>>,
+}
+
+impl Facts {
+    fn of(form: &Form<'_>, found: &Trial, kind: Period) -> Result<Self, Error> {
+        let (map, period) = (&found.map, found.period);
+        let apart = map::begun_apart(form, map, period)?;
+        let begun = apart.as_ref().unwrap_or(map);
+        let is_free = matches!(kind, Period::Free(_));
+        let multipliers = begun.multipliers(is_free).ok_or(Error::NotPeriodic {
+            residual: found.residual,
+            period,
+            start: map.start.clone(),
+        })?;
+        let events = begun.steps.iter().flat_map(Segment::events);
+        let events = events.map(|event| Event {
+            time: within(event.time, period),
+            ..event.clone()
+        });
+        let mut events: Vec<_> = events.collect();
+        events.sort_by(|a, b| a.time.total_cmp(&b.time));
+        Ok(Self {
+            events,
+            extremes: (0..form.len()).map(|i| extremes(&map.steps, i)).collect(),
+            multipliers,
+        })
+    }
 }
 
 impl<S: System> Orbit<S> {
