@@ -33,7 +33,8 @@ pub trait Oscillator: System {
     fn trajectory(&self, map: PeriodMap, period: f64) -> Result<Trajectory<Self::State>, Error>;
 }
 
-/// A system without the type of its laws: what all searches work on, so that they are compiled once.
+/// A system without the type of its laws: what all searches work on, so that they are compiled
+/// once.
 #[derive(Debug)]
 pub struct Form<'s> {
     pub(super) model: Model<'s>,

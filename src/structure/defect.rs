@@ -19,8 +19,8 @@ impl Engine<'_> {
             let Mode::Slip(direction) = joint.mode else {
                 return true;
             };
-            let body = &self.bodies[joint.body];
-            let defects = self.model.laws.defects(c, joint, &body.speeds, h, unit);
+            let speeds = &self.bodies[joint.body].speeds;
+            let defects = self.model.laws.defects(c, joint, speeds, h, unit);
             self.allowances[joint.body].accepts(defects, h)
                 && self.memory_is_accepted(c, direction.sign(), h)
         })
@@ -78,18 +78,18 @@ impl Joint {
         let times = quarters(h);
         let at_times = speeds.at_four(times);
         let at_quarters = self.defect(law, times, at_times);
+        // Compiled once for the other two.
+        let look: &dyn Fn([f64; 4]) -> f64 =
+            &|times| self.defect(law, times, speeds.at_four(times));
         let mut at_minima = 0.0;
-        speeds.about_minima(h, at_times, &mut |times| {
-            at_minima += self.defect(law, times, speeds.at_four(times));
-        });
+        speeds.about_minima(h, at_times, &mut |times| at_minima += look(times));
         let mut between = 0.0;
         if h > LONG * unit {
             let fours = (h / unit).ceil().min(MOST_FOURS);
             let part = 0.25 * h / fours;
             for i in 0..fours as usize {
                 let start = i as f64 * 4.0 * part;
-                let times = [0.5, 1.5, 2.5, 3.5].map(|place| start + place * part);
-                between += self.defect(law, times, speeds.at_four(times));
+                between += look([0.5, 1.5, 2.5, 3.5].map(|place| start + place * part));
             }
         }
         [at_quarters, at_minima, between]

@@ -96,6 +96,7 @@ pub(super) fn expand<L: ContactLaw<Z>, const Z: usize>(
 ) {
     const LAST: usize = TERMS - 1;
     let (n, shift) = (bodies.len(), model.bandwidth);
+    let (laws, courses) = (&laws[..joints.len()], &mut courses[..n]);
     for start in (0..n + LAST * shift).step_by(AT_A_TIME) {
         for k in 0..LAST {
             let place = |i: usize| i.saturating_sub(k * shift).min(n);
