@@ -9,6 +9,7 @@ use super::laws::{Laws, Typed};
 use super::sparse::Sparse;
 use crate::belt::MassOnBelt;
 use crate::drive::Drive;
+use crate::error::{Element, Error};
 use crate::friction::FrictionLaw;
 
 /// What moves, what acts on it, and how fast it could go. The type of its laws is left behind.
@@ -65,6 +66,30 @@ impl Support<'_> {
         terms
             .map(|&(j, n)| n * displacements.get(j).copied().unwrap_or(f64::NAN))
             .sum()
+    }
+
+    /// Whether it may be contact number `number` of a structure with `count` coordinates.
+    pub(super) fn check(&self, number: usize, count: usize) -> Result<(), Error> {
+        let gradients = self.load_gradient.iter().map(|&(j, _)| j);
+        for coordinate in std::iter::once(self.coordinate).chain(gradients) {
+            if coordinate >= count {
+                return Err(Error::NoSuchCoordinate {
+                    element: Element::Contact(number),
+                    coordinate,
+                    count,
+                });
+            }
+        }
+        self.belt_velocity
+            .check("belt_velocity", "a belt velocity of any size")
+            .map_err(|error| error.of_element(Element::Contact(number)))?;
+        match self.belt_velocity.first_jump() {
+            Some(time) => Err(Error::BeltVelocityJumps {
+                coordinate: self.coordinate,
+                time,
+            }),
+            None => Ok(()),
+        }
     }
 }
 

@@ -24,9 +24,10 @@ pub(crate) struct Sliding {
 type Slopes<'l> = dyn Fn(&[f64], Option<usize>) -> Derivatives + 'l;
 
 /// Values and derivatives by one number.
-struct Derivatives {
-    coefficient: [f64; 2],
-    rates: Vec<[f64; 2]>,
+pub(super) struct Derivatives {
+    /// Both with the sign of the direction of slip.
+    pub(super) coefficient: [f64; 2],
+    pub(super) rates: Vec<[f64; 2]>,
 }
 
 impl Sliding {
@@ -96,7 +97,7 @@ impl Sliding {
 }
 
 /// By memory number `by`, or else by the sliding speed.
-fn derivatives<const Z: usize, L: ContactLaw<Z>>(
+pub(super) fn derivatives<const Z: usize, L: ContactLaw<Z>>(
     law: &L,
     slip: Slip<f64>,
     memory: &[f64],
