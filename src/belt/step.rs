@@ -2,7 +2,9 @@ use super::model::Belt;
 use crate::clock::Clock;
 use crate::error::Error;
 use crate::motion::sealed::Sealed;
-use crate::motion::{Ended, Event, EventKind, Mode, Segment, SystemState, Trajectory};
+use crate::motion::{
+    self, Ended, Event, EventKind, Mode, Segment, Steps, Stop, SystemState, Trajectory,
+};
 use crate::series::PowerSeries;
 use crate::state::{Direction, State, Units};
 
@@ -333,6 +335,15 @@ impl Sealed for State {}
 
 impl SystemState for State {
     type Step = Step;
+
+    fn trajectory(
+        steps: Steps<'_, Step>,
+        start_time: f64,
+        duration: f64,
+        stop: Option<Stop<'_, Step>>,
+    ) -> Result<Trajectory<Self>, Error> {
+        motion::trajectory(steps, start_time, duration, stop)
+    }
 }
 
 impl Trajectory {

@@ -143,16 +143,6 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         }
     }
 
-    /// The same system with its law borrowed.
-    pub(crate) fn by_reference(&self) -> MassOnBelt<&L> {
-        MassOnBelt {
-            law: &self.law,
-            belt_velocity: self.belt_velocity,
-            damping: self.damping,
-            load: self.load,
-        }
-    }
-
     /// The displacements between which the mass can stick, −γ²μ_s − 2βv_b and γ²μ_s − 2βv_b,
     /// dimensionless.
     ///

@@ -2,7 +2,10 @@ use super::{Ended, Segment, System, SystemState, Trajectory};
 use crate::error::Error;
 
 /// What ends a motion: called with each step, it returns the time of the end.
-type Stop<'s, Step> = &'s mut dyn FnMut(&Step) -> Option<f64>;
+pub(crate) type Stop<'s, Step> = &'s mut dyn FnMut(&Step) -> Option<f64>;
+
+/// The steps of a motion, one after the other.
+pub(crate) type Steps<'s, Step> = &'s mut dyn Iterator<Item = Result<Step, Error>>;
 
 /// Settings of the integrator: tolerance and limits of work.
 ///
@@ -218,7 +221,7 @@ impl Integrator {
         system: &S,
         start: S::State,
         duration: f64,
-        mut stop: Option<Stop<'_, <S::State as SystemState>::Step>>,
+        stop: Option<Stop<'_, <S::State as SystemState>::Step>>,
     ) -> Result<Trajectory<S::State>, Error> {
         if !(duration >= 0.0 && duration.is_finite()) {
             return Err(Error::InvalidDuration { value: duration });
@@ -227,53 +230,8 @@ impl Integrator {
             max_steps: Some(self.max_steps.unwrap_or(Self::DEFAULT_MAX_STEPS)),
             ..self
         };
-        let end = self.start_time + duration;
-        let mut steps: Vec<<S::State as SystemState>::Step> = Vec::new();
-        let mut reached = self.start_time;
-        let mut ended = Ended::Duration;
-        for step in limited.flow(system, start)? {
-            let step = match step {
-                Ok(step) => step,
-                // The motion up to the end is complete; what failed lies beyond.
-                Err(_) if !steps.is_empty() && reached == end => break,
-                Err(error) if steps.is_empty() => return Err(error),
-                Err(error) => {
-                    ended = Ended::Error(error);
-                    break;
-                }
-            };
-            // Pushed at once: a step is long, and copies cost time.
-            let is_last = step.end_time() > end;
-            if is_last {
-                reached = end;
-                steps.push(step.until(end));
-            } else {
-                reached = step.end_time();
-                steps.push(step);
-            }
-            if let Some(stop) = &mut stop
-                && let Some(step) = steps.last()
-                && let Some(time) = stop(step)
-            {
-                // NaN stops at the start of the step.
-                reached = time.max(step.start_time()).min(step.end_time());
-                if reached < step.end_time()
-                    && let Some(step) = steps.pop()
-                {
-                    steps.push(step.until(reached));
-                }
-                ended = Ended::Stopped;
-                break;
-            }
-            if is_last {
-                break;
-            }
-        }
-        let duration = match ended {
-            Ended::Duration => duration,
-            Ended::Stopped | Ended::Error(_) => reached - self.start_time,
-        };
-        Ok(Trajectory::new(steps, self.start_time, duration, ended))
+        let mut steps = limited.flow(system, start)?;
+        S::State::trajectory(&mut steps, self.start_time, duration, stop)
     }
 
     /// The motion from `start`, step by step and without an end, in constant memory.
@@ -327,4 +285,60 @@ impl Default for Integrator {
     fn default() -> Self {
         Self::new()
     }
+}
+
+/// The motion of these steps over a duration, or until it is stopped or cannot go on.
+pub(crate) fn trajectory<S: SystemState>(
+    all: Steps<'_, S::Step>,
+    start_time: f64,
+    duration: f64,
+    mut stop: Option<Stop<'_, S::Step>>,
+) -> Result<Trajectory<S>, Error> {
+    let end = start_time + duration;
+    let mut steps: Vec<S::Step> = Vec::new();
+    let mut reached = start_time;
+    let mut ended = Ended::Duration;
+    for step in all {
+        let step = match step {
+            Ok(step) => step,
+            // The motion up to the end is complete; what failed lies beyond.
+            Err(_) if !steps.is_empty() && reached == end => break,
+            Err(error) if steps.is_empty() => return Err(error),
+            Err(error) => {
+                ended = Ended::Error(error);
+                break;
+            }
+        };
+        // Pushed at once: a step is long, and copies cost time.
+        let is_last = step.end_time() > end;
+        if is_last {
+            reached = end;
+            steps.push(step.until(end));
+        } else {
+            reached = step.end_time();
+            steps.push(step);
+        }
+        if let Some(stop) = &mut stop
+            && let Some(step) = steps.last()
+            && let Some(time) = stop(step)
+        {
+            // NaN stops at the start of the step.
+            reached = time.max(step.start_time()).min(step.end_time());
+            if reached < step.end_time()
+                && let Some(step) = steps.pop()
+            {
+                steps.push(step.until(reached));
+            }
+            ended = Ended::Stopped;
+            break;
+        }
+        if is_last {
+            break;
+        }
+    }
+    let duration = match ended {
+        Ended::Duration => duration,
+        Ended::Stopped | Ended::Error(_) => reached - start_time,
+    };
+    Ok(Trajectory::new(steps, start_time, duration, ended))
 }

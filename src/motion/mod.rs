@@ -18,6 +18,7 @@ mod trajectory;
 
 pub use event::{Event, EventKind, Mode};
 pub use integrator::Integrator;
+pub(crate) use integrator::{Steps, Stop, trajectory};
 pub(crate) use run::Run;
 pub use trajectory::{Ended, Trajectory};
 
@@ -48,6 +49,16 @@ pub trait System: sealed::Sealed {
 pub trait SystemState: sealed::Sealed + Clone {
     /// The steps of which motions through such states consist.
     type Step: Segment<State = Self>;
+
+    /// The motion of these steps over a duration, or until it is stopped or cannot go on: compiled
+    /// once for each kind of state.
+    #[doc(hidden)]
+    fn trajectory(
+        steps: Steps<'_, Self::Step>,
+        start_time: f64,
+        duration: f64,
+        stop: Option<Stop<'_, Self::Step>>,
+    ) -> Result<Trajectory<Self>, Error>;
 }
 
 /// A stretch of a motion without events but at its end: a step of any system. Sealed: no other

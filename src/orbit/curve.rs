@@ -9,48 +9,23 @@ use std::ops::{ControlFlow, Range};
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::map::{PeriodMap, state, vector};
-use super::oscillator::{Oscillator, Passage, Rhythm};
+use super::map::{self, PeriodMap, state, vector};
+use super::oscillator::{Form, Oscillator};
 use super::sequence::Sequence;
 use super::shoot::{CLOSED, Period, Trial, shortest};
 use crate::error::Error;
 use crate::motion::Segment;
 use crate::state::structure::State;
 
-/// One system of a family. A trait object, so that nothing of the search is compiled anew for each
-/// family.
+/// One system of a family.
 pub(super) trait Member {
-    /// How its drives vary.
-    fn rhythm(&self) -> Rhythm;
-    /// Coordinate of each contact, and the velocity of its belt at time 0.
-    fn belts(&self) -> Vec<(usize, f64)>;
-    /// The map over a duration, with its derivative.
-    fn map(&self, start: &State, duration: f64) -> Result<PeriodMap, Error>;
-    /// The map of the same closed motion begun where no event is near, if its start is near to one.
-    fn apart(&self, map: &PeriodMap, period: f64) -> Result<Option<PeriodMap>, Error>;
-    /// The map alone, and the events on the way.
-    fn passage(&self, start: &State, duration: f64) -> Result<Passage, Error>;
+    /// The system as the searches see it.
+    fn form(&self) -> Form<'_>;
 }
 
 impl<S: Oscillator> Member for S {
-    fn rhythm(&self) -> Rhythm {
-        Oscillator::rhythm(self)
-    }
-
-    fn belts(&self) -> Vec<(usize, f64)> {
-        Oscillator::belts(self)
-    }
-
-    fn map(&self, start: &State, duration: f64) -> Result<PeriodMap, Error> {
-        self.period_map(start, duration)
-    }
-
-    fn apart(&self, map: &PeriodMap, period: f64) -> Result<Option<PeriodMap>, Error> {
-        self.begun_apart(map, period)
-    }
-
-    fn passage(&self, start: &State, duration: f64) -> Result<Passage, Error> {
-        Oscillator::passage(self, start, duration)
+    fn form(&self) -> Form<'_> {
+        Oscillator::form(self)
     }
 }
 
@@ -126,9 +101,9 @@ impl Curve<'_> {
     }
 
     /// A start as it is for one system: contacts that stick move with their belts.
-    fn start(&self, member: &dyn Member, y: &DVector<f64>, stuck: &[bool]) -> State {
+    fn start(&self, form: &Form<'_>, y: &DVector<f64>, stuck: &[bool]) -> State {
         let mut start = state(&y.rows(0, self.order).into_owned(), self.n);
-        for ((coordinate, velocity), stuck) in std::iter::zip(member.belts(), stuck) {
+        for ((coordinate, velocity), stuck) in std::iter::zip(form.belts(), stuck) {
             if *stuck {
                 start.velocities[coordinate] = velocity;
             }
@@ -139,20 +114,21 @@ impl Curve<'_> {
         start
     }
 
-    fn period(&self, member: &dyn Member, y: &DVector<f64>) -> Result<f64, Error> {
+    fn period(&self, form: &Form<'_>, y: &DVector<f64>) -> Result<f64, Error> {
         let kind = match self.kind {
             Period::Free(_) => Period::Free(y[self.order]),
             driven @ Period::Driven(_) => driven,
         };
-        kind.duration(member.rhythm())
+        kind.duration(form.rhythm())
     }
 
     fn trial(&self, y: &DVector<f64>, stuck: &[bool]) -> Result<Trial, Error> {
         self.tried.set(self.tried.get() + 1);
         let find = || {
             let member = self.member(self.parameter(y))?;
-            let period = self.period(&*member, y)?;
-            let map = member.map(&self.start(&*member, y, stuck), period)?;
+            let form = member.form();
+            let period = self.period(&form, y)?;
+            let map = form.period_map(&self.start(&form, y, stuck), period)?;
             Ok(Trial::new(map, period))
         };
         find().map_err(|error: Error| error.at("parameter", self.parameter(y)))
@@ -171,9 +147,10 @@ impl Curve<'_> {
             let mut beside = y.clone();
             beside[last] += change;
             let member = self.member(beside[last]).ok()?;
-            let period = self.period(&*member, &beside).ok()?;
-            let start = self.start(&*member, &beside, stuck);
-            let (end, passed) = member.passage(&start, period).ok()?;
+            let form = member.form();
+            let period = self.period(&form, &beside).ok()?;
+            let start = self.start(&form, &beside, stuck);
+            let (end, passed) = map::passage(&form, &start, period).ok()?;
             let miss = vector(&end, self.order) - vector(&start, self.order);
             Some((beside[last] - y[last], miss, passed == events))
         };
@@ -327,8 +304,8 @@ impl Curve<'_> {
     /// The motion of a trial begun where no event is near, if its start is near to one.
     fn apart(&self, y: &DVector<f64>, trial: &Trial) -> Result<Option<PeriodMap>, Error> {
         let find = || {
-            self.member(self.parameter(y))?
-                .apart(&trial.map, trial.period)
+            let member = self.member(self.parameter(y))?;
+            map::begun_apart(&member.form(), &trial.map, trial.period)
         };
         find().map_err(|error| error.at("parameter", self.parameter(y)))
     }
@@ -347,7 +324,7 @@ impl Curve<'_> {
             y[self.order] = period;
         }
         y[self.unknowns() - 1] = parameter;
-        let none = vec![false; self.member(parameter)?.belts().len()];
+        let none = vec![false; self.member(parameter)?.form().belts().len()];
         let trial = self.trial(&y, &none)?;
         let stuck = trial.map.sticking();
         let apart = self.apart(&y, &trial)?;

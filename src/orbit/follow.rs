@@ -6,10 +6,10 @@ use std::ops::Range;
 use nalgebra::DVector;
 
 use super::branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
-use super::curve::{Curve, Member, Plane, Solved};
+use super::curve::{Curve, Family, Member, Plane, Solved};
 use super::found::Orbit;
 use super::oscillator::Oscillator;
-use super::shoot::{CLOSED, Period};
+use super::shoot::{CLOSED, Period, Trial};
 use super::walk::{Walk, natural_scale};
 use crate::error::Error;
 use crate::state::structure::State;
@@ -86,67 +86,22 @@ pub fn follow<S: Oscillator>(
     from: &Orbit<S>,
     range: Range<f64>,
 ) -> Result<Branch<S>, Error> {
-    let Range { start, end } = range;
-    Error::check("orbit::follow", "range.start", start, true, "start < end")?;
-    Error::check(
-        "orbit::follow",
-        "range.end",
-        end,
-        end > start,
-        "start < end",
-    )?;
-    let inside = (range.start..=range.end).contains(&parameter);
-    Error::check(
-        "orbit::follow",
-        "parameter",
-        parameter,
-        inside,
-        "inside the range",
-    )?;
-    branch(&family, parameter, from, range)
-}
-
-fn branch<S: Oscillator>(
-    family: &dyn Fn(f64) -> Result<S, Error>,
-    parameter: f64,
-    from: &Orbit<S>,
-    range: Range<f64>,
-) -> Result<Branch<S>, Error> {
-    let at = |parameter: f64| family(parameter).map_err(|error| error.at("parameter", parameter));
-    let system = at(parameter)?;
-    let start = S::general(&from.state());
-    let (n, memory) = system.sizes();
     let members = |parameter: f64| -> Result<Box<dyn Member + '_>, Error> {
         Ok(Box::new(family(parameter)?))
     };
-    let mut curve = Curve {
-        family: &members,
-        kind: from.kind(),
-        range,
-        n,
-        order: 2 * n + memory,
-        turning: None,
-        tried: Cell::new(0),
+    let start = (S::general(&from.state()), from.period());
+    let found = search(&members, parameter, start, from.kind(), range)?;
+    let orbit = |parameter: f64, trial: Trial| -> Result<Orbit<S>, Error> {
+        let system = family(parameter).map_err(|error| error.at("parameter", parameter))?;
+        Orbit::new(&system, &system.form(), trial, from.kind())
     };
-    let mut start = start;
-    if let Period::Free(_) = curve.kind {
-        let map = system.period_map(&start, from.period());
-        let map = map.map_err(|error| error.at("parameter", parameter))?;
-        let (_, turning, state) = curve.sharpest(&map).ok_or(Error::AtRest)?;
-        (curve.turning, start) = (Some(turning), state);
-    }
-    let (found, parts, ends) = walks(&mut curve, &start, from.period(), parameter)?;
-    let kind = curve.kind;
-    let orbit = |solved: Solved, parameter: f64| Orbit::new(&at(parameter)?, solved.trial, kind);
-    let points = found.into_iter().map(|solved| {
-        let parameter = curve.parameter(&solved.y);
-        let orbit = orbit(solved, parameter)?;
+    let points = found.points.into_iter().map(|(parameter, trial)| {
+        let orbit = orbit(parameter, trial)?;
         Ok(BranchPoint { parameter, orbit })
     });
     let points = points.collect::<Result<_, Error>>()?;
-    let bifurcations = parts.into_iter().map(|(kind, solved)| {
-        let parameter = curve.parameter(&solved.y);
-        let orbit = orbit(solved, parameter)?;
+    let bifurcations = found.changes.into_iter().map(|(kind, parameter, trial)| {
+        let orbit = orbit(parameter, trial)?;
         Ok(Bifurcation {
             parameter,
             kind,
@@ -156,6 +111,60 @@ fn branch<S: Oscillator>(
     Ok(Branch {
         bifurcations: bifurcations.collect::<Result<_, Error>>()?,
         points,
+        ends: found.ends,
+    })
+}
+
+/// What is found, with the parameters.
+struct Search {
+    points: Vec<(f64, Trial)>,
+    changes: Vec<(BifurcationKind, f64, Trial)>,
+    ends: [BranchEnd; 2],
+}
+
+/// Both directions from a motion, given by its start and its period.
+fn search<'f>(
+    family: &'f Family<'f>,
+    parameter: f64,
+    (mut start, period): (State, f64),
+    kind: Period,
+    range: Range<f64>,
+) -> Result<Search, Error> {
+    let Range {
+        start: low,
+        end: high,
+    } = range;
+    let name = "orbit::follow";
+    Error::check(name, "range.start", low, true, "start < end")?;
+    Error::check(name, "range.end", high, high > low, "start < end")?;
+    let inside = (low..=high).contains(&parameter);
+    Error::check(name, "parameter", parameter, inside, "inside the range")?;
+    let at = |error: Error| error.at("parameter", parameter);
+    let system = family(parameter).map_err(at)?;
+    let form = system.form();
+    let mut curve = Curve {
+        family,
+        kind,
+        range,
+        n: form.len(),
+        order: form.order(),
+        turning: None,
+        tried: Cell::new(0),
+    };
+    if let Period::Free(_) = kind {
+        let map = form.period_map(&start, period).map_err(at)?;
+        let (_, turning, state) = curve.sharpest(&map).ok_or(Error::AtRest)?;
+        (curve.turning, start) = (Some(turning), state);
+    }
+    let (points, changes, ends) = walks(&mut curve, &start, period, parameter)?;
+    let of = |solved: Solved| (curve.parameter(&solved.y), solved.trial);
+    let changes = changes.into_iter().map(|(kind, solved)| {
+        let (parameter, trial) = of(solved);
+        (kind, parameter, trial)
+    });
+    Ok(Search {
+        changes: changes.collect(),
+        points: points.into_iter().map(of).collect(),
         ends,
     })
 }

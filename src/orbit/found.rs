@@ -3,11 +3,13 @@ use std::ops::ControlFlow;
 
 use nalgebra::Complex;
 
-use super::oscillator::Oscillator;
+use super::map;
+use super::oscillator::{Form, Oscillator};
 use super::shoot::{Period, Trial};
 use crate::error::Error;
 use crate::motion::{Event, Segment, System, SystemState, Trajectory};
 use crate::series::PowerSeries;
+use crate::state::structure::State;
 use crate::structure::Step;
 
 /// A periodic motion, exact to rounding, with its Floquet multipliers.
@@ -41,31 +43,20 @@ pub struct Orbit<S: System> {
 }
 
 impl<S: Oscillator> Orbit<S> {
-    pub(super) fn new(system: &S, found: Trial, kind: Period) -> Result<Self, Error> {
-        let Trial {
-            period,
-            map,
-            residual,
-        } = found;
-        let is_free = matches!(kind, Period::Free(_));
-        let start = map.start.clone();
-        let apart = system.begun_apart(&map, period)?;
-        let begun = apart.as_ref().unwrap_or(&map);
-        let multipliers = begun.multipliers(is_free).ok_or(Error::NotPeriodic {
-            residual,
-            period,
-            start,
-        })?;
-        let events = begun.steps.iter().flat_map(Segment::events);
-        let mut events: Vec<_> = events
-            .map(|event| Event {
-                time: within(event.time, period),
-                contact: event.contact,
-                kind: event.kind,
-                state: S::own(&event.state),
-            })
-            .collect();
-        events.sort_by(|a, b| a.time.total_cmp(&b.time));
+    pub(super) fn new(
+        system: &S,
+        form: &Form<'_>,
+        found: Trial,
+        kind: Period,
+    ) -> Result<Self, Error> {
+        let facts = Facts::of(form, &found, kind)?;
+        let Trial { period, map, .. } = found;
+        let events = facts.events.into_iter().map(|event| Event {
+            time: event.time,
+            contact: event.contact,
+            kind: event.kind,
+            state: S::own(&event.state),
+        });
         Ok(Self {
             kind: match kind {
                 Period::Free(_) => Period::Free(period),
@@ -73,12 +64,43 @@ impl<S: Oscillator> Orbit<S> {
             },
             period,
             state: S::own(&map.start),
-            events,
-            extremes: (0..system.sizes().0)
-                .map(|i| extremes(&map.steps, i))
-                .collect(),
-            multipliers,
+            events: events.collect(),
+            extremes: facts.extremes,
+            multipliers: facts.multipliers,
             trajectory: system.trajectory(map, period)?,
+        })
+    }
+}
+
+/// What a closed motion is like.
+struct Facts {
+    events: Vec<Event<State>>,
+    extremes: Vec<[(f64, f64); 2]>,
+    multipliers: Vec<Complex<f64>>,
+}
+
+impl Facts {
+    fn of(form: &Form<'_>, found: &Trial, kind: Period) -> Result<Self, Error> {
+        let (map, period) = (&found.map, found.period);
+        let apart = map::begun_apart(form, map, period)?;
+        let begun = apart.as_ref().unwrap_or(map);
+        let is_free = matches!(kind, Period::Free(_));
+        let multipliers = begun.multipliers(is_free).ok_or(Error::NotPeriodic {
+            residual: found.residual,
+            period,
+            start: map.start.clone(),
+        })?;
+        let events = begun.steps.iter().flat_map(Segment::events);
+        let events = events.map(|event| Event {
+            time: within(event.time, period),
+            ..event.clone()
+        });
+        let mut events: Vec<_> = events.collect();
+        events.sort_by(|a, b| a.time.total_cmp(&b.time));
+        Ok(Self {
+            events,
+            extremes: (0..form.len()).map(|i| extremes(&map.steps, i)).collect(),
+            multipliers,
         })
     }
 }

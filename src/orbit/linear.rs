@@ -1,6 +1,8 @@
 //! The equations of motion linearised along one step: how friction follows the velocity and the
 //! memory of its contact, as power series in time.
 
+use std::fmt;
+
 use crate::friction::memory::{ContactLaw, Motion, Slip};
 use crate::friction::piece_above;
 use crate::motion::{Mode, Segment};
@@ -9,7 +11,45 @@ use crate::scalar::jet::{Jet, Run, Tape};
 use crate::scalar::{Scalar, mul_add};
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 use crate::state::structure::State;
-use crate::structure::{Contact, Step, Structure};
+use crate::structure::Step;
+use crate::structure::laws::Typed;
+use crate::structure::model::{Model, Support};
+
+use super::oscillator::Form;
+
+/// What the tangents ask of the laws of all contacts.
+pub(super) trait LinearLaws {
+    /// The law of a contact along a motion, and its derivative by one of its inputs: the sliding
+    /// speed, or number j of the memory.
+    fn derivative(
+        &self,
+        contact: usize,
+        motion: Motion<&PowerSeries>,
+        memories: &[PowerSeries],
+        by: Option<usize>,
+        tape: &mut Tape,
+    ) -> Derivative;
+    /// ∂μ_s/∂z_j; NaN for a law that never sticks.
+    fn limit_slope(&self, contact: usize, memory: &[f64], by: usize) -> f64;
+}
+
+/// Series of a law, and of its derivative by one input.
+pub(super) struct Derivative {
+    /// μ in slip.
+    coefficient: PowerSeries,
+    /// Its derivative.
+    slope: PowerSeries,
+    /// Those of the rates of the memory.
+    rates: Vec<PowerSeries>,
+    /// Whether anything depends on the input.
+    depends: bool,
+}
+
+impl fmt::Debug for dyn LinearLaws + '_ {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("LinearLaws")
+    }
+}
 
 /// The derivatives at one contact.
 #[derive(Debug, Clone)]
@@ -48,45 +88,49 @@ impl Joint {
 }
 
 /// The joints of a step of positive length.
-pub(super) fn joints<L: ContactLaw<Z>, const Z: usize>(
-    structure: &Structure<L, Z>,
-    step: &Step,
-    tape: &mut Tape,
-) -> Vec<Joint> {
-    let contacts = structure.contacts().iter().enumerate();
+pub(super) fn joints(form: &Form<'_>, step: &Step, tape: &mut Tape) -> Vec<Joint> {
+    let (model, count) = (&form.model, form.model.laws.memory());
+    let contacts = model.contacts.iter().enumerate();
     contacts
-        .map(|(c, contact)| {
-            let memories = step.series().get(structure.len() + c * Z..).unwrap_or(&[]);
+        .map(|(number, contact)| {
+            let first = model.len() + number * count;
             let along = Along {
+                model,
+                laws: &*form.laws,
+                number,
                 contact,
-                inverse_mass: structure.masses()[contact.coordinate()].recip(),
+                inverse_mass: model.masses[contact.coordinate].recip(),
                 step,
-                memories,
+                memories: step.series().get(first..).unwrap_or(&[]),
                 tape,
             };
-            along.joint(step.modes()[c])
+            along.joint(step.modes()[number])
         })
         .collect()
 }
 
 /// A contact along a step.
-struct Along<'a, L, const Z: usize> {
-    contact: &'a Contact<L, Z>,
+struct Along<'a> {
+    model: &'a Model<'a>,
+    laws: &'a dyn LinearLaws,
+    number: usize,
+    contact: &'a Support<'a>,
     inverse_mass: f64,
     step: &'a Step,
     memories: &'a [PowerSeries],
     tape: &'a mut Tape,
 }
 
-impl<L: ContactLaw<Z>, const Z: usize> Along<'_, L, Z> {
+impl Along<'_> {
     fn joint(mut self, mode: Mode) -> Joint {
+        let count = self.model.laws.memory();
         let mut joint = Joint {
-            body: self.contact.coordinate(),
+            body: self.contact.coordinate,
             is_stuck: mode == Mode::Stick,
             friction: Vec::new(),
             by_load: None,
-            rates: vec![Vec::new(); Z],
-            depends: vec![false; Z],
+            rates: vec![Vec::new(); count],
+            depends: vec![false; count],
         };
         match mode {
             Mode::Open => {}
@@ -96,33 +140,30 @@ impl<L: ContactLaw<Z>, const Z: usize> Along<'_, L, Z> {
         joint
     }
 
-    fn stick(&mut self, joint: &mut Joint) {
-        if Z == 0 {
-            return;
+    /// The derivative by one input, whose rates are noted.
+    fn derivative(
+        &mut self,
+        joint: &mut Joint,
+        motion: Motion<&PowerSeries>,
+        by: Option<usize>,
+    ) -> Derivative {
+        let (laws, memories) = (self.laws, self.memories);
+        let derivative = laws.derivative(self.number, motion, memories, by, self.tape);
+        if let Some(j) = by {
+            joint.depends[j] |= derivative.depends;
         }
-        let (law, memories) = (self.contact.law(), self.memories);
+        for (row, rate) in joint.rates.iter_mut().zip(&derivative.rates) {
+            row.push(*rate);
+        }
+        derivative
+    }
+
+    fn stick(&mut self, joint: &mut Joint) {
         for row in &mut joint.rates {
             row.push(PowerSeries::ZERO);
         }
-        for along in 0..Z {
-            let mut columns = [PowerSeries::ZERO; Z];
-            for k in 0..TERMS {
-                let (rates, depends) = self.tape.run(k, |run| {
-                    let memory = inputs::<Z>(run, memories, k, along);
-                    let zero = memory[0].constant(0.0);
-                    let limit = law.limit(zero, memory).map(|limit| limit.tangent);
-                    let depends = limit.is_some_and(|t| !matches!(t, Tangent::Constant(0.0)));
-                    let rates = law.rates(Motion::Stick, memory);
-                    (rates.map(|rate| tangent(rate, k)), depends)
-                });
-                joint.depends[along] |= depends || rates.iter().any(|rate| *rate != 0.0);
-                for (column, rate) in columns.iter_mut().zip(rates) {
-                    column[k] = rate;
-                }
-            }
-            for (row, column) in joint.rates.iter_mut().zip(columns) {
-                row.push(column);
-            }
+        for j in 0..joint.rates.len() {
+            self.derivative(joint, Motion::Stick, Some(j));
         }
     }
 
@@ -132,56 +173,32 @@ impl<L: ContactLaw<Z>, const Z: usize> Along<'_, L, Z> {
         let Some(velocity) = velocities.get(joint.body) else {
             return;
         };
-        let surface = self.contact.belt_velocity().series(step.clock());
+        let surface = self.contact.belt_velocity.series(step.clock());
         let speeds = PowerSeries::from_fn(|k| direction * (velocity[k] - surface[k]));
         let middle = speeds.at(0.5 * step.duration());
-        let (law, memories) = (self.contact.law(), self.memories);
-        let piece = piece_above(law.breakpoints(), middle);
+        let breakpoints = self.model.laws.breakpoints(self.number).into_iter();
         let load = self.load(step.state());
-        for along in 0..=Z {
-            let mut friction = PowerSeries::ZERO;
-            let mut coefficients = PowerSeries::ZERO;
-            let mut columns = [PowerSeries::ZERO; Z];
-            for k in 0..TERMS {
-                let (coefficient, slope, rates) = self.tape.run(k, |run| {
-                    let component = if along == 0 { direction } else { 0.0 };
-                    let slip = Slip {
-                        speed: Dual::along(run.variable(speeds[k]), component),
-                        direction,
-                        piece,
-                    };
-                    let memory = inputs::<Z>(run, memories, k, along.wrapping_sub(1));
-                    let coefficient = law.coefficient(slip, memory);
-                    let rates = law.rates(Motion::Slip(slip), memory);
-                    (
-                        coefficient.value.coefficient(),
-                        tangent(coefficient, k),
-                        rates.map(|rate| tangent(rate, k)),
-                    )
-                });
-                (coefficients[k], friction[k]) = (coefficient, slope);
-                if let Some(j) = along.checked_sub(1) {
-                    joint.depends[j] |= slope != 0.0 || rates.iter().any(|rate| *rate != 0.0);
-                }
-                for (column, rate) in columns.iter_mut().zip(rates) {
-                    column[k] = rate;
-                }
-            }
-            joint.friction.push(product(&load, &friction));
-            for (row, column) in joint.rates.iter_mut().zip(columns) {
-                row.push(column);
-            }
-            if along == 0 && !self.contact.load_gradient().is_empty() {
-                let gradient = self.contact.load_gradient().to_vec();
-                joint.by_load = Some((coefficients.scaled(self.inverse_mass), gradient));
-            }
+        let motion = Motion::Slip(Slip {
+            speed: &speeds,
+            direction,
+            piece: piece_above(breakpoints, middle),
+        });
+        let by_speed = self.derivative(joint, motion, None);
+        joint.friction.push(product(&load, &by_speed.slope));
+        if !self.contact.load_gradient.is_empty() {
+            let gradient = self.contact.load_gradient.to_vec();
+            joint.by_load = Some((by_speed.coefficient.scaled(self.inverse_mass), gradient));
+        }
+        for j in 0..joint.rates.len() {
+            let by_memory = self.derivative(joint, motion, Some(j));
+            joint.friction.push(product(&load, &by_memory.slope));
         }
     }
 
     /// N/m.
     fn load(&self, start: &State) -> PowerSeries {
-        let mut load = self.contact.load().series(self.step.clock());
-        for &(j, gradient) in self.contact.load_gradient() {
+        let mut load = self.contact.load.series(self.step.clock());
+        for &(j, gradient) in self.contact.load_gradient {
             load[0] += gradient * start.displacements[j];
             let velocity = &self.step.series()[j];
             for k in 1..TERMS {
@@ -192,16 +209,81 @@ impl<L: ContactLaw<Z>, const Z: usize> Along<'_, L, Z> {
     }
 }
 
-/// The memory as inputs of a law, with the tangent 1 for number `along`.
+impl<L: ContactLaw<Z>, const Z: usize> LinearLaws for Typed<'_, L, Z> {
+    fn derivative(
+        &self,
+        contact: usize,
+        motion: Motion<&PowerSeries>,
+        memories: &[PowerSeries],
+        by: Option<usize>,
+        tape: &mut Tape,
+    ) -> Derivative {
+        let law = self.0[contact];
+        let mut found = Derivative {
+            coefficient: PowerSeries::ZERO,
+            slope: PowerSeries::ZERO,
+            rates: vec![PowerSeries::ZERO; Z],
+            depends: false,
+        };
+        for k in 0..TERMS {
+            let rates = tape.run(k, |run| match motion {
+                Motion::Slip(slip) => {
+                    let component = if by.is_none() { slip.direction } else { 0.0 };
+                    let slip = Slip {
+                        speed: Dual::along(run.variable(slip.speed[k]), component),
+                        direction: slip.direction,
+                        piece: slip.piece,
+                    };
+                    let memory = inputs::<Z>(run, memories, k, by);
+                    let coefficient = law.coefficient(slip, memory);
+                    found.coefficient[k] = coefficient.value.coefficient();
+                    found.slope[k] = tangent(coefficient, k);
+                    law.rates(Motion::Slip(slip), memory)
+                        .map(|rate| tangent(rate, k))
+                }
+                Motion::Stick => {
+                    let memory = inputs::<Z>(run, memories, k, by);
+                    let Some(number) = memory.first() else {
+                        return [0.0; Z];
+                    };
+                    let limit = law.limit(number.constant(0.0), memory);
+                    found.depends |=
+                        limit.is_some_and(|limit| !matches!(limit.tangent, Tangent::Constant(0.0)));
+                    law.rates(Motion::Stick, memory)
+                        .map(|rate| tangent(rate, k))
+                }
+            });
+            found.depends |= found.slope[k] != 0.0 || rates.iter().any(|rate| *rate != 0.0);
+            for (series, rate) in found.rates.iter_mut().zip(rates) {
+                series[k] = rate;
+            }
+        }
+        found
+    }
+
+    fn limit_slope(&self, contact: usize, memory: &[f64], by: usize) -> f64 {
+        let inputs = std::array::from_fn(|j| {
+            let component = if j == by { 1.0 } else { 0.0 };
+            Dual::along(memory[j], component)
+        });
+        let limit = self.0[contact].limit(Dual::along(0.0, 0.0), inputs);
+        match limit.map(|limit| limit.tangent) {
+            Some(Tangent::Constant(slope) | Tangent::Varying(slope)) => slope,
+            None => f64::NAN,
+        }
+    }
+}
+
+/// The memory as inputs of a law, with the tangent 1 for number `by`.
 #[inline(always)]
 fn inputs<'r, const Z: usize>(
     run: &'r Run<'_>,
     memories: &[PowerSeries],
     k: usize,
-    along: usize,
+    by: Option<usize>,
 ) -> [Dual<Jet<'r>>; Z] {
     std::array::from_fn(|j| {
-        let component = if j == along { 1.0 } else { 0.0 };
+        let component = if by == Some(j) { 1.0 } else { 0.0 };
         Dual::along(run.input(memories[j][k]), component)
     })
 }

@@ -2,13 +2,12 @@
 
 use nalgebra::DMatrix;
 
-use super::oscillator::Oscillator;
+use super::oscillator::{Form, Oscillator};
 use super::tangent::{TangentFlow, flow_of};
 use crate::error::{Error, Reached};
-use crate::friction::memory::ContactLaw;
 use crate::motion::{Integrator, Mode, Segment};
 use crate::state::structure::State;
-use crate::structure::{Step, Structure};
+use crate::structure::Step;
 
 /// A Lyapunov exponent, with what it may be wrong by; made by [`lyapunov_with_spread`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,7 +28,7 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// Growth of a change over a part of the duration.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Growth {
+struct Growth {
     /// Logarithm of the factor; −∞ for a change that is gone.
     logarithm: f64,
     time: f64,
@@ -101,13 +100,22 @@ pub fn lyapunov_with_spread<S: Oscillator>(
     transient: f64,
     duration: f64,
 ) -> Result<LyapunovExponent, Error> {
+    exponent(&system.form(), &S::general(start), transient, duration)
+}
+
+fn exponent(
+    form: &Form<'_>,
+    start: &State,
+    transient: f64,
+    duration: f64,
+) -> Result<LyapunovExponent, Error> {
     if !(transient >= 0.0 && transient.is_finite()) {
         return Err(Error::InvalidDuration { value: transient });
     }
     if !(duration > 0.0 && (transient + duration).is_finite()) {
         return Err(Error::InvalidDuration { value: duration });
     }
-    let parts = system.growths(&S::general(start), transient, duration)?;
+    let parts = growths(form, start, transient, duration)?;
     let parts: Vec<Growth> = parts.into_iter().filter(|part| part.time > 0.0).collect();
     let sum = |of: fn(&Growth) -> f64| parts.iter().map(of).sum::<f64>();
     let time = sum(|part| part.time);
@@ -128,15 +136,13 @@ pub fn lyapunov_with_spread<S: Oscillator>(
 }
 
 /// The growth of a change in parts of the duration after a transient.
-pub(super) fn growths<L: ContactLaw<Z>, const Z: usize>(
-    structure: &Structure<L, Z>,
+fn growths(
+    form: &Form<'_>,
     start: &State,
     transient: f64,
     duration: f64,
 ) -> Result<Vec<Growth>, Error> {
-    let n = structure.len();
-    let order = 2 * n + Z * structure.contacts().len();
-    let is_free = structure.drives().all(|drive| drive.is_constant());
+    let (n, order, is_free) = (form.len(), form.order(), form.is_free());
     // Any change will do that is not special. Memories take theirs from the motion, so that those
     // on which nothing depends have none.
     let change = |i: usize, _| {
@@ -147,7 +153,7 @@ pub(super) fn growths<L: ContactLaw<Z>, const Z: usize>(
         }
     };
     let tangents = DMatrix::from_fn(order, 1, change);
-    let mut flow = TangentFlow::new(structure, Integrator::new(), start, tangents)?;
+    let mut flow = TangentFlow::new(form, Integrator::new(), start, tangents)?;
     flow.logarithm = Some(0.0);
     let mut parts = Parts {
         growths: [Growth::default(); PARTS],
@@ -233,11 +239,7 @@ impl Parts {
 
 /// Makes the change one of size 1, and gives the logarithm of the factor by which it has grown. Of
 /// a free motion, what lies along the motion is taken out first: it neither grows nor dies.
-fn normalise<L: ContactLaw<Z>, const Z: usize>(
-    flow: &mut TangentFlow<'_, L, Z>,
-    along: Option<&[f64]>,
-    step: &Step,
-) -> Result<f64, Error> {
+fn normalise(flow: &mut TangentFlow<'_>, along: Option<&[f64]>, step: &Step) -> Result<f64, Error> {
     let before = flow.logarithm.replace(0.0).unwrap_or(0.0);
     let change = flow.tangents.as_mut_slice();
     let norm = |x: &[f64]| x.iter().fold(0.0, |norm: f64, x| norm.hypot(*x));

@@ -3,13 +3,12 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::multipliers::multipliers;
-use super::oscillator::Passage;
+use super::oscillator::Form;
 use super::tangent::{TangentFlow, flow_of};
 use crate::error::Error;
-use crate::friction::memory::ContactLaw;
-use crate::motion::{Integrator, Mode, Segment, System};
+use crate::motion::{EventKind, Integrator, Mode, Segment};
 use crate::state::structure::State;
-use crate::structure::{Step, Structure};
+use crate::structure::{Flow, Step};
 
 /// A motion over one period, closed or not.
 ///
@@ -156,20 +155,19 @@ pub(super) fn state(vector: &DVector<f64>, n: usize) -> State {
 }
 
 /// The map over a duration from a state at a time.
-pub(super) fn period_map<L: ContactLaw<Z>, const Z: usize>(
-    structure: &Structure<L, Z>,
+pub(super) fn period_map(
+    form: &Form<'_>,
     time: f64,
     start: &State,
     duration: f64,
 ) -> Result<PeriodMap, Error> {
-    let n = structure.len();
-    let order = 2 * n + Z * structure.contacts().len();
+    let (n, order) = (form.len(), form.order());
     let settings = Integrator::new()
         .with_max_steps(Integrator::DEFAULT_MAX_STEPS)?
         .with_start_time(time)?;
     let end_time = time + duration;
     let identity = DMatrix::identity(order, order);
-    let mut flow = TangentFlow::new(structure, settings, start, identity)?;
+    let mut flow = TangentFlow::new(form, settings, start, identity)?;
     let mut steps: Vec<Step> = Vec::new();
     let mut first_flow = None;
     // From the start to the cut, behind which `flow.tangents` begin anew; and the flow there.
@@ -221,8 +219,8 @@ pub(super) fn period_map<L: ContactLaw<Z>, const Z: usize>(
 
 /// The map of the same closed motion begun elsewhere, where its start lies so near to an event that
 /// rounding decides whether the end lies before it or after; `None` if it does not.
-pub(super) fn begun_apart<L: ContactLaw<Z>, const Z: usize>(
-    structure: &Structure<L, Z>,
+pub(super) fn begun_apart(
+    form: &Form<'_>,
     map: &PeriodMap,
     period: f64,
 ) -> Result<Option<PeriodMap>, Error> {
@@ -247,22 +245,22 @@ pub(super) fn begun_apart<L: ContactLaw<Z>, const Z: usize>(
         return Ok(None);
     };
     let mut state = step.state_at(step.since_start(time));
-    for (contact, mode) in structure.contacts().iter().zip(step.modes()) {
+    for (contact, mode) in form.model.contacts.iter().zip(step.modes()) {
         if *mode == Mode::Stick {
-            state.velocities[contact.coordinate()] = contact.belt_velocity().value(time);
+            state.velocities[contact.coordinate] = contact.belt_velocity.value(time);
         }
     }
-    period_map(structure, time, &state, period).map(Some)
+    period_map(form, time, &state, period).map(Some)
 }
 
 /// Where a motion is after a duration, and what its contacts do from then on.
-pub(super) fn reach<L: ContactLaw<Z>, const Z: usize>(
-    structure: &Structure<L, Z>,
+pub(super) fn reach(
+    form: &Form<'_>,
     start: &State,
     duration: f64,
 ) -> Result<(State, Vec<Mode>), Error> {
     let mut reached = None;
-    for step in Integrator::new().flow(structure, start.clone())? {
+    for step in Flow::new(Integrator::new(), form.model.clone(), start)? {
         let step = step?;
         let is_last = step.end_time() >= duration;
         if is_last || reached.is_none() {
@@ -280,15 +278,14 @@ pub(super) fn reach<L: ContactLaw<Z>, const Z: usize>(
     reached.ok_or(Error::InvalidDuration { value: duration })
 }
 
+/// The end of a motion, and its events: contact and kind.
+type Passage = (State, Vec<(usize, EventKind)>);
+
 /// Where a motion is after a duration, and the events on the way.
-pub(super) fn passage<L: ContactLaw<Z>, const Z: usize>(
-    structure: &Structure<L, Z>,
-    start: &State,
-    duration: f64,
-) -> Result<Passage, Error> {
+pub(super) fn passage(form: &Form<'_>, start: &State, duration: f64) -> Result<Passage, Error> {
     let mut events = Vec::new();
     let settings = Integrator::new().with_max_steps(Integrator::DEFAULT_MAX_STEPS)?;
-    for step in System::flow(structure, settings, start.clone())? {
+    for step in Flow::new(settings, form.model.clone(), start)? {
         let step = step?;
         if step.end_time() >= duration {
             return Ok((step.until(duration).end_state(), events));

@@ -86,7 +86,7 @@
 //!
 //! | file | what is in it |
 //! |---|---|
-//! | `oscillator.rs` | [`Oscillator`]: what the searches need of a system |
+//! | `oscillator.rs` | [`Oscillator`]: what the searches need of a system, without the type of its laws |
 //! | `linear.rs` | the equations linearised along one step: derivatives of the laws as power series |
 //! | `tangent.rs` | the tangent flow: small changes, carried along by the steps of the motion |
 //! | `saltation.rs` | what events do to small changes: one formula for all |

@@ -1,15 +1,18 @@
 //! What the searches need of a system.
 
-use super::lyapunov::{self, Growth};
+use super::linear::LinearLaws;
 use super::map::{self, PeriodMap};
 use crate::belt::MassOnBelt;
+use crate::drive;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::friction::memory::ContactLaw;
-use crate::motion::{Ended, EventKind, Mode, System, Trajectory};
+use crate::motion::{Ended, System, Trajectory};
 use crate::state;
 use crate::state::structure::State;
 use crate::structure::Structure;
+use crate::structure::laws::Typed;
+use crate::structure::model::Model;
 
 /// A system whose periodic motions can be found: [`MassOnBelt`] or [`Structure`]. Sealed, as
 /// [`System`] is.
@@ -22,48 +25,70 @@ pub trait Oscillator: System {
     /// The system's own form of a state.
     #[doc(hidden)]
     fn own(state: &State) -> Self::State;
-    /// Numbers of displacements and of numbers that contacts remember.
+    /// The system as the searches see it.
     #[doc(hidden)]
-    fn sizes(&self) -> (usize, usize);
-    /// How its drives vary.
-    #[doc(hidden)]
-    fn rhythm(&self) -> Rhythm;
-    /// Coordinate of each contact, and the velocity of its belt at time 0.
-    #[doc(hidden)]
-    fn belts(&self) -> Vec<(usize, f64)>;
-    /// The motion from a state at time 0 over a duration, with its derivative with respect to that
-    /// state.
-    #[doc(hidden)]
-    fn period_map(&self, start: &State, duration: f64) -> Result<PeriodMap, Error>;
-    /// The map of the same closed motion begun where no event is near, if its start is near to one.
-    #[doc(hidden)]
-    fn begun_apart(&self, map: &PeriodMap, period: f64) -> Result<Option<PeriodMap>, Error>;
-    /// Where the motion from a state at time 0 is after a duration, and what its contacts do there.
-    #[doc(hidden)]
-    fn reach(&self, start: &State, duration: f64) -> Result<(State, Vec<Mode>), Error>;
-    /// Where the motion from a state at time 0 is after a duration, and the events on the way.
-    #[doc(hidden)]
-    fn passage(&self, start: &State, duration: f64) -> Result<Passage, Error>;
-    /// How a small change of the motion from a state at time 0 grows, in parts of a duration.
-    #[doc(hidden)]
-    fn growths(&self, start: &State, transient: f64, duration: f64) -> Result<Vec<Growth>, Error>;
+    fn form(&self) -> Form<'_>;
     /// The motion over one period in the system's own form.
     #[doc(hidden)]
     fn trajectory(&self, map: PeriodMap, period: f64) -> Result<Trajectory<Self::State>, Error>;
 }
 
-/// The end of a motion, and its events: contact and kind.
-pub(super) type Passage = (State, Vec<(usize, EventKind)>);
+/// A system without the type of its laws: what all searches work on, so that they are compiled
+/// once.
+#[derive(Debug)]
+pub struct Form<'s> {
+    pub(super) model: Model<'s>,
+    pub(super) laws: Box<dyn LinearLaws + 's>,
+}
 
 /// How drives vary.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Rhythm {
+pub(super) enum Rhythm {
     /// Not at all.
     Constant,
     /// With a common period.
     Periodic(f64),
     /// Without one.
     Aperiodic,
+}
+
+impl Form<'_> {
+    /// Number of displacements.
+    pub(super) fn len(&self) -> usize {
+        self.model.len()
+    }
+
+    /// Numbers of a state: displacements, velocities, and what contacts remember.
+    pub(super) fn order(&self) -> usize {
+        2 * self.len() + self.model.remembered()
+    }
+
+    pub(super) fn rhythm(&self) -> Rhythm {
+        match drive::common_period(self.model.drives()) {
+            Some(period) => Rhythm::Periodic(period),
+            None if self.is_free() => Rhythm::Constant,
+            None => Rhythm::Aperiodic,
+        }
+    }
+
+    /// Whether no drive varies.
+    pub(super) fn is_free(&self) -> bool {
+        self.model.drives().all(|drive| drive.is_constant())
+    }
+
+    /// Coordinate of each contact, and the velocity of its belt at time 0.
+    pub(super) fn belts(&self) -> Vec<(usize, f64)> {
+        let contacts = self.model.contacts.iter();
+        contacts
+            .map(|contact| (contact.coordinate, contact.belt_velocity.value(0.0)))
+            .collect()
+    }
+
+    /// The motion from a state at time 0 over a duration, with its derivative with respect to that
+    /// state.
+    pub fn period_map(&self, start: &State, duration: f64) -> Result<PeriodMap, Error> {
+        map::period_map(self, 0.0, start, duration)
+    }
 }
 
 impl<L: ContactLaw<Z>, const Z: usize> Oscillator for Structure<L, Z> {
@@ -75,43 +100,11 @@ impl<L: ContactLaw<Z>, const Z: usize> Oscillator for Structure<L, Z> {
         state.clone()
     }
 
-    fn sizes(&self) -> (usize, usize) {
-        (self.len(), Z * self.contacts().len())
-    }
-
-    fn rhythm(&self) -> Rhythm {
-        match self.period() {
-            Some(period) => Rhythm::Periodic(period),
-            None if self.drives().all(|drive| drive.is_constant()) => Rhythm::Constant,
-            None => Rhythm::Aperiodic,
+    fn form(&self) -> Form<'_> {
+        Form {
+            model: self.model(),
+            laws: Box::new(self.laws()),
         }
-    }
-
-    fn belts(&self) -> Vec<(usize, f64)> {
-        let contacts = self.contacts().iter();
-        contacts
-            .map(|contact| (contact.coordinate(), contact.belt_velocity().value(0.0)))
-            .collect()
-    }
-
-    fn period_map(&self, start: &State, duration: f64) -> Result<PeriodMap, Error> {
-        map::period_map(self, 0.0, start, duration)
-    }
-
-    fn begun_apart(&self, map: &PeriodMap, period: f64) -> Result<Option<PeriodMap>, Error> {
-        map::begun_apart(self, map, period)
-    }
-
-    fn reach(&self, start: &State, duration: f64) -> Result<(State, Vec<Mode>), Error> {
-        map::reach(self, start, duration)
-    }
-
-    fn passage(&self, start: &State, duration: f64) -> Result<Passage, Error> {
-        map::passage(self, start, duration)
-    }
-
-    fn growths(&self, start: &State, transient: f64, duration: f64) -> Result<Vec<Growth>, Error> {
-        lyapunov::growths(self, start, transient, duration)
     }
 
     fn trajectory(&self, map: PeriodMap, period: f64) -> Result<Trajectory<State>, Error> {
@@ -132,36 +125,11 @@ impl<L: FrictionLaw> Oscillator for MassOnBelt<L> {
         }
     }
 
-    fn sizes(&self) -> (usize, usize) {
-        (1, 0)
-    }
-
-    fn rhythm(&self) -> Rhythm {
-        Rhythm::Constant
-    }
-
-    fn belts(&self) -> Vec<(usize, f64)> {
-        vec![(0, self.belt_velocity())]
-    }
-
-    fn period_map(&self, start: &State, duration: f64) -> Result<PeriodMap, Error> {
-        Structure::from(&self.by_reference()).period_map(start, duration)
-    }
-
-    fn begun_apart(&self, map: &PeriodMap, period: f64) -> Result<Option<PeriodMap>, Error> {
-        Structure::from(&self.by_reference()).begun_apart(map, period)
-    }
-
-    fn reach(&self, start: &State, duration: f64) -> Result<(State, Vec<Mode>), Error> {
-        Structure::from(&self.by_reference()).reach(start, duration)
-    }
-
-    fn passage(&self, start: &State, duration: f64) -> Result<Passage, Error> {
-        Structure::from(&self.by_reference()).passage(start, duration)
-    }
-
-    fn growths(&self, start: &State, transient: f64, duration: f64) -> Result<Vec<Growth>, Error> {
-        Structure::from(&self.by_reference()).growths(start, transient, duration)
+    fn form(&self) -> Form<'_> {
+        Form {
+            model: Model::of_belt(self),
+            laws: Box::new(Typed::<L, 0>(vec![self.law()])),
+        }
     }
 
     fn trajectory(&self, map: PeriodMap, period: f64) -> Result<Trajectory, Error> {

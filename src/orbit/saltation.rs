@@ -18,18 +18,19 @@
 //! At one instant f jumps for the contacts of the events alone, in v' and z'. Where it does not,
 //! the changes go on as they are.
 
-use nalgebra::RowDVector;
+use nalgebra::{DMatrix, RowDVector};
 
+use super::linear::LinearLaws;
 use super::tangent::TangentFlow;
-use crate::friction::memory::{ContactLaw, Motion, Slip};
+use crate::friction::memory::{Motion, Slip};
 use crate::motion::{EventKind, Mode, Segment};
-use crate::scalar::dual::{Dual, Tangent};
 use crate::series::PowerSeries;
 use crate::state::Direction;
 use crate::structure::Step;
+use crate::structure::laws::Laws;
 
 /// A contact at the time of an event, all divided by its mass.
-struct Instant<const Z: usize> {
+struct Instant {
     coordinate: usize,
     /// N.
     load: f64,
@@ -38,30 +39,91 @@ struct Instant<const Z: usize> {
     rate: f64,
     /// dR/dt just before.
     carried_rate: f64,
-    memory: [f64; Z],
+    memory: Vec<f64>,
 }
 
-impl<L: ContactLaw<Z>, const Z: usize> TangentFlow<'_, L, Z> {
+/// The law of one contact.
+#[derive(Clone, Copy)]
+struct Law<'l> {
+    laws: &'l dyn Laws,
+    linear: &'l dyn LinearLaws,
+    contact: usize,
+}
+
+impl Law<'_> {
+    /// μ with the sign of r where slip begins or ends.
+    fn coefficient(self, side: Direction, memory: &[f64]) -> f64 {
+        self.laws
+            .coefficient(self.contact, at_zero(side), &|j| memory[j])
+    }
+
+    fn rates(self, motion: Motion<f64>, memory: &[f64]) -> Vec<f64> {
+        let mut rates = vec![0.0; memory.len()];
+        let take = &mut |j: usize, rate| rates[j] = rate;
+        self.laws.rates(self.contact, motion, &|j| memory[j], take);
+        rates
+    }
+
+    /// Where slip begins or ends.
+    fn slipping(self, side: Direction, memory: &[f64]) -> Vec<f64> {
+        self.rates(Motion::Slip(at_zero(side)), memory)
+    }
+
+    fn caught(self, memory: &[f64]) -> Vec<f64> {
+        let mut caught = memory.to_vec();
+        self.laws.caught(self.contact, &mut caught);
+        caught
+    }
+
+    /// μ_s and its slopes over the memory.
+    fn limit(self, memory: &[f64]) -> (f64, Vec<f64>) {
+        let value = self.laws.limit(self.contact, &|j| memory[j]);
+        let slope = |j: usize| self.linear.limit_slope(self.contact, memory, j);
+        (
+            value.unwrap_or(f64::NAN),
+            (0..memory.len()).map(slope).collect(),
+        )
+    }
+}
+
+fn at_zero(side: Direction) -> Slip<f64> {
+    Slip {
+        speed: 0.0,
+        direction: side.sign(),
+        piece: 0,
+    }
+}
+
+impl TangentFlow<'_> {
+    fn law(&self, contact: usize) -> Law<'_> {
+        Law {
+            laws: &*self.form.model.laws,
+            linear: &*self.form.laws,
+            contact,
+        }
+    }
+
     /// Takes the tangents across the start itself: a contact that slips from r = 0, or is open, has
     /// had its memory set by its law.
     pub(super) fn begin(&mut self, step: &Step) {
-        let n = self.structure.len();
-        for (number, contact) in self.structure.contacts().iter().enumerate() {
-            let surface = contact.belt_velocity().at(step.clock())[0];
+        let (n, count) = (self.form.len(), self.form.model.laws.memory());
+        for (number, contact) in self.form.model.contacts.iter().enumerate() {
+            let surface = contact.belt_velocity.at(step.clock())[0];
             let rests = step.modes()[number] == Mode::Stick;
-            if rests || self.start.velocities[contact.coordinate()] != surface {
+            if rests || self.start.velocities[contact.coordinate] != surface {
                 continue;
             }
-            let first = 2 * n + number * Z;
-            let memory = |j: usize| self.start.memory.get(number * Z + j).copied();
-            let memory = std::array::from_fn(|j| memory(j).unwrap_or(0.0));
-            let slopes = slopes_of(|memory| contact.law().caught(memory), memory);
-            let before = self.tangents.rows(first, Z).into_owned();
-            for (j, slopes) in slopes.into_iter().enumerate() {
+            let first = 2 * n + number * count;
+            let memory = |j: usize| self.start.memory.get(number * count + j).copied();
+            let memory: Vec<f64> = (0..count).map(|j| memory(j).unwrap_or(0.0)).collect();
+            let law = self.law(number);
+            let slopes = slopes_of(&|memory| law.caught(memory), &memory);
+            let before = self.tangents.rows(first, count).into_owned();
+            for j in 0..count {
                 let mut row = self.tangents.row_mut(first + j);
                 row.fill(0.0);
-                for (l, slope) in slopes.into_iter().enumerate() {
-                    row += before.row(l) * slope;
+                for l in 0..count {
+                    row += before.row(l) * slopes[(j, l)];
                 }
             }
         }
@@ -88,51 +150,44 @@ impl<L: ContactLaw<Z>, const Z: usize> TangentFlow<'_, L, Z> {
         contact: usize,
         kind: EventKind,
     ) -> Vec<(usize, RowDVector<f64>)> {
-        let law = self.structure.contacts()[contact].law();
+        let (law, count) = (self.law(contact), self.form.model.laws.memory());
         let at = self.instant(step, contact);
-        let n = self.structure.len();
+        let n = self.form.len();
         let velocity = n + at.coordinate;
         let row = |row: usize| -> RowDVector<f64> { self.tangents.row(row).into_owned() };
         let side = match step.modes()[contact] {
             Mode::Slip(side) => side,
             _ => Direction::Leading,
         };
-        let at_zero = |side: Direction| Slip {
-            speed: 0.0,
-            direction: side.sign(),
-            piece: 0,
-        };
-        // With the sign of r; of the law, not divided by anything.
-        let coefficient = |side: Direction| law.coefficient(at_zero(side), at.memory);
-        let slipping = |side, memory| law.rates(Motion::Slip(at_zero(side)), memory);
         // δt, the jump −f₊ + Dg f₋ + ∂g/∂t of v', and z' before and after.
         let (later, jump, caught, before, after) = match kind {
             EventKind::Open if step.modes()[contact] == Mode::Stick => {
                 let never = row(velocity) * 0.0;
-                (never, 0.0, true, [0.0; Z], [0.0; Z])
+                (never, 0.0, true, vec![0.0; count], vec![0.0; count])
             }
             EventKind::Open | EventKind::Close => return Vec::new(),
             EventKind::Stick => {
-                let after = law.caught(at.memory);
-                let rates = law.rates(Motion::Stick, after);
+                let rates = law.rates(Motion::Stick, &law.caught(&at.memory));
                 let later = row(velocity) * -at.rate.recip();
-                (later, 0.0, true, slipping(side, at.memory), rates)
+                (later, 0.0, true, law.slipping(side, &at.memory), rates)
             }
             EventKind::Crossing(to) => {
-                let jump = at.load * (coefficient(to) - coefficient(side));
-                let rates = [side, to].map(|side| slipping(side, at.memory));
+                let [before, after] = [side, to].map(|side| law.coefficient(side, &at.memory));
+                let jump = at.load * (after - before);
+                let [before, after] = [side, to].map(|side| law.slipping(side, &at.memory));
                 let later = row(velocity) * -at.rate.recip();
-                (later, jump, false, rates[0], rates[1])
+                (later, jump, false, before, after)
             }
             EventKind::Release(to) => {
-                let (limit, slopes) = limit(law, at.memory);
-                let before = law.rates(Motion::Stick, at.memory);
-                let after = slipping(to, law.caught(at.memory));
-                let surplus = at.load * (limit - to.sign() * coefficient(to));
+                let (limit, slopes) = law.limit(&at.memory);
+                let before = law.rates(Motion::Stick, &at.memory);
+                let after = law.slipping(to, &law.caught(&at.memory));
+                let coefficient = law.coefficient(to, &at.memory);
+                let surplus = at.load * (limit - to.sign() * coefficient);
                 let later = if step.is_forced(contact) {
                     row(velocity) * 0.0
                 } else {
-                    self.later(contact, to.sign(), (limit, slopes, before), &at)
+                    self.later(contact, to.sign(), (limit, &slopes, &before), &at)
                 };
                 (later, -to.sign() * surplus.max(0.0), true, before, after)
             }
@@ -143,16 +198,17 @@ impl<L: ContactLaw<Z>, const Z: usize> TangentFlow<'_, L, Z> {
         } else if jump != 0.0 {
             changes.push((velocity, row(velocity) + &later * jump));
         }
-        let first = 2 * n + contact * Z;
+        let first = 2 * n + contact * count;
         let slopes = if caught {
-            slopes_of(|memory| law.caught(memory), at.memory)
+            slopes_of(&|memory| law.caught(memory), &at.memory)
         } else {
-            std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))))
+            DMatrix::identity(count, count)
         };
-        for (j, slopes) in slopes.into_iter().enumerate() {
+        for j in 0..count {
             let mut change = row(first) * 0.0;
             let mut jump = -after[j];
-            for (l, slope) in slopes.into_iter().enumerate() {
+            for l in 0..count {
+                let slope = slopes[(j, l)];
                 if slope != 0.0 {
                     change += row(first + l) * slope;
                     jump += slope * before[l];
@@ -171,106 +227,94 @@ impl<L: ContactLaw<Z>, const Z: usize> TangentFlow<'_, L, Z> {
         &self,
         contact: usize,
         sign: f64,
-        (limit, slopes, rates): (f64, [f64; Z], [f64; Z]),
-        at: &Instant<Z>,
+        (limit, slopes, rates): (f64, &[f64], &[f64]),
+        at: &Instant,
     ) -> RowDVector<f64> {
-        let (n, i) = (self.structure.len(), at.coordinate);
+        let model = &self.form.model;
+        let (n, i) = (model.len(), at.coordinate);
         let row = |row: usize| self.tangents.row(row);
-        let mut gradient: RowDVector<f64> = row(i) * (-sign * self.stiffness.diagonal()[i]);
-        gradient += row(n + i) * (-sign * self.damping.diagonal()[i]);
-        for (first, matrix) in [(0, &self.stiffness), (n, &self.damping)] {
-            for &(j, a) in matrix.beside_diagonal(i) {
+        let [(spring, springs), (damper, dampers)] = [model.stiffness.row(i), model.damping.row(i)];
+        let mut gradient: RowDVector<f64> = row(i) * (-sign * spring);
+        gradient += row(n + i) * (-sign * damper);
+        for (first, beside) in [(0, springs), (n, dampers)] {
+            for &(j, a) in beside {
                 gradient += row(first + j) * (-sign * a);
             }
         }
-        let mass = self.structure.masses()[i];
-        for &(j, a) in self.structure.contacts()[contact].load_gradient() {
+        let mass = model.masses[i];
+        for &(j, a) in model.contacts[contact].load_gradient {
             gradient += row(j) * (-limit * a / mass);
         }
         let mut rate = sign * at.carried_rate - at.load_rate * limit;
-        for j in 0..Z {
-            gradient += row(2 * n + contact * Z + j) * (-at.load * slopes[j]);
+        for j in 0..slopes.len() {
+            gradient += row(2 * n + contact * slopes.len() + j) * (-at.load * slopes[j]);
             rate -= at.load * slopes[j] * rates[j];
         }
         gradient * -rate.recip()
     }
 
-    fn instant(&self, step: &Step, number: usize) -> Instant<Z> {
-        let contact = &self.structure.contacts()[number];
-        let (n, i, h) = (self.structure.len(), contact.coordinate(), step.duration());
+    fn instant(&self, step: &Step, number: usize) -> Instant {
+        let (model, count) = (&self.form.model, self.form.model.laws.memory());
+        let contact = &model.contacts[number];
+        let (n, i, h) = (model.len(), contact.coordinate, step.duration());
         let state = step.end_state();
-        let mass = self.structure.masses()[i];
+        let mass = model.masses[i];
         // Just before: the drives go on as they did.
         let slope = |series: &PowerSeries| series.derivative().at(h);
-        let surface = contact.belt_velocity().series(step.clock());
-        let force = self.structure.forces()[i].series(step.clock());
-        let load = contact.load().series(step.clock());
+        let surface = contact.belt_velocity.series(step.clock());
+        let force = model.forces[i].series(step.clock());
+        let load = contact.load.series(step.clock());
         let acceleration = |j: usize| slope(&step.series()[j]);
         let velocity = |j: usize| state.velocities[j];
+        let [(spring, springs), (damper, dampers)] = [model.stiffness.row(i), model.damping.row(i)];
         let mut carried_rate = slope(&force) / mass
             - slope(&surface.derivative())
-            - self.stiffness.diagonal()[i] * velocity(i)
-            - self.damping.diagonal()[i] * acceleration(i);
-        for &(j, a) in self.stiffness.beside_diagonal(i) {
+            - spring * velocity(i)
+            - damper * acceleration(i);
+        for &(j, a) in springs {
             carried_rate -= a * velocity(j);
         }
-        for &(j, a) in self.damping.beside_diagonal(i) {
+        for &(j, a) in dampers {
             carried_rate -= a * acceleration(j);
         }
-        let gradient = contact.load_gradient().iter();
+        let gradient = contact.load_gradient.iter();
         let from_displacements: f64 = gradient.map(|&(j, a)| a * velocity(j)).sum();
         let load_now = load.at(h) + contact.displacement_load(&state.displacements);
-        let memory = |j: usize| state.memory.get(number * Z + j).copied().unwrap_or(0.0);
-        debug_assert_eq!(step.series().len(), n + Z * self.structure.contacts().len());
+        let memory = |j: usize| state.memory.get(number * count + j).copied().unwrap_or(0.0);
+        debug_assert_eq!(step.series().len(), n + model.remembered());
         Instant {
             coordinate: i,
             load: load_now / mass,
             load_rate: (slope(&load) + from_displacements) / mass,
             rate: acceleration(i) - slope(&surface),
             carried_rate,
-            memory: std::array::from_fn(memory),
+            memory: (0..count).map(memory).collect(),
         }
     }
 }
 
-/// μ_s and its slopes over the memory.
-fn limit<L: ContactLaw<Z>, const Z: usize>(law: &L, memory: [f64; Z]) -> (f64, [f64; Z]) {
-    let along = |j: usize| {
-        let inputs = std::array::from_fn(|l| {
-            let component = if j == l { 1.0 } else { 0.0 };
-            Dual::along(memory[l], component)
-        });
-        law.limit(Dual::along(0.0, 0.0), inputs)
-    };
-    let value = law.limit(0.0, memory).unwrap_or(f64::NAN);
-    let slopes = std::array::from_fn(|j| match along(j).map(|limit| limit.tangent) {
-        Some(Tangent::Constant(slope) | Tangent::Varying(slope)) => slope,
-        None => f64::NAN,
-    });
-    (value, slopes)
-}
-
 /// The slopes of a map by differences of fourth order; exact for one that is linear.
-fn slopes_of<const Z: usize>(map: impl Fn([f64; Z]) -> [f64; Z], at: [f64; Z]) -> [[f64; Z]; Z] {
+fn slopes_of(map: &dyn Fn(&[f64]) -> Vec<f64>, at: &[f64]) -> DMatrix<f64> {
     /// About the fifth root of ε, and a power of two.
     const PART: f64 = 1.0 / 1024.0;
-    let mut slopes = [[0.0; Z]; Z];
-    for j in 0..Z {
-        let step = if at[j] == 0.0 {
+    let mut slopes = DMatrix::zeros(at.len(), at.len());
+    for (j, value) in at.iter().enumerate() {
+        let step = if *value == 0.0 {
             PART
         } else {
-            at[j].abs() * PART
+            value.abs() * PART
         };
         let difference = |width: f64| {
-            let [mut low, mut high] = [at; 2];
+            let [mut low, mut high] = [at.to_vec(), at.to_vec()];
             low[j] -= width;
             high[j] += width;
-            let (below, above, apart) = (map(low), map(high), high[j] - low[j]);
-            std::array::from_fn::<_, Z, _>(|i| (above[i] - below[i]) / apart)
+            let (below, above, apart) = (map(&low), map(&high), high[j] - low[j]);
+            let pairs = std::iter::zip(below, above);
+            pairs.map(|(a, b)| (b - a) / apart).collect::<Vec<f64>>()
         };
-        let (near, far) = (difference(step), difference(2.0 * step));
-        for i in 0..Z {
-            slopes[i][j] = near[i] + (near[i] - far[i]) / 3.0;
+        let pairs = std::iter::zip(difference(step), difference(2.0 * step));
+        for (i, (near, far)) in pairs.enumerate() {
+            slopes[(i, j)] = near + (near - far) / 3.0;
         }
     }
     slopes

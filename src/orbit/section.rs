@@ -170,7 +170,7 @@ pub fn section_at<'s, S: Oscillator>(
     contact: usize,
     kind: EventKind,
 ) -> EventSection<'s, S> {
-    let exists = contact < system.belts().len();
+    let exists = contact < system.form().model.contacts.len();
     let checked = Error::check(
         "orbit::section_at",
         "contact",

@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector, SVD};
 
 use super::found::Orbit;
-use super::map::{PeriodMap, state, vector};
-use super::oscillator::{Oscillator, Rhythm};
+use super::map::{self, PeriodMap, state, vector};
+use super::oscillator::{Form, Oscillator, Rhythm};
 use crate::error::Error;
 use crate::motion::Mode;
 use crate::state::structure::State;
@@ -52,9 +52,8 @@ impl Period {
 
 /// A fixed point that is looked for: x(T) = x(0).
 #[derive(Debug)]
-pub(super) struct Problem<'s, S> {
-    pub(super) system: &'s S,
-    n: usize,
+struct Problem<'s> {
+    form: &'s Form<'s>,
     /// Of a free motion: a point of the section, and its normal.
     section: Option<[DVector<f64>; 2]>,
 }
@@ -93,18 +92,12 @@ const SINGULAR: f64 = 1e-11;
 /// magnifies. Rounding alone causes about 1e-15.
 pub(super) const CLOSED: f64 = 1e-11;
 
-impl<'s, S: Oscillator> Problem<'s, S> {
+impl<'s> Problem<'s> {
     /// The problem for a guess, with the first trial.
-    pub(super) fn new(
-        system: &'s S,
-        guess: &State,
-        period: Period,
-    ) -> Result<(Self, Trial), Error> {
-        let (n, memory) = system.sizes();
-        let duration = period.duration(system.rhythm())?;
+    fn new(form: &'s Form<'s>, guess: &State, period: Period) -> Result<(Self, Trial), Error> {
+        let duration = period.duration(form.rhythm())?;
         let mut problem = Self {
-            system,
-            n,
+            form,
             section: None,
         };
         let trial = problem.trial(guess, duration)?;
@@ -114,14 +107,14 @@ impl<'s, S: Oscillator> Problem<'s, S> {
             if length == 0.0 {
                 return Err(Error::AtRest);
             }
-            problem.section = Some([vector(guess, 2 * n + memory), normal / length]);
+            problem.section = Some([vector(guess, form.order()), normal / length]);
         }
         Ok((problem, trial))
     }
 
     /// The motion over one period from a start.
-    pub(super) fn trial(&self, start: &State, period: f64) -> Result<Trial, Error> {
-        let map = self.system.period_map(start, period)?;
+    fn trial(&self, start: &State, period: f64) -> Result<Trial, Error> {
+        let map = self.form.period_map(start, period)?;
         Ok(Trial::new(map, period))
     }
 
@@ -156,19 +149,18 @@ impl<'s, S: Oscillator> Problem<'s, S> {
     fn changed(&self, trial: &Trial, change: &DVector<f64>, part: f64) -> State {
         let map = &trial.map;
         let mut start = vector(&map.start, map.order()) + change * part;
-        for ((coordinate, velocity), sticks) in std::iter::zip(self.system.belts(), map.sticking())
-        {
-            let row = self.n + coordinate;
+        for ((coordinate, velocity), sticks) in std::iter::zip(self.form.belts(), map.sticking()) {
+            let row = self.form.len() + coordinate;
             let sticks_already = map.start.velocities[coordinate] == velocity;
             if sticks && (part == 1.0 || sticks_already) {
                 start[row] = velocity;
             }
         }
-        state(&start, self.n)
+        state(&start, self.form.len())
     }
 
     /// Newton's method, with shorter steps where the residual would grow.
-    pub(super) fn solve(&self, first: Trial) -> Result<Trial, Error> {
+    fn solve(&self, first: Trial) -> Result<Trial, Error> {
         let mut best = first;
         for _ in 0..MOST_STEPS {
             if best.residual == 0.0 {
@@ -264,27 +256,31 @@ pub fn shoot<S: Oscillator>(
     guess: &S::State,
     period: Period,
 ) -> Result<Orbit<S>, Error> {
-    let guess = S::general(guess);
-    let found = match find(system, &guess, period) {
-        Err(failure @ Error::NotPeriodic { .. }) => {
-            let (problem, first) = Problem::new(system, &guess, period)?;
-            // Where the flow jumps at the guess, an event, Newton's method may find no way. A free
-            // motion can begin elsewhere.
-            let apart = problem.section.as_ref();
-            let apart = apart.map(|_| system.begun_apart(&first.map, first.period));
-            match apart.transpose()?.flatten() {
-                Some(apart) => find(system, &apart.start, period)?,
-                None => return Err(failure),
-            }
-        }
-        found => found?,
+    let form = system.form();
+    let found = search(&form, &S::general(guess), period)?;
+    Orbit::new(system, &form, found, period)
+}
+
+/// A closed motion near a guess, begun elsewhere if need be.
+fn search(form: &Form<'_>, guess: &State, period: Period) -> Result<Trial, Error> {
+    let failure = match find(form, guess, period) {
+        Err(failure @ Error::NotPeriodic { .. }) => failure,
+        found => return found,
     };
-    Orbit::new(system, found, period)
+    let (problem, first) = Problem::new(form, guess, period)?;
+    // Where the flow jumps at the guess, an event, Newton's method may find no way. A free motion
+    // can begin elsewhere.
+    let apart = problem.section.as_ref();
+    let apart = apart.map(|_| map::begun_apart(form, &first.map, first.period));
+    match apart.transpose()?.flatten() {
+        Some(apart) => find(form, &apart.start, period),
+        None => Err(failure),
+    }
 }
 
 /// A closed motion near a guess.
-fn find<S: Oscillator>(system: &S, guess: &State, period: Period) -> Result<Trial, Error> {
-    let (problem, first) = Problem::new(system, guess, period)?;
+fn find(form: &Form<'_>, guess: &State, period: Period) -> Result<Trial, Error> {
+    let (problem, first) = Problem::new(form, guess, period)?;
     let at_first = first.map.flow[0].norm();
     let found = problem.solve(first)?;
     if problem.section.is_some() && found.map.flow[0].norm() <= CLOSED * at_first {
@@ -333,18 +329,32 @@ pub fn settle<S: Oscillator>(
     transient: f64,
     period: Period,
 ) -> Result<Orbit<S>, Error> {
+    let form = system.form();
+    let guess = transient_end(&form, &S::general(start), transient, period)?;
+    let found = search(&form, &guess, period)?;
+    Orbit::new(system, &form, found, period)
+}
+
+/// Where a motion has come to after a transient. What sticks there moves as its belt does at time
+/// 0.
+fn transient_end(
+    form: &Form<'_>,
+    start: &State,
+    transient: f64,
+    period: Period,
+) -> Result<State, Error> {
     if !(transient >= 0.0 && transient.is_finite()) {
         return Err(Error::InvalidDuration { value: transient });
     }
-    let duration = match (period, system.rhythm()) {
+    let duration = match (period, form.rhythm()) {
         (Period::Driven(_), Rhythm::Periodic(period)) => (transient / period).ceil() * period,
         _ => transient,
     };
-    let (mut reached, modes) = system.reach(&S::general(start), duration)?;
-    for ((coordinate, velocity), mode) in std::iter::zip(system.belts(), modes) {
+    let (mut reached, modes) = map::reach(form, start, duration)?;
+    for ((coordinate, velocity), mode) in std::iter::zip(form.belts(), modes) {
         if mode == Mode::Stick {
             reached.velocities[coordinate] = velocity;
         }
     }
-    shoot(system, &S::own(&reached), period)
+    Ok(reached)
 }

@@ -14,24 +14,21 @@ use std::borrow::Cow;
 use nalgebra::{DMatrix, DVector};
 
 use super::linear::{Joint, joints};
+use super::oscillator::Form;
 use crate::error::Error;
-use crate::friction::memory::ContactLaw;
 use crate::motion::step_control::reach;
-use crate::motion::{Integrator, Mode, Segment, System};
+use crate::motion::{Integrator, Mode, Segment};
 use crate::scalar::jet::Tape;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 use crate::state::structure::State;
 use crate::structure::sparse::Sparse;
-use crate::structure::{Flow, Step, Structure};
+use crate::structure::{Flow, Step};
 
 /// A motion with changes of it.
 #[derive(Debug)]
-pub(super) struct TangentFlow<'s, L, const Z: usize> {
-    pub(super) structure: &'s Structure<L, Z>,
-    flow: Flow<'s, L, Z>,
-    /// K/m and C/m.
-    pub(super) stiffness: Sparse,
-    pub(super) damping: Sparse,
+pub(super) struct TangentFlow<'s> {
+    pub(super) form: &'s Form<'s>,
+    flow: Flow<'s>,
     /// The changes, one in each column.
     pub(super) tangents: DMatrix<f64>,
     /// Whether anything has depended on each number of the memory so far.
@@ -46,23 +43,20 @@ pub(super) struct TangentFlow<'s, L, const Z: usize> {
     work: Vec<PowerSeries>,
 }
 
-impl<'s, L: ContactLaw<Z>, const Z: usize> TangentFlow<'s, L, Z> {
+impl<'s> TangentFlow<'s> {
     /// Changes of a start, which go on along the motion from there.
     pub(super) fn new(
-        structure: &'s Structure<L, Z>,
+        form: &'s Form<'s>,
         settings: Integrator,
         start: &State,
         tangents: DMatrix<f64>,
     ) -> Result<Self, Error> {
-        let by_mass = |i: usize, _: usize| structure.masses()[i].recip();
         Ok(Self {
-            structure,
-            flow: System::flow(structure, settings, start.clone())?,
-            stiffness: Sparse::scaled(structure.stiffness(), by_mass),
-            damping: Sparse::scaled(structure.damping(), by_mass),
+            form,
+            flow: Flow::new(settings, form.model.clone(), start)?,
             work: vec![PowerSeries::ZERO; tangents.nrows()],
             tangents,
-            depends: vec![false; Z * structure.contacts().len()],
+            depends: vec![false; form.model.remembered()],
             logarithm: None,
             has_begun: false,
             start: start.clone(),
@@ -79,9 +73,9 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> TangentFlow<'s, L, Z> {
             error => return Some(error),
         };
         if step.duration() > 0.0 {
-            for (mode, contact) in std::iter::zip(step.modes(), self.structure.contacts()) {
+            for (mode, contact) in std::iter::zip(step.modes(), &self.form.model.contacts) {
                 if *mode == Mode::Stick {
-                    let row = self.structure.len() + contact.coordinate();
+                    let row = self.form.len() + contact.coordinate;
                     self.tangents.row_mut(row).fill(0.0);
                 }
             }
@@ -97,7 +91,7 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> TangentFlow<'s, L, Z> {
                 self.begin(step);
                 self.has_begun = true;
             }
-            let joints = joints(self.structure, step, &mut self.tape);
+            let joints = joints(self.form, step, &mut self.tape);
             let of_memory = joints.iter().flat_map(|joint| &joint.depends);
             for (ever, now) in self.depends.iter_mut().zip(of_memory) {
                 *ever |= now;
@@ -105,7 +99,7 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> TangentFlow<'s, L, Z> {
             let rows = self.tangents.nrows();
             for column in self.tangents.as_mut_slice().chunks_mut(rows) {
                 if column.iter().any(|x| *x != 0.0) {
-                    let matrices = [&self.stiffness, &self.damping];
+                    let matrices = [&self.form.model.stiffness, &self.form.model.damping];
                     let logarithm = self.logarithm.as_mut();
                     advance(
                         matrices,
@@ -150,7 +144,7 @@ fn advance(
     let mut left = h;
     loop {
         expand(matrices, &joints, column, work);
-        let n = matrices[0].diagonal().len();
+        let n = matrices[0].rows().count();
         let part = reach_of(work, n, left);
         if part.is_nan() || part < SHORTEST * h {
             column.fill(f64::NAN);
@@ -210,7 +204,7 @@ fn expand(
     for (series, x) in work.iter_mut().zip(column) {
         series[0] = *x;
     }
-    let n = stiffness.diagonal().len();
+    let n = stiffness.rows().count();
     let (q, rest) = work.split_at_mut(n);
     let (v, z) = rest.split_at_mut(n);
     for k in 0..TERMS - 1 {

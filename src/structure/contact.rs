@@ -1,6 +1,9 @@
+use std::borrow::Cow;
+
+use super::model::Support;
 use crate::belt::MassOnBelt;
 use crate::drive::Drive;
-use crate::error::{Element, Error};
+use crate::error::Error;
 use crate::friction::memory::{ContactLaw, validate};
 
 /// A friction contact of one coordinate: its law, its normal load and the belt that it slides on.
@@ -57,16 +60,10 @@ impl<const Z: usize, L: ContactLaw<Z>> Contact<L, Z> {
     /// * the errors of [`MassOnBelt::new`](crate::MassOnBelt::new) that a law can cause.
     pub fn new(coordinate: usize, law: L, load: impl Into<Drive>) -> Result<Self, Error> {
         validate(&law)?;
-        let load = load.into();
-        load.check("load", "load > 0")?;
-        if load.is_constant() {
-            let value = load.value(0.0);
-            Error::check("Contact", "load", value, value > 0.0, "load > 0")?;
-        }
         Ok(Self {
             coordinate,
             law,
-            load,
+            load: checked_load(load.into())?,
             load_gradient: Vec::new(),
             belt_velocity: Drive::constant(0.0),
         })
@@ -155,7 +152,17 @@ impl<L, const Z: usize> Contact<L, Z> {
     /// Normal load N = N0(t) + Σ n_j q_j at a time, in units of force; NaN where a displacement
     /// is missing. It may be negative: the contact is open then, or the motion has ended.
     pub fn load_at(&self, time: f64, displacements: &[f64]) -> f64 {
-        self.load.value(time) + self.displacement_load(displacements)
+        self.support().load_at(time, displacements)
+    }
+
+    /// All but its law.
+    pub(crate) fn support(&self) -> Support<'_> {
+        Support {
+            coordinate: self.coordinate,
+            load: Cow::Borrowed(&self.load),
+            load_gradient: &self.load_gradient,
+            belt_velocity: Cow::Borrowed(&self.belt_velocity),
+        }
     }
 
     /// The contact as seen from a frame that oscillates with its belt.
@@ -169,36 +176,14 @@ impl<L, const Z: usize> Contact<L, Z> {
         seen.belt_velocity = seen.belt_velocity.plus(&velocity.scaled(-1.0)?)?;
         Ok(seen)
     }
+}
 
-    /// Σ n_j q_j.
-    pub(crate) fn displacement_load(&self, displacements: &[f64]) -> f64 {
-        let terms = self.load_gradient.iter();
-        terms
-            .map(|&(j, n)| n * displacements.get(j).copied().unwrap_or(f64::NAN))
-            .sum()
+/// A normal load N0(t), if it may be one.
+fn checked_load(load: Drive) -> Result<Drive, Error> {
+    load.check("load", "load > 0")?;
+    if load.is_constant() {
+        let value = load.value(0.0);
+        Error::check("Contact", "load", value, value > 0.0, "load > 0")?;
     }
-
-    /// Whether it may be contact number `number` of a structure with `count` coordinates.
-    pub(super) fn check(&self, number: usize, count: usize) -> Result<(), Error> {
-        let gradients = self.load_gradient.iter().map(|&(j, _)| j);
-        for coordinate in std::iter::once(self.coordinate).chain(gradients) {
-            if coordinate >= count {
-                return Err(Error::NoSuchCoordinate {
-                    element: Element::Contact(number),
-                    coordinate,
-                    count,
-                });
-            }
-        }
-        self.belt_velocity
-            .check("belt_velocity", "a belt velocity of any size")
-            .map_err(|error| error.of_element(Element::Contact(number)))?;
-        match self.belt_velocity.first_jump() {
-            Some(time) => Err(Error::BeltVelocityJumps {
-                coordinate: self.coordinate,
-                time,
-            }),
-            None => Ok(()),
-        }
-    }
+    Ok(load)
 }

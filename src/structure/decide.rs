@@ -7,9 +7,10 @@
 //! ends after as many rounds as there are contacts, and one.
 
 use super::engine::{Engine, side_of};
+use super::laws::Laws;
 use super::parts::{Edge, Joint};
 use crate::error::Error;
-use crate::friction::memory::{ContactLaw, Slip};
+use crate::friction::memory::Slip;
 use crate::motion::Mode;
 use crate::series::PowerSeries;
 use crate::state::Direction;
@@ -21,7 +22,7 @@ const EDGE_ROUNDING: f64 = 4.0;
 /// Height above its bound, in units of ε times that bound, up to which a load has only touched it.
 const TOUCH_ROUNDING: f64 = 8.0;
 
-impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
+impl Engine<'_> {
     /// Decides the modes, and expands the motion that follows.
     pub(super) fn decide(&mut self) -> Result<(), Error> {
         for c in 0..self.joints.len() {
@@ -43,27 +44,26 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
 
     /// A contact that has come to r = 0 is taken to stick, until what it carries says otherwise.
     fn arrive(&mut self, c: usize) {
-        let joint = &mut self.joints[c];
+        let (joint, laws) = (&mut self.joints[c], &self.model.laws);
         if !joint.fresh {
             return;
         }
-        let body = &mut self.bodies[joint.contact.coordinate()];
+        let body = &mut self.bodies[joint.body];
         if let Mode::Slip(_) = joint.mode {
             joint.arrived_from = joint.direction();
-            joint.memory_on_arrival = joint.memory;
-            joint.memory = joint.contact.law().caught(joint.memory);
+            joint.memory_on_arrival.clone_from(&joint.memory);
+            laws.caught(c, &mut joint.memory);
         }
         joint.mode = Mode::Stick;
-        joint.limit = joint.contact.law().limit(0.0, joint.memory);
+        joint.limit = laws.limit(c, &|j| joint.memory[j]);
         joint.carried_from = (self.clock, body.displacement);
         (body.speed, body.side, body.rate) = (0.0, 0.0, None);
     }
 
     /// A contact without friction so far meets its surface: slip if there is a relative velocity.
     pub(super) fn close(&mut self, c: usize) {
-        let joint = &mut self.joints[c];
-        let drive = joint.contact.belt_velocity();
-        let body = &mut self.bodies[joint.contact.coordinate()];
+        let (joint, drive) = (&mut self.joints[c], &self.model.contacts[c].belt_velocity);
+        let body = &mut self.bodies[joint.body];
         let velocity = body.velocity();
         body.surface = if drive.is_constant() {
             let mut surface = PowerSeries::ZERO;
@@ -87,16 +87,16 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
     /// The contact loses its load: its mass is free.
     fn open(&mut self, c: usize) {
         let joint = &mut self.joints[c];
-        let body = &mut self.bodies[joint.contact.coordinate()];
+        let body = &mut self.bodies[joint.body];
         (body.speed, body.side, body.rate) = (body.velocity(), 1.0, None);
         body.surface = PowerSeries::ZERO;
         // Rest that ends here has ended; and nothing happens to a contact without load.
         if joint.mode == Mode::Stick {
-            joint.memory = joint.contact.law().caught(joint.memory);
+            self.model.laws.caught(c, &mut joint.memory);
         }
-        for (series, memory) in std::iter::zip(&mut joint.memories, joint.memory) {
+        for (series, memory) in std::iter::zip(&mut joint.memories, &joint.memory) {
             *series = PowerSeries::ZERO;
-            series[0] = memory;
+            series[0] = *memory;
         }
         joint.mode = Mode::Open;
         joint.fresh = false;
@@ -127,7 +127,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
                 Ok(true)
             }
             (Mode::Stick | Mode::Slip(_), true) => {
-                if !joint.contact.load_gradient().is_empty() {
+                if !self.model.contacts[c].load_gradient.is_empty() {
                     let reached = self.reached();
                     return Err(Error::Separation {
                         contact: c,
@@ -144,19 +144,19 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
     /// Releases a contact that cannot stick, and puts one that slides onto its piece of the law;
     /// whether that has changed anything.
     fn revise_mode(&mut self, c: usize) -> bool {
-        let joint = &mut self.joints[c];
-        let body = &mut self.bodies[joint.contact.coordinate()];
+        let (joint, laws) = (&mut self.joints[c], &*self.model.laws);
+        let body = &mut self.bodies[joint.body];
         match joint.mode {
             Mode::Open => false,
             Mode::Slip(_) => revise_piece(joint, &body.speeds),
             Mode::Stick if joint.limit.is_none() => {
                 // Its own law says what it carries at r = 0: the same on both sides.
-                let rate =
-                    body.carried[0] - joint.load[0] * start_coefficient(joint, Direction::Leading);
+                let coefficient = joint.start_coefficient(laws, c, Direction::Leading);
+                let rate = body.carried[0] - joint.load[0] * coefficient;
                 let back = joint.arrived_from.map_or(1.0, |from| -from.sign());
                 let direction = side_of(if rate == 0.0 { back } else { rate });
                 if joint.arrived_from.is_some() {
-                    joint.memory = joint.memory_on_arrival;
+                    joint.memory.clone_from(&joint.memory_on_arrival);
                 }
                 joint.mode = Mode::Slip(direction);
                 (joint.piece, body.side) = (0, direction.sign());
@@ -168,11 +168,11 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
 
     /// Releases a contact that carries more than it can; whether it does.
     fn revise_stick(&mut self, c: usize) -> bool {
-        let i = self.joints[c].body();
-        let force = self.structure.forces()[i].size() * self.model.inverse_mass[i];
+        let i = self.joints[c].body;
+        let force = self.model.forces[i].size() * self.model.inverse_mass[i];
         let terms = self.terms(i) + force;
         let load_terms = self.load_terms(c);
-        let joint = &mut self.joints[c];
+        let (joint, laws) = (&mut self.joints[c], &*self.model.laws);
         let body = &mut self.bodies[i];
         let (carried, bound) = (body.carried[0], joint.bound[0]);
         // Not of the load itself, which may have just come back from 0.
@@ -204,12 +204,13 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
         let Some((side, beyond)) = release else {
             return false;
         };
-        let jump = bound - joint.load[0] * side.sign() * start_coefficient(joint, side);
+        let coefficient = joint.start_coefficient(laws, c, side);
+        let jump = bound - joint.load[0] * side.sign() * coefficient;
         joint.mode = Mode::Slip(side);
-        joint.memory = match joint.arrived_from {
-            Some(_) => joint.memory_on_arrival,
-            None => joint.contact.law().caught(joint.memory),
-        };
+        match joint.arrived_from {
+            Some(_) => joint.memory.clone_from(&joint.memory_on_arrival),
+            None => laws.caught(c, &mut joint.memory),
+        }
         (joint.piece, joint.fresh) = (0, false);
         (body.speed, body.side) = (0.0, side.sign());
         // μ̂(0) may exceed μ_s by an ulp.
@@ -219,34 +220,35 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
 
     /// Sum of the sizes of all terms of the load of a contact, divided by the mass.
     pub(super) fn load_terms(&self, c: usize) -> f64 {
-        let joint = &self.joints[c];
-        let gradient = joint.contact.load_gradient().iter();
+        let (joint, contact) = (&self.joints[c], &self.model.contacts[c]);
+        let gradient = contact.load_gradient.iter();
         let from_displacements: f64 = gradient
             .map(|&(j, n)| (n * self.bodies[j].displacement).abs())
             .sum();
-        let sum = joint.contact.load().size() + from_displacements;
-        sum * self.model.inverse_mass[joint.body()]
+        let sum = contact.load.size() + from_displacements;
+        sum * self.model.inverse_mass[joint.body]
     }
 
     /// Sum of the sizes of all terms of what a contact carries, divided by the mass.
     pub(super) fn terms(&self, i: usize) -> f64 {
-        let (stiffness, damping) = (&self.model.stiffness, &self.model.damping);
+        let (spring, springs) = self.model.stiffness.row(i);
+        let (damper, dampers) = self.model.damping.row(i);
         let body = &self.bodies[i];
         let mut sum = body.force[0].abs()
             + body.surface[1].abs()
-            + (stiffness.diagonal()[i] * body.displacement).abs()
-            + (damping.diagonal()[i] * body.velocity()).abs();
-        for &(j, a) in stiffness.beside_diagonal(i) {
+            + (spring * body.displacement).abs()
+            + (damper * body.velocity()).abs();
+        for &(j, a) in springs {
             sum += (a * self.bodies[j].displacement).abs();
         }
-        for &(j, a) in damping.beside_diagonal(i) {
+        for &(j, a) in dampers {
             sum += (a * self.bodies[j].velocity()).abs();
         }
         sum
     }
 }
 
-impl<L: ContactLaw<Z>, const Z: usize> Joint<'_, L, Z> {
+impl Joint {
     /// N μ_s/m ∓ R/m, with the zeros that are known.
     pub(super) fn distance(&self, carried: &PowerSeries, side: Direction) -> PowerSeries {
         let mut distance = PowerSeries::from_fn(|k| self.bound[k] - side.sign() * carried[k]);
@@ -268,26 +270,20 @@ impl<L: ContactLaw<Z>, const Z: usize> Joint<'_, L, Z> {
         distance[0] = 0.0;
         leaving(&distance, self.bound[0], Some(side))
     }
-}
 
-/// μ at the start of slip in a direction.
-fn start_coefficient<L: ContactLaw<Z>, const Z: usize>(
-    joint: &Joint<'_, L, Z>,
-    side: Direction,
-) -> f64 {
-    let slip = Slip {
-        speed: 0.0,
-        direction: side.sign(),
-        piece: 0,
-    };
-    joint.contact.law().coefficient(slip, joint.memory)
+    /// μ at the start of slip in a direction.
+    fn start_coefficient(&self, laws: &dyn Laws, number: usize, side: Direction) -> f64 {
+        let slip = Slip {
+            speed: 0.0,
+            direction: side.sign(),
+            piece: 0,
+        };
+        laws.coefficient(number, slip, &|j| self.memory[j])
+    }
 }
 
 /// At a breakpoint the motion decides on the piece: by its first derivative that is not 0.
-fn revise_piece<L: ContactLaw<Z>, const Z: usize>(
-    joint: &mut Joint<'_, L, Z>,
-    speeds: &PowerSeries,
-) -> bool {
+fn revise_piece(joint: &mut Joint, speeds: &PowerSeries) -> bool {
     let above = joint.piece_above(speeds[0]);
     if above == 0 || joint.breakpoints[above - 1] != speeds[0] {
         let changed = joint.piece != above;

@@ -6,54 +6,118 @@ use super::parts::Joint;
 use crate::friction::memory::{ContactLaw, Motion, Slip};
 use crate::motion::Mode;
 use crate::motion::step_control::{Allowance, LONG, MOST_FOURS};
-use crate::series::quarters;
+use crate::series::{PowerSeries, quarters};
 
-impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
+impl Engine<'_> {
     /// Whether a step of length h leaves out no more than it may, at every contact that slips: at
     /// its quarters, about the places where the sliding speed is least, and, in a long step, at
     /// least every quarter of a radian. Coefficients alone miss what lies hidden behind an
     /// underflow, such as the flank of a narrow Gaussian.
     pub(super) fn defects_are_accepted(&self, h: f64) -> bool {
         let unit = self.unit;
-        self.joints.iter().all(|joint| {
+        self.joints.iter().enumerate().all(|(c, joint)| {
             let Mode::Slip(direction) = joint.mode else {
                 return true;
             };
-            let body = &self.bodies[joint.body()];
-            let times = quarters(h);
-            let speeds = body.speeds.at_four(times);
-            let at_quarters = joint.defect(times, speeds);
-            let mut at_minima = 0.0;
-            body.speeds.about_minima(h, speeds, &mut |times| {
-                at_minima += joint.defect(times, body.speeds.at_four(times));
-            });
-            let mut between = 0.0;
-            if h > LONG * unit {
-                let fours = (h / unit).ceil().min(MOST_FOURS);
-                let part = 0.25 * h / fours;
-                for i in 0..fours as usize {
-                    let start = i as f64 * 4.0 * part;
-                    let times = [0.5, 1.5, 2.5, 3.5].map(|place| start + place * part);
-                    between += joint.defect(times, body.speeds.at_four(times));
-                }
-            }
-            self.allowances[joint.body()].accepts([at_quarters, at_minima, between], h)
-                && joint.memory_is_accepted(direction.sign(), speeds, h)
+            let speeds = &self.bodies[joint.body].speeds;
+            let defects = self.model.laws.defects(c, joint, speeds, h, unit);
+            self.allowances[joint.body].accepts(defects, h)
+                && self.memory_is_accepted(c, direction.sign(), h)
+        })
+    }
+
+    /// Whether a step of length h leaves out no more of what a contact remembers than it may, at
+    /// its quarters.
+    fn memory_is_accepted(&self, c: usize, direction: f64, h: f64) -> bool {
+        let joint = &self.joints[c];
+        if joint.memories.is_empty() {
+            return true;
+        }
+        let (times, speeds) = (quarters(h), &self.bodies[joint.body].speeds);
+        std::iter::zip(times, speeds.at_some(times)).all(|(time, speed)| {
+            let slip = Slip {
+                speed: speed.max(0.0),
+                direction,
+                piece: joint.piece,
+            };
+            let mut accepted = true;
+            let mut take = |j: usize, rate: f64| {
+                let series = &joint.memories[j];
+                let scale = series[0].abs().max(series[1].abs() * h);
+                let missing = (series.derivative().at(time) - rate).abs();
+                let largest = rate.abs().max(series[1].abs());
+                // What is missing on a slow motion moves it aside by as much divided by D.
+                let (largest, h) = if joint.relaxation > 0.0 {
+                    (joint.relaxation * scale, joint.relaxation.recip())
+                } else {
+                    (largest, h)
+                };
+                let allowance = Allowance::new(f64::EPSILON * scale, largest);
+                accepted &= allowance.accepts([missing; 3], h);
+            };
+            let memory = &|j: usize| joint.memories[j].at(time);
+            self.model
+                .laws
+                .rates(c, Motion::Slip(slip), memory, &mut take);
+            accepted
         })
     }
 }
 
-impl<L: ContactLaw<Z>, const Z: usize> Joint<'_, L, Z> {
+impl Joint {
+    /// The defects of a step of length h with these sliding speeds: at its quarters, about the
+    /// places where the speed is least, and between them in a long step.
+    #[inline(always)]
+    pub(super) fn defects<L: ContactLaw<Z>, const Z: usize>(
+        &self,
+        law: &L,
+        speeds: &PowerSeries,
+        h: f64,
+        unit: f64,
+    ) -> [f64; 3] {
+        let times = quarters(h);
+        let at_times = speeds.at_four(times);
+        let at_quarters = self.defect(law, times, at_times);
+        // Compiled once for the other two.
+        let look: &dyn Fn([f64; 4]) -> f64 =
+            &|times| self.defect(law, times, speeds.at_four(times));
+        let mut at_minima = 0.0;
+        speeds.about_minima(h, at_times, &mut |times| at_minima += look(times));
+        let mut between = 0.0;
+        if h > LONG * unit {
+            let fours = (h / unit).ceil().min(MOST_FOURS);
+            let part = 0.25 * h / fours;
+            for i in 0..fours as usize {
+                let start = i as f64 * 4.0 * part;
+                between += look([0.5, 1.5, 2.5, 3.5].map(|place| start + place * part));
+            }
+        }
+        [at_quarters, at_minima, between]
+    }
+
     /// Largest N/m·|μ(s(t)) − μ(t)| at four times, where s(t) has the values `speeds`: the defect
     /// of the series, up to terms as small as its last.
     #[inline(always)]
-    fn defect(&self, times: [f64; 4], speeds: [f64; 4]) -> f64 {
+    fn defect<L: ContactLaw<Z>, const Z: usize>(
+        &self,
+        law: &L,
+        times: [f64; 4],
+        speeds: [f64; 4],
+    ) -> f64 {
+        let Mode::Slip(direction) = self.mode else {
+            return 0.0;
+        };
+        let direction = direction.sign();
         let friction = self.friction.at_four(times);
         let mut largest = 0.0;
         for i in 0..4 {
-            let Some(value) = self.coefficient_at(speeds[i], times[i]) else {
-                continue;
+            let slip = Slip {
+                speed: speeds[i].max(0.0),
+                direction,
+                piece: self.piece,
             };
+            let memory = std::array::from_fn(|j| self.memories[j].at(times[i]));
+            let value = law.coefficient(slip, memory) * direction;
             let mut difference = (value - friction[i]).abs();
             if self.load_varies {
                 difference *= self.load.at(times[i]).abs();
@@ -70,50 +134,5 @@ impl<L: ContactLaw<Z>, const Z: usize> Joint<'_, L, Z> {
         } else {
             self.load[0].abs() * largest
         }
-    }
-
-    /// σμ at a time of the step with this sliding speed, by the law itself; `None` unless it slips.
-    #[inline(always)]
-    pub(super) fn coefficient_at(&self, speed: f64, time: f64) -> Option<f64> {
-        let Mode::Slip(direction) = self.mode else {
-            return None;
-        };
-        let direction = direction.sign();
-        let slip = Slip {
-            speed: speed.max(0.0),
-            direction,
-            piece: self.piece,
-        };
-        let memory = std::array::from_fn(|j| self.memories[j].at(time));
-        let law = self.contact.law();
-        let coefficient = law.coefficient(slip, memory) * direction;
-        Some(coefficient)
-    }
-
-    /// Whether a step of length h leaves out no more of what the contact remembers than it may, at
-    /// its quarters.
-    fn memory_is_accepted(&self, direction: f64, speeds: [f64; 4], h: f64) -> bool {
-        std::iter::zip(quarters(h), speeds).all(|(time, speed)| {
-            let memory = std::array::from_fn(|j| self.memories[j].at(time));
-            let slip = Slip {
-                speed: speed.max(0.0),
-                direction,
-                piece: self.piece,
-            };
-            let rates = self.contact.law().rates(Motion::Slip(slip), memory);
-            std::iter::zip(&self.memories, rates).all(|(series, rate)| {
-                let scale = series[0].abs().max(series[1].abs() * h);
-                let missing = (series.derivative().at(time) - rate).abs();
-                let largest = rate.abs().max(series[1].abs());
-                // What is missing on a slow motion moves it aside by as much divided by D.
-                let (largest, h) = if self.relaxation > 0.0 {
-                    (self.relaxation * scale, self.relaxation.recip())
-                } else {
-                    (largest, h)
-                };
-                let allowance = Allowance::new(f64::EPSILON * scale, largest);
-                allowance.accepts([missing; 3], h)
-            })
-        })
     }
 }

@@ -11,10 +11,8 @@ use super::expansion::{Course, LawFault};
 use super::model::Model;
 use super::parts::{Body, Edge, Firing, Joint};
 use super::step::Step;
-use super::system::Structure;
 use crate::clock::Clock;
 use crate::error::{Error, Reached};
-use crate::friction::memory::ContactLaw;
 use crate::motion::step_control::Allowance;
 use crate::motion::{Event, EventKind, Mode};
 use crate::series::PowerSeries;
@@ -23,13 +21,12 @@ use crate::state::structure::State;
 
 /// A structure in motion.
 #[derive(Debug, Clone)]
-pub(super) struct Engine<'s, L, const Z: usize> {
-    pub(super) structure: &'s Structure<L, Z>,
+pub(super) struct Engine<'s> {
     pub(super) model: Model<'s>,
     pub(super) tolerance: f64,
     pub(super) clock: Clock,
     pub(super) bodies: Vec<Body>,
-    pub(super) joints: Vec<Joint<'s, L, Z>>,
+    pub(super) joints: Vec<Joint>,
     /// Series of all displacements.
     pub(super) courses: Vec<Course>,
     /// What a step is long or short by.
@@ -61,42 +58,40 @@ pub(super) struct Settled {
     pub(super) at_break: Option<f64>,
 }
 
-impl<'s, L: ContactLaw<Z>, const Z: usize> Engine<'s, L, Z> {
+impl<'s> Engine<'s> {
     /// The structure at its start, with the events of that very time.
     pub(super) fn start(
-        structure: &'s Structure<L, Z>,
+        model: Model<'s>,
         tolerance: f64,
         clock: Clock,
         start: &State,
     ) -> Result<(Self, Option<Step>), Error> {
-        let model = Model::new(structure);
-        let forces = structure.forces().iter().zip(&model.inverse_mass);
+        let forces = model.forces.iter().zip(&model.inverse_mass);
         let forces = forces.map(|(force, inverse_mass)| force.value(clock.time) * inverse_mass);
         let bodies = std::iter::zip(&start.displacements, &start.velocities).zip(forces);
         let mut bodies: Vec<Body> = bodies
             .map(|((&q, &v), force)| Body::new(q, v, force))
             .collect();
-        for (c, contact) in structure.contacts().iter().enumerate() {
-            bodies[contact.coordinate()].contact = Some(c);
+        for (c, contact) in model.contacts.iter().enumerate() {
+            bodies[contact.coordinate].contact = Some(c);
         }
-        let contacts = structure.contacts().iter().enumerate();
+        let contacts = model.contacts.iter().enumerate();
         let joints = contacts.map(|(c, contact)| {
-            let memory =
-                std::array::from_fn(|j| start.memory.get(c * Z + j).copied().unwrap_or(0.0));
-            let load = contact.load().value(clock.time) * model.inverse_mass[contact.coordinate()];
-            Joint::new(contact, load, memory)
+            let count = model.laws.memory();
+            let memory = |j: usize| start.memory.get(c * count + j).copied().unwrap_or(0.0);
+            let load = contact.load.value(clock.time) * model.inverse_mass[contact.coordinate];
+            Joint::new(&model, c, load, (0..count).map(memory).collect())
         });
         let mut engine = Self {
-            structure,
             joints: joints.collect(),
             courses: vec![Course::ZERO; bodies.len()],
             bodies,
             unit: model.time_unit,
-            model,
             tolerance,
             clock,
             allowances: Vec::new(),
-            pass_before: Vec::with_capacity(structure.len() + Z * structure.contacts().len()),
+            pass_before: Vec::with_capacity(model.len() + model.remembered()),
+            model,
             scales: Vec::new(),
             longest: f64::INFINITY,
             steps_to_trial: 0,
@@ -198,8 +193,8 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Engine<'s, L, Z> {
             None => self.clock.after(h),
         };
         let clock = self.clock;
-        for joint in &mut self.joints {
-            let body = &mut self.bodies[joint.contact.coordinate()];
+        for (joint, contact) in std::iter::zip(&mut self.joints, &self.model.contacts) {
+            let body = &mut self.bodies[joint.body];
             for (memory, series) in std::iter::zip(&mut joint.memory, &joint.memories) {
                 *memory = series.at(h);
             }
@@ -222,7 +217,7 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Engine<'s, L, Z> {
             }
             if joint.mode == Mode::Stick {
                 let (since, displacement) = joint.carried_from;
-                let way = joint.contact.belt_velocity().integral(since, clock);
+                let way = contact.belt_velocity.integral(since, clock);
                 body.displacement = displacement + way;
             }
         }
@@ -231,8 +226,8 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Engine<'s, L, Z> {
 
     /// The state, with what contacts remember.
     pub(super) fn state(&self) -> State {
-        let mut memory = Vec::with_capacity(Z * self.joints.len());
-        memory.extend(self.joints.iter().flat_map(|joint| joint.memory));
+        let mut memory = Vec::with_capacity(self.model.remembered());
+        memory.extend(self.joints.iter().flat_map(|joint| &joint.memory));
         State {
             displacements: self.bodies.iter().map(|body| body.displacement).collect(),
             velocities: self.bodies.iter().map(Body::velocity).collect(),
@@ -247,9 +242,9 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Engine<'s, L, Z> {
 
     /// Series of all velocities, then of the memory.
     fn series(&self) -> Vec<PowerSeries> {
-        let mut series = Vec::with_capacity(self.bodies.len() + Z * self.joints.len());
+        let mut series = Vec::with_capacity(self.bodies.len() + self.model.remembered());
         series.extend(self.courses.iter().map(Course::velocities));
-        series.extend(self.joints.iter().flat_map(|joint| joint.memories));
+        series.extend(self.joints.iter().flat_map(|joint| &joint.memories));
         series
     }
 

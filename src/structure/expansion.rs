@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use super::engine::Engine;
-use super::model::Target;
-use crate::drive::Drive;
+use super::model::{Model, Target};
+use super::parts::{Body, Joint};
 use crate::friction::memory::{ContactLaw, Motion, Slip};
 use crate::motion::Mode;
 use crate::scalar::jet::Run;
@@ -18,28 +18,27 @@ pub(super) enum LawFault {
     NotAnalytic { speed: f64 },
 }
 
-impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
+impl Engine<'_> {
     /// The series of every drive that varies, from the time of the clock on.
     pub(super) fn expand_drives(&mut self) {
-        let clock = self.clock;
-        for &(target, drive) in &self.model.varying {
-            let series = |drive: &Drive| drive.series(clock);
+        for &target in &self.model.varying {
+            let series = self.model.drive(target).series(self.clock);
             match target {
                 Target::Force(i) => {
-                    self.bodies[i].force = series(drive).scaled(self.model.inverse_mass[i]);
+                    self.bodies[i].force = series.scaled(self.model.inverse_mass[i]);
                     self.bodies[i].is_driven = true;
                 }
                 Target::Surface(c) => {
                     let joint = &self.joints[c];
                     if joint.mode != Mode::Open {
-                        self.bodies[joint.body()].surface = series(drive);
-                        self.bodies[joint.body()].is_driven = true;
+                        self.bodies[joint.body].surface = series;
+                        self.bodies[joint.body].is_driven = true;
                     }
                 }
                 // With its part from displacements, order by order.
                 Target::Load(c) => {
                     let joint = &mut self.joints[c];
-                    joint.load = series(drive).scaled(self.model.inverse_mass[joint.body()]);
+                    joint.load = series.scaled(self.model.inverse_mass[joint.body]);
                     joint.drive_load = joint.load;
                 }
             }
@@ -54,24 +53,10 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
     /// begun: all that one reads and writes lies in the processor's nearest memory. With every
     /// order the masses in work are shifted, to those of which all neighbours are ready.
     pub(super) fn expand(&mut self) -> Result<(), LawFault> {
-        const LAST: usize = TERMS - 1;
         for (body, course) in self.bodies.iter_mut().zip(&mut self.courses) {
             body.speeds[0] = body.speed;
             course.start(body.displacement, body.velocity());
         }
-        let (n, shift) = (self.bodies.len(), self.model.bandwidth);
-        for start in (0..n + LAST * shift).step_by(AT_A_TIME) {
-            for k in 0..LAST {
-                let place = |i: usize| i.saturating_sub(k * shift).min(n);
-                self.expand_order(k, place(start)..place(start + AT_A_TIME));
-            }
-        }
-        self.law_fault().map_or(Ok(()), Err)
-    }
-
-    /// Order k + 1 of the velocities of some coordinates.
-    #[inline(always)]
-    fn expand_order(&mut self, k: usize, coordinates: Range<usize>) {
         let Self {
             model,
             bodies,
@@ -79,59 +64,15 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
             courses,
             ..
         } = self;
-        let (stiffness, damping) = (&model.stiffness, &model.damping);
-        for i in coordinates {
-            let body = &mut bodies[i];
-            let mut resistance = 0.0;
-            if let Some(c) = body.contact {
-                let joint = &mut joints[c];
-                if joint.load_varies {
-                    let gradient = joint.contact.load_gradient().iter();
-                    let from_displacements: f64 =
-                        gradient.map(|&(j, n)| n * courses[j].displacement(k)).sum();
-                    joint.load[k] =
-                        joint.drive_load[k] + from_displacements * model.inverse_mass[i];
-                }
-                match joint.mode {
-                    Mode::Open => {}
-                    Mode::Slip(side) => {
-                        resistance = joint.slip_order(k, body.speeds[k], side.sign());
-                    }
-                    Mode::Stick => joint.stick_order(k),
-                }
-            }
-            let own = &courses[i];
-            let mut carried = -damping.diagonal()[i] * own.velocity(k)
-                - stiffness.diagonal()[i] * own.displacement(k);
-            for &(j, a) in stiffness.beside_diagonal(i) {
-                carried -= a * courses[j].displacement(k);
-            }
-            for &(j, a) in damping.beside_diagonal(i) {
-                carried -= a * courses[j].velocity(k);
-            }
-            let mut surface = 0.0;
-            if body.is_driven {
-                surface = body.surface[k + 1];
-                carried += body.force[k] - (k + 1) as f64 * surface;
-            } else if k == 0 {
-                carried += body.force[0];
-            }
-            body.carried[k] = carried;
-            let equation = (body.side * carried - resistance) * INTEGRAL[k];
-            let speed = match body.rate {
-                Some(rate) if k == 0 => rate,
-                _ => equation,
-            };
-            body.speeds[k + 1] = speed;
-            courses[i].set_velocity(k + 1, mul_add(body.side, speed, surface));
-        }
+        model.laws.expand(model, bodies, joints, courses);
+        self.law_fault().map_or(Ok(()), Err)
     }
 
     /// The first law that gave no number, or no slope.
     fn law_fault(&self) -> Option<LawFault> {
         let slipping = self.joints.iter().filter(|j| j.direction().is_some());
         slipping.into_iter().find_map(|joint| {
-            let body = &self.bodies[joint.body()];
+            let body = &self.bodies[joint.body];
             let (speed, value) = (body.speed, joint.friction[0]);
             if !value.is_finite() {
                 Some(LawFault::NonFinite { speed, value })
@@ -144,13 +85,91 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
     }
 }
 
+/// All orders of all coordinates.
+#[inline(always)]
+pub(super) fn expand<L: ContactLaw<Z>, const Z: usize>(
+    laws: &[&L],
+    model: &Model<'_>,
+    bodies: &mut [Body],
+    joints: &mut [Joint],
+    courses: &mut [Course],
+) {
+    const LAST: usize = TERMS - 1;
+    let (n, shift) = (bodies.len(), model.bandwidth);
+    let (laws, courses) = (&laws[..joints.len()], &mut courses[..n]);
+    for start in (0..n + LAST * shift).step_by(AT_A_TIME) {
+        for k in 0..LAST {
+            let place = |i: usize| i.saturating_sub(k * shift).min(n);
+            let coordinates = place(start)..place(start + AT_A_TIME);
+            order(laws, model, bodies, joints, courses, k, coordinates);
+        }
+    }
+}
+
+/// Order k + 1 of the velocities of some coordinates.
+#[inline(always)]
+fn order<L: ContactLaw<Z>, const Z: usize>(
+    laws: &[&L],
+    model: &Model<'_>,
+    bodies: &mut [Body],
+    joints: &mut [Joint],
+    courses: &mut [Course],
+    k: usize,
+    coordinates: Range<usize>,
+) {
+    let (stiffness, damping) = (&model.stiffness, &model.damping);
+    for i in coordinates {
+        let body = &mut bodies[i];
+        let mut resistance = 0.0;
+        if let Some(c) = body.contact {
+            let (law, joint) = (laws[c], &mut joints[c]);
+            if joint.load_varies {
+                let gradient = model.contacts[c].load_gradient.iter();
+                let from_displacements: f64 =
+                    gradient.map(|&(j, n)| n * courses[j].displacement(k)).sum();
+                joint.load[k] = joint.drive_load[k] + from_displacements * model.inverse_mass[i];
+            }
+            match joint.mode {
+                Mode::Open => {}
+                Mode::Slip(side) => {
+                    resistance = joint.slip_order(law, k, body.speeds[k], side.sign());
+                }
+                Mode::Stick => joint.stick_order(law, k),
+            }
+        }
+        let own = &courses[i];
+        let ((spring, springs), (damper, dampers)) = (stiffness.row(i), damping.row(i));
+        let mut carried = -damper * own.velocity(k) - spring * own.displacement(k);
+        for &(j, a) in springs {
+            carried -= a * courses[j].displacement(k);
+        }
+        for &(j, a) in dampers {
+            carried -= a * courses[j].velocity(k);
+        }
+        let mut surface = 0.0;
+        if body.is_driven {
+            surface = body.surface[k + 1];
+            carried += body.force[k] - (k + 1) as f64 * surface;
+        } else if k == 0 {
+            carried += body.force[0];
+        }
+        body.carried[k] = carried;
+        let equation = (body.side * carried - resistance) * INTEGRAL[k];
+        let speed = match body.rate {
+            Some(rate) if k == 0 => rate,
+            _ => equation,
+        };
+        body.speeds[k + 1] = speed;
+        courses[i].set_velocity(k + 1, mul_add(body.side, speed, surface));
+    }
+}
 /// How many masses of a long chain are brought from order to order together.
 const AT_A_TIME: usize = 32;
 
 /// The series of one displacement q: its value, then the coefficients of the velocity v = q', so
 /// that number k is q_0 or k q_k.
 #[derive(Debug, Clone)]
-pub(super) struct Course([f64; TERMS + 1]);
+pub(crate) struct Course([f64; TERMS + 1]);
 
 impl Course {
     pub(super) const ZERO: Self = Self([0.0; TERMS + 1]);
@@ -189,23 +208,29 @@ impl Course {
     }
 }
 
-impl<L: ContactLaw<Z>, const Z: usize> super::parts::Joint<'_, L, Z> {
+impl Joint {
     /// Coefficient k of Nσμ/m in slip, and k + 1 of the memory; on the slow motion k of the memory,
     /// from k + 1 of the pass before.
     #[inline(always)]
-    fn slip_order(&mut self, k: usize, speed: f64, direction: f64) -> f64 {
+    fn slip_order<L: ContactLaw<Z>, const Z: usize>(
+        &mut self,
+        law: &L,
+        k: usize,
+        speed: f64,
+        direction: f64,
+    ) -> f64 {
         let relaxes = Z == 1 && self.relaxation > 0.0;
-        if k == 0 && !relaxes {
+        if Z > 0 && k == 0 && !relaxes {
             self.remember();
         }
         // Where the memory relaxes the law runs twice: for the memory, then with it. The call
         // stands in one place, so that the law is inlined once.
         let mut corrects = relaxes;
         let coefficient = loop {
-            let (coefficient, slope, rates) = self.run_law(k, speed, direction);
+            let (coefficient, slope, rates) = self.run_law(law, k, speed, direction);
             self.slope = slope;
             if !corrects {
-                if !relaxes {
+                if Z > 0 && !relaxes {
                     self.set_memories(k, rates);
                 }
                 break coefficient;
@@ -226,8 +251,14 @@ impl<L: ContactLaw<Z>, const Z: usize> super::parts::Joint<'_, L, Z> {
     /// Coefficient k of σμ, the slope ∂(σμ)/∂s at the start, and coefficient k of the rates of the
     /// memory in slip.
     #[inline(always)]
-    fn run_law(&mut self, k: usize, speed: f64, direction: f64) -> (f64, f64, [f64; Z]) {
-        let (law, piece, memories) = (self.contact.law(), self.piece, &self.memories);
+    fn run_law<L: ContactLaw<Z>, const Z: usize>(
+        &mut self,
+        law: &L,
+        k: usize,
+        speed: f64,
+        direction: f64,
+    ) -> (f64, f64, [f64; Z]) {
+        let (piece, memories) = (self.piece, &self.memories);
         self.tape.run(k, |run| {
             let slip = Slip {
                 speed: run.variable(speed),
@@ -244,8 +275,7 @@ impl<L: ContactLaw<Z>, const Z: usize> super::parts::Joint<'_, L, Z> {
 
     /// Coefficient k of the bound N μ_s/m in stick, and k + 1 of the memory.
     #[inline]
-    fn stick_order(&mut self, k: usize) {
-        let law = self.contact.law();
+    fn stick_order<L: ContactLaw<Z>, const Z: usize>(&mut self, law: &L, k: usize) {
         if Z == 0 {
             // μ_s is a constant.
             self.bound[k] = if k == 0 || self.load_varies {
@@ -272,13 +302,13 @@ impl<L: ContactLaw<Z>, const Z: usize> super::parts::Joint<'_, L, Z> {
     }
 
     fn remember(&mut self) {
-        for (series, memory) in std::iter::zip(&mut self.memories, self.memory) {
-            series[0] = memory;
+        for (series, memory) in std::iter::zip(&mut self.memories, &self.memory) {
+            series[0] = *memory;
         }
     }
 
     #[inline(always)]
-    fn set_memories(&mut self, k: usize, rates: [f64; Z]) {
+    fn set_memories<const Z: usize>(&mut self, k: usize, rates: [f64; Z]) {
         for (series, rate) in std::iter::zip(&mut self.memories, rates) {
             series[k + 1] = rate * INTEGRAL[k];
         }
@@ -288,7 +318,7 @@ impl<L: ContactLaw<Z>, const Z: usize> super::parts::Joint<'_, L, Z> {
 #[inline(always)]
 fn inputs<'r, const Z: usize>(
     run: &'r Run<'_>,
-    memories: &[PowerSeries; Z],
+    memories: &[PowerSeries],
     k: usize,
 ) -> [crate::scalar::jet::Jet<'r>; Z] {
     std::array::from_fn(|j| run.input(memories[j][k]))

@@ -1,6 +1,7 @@
 //! The motion of a structure, step by step.
 
 use super::engine::Engine;
+use super::model::Model;
 use super::step::Step;
 use super::system::Structure;
 use crate::error::Error;
@@ -15,22 +16,22 @@ use crate::state::structure::State;
 /// Made by [`Integrator::flow`]. After an error comes `None`. A motion in which no velocity changes
 /// and no contact ever will is one last step of infinite duration.
 #[derive(Debug, Clone)]
-pub struct Flow<'s, L, const Z: usize = 0> {
-    engine: Engine<'s, L, Z>,
+pub struct Flow<'s> {
+    engine: Engine<'s>,
     run: Run,
     /// The events of the start itself.
     first: Option<Step>,
     ended: bool,
 }
 
-impl<'s, L: ContactLaw<Z>, const Z: usize> Flow<'s, L, Z> {
-    fn new(
+impl<'s> Flow<'s> {
+    pub(crate) fn new(
         settings: Integrator,
-        structure: &'s Structure<L, Z>,
+        model: Model<'s>,
         start: &State,
     ) -> Result<Self, Error> {
-        let n = structure.len();
-        let memory = Z * structure.contacts().len();
+        let n = model.len();
+        let memory = model.remembered();
         let sizes = [
             ("displacements", start.displacements.len(), n),
             ("velocities", start.velocities.len(), n),
@@ -59,10 +60,9 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Flow<'s, L, Z> {
             Error::check("Structure", "memory", value, true, "any size")?;
         }
         if remembered > 0 {
-            let memories = start.memory.chunks_exact(Z.max(1));
-            for (contact, memory) in structure.contacts().iter().zip(memories) {
-                let memory = std::array::from_fn(|j| memory[j]);
-                if let Some(limit) = contact.law().limit(0.0, memory) {
+            let memories = start.memory.chunks_exact(model.laws.memory().max(1));
+            for (c, memory) in memories.enumerate() {
+                if let Some(limit) = model.laws.limit(c, &|j| memory[j]) {
                     let allowed = "a memory at the start with which static_coefficient ≥ 0";
                     Error::check(
                         "Structure",
@@ -75,7 +75,7 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Flow<'s, L, Z> {
             }
         }
         let run = Run::new(settings);
-        let (engine, first) = Engine::start(structure, settings.tolerance(), run.clock, start)?;
+        let (engine, first) = Engine::start(model, settings.tolerance(), run.clock, start)?;
         Ok(Self {
             engine,
             run,
@@ -85,7 +85,7 @@ impl<'s, L: ContactLaw<Z>, const Z: usize> Flow<'s, L, Z> {
     }
 }
 
-impl<L: ContactLaw<Z>, const Z: usize> Iterator for Flow<'_, L, Z> {
+impl Iterator for Flow<'_> {
     type Item = Result<Step, Error>;
 
     fn next(&mut self) -> Option<Self::Item> {
@@ -117,12 +117,12 @@ impl<L: ContactLaw<Z>, const Z: usize> Sealed for Structure<L, Z> {}
 impl<L: ContactLaw<Z>, const Z: usize> System for Structure<L, Z> {
     type State = State;
     type Flow<'s>
-        = Flow<'s, L, Z>
+        = Flow<'s>
     where
         Self: 's;
 
-    fn flow(&self, settings: Integrator, start: State) -> Result<Flow<'_, L, Z>, Error> {
-        Flow::new(settings, self, &start)
+    fn flow(&self, settings: Integrator, start: State) -> Result<Flow<'_>, Error> {
+        Flow::new(settings, self.model(), &start)
     }
 }
 

@@ -9,6 +9,7 @@
 //! | `sparse.rs` | a matrix without its zeros |
 //! | `engine.rs` | one step of a motion, as a paragraph; the state, its start |
 //! | `model.rs`, `parts.rs` | what is constant; what is known of each coordinate and contact |
+//! | `laws.rs` | the laws of all contacts behind one trait object |
 //! | `expansion.rs` | the power series of all coordinates, order by order |
 //! | `settle.rs` | how long a step is, and which events end it at one time |
 //! | `slow.rs` | the slow motion of stiff bristles |
@@ -22,7 +23,8 @@ mod defect;
 mod engine;
 mod expansion;
 mod flow;
-mod model;
+pub(crate) mod laws;
+pub(crate) mod model;
 mod parts;
 #[cfg(feature = "serde")]
 mod read;

@@ -1,8 +1,7 @@
 //! What the engine knows of each coordinate and of each contact.
 
-use super::contact::Contact;
+use super::model::Model;
 use crate::clock::Clock;
-use crate::friction::memory::ContactLaw;
 use crate::motion::Mode;
 use crate::scalar::jet::Tape;
 use crate::scalar::mul_add;
@@ -16,7 +15,7 @@ use crate::state::Direction;
 /// surface moves. Of one that sticks σ = 0. Without a contact, or with an open one, w = 0 and σ =
 /// 1.
 #[derive(Debug, Clone)]
-pub(super) struct Body {
+pub(crate) struct Body {
     pub(super) displacement: f64,
     /// y.
     pub(super) speed: f64,
@@ -109,8 +108,9 @@ pub(super) enum Firing {
 
 /// One contact.
 #[derive(Debug, Clone)]
-pub(super) struct Joint<'s, L, const Z: usize> {
-    pub(super) contact: &'s Contact<L, Z>,
+pub(crate) struct Joint {
+    /// The number of its coordinate.
+    pub(super) body: usize,
     pub(super) mode: Mode,
     /// Which piece of the law holds in slip.
     pub(super) piece: usize,
@@ -123,10 +123,10 @@ pub(super) struct Joint<'s, L, const Z: usize> {
     pub(super) fresh: bool,
     /// Where it slipped before it came to r = 0, if it did.
     pub(super) arrived_from: Option<Direction>,
-    pub(super) memory: [f64; Z],
+    pub(super) memory: Vec<f64>,
     /// The memory at that moment.
-    pub(super) memory_on_arrival: [f64; Z],
-    pub(super) memories: [PowerSeries; Z],
+    pub(super) memory_on_arrival: Vec<f64>,
+    pub(super) memories: Vec<PowerSeries>,
     /// D, at which the memory relaxes, where its series is that of the slow motion; else 0.
     pub(super) relaxation: f64,
     /// Whether it does so since the last trial.
@@ -154,41 +154,38 @@ pub(super) struct Joint<'s, L, const Z: usize> {
     pub(super) firing: Option<(f64, Firing)>,
 }
 
-impl<'s, L: ContactLaw<Z>, const Z: usize> Joint<'s, L, Z> {
+impl Joint {
     /// Not yet decided: see `Engine::start`.
-    pub(super) fn new(contact: &'s Contact<L, Z>, load: f64, memory: [f64; Z]) -> Self {
+    pub(super) fn new(model: &Model<'_>, number: usize, load: f64, memory: Vec<f64>) -> Self {
+        let (contact, laws) = (&model.contacts[number], &model.laws);
         let mut series = PowerSeries::ZERO;
         series[0] = load;
         Self {
-            contact,
+            body: contact.coordinate,
             mode: Mode::Stick,
             piece: 0,
-            breakpoints: contact.law().breakpoints().collect(),
+            breakpoints: laws.breakpoints(number),
             edge: Edge::Away,
             load_edge: Edge::Away,
             fresh: true,
             arrived_from: None,
-            memory,
-            memory_on_arrival: memory,
-            memories: [PowerSeries::ZERO; Z],
+            memory_on_arrival: memory.clone(),
+            memories: vec![PowerSeries::ZERO; memory.len()],
             relaxation: 0.0,
             relaxes_anew: false,
             load: series,
             drive_load: series,
-            load_varies: !contact.load().is_constant() || !contact.load_gradient().is_empty(),
+            load_varies: !contact.load.is_constant() || !contact.load_gradient.is_empty(),
             bound: PowerSeries::ZERO,
             friction: PowerSeries::ZERO,
             slope: 0.0,
             limits: PowerSeries::ZERO,
-            limit: contact.law().limit(0.0, memory),
+            limit: laws.limit(number, &|j| memory[j]),
             tape: Tape::new(),
             carried_from: (Clock::default(), 0.0),
             firing: None,
+            memory,
         }
-    }
-
-    pub(super) fn body(&self) -> usize {
-        self.contact.coordinate()
     }
 
     /// The direction of slip; `None` in any other mode.

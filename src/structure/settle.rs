@@ -3,7 +3,7 @@
 use super::engine::{Engine, Settled};
 use super::parts::{Body, Edge, Firing, Joint};
 use crate::error::Error;
-use crate::friction::memory::ContactLaw;
+use crate::friction::memory::Slip;
 use crate::motion::Mode;
 use crate::motion::step_control::{Allowance, FARTHEST, reach};
 use crate::series::{PowerSeries, TERMS, TooCurved, Watch, quarters};
@@ -16,7 +16,7 @@ const TOGETHER: f64 = 4.0;
 /// A number that can be halved; in any unit.
 const LONGEST_STEP: f64 = 4294967296.0;
 
-impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
+impl Engine<'_> {
     /// The step's duration, up to the first watch that reaches zero; which contacts it is that end
     /// it is left with them.
     pub(super) fn settle(&mut self) -> Result<Settled, Error> {
@@ -68,7 +68,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
     /// Where pieces of a drive meet next, as a time and as a duration from now.
     fn next_break(&self) -> (Option<f64>, f64) {
         let drives = self.model.varying.iter();
-        let times = drives.filter_map(|(_, drive)| drive.next_break(self.clock));
+        let times = drives.filter_map(|&at| self.model.drive(at).next_break(self.clock));
         let time = times.min_by(f64::total_cmp);
         let duration = time.map_or(f64::INFINITY, |time| self.clock.until(time).max(0.0));
         (time, duration)
@@ -81,7 +81,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
             .all(|body| body.speeds.is_constant() && body.surface.is_constant())
             && self.joints.iter().all(|joint| match joint.mode {
                 Mode::Stick => {
-                    let body = &self.bodies[joint.body()];
+                    let body = &self.bodies[joint.body];
                     body.carried.is_linear() && joint.bound.is_linear() && joint.load.is_linear()
                 }
                 _ => joint.load.is_linear(),
@@ -140,7 +140,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
         scales.clear();
         scales.extend((0..self.bodies.len()).map(|i| (0.0, self.terms(i))));
         for joint in &self.joints {
-            let i = joint.body();
+            let i = joint.body;
             if joint.direction().is_some() {
                 scales[i].1 += (joint.load[0] * joint.friction[0]).abs();
             }
@@ -181,10 +181,10 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
             allowances.push(allowance);
         }
         for (c, joint) in self.joints.iter().enumerate() {
-            let body = &self.bodies[joint.body()];
+            let body = &self.bodies[joint.body];
             if joint.mode == Mode::Stick {
                 // The last coefficient of R needs that of the velocities, and is not there.
-                let error = f64::EPSILON * joint.bound[0].abs().max(self.scales[joint.body()].1);
+                let error = f64::EPSILON * joint.bound[0].abs().max(self.scales[joint.body].1);
                 farthest = farthest.min(reach_of(error, &body.carried, TERMS - 2));
                 farthest = farthest.min(reach_of(error, &joint.bound, TERMS - 2));
             }
@@ -192,7 +192,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
                 let error = f64::EPSILON * self.load_terms(c);
                 farthest = farthest.min(reach_of(error, &joint.load, TERMS - 2));
             }
-            for (series, memory) in std::iter::zip(&joint.memories, joint.memory) {
+            for (series, memory) in std::iter::zip(&joint.memories, &joint.memory) {
                 let scale = memory.abs().max(series[1].abs() * farthest.min(f64::MAX));
                 farthest = farthest.min(reach_of(f64::EPSILON * scale, series, TERMS - 1));
             }
@@ -207,7 +207,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
         let joint = self.bodies[i].contact.map(|c| &self.joints[c]);
         let slipping = joint.filter(|joint| joint.direction().is_some());
         slipping.map_or(0.0, |joint| {
-            self.model.damping.diagonal()[i] + joint.load[0] * joint.slope
+            self.model.damping.row(i).0 + joint.load[0] * joint.slope
         })
     }
 
@@ -218,7 +218,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
         let mut end = h;
         for joint in &mut self.joints {
             let limit = if end < h { h.min(end + slack(end)) } else { h };
-            let body = &self.bodies[joint.contact.coordinate()];
+            let body = &self.bodies[joint.body];
             joint.firing = joint.first_firing(body, limit)?;
             if let Some((time, _)) = joint.firing {
                 end = end.min(time);
@@ -234,15 +234,23 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
     #[cold]
     fn underflow(&self, step: f64) -> Error {
         let reached = self.reached();
-        for joint in &self.joints {
-            let speeds = &self.bodies[joint.body()].speeds;
+        for (c, joint) in self.joints.iter().enumerate() {
+            let Some(direction) = joint.direction() else {
+                continue;
+            };
             for t in quarters(2.0 * step) {
-                let speed = speeds.at(t);
-                let value = joint.coefficient_at(speed, t);
-                if speed.is_finite() && value.is_some_and(|value| !value.is_finite()) {
+                let speed = self.bodies[joint.body].speeds.at(t);
+                let slip = Slip {
+                    speed: speed.max(0.0),
+                    direction: direction.sign(),
+                    piece: joint.piece,
+                };
+                let memory = &|j: usize| joint.memories[j].at(t);
+                let value = self.model.laws.coefficient(c, slip, memory) * slip.direction;
+                if speed.is_finite() && !value.is_finite() {
                     return Error::NonFiniteFriction {
                         speed,
-                        value: value.unwrap_or(f64::NAN),
+                        value,
                         reached: Some(reached),
                     };
                 }
@@ -262,7 +270,7 @@ fn reach_of(error: f64, c: &PowerSeries, n: usize) -> f64 {
     }
 }
 
-impl<L: ContactLaw<Z>, const Z: usize> Joint<'_, L, Z> {
+impl Joint {
     /// The first time in (0, h] at which it has to be looked at, and why.
     fn first_firing(&self, body: &Body, h: f64) -> Result<Option<(f64, Firing)>, TooCurved> {
         let of_load = self.load_firing(h)?;

@@ -25,8 +25,9 @@
 //! damped. Both are followed explicitly, by about √(Nσ0/m)/10 steps per unit of time.
 
 use super::engine::Engine;
+use super::laws::Laws;
 use super::parts::Joint;
-use crate::friction::memory::{ContactLaw, Motion, Slip};
+use crate::friction::memory::{Motion, Slip};
 use crate::motion::Mode;
 use crate::motion::step_control::SETTLING;
 use crate::series::{PowerSeries, TERMS};
@@ -50,13 +51,13 @@ const LONGER: f64 = 1.5;
 /// Most steps that are made before the slow motion is tried again.
 const LONGEST_PAUSE: u32 = 256;
 
-impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
+impl Engine<'_> {
     /// The series of the slow motion in place of the explicit ones, if a memory is stiff, the
     /// motion has come to the slow one, and it can be used further than `explicit`; the reach of
     /// whichever it is.
     pub(super) fn relax(&mut self, explicit: f64) -> f64 {
         // Several numbers of one contact may be stiff together.
-        if Z != 1 {
+        if self.model.laws.memory() != 1 {
             return explicit;
         }
         if self.steps_to_trial > 0 {
@@ -100,10 +101,11 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
     /// new; whether there are any.
     fn begins_to_relax(&mut self, reach: f64) -> bool {
         let mut found = false;
-        for joint in &mut self.joints {
+        for (c, joint) in self.joints.iter_mut().enumerate() {
             joint.relaxes_anew = false;
             if joint.relaxation == 0.0 {
-                let rate = joint.relaxation_at(self.bodies[joint.contact.coordinate()].speed);
+                let speed = self.bodies[joint.body].speed;
+                let rate = joint.relaxation_at(&*self.model.laws, c, speed);
                 if rate * reach > SETTLING {
                     (joint.relaxation, joint.relaxes_anew) = (rate, true);
                     found = true;
@@ -117,9 +119,9 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
     /// [`LONGER`].
     fn slow_series(&mut self, shorter: f64) -> Option<f64> {
         for joint in self.joints.iter_mut().filter(|j| j.relaxation > 0.0) {
-            for (series, memory) in std::iter::zip(&mut joint.memories, joint.memory) {
+            for (series, memory) in std::iter::zip(&mut joint.memories, &joint.memory) {
                 *series = PowerSeries::ZERO;
-                series[0] = memory;
+                series[0] = *memory;
             }
         }
         self.expand().ok()?;
@@ -173,13 +175,13 @@ impl<L: ContactLaw<Z>, const Z: usize> Engine<'_, L, Z> {
     /// The memories that relax, and what they are.
     fn slow_memories(&self) -> impl Iterator<Item = (&PowerSeries, f64)> {
         let joints = self.joints.iter().filter(|joint| joint.relaxation > 0.0);
-        joints.flat_map(|joint| std::iter::zip(&joint.memories, joint.memory))
+        joints.flat_map(|joint| std::iter::zip(&joint.memories, joint.memory.iter().copied()))
     }
 }
 
-impl<L: ContactLaw<Z>, const Z: usize> Joint<'_, L, Z> {
+impl Joint {
     /// D, or 0 where the memory does not relax by itself.
-    fn relaxation_at(&self, speed: f64) -> f64 {
+    fn relaxation_at(&self, laws: &dyn Laws, number: usize, speed: f64) -> f64 {
         /// Of the memory: a difference so large loses half the digits, as many as are needed.
         const PART: f64 = 1.0 / (1 << 26) as f64;
         let (Mode::Slip(direction), Some(&memory)) = (self.mode, self.memory.first()) else {
@@ -194,9 +196,10 @@ impl<L: ContactLaw<Z>, const Z: usize> Joint<'_, L, Z> {
             piece: self.piece,
         };
         let rate = |factor: f64| {
-            let memory = self.memory.map(|memory| memory * factor);
-            let rates = self.contact.law().rates(Motion::Slip(slip), memory);
-            rates.first().copied().unwrap_or(0.0)
+            let mut rate = 0.0;
+            let take = &mut |_, now| rate = now;
+            laws.rates(number, Motion::Slip(slip), &|_| memory * factor, take);
+            rate
         };
         (rate(1.0) - rate(1.0 + PART)) / (PART * memory)
     }

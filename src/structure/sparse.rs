@@ -4,11 +4,17 @@ use nalgebra::DMatrix;
 /// masses costs n and not n².
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Sparse {
-    diagonal: Vec<f64>,
-    /// Where row i begins and ends in `entries`.
-    spans: Vec<(usize, usize)>,
+    rows: Vec<Row>,
     /// Column and value.
     entries: Vec<(usize, f64)>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Row {
+    diagonal: f64,
+    /// Where it begins and ends in the entries.
+    start: usize,
+    end: usize,
 }
 
 impl Sparse {
@@ -24,38 +30,33 @@ impl Sparse {
                 }
             }
         }
-        let mut spans = Vec::with_capacity(n);
         let mut entries = Vec::new();
-        for row in rows {
+        let rows = rows.into_iter().enumerate().map(|(i, row)| {
             let start = entries.len();
             entries.extend(row);
-            spans.push((start, entries.len()));
-        }
-        let diagonal = (0..n).map(|i| scale(i, i) * dense[(i, i)]).collect();
+            Row {
+                diagonal: scale(i, i) * dense[(i, i)],
+                start,
+                end: entries.len(),
+            }
+        });
         Self {
-            diagonal,
-            spans,
+            rows: rows.collect(),
             entries,
         }
     }
 
-    /// The entries on the diagonal.
-    pub(crate) fn diagonal(&self) -> &[f64] {
-        &self.diagonal
-    }
-
-    /// Row by row: the entry on the diagonal, and those beside it that are not 0.
-    pub(crate) fn rows(&self) -> impl Iterator<Item = (f64, &[(usize, f64)])> {
-        let beside = (0..self.diagonal.len()).map(|i| self.beside_diagonal(i));
-        self.diagonal.iter().copied().zip(beside)
-    }
-
-    /// Column and value of the entries of a row that are not 0, but for the diagonal; columns
-    /// ascend.
+    /// A row: its entry on the diagonal, and column and value of those beside it that are not 0, by
+    /// ascending column.
     #[inline]
-    pub(crate) fn beside_diagonal(&self, row: usize) -> &[(usize, f64)] {
-        let (start, end) = self.spans[row];
-        &self.entries[start..end]
+    pub(crate) fn row(&self, i: usize) -> (f64, &[(usize, f64)]) {
+        let row = &self.rows[i];
+        (row.diagonal, &self.entries[row.start..row.end])
+    }
+
+    /// Row by row.
+    pub(crate) fn rows(&self) -> impl Iterator<Item = (f64, &[(usize, f64)])> {
+        (0..self.rows.len()).map(|i| self.row(i))
     }
 
     /// Largest |i − j| of an entry that is not 0.
@@ -80,10 +81,10 @@ mod tests {
             _ => 0.0,
         });
         let sparse = Sparse::scaled(&dense, |i, j| if i == j { 1.0 } else { 10.0 });
-        assert_eq!(sparse.diagonal(), [2.0, 3.0, 4.0, 5.0, 6.0]);
-        assert_eq!(sparse.beside_diagonal(0), [(1, -20.0)]);
-        assert_eq!(sparse.beside_diagonal(2), [(1, -20.0), (3, -40.0)]);
-        assert_eq!(sparse.beside_diagonal(4), [(3, -40.0)]);
+        assert_eq!(sparse.row(0), (2.0, &[(1, -20.0)][..]));
+        assert_eq!(sparse.row(2), (4.0, &[(1, -20.0), (3, -40.0)][..]));
+        assert_eq!(sparse.row(4), (6.0, &[(3, -40.0)][..]));
+        assert_eq!(sparse.rows().count(), n);
         assert_eq!(sparse.bandwidth(), 1);
     }
 }

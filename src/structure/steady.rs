@@ -2,6 +2,8 @@ use nalgebra::linalg::Schur;
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::Structure;
+use super::model::Support;
+use crate::drive::Drive;
 use crate::friction::memory::{ContactLaw, Sliding, Slip};
 use crate::friction::piece_above;
 use crate::state::Direction;
@@ -73,14 +75,8 @@ impl SteadySliding {
         if !structure.drives().all(|drive| drive.is_constant()) {
             return None;
         }
-        let n = structure.len();
-        let mut stiffness = structure.stiffness().clone();
-        let mut damping = structure.damping().clone();
-        let forces = structure.forces().iter().map(|force| force.value(0.0));
-        let mut forces = DVector::from_iterator(n, forces);
-        let mut slidings = Vec::new();
-        for contact in structure.contacts() {
-            let (i, velocity) = (contact.coordinate(), contact.belt_velocity().value(0.0));
+        let contacts = structure.contacts().iter().map(|contact| {
+            let velocity = contact.belt_velocity().value(0.0);
             let direction = Direction::of(-velocity)?.sign();
             let speed = velocity.abs();
             let slip = Slip {
@@ -89,14 +85,35 @@ impl SteadySliding {
                 piece: piece_above(contact.law().breakpoints(), speed),
             };
             let sliding = Sliding::of(contact.law(), slip)?;
-            forces[i] -= contact.load().value(0.0) * sliding.coefficient;
-            for &(j, gradient) in contact.load_gradient() {
+            Some((contact.support(), sliding, direction))
+        });
+        let contacts: Vec<_> = contacts.collect::<Option<_>>()?;
+        Self::with(
+            structure.masses(),
+            [structure.stiffness().clone(), structure.damping().clone()],
+            structure.forces(),
+            &contacts,
+        )
+    }
+
+    /// Of contacts that slide so, each in a direction.
+    fn with(
+        masses: &[f64],
+        [mut stiffness, mut damping]: [DMatrix<f64>; 2],
+        forces: &[Drive],
+        contacts: &[(Support<'_>, Sliding, f64)],
+    ) -> Option<Self> {
+        let n = masses.len();
+        let mut forces = DVector::from_iterator(n, forces.iter().map(|force| force.value(0.0)));
+        for (contact, sliding, _) in contacts {
+            let i = contact.coordinate;
+            forces[i] -= contact.load.value(0.0) * sliding.coefficient;
+            for &(j, gradient) in contact.load_gradient {
                 stiffness[(i, j)] += sliding.coefficient * gradient;
             }
-            slidings.push((sliding, direction));
         }
         // In √m q both matrices have units of time alone, and keep their symmetry if they have it.
-        let roots: Vec<f64> = structure.masses().iter().map(|mass| mass.sqrt()).collect();
+        let roots: Vec<f64> = masses.iter().map(|mass| mass.sqrt()).collect();
         let scale = |matrix: &mut DMatrix<f64>| {
             for ((i, j), entry) in (0..n)
                 .flat_map(|j| (0..n).map(move |i| (i, j)))
@@ -117,16 +134,16 @@ impl SteadySliding {
             .collect();
         let mut memories = Vec::new();
         let mut idle = 0;
-        for (contact, (sliding, direction)) in structure.contacts().iter().zip(&slidings) {
+        for (contact, sliding, direction) in contacts {
             let load = contact.load_at(0.0, &displacements);
             if load.is_nan() || load <= 0.0 {
                 return None;
             }
-            let i = contact.coordinate();
+            let i = contact.coordinate;
             damping[(i, i)] += load * direction * sliding.slope;
             // As the velocity of √m q has it.
             let memory = Memory::of(sliding, i, load / roots[i], direction / roots[i]);
-            idle += Z - memory.matrix.nrows();
+            idle += sliding.by_memory.len() - memory.matrix.nrows();
             memories.push(memory);
         }
         scale(&mut damping);
@@ -151,20 +168,16 @@ struct Memory {
 }
 
 impl Memory {
-    fn of<const Z: usize>(
-        sliding: &Sliding<Z>,
-        coordinate: usize,
-        load: f64,
-        direction: f64,
-    ) -> Self {
-        let numbers: Vec<usize> = (0..Z).filter(|&j| !sliding.is_idle(j)).collect();
+    fn of(sliding: &Sliding, coordinate: usize, load: f64, direction: f64) -> Self {
+        let remembered = 0..sliding.by_memory.len();
+        let numbers: Vec<usize> = remembered.filter(|&j| !sliding.is_idle(j)).collect();
         let count = numbers.len();
         let acts = numbers.iter().map(|&j| -load * sliding.by_memory[j]);
         let driven = numbers
             .iter()
             .map(|&j| direction * sliding.rates_by_speed[j]);
         let (mut acts, mut driven): (Vec<f64>, Vec<f64>) = (acts.collect(), driven.collect());
-        let entry = |i: usize, j: usize| sliding.rates_by_memory[numbers[i]][numbers[j]];
+        let entry = |i: usize, j: usize| sliding.rates_by_memory[(numbers[i], numbers[j])];
         let mut matrix = DMatrix::from_fn(count, count, entry);
         // In units in which z acts on the velocity as strongly as that on z.
         for j in 0..count {

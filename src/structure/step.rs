@@ -1,7 +1,7 @@
 use crate::clock::Clock;
 use crate::error::Error;
 use crate::motion::sealed::Sealed;
-use crate::motion::{Event, Mode, Segment, SystemState, Trajectory};
+use crate::motion::{self, Event, Mode, Segment, Steps, Stop, SystemState, Trajectory};
 use crate::series::PowerSeries;
 use crate::state::structure::State;
 
@@ -156,6 +156,15 @@ impl Sealed for State {}
 
 impl SystemState for State {
     type Step = Step;
+
+    fn trajectory(
+        steps: Steps<'_, Step>,
+        start_time: f64,
+        duration: f64,
+        stop: Option<Stop<'_, Step>>,
+    ) -> Result<Trajectory<Self>, Error> {
+        motion::trajectory(steps, start_time, duration, stop)
+    }
 }
 
 impl Trajectory<State> {

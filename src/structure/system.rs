@@ -1,6 +1,11 @@
+use std::borrow::Cow;
+use std::rc::Rc;
+
 use nalgebra::DMatrix;
 
 use super::contact::Contact;
+use super::laws::Typed;
+use super::model::Model;
 use super::steady::SteadySliding;
 use crate::belt::MassOnBelt;
 use crate::drive::{self, Drive};
@@ -100,18 +105,8 @@ impl<L, const Z: usize> Structure<L, Z> {
     /// [`Error::BadElement`] with the first mass that is not positive and finite;
     /// [`Error::InvalidParameter`] if there is none.
     pub fn new(masses: &[f64]) -> Result<Self, Error> {
+        check_masses(masses)?;
         let n = masses.len();
-        Error::check(
-            "Structure",
-            "masses",
-            n as f64,
-            n > 0,
-            "at least one: their number",
-        )?;
-        for (i, &mass) in masses.iter().enumerate() {
-            Error::check("Structure", "mass", mass, mass > 0.0, "mass > 0")
-                .map_err(|error| error.of_element(Element::Mass(i)))?;
-        }
         Ok(Self {
             masses: masses.to_vec(),
             stiffness: DMatrix::zeros(n, n),
@@ -235,7 +230,7 @@ impl<L, const Z: usize> Structure<L, Z> {
     /// * [`Error::CoordinateTaken`] if that coordinate has one already;
     /// * [`Error::BeltVelocityJumps`], and [`Error::BadElement`] if that velocity is not finite.
     pub fn with_contact(mut self, contact: Contact<L, Z>) -> Result<Self, Error> {
-        contact.check(self.contacts.len(), self.len())?;
+        contact.support().check(self.contacts.len(), self.len())?;
         let coordinate = contact.coordinate();
         if let Some(taken) = self.contact_of(coordinate) {
             return Err(Error::CoordinateTaken {
@@ -336,6 +331,22 @@ impl<L, const Z: usize> Structure<L, Z> {
 }
 
 impl<const Z: usize, L: ContactLaw<Z>> Structure<L, Z> {
+    /// What moves, as the engine sees it.
+    pub(crate) fn model(&self) -> Model<'_> {
+        Model::new(
+            Cow::Borrowed(&self.masses),
+            [&self.stiffness, &self.damping],
+            Cow::Borrowed(&self.forces),
+            self.contacts.iter().map(Contact::support).collect(),
+            Rc::new(self.laws()),
+        )
+    }
+
+    /// The laws of its contacts.
+    pub(crate) fn laws(&self) -> Typed<'_, L, Z> {
+        Typed(self.contacts.iter().map(Contact::law).collect())
+    }
+
     /// Steady sliding: every mass stands still, every belt moves under its mass, and what contacts
     /// remember stays as it is.
     ///
@@ -373,6 +384,23 @@ impl<L: Clone> From<&MassOnBelt<L>> for Structure<L> {
             contacts: vec![contact],
         }
     }
+}
+
+/// Whether a structure may have these masses.
+fn check_masses(masses: &[f64]) -> Result<(), Error> {
+    let n = masses.len();
+    Error::check(
+        "Structure",
+        "masses",
+        n as f64,
+        n > 0,
+        "at least one: their number",
+    )?;
+    for (i, &mass) in masses.iter().enumerate() {
+        Error::check("Structure", "mass", mass, mass > 0.0, "mass > 0")
+            .map_err(|error| error.of_element(Element::Mass(i)))?;
+    }
+    Ok(())
 }
 
 /// Adds a value at one place of a matrix of a structure.

@@ -198,7 +198,7 @@ fn derivatives_are_those_of_motions_beside() {
         let structure = random.structure();
         let start = random.start(&structure);
         let duration = random.uniform(1.0, 8.0);
-        let map = match structure.period_map(&start, duration) {
+        let map = match structure.form().period_map(&start, duration) {
             Ok(map) => map,
             Err(Error::Separation { .. }) => continue,
             Err(error) => panic!("{error}: {structure:?} {start:?}"),
