@@ -13,11 +13,9 @@ impl<'s> Forward<'s> {
     /// The system itself, or its mirror image if v_b < 0, which slides alike because laws are odd
     /// in v_r. `None` on a belt that stands still.
     pub(crate) fn of(system: Belt<'s>) -> Option<Self> {
-        let belt_velocity = system.belt_velocity.abs();
-        (belt_velocity != 0.0).then_some(Self(Belt {
-            belt_velocity,
-            ..system
-        }))
+        let mut forward = system;
+        forward.parameters.belt_velocity = system.belt_velocity().abs();
+        (forward.belt_velocity() != 0.0).then_some(Self(forward))
     }
 }
 

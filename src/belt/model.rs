@@ -3,59 +3,96 @@
 use super::equilibrium::Equilibrium;
 use crate::error::Error;
 use crate::friction::slip::Equation;
-use crate::friction::{Law, finite_at};
+use crate::friction::{Law, Values, finite_at};
 use crate::state::{Direction, State};
+
+/// The numbers of a system. Each is checked beside the law's values alone, so that a system which is
+/// only made compiles no motion.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Parameters {
+    pub(super) belt_velocity: f64,
+    pub(super) damping: f64,
+    pub(super) load: f64,
+}
+
+impl Parameters {
+    pub(super) fn with_damping(mut self, damping: f64, law: &dyn Values) -> Result<Self, Error> {
+        self.damping = damping;
+        Error::check(
+            "MassOnBelt",
+            "damping",
+            damping,
+            damping >= 0.0 && self.has_finite_limits(law),
+            "damping ≥ 0, and 2βv_b ± γ²μ_s finite",
+        )?;
+        Ok(self)
+    }
+
+    pub(super) fn with_load(mut self, load: f64, law: &dyn Values) -> Result<Self, Error> {
+        self.load = load;
+        Error::check(
+            "MassOnBelt",
+            "load",
+            load,
+            load > 0.0 && self.has_finite_limits(law),
+            "load > 0, and 2βv_b ± γ²μ_s finite",
+        )?;
+        Ok(self)
+    }
+
+    pub(super) fn with_belt_velocity(
+        mut self,
+        belt_velocity: f64,
+        law: &dyn Values,
+    ) -> Result<Self, Error> {
+        self.belt_velocity = belt_velocity;
+        Error::check(
+            "MassOnBelt",
+            "belt_velocity",
+            belt_velocity,
+            self.has_finite_limits(law),
+            "2βv_b ± γ²μ_s finite",
+        )?;
+        finite_at(law, belt_velocity.abs())?;
+        Ok(self)
+    }
+
+    fn has_finite_limits(&self, law: &dyn Values) -> bool {
+        self.stick_limits(law.static_coefficient())
+            .iter()
+            .all(|limit| limit.is_finite())
+    }
+
+    fn stick_limits(&self, static_coefficient: f64) -> [f64; 2] {
+        let largest = self.load * static_coefficient;
+        let carried = 2.0 * self.damping * self.belt_velocity;
+        [-largest - carried, largest - carried]
+    }
+}
 
 /// A [`MassOnBelt`](super::MassOnBelt) of any law. What follows from its parameters is computed
 /// here; what users ask of a system is handed on.
 #[derive(Clone, Copy)]
 pub(crate) struct Belt<'s> {
     pub(super) law: &'s dyn Law,
-    pub(super) belt_velocity: f64,
-    pub(super) damping: f64,
-    pub(super) load: f64,
+    pub(super) parameters: Parameters,
 }
 
 impl<'s> Belt<'s> {
-    pub(crate) fn with_damping(mut self, damping: f64) -> Result<Self, Error> {
-        self.damping = damping;
-        Error::check(
-            "MassOnBelt",
-            "damping",
-            damping,
-            damping >= 0.0 && self.has_finite_limits(),
-            "damping ≥ 0, and 2βv_b ± γ²μ_s finite",
-        )?;
-        Ok(self)
+    pub(crate) fn with_damping(self, damping: f64) -> Result<Self, Error> {
+        self.with(self.parameters.with_damping(damping, self.law))
     }
 
-    pub(crate) fn with_load(mut self, load: f64) -> Result<Self, Error> {
-        self.load = load;
-        Error::check(
-            "MassOnBelt",
-            "load",
-            load,
-            load > 0.0 && self.has_finite_limits(),
-            "load > 0, and 2βv_b ± γ²μ_s finite",
-        )?;
-        Ok(self)
+    pub(crate) fn with_load(self, load: f64) -> Result<Self, Error> {
+        self.with(self.parameters.with_load(load, self.law))
     }
 
-    pub(crate) fn with_belt_velocity(mut self, belt_velocity: f64) -> Result<Self, Error> {
-        self.belt_velocity = belt_velocity;
-        Error::check(
-            "MassOnBelt",
-            "belt_velocity",
-            belt_velocity,
-            self.has_finite_limits(),
-            "2βv_b ± γ²μ_s finite",
-        )?;
-        finite_at(self.law, belt_velocity.abs())?;
-        Ok(self)
+    pub(crate) fn with_belt_velocity(self, belt_velocity: f64) -> Result<Self, Error> {
+        self.with(self.parameters.with_belt_velocity(belt_velocity, self.law))
     }
 
-    fn has_finite_limits(&self) -> bool {
-        self.stick_limits().iter().all(|limit| limit.is_finite())
+    fn with(self, parameters: Result<Parameters, Error>) -> Result<Self, Error> {
+        parameters.map(|parameters| Self { parameters, ..self })
     }
 
     #[inline]
@@ -65,57 +102,56 @@ impl<'s> Belt<'s> {
 
     #[inline]
     pub(crate) fn belt_velocity(&self) -> f64 {
-        self.belt_velocity
+        self.parameters.belt_velocity
     }
 
     #[inline]
     pub(crate) fn damping(&self) -> f64 {
-        self.damping
+        self.parameters.damping
     }
 
     #[inline]
     pub(crate) fn load(&self) -> f64 {
-        self.load
+        self.parameters.load
     }
 
     /// The constants of slip in a direction.
     #[inline]
     pub(crate) fn equation(&self, direction: Direction) -> Equation {
         Equation {
-            damping: 2.0 * self.damping,
-            load: self.load,
-            belt: direction.sign() * self.belt_velocity,
+            damping: 2.0 * self.parameters.damping,
+            load: self.parameters.load,
+            belt: direction.sign() * self.parameters.belt_velocity,
         }
     }
 
     /// [`MassOnBelt::stick_limits`](super::MassOnBelt::stick_limits).
     pub(crate) fn stick_limits(&self) -> [f64; 2] {
-        let (largest, carried) = (self.largest_friction(), self.carried_force());
-        [-largest - carried, largest - carried]
+        self.parameters.stick_limits(self.law.static_coefficient())
     }
 
     /// The largest force that the contact can carry in stick, γ²μ_s.
     #[inline]
     pub(crate) fn largest_friction(&self) -> f64 {
-        self.load * self.law.static_coefficient()
+        self.parameters.load * self.law.static_coefficient()
     }
 
     /// The force that the contact carries in stick at u = 0, 2βv_b.
     #[inline]
     pub(crate) fn carried_force(&self) -> f64 {
-        2.0 * self.damping * self.belt_velocity
+        2.0 * self.parameters.damping * self.parameters.belt_velocity
     }
 
     /// The effective damping 2β + γ² dμ̂/ds at a sliding speed: the rate at which the flow
     /// contracts areas in the plane (u, v). At |v_b| it is h1 of Eq. 10a.
     pub(crate) fn effective_damping(&self, speed: f64) -> f64 {
-        2.0 * self.damping + self.load * self.law.slope(speed)
+        2.0 * self.parameters.damping + self.parameters.load * self.law.slope(speed)
     }
 
     /// [`MassOnBelt::release_state`](super::MassOnBelt::release_state).
     pub(crate) fn release_state(&self) -> Option<State> {
         let [low, high] = self.stick_limits();
-        let v_b = self.belt_velocity;
+        let v_b = self.parameters.belt_velocity;
         if v_b > 0.0 {
             Some(State::new(high, v_b))
         } else if v_b < 0.0 {
@@ -129,7 +165,7 @@ impl<'s> Belt<'s> {
     /// slide; `None` if it sticks.
     pub(crate) fn slides_at(&self, displacement: f64) -> Option<Direction> {
         let [low, high] = self.stick_limits();
-        let v_b = self.belt_velocity;
+        let v_b = self.parameters.belt_velocity;
         let (below, above) = (displacement < low, displacement > high);
         if above || (displacement == high && v_b > 0.0) {
             Some(Direction::Lagging)
@@ -183,19 +219,19 @@ impl<'s> Belt<'s> {
         };
         let jump = self.law.static_coefficient() - self.law.kinetic(0.0);
         // μ̂(0) may exceed μ_s by an ulp.
-        beyond.max(0.0) + (self.load * jump).max(0.0)
+        beyond.max(0.0) + (self.parameters.load * jump).max(0.0)
     }
 
     /// [`MassOnBelt::friction_force`](super::MassOnBelt::friction_force).
     pub(crate) fn friction_force(&self, state: State) -> f64 {
-        let relative_velocity = state.velocity - self.belt_velocity;
+        let relative_velocity = state.velocity - self.parameters.belt_velocity;
         if relative_velocity == 0.0 {
             match self.slides_at(state.displacement) {
                 None => state.displacement + self.carried_force(),
-                Some(direction) => -direction.sign() * self.load * self.law.kinetic(0.0),
+                Some(direction) => -direction.sign() * self.parameters.load * self.law.kinetic(0.0),
             }
         } else {
-            -self.load * self.law.coefficient(relative_velocity)
+            -self.parameters.load * self.law.coefficient(relative_velocity)
         }
     }
 
@@ -205,15 +241,15 @@ impl<'s> Belt<'s> {
             displacement,
             velocity,
         } = state;
-        if velocity == self.belt_velocity && self.slides_at(displacement).is_none() {
+        if velocity == self.parameters.belt_velocity && self.slides_at(displacement).is_none() {
             return 0.0;
         }
-        self.friction_force(state) - 2.0 * self.damping * velocity - displacement
+        self.friction_force(state) - 2.0 * self.parameters.damping * velocity - displacement
     }
 
     /// [`MassOnBelt::equilibrium`](super::MassOnBelt::equilibrium).
     pub(crate) fn equilibrium(&self) -> Option<Equilibrium> {
-        let speed = self.belt_velocity.abs();
+        let speed = self.parameters.belt_velocity.abs();
         (speed > 0.0).then(|| {
             Equilibrium::new(
                 self.equilibrium_displacement(),
@@ -224,7 +260,7 @@ impl<'s> Belt<'s> {
 
     /// The displacement of steady sliding, ū = sgn(v_b)·γ²μ̂(|v_b|); 0 at v_b = 0.
     pub(crate) fn equilibrium_displacement(&self) -> f64 {
-        self.load * self.law.coefficient(self.belt_velocity)
+        self.parameters.load * self.law.coefficient(self.parameters.belt_velocity)
     }
 }
 

@@ -1,5 +1,5 @@
 use super::equilibrium::Equilibrium;
-use super::model::Belt;
+use super::model::{Belt, Parameters};
 use crate::error::{Error, Plain};
 use crate::friction::{FrictionLaw, validate};
 use crate::state::State;
@@ -80,7 +80,8 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     /// [`Error::InvalidParameter`] if β is negative or not finite, or 2βv_b overflows.
     #[doc(alias = "critical damping")]
     pub fn with_damping(mut self, damping: f64) -> Result<Self, Error> {
-        self.damping = self.belt().with_damping(damping)?.damping;
+        let checked = self.parameters().with_damping(damping, &self.law)?;
+        self.damping = checked.damping;
         Ok(self)
     }
 
@@ -93,7 +94,8 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     ///
     /// [`Error::InvalidParameter`] if γ² is not positive and finite, or γ²μ_s overflows.
     pub fn with_load(mut self, load: f64) -> Result<Self, Error> {
-        self.load = self.belt().with_load(load)?.load;
+        let checked = self.parameters().with_load(load, &self.law)?;
+        self.load = checked.load;
         Ok(self)
     }
 
@@ -105,7 +107,10 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     /// [`Error::NonFiniteFriction`] or [`Error::NotAnalytic`] if the law has no finite value or
     /// slope at the speed |v_b|.
     pub fn with_belt_velocity(mut self, belt_velocity: f64) -> Result<Self, Error> {
-        self.belt_velocity = self.belt().with_belt_velocity(belt_velocity)?.belt_velocity;
+        let checked = self
+            .parameters()
+            .with_belt_velocity(belt_velocity, &self.law)?;
+        self.belt_velocity = checked.belt_velocity;
         Ok(self)
     }
 }
@@ -130,6 +135,14 @@ impl<L> MassOnBelt<L> {
     pub fn load(&self) -> f64 {
         self.load
     }
+
+    fn parameters(&self) -> Parameters {
+        Parameters {
+            belt_velocity: self.belt_velocity,
+            damping: self.damping,
+            load: self.load,
+        }
+    }
 }
 
 impl<L: FrictionLaw> MassOnBelt<L> {
@@ -137,9 +150,7 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     pub(crate) fn belt(&self) -> Belt<'_> {
         Belt {
             law: self.law.erased().law(),
-            belt_velocity: self.belt_velocity,
-            damping: self.damping,
-            load: self.load,
+            parameters: self.parameters(),
         }
     }
 
