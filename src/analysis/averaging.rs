@@ -28,8 +28,7 @@ use std::f64::consts::PI;
 
 use crate::belt::{Belt, MassOnBelt};
 use crate::error::Error;
-use crate::friction::slope_on;
-use crate::friction::{FrictionLaw, Values};
+use crate::friction::{FrictionLaw, Values, slope_on};
 use crate::numerics::adaptive::{Integral, gauss, graded, trapezoid};
 use crate::numerics::bracket::root_between;
 use crate::numerics::chebyshev::{Sample, brackets, isolate};
@@ -168,7 +167,7 @@ fn slope_integrals(
     };
     // Angles ψ at which the speed |w − A cos ψ| is a breakpoint, or vanishes.
     let mut splits = vec![0.0, PI];
-    let kinks = law.breakpoints().into_iter().flat_map(|b| [w - b, w + b]);
+    let kinks = law.breakpoints().flat_map(|b| [w - b, w + b]);
     splits.extend(
         kinks
             .filter(|y| y.abs() < amplitude)
@@ -350,7 +349,6 @@ fn steepest_at_breakpoints(law: &dyn Values, fastest: f64) -> Result<f64, Error>
     let mut steepest = 0.0_f64;
     for (piece, speed) in law
         .breakpoints()
-        .into_iter()
         .enumerate()
         .take_while(|(_, b)| *b < fastest)
     {
@@ -366,7 +364,6 @@ fn steepest_at_breakpoints(law: &dyn Values, fastest: f64) -> Result<f64, Error>
 fn touching_amplitudes(law: &dyn Values, w: f64) -> Vec<f64> {
     let touching = law
         .breakpoints()
-        .into_iter()
         .map(|b| b / w)
         .flat_map(|b| [(1.0 - b).abs(), 1.0 + b]);
     let mut amplitudes: Vec<f64> = touching

@@ -83,7 +83,7 @@ impl StickSlip {
         let fall = jump / speed - mean_slope(law, speed).ok()?;
         let kappa = load * fall - 2.0 * system.damping();
         let series = taylor_coefficients::<LONGEST>(law, speed);
-        let first_breakpoint = law.breakpoints().first().copied().unwrap_or(f64::INFINITY);
+        let first_breakpoint = law.breakpoints().next().unwrap_or(f64::INFINITY);
         let is_cubic =
             jump == 0.0 && speed < first_breakpoint && series[4..].iter().all(|&c| c == 0.0);
         let [_, m1, m2, m3, ..] = series;
@@ -322,7 +322,7 @@ fn static_jump(law: &dyn Values) -> f64 {
 /// Mean slope (μ̂(s) − μ̂(0))/s of the law, without cancellation at small s.
 fn mean_slope(law: &dyn Values, speed: f64) -> Result<f64, Error> {
     let mut ends = vec![0.0];
-    ends.extend(law.breakpoints().into_iter().take_while(|&b| b < speed));
+    ends.extend(law.breakpoints().take_while(|&b| b < speed));
     ends.push(speed);
     let mut mean = 0.0;
     for (piece, ends) in ends.windows(2).enumerate() {

@@ -13,7 +13,7 @@ pub(super) struct Breakpoints(Vec<f64>);
 
 impl Breakpoints {
     pub(super) fn new(law: &dyn Values) -> Self {
-        Self(law.breakpoints())
+        Self(law.breakpoints().collect())
     }
 
     /// The piece of the law that a motion from this point goes through, and the rate ds/dt that

@@ -45,7 +45,8 @@ pub struct Flow<'s, L> {
     machine: Machine,
 }
 
-/// A motion of any system, which is given anew for each step.
+/// The motion without its system, which each step is given: so a flow holds no trait object, and
+/// may change threads with its law.
 #[derive(Debug, Clone)]
 struct Machine {
     stepper: Stepper,

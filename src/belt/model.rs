@@ -6,8 +6,8 @@ use crate::friction::slip::Equation;
 use crate::friction::{Law, Values, finite_at};
 use crate::state::{Direction, State};
 
-/// The numbers of a system. Each is checked beside the law's values alone, so that a system which is
-/// only made compiles no motion.
+/// The numbers of a system. They are checked against the law's values alone: a program that only
+/// makes a system compiles no motion.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Parameters {
     pub(super) belt_velocity: f64,
@@ -70,8 +70,8 @@ impl Parameters {
     }
 }
 
-/// A [`MassOnBelt`](super::MassOnBelt) of any law. What follows from its parameters is computed
-/// here; what users ask of a system is handed on.
+/// A [`MassOnBelt`](super::MassOnBelt) of any law. All that follows from its numbers is computed
+/// here; `MassOnBelt` asks it.
 #[derive(Clone, Copy)]
 pub(crate) struct Belt<'s> {
     pub(super) law: &'s dyn Law,
@@ -95,6 +95,7 @@ impl<'s> Belt<'s> {
         parameters.map(|parameters| Self { parameters, ..self })
     }
 
+    // Inlined where the compiler divides the crate into several units, too.
     #[inline]
     pub(crate) fn law(&self) -> &'s dyn Law {
         self.law

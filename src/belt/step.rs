@@ -263,7 +263,6 @@ impl Step {
     }
 }
 
-/// Without the power series, which is long.
 /// An event of the one contact.
 fn event(time: f64, kind: EventKind, state: State) -> Event {
     Event {
@@ -274,6 +273,7 @@ fn event(time: f64, kind: EventKind, state: State) -> Event {
     }
 }
 
+/// Without the power series, which is long.
 impl std::fmt::Debug for Step {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Step")

@@ -59,8 +59,8 @@ const BEYOND: f64 = 64.0;
 /// slow one. It costs little, for a step of either kind grows like tolerance^(1/26) only.
 const LOOSEST: f64 = 1e-12;
 
-/// Takes Taylor steps within slip phases of one system, which is given anew for each step: so what
-/// users hold between steps borrows the law as it is, and can be moved to another thread with it.
+/// Takes Taylor steps within slip phases of one system. Each call is given the system: see
+/// `Machine` in `flow.rs`.
 #[derive(Debug, Clone)]
 pub(crate) struct Stepper {
     expander: Expander,

@@ -190,7 +190,7 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
         }
     }
 
-    /// Does a search, which is compiled once for all laws.
+    /// Does a search. It sees no law's type: see [`Search`].
     pub(super) fn search<T>(
         &self,
         search: impl FnOnce(&Search<'_>) -> Result<T, Error>,
@@ -207,6 +207,11 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
             max_steps: self.max_steps,
             watch: self.watch.as_deref(),
         })
+    }
+
+    /// Searches the parts of the range: see [`Search::over_parts`].
+    pub(super) fn over_parts(&self, part: &mut SearchPart<'_>) -> Result<Vec<f64>, Error> {
+        self.search(|search| search.over_parts(part))
     }
 
     /// Shows the system at a value of the parameter.
@@ -233,7 +238,7 @@ pub(super) struct Search<'f> {
     watch: Option<&'f Watch<'f>>,
 }
 
-impl<'f> Search<'f> {
+impl Search<'_> {
     /// The range, if it is one.
     pub(super) fn whole(&self) -> Result<Range<f64>, Error> {
         let Range { start, end } = self.range;
@@ -268,7 +273,7 @@ impl<'f> Search<'f> {
 
     /// Searches the parts of the range one after the other, each with a work counter that all
     /// share. A search adds what it finds to the list, so that it is there when it is stopped.
-    pub(super) fn over_parts(&self, search: &mut SearchPart<'_, 'f>) -> Result<Vec<f64>, Error> {
+    pub(super) fn over_parts(&self, search: &mut SearchPart<'_>) -> Result<Vec<f64>, Error> {
         let work = Work::of(self);
         let mut found = Vec::new();
         for part in self.parts()? {
@@ -285,12 +290,12 @@ impl<'f> Search<'f> {
 }
 
 /// The search of one part of a range.
-pub(super) type SearchPart<'s, 'f> =
-    dyn FnMut(&Work<'_, 'f>, &Range<f64>, &mut Vec<f64>) -> Result<(), Error> + 's;
+pub(super) type SearchPart<'s> =
+    dyn FnMut(&Work<'_, '_>, &Range<f64>, &mut Vec<f64>) -> Result<(), Error> + 's;
 
 /// The work of a search so far.
 pub(super) struct Work<'a, 'f> {
-    search: &'a Search<'f>,
+    pub(super) search: &'a Search<'f>,
     systems: Cell<usize>,
     steps: Cell<usize>,
 }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::along::{Along, Search, Work, along_velocities};
+use super::along::{Along, Work, along_velocities};
 use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
@@ -117,7 +117,7 @@ impl<L: FrictionLaw> Along<'_, L> {
     ///
     /// Those of [`grazing_velocities`], and [`Error::Stopped`].
     pub fn grazing(&self) -> Result<Vec<f64>, Error> {
-        self.search(|search| search.grazing())
+        self.over_parts(&mut |work, part, found| changes(work, part, overshoot, found))
     }
 
     /// Values of the parameter, ascending, at which plain stick-slip changes into overshoot or
@@ -127,7 +127,7 @@ impl<L: FrictionLaw> Along<'_, L> {
     ///
     /// Those of [`grazing`](Self::grazing).
     pub fn overshoot(&self) -> Result<Vec<f64>, Error> {
-        self.search(|search| search.overshoot())
+        self.over_parts(&mut |work, part, found| changes(work, part, beyond_low, found))
     }
 
     /// Values of the parameter, ascending, at which overshoot changes into crossing or back. See
@@ -137,20 +137,6 @@ impl<L: FrictionLaw> Along<'_, L> {
     ///
     /// Those of [`grazing`](Self::grazing).
     pub fn crossing(&self) -> Result<Vec<f64>, Error> {
-        self.search(|search| search.crossing())
-    }
-}
-
-impl Search<'_> {
-    fn grazing(&self) -> Result<Vec<f64>, Error> {
-        self.over_parts(&mut |work, part, found| changes(work, part, overshoot, found))
-    }
-
-    fn overshoot(&self) -> Result<Vec<f64>, Error> {
-        self.over_parts(&mut |work, part, found| changes(work, part, beyond_low, found))
-    }
-
-    fn crossing(&self) -> Result<Vec<f64>, Error> {
         self.over_parts(&mut |work, part, found| changes(work, part, beyond_high, found))
     }
 }

@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use super::along::{Along, Search, Work, along_velocities};
+use super::along::{Along, Work, along_velocities};
 use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
@@ -79,13 +79,7 @@ impl<L: FrictionLaw> Along<'_, L> {
     ///
     /// Those of [`grazing`](Self::grazing).
     pub fn folds(&self) -> Result<Vec<f64>, Error> {
-        self.search(|search| search.folds())
-    }
-}
-
-impl Search<'_> {
-    fn folds(&self) -> Result<Vec<f64>, Error> {
-        self.over_parts(&mut |work, part, found| folds(work, part, found))
+        self.over_parts(&mut folds)
     }
 }
 

@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use super::along::{Along, Search, Work, along_velocities};
+use super::along::{Along, Work, along_velocities};
 use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::{AlongSlope, FrictionLaw};
@@ -62,24 +62,17 @@ impl<L: FrictionLaw> Along<'_, L> {
     /// Those of [`hopf_velocities`] along the belt velocity, else those of
     /// [`grazing`](Self::grazing).
     pub fn hopf(&self) -> Result<Vec<f64>, Error> {
-        self.search(|search| search.hopf())
-    }
-}
-
-impl Search<'_> {
-    fn hopf(&self) -> Result<Vec<f64>, Error> {
-        self.over_parts(&mut |work, part, found| hopf(self, work, part, found))
+        self.over_parts(&mut hopf)
     }
 }
 
 /// Adds the Hopf points in a part of the range.
 pub(super) fn hopf(
-    search: &Search<'_>,
     work: &Work<'_, '_>,
     part: &Range<f64>,
     found: &mut Vec<f64>,
 ) -> Result<(), Error> {
-    match search.velocities_of {
+    match work.search.velocities_of {
         Some(system) => {
             let damping = AlongSlope {
                 law: system.law(),

@@ -132,7 +132,7 @@ impl Search<'_> {
     fn vibration_ranges(&self) -> Result<Vec<VibrationRange>, Error> {
         let mut ranges = Vec::new();
         self.over_parts(&mut |work, part, found| {
-            hopf(self, work, part, found)?;
+            hopf(work, part, found)?;
             all_changes(work, part, found)?;
             folds(work, part, found)?;
             let mut borders = vec![part.start, part.end];

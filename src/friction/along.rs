@@ -96,8 +96,8 @@ impl AlongSlope<'_> {
         // A range of some ulps would be divided into nothing.
         let longest = ((range.end - start) / PIECES).max(start.next_up() - start);
         let mut stretches = 0;
-        let mut ends = self.law.breakpoints();
-        ends.retain(|&end| start < end && end < range.end);
+        let ends = self.law.breakpoints();
+        let mut ends: Vec<f64> = ends.filter(|&end| start < end && end < range.end).collect();
         ends.push(range.end);
         let mut largest = self.constant;
         for end in ends {

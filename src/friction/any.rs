@@ -103,8 +103,7 @@ impl FrictionLaw for AnyLaw {
         for_each!(self, law => law.give_to(visitor))
     }
 
-    #[inline(never)]
     fn erased(&self) -> LawRef<'_> {
-        LawRef::of(self)
+        for_each!(self, law => law.erased())
     }
 }

@@ -54,7 +54,7 @@ pub(crate) fn validate(law: &dyn Values) -> Result<(), Error> {
         });
     }
     let mut last = 0.0;
-    for (index, value) in law.breakpoints().into_iter().enumerate() {
+    for (index, value) in law.breakpoints().enumerate() {
         let [below, above] = [index, index + 1].map(|piece| law.kinetic_on(piece, value));
         let scale = static_coefficient.max(below.abs());
         let continuous = (below - above).abs() <= JUMP * scale;

@@ -175,12 +175,7 @@ fn inspect(law: &dyn Values, speeds: Range<f64>) -> Result<Vec<LawFault>, Error>
         faults: Vec::new(),
     };
     let mut from = start;
-    for (piece, to) in law
-        .breakpoints()
-        .into_iter()
-        .chain([f64::INFINITY])
-        .enumerate()
-    {
+    for (piece, to) in law.breakpoints().chain([f64::INFINITY]).enumerate() {
         let to = to.min(end);
         if from < to {
             inspection.piece(piece, from, to)?;

@@ -22,7 +22,7 @@ pub(crate) trait Values {
     /// The same at four speeds.
     fn at_four(&self, piece: usize, speeds: [f64; 4]) -> [f64; 4];
     /// [`FrictionLaw::breakpoints`].
-    fn breakpoints(&self) -> Vec<f64>;
+    fn breakpoints(&self) -> Box<dyn Iterator<Item = f64> + '_>;
     /// The piece that holds speeds just above this one.
     fn piece_above(&self, speed: f64) -> usize;
     /// [`FrictionLaw::coefficient`].
@@ -71,8 +71,8 @@ impl<L: FrictionLaw> Values for L {
         [at(a), at(b), at(c), at(d)]
     }
 
-    fn breakpoints(&self) -> Vec<f64> {
-        FrictionLaw::breakpoints(self).collect()
+    fn breakpoints(&self) -> Box<dyn Iterator<Item = f64> + '_> {
+        Box::new(FrictionLaw::breakpoints(self))
     }
 
     fn piece_above(&self, speed: f64) -> usize {

@@ -113,8 +113,8 @@ const HIGHEST: usize = 30;
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
-/// Mark `kinetic` as `#[inline]`. The compiler then puts it into the integrator, and your law runs
-/// as fast as one of the crate's. Without the attribute, every order of every series may cost a
+/// Mark `kinetic` as `#[inline]`. The compiler then puts it into the code of its power series, and
+/// your law runs as fast as one of the crate's. Without the attribute, every order of every series may cost a
 /// function call, and a step about 1.5 times the time.
 ///
 /// # Piecewise laws
@@ -176,17 +176,17 @@ pub trait FrictionLaw: Sized {
         self.kinetic(speed)
     }
 
-    /// Gives the law to a visitor. A choice of laws gives the chosen one, and a reference what it
-    /// refers to: the long code of a power series is then compiled for each law once, and not again
-    /// for everything that holds the law.
+    /// Gives the law to a visitor; a choice of laws gives the chosen one, and a reference what it
+    /// refers to. [`Scaled`] needs it: else the series of a scaled choice would hold all laws in one
+    /// piece of code.
     #[doc(hidden)]
     #[inline(always)]
     fn give_to<V: LawVisitor>(&self, visitor: V) -> V::Output {
         visitor.visit(self)
     }
 
-    /// The law as the engines see it. The crate's own laws do this in its own code, and so are
-    /// compiled there, once, not again in every program that uses them.
+    /// The law as the engines see it. Each of the crate's laws has a copy of this of its own, never
+    /// inlined: its motion is then compiled with the crate, not again in every program.
     #[doc(hidden)]
     fn erased(&self) -> LawRef<'_> {
         LawRef::of(self)

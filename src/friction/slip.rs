@@ -92,8 +92,8 @@ impl Expander {
 
     /// The same for one law, not a choice of several.
     ///
-    /// Four choices are made for speed. The law is an argument of its own: behind a reference
-    /// inside the system, the compiler would have to load the law's parameters anew after every
+    /// Four choices are made for speed. The law is an argument of its own: as a part of
+    /// `Equation`, the compiler would have to load the law's parameters anew after every
     /// coefficient that is stored. So are the others: gathered in one place they cost 4 %. The
     /// series is written in place: a copy would load what has just been stored, and wait for it.
     /// The function is kept out of line: inlined into the stepper, it would compete for registers

@@ -61,11 +61,7 @@ fn drift(system: &Forward<'_>, amplitude: f64) -> Result<Sample, Error> {
 /// Velocity amplitudes from which on a motion about the equilibrium meets a breakpoint of the law.
 fn amplitudes_at_breakpoints(system: &Forward<'_>) -> impl Iterator<Item = f64> {
     let v_b = system.belt_velocity();
-    let distances = system
-        .law()
-        .breakpoints()
-        .into_iter()
-        .map(move |b| (b - v_b).abs());
+    let distances = system.law().breakpoints().map(move |b| (b - v_b).abs());
     distances.filter(|distance| *distance > 0.0)
 }
 

@@ -141,7 +141,7 @@ struct Nest {
 
 /// Basins of attraction of a system. See [`basins`].
 ///
-/// A `Basins` borrows the system's law and owns the cycles. Queries do not change it, so threads
+/// A `Basins` borrows the system and owns the cycles. Queries do not change it, so threads
 /// may share it:
 ///
 /// ```

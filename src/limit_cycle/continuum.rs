@@ -50,7 +50,7 @@ pub(super) fn flat_amplitude(system: &Forward<'_>) -> f64 {
     let (law, v_b) = (system.law(), system.belt_velocity());
     let varies = |piece: usize, end: f64| !is_constant_on(law, piece, end);
     let mut amplitude = v_b;
-    for (i, breakpoint) in law.breakpoints().into_iter().enumerate() {
+    for (i, breakpoint) in law.breakpoints().enumerate() {
         let beyond = if breakpoint <= v_b { i } else { i + 1 };
         if varies(beyond, breakpoint) {
             amplitude = amplitude.min((v_b - breakpoint).abs());

@@ -151,7 +151,7 @@ impl<'t, 's> CrossingMap<'t, 's> {
         let Some(mut low) = start.filter(|start| start.x > 0.0) else {
             return Ok(Roots::default());
         };
-        let last_breakpoint = system.law().breakpoints().last().copied().unwrap_or(0.0);
+        let last_breakpoint = system.law().breakpoints().last().unwrap_or(0.0);
         let beyond = 2.0 * (system.belt_velocity() + last_breakpoint);
         let mut roots = Roots::default();
         let mut shrinks = 0;

@@ -86,7 +86,7 @@ pub fn find<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<CycleSet, Error> {
     find_all(system.belt())
 }
 
-/// [`find`] for a system that borrows its law.
+/// [`find`] for any law.
 pub(crate) fn find_all(system: Belt<'_>) -> Result<CycleSet, Error> {
     let Some(forward) = Forward::of(system) else {
         return Ok(of_belt_at_rest(system));

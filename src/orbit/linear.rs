@@ -18,7 +18,7 @@ use crate::structure::model::{Model, Support};
 use super::oscillator::Form;
 
 /// What the tangents ask of the laws of all contacts.
-pub(super) trait LinearLaws {
+pub(super) trait LawDerivatives {
     /// The law of a contact along a motion, and its derivative by one of its inputs: the sliding
     /// speed, or number j of the memory.
     fn derivative(
@@ -45,9 +45,9 @@ pub(super) struct Derivative {
     depends: bool,
 }
 
-impl fmt::Debug for dyn LinearLaws + '_ {
+impl fmt::Debug for dyn LawDerivatives + '_ {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("LinearLaws")
+        f.write_str("LawDerivatives")
     }
 }
 
@@ -112,7 +112,7 @@ pub(super) fn joints(form: &Form<'_>, step: &Step, tape: &mut Tape) -> Vec<Joint
 /// A contact along a step.
 struct Along<'a> {
     model: &'a Model<'a>,
-    laws: &'a dyn LinearLaws,
+    laws: &'a dyn LawDerivatives,
     number: usize,
     contact: &'a Support<'a>,
     inverse_mass: f64,
@@ -209,7 +209,7 @@ impl Along<'_> {
     }
 }
 
-impl<L: ContactLaw<Z>, const Z: usize> LinearLaws for Typed<'_, L, Z> {
+impl<L: ContactLaw<Z>, const Z: usize> LawDerivatives for Typed<'_, L, Z> {
     fn derivative(
         &self,
         contact: usize,

@@ -1,6 +1,6 @@
 //! What the searches need of a system.
 
-use super::linear::LinearLaws;
+use super::linear::LawDerivatives;
 use super::map::{self, PeriodMap};
 use crate::belt::MassOnBelt;
 use crate::drive;
@@ -38,7 +38,7 @@ pub trait Oscillator: System {
 #[derive(Debug)]
 pub struct Form<'s> {
     pub(super) model: Model<'s>,
-    pub(super) laws: Box<dyn LinearLaws + 's>,
+    pub(super) laws: Box<dyn LawDerivatives + 's>,
 }
 
 /// How drives vary.

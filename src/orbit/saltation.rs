@@ -20,7 +20,7 @@
 
 use nalgebra::{DMatrix, RowDVector};
 
-use super::linear::LinearLaws;
+use super::linear::LawDerivatives;
 use super::tangent::TangentFlow;
 use crate::friction::memory::{Motion, Slip};
 use crate::motion::{EventKind, Mode, Segment};
@@ -44,13 +44,13 @@ struct Instant {
 
 /// The law of one contact.
 #[derive(Clone, Copy)]
-struct Law<'l> {
+struct LawAt<'l> {
     laws: &'l dyn Laws,
-    linear: &'l dyn LinearLaws,
+    linear: &'l dyn LawDerivatives,
     contact: usize,
 }
 
-impl Law<'_> {
+impl LawAt<'_> {
     /// μ with the sign of r where slip begins or ends.
     fn coefficient(self, side: Direction, memory: &[f64]) -> f64 {
         self.laws
@@ -95,8 +95,8 @@ fn at_zero(side: Direction) -> Slip<f64> {
 }
 
 impl TangentFlow<'_> {
-    fn law(&self, contact: usize) -> Law<'_> {
-        Law {
+    fn law(&self, contact: usize) -> LawAt<'_> {
+        LawAt {
             laws: &*self.form.model.laws,
             linear: &*self.form.laws,
             contact,

@@ -144,7 +144,7 @@ fn advance(
     let mut left = h;
     loop {
         expand(matrices, &joints, column, work);
-        let n = matrices[0].rows().count();
+        let n = matrices[0].len();
         let part = reach_of(work, n, left);
         if part.is_nan() || part < SHORTEST * h {
             column.fill(f64::NAN);
@@ -204,7 +204,7 @@ fn expand(
     for (series, x) in work.iter_mut().zip(column) {
         series[0] = *x;
     }
-    let n = stiffness.rows().count();
+    let n = stiffness.len();
     let (q, rest) = work.split_at_mut(n);
     let (v, z) = rest.split_at_mut(n);
     for k in 0..TERMS - 1 {

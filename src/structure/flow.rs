@@ -14,7 +14,8 @@ use crate::state::structure::State;
 /// constant memory.
 ///
 /// Made by [`Integrator::flow`]. After an error comes `None`. A motion in which no velocity changes
-/// and no contact ever will is one last step of infinite duration.
+/// and no contact ever will is one last step of infinite duration. A flow stays in the thread in
+/// which it was made; a structure may be shared by threads.
 #[derive(Debug, Clone)]
 pub struct Flow<'s> {
     engine: Engine<'s>,

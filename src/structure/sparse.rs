@@ -46,6 +46,11 @@ impl Sparse {
         }
     }
 
+    /// Number of rows.
+    pub(crate) fn len(&self) -> usize {
+        self.rows.len()
+    }
+
     /// A row: its entry on the diagonal, and column and value of those beside it that are not 0, by
     /// ascending column.
     #[inline]
@@ -84,7 +89,7 @@ mod tests {
         assert_eq!(sparse.row(0), (2.0, &[(1, -20.0)][..]));
         assert_eq!(sparse.row(2), (4.0, &[(1, -20.0), (3, -40.0)][..]));
         assert_eq!(sparse.row(4), (6.0, &[(3, -40.0)][..]));
-        assert_eq!(sparse.rows().count(), n);
+        assert_eq!(sparse.len(), n);
         assert_eq!(sparse.bandwidth(), 1);
     }
 }

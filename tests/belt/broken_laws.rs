@@ -4,7 +4,8 @@ use std::cell::Cell;
 
 use crate::common::TurnsNan;
 use stick_slip::{
-    Coulomb, Error, FrictionLaw, Integrator, MassOnBelt, Mode, Rational, Scalar, State,
+    Contact, Coulomb, Error, FrictionLaw, Integrator, MassOnBelt, Mode, Rational, Scalar, State,
+    check_law,
 };
 
 #[test]
@@ -54,6 +55,33 @@ fn negative_friction_is_followed_as_it_is() {
         let expected = 0.1 + 0.2 * time.cos();
         assert!((state.displacement - expected).abs() < 1e-15);
     }
+}
+
+/// A law that names the same breakpoint for ever.
+#[derive(Debug)]
+struct Endless;
+
+impl FrictionLaw for Endless {
+    fn static_coefficient(&self) -> f64 {
+        0.4
+    }
+    fn kinetic<S: Scalar>(&self, speed: S) -> S {
+        speed * -0.1 + 0.4
+    }
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        std::iter::repeat(0.5)
+    }
+}
+
+#[test]
+fn breakpoints_without_an_end_are_refused() {
+    let refused = Error::BadBreakpoints {
+        index: 1,
+        value: 0.5,
+    };
+    assert_eq!(MassOnBelt::new(Endless, 0.2).unwrap_err(), refused);
+    assert_eq!(check_law(&Endless, 0.0..1.0).unwrap_err(), refused);
+    assert_eq!(Contact::new(0, Endless, 1.0).unwrap_err(), refused);
 }
 
 /// An analytic law that names other breakpoints at each call.

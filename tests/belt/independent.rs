@@ -69,13 +69,7 @@ fn judge(
     // over a kink, it is of the order h².
     let floor = if has_kinks { STEP * STEP } else { 1e-9 };
     for i in 0..coarse.len().max(fine.len()).max(crate_events.len()) {
-        let about = || {
-            format!(
-                "event {i}: {crate_events:?}
-{fine:?}
-{about}"
-            )
-        };
+        let about = || format!("event {i}: {crate_events:?}\n{fine:?}\n{about}");
         let (Some(a), Some(b)) = (coarse.get(i), fine.get(i)) else {
             if coarse.len() == fine.len() {
                 // One more in the crate's motion: only at the very end.

@@ -1,8 +1,8 @@
 //! Random systems of every law: those of the crate, and the tests' own.
 
 use stick_slip::{
-    AnyLaw, Coulomb, Exponential, FrictionLaw, LawVisitor, MassOnBelt, Polynomial, Rational,
-    Scalar, Stribeck, Tabulated,
+    AnyLaw, Coulomb, Exponential, FrictionLaw, LawRef, MassOnBelt, Polynomial, Rational, Scalar,
+    Stribeck, Tabulated,
 };
 
 use super::{Decay, Leine, Random, Table};
@@ -71,13 +71,13 @@ impl FrictionLaw for Any {
         }
     }
     // As `AnyLaw` does: compiling all laws in one piece takes long.
-    fn give_to<V: LawVisitor>(&self, visitor: V) -> V::Output {
+    fn erased(&self) -> LawRef<'_> {
         match self {
-            Self::Crate(law) => law.give_to(visitor),
-            Self::Leine(law) => law.give_to(visitor),
-            Self::Decay(law) => law.give_to(visitor),
-            Self::Table(law) => law.give_to(visitor),
-            Self::Wave(law) => law.give_to(visitor),
+            Self::Crate(law) => law.erased(),
+            Self::Leine(law) => law.erased(),
+            Self::Decay(law) => law.erased(),
+            Self::Table(law) => law.erased(),
+            Self::Wave(law) => law.erased(),
         }
     }
 }

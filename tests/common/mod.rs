@@ -10,8 +10,8 @@ use std::cell::Cell;
 use serde_json::Value;
 use stick_slip::analysis::dwell::DwellOscillator;
 use stick_slip::{
-    Contact, Coulomb, Direction, Dwell, EventKind, Exponential, FrictionLaw, LawVisitor,
-    LimitCycle, MassOnBelt, Polynomial, Scalar, State, Structure,
+    Contact, Coulomb, Direction, Dwell, EventKind, Exponential, FrictionLaw, LawRef, LimitCycle,
+    MassOnBelt, Polynomial, Scalar, State, Structure,
 };
 
 /// Reads JSON, by code that is compiled in `serde_json` and not once more in each program.
@@ -84,11 +84,11 @@ impl FrictionLaw for Law {
         }
     }
     // As `AnyLaw` does: compiling all laws in one piece takes long.
-    fn give_to<V: LawVisitor>(&self, visitor: V) -> V::Output {
+    fn erased(&self) -> LawRef<'_> {
         match self {
-            Self::Polynomial(law) => law.give_to(visitor),
-            Self::Exponential(law) => law.give_to(visitor),
-            Self::Coulomb(law) => law.give_to(visitor),
+            Self::Polynomial(law) => law.erased(),
+            Self::Exponential(law) => law.erased(),
+            Self::Coulomb(law) => law.erased(),
         }
     }
 }
