@@ -114,8 +114,8 @@ const HIGHEST: usize = 30;
 /// ```
 ///
 /// Mark `kinetic` as `#[inline]`. The compiler then puts it into the code of its power series, and
-/// your law runs as fast as one of the crate's. Without the attribute, every order of every series may cost a
-/// function call, and a step about 1.5 times the time.
+/// your law runs as fast as one of the crate's. Without the attribute, every order of every series
+/// may cost a function call, and a step about 1.5 times the time.
 ///
 /// # Piecewise laws
 ///
@@ -177,8 +177,8 @@ pub trait FrictionLaw: Sized {
     }
 
     /// Gives the law to a visitor; a choice of laws gives the chosen one, and a reference what it
-    /// refers to. [`Scaled`] needs it: else the series of a scaled choice would hold all laws in one
-    /// piece of code.
+    /// refers to. [`Scaled`] needs it: else the series of a scaled choice would hold all laws in
+    /// one piece of code.
     #[doc(hidden)]
     #[inline(always)]
     fn give_to<V: LawVisitor>(&self, visitor: V) -> V::Output {
