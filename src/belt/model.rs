@@ -64,9 +64,12 @@ impl Parameters {
     }
 
     fn stick_limits(&self, static_coefficient: f64) -> [f64; 2] {
-        let largest = self.load * static_coefficient;
-        let carried = 2.0 * self.damping * self.belt_velocity;
+        let (largest, carried) = (self.load * static_coefficient, self.carried_force());
         [-largest - carried, largest - carried]
+    }
+
+    fn carried_force(&self) -> f64 {
+        2.0 * self.damping * self.belt_velocity
     }
 }
 
@@ -140,7 +143,7 @@ impl<'s> Belt<'s> {
     /// The force that the contact carries in stick at u = 0, 2βv_b.
     #[inline]
     pub(crate) fn carried_force(&self) -> f64 {
-        2.0 * self.parameters.damping * self.parameters.belt_velocity
+        self.parameters.carried_force()
     }
 
     /// The effective damping 2β + γ² dμ̂/ds at a sliding speed: the rate at which the flow
