@@ -522,6 +522,15 @@ impl Error {
         }
     }
 
+    /// Checks that a duration is finite and not negative.
+    pub(crate) fn check_duration(value: f64) -> Result<(), Self> {
+        if value >= 0.0 && value.is_finite() {
+            Ok(())
+        } else {
+            Err(Self::InvalidDuration { value })
+        }
+    }
+
     /// An invalid parameter as that of an element of a structure; any other error as it is.
     pub(crate) fn of_element(self, element: Element) -> Self {
         match self {

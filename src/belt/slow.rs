@@ -19,7 +19,7 @@
 use super::model::Belt;
 use crate::clock::Time;
 use crate::error::Error;
-use crate::friction::slip::{Expander, SlipPoint, SlipSeries};
+use crate::friction::slip::{Expander, Expansion, SlipPoint, SlipSeries};
 use crate::motion::step_control::Allowance;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 
@@ -64,8 +64,14 @@ impl SlipSeries {
         let mut compose = |c: &PowerSeries| -> Result<Self, Error> {
             // Not with the last coefficient of the explicit series, which is not written here.
             expander.series = Self::ZERO;
-            let law = system.law();
-            law.expand_slip(expander, piece, &equation, from, time, Some(c))?;
+            system.law().expand_slip(Expansion {
+                expander: &mut *expander,
+                piece,
+                equation: &equation,
+                from,
+                time,
+                along: Some(c),
+            })?;
             Ok(expander.series)
         };
         let closing = time.sign() * self.decay;

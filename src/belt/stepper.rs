@@ -6,7 +6,7 @@ use super::breakpoints::Breakpoints;
 use super::model::Belt;
 use crate::clock::Time;
 use crate::error::{Error, Reached};
-use crate::friction::slip::{Expander, SlipPoint};
+use crate::friction::slip::{Expander, Expansion, SlipPoint};
 use crate::motion::step_control::{self, Allowance, FARTHEST, LONG, SETTLING, STIFF};
 use crate::series::{PowerSeries, TERMS, quarters};
 use crate::state::State;
@@ -138,12 +138,16 @@ impl Stepper {
         time: Time,
         elapsed: f64,
     ) -> Result<(), Error> {
-        let equation = system.equation(point.direction);
-        let expander = &mut self.expander;
-        system
-            .law()
-            .expand_slip(expander, piece, &equation, point, time, None)
-            .map_err(|error| error.reached_at(Reached::new(elapsed, point.state(system))))
+        let expansion = Expansion {
+            expander: &mut self.expander,
+            piece,
+            equation: &system.equation(point.direction),
+            from: point,
+            time,
+            along: None,
+        };
+        let expanded = system.law().expand_slip(expansion);
+        expanded.map_err(|error| error.reached_at(Reached::new(elapsed, point.state(system))))
     }
 
     /// What the step from here may be.

@@ -4,12 +4,10 @@
 //! What is asked of a law that is only looked at stands apart from what a motion needs, because the
 //! power series of a motion are most of a law's code.
 
-use super::slip::{Equation, Expander, SlipPoint};
+use super::slip::Expansion;
 use super::{FrictionLaw, Piece, piece_above, value_and_slope};
-use crate::clock::Time;
 use crate::error::Error;
 use crate::scalar::jet;
-use crate::series::PowerSeries;
 
 /// The values of a friction law. Every [`FrictionLaw`] has them.
 pub(crate) trait Values {
@@ -40,16 +38,8 @@ pub(crate) trait Values {
 /// A call through a reference costs some nanoseconds, so what a step asks for often is asked for at
 /// once: the values at four speeds, and a whole power series.
 pub(crate) trait Law: Values {
-    /// The series of a slip phase: [`Expander::expand`].
-    fn expand_slip(
-        &self,
-        expander: &mut Expander,
-        piece: usize,
-        equation: &Equation,
-        from: &SlipPoint,
-        time: Time,
-        along: Option<&PowerSeries>,
-    ) -> Result<(), Error>;
+    /// The series of a slip phase.
+    fn expand_slip(&self, expansion: Expansion<'_>) -> Result<(), Error>;
 }
 
 impl<L: FrictionLaw> Values for L {
@@ -101,16 +91,8 @@ impl<L: FrictionLaw> Values for L {
 }
 
 impl<L: FrictionLaw> Law for L {
-    fn expand_slip(
-        &self,
-        expander: &mut Expander,
-        piece: usize,
-        equation: &Equation,
-        from: &SlipPoint,
-        time: Time,
-        along: Option<&PowerSeries>,
-    ) -> Result<(), Error> {
-        expander.expand(self, piece, equation, from, time, along)
+    fn expand_slip(&self, expansion: Expansion<'_>) -> Result<(), Error> {
+        self.give_to(expansion)
     }
 }
 

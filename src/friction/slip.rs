@@ -61,7 +61,6 @@ pub(crate) struct Expander {
 }
 
 impl Expander {
-    #[inline(never)]
     pub(crate) fn new() -> Self {
         Self {
             series: SlipSeries::ZERO,
@@ -69,36 +68,12 @@ impl Expander {
         }
     }
 
-    /// Expands the motion about a point, on one piece of the law. If a series of the sliding speed
-    /// is given as `along`, in any unit of time, only the friction is expanded.
-    pub(super) fn expand<L: FrictionLaw>(
-        &mut self,
-        law: &L,
-        piece: usize,
-        equation: &Equation,
-        from: &SlipPoint,
-        time: Time,
-        along: Option<&PowerSeries>,
-    ) -> Result<(), Error> {
-        law.give_to(Expansion {
-            expander: self,
-            piece,
-            equation,
-            from,
-            time,
-            along,
-        })
-    }
-
-    /// The same for one law, not a choice of several.
+    /// An [`Expansion`] for one law, not a choice of several.
     ///
-    /// Four choices are made for speed. The law is an argument of its own: as a part of
+    /// Three choices are made for speed. The law is an argument of its own: as a part of
     /// `Equation`, the compiler would have to load the law's parameters anew after every
     /// coefficient that is stored. So are the others: gathered in one place they cost 4 %. The
     /// series is written in place: a copy would load what has just been stored, and wait for it.
-    /// The function is kept out of line: inlined into the stepper, it would compete for registers
-    /// and run at half the speed.
-    #[inline(never)]
     fn expand_one<L: FrictionLaw>(
         &mut self,
         piece: Piece<'_, L>,
@@ -233,14 +208,17 @@ pub(crate) struct Equation {
     pub(crate) belt: f64,
 }
 
-/// The arguments of an expansion, on their way to the law.
-struct Expansion<'a> {
-    expander: &'a mut Expander,
-    piece: usize,
-    equation: &'a Equation,
-    from: &'a SlipPoint,
-    time: Time,
-    along: Option<&'a PowerSeries>,
+/// Expands the motion about a point, on its way to the law.
+pub(crate) struct Expansion<'a> {
+    pub(crate) expander: &'a mut Expander,
+    /// Number of the law's piece.
+    pub(crate) piece: usize,
+    pub(crate) equation: &'a Equation,
+    pub(crate) from: &'a SlipPoint,
+    pub(crate) time: Time,
+    /// If a series of the sliding speed is given, in any unit of time, only the friction is
+    /// expanded.
+    pub(crate) along: Option<&'a PowerSeries>,
 }
 
 impl LawVisitor for Expansion<'_> {

@@ -94,7 +94,6 @@ pub(crate) const FARTHEST: f64 = 16.0;
 const MOST_STEPS: usize = Integrator::DEFAULT_MAX_STEPS;
 
 impl<'s> Tracer<'s> {
-    #[inline(never)]
     pub(crate) fn new(system: Forward<'s>) -> Self {
         let equilibrium = system.equilibrium_displacement();
         let attracts = system

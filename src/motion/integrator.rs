@@ -223,9 +223,7 @@ impl Integrator {
         duration: f64,
         stop: Option<Stop<'_, <S::State as SystemState>::Step>>,
     ) -> Result<Trajectory<S::State>, Error> {
-        if !(duration >= 0.0 && duration.is_finite()) {
-            return Err(Error::InvalidDuration { value: duration });
-        }
+        Error::check_duration(duration)?;
         let limited = Self {
             max_steps: Some(self.max_steps.unwrap_or(Self::DEFAULT_MAX_STEPS)),
             ..self

@@ -109,9 +109,7 @@ fn exponent(
     transient: f64,
     duration: f64,
 ) -> Result<LyapunovExponent, Error> {
-    if !(transient >= 0.0 && transient.is_finite()) {
-        return Err(Error::InvalidDuration { value: transient });
-    }
+    Error::check_duration(transient)?;
     if !(duration > 0.0 && (transient + duration).is_finite()) {
         return Err(Error::InvalidDuration { value: duration });
     }

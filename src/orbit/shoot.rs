@@ -343,9 +343,7 @@ fn transient_end(
     transient: f64,
     period: Period,
 ) -> Result<State, Error> {
-    if !(transient >= 0.0 && transient.is_finite()) {
-        return Err(Error::InvalidDuration { value: transient });
-    }
+    Error::check_duration(transient)?;
     let duration = match (period, form.rhythm()) {
         (Period::Driven(_), Rhythm::Periodic(period)) => (transient / period).ceil() * period,
         _ => transient,

@@ -3,7 +3,7 @@ use std::cell::Cell;
 use super::super::system::MassOnBelt;
 use super::*;
 use crate::clock::Time;
-use crate::friction::slip::{Expander, SlipPoint};
+use crate::friction::slip::{Expander, Expansion, SlipPoint};
 use crate::friction::{FrictionLaw, Polynomial as Cubic};
 use crate::scalar::Scalar;
 use crate::series::{PowerSeries, quarters};
@@ -112,11 +112,16 @@ fn terms_of_the_equation_of_motion_are_added_by_size() {
         rate: None,
     };
     let (system, time) = (system.belt(), Time::Forward);
-    let equation = system.equation(from.direction);
     let mut expander = Expander::new();
-    (system.law())
-        .expand_slip(&mut expander, 0, &equation, &from, time, None)
-        .unwrap();
+    let expansion = Expansion {
+        expander: &mut expander,
+        piece: 0,
+        equation: &system.equation(from.direction),
+        from: &from,
+        time,
+        along: None,
+    };
+    system.law().expand_slip(expansion).unwrap();
     let series = expander.series;
     // μ̂(1) = 0.4 − 0.45 + 0.6 = 0.55 and v = 0.2 − 1.
     let largest = series.largest_term(&system, State::new(-0.7, -0.8));

@@ -39,9 +39,15 @@ fn every_way<L: FrictionLaw>(law: &L, look: impl Fn([SlipSeries; 3])) {
             };
             let piece = Piece { law, index: 0 };
             let [mut dispatched, mut unrolled, mut jets] = [used(), used(), used()];
-            dispatched
-                .expand(law, 0, &equation, &from, time, along)
-                .unwrap();
+            let expansion = Expansion {
+                expander: &mut dispatched,
+                piece: 0,
+                equation: &equation,
+                from: &from,
+                time,
+                along,
+            };
+            law.give_to(expansion).unwrap();
             unrolled
                 .expand_by::<_, true>(piece, &equation, &from, time, along)
                 .unwrap();
