@@ -82,12 +82,9 @@ impl Expander {
         time: Time,
         along: Option<&PowerSeries>,
     ) -> Result<(), Error> {
-        if !fused::CHOSEN {
-            return self.expand_by::<_, true>(piece, equation, from, time, along);
-        }
         let Piece { law, index } = piece;
         let mut work = (self, index, equation, from, time, along);
-        let expanded = fused::compute(
+        fused::compute(
             law,
             &mut work,
             #[inline(always)]
@@ -95,10 +92,11 @@ impl Expander {
                 let piece = Piece { law, index: *index };
                 expander.expand_by::<_, true>(piece, equation, from, *time, *along)
             },
-        );
-        let (expander, ..) = work;
-        expanded
-            .unwrap_or_else(|| expander.expand_by::<_, false>(piece, equation, from, time, along))
+            |law, (expander, index, equation, from, time, along)| {
+                let piece = Piece { law, index: *index };
+                expander.expand_by::<_, false>(piece, equation, from, *time, *along)
+            },
+        )
     }
 
     /// The same, unrolled for every order or by jets.

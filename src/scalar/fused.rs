@@ -33,15 +33,18 @@ pub(crate) fn mul_add(a: f64, b: f64, c: f64) -> f64 {
     }
 }
 
-/// What `kernel` makes of `fixed` and `work`, with the instructions of this processor; `None`, and
-/// nothing is done, if the fused multiply-add is not among them, or if the processor is not to be
-/// asked.
+/// What `kernel` makes of `fixed` and `work`, with the instructions of this processor; what
+/// `otherwise` makes of them, if it is to be asked and has no fused multiply-add.
 ///
 /// The kernel and all that it calls has to be `#[inline(always)]`, or is compiled for any
 /// processor. It gets two references and no more, because two are handed over in registers, as
 /// what they are: the compiler then knows that `fixed` stays the same while `work` is written. Of
 /// two more, read from memory, it would not know whether they overlap.
 #[inline(always)]
+#[cfg_attr(
+    all(target_arch = "x86_64", not(target_feature = "fma")),
+    multiversion::multiversion(targets("x86_64+avx2+bmi1+bmi2+fma"))
+)]
 #[cfg_attr(
     not(all(target_arch = "x86_64", not(target_feature = "fma"))),
     expect(unused_variables)
@@ -50,18 +53,11 @@ pub(crate) fn compute<A, B, R>(
     fixed: &A,
     work: &mut B,
     kernel: impl FnOnce(&A, &mut B) -> R,
-) -> Option<R> {
+    otherwise: impl FnOnce(&A, &mut B) -> R,
+) -> R {
     #[cfg(all(target_arch = "x86_64", not(target_feature = "fma")))]
-    {
-        use fearless_simd::{Level, Simd};
-
-        let processor = Level::new().as_avx2()?;
-        let result = processor.vectorize(
-            #[inline(always)]
-            move || kernel(fixed, work),
-        );
-        Some(result)
+    if !multiversion::target::target_cfg_f!(target_feature = "fma") {
+        return otherwise(fixed, work);
     }
-    #[cfg(not(all(target_arch = "x86_64", not(target_feature = "fma"))))]
-    None
+    kernel(fixed, work)
 }
