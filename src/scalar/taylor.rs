@@ -315,9 +315,10 @@ pub(crate) fn expand<const M: usize, F: Function>(
     }
     let mut newest = next(0, speed, base);
     workspace.set_speed(1, newest);
+    // Asked as a constant: else all orders are compiled for every law, and removed again.
     macro_rules! orders {
         ($($k:literal)*) => {$(
-            if $k + 1 < M {
+            if const { $k + 1 < M } {
                 let (coefficient, _) = run::<$k, M, F>(function, workspace, newest);
                 newest = next($k, newest, coefficient);
                 workspace.set_speed($k + 1, newest);
