@@ -3,6 +3,7 @@
 use std::cell::Cell;
 
 use crate::common::TurnsNan;
+use crate::common::polynomials::Polynomials;
 use stick_slip::{
     Contact, Coulomb, Error, FrictionLaw, Integrator, MassOnBelt, Mode, Rational, Scalar, State,
     check_law,
@@ -34,21 +35,9 @@ fn a_static_coefficient_that_turns_nan_ends_the_motion_in_an_error() {
     assert!(seen > 20, "{seen}");
 }
 
-/// Friction that does not depend on the speed, of either sign.
-struct Constant(f64);
-
-impl FrictionLaw for Constant {
-    fn static_coefficient(&self) -> f64 {
-        0.4
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        speed.constant(self.0)
-    }
-}
-
 #[test]
 fn negative_friction_is_followed_as_it_is() {
-    let system = MassOnBelt::new(Constant(-0.1), -0.5).unwrap();
+    let system = MassOnBelt::new(Polynomials::new(0.4, &[-0.1]), -0.5).unwrap();
     let motion = system.simulate(State::new(0.3, 0.0), 4.0).unwrap();
     for (time, state) in motion.sample(50) {
         // v_r > 0: u'' + u − 0.1 = 0.

@@ -5,6 +5,7 @@ use std::sync::mpsc;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+use crate::common::polynomials::Polynomials;
 use crate::common::{Random, Table, assert_form, paper};
 use stick_slip::{
     Coulomb, Error, EventKind, Exponential, FrictionLaw, Integrator, MassOnBelt, Mode, Polynomial,
@@ -240,17 +241,17 @@ fn invalid_parameter() {
     check(
         "static_coefficient",
         -0.1,
-        name_of(MassOnBelt::new(law!(-0.1, |s| s * 0.0), 1.0)),
+        name_of(MassOnBelt::new(Polynomials::new(-0.1, &[]), 1.0)),
     );
     check(
         "static_coefficient",
         f64::NAN,
-        name_of(MassOnBelt::new(law!(f64::NAN, |s| s * 0.0), 1.0)),
+        name_of(MassOnBelt::new(Polynomials::new(f64::NAN, &[]), 1.0)),
     );
     check(
         "static_coefficient",
         f64::INFINITY,
-        name_of(MassOnBelt::new(law!(f64::INFINITY, |s| s * 0.0), 1.0)),
+        name_of(MassOnBelt::new(Polynomials::new(f64::INFINITY, &[]), 1.0)),
     );
 }
 
@@ -365,7 +366,7 @@ fn invalid_duration() {
 
 #[test]
 fn static_below_kinetic() {
-    let error = MassOnBelt::new(law!(0.4, |s| s + 0.5), 0.2).unwrap_err();
+    let error = MassOnBelt::new(Polynomials::new(0.4, &[0.5, 1.0]), 0.2).unwrap_err();
     assert_eq!(
         error,
         Error::StaticBelowKinetic {
@@ -375,39 +376,25 @@ fn static_below_kinetic() {
     );
     assert_message(&error, &[" 0.4 ", " 0.5;", "raise", "lower"]);
     for (excess, valid) in [(1.0, true), (2.0, true), (100.0, false), (1e6, false)] {
-        #[derive(Debug)]
-        struct Above(f64);
-        impl FrictionLaw for Above {
-            fn static_coefficient(&self) -> f64 {
-                0.4
-            }
-            fn kinetic<S: Scalar>(&self, speed: S) -> S {
-                speed.constant(self.0)
-            }
-        }
-        let law = Above(0.4 + excess * crate::common::ulp(0.4));
+        let law = Polynomials::new(0.4, &[0.4 + excess * crate::common::ulp(0.4)]);
         assert_eq!(
             MassOnBelt::new(law, 0.2).is_ok(),
             valid,
             "{excess} ulps above"
         );
     }
-    assert!(MassOnBelt::new(law!(0.0, |s| s.constant(1e-300)), 1.0).is_err());
+    assert!(MassOnBelt::new(Polynomials::new(0.0, &[1e-300]), 1.0).is_err());
 }
 
 /// μ̂(0) an ulp above μ_s is a valid law: its release starts with an exact double root.
 #[test]
 fn kinetic_an_ulp_above_static_releases_like_an_equal_one() {
-    let above = MassOnBelt::new(law!(0.4, |s| s * -0.2 + 0.4_f64.next_up()), 0.2).unwrap();
-    let equal = MassOnBelt::new(law!(0.4, |s| s * -0.2 + 0.4), 0.2).unwrap();
-    let [above, equal] = [
-        above
-            .simulate(above.release_state().unwrap(), 50.0)
-            .unwrap(),
-        equal
-            .simulate(equal.release_state().unwrap(), 50.0)
-            .unwrap(),
-    ];
+    let [above, equal] = [0.4_f64.next_up(), 0.4].map(|at_rest| {
+        let system = MassOnBelt::new(Polynomials::new(0.4, &[at_rest, -0.2]), 0.2).unwrap();
+        system
+            .simulate(system.release_state().unwrap(), 50.0)
+            .unwrap()
+    });
     assert_eq!(above.events()[0].time, 0.0);
     assert!(above.events().len() > 4);
     assert_eq!(above.events().len(), equal.events().len());
@@ -434,7 +421,7 @@ fn non_finite_friction() {
         assert_message(&error, &["speed", "define it"]);
     };
     check(
-        MassOnBelt::new(law!(0.4, |s| s.constant(f64::NAN)), 0.2).unwrap_err(),
+        MassOnBelt::new(Polynomials::new(0.4, &[f64::NAN]), 0.2).unwrap_err(),
         0.0,
     );
     check(
@@ -442,20 +429,17 @@ fn non_finite_friction() {
         0.0,
     );
     check(
-        MassOnBelt::new(law!(0.4, |s| s.constant(f64::NEG_INFINITY)), 0.2).unwrap_err(),
+        MassOnBelt::new(Polynomials::new(0.4, &[f64::NEG_INFINITY]), 0.2).unwrap_err(),
         0.0,
     );
-    let upper = law!(0.4, |s| if s.value() > 0.3 {
-        s.constant(f64::NAN)
-    } else {
-        s * -0.1 + 0.4
-    });
-    check(MassOnBelt::new(upper, -0.5).unwrap_err(), 0.5);
+    let upper = Polynomials::new(0.4, &[0.4, -0.1]).then(0.3_f64.next_up(), &[f64::NAN]);
+    check(MassOnBelt::new(upper.clone(), -0.5).unwrap_err(), 0.5);
 
     // On the way, from where the law is defined: the time and state before.
     let system = MassOnBelt::new(upper, 0.2).unwrap();
+    let on_its_way = system.clone();
     let error = error_of(within(10, move |_| {
-        system.simulate(State::new(0.0, 0.2), 20.0)
+        on_its_way.simulate(State::new(0.0, 0.2), 20.0)
     }));
     let Error::NonFiniteFriction {
         speed,
@@ -491,13 +475,9 @@ fn non_finite_friction() {
 /// law is defined.
 #[test]
 fn a_law_without_a_value_inside_a_step_is_noticed() {
-    let whole = MassOnBelt::new(law!(0.4, |s| s * -0.1 + 0.4), 0.2).unwrap();
-    let gap = law!(0.4, |s| if s.value() > 0.3 {
-        s.constant(f64::NAN)
-    } else {
-        s * -0.1 + 0.4
-    });
-    let gap = MassOnBelt::new(gap, 0.2).unwrap();
+    let whole = Polynomials::new(0.4, &[0.4, -0.1]);
+    let gap = whole.clone().then(0.3_f64.next_up(), &[f64::NAN]);
+    let [whole, gap] = [whole, gap].map(|law| MassOnBelt::new(law, 0.2).unwrap());
     let mut reached = 0;
     for i in 0..200 {
         let start = State::new(0.4 + 0.002 * f64::from(i), 0.2);
@@ -510,6 +490,7 @@ fn a_law_without_a_value_inside_a_step_is_noticed() {
             continue;
         }
         reached += 1;
+        let gap = gap.clone();
         match within(10, move |_| gap.simulate(start, 5.0)) {
             Err(Error::NonFiniteFriction { speed, .. }) => assert!(speed > 0.3, "{speed}"),
             Err(other) => panic!("{start:?}: {other}"),
@@ -649,11 +630,7 @@ fn step_underflow() {
 /// and down from above.
 #[test]
 fn a_jump_that_holds_the_motion_is_an_error() {
-    let jump = law!(0.5, |s| s.constant(if s.value() < 0.25 {
-        0.1
-    } else {
-        0.9
-    }));
+    let jump = Polynomials::new(0.5, &[0.1]).then(0.25, &[0.9]);
     let system = MassOnBelt::new(jump, 0.5).unwrap();
     let error = error_of(within(20, move |_| {
         system.simulate(State::new(0.5, 0.5), 20.0)
@@ -1020,18 +997,9 @@ fn stiff_systems_end_in_bounded_time() {
     }
     // A law that rises steeply: viscous friction so strong that v follows the belt.
     for slope in [1e2, 1e4, 1e8] {
-        #[derive(Debug)]
-        struct Steep(f64);
-        impl FrictionLaw for Steep {
-            fn static_coefficient(&self) -> f64 {
-                0.1
-            }
-            fn kinetic<S: Scalar>(&self, speed: S) -> S {
-                speed * self.0 + 0.1
-            }
-        }
         let result = within(30, move |_| {
-            MassOnBelt::new(Steep(slope), 0.2)?.simulate(State::new(0.0, 0.0), 10.0)
+            MassOnBelt::new(Polynomials::new(0.1, &[0.1, slope]), 0.2)?
+                .simulate(State::new(0.0, 0.0), 10.0)
         });
         match result {
             Ok(motion) => assert!(motion.last().velocity.abs() <= 0.2 + 1e-9),

@@ -1,5 +1,7 @@
 //! What every friction law must satisfy, and what each of the crate's laws says of itself.
 
+use crate::common::Decay;
+use crate::common::polynomials::Polynomials;
 use stick_slip::{
     AnyLaw, Coulomb, Error, EventKind, Exponential, FrictionLaw, MassOnBelt, Mode, Physical,
     Polynomial, Rational, Scalar, Scaling, State, Step, Stribeck, Tabulated, Trajectory,
@@ -15,45 +17,6 @@ impl FrictionLaw for Quotient {
     }
     fn kinetic<S: Scalar>(&self, speed: S) -> S {
         (speed + 0.4) / (speed.square() * 2.0 + speed * 0.5 + 1.0)
-    }
-}
-
-/// exp(−s/v).
-#[derive(Clone)]
-struct Decay {
-    velocity: f64,
-}
-
-impl FrictionLaw for Decay {
-    fn static_coefficient(&self) -> f64 {
-        0.4
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        (speed / -self.velocity).exp() * 0.15 + 0.25
-    }
-}
-
-/// A table joined by straight lines: kinks at 0.15 and 0.4.
-#[derive(Clone)]
-struct Kinked;
-
-impl FrictionLaw for Kinked {
-    fn static_coefficient(&self) -> f64 {
-        0.4
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        let piece = self.breakpoints().filter(|&b| b <= speed.value()).count();
-        self.kinetic_on(piece, speed)
-    }
-    fn breakpoints(&self) -> impl Iterator<Item = f64> {
-        [0.15, 0.4].into_iter()
-    }
-    fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
-        match piece {
-            0 => speed * -0.6 + 0.4,
-            1 => (speed - 0.15) * -0.2 + 0.31,
-            _ => (speed - 0.4) * 0.1 + 0.26,
-        }
     }
 }
 
@@ -145,8 +108,17 @@ fn every_law_conforms() {
     conforms("scaled reference", &brake().law(&in_metres), 0.5);
 
     conforms("own quotient", &Quotient, 0.3);
-    conforms("own decay", &Decay { velocity: 0.3 }, 0.3);
-    conforms("own kinked", &Kinked, 0.1);
+    let decay = Decay {
+        static_coefficient: 0.4,
+        kinetic_coefficient: 0.25,
+        velocity: 0.3,
+    };
+    conforms("own decay", &decay, 0.3);
+    let kinked = Polynomials::new(0.4, &[0.4, -0.6])
+        .then(0.15, &[0.31, -0.2])
+        .then(0.4, &[0.26, 0.1])
+        .told();
+    conforms("own kinked", &kinked, 0.1);
 }
 
 /// A law whose type is not known, so that what is asked of all laws is compiled once.

@@ -2,11 +2,12 @@
 //! motion up to there, the same as without the stop.
 
 use stick_slip::{
-    Contact, Coulomb, Ended, Error, Event, FrictionLaw, Integrator, MassOnBelt, Mode, Polynomial,
-    Scalar, Segment, State, Structure, structure,
+    Contact, Coulomb, Ended, Error, Event, Integrator, MassOnBelt, Mode, Polynomial, Segment,
+    State, Structure, structure,
 };
 
 use super::common::paper;
+use super::common::polynomials::Polynomials;
 
 const START: State = State::new(0.0, 0.0);
 
@@ -118,21 +119,9 @@ fn events_and_limits_end_a_motion_with_what_there_is() {
 
 #[test]
 fn an_error_on_the_way_keeps_the_motion_before_it() {
-    /// Defined up to the speed 0.3.
-    struct Short;
-    impl FrictionLaw for Short {
-        fn static_coefficient(&self) -> f64 {
-            0.4
-        }
-        fn kinetic<S: Scalar>(&self, s: S) -> S {
-            if s.value() < 0.3 {
-                s * -0.1 + 0.3
-            } else {
-                s.constant(f64::NAN)
-            }
-        }
-    }
-    let system = MassOnBelt::new(Short, 0.2).unwrap();
+    // Defined up to the speed 0.3.
+    let short = Polynomials::new(0.4, &[0.3, -0.1]).then(0.3, &[f64::NAN]);
+    let system = MassOnBelt::new(short, 0.2).unwrap();
     let error = system.simulate(START, 50.0).unwrap_err();
     let motion = Integrator::new()
         .simulate_until(&system, START, 50.0, |_| None)

@@ -1,8 +1,8 @@
 //! Random systems of every law: those of the crate, and the tests' own.
 
 use stick_slip::{
-    AnyLaw, Coulomb, Exponential, FrictionLaw, LawRef, MassOnBelt, Polynomial, Rational, Scalar,
-    Stribeck, Tabulated,
+    AnyLaw, Coulomb, Exponential, FrictionLaw, LawRef, LawVisitor, MassOnBelt, Polynomial,
+    Rational, Scalar, Stribeck, Tabulated,
 };
 
 use super::{Decay, Leine, Random, Table};
@@ -70,7 +70,16 @@ impl FrictionLaw for Any {
             other => other.kinetic(speed),
         }
     }
-    // As `AnyLaw` does: compiling all laws in one piece takes long.
+    // Both as `AnyLaw` does: compiling all laws in one piece takes long.
+    fn give_to<V: LawVisitor>(&self, visitor: V) -> V::Output {
+        match self {
+            Self::Crate(law) => law.give_to(visitor),
+            Self::Leine(law) => law.give_to(visitor),
+            Self::Decay(law) => law.give_to(visitor),
+            Self::Table(law) => law.give_to(visitor),
+            Self::Wave(law) => law.give_to(visitor),
+        }
+    }
     fn erased(&self) -> LawRef<'_> {
         match self {
             Self::Crate(law) => law.erased(),

@@ -4,6 +4,8 @@
 
 pub(crate) mod any;
 pub(crate) mod orbit;
+pub(crate) mod polynomials;
+pub(crate) mod property;
 
 use std::cell::Cell;
 

@@ -1,5 +1,6 @@
 //! Cycles and bifurcations in cases with a known answer, and in hard ones.
 
+use crate::common::polynomials::Polynomials;
 use crate::common::{Random, paper};
 use stick_slip::analysis::{averaging, coulomb};
 use stick_slip::bifurcation::{grazing_velocities, hopf_velocities};
@@ -273,7 +274,7 @@ fn motions_inside_and_outside_of_a_cycle_end_on_it() {
 #[test]
 fn motions_between_pure_slip_cycles_end_on_their_neighbours() {
     for unit in [1.0, 1.0 / 16.0] {
-        let system = MassOnBelt::new(Nested { unit }, unit)
+        let system = MassOnBelt::new(nested(unit), unit)
             .and_then(|system| system.with_load(unit))
             .unwrap();
         let cycles = limit_cycle::find(&system).unwrap();
@@ -309,23 +310,14 @@ fn motions_between_pure_slip_cycles_end_on_their_neighbours() {
 
 /// Slope of friction about the sliding speed 1, in units of speed: with no damping, motions round
 /// it of amplitude A grow over a turn by about −π (A² − 0.1)(A² − 0.3)(A² − 0.6)/100.
-#[derive(Debug, Clone, Copy)]
-struct Nested {
-    unit: f64,
-}
-
-impl FrictionLaw for Nested {
-    fn static_coefficient(&self) -> f64 {
-        0.5
+fn nested(unit: f64) -> Polynomials {
+    // The mean of cos²ᵏ over a turn is 1/2, 3/8, 5/16, 35/128.
+    let [x, x3, x5, x7] = [-0.018, 0.27 / 3.0 * 4.0, -8.0 / 5.0, 64.0 / 35.0];
+    let mut coefficients = [40.0, x, 0.0, x3, 0.0, x5, 0.0, x7];
+    for (power, c) in (0..).zip(&mut coefficients) {
+        *c *= 0.01 / unit.powi(power);
     }
-    fn kinetic<S: Scalar>(&self, s: S) -> S {
-        // The mean of cos²ᵏ over a turn is 1/2, 3/8, 5/16, 35/128.
-        let x = s / self.unit - 1.0;
-        let squared = x.square();
-        let inner = squared * (1.0 / 35.0 * 64.0) - 1.0 / 5.0 * 8.0;
-        let inner = inner * squared + 0.27 / 3.0 * 4.0;
-        (inner * squared - 0.018) * x * 0.01 + 0.4
-    }
+    Polynomials::about(unit, 0.5, &coefficients)
 }
 
 /// Friction about two sliding speeds only: at 0.1 it brakes more than it drives on a belt of
@@ -529,17 +521,8 @@ fn motions_without_friction_are_periodic() {
 /// rounding; they are no family.
 #[test]
 fn friction_that_varies_slowly_is_no_family() {
-    #[derive(Debug, Clone, Copy)]
-    struct Fifth;
-    impl FrictionLaw for Fifth {
-        fn static_coefficient(&self) -> f64 {
-            0.4
-        }
-        fn kinetic<S: Scalar>(&self, s: S) -> S {
-            (s - 0.5).powi(5) + 0.3
-        }
-    }
-    let system = MassOnBelt::new(Fifth, 0.5).unwrap();
+    let fifth = Polynomials::about(0.5, 0.4, &[0.3, 0.0, 0.0, 0.0, 0.0, 1.0]);
+    let system = MassOnBelt::new(fifth, 0.5).unwrap();
     let cycles = limit_cycle::find(&system).unwrap();
     assert_eq!(cycles.continuum(), None);
     // The slope is never negative: every motion dies, the small ones by less than rounding a turn.

@@ -1,11 +1,10 @@
 //! Limit cycles against 25-digit reference data.
 
+use crate::common::polynomials::Polynomials;
 use crate::common::{assert_mirrored, json, list, number, paper, system_of, text};
 use serde_json::Value;
 use std::f64::consts::TAU;
-use stick_slip::{
-    Coulomb, CycleKind, CycleSet, FrictionLaw, LimitCycle, MassOnBelt, Scalar, limit_cycle,
-};
+use stick_slip::{Coulomb, CycleKind, CycleSet, FrictionLaw, LimitCycle, MassOnBelt, limit_cycle};
 
 /// Checks every number that the reference gives of a cycle; returns the worst error relative to
 /// max(1, |value|).
@@ -220,26 +219,11 @@ fn harmonics_to_high_orders() {
 
 /// Rayleigh's oscillator: friction that drives the mass by a·v and brakes it by a·v³/(3c²), about
 /// the sliding speed 1; constant from 2 on.
-#[derive(Debug, Clone, Copy)]
-struct Rayleigh {
-    a: f64,
-    c: f64,
-}
-
-impl FrictionLaw for Rayleigh {
-    fn static_coefficient(&self) -> f64 {
-        20.0
-    }
-    fn kinetic<S: Scalar>(&self, s: S) -> S {
-        self.kinetic_on(usize::from(s.value() >= 2.0), s)
-    }
-    fn breakpoints(&self) -> impl Iterator<Item = f64> {
-        [2.0].into_iter()
-    }
-    fn kinetic_on<S: Scalar>(&self, piece: usize, s: S) -> S {
-        let x = if piece == 0 { s - 1.0 } else { s.constant(1.0) } / self.c;
-        (x.powi(3) / 3.0 - x) * (self.a * self.c) + 10.0
-    }
+fn rayleigh(a: f64, c: f64) -> Polynomials {
+    let cube = a / (3.0 * c * c);
+    Polynomials::about(1.0, 20.0, &[10.0, -a, 0.0, cube])
+        .then(2.0, &[10.0 - a + cube])
+        .told()
 }
 
 /// v/c is van der Pol's oscillator z'' − a(1 − z²)z' + z = 0, whose amplitude, period and
@@ -269,7 +253,7 @@ fn van_der_pols_oscillator() {
     ] {
         for sign in [1.0, -1.0] {
             let c = 0.25;
-            let system = MassOnBelt::new(Rayleigh { a: sign * a, c }, 1.0).unwrap();
+            let system = MassOnBelt::new(rayleigh(sign * a, c), 1.0).unwrap();
             let cycles = limit_cycle::find(&system).unwrap();
             let cycle = &of_kind(&cycles, CycleKind::PureSlip)[0];
             let relative = |found: f64, expected: f64| (found / expected - 1.0).abs();
@@ -277,7 +261,7 @@ fn van_der_pols_oscillator() {
                 relative(cycle.max_velocity(), c * amplitude),
                 relative(cycle.min_velocity(), -c * amplitude),
                 relative(cycle.period(), period),
-                relative(cycle.multiplier(), multiplier.powf(sign)),
+                relative(cycle.multiplier(), f64::powf(multiplier, sign)),
             ];
             // It closes: the last step ends where the first begins.
             let trajectory = cycle.trajectory();
