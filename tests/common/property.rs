@@ -1,34 +1,35 @@
-//! Properties of random numbers, by one runner of proptest's: a runner is compiled for each type of
-//! random thing.
+//! Properties over random numbers. `proptest` is compiled once for all of a program.
 
-use proptest::array::uniform9;
-use proptest::test_runner::{Config, FileFailurePersistence, TestCaseError, TestRunner};
+use std::ops::Range;
+use std::panic::Location;
 
-/// Numbers between 0 and 1, of which a property uses as many as it needs.
-pub(crate) type Numbers = [f64; 9];
+use proptest::test_runner::{Config, TestCaseResult, TestRunner};
 
-/// The number so far between two others.
-pub(crate) fn between(low: f64, high: f64, part: f64) -> f64 {
-    low + (high - low) * part
+/// Checks a property for so many draws of N numbers, each uniform in its range. A draw that fails
+/// is made as simple as it can be.
+#[track_caller]
+pub(crate) fn for_all<const N: usize>(
+    cases: u32,
+    ranges: [Range<f64>; N],
+    property: impl Fn([f64; N]) -> TestCaseResult,
+) {
+    let file = Location::caller().file();
+    check(file, cases, &Vec::from(ranges), &|numbers| {
+        property(numbers.try_into().unwrap())
+    });
 }
 
-/// The same in the logarithm.
-pub(crate) fn decades(low: f64, high: f64, part: f64) -> f64 {
-    between(low.ln(), high.ln(), part).exp()
-}
-
-/// Tries a property on random numbers.
-pub(crate) fn check(property: impl Fn(Numbers) -> Result<(), TestCaseError>) {
-    run(&property);
-}
-
-fn run(property: &dyn Fn(Numbers) -> Result<(), TestCaseError>) {
+fn check(
+    file: &'static str,
+    cases: u32,
+    ranges: &Vec<Range<f64>>,
+    property: &dyn Fn(Vec<f64>) -> TestCaseResult,
+) {
     let config = Config {
-        failure_persistence: Some(Box::new(FileFailurePersistence::Direct(
-            "proptest-regressions/numbers.txt",
-        ))),
+        cases,
+        source_file: Some(file),
         ..Config::default()
     };
-    let result = TestRunner::new(config).run(&uniform9(0.0..1.0_f64), property);
-    result.unwrap_or_else(|error| panic!("{error}"));
+    let checked = TestRunner::new(config).run(ranges, property);
+    checked.unwrap_or_else(|error| panic!("{error}"));
 }
