@@ -4,6 +4,7 @@
 
 pub(crate) mod any;
 pub(crate) mod orbit;
+pub(crate) mod property;
 
 use std::cell::Cell;
 
