@@ -178,8 +178,9 @@ fn column(
     };
     let difference = |width: f64| Some((end(width)? - end(-width)?) / (2.0 * width));
     let width = 4e-4;
-    let [far, near, nearest] = [width, width / 2.0, width / 4.0].map(difference);
-    let (far, near, nearest) = (far?, near?, nearest?);
+    let far = difference(width)?;
+    let near = difference(width / 2.0)?;
+    let nearest = difference(width / 4.0)?;
     let coarse = &near + (&near - &far) / 3.0;
     let fine = &nearest + (&nearest - &near) / 3.0;
     let error = (&fine - coarse).amax();

@@ -267,9 +267,9 @@ fn units_scale_the_result() {
 /// ∂z'/∂v = V g'/g, ∂z'/∂z = −σ0 V/g.
 #[test]
 fn bristles_have_an_eigenvalue_of_their_own() {
-    let g = Exponential::new(0.5, 0.3, 0.4).unwrap();
+    let g = AnyLaw::from(Exponential::new(0.5, 0.3, 0.4).unwrap());
     let [stiffness, damping, viscous] = [40.0, 0.3, 0.02];
-    let law = LuGre::new(g, stiffness, damping, viscous).unwrap();
+    let law = LuGre::new(g.clone(), stiffness, damping, viscous).unwrap();
     for (speed, mass, spring, ground, load) in [
         (0.2, 1.5, 3.0, 0.1, 2.0),
         (-0.05, 0.2, 8.0, 0.3, 1.0),
@@ -280,7 +280,7 @@ fn bristles_have_an_eigenvalue_of_their_own() {
                 s.with_ground_spring(0, spring)?
                     .with_ground_damper(0, ground)
             })
-            .and_then(|s| s.with_contact(Contact::new(0, law, load)?.on_belt(speed)))
+            .and_then(|s| s.with_contact(Contact::new(0, law.clone(), load)?.on_belt(speed)))
             .unwrap();
         let sliding = one.steady_sliding().unwrap();
         let v = f64::abs(speed);
@@ -309,8 +309,9 @@ fn bristles_have_an_eigenvalue_of_their_own() {
 /// Small motions of a chain go as its slowest eigenvalues say.
 #[test]
 fn small_motions_with_memory_have_the_eigenvalues() {
-    let law = LuGre::new(Coulomb::new(0.4, 0.4).unwrap(), 25.0, 0.2, 0.05).unwrap();
-    let laws: [AnyContactLaw<Coulomb>; 2] = [law.into(), AnyContactLaw::Dry(*law.law())];
+    let dry = AnyLaw::from(Coulomb::new(0.4, 0.4).unwrap());
+    let bristles = LuGre::new(dry.clone(), 25.0, 0.2, 0.05).unwrap();
+    let laws = [bristles.into(), AnyContactLaw::Dry(dry)];
     let mut pair = Structure::new(&[1.0, 2.0])
         .and_then(|s| s.with_ground_spring(0, 1.0)?.with_spring(0, 1, 1.0))
         .and_then(|s| s.with_ground_damper(0, 0.1)?.with_ground_damper(1, 3.0))
