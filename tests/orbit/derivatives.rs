@@ -11,8 +11,9 @@ use stick_slip::{
 };
 
 use crate::common::Random;
+use crate::reading::Raised;
 
-type Law = AnyContactLaw<AnyLaw>;
+type Law = AnyContactLaw<Raised>;
 
 /// Draws structures.
 struct Draw(Random);
@@ -27,7 +28,7 @@ impl Draw {
         self.0.bits() % n
     }
 
-    fn dry(&mut self) -> AnyLaw {
+    fn dry(&mut self) -> Raised {
         let low = self.uniform(0.15, 0.3);
         let high = low + self.uniform(0.0, 0.3);
         match self.one_of(5) {
@@ -39,6 +40,7 @@ impl Draw {
             }
             _ => Polynomial::new(high, low, self.uniform(0.4, 0.9)).map(AnyLaw::from),
         }
+        .map(Raised::from)
         .unwrap()
     }
 

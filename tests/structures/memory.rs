@@ -471,7 +471,7 @@ fn the_first_example_of_lugre() {
 #[test]
 fn a_contact_without_load_keeps_its_bristles_and_forgets_its_rest() {
     let load = || Drive::constant(0.5).with_harmonic(1.0, 1.0, 0.0).unwrap();
-    let block = |law: AnyContactLaw<AnyLaw>| {
+    let block = |law: AnyContactLaw<Raised>| {
         Structure::new(&[1.0])
             .and_then(|s| s.with_ground_spring(0, 1.0))
             .and_then(|s| s.with_contact(Contact::new(0, law, load())?.on_belt(0.1)))

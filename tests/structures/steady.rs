@@ -9,7 +9,7 @@ use stick_slip::{
 
 use crate::common::property::for_all;
 use crate::common::{number, text};
-use crate::reading::{cases, structure};
+use crate::reading::{Raised, cases, structure};
 
 fn bifurcations(kind: &str) -> Vec<serde_json::Value> {
     let mut all = cases(include_str!("../data/structure_bifurcations.json"));
@@ -309,7 +309,7 @@ fn bristles_have_an_eigenvalue_of_their_own() {
 /// Small motions of a chain go as its slowest eigenvalues say.
 #[test]
 fn small_motions_with_memory_have_the_eigenvalues() {
-    let dry = AnyLaw::from(Coulomb::new(0.4, 0.4).unwrap());
+    let dry = Raised::from(Coulomb::new(0.4, 0.4).unwrap());
     let bristles = LuGre::new(dry.clone(), 25.0, 0.2, 0.05).unwrap();
     let laws = [bristles.into(), AnyContactLaw::Dry(dry)];
     let mut pair = Structure::new(&[1.0, 2.0])
@@ -355,14 +355,14 @@ fn small_motions_with_memory_have_the_eigenvalues() {
 
 #[test]
 fn a_clock_of_rest_is_forgotten() {
-    let dry = Exponential::new(0.4, 0.3, 0.5).unwrap();
+    let dry = AnyLaw::from(Exponential::new(0.4, 0.3, 0.5).unwrap());
     let one = |speed: f64| {
         let structure = Structure::new(&[1.0]).and_then(|s| s.with_ground_spring(0, 1.0));
-        let law = Dwell::exponential(dry, 0.6, 1.0).unwrap();
+        let law = Dwell::exponential(dry.clone(), 0.6, 1.0).unwrap();
         let contact = Contact::new(0, law, 1.0).unwrap().on_belt(speed);
         let found = structure.and_then(|s| s.with_contact(contact)).unwrap();
         let structure = Structure::new(&[1.0]).and_then(|s| s.with_ground_spring(0, 1.0));
-        let contact = Contact::new(0, dry, 1.0).unwrap().on_belt(speed);
+        let contact = Contact::new(0, dry.clone(), 1.0).unwrap().on_belt(speed);
         let expected = structure.and_then(|s| s.with_contact(contact)).unwrap();
         (
             found.steady_sliding().unwrap(),
