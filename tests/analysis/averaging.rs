@@ -534,8 +534,8 @@ fn polynomial_law_has_closed_forms() {
             let formulas = PureSlip::new(&system).unwrap();
             let amplitude: f64 = reach * w;
             let (h1, h3) = (formulas.h1(), formulas.h3());
-            // A' = −½h1A − (3/8)h3A³ − (2γ²μ_s/π) sin s: Eq. 3 continues through v_r = 0 but for the
-            // jump.
+            // A' = −½h1A − (3/8)h3A³ − (2γ²μ_s/π) sin s: Eq. 3 continues through v_r = 0 but for
+            // the jump.
             let jump = 2.0 * load * static_coefficient / PI;
             let sine = f64::max(1.0 - f64::powi(w / amplitude, 2), 0.0).sqrt();
             let crossing = amplitude > w && sine > 0.0;

@@ -5,8 +5,8 @@ use std::panic::Location;
 
 use proptest::test_runner::{Config, TestCaseResult, TestRunner};
 
-/// Checks a property for so many draws of N numbers, each uniform in its range. A draw that fails is
-/// made as simple as it can be.
+/// Checks a property for so many draws of N numbers, each uniform in its range. A draw that fails
+/// is made as simple as it can be.
 #[track_caller]
 pub(crate) fn for_all<const N: usize>(
     cases: u32,

@@ -1,5 +1,5 @@
-//! What users rely on: names, signatures, traits, the README. Its figures are judged by tests of the
-//! example that draws them.
+//! What users rely on: names, signatures, traits, the README. Its figures are judged by tests of
+//! the example that draws them.
 
 mod api;
 mod belt;
