@@ -30,6 +30,9 @@ use figures::{FIGURES, Result, escape};
 
 #[path = "figures/mod.rs"]
 mod figures;
+#[cfg(test)]
+#[path = "figures/tests.rs"]
+mod tests;
 
 fn main() -> Result<()> {
     let folder = std::env::args_os().nth(1).map(PathBuf::from);

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use plotters::style::AsRelative;
 use stick_slip::{
-    Exponential, FrictionLaw, MassOnBelt, Mode, Polynomial, State, Trajectory, limit_cycle,
+    AnyLaw, Exponential, MassOnBelt, Mode, Polynomial, State, Trajectory, limit_cycle,
 };
 
 use super::clip::Point;
@@ -26,7 +26,7 @@ const FIG4: &str = "Fig. 4. From rest to vibration that never sticks: polynomial
 
 pub(crate) fn fig4() -> Result<Figure> {
     let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    motion(FIG4, law, 0.4, 120.0, -0.5..0.6)
+    motion(FIG4, law.into(), 0.4, 120.0, -0.5..0.6)
 }
 
 const FIG5: &str = "Fig. 5. Stick-slip from rest: as Fig. 4, but v_b = 0.2. Stick phases are \
@@ -34,7 +34,7 @@ const FIG5: &str = "Fig. 5. Stick-slip from rest: as Fig. 4, but v_b = 0.2. Stic
 
 pub(crate) fn fig5() -> Result<Figure> {
     let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    motion(FIG5, law, 0.2, 30.0, -0.4..0.4)
+    motion(FIG5, law.into(), 0.2, 30.0, -0.4..0.4)
 }
 
 const FIG7: &str = "Fig. 7. Stick-slip with the exponential law: μ_s = 0.4, μ_k = 0.25, v_s = 0.5, \
@@ -43,12 +43,12 @@ const FIG7: &str = "Fig. 7. Stick-slip with the exponential law: μ_s = 0.4, μ_
 
 pub(crate) fn fig7() -> Result<Figure> {
     let law = Exponential::new(0.4, 0.25, 0.5)?;
-    motion(FIG7, law, 0.2, 30.0, -0.4..0.4)
+    motion(FIG7, law.into(), 0.2, 30.0, -0.4..0.4)
 }
 
-fn motion<L: FrictionLaw>(
+fn motion(
     caption: &str,
-    law: L,
+    law: AnyLaw,
     v_b: f64,
     duration: f64,
     velocities: Range<f64>,
@@ -157,7 +157,7 @@ fn phases(motion: &Trajectory) -> Vec<Phase> {
     phases
 }
 
-fn over_time(panel: &mut Panel, phases: &[Phase], of: impl Fn(State) -> f64) -> Result<()> {
+fn over_time(panel: &mut Panel, phases: &[Phase], of: fn(State) -> f64) -> Result<()> {
     for phase in phases.iter().filter(|phase| phase.sticks) {
         if let [(start, _), .., (end, _)] = phase.states[..] {
             panel.band(start..end, pale(VERMILLION, 0.15))?;

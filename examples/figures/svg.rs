@@ -38,13 +38,21 @@ pub(crate) fn svg(
         draw(&root)?;
         root.present()?;
     }
+    Ok(Figure {
+        svg: for_print(&drawn, (width, height), caption),
+        caption: caption.to_string(),
+    })
+}
+
+/// What plotters has drawn, as the picture it is meant to be.
+fn for_print(drawn: &str, (width, height): (u32, u32), caption: &str) -> String {
     let mut text = format!(
         "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {} {}\" \
          stroke-linejoin=\"round\" \
          xml:space=\"preserve\" \
          xmlns=\"http://www.w3.org/2000/svg\">\n<desc>{}</desc>\n",
-        size.0,
-        size.1,
+        width * SCALE as u32,
+        height * SCALE as u32,
         escape(caption)
     );
     let mut lines = drawn.lines().skip(1);
@@ -57,6 +65,5 @@ pub(crate) fn svg(
         }
         text.push('\n');
     }
-    let caption = caption.to_string();
-    Ok(Figure { svg: text, caption })
+    text
 }

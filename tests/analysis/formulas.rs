@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::f64::consts::{E, PI, TAU};
 
 use crate::common::{Ends, Leine, Table, json, list, number, paper, text};
+use crate::cubic::Cubic;
 use serde_json::Value;
 use stick_slip::analysis::averaging::{cycles, drift, drift_slope};
 use stick_slip::analysis::coulomb::{
@@ -846,27 +847,12 @@ fn regimes_are_known_where_the_coefficients_overflow() {
     );
 }
 
-/// μ̂(s) = a + b s + c s² + d s³, with a static coefficient of its own.
-struct AnyCubic {
-    static_coefficient: f64,
-    c: [f64; 4],
-}
-
-impl FrictionLaw for AnyCubic {
-    fn static_coefficient(&self) -> f64 {
-        self.static_coefficient
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        let [a, b, c, d] = self.c;
-        ((speed * d + c) * speed + b) * speed + a
-    }
-}
-
 #[test]
 fn the_expansions_of_stick_slip_serve_every_cubic_law_and_no_other() {
     let made = |static_coefficient, c| {
-        let law = AnyCubic {
+        let law = Cubic {
             static_coefficient,
+            centre: 0.0,
             c,
         };
         let system = MassOnBelt::new(law, 0.2).unwrap();

@@ -4,6 +4,7 @@
 mod common;
 
 mod averaging;
+mod cubic;
 mod formulas;
 mod misprints;
 mod motions;

@@ -2,10 +2,11 @@
 //! exact motions.
 
 use crate::common::paper;
+use crate::cubic::{Cubic, coefficients};
 use stick_slip::analysis::averaging::{cycles, drift};
 use stick_slip::analysis::{PureSlip, Regime, StickSlip, equilibrium, regime};
 use stick_slip::{CycleKind, EventKind, Exponential, FrictionLaw, MassOnBelt, Polynomial};
-use stick_slip::{LimitCycle, Scalar, Stability, State, bifurcation, limit_cycle};
+use stick_slip::{LimitCycle, Stability, State, bifurcation, limit_cycle};
 
 #[test]
 fn misprint_eq_2_stick_condition_has_gamma_squared_and_two_sides() {
@@ -169,35 +170,15 @@ fn numerics_eq_7_steady_sliding_stays_where_friction_at_the_belt_velocity_puts_i
     assert!((settled.last().displacement - friction).abs() < 1e-10);
 }
 
-/// Slip with h2 as given: the law whose expansion at v_b has the system's h1 and h3, and that h2.
-#[derive(Clone, Copy)]
-struct WithH2 {
-    law: Polynomial,
-    belt_velocity: f64,
-    excess: f64,
-}
-
-impl FrictionLaw for WithH2 {
-    fn static_coefficient(&self) -> f64 {
-        self.kinetic(0.0)
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        let y = speed - self.belt_velocity;
-        self.law.kinetic(speed) - y * y * self.excess
-    }
-}
-
 #[test]
 fn numerics_eq_10b_mean_displacement_tells_h2() {
     let system = paper(0.42);
     let formulas = PureSlip::new(&system).unwrap();
     let printed_h2 = -formulas.eta() * (0.42_f64 / 0.5).powi(2);
-    let printed_law = WithH2 {
-        law: *system.law(),
-        belt_velocity: 0.42,
-        excess: printed_h2 - formulas.h2(),
-    };
-    let printed = MassOnBelt::new(printed_law, 0.42)
+    // The law whose expansion at v_b has the system's h1 and h3, and the printed h2.
+    let mut expansion = coefficients(system.law(), 0.42);
+    expansion[2] -= printed_h2 - formulas.h2();
+    let printed = MassOnBelt::new(Cubic::new(0.42, expansion), 0.42)
         .and_then(|system| system.with_damping(0.05))
         .unwrap();
     // Time mean of z, −A h2 A/2 + O(ε³): of the motion itself, and of one that has the printed h2.

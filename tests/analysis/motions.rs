@@ -157,26 +157,29 @@ fn run(count: u32, cases: &BoxedStrategy<Case>) {
     assert!(rows.values().all(|&(looks, _)| looks >= least), "{rows:?}");
 }
 
+// Boxed, so that few types of strategies are compiled.
+
 /// Uniform in the logarithm.
-fn decades(low: f64, high: f64) -> impl Strategy<Value = f64> + Clone {
-    (low.log10()..high.log10()).prop_map(|x: f64| 10.0_f64.powf(x))
+fn decades(low: f64, high: f64) -> BoxedStrategy<f64> {
+    let exponents = low.log10()..high.log10();
+    exponents.prop_map(|x: f64| 10.0_f64.powf(x)).boxed()
 }
 
-fn sign() -> impl Strategy<Value = f64> + Clone {
-    select(vec![1.0, -1.0])
+fn sign() -> BoxedStrategy<f64> {
+    select(vec![1.0, -1.0]).boxed()
 }
 
 /// 0 in one case of eight.
-fn or_zero(values: impl Strategy<Value = f64> + Clone) -> impl Strategy<Value = f64> + Clone {
-    prop_oneof![1 => Just(0.0), 7 => values]
+fn or_zero(values: BoxedStrategy<f64>) -> BoxedStrategy<f64> {
+    prop_oneof![1 => Just(0.0), 7 => values].boxed()
 }
 
 /// Any law of the crate or of the tests, with features 0.1 to 1 wide in speed.
-fn any_law() -> impl Strategy<Value = Any> {
+fn any_law() -> BoxedStrategy<Any> {
     let sizes = (0.1..1.0, 0.0..1.0, 0.1..1.0, 0.0..1.0);
-    (0..Any::KINDS, sizes).prop_map(|(kind, (top, least, width, part))| {
-        Any::of_kind(kind, [top, least, width, part], 0.0)
-    })
+    let law =
+        |(kind, (top, least, width, part))| Any::of_kind(kind, [top, least, width, part], 0.0);
+    (0..Any::KINDS, sizes).prop_map(law).boxed()
 }
 
 fn system<L: FrictionLaw>(law: L, velocity: f64, damping: f64, load: f64) -> MassOnBelt<L> {

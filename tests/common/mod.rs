@@ -12,7 +12,7 @@ use std::cell::Cell;
 use serde_json::Value;
 use stick_slip::analysis::dwell::DwellOscillator;
 use stick_slip::{
-    Contact, Coulomb, Direction, Dwell, EventKind, Exponential, FrictionLaw, LawRef, LimitCycle,
+    AnyLaw, Contact, Coulomb, Direction, Dwell, EventKind, Exponential, FrictionLaw, LimitCycle,
     MassOnBelt, Polynomial, Scalar, State, Structure,
 };
 
@@ -62,50 +62,17 @@ pub(crate) fn kind(name: &str) -> EventKind {
     }
 }
 
-/// A law chosen at run time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Law {
-    Polynomial(Polynomial),
-    Exponential(Exponential),
-    Coulomb(Coulomb),
-}
-
-impl FrictionLaw for Law {
-    fn static_coefficient(&self) -> f64 {
-        match self {
-            Self::Polynomial(law) => law.static_coefficient(),
-            Self::Exponential(law) => law.static_coefficient(),
-            Self::Coulomb(law) => law.static_coefficient(),
-        }
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        match self {
-            Self::Polynomial(law) => law.kinetic(speed),
-            Self::Exponential(law) => law.kinetic(speed),
-            Self::Coulomb(law) => law.kinetic(speed),
-        }
-    }
-    // As `AnyLaw` does: compiling all laws in one piece takes long.
-    fn erased(&self) -> LawRef<'_> {
-        match self {
-            Self::Polynomial(law) => law.erased(),
-            Self::Exponential(law) => law.erased(),
-            Self::Coulomb(law) => law.erased(),
-        }
-    }
-}
-
 /// The system of a reference case.
-pub(crate) fn system_of(case: &Value) -> MassOnBelt<Law> {
+pub(crate) fn system_of(case: &Value) -> MassOnBelt<AnyLaw> {
     let parameter = |name: &str| number(&case["law_params"][name]);
     let law = match text(&case["law"]) {
-        "poly" => Law::Polynomial(
+        "poly" => AnyLaw::Polynomial(
             Polynomial::new(parameter("mus"), parameter("mum"), parameter("vm")).unwrap(),
         ),
-        "exp" => Law::Exponential(
+        "exp" => AnyLaw::Exponential(
             Exponential::new(parameter("mus"), parameter("muk"), parameter("vs")).unwrap(),
         ),
-        "coulomb" => Law::Coulomb(Coulomb::new(parameter("mus"), parameter("muk")).unwrap()),
+        "coulomb" => AnyLaw::Coulomb(Coulomb::new(parameter("mus"), parameter("muk")).unwrap()),
         other => panic!("unknown law {other}"),
     };
     MassOnBelt::new(law, number(&case["v_b"]))
@@ -244,22 +211,22 @@ impl Random {
 
     /// One of the three laws of the crate, with μ_s in [0.2, 0.8) and its minimum at 0.3 to 1 of
     /// it.
-    pub(crate) fn law(&mut self) -> Law {
+    pub(crate) fn law(&mut self) -> AnyLaw {
         let static_coefficient = self.uniform(0.2, 0.8);
         let least = static_coefficient * self.uniform(0.3, 1.0);
         match self.bits() % 3 {
-            0 => Law::Polynomial(
+            0 => AnyLaw::Polynomial(
                 Polynomial::new(static_coefficient, least, self.uniform(0.3, 1.5)).unwrap(),
             ),
-            1 => Law::Exponential(
+            1 => AnyLaw::Exponential(
                 Exponential::new(static_coefficient, least, self.uniform(0.1, 1.0)).unwrap(),
             ),
-            _ => Law::Coulomb(Coulomb::new(static_coefficient, least).unwrap()),
+            _ => AnyLaw::Coulomb(Coulomb::new(static_coefficient, least).unwrap()),
         }
     }
 
     /// A system of ordinary size: 0.03 ≤ |v_b| < 2 with either sign, β < 0.4, 0.1 ≤ γ² < 5.
-    pub(crate) fn system(&mut self) -> MassOnBelt<Law> {
+    pub(crate) fn system(&mut self) -> MassOnBelt<AnyLaw> {
         let law = self.law();
         let belt_velocity = self.sign() * self.logarithmic(0.03, 2.0);
         let damping = self.uniform(0.0, 0.4);

@@ -167,7 +167,8 @@ fn cycles_on_a_belt_that_runs_backwards_are_mirror_images() {
     let mut kinds = std::collections::HashSet::new();
     for case in data.iter().flat_map(|data| list(&data["cases"])) {
         let system = system_of(case);
-        let mirror = system.with_belt_velocity(-system.belt_velocity()).unwrap();
+        let backwards = -system.belt_velocity();
+        let mirror = system.clone().with_belt_velocity(backwards).unwrap();
         let [here, there] = [&system, &mirror].map(|system| limit_cycle::find(system).unwrap());
         let one = [&system, &mirror].map(|system| limit_cycle::stick_slip(system).unwrap());
         assert_eq!(here.len(), there.len());

@@ -11,8 +11,9 @@ use stick_slip::{
 };
 
 use crate::common::Random;
+use crate::reading::Raised;
 
-type Law = AnyContactLaw<AnyLaw>;
+type Law = AnyContactLaw<Raised>;
 
 /// Draws structures.
 struct Draw(Random);
@@ -27,7 +28,7 @@ impl Draw {
         self.0.bits() % n
     }
 
-    fn dry(&mut self) -> AnyLaw {
+    fn dry(&mut self) -> Raised {
         let low = self.uniform(0.15, 0.3);
         let high = low + self.uniform(0.0, 0.3);
         match self.one_of(5) {
@@ -39,6 +40,7 @@ impl Draw {
             }
             _ => Polynomial::new(high, low, self.uniform(0.4, 0.9)).map(AnyLaw::from),
         }
+        .map(Raised::from)
         .unwrap()
     }
 
@@ -178,8 +180,9 @@ fn column(
     };
     let difference = |width: f64| Some((end(width)? - end(-width)?) / (2.0 * width));
     let width = 4e-4;
-    let [far, near, nearest] = [width, width / 2.0, width / 4.0].map(difference);
-    let (far, near, nearest) = (far?, near?, nearest?);
+    let far = difference(width)?;
+    let near = difference(width / 2.0)?;
+    let nearest = difference(width / 4.0)?;
     let coarse = &near + (&near - &far) / 3.0;
     let fine = &nearest + (&nearest - &near) / 3.0;
     let error = (&fine - coarse).amax();

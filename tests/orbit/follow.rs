@@ -10,7 +10,7 @@ use stick_slip::orbit::{
 use stick_slip::structure::State;
 use stick_slip::{
     AnyLaw, Contact, Coulomb, Dwell, Error, EventKind, Exponential, FrictionLaw, MassOnBelt,
-    Polynomial, Scalar, Structure, System, bifurcation, limit_cycle,
+    Polynomial, Structure, System, bifurcation, limit_cycle,
 };
 
 use crate::common::number;
@@ -176,25 +176,12 @@ fn an_unstable_cycle_is_followed_through_a_fold() {
     assert!(counts == expected || counts == mirrored, "{counts:?}");
 }
 
-/// Coulomb's law, with a static coefficient of its own.
-#[derive(Debug, Clone)]
-struct Raised(f64, f64);
-
-impl FrictionLaw for Raised {
-    fn static_coefficient(&self) -> f64 {
-        self.1
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        speed.constant(self.0)
-    }
-}
-
 fn dwelling(
     [damping, kinetic, at_once]: [f64; 3],
-    form: &dyn Fn(Raised) -> Result<Dwell<Raised>, Error>,
+    form: &dyn Fn(Coulomb) -> Result<Dwell<Coulomb>, Error>,
     belt_velocity: f64,
-) -> Result<Structure<Dwell<Raised>, 1>, Error> {
-    let law = form(Raised(kinetic, at_once))?;
+) -> Result<Structure<Dwell<Coulomb>, 1>, Error> {
+    let law = form(Coulomb::new(at_once, kinetic)?)?;
     Structure::new(&[1.0])?
         .with_ground_spring(0, 1.0)?
         .with_ground_damper(0, damping)?
@@ -203,7 +190,7 @@ fn dwelling(
 
 #[test]
 fn stick_slip_with_dwell_ends_at_the_folds_of_the_reference() {
-    type Form<'f> = &'f dyn Fn(Raised) -> Result<Dwell<Raised>, Error>;
+    type Form<'f> = &'f dyn Fn(Coulomb) -> Result<Dwell<Coulomb>, Error>;
     let cases = cases(include_str!("../data/dwell_cycles.json"));
     let known: [(&str, [f64; 3], f64, Form<'_>); 3] = [
         ("dwc_bif_01", [0.05, 0.3, 0.3], 0.1, &|law| {

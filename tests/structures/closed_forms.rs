@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use proptest::prelude::*;
+use proptest::{prop_assert, prop_assume};
 use stick_slip::analysis::drill_string::TwoInertias;
 use stick_slip::analysis::fast_vibration::{mean_coefficient, onset_velocity};
 use stick_slip::analysis::forced::{ForcedOscillator, no_stop_limit};
@@ -14,6 +14,7 @@ use stick_slip::{
     Scalar, Slip, Structure, structure,
 };
 
+use crate::common::property::for_all;
 use crate::common::{number, text};
 use crate::reading::cases;
 
@@ -100,50 +101,55 @@ fn no_motion_without_stops_beyond_its_conditions() {
     assert_eq!(forced(0.8, 1.0, 0.3, 1.0).without_stops(), None);
 }
 
-proptest! {
-    /// The orbit turns at ±A half a period apart, obeys the equation of motion in between, and
-    /// its validity ends at Den Hartog's limit.
-    #[test]
-    fn orbits_obey_their_equation(
-        omega in 0.45..4.0_f64,
-        damping in 0.0..0.5_f64,
-        friction in 0.01..1.0_f64,
-        place in 0.001..0.999_f64,
-    ) {
-        let oscillator = forced(omega, damping, friction, 1.0);
-        let Some(motion) = oscillator.without_stops() else { return Ok(()) };
-        let half = PI / omega;
-        let scale = motion.amplitude() * (1.0 + omega) + 1.0;
-        let (x, v) = motion.at(0.0);
-        prop_assert!((x - motion.amplitude()).abs() < 1e-14 * scale && v.abs() < 1e-13 * scale);
-        let (x, v) = motion.at(half * (1.0 - 1e-15));
-        prop_assert!((x + motion.amplitude()).abs() < 1e-13 * scale && v.abs() < 1e-13 * scale);
+/// The orbit turns at ±A half a period apart, obeys the equation of motion in between, and
+/// its validity ends at Den Hartog's limit.
+#[test]
+fn orbits_obey_their_equation() {
+    for_all(
+        256,
+        [0.45..4.0, 0.0..0.5, 0.01..1.0, 0.001..0.999],
+        |[omega, damping, friction, place]| {
+            let oscillator = forced(omega, damping, friction, 1.0);
+            let Some(motion) = oscillator.without_stops() else {
+                return Ok(());
+            };
+            let half = PI / omega;
+            let scale = motion.amplitude() * (1.0 + omega) + 1.0;
+            let (x, v) = motion.at(0.0);
+            prop_assert!((x - motion.amplitude()).abs() < 1e-14 * scale && v.abs() < 1e-13 * scale);
+            let (x, v) = motion.at(half * (1.0 - 1e-15));
+            prop_assert!((x + motion.amplitude()).abs() < 1e-13 * scale && v.abs() < 1e-13 * scale);
 
-        // x'' = p cos(Ωt + θ) − x − 2ζx' + F while it falls, by a difference of fourth order.
-        let t = place * half;
-        let h = 1e-3 * t.min(half - t);
-        let v_at = |t| motion.at(t).1;
-        let difference = |h: f64| v_at(t + h) - v_at(t - h);
-        let slope = (8.0 * difference(h) - difference(2.0 * h)) / (12.0 * h);
-        let (x, v) = motion.at(t);
-        let expected = (omega * t + motion.phase()).cos() - x - 2.0 * damping * v + friction;
-        let allowed = 1e-10 * scale + 1e-14 * scale / h;
-        prop_assert!((slope - expected).abs() < allowed, "{} {}", slope, expected);
-        prop_assert!(v < 0.0);
-        // The other half is its mirror image.
-        let (mirrored, _) = motion.at(t + half);
-        prop_assert!((mirrored + x).abs() < 1e-12 * scale);
-    }
+            // x'' = p cos(Ωt + θ) − x − 2ζx' + F while it falls, by a difference of fourth order.
+            let t = place * half;
+            let h = 1e-3 * t.min(half - t);
+            let v_at = |t| motion.at(t).1;
+            let difference = |h: f64| v_at(t + h) - v_at(t - h);
+            let slope = (8.0 * difference(h) - difference(2.0 * h)) / (12.0 * h);
+            let (x, v) = motion.at(t);
+            let expected = (omega * t + motion.phase()).cos() - x - 2.0 * damping * v + friction;
+            let allowed = 1e-10 * scale + 1e-14 * scale / h;
+            prop_assert!((slope - expected).abs() < allowed, "{} {}", slope, expected);
+            prop_assert!(v < 0.0);
+            // The other half is its mirror image.
+            let (mirrored, _) = motion.at(t + half);
+            prop_assert!((mirrored + x).abs() < 1e-12 * scale);
+            Ok(())
+        },
+    );
+}
 
-    #[test]
-    fn the_limit_is_where_the_mass_begins_to_stop(omega in 0.51..3.0_f64) {
+#[test]
+fn the_limit_is_where_the_mass_begins_to_stop() {
+    for_all(256, [0.51..3.0], |[omega]| {
         let limit = no_stop_limit(omega).unwrap();
         let exists = |friction| forced(omega, 0.0, friction, 1.0).without_stops().is_some();
         // At resonance without damping the response is infinite, and the formula with it.
         prop_assume!((omega - 1.0).abs() > 1e-3);
         prop_assert!(exists(limit * (1.0 - 1e-9)), "{}", limit);
         prop_assert!(!exists(limit * (1.0 + 1e-9)), "{}", limit);
-    }
+        Ok(())
+    });
 }
 
 #[test]
@@ -254,54 +260,79 @@ fn mode_coupling_thresholds() {
     );
 }
 
-proptest! {
-    #[test]
-    fn mode_coupling_thresholds_are_where_steady_sliding_flutters(
-        masses in prop::array::uniform2(0.3..3.0_f64),
-        diagonal in prop::array::uniform2(1.0..3.0_f64),
-        (k12, k21) in (0.2..0.8_f64, 0.2..0.8_f64),
-        normal_stiffness in 0.3..2.0_f64,
-        damping in prop_oneof![Just([0.0, 0.0]), prop::array::uniform2(0.01..0.3_f64)],
-    ) {
-        let stiffness = [[diagonal[0], k12], [k21, diagonal[1]]];
-        let model = ModeCoupling { masses, stiffness, normal_stiffness, damping };
-        let Some(flutter) = model.flutter() else { return Ok(()) };
-        let growth = |factor: f64| {
-            let sliding = coupled(&model, factor * flutter.coefficient).steady_sliding();
-            sliding.map(|sliding| sliding.eigenvalues[0])
-        };
-        let (Some(below), Some(above)) = (growth(1.0 - 1e-5), growth(1.0 + 1e-5)) else {
-            return Ok(()); // the load is gone there
-        };
-        prop_assert!(below.re <= 0.0 && above.re > 0.0, "{} {}", below, above);
-        let error = (above.im.abs() - flutter.angular_frequency).abs();
-        prop_assert!(error < 1e-3, "{} {:?}", above, flutter);
-    }
+#[test]
+fn mode_coupling_thresholds_are_where_steady_sliding_flutters() {
+    for_all(
+        256,
+        [
+            0.3..3.0,
+            0.3..3.0,
+            1.0..3.0,
+            1.0..3.0,
+            0.2..0.8,
+            0.2..0.8,
+            0.3..2.0,
+            0.01..0.3,
+            0.01..0.3,
+            0.0..1.0,
+        ],
+        |[m1, m2, k11, k22, k12, k21, normal_stiffness, c1, c2, damped]| {
+            let (masses, stiffness) = ([m1, m2], [[k11, k12], [k21, k22]]);
+            let damping = if damped < 0.5 { [0.0, 0.0] } else { [c1, c2] };
+            let model = ModeCoupling {
+                masses,
+                stiffness,
+                normal_stiffness,
+                damping,
+            };
+            let Some(flutter) = model.flutter() else {
+                return Ok(());
+            };
+            let growth = |factor: f64| {
+                let sliding = coupled(&model, factor * flutter.coefficient).steady_sliding();
+                sliding.map(|sliding| sliding.eigenvalues[0])
+            };
+            let (Some(below), Some(above)) = (growth(1.0 - 1e-5), growth(1.0 + 1e-5)) else {
+                return Ok(()); // the load is gone there
+            };
+            prop_assert!(below.re <= 0.0 && above.re > 0.0, "{} {}", below, above);
+            let error = (above.im.abs() - flutter.angular_frequency).abs();
+            prop_assert!(error < 1e-3, "{} {:?}", above, flutter);
+            Ok(())
+        },
+    );
+}
 
-    #[test]
-    fn drill_strings_lose_stability_at_the_critical_slope(
-        upper in 0.3..10.0_f64,
-        lower in 0.3..10.0_f64,
-        stiffness in 0.1..10.0_f64,
-        damping in 0.05..20.0_f64,
-    ) {
-        let model = TwoInertias { upper, lower, stiffness, damping };
-        let critical = model.critical_slope().unwrap();
-        // A contact of linear friction is a damper; the whole is held by a weak spring.
-        let growth = |slope: f64| {
-            let string: Structure<Coulomb> = Structure::new(&[upper, lower])
-                .and_then(|s| s.with_spring(0, 1, stiffness))
-                .and_then(|s| s.with_ground_spring(0, 1e-9))
-                .and_then(|s| s.with_ground_damper(0, damping))
-                .and_then(|s| s.with_ground_damper(1, slope))
-                .unwrap();
-            string.steady_sliding().unwrap().eigenvalues[0].re
-        };
-        prop_assert!(growth(critical * (1.0 - 1e-4)) < 0.0, "{}", critical);
-        prop_assert!(growth(critical * (1.0 + 1e-4)) > 0.0, "{}", critical);
-        prop_assert!(model.is_stable(critical * (1.0 - 1e-9)));
-        prop_assert!(!model.is_stable(critical * (1.0 + 1e-9)));
-    }
+#[test]
+fn drill_strings_lose_stability_at_the_critical_slope() {
+    for_all(
+        256,
+        [0.3..10.0, 0.3..10.0, 0.1..10.0, 0.05..20.0],
+        |[upper, lower, stiffness, damping]| {
+            let model = TwoInertias {
+                upper,
+                lower,
+                stiffness,
+                damping,
+            };
+            let critical = model.critical_slope().unwrap();
+            // A contact of linear friction is a damper; the whole is held by a weak spring.
+            let growth = |slope: f64| {
+                let string: Structure<Coulomb> = Structure::new(&[upper, lower])
+                    .and_then(|s| s.with_spring(0, 1, stiffness))
+                    .and_then(|s| s.with_ground_spring(0, 1e-9))
+                    .and_then(|s| s.with_ground_damper(0, damping))
+                    .and_then(|s| s.with_ground_damper(1, slope))
+                    .unwrap();
+                string.steady_sliding().unwrap().eigenvalues[0].re
+            };
+            prop_assert!(growth(critical * (1.0 - 1e-4)) < 0.0, "{}", critical);
+            prop_assert!(growth(critical * (1.0 + 1e-4)) > 0.0, "{}", critical);
+            prop_assert!(model.is_stable(critical * (1.0 - 1e-9)));
+            prop_assert!(!model.is_stable(critical * (1.0 + 1e-9)));
+            Ok(())
+        },
+    );
 }
 
 #[test]

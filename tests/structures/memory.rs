@@ -444,7 +444,7 @@ fn memories_that_fail_end_the_motion() {
 #[test]
 fn the_first_example_of_lugre() {
     let law = Exponential::new(1.5, 1.0, 0.001).unwrap();
-    let law = LuGre::new(law, 1e5, 1e5_f64.sqrt(), 0.4).unwrap();
+    let law = LuGre::new(AnyLaw::from(law), 1e5, 1e5_f64.sqrt(), 0.4).unwrap();
     // In the frame of the pulling end the ground moves backward.
     let block = Structure::new(&[1.0])
         .and_then(|s| s.with_ground_spring(0, 2.0))
@@ -471,7 +471,7 @@ fn the_first_example_of_lugre() {
 #[test]
 fn a_contact_without_load_keeps_its_bristles_and_forgets_its_rest() {
     let load = || Drive::constant(0.5).with_harmonic(1.0, 1.0, 0.0).unwrap();
-    let block = |law: AnyContactLaw<AnyLaw>| {
+    let block = |law: AnyContactLaw<Raised>| {
         Structure::new(&[1.0])
             .and_then(|s| s.with_ground_spring(0, 1.0))
             .and_then(|s| s.with_contact(Contact::new(0, law, load())?.on_belt(0.1)))

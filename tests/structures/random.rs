@@ -8,6 +8,7 @@ use stick_slip::{
 
 use crate::common::Random;
 use crate::plain::{Plain, Seen};
+use crate::reading::Raised;
 
 /// Number of structures, which the variable `STRUCTURES` may raise: to 100000 before a release.
 fn count(usual: usize) -> usize {
@@ -214,9 +215,9 @@ fn a_load_opens_over_a_mass_that_carries_nothing() {
     let turn = std::f64::consts::TAU;
     let times = [opens, turn - opens, turn + opens, 2.0 * turn - opens];
     for belt in [0.1, 0.0, -3.0] {
-        let dry = Coulomb::new(0.9, 0.9).unwrap();
-        let dwell = Dwell::exponential(dry, 1.0, 2.0).unwrap();
-        let contacts: [AnyContactLaw<Coulomb>; 2] = [AnyContactLaw::Dry(dry), dwell.into()];
+        let dry = Raised::from(Coulomb::new(0.9, 0.9).unwrap());
+        let dwell = Dwell::exponential(dry.clone(), 1.0, 2.0).unwrap();
+        let contacts = [AnyContactLaw::Dry(dry), dwell.into()];
         for law in contacts {
             let contact = Contact::new(0, law, load.clone()).unwrap();
             let block = Structure::new(&[1.0]).unwrap();

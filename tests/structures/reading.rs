@@ -121,7 +121,7 @@ fn with_laws<L: ContactLaw<Z>, const Z: usize>(
     structure
 }
 
-/// A law with a static coefficient of its own.
+/// Any law, with a static coefficient of its own if it has to be.
 #[derive(Debug, Clone)]
 pub(crate) struct Raised {
     pub(crate) law: AnyLaw,
@@ -135,6 +135,24 @@ impl FrictionLaw for Raised {
     #[inline]
     fn kinetic<S: Scalar>(&self, speed: S) -> S {
         self.law.kinetic(speed)
+    }
+    fn breakpoints(&self) -> impl Iterator<Item = f64> {
+        FrictionLaw::breakpoints(&self.law)
+    }
+    #[inline]
+    fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
+        self.law.kinetic_on(piece, speed)
+    }
+}
+
+impl<L: Into<AnyLaw>> From<L> for Raised {
+    fn from(law: L) -> Self {
+        let law = law.into();
+        let static_coefficient = law.static_coefficient();
+        Self {
+            law,
+            static_coefficient,
+        }
     }
 }
 
@@ -161,11 +179,7 @@ fn contact_law(contact: &Value) -> AnyContactLaw<Raised> {
         };
         return made.unwrap().into();
     }
-    let law = law(contact, f64::NAN);
-    let raised = Raised {
-        static_coefficient: law.static_coefficient(),
-        law,
-    };
+    let raised = Raised::from(law(contact, f64::NAN));
     if bristle.is_null() {
         return AnyContactLaw::Dry(raised);
     }

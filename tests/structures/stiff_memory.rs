@@ -2,8 +2,8 @@
 
 use stick_slip::structure::State;
 use stick_slip::{
-    Contact, ContactLaw, Drive, Exponential, FrictionLaw, Integrator, LuGre, Motion, Polynomial,
-    Scalar, Segment, Slip, Structure,
+    AnyLaw, Contact, ContactLaw, Drive, Exponential, FrictionLaw, Integrator, LuGre, Motion,
+    Polynomial, Scalar, Segment, Slip, Structure,
 };
 
 /// The same law with a second memory that nothing depends on: its motion is followed by explicit
@@ -74,8 +74,8 @@ fn apart(a: &State, b: &State) -> f64 {
 /// Both methods, from where explicit steps are as good up to where they take thousands.
 #[test]
 fn slow_steps_and_explicit_ones_give_one_motion() {
-    let exponential = Exponential::new(0.4, 0.25, 0.5).unwrap();
-    let cubic = Polynomial::new(0.4, 0.25, 0.5).unwrap();
+    let exponential = AnyLaw::from(Exponential::new(0.4, 0.25, 0.5).unwrap());
+    let cubic = AnyLaw::from(Polynomial::new(0.4, 0.25, 0.5).unwrap());
     let (mut worst, mut cell) = (0.0_f64, 0);
     for stiffness in [30.0, 100.0, 300.0, 1e3, 3e3, 1e4] {
         for belt in [-0.15, 0.2, 0.6] {
@@ -85,9 +85,9 @@ fn slow_steps_and_explicit_ones_give_one_motion() {
             for damping in [0.0, 0.3, f64::sqrt(stiffness)] {
                 // Each law on one of the two belts, by turns.
                 let drives = [Drive::constant(belt), shaken.clone()];
-                let law = LuGre::new(exponential, stiffness, damping, 0.02).unwrap();
+                let law = LuGre::new(exponential.clone(), stiffness, damping, 0.02).unwrap();
                 let one = both(law, &drives[cell % 2]);
-                let law = LuGre::new(cubic, stiffness, damping, 0.02).unwrap();
+                let law = LuGre::new(cubic.clone(), stiffness, damping, 0.02).unwrap();
                 let two = both(law, &drives[1 - cell % 2]);
                 cell += 1;
                 for [slow, explicit] in [one.0, two.0] {
@@ -104,9 +104,9 @@ fn slow_steps_and_explicit_ones_give_one_motion() {
     assert!(worst < 1e-12, "{worst:e}");
 }
 
-fn both<L: FrictionLaw + Copy>(law: LuGre<L>, belt: &Drive) -> ([usize; 2], f64) {
+fn both(law: LuGre<AnyLaw>, belt: &Drive) -> ([usize; 2], f64) {
     let start = State::new(&[0.05], &[0.3]);
-    let slow = block(law, belt.clone(), 0.05);
+    let slow = block(law.clone(), belt.clone(), 0.05);
     let explicit = block(Padded(law), belt.clone(), 0.05);
     let (a, events, end) = follow(&slow, start.clone(), 6.0);
     let (b, others, other) = follow(&explicit, start, 6.0);
@@ -118,9 +118,9 @@ fn both<L: FrictionLaw + Copy>(law: LuGre<L>, belt: &Drive) -> ([usize; 2], f64)
 /// friction like 1/σ0.
 #[test]
 fn any_stiffness_takes_as_many_steps() {
-    let g = Exponential::new(0.4, 0.25, 0.5).unwrap();
+    let g = AnyLaw::from(Exponential::new(0.4, 0.25, 0.5).unwrap());
     let start = State::new(&[0.0], &[0.0]);
-    let dry = block(g, 0.6, 0.12);
+    let dry = block(g.clone(), 0.6, 0.12);
     let contact = dry.contacts()[0].clone();
     // σ2 of the bristles is a damper against the belt.
     let dry = Structure::new(&[1.0])
@@ -132,7 +132,7 @@ fn any_stiffness_takes_as_many_steps() {
     let mut before: Option<f64> = None;
     for exponent in 3..=12 {
         let stiffness = 10_f64.powi(exponent);
-        let law = LuGre::new(g, stiffness, 0.0, 0.02).unwrap();
+        let law = LuGre::new(g.clone(), stiffness, 0.0, 0.02).unwrap();
         // Bristles that are bent from the start.
         let start = start.clone().with_memory(&[-g.kinetic(0.6) / stiffness]);
         let (steps, events, end) = follow(&block(law, 0.6, 0.1), start, 8.0);
@@ -159,9 +159,9 @@ fn any_stiffness_takes_as_many_steps() {
 /// Where a motion is cut does not matter: neither to a slow step nor to an explicit one.
 #[test]
 fn a_stiff_motion_goes_on_from_anywhere() {
-    let g = Exponential::new(0.4, 0.25, 0.5).unwrap();
+    let g = AnyLaw::from(Exponential::new(0.4, 0.25, 0.5).unwrap());
     for stiffness in [1e3, 1e5, 1e7] {
-        let law = LuGre::new(g, stiffness, f64::sqrt(stiffness), 0.02).unwrap();
+        let law = LuGre::new(g.clone(), stiffness, f64::sqrt(stiffness), 0.02).unwrap();
         let system = block(law, 0.3, 0.1);
         let (_, _, whole) = follow(&system, State::new(&[0.0], &[0.0]), 6.0);
         let mut state = State::new(&[0.0], &[0.0]);
@@ -176,12 +176,12 @@ fn a_stiff_motion_goes_on_from_anywhere() {
 
 /// Three masses on stiff bristles, each with its own.
 fn chain<L: ContactLaw<Z>, const Z: usize>(
-    wrapped: impl Fn(LuGre<Exponential>) -> L,
+    wrapped: impl Fn(LuGre<AnyLaw>) -> L,
 ) -> Structure<L, Z> {
-    let g = Exponential::new(0.4, 0.25, 0.5).unwrap();
+    let g = AnyLaw::from(Exponential::new(0.4, 0.25, 0.5).unwrap());
     let mut chain = Structure::new(&[1.0, 2.0, 0.5]).unwrap();
     for (i, stiffness) in [400.0, 2e3, 8e3].into_iter().enumerate() {
-        let law = wrapped(LuGre::new(g, stiffness, 0.5, 0.01).unwrap());
+        let law = wrapped(LuGre::new(g.clone(), stiffness, 0.5, 0.01).unwrap());
         let contact = Contact::new(i, law, 1.0).unwrap().on_belt(0.6);
         chain = chain
             .with_ground_spring(i, 1.0)

@@ -266,7 +266,7 @@ fn dwell_cycles() {
     let law = (
         0..3_usize,
         0.05..1.0,
-        or_zero(0.01..1.0),
+        or_zero((0.01..1.0).boxed()),
         decades(0.05, 2.0),
         decades(0.1, 20.0),
     );

@@ -167,7 +167,7 @@ fn distance<L: FrictionLaw>(of: &MassOnBelt<L>, amplitude: f64) -> f64 {
 /// law, whether the motion overtakes the belt or not.
 #[test]
 fn averaged_drift() {
-    let sizes_of = (or_zero(0.0..0.02), 0.01..0.04);
+    let sizes_of = (or_zero((0.0..0.02).boxed()), 0.01..0.04);
     let cases = (
         any_law(),
         decades(0.05, 2.0),

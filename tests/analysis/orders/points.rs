@@ -3,7 +3,9 @@
 use std::cell::OnceCell;
 
 use stick_slip::nalgebra::Complex;
-use stick_slip::{CycleKind, FrictionLaw, LimitCycle, MassOnBelt, Polynomial, Scalar, limit_cycle};
+use stick_slip::{CycleKind, LimitCycle, MassOnBelt, Polynomial, limit_cycle};
+
+use crate::cubic::{Cubic, coefficients};
 
 /// μ_s, μ_m, v_m, γ², β, v_b at ε = 1.
 pub(crate) type Parameters = [f64; 6];
@@ -116,8 +118,10 @@ impl Point {
     /// jump at v_r = 0.
     pub(crate) fn growth(&self) -> f64 {
         let (system, v_b) = (&self.system, self.system.belt_velocity());
-        let (law, shift) = (*system.law(), 8.0 * v_b);
-        let continued = MassOnBelt::new(Continued { law, shift }, v_b + shift)
+        // The polynomial law as a cubic of v_r on both sides of v_r = 0: on a belt that is faster.
+        let shift = 8.0 * v_b;
+        let law = Cubic::new(shift, coefficients(system.law(), 0.0));
+        let continued = MassOnBelt::new(law, v_b + shift)
             .and_then(|continued| continued.with_damping(system.damping()))
             .and_then(|continued| continued.with_load(system.load()))
             .unwrap();
@@ -133,22 +137,6 @@ impl Point {
             }
         }
         at(rising).velocity / v_b - 1.0
-    }
-}
-
-/// The polynomial law as a cubic of v_r on both sides of v_r = 0: on a belt that is faster by
-/// `shift`.
-struct Continued {
-    law: Polynomial,
-    shift: f64,
-}
-
-impl FrictionLaw for Continued {
-    fn static_coefficient(&self) -> f64 {
-        self.kinetic(0.0)
-    }
-    fn kinetic<S: Scalar>(&self, speed: S) -> S {
-        self.law.kinetic(speed - self.shift)
     }
 }
 
