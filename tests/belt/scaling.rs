@@ -19,8 +19,8 @@ const PAD: Physical = Physical {
     belt_velocity: 0.03,
 };
 
-/// What makes parameters of any size: belt velocity, and exponents of ten of the mass, the stiffness,
-/// the damping constant, the normal force, and a length.
+/// What makes parameters of any size: belt velocity, and exponents of ten of the mass, the
+/// stiffness, the damping constant, the normal force, and a length.
 const RANGES: [Range<f64>; 6] = [
     -10.0..10.0,
     -3.0..3.0,
