@@ -32,6 +32,7 @@ pub struct Reached {
 }
 
 impl Reached {
+    #[cold]
     pub(crate) fn new(time: f64, state: impl Into<State>) -> Self {
         Self {
             time,

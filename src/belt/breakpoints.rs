@@ -137,13 +137,12 @@ fn first_passage(
     h: f64,
     speeds: [f64; 4],
 ) -> Result<Option<f64>, TooCurved> {
+    let mut distance = speed.scaled(sign);
+    distance[0] -= sign * level;
+    let mut distances = speeds.map(|s| sign * (s - level));
     if speed[0] == level {
-        let known = if speed[1] == 0.0 { 2 } else { 1 };
-        let rest = speed.scaled(sign).without_root(known);
-        rest.first_root(h, rest.at_some(quarters(h)))
-    } else {
-        let mut distance = speed.scaled(sign);
-        distance[0] -= sign * level;
-        distance.first_root(h, speeds.map(|s| sign * (s - level)))
+        distance = distance.without_root(if speed[1] == 0.0 { 2 } else { 1 });
+        distances = distance.at_some(quarters(h));
     }
+    distance.first_root(h, distances)
 }

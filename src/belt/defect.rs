@@ -7,32 +7,16 @@ use crate::friction::slip::SlipSeries;
 use crate::motion::step_control::MOST_FOURS;
 use crate::state::State;
 
-impl SlipSeries {
-    /// The sum |u| + 2β|v| + γ²μ̂ at the start, by which the rounding errors of the equation of
-    /// motion are measured.
-    #[inline(always)]
-    pub(crate) fn largest_term(&self, system: &Belt<'_>, state: State) -> f64 {
-        state.displacement.abs()
-            + 2.0 * system.damping() * state.velocity.abs()
-            + system.load() * self.friction[0].abs()
-    }
-
+impl Belt<'_> {
     /// The largest defect at four times, |γ²[μ̂(s(t)) − m(t)]| up to terms as small as the last of
-    /// the series. m(t) is the series of the friction, and `speeds` are the values of s at these
-    /// times.
+    /// the series. m(t) is the series of the friction; `friction` and `speeds` are the values of m
+    /// and s at these times.
     ///
     /// The coefficients alone do not show what underflows where the step starts, such as the flank
     /// of a narrow Gaussian in the law.
     #[inline(always)]
-    pub(crate) fn defect(
-        &self,
-        system: &Belt<'_>,
-        piece: usize,
-        times: [f64; 4],
-        speeds: [f64; 4],
-    ) -> f64 {
-        let friction = self.friction.at_four(times);
-        let exact = system.law().at_four(piece, speeds.map(|s| s.max(0.0)));
+    pub(crate) fn defect(&self, piece: usize, friction: [f64; 4], speeds: [f64; 4]) -> f64 {
+        let exact = self.law().at_four(piece, speeds.map(|s| s.max(0.0)));
         let mut largest = 0.0;
         for (exact, m) in std::iter::zip(exact, friction) {
             let difference = (exact - m).abs();
@@ -43,13 +27,25 @@ impl SlipSeries {
                 difference + 0.0 * largest
             };
         }
-        system.load() * largest
+        self.load() * largest
+    }
+}
+
+impl SlipSeries {
+    /// The sum |u| + 2β|v| + γ²μ̂ at the start, by which the rounding errors of the equation of
+    /// motion are measured.
+    #[inline(always)]
+    pub(crate) fn largest_term(&self, system: &Belt<'_>, state: State) -> f64 {
+        state.displacement.abs()
+            + 2.0 * system.damping() * state.velocity.abs()
+            + system.load() * self.friction[0].abs()
     }
 
     /// The largest defect elsewhere in the step.
     #[inline(never)]
     fn defect_elsewhere(&self, system: &Belt<'_>, piece: usize, times: [f64; 4]) -> f64 {
-        self.defect(system, piece, times, self.speed.at_some(times))
+        let [friction, speeds] = [&self.friction, &self.speed].map(|series| series.at_some(times));
+        system.defect(piece, friction, speeds)
     }
 
     /// The defect near the minima of s(t) inside a step of length h, where the motion comes closest

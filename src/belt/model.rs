@@ -82,14 +82,17 @@ pub(crate) struct Belt<'s> {
 }
 
 impl<'s> Belt<'s> {
+    #[inline(never)]
     pub(crate) fn with_damping(self, damping: f64) -> Result<Self, Error> {
         self.with(self.parameters.with_damping(damping, self.law))
     }
 
+    #[inline(never)]
     pub(crate) fn with_load(self, load: f64) -> Result<Self, Error> {
         self.with(self.parameters.with_load(load, self.law))
     }
 
+    #[inline(never)]
     pub(crate) fn with_belt_velocity(self, belt_velocity: f64) -> Result<Self, Error> {
         self.with(self.parameters.with_belt_velocity(belt_velocity, self.law))
     }
@@ -167,6 +170,7 @@ impl<'s> Belt<'s> {
 
     /// The direction in which a mass at displacement u and with the velocity of the belt begins to
     /// slide; `None` if it sticks.
+    #[inline(never)]
     pub(crate) fn slides_at(&self, displacement: f64) -> Option<Direction> {
         let [low, high] = self.stick_limits();
         let v_b = self.parameters.belt_velocity;

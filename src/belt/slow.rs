@@ -140,12 +140,15 @@ impl SlipSeries {
         let [a, b, c] = [0, 1, 2].map(|k| by_decay(self.speed[k as usize], k));
         let size = a.max(b).max(c);
         let most = (LARGEST * 1e-20 * size).min(LARGEST);
-        let is_ordinary =
-            |k: &usize| self.speed[*k].abs() <= most && self.friction[*k].abs() < LARGEST;
-        let left = (0..TERMS).take_while(is_ordinary).count();
-        for k in left..TERMS {
-            self.speed[k] = 0.0;
-            self.friction[k] = 0.0;
+        let mut left = 0;
+        for k in 0..TERMS {
+            let is_ordinary = self.speed[k].abs() <= most && self.friction[k].abs() < LARGEST;
+            if is_ordinary && left == k {
+                left += 1;
+            } else {
+                self.speed[k] = 0.0;
+                self.friction[k] = 0.0;
+            }
         }
         left.saturating_sub(1)
     }

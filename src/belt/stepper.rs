@@ -268,7 +268,7 @@ impl Stepper {
                 0.0
             };
             let defects = [
-                series.defect(system, piece, quarters(end), speeds),
+                system.defect(piece, series.friction.at_four(quarters(end)), speeds),
                 series.defect_at_minimum(system, piece, end, speeds),
                 between,
             ];

@@ -210,6 +210,7 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
     }
 
     /// Searches the parts of the range: see [`Search::over_parts`].
+    #[inline(never)]
     pub(super) fn over_parts(&self, part: &mut SearchPart<'_>) -> Result<Vec<f64>, Error> {
         self.search(|search| search.over_parts(part))
     }

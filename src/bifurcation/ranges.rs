@@ -180,14 +180,12 @@ fn add_interval(
     interval: &Range<f64>,
     ranges: &mut Vec<VibrationRange>,
 ) -> Result<(), Error> {
-    let mut seen = Vec::new();
-    for place in PLACES {
-        let value = interval.start + place * (interval.end - interval.start);
-        seen.push((value, attractors(value)?));
-    }
+    let mut at = |value: f64| Ok::<_, Error>((value, attractors(value)?));
+    let [first, second, third] =
+        PLACES.map(|place| interval.start + place * (interval.end - interval.start));
+    let (mut left, middle, right) = (at(first)?, at(second)?, at(third)?);
     let mut start = interval.start;
-    let mut todo: Vec<_> = seen.drain(1..).rev().collect();
-    let mut left = seen.remove(0);
+    let mut todo = vec![right, middle];
     while let Some(right) = todo.pop() {
         let middle = 0.5 * (left.0 + right.0);
         let is_narrow = right.0 - left.0 <= NARROWEST * left.0.abs().max(right.0.abs());
@@ -198,7 +196,7 @@ fn add_interval(
             (start, left) = (middle, right);
         } else {
             todo.push(right);
-            todo.push((middle, attractors(middle)?));
+            todo.push(at(middle)?);
         }
     }
     add(start..interval.end, left.1, ranges);

@@ -58,10 +58,8 @@ fn least_damping(system: Belt<'_>) -> Result<f64, Error> {
     if system.belt_velocity() == 0.0 || is_frictionless(system.law()) {
         return Ok(0.0);
     }
-    let vibrates: &Vibrates = &|damping| {
-        let vibrates = system.with_damping(damping).and_then(can_vibrate);
-        vibrates.map_err(|error| error.at("damping", damping))
-    };
+    let vibrates: &Vibrates =
+        &|damping| can_vibrate(system.with_damping(damping), "damping", damping);
     let slope = system.law().slope(system.belt_velocity().abs());
     // The β below which steady sliding is unstable.
     let stable = (-0.5 * system.load() * slope).max(0.0);
@@ -121,10 +119,7 @@ fn largest_load(system: Belt<'_>) -> Result<f64, Error> {
     if speed == 0.0 || is_frictionless(law) {
         return Ok(f64::INFINITY);
     }
-    let vibrates: &Vibrates = &|load| {
-        let vibrates = system.with_load(load).and_then(can_vibrate);
-        vibrates.map_err(|error| error.at("load", load))
-    };
+    let vibrates: &Vibrates = &|load| can_vibrate(system.with_load(load), "load", load);
     // The load above which steady sliding is unstable.
     let stable = match law.slope(speed) {
         slope if slope < 0.0 => -2.0 * system.damping() / slope,
@@ -234,9 +229,20 @@ fn has_cycles(tracer: &mut Tracer<'_>) -> Result<bool, Error> {
     Ok(!cycles.is_empty() || !cycles.unresolved().is_empty())
 }
 
-/// The same for any system.
-fn can_vibrate(system: Belt<'_>) -> Result<bool, Error> {
-    Forward::of(system).map_or(Ok(false), |system| has_cycles(&mut Tracer::new(system)))
+/// The same for the system, if it is one, at a value of a parameter. Inlined, it would be there
+/// once for every call of the closures that call it.
+#[inline(never)]
+fn can_vibrate(
+    system: Result<Belt<'_>, Error>,
+    parameter: &'static str,
+    value: f64,
+) -> Result<bool, Error> {
+    let moving = system.map(Forward::of);
+    let vibrates = moving.and_then(|moving| match moving {
+        Some(system) => has_cycles(&mut Tracer::new(system)),
+        None => Ok(false),
+    });
+    vibrates.map_err(|error| error.at(parameter, value))
 }
 
 /// Largest and least load tried, above and below (1 + β)|v_b|/μ_s.

@@ -185,7 +185,6 @@ pub(super) struct Stretch {
 
 impl Stretch {
     /// h(start + t), in one copy of the code.
-    #[inline(never)]
     fn at(&self, t: f64) -> f64 {
         self.series.at(t)
     }

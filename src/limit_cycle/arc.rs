@@ -324,7 +324,7 @@ impl PeakWatch {
     /// or was negative. Values at the quarters of the step suffice, because v keeps its sign for
     /// about half a turn, longer than a quarter of any step.
     fn may_come(&self, speed: &PowerSeries, h: f64) -> bool {
-        let speeds = speed.at_four(quarters(h));
+        let speeds = speed.at_some(quarters(h));
         let negative = |s: &f64| *s > self.v_b;
         let all_negative = negative(&speed[0]) && speeds.iter().all(negative);
         (self.has_grown || speeds.iter().any(negative)) && !all_negative

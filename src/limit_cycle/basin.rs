@@ -269,7 +269,7 @@ impl Nest {
         let mut tracer = Tracer::new(forward);
         let mut release = Release::follow(&mut tracer)?;
         let fate = release.fate(&mut tracer)?;
-        let cycles = nested_cycles(&mut tracer, release)?;
+        let mut cycles = nested_cycles(&mut tracer, release)?;
         let carried = forward.carried_force();
         let place = |cycle: &LimitCycle| match cycle.kind() {
             CycleKind::PureSlip => cycle.max_velocity(),
@@ -279,12 +279,11 @@ impl Nest {
             fate,
             places: cycles.iter().map(place).collect(),
         };
+        if system.belt_velocity() < 0.0 {
+            cycles.mirror();
+        }
         Ok(Self {
-            cycles: if system.belt_velocity() < 0.0 {
-                cycles.mirrored()
-            } else {
-                cycles
-            },
+            cycles,
             bounds: Some(bounds),
         })
     }

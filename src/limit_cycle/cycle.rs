@@ -82,22 +82,20 @@ impl LimitCycle {
         let mut steps = Vec::new();
         for mut arc in arcs {
             if let Arrival::Contact(displacement) = arc.arrival
-                && let Some(last) = arc.steps.pop()
+                && let Some(last) = arc.steps.last_mut()
+                && let Some(from) = last.direction()
             {
                 let at = State::new(displacement, system.belt_velocity());
-                match last
-                    .direction()
-                    .map(|from| system.landing(displacement, from))
-                {
-                    Some(Landing::Crossing(side)) => {
-                        arc.steps.push(last.ended_by(EventKind::Crossing(side), at));
+                match system.landing(displacement, from) {
+                    Landing::Crossing(side) => {
+                        *last = last.ended_by(EventKind::Crossing(side), at);
                     }
-                    Some(Landing::Stick) => {
-                        arc.steps.push(last.ended_by(EventKind::Stick, at));
+                    Landing::Stick => {
+                        *last = last.ended_by(EventKind::Stick, at);
                         let stick = Step::stick(Clock::default(), displacement, system);
                         arc.steps.push(stick);
                     }
-                    Some(Landing::Touch) | None => arc.steps.push(last),
+                    Landing::Touch => {}
                 }
             }
             if steps.is_empty() {
@@ -128,12 +126,11 @@ impl LimitCycle {
         Self { units, ..self }
     }
 
-    /// The mirror image of the motion: (u, v, v_b) → (−u, −v, −v_b).
-    pub(super) fn mirrored(mut self) -> Self {
+    /// Makes it its mirror image: (u, v, v_b) → (−u, −v, −v_b).
+    pub(super) fn mirror(&mut self) {
         for step in &mut self.steps {
             *step = step.mirrored();
         }
-        self
     }
 
     /// Kind of the motion.

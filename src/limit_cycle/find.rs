@@ -45,12 +45,11 @@ fn stick_slip_of(system: Belt<'_>) -> Result<Option<LimitCycle>, Error> {
         return Ok(None);
     };
     let mut tracer = Tracer::new(forward);
-    let cycle = Release::follow(&mut tracer)?.into_cycle(&mut tracer)?;
-    Ok(if system.belt_velocity() < 0.0 {
-        cycle.map(LimitCycle::mirrored)
-    } else {
-        cycle
-    })
+    let mut cycle = Release::follow(&mut tracer)?.into_cycle(&mut tracer)?;
+    if system.belt_velocity() < 0.0 {
+        cycle.iter_mut().for_each(LimitCycle::mirror);
+    }
+    Ok(cycle)
 }
 
 /// All isolated periodic motions, stable and unstable, for any v_b.
@@ -91,15 +90,15 @@ pub(crate) fn find_all(system: Belt<'_>) -> Result<CycleSet, Error> {
     let Some(forward) = Forward::of(system) else {
         return Ok(of_belt_at_rest(system));
     };
-    let set = find_moving(&mut Tracer::new(forward))?;
-    Ok(if system.belt_velocity() < 0.0 {
-        set.mirrored()
-    } else {
-        set
-    })
+    let mut set = find_moving(&mut Tracer::new(forward))?;
+    if system.belt_velocity() < 0.0 {
+        set.mirror();
+    }
+    Ok(set)
 }
 
 /// [`find`] for a system whose belt moves forward.
+#[inline(never)]
 pub(crate) fn find_moving(tracer: &mut Tracer<'_>) -> Result<CycleSet, Error> {
     let release = Release::follow(tracer)?;
     nested_cycles(tracer, release)
@@ -128,10 +127,10 @@ pub(super) fn nested_cycles(
     set.add(release.into_cycle(tracer)?);
     let mut crossings = CrossingMap::of(tracer);
     let forces = crossings.roots(fate)?;
-    for force in forces.roots {
+    for &force in &forces.roots {
         set.add(crossings.cycle(force)?);
     }
-    for range in forces.unresolved {
+    for range in &forces.unresolved {
         let ends = [crossings.cycle(range.start)?, crossings.cycle(range.end)?];
         if let [Some(inner), Some(outer)] = ends {
             set.unresolved
@@ -169,7 +168,7 @@ fn add_pure_slip(tracer: &mut Tracer<'_>, set: &mut CycleSet) -> Result<bool, Er
         }
     }
     set.unresolved = found.unresolved;
-    for peak in found.roots {
+    for &peak in &found.roots {
         let (arc, multiplier) = peaks.cycle(peak)?;
         let cycle = LimitCycle::join(&system, vec![arc], CycleKind::PureSlip, multiplier);
         set.cycles.push(cycle);

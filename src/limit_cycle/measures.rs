@@ -273,11 +273,7 @@ impl LimitCycle {
         self.extremes(|state| state.velocity, |step| step.speed.derivative())
     }
 
-    fn extremes(
-        &self,
-        quantity: impl Fn(State) -> f64,
-        rate: impl Fn(&Step) -> PowerSeries,
-    ) -> [f64; 2] {
+    fn extremes(&self, quantity: fn(State) -> f64, rate: fn(&Step) -> PowerSeries) -> [f64; 2] {
         let mut range = [f64::INFINITY, f64::NEG_INFINITY];
         let mut include = |state: State| {
             let value = quantity(state);

@@ -95,26 +95,26 @@ impl<'t, 's> PeakMap<'t, 's> {
         if let Some([smallest, largest]) = self.range()? {
             roots_between(&mut |peak| self.growth(peak), smallest, largest, &mut roots)?;
         }
-        self.decide_hidden(roots)
+        self.decide_hidden(&roots)
     }
 
     /// Removes roots that rounding has made, and unresolved ranges that hold no root. Where
     /// rounding hides the growth, averaging decides if it can.
-    fn decide_hidden(&mut self, found: Roots) -> Result<Roots, Error> {
+    fn decide_hidden(&mut self, found: &Roots) -> Result<Roots, Error> {
         let system = self.system();
         let v_b = system.belt_velocity();
         let mut kept = Roots::default();
-        for root in found.roots {
+        for &root in &found.roots {
             let growth = self.growth(root)?;
             let is_hidden = (growth.slope * root).abs() <= HIDDEN * growth.noise;
             if !(is_hidden && averaged::grows(&system, root)?.is_some()) {
                 kept.roots.push(root);
             }
         }
-        for range in found.unresolved {
+        for range in &found.unresolved {
             let [start, end] = [self.growth(range.start)?, self.growth(range.end)?];
             let is_decided = start.value.abs() <= HIDDEN * start.noise
-                && match averaged::all_grow(&system, &range)? {
+                && match averaged::all_grow(&system, range)? {
                     None => false,
                     Some(false) => true,
                     // All motions grow out of the range, and the growth beyond it is known, unless
@@ -122,7 +122,7 @@ impl<'t, 's> PeakMap<'t, 's> {
                     Some(true) => v_b - range.end > HIDDEN * end.noise * v_b,
                 };
             if !is_decided {
-                kept.unresolved.push(range);
+                kept.unresolved.push(range.clone());
             }
         }
         Ok(kept)

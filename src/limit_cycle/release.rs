@@ -44,6 +44,7 @@ impl Release {
     }
 
     /// The leading arc, if the lagging one ends in a crossing.
+    #[inline(never)]
     fn leading(&mut self, tracer: &mut Tracer<'_>) -> Result<Option<&Arc>, Error> {
         if self.leading.is_none()
             && let Arrival::Contact(contact) = self.lagging.arrival

@@ -55,13 +55,9 @@ impl CycleSet {
         self.cycles.extend(cycle);
     }
 
-    /// The periodic motions of the mirror image.
-    pub(super) fn mirrored(self) -> Self {
-        let cycles = self.cycles.into_iter().map(LimitCycle::mirrored);
-        Self {
-            cycles: cycles.collect(),
-            ..self
-        }
+    /// Makes them those of the mirror image.
+    pub(super) fn mirror(&mut self) {
+        self.cycles.iter_mut().for_each(LimitCycle::mirror);
     }
 
     /// These dimensionless motions in other units.

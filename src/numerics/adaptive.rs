@@ -1,7 +1,6 @@
 //! Quadrature to round-off: the trapezoidal rule for smooth periodic integrands, Gauss-Legendre for
 //! piecewise smooth ones.
 
-use std::collections::VecDeque;
 use std::f64::consts::PI;
 
 use crate::error::Error;
@@ -98,6 +97,7 @@ pub(crate) fn trapezoid<const N: usize>(
     Ok(None)
 }
 
+#[inline(never)]
 fn gauss_panel<const N: usize>(
     f: &mut impl FnMut(f64) -> Result<[f64; N], Error>,
     [a, b]: [f64; 2],
@@ -133,8 +133,7 @@ pub(crate) fn gauss<const N: usize>(
     /// Most panels beyond those of the mesh. An undeclared kink needs about 50; for a law noisier
     /// than its rounding the halving would never end.
     const MOST_PANELS: usize = 256;
-    let mut panels = VecDeque::new();
-    let mut made = 0;
+    let mut panels = Vec::new();
     let mut estimate = Integral {
         peak,
         ..Integral::ZERO
@@ -143,10 +142,13 @@ pub(crate) fn gauss<const N: usize>(
         let ends = [ends[0], ends[1]];
         let integral = gauss_panel(&mut f, ends)?;
         estimate = estimate.merged(&integral);
-        panels.push_back((ends, integral));
+        panels.push((ends, integral));
     }
     let mut total = Integral::ZERO;
-    while let Some(([a, b], whole)) = panels.pop_front() {
+    let most = panels.len() + MOST_PANELS;
+    let mut next = 0;
+    while let Some(&([a, b], whole)) = panels.get(next) {
+        next += 1;
         let mid = 0.5 * (a + b);
         let halves = [[a, mid], [mid, b]];
         let [left, right] = [
@@ -154,11 +156,10 @@ pub(crate) fn gauss<const N: usize>(
             gauss_panel(&mut f, halves[1])?,
         ];
         let sum = left.merged(&right);
-        if made >= MOST_PANELS || sum.agrees(&whole, estimate.tolerance()) {
+        if panels.len() >= most || sum.agrees(&whole, estimate.tolerance()) {
             total = total.merged(&sum);
         } else {
             panels.extend([(halves[0], left), (halves[1], right)]);
-            made += 2;
         }
     }
     Ok(total)

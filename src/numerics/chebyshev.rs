@@ -148,9 +148,8 @@ fn has_one_root_at_most(samples: &[(f64, Node)], cosines: &[f64; 2 * DEGREE]) ->
         return resolved;
     }
     // Coefficients of the derivative, without those that are mere rounding.
-    let degree = c.iter().rposition(|c| c.abs() > noise).unwrap_or(0);
     let mut d = [0.0; DEGREE + 2];
-    for k in (1..=degree).rev() {
+    for k in (1..=DEGREE).rev().skip_while(|&k| c[k].abs() <= noise) {
         d[k - 1] = d[k + 1] + 2.0 * k as f64 * c[k];
     }
     0.5 * d[0].abs() > sum(&d[1..])

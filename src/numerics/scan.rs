@@ -51,16 +51,18 @@ pub(crate) enum Look {
 /// survey asks.
 pub(crate) fn scan<S: Survey>(survey: &mut S, range: &Range<f64>) -> Result<(), Error> {
     let width = (range.end - range.start) / INTERVALS as f64;
-    let mut left = (range.start, survey.sample(range.start)?);
-    for i in 1..=INTERVALS {
-        let x = if i == INTERVALS {
-            range.end
-        } else {
-            range.start + width * i as f64
+    let mut left = None;
+    for i in 0..=INTERVALS {
+        let x = match i {
+            0 => range.start,
+            INTERVALS => range.end,
+            _ => range.start + width * i as f64,
         };
         let mut right = (x, survey.sample(x)?);
-        look_between(survey, &mut left, &mut right, S::HALVINGS)?;
-        left = right;
+        if let Some(left) = &mut left {
+            look_between(survey, left, &mut right, S::HALVINGS)?;
+        }
+        left = Some(right);
     }
     Ok(())
 }

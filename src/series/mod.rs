@@ -71,8 +71,8 @@ impl PowerSeries {
         self.0.get(k).map_or(0.0, |c| *c)
     }
 
-    /// The value c(t).
-    #[inline(always)]
+    /// The value c(t). A call costs little beside its sum, and a copy at every place much code.
+    #[inline(never)]
     pub(crate) fn at(&self, t: f64) -> f64 {
         sum_of_powers(t, |k| self.0[k])
     }
@@ -161,7 +161,7 @@ impl PowerSeries {
     }
 
     /// Bound of |d²c/dt²| on [0, t]: Σ k(k−1)|c_k| t^(k−2).
-    #[inline(always)]
+    #[inline(never)]
     fn curvature_bound(&self, t: f64) -> f64 {
         sum_of_powers(t, |k| ((k + 2) * (k + 1)) as f64 * self.get(k + 2).abs())
     }
