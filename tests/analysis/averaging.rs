@@ -5,6 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::common::property::for_all;
 use crate::common::{Decay, Ends, Leine, Random, Table, paper};
+use crate::properties::{RANGES, system};
 use proptest::{prop_assert, prop_assert_eq};
 use stick_slip::analysis::PureSlip;
 use stick_slip::analysis::averaging::{AveragedCycle, cycles, drift, drift_slope};
@@ -504,88 +505,65 @@ fn cycles_of_ordinary_laws_take_few_looks_at_the_law() {
 
 #[test]
 fn polynomial_law_has_closed_forms() {
-    for_all(
-        48,
-        [
-            0.2..1.0,
-            0.05..1.0,
-            0.3..1.5,
-            0.2..0.98,
-            0.0..0.1,
-            0.1..2.0,
-            0.0..2.5,
-        ],
-        |[
-            static_coefficient,
-            fall,
-            minimum_velocity,
-            ratio,
-            damping,
-            load,
-            reach,
-        ]| {
-            let least = static_coefficient * (1.0 - fall);
-            let law = Polynomial::new(static_coefficient, least, minimum_velocity).unwrap();
-            let w = ratio * minimum_velocity;
-            let system = MassOnBelt::new(law, w)
-                .and_then(|system| system.with_damping(damping))
-                .and_then(|system| system.with_load(load))
-                .unwrap();
-            let formulas = PureSlip::new(&system).unwrap();
-            let amplitude: f64 = reach * w;
-            let (h1, h3) = (formulas.h1(), formulas.h3());
-            // A' = −½h1A − (3/8)h3A³ − (2γ²μ_s/π) sin s: Eq. 3 continues through v_r = 0 but for
-            // the jump.
-            let jump = 2.0 * load * static_coefficient / PI;
-            let sine = f64::max(1.0 - f64::powi(w / amplitude, 2), 0.0).sqrt();
-            let crossing = amplitude > w && sine > 0.0;
-            let loss = if crossing { jump * sine } else { 0.0 };
-            let expected = -0.5 * h1 * amplitude - 0.375 * h3 * amplitude.powi(3) - loss;
-            let value = drift(&system, amplitude).unwrap();
-            let tolerance = 1e-13 * expected.abs().max(1.0);
-            prop_assert!(
-                (value - expected).abs() <= tolerance,
-                "{} {}",
-                value,
-                expected
-            );
-            let steepening = if crossing {
-                jump * w * w / (amplitude.powi(3) * sine)
-            } else {
-                0.0
-            };
-            let expected = -0.5 * h1 - 1.125 * h3 * amplitude * amplitude - steepening;
-            let value = drift_slope(&system, amplitude).unwrap();
-            let tolerance = 1e-13 * expected.abs().max(1.0);
-            prop_assert!(
-                (value - expected).abs() <= tolerance,
-                "{} {}",
-                value,
-                expected
-            );
+    let [a, b, c, d, e, f] = RANGES;
+    for_all(48, [a, b, c, d, e, f, 0.0..2.5], |[numbers @ .., reach]| {
+        let system = system(numbers);
+        let [static_coefficient, _, minimum_velocity, .., load] = numbers;
+        let w = system.belt_velocity();
+        let formulas = PureSlip::new(&system).unwrap();
+        let amplitude: f64 = reach * w;
+        let (h1, h3) = (formulas.h1(), formulas.h3());
+        // A' = −½h1A − (3/8)h3A³ − (2γ²μ_s/π) sin s: Eq. 3 continues through v_r = 0 but for
+        // the jump.
+        let jump = 2.0 * load * static_coefficient / PI;
+        let sine = f64::max(1.0 - f64::powi(w / amplitude, 2), 0.0).sqrt();
+        let crossing = amplitude > w && sine > 0.0;
+        let loss = if crossing { jump * sine } else { 0.0 };
+        let expected = -0.5 * h1 * amplitude - 0.375 * h3 * amplitude.powi(3) - loss;
+        let value = drift(&system, amplitude).unwrap();
+        let tolerance = 1e-13 * expected.abs().max(1.0);
+        prop_assert!(
+            (value - expected).abs() <= tolerance,
+            "{} {}",
+            value,
+            expected
+        );
+        let steepening = if crossing {
+            jump * w * w / (amplitude.powi(3) * sine)
+        } else {
+            0.0
+        };
+        let expected = -0.5 * h1 - 1.125 * h3 * amplitude * amplitude - steepening;
+        let value = drift_slope(&system, amplitude).unwrap();
+        let tolerance = 1e-13 * expected.abs().max(1.0);
+        prop_assert!(
+            (value - expected).abs() <= tolerance,
+            "{} {}",
+            value,
+            expected
+        );
 
-            // At most one cycle: A0 if it does not reach the belt, else one that overtakes it.
-            let found = cycles(&system).unwrap();
-            prop_assert_eq!(found.len(), usize::from(h1 < 0.0));
-            for cycle in found {
-                prop_assert!(cycle.is_stable() && cycle.amplitude() < 2.0 * w);
-                if formulas.is_valid() {
-                    let a0 = formulas.amplitude().unwrap();
-                    // The amplitude carries the rounding of h1, h1 ∝ A0².
-                    let tolerance = 1e-13 * (1.0 + 1e-2 * (minimum_velocity / a0).powi(2));
-                    prop_assert!((cycle.amplitude() / a0 - 1.0).abs() < tolerance);
-                    prop_assert!((cycle.drift_slope() - h1).abs() < 1e-13);
-                    prop_assert_eq!(cycle.leading_duration(), 0.0);
-                    prop_assert!(cycle.is_valid());
-                } else {
-                    let amplitude = cycle.amplitude();
-                    prop_assert!(amplitude > w * (1.0 - 1e-13));
-                    prop_assert!(drift(&system, amplitude).unwrap().abs() < 1e-13);
-                    let meeting = (0.5 * cycle.leading_duration()).cos() * amplitude;
-                    prop_assert!((meeting / w - 1.0).abs() < 1e-14);
-                }
+        // At most one cycle: A0 if it does not reach the belt, else one that overtakes it.
+        let found = cycles(&system).unwrap();
+        prop_assert_eq!(found.len(), usize::from(h1 < 0.0));
+        for cycle in found {
+            prop_assert!(cycle.is_stable() && cycle.amplitude() < 2.0 * w);
+            if formulas.is_valid() {
+                let a0 = formulas.amplitude().unwrap();
+                // The amplitude carries the rounding of h1, h1 ∝ A0².
+                let tolerance = 1e-13 * (1.0 + 1e-2 * (minimum_velocity / a0).powi(2));
+                prop_assert!((cycle.amplitude() / a0 - 1.0).abs() < tolerance);
+                prop_assert!((cycle.drift_slope() - h1).abs() < 1e-13);
+                prop_assert_eq!(cycle.leading_duration(), 0.0);
+                prop_assert!(cycle.is_valid());
+            } else {
+                let amplitude = cycle.amplitude();
+                prop_assert!(amplitude > w * (1.0 - 1e-13));
+                prop_assert!(drift(&system, amplitude).unwrap().abs() < 1e-13);
+                let meeting = (0.5 * cycle.leading_duration()).cos() * amplitude;
+                prop_assert!((meeting / w - 1.0).abs() < 1e-14);
             }
-            Ok(())
-        },
-    );
+        }
+        Ok(())
+    });
 }

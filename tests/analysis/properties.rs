@@ -11,9 +11,10 @@ use crate::common::property::for_all;
 
 /// What makes a system with the polynomial law for which h1, h2, h3 are of order 0.01 to 1: static
 /// coefficient, fall of the law, velocity of its minimum, v_b in its units, β, γ².
-const RANGES: [Range<f64>; 6] = [0.2..1.0, 0.05..1.0, 0.3..1.5, 0.2..0.98, 0.0..0.1, 0.1..2.0];
+pub(crate) const RANGES: [Range<f64>; 6] =
+    [0.2..1.0, 0.05..1.0, 0.3..1.5, 0.2..0.98, 0.0..0.1, 0.1..2.0];
 
-fn system(numbers: [f64; 6]) -> MassOnBelt<Polynomial> {
+pub(crate) fn system(numbers: [f64; 6]) -> MassOnBelt<Polynomial> {
     let [
         static_coefficient,
         fall,
