@@ -141,7 +141,13 @@ fn cycles_and_events_are_those_of_the_dimensionless_system() {
     let slope = -20.0 * 0.15 / 0.1 * (-0.5_f64).exp();
     let residual = lambda * lambda * 2.0 + lambda * (4.0 + slope) + 5000.0;
     assert!(residual.norm() < 1e-9, "{residual}");
+    // ẍ = −(K/M) x − (h/M) ẋ
     assert_relative_eq!(steady.jacobian[(1, 0)], -2500.0);
+    assert_relative_eq!(
+        steady.jacobian[(1, 1)],
+        -(4.0 + slope) / 2.0,
+        max_relative = 1e-14
+    );
 }
 
 #[test]

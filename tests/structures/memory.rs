@@ -4,7 +4,8 @@ use serde_json::Value;
 use stick_slip::structure::State;
 use stick_slip::{
     AnyContactLaw, AnyLaw, Contact, ContactLaw, Coulomb, Dahl, Direction, Drive, Dwell, Error,
-    EventKind, Exponential, Integrator, LuGre, Motion, Scalar, Segment, Slip, Structure,
+    EventKind, Exponential, FrictionLaw, Integrator, LuGre, Motion, Scalar, Segment, Slip,
+    Structure, Tabulated,
 };
 
 use crate::common::{list, number, text};
@@ -347,6 +348,26 @@ fn contact_laws_are_checked_in_both_directions() {
         }),
         broken
     );
+}
+
+/// A step that does not know of a kink is only shorter there, which no result shows.
+#[test]
+fn contact_laws_pass_on_where_their_law_bends() {
+    let law = Tabulated::new([(0.0, 0.4), (0.1, 0.3), (0.5, 0.25), (1.0, 0.3)]).unwrap();
+    let kinks: Vec<f64> = FrictionLaw::breakpoints(&law).collect();
+    assert!(kinks.len() > 1, "{kinks:?}");
+    fn named<const Z: usize>(law: &impl ContactLaw<Z>) -> Vec<f64> {
+        law.breakpoints().collect()
+    }
+    let dwell = Dwell::exponential(law.clone(), 0.5, 2.0).unwrap();
+    let lugre = LuGre::new(law.clone(), 100.0, 1.0, 0.0).unwrap();
+    let dahl = Dahl::new(0.4, 100.0).unwrap();
+    assert_eq!(named::<0>(&law), kinks);
+    assert_eq!(named(&dwell), kinks);
+    assert_eq!(named(&lugre), kinks);
+    assert!(named(&dahl).is_empty());
+    assert_eq!(named(&AnyContactLaw::from(dwell)), kinks);
+    assert_eq!(named(&AnyContactLaw::from(lugre)), kinks);
 }
 
 /// A law whose static coefficient is below its kinetic one is refused where the contact is made,
