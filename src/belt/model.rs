@@ -82,6 +82,8 @@ pub(crate) struct Belt<'s> {
 }
 
 impl<'s> Belt<'s> {
+    // Not inlined: searches make systems at many places, each of which would hold all checks.
+
     #[inline(never)]
     pub(crate) fn with_damping(self, damping: f64) -> Result<Self, Error> {
         self.with(self.parameters.with_damping(damping, self.law))

@@ -560,7 +560,7 @@ fn polynomial_law_has_closed_forms() {
             } else {
                 let amplitude = cycle.amplitude();
                 prop_assert!(amplitude > w * (1.0 - 1e-13));
-                // Just above w the drift falls steeply: by more than that between two numbers.
+                // Just above w the drift may fall by 1e-12 from one amplitude to the next number.
                 let ulp = amplitude.next_up() - amplitude;
                 let tolerance = 1e-13 + cycle.drift_slope().abs() * ulp;
                 prop_assert!(drift(&system, amplitude).unwrap().abs() < tolerance);

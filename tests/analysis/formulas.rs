@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::f64::consts::{E, PI, TAU};
 
+use crate::common::polynomials::Polynomials;
 use crate::common::{Ends, Leine, Table, json, list, number, paper, text};
-use crate::cubic::Cubic;
 use serde_json::Value;
 use stick_slip::analysis::averaging::{cycles, drift, drift_slope};
 use stick_slip::analysis::coulomb::{
@@ -850,11 +850,7 @@ fn regimes_are_known_where_the_coefficients_overflow() {
 #[test]
 fn the_expansions_of_stick_slip_serve_every_cubic_law_and_no_other() {
     let made = |static_coefficient, c| {
-        let law = Cubic {
-            static_coefficient,
-            centre: 0.0,
-            c,
-        };
+        let law = Polynomials::new(static_coefficient, &c);
         let system = MassOnBelt::new(law, 0.2).unwrap();
         system.with_damping(0.01).unwrap().with_load(0.2).unwrap()
     };

@@ -4,7 +4,6 @@
 mod common;
 
 mod averaging;
-mod cubic;
 mod formulas;
 mod misprints;
 mod motions;

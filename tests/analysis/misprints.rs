@@ -2,7 +2,7 @@
 //! exact motions.
 
 use crate::common::paper;
-use crate::cubic::{Cubic, coefficients};
+use crate::common::polynomials::{Polynomials, coefficients};
 use stick_slip::analysis::averaging::{cycles, drift};
 use stick_slip::analysis::{PureSlip, Regime, StickSlip, equilibrium, regime};
 use stick_slip::{CycleKind, EventKind, Exponential, FrictionLaw, MassOnBelt, Polynomial};
@@ -178,7 +178,7 @@ fn numerics_eq_10b_mean_displacement_tells_h2() {
     // The law whose expansion at v_b has the system's h1 and h3, and the printed h2.
     let mut expansion = coefficients(system.law(), 0.42);
     expansion[2] -= printed_h2 - formulas.h2();
-    let printed = MassOnBelt::new(Cubic::new(0.42, expansion), 0.42)
+    let printed = MassOnBelt::new(Polynomials::without_jump(0.42, &expansion), 0.42)
         .and_then(|system| system.with_damping(0.05))
         .unwrap();
     // Time mean of z, −A h2 A/2 + O(ε³): of the motion itself, and of one that has the printed h2.

@@ -26,7 +26,7 @@
 //! grown, beside xᵖ, by a power of the distance. No constant is fitted to what was measured.
 //!
 //! Cases are the same in every run, others with `PROPTEST_RNG_SEED`, more with `PROPTEST_CASES`;
-//! those that failed once are kept in `proptest-regressions`. `--nocapture` prints the largest part
+//! those that failed once are kept in `tests/proptest-regressions`. `--nocapture` prints the largest part
 //! of each bound that was used.
 
 mod exact;
@@ -133,7 +133,7 @@ impl Debug for Case {
 fn run(count: u32, cases: &BoxedStrategy<Case>) {
     let mut config = Config {
         failure_persistence: Some(Box::new(FileFailurePersistence::Direct(
-            "proptest-regressions/motions.txt",
+            "tests/proptest-regressions/motions.txt",
         ))),
         max_shrink_iters: 2000,
         max_global_rejects: 10_000,

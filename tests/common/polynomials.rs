@@ -1,7 +1,7 @@
 //! Laws as data. Each type of law has a power series of its own to compile; one type that is told
 //! its formula serves many tests.
 
-use stick_slip::{FrictionLaw, Scalar};
+use stick_slip::{FrictionLaw, Polynomial, Scalar};
 
 /// A polynomial of the sliding speed, or one for each range of speeds.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,6 +37,15 @@ impl Polynomials {
             static_coefficient,
             parts: vec![first],
             told: false,
+        }
+    }
+
+    /// The same, with the static coefficient that leaves no jump at s = 0.
+    pub(crate) fn without_jump(about: f64, coefficients: &[f64]) -> Self {
+        let law = Self::about(about, f64::NAN, coefficients);
+        Self {
+            static_coefficient: law.kinetic(0.0),
+            ..law
         }
     }
 
@@ -91,4 +100,10 @@ impl FrictionLaw for Polynomials {
             self.kinetic(speed)
         }
     }
+}
+
+/// The coefficients of the polynomial law about a speed.
+pub(crate) fn coefficients(law: &Polynomial, speed: f64) -> [f64; 4] {
+    [(0, 1.0), (1, 1.0), (2, 2.0), (3, 6.0)]
+        .map(|(n, factorial)| law.derivative(n, speed) / factorial)
 }

@@ -5,7 +5,7 @@ use std::cell::OnceCell;
 use stick_slip::nalgebra::Complex;
 use stick_slip::{CycleKind, LimitCycle, MassOnBelt, Polynomial, limit_cycle};
 
-use crate::cubic::{Cubic, coefficients};
+use crate::common::polynomials::{Polynomials, coefficients};
 
 /// μ_s, μ_m, v_m, γ², β, v_b at ε = 1.
 pub(crate) type Parameters = [f64; 6];
@@ -120,7 +120,7 @@ impl Point {
         let (system, v_b) = (&self.system, self.system.belt_velocity());
         // The polynomial law as a cubic of v_r on both sides of v_r = 0: on a belt that is faster.
         let shift = 8.0 * v_b;
-        let law = Cubic::new(shift, coefficients(system.law(), 0.0));
+        let law = Polynomials::without_jump(shift, &coefficients(system.law(), 0.0));
         let continued = MassOnBelt::new(law, v_b + shift)
             .and_then(|continued| continued.with_damping(system.damping()))
             .and_then(|continued| continued.with_load(system.load()))

@@ -178,7 +178,7 @@ pub(crate) fn check(cases: u32, property: impl Fn(Case) -> Result<(), TestCaseEr
 fn run(cases: u32, property: &dyn Fn(Case) -> Result<(), TestCaseError>) {
     let mut config = Config {
         failure_persistence: Some(Box::new(FileFailurePersistence::Direct(
-            "proptest-regressions/hostile.txt",
+            "tests/proptest-regressions/hostile.txt",
         ))),
         max_shrink_iters: 2000,
         ..Config::default()
