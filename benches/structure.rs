@@ -25,7 +25,11 @@ fn least_of(runs: usize, steps: usize, mut run: impl FnMut()) -> f64 {
 }
 
 /// n masses that slide behind their belt, none near it.
-fn chain<L: FrictionLaw + Clone>(n: usize, law: &L, drive: bool) -> Structure<L> {
+fn chain<L: FrictionLaw + Clone + Send + Sync + 'static>(
+    n: usize,
+    law: &L,
+    drive: bool,
+) -> Structure {
     let mut chain = Structure::new(&vec![1.0; n]).unwrap();
     for i in 0..n {
         let belt: Drive = if drive {
@@ -50,7 +54,11 @@ fn start(n: usize) -> structure::State {
     structure::State::new(&u, &vec![0.0; n])
 }
 
-fn of_structure<L: FrictionLaw + Clone>(n: usize, law: &L, drive: bool) -> f64 {
+fn of_structure<L: FrictionLaw + Clone + Send + Sync + 'static>(
+    n: usize,
+    law: &L,
+    drive: bool,
+) -> f64 {
     let system = chain(n, law, drive);
     // Short runs: a long one is seldom left alone by other programs.
     let steps = (1000 / n).clamp(10, 100);
@@ -66,7 +74,7 @@ fn of_structure<L: FrictionLaw + Clone>(n: usize, law: &L, drive: bool) -> f64 {
     step / n as f64
 }
 
-fn of_belt<L: FrictionLaw + Clone>(law: &L) -> f64 {
+fn of_belt<L: FrictionLaw + Clone + Send + Sync + 'static>(law: &L) -> f64 {
     let system = MassOnBelt::new(law.clone(), 2.0)
         .and_then(|system| system.with_damping(0.05))
         .unwrap();
@@ -82,7 +90,7 @@ fn of_belt<L: FrictionLaw + Clone>(law: &L) -> f64 {
 }
 
 /// Returns the belt's time.
-fn one_law<L: FrictionLaw + Clone>(name: &str, law: &L) -> f64 {
+fn one_law<L: FrictionLaw + Clone + Send + Sync + 'static>(name: &str, law: &L) -> f64 {
     // In turn, and the least of both.
     let [mut belt, mut one] = [f64::INFINITY; 2];
     for _ in 0..3 {

@@ -24,7 +24,7 @@ const FREQUENCY: f64 = 1.15;
 
 /// A mass on a belt, and a force that varies in time:
 /// x'' + 0.06 x' + x = p cos 1.15t − 0.9 μ(v_r).
-fn oscillator(force: f64) -> Result<Structure<Polynomial>, Error> {
+fn oscillator(force: f64) -> Result<Structure, Error> {
     let law = Polynomial::new(0.55, 0.3, 0.7)?;
     Structure::new(&[1.0])?
         .with_ground_spring(0, 1.0)?

@@ -2,7 +2,7 @@
 //!
 //! What to learn from it:
 //!
-//! * a contact law with Z memory variables is a `ContactLaw<Z>`: friction, what it can hold in
+//! * a contact law with memory variables is a `ContactLaw`: friction, what it can hold in
 //!   stick, and how the memory changes. It never sticks if its `limit` is `None`;
 //! * LuGre's bristles let a mass creep under any load that swings, however small. The law of
 //!   Dupont et al. bends its bristles elastically up to a break-away deflection, and lets them flow
@@ -28,7 +28,8 @@ struct ElastoPlastic {
     elastic: f64,
 }
 
-impl ContactLaw<1> for ElastoPlastic {
+impl ContactLaw for ElastoPlastic {
+    type Memory<S: Scalar> = [S; 1];
     fn coefficient<S: Scalar>(&self, _: Slip<S>, [z]: [S; 1]) -> S {
         z * self.stiffness
     }
@@ -60,7 +61,10 @@ impl ContactLaw<1> for ElastoPlastic {
 }
 
 /// A mass of 1 on a table, under a force that swings about 0.3 with a period of π.
-fn pushed<L: ContactLaw<1>>(law: L, amplitude: f64) -> Result<Structure<L, 1>, Error> {
+fn pushed<L>(law: L, amplitude: f64) -> Result<Structure, Error>
+where
+    L: ContactLaw + Send + Sync + 'static,
+{
     Structure::new(&[1.0])?
         .with_ground_damper(0, 10.0)?
         .with_force(
@@ -71,7 +75,7 @@ fn pushed<L: ContactLaw<1>>(law: L, amplitude: f64) -> Result<Structure<L, 1>, E
 }
 
 /// Displacements after two periods and after twenty.
-fn creep<L: ContactLaw<1>>(block: &Structure<L, 1>) -> Result<[f64; 2], Error> {
+fn creep(block: &Structure) -> Result<[f64; 2], Error> {
     let start = State::new(&[0.3 / 400.0], &[0.0]).with_memory(&[0.3 / 400.0]);
     let motion = block.simulate(start, 10.0 * TAU)?;
     let at = |time: f64| motion.state_at(time).map(|state| state.displacements[0]);

@@ -37,7 +37,7 @@ fn rock() -> Result<Stribeck, Error> {
 
 /// The string, as seen from a table that turns at a speed in rad/s. Coordinate 0 is the bit, 1 the
 /// table.
-fn string(speed: f64) -> Result<Structure<Stribeck>, Error> {
+fn string(speed: f64) -> Result<Structure, Error> {
     let contact = Contact::new(0, rock()?, WEIGHT * RADIUS)?.on_belt(-speed);
     Structure::new(&[BIT, TABLE])?
         .with_spring(0, 1, PIPE)?
@@ -54,7 +54,7 @@ fn main() -> Result<(), Error> {
         let speed = rpm * TAU / 60.0;
         let string = string(speed)?;
         let (steady, growth) = match string.steady_sliding() {
-            Some(steady) => {
+            Ok(steady) => {
                 let kind = if steady.is_stable() {
                     "stable"
                 } else {
@@ -62,7 +62,7 @@ fn main() -> Result<(), Error> {
                 };
                 (kind, steady.eigenvalues[0].re)
             }
-            None => ("none", f64::NAN),
+            Err(_) => ("none", f64::NAN),
         };
         // A knock: everything turns with the table, and the bit is at rest on the rock.
         let start = State::new(&[0.0, 0.0], &[-speed, 0.0]);

@@ -17,7 +17,7 @@ const FRICTION: f64 = 0.4;
 const DAMPING: f64 = 0.02;
 
 /// x'' + 2ζx' + x = cos Ωt − F sgn x', as a structure.
-fn oscillator(frequency: f64) -> Result<Structure<Coulomb>, Error> {
+fn oscillator(frequency: f64) -> Result<Structure, Error> {
     Structure::new(&[1.0])?
         .with_ground_spring(0, 1.0)?
         .with_ground_damper(0, 2.0 * DAMPING)?

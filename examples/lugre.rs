@@ -21,7 +21,7 @@ use stick_slip::{
 /// C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, IEEE Trans. Automatic Control 40
 /// (1995) 419-425: a mass of 1 kg is pulled over the ground by a spring of 2 N/m, whose end moves
 /// at 0.1 m/s. Seen from that end, the ground moves backward.
-fn pulled<L: ContactLaw<Z>, const Z: usize>(law: L) -> Result<Structure<L, Z>, Error> {
+fn pulled<L: ContactLaw + Send + Sync + 'static>(law: L) -> Result<Structure, Error> {
     Structure::new(&[1.0])?
         .with_ground_spring(0, 2.0)?
         .with_contact(Contact::new(0, law, 1.0)?.on_belt(-0.1))

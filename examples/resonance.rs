@@ -16,7 +16,7 @@ use stick_slip::structure::State;
 use stick_slip::{Contact, Drive, Error, EventKind, Polynomial, Structure};
 
 /// A mass on a belt, and a force that varies in time: x'' + 0.06 x' + x = 0.2 cos Ωt − 0.9 μ(v_r).
-fn oscillator(frequency: f64) -> Result<Structure<Polynomial>, Error> {
+fn oscillator(frequency: f64) -> Result<Structure, Error> {
     let law = Polynomial::new(0.55, 0.3, 0.7)?;
     Structure::new(&[1.0])?
         .with_ground_spring(0, 1.0)?

@@ -26,7 +26,7 @@ fn oscillator(law: Dwell<Coulomb>, damping: f64) -> DwellOscillator {
     }
 }
 
-fn block(of: &DwellOscillator, velocity: f64) -> Result<Structure<Dwell<Coulomb>, 1>, Error> {
+fn block(of: &DwellOscillator, velocity: f64) -> Result<Structure, Error> {
     Structure::new(&[of.mass])?
         .with_ground_spring(0, of.stiffness)?
         .with_ground_damper(0, of.damping)?

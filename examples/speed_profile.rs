@@ -56,7 +56,7 @@ fn main() -> Result<(), Error> {
             .with_contact(Contact::new(0, law, 1.0)?.on_belt(velocity))?;
         let stable = constant
             .steady_sliding()
-            .is_some_and(|sliding| sliding.is_stable());
+            .is_ok_and(|sliding| sliding.is_stable());
         println!(
             "  {velocity:5.3}  {}",
             if stable { "stable" } else { "unstable" }

@@ -15,7 +15,7 @@ use stick_slip::{Contact, Error, Mode, Rational, Structure, Trajectory};
 
 /// Blocks of Galvanetto and Bishop, Int. J. Mech. Sci. 41 (1999) 683-695: μ = 1/(1 + 3s), loads 1
 /// and 1.3, springs of 1 to the ground and one of 1.2 between.
-fn blocks(belt: f64) -> Result<Structure<Rational>, Error> {
+fn blocks(belt: f64) -> Result<Structure, Error> {
     let law = Rational::new(1.0, 3.0)?;
     Structure::new(&[1.0, 1.0])?
         .with_ground_spring(0, 1.0)?
@@ -53,7 +53,7 @@ fn main() -> Result<(), Error> {
         let system = blocks(belt)?;
         let [none, one, both] = shares(&system.simulate(start.clone(), 300.0)?);
         let sliding = system.steady_sliding();
-        let stable = sliding.is_some_and(|sliding| sliding.is_stable());
+        let stable = sliding.is_ok_and(|sliding| sliding.is_stable());
         let sliding = if stable { "stable" } else { "unstable" };
         println!("{belt:4.2}  {none:11.3}  {one:10.3}  {both:10.3}   {sliding}");
     }

@@ -90,11 +90,14 @@ fn instead(value: f64, allowed: &str) -> String {
 /// | [`BadElement`](Self::BadElement) | a mass, spring, damper, force or contact of a [`Structure`](crate::Structure) | give a number in the range named |
 /// | [`NoSuchCoordinate`](Self::NoSuchCoordinate) | an element of a structure | count its coordinates from 0 |
 /// | [`WrongSize`](Self::WrongSize) | a matrix or a start of a structure | one row, column or number for each coordinate |
-/// | [`CoordinateTaken`](Self::CoordinateTaken) | a second contact on one coordinate | add a coordinate, or one law that holds both |
+/// | [`NotSymmetric`](Self::NotSymmetric), [`NotPositiveDefinite`](Self::NotPositiveDefinite) | [`Structure::with_mass_matrix`](crate::Structure::with_mass_matrix) | symmetrise; eliminate massless coordinates |
+/// | [`BadDirection`](Self::BadDirection) | a contact along several coordinates | pairs with different coordinates and finite numbers ≠ 0 |
+/// | [`NoSteadySliding`](Self::NoSteadySliding) | [`Structure::steady_sliding`](crate::Structure::steady_sliding) | as [`NotSliding`] says |
 /// | [`BeltVelocityJumps`](Self::BeltVelocityJumps) | a contact on a belt whose velocity jumps | replace the jump by a steep ramp |
 /// | [`StepUnderflow`](Self::StepUnderflow) | a motion: a kink or jump of the law that is not named, a slope γ²·dμ̂/ds beyond about 1e20, or a stiff structure | name the breakpoint; reduce γ²·dμ̂/ds; start nearer to the belt's velocity |
 /// | [`TooManySteps`](Self::TooManySteps) | a motion or a search for cycles: a very long run, or as for `StepUnderflow` | raise the limit with `with_max_steps`, or as for `StepUnderflow` |
 /// | [`Separation`](Self::Separation) | a motion: a load that depends on displacements falls to 0 | end the motion there, or press harder |
+/// | [`Undetermined`](Self::Undetermined) | a motion: contacts with dependent directions stick together | one contact in their place |
 /// | [`TooManyEvents`](Self::TooManyEvents) | a run with `with_max_events` | raise the limit, or use `flow` |
 /// | [`NoCommonPeriod`](Self::NoCommonPeriod), [`NotFree`](Self::NotFree) | a search of [`orbit`](crate::orbit) | the other [`Period`](crate::orbit::Period) |
 /// | [`AtRest`](Self::AtRest), [`NotPeriodic`](Self::NotPeriodic) | a search of `orbit` | a better guess, a longer transient |
@@ -304,16 +307,64 @@ pub enum Error {
         expected: usize,
     },
 
-    /// A second contact was put on a coordinate, which can have one only.
-    #[error(
-        "coordinate {coordinate} has contact {contact} already; add a coordinate for a second \
-         one, or write one law that holds both"
-    )]
+    /// No longer raised: a coordinate may have several contacts.
+    #[error("coordinate {coordinate} has contact {contact} already")]
     CoordinateTaken {
         /// The coordinate, from 0.
         coordinate: usize,
         /// The contact that the coordinate has already, from 0.
         contact: usize,
+    },
+
+    /// A mass matrix is not symmetric.
+    #[error(
+        "the mass matrix is not symmetric: its entries ({row}, {column}) and ({column}, {row}) \
+         differ by more than rounding; give (M + Mᵀ)/2"
+    )]
+    NotSymmetric {
+        /// Row of one of the entries, from 0.
+        row: usize,
+        /// Its column.
+        column: usize,
+    },
+
+    /// A mass matrix is not positive definite: some motion would have no kinetic energy.
+    #[error(
+        "the mass matrix is not positive definite: coordinate {row} has no mass of its own beside \
+         those before it; eliminate massless coordinates first (static condensation)"
+    )]
+    NotPositiveDefinite {
+        /// The first row whose pivot in Cholesky's factorisation is not positive, from 0.
+        row: usize,
+    },
+
+    /// The direction of a contact is not a row of coordinates and finite numbers.
+    #[error(
+        "contact: the direction {direction:?} is not allowed: give pairs (coordinate, b) with \
+         different coordinates and finite b ≠ 0, at least one"
+    )]
+    BadDirection {
+        /// The direction that was given.
+        direction: Vec<(usize, f64)>,
+    },
+
+    /// A structure has no steady sliding.
+    #[error("no steady sliding: {0}")]
+    NoSteadySliding(NotSliding),
+
+    /// Contacts whose directions are linearly dependent came to rest together, as two clutches side
+    /// by side: how they share what they carry, and so when each of them slips again, is not
+    /// determined.
+    #[error(
+        "contacts {contacts:?} stick together {reached}, but their directions are dependent: what \
+         each of them carries is not determined; put one contact in their place, with the sum of \
+         their loads"
+    )]
+    Undetermined {
+        /// The contacts that stick there, by their numbers.
+        contacts: Vec<usize>,
+        /// Where the integration stood.
+        reached: Reached,
     },
 
     /// The velocity of a belt jumps; a mass that sticks could follow only under an infinite force.
@@ -464,6 +515,8 @@ pub enum Error {
 pub enum Element {
     /// A mass, by its coordinate.
     Mass(usize),
+    /// An entry of the mass matrix, by row and column.
+    MassMatrix(usize, usize),
     /// An entry of the stiffness matrix, by row and column, or a spring, by the coordinates at its
     /// two ends. A spring to the ground has the same coordinate twice.
     Stiffness(usize, usize),
@@ -480,10 +533,69 @@ impl std::fmt::Display for Element {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Mass(i) => write!(f, "mass {i}"),
+            Self::MassMatrix(i, j) => write!(f, "mass matrix ({i}, {j})"),
             Self::Stiffness(i, j) => write!(f, "stiffness ({i}, {j})"),
             Self::Damping(i, j) => write!(f, "damping ({i}, {j})"),
             Self::Force(i) => write!(f, "force on coordinate {i}"),
             Self::Contact(i) => write!(f, "contact {i}"),
+        }
+    }
+}
+
+/// The reason why a [`Structure`](crate::Structure) has no steady sliding.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum NotSliding {
+    /// A drive varies in time.
+    Driven,
+    /// The surfaces of a contact are at rest on each other when all masses are.
+    NoSpeed {
+        /// Number of the contact.
+        contact: usize,
+    },
+    /// The normal load of a contact is not positive there.
+    NoLoad {
+        /// Number of the contact.
+        contact: usize,
+        /// Its load, in units of force.
+        load: f64,
+    },
+    /// The memory of a contact has no state in which it stays.
+    NoSteadyMemory {
+        /// Number of the contact.
+        contact: usize,
+    },
+    /// The stiffness matrix, with what friction adds to it, is singular.
+    Singular,
+    /// The eigenvalues could not be computed.
+    Eigenvalues,
+}
+
+impl std::fmt::Display for NotSliding {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Driven => f.write_str("a drive varies in time; make all drives constant"),
+            Self::NoSpeed { contact } => write!(
+                f,
+                "contact {contact} has no sliding speed where all masses are at rest; give its \
+                 surface a velocity"
+            ),
+            Self::NoLoad { contact, load } => write!(
+                f,
+                "contact {contact} has the load {} there; press it together",
+                Plain(*load)
+            ),
+            Self::NoSteadyMemory { contact } => write!(
+                f,
+                "the memory of contact {contact} comes to no steady state while it slides"
+            ),
+            Self::Singular => f.write_str(
+                "the stiffness matrix is singular; restrain the rigid-body modes, for example by \
+                 a spring to the ground in a frame that moves along",
+            ),
+            Self::Eigenvalues => {
+                f.write_str("the eigenvalues could not be computed; check the sizes of the entries")
+            }
         }
     }
 }

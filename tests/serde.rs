@@ -159,7 +159,7 @@ fn structures_that_remember_there_and_back() {
             .unwrap();
         there_and_back(&blocks.contacts()[1]);
         let text = there_and_back(&blocks);
-        let read: Structure<AnyContactLaw<AnyLaw>, 1> = serde_json::from_str(&text).unwrap();
+        let read: Structure = serde_json::from_str(&text).unwrap();
         let start = structure::State::new(&[0.3, 0.0], &[0.0, 0.1]).with_memory(&[0.0, 1e-5]);
         there_and_back(&start);
         let motion = blocks.simulate(start.clone(), 20.0).unwrap();
@@ -603,13 +603,13 @@ fn what_follows_from_a_system_is_written() {
 }
 
 /// Two masses, one contact, drives of every kind.
-fn blocks() -> Structure<AnyLaw> {
+fn blocks() -> Structure {
     let force = Drive::harmonic(0.1 + 0.2, 1.3, 0.7)
         .and_then(|drive| drive.with_sine(0.2, 2.6)?.with_constant(-0.1))
         .unwrap();
     let belt = Drive::profile(&[(0.0, 0.0), (1.0, 0.2), (3.0, 0.1)]).unwrap();
     let load = Drive::profile(&[(1.0, 1.0), (1.0, 0.0), (2.0, 1.0)]).unwrap();
-    let contact = Contact::new(1, table().into(), load).unwrap().on_belt(belt);
+    let contact = Contact::new(1, table(), load).unwrap().on_belt(belt);
     Structure::new(&[1.0, 1.0 / 3.0])
         .and_then(|s| s.with_spring(0, 1, 0.7)?.with_ground_spring(0, 1.0))
         .and_then(|s| s.with_ground_damper(1, 0.1)?.with_force(0, force))
@@ -634,9 +634,9 @@ fn structures_there_and_back() {
         "{text}"
     );
     there_and_back(&blocks().contacts()[0]);
-    let read: Structure<Coulomb> = serde_json::from_str(concat!(
-        r#"{"masses":[2],"contacts":[{"coordinate":0,"law":{"static_coefficient":0.4,"#,
-        r#""kinetic_coefficient":0.3},"load":{"constant":5}}]}"#,
+    let read: Structure = serde_json::from_str(concat!(
+        r#"{"masses":[2],"contacts":[{"coordinate":0,"law":{"coulomb":{"#,
+        r#""static_coefficient":0.4,"kinetic_coefficient":0.3}},"load":{"constant":5}}]}"#,
     ))
     .unwrap();
     let contact = Contact::new(0, Coulomb::new(0.4, 0.3).unwrap(), 5.0).unwrap();
@@ -646,26 +646,26 @@ fn structures_there_and_back() {
 
 #[test]
 fn reading_structures_checks_what_constructors_check() {
-    refused::<Structure<Coulomb>>(r#"{"masses":[1,-1]}"#, "mass 1");
-    refused::<Structure<Coulomb>>(r#"{"masses":[]}"#, "masses");
-    refused::<Structure<Coulomb>>(
+    refused::<Structure>(r#"{"masses":[1,-1]}"#, "mass 1");
+    refused::<Structure>(r#"{"masses":[]}"#, "masses");
+    refused::<Structure>(
         r#"{"masses":[1],"stiffness":[[1,2]]}"#,
         "2 numbers in a row",
     );
-    refused::<Structure<Coulomb>>(r#"{"masses":[1],"damping":[[1],[2]]}"#, "2 rows");
-    refused::<Structure<Coulomb>>(r#"{"masses":[1],"forces":[{},{}]}"#, "2 forces");
-    refused::<Structure<Coulomb>>(r#"{"masses":[1],"springs":[]}"#, "springs");
+    refused::<Structure>(r#"{"masses":[1],"damping":[[1],[2]]}"#, "2 rows");
+    refused::<Structure>(r#"{"masses":[1],"forces":[{},{}]}"#, "2 forces");
+    refused::<Structure>(r#"{"masses":[1],"springs":[]}"#, "springs");
     refused::<Drive>(
         r#"{"harmonics":[{"angular_frequency":-1,"cosine":1,"sine":0}]}"#,
         "angular_frequency",
     );
     refused::<Drive>(r#"{"profiles":[[[0,1],[-1,2]]]}"#, "point 1");
     refused::<Drive>(r#"{"profiles":[[]]}"#, "points");
-    let law = r#"{"static_coefficient":0.4,"kinetic_coefficient":0.3}"#;
+    let law = r#"{"coulomb":{"static_coefficient":0.4,"kinetic_coefficient":0.3}}"#;
     let contact =
         |load: &str| format!(r#"{{"coordinate":1,"law":{law},"load":{{"constant":{load}}}}}"#);
-    refused::<Contact<Coulomb>>(&contact("0"), "load");
-    refused::<Structure<Coulomb>>(
+    refused::<Contact>(&contact("0"), "load");
+    refused::<Structure>(
         &format!(r#"{{"masses":[1],"contacts":[{}]}}"#, contact("1")),
         "no coordinate 1",
     );

@@ -15,7 +15,7 @@ const COUNT: usize = 160;
 const TRANSIENT: usize = 300;
 const SAMPLES: usize = 60;
 
-fn oscillator(force: f64) -> std::result::Result<Structure<Polynomial>, Error> {
+fn oscillator(force: f64) -> std::result::Result<Structure, Error> {
     let law = Polynomial::new(0.55, 0.3, 0.7)?;
     Structure::new(&[1.0])?
         .with_ground_spring(0, 1.0)?

@@ -152,7 +152,7 @@ pub(crate) fn dwell() -> Result<Figure> {
 }
 
 /// C. Canudas de Wit et al. (1995), Table I, seen from the pulling end.
-fn pulled<L: ContactLaw<Z>, const Z: usize>(
+fn pulled<L: ContactLaw + Send + Sync + 'static>(
     law: L,
     damper: f64,
 ) -> std::result::Result<Trajectory<State>, Error> {

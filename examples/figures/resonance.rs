@@ -9,7 +9,7 @@ use super::plot::{Axis, Panel};
 use super::style::{BLACK, BLUE, GREEN, Stroke, VERMILLION};
 use super::svg::{Figure, Result, svg};
 
-type System = Structure<Polynomial>;
+type System = Structure;
 
 const FORCES: [f64; 3] = [0.14, 0.2, 0.3];
 const WHOLE: std::ops::Range<f64> = 0.5..2.0;

@@ -98,8 +98,7 @@ fn modes(coefficient: f64, damping: [f64; 2]) -> Result<[Point; 2]> {
                 .with_load_gradient(1, NORMAL)?
                 .on_belt(1.0),
         )?
-        .steady_sliding()
-        .ok_or("no steady sliding")?;
+        .steady_sliding()?;
     let mut modes: Vec<Point> = sliding
         .eigenvalues
         .iter()

@@ -35,17 +35,17 @@ use crate::structure::Structure;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct OnSteadyBelts<L, const Z: usize = 0> {
-    structure: Structure<L, Z>,
+pub struct OnSteadyBelts {
+    structure: Structure,
     shift: Drive,
 }
 
-impl<L: Clone, const Z: usize> OnSteadyBelts<L, Z> {
+impl OnSteadyBelts {
     /// The structure, seen from a frame that oscillates with its belts.
     ///
     /// `None` unless the structure has contacts, the velocities of all their belts differ by
     /// constants only, no belt velocity follows a profile, and no force overflows.
-    pub fn new(structure: &Structure<L, Z>) -> Option<Self> {
+    pub fn new(structure: &Structure) -> Option<Self> {
         let oscillation = structure
             .contacts()
             .first()?
@@ -66,7 +66,7 @@ impl<L: Clone, const Z: usize> OnSteadyBelts<L, Z> {
     }
 
     /// The structure on steady belts, whose coordinates are y.
-    pub fn structure(&self) -> &Structure<L, Z> {
+    pub fn structure(&self) -> &Structure {
         &self.structure
     }
 

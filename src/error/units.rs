@@ -119,6 +119,11 @@ impl Error {
             | Self::NoSuchCoordinate { .. }
             | Self::WrongSize { .. }
             | Self::CoordinateTaken { .. }
+            | Self::NotSymmetric { .. }
+            | Self::NotPositiveDefinite { .. }
+            | Self::BadDirection { .. }
+            | Self::NoSteadySliding(_)
+            | Self::Undetermined { .. }
             | Self::BeltVelocityJumps { .. }
             | Self::Separation { .. }
             | Self::NoCommonPeriod

@@ -106,4 +106,8 @@ impl FrictionLaw for AnyLaw {
     fn erased(&self) -> LawRef<'_> {
         for_each!(self, law => law.erased())
     }
+
+    fn any(&self) -> Option<AnyLaw> {
+        Some(self.clone())
+    }
 }

@@ -1,5 +1,5 @@
 use super::check::{check_kinetic, check_static};
-use super::{FrictionLaw, LawRef};
+use super::{AnyLaw, FrictionLaw, LawRef};
 use crate::error::Error;
 use crate::scalar::Scalar;
 
@@ -68,5 +68,8 @@ impl FrictionLaw for Coulomb {
     #[inline(never)]
     fn erased(&self) -> LawRef<'_> {
         LawRef::of(self)
+    }
+    fn any(&self) -> Option<AnyLaw> {
+        Some((*self).into())
     }
 }

@@ -192,6 +192,13 @@ pub trait FrictionLaw: Sized {
         LawRef::of(self)
     }
 
+    /// The law as a value of [`AnyLaw`], by which it is written and compared; `None` for a user's
+    /// law.
+    #[doc(hidden)]
+    fn any(&self) -> Option<AnyLaw> {
+        None
+    }
+
     /// Friction coefficient μ(v_r) = sgn(v_r)·μ̂(|v_r|), dimensionless, at a relative velocity v_r
     /// of either sign; 0 at v_r = 0.
     ///
@@ -285,6 +292,9 @@ impl<L: FrictionLaw> FrictionLaw for &L {
     }
     fn erased(&self) -> LawRef<'_> {
         (**self).erased()
+    }
+    fn any(&self) -> Option<AnyLaw> {
+        (**self).any()
     }
     // These forward to the law itself: the defaults would be compiled once more for the reference.
     fn coefficient(&self, relative_velocity: f64) -> f64 {

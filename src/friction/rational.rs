@@ -1,5 +1,5 @@
 use super::check::check_static;
-use super::{FrictionLaw, LawRef};
+use super::{AnyLaw, FrictionLaw, LawRef};
 use crate::error::Error;
 use crate::scalar::Scalar;
 
@@ -127,5 +127,8 @@ impl FrictionLaw for Rational {
     #[inline(never)]
     fn erased(&self) -> LawRef<'_> {
         LawRef::of(self)
+    }
+    fn any(&self) -> Option<AnyLaw> {
+        Some((*self).into())
     }
 }

@@ -1,4 +1,4 @@
-use super::{FrictionLaw, LawRef};
+use super::{AnyLaw, FrictionLaw, LawRef};
 use crate::error::Error;
 use crate::scalar::Scalar;
 
@@ -244,5 +244,8 @@ impl FrictionLaw for Tabulated {
     #[inline(never)]
     fn erased(&self) -> LawRef<'_> {
         LawRef::of(self)
+    }
+    fn any(&self) -> Option<AnyLaw> {
+        Some(self.clone().into())
     }
 }

@@ -103,11 +103,7 @@ impl Curve<'_> {
     /// A start as it is for one system: contacts that stick move with their belts.
     fn start(&self, form: &Form<'_>, y: &DVector<f64>, stuck: &[bool]) -> State {
         let mut start = state(&y.rows(0, self.order).into_owned(), self.n);
-        for ((coordinate, velocity), stuck) in std::iter::zip(form.belts(), stuck) {
-            if *stuck {
-                start.velocities[coordinate] = velocity;
-            }
-        }
+        form.put_at_rest(&mut start.velocities, 0.0, |c| stuck[c]);
         if let Some(i) = self.turning {
             start.velocities[i] = 0.0;
         }
@@ -324,7 +320,7 @@ impl Curve<'_> {
             y[self.order] = period;
         }
         y[self.unknowns() - 1] = parameter;
-        let none = vec![false; self.member(parameter)?.form().belts().len()];
+        let none = vec![false; self.member(parameter)?.form().contacts()];
         let trial = self.trial(&y, &none)?;
         let stuck = trial.map.sticking();
         let apart = self.apart(&y, &trial)?;

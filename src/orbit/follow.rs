@@ -61,7 +61,7 @@ use crate::state::structure::State;
 /// use stick_slip::{Contact, Coulomb, Drive, Error, Structure, structure::State};
 ///
 /// // A mass on a belt under a harmonic force, over the frequency of the force.
-/// let family = |frequency: f64| -> Result<Structure<Coulomb>, Error> {
+/// let family = |frequency: f64| -> Result<Structure, Error> {
 ///     Structure::new(&[1.0])?
 ///         .with_ground_spring(0, 1.0)?
 ///         .with_ground_damper(0, 0.02)?

@@ -27,6 +27,8 @@ pub struct PeriodMap {
     pub(super) depends: Vec<bool>,
     /// The monodromy of a closed motion, begun where most contacts stick, and the flow there.
     cycle: (DMatrix<f64>, DVector<f64>),
+    /// The directions of contacts that share coordinates and stick there.
+    held: Vec<DVector<f64>>,
 }
 
 /// The least velocity, in displacements a period, that is not rounding of the displacement, with a
@@ -137,7 +139,7 @@ impl PeriodMap {
     /// shift along itself. `None` if they could not be computed.
     pub(super) fn multipliers(&self, is_free: bool) -> Option<Vec<Complex<f64>>> {
         let (matrix, flow) = &self.cycle;
-        multipliers(matrix, is_free.then_some(flow), &self.sizes())
+        multipliers(matrix, is_free.then_some(flow), &self.held, &self.sizes())
     }
 }
 
@@ -172,6 +174,7 @@ pub(super) fn period_map(
     let mut first_flow = None;
     // From the start to the cut, behind which `flow.tangents` begin anew; and the flow there.
     let mut head = (DMatrix::identity(order, order), DVector::zeros(order));
+    let mut held = Vec::new();
     let mut dead = 0;
     while steps.last().is_none_or(|step| step.end_time() < end_time) {
         let Some(step) = flow.fetch(end_time) else {
@@ -181,13 +184,15 @@ pub(super) fn period_map(
         if step.duration() > 0.0 {
             let rates = flow_of(&step, n);
             let rows = dead_rows(&flow.tangents);
-            let now = rows.iter().filter(|dead| **dead).count();
+            let sticking = held_by(form, step.modes());
+            let dead_alone = |&(row, dead): &(usize, &bool)| *dead && !form.shares(row);
+            let now = rows.iter().enumerate().filter(dead_alone).count() + sticking.len();
             if first_flow.is_none() || now > dead {
                 let alive = rows.iter().map(|dead| f64::from(u8::from(!dead)));
                 let alive = DMatrix::from_diagonal(&DVector::from_iterator(order, alive));
                 let since = flow.replace(alive);
                 head = (since * head.0, rates.clone());
-                dead = now;
+                (dead, held) = (now, sticking);
             }
             first_flow.get_or_insert(rates);
         }
@@ -212,6 +217,7 @@ pub(super) fn period_map(
         flow: [first_flow.unwrap_or_else(|| last_flow.clone()), last_flow],
         depends: flow.depends.clone(),
         cycle: (cycle, head.1),
+        held,
         end,
         steps,
     })
@@ -245,11 +251,9 @@ pub(super) fn begun_apart(
         return Ok(None);
     };
     let mut state = step.state_at(step.since_start(time));
-    for (contact, mode) in form.model.contacts.iter().zip(step.modes()) {
-        if *mode == Mode::Stick {
-            state.velocities[contact.coordinate] = contact.belt_velocity.value(time);
-        }
-    }
+    form.put_at_rest(&mut state.velocities, time, |c| {
+        step.modes()[c] == Mode::Stick
+    });
     period_map(form, time, &state, period).map(Some)
 }
 
@@ -303,6 +307,20 @@ fn modes_after(step: &Step) -> Vec<Mode> {
         modes[event.contact] = event.kind.mode();
     }
     modes
+}
+
+/// The directions of contacts that share coordinates and stick, as rows for states.
+fn held_by(form: &Form<'_>, modes: &[Mode]) -> Vec<DVector<f64>> {
+    let model = &form.model;
+    let sticking = model.shared.iter().filter(|&&c| modes[c] == Mode::Stick);
+    let rows = sticking.map(|&c| {
+        let mut row = DVector::zeros(form.order());
+        for &(j, b) in model.contacts[c].direction.iter() {
+            row[form.len() + j] = b;
+        }
+        row
+    });
+    rows.collect()
 }
 
 /// Which rows are all zero: coordinates in which all changes are gone.

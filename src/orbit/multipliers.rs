@@ -9,13 +9,15 @@ const MOST_SWEEPS: usize = 100;
 /// The multipliers by falling modulus, without the 1 that belongs to `flow` if that is given;
 /// `None` if they do not converge.
 ///
-/// Each row or column of zeros is one multiplier that is 0 to the bit. The matrix is scaled by the
-/// sizes of the numbers, so that units do not matter. The eigenvector of the multiplier 1 is known,
-/// the flow f: in an orthonormal basis (f, Q) the matrix M is block triangular, and the others are
-/// the eigenvalues of QᵀMQ.
+/// Each row or column of zeros is one multiplier that is 0 to the bit, and so is each vector of
+/// `held`, to which all that the matrix gives is normal. The matrix is scaled by the sizes of the
+/// numbers, so that units do not matter. The eigenvector of the multiplier 1 is known, the flow f:
+/// in an orthonormal basis (f, Q) the matrix M is block triangular, and the others are the
+/// eigenvalues of QᵀMQ.
 pub(super) fn multipliers(
     matrix: &DMatrix<f64>,
     flow: Option<&DVector<f64>>,
+    held: &[DVector<f64>],
     sizes: &DVector<f64>,
 ) -> Option<Vec<Complex<f64>>> {
     let order = matrix.nrows();
@@ -23,17 +25,26 @@ pub(super) fn multipliers(
         return None;
     }
     let alive = alive(matrix);
-    let scaled = DMatrix::from_fn(alive.len(), alive.len(), |i, j| {
+    let mut scaled = DMatrix::from_fn(alive.len(), alive.len(), |i, j| {
         matrix[(alive[i], alive[j])] * (sizes[alive[j]] / sizes[alive[i]])
     });
-    let flow = flow.map(|flow| {
-        let numbers = alive.iter().map(|&i| flow[i] / sizes[i]);
-        DVector::from_iterator(alive.len(), numbers)
-    });
-    let (reduced, count) = match flow {
-        Some(flow) => (across(&scaled, flow), order.saturating_sub(1)),
-        None => (scaled, order),
+    let vector = |row: &dyn Fn(usize) -> f64| {
+        DVector::from_iterator(alive.len(), alive.iter().map(|&i| row(i)))
     };
+    // In these units; the flow last.
+    let mut normals: Vec<_> = held
+        .iter()
+        .map(|row| vector(&|i| row[i] * sizes[i]))
+        // One without a part in what is left is among the rows of zeros.
+        .filter(|row| row.amax() > 0.0)
+        .chain(flow.map(|flow| vector(&|i| flow[i] / sizes[i])))
+        .collect();
+    normals.reverse();
+    while let Some(normal) = normals.pop() {
+        scaled = across(&scaled, normal, &mut normals);
+    }
+    let reduced = scaled;
+    let count = order.saturating_sub(usize::from(flow.is_some()));
     let mut values: Vec<Complex<f64>> = if reduced.nrows() == 0 {
         Vec::new()
     } else {
@@ -66,8 +77,13 @@ fn alive(matrix: &DMatrix<f64>) -> Vec<usize> {
     }
 }
 
-/// QᵀMQ, Q a basis of what is normal to a vector: by the reflection that takes it to an axis.
-fn across(matrix: &DMatrix<f64>, mut vector: DVector<f64>) -> DMatrix<f64> {
+/// QᵀMQ, Q a basis of what is normal to a vector: by the reflection that takes it to an axis. The
+/// others become Qᵀ times themselves.
+fn across(
+    matrix: &DMatrix<f64>,
+    mut vector: DVector<f64>,
+    others: &mut [DVector<f64>],
+) -> DMatrix<f64> {
     let n = vector.len();
     let Some(first) = vector.get(0).copied() else {
         return DMatrix::zeros(0, 0);
@@ -81,6 +97,13 @@ fn across(matrix: &DMatrix<f64>, mut vector: DVector<f64>) -> DMatrix<f64> {
         reflected -= &vector * row * (2.0 / length);
         let column = &reflected * &vector;
         reflected -= column * vector.transpose() * (2.0 / length);
+        for other in others.iter_mut() {
+            let part = vector.dot(other);
+            other.axpy(-2.0 * part / length, &vector, 1.0);
+        }
+    }
+    for other in others.iter_mut() {
+        *other = other.rows(1, n - 1).into_owned();
     }
     reflected.view((1, 1), (n - 1, n - 1)).into_owned()
 }

@@ -1,18 +1,15 @@
 //! What the searches need of a system.
 
-use super::linear::LawDerivatives;
 use super::map::{self, PeriodMap};
 use crate::belt::MassOnBelt;
 use crate::drive;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
-use crate::friction::memory::ContactLaw;
 use crate::motion::{Ended, System, Trajectory};
 use crate::state;
 use crate::state::structure::State;
 use crate::structure::Structure;
-use crate::structure::laws::Typed;
-use crate::structure::model::Model;
+use crate::structure::engine::model::Model;
 
 /// A system whose periodic motions can be found: [`MassOnBelt`] or [`Structure`]. Sealed, as
 /// [`System`] is.
@@ -38,7 +35,6 @@ pub trait Oscillator: System {
 #[derive(Debug)]
 pub struct Form<'s> {
     pub(super) model: Model<'s>,
-    pub(super) laws: Box<dyn LawDerivatives + 's>,
 }
 
 /// How drives vary.
@@ -76,12 +72,32 @@ impl Form<'_> {
         self.model.drives().all(|drive| drive.is_constant())
     }
 
-    /// Coordinate of each contact, and the velocity of its belt at time 0.
-    pub(super) fn belts(&self) -> Vec<(usize, f64)> {
-        let contacts = self.model.contacts.iter();
-        contacts
-            .map(|contact| (contact.coordinate, contact.belt_velocity.value(0.0)))
-            .collect()
+    /// Whether a number of a state is the velocity of a coordinate that contacts share.
+    pub(super) fn shares(&self, row: usize) -> bool {
+        let coordinate = row.checked_sub(self.len());
+        coordinate.is_some_and(|j| self.model.shared_coordinates.binary_search(&j).is_ok())
+    }
+
+    /// Number of contacts.
+    pub(super) fn contacts(&self) -> usize {
+        self.model.contacts.len()
+    }
+
+    /// Whether a contact has no relative velocity at a time, as far as its law can tell.
+    pub(super) fn is_at_rest(&self, contact: usize, velocities: &[f64], time: f64) -> bool {
+        let contact = &self.model.contacts[contact];
+        let surface = contact.belt_velocity.value(time);
+        contact.sliding_velocity(|j| velocities[j], surface) == 0.0
+    }
+
+    /// Sets the velocities at a time so that these contacts are at rest.
+    pub(super) fn put_at_rest(
+        &self,
+        velocities: &mut [f64],
+        time: f64,
+        rests: impl Fn(usize) -> bool,
+    ) {
+        self.model.put_at_rest(velocities, time, rests);
     }
 
     /// The motion from a state at time 0 over a duration, with its derivative with respect to that
@@ -91,7 +107,7 @@ impl Form<'_> {
     }
 }
 
-impl<L: ContactLaw<Z>, const Z: usize> Oscillator for Structure<L, Z> {
+impl Oscillator for Structure {
     fn general(state: &State) -> State {
         state.clone()
     }
@@ -103,7 +119,6 @@ impl<L: ContactLaw<Z>, const Z: usize> Oscillator for Structure<L, Z> {
     fn form(&self) -> Form<'_> {
         Form {
             model: self.model(),
-            laws: Box::new(self.laws()),
         }
     }
 
@@ -128,7 +143,6 @@ impl<L: FrictionLaw> Oscillator for MassOnBelt<L> {
     fn form(&self) -> Form<'_> {
         Form {
             model: Model::of_belt(self),
-            laws: Box::new(Typed::<L, 0>(vec![self.law()])),
         }
     }
 

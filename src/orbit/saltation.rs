@@ -16,20 +16,23 @@
 //! | a load that opens or closes, a drive that jumps | a time | δt = 0; rest ends with the load |
 //!
 //! At one instant f jumps for the contacts of the events alone, in v' and z'. Where it does not,
-//! the changes go on as they are.
+//! the changes go on as they are. Contacts that share coordinates pull at each other: there the
+//! event of one changes v' of all these coordinates, and perhaps what others do, at the time at
+//! which that one came to its limit. v' just after is that of the next step.
 
 use nalgebra::{DMatrix, RowDVector};
 
-use super::linear::LawDerivatives;
+use super::linear::{Holding, Linear};
 use super::tangent::TangentFlow;
+use crate::friction::memory::object::LawObject;
 use crate::friction::memory::{Motion, Slip};
-use crate::motion::{EventKind, Mode, Segment};
+use crate::motion::{Event, EventKind, Mode, Segment};
 use crate::series::PowerSeries;
 use crate::state::Direction;
+use crate::state::structure::State;
 use crate::structure::Step;
-use crate::structure::laws::Laws;
 
-/// A contact at the time of an event, all divided by its mass.
+/// A contact with a coordinate to itself at the time of an event, all divided by its mass.
 struct Instant {
     coordinate: usize,
     /// N.
@@ -44,23 +47,18 @@ struct Instant {
 
 /// The law of one contact.
 #[derive(Clone, Copy)]
-struct LawAt<'l> {
-    laws: &'l dyn Laws,
-    linear: &'l dyn LawDerivatives,
-    contact: usize,
-}
+struct LawAt<'l>(&'l dyn LawObject);
 
 impl LawAt<'_> {
     /// μ with the sign of r where slip begins or ends.
     fn coefficient(self, side: Direction, memory: &[f64]) -> f64 {
-        self.laws
-            .coefficient(self.contact, at_zero(side), &|j| memory[j])
+        self.0.coefficient(at_zero(side), &|j| memory[j])
     }
 
     fn rates(self, motion: Motion<f64>, memory: &[f64]) -> Vec<f64> {
         let mut rates = vec![0.0; memory.len()];
         let take = &mut |j: usize, rate| rates[j] = rate;
-        self.laws.rates(self.contact, motion, &|j| memory[j], take);
+        self.0.rates(motion, &|j| memory[j], take);
         rates
     }
 
@@ -71,14 +69,14 @@ impl LawAt<'_> {
 
     fn caught(self, memory: &[f64]) -> Vec<f64> {
         let mut caught = memory.to_vec();
-        self.laws.caught(self.contact, &mut caught);
+        self.0.caught(&mut caught);
         caught
     }
 
     /// μ_s and its slopes over the memory.
     fn limit(self, memory: &[f64]) -> (f64, Vec<f64>) {
-        let value = self.laws.limit(self.contact, &|j| memory[j]);
-        let slope = |j: usize| self.linear.limit_slope(self.contact, memory, j);
+        let value = self.0.limit(&|j| memory[j]);
+        let slope = |j: usize| self.0.limit_slope(memory, j);
         (
             value.unwrap_or(f64::NAN),
             (0..memory.len()).map(slope).collect(),
@@ -94,30 +92,80 @@ fn at_zero(side: Direction) -> Slip<f64> {
     }
 }
 
+/// What the law of a contact does at an event.
+struct Passage {
+    /// Whether the memory is set as after stick or slip.
+    caught: bool,
+    /// Its rates before and after.
+    before: Vec<f64>,
+    after: Vec<f64>,
+}
+
+impl Passage {
+    /// Of a contact that was in a mode.
+    fn of(law: LawAt<'_>, mode: Mode, kind: EventKind, memory: &[f64]) -> Self {
+        let none = || vec![0.0; memory.len()];
+        let side = match mode {
+            Mode::Slip(side) => side,
+            _ => Direction::Leading,
+        };
+        let (caught, before, after) = match kind {
+            EventKind::Open => (mode == Mode::Stick, none(), none()),
+            EventKind::Close => (false, none(), none()),
+            EventKind::Stick => {
+                let after = law.rates(Motion::Stick, &law.caught(memory));
+                (true, law.slipping(side, memory), after)
+            }
+            EventKind::Crossing(to) => {
+                let [before, after] = [side, to].map(|side| law.slipping(side, memory));
+                (false, before, after)
+            }
+            EventKind::Release(to) => {
+                let before = law.rates(Motion::Stick, memory);
+                (true, before, law.slipping(to, &law.caught(memory)))
+            }
+        };
+        Self {
+            caught,
+            before,
+            after,
+        }
+    }
+}
+
 impl TangentFlow<'_> {
     fn law(&self, contact: usize) -> LawAt<'_> {
-        LawAt {
-            laws: &*self.form.model.laws,
-            linear: &*self.form.laws,
-            contact,
-        }
+        LawAt(self.form.model.contacts[contact].law)
+    }
+
+    /// The rows of the tangents that belong to a contact's memory.
+    fn memory_rows(&self, contact: usize) -> std::ops::Range<usize> {
+        let variables = self.form.model.memory(contact);
+        let first = 2 * self.form.len();
+        first + variables.start..first + variables.end
+    }
+
+    fn row(&self, row: usize) -> RowDVector<f64> {
+        self.tangents.row(row).into_owned()
     }
 
     /// Takes the tangents across the start itself: a contact that slips from r = 0, or is open, has
     /// had its memory set by its law.
     pub(super) fn begin(&mut self, step: &Step) {
-        let (n, count) = (self.form.len(), self.form.model.laws.memory());
-        for (number, contact) in self.form.model.contacts.iter().enumerate() {
+        let model = &self.form.model;
+        for (number, contact) in model.contacts.iter().enumerate() {
             let surface = contact.belt_velocity.at(step.clock())[0];
+            let velocity = |j: usize| self.start.velocities[j];
             let rests = step.modes()[number] == Mode::Stick;
-            if rests || self.start.velocities[contact.coordinate] != surface {
+            if rests || contact.sliding_velocity(velocity, surface) != 0.0 {
                 continue;
             }
-            let first = 2 * n + number * count;
-            let memory = |j: usize| self.start.memory.get(number * count + j).copied();
-            let memory: Vec<f64> = (0..count).map(|j| memory(j).unwrap_or(0.0)).collect();
-            let law = self.law(number);
+            let variable = |j: usize| self.start.memory.get(j).copied().unwrap_or(0.0);
+            let memory: Vec<f64> = model.memory(number).map(variable).collect();
+            let law = LawAt(contact.law);
             let slopes = slopes_of(&|memory| law.caught(memory), &memory);
+            let rows = self.memory_rows(number);
+            let (first, count) = (rows.start, rows.len());
             let before = self.tangents.rows(first, count).into_owned();
             for j in 0..count {
                 let mut row = self.tangents.row_mut(first + j);
@@ -130,96 +178,235 @@ impl TangentFlow<'_> {
     }
 
     /// Takes the tangents across the events at the end of a step.
-    pub(super) fn pass(&mut self, step: &Step) {
+    pub(super) fn pass(&mut self, step: &Step, linear: Option<&Linear>) {
         if step.series().is_empty() {
             return;
         }
-        let events = step.events().iter();
-        let changes: Vec<_> = events
-            .flat_map(|event| self.changed(step, event.contact, event.kind))
-            .collect();
+        let mut changes = Vec::new();
+        let mut shared = Vec::new();
+        for event in step.events() {
+            if self.form.model.owner_of(event.contact).is_some() {
+                changes.extend(self.changed(step, event.contact, event.kind));
+            } else {
+                shared.push(event);
+            }
+        }
+        if let (Some(linear), false) = (linear, shared.is_empty()) {
+            changes.extend(self.changed_together(step, linear, &shared));
+        }
         for (row, change) in changes {
             self.tangents.row_mut(row).copy_from(&change);
         }
     }
 
-    /// The rows of the tangents that an event changes.
+    /// The rows of the tangents that an event of a contact with a coordinate to itself changes.
     fn changed(
         &self,
         step: &Step,
         contact: usize,
         kind: EventKind,
     ) -> Vec<(usize, RowDVector<f64>)> {
-        let (law, count) = (self.law(contact), self.form.model.laws.memory());
+        let law = self.law(contact);
         let at = self.instant(step, contact);
-        let n = self.form.len();
-        let velocity = n + at.coordinate;
-        let row = |row: usize| -> RowDVector<f64> { self.tangents.row(row).into_owned() };
-        let side = match step.modes()[contact] {
-            Mode::Slip(side) => side,
-            _ => Direction::Leading,
-        };
-        // δt, the jump −f₊ + Dg f₋ + ∂g/∂t of v', and z' before and after.
-        let (later, jump, caught, before, after) = match kind {
-            EventKind::Open if step.modes()[contact] == Mode::Stick => {
-                let never = row(velocity) * 0.0;
-                (never, 0.0, true, vec![0.0; count], vec![0.0; count])
-            }
-            EventKind::Open | EventKind::Close => return Vec::new(),
-            EventKind::Stick => {
-                let rates = law.rates(Motion::Stick, &law.caught(&at.memory));
-                let later = row(velocity) * -at.rate.recip();
-                (later, 0.0, true, law.slipping(side, &at.memory), rates)
-            }
+        let velocity = self.form.len() + at.coordinate;
+        let mode = step.modes()[contact];
+        let never = self.row(velocity) * 0.0;
+        let arrival = || self.row(velocity) * -at.rate.recip();
+        // δt, and the jump −f₊ + Dg f₋ + ∂g/∂t of v'.
+        let (later, jump) = match kind {
+            EventKind::Open | EventKind::Close => (never.clone(), 0.0),
+            EventKind::Stick => (arrival(), 0.0),
             EventKind::Crossing(to) => {
+                let side = match mode {
+                    Mode::Slip(side) => side,
+                    _ => Direction::Leading,
+                };
                 let [before, after] = [side, to].map(|side| law.coefficient(side, &at.memory));
-                let jump = at.load * (after - before);
-                let [before, after] = [side, to].map(|side| law.slipping(side, &at.memory));
-                let later = row(velocity) * -at.rate.recip();
-                (later, jump, false, before, after)
+                (arrival(), at.load * (after - before))
             }
             EventKind::Release(to) => {
                 let (limit, slopes) = law.limit(&at.memory);
                 let before = law.rates(Motion::Stick, &at.memory);
-                let after = law.slipping(to, &law.caught(&at.memory));
                 let coefficient = law.coefficient(to, &at.memory);
                 let surplus = at.load * (limit - to.sign() * coefficient);
                 let later = if step.is_forced(contact) {
-                    row(velocity) * 0.0
+                    never.clone()
                 } else {
                     self.later(contact, to.sign(), (limit, &slopes, &before), &at)
                 };
-                (later, -to.sign() * surplus.max(0.0), true, before, after)
+                (later, -to.sign() * surplus.max(0.0))
             }
         };
         let mut changes = Vec::new();
         if kind == EventKind::Stick {
-            changes.push((velocity, row(velocity) * 0.0));
+            changes.push((velocity, never));
         } else if jump != 0.0 {
-            changes.push((velocity, row(velocity) + &later * jump));
+            changes.push((velocity, self.row(velocity) + &later * jump));
         }
-        let first = 2 * n + contact * count;
-        let slopes = if caught {
-            slopes_of(&|memory| law.caught(memory), &at.memory)
+        let passage = Passage::of(law, mode, kind, &at.memory);
+        changes.extend(self.changed_memory(contact, &passage, &at.memory, &later));
+        changes
+    }
+
+    /// The rows of a contact's memory that an event changes which comes later by δt.
+    fn changed_memory(
+        &self,
+        contact: usize,
+        passage: &Passage,
+        memory: &[f64],
+        later: &RowDVector<f64>,
+    ) -> Vec<(usize, RowDVector<f64>)> {
+        let (law, rows) = (self.law(contact), self.memory_rows(contact));
+        let (first, count) = (rows.start, rows.len());
+        let slopes = if passage.caught {
+            slopes_of(&|memory| law.caught(memory), memory)
         } else {
             DMatrix::identity(count, count)
         };
-        for j in 0..count {
-            let mut change = row(first) * 0.0;
-            let mut jump = -after[j];
+        let change = |j: usize| {
+            let mut change = later * 0.0;
+            let mut jump = -passage.after[j];
             for l in 0..count {
                 let slope = slopes[(j, l)];
                 if slope != 0.0 {
-                    change += row(first + l) * slope;
-                    jump += slope * before[l];
+                    change += self.row(first + l) * slope;
+                    jump += slope * passage.before[l];
                 }
             }
             if jump != 0.0 {
-                change += &later * jump;
+                change += later * jump;
             }
-            changes.push((first + j, change));
+            (first + j, change)
+        };
+        (0..count).map(change).collect()
+    }
+
+    /// The rows that events of contacts which share coordinates change: all of them happen when the
+    /// first that reached a limit of its own did.
+    fn changed_together(
+        &self,
+        step: &Step,
+        linear: &Linear,
+        events: &[&Event<State>],
+    ) -> Vec<(usize, RowDVector<f64>)> {
+        let (model, n) = (&self.form.model, self.form.len());
+        let has_cause = |contact: usize| {
+            let mut causes = step.after().causes.iter();
+            causes.any(|&(other, _)| other == contact)
+        };
+        let trigger = events.iter().find(|event| !has_cause(event.contact));
+        let none = self.row(0) * 0.0;
+        let later = trigger.map_or(none, |event| self.trigger_later(step, linear, event));
+        let mut changes = Vec::new();
+        let slopes = |i: usize| step.series()[i].derivative().at(step.duration());
+        for (i, after) in step.after().rates.iter().enumerate() {
+            let jump = slopes(i) - after;
+            let owner = model.owner.get(i).copied().flatten();
+            if owner.is_none() && jump != 0.0 {
+                changes.push((n + i, self.row(n + i) + &later * jump));
+            }
+        }
+        for event in events {
+            let contact = event.contact;
+            let memory = &event.state.memory[model.memory(contact)];
+            let passage = Passage::of(self.law(contact), step.modes()[contact], event.kind, memory);
+            changes.extend(self.changed_memory(contact, &passage, memory, &later));
         }
         changes
+    }
+
+    /// δt of the event of a contact that shares coordinates.
+    fn trigger_later(&self, step: &Step, linear: &Linear, event: &Event<State>) -> RowDVector<f64> {
+        let (model, n, h) = (&self.form.model, self.form.len(), step.duration());
+        let number = event.contact;
+        let contact = &model.contacts[number];
+        let along = |row: &dyn Fn(usize) -> RowDVector<f64>| {
+            let direction = contact.direction.iter();
+            direction.fold(self.row(0) * 0.0, |sum, &(j, b)| sum + row(j) * b)
+        };
+        match event.kind {
+            EventKind::Open | EventKind::Close => self.row(0) * 0.0,
+            EventKind::Stick | EventKind::Crossing(_) => {
+                let surface = contact.belt_velocity.series(step.clock());
+                let slope = |series: &PowerSeries| series.derivative().at(h);
+                let rate = contact.along(|j| slope(&step.series()[j])) - slope(&surface);
+                along(&|j| self.row(n + j)) * -rate.recip()
+            }
+            EventKind::Release(to) => {
+                let mut approaches = step.after().approaches.iter();
+                let Some(&(_, rate)) = approaches.find(|&&(other, _)| other == number) else {
+                    return self.row(0) * 0.0;
+                };
+                let memory = &event.state.memory[model.memory(number)];
+                let (limit, slopes) = self.law(number).limit(memory);
+                let load = contact.load.series(step.clock()).at(h)
+                    + contact.displacement_load(|j| event.state.displacements[j]);
+                let mut gradient = self.carried_gradient(linear, h, number) * to.sign();
+                for &(j, a) in contact.load_gradient {
+                    gradient += self.row(j) * (-limit * a * contact.compliance);
+                }
+                for (row, slope) in std::iter::zip(self.memory_rows(number), slopes) {
+                    gradient += self.row(row) * (-load * contact.compliance * slope);
+                }
+                gradient * -rate.recip()
+            }
+        }
+    }
+
+    /// The change of what a contact carries in stick, with all that stick:
+    /// ∇λ = G⁻¹ B (M⁻¹∂p), multiplied by G_cc.
+    fn carried_gradient(&self, linear: &Linear, h: f64, number: usize) -> RowDVector<f64> {
+        let (model, n) = (&self.form.model, self.form.len());
+        let mut rates: Vec<RowDVector<f64>> = (0..n)
+            .map(|i| {
+                let mut rate = self.row(i) * -model.stiffness.row(i).0;
+                rate += self.row(n + i) * -model.damping.row(i).0;
+                for &(j, a) in model.stiffness.row(i).1 {
+                    rate += self.row(j) * -a;
+                }
+                for &(j, a) in model.damping.row(i).1 {
+                    rate += self.row(n + j) * -a;
+                }
+                rate
+            })
+            .collect();
+        for (c, joint) in linear.joints.iter().enumerate() {
+            let contact = &model.contacts[c];
+            if joint.friction.is_empty() {
+                continue;
+            }
+            let direction = contact.direction.iter();
+            let slip = direction.fold(self.row(0) * 0.0, |sum, &(j, b)| sum + self.row(n + j) * b);
+            let inputs = std::iter::once(slip).chain(self.memory_rows(c).map(|row| self.row(row)));
+            let mut force = self.row(0) * 0.0;
+            for (series, input) in std::iter::zip(&joint.friction, inputs) {
+                force += input * series.at(h);
+            }
+            if let Some((by_load, gradient)) = &joint.by_load {
+                for &(j, a) in gradient {
+                    force += self.row(j) * (a * by_load.at(h));
+                }
+            }
+            for &(j, x) in contact.responses() {
+                rates[j] -= &force * x;
+            }
+        }
+        let Holding { contacts, factor } = &linear.holding;
+        let Some(place) = contacts.iter().position(|&c| c == number) else {
+            return self.row(0) * 0.0;
+        };
+        // Row `place` of G⁻¹B: G is symmetric.
+        let root = |c: usize| model.contacts[c].compliance.sqrt();
+        let mut weights = vec![0.0; contacts.len()];
+        weights[place] = root(number);
+        factor.solve(&mut weights);
+        let mut gradient = self.row(0) * 0.0;
+        for (&c, weight) in std::iter::zip(contacts, &weights) {
+            for &(j, b) in model.contacts[c].direction.iter() {
+                gradient += &rates[j] * (b * weight / root(c));
+            }
+        }
+        gradient
     }
 
     /// δt of a release, from h = σR − N μ_s.
@@ -241,24 +428,24 @@ impl TangentFlow<'_> {
                 gradient += row(first + j) * (-sign * a);
             }
         }
-        let mass = model.masses[i];
-        for &(j, a) in model.contacts[contact].load_gradient {
-            gradient += row(j) * (-limit * a / mass);
+        let data = &model.contacts[contact];
+        for &(j, a) in data.load_gradient {
+            gradient += row(j) * (-limit * a * data.compliance);
         }
         let mut rate = sign * at.carried_rate - at.load_rate * limit;
-        for j in 0..slopes.len() {
-            gradient += row(2 * n + contact * slopes.len() + j) * (-at.load * slopes[j]);
+        for (j, place) in self.memory_rows(contact).enumerate() {
+            gradient += row(place) * (-at.load * slopes[j]);
             rate -= at.load * slopes[j] * rates[j];
         }
         gradient * -rate.recip()
     }
 
     fn instant(&self, step: &Step, number: usize) -> Instant {
-        let (model, count) = (&self.form.model, self.form.model.laws.memory());
+        let model = &self.form.model;
         let contact = &model.contacts[number];
-        let (n, i, h) = (model.len(), contact.coordinate, step.duration());
+        let i = model.owner_of(number).unwrap_or_default();
+        let h = step.duration();
         let state = step.end_state();
-        let mass = model.masses[i];
         // Just before: the drives go on as they did.
         let slope = |series: &PowerSeries| series.derivative().at(h);
         let surface = contact.belt_velocity.series(step.clock());
@@ -267,7 +454,7 @@ impl TangentFlow<'_> {
         let acceleration = |j: usize| slope(&step.series()[j]);
         let velocity = |j: usize| state.velocities[j];
         let [(spring, springs), (damper, dampers)] = [model.stiffness.row(i), model.damping.row(i)];
-        let mut carried_rate = slope(&force) / mass
+        let mut carried_rate = slope(&force) * contact.compliance
             - slope(&surface.derivative())
             - spring * velocity(i)
             - damper * acceleration(i);
@@ -277,18 +464,15 @@ impl TangentFlow<'_> {
         for &(j, a) in dampers {
             carried_rate -= a * acceleration(j);
         }
-        let gradient = contact.load_gradient.iter();
-        let from_displacements: f64 = gradient.map(|&(j, a)| a * velocity(j)).sum();
-        let load_now = load.at(h) + contact.displacement_load(&state.displacements);
-        let memory = |j: usize| state.memory.get(number * count + j).copied().unwrap_or(0.0);
-        debug_assert_eq!(step.series().len(), n + model.remembered());
+        let by_displacements = contact.displacement_load(velocity);
+        let load_now = load.at(h) + contact.displacement_load(|j| state.displacements[j]);
         Instant {
             coordinate: i,
-            load: load_now / mass,
-            load_rate: (slope(&load) + from_displacements) / mass,
+            load: load_now * contact.compliance,
+            load_rate: (slope(&load) + by_displacements) * contact.compliance,
             rate: acceleration(i) - slope(&surface),
             carried_rate,
-            memory: (0..count).map(memory).collect(),
+            memory: state.memory[model.memory(number)].to_vec(),
         }
     }
 }

@@ -148,15 +148,12 @@ impl<'s> Problem<'s> {
     /// to the bit.
     fn changed(&self, trial: &Trial, change: &DVector<f64>, part: f64) -> State {
         let map = &trial.map;
-        let mut start = vector(&map.start, map.order()) + change * part;
-        for ((coordinate, velocity), sticks) in std::iter::zip(self.form.belts(), map.sticking()) {
-            let row = self.form.len() + coordinate;
-            let sticks_already = map.start.velocities[coordinate] == velocity;
-            if sticks && (part == 1.0 || sticks_already) {
-                start[row] = velocity;
-            }
-        }
-        state(&start, self.form.len())
+        let start = vector(&map.start, map.order()) + change * part;
+        let mut changed = state(&start, self.form.len());
+        let (sticks, before) = (map.sticking(), &map.start.velocities);
+        let rests = |c: usize| sticks[c] && (part == 1.0 || self.form.is_at_rest(c, before, 0.0));
+        self.form.put_at_rest(&mut changed.velocities, 0.0, rests);
+        changed
     }
 
     /// Newton's method, with shorter steps where the residual would grow.
@@ -349,10 +346,6 @@ fn transient_end(
         _ => transient,
     };
     let (mut reached, modes) = map::reach(form, start, duration)?;
-    for ((coordinate, velocity), mode) in std::iter::zip(form.belts(), modes) {
-        if mode == Mode::Stick {
-            reached.velocities[coordinate] = velocity;
-        }
-    }
+    form.put_at_rest(&mut reached.velocities, 0.0, |c| modes[c] == Mode::Stick);
     Ok(reached)
 }

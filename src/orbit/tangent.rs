@@ -13,7 +13,7 @@ use std::borrow::Cow;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::linear::{Joint, joints};
+use super::linear::{Holding, Linear};
 use super::oscillator::Form;
 use crate::error::Error;
 use crate::motion::step_control::reach;
@@ -21,7 +21,7 @@ use crate::motion::{Integrator, Mode, Segment};
 use crate::scalar::jet::Tape;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 use crate::state::structure::State;
-use crate::structure::sparse::Sparse;
+use crate::structure::engine::model::Model;
 use crate::structure::{Flow, Step};
 
 /// A motion with changes of it.
@@ -73,10 +73,16 @@ impl<'s> TangentFlow<'s> {
             error => return Some(error),
         };
         if step.duration() > 0.0 {
-            for (mode, contact) in std::iter::zip(step.modes(), &self.form.model.contacts) {
-                if *mode == Mode::Stick {
-                    let row = self.form.len() + contact.coordinate;
-                    self.tangents.row_mut(row).fill(0.0);
+            let (n, model) = (self.form.len(), &self.form.model);
+            for (c, mode) in step.modes().iter().enumerate() {
+                if let (Mode::Stick, Some(i)) = (mode, model.owner_of(c)) {
+                    self.tangents.row_mut(n + i).fill(0.0);
+                }
+            }
+            let holding = Holding::of(model, step.modes());
+            if !holding.contacts.is_empty() {
+                for mut column in self.tangents.column_iter_mut() {
+                    holding.project(model, column.rows_mut(n, n).as_mut_slice());
                 }
             }
         }
@@ -86,24 +92,24 @@ impl<'s> TangentFlow<'s> {
     /// Takes the tangents from the start of a step to its end, behind its events. Events at the
     /// start of the motion belong to what was before.
     pub(super) fn carry(&mut self, step: &Step) {
+        let mut linear = None;
         if step.duration() > 0.0 {
             if !self.has_begun {
                 self.begin(step);
                 self.has_begun = true;
             }
-            let joints = joints(self.form, step, &mut self.tape);
-            let of_memory = joints.iter().flat_map(|joint| &joint.depends);
+            let linear = &*linear.insert(Linear::of(&self.form.model, step, &mut self.tape));
+            let of_memory = linear.joints.iter().flat_map(|joint| &joint.depends);
             for (ever, now) in self.depends.iter_mut().zip(of_memory) {
                 *ever |= now;
             }
             let rows = self.tangents.nrows();
             for column in self.tangents.as_mut_slice().chunks_mut(rows) {
                 if column.iter().any(|x| *x != 0.0) {
-                    let matrices = [&self.form.model.stiffness, &self.form.model.damping];
                     let logarithm = self.logarithm.as_mut();
                     advance(
-                        matrices,
-                        &joints,
+                        &self.form.model,
+                        linear,
                         column,
                         step.duration(),
                         (&mut self.work, logarithm),
@@ -112,7 +118,7 @@ impl<'s> TangentFlow<'s> {
             }
         }
         if self.has_begun {
-            self.pass(step);
+            self.pass(step, linear.as_ref());
         }
     }
 
@@ -132,19 +138,19 @@ pub(super) fn flow_of(step: &Step, n: usize) -> DVector<f64> {
 /// Carries one change over a step of length h. Where its own series does not reach so far, as on a
 /// steady motion of any length, the step is taken in parts.
 fn advance(
-    matrices: [&Sparse; 2],
-    joints: &[Joint],
+    model: &Model<'_>,
+    linear: &Linear,
     column: &mut [f64],
     h: f64,
     (work, mut logarithm): (&mut [PowerSeries], Option<&mut f64>),
 ) {
     /// Parts below which a series is taken to have no radius of convergence.
     const SHORTEST: f64 = 1e-9;
-    let mut joints = Cow::Borrowed(joints);
+    let mut linear = Cow::Borrowed(linear);
     let mut left = h;
     loop {
-        expand(matrices, &joints, column, work);
-        let n = matrices[0].len();
+        expand(model, &linear, column, work);
+        let n = model.len();
         let part = reach_of(work, n, left);
         if part.is_nan() || part < SHORTEST * h {
             column.fill(f64::NAN);
@@ -164,7 +170,7 @@ fn advance(
             return;
         }
         left -= part;
-        joints = Cow::Owned(joints.iter().map(|joint| joint.shifted(part)).collect());
+        linear = Cow::Owned(linear.shifted(part));
     }
 }
 
@@ -195,20 +201,17 @@ fn reach_of(work: &[PowerSeries], n: usize, h: f64) -> f64 {
 }
 
 /// The series of a change from where it stands, order by order.
-fn expand(
-    [stiffness, damping]: [&Sparse; 2],
-    joints: &[Joint],
-    column: &[f64],
-    work: &mut [PowerSeries],
-) {
+fn expand(model: &Model<'_>, linear: &Linear, column: &[f64], work: &mut [PowerSeries]) {
     for (series, x) in work.iter_mut().zip(column) {
         series[0] = *x;
     }
-    let n = stiffness.len();
+    let n = model.len();
     let (q, rest) = work.split_at_mut(n);
     let (v, z) = rest.split_at_mut(n);
+    let mut slips = vec![PowerSeries::ZERO; linear.joints.len()];
     for k in 0..TERMS - 1 {
-        for (i, (springs, dampers)) in stiffness.rows().zip(damping.rows()).enumerate() {
+        let rows = model.stiffness.rows().zip(model.damping.rows());
+        for (i, (springs, dampers)) in rows.enumerate() {
             let mut rate = -springs.0 * q[i][k] - dampers.0 * v[i][k];
             for &(j, a) in springs.1 {
                 rate -= a * q[j][k];
@@ -218,28 +221,41 @@ fn expand(
             }
             v[i][k + 1] = rate;
         }
-        let mut first = 0;
-        for joint in joints {
-            let i = joint.body;
-            let z = &mut z[first..first + joint.rates.len()];
-            first += joint.rates.len();
-            let inputs = |row: &[PowerSeries], v: &PowerSeries, z: &[PowerSeries]| -> f64 {
-                let inputs = std::iter::once(v).chain(z);
+        for (c, joint) in linear.joints.iter().enumerate() {
+            let contact = &model.contacts[c];
+            let z = &mut z[model.memory(c)];
+            slips[c][k] = contact.along(|j| v[j][k]);
+            let slip = &slips[c];
+            let inputs = |row: &[PowerSeries], z: &[PowerSeries]| -> f64 {
+                let inputs = std::iter::once(slip).chain(z);
                 let terms = row.iter().zip(inputs);
                 terms.map(|(a, x)| convolution(a, x, k)).sum()
             };
-            if joint.is_stuck {
+            if let (true, Some(i)) = (joint.is_stuck, model.owner_of(c)) {
                 v[i][k + 1] = 0.0;
-            } else {
-                v[i][k + 1] -= inputs(&joint.friction, &v[i], z);
+            } else if !joint.is_stuck {
+                let friction = inputs(&joint.friction, z);
+                for &(j, x) in contact.responses() {
+                    v[j][k + 1] -= x * friction;
+                }
             }
             if let Some((by_load, gradient)) = &joint.by_load {
-                for &(j, a) in gradient {
-                    v[i][k + 1] -= a * convolution(by_load, &q[j], k);
+                for &(l, a) in gradient {
+                    let friction = a * convolution(by_load, &q[l], k);
+                    for &(j, x) in contact.responses() {
+                        v[j][k + 1] -= x * friction;
+                    }
                 }
             }
             for j in 0..z.len() {
-                z[j][k + 1] = inputs(&joint.rates[j], &v[i], z) * INTEGRAL[k];
+                z[j][k + 1] = inputs(&joint.rates[j], z) * INTEGRAL[k];
+            }
+        }
+        let Holding { contacts, factor } = &linear.holding;
+        if !contacts.is_empty() {
+            let along = |c: usize| model.contacts[c].along(|j| v[j][k + 1]);
+            for (j, correction) in model.corrections(contacts, factor, along) {
+                v[j][k + 1] -= correction;
             }
         }
         for (q, v) in q.iter_mut().zip(v.iter_mut()) {

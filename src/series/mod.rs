@@ -150,6 +150,13 @@ impl PowerSeries {
         Self(self.0.map(|c| c * factor))
     }
 
+    /// Adds factor·c(t).
+    pub(crate) fn add(&mut self, factor: f64, other: &Self) {
+        for (c, other) in std::iter::zip(&mut self.0, &other.0) {
+            *c += factor * other;
+        }
+    }
+
     /// The series of c(t)/t^order: a known root at t = 0 is divided out. The first `order`
     /// coefficients are taken to be 0.
     pub(crate) fn without_root(&self, order: usize) -> Self {

@@ -1,27 +1,39 @@
 use std::borrow::Cow;
+use std::fmt;
+use std::sync::Arc;
 
-use super::model::Support;
+use super::engine::model::{ContactData, check_contact};
 use crate::belt::MassOnBelt;
 use crate::drive::Drive;
 use crate::error::Error;
+use crate::friction::memory::object::LawObject;
 use crate::friction::memory::{ContactLaw, validate};
 
-/// A friction contact of one coordinate: its law, its normal load and the belt that it slides on.
+/// A friction contact: its direction, its law, its normal load and the velocity of the surface that
+/// it slides on.
 ///
 /// ```text
-/// friction on the mass  −N μ(r),   r = v − w(t)        in slip
-/// N = N0(t) + Σ n_j q_j                                the normal load
-/// w(t)                                                 velocity of the belt, 0 unless set
+/// r = b·v − w(t)              relative velocity
+/// λ = N μ(r)                  friction in slip; it acts on the structure with −b λ
+/// N = N0(t) + Σ n_j q_j       the normal load
 /// ```
 ///
-/// Loads in units of force, n_j force per displacement, w in units of velocity, μ dimensionless.
+/// | contact | b | r |
+/// |---|---|---|
+/// | [`Contact::new(i, ..)`](Self::new) | e_i | v_i − w: mass i on a belt or on the ground |
+/// | [`Contact::between(i, j, ..)`](Self::between) | e_i − e_j | v_i − v_j − w: a clutch, a damper between blades, a pad on a disc |
+/// | [`Contact::along(&[(i, b_i), ..], ..)`](Self::along) | any | a lever, a gear, a point of a reduced model by its mode shapes |
+///
+/// Loads in units of force, n_j force per displacement, w in units of velocity, μ and b
+/// dimensionless. A row b twice as large doubles r and the force on the coordinates.
 ///
 /// A load that depends on time alone may fall to 0 and come back: the contact is open meanwhile,
 /// and there is no friction. A load that depends on displacements comes from a normal spring that
 /// is part of the stiffness matrix, and which would pull once N < 0: the motion ends there, with
 /// an error.
 ///
-/// `Z` is the number of memory variables of the law: 0 for every dry law.
+/// The type of the law is not part of the type of the contact, so a structure may have contacts of
+/// different laws.
 ///
 /// ```
 /// use stick_slip::{Contact, Coulomb, Drive};
@@ -30,61 +42,104 @@ use crate::friction::memory::{ContactLaw, validate};
 /// let law = Coulomb::new(0.4, 0.25)?;
 /// let belt = Drive::profile(&[(2.0, 0.0), (4.0, 0.1)])?;
 /// let contact = Contact::new(1, law, 5.0)?.with_load_gradient(0, 0.3)?.on_belt(belt);
-/// assert_eq!(contact.coordinate(), 1);
+/// assert_eq!(contact.direction(), [(1, 1.0)]);
 /// assert_eq!(contact.load_at(0.0, &[1.0, 0.0]), 5.3);
+///
+/// // A clutch between shafts 0 and 1.
+/// let clutch = Contact::between(0, 1, law, Drive::profile(&[(0.0, 0.0), (0.5, 40.0)])?)?;
+/// assert_eq!(clutch.direction(), [(0, 1.0), (1, -1.0)]);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone)]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "super::read::Contact<L>"),
-    serde(bound(deserialize = "L: ContactLaw<Z> + serde::Deserialize<'de>"))
+    serde(try_from = "super::read::ContactText<super::read::LawText>"),
+    serde(into = "super::read::ContactText<super::read::Written>")
 )]
-pub struct Contact<L, const Z: usize = 0> {
+pub struct Contact {
+    /// As it was given first, from which errors and `coordinate` name the contact.
     coordinate: usize,
-    law: L,
+    /// b by ascending coordinate; none is 0.
+    direction: Vec<(usize, f64)>,
+    law: Arc<dyn LawObject + Send + Sync>,
     load: Drive,
     /// n_j by ascending coordinate j; none is 0.
     load_gradient: Vec<(usize, f64)>,
     belt_velocity: Drive,
 }
 
-impl<const Z: usize, L: ContactLaw<Z>> Contact<L, Z> {
-    /// A contact of a coordinate with a law and a normal load N0(t), on a surface at rest.
+impl Contact {
+    /// A contact of one coordinate, on a surface at rest, with a law and a normal load N0(t).
     ///
     /// # Errors
     ///
     /// * [`Error::InvalidParameter`] if the load is not finite, or a constant ≤ 0, if μ_s is
     ///   negative or not finite, and if a law breaks one of the rules of [`ContactLaw`];
     /// * the errors of [`MassOnBelt::new`](crate::MassOnBelt::new) that a law can cause.
-    pub fn new(coordinate: usize, law: L, load: impl Into<Drive>) -> Result<Self, Error> {
+    pub fn new<L: ContactLaw + Send + Sync + 'static>(
+        coordinate: usize,
+        law: L,
+        load: impl Into<Drive>,
+    ) -> Result<Self, Error> {
+        Self::along(&[(coordinate, 1.0)], law, load)
+    }
+
+    /// A contact between two coordinates, with a law and a normal load N0(t): r = v_i − v_j.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadDirection`] if i = j; those of [`new`](Self::new).
+    pub fn between<L: ContactLaw + Send + Sync + 'static>(
+        i: usize,
+        j: usize,
+        law: L,
+        load: impl Into<Drive>,
+    ) -> Result<Self, Error> {
+        Self::along(&[(i, 1.0), (j, -1.0)], law, load)
+    }
+
+    /// A contact with the relative velocity r = Σ b_i v_i of these coordinates, with a law and a
+    /// normal load N0(t).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadDirection`] unless there are coordinates, all different, and all b_i are finite,
+    /// one at least not 0; those of [`new`](Self::new).
+    pub fn along<L: ContactLaw + Send + Sync + 'static>(
+        direction: &[(usize, f64)],
+        law: L,
+        load: impl Into<Drive>,
+    ) -> Result<Self, Error> {
         validate(&law)?;
+        let (coordinate, direction) = checked_direction(direction)?;
         Ok(Self {
             coordinate,
-            law,
+            direction,
+            law: Arc::new(law),
             load: checked_load(load.into())?,
             load_gradient: Vec::new(),
             belt_velocity: Drive::constant(0.0),
         })
     }
-}
 
-impl<L: Clone> Contact<L> {
     /// The contact of a mass on a belt.
-    pub(super) fn of_belt(belt: &MassOnBelt<L>) -> Self {
+    pub(super) fn of_belt<L>(belt: &MassOnBelt<L>) -> Self
+    where
+        L: ContactLaw + Clone + Send + Sync + 'static,
+    {
         Self {
             coordinate: 0,
-            law: belt.law().clone(),
+            direction: vec![(0, 1.0)],
+            law: Arc::new(belt.law().clone()),
             load: Drive::constant(belt.load()),
             load_gradient: Vec::new(),
             belt_velocity: Drive::constant(belt.belt_velocity()),
         }
     }
-}
 
-impl<L, const Z: usize> Contact<L, Z> {
-    /// The same contact on a belt of velocity w(t).
+    /// The same contact on a surface of velocity w(t): a belt; between two coordinates, a velocity
+    /// that is added between the two.
     ///
     /// The velocity must not jump; [`Structure::with_contact`](crate::Structure::with_contact)
     /// checks it.
@@ -123,14 +178,15 @@ impl<L, const Z: usize> Contact<L, Z> {
         Ok(self)
     }
 
-    /// The coordinate that it belongs to, from 0.
+    /// The coordinate that it belongs to, from 0: the first of those that were given. See
+    /// [`direction`](Self::direction) for all of them.
     pub fn coordinate(&self) -> usize {
         self.coordinate
     }
 
-    /// Its friction law.
-    pub fn law(&self) -> &L {
-        &self.law
+    /// Coordinates i, ascending, with the b_i ≠ 0 of its relative velocity, dimensionless.
+    pub fn direction(&self) -> &[(usize, f64)] {
+        &self.direction
     }
 
     /// N0(t), the part of the normal load that depends on time, in units of force.
@@ -152,29 +208,92 @@ impl<L, const Z: usize> Contact<L, Z> {
     /// Normal load N = N0(t) + Σ n_j q_j at a time, in units of force; NaN where a displacement
     /// is missing. It may be negative: the contact is open then, or the motion has ended.
     pub fn load_at(&self, time: f64, displacements: &[f64]) -> f64 {
-        self.support().load_at(time, displacements)
+        let gradient = self.load_gradient.iter();
+        let terms = gradient.map(|&(j, n)| n * displacements.get(j).copied().unwrap_or(f64::NAN));
+        self.load.value(time) + terms.sum::<f64>()
     }
 
-    /// All but its law.
-    pub(crate) fn support(&self) -> Support<'_> {
-        Support {
-            coordinate: self.coordinate,
-            load: Cow::Borrowed(&self.load),
-            load_gradient: &self.load_gradient,
-            belt_velocity: Cow::Borrowed(&self.belt_velocity),
-        }
+    /// Its law, without its type.
+    pub(super) fn law(&self) -> &(dyn LawObject + Send + Sync) {
+        &*self.law
+    }
+
+    /// The contact as the engine needs it.
+    pub(super) fn data(&self) -> ContactData<'_> {
+        ContactData::new(
+            Cow::Borrowed(&self.direction),
+            &*self.law,
+            [&self.load, &self.belt_velocity].map(Cow::Borrowed),
+            &self.load_gradient,
+        )
+    }
+
+    /// Whether it may be contact number `number` of a structure with `count` coordinates.
+    pub(super) fn check(&self, number: usize, count: usize) -> Result<(), Error> {
+        let direction = self.direction.iter().map(|&(j, _)| j);
+        let gradients = self.load_gradient.iter().map(|&(j, _)| j);
+        let coordinates = std::iter::once(self.coordinate)
+            .chain(direction)
+            .chain(gradients);
+        check_contact(number, count, coordinates, &self.belt_velocity)
     }
 
     /// The contact as seen from a frame that oscillates with its belt.
-    pub(super) fn seen_from(&self, velocity: &Drive, displacement: &Drive) -> Result<Self, Error>
-    where
-        L: Clone,
-    {
+    pub(super) fn seen_from(&self, velocity: &Drive, displacement: &Drive) -> Result<Self, Error> {
         let gradient: f64 = self.load_gradient.iter().map(|&(_, n)| n).sum();
+        let direction: f64 = self.direction.iter().map(|&(_, b)| b).sum();
         let mut seen = self.clone();
         seen.load = seen.load.plus(&displacement.scaled(gradient)?)?;
-        seen.belt_velocity = seen.belt_velocity.plus(&velocity.scaled(-1.0)?)?;
+        seen.belt_velocity = seen.belt_velocity.plus(&velocity.scaled(-direction)?)?;
         Ok(seen)
+    }
+}
+
+/// The laws of two contacts are equal if they are laws of this crate with equal numbers, or one and
+/// the same law.
+impl PartialEq for Contact {
+    fn eq(&self, other: &Self) -> bool {
+        let laws = [&self.law, &other.law];
+        let is_same_law = match laws.map(|law| law.named()) {
+            [Some(one), Some(other)] => one == other,
+            _ => Arc::ptr_eq(&self.law, &other.law),
+        };
+        is_same_law
+            && self.direction == other.direction
+            && self.load == other.load
+            && self.load_gradient == other.load_gradient
+            && self.belt_velocity == other.belt_velocity
+    }
+}
+
+impl fmt::Debug for Contact {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let law: &dyn LawObject = &*self.law;
+        f.debug_struct("Contact")
+            .field("direction", &self.direction)
+            .field("law", &law)
+            .field("load", &self.load)
+            .field("load_gradient", &self.load_gradient)
+            .field("belt_velocity", &self.belt_velocity)
+            .finish()
+    }
+}
+
+/// The first coordinate of a direction, and its entries by ascending coordinate, without zeros.
+fn checked_direction(given: &[(usize, f64)]) -> Result<(usize, Vec<(usize, f64)>), Error> {
+    let mut direction = given.to_vec();
+    direction.sort_by_key(|&(j, _)| j);
+    let is_named_twice = direction.windows(2).any(|pair| pair[0].0 == pair[1].0);
+    let is_finite = direction.iter().all(|(_, b)| b.is_finite());
+    direction.retain(|&(_, b)| b != 0.0);
+    match (
+        given.first(),
+        direction.is_empty() || is_named_twice || !is_finite,
+    ) {
+        (Some(&(coordinate, _)), false) => Ok((coordinate, direction)),
+        _ => Err(Error::BadDirection {
+            direction: given.to_vec(),
+        }),
     }
 }
 

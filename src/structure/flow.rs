@@ -1,11 +1,10 @@
 //! The motion of a structure, step by step.
 
 use super::engine::Engine;
-use super::model::Model;
+use super::engine::model::Model;
 use super::step::Step;
 use super::system::Structure;
 use crate::error::Error;
-use crate::friction::memory::ContactLaw;
 use crate::motion::sealed::Sealed;
 use crate::motion::{Integrator, Run, Segment, System, Trajectory};
 use crate::state::structure::State;
@@ -31,50 +30,7 @@ impl<'s> Flow<'s> {
         model: Model<'s>,
         start: &State,
     ) -> Result<Self, Error> {
-        let n = model.len();
-        let memory = model.remembered();
-        let sizes = [
-            ("displacements", start.displacements.len(), n),
-            ("velocities", start.velocities.len(), n),
-        ];
-        let remembered = start.memory.len();
-        let memory = (remembered > 0).then_some(("memory", remembered, memory));
-        for (name, found, expected) in sizes.into_iter().chain(memory) {
-            if found != expected {
-                return Err(Error::WrongSize {
-                    name,
-                    found,
-                    expected,
-                });
-            }
-        }
-        let coordinates = std::iter::zip(&start.displacements, &start.velocities);
-        for (&displacement, &velocity) in coordinates {
-            if !(displacement.is_finite() && velocity.is_finite()) {
-                return Err(Error::InvalidState {
-                    displacement,
-                    velocity,
-                });
-            }
-        }
-        for &value in &start.memory {
-            Error::check("Structure", "memory", value, true, "any size")?;
-        }
-        if remembered > 0 {
-            let memories = start.memory.chunks_exact(model.laws.memory().max(1));
-            for (c, memory) in memories.enumerate() {
-                if let Some(limit) = model.laws.limit(c, &|j| memory[j]) {
-                    let allowed = "a memory at the start with which static_coefficient ≥ 0";
-                    Error::check(
-                        "Structure",
-                        "static_coefficient",
-                        limit,
-                        limit >= 0.0,
-                        allowed,
-                    )?;
-                }
-            }
-        }
+        check_start(&model, start)?;
         let run = Run::new(settings);
         let (engine, first) = Engine::start(model, settings.tolerance(), run.clock, start)?;
         Ok(Self {
@@ -84,6 +40,56 @@ impl<'s> Flow<'s> {
             ended: false,
         })
     }
+}
+
+/// Checks the sizes and the numbers of a start.
+pub(super) fn check_start(model: &Model<'_>, start: &State) -> Result<(), Error> {
+    let n = model.len();
+    let memory = model.remembered();
+    let sizes = [
+        ("displacements", start.displacements.len(), n),
+        ("velocities", start.velocities.len(), n),
+    ];
+    let remembered = start.memory.len();
+    let memory = (remembered > 0).then_some(("memory", remembered, memory));
+    for (name, found, expected) in sizes.into_iter().chain(memory) {
+        if found != expected {
+            return Err(Error::WrongSize {
+                name,
+                found,
+                expected,
+            });
+        }
+    }
+    let coordinates = std::iter::zip(&start.displacements, &start.velocities);
+    for (&displacement, &velocity) in coordinates {
+        if !(displacement.is_finite() && velocity.is_finite()) {
+            return Err(Error::InvalidState {
+                displacement,
+                velocity,
+            });
+        }
+    }
+    for &value in &start.memory {
+        Error::check("Structure", "memory", value, true, "any size")?;
+    }
+    if remembered > 0 {
+        for (c, contact) in model.contacts.iter().enumerate() {
+            let memory = &start.memory[model.memory(c)];
+            if let Some(limit) = contact.law.limit(&|j| memory[j]) {
+                let allowed = "a memory at the start with which static_coefficient ≥ 0";
+                let is_allowed = limit >= 0.0;
+                Error::check(
+                    "Structure",
+                    "static_coefficient",
+                    limit,
+                    is_allowed,
+                    allowed,
+                )?;
+            }
+        }
+    }
+    Ok(())
 }
 
 impl Iterator for Flow<'_> {
@@ -103,7 +109,7 @@ impl Iterator for Flow<'_> {
         match &step {
             Ok(step) => {
                 self.run.count(step.events().len());
-                self.run.clock = self.engine.clock;
+                self.run.clock = self.engine.clock();
                 self.ended = step.duration().is_infinite();
             }
             // An error is the last item.
@@ -113,21 +119,18 @@ impl Iterator for Flow<'_> {
     }
 }
 
-impl<L: ContactLaw<Z>, const Z: usize> Sealed for Structure<L, Z> {}
+impl Sealed for Structure {}
 
-impl<L: ContactLaw<Z>, const Z: usize> System for Structure<L, Z> {
+impl System for Structure {
     type State = State;
-    type Flow<'s>
-        = Flow<'s>
-    where
-        Self: 's;
+    type Flow<'s> = Flow<'s>;
 
     fn flow(&self, settings: Integrator, start: State) -> Result<Flow<'_>, Error> {
         Flow::new(settings, self.model(), &start)
     }
 }
 
-impl<L: ContactLaw<Z>, const Z: usize> Structure<L, Z> {
+impl Structure {
     /// The motion from `start` over `duration`, to round-off:
     /// [`Integrator::simulate`](crate::Integrator::simulate) with its defaults.
     ///

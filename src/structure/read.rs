@@ -2,43 +2,129 @@
 //! the checks of the constructors.
 
 use nalgebra::DMatrix;
-use serde::{Deserialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::drive::Drive;
 use crate::error::Error;
-use crate::friction::memory::ContactLaw;
+use crate::friction::memory::{AnyContactLaw, Dahl, Dwell, LuGre, NamedLaw};
+use crate::friction::{AnyLaw, Coulomb, Exponential, Polynomial, Rational, Stribeck, Tabulated};
 
-#[derive(Deserialize)]
+/// A contact as it is written, with its law in one form or another.
+#[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Contact<L> {
+pub(super) struct ContactText<L> {
     coordinate: usize,
+    /// Unless it is that coordinate alone.
+    #[serde(default = "Vec::new", skip_serializing_if = "Vec::is_empty")]
+    direction: Vec<(usize, f64)>,
     law: L,
     load: Drive,
-    #[serde(default)]
+    #[serde(default = "Vec::new")]
     load_gradient: Vec<(usize, f64)>,
-    #[serde(default)]
-    belt_velocity: Option<Drive>,
+    #[serde(default = "at_rest")]
+    belt_velocity: Drive,
 }
 
-impl<L: ContactLaw<Z>, const Z: usize> TryFrom<Contact<L>> for super::Contact<L, Z> {
-    type Error = Error;
-    fn try_from(read: Contact<L>) -> Result<Self, Error> {
-        let mut contact = Self::new(read.coordinate, read.law, read.load)?;
-        for (coordinate, gradient) in read.load_gradient {
-            contact = contact.with_load_gradient(coordinate, gradient)?;
+fn at_rest() -> Drive {
+    Drive::constant(0.0)
+}
+
+/// A law that is written: one of the crate's.
+pub(super) struct Written(Option<NamedLaw>);
+
+impl Serialize for Written {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match &self.0 {
+            Some(NamedLaw::Dry(law)) => law.serialize(serializer),
+            Some(NamedLaw::Contact(law)) => law.serialize(serializer),
+            None => Err(serde::ser::Error::custom(
+                "a contact has a user's own law, which has no name to be written by; write the \
+                 law's parameters beside the structure, and add the contact after reading",
+            )),
         }
-        Ok(match read.belt_velocity {
-            Some(velocity) => contact.on_belt(velocity),
-            None => contact,
-        })
     }
 }
 
+/// A law that is read, by its name.
 #[derive(Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum LawText {
+    Coulomb(Coulomb),
+    Exponential(Exponential),
+    Polynomial(Polynomial),
+    Rational(Rational),
+    Stribeck(Stribeck),
+    Tabulated(Tabulated),
+    Dry(AnyLaw),
+    Dwell(Dwell<AnyLaw>),
+    Dahl(Dahl),
+    LuGre(LuGre<AnyLaw>),
+}
+
+impl LawText {
+    /// The contact with this law.
+    fn contact(self, direction: &[(usize, f64)], load: Drive) -> Result<super::Contact, Error> {
+        use super::Contact;
+        match self {
+            Self::Coulomb(law) => Contact::along(direction, law, load),
+            Self::Exponential(law) => Contact::along(direction, law, load),
+            Self::Polynomial(law) => Contact::along(direction, law, load),
+            Self::Rational(law) => Contact::along(direction, law, load),
+            Self::Stribeck(law) => Contact::along(direction, law, load),
+            Self::Tabulated(law) => Contact::along(direction, law, load),
+            Self::Dry(law) => Contact::along(direction, AnyContactLaw::Dry(law), load),
+            Self::Dwell(law) => Contact::along(direction, law, load),
+            Self::Dahl(law) => Contact::along(direction, law, load),
+            Self::LuGre(law) => Contact::along(direction, law, load),
+        }
+    }
+}
+
+impl From<super::Contact> for ContactText<Written> {
+    fn from(contact: super::Contact) -> Self {
+        let direction = contact.direction();
+        let is_plain = direction == [(contact.coordinate(), 1.0)];
+        Self {
+            coordinate: contact.coordinate(),
+            direction: if is_plain {
+                Vec::new()
+            } else {
+                direction.to_vec()
+            },
+            law: Written(contact.law().named()),
+            load: contact.load().clone(),
+            load_gradient: contact.load_gradient().to_vec(),
+            belt_velocity: contact.belt_velocity().clone(),
+        }
+    }
+}
+
+impl TryFrom<ContactText<LawText>> for super::Contact {
+    type Error = Error;
+    fn try_from(read: ContactText<LawText>) -> Result<Self, Error> {
+        let mut direction = read.direction;
+        if direction.is_empty() {
+            direction.push((read.coordinate, 1.0));
+        }
+        // The coordinate that names the contact comes first.
+        direction.sort_by_key(|&(i, _)| i != read.coordinate);
+        let mut contact = read.law.contact(&direction, read.load)?;
+        for (coordinate, gradient) in read.load_gradient {
+            contact = contact.with_load_gradient(coordinate, gradient)?;
+        }
+        Ok(contact.on_belt(read.belt_velocity))
+    }
+}
+
+/// A structure as it is written.
+#[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[serde(bound(deserialize = "L: ContactLaw<Z> + Deserialize<'de>"))]
-pub(super) struct Structure<L, const Z: usize> {
+pub(super) struct StructureText {
+    /// Of a diagonal mass matrix.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     masses: Vec<f64>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    mass_matrix: Vec<Vec<f64>>,
     #[serde(default)]
     stiffness: Vec<Vec<f64>>,
     #[serde(default)]
@@ -46,13 +132,40 @@ pub(super) struct Structure<L, const Z: usize> {
     #[serde(default)]
     forces: Vec<Drive>,
     #[serde(default)]
-    contacts: Vec<super::Contact<L, Z>>,
+    contacts: Vec<super::Contact>,
 }
 
-impl<L: ContactLaw<Z>, const Z: usize> TryFrom<Structure<L, Z>> for super::Structure<L, Z> {
+impl From<super::Structure> for StructureText {
+    fn from(structure: super::Structure) -> Self {
+        let mass = structure.mass_matrix();
+        let is_diagonal = matches!(mass, std::borrow::Cow::Owned(_));
+        let (masses, mass_matrix) = if is_diagonal {
+            (structure.masses().to_vec(), Vec::new())
+        } else {
+            (Vec::new(), rows(&mass))
+        };
+        Self {
+            masses,
+            mass_matrix,
+            stiffness: rows(structure.stiffness()),
+            damping: rows(structure.damping()),
+            forces: structure.forces().to_vec(),
+            contacts: structure.contacts().to_vec(),
+        }
+    }
+}
+
+impl TryFrom<StructureText> for super::Structure {
     type Error = Error;
-    fn try_from(read: Structure<L, Z>) -> Result<Self, Error> {
-        let mut structure = Self::new(&read.masses)?;
+    fn try_from(read: StructureText) -> Result<Self, Error> {
+        let mut structure = if read.mass_matrix.is_empty() {
+            Self::new(&read.masses)?
+        } else {
+            let names = ["rows of the mass matrix", "numbers in a row of it"];
+            check_count("masses beside a mass matrix", read.masses.len(), 0)?;
+            let n = read.mass_matrix.len();
+            Self::with_mass_matrix(from_rows(&read.mass_matrix, n, names)?)?
+        };
         if !read.stiffness.is_empty() {
             let names = ["rows of the stiffness matrix", "numbers in a row of it"];
             let matrix = from_rows(&read.stiffness, structure.len(), names)?;
@@ -76,10 +189,10 @@ impl<L: ContactLaw<Z>, const Z: usize> TryFrom<Structure<L, Z>> for super::Struc
     }
 }
 
-/// A square matrix row by row.
-pub(super) fn rows<S: Serializer>(matrix: &DMatrix<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+/// A matrix row by row.
+fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
     let rows = matrix.row_iter();
-    serializer.collect_seq(rows.map(|row| row.iter().copied().collect::<Vec<f64>>()))
+    rows.map(|row| row.iter().copied().collect()).collect()
 }
 
 fn from_rows(

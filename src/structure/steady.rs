@@ -2,9 +2,10 @@ use nalgebra::linalg::Schur;
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::Structure;
-use super::model::Support;
-use crate::drive::Drive;
-use crate::friction::memory::{ContactLaw, Sliding, Slip};
+use super::contact::Contact;
+use super::engine::model::Entries;
+use crate::error::{Error, NotSliding};
+use crate::friction::memory::{Sliding, Slip};
 use crate::friction::piece_above;
 use crate::state::Direction;
 
@@ -12,12 +13,12 @@ use crate::state::Direction;
 /// motions about that go.
 ///
 /// ```text
-/// K q = f + Σ_i e_i N_i sgn(w_i) μ̂_i(|w_i|),    N_i = N0_i + Σ_j n_ij q_j
-/// M δq'' + (C + diag(N_i dμ̂_i/ds)) δq' + (K − Σ_i e_i sgn(w_i) μ̂_i n_iᵀ) δq = 0
+/// K q = f + Σ_c b_c N_c sgn(w_c) μ̂_c(|w_c|),    N_c = N0_c + n_c·q
+/// M δq'' + (C + Σ_c N_c dμ̂_c/ds b_c b_cᵀ) δq' + (K − Σ_c sgn(w_c) μ̂_c b_c n_cᵀ) δq = 0
 /// ```
 ///
-/// Contacts that remember, as bristles do, hold the memory at which z' = 0; its deviations join
-/// those of the masses: −N_i Σ_j ∂μ_i/∂z_j δz_j on the right, and δz' linear in δz and δq'.
+/// Contacts with memory variables, as bristles, hold the memory at which z' = 0; its deviations join
+/// those of the masses: −b_c N_c Σ_j ∂μ_c/∂z_j δz_j on the right, and δz' linear in δz and b_c·δq'.
 ///
 /// The load that follows the displacements makes the stiffness matrix unsymmetric: two modes can
 /// merge and one of them grow (flutter by mode coupling), even where friction does not fall with
@@ -42,9 +43,12 @@ use crate::state::Direction;
 ///         )
 /// };
 /// // The modes merge at μ = 3/4, and beyond one grows.
-/// let growth = |coefficient| Some(brake(coefficient).ok()?.steady_sliding()?.eigenvalues[0].re);
-/// assert_eq!(growth(0.74), Some(0.0));
-/// assert!(growth(0.76) > Some(0.01));
+/// let growth = |coefficient| {
+///     let sliding = brake(coefficient)?.steady_sliding()?;
+///     Ok::<f64, stick_slip::Error>(sliding.eigenvalues[0].re)
+/// };
+/// assert_eq!(growth(0.74)?, 0.0);
+/// assert!(growth(0.76)? > 0.01);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
@@ -69,106 +73,198 @@ impl SteadySliding {
             .all(|eigenvalue| eigenvalue.re < 0.0)
     }
 
-    pub(super) fn of<const Z: usize, L: ContactLaw<Z>>(
-        structure: &Structure<L, Z>,
-    ) -> Option<Self> {
+    pub(super) fn of(structure: &Structure) -> Result<Self, Error> {
         if !structure.drives().all(|drive| drive.is_constant()) {
-            return None;
+            return Err(Error::NoSteadySliding(NotSliding::Driven));
         }
-        let contacts = structure.contacts().iter().map(|contact| {
-            let velocity = contact.belt_velocity().value(0.0);
-            let direction = Direction::of(-velocity)?.sign();
-            let speed = velocity.abs();
-            let slip = Slip {
-                speed,
-                direction,
-                piece: piece_above(contact.law().breakpoints(), speed),
-            };
-            let sliding = Sliding::of(contact.law(), slip)?;
-            Some((contact.support(), sliding, direction))
+        let contacts = structure.contacts().iter().enumerate();
+        let contacts = contacts.map(|(number, contact)| {
+            Steady::of(contact).map_err(|reason| Error::NoSteadySliding(reason(number)))
         });
-        let contacts: Vec<_> = contacts.collect::<Option<_>>()?;
-        Self::with(
-            structure.masses(),
-            [structure.stiffness().clone(), structure.damping().clone()],
-            structure.forces(),
-            &contacts,
-        )
+        let contacts: Vec<Steady<'_>> = contacts.collect::<Result<_, _>>()?;
+        Self::with(structure, &contacts).map_err(Error::NoSteadySliding)
     }
 
-    /// Of contacts that slide so, each in a direction.
-    fn with(
-        masses: &[f64],
-        [mut stiffness, mut damping]: [DMatrix<f64>; 2],
-        forces: &[Drive],
-        contacts: &[(Support<'_>, Sliding, f64)],
-    ) -> Option<Self> {
-        let n = masses.len();
-        let mut forces = DVector::from_iterator(n, forces.iter().map(|force| force.value(0.0)));
-        for (contact, sliding, _) in contacts {
-            let i = contact.coordinate;
-            forces[i] -= contact.load.value(0.0) * sliding.coefficient;
-            for &(j, gradient) in contact.load_gradient {
-                stiffness[(i, j)] += sliding.coefficient * gradient;
+    /// With contacts that slide so.
+    fn with(structure: &Structure, contacts: &[Steady<'_>]) -> Result<Self, NotSliding> {
+        let n = structure.len();
+        let mut stiffness = structure.stiffness().clone();
+        let mut damping = structure.damping().clone();
+        let forces = structure.forces().iter().map(|force| force.value(0.0));
+        let mut forces = DVector::from_iterator(n, forces);
+        for Steady {
+            contact, sliding, ..
+        } in contacts
+        {
+            for &(i, b) in contact.direction() {
+                forces[i] -= b * (contact.load().value(0.0) * sliding.coefficient);
+                for &(j, gradient) in contact.load_gradient() {
+                    stiffness[(i, j)] += b * (sliding.coefficient * gradient);
+                }
             }
         }
-        // In √m q both matrices have units of time alone, and keep their symmetry if they have it.
-        let roots: Vec<f64> = masses.iter().map(|mass| mass.sqrt()).collect();
-        let scale = |matrix: &mut DMatrix<f64>| {
-            for ((i, j), entry) in (0..n)
-                .flat_map(|j| (0..n).map(move |i| (i, j)))
-                .zip(matrix.iter_mut())
-            {
-                *entry = *entry / roots[i] / roots[j];
-            }
-        };
-        scale(&mut stiffness);
-        for (force, root) in forces.iter_mut().zip(&roots) {
-            *force /= root;
-        }
-        let displacements = solve(&stiffness, &forces)?;
-        let displacements: Vec<f64> = displacements
-            .iter()
-            .zip(&roots)
-            .map(|(y, root)| y / root)
-            .collect();
+        let frame = Frame::of(structure)?;
+        frame.scale(&mut stiffness);
+        frame.scale_force(&mut forces);
+        let displacements = solve(&stiffness, &forces).ok_or(NotSliding::Singular)?;
+        let displacements = frame.displacements(displacements);
         let mut memories = Vec::new();
         let mut idle = 0;
-        for (contact, sliding, direction) in contacts {
+        for (number, steady) in contacts.iter().enumerate() {
+            let Steady {
+                contact,
+                sliding,
+                direction,
+            } = steady;
             let load = contact.load_at(0.0, &displacements);
             if load.is_nan() || load <= 0.0 {
-                return None;
+                return Err(NotSliding::NoLoad {
+                    contact: number,
+                    load,
+                });
             }
-            let i = contact.coordinate;
-            damping[(i, i)] += load * direction * sliding.slope;
-            // As the velocity of √m q has it.
-            let memory = Memory::of(sliding, i, load / roots[i], direction / roots[i]);
+            for &(i, b) in contact.direction() {
+                for &(j, other) in contact.direction() {
+                    damping[(i, j)] += b * other * (load * direction * sliding.slope);
+                }
+            }
+            let row = frame.row(contact.direction());
+            let memory = Memory::of(sliding, &row, load, *direction);
             idle += sliding.by_memory.len() - memory.matrix.nrows();
             memories.push(memory);
         }
-        scale(&mut damping);
-        let mut eigenvalues = eigenvalues(&stiffness, &damping, &memories)?;
+        frame.scale(&mut damping);
+        let mut eigenvalues =
+            eigenvalues(&stiffness, &damping, &memories).ok_or(NotSliding::Eigenvalues)?;
         let forgotten = Complex::new(f64::NEG_INFINITY, 0.0);
         eigenvalues.extend(std::iter::repeat_n(forgotten, idle));
-        Some(Self {
+        Ok(Self {
             displacements,
             eigenvalues,
         })
     }
 }
 
-/// Deviations of what one contact remembers, but for what slip has nothing to do with.
+/// A contact that slides steadily, and in which direction.
+struct Steady<'s> {
+    contact: &'s Contact,
+    sliding: Sliding,
+    direction: f64,
+}
+
+impl<'s> Steady<'s> {
+    /// The contact while all masses are at rest; else why it does not slide, by its number.
+    fn of(contact: &'s Contact) -> Result<Self, fn(usize) -> NotSliding> {
+        let velocity = contact.belt_velocity().value(0.0);
+        let Some(direction) = Direction::of(-velocity) else {
+            return Err(|contact| NotSliding::NoSpeed { contact });
+        };
+        let (speed, direction) = (velocity.abs(), direction.sign());
+        let law = contact.law();
+        let slip = Slip {
+            speed,
+            direction,
+            piece: piece_above(law.breakpoints().into_iter(), speed),
+        };
+        match law.sliding(slip) {
+            Some(sliding) => Ok(Self {
+                contact,
+                sliding,
+                direction,
+            }),
+            None => Err(|contact| NotSliding::NoSteadyMemory { contact }),
+        }
+    }
+}
+
+/// Coordinates y = Lᵀq with M = L Lᵀ: the matrices L⁻¹ K L⁻ᵀ have units of time alone, and keep
+/// their symmetry if they have it.
+struct Frame(DMatrix<f64>);
+
+impl Frame {
+    fn of(structure: &Structure) -> Result<Self, NotSliding> {
+        let masses = structure.masses();
+        let mass = structure.mass_matrix();
+        let is_diagonal = matches!(mass, std::borrow::Cow::Owned(_));
+        if is_diagonal {
+            let roots = masses.iter().map(|mass| mass.sqrt());
+            let roots = DVector::from_iterator(masses.len(), roots);
+            return Ok(Self(DMatrix::from_diagonal(&roots)));
+        }
+        // Checked where the matrix was given.
+        let factor = mass.into_owned().cholesky();
+        factor
+            .map(|factor| Self(factor.l()))
+            .ok_or(NotSliding::Singular)
+    }
+
+    /// L⁻¹ A L⁻ᵀ.
+    fn scale(&self, matrix: &mut DMatrix<f64>) {
+        self.divide(matrix);
+        matrix.transpose_mut();
+        self.divide(matrix);
+        matrix.transpose_mut();
+    }
+
+    /// L⁻¹ A.
+    fn divide(&self, matrix: &mut DMatrix<f64>) {
+        let Self(root) = self;
+        for mut column in matrix.column_iter_mut() {
+            for i in 0..root.nrows() {
+                for j in 0..i {
+                    if root[(i, j)] != 0.0 {
+                        column[i] -= root[(i, j)] * column[j];
+                    }
+                }
+                column[i] /= root[(i, i)];
+            }
+        }
+    }
+
+    fn scale_force(&self, force: &mut DVector<f64>) {
+        let mut column = DMatrix::from_column_slice(force.len(), 1, force.as_slice());
+        self.divide(&mut column);
+        force.copy_from(&column.column(0));
+    }
+
+    /// q = L⁻ᵀy.
+    fn displacements(&self, mut y: DVector<f64>) -> Vec<f64> {
+        let Self(root) = self;
+        for i in (0..y.len()).rev() {
+            for j in i + 1..y.len() {
+                if root[(j, i)] != 0.0 {
+                    y[i] -= root[(j, i)] * y[j];
+                }
+            }
+            y[i] /= root[(i, i)];
+        }
+        y.as_slice().to_vec()
+    }
+
+    /// L⁻¹b.
+    fn row(&self, direction: &Entries) -> Vec<f64> {
+        let mut row = DVector::zeros(self.0.nrows());
+        for &(i, b) in direction {
+            row[i] = b;
+        }
+        self.scale_force(&mut row);
+        row.as_slice().to_vec()
+    }
+}
+
+/// Deviations of one contact's memory, except for variables with which slip has nothing to do.
 struct Memory {
-    coordinate: usize,
     /// ∂z_i'/∂z_j.
     matrix: DMatrix<f64>,
-    /// What z does to the velocity of the coordinate, and that velocity to z.
+    /// The direction L⁻¹b of the contact.
+    row: Vec<f64>,
+    /// What z does to the velocity along the contact, and that velocity to z.
     acts: Vec<f64>,
     driven: Vec<f64>,
 }
 
 impl Memory {
-    fn of(sliding: &Sliding, coordinate: usize, load: f64, direction: f64) -> Self {
+    fn of(sliding: &Sliding, row: &[f64], load: f64, direction: f64) -> Self {
         let remembered = 0..sliding.by_memory.len();
         let numbers: Vec<usize> = remembered.filter(|&j| !sliding.is_idle(j)).collect();
         let count = numbers.len();
@@ -190,8 +286,8 @@ impl Memory {
             }
         }
         Self {
-            coordinate,
             matrix,
+            row: row.to_vec(),
             acts,
             driven,
         }
@@ -245,8 +341,10 @@ fn eigenvalues(
                 .view_mut(place, (count, count))
                 .copy_from(&memory.matrix);
             for j in 0..count {
-                matrix[(n + memory.coordinate, start + j)] = memory.acts[j];
-                matrix[(start + j, n + memory.coordinate)] = memory.driven[j];
+                for (i, b) in memory.row.iter().enumerate() {
+                    matrix[(n + i, start + j)] = b * memory.acts[j];
+                    matrix[(start + j, n + i)] = b * memory.driven[j];
+                }
             }
             start += count;
         }

@@ -19,9 +19,29 @@ pub struct Step {
     /// Of the velocities, then of what contacts remember; none for a step of no length.
     series: Vec<PowerSeries>,
     events: Vec<Event<State>>,
-    /// Contacts that a jump of a drive has released at the end, whatever the motion was.
-    forced: Vec<usize>,
+    after: After,
     end_state: State,
+}
+
+/// What the tangent flow has to know of the events at the end of a step.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct After {
+    /// Contacts whose events have another cause than that contact's own limit.
+    pub(crate) causes: Vec<(usize, Cause)>,
+    /// v' just after, if a contact that shares coordinates has an event.
+    pub(crate) rates: Vec<f64>,
+    /// Contacts that share coordinates and came to the bound of their stick band, and the rate of
+    /// σλ − N μ_s just before, multiplied by G_cc.
+    pub(crate) approaches: Vec<(usize, f64)>,
+}
+
+/// Why something happened at a contact although it had reached no limit of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Cause {
+    /// An event of another contact at the same time.
+    Other,
+    /// A jump of a drive: at a time that no change of the motion moves.
+    Drive,
 }
 
 impl Step {
@@ -43,14 +63,19 @@ impl Step {
             state,
             series,
             events,
-            forced: Vec::new(),
+            after: After::default(),
             end_state,
         }
     }
 
-    /// The same step, at whose end a jump of a drive has released these contacts.
-    pub(super) fn forcing(self, forced: Vec<usize>) -> Self {
-        Self { forced, ..self }
+    /// The same step, with what is known of what follows.
+    pub(super) fn followed_by(self, after: After) -> Self {
+        Self { after, ..self }
+    }
+
+    /// What is known of what follows the events at its end.
+    pub(crate) fn after(&self) -> &After {
+        &self.after
     }
 
     /// The clock at its start.
@@ -64,10 +89,9 @@ impl Step {
         &self.series
     }
 
-    /// Whether a release at its end was forced by a jump of a drive: at a time that no change of
-    /// the motion moves.
+    /// Whether a release at its end was forced by a jump of a drive.
     pub(crate) fn is_forced(&self, contact: usize) -> bool {
-        self.forced.contains(&contact)
+        self.after.causes.contains(&(contact, Cause::Drive))
     }
 
     /// What each contact does during the step.

@@ -1,35 +1,53 @@
 use std::borrow::Cow;
-use std::rc::Rc;
 
 use nalgebra::DMatrix;
 
 use super::contact::Contact;
-use super::laws::Typed;
-use super::model::Model;
+use super::engine::Engine;
+use super::engine::model::Model;
+use super::flow::check_start;
 use super::steady::SteadySliding;
 use crate::belt::MassOnBelt;
+use crate::clock::Clock;
 use crate::drive::{self, Drive};
 use crate::error::{Element, Error};
 use crate::friction::memory::ContactLaw;
+use crate::state::structure::State;
 
-/// Several masses on springs and dampers, driven in time, with a friction contact at some or all.
+/// Several masses on springs and dampers, driven in time, with friction contacts between them and
+/// with surfaces that move.
 ///
 /// ```text
-/// slip:   m_i v_i' = f_i(t) − (C v)_i − (K q)_i − N_i μ_i(r_i),   v = q',  r_i = v_i − w_i(t)
-/// stick:  v_i = w_i(t)  while  |R_i| ≤ N_i μ_s,   R_i = f_i(t) − (C v)_i − (K q)_i − m_i w_i'(t)
-/// load:   N_i = N0_i(t) + Σ_j n_ij q_j
+/// M v' = f(t) − C v − K q − Σ_c b_c λ_c,   v = q',   r_c = b_c·v − w_c(t)
+/// slip:   λ_c = N_c μ_c(r_c)
+/// stick:  r_c = 0  while  |λ_c| ≤ N_c μ_s,c
+/// load:   N_c = N0_c(t) + Σ_j n_cj q_j
 /// ```
 ///
-/// q_i are displacements or angles, m_i > 0 masses or moments of inertia. K and C need not be
-/// symmetric: follower forces and gyroscopic terms are allowed.
+/// q_i are displacements, angles or modal coordinates, n of them; M, C and K are n × n. M is
+/// symmetric and positive definite, diagonal with [`new`](Self::new) and full with
+/// [`with_mass_matrix`](Self::with_mass_matrix). K and C need not be symmetric: follower forces and
+/// gyroscopic terms are allowed.
 ///
-/// A coordinate has at most one contact, and the number of a contact is its place in the order of
+/// A [`Contact`] has any direction b_c, a coordinate any number of contacts, and every contact may
+/// have another law. The number of a contact is its place in the order of
 /// [`with_contact`](Self::with_contact).
 ///
-/// The type of the law, `L`, follows from the first contact. Where there is none, write any law:
-/// `let frame: Structure<Coulomb> = Structure::new(&[1.0])?;`. Contacts of different laws share
-/// [`AnyLaw`](crate::AnyLaw). `Z` is the number of memory variables of the law, 0 for every dry
-/// law.
+/// # Contacts that share masses
+///
+/// What a sticking contact carries depends on what others do that share its masses. At r = 0 they
+/// decide together:
+///
+/// * where static and kinetic coefficients are equal there is one consistent answer, and it is
+///   taken;
+/// * else the *fastest yields first*: all have their static limits; of the contacts that cannot
+///   hold, the one with the largest |r'|/(G_cc N μ_s) falls to its kinetic friction,
+///   G_cc = bᵀM⁻¹b, and the others are asked again. That is the limit of friction that falls from
+///   its static to its kinetic value within a very small sliding speed.
+///
+/// The answer does not depend on the numbering of contacts. Contacts whose directions are linearly
+/// dependent (parallel clutches) may slide; if they come to rest together the motion ends with
+/// [`Error::Undetermined`].
 ///
 /// ```
 /// use stick_slip::{Contact, Coulomb, Rational, Structure};
@@ -44,12 +62,22 @@ use crate::friction::memory::ContactLaw;
 ///     .with_contact(Contact::new(1, law, 1.3)?.on_belt(0.17))?;
 /// assert_eq!(blocks.stiffness()[(0, 1)], -1.2);
 /// assert_eq!(blocks.contacts()[1].coordinate(), 1);
-/// let sliding = blocks.steady_sliding().ok_or("not sliding")?;
-/// assert!(!sliding.is_stable());
+/// assert!(!blocks.steady_sliding()?.is_stable());
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
 ///
-/// let frame: Structure<Coulomb> = Structure::new(&[1.0])?.with_ground_spring(0, 4.0)?;
-/// assert_eq!(frame.contacts().len(), 0);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+/// use stick_slip::{Contact, Coulomb, Structure, structure::State};
+///
+/// // Two shafts of 1 and 0.5 kg m², at 5 rad/s and at rest, and a clutch that can carry 1.2 N m.
+/// let clutch = Contact::between(0, 1, Coulomb::new(0.36, 0.3)?, 4.0)?;
+/// let shafts = Structure::new(&[1.0, 0.5])?.with_contact(clutch)?;
+/// let motion = shafts.simulate(State::new(&[0.0, 0.0], &[5.0, 0.0]), 5.0)?;
+/// // They lock when the clutch has taken away the difference of speeds, at the common momentum.
+/// let lock_up = &motion.events()[0];
+/// assert!((lock_up.time - 5.0 / (1.2 / 1.0 + 1.2 / 0.5)).abs() < 1e-15);
+/// assert!((motion.last().velocities[1] - 5.0 / 1.5).abs() < 1e-15);
+/// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
 /// Any consistent units will do, SI or dimensionless: nothing in the crate depends on them.
@@ -81,23 +109,24 @@ use crate::friction::memory::ContactLaw;
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "super::read::Structure<L, Z>"),
-    serde(bound(
-        deserialize = "L: crate::friction::memory::ContactLaw<Z> + serde::Deserialize<'de>"
-    ))
+    serde(
+        try_from = "super::read::StructureText",
+        into = "super::read::StructureText"
+    )
 )]
-pub struct Structure<L, const Z: usize = 0> {
+pub struct Structure {
+    /// The diagonal of M.
     masses: Vec<f64>,
-    #[cfg_attr(feature = "serde", serde(serialize_with = "super::read::rows"))]
+    /// M, unless it is diagonal.
+    mass_matrix: Option<DMatrix<f64>>,
     stiffness: DMatrix<f64>,
-    #[cfg_attr(feature = "serde", serde(serialize_with = "super::read::rows"))]
     damping: DMatrix<f64>,
     /// One for each coordinate.
     forces: Vec<Drive>,
-    contacts: Vec<Contact<L, Z>>,
+    contacts: Vec<Contact>,
 }
 
-impl<L, const Z: usize> Structure<L, Z> {
+impl Structure {
     /// Free masses m_i > 0, one for each coordinate: no springs, dampers, forces or contacts yet.
     ///
     /// # Errors
@@ -105,15 +134,78 @@ impl<L, const Z: usize> Structure<L, Z> {
     /// [`Error::BadElement`] with the first mass that is not positive and finite;
     /// [`Error::InvalidParameter`] if there is none.
     pub fn new(masses: &[f64]) -> Result<Self, Error> {
-        check_masses(masses)?;
+        check_masses(masses, Element::Mass)?;
         let n = masses.len();
         Ok(Self {
             masses: masses.to_vec(),
+            mass_matrix: None,
             stiffness: DMatrix::zeros(n, n),
             damping: DMatrix::zeros(n, n),
             forces: vec![Drive::constant(0.0); n],
             contacts: Vec::new(),
         })
+    }
+
+    /// Free coordinates with a mass matrix M, n × n, symmetric and positive definite, as of a
+    /// reduced finite-element model. A diagonal matrix gives what [`new`](Self::new) gives.
+    ///
+    /// Entries (i, j) and (j, i) may differ by 4ε√(m_ii m_jj), as in ΦᵀMΦ; their mean is taken.
+    ///
+    /// # Errors
+    ///
+    /// * [`Error::InvalidParameter`] if it is empty, [`Error::WrongSize`] if it is not square;
+    /// * [`Error::BadElement`] with the first entry that is not finite, or not positive on the
+    ///   diagonal;
+    /// * [`Error::NotSymmetric`], [`Error::NotPositiveDefinite`].
+    ///
+    /// ```
+    /// use stick_slip::nalgebra::DMatrix;
+    /// use stick_slip::{Contact, Coulomb, Structure};
+    ///
+    /// // Two masses in coordinates x_0 = q_0 − q_1 and x_1 = q_1: the joint between them is along
+    /// // x_0 alone.
+    /// let mass = DMatrix::from_row_slice(2, 2, &[1.0, 1.0, 1.0, 3.0]);
+    /// let pair = Structure::with_mass_matrix(mass)?
+    ///     .with_contact(Contact::new(0, Coulomb::new(0.4, 0.3)?, 1.0)?)?;
+    /// assert_eq!(pair.mass_matrix()[(0, 1)], 1.0);
+    /// assert_eq!(pair.masses(), [1.0, 3.0]);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn with_mass_matrix(mut mass: DMatrix<f64>) -> Result<Self, Error> {
+        let n = mass.nrows();
+        if mass.ncols() != n {
+            return Err(Error::WrongSize {
+                name: "columns of the mass matrix",
+                found: mass.ncols(),
+                expected: n,
+            });
+        }
+        let element = |i: usize| Element::MassMatrix(i, i);
+        let diagonal: Vec<f64> = mass.diagonal().iter().copied().collect();
+        check_masses(&diagonal, element)?;
+        for i in 0..n {
+            for j in 0..i {
+                for (row, column) in [(i, j), (j, i)] {
+                    let value = mass[(row, column)];
+                    Error::check("Structure", "mass", value, true, "a finite number")
+                        .map_err(|error| error.of_element(Element::MassMatrix(row, column)))?;
+                }
+                let [one, other] = [mass[(i, j)], mass[(j, i)]];
+                let size = diagonal[i].sqrt() * diagonal[j].sqrt();
+                if (one - other).abs() > 4.0 * f64::EPSILON * size {
+                    return Err(Error::NotSymmetric { row: j, column: i });
+                }
+                let mean = 0.5 * one + 0.5 * other;
+                (mass[(i, j)], mass[(j, i)]) = (mean, mean);
+            }
+        }
+        let mut structure = Self::new(&diagonal)?;
+        let beside = (0..n).flat_map(|i| (0..i).map(move |j| (i, j)));
+        if beside.clone().any(|(i, j)| mass[(i, j)] != 0.0) {
+            check_definite(&mass)?;
+            structure.mass_matrix = Some(mass);
+        }
+        Ok(structure)
     }
 
     /// A spring of stiffness k between two coordinates, added to what is there:
@@ -226,18 +318,10 @@ impl<L, const Z: usize> Structure<L, Z> {
     ///
     /// # Errors
     ///
-    /// * [`Error::NoSuchCoordinate`] for its own coordinate and those of its load;
-    /// * [`Error::CoordinateTaken`] if that coordinate has one already;
+    /// * [`Error::NoSuchCoordinate`] for a coordinate of its direction or of its load;
     /// * [`Error::BeltVelocityJumps`], and [`Error::BadElement`] if that velocity is not finite.
-    pub fn with_contact(mut self, contact: Contact<L, Z>) -> Result<Self, Error> {
-        contact.support().check(self.contacts.len(), self.len())?;
-        let coordinate = contact.coordinate();
-        if let Some(taken) = self.contact_of(coordinate) {
-            return Err(Error::CoordinateTaken {
-                coordinate,
-                contact: taken,
-            });
-        }
+    pub fn with_contact(mut self, contact: Contact) -> Result<Self, Error> {
+        contact.check(self.contacts.len(), self.len())?;
         self.contacts.push(contact);
         Ok(self)
     }
@@ -248,9 +332,21 @@ impl<L, const Z: usize> Structure<L, Z> {
         self.masses.len()
     }
 
-    /// Mass of each coordinate.
+    /// Mass of each coordinate: the diagonal of M.
     pub fn masses(&self) -> &[f64] {
         &self.masses
+    }
+
+    /// M.
+    pub fn mass_matrix(&self) -> Cow<'_, DMatrix<f64>> {
+        match &self.mass_matrix {
+            Some(mass) => Cow::Borrowed(mass),
+            None => {
+                let n = self.len();
+                let entry = |i, j| if i == j { self.masses[i] } else { 0.0 };
+                Cow::Owned(DMatrix::from_fn(n, n, entry))
+            }
+        }
     }
 
     /// K, in units of force per displacement.
@@ -269,7 +365,7 @@ impl<L, const Z: usize> Structure<L, Z> {
     }
 
     /// The contacts, by their numbers.
-    pub fn contacts(&self) -> &[Contact<L, Z>] {
+    pub fn contacts(&self) -> &[Contact] {
         &self.contacts
     }
 
@@ -293,16 +389,14 @@ impl<L, const Z: usize> Structure<L, Z> {
 
     /// The same motion seen from a frame that oscillates with all belts: at the displacement W(t)
     /// and the velocity W'(t), harmonics both.
-    pub(crate) fn seen_from(&self, velocity: &Drive, displacement: &Drive) -> Result<Self, Error>
-    where
-        L: Clone,
-    {
+    pub(crate) fn seen_from(&self, velocity: &Drive, displacement: &Drive) -> Result<Self, Error> {
         let mut seen = self.clone();
         let acceleration = velocity.derivative()?;
-        for (i, mass) in self.masses.iter().enumerate() {
-            let [damping, stiffness] = [&self.damping, &self.stiffness].map(|m| m.row(i).sum());
+        let matrices = [&self.mass_matrix(), &self.damping, &self.stiffness];
+        for i in 0..self.len() {
+            let [mass, damping, stiffness] = matrices.map(|matrix| matrix.row(i).sum());
             let parts = [
-                (&acceleration, *mass),
+                (&acceleration, mass),
                 (velocity, damping),
                 (displacement, stiffness),
             ];
@@ -323,39 +417,70 @@ impl<L, const Z: usize> Structure<L, Z> {
         self.forces.iter().chain(of_contacts)
     }
 
-    /// The number of the contact that a coordinate has.
-    pub(crate) fn contact_of(&self, coordinate: usize) -> Option<usize> {
-        let mut contacts = self.contacts.iter();
-        contacts.position(|contact| contact.coordinate() == coordinate)
-    }
-}
-
-impl<const Z: usize, L: ContactLaw<Z>> Structure<L, Z> {
     /// What moves, as the engine sees it.
     pub(crate) fn model(&self) -> Model<'_> {
         Model::new(
-            Cow::Borrowed(&self.masses),
-            [&self.stiffness, &self.damping],
+            [&self.mass_matrix(), &self.stiffness, &self.damping],
             Cow::Borrowed(&self.forces),
-            self.contacts.iter().map(Contact::support).collect(),
-            Rc::new(self.laws()),
+            self.contacts.iter().map(Contact::data).collect(),
         )
     }
 
-    /// The laws of its contacts.
-    pub(crate) fn laws(&self) -> Typed<'_, L, Z> {
-        Typed(self.contacts.iter().map(Contact::law).collect())
+    /// Steady sliding: every mass stands still, every contact slips, and memory variables stay as
+    /// they are.
+    ///
+    /// See [`SteadySliding`] for formulas and an example.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoSteadySliding`] unless all drives are constant, every contact has a sliding
+    /// velocity w ≠ 0, every load is positive there, and K, with what friction adds to it, is not
+    /// singular: restrain the rigid-body modes. A string that is turned at a given speed, for
+    /// example, has a spring to the ground in a frame that turns with it.
+    pub fn steady_sliding(&self) -> Result<SteadySliding, Error> {
+        SteadySliding::of(self)
     }
 
-    /// Steady sliding: every mass stands still, every belt moves under its mass, and what contacts
-    /// remember stays as it is.
+    /// What each contact carries at a time in a state: λ_c in units of force, with the sign of the
+    /// relative velocity that it resists, after the decision of contacts at r = 0; 0 where open.
     ///
-    /// `None` unless all drives are constant, every belt moves, every load is positive there, and
-    /// the place is unique: nothing may be free to turn or to travel as a whole. So hold one end:
-    /// a string that is turned at a given speed has a spring to the ground where seen from a frame
-    /// that turns with it. See [`SteadySliding`] for formulas and an example.
-    pub fn steady_sliding(&self) -> Option<SteadySliding> {
-        SteadySliding::of(self)
+    /// # Errors
+    ///
+    /// Those of [`simulate`](Self::simulate) about the start;
+    /// [`Error::InvalidParameter`] if the time is not finite.
+    ///
+    /// ```
+    /// use stick_slip::{Contact, Coulomb, Structure, structure::State};
+    ///
+    /// // A locked clutch carries what accelerates the other shaft.
+    /// let clutch = Contact::between(0, 1, Coulomb::new(0.4, 0.3)?, 10.0)?;
+    /// let shafts = Structure::new(&[1.0, 3.0])?.with_force(0, 2.0)?.with_contact(clutch)?;
+    /// let state = State::at_rest(2);
+    /// assert_eq!(shafts.carried(0.0, &state)?, [1.5]);
+    /// assert_eq!(shafts.acceleration(0.0, &state)?, [0.5, 0.5]);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn carried(&self, time: f64, state: &State) -> Result<Vec<f64>, Error> {
+        Ok(self.at(time, state)?.carried())
+    }
+
+    /// The acceleration v' of each coordinate at a time in a state, after the decision of contacts
+    /// at r = 0; in units of velocity per time.
+    ///
+    /// # Errors
+    ///
+    /// As for [`carried`](Self::carried).
+    pub fn acceleration(&self, time: f64, state: &State) -> Result<Vec<f64>, Error> {
+        Ok(self.at(time, state)?.acceleration())
+    }
+
+    /// The engine at an instant.
+    fn at(&self, time: f64, state: &State) -> Result<Engine<'_>, Error> {
+        Error::check("Structure", "time", time, true, "any time")?;
+        let model = self.model();
+        check_start(&model, state)?;
+        let (engine, _) = Engine::start(model, f64::EPSILON, Clock::at(time), state)?;
+        Ok(engine)
     }
 }
 
@@ -373,11 +498,15 @@ impl<const Z: usize, L: ContactLaw<Z>> Structure<L, Z> {
 /// assert!((one.eigenvalues[0] - other.eigenvalues[0]).norm() < 1e-15);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
-impl<L: Clone> From<&MassOnBelt<L>> for Structure<L> {
+impl<L> From<&MassOnBelt<L>> for Structure
+where
+    L: ContactLaw + Clone + Send + Sync + 'static,
+{
     fn from(belt: &MassOnBelt<L>) -> Self {
         let contact = Contact::of_belt(belt);
         Self {
             masses: vec![1.0],
+            mass_matrix: None,
             stiffness: DMatrix::from_element(1, 1, 1.0),
             damping: DMatrix::from_element(1, 1, 2.0 * belt.damping()),
             forces: vec![Drive::constant(0.0)],
@@ -387,7 +516,7 @@ impl<L: Clone> From<&MassOnBelt<L>> for Structure<L> {
 }
 
 /// Whether a structure may have these masses.
-fn check_masses(masses: &[f64]) -> Result<(), Error> {
+fn check_masses(masses: &[f64], element: impl Fn(usize) -> Element) -> Result<(), Error> {
     let n = masses.len();
     Error::check(
         "Structure",
@@ -398,7 +527,26 @@ fn check_masses(masses: &[f64]) -> Result<(), Error> {
     )?;
     for (i, &mass) in masses.iter().enumerate() {
         Error::check("Structure", "mass", mass, mass > 0.0, "mass > 0")
-            .map_err(|error| error.of_element(Element::Mass(i)))?;
+            .map_err(|error| error.of_element(element(i)))?;
+    }
+    Ok(())
+}
+
+/// Whether a symmetric matrix is positive definite, by Cholesky's factorisation.
+fn check_definite(mass: &DMatrix<f64>) -> Result<(), Error> {
+    let n = mass.nrows();
+    let mut rest = mass.clone();
+    for row in 0..n {
+        let pivot = rest[(row, row)];
+        if pivot <= n as f64 * f64::EPSILON * mass[(row, row)] {
+            return Err(Error::NotPositiveDefinite { row });
+        }
+        for i in row + 1..n {
+            let factor = rest[(i, row)] / pivot;
+            for j in row + 1..=i {
+                rest[(i, j)] -= factor * rest[(j, row)];
+            }
+        }
     }
     Ok(())
 }

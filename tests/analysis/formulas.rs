@@ -849,7 +849,7 @@ fn regimes_are_known_where_the_coefficients_overflow() {
 
 #[test]
 fn the_expansions_of_stick_slip_serve_every_cubic_law_and_no_other() {
-    let made = |static_coefficient, c| {
+    let made = |static_coefficient, c: [f64; 4]| {
         let law = Polynomials::new(static_coefficient, &c);
         let system = MassOnBelt::new(law, 0.2).unwrap();
         system.with_damping(0.01).unwrap().with_load(0.2).unwrap()

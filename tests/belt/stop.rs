@@ -2,8 +2,8 @@
 //! motion up to there, the same as without the stop.
 
 use stick_slip::{
-    Contact, Coulomb, Ended, Error, Event, Integrator, MassOnBelt, Mode, Polynomial, Segment,
-    State, Structure, structure,
+    Contact, Coulomb, Ended, Error, Event, Integrator, MassOnBelt, Mode, Segment, State, Structure,
+    structure,
 };
 
 use super::common::paper;
@@ -164,7 +164,7 @@ fn odd_answers_are_put_into_the_step() {
 #[test]
 fn a_structure_stops_as_a_belt_does() {
     let belt = paper(0.2);
-    let one: Structure<Polynomial> = Structure::from(&belt);
+    let one: Structure = Structure::from(&belt);
     let integrator = Integrator::new();
     let here = integrator
         .simulate_until(&belt, START, 50.0, |step| {
@@ -241,7 +241,7 @@ fn what_is_printed_for_finding_faults_is_short() {
         .unwrap()
         .unwrap();
     assert!(format!("{cycle:?}").len() < 300);
-    let one: Structure<Polynomial> = Structure::from(&system);
+    let one: Structure = Structure::from(&system);
     let motion = one.simulate(structure::State::at_rest(1), 50.0).unwrap();
     assert!(format!("{motion:?}").len() < 400);
     assert!(format!("{:?}", motion.steps()[0]).len() < 400);

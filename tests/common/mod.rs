@@ -12,7 +12,7 @@ use std::cell::Cell;
 use serde_json::Value;
 use stick_slip::analysis::dwell::DwellOscillator;
 use stick_slip::{
-    AnyLaw, Contact, Coulomb, Direction, Dwell, EventKind, Exponential, FrictionLaw, LimitCycle,
+    AnyLaw, Contact, Coulomb, Direction, EventKind, Exponential, FrictionLaw, LimitCycle,
     MassOnBelt, Polynomial, Scalar, State, Structure,
 };
 
@@ -58,6 +58,8 @@ pub(crate) fn kind(name: &str) -> EventKind {
         "release_positive" => EventKind::Release(Direction::Leading),
         "cross_to_negative" => EventKind::Crossing(Direction::Lagging),
         "cross_to_positive" => EventKind::Crossing(Direction::Leading),
+        "open" => EventKind::Open,
+        "close" => EventKind::Close,
         other => panic!("unknown event {other}"),
     }
 }
@@ -301,7 +303,7 @@ impl FrictionLaw for TurnsNan {
 }
 
 /// The mass of a closed formula on its belt.
-pub(crate) fn dwelling(of: &DwellOscillator, velocity: f64) -> Structure<Dwell<Coulomb>, 1> {
+pub(crate) fn dwelling(of: &DwellOscillator, velocity: f64) -> Structure {
     let contact = Contact::new(0, of.law, of.load).unwrap();
     Structure::new(&[of.mass])
         .and_then(|s| s.with_ground_spring(0, of.stiffness))

@@ -27,7 +27,7 @@ fn types_have_the_common_traits() {
     value::<Trajectory>();
     value::<LimitCycle>();
     value::<Orbit<MassOnBelt<AnyLaw>>>();
-    value::<Orbit<Structure<AnyLaw>>>();
+    value::<Orbit<Structure>>();
     value::<CycleSet>();
     value::<DiagramPoint>();
     value::<Attractor>();

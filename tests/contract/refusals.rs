@@ -29,7 +29,8 @@ impl FrictionLaw for Given {
 #[derive(Debug, Clone, Copy)]
 struct Remembering(f64);
 
-impl ContactLaw<1> for Remembering {
+impl ContactLaw for Remembering {
+    type Memory<S: Scalar> = [S; 1];
     fn caught(&self, memory: [f64; 1]) -> [f64; 1] {
         memory
     }
@@ -206,7 +207,7 @@ fn systems() -> Vec<Case> {
         normal_force: 20.0,
         belt_velocity: 0.05,
     };
-    let structure = || Structure::<Coulomb>::new(&[1.0]).unwrap();
+    let structure = || Structure::new(&[1.0]).unwrap();
     vec![
         case("MassOnBelt", "belt_velocity", &ANY, |x| {
             MassOnBelt::new(law(), x)
@@ -266,7 +267,7 @@ fn systems() -> Vec<Case> {
             Contact::new(0, law(), 1.0)?.with_load_gradient(0, x)
         }),
         case("Structure", "mass 1", NOT_ABOVE, |x| {
-            Structure::<Coulomb>::new(&[1.0, x])
+            Structure::new(&[1.0, x])
         }),
         case("Structure", "stiffness (0, 0)", &ANY, move |x| {
             structure().with_ground_spring(0, x)
@@ -353,7 +354,7 @@ fn searches() -> Vec<Case> {
 
 /// Counts that are refused.
 fn counts() -> Vec<(&'static str, &'static str, Error)> {
-    let forced = Structure::<Coulomb>::new(&[1.0]).unwrap();
+    let forced = Structure::new(&[1.0]).unwrap();
     let forced = forced
         .with_force(0, Drive::sine(1.0, 1.0).unwrap())
         .unwrap();
@@ -388,11 +389,7 @@ fn counts() -> Vec<(&'static str, &'static str, Error)> {
             Tabulated::new([(0.0, 0.4)]).unwrap_err(),
         ),
         ("Drive", "points", Drive::profile(&[]).unwrap_err()),
-        (
-            "Structure",
-            "masses",
-            Structure::<Coulomb>::new(&[]).unwrap_err(),
-        ),
+        ("Structure", "masses", Structure::new(&[]).unwrap_err()),
         (
             "orbit::Period",
             "periods",

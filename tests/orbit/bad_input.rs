@@ -6,7 +6,7 @@ use stick_slip::{Contact, Coulomb, Drive, Error, EventKind, MassOnBelt, Structur
 
 use crate::common::{assert_form, paper};
 
-fn block(force: Drive, belt: Drive) -> Structure<Coulomb> {
+fn block(force: Drive, belt: Drive) -> Structure {
     let contact = Contact::new(0, Coulomb::new(0.4, 0.3).unwrap(), 1.0).unwrap();
     Structure::new(&[1.0])
         .and_then(|s| s.with_ground_spring(0, 1.0))
@@ -200,7 +200,7 @@ fn what_is_not_found_says_how_far_it_is() {
             other => panic!("{other:?}"),
         }
     }
-    let undamped: Structure<Coulomb> = Structure::new(&[1.0])
+    let undamped: Structure = Structure::new(&[1.0])
         .and_then(|s| s.with_ground_spring(0, 1.0))
         .and_then(|s| s.with_force(0, Drive::sine(1.0, 1.0)?))
         .unwrap();
@@ -218,7 +218,7 @@ fn what_stops_a_motion_stops_a_search() {
     let contact = Contact::new(0, Coulomb::new(0.4, 0.3).unwrap(), 1.0)
         .and_then(|contact| contact.with_load_gradient(0, 1.0))
         .unwrap();
-    let lifts: Structure<Coulomb> = Structure::new(&[1.0])
+    let lifts: Structure = Structure::new(&[1.0])
         .and_then(|s| s.with_ground_spring(0, 1.0))
         .and_then(|s| s.with_force(0, Drive::sine(3.0, 0.5)?))
         .and_then(|s| s.with_contact(contact))

@@ -86,7 +86,7 @@ impl Draw {
         .unwrap()
     }
 
-    fn structure(&mut self) -> Structure<Law, 1> {
+    fn structure(&mut self) -> Structure {
         let n = 1 + self.one_of(4) as usize;
         let masses: Vec<f64> = (0..n).map(|_| self.uniform(0.5, 2.0)).collect();
         let mut structure = Structure::new(&masses).unwrap();
@@ -128,7 +128,7 @@ impl Draw {
     }
 
     /// Slipping, but for one contact in four.
-    fn start(&mut self, structure: &Structure<Law, 1>) -> State {
+    fn start(&mut self, structure: &Structure) -> State {
         let n = structure.len();
         let mut draw = || self.uniform(-1.0, 1.0);
         let displacements: Vec<f64> = (0..n).map(|_| draw()).collect();
@@ -160,7 +160,7 @@ fn sequence(steps: &[Step]) -> Sequence {
 /// Column of the derivative by central differences of three widths, with an estimate of its error;
 /// `None` where a motion beside has other events.
 fn column(
-    structure: &Structure<Law, 1>,
+    structure: &Structure,
     start: &State,
     duration: f64,
     index: usize,

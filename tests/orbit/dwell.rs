@@ -8,10 +8,11 @@ use stick_slip::{
     Polynomial, Structure, bifurcation,
 };
 
-type Block<L> = Structure<Dwell<L>, 1>;
-
 /// m = k = N = 1.
-fn block<L: FrictionLaw + Clone>(law: &Dwell<L>, damper: f64, velocity: f64) -> Block<L> {
+fn block<L>(law: &Dwell<L>, damper: f64, velocity: f64) -> Structure
+where
+    L: FrictionLaw + Clone + Send + Sync + 'static,
+{
     let contact = Contact::new(0, law.clone(), 1.0).unwrap();
     Structure::new(&[1.0])
         .and_then(|s| s.with_ground_spring(0, 1.0)?.with_ground_damper(0, damper))
@@ -20,7 +21,7 @@ fn block<L: FrictionLaw + Clone>(law: &Dwell<L>, damper: f64, velocity: f64) -> 
 }
 
 /// A state in the middle of the slip phase, a little beside the cycle.
-fn in_slip<L: FrictionLaw>(system: &Block<L>, contact: f64, cycle: &ExactCycle) -> State {
+fn in_slip(system: &Structure, contact: f64, cycle: &ExactCycle) -> State {
     let start = State::new(&[contact], &[cycle.belt_velocity]);
     let time = cycle.stick_duration + 0.5 * cycle.slip_duration;
     let mut state = system.simulate(start, time).unwrap().last();
@@ -29,7 +30,7 @@ fn in_slip<L: FrictionLaw>(system: &Block<L>, contact: f64, cycle: &ExactCycle) 
 }
 
 /// Where the motion slips, some time before the contact: nothing happens at the seam.
-fn late_in_slip<L: FrictionLaw>(orbit: &Orbit<Block<L>>) -> State {
+fn late_in_slip(orbit: &Orbit<Structure>) -> State {
     let mut events = orbit.events().iter();
     let stick = events.find(|event| event.kind == EventKind::Stick).unwrap();
     let time = stick.time - 1.5;
@@ -42,7 +43,7 @@ fn late_in_slip<L: FrictionLaw>(orbit: &Orbit<Block<L>>) -> State {
 }
 
 /// The place of the contact, from where a motion is caught and sticks.
-fn caught<L: FrictionLaw>(orbit: &Orbit<Block<L>>) -> f64 {
+fn caught(orbit: &Orbit<Structure>) -> f64 {
     let mut events = orbit.events().iter();
     let stick = events.find(|event| event.kind == EventKind::Stick);
     stick.unwrap().state.displacements[0]

@@ -9,8 +9,8 @@ use stick_slip::orbit::{
 };
 use stick_slip::structure::State;
 use stick_slip::{
-    AnyLaw, Contact, Coulomb, Dwell, Error, EventKind, Exponential, FrictionLaw, MassOnBelt,
-    Polynomial, Structure, System, bifurcation, limit_cycle,
+    Contact, Coulomb, Dwell, Error, EventKind, Exponential, FrictionLaw, MassOnBelt, Polynomial,
+    Structure, System, bifurcation, limit_cycle,
 };
 
 use crate::common::number;
@@ -37,7 +37,7 @@ fn nearest(values: &[f64], to: f64) -> f64 {
         .unwrap_or(f64::NAN)
 }
 
-fn driven(case: &Value, parameter: f64) -> Result<Structure<AnyLaw>, Error> {
+fn driven(case: &Value, parameter: f64) -> Result<Structure, Error> {
     Ok(structure(&case["system"], parameter))
 }
 
@@ -180,7 +180,7 @@ fn dwelling(
     [damping, kinetic, at_once]: [f64; 3],
     form: &dyn Fn(Coulomb) -> Result<Dwell<Coulomb>, Error>,
     belt_velocity: f64,
-) -> Result<Structure<Dwell<Coulomb>, 1>, Error> {
+) -> Result<Structure, Error> {
     let law = form(Coulomb::new(at_once, kinetic)?)?;
     Structure::new(&[1.0])?
         .with_ground_spring(0, 1.0)?
@@ -231,14 +231,14 @@ fn stick_slip_with_dwell_ends_at_the_folds_of_the_reference() {
     }
 }
 
-fn small() -> (Structure<Polynomial>, Orbit<Structure<Polynomial>>) {
+fn small() -> (Structure, Orbit<Structure>) {
     let system = forced(0.3).unwrap();
     let orbit = settle(&system, &State::at_rest(1), 200.0, Period::Driven(1)).unwrap();
     (system, orbit)
 }
 
 /// The system of `sb_10` of the reference, over the amplitude of its force.
-fn forced(amplitude: f64) -> Result<Structure<Polynomial>, Error> {
+fn forced(amplitude: f64) -> Result<Structure, Error> {
     let law = Polynomial::new(0.45, 0.3, 0.5)?;
     Structure::new(&[1.0])?
         .with_ground_spring(0, 1.0)?
@@ -332,8 +332,8 @@ fn what_cannot_be_followed_is_refused() {
             if matches!(**source, Error::NotPeriodic { .. }))
     };
     assert!(is_refused(&error), "{error}");
-    let error = follow(|_| Err(Error::NotFree), 0.3, &orbit, 0.1..0.6)
-        .map(|_: Branch<Structure<Polynomial>>| ());
+    let error =
+        follow(|_| Err(Error::NotFree), 0.3, &orbit, 0.1..0.6).map(|_: Branch<Structure>| ());
     assert_eq!(
         error,
         Err(Error::At {
@@ -400,7 +400,7 @@ fn kinds_have_names() {
 
 /// A forced mass beside one that slides steadily on a belt: where the second one begins to vibrate
 /// by itself, a pair of multipliers leaves the unit circle.
-fn forced_beside_sliding(velocity: f64, coupling: f64) -> Result<Structure<Polynomial>, Error> {
+fn forced_beside_sliding(velocity: f64, coupling: f64) -> Result<Structure, Error> {
     let law = Polynomial::new(0.4, 0.25, 0.5)?;
     Structure::new(&[2.0, 1.0])?
         .with_ground_spring(0, 3.0)?

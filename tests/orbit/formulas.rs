@@ -8,7 +8,7 @@ use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Drive, Structure};
 
 /// x'' + 2ζx' + x = p cos Ωt − F sgn x'.
-fn forced(frequency: f64, damping: f64, friction: f64, force: f64) -> Structure<Coulomb> {
+fn forced(frequency: f64, damping: f64, friction: f64, force: f64) -> Structure {
     let contact = Contact::new(0, Coulomb::new(friction, friction).unwrap(), 1.0).unwrap();
     Structure::new(&[1.0])
         .and_then(|s| s.with_ground_spring(0, 1.0))
@@ -65,7 +65,7 @@ fn den_hartog(w: f64, z: f64, friction: f64, force: f64) -> (f64, [Complex<f64>;
     )
 }
 
-fn amplitude(orbit: &Orbit<Structure<Coulomb>>) -> f64 {
+fn amplitude(orbit: &Orbit<Structure>) -> f64 {
     let (least, largest) = orbit.extremes(0);
     0.5 * (largest - least)
 }

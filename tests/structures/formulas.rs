@@ -26,7 +26,7 @@ fn distance(motion: &Trajectory<State>, place: &[f64], from: f64, to: f64) -> f6
 }
 
 /// Growth rate of a small disturbance of steady sliding, from the motion alone.
-fn growth(structure: &Structure<impl FrictionLaw>, late: f64) -> f64 {
+fn growth(structure: &Structure, late: f64) -> f64 {
     let place = structure.steady_sliding().unwrap().displacements;
     let mut start = State::new(&place, &vec![0.0; place.len()]);
     for (i, q) in start.displacements.iter_mut().enumerate() {
@@ -109,13 +109,13 @@ fn drill_strings_begin_to_swing_at_the_critical_slope() {
 }
 
 /// A mass on a belt that creeps and shakes fast.
-fn shaken<L: FrictionLaw>(
+fn shaken<L: FrictionLaw + Send + Sync + 'static>(
     law: L,
     velocity: f64,
     amplitude: f64,
     damping: f64,
     omega: f64,
-) -> Structure<L> {
+) -> Structure {
     let belt = Drive::harmonic(amplitude, omega, 0.0)
         .and_then(|belt| belt.with_constant(velocity))
         .unwrap();

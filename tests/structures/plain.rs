@@ -214,7 +214,7 @@ impl Plain {
         State::new(&q, &v)
     }
 
-    pub(crate) fn structure(&self) -> Structure<AnyLaw> {
+    pub(crate) fn structure(&self) -> Structure {
         let n = self.masses.len();
         let matrix =
             |rows: &[Vec<f64>]| stick_slip::nalgebra::DMatrix::from_fn(n, n, |i, j| rows[i][j]);

@@ -79,25 +79,30 @@ pub(crate) fn law(contact: &Value, parameter: f64) -> AnyLaw {
 }
 
 /// The system of a case, with a value of its parameter if it has one.
-pub(crate) fn structure(system: &Value, parameter: f64) -> Structure<AnyLaw> {
+pub(crate) fn structure(system: &Value, parameter: f64) -> Structure {
     with_laws(system, parameter, |contact| law(contact, parameter))
 }
 
 /// The system of a case whose contacts remember.
-pub(crate) fn remembering(system: &Value) -> Structure<AnyContactLaw<Raised>, 1> {
+pub(crate) fn remembering(system: &Value) -> Structure {
     with_laws(system, f64::NAN, contact_law)
 }
 
-fn with_laws<L: ContactLaw<Z>, const Z: usize>(
+fn with_laws<L: ContactLaw + Send + Sync + 'static>(
     system: &Value,
     parameter: f64,
     law: impl Fn(&Value) -> L,
-) -> Structure<L, Z> {
+) -> Structure {
     let matrix = |name: &str| {
         let rows: Vec<Vec<f64>> = list(&system[name]).iter().map(numbers).collect();
         DMatrix::from_fn(rows.len(), rows.len(), |i, j| rows[i][j])
     };
-    let mut structure = Structure::new(&numbers(&system["m"]))
+    let masses = if system["mass"].is_null() {
+        Structure::new(&numbers(&system["m"]))
+    } else {
+        Structure::with_mass_matrix(matrix("mass"))
+    };
+    let mut structure = masses
         .and_then(|structure| structure.with_stiffness(matrix("K")))
         .and_then(|structure| structure.with_damping(matrix("C")))
         .unwrap();
@@ -108,8 +113,15 @@ fn with_laws<L: ContactLaw<Z>, const Z: usize>(
         if contact.is_null() {
             continue;
         }
-        let load = number(&contact["N0"]);
-        let mut made = Contact::new(i, law(contact), load)
+        let load = match &contact["N0"] {
+            load @ Value::Object(_) => drive(load, parameter),
+            load => number(load).into(),
+        };
+        let direction: Vec<(usize, f64)> = match &contact["direction"] {
+            Value::Null => vec![(i, 1.0)],
+            row => numbers(row).into_iter().enumerate().collect(),
+        };
+        let mut made = Contact::along(&direction, law(contact), load)
             .unwrap()
             .on_belt(drive(&contact["w"], parameter));
         let gradients = contact.get("n").map(numbers).unwrap_or_default();

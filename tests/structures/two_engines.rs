@@ -35,7 +35,7 @@ impl Compared {
     }
 
     /// Follows one motion by both.
-    fn motion<L: FrictionLaw + Clone>(
+    fn motion<L: FrictionLaw + Clone + Send + Sync + 'static>(
         &mut self,
         about: &str,
         belt: &MassOnBelt<L>,

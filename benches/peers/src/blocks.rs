@@ -18,7 +18,7 @@ pub struct Blocks<L> {
 }
 
 impl<L: FrictionLaw + Copy> Blocks<L> {
-    pub fn new(set: &Set<Structure<L>>) -> Self {
+    pub fn new(set: &Set<Structure>) -> Self {
         let system = &set.system;
         let of_contacts = [0, 1].map(|i| &system.contacts()[i]);
         Self {
@@ -59,7 +59,7 @@ pub struct End {
 
 impl<L: FrictionLaw + Copy> Phase<L> {
     /// Both blocks behind the belt.
-    pub fn behind(set: &Set<Structure<L>>) -> Self {
+    pub fn behind(set: &Set<Structure>) -> Self {
         Self {
             blocks: Blocks::new(set),
             signs: [-1.0, -1.0],
@@ -145,7 +145,7 @@ impl<L: FrictionLaw + Copy> Phase<L> {
 
 /// Runs the motion and writes down its events; `end` integrates one phase, its time from 0.
 pub fn run<L: FrictionLaw + Copy>(
-    set: &Set<Structure<L>>,
+    set: &Set<Structure>,
     events: &mut Vec<f64>,
     mut end: impl FnMut(Phase<L>, Point) -> End,
 ) {

@@ -85,7 +85,7 @@ fn one_mass<L: FrictionLaw + Copy + 'static>(criterion: &mut Criterion, set: &Se
     });
 }
 
-fn two_blocks<L: FrictionLaw + Copy + 'static>(criterion: &mut Criterion, set: &Set<Structure<L>>) {
+fn two_blocks<L: FrictionLaw + Copy + 'static>(criterion: &mut Criterion, set: &Set<Structure>) {
     compare(criterion, set, None, |tolerance| {
         let mut dop853 = dop853::end(tolerance);
         let mut rkv989e = rkv989e::end(tolerance);

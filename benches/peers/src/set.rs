@@ -72,7 +72,7 @@ pub fn exponential() -> Set<MassOnBelt<Exponential>> {
 /// Two blocks with exponential laws, on the limit cycle that attracts them: each sticks and is let
 /// go once a period, the one while the other slips. That the start is rounded puts the events off
 /// by less than 1e-15. Start and times are those of the crate's reference data.
-pub fn two_blocks() -> Set<Structure<Exponential>> {
+pub fn two_blocks() -> Set<Structure> {
     let system = || {
         let laws = [
             Exponential::new(0.6, 0.3, 0.2)?,

@@ -56,7 +56,7 @@ pub fn contact<L: FrictionLaw + Copy + 'static>(
 }
 
 pub fn end<L: FrictionLaw + Copy + 'static>(
-    set: &Set<Structure<L>>,
+    set: &Set<Structure>,
     tolerance: f64,
 ) -> impl FnMut(Phase<L>, Point) -> End {
     let current = Rc::new(Cell::new(Phase::behind(set)));

@@ -1,20 +1,20 @@
-use super::{ContactLaw, Dahl, Dwell, LuGre, Motion, Slip};
+use super::{ContactLaw, Dahl, Dwell, LuGre, Motion, NamedLaw, Slip};
 use crate::friction::FrictionLaw;
 use crate::scalar::Scalar;
 
-/// Dry friction or one of the crate's laws with memory, for different contacts in one structure.
+/// Dry friction or one of the crate's laws with memory, as a value chosen at run time.
 ///
-/// Every contact then has one memory variable; that of a dry law stays what it is.
+/// It has one memory variable; that of a dry law stays what it is. (Contacts of one structure may
+/// have laws of different types, without it.)
 ///
 /// ```
-/// use stick_slip::{AnyContactLaw, AnyLaw, Contact, Coulomb, Dahl, Structure};
+/// use stick_slip::{AnyContactLaw, AnyLaw, ContactLaw, Coulomb, Dahl, Slip};
 ///
 /// let dry: AnyLaw = Coulomb::new(0.4, 0.25)?.into();
-/// let two = Structure::new(&[1.0, 1.0])?
-///     .with_spring(0, 1, 1.0)?
-///     .with_contact(Contact::new(0, AnyContactLaw::Dry(dry), 1.0)?)?
-///     .with_contact(Contact::new(1, Dahl::new(0.4, 50.0)?.into(), 1.0)?)?;
-/// assert_eq!(two.contacts().len(), 2);
+/// let laws = [AnyContactLaw::Dry(dry), Dahl::new(0.4, 50.0)?.into()];
+/// let slip = Slip { speed: 0.1, direction: 1.0, piece: 0 };
+/// let coefficients = laws.map(|law| law.coefficient(slip, [0.002]));
+/// assert_eq!(coefficients, [0.25, 0.1]);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -57,11 +57,13 @@ impl<L> From<LuGre<L>> for AnyContactLaw<L> {
     }
 }
 
-impl<L: FrictionLaw> ContactLaw<1> for AnyContactLaw<L> {
+impl<L: FrictionLaw> ContactLaw for AnyContactLaw<L> {
+    type Memory<S: Scalar> = [S; 1];
+
     #[inline]
     fn coefficient<S: Scalar>(&self, slip: Slip<S>, memory: [S; 1]) -> S {
         match self {
-            Self::Dry(law) => ContactLaw::<0>::coefficient(law, slip, []),
+            Self::Dry(law) => ContactLaw::coefficient(law, slip, []),
             Self::Dwell(law) => law.coefficient(slip, memory),
             Self::Dahl(law) => law.coefficient(slip, memory),
             Self::LuGre(law) => law.coefficient(slip, memory),
@@ -102,6 +104,15 @@ impl<L: FrictionLaw> ContactLaw<1> for AnyContactLaw<L> {
         match self {
             Self::Dwell(law) => law.caught(memory),
             _ => memory,
+        }
+    }
+
+    fn named(&self) -> Option<NamedLaw> {
+        match self {
+            Self::Dry(law) => Some(NamedLaw::Contact(AnyContactLaw::Dry(law.any()?))),
+            Self::Dwell(law) => law.named(),
+            Self::Dahl(law) => law.named(),
+            Self::LuGre(law) => law.named(),
         }
     }
 }

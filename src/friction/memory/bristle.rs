@@ -1,4 +1,4 @@
-use super::{ContactLaw, Motion, Slip};
+use super::{ContactLaw, Motion, NamedLaw, Slip};
 use crate::error::Error;
 use crate::friction::{Coulomb, FrictionLaw};
 use crate::scalar::Scalar;
@@ -110,7 +110,9 @@ impl<L: FrictionLaw> LuGre<L> {
     }
 }
 
-impl<L: FrictionLaw> ContactLaw<1> for LuGre<L> {
+impl<L: FrictionLaw> ContactLaw for LuGre<L> {
+    type Memory<S: Scalar> = [S; 1];
+
     #[inline]
     fn coefficient<S: Scalar>(&self, slip: Slip<S>, [z]: [S; 1]) -> S {
         let elastic = z * self.stiffness + slip.velocity() * self.viscous;
@@ -139,6 +141,23 @@ impl<L: FrictionLaw> ContactLaw<1> for LuGre<L> {
 
     fn caught(&self, memory: [f64; 1]) -> [f64; 1] {
         memory
+    }
+
+    fn named(&self) -> Option<NamedLaw> {
+        let Self {
+            stiffness,
+            damping,
+            viscous,
+            ..
+        } = *self;
+        let law = self.law.any()?;
+        let named = LuGre {
+            law,
+            stiffness,
+            damping,
+            viscous,
+        };
+        Some(NamedLaw::Contact(named.into()))
     }
 }
 
@@ -202,7 +221,9 @@ impl Dahl {
     }
 }
 
-impl ContactLaw<1> for Dahl {
+impl ContactLaw for Dahl {
+    type Memory<S: Scalar> = [S; 1];
+
     #[inline]
     fn coefficient<S: Scalar>(&self, slip: Slip<S>, memory: [S; 1]) -> S {
         self.0.coefficient(slip, memory)
@@ -223,5 +244,9 @@ impl ContactLaw<1> for Dahl {
 
     fn caught(&self, memory: [f64; 1]) -> [f64; 1] {
         memory
+    }
+
+    fn named(&self) -> Option<NamedLaw> {
+        Some(NamedLaw::Contact((*self).into()))
     }
 }

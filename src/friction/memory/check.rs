@@ -1,5 +1,5 @@
 use super::sliding::{Derivatives, derivatives};
-use super::{ContactLaw, Motion, Slip};
+use super::{ContactLaw, Motion, Slip, Variables};
 use crate::error::Error;
 use crate::friction::check::{JUMP, STATIC_ROUNDING};
 
@@ -26,14 +26,15 @@ struct Facts<'l> {
 /// Checks the rules of [`ContactLaw`] on which a structure relies, with a memory of zeros and in
 /// both directions of slip: μ_s is finite and not below the coefficient at speed 0, friction
 /// opposes slip there, rates are finite, the breakpoints ascend, and the law is continuous.
-pub(crate) fn validate<const Z: usize, L: ContactLaw<Z>>(law: &L) -> Result<(), Error> {
-    let fresh = [0.0; Z];
+pub(crate) fn validate<L: ContactLaw>(law: &L) -> Result<(), Error> {
+    let fresh = L::Memory::<f64>::from_fn(|_| 0.0);
+    let rates_in_stick = law.rates(Motion::Stick, fresh);
     let facts = Facts {
-        kind: of_law(Z),
+        kind: of_law(L::Memory::<f64>::COUNT),
         limit: law.limit(0.0, fresh),
         coefficient: &|slip| law.coefficient(slip, fresh),
-        derivatives: &|slip| derivatives(law, slip, &fresh, None),
-        rates_in_stick: &law.rates(Motion::Stick, fresh),
+        derivatives: &|slip| derivatives(law, slip, fresh.as_ref(), None),
+        rates_in_stick: rates_in_stick.as_ref(),
         breakpoints: &mut law.breakpoints(),
     };
     facts.check()

@@ -1,4 +1,4 @@
-use super::{ContactLaw, Motion, Slip};
+use super::{ContactLaw, Motion, NamedLaw, Slip};
 use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::scalar::Scalar;
@@ -153,7 +153,9 @@ fn check_limit(law: &impl FrictionLaw, limit: f64) -> Result<(), Error> {
     Error::check("Dwell", "limit", limit, is_reached, allowed).map(drop)
 }
 
-impl<L: FrictionLaw> ContactLaw<1> for Dwell<L> {
+impl<L: FrictionLaw> ContactLaw for Dwell<L> {
+    type Memory<S: Scalar> = [S; 1];
+
     #[inline(always)]
     fn coefficient<S: Scalar>(&self, slip: Slip<S>, _: [S; 1]) -> S {
         self.law.kinetic_on(slip.piece, slip.speed) * slip.direction
@@ -185,5 +187,11 @@ impl<L: FrictionLaw> ContactLaw<1> for Dwell<L> {
 
     fn caught(&self, _: [f64; 1]) -> [f64; 1] {
         [0.0]
+    }
+
+    fn named(&self) -> Option<NamedLaw> {
+        let Self { form, time, .. } = *self;
+        let law = self.law.any()?;
+        Some(NamedLaw::Contact(Dwell { law, form, time }.into()))
     }
 }

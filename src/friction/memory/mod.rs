@@ -6,6 +6,7 @@
 //! | `dwell.rs` | static friction that rises at rest |
 //! | `bristle.rs` | LuGre's and Dahl's bristles |
 //! | `any.rs` | a contact law chosen at run time |
+//! | `object.rs` | a contact law behind a reference: what the engine asks of it |
 //! | `sliding.rs` | what a contact with memory does in steady sliding, linearised |
 //! | `check.rs` | checks of a law before it is used |
 //! | `read.rs` | how these laws are written and read (feature `serde`) |
@@ -14,6 +15,7 @@ mod any;
 mod bristle;
 mod check;
 mod dwell;
+pub(crate) mod object;
 #[cfg(feature = "serde")]
 mod read;
 mod sliding;
@@ -24,7 +26,7 @@ pub(crate) use check::validate;
 pub use dwell::Dwell;
 pub(crate) use sliding::Sliding;
 
-use crate::friction::FrictionLaw;
+use crate::friction::{AnyLaw, FrictionLaw};
 use crate::scalar::Scalar;
 
 /// Sliding of a contact: what its law is told while it slips.
@@ -79,15 +81,49 @@ pub enum Motion<S> {
     Slip(Slip<S>),
 }
 
-/// The friction law of a contact, with a memory of `Z` numbers.
+/// The numbers of a contact's memory: an array `[S; Z]`, whatever the number of variables Z.
+/// Sealed: no other type can implement it.
+pub trait Variables<S>: sealed::Sealed + Copy + AsRef<[S]> + AsMut<[S]> {
+    /// Number of variables.
+    const COUNT: usize;
+    /// The memory whose variable number j is `value(j)`.
+    fn from_fn(value: impl FnMut(usize) -> S) -> Self;
+}
+
+mod sealed {
+    pub trait Sealed {}
+    impl<S, const Z: usize> Sealed for [S; Z] {}
+}
+
+impl<S: Copy, const Z: usize> Variables<S> for [S; Z] {
+    const COUNT: usize = Z;
+
+    #[inline(always)]
+    fn from_fn(value: impl FnMut(usize) -> S) -> Self {
+        std::array::from_fn(value)
+    }
+}
+
+/// A law of the crate, by which a contact is written and compared.
+#[doc(hidden)]
+#[derive(Debug, Clone, PartialEq)]
+pub enum NamedLaw {
+    /// Without memory variables.
+    Dry(AnyLaw),
+    /// With one, which a dry law does not use.
+    Contact(AnyContactLaw<AnyLaw>),
+}
+
+/// The friction law of a contact, with or without memory.
 ///
 /// ```text
-/// slip:   force on the mass −N·μ(r, z),  z' = rates
-/// stick:  |force| ≤ N·μ_s(z),            z' = rates
+/// slip:   friction  λ = N·μ(r, z),   z' = rates
+/// stick:  |λ| ≤ N·μ_s(z),            z' = rates
 /// ```
 ///
-/// N is the normal load, r = σs the relative velocity, z the memory. Every [`FrictionLaw`] is a
-/// contact law without memory: μ(r) = σμ̂(s), and μ_s is its static coefficient.
+/// N is the normal load, r = σs the relative velocity, z the memory variables. Positive friction
+/// brakes a positive r. Every [`FrictionLaw`] is a contact law without memory: μ(r) = σμ̂(s), and
+/// μ_s is its static coefficient.
 ///
 /// The functions are generic over the number type, by the rules of [`Scalar`]; the law may branch
 /// on the direction of slip and on the base values.
@@ -102,7 +138,8 @@ pub enum Motion<S> {
 /// /// A surface that is run in: over the distance slid, z, μ comes from 0.5 to 0.3.
 /// struct RunIn;
 ///
-/// impl ContactLaw<1> for RunIn {
+/// impl ContactLaw for RunIn {
+///     type Memory<S: Scalar> = [S; 1];
 ///     fn coefficient<S: Scalar>(&self, slip: Slip<S>, [z]: [S; 1]) -> S {
 ///         ((-z).exp() * 0.2 + 0.3) * slip.direction
 ///     }
@@ -132,24 +169,27 @@ pub enum Motion<S> {
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[diagnostic::on_unimplemented(
-    message = "`{Self}` is not the law of a contact with a memory of {Z} numbers",
-    label = "neither `FrictionLaw` nor `ContactLaw<{Z}>`",
+    message = "`{Self}` is not the law of a contact",
+    label = "neither `FrictionLaw` nor `ContactLaw`",
     note = "a closure cannot be a law, because a law is evaluated on power series, too; write \
-            `struct MyLaw;` and `impl FrictionLaw for MyLaw`, or `impl ContactLaw<1> for MyLaw` \
-            with a memory of one number"
+            `struct MyLaw;` and `impl FrictionLaw for MyLaw`, or `impl ContactLaw for MyLaw` \
+            if the law has memory variables"
 )]
-pub trait ContactLaw<const Z: usize>: Sized {
+pub trait ContactLaw: Sized {
+    /// The memory variables: `[S; Z]` for Z of them.
+    type Memory<S: Scalar>: Variables<S>;
+
     /// Friction coefficient μ(r, z), dimensionless. The friction force on the mass is −N·μ, so the
     /// coefficient is positive where that force is negative.
-    fn coefficient<S: Scalar>(&self, slip: Slip<S>, memory: [S; Z]) -> S;
+    fn coefficient<S: Scalar>(&self, slip: Slip<S>, memory: Self::Memory<S>) -> S;
 
     /// Static coefficient μ_s(z), dimensionless: the contact sticks while it carries at most N·μ_s.
     /// `None` for a contact that never sticks. `zero` serves to make constants:
     /// `zero.constant(0.4)`.
-    fn limit<S: Scalar>(&self, zero: S, memory: [S; Z]) -> Option<S>;
+    fn limit<S: Scalar>(&self, zero: S, memory: Self::Memory<S>) -> Option<S>;
 
     /// Rates of change dz/dt of the memory.
-    fn rates<S: Scalar>(&self, motion: Motion<S>, memory: [S; Z]) -> [S; Z];
+    fn rates<S: Scalar>(&self, motion: Motion<S>, memory: Self::Memory<S>) -> Self::Memory<S>;
 
     /// Sliding speeds at which pieces of the law meet: finitely many, ascending, positive. See
     /// [`FrictionLaw::breakpoints`].
@@ -157,10 +197,19 @@ pub trait ContactLaw<const Z: usize>: Sized {
 
     /// The memory after slip has ended in stick, or stick in slip, given the memory before. The
     /// event itself still shows the memory before.
-    fn caught(&self, memory: [f64; Z]) -> [f64; Z];
+    fn caught(&self, memory: Self::Memory<f64>) -> Self::Memory<f64>;
+
+    /// The law as one of the crate's own, by which it is written and compared; `None` for a user's
+    /// law.
+    #[doc(hidden)]
+    fn named(&self) -> Option<NamedLaw> {
+        None
+    }
 }
 
-impl<L: FrictionLaw> ContactLaw<0> for L {
+impl<L: FrictionLaw> ContactLaw for L {
+    type Memory<S: Scalar> = [S; 0];
+
     #[inline(always)]
     fn coefficient<S: Scalar>(&self, slip: Slip<S>, _: [S; 0]) -> S {
         self.kinetic_on(slip.piece, slip.speed) * slip.direction
@@ -182,5 +231,9 @@ impl<L: FrictionLaw> ContactLaw<0> for L {
 
     fn caught(&self, memory: [f64; 0]) -> [f64; 0] {
         memory
+    }
+
+    fn named(&self) -> Option<NamedLaw> {
+        FrictionLaw::any(self).map(NamedLaw::Dry)
     }
 }

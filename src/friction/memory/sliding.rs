@@ -1,6 +1,6 @@
 use nalgebra::{DMatrix, DVector};
 
-use super::{ContactLaw, Motion, Slip};
+use super::{ContactLaw, Motion, Slip, Variables};
 use crate::scalar::Scalar;
 use crate::scalar::jet::Tape;
 
@@ -32,8 +32,9 @@ pub(super) struct Derivatives {
 
 impl Sliding {
     /// Finds the memory whose rates are 0, by Newton's method from 0; `None` if there is none.
-    pub(crate) fn of<const Z: usize, L: ContactLaw<Z>>(law: &L, slip: Slip<f64>) -> Option<Self> {
-        Self::find(Z, &|memory, by| derivatives(law, slip, memory, by))
+    pub(crate) fn of<L: ContactLaw>(law: &L, slip: Slip<f64>) -> Option<Self> {
+        let count = L::Memory::<f64>::COUNT;
+        Self::find(count, &|memory, by| derivatives(law, slip, memory, by))
     }
 
     fn find(count: usize, law: &Slopes<'_>) -> Option<Self> {
@@ -97,7 +98,7 @@ impl Sliding {
 }
 
 /// By memory number `by`, or else by the sliding speed.
-pub(super) fn derivatives<const Z: usize, L: ContactLaw<Z>>(
+pub(super) fn derivatives<L: ContactLaw>(
     law: &L,
     slip: Slip<f64>,
     memory: &[f64],
@@ -116,10 +117,10 @@ pub(super) fn derivatives<const Z: usize, L: ContactLaw<Z>>(
             direction: slip.direction,
             piece: slip.piece,
         };
-        let memory: [_; Z] = std::array::from_fn(|j| number(Some(j), memory[j]));
+        let memory = L::Memory::from_fn(|j| number(Some(j), memory[j]));
         let coefficient = law.coefficient(slip, memory);
         let rates = law.rates(Motion::Slip(slip), memory);
-        let rates = rates.into_iter();
+        let rates = rates.as_ref().iter();
         Derivatives {
             coefficient: [coefficient.value(), coefficient.derivative()],
             rates: rates

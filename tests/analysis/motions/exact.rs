@@ -336,7 +336,7 @@ fn dwell_cycles() {
 }
 
 /// With the force of a table: a mass on a surface at rest.
-fn forced(of: &ForcedOscillator, phase: f64) -> Structure<Coulomb> {
+fn forced(of: &ForcedOscillator, phase: f64) -> Structure {
     let law = Coulomb::new(of.static_friction, of.kinetic_friction).unwrap();
     let force = Drive::harmonic(of.force, of.angular_frequency, phase).unwrap();
     Structure::new(&[1.0])

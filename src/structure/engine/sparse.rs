@@ -18,15 +18,15 @@ struct Row {
 }
 
 impl Sparse {
-    /// The matrix whose entry (i, j) is `scale(i, j)` times that of a dense one.
-    pub(crate) fn scaled(dense: &DMatrix<f64>, scale: impl Fn(usize, usize) -> f64) -> Self {
+    /// The entries of a dense matrix that are not 0.
+    pub(crate) fn new(dense: &DMatrix<f64>) -> Self {
         let n = dense.nrows();
         let mut rows: Vec<Vec<(usize, f64)>> = vec![Vec::new(); n];
         // Column by column, as it lies in memory.
         for (j, column) in dense.as_slice().chunks_exact(n).enumerate() {
             for (i, &value) in column.iter().enumerate() {
                 if value != 0.0 && i != j {
-                    rows[i].push((j, scale(i, j) * value));
+                    rows[i].push((j, value));
                 }
             }
         }
@@ -35,7 +35,7 @@ impl Sparse {
             let start = entries.len();
             entries.extend(row);
             Row {
-                diagonal: scale(i, i) * dense[(i, i)],
+                diagonal: dense[(i, i)],
                 start,
                 end: entries.len(),
             }
@@ -46,9 +46,17 @@ impl Sparse {
         }
     }
 
-    /// Number of rows.
-    pub(crate) fn len(&self) -> usize {
-        self.rows.len()
+    /// The product with a dense matrix.
+    pub(crate) fn times(&self, dense: &DMatrix<f64>) -> Self {
+        let mut product = DMatrix::zeros(dense.nrows(), dense.ncols());
+        for (i, (diagonal, beside)) in self.rows().enumerate() {
+            for j in 0..dense.ncols() {
+                let own = diagonal * dense[(i, j)];
+                let terms = beside.iter();
+                product[(i, j)] = terms.fold(own, |sum, &(l, a)| sum + a * dense[(l, j)]);
+            }
+        }
+        Self::new(&product)
     }
 
     /// A row: its entry on the diagonal, and column and value of those beside it that are not 0, by
@@ -77,19 +85,27 @@ impl Sparse {
 mod tests {
     use super::*;
 
-    #[test]
-    fn a_chain_has_two_entries_a_row_beside_the_diagonal() {
-        let n = 5;
-        let dense = DMatrix::from_fn(n, n, |i, j| match i.abs_diff(j) {
+    fn dense(n: usize) -> DMatrix<f64> {
+        DMatrix::from_fn(n, n, |i, j| match i.abs_diff(j) {
             0 => 2.0 + i as f64,
             1 => -1.0 - j as f64,
             _ => 0.0,
-        });
-        let sparse = Sparse::scaled(&dense, |i, j| if i == j { 1.0 } else { 10.0 });
-        assert_eq!(sparse.row(0), (2.0, &[(1, -20.0)][..]));
-        assert_eq!(sparse.row(2), (4.0, &[(1, -20.0), (3, -40.0)][..]));
-        assert_eq!(sparse.row(4), (6.0, &[(3, -40.0)][..]));
-        assert_eq!(sparse.len(), n);
+        })
+    }
+
+    #[test]
+    fn a_chain_has_two_entries_a_row_beside_the_diagonal() {
+        let sparse = Sparse::new(&dense(5));
+        assert_eq!(sparse.row(0), (2.0, &[(1, -2.0)][..]));
+        assert_eq!(sparse.row(2), (4.0, &[(1, -2.0), (3, -4.0)][..]));
+        assert_eq!(sparse.row(4), (6.0, &[(3, -4.0)][..]));
+        assert_eq!(sparse.rows().count(), 5);
         assert_eq!(sparse.bandwidth(), 1);
+    }
+
+    #[test]
+    fn products_are_those_of_dense_matrices() {
+        let [a, b] = [dense(4), dense(4).transpose()];
+        assert_eq!(Sparse::new(&a).times(&b), Sparse::new(&(a * b)));
     }
 }

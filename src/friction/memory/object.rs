@@ -1,0 +1,270 @@
+//! A contact law behind a reference: what the engine of structures asks of it. The engine and the
+//! searches are compiled once, for any law, and contacts of different laws stand side by side.
+//!
+//! What is asked of numbers gets the memory as a function of the variable's number, because it is
+//! computed where it is needed. A power series is computed one order at a call.
+
+use std::fmt;
+
+use super::sliding::Sliding;
+use super::{ContactLaw, Motion, NamedLaw, Slip, Variables};
+use crate::scalar::dual::{Dual, Tangent};
+use crate::scalar::jet::{Jet, Run, Tape};
+use crate::series::{PowerSeries, TERMS};
+
+/// Memory variables by their numbers.
+pub(crate) type Memory<'m> = &'m dyn Fn(usize) -> f64;
+
+/// A contact law without its type. Every [`ContactLaw`] is one.
+pub(crate) trait LawObject {
+    /// Number of memory variables.
+    fn memory(&self) -> usize;
+    /// Speeds at which pieces of the law meet.
+    fn breakpoints(&self) -> Vec<f64>;
+    /// μ(r, z).
+    fn coefficient(&self, slip: Slip<f64>, memory: Memory<'_>) -> f64;
+    /// μ(r, z) at four sliding speeds, of which `slip` gives direction and piece; the memory by
+    /// place, then by number.
+    fn at_four(&self, slip: Slip<[f64; 4]>, memory: &dyn Fn(usize, usize) -> f64) -> [f64; 4];
+    /// μ_s(z).
+    fn limit(&self, memory: Memory<'_>) -> Option<f64>;
+    /// ∂μ_s/∂z_j; NaN for a law that never sticks.
+    fn limit_slope(&self, memory: &[f64], by: usize) -> f64;
+    /// dz/dt: the number of each variable, and its rate.
+    fn rates(&self, motion: Motion<f64>, memory: Memory<'_>, take: &mut dyn FnMut(usize, f64));
+    /// The memory after slip has ended in stick, or stick in slip.
+    fn caught(&self, memory: &mut [f64]);
+    /// Steady sliding; `None` if no memory stays as it is.
+    fn sliding(&self, slip: Slip<f64>) -> Option<Sliding>;
+    /// The law as one of the crate's own.
+    fn named(&self) -> Option<NamedLaw>;
+
+    /// Coefficient k of σμ in slip, the slope ∂(σμ)/∂s at the start, and coefficient k of the rates
+    /// of the memory. The speed is coefficient k of its series.
+    fn slip_order(
+        &self,
+        tape: &mut Tape,
+        k: usize,
+        slip: Slip<f64>,
+        memory: &[PowerSeries],
+        rates: &mut [f64],
+    ) -> (f64, f64);
+    /// Coefficient k of μ_s in stick, 0 for a law that never sticks, and of the rates.
+    fn stick_order(
+        &self,
+        tape: &mut Tape,
+        k: usize,
+        memory: &[PowerSeries],
+        rates: &mut [f64],
+    ) -> f64;
+    /// The series of the law along a motion, and of its derivative by one of its inputs: the
+    /// sliding speed, or variable `by` of the memory.
+    fn derivative(
+        &self,
+        motion: Motion<&PowerSeries>,
+        memory: &[PowerSeries],
+        by: Option<usize>,
+        tape: &mut Tape,
+    ) -> Derivative;
+}
+
+/// Series of a law, and of its derivative by one input.
+pub(crate) struct Derivative {
+    /// μ in slip.
+    pub(crate) coefficient: PowerSeries,
+    /// Its derivative.
+    pub(crate) slope: PowerSeries,
+    /// Those of the rates of the memory.
+    pub(crate) rates: Vec<PowerSeries>,
+    /// Whether anything depends on the input.
+    pub(crate) depends: bool,
+}
+
+impl fmt::Debug for dyn LawObject + '_ {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.named() {
+            Some(NamedLaw::Dry(law)) => law.fmt(f),
+            Some(NamedLaw::Contact(law)) => law.fmt(f),
+            None => f.write_str("a user's law"),
+        }
+    }
+}
+
+impl<L: ContactLaw> LawObject for L {
+    fn memory(&self) -> usize {
+        L::Memory::<f64>::COUNT
+    }
+
+    fn breakpoints(&self) -> Vec<f64> {
+        ContactLaw::breakpoints(self).collect()
+    }
+
+    fn coefficient(&self, slip: Slip<f64>, memory: Memory<'_>) -> f64 {
+        ContactLaw::coefficient(self, slip, Variables::from_fn(memory))
+    }
+
+    fn at_four(&self, slip: Slip<[f64; 4]>, memory: &dyn Fn(usize, usize) -> f64) -> [f64; 4] {
+        let Slip {
+            speed: speeds,
+            direction,
+            piece,
+        } = slip;
+        std::array::from_fn(|i| {
+            let slip = Slip {
+                speed: speeds[i],
+                direction,
+                piece,
+            };
+            ContactLaw::coefficient(self, slip, Variables::from_fn(|j| memory(i, j)))
+        })
+    }
+
+    fn limit(&self, memory: Memory<'_>) -> Option<f64> {
+        ContactLaw::limit(self, 0.0, Variables::from_fn(memory))
+    }
+
+    fn limit_slope(&self, memory: &[f64], by: usize) -> f64 {
+        let inputs = Variables::from_fn(|j| {
+            let component = if j == by { 1.0 } else { 0.0 };
+            Dual::along(memory[j], component)
+        });
+        let limit = ContactLaw::limit(self, Dual::along(0.0, 0.0), inputs);
+        match limit.map(|limit| limit.tangent) {
+            Some(Tangent::Constant(slope) | Tangent::Varying(slope)) => slope,
+            None => f64::NAN,
+        }
+    }
+
+    fn rates(&self, motion: Motion<f64>, memory: Memory<'_>, take: &mut dyn FnMut(usize, f64)) {
+        let rates = ContactLaw::rates(self, motion, Variables::from_fn(memory));
+        for (j, rate) in rates.as_ref().iter().enumerate() {
+            take(j, *rate);
+        }
+    }
+
+    fn caught(&self, memory: &mut [f64]) {
+        let caught = ContactLaw::caught(self, Variables::from_fn(|j| memory[j]));
+        memory.copy_from_slice(caught.as_ref());
+    }
+
+    fn sliding(&self, slip: Slip<f64>) -> Option<Sliding> {
+        Sliding::of(self, slip)
+    }
+
+    fn named(&self) -> Option<NamedLaw> {
+        ContactLaw::named(self)
+    }
+
+    fn slip_order(
+        &self,
+        tape: &mut Tape,
+        k: usize,
+        slip: Slip<f64>,
+        memory: &[PowerSeries],
+        rates: &mut [f64],
+    ) -> (f64, f64) {
+        tape.run(k, |run| {
+            let slip = Slip {
+                speed: run.variable(slip.speed),
+                direction: slip.direction,
+                piece: slip.piece,
+            };
+            let memory: L::Memory<Jet<'_>> = Variables::from_fn(|j| run.input(memory[j][k]));
+            let coefficient = ContactLaw::coefficient(self, slip, memory) * slip.direction;
+            let found = ContactLaw::rates(self, Motion::Slip(slip), memory);
+            for (rate, found) in std::iter::zip(&mut *rates, found.as_ref()) {
+                *rate = found.coefficient();
+            }
+            (coefficient.coefficient(), coefficient.derivative())
+        })
+    }
+
+    fn stick_order(
+        &self,
+        tape: &mut Tape,
+        k: usize,
+        memory: &[PowerSeries],
+        rates: &mut [f64],
+    ) -> f64 {
+        tape.run(k, |run| {
+            let zero = run.input(0.0);
+            let memory: L::Memory<Jet<'_>> = Variables::from_fn(|j| run.input(memory[j][k]));
+            let limit = ContactLaw::limit(self, zero, memory);
+            let found = ContactLaw::rates(self, Motion::Stick, memory);
+            for (rate, found) in std::iter::zip(&mut *rates, found.as_ref()) {
+                *rate = found.coefficient();
+            }
+            limit.map_or(0.0, |limit| limit.coefficient())
+        })
+    }
+
+    fn derivative(
+        &self,
+        motion: Motion<&PowerSeries>,
+        memory: &[PowerSeries],
+        by: Option<usize>,
+        tape: &mut Tape,
+    ) -> Derivative {
+        let mut found = Derivative {
+            coefficient: PowerSeries::ZERO,
+            slope: PowerSeries::ZERO,
+            rates: vec![PowerSeries::ZERO; memory.len()],
+            depends: false,
+        };
+        for k in 0..TERMS {
+            tape.run(k, |run| {
+                let memory = duals::<L>(run, memory, k, by);
+                let rates = match motion {
+                    Motion::Slip(slip) => {
+                        let component = if by.is_none() { slip.direction } else { 0.0 };
+                        let slip = Slip {
+                            speed: Dual::along(run.variable(slip.speed[k]), component),
+                            direction: slip.direction,
+                            piece: slip.piece,
+                        };
+                        let coefficient = ContactLaw::coefficient(self, slip, memory);
+                        found.coefficient[k] = coefficient.value.coefficient();
+                        found.slope[k] = tangent(coefficient, k);
+                        ContactLaw::rates(self, Motion::Slip(slip), memory)
+                    }
+                    Motion::Stick => {
+                        let zero = Dual::along(run.input(0.0), 0.0);
+                        let limit = ContactLaw::limit(self, zero, memory);
+                        found.depends |= limit
+                            .is_some_and(|limit| !matches!(limit.tangent, Tangent::Constant(0.0)));
+                        ContactLaw::rates(self, Motion::Stick, memory)
+                    }
+                };
+                for (series, rate) in std::iter::zip(&mut found.rates, rates.as_ref()) {
+                    series[k] = tangent(*rate, k);
+                }
+            });
+            found.depends |= found.slope[k] != 0.0 || found.rates.iter().any(|z| z[k] != 0.0);
+        }
+        found
+    }
+}
+
+/// The memory as inputs of a law, with the tangent 1 for variable `by`.
+#[inline(always)]
+fn duals<'r, L: ContactLaw>(
+    run: &'r Run<'_>,
+    memory: &[PowerSeries],
+    k: usize,
+    by: Option<usize>,
+) -> L::Memory<Dual<Jet<'r>>> {
+    Variables::from_fn(|j| {
+        let component = if by == Some(j) { 1.0 } else { 0.0 };
+        Dual::along(run.input(memory[j][k]), component)
+    })
+}
+
+/// Coefficient k of a tangent.
+#[inline(always)]
+fn tangent(number: Dual<Jet<'_>>, k: usize) -> f64 {
+    match number.tangent {
+        Tangent::Varying(tangent) => tangent.coefficient(),
+        Tangent::Constant(c) if k == 0 => c,
+        Tangent::Constant(_) => 0.0,
+    }
+}

@@ -1,0 +1,544 @@
+//! The decision of contacts that share coordinates: at r = 0 what one carries depends on what the
+//! others do, so all of them decide together, at every event of one.
+//!
+//! With limits B_c, ask for forces λ with |λ_c| ≤ B_c where a_c = r_c' = 0, and λ_c = B_c sgn a_c
+//! elsewhere, a = a⁰ − G λ: a convex programme, of which a is unique. It is solved by pivoting:
+//! from a choice of which contacts stick, those that break their condition are changed until none
+//! does.
+//!
+//! The limits are the static ones at first. As long as contacts slip that have a smaller kinetic
+//! limit, the one with the largest |a_c|/(G_cc B_c) takes it, and the programme is solved again:
+//! *the fastest yields first*. Where both coefficients are equal the answer is that of the first
+//! programme.
+//!
+//! A contact on the edge of its band, λ_c = B_c and a_c = 0, is taken to stick, and the sign of the
+//! first derivative of its distance from the edge that is not 0 decides, as for one contact.
+
+use super::expand::free_accelerations;
+use super::model::Model;
+use super::plan::{contact_terms, load_terms};
+use super::state::{ContactState, Edge, Entry, Holding, Phase, Series, Situation};
+use super::transitions::{EDGE_ROUNDING, side_of};
+use crate::error::Error;
+use crate::state::Direction;
+
+/// A decision under way.
+#[derive(Debug)]
+pub(super) struct Decision {
+    candidates: Vec<Candidate>,
+    /// Of contacts that came to the edge of their band: what they carry beyond it by rounding.
+    beyond: Vec<(usize, f64)>,
+    /// How many contacts on an edge broke their condition in the last round.
+    broken: usize,
+}
+
+/// A contact with r = 0. Accelerations and forces are divided by √G_cc, so that G has a unit
+/// diagonal.
+#[derive(Debug, Clone)]
+struct Candidate {
+    contact: usize,
+    /// Its state in stick.
+    resting: ContactState,
+    /// a⁰ and the sum of the sizes of its terms.
+    free: f64,
+    terms: f64,
+    /// The static limit, and the kinetic ones backward and forward.
+    limit: f64,
+    kinetic: [f64; 2],
+    has_yielded: bool,
+    /// The direction in which it is taken to slip next if it depends on others that stick.
+    dependent_side: Direction,
+    choice: Choice,
+    /// Of the last solution: λ, a, and how far rounding may have moved the one of them that the
+    /// choice leaves free.
+    force: f64,
+    acceleration: f64,
+    rounding: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Choice {
+    Stick,
+    Slip(Direction),
+    /// Slip that begins with the force of stick and without acceleration.
+    Leave(Direction),
+}
+
+impl Decision {
+    /// Before arrivals: what contacts at the edge of their bands carry beyond it is rounding.
+    pub(super) fn new(model: &Model<'_>, situation: &Situation, series: &mut Series) -> Self {
+        let mut beyond = Vec::new();
+        let at_edge = |&&c: &&usize| {
+            let state = &situation.contacts[c];
+            state.sticks() && state.edge != Edge::Away
+        };
+        if model.shared.iter().any(|c| at_edge(&c)) {
+            free_accelerations(model, situation, series);
+            let Holding { contacts, factor } = &situation.holding;
+            let root = |c: usize| model.contacts[c].compliance.sqrt();
+            let place = |c: usize| model.shared.iter().position(|&other| other == c);
+            let pulls = contacts.iter().map(|&c| {
+                let pull = place(c).map_or(0.0, |place| series.held[place]);
+                pull / root(c)
+            });
+            let mut forces: Vec<f64> = pulls.collect();
+            factor.solve(&mut forces);
+            for (&c, force) in std::iter::zip(contacts, forces) {
+                if let Edge::On(Some(side)) = situation.contacts[c].edge {
+                    let bound = side.sign() * series.contacts[c].bound[0] / root(c);
+                    beyond.push((c, force - bound));
+                }
+            }
+        }
+        Self {
+            candidates: Vec::new(),
+            beyond,
+            broken: usize::MAX,
+        }
+    }
+
+    /// Solves for the modes of all candidates, and sets them.
+    pub(super) fn settle(
+        &mut self,
+        model: &Model<'_>,
+        situation: &mut Situation,
+        series: &mut Series,
+    ) -> Result<(), Error> {
+        self.gather(model, situation, series);
+        loop {
+            self.solve(model, situation, series)?;
+            let Some(fastest) = self.fastest() else {
+                break;
+            };
+            /// Mirrored contacts yield together.
+            const TIE: f64 = 1.0 - 64.0 * f64::EPSILON;
+            for candidate in &mut self.candidates {
+                candidate.has_yielded |= candidate.eagerness() >= TIE * fastest;
+            }
+        }
+        if let Some(contacts) = self.undetermined(model) {
+            return Err(Error::Undetermined {
+                contacts,
+                reached: situation.reached(model, series),
+            });
+        }
+        self.set(model, situation);
+        Ok(())
+    }
+
+    /// The candidates: shared contacts that stick until something else is decided.
+    fn gather(&mut self, model: &Model<'_>, situation: &mut Situation, series: &mut Series) {
+        let decides = |c: usize| self.candidates.iter().any(|other| other.contact == c);
+        let is_new = |&&c: &&usize| situation.contacts[c].sticks() && !decides(c);
+        let is_open = |candidate: &Candidate| {
+            matches!(situation.contacts[candidate.contact].phase, Phase::Open)
+        };
+        let has_new = model.shared.iter().any(|c| is_new(&c));
+        if !has_new && !self.candidates.iter().any(is_open) {
+            return;
+        }
+        // From the beginning, with all at rest.
+        for candidate in self.candidates.drain(..) {
+            let state = &mut situation.contacts[candidate.contact];
+            if !matches!(state.phase, Phase::Open) {
+                *state = candidate.resting;
+            }
+        }
+        for &c in &model.shared {
+            let state = &mut situation.contacts[c];
+            if state.sticks() && state.limit.is_none() {
+                let from = match state.entry {
+                    Entry::Arrived(Some(from)) => from,
+                    _ => Direction::Leading,
+                };
+                state.pass_through(from);
+            }
+        }
+        free_accelerations(model, situation, series);
+        for (place, &c) in model.shared.iter().enumerate() {
+            let (contact, state, of) = (
+                &model.contacts[c],
+                &situation.contacts[c],
+                &series.contacts[c],
+            );
+            if !state.sticks() {
+                continue;
+            }
+            let root = contact.compliance.sqrt();
+            let load_terms = load_terms(contact, situation) * state.static_coefficient();
+            let forces =
+                contact.size_along(|j| model.acceleration_by(j, |l| model.forces[l].size()).abs());
+            let kinetic = [Direction::Lagging, Direction::Leading].map(|side| {
+                let coefficient = side.sign() * state.start_coefficient(contact.law, side);
+                (of.load[0] * coefficient).min(of.bound[0]) / root
+            });
+            self.candidates.push(Candidate {
+                contact: c,
+                resting: state.clone(),
+                free: series.held[place] / root,
+                terms: (contact_terms(model, situation, series, c) + forces + load_terms) / root,
+                limit: of.bound[0] / root,
+                kinetic,
+                has_yielded: false,
+                dependent_side: side_of(series.held[place]),
+                choice: Choice::Stick,
+                force: 0.0,
+                acceleration: 0.0,
+                rounding: 0.0,
+            });
+        }
+        // What is beyond an edge by rounding is taken away from what drives the contacts.
+        for i in 0..self.candidates.len() {
+            let c = self.candidates[i].contact;
+            let mut excess = 0.0;
+            for &(d, beyond) in &self.beyond {
+                let coupled = model.contacts[c].coupled();
+                let coupling = coupled.iter().find(|&&(other, _)| other == d);
+                let coupling = coupling.map_or(0.0, |&(_, g)| g);
+                excess += if c == d { beyond } else { coupling * beyond };
+            }
+            self.candidates[i].free -= excess;
+        }
+    }
+
+    /// Pivots until no candidate breaks its condition.
+    fn solve(
+        &mut self,
+        model: &Model<'_>,
+        situation: &Situation,
+        series: &Series,
+    ) -> Result<(), Error> {
+        let mut least_broken = usize::MAX;
+        // Least numbers first end surely, but after up to 2ⁿ changes; the usual number is below n.
+        for _ in 0..64 + 8 * self.candidates.len() {
+            self.evaluate(model);
+            let broken: Vec<usize> = (0..self.candidates.len())
+                .filter(|&i| self.candidates[i].is_broken())
+                .collect();
+            if broken.is_empty() {
+                return Ok(());
+            }
+            // All together while their number falls, else the one of least number.
+            let count = if broken.len() < least_broken {
+                broken.len()
+            } else {
+                1
+            };
+            least_broken = least_broken.min(broken.len());
+            for &i in &broken[..count] {
+                self.candidates[i].change();
+            }
+        }
+        Err(Error::StepUnderflow {
+            step: 0.0,
+            reached: situation.reached(model, series),
+        })
+    }
+
+    /// The contacts that stick, with the factor that holds them. One that depends on others is
+    /// taken to slip.
+    fn hold(&mut self, model: &Model<'_>) -> Holding {
+        loop {
+            let sticking = self.candidates.iter();
+            let sticking = sticking.filter(|candidate| candidate.choice == Choice::Stick);
+            let contacts: Vec<usize> = sticking.map(|candidate| candidate.contact).collect();
+            match model.factor(&contacts) {
+                Ok(factor) => return Holding { contacts, factor },
+                Err(place) => {
+                    let dependent = contacts[place];
+                    for candidate in &mut self.candidates {
+                        if candidate.contact == dependent {
+                            let side = candidate.dependent_side;
+                            candidate.choice = Choice::Slip(side);
+                            candidate.dependent_side = side.opposite();
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Forces and accelerations of the choices.
+    fn evaluate(&mut self, model: &Model<'_>) {
+        let Holding { contacts, factor } = self.hold(model);
+        let mut places = vec![None; model.contacts.len()];
+        for (i, candidate) in self.candidates.iter_mut().enumerate() {
+            places[candidate.contact] = Some(i);
+            candidate.force = match candidate.choice {
+                Choice::Stick => 0.0,
+                Choice::Slip(side) | Choice::Leave(side) => side.sign() * candidate.most(side),
+            };
+        }
+        let pulls = self.accelerations(model, &places);
+        let of = |c: usize| places[c].unwrap_or_default();
+        let mut forces: Vec<f64> = contacts.iter().map(|&c| pulls[of(c)].0).collect();
+        let mut rounding: Vec<f64> = contacts.iter().map(|&c| pulls[of(c)].1).collect();
+        factor.solve(&mut forces);
+        factor.magnify(&mut rounding);
+        for ((&c, force), rounding) in contacts.iter().zip(forces).zip(rounding) {
+            let candidate = &mut self.candidates[of(c)];
+            (candidate.force, candidate.rounding) = (force, rounding);
+            candidate.acceleration = 0.0;
+        }
+        let pulls = self.accelerations(model, &places);
+        for (candidate, (pull, rounding)) in std::iter::zip(&mut self.candidates, pulls) {
+            if candidate.choice != Choice::Stick {
+                (candidate.acceleration, candidate.rounding) = (pull, rounding);
+            }
+        }
+    }
+
+    /// a⁰ − G λ of every candidate, and how far rounding may have moved it.
+    fn accelerations(&self, model: &Model<'_>, places: &[Option<usize>]) -> Vec<(f64, f64)> {
+        let sum = |candidate: &Candidate| {
+            let mut pull = candidate.free - candidate.force;
+            let mut terms = candidate.terms + candidate.force.abs();
+            let mut moved = 0.0;
+            for &(d, g) in model.contacts[candidate.contact].coupled() {
+                let Some(i) = places[d] else { continue };
+                let other = &self.candidates[i];
+                pull -= g * other.force;
+                terms += (g * other.force).abs();
+                if other.choice == Choice::Stick {
+                    moved += g.abs() * other.rounding;
+                }
+            }
+            (pull, EDGE_ROUNDING * f64::EPSILON * terms + moved)
+        };
+        self.candidates.iter().map(sum).collect()
+    }
+
+    /// The largest eagerness of those that may still yield.
+    fn fastest(&self) -> Option<f64> {
+        let eager = self.candidates.iter().map(Candidate::eagerness);
+        eager.filter(|eagerness| *eagerness > 0.0).reduce(f64::max)
+    }
+
+    /// The contacts that are at rest together though their directions are dependent, if any: what
+    /// each of them carries is not determined.
+    fn undetermined(&self, model: &Model<'_>) -> Option<Vec<usize>> {
+        let rests = |candidate: &&Candidate| {
+            let sticks = candidate.choice == Choice::Stick;
+            sticks || candidate.acceleration.abs() <= candidate.rounding
+        };
+        let resting = self.candidates.iter().filter(rests);
+        let contacts: Vec<usize> = resting.map(|candidate| candidate.contact).collect();
+        model.factor(&contacts).is_err().then_some(contacts)
+    }
+
+    /// Sets the modes that were chosen.
+    fn set(&mut self, model: &Model<'_>, situation: &mut Situation) {
+        situation.holding = self.hold(model);
+        for candidate in &self.candidates {
+            let contact = &model.contacts[candidate.contact];
+            let mut state = candidate.resting.clone();
+            match candidate.choice {
+                Choice::Stick => state.edge = candidate.edge(),
+                Choice::Slip(side) | Choice::Leave(side) => {
+                    let rate = if candidate.acceleration.abs() > candidate.rounding {
+                        side.sign() * candidate.acceleration * contact.compliance.sqrt()
+                    } else {
+                        0.0
+                    };
+                    state.begin_slip(contact.law, side, Some(rate));
+                    state.entry = Entry::Held;
+                }
+            }
+            situation.contacts[candidate.contact] = state;
+        }
+    }
+
+    /// After an expansion: contacts on an edge that leave it, or come back to it, and those whose
+    /// law never sticks that go on in the other direction. Returns true if there are any.
+    pub(super) fn revise(
+        &mut self,
+        model: &Model<'_>,
+        situation: &mut Situation,
+        series: &Series,
+    ) -> bool {
+        let mut changed = false;
+        for &c in &model.shared {
+            let state = &mut situation.contacts[c];
+            let speeds = &series.contacts[c].speeds;
+            if let (Phase::Slip { direction, .. }, None) = (&mut state.phase, state.limit)
+                && matches!(state.entry, Entry::Arrived(_))
+                && speeds.first_nonzero().is_some_and(|c| c < 0.0)
+            {
+                *direction = direction.opposite();
+                state.entry = Entry::Held;
+                changed = true;
+            }
+        }
+        let mut broken = Vec::new();
+        for (i, candidate) in self.candidates.iter().enumerate() {
+            let state = &mut situation.contacts[candidate.contact];
+            let of = &series.contacts[candidate.contact];
+            match (candidate.choice, state.edge) {
+                (Choice::Stick, Edge::On(None)) => {
+                    let side = side_of(candidate.force);
+                    let sides = [side, side.opposite()];
+                    let mut out = sides
+                        .into_iter()
+                        .filter(|&side| state.leaving(of, side).1 < 0.0);
+                    broken.extend(out.next().map(|side| (i, Some(side))));
+                }
+                (Choice::Stick, Edge::On(Some(side)) | Edge::Touched(Some(side))) => {
+                    let (edge, sign) = state.leaving(of, side);
+                    state.edge = edge;
+                    broken.extend((sign < 0.0).then_some((i, Some(side))));
+                }
+                (Choice::Leave(_), _) => {
+                    let returns = of.speeds.first_nonzero().is_some_and(|c| c < 0.0);
+                    broken.extend(returns.then_some((i, None)));
+                }
+                _ => {}
+            }
+        }
+        let count = if broken.len() < self.broken {
+            broken.len()
+        } else {
+            1
+        };
+        self.broken = self.broken.min(broken.len());
+        for &(i, side) in broken.iter().take(count) {
+            let candidate = &mut self.candidates[i];
+            if side.is_some() {
+                candidate.resting.edge = Edge::On(side);
+            }
+            candidate.choice = match side {
+                None => Choice::Stick,
+                Some(side) if candidate.falls(side) => {
+                    candidate.has_yielded = true;
+                    Choice::Slip(side)
+                }
+                Some(side) => Choice::Leave(side),
+            };
+        }
+        changed || !broken.is_empty()
+    }
+}
+
+impl Candidate {
+    /// The largest force against slip in a direction.
+    fn most(&self, side: Direction) -> f64 {
+        if self.has_yielded {
+            self.kinetic[usize::from(side == Direction::Leading)]
+        } else {
+            self.limit
+        }
+    }
+
+    /// Whether friction falls where slip begins in a direction.
+    fn falls(&self, side: Direction) -> bool {
+        let kinetic = self.kinetic[usize::from(side == Direction::Leading)];
+        self.limit - kinetic > 4.0 * f64::EPSILON * self.limit
+    }
+
+    /// How far it carries more than it can; in stick.
+    fn excess(&self) -> f64 {
+        self.force.abs() - self.most(side_of(self.force))
+    }
+
+    fn is_broken(&self) -> bool {
+        match self.choice {
+            Choice::Stick => self.excess() > self.rounding,
+            Choice::Slip(side) | Choice::Leave(side) => {
+                side.sign() * self.acceleration < -self.rounding
+            }
+        }
+    }
+
+    /// Makes good the condition that it breaks.
+    fn change(&mut self) {
+        self.choice = match self.choice {
+            Choice::Stick => Choice::Slip(side_of(self.force)),
+            Choice::Slip(_) | Choice::Leave(_) => Choice::Stick,
+        };
+    }
+
+    /// |a_c|/(G_cc B_c) of a contact that slips with its static limit though its kinetic one is
+    /// smaller; 0 of others.
+    fn eagerness(&self) -> f64 {
+        match self.choice {
+            Choice::Slip(side)
+                if !self.has_yielded
+                    && self.falls(side)
+                    && self.acceleration.abs() > self.rounding =>
+            {
+                self.acceleration.abs() / self.limit
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// What is known of it at the bound of its band, in stick.
+    fn edge(&self) -> Edge {
+        let excess = self.excess();
+        let has_arrived = self.resting.has_arrived();
+        if has_arrived && self.limit.max(self.force.abs()) <= self.rounding {
+            // No band yet, for the load begins: on both of its bounds.
+            return Edge::On(None);
+        }
+        let is_known = self.resting.edge != Edge::Away;
+        let is_on_edge =
+            excess.abs() <= self.rounding && (is_known || has_arrived || excess >= 0.0);
+        if is_on_edge {
+            Edge::On(Some(side_of(self.force)))
+        } else {
+            Edge::Away
+        }
+    }
+}
+
+/// Sets the velocities of shared coordinates to the relative velocities of their contacts, which
+/// are numbers of their own, and the displacements to where contacts that stick have been carried:
+/// by the least change in kinetic energy, so that rounding errors do not add up to a drift.
+pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &Series) {
+    let closed = situation.closed.take();
+    let closed = closed.unwrap_or_else(|| closed_contacts(model, situation));
+    let apart = |c: usize| {
+        let velocity = model.contacts[c].along(|j| situation.coordinates[j].velocity);
+        let relative = match situation.contacts[c].phase {
+            Phase::Slip {
+                direction, speed, ..
+            } => direction.sign() * speed,
+            Phase::Open | Phase::Stick { .. } => 0.0,
+        };
+        velocity - series.contacts[c].surface[0] - relative
+    };
+    let velocities = model.corrections(&closed.contacts, &closed.factor, apart);
+    let carried = |c: usize| match situation.contacts[c].phase {
+        Phase::Stick { since, from } => {
+            let contact = &model.contacts[c];
+            let way = contact.belt_velocity.integral(since, situation.clock);
+            situation.displacement_along(contact) - (from + way)
+        }
+        Phase::Open | Phase::Slip { .. } => 0.0,
+    };
+    let Holding { contacts, factor } = &situation.holding;
+    let displacements = model.corrections(contacts, factor, carried);
+    for (j, correction) in velocities {
+        situation.coordinates[j].velocity -= correction;
+    }
+    for (j, correction) in displacements {
+        situation.coordinates[j].displacement -= correction;
+    }
+    situation.closed = Some(closed);
+}
+
+/// The shared contacts that are closed: of dependent ones those that stick.
+fn closed_contacts(model: &Model<'_>, situation: &Situation) -> Holding {
+    let sticks = |c: usize| situation.contacts[c].sticks();
+    let shared = model.shared.iter().copied();
+    let mut contacts: Vec<usize> = shared
+        .filter(|&c| !situation.contacts[c].phase_is_open())
+        .collect();
+    loop {
+        let place = match model.factor(&contacts) {
+            Ok(factor) => return Holding { contacts, factor },
+            Err(place) => place,
+        };
+        let before = contacts[..=place].iter().rposition(|&c| !sticks(c));
+        contacts.remove(before.unwrap_or(place));
+    }
+}

@@ -1,0 +1,149 @@
+//! The forces that hold several sticking contacts at once: G λ = b, G the compliance of the masses
+//! as the contacts feel it.
+
+/// The Cholesky factor of a symmetric positive definite matrix with a unit diagonal, row by row
+/// from each row's first entry that is not 0: a chain of contacts costs as much as it is long.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Factor {
+    rows: Vec<Row>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Row {
+    /// Column of the first entry.
+    first: usize,
+    /// From there to the diagonal.
+    entries: Vec<f64>,
+}
+
+impl Factor {
+    /// Factorises the matrix of which row i has these entries left of its diagonal, by column.
+    ///
+    /// # Errors
+    ///
+    /// The number of the first row that depends on those before, within rounding.
+    pub(crate) fn new(rows: impl Iterator<Item = Vec<(usize, f64)>>) -> Result<Self, usize> {
+        /// Part of the diagonal that rounding may leave, in units of ε and of the row's length.
+        const DEPENDENT: f64 = 64.0;
+        let mut factor = Self::default();
+        for (i, beside) in rows.enumerate() {
+            let first = beside.iter().map(|&(j, _)| j).min().unwrap_or(i);
+            let mut entries = vec![0.0; i + 1 - first];
+            for (j, value) in beside {
+                entries[j - first] = value;
+            }
+            let mut square = 1.0;
+            for j in first..i {
+                let other = &factor.rows[j];
+                let from = first.max(other.first);
+                let products = (from..j).map(|l| entries[l - first] * other.entry(l));
+                let entry = (entries[j - first] - products.sum::<f64>()) / other.entry(j);
+                entries[j - first] = entry;
+                square -= entry * entry;
+            }
+            let least = DEPENDENT * f64::EPSILON * (i + 1 - first) as f64;
+            if square.is_nan() || square <= least {
+                return Err(i);
+            }
+            entries[i - first] = square.sqrt();
+            factor.rows.push(Row { first, entries });
+        }
+        Ok(factor)
+    }
+
+    /// Solves in place.
+    pub(crate) fn solve(&self, x: &mut [f64]) {
+        for (i, row) in self.rows.iter().enumerate() {
+            let products = (row.first..i).map(|j| row.entry(j) * x[j]);
+            x[i] = (x[i] - products.sum::<f64>()) / row.entry(i);
+        }
+        for (i, row) in self.rows.iter().enumerate().rev() {
+            x[i] /= row.entry(i);
+            for j in row.first..i {
+                x[j] -= row.entry(j) * x[i];
+            }
+        }
+    }
+
+    /// A bound of |G⁻¹| x for x ≥ 0, in place: how far rounding errors of the right-hand side may
+    /// move the solution.
+    pub(crate) fn magnify(&self, x: &mut [f64]) {
+        for (i, row) in self.rows.iter().enumerate() {
+            let products = (row.first..i).map(|j| row.entry(j).abs() * x[j]);
+            x[i] = (x[i] + products.sum::<f64>()) / row.entry(i);
+        }
+        for (i, row) in self.rows.iter().enumerate().rev() {
+            x[i] /= row.entry(i);
+            for j in row.first..i {
+                x[j] += row.entry(j).abs() * x[i];
+            }
+        }
+    }
+}
+
+impl Row {
+    fn entry(&self, column: usize) -> f64 {
+        self.entries[column - self.first]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Factor;
+
+    fn rows(n: usize, entry: impl Fn(usize, usize) -> f64) -> Vec<Vec<(usize, f64)>> {
+        let entry = &entry;
+        let row = |i: usize| {
+            (0..i)
+                .map(move |j| (j, entry(i, j)))
+                .filter(|(_, g)| *g != 0.0)
+        };
+        (0..n).map(|i| row(i).collect()).collect()
+    }
+
+    /// (G x)_i of the chain 1 on the diagonal, −1/2 beside it.
+    fn chain(x: &[f64], i: usize) -> f64 {
+        let at = |i: Option<&f64>| i.copied().unwrap_or(0.0);
+        x[i] - 0.5 * (at(x.get(i + 1)) + at(i.checked_sub(1).and_then(|i| x.get(i))))
+    }
+
+    #[test]
+    fn a_chain_is_solved_with_two_entries_a_row() {
+        let n = 50;
+        let g = |i: usize, j: usize| if i.abs_diff(j) == 1 { -0.5 } else { 0.0 };
+        let factor = Factor::new(rows(n, g).into_iter()).unwrap();
+        assert!(factor.rows.iter().all(|row| row.entries.len() <= 2));
+        let b: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
+        let mut x = b.clone();
+        factor.solve(&mut x);
+        for (i, b) in b.iter().enumerate() {
+            assert!((chain(&x, i) - b).abs() < 1e-12);
+        }
+        // All entries of its inverse are positive: the bound is exact.
+        let [mut bound, mut exact] = [vec![1.0; n], vec![1.0; n]];
+        factor.magnify(&mut bound);
+        factor.solve(&mut exact);
+        for (bound, exact) in bound.iter().zip(exact) {
+            assert!((bound / exact - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn rows_that_depend_on_others_are_found() {
+        // Unit vectors at these angles have the products cos(a − b): three lie in a plane.
+        let angles = [0.0_f64, 0.3, 1.9];
+        let g = |i: usize, j: usize| (angles[i] - angles[j]).cos();
+        assert_eq!(Factor::new(rows(3, g).into_iter()), Err(2));
+        assert!(Factor::new(rows(2, g).into_iter()).is_ok());
+        let same = |_: usize, _: usize| 1.0;
+        assert_eq!(Factor::new(rows(2, same).into_iter()), Err(1));
+        assert_eq!(
+            Factor::new(rows(1, |_, _| f64::NAN).into_iter())
+                .unwrap()
+                .rows
+                .len(),
+            1
+        );
+        assert_eq!(Factor::new(rows(2, |_, _| f64::NAN).into_iter()), Err(1));
+    }
+}

@@ -1,0 +1,477 @@
+//! One step of a structure.
+//!
+//! Expand, order by order, first every slipping contact's law, then every drive, then the free
+//! coordinates; take h from the last coefficients of all series; find the first sliding speed,
+//! stick band or load to reach zero within h; check the defect of every slipping contact there and
+//! inside, halve or accept; move the state there and set what came to zero to the bit; decide the
+//! modes of the contacts where something happened; emit the step and its events in the order of the
+//! contacts.
+//!
+//! | file | what is in it |
+//! |---|---|
+//! | `model.rs`, `sparse.rs` | what is constant in a motion |
+//! | `state.rs` | what changes at events; the series of a step |
+//! | `expand.rs` | the power series of all coordinates, order by order |
+//! | `factor.rs` | what holds several contacts at once |
+//! | `plan.rs` | how far the series are used, which errors a step may have |
+//! | `slow.rs` | the slow manifold of stiff bristles |
+//! | `events.rs` | the first events of a step |
+//! | `defect.rs` | whether the series hold between their coefficients |
+//! | `transitions.rs` | what contacts do after an event, one by one |
+//! | `decision.rs` | what contacts that share coordinates do, together |
+
+mod decision;
+mod defect;
+mod events;
+mod expand;
+pub(crate) mod factor;
+pub(crate) mod model;
+mod plan;
+mod slow;
+pub(crate) mod sparse;
+mod state;
+mod transitions;
+
+use decision::reconcile;
+use events::{Firings, first_firings};
+use expand::expand_drives;
+use model::Model;
+use plan::{Control, is_finite, is_linear, plan_reach};
+use state::{Edge, Entry, Firing, Phase, Series, Situation};
+use transitions::{close, decide};
+
+use super::step::{After, Cause, Step};
+use crate::clock::Clock;
+use crate::error::Error;
+use crate::motion::{Event, EventKind, Mode};
+use crate::series::{PowerSeries, quarters};
+use crate::state::structure::State;
+
+/// A structure in motion.
+#[derive(Debug, Clone)]
+pub(super) struct Engine<'s> {
+    model: Model<'s>,
+    situation: Situation,
+    series: Series,
+    control: Control,
+    firings: Firings,
+    /// Steps of no length, one after the other.
+    idle: usize,
+    /// Why the motion cannot go on.
+    ending: Option<Error>,
+}
+
+/// How far the series are used.
+#[derive(Debug, Clone, Copy)]
+struct Settled {
+    duration: f64,
+    /// The time where pieces of a drive meet, if the step ends there.
+    at_break: Option<f64>,
+}
+
+/// A number that can be halved; in any unit.
+const LONGEST_STEP: f64 = 4294967296.0;
+
+impl<'s> Engine<'s> {
+    /// The structure at its start, with the events of that very time.
+    pub(super) fn start(
+        model: Model<'s>,
+        tolerance: f64,
+        clock: Clock,
+        start: &State,
+    ) -> Result<(Self, Option<Step>), Error> {
+        let mut engine = Self {
+            situation: Situation::new(&model, clock, start),
+            series: Series::new(&model, clock.time),
+            control: Control::new(tolerance, &model),
+            firings: Firings::with_capacity(model.contacts.len()),
+            idle: 0,
+            ending: None,
+            model,
+        };
+        let Self {
+            model,
+            situation,
+            series,
+            ..
+        } = &mut engine;
+        for c in 0..model.contacts.len() {
+            close(model, situation, series, c);
+        }
+        expand_drives(model, situation, series);
+        let state = situation.state(model, series);
+        let before = situation.modes();
+        decide(model, situation, series, true)?;
+        // A start beyond the band slips at once, without an event; one on its edge, growing, is a
+        // release.
+        let mut events = events(&before, situation, &state);
+        events.retain(|event| {
+            let edge = situation.contacts[event.contact].edge;
+            matches!(event.kind, EventKind::Release(_)) && edge != Edge::Away
+        });
+        let first = (!events.is_empty()).then(|| {
+            Step::new(
+                clock,
+                (0.0, clock),
+                before,
+                state.clone(),
+                Vec::new(),
+                events,
+                state,
+            )
+        });
+        Ok((engine, first))
+    }
+
+    /// One step; afterwards the structure stands at its end.
+    pub(super) fn step(&mut self) -> Result<Step, Error> {
+        if let Some(error) = self.ending.take() {
+            return Err(error);
+        }
+        let (start, from, modes) = (self.situation.clock, self.state(), self.situation.modes());
+        let settled = self.settle()?;
+        let series = self.emitted();
+        if settled.duration.is_infinite() {
+            let end = (settled.duration, start.after(settled.duration));
+            return Ok(Step::new(
+                start,
+                end,
+                modes,
+                from.clone(),
+                series,
+                Vec::new(),
+                from,
+            ));
+        }
+        self.idle = if settled.duration > 0.0 {
+            0
+        } else {
+            self.idle + 1
+        };
+        if self.idle > 4 * (self.situation.contacts.len() + 2) {
+            return Err(self.undecided());
+        }
+        let is_disturbed = self.land(settled);
+        let approaches = self.approaches(settled.duration);
+        let end = self.state();
+        let Self {
+            model,
+            situation,
+            series: next,
+            ..
+        } = self;
+        let events = match decide(model, situation, next, is_disturbed) {
+            Ok(()) => events(&modes, situation, &end),
+            // The step is good; what cannot be followed begins at its end.
+            Err(error) => {
+                self.ending = Some(error);
+                Vec::new()
+            }
+        };
+        let after = self.after(&events, approaches);
+        let span = (settled.duration, self.situation.clock);
+        Ok(Step::new(start, span, modes, from, series, events, end).followed_by(after))
+    }
+
+    /// The step's duration, up to the first thing that happens at a contact.
+    fn settle(&mut self) -> Result<Settled, Error> {
+        let (break_time, to_break) = self.next_break();
+        let Self {
+            model,
+            situation,
+            series,
+            control,
+            firings,
+            ..
+        } = self;
+        let (model, situation) = (&*model, &*situation);
+        let settled = |duration: f64| Settled {
+            duration,
+            at_break: break_time.filter(|_| duration >= to_break),
+        };
+        if is_linear(model, situation, series) {
+            // Roots of straight lines need no isolation.
+            let found = first_firings(model, situation, series, to_break, firings);
+            return Ok(settled(found.unwrap_or(to_break)));
+        }
+        if !is_finite(situation, series) {
+            return Err(self.underflow(0.0));
+        }
+        let explicit = plan_reach(
+            model,
+            situation,
+            series,
+            control.tolerance,
+            &mut control.plan,
+        );
+        let reach = slow::relax(model, situation, series, control, explicit);
+        let elapsed = situation.clock.time.abs();
+        // A motion that nothing gives a length is a polynomial, and good at any time.
+        let cut = reach.min(control.longest).min(LONGEST_STEP);
+        let mut h = cut.min(to_break);
+        let duration = loop {
+            if !(h >= to_break || h > f64::EPSILON * elapsed && h >= f64::MIN_POSITIVE) {
+                return Err(self.underflow(h));
+            }
+            let Ok(end) = first_firings(model, situation, series, h, firings) else {
+                h *= 0.5;
+                continue;
+            };
+            if defect::is_accepted(model, situation, series, &control.plan, end) {
+                break end;
+            }
+            h = 0.5 * end;
+        };
+        let is_cut = h < cut.min(to_break) || control.longest < reach;
+        control.longest = if is_cut { 2.0 * h } else { f64::INFINITY };
+        Ok(settled(duration))
+    }
+
+    /// Where pieces of a drive meet next, as a time and as a duration from now.
+    fn next_break(&self) -> (Option<f64>, f64) {
+        let clock = self.situation.clock;
+        let drives = self.model.varying.iter();
+        let times = drives.filter_map(|&at| self.model.drive(at).next_break(clock));
+        let time = times.min_by(f64::total_cmp);
+        let duration = time.map_or(f64::INFINITY, |time| clock.until(time).max(0.0));
+        (time, duration)
+    }
+
+    /// Where the series lead after the step's duration, and what its end says to the bit. Returns
+    /// true if anything happened there.
+    fn land(&mut self, settled: Settled) -> bool {
+        let h = settled.duration;
+        let Self {
+            model,
+            situation,
+            series,
+            firings,
+            ..
+        } = self;
+        for i in 0..model.len() {
+            let way = h * mean_velocity(model, situation, series, i, h);
+            let coordinate = &mut situation.coordinates[i];
+            coordinate.displacement += way;
+            if model.owner[i].is_none_or(|c| situation.contacts[c].phase_is_open()) {
+                coordinate.velocity = series.coordinates[i].course.at(h);
+            }
+        }
+        situation.clock = match settled.at_break {
+            Some(time) => Clock::at(time),
+            None => situation.clock.after(h),
+        };
+        let mut is_disturbed = settled.at_break.is_some();
+        for (c, contact) in model.contacts.iter().enumerate() {
+            let (state, of) = (&mut situation.contacts[c], &mut series.contacts[c]);
+            for (memory, series) in std::iter::zip(&mut state.memory, &of.memories) {
+                *memory = series.at(h);
+            }
+            of.relaxation = 0.0;
+            (state.edge, state.load_edge) = (Edge::Away, Edge::Away);
+            state.entry = Entry::Held;
+            let mut firing = firings[c].take().map(|(_, firing)| firing);
+            if let Phase::Slip {
+                speed, rate, piece, ..
+            } = &mut state.phase
+            {
+                (*speed, *rate) = (of.speeds.at(h), None);
+                if firing.is_none() && *speed <= 0.0 {
+                    firing = Some(Firing::Arrival);
+                }
+                match firing {
+                    Some(Firing::Arrival) => (*speed, state.entry) = (0.0, Entry::Arrived(None)),
+                    Some(Firing::Breakpoint(number, rising)) => {
+                        *speed = contact.breakpoints[number];
+                        *piece = number + usize::from(rising);
+                    }
+                    _ => {}
+                }
+            }
+            match firing {
+                Some(Firing::Bound(side)) => state.edge = Edge::On(Some(side)),
+                Some(Firing::Load) => state.load_edge = Edge::On(None),
+                _ => {}
+            }
+            is_disturbed |= firing.is_some();
+            if let (Phase::Stick { since, from }, Some(i)) = (state.phase, model.owner_of(c)) {
+                let way = contact.belt_velocity.integral(since, situation.clock);
+                situation.coordinates[i].displacement = from + way;
+            }
+        }
+        expand_drives(model, situation, series);
+        if !model.shared.is_empty() {
+            reconcile(model, situation, series);
+        }
+        is_disturbed
+    }
+
+    /// Of every shared contact that came to a bound of its band: the rate at which it did.
+    fn approaches(&self, h: f64) -> Vec<(usize, f64)> {
+        let shared = self.model.shared.iter();
+        let at_edge = shared.filter_map(|&c| match self.situation.contacts[c].edge {
+            Edge::On(Some(side)) => {
+                let distance = self.series.contacts[c].distance(Edge::Away, side);
+                Some((c, -distance.derivative().at(h)))
+            }
+            _ => None,
+        });
+        at_edge.collect()
+    }
+
+    /// What the tangent flow has to know of the events.
+    fn after(&self, events: &[Event<State>], approaches: Vec<(usize, f64)>) -> After {
+        let is_own = |event: &Event<State>| match event.kind {
+            EventKind::Release(_) => self.situation.contacts[event.contact].edge != Edge::Away,
+            _ => true,
+        };
+        let is_shared = |event: &Event<State>| self.model.owner_of(event.contact).is_none();
+        let has_trigger = events.iter().any(|event| is_shared(event) && is_own(event));
+        let caused = events.iter().filter(|event| !is_own(event));
+        let causes = caused.map(|event| {
+            let by_other = is_shared(event) && has_trigger;
+            let cause = if by_other { Cause::Other } else { Cause::Drive };
+            (event.contact, cause)
+        });
+        let rates = if events.iter().any(is_shared) {
+            self.acceleration()
+        } else {
+            Vec::new()
+        };
+        After {
+            causes: causes.collect(),
+            rates,
+            approaches,
+        }
+    }
+
+    /// The state, with the memory of the contacts.
+    pub(super) fn state(&self) -> State {
+        self.situation.state(&self.model, &self.series)
+    }
+
+    pub(super) fn clock(&self) -> Clock {
+        self.situation.clock
+    }
+
+    /// What each contact carries, in units of force: λ_c, 0 where open.
+    pub(super) fn carried(&self) -> Vec<f64> {
+        let contacts = std::iter::zip(&self.situation.contacts, &self.series.contacts);
+        let forces = contacts.map(|(state, of)| match state.phase {
+            Phase::Open => 0.0,
+            Phase::Stick { .. } => of.carried[0],
+            Phase::Slip { direction, .. } => direction.sign() * of.load[0] * of.friction[0],
+        });
+        let scaled = std::iter::zip(forces, &self.model.contacts);
+        scaled
+            .map(|(force, contact)| force / contact.compliance)
+            .collect()
+    }
+
+    /// v' of each coordinate.
+    pub(super) fn acceleration(&self) -> Vec<f64> {
+        let coordinates = self.series.coordinates.iter();
+        coordinates
+            .map(|coordinate| coordinate.course.velocity(1))
+            .collect()
+    }
+
+    /// Series of all velocities, then of the memory.
+    fn emitted(&self) -> Vec<PowerSeries> {
+        let mut series = Vec::with_capacity(self.model.len() + self.model.remembered());
+        series.extend((0..self.model.len()).map(|i| self.series.velocities(i)));
+        series.extend(
+            self.series
+                .contacts
+                .iter()
+                .flat_map(|contact| &contact.memories),
+        );
+        series
+    }
+
+    /// The law's own failure if it gave no number where the motion goes, else a step too short.
+    #[cold]
+    fn underflow(&self, step: f64) -> Error {
+        let reached = self.situation.reached(&self.model, &self.series);
+        for (c, contact) in self.model.contacts.iter().enumerate() {
+            let (state, of) = (&self.situation.contacts[c], &self.series.contacts[c]);
+            for t in quarters(2.0 * step) {
+                let speed = of.speeds.at(t);
+                let Some(slip) = state.slip(speed.max(0.0)) else {
+                    continue;
+                };
+                let memory = &|j: usize| of.memories[j].at(t);
+                let value = contact.law.coefficient(slip, memory) * slip.direction;
+                if speed.is_finite() && !value.is_finite() {
+                    return Error::NonFiniteFriction {
+                        speed,
+                        value,
+                        reached: Some(reached),
+                    };
+                }
+            }
+        }
+        Error::StepUnderflow { step, reached }
+    }
+
+    fn undecided(&self) -> Error {
+        Error::StepUnderflow {
+            step: 0.0,
+            reached: self.situation.reached(&self.model, &self.series),
+        }
+    }
+}
+
+/// Mean of a velocity over [0, t]; of w + σy by its parts.
+fn mean_velocity(
+    model: &Model<'_>,
+    situation: &Situation,
+    series: &Series,
+    i: usize,
+    t: f64,
+) -> f64 {
+    let Some(c) = model.owner[i] else {
+        return series.velocities(i).mean(t);
+    };
+    let of = &series.contacts[c];
+    let surface = || {
+        if model.is_driven[i] {
+            of.surface.mean(t)
+        } else {
+            of.surface[0]
+        }
+    };
+    match situation.contacts[c].phase {
+        Phase::Open => series.velocities(i).mean(t),
+        Phase::Stick { .. } => surface(),
+        Phase::Slip { direction, .. } => {
+            crate::scalar::mul_add(direction.sign(), of.speeds.mean(t), surface())
+        }
+    }
+}
+
+/// What has happened between the modes before and those of now, in the order of the contacts.
+fn events(before: &[Mode], situation: &Situation, state: &State) -> Vec<Event<State>> {
+    let contacts = std::iter::zip(before, &situation.contacts).enumerate();
+    let kinds = contacts
+        .filter_map(|(contact, (&before, now))| Some((contact, kind_of(before, now.mode())?)));
+    let mut events = Vec::with_capacity(kinds.clone().count());
+    events.extend(kinds.map(|(contact, kind)| Event {
+        time: situation.clock.time,
+        contact,
+        kind,
+        state: state.clone(),
+    }));
+    events
+}
+
+/// The event that leads from one mode to another.
+fn kind_of(before: Mode, after: Mode) -> Option<EventKind> {
+    match (before, after) {
+        (Mode::Open, Mode::Open) | (Mode::Stick, Mode::Stick) => None,
+        (_, Mode::Open) => Some(EventKind::Open),
+        (Mode::Open, _) => Some(EventKind::Close),
+        (Mode::Stick, Mode::Slip(side)) => Some(EventKind::Release(side)),
+        (Mode::Slip(_), Mode::Stick) => Some(EventKind::Stick),
+        (Mode::Slip(from), Mode::Slip(to)) => (from != to).then_some(EventKind::Crossing(to)),
+    }
+}

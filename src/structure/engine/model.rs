@@ -1,0 +1,538 @@
+//! A structure as its engine needs it: solved for the accelerations, without zeros.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use nalgebra::DMatrix;
+
+use super::factor::Factor;
+use super::sparse::Sparse;
+use crate::belt::MassOnBelt;
+use crate::drive::Drive;
+use crate::error::{Element, Error};
+use crate::friction::FrictionLaw;
+use crate::friction::memory::object::LawObject;
+
+/// Entries of a vector by their coordinates, without zeros.
+pub(crate) type Entries = [(usize, f64)];
+
+/// What is constant in a motion.
+///
+/// ```text
+/// v' = M⁻¹ f(t) − M⁻¹C v − M⁻¹K q − Σ_c x_c ℓ_c,    x_c = M⁻¹b_c/G_cc,  ℓ_c = G_cc λ_c
+/// ```
+///
+/// G_cc = b_cᵀM⁻¹b_c: all forces are accelerations, those at a contact accelerations of its
+/// relative velocity.
+#[derive(Debug, Clone)]
+pub(crate) struct Model<'s> {
+    /// M⁻¹K.
+    pub(crate) stiffness: Sparse,
+    /// M⁻¹C.
+    pub(crate) damping: Sparse,
+    /// M⁻¹.
+    pub(crate) inverse_mass: Sparse,
+    pub(crate) forces: Cow<'s, [Drive]>,
+    pub(crate) contacts: Vec<ContactData<'s>>,
+    /// The number of the contact that a coordinate has to itself.
+    pub(crate) owner: Vec<Option<usize>>,
+    /// Contacts that share coordinates or are coupled by the mass matrix, sorted so that those
+    /// coupled lie near each other.
+    pub(crate) shared: Vec<usize>,
+    /// The coordinates that they accelerate.
+    pub(crate) shared_coordinates: Vec<usize>,
+    /// What the drives that are not constant act on.
+    pub(super) varying: Vec<Target>,
+    /// Whether the force on a coordinate varies, or the surface under its own contact.
+    pub(super) is_driven: Vec<bool>,
+    /// Largest |i − j| of coordinates of which one acts on the other.
+    pub(super) bandwidth: usize,
+    /// 1/√(max_i Σ_j |M⁻¹K|_ij): no free vibration without friction is faster than one radian in
+    /// this time. Where nothing is elastic that of the dampers, and infinite without any.
+    pub(super) time_unit: f64,
+}
+
+/// What a drive acts on.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Target {
+    /// The force on a coordinate.
+    Force(usize),
+    /// The velocity of the surface under a contact.
+    Surface(usize),
+    /// The load of a contact.
+    Load(usize),
+}
+
+/// What is constant at a contact.
+#[derive(Debug, Clone)]
+pub(crate) struct ContactData<'s> {
+    /// b.
+    pub(crate) direction: Cow<'s, Entries>,
+    pub(crate) law: &'s dyn LawObject,
+    pub(crate) load: Cow<'s, Drive>,
+    pub(crate) load_gradient: &'s Entries,
+    pub(crate) belt_velocity: Cow<'s, Drive>,
+    /// Speeds at which pieces of the law meet.
+    pub(crate) breakpoints: Vec<f64>,
+    /// G_cc.
+    pub(crate) compliance: f64,
+    pub(crate) site: Site,
+    /// Where its variables begin among those of all contacts.
+    first_memory: usize,
+}
+
+/// How a contact acts on the masses.
+#[derive(Debug, Clone)]
+pub(crate) enum Site {
+    /// It has a coordinate to itself: r = v_i − w.
+    Own(usize),
+    /// It shares coordinates with other contacts, or has several.
+    Shared {
+        /// M⁻¹b/G_cc.
+        response: Vec<(usize, f64)>,
+        /// G_cd/√(G_cc G_dd) of the other contacts that it is coupled with.
+        coupled: Vec<(usize, f64)>,
+    },
+}
+
+impl<'s> ContactData<'s> {
+    pub(crate) fn new(
+        direction: Cow<'s, Entries>,
+        law: &'s dyn LawObject,
+        [load, belt_velocity]: [Cow<'s, Drive>; 2],
+        load_gradient: &'s Entries,
+    ) -> Self {
+        Self {
+            direction,
+            law,
+            load,
+            load_gradient,
+            belt_velocity,
+            breakpoints: law.breakpoints(),
+            compliance: 1.0,
+            site: Site::Own(0),
+            first_memory: 0,
+        }
+    }
+
+    /// b·x.
+    pub(crate) fn along(&self, x: impl Fn(usize) -> f64) -> f64 {
+        self.direction.iter().map(|&(j, b)| b * x(j)).sum()
+    }
+
+    /// Σ_j |b_j x_j|.
+    pub(crate) fn size_along(&self, x: impl Fn(usize) -> f64) -> f64 {
+        self.direction.iter().map(|&(j, b)| (b * x(j)).abs()).sum()
+    }
+
+    /// n·x.
+    pub(crate) fn displacement_load(&self, x: impl Fn(usize) -> f64) -> f64 {
+        self.load_gradient.iter().map(|&(j, n)| n * x(j)).sum()
+    }
+
+    /// The sliding velocity, and whether it is 0: for several coordinates also within the rounding
+    /// of their difference.
+    pub(crate) fn sliding_velocity(&self, v: impl Fn(usize) -> f64, surface: f64) -> f64 {
+        /// 0.1 + 0.2 and 0.3 are the same speed.
+        const ROUNDING: f64 = 4.0 * f64::EPSILON;
+        let velocity = self.along(&v) - surface;
+        let size = self.size_along(v) + surface.abs();
+        if self.direction.len() > 1 && velocity.abs() <= ROUNDING * size {
+            0.0
+        } else {
+            velocity
+        }
+    }
+
+    /// Number of memory variables.
+    pub(crate) fn memory(&self) -> usize {
+        self.law.memory()
+    }
+}
+
+impl<'s> Model<'s> {
+    /// A mass on a belt as the structure that it is.
+    pub(crate) fn of_belt<L: FrictionLaw>(belt: &'s MassOnBelt<L>) -> Self {
+        let one = |entry: f64| DMatrix::from_element(1, 1, entry);
+        let contact = ContactData::new(
+            Cow::Borrowed(&[(0, 1.0)]),
+            belt.law(),
+            [belt.load(), belt.belt_velocity()].map(|value| Cow::Owned(Drive::constant(value))),
+            &[],
+        );
+        Self::new(
+            [&one(1.0), &one(1.0), &one(2.0 * belt.damping())],
+            Cow::Owned(vec![Drive::constant(0.0)]),
+            vec![contact],
+        )
+    }
+
+    /// From M, K and C. M is symmetric and positive definite.
+    pub(crate) fn new(
+        [mass, stiffness, damping]: [&DMatrix<f64>; 3],
+        forces: Cow<'s, [Drive]>,
+        contacts: Vec<ContactData<'s>>,
+    ) -> Self {
+        let n = mass.nrows();
+        let inverse_mass = Sparse::new(&inverse(mass));
+        let stiffness = inverse_mass.times(stiffness);
+        let damping = inverse_mass.times(damping);
+        let elastic = largest_row(&stiffness);
+        let rate = if elastic > 0.0 {
+            elastic.sqrt()
+        } else {
+            largest_row(&damping)
+        };
+        let mut model = Self {
+            inverse_mass,
+            stiffness,
+            damping,
+            forces,
+            contacts,
+            owner: vec![None; n],
+            shared: Vec::new(),
+            shared_coordinates: Vec::new(),
+            varying: Vec::new(),
+            is_driven: vec![false; n],
+            bandwidth: 0,
+            time_unit: rate.recip(),
+        };
+        model.place_contacts();
+        model.place_drives();
+        model.bandwidth = model.largest_distance();
+        model
+    }
+
+    /// Finds which contacts have a coordinate to themselves, and how the others are coupled.
+    fn place_contacts(&mut self) {
+        let n = self.len();
+        let mut uses = vec![0; n];
+        let mut first_memory = 0;
+        for contact in &mut self.contacts {
+            contact.first_memory = first_memory;
+            first_memory += contact.law.memory();
+            for &(j, _) in contact.direction.iter() {
+                uses[j] += 1;
+            }
+        }
+        let mut near: Vec<Vec<usize>> = vec![Vec::new(); n];
+        for (number, contact) in self.contacts.iter_mut().enumerate() {
+            if let [(i, 1.0)] = contact.direction[..]
+                && uses[i] == 1
+                && self.inverse_mass.row(i).1.is_empty()
+            {
+                contact.compliance = self.inverse_mass.row(i).0;
+                contact.site = Site::Own(i);
+                self.owner[i] = Some(number);
+                continue;
+            }
+            let mut response = vec![0.0; n];
+            for &(j, b) in contact.direction.iter() {
+                // M is symmetric: a row of its inverse is a column.
+                let (diagonal, beside) = self.inverse_mass.row(j);
+                response[j] += b * diagonal;
+                for &(i, entry) in beside {
+                    response[i] += b * entry;
+                }
+            }
+            contact.compliance = contact.along(|j| response[j]);
+            let entries = response.iter().enumerate().filter(|(_, x)| **x != 0.0);
+            let entries = entries.map(|(j, x)| (j, x / contact.compliance));
+            let response: Vec<_> = entries.collect();
+            for &(j, _) in &response {
+                near[j].push(number);
+            }
+            contact.site = Site::Shared {
+                response,
+                coupled: Vec::new(),
+            };
+            self.shared.push(number);
+        }
+        self.shared_coordinates = (0..n).filter(|&j| !near[j].is_empty()).collect();
+        self.shared
+            .sort_by_key(|&c| self.contacts[c].direction.iter().map(|&(j, _)| j).min());
+        for &c in &self.shared {
+            let coupled = self.coupled(c, &near);
+            if let Site::Shared { coupled: to, .. } = &mut self.contacts[c].site {
+                *to = coupled;
+            }
+        }
+    }
+
+    /// The contacts that a shared one is coupled with: G_cd/√(G_cc G_dd).
+    fn coupled(&self, c: usize, near: &[Vec<usize>]) -> Vec<(usize, f64)> {
+        let contact = &self.contacts[c];
+        let touched = contact.direction.iter().flat_map(|&(j, _)| &near[j]);
+        let mut others: Vec<usize> = touched.copied().filter(|&d| d != c).collect();
+        others.sort_unstable();
+        others.dedup();
+        let coupling = |d: usize| {
+            let other = &self.contacts[d];
+            let entries = contact
+                .direction
+                .iter()
+                .map(|&(j, b)| b * other.response(j));
+            entries.sum::<f64>() * (other.compliance / contact.compliance).sqrt()
+        };
+        let couplings = others.into_iter().map(|d| (d, coupling(d)));
+        couplings.filter(|(_, g)| *g != 0.0).collect()
+    }
+
+    fn place_drives(&mut self) {
+        let of_forces = (0..self.len()).map(Target::Force);
+        let contacts = 0..self.contacts.len();
+        let of_contacts = contacts.flat_map(|c| [Target::Surface(c), Target::Load(c)]);
+        let targets = of_forces.chain(of_contacts);
+        self.varying = targets
+            .filter(|&target| !self.drive(target).is_constant())
+            .collect();
+        for target in &self.varying {
+            match *target {
+                Target::Force(j) => {
+                    self.is_driven[j] = true;
+                    for &(i, _) in self.inverse_mass.row(j).1 {
+                        self.is_driven[i] = true;
+                    }
+                }
+                Target::Surface(c) => {
+                    if let Site::Own(i) = self.contacts[c].site {
+                        self.is_driven[i] = true;
+                    }
+                }
+                Target::Load(_) => {}
+            }
+        }
+    }
+
+    fn largest_distance(&self) -> usize {
+        let loads = self.contacts.iter().flat_map(|contact| {
+            let gradient = contact.load_gradient.iter();
+            let Site::Own(i) = contact.site else {
+                return None.into_iter().flatten();
+            };
+            Some(gradient.map(move |&(j, _)| i.abs_diff(j)))
+                .into_iter()
+                .flatten()
+        });
+        let matrices = [self.stiffness.bandwidth(), self.damping.bandwidth()];
+        loads.chain(matrices).max().unwrap_or(0)
+    }
+
+    /// Number of coordinates.
+    pub(crate) fn len(&self) -> usize {
+        self.owner.len()
+    }
+
+    /// Number of memory variables of all contacts.
+    pub(crate) fn remembered(&self) -> usize {
+        self.contacts.iter().map(ContactData::memory).sum()
+    }
+
+    /// The memory variables of a contact among those of all.
+    pub(crate) fn memory(&self, contact: usize) -> Range<usize> {
+        let contact = &self.contacts[contact];
+        contact.first_memory..contact.first_memory + contact.memory()
+    }
+
+    /// All functions of time that act on it.
+    pub(crate) fn drives(&self) -> impl Iterator<Item = &Drive> {
+        let contacts = self.contacts.iter();
+        let of_contacts = contacts.flat_map(|contact| [&*contact.load, &*contact.belt_velocity]);
+        self.forces.iter().chain(of_contacts)
+    }
+
+    /// The drive that acts there.
+    pub(super) fn drive(&self, target: Target) -> &Drive {
+        match target {
+            Target::Force(i) => &self.forces[i],
+            Target::Surface(c) => &self.contacts[c].belt_velocity,
+            Target::Load(c) => &self.contacts[c].load,
+        }
+    }
+
+    /// (M⁻¹f)_i with what `force` gives for each coordinate.
+    pub(super) fn acceleration_by(&self, i: usize, force: impl Fn(usize) -> f64) -> f64 {
+        let (diagonal, beside) = self.inverse_mass.row(i);
+        let own = diagonal * force(i);
+        beside.iter().fold(own, |sum, &(j, a)| sum + a * force(j))
+    }
+
+    /// The coordinate that a contact has to itself.
+    pub(crate) fn owner_of(&self, contact: usize) -> Option<usize> {
+        match self.contacts[contact].site {
+            Site::Own(i) => Some(i),
+            Site::Shared { .. } => None,
+        }
+    }
+
+    /// Sets the velocities at a time so that these contacts are at rest: those of contacts that
+    /// share coordinates by the least change in kinetic energy.
+    pub(crate) fn put_at_rest(
+        &self,
+        velocities: &mut [f64],
+        time: f64,
+        rests: impl Fn(usize) -> bool,
+    ) {
+        for (c, contact) in self.contacts.iter().enumerate() {
+            if let (Site::Own(i), true) = (&contact.site, rests(c)) {
+                velocities[*i] = contact.belt_velocity.value(time);
+            }
+        }
+        let shared = self.shared.iter().copied();
+        let (contacts, factor) = self.independent(shared.filter(|&c| rests(c)).collect());
+        let relative = |c: usize| {
+            let contact = &self.contacts[c];
+            contact.along(|j| velocities[j]) - contact.belt_velocity.value(time)
+        };
+        for (j, correction) in self.corrections(&contacts, &factor, relative) {
+            velocities[j] -= correction;
+        }
+    }
+
+    /// What has to be taken away from the coordinates so that these contacts have none of `apart`
+    /// any more, by the least change in the norm of M.
+    pub(crate) fn corrections(
+        &self,
+        contacts: &[usize],
+        factor: &Factor,
+        apart: impl Fn(usize) -> f64,
+    ) -> Vec<(usize, f64)> {
+        let root = |c: usize| self.contacts[c].compliance.sqrt();
+        let mut parts: Vec<f64> = contacts.iter().map(|&c| apart(c) / root(c)).collect();
+        factor.solve(&mut parts);
+        let responses = std::iter::zip(contacts, parts).flat_map(|(&c, part)| {
+            let responses = self.contacts[c].responses().iter();
+            responses.map(move |&(j, x)| (j, x * part * root(c)))
+        });
+        responses.collect()
+    }
+
+    /// The largest set of these shared contacts whose directions are independent, with its factor.
+    pub(super) fn independent(&self, mut contacts: Vec<usize>) -> (Vec<usize>, Factor) {
+        loop {
+            match self.factor(&contacts) {
+                Ok(factor) => return (contacts, factor),
+                Err(place) => {
+                    contacts.remove(place);
+                }
+            }
+        }
+    }
+
+    /// The factor of G for some of the shared contacts, in the order of [`shared`](Self::shared).
+    ///
+    /// # Errors
+    ///
+    /// The place among them of the first one that depends on those before.
+    pub(crate) fn factor(&self, among: &[usize]) -> Result<Factor, usize> {
+        let mut places = vec![usize::MAX; self.contacts.len()];
+        for (place, &c) in among.iter().enumerate() {
+            places[c] = place;
+        }
+        let row = |(place, &c): (usize, &usize)| {
+            let coupled = self.contacts[c].coupled().iter();
+            let before = coupled.map(|&(d, g)| (places[d], g));
+            before.filter(|&(other, _)| other < place).collect()
+        };
+        Factor::new(among.iter().enumerate().map(row))
+    }
+}
+
+impl ContactData<'_> {
+    /// (M⁻¹b)_j/G_cc of a shared contact.
+    fn response(&self, coordinate: usize) -> f64 {
+        let entries = self.responses();
+        let found = entries.binary_search_by_key(&coordinate, |&(j, _)| j);
+        found.map_or(0.0, |place| entries[place].1)
+    }
+
+    /// M⁻¹b/G_cc; for one with a coordinate to itself that is b.
+    pub(crate) fn responses(&self) -> &Entries {
+        match &self.site {
+            Site::Own(_) => &self.direction,
+            Site::Shared { response, .. } => response,
+        }
+    }
+
+    /// G_cd/√(G_cc G_dd) of the other contacts that it is coupled with.
+    pub(crate) fn coupled(&self) -> &Entries {
+        match &self.site {
+            Site::Own(_) => &[],
+            Site::Shared { coupled, .. } => coupled,
+        }
+    }
+}
+
+/// M⁻¹, by the parts that M couples: the inverse of a number is its reciprocal, to the bit.
+fn inverse(mass: &DMatrix<f64>) -> DMatrix<f64> {
+    let n = mass.nrows();
+    let mut inverse = DMatrix::zeros(n, n);
+    let mut is_done = vec![false; n];
+    for start in 0..n {
+        if is_done[start] {
+            continue;
+        }
+        let mut part = vec![start];
+        is_done[start] = true;
+        let mut next = 0;
+        while let Some(&i) = part.get(next) {
+            next += 1;
+            for j in 0..n {
+                if mass[(i, j)] != 0.0 && !is_done[j] {
+                    is_done[j] = true;
+                    part.push(j);
+                }
+            }
+        }
+        if let [i] = part[..] {
+            inverse[(i, i)] = mass[(i, i)].recip();
+            continue;
+        }
+        let size = part.len();
+        let block = DMatrix::from_fn(size, size, |a, b| mass[(part[a], part[b])]);
+        // Checked where the matrix was given.
+        let found = block.cholesky().map(|factor| factor.inverse());
+        debug_assert!(found.is_some(), "the mass matrix is positive definite");
+        for (a, &i) in part.iter().enumerate() {
+            for (b, &j) in part.iter().enumerate() {
+                inverse[(i, j)] = found.as_ref().map_or(f64::NAN, |found| found[(a, b)]);
+            }
+        }
+    }
+    inverse
+}
+
+/// Largest Σ_j |a_ij|.
+fn largest_row(matrix: &Sparse) -> f64 {
+    let rows = matrix.rows().map(|(diagonal, beside)| {
+        diagonal.abs() + beside.iter().map(|(_, a)| a.abs()).sum::<f64>()
+    });
+    rows.fold(0.0, f64::max)
+}
+
+/// Whether a contact may be number `number` of a structure with `count` coordinates.
+pub(crate) fn check_contact(
+    number: usize,
+    count: usize,
+    coordinates: impl Iterator<Item = usize>,
+    belt_velocity: &Drive,
+) -> Result<(), Error> {
+    let mut first = None;
+    for coordinate in coordinates {
+        first = first.or(Some(coordinate));
+        if coordinate >= count {
+            return Err(Error::NoSuchCoordinate {
+                element: Element::Contact(number),
+                coordinate,
+                count,
+            });
+        }
+    }
+    belt_velocity
+        .check("belt_velocity", "a belt velocity of any size")
+        .map_err(|error| error.of_element(Element::Contact(number)))?;
+    match (belt_velocity.first_jump(), first) {
+        (Some(time), Some(coordinate)) => Err(Error::BeltVelocityJumps { coordinate, time }),
+        _ => Ok(()),
+    }
+}

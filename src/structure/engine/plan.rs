@@ -1,0 +1,377 @@
+//! How far the series of a step are used, and what errors are allowed in it.
+
+use super::model::{ContactData, Model};
+use super::state::{Phase, Series, Situation};
+use crate::motion::step_control::{Allowance, FARTHEST, reach};
+use crate::series::{PowerSeries, TERMS};
+
+/// What controls the lengths of steps, from one to the next.
+#[derive(Debug, Clone)]
+pub(super) struct Control {
+    pub(super) tolerance: f64,
+    /// Limit of the next step: twice the last one, if that had to be cut below what its
+    /// coefficients promised; else none.
+    pub(super) longest: f64,
+    /// Steps until the slow manifold of stiff memories is tried again, and how many they were the
+    /// last time that it was not worth it.
+    pub(super) steps_to_trial: u32,
+    pub(super) pause: u32,
+    /// The series of the last pass to the slow manifold.
+    pub(super) pass_before: Vec<PowerSeries>,
+    /// The contacts whose memory was begun to be treated as slow last.
+    pub(super) begun: Vec<usize>,
+    /// Of the step under way.
+    pub(super) plan: Plan,
+}
+
+/// The errors that a step may have.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Plan {
+    /// The time unit in which step lengths are measured.
+    pub(super) unit: f64,
+    /// Of each coordinate, and of each contact's relative velocity.
+    pub(super) coordinates: Vec<Allowance>,
+    pub(super) contacts: Vec<Allowance>,
+    /// Scale of each velocity, and the size of the terms of its equation.
+    scales: Vec<(f64, f64)>,
+}
+
+impl Control {
+    pub(super) fn new(tolerance: f64, model: &Model<'_>) -> Self {
+        Self {
+            tolerance,
+            longest: f64::INFINITY,
+            steps_to_trial: 0,
+            pause: 0,
+            pass_before: Vec::with_capacity(model.len() + model.remembered()),
+            begun: Vec::with_capacity(model.contacts.len()),
+            plan: Plan::default(),
+        }
+    }
+}
+
+/// Whether every velocity is constant, and every distance from a limit linear in time: no series
+/// limits the step.
+pub(super) fn is_linear(model: &Model<'_>, situation: &Situation, series: &Series) -> bool {
+    let coordinates = 0..model.len();
+    let contacts = std::iter::zip(&situation.contacts, &series.contacts);
+    coordinates
+        .into_iter()
+        .all(|i| series.coordinates[i].course.is_straight())
+        && contacts
+            .into_iter()
+            .all(|(state, series)| match state.phase {
+                Phase::Open => series.load.is_linear(),
+                Phase::Slip { .. } => {
+                    let motion = [&series.speeds, &series.surface];
+                    motion.iter().all(|c| c.is_constant()) && series.load.is_linear()
+                }
+                Phase::Stick { .. } => {
+                    let forces = [&series.carried, &series.bound, &series.load];
+                    series.surface.is_constant() && forces.iter().all(|c| c.is_linear())
+                }
+            })
+}
+
+/// Whether all series could be computed to their ends.
+pub(super) fn is_finite(situation: &Situation, series: &Series) -> bool {
+    const LAST: usize = TERMS - 1;
+    let coordinates = series.coordinates.iter().flat_map(|coordinate| {
+        let velocity = |k: usize| coordinate.course.velocity(k);
+        [velocity(LAST), velocity(LAST - 1)]
+    });
+    let contacts = std::iter::zip(&situation.contacts, &series.contacts);
+    let contacts = contacts.flat_map(|(state, series)| {
+        let memories = series.memories.iter().map(|series| series[LAST]);
+        let carried = [LAST - 1, LAST - 2].map(|k| series.carried[k]);
+        let carried = carried.map(|c| if state.sticks() { c } else { 0.0 });
+        memories
+            .chain([series.bound[LAST - 1], series.load[LAST - 1]])
+            .chain(carried)
+    });
+    coordinates.chain(contacts).all(f64::is_finite)
+}
+
+/// Sum of the sizes of all terms of the acceleration of a coordinate.
+pub(super) fn terms(model: &Model<'_>, situation: &Situation, series: &Series, i: usize) -> f64 {
+    let (spring, springs) = model.stiffness.row(i);
+    let (damper, dampers) = model.damping.row(i);
+    let course = |j: usize| &series.coordinates[j].course;
+    let surface = model.owner[i].map_or(0.0, |c| match situation.contacts[c].phase {
+        Phase::Open => 0.0,
+        Phase::Stick { .. } | Phase::Slip { .. } => series.contacts[c].surface[1].abs(),
+    });
+    let mut sum = series.coordinates[i].force[0].abs()
+        + surface
+        + (spring * course(i).displacement(0)).abs()
+        + (damper * course(i).velocity(0)).abs();
+    for &(j, a) in springs {
+        sum += (a * course(j).displacement(0)).abs();
+    }
+    for &(j, a) in dampers {
+        sum += (a * course(j).velocity(0)).abs();
+    }
+    sum
+}
+
+/// The same of a contact's relative acceleration, without the forces of contacts.
+pub(super) fn contact_terms(
+    model: &Model<'_>,
+    situation: &Situation,
+    series: &Series,
+    c: usize,
+) -> f64 {
+    let contact = &model.contacts[c];
+    // That of a contact with a coordinate to itself is among the terms of the coordinate.
+    let of_surface = match model.owner_of(c) {
+        Some(_) => 0.0,
+        None => series.contacts[c].surface[1].abs(),
+    };
+    contact.size_along(|j| terms(model, situation, series, j)) + of_surface
+}
+
+/// Sum of the sizes of all terms of the load of a contact.
+pub(super) fn load_terms(contact: &ContactData<'_>, situation: &Situation) -> f64 {
+    let gradient = contact.load_gradient.iter();
+    let by_displacements: f64 = gradient
+        .map(|&(j, n)| (n * situation.coordinates[j].displacement).abs())
+        .sum();
+    (contact.load.size() + by_displacements) * contact.compliance
+}
+
+/// How far the last coefficients of all series stay below the error allowed; what each coordinate
+/// and contact is allowed is noted in the plan.
+pub(super) fn plan_reach(
+    model: &Model<'_>,
+    situation: &Situation,
+    series: &Series,
+    tolerance: f64,
+    plan: &mut Plan,
+) -> f64 {
+    let n = model.len();
+    let scales = &mut plan.scales;
+    scales.clear();
+    scales.extend((0..n).map(|i| (0.0, terms(model, situation, series, i))));
+    for (c, contact) in model.contacts.iter().enumerate() {
+        let of = &series.contacts[c];
+        let force = match situation.contacts[c].phase {
+            Phase::Open => continue,
+            Phase::Slip { .. } => of.load[0] * of.friction[0],
+            // Shared contacts act on each other.
+            Phase::Stick { .. } if model.owner_of(c).is_none() => of.carried[0],
+            Phase::Stick { .. } => continue,
+        };
+        for &(j, x) in contact.responses() {
+            scales[j].1 += (x * force).abs();
+        }
+    }
+    plan.unit = time_unit(model, situation, series, scales);
+    let unit = plan.unit;
+    // A mass that does not move yet is judged by how others will move it.
+    let mut energy = 0.0_f64;
+    for (i, (scale, _)) in scales.iter_mut().enumerate() {
+        let closing = closing(model, situation, series, i);
+        let unit = if closing * unit > 1.0 {
+            closing.recip()
+        } else {
+            unit
+        };
+        let motion = motion(model, situation, series, i);
+        let rate = motion.speed(1).abs().max(unit * motion.speed(2).abs());
+        let by_rate = if unit.is_finite() { unit * rate } else { 0.0 };
+        let velocity = series.coordinates[i].course.velocity(0);
+        *scale = velocity.abs().max(motion.surface(0).abs()).max(by_rate);
+        energy = energy.max(*scale / model.inverse_mass.row(i).0.sqrt());
+    }
+    let mut farthest = FARTHEST * unit;
+    plan.coordinates.clear();
+    for (i, &(own, terms)) in scales.iter().enumerate() {
+        let motion = motion(model, situation, series, i);
+        let shared = energy * model.inverse_mass.row(i).0.sqrt();
+        let scale = if own < shared {
+            own.max(shared.min(motion.largest_change(unit)))
+        } else {
+            own
+        };
+        let mut error = tolerance * scale;
+        if model.shared_coordinates.binary_search(&i).is_ok() && unit.is_finite() {
+            // What holds a coordinate leaves the rounding errors of the forces on it.
+            error = error.max(f64::EPSILON * unit * terms);
+        }
+        let allowance = Allowance::new(error, terms);
+        farthest = farthest.min(motion.reach(allowance.error));
+        plan.coordinates.push(allowance);
+    }
+    plan.contacts.clear();
+    for (c, contact) in model.contacts.iter().enumerate() {
+        let (state, of) = (&situation.contacts[c], &series.contacts[c]);
+        let size = contact.size_along(|j| plan.scales[j].1);
+        let allowance = match model.owner_of(c) {
+            Some(i) => plan.coordinates[i],
+            None => {
+                let error = contact.size_along(|j| plan.coordinates[j].error);
+                Allowance::new(error, size)
+            }
+        };
+        if let (Phase::Slip { .. }, None) = (state.phase, model.owner_of(c)) {
+            farthest = farthest.min(reach_of(allowance.error, &of.speeds, TERMS - 1));
+        }
+        if state.sticks() {
+            // The last coefficient of the force needs that of the velocities, and is not there.
+            let error = f64::EPSILON * of.bound[0].abs().max(size);
+            farthest = farthest.min(reach_of(error, &of.carried, TERMS - 2));
+            farthest = farthest.min(reach_of(error, &of.bound, TERMS - 2));
+        }
+        if of.load_varies {
+            let error = f64::EPSILON * load_terms(contact, situation);
+            farthest = farthest.min(reach_of(error, &of.load, TERMS - 2));
+        }
+        for (series, memory) in std::iter::zip(&of.memories, &state.memory) {
+            let scale = memory.abs().max(series[1].abs() * farthest.min(f64::MAX));
+            farthest = farthest.min(reach_of(f64::EPSILON * scale, series, TERMS - 1));
+        }
+        plan.contacts.push(allowance);
+    }
+    farthest
+}
+
+/// The velocity of a coordinate as it is integrated: v = w + σy with a contact of its own.
+enum CoordinateMotion<'a> {
+    Free(PowerSeries),
+    Slips(&'a PowerSeries, &'a PowerSeries),
+    Sticks(&'a PowerSeries),
+}
+
+fn motion<'a>(
+    model: &Model<'_>,
+    situation: &Situation,
+    series: &'a Series,
+    i: usize,
+) -> CoordinateMotion<'a> {
+    let owner = model.owner[i].map(|c| (situation.contacts[c].phase, &series.contacts[c]));
+    match owner {
+        Some((Phase::Slip { .. }, of)) => CoordinateMotion::Slips(&of.speeds, &of.surface),
+        Some((Phase::Stick { .. }, of)) => CoordinateMotion::Sticks(&of.surface),
+        Some((Phase::Open, _)) | None => CoordinateMotion::Free(series.velocities(i)),
+    }
+}
+
+impl CoordinateMotion<'_> {
+    /// Coefficient k of y, or of v.
+    fn speed(&self, k: usize) -> f64 {
+        match self {
+            Self::Free(speeds) => speeds[k],
+            Self::Slips(speeds, _) => speeds[k],
+            Self::Sticks(_) => 0.0,
+        }
+    }
+
+    /// Coefficient k of w.
+    fn surface(&self, k: usize) -> f64 {
+        match self {
+            Self::Free(_) => 0.0,
+            Self::Slips(_, surface) | Self::Sticks(surface) => surface[k],
+        }
+    }
+
+    fn largest_change(&self, time: f64) -> f64 {
+        match self {
+            Self::Free(speeds) => speeds.largest_change(time),
+            Self::Slips(speeds, _) => speeds.largest_change(time),
+            Self::Sticks(_) => 0.0,
+        }
+    }
+
+    fn reach(&self, error: f64) -> f64 {
+        let of = |series| reach_of(error, series, TERMS - 1);
+        match self {
+            Self::Free(speeds) => of(speeds),
+            Self::Slips(speeds, surface) => of(speeds).min(of(surface)),
+            Self::Sticks(surface) => of(surface),
+        }
+    }
+}
+
+/// The model's time unit; where nothing is elastic and nothing damps, the time in which forces
+/// change by their own size, or else would change a velocity so.
+fn time_unit(
+    model: &Model<'_>,
+    situation: &Situation,
+    series: &Series,
+    scales: &[(f64, f64)],
+) -> f64 {
+    if model.time_unit.is_finite() {
+        return model.time_unit;
+    }
+    let least = |times: &mut dyn Iterator<Item = f64>| {
+        times
+            .filter(|&time| time > 0.0)
+            .fold(f64::INFINITY, f64::min)
+    };
+    let size = |(i, &(_, terms)): (usize, &(f64, f64))| {
+        terms + model.acceleration_by(i, |j| model.forces[j].size()).abs()
+    };
+    let force = |i: usize, k: usize| match model.owner[i] {
+        Some(c) => series.contacts[c].carried[k],
+        None => (k + 1) as f64 * series.coordinates[i].course.velocity(k + 1),
+    };
+    // Not by what drives and loads happen to be now, which may be about to change their signs.
+    let mut sizes: Vec<f64> = scales.iter().enumerate().map(size).collect();
+    for (c, contact) in model.contacts.iter().enumerate() {
+        let coefficient = match situation.contacts[c].phase {
+            Phase::Open => continue,
+            Phase::Slip { .. } => series.contacts[c].friction[0].abs(),
+            Phase::Stick { .. } => situation.contacts[c].static_coefficient(),
+        };
+        for &(j, x) in contact.responses() {
+            sizes[j] += x.abs() * load_terms(contact, situation) * coefficient;
+        }
+    }
+    let mut changing = sizes
+        .iter()
+        .enumerate()
+        .flat_map(|(i, size)| (1..4).map(move |k| (size / force(i, k).abs()).powf(1.0 / k as f64)));
+    let changing = least(&mut changing);
+    if changing.is_finite() {
+        return changing;
+    }
+    let velocities = scales.iter().enumerate();
+    least(&mut velocities.map(|(i, &(_, terms))| {
+        let velocity = series.coordinates[i].course.velocity(0).abs();
+        velocity.max(motion(model, situation, series, i).surface(0).abs()) / terms
+    }))
+}
+
+/// The rate at which a deviation of the velocity of a coordinate dies out by damping and friction;
+/// 0 unless a contact of it slips.
+fn closing(model: &Model<'_>, situation: &Situation, series: &Series, i: usize) -> f64 {
+    let slope = |c: usize| match situation.contacts[c].phase {
+        Phase::Slip { .. } => Some(series.contacts[c].load[0] * series.contacts[c].slope),
+        Phase::Open | Phase::Stick { .. } => None,
+    };
+    let by_friction = match model.owner[i] {
+        Some(c) => slope(c),
+        None => {
+            let slopes = model.shared.iter().filter_map(|&c| {
+                let contact = &model.contacts[c];
+                let at = |entries: &[(usize, f64)]| {
+                    let found = entries.binary_search_by_key(&i, |&(j, _)| j).ok()?;
+                    Some(entries[found].1)
+                };
+                Some(slope(c)? * at(&contact.direction)? * at(contact.responses())?)
+            });
+            slopes.reduce(|sum, slope| sum + slope)
+        }
+    };
+    by_friction.map_or(0.0, |slope| model.damping.row(i).0 + slope)
+}
+
+/// How far a series may be used; as far as one likes where it ends before its last terms, even if
+/// no error is allowed because nothing moves.
+fn reach_of(error: f64, c: &PowerSeries, n: usize) -> f64 {
+    if c[n] == 0.0 && c[n - 1] == 0.0 {
+        f64::INFINITY
+    } else {
+        reach(error, c, n)
+    }
+}

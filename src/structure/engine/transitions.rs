@@ -1,0 +1,332 @@
+//! What every contact does from an instant on.
+//!
+//! What a contact with a coordinate to itself carries is a function of q, v and t alone, so such
+//! contacts decide one by one. Contacts that share coordinates decide together: `decision.rs`. Only
+//! at the very edge of its band does a contact need rates, which may depend on the modes of others:
+//! it is then taken to stick, all is expanded, and the sign of the first derivative that is not 0
+//! decides. That is repeated until nothing changes.
+
+use super::decision::Decision;
+use super::expand::{ALL, expand};
+use super::model::Model;
+use super::plan::{load_terms, terms};
+use super::state::{ContactSeries, ContactState, Edge, Entry, Phase, Series, Situation};
+use crate::error::Error;
+use crate::motion::Mode;
+use crate::series::PowerSeries;
+use crate::state::Direction;
+
+/// Rounding error of what a contact carries, in units of ε times the sum of its terms: so near is
+/// on the edge, at a start or on arrival.
+pub(super) const EDGE_ROUNDING: f64 = 4.0;
+
+/// Height above its bound, in units of ε times that bound, up to which a load has only touched it.
+const TOUCH_ROUNDING: f64 = 8.0;
+
+/// Decides the modes, and expands the motion that follows. Shared contacts are asked only if
+/// something happened to one of them, or a drive broke: `is_disturbed`.
+pub(super) fn decide(
+    model: &Model<'_>,
+    situation: &mut Situation,
+    series: &mut Series,
+    is_disturbed: bool,
+) -> Result<(), Error> {
+    let asks_shared = is_disturbed && !model.shared.is_empty();
+    let mut decision = asks_shared.then(|| Decision::new(model, situation, series));
+    if asks_shared {
+        situation.closed = None;
+    }
+    for c in 0..situation.contacts.len() {
+        arrive(model, situation, c);
+    }
+    // Each round but the last changes a contact: its load, its band, or its piece of the law.
+    for _ in 0..=4 * situation.contacts.len() {
+        if let Some(decision) = &mut decision {
+            decision.settle(model, situation, series)?;
+        }
+        if let Err(fault) = expand(model, situation, series, ALL) {
+            return Err(fault.at(situation.reached(model, series)));
+        }
+        let mut changed = false;
+        for c in 0..situation.contacts.len() {
+            let (change, shared) = (
+                revise_load(model, situation, series, c)?,
+                model.owner_of(c).is_none(),
+            );
+            if change && shared {
+                situation.closed = None;
+                decision.get_or_insert_with(|| Decision::new(model, situation, series));
+            }
+            changed |= change || revise_mode(model, situation, series, c);
+        }
+        if let Some(decision) = &mut decision {
+            changed |= decision.revise(model, situation, series);
+        }
+        if !changed {
+            return Ok(());
+        }
+    }
+    Ok(())
+}
+
+/// A contact that has come to r = 0 is taken to stick, until what it carries says otherwise.
+fn arrive(model: &Model<'_>, situation: &mut Situation, c: usize) {
+    let contact = &model.contacts[c];
+    let displacement = situation.displacement_along(contact);
+    let (clock, state) = (situation.clock, &mut situation.contacts[c]);
+    if !state.has_arrived() {
+        return;
+    }
+    if let Phase::Slip { direction, .. } = state.phase {
+        state.entry = Entry::Arrived(Some(direction));
+        state.arrival_memory.clone_from(&state.memory);
+        contact.law.caught(&mut state.memory);
+    }
+    state.phase = Phase::Stick {
+        since: clock,
+        from: displacement,
+    };
+    state.limit = contact.law.limit(&|j| state.memory[j]);
+}
+
+/// A contact without friction so far meets its surface: slip if there is a relative velocity.
+pub(super) fn close(model: &Model<'_>, situation: &mut Situation, series: &mut Series, c: usize) {
+    let contact = &model.contacts[c];
+    let drive = &contact.belt_velocity;
+    series.contacts[c].surface = if drive.is_constant() {
+        let mut surface = PowerSeries::ZERO;
+        surface[0] = drive.value(0.0);
+        surface
+    } else {
+        drive.series(situation.clock)
+    };
+    let surface = series.contacts[c].surface[0];
+    let relative = contact.sliding_velocity(|j| situation.velocity(model, series, j), surface);
+    let from = situation.displacement_along(contact);
+    let since = situation.clock;
+    let state = &mut situation.contacts[c];
+    (state.entry, state.phase) = match Direction::of(relative) {
+        None => (Entry::Arrived(None), Phase::Stick { since, from }),
+        Some(direction) => {
+            let speed = relative.abs();
+            let slip = Phase::Slip {
+                direction,
+                speed,
+                rate: None,
+                piece: piece_above(&contact.breakpoints, speed),
+            };
+            (Entry::Held, slip)
+        }
+    };
+}
+
+/// The contact loses its load: there is no friction.
+fn open(model: &Model<'_>, situation: &mut Situation, series: &mut Series, c: usize) {
+    if let Some(i) = model.owner_of(c) {
+        situation.coordinates[i].velocity = situation.velocity(model, series, i);
+    }
+    let state = &mut situation.contacts[c];
+    // Stick that ends here has ended; and nothing happens to a contact without load.
+    if state.sticks() {
+        model.contacts[c].law.caught(&mut state.memory);
+    }
+    series.contacts[c].hold_memory(&state.memory);
+    state.phase = Phase::Open;
+    state.entry = Entry::Held;
+}
+
+/// Opens or closes a contact as its load says; returns true if that has changed anything.
+fn revise_load(
+    model: &Model<'_>,
+    situation: &mut Situation,
+    series: &mut Series,
+    c: usize,
+) -> Result<bool, Error> {
+    let of = &series.contacts[c];
+    if !of.load_varies {
+        return Ok(false);
+    }
+    let terms = load_terms(&model.contacts[c], situation);
+    let rounding = EDGE_ROUNDING * f64::EPSILON * terms;
+    let state = &mut situation.contacts[c];
+    let is_on_edge = state.load_edge != Edge::Away || of.load[0].abs() <= rounding;
+    let sign = if is_on_edge {
+        let (edge, sign) = leaving(&of.load, terms, None);
+        state.load_edge = edge;
+        // One that stays 0 gives no friction.
+        if sign == 0.0 { -1.0 } else { sign }
+    } else {
+        of.load[0]
+    };
+    match (state.mode(), sign < 0.0) {
+        (Mode::Open, false) => {
+            close(model, situation, series, c);
+            arrive(model, situation, c);
+            Ok(true)
+        }
+        (Mode::Stick | Mode::Slip(_), true) => {
+            if !model.contacts[c].load_gradient.is_empty() {
+                let reached = situation.reached(model, series);
+                return Err(Error::Separation {
+                    contact: c,
+                    reached,
+                });
+            }
+            open(model, situation, series, c);
+            Ok(true)
+        }
+        _ => Ok(false),
+    }
+}
+
+/// Releases a contact that cannot stick, and puts one that slides onto its piece of the law;
+/// returns true if that has changed anything.
+fn revise_mode(model: &Model<'_>, situation: &mut Situation, series: &Series, c: usize) -> bool {
+    let (contact, of) = (&model.contacts[c], &series.contacts[c]);
+    let state = &mut situation.contacts[c];
+    match state.phase {
+        Phase::Open => false,
+        Phase::Slip { .. } => state.revise_piece(&contact.breakpoints, &of.speeds),
+        Phase::Stick { .. } => {
+            let Some(i) = model.owner_of(c) else {
+                return false;
+            };
+            if state.limit.is_some() {
+                return revise_stick(model, situation, series, c, i);
+            }
+            // Its own law says what it carries at r = 0: the same on both sides.
+            let coefficient = state.start_coefficient(contact.law, Direction::Leading);
+            let rate = of.carried[0] - of.load[0] * coefficient;
+            let direction = side_of(if rate == 0.0 { state.back() } else { rate });
+            state.pass_through(direction);
+            true
+        }
+    }
+}
+
+/// Releases a contact that has a coordinate to itself and carries more than it can; returns true if
+/// it does.
+fn revise_stick(
+    model: &Model<'_>,
+    situation: &mut Situation,
+    series: &Series,
+    c: usize,
+    i: usize,
+) -> bool {
+    let (contact, of) = (&model.contacts[c], &series.contacts[c]);
+    let force = model.acceleration_by(i, |j| model.forces[j].size()).abs();
+    let load_terms = load_terms(contact, situation);
+    let terms = terms(model, situation, series, i) + force;
+    let state = &mut situation.contacts[c];
+    let (carried, bound) = (of.carried[0], of.bound[0]);
+    // Not of the load itself, which may have just come back from 0.
+    let terms = terms + load_terms * state.static_coefficient();
+    let rounding = EDGE_ROUNDING * f64::EPSILON * terms;
+    let is_known = state.edge != Edge::Away;
+    let is_fresh = state.has_arrived();
+    let side = match state.edge {
+        Edge::On(Some(side)) | Edge::Touched(Some(side)) => side,
+        _ => side_of(carried),
+    };
+    let mut release = None;
+    if is_fresh && bound.max(carried.abs()) <= rounding {
+        // No band yet, for the load begins: on both of its bounds.
+        state.edge = Edge::On(None);
+        let rates = [side, side.opposite()].map(|side| (side, state.leaving(of, side).1));
+        let out = rates.into_iter().find(|(_, sign)| *sign < 0.0);
+        release = out.map(|(side, _)| (side, 0.0));
+    } else {
+        let beyond = side.sign() * carried - bound;
+        if beyond > rounding && !is_known {
+            release = Some((side, beyond));
+        } else if is_known || beyond >= 0.0 || (is_fresh && beyond >= -rounding) {
+            let (edge, sign) = state.leaving(of, side);
+            state.edge = edge;
+            release = (sign < 0.0).then_some((side, 0.0));
+        }
+    }
+    let Some((side, beyond)) = release else {
+        return false;
+    };
+    let coefficient = state.start_coefficient(contact.law, side);
+    let jump = bound - of.load[0] * side.sign() * coefficient;
+    // μ̂(0) may exceed μ_s by an ulp.
+    state.begin_slip(contact.law, side, Some(beyond + jump.max(0.0)));
+    state.entry = Entry::Held;
+    true
+}
+
+impl ContactState {
+    /// The direction opposite to that of an arrival; +1 without one.
+    fn back(&self) -> f64 {
+        match self.entry {
+            Entry::Arrived(Some(from)) => -from.sign(),
+            _ => 1.0,
+        }
+    }
+
+    /// Which way the load carried goes at its bound on a side, and what is known of it then.
+    pub(super) fn leaving(&self, of: &ContactSeries, side: Direction) -> (Edge, f64) {
+        let mut distance = of.distance(self.edge, side);
+        distance[0] = 0.0;
+        leaving(&distance, of.bound[0], Some(side))
+    }
+
+    /// At a breakpoint the motion decides on the piece: by its first derivative that is not 0.
+    fn revise_piece(&mut self, breakpoints: &[f64], speeds: &PowerSeries) -> bool {
+        let Phase::Slip { piece, .. } = &mut self.phase else {
+            return false;
+        };
+        let above = piece_above(breakpoints, speeds[0]);
+        if above == 0 || breakpoints[above - 1] != speeds[0] {
+            let changed = *piece != above;
+            *piece = above;
+            return changed;
+        }
+        let mut rest = *speeds;
+        rest[0] = 0.0;
+        let chosen = above - usize::from(rest.first_nonzero().is_some_and(|c| c < 0.0));
+        let changed = *piece != chosen && !matches!(self.entry, Entry::OnBreakpoint);
+        if changed {
+            // Once: both pieces give the same rate.
+            *piece = chosen;
+            self.entry = Entry::OnBreakpoint;
+        }
+        changed
+    }
+}
+
+/// The piece of a law just above a sliding speed.
+pub(super) fn piece_above(breakpoints: &[f64], speed: f64) -> usize {
+    breakpoints.partition_point(|&b| b <= speed)
+}
+
+/// The direction of slip with a sign; leading for 0.
+pub(super) fn side_of(sign: f64) -> Direction {
+    if sign < 0.0 {
+        Direction::Lagging
+    } else {
+        Direction::Leading
+    }
+}
+
+/// Which way a distance goes that is 0: +1 where it grows, −1 where it becomes negative, 0 if it
+/// stays; and what is known of it then.
+///
+/// A rate so small that the distance turns back within rounding of 0 is none: the bound was only
+/// touched.
+fn leaving(distance: &PowerSeries, bound: f64, side: Option<Direction>) -> (Edge, f64) {
+    let (first, second) = (distance[1], distance[2]);
+    let height = first * first / (4.0 * second);
+    let touched =
+        first < 0.0 && second > 0.0 && height <= TOUCH_ROUNDING * f64::EPSILON * bound.abs();
+    if touched {
+        return (Edge::Touched(side), 1.0);
+    }
+    let mut rest = *distance;
+    rest[0] = 0.0;
+    (
+        Edge::On(side),
+        rest.first_nonzero().map_or(0.0, f64::signum),
+    )
+}
