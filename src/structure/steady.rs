@@ -17,8 +17,9 @@ use crate::state::Direction;
 /// M δq'' + (C + Σ_c N_c dμ̂_c/ds b_c b_cᵀ) δq' + (K − Σ_c sgn(w_c) μ̂_c b_c n_cᵀ) δq = 0
 /// ```
 ///
-/// Contacts with memory variables, as bristles, hold the memory at which z' = 0; its deviations join
-/// those of the masses: −b_c N_c Σ_j ∂μ_c/∂z_j δz_j on the right, and δz' linear in δz and b_c·δq'.
+/// Contacts with memory variables, as bristles, hold the memory at which z' = 0; its deviations
+/// join those of the masses: −b_c N_c Σ_j ∂μ_c/∂z_j δz_j on the right, and δz' linear in δz and
+/// b_c·δq'.
 ///
 /// The load that follows the displacements makes the stiffness matrix unsymmetric: two modes can
 /// merge and one of them grow (flutter by mode coupling), even where friction does not fall with

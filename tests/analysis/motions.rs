@@ -26,8 +26,8 @@
 //! grown, beside xᵖ, by a power of the distance. No constant is fitted to what was measured.
 //!
 //! Cases are the same in every run, others with `PROPTEST_RNG_SEED`, more with `PROPTEST_CASES`;
-//! those that failed once are kept in `tests/proptest-regressions`. `--nocapture` prints the largest part
-//! of each bound that was used.
+//! those that failed once are kept in `tests/proptest-regressions`. `--nocapture` prints the
+//! largest part of each bound that was used.
 
 mod exact;
 mod small;
