@@ -17,7 +17,7 @@
 use super::expand::free_accelerations;
 use super::model::Model;
 use super::plan::{contact_terms, load_terms};
-use super::state::{ContactState, Edge, Entry, Holding, Phase, Series, Situation};
+use super::state::{Closed, ContactState, Edge, Entry, Holding, Phase, Series, Situation};
 use super::transitions::{EDGE_ROUNDING, side_of};
 use crate::error::Error;
 use crate::state::Direction;
@@ -68,19 +68,15 @@ impl Decision {
     /// Before arrivals: what contacts at the edge of their bands carry beyond it is rounding.
     pub(super) fn new(model: &Model<'_>, situation: &Situation, series: &mut Series) -> Self {
         let mut beyond = Vec::new();
-        let at_edge = |&&c: &&usize| {
+        let at_edge = |&c: &usize| {
             let state = &situation.contacts[c];
             state.sticks() && state.edge != Edge::Away
         };
-        if model.shared.iter().any(|c| at_edge(&c)) {
+        if model.shared.iter().any(at_edge) {
             free_accelerations(model, situation, series);
             let Holding { contacts, factor } = &situation.holding;
             let root = |c: usize| model.contacts[c].compliance.sqrt();
-            let place = |c: usize| model.shared.iter().position(|&other| other == c);
-            let pulls = contacts.iter().map(|&c| {
-                let pull = place(c).map_or(0.0, |place| series.held[place]);
-                pull / root(c)
-            });
+            let pulls = contacts.iter().map(|&c| series.contacts[c].free / root(c));
             let mut forces: Vec<f64> = pulls.collect();
             factor.solve(&mut forces);
             for (&c, force) in std::iter::zip(contacts, forces) {
@@ -128,19 +124,20 @@ impl Decision {
 
     /// The candidates: shared contacts that stick until something else is decided.
     fn gather(&mut self, model: &Model<'_>, situation: &mut Situation, series: &mut Series) {
-        let decides = |c: usize| self.candidates.iter().any(|other| other.contact == c);
-        let is_new = |&&c: &&usize| situation.contacts[c].sticks() && !decides(c);
-        let is_open = |candidate: &Candidate| {
-            matches!(situation.contacts[candidate.contact].phase, Phase::Open)
-        };
-        let has_new = model.shared.iter().any(|c| is_new(&c));
-        if !has_new && !self.candidates.iter().any(is_open) {
+        let mut decides = vec![false; situation.contacts.len()];
+        let mut has_opened = false;
+        for candidate in &self.candidates {
+            decides[candidate.contact] = true;
+            has_opened |= situation.contacts[candidate.contact].phase_is_open();
+        }
+        let is_new = |&c: &usize| situation.contacts[c].sticks() && !decides[c];
+        if !has_opened && !model.shared.iter().any(is_new) {
             return;
         }
         // From the beginning, with all at rest.
         for candidate in self.candidates.drain(..) {
             let state = &mut situation.contacts[candidate.contact];
-            if !matches!(state.phase, Phase::Open) {
+            if !state.phase_is_open() {
                 *state = candidate.resting;
             }
         }
@@ -155,7 +152,7 @@ impl Decision {
             }
         }
         free_accelerations(model, situation, series);
-        for (place, &c) in model.shared.iter().enumerate() {
+        for &c in &model.shared {
             let (contact, state, of) = (
                 &model.contacts[c],
                 &situation.contacts[c],
@@ -175,12 +172,12 @@ impl Decision {
             self.candidates.push(Candidate {
                 contact: c,
                 resting: state.clone(),
-                free: series.held[place] / root,
+                free: of.free / root,
                 terms: (contact_terms(model, situation, series, c) + forces + load_terms) / root,
                 limit: of.bound[0] / root,
                 kinetic,
                 has_yielded: false,
-                dependent_side: side_of(series.held[place]),
+                dependent_side: side_of(of.free),
                 choice: Choice::Stick,
                 force: 0.0,
                 acceleration: 0.0,
@@ -496,17 +493,16 @@ impl Candidate {
 pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &Series) {
     let closed = situation.closed.take();
     let closed = closed.unwrap_or_else(|| closed_contacts(model, situation));
-    let apart = |c: usize| {
-        let velocity = model.contacts[c].along(|j| situation.coordinates[j].velocity);
-        let relative = match situation.contacts[c].phase {
-            Phase::Slip {
-                direction, speed, ..
-            } => direction.sign() * speed,
-            Phase::Open | Phase::Stick { .. } => 0.0,
-        };
-        velocity - series.contacts[c].surface[0] - relative
+    let velocity = |situation: &Situation, c: usize| match situation.contacts[c].phase {
+        Phase::Slip {
+            direction, speed, ..
+        } => series.contacts[c].surface[0] + direction.sign() * speed,
+        Phase::Open | Phase::Stick { .. } => series.contacts[c].surface[0],
     };
-    let velocities = model.corrections(&closed.contacts, &closed.factor, apart);
+    let apart = |c: usize| {
+        let along = model.contacts[c].along(|j| situation.coordinates[j].velocity);
+        along - velocity(situation, c)
+    };
     let carried = |c: usize| match situation.contacts[c].phase {
         Phase::Stick { since, from } => {
             let contact = &model.contacts[c];
@@ -515,6 +511,8 @@ pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &S
         }
         Phase::Open | Phase::Slip { .. } => 0.0,
     };
+    let Holding { contacts, factor } = &closed.holding;
+    let velocities = model.corrections(contacts, factor, apart);
     let Holding { contacts, factor } = &situation.holding;
     let displacements = model.corrections(contacts, factor, carried);
     for (j, correction) in velocities {
@@ -523,11 +521,31 @@ pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &S
     for (j, correction) in displacements {
         situation.coordinates[j].displacement -= correction;
     }
+    // Contacts at rest to the bit, where they do not run in a circle.
+    for &(c, pivot) in &closed.pivots {
+        let rests = match situation.contacts[c].phase {
+            Phase::Slip { speed, .. } => speed == 0.0,
+            Phase::Stick { .. } => true,
+            Phase::Open => false,
+        };
+        if rests {
+            let others = |j: usize| {
+                if j == pivot {
+                    0.0
+                } else {
+                    situation.coordinates[j].velocity
+                }
+            };
+            let rest = velocity(situation, c) - model.contacts[c].along(others);
+            let own = model.contacts[c].along(|j| if j == pivot { 1.0 } else { 0.0 });
+            situation.coordinates[pivot].velocity = rest / own;
+        }
+    }
     situation.closed = Some(closed);
 }
 
 /// The shared contacts that are closed: of dependent ones those that stick.
-fn closed_contacts(model: &Model<'_>, situation: &Situation) -> Holding {
+fn closed_contacts(model: &Model<'_>, situation: &Situation) -> Closed {
     let sticks = |c: usize| situation.contacts[c].sticks();
     let shared = model.shared.iter().copied();
     let mut contacts: Vec<usize> = shared
@@ -535,7 +553,11 @@ fn closed_contacts(model: &Model<'_>, situation: &Situation) -> Holding {
         .collect();
     loop {
         let place = match model.factor(&contacts) {
-            Ok(factor) => return Holding { contacts, factor },
+            Ok(factor) => {
+                let pivots = model.pivots(&contacts);
+                let holding = Holding { contacts, factor };
+                return Closed { holding, pivots };
+            }
             Err(place) => place,
         };
         let before = contacts[..=place].iter().rposition(|&c| !sticks(c));

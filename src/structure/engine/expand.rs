@@ -265,8 +265,8 @@ fn pull(contact: &ContactData<'_>, series: &Series, c: usize, k: usize) -> f64 {
     contact.along(|j| series.rates[j]) - (k + 1) as f64 * series.contacts[c].surface[k + 1]
 }
 
-/// b·a⁰ − w' of each shared contact at the start: its relative acceleration if none of those that
-/// stick carried anything. Those that slip have their friction.
+/// Notes b·a⁰ − w' of each shared contact at the start: its relative acceleration if none of those
+/// that stick carried anything. Those that slip have their friction.
 pub(super) fn free_accelerations(model: &Model<'_>, situation: &Situation, series: &mut Series) {
     let n = model.len();
     for i in 0..n {
@@ -296,10 +296,8 @@ pub(super) fn free_accelerations(model: &Model<'_>, situation: &Situation, serie
             }
         }
     }
-    series.held.clear();
     for &c in &model.shared {
-        let pull = pull(&model.contacts[c], series, c, 0);
-        series.held.push(pull);
+        series.contacts[c].free = pull(&model.contacts[c], series, c, 0);
     }
 }
 

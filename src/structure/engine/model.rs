@@ -419,6 +419,33 @@ impl<'s> Model<'s> {
         }
     }
 
+    /// Contacts among these with a coordinate each that none of those before has, as far as there
+    /// are: in this order their relative velocities give the velocities of these coordinates.
+    /// Joints and belts have one each, unless they run in a circle.
+    pub(super) fn pivots(&self, contacts: &[usize]) -> Vec<(usize, usize)> {
+        let mut users: Vec<Vec<usize>> = vec![Vec::new(); self.len()];
+        for &c in contacts {
+            for &(j, _) in self.contacts[c].direction.iter() {
+                users[j].push(c);
+            }
+        }
+        // From the ends inward: a coordinate of one contact alone is the last to be set.
+        let mut alone: Vec<usize> = (0..self.len()).filter(|&j| users[j].len() == 1).collect();
+        let mut pivots = Vec::new();
+        while let Some(j) = alone.pop() {
+            let [c] = users[j][..] else { continue };
+            pivots.push((c, j));
+            for &(other, _) in self.contacts[c].direction.iter() {
+                users[other].retain(|&user| user != c);
+                if users[other].len() == 1 {
+                    alone.push(other);
+                }
+            }
+        }
+        pivots.reverse();
+        pivots
+    }
+
     /// The factor of G for some of the shared contacts, in the order of [`shared`](Self::shared).
     ///
     /// # Errors

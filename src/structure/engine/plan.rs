@@ -32,6 +32,8 @@ pub(super) struct Plan {
     /// Of each coordinate, and of each contact's relative velocity.
     pub(super) coordinates: Vec<Allowance>,
     pub(super) contacts: Vec<Allowance>,
+    /// Rate at which a deviation of each velocity dies out.
+    closings: Vec<f64>,
     /// Scale of each velocity, and the size of the terms of its equation.
     scales: Vec<(f64, f64)>,
 }
@@ -149,6 +151,7 @@ pub(super) fn plan_reach(
     plan: &mut Plan,
 ) -> f64 {
     let n = model.len();
+    closings(model, situation, series, &mut plan.closings);
     let scales = &mut plan.scales;
     scales.clear();
     scales.extend((0..n).map(|i| (0.0, terms(model, situation, series, i))));
@@ -170,7 +173,7 @@ pub(super) fn plan_reach(
     // A mass that does not move yet is judged by how others will move it.
     let mut energy = 0.0_f64;
     for (i, (scale, _)) in scales.iter_mut().enumerate() {
-        let closing = closing(model, situation, series, i);
+        let closing = plan.closings[i];
         let unit = if closing * unit > 1.0 {
             closing.recip()
         } else {
@@ -342,28 +345,26 @@ fn time_unit(
     }))
 }
 
-/// The rate at which a deviation of the velocity of a coordinate dies out by damping and friction;
-/// 0 unless a contact of it slips.
-fn closing(model: &Model<'_>, situation: &Situation, series: &Series, i: usize) -> f64 {
-    let slope = |c: usize| match situation.contacts[c].phase {
-        Phase::Slip { .. } => Some(series.contacts[c].load[0] * series.contacts[c].slope),
-        Phase::Open | Phase::Stick { .. } => None,
-    };
-    let by_friction = match model.owner[i] {
-        Some(c) => slope(c),
-        None => {
-            let slopes = model.shared.iter().filter_map(|&c| {
-                let contact = &model.contacts[c];
-                let at = |entries: &[(usize, f64)]| {
-                    let found = entries.binary_search_by_key(&i, |&(j, _)| j).ok()?;
-                    Some(entries[found].1)
-                };
-                Some(slope(c)? * at(&contact.direction)? * at(contact.responses())?)
-            });
-            slopes.reduce(|sum, slope| sum + slope)
+/// The rates at which deviations of the velocities of coordinates die out by damping and friction;
+/// 0 unless a contact of the coordinate slips.
+fn closings(model: &Model<'_>, situation: &Situation, series: &Series, closings: &mut Vec<f64>) {
+    closings.clear();
+    closings.resize(model.len(), 0.0);
+    for (c, contact) in model.contacts.iter().enumerate() {
+        let Phase::Slip { .. } = situation.contacts[c].phase else {
+            continue;
+        };
+        let slope = series.contacts[c].load[0] * series.contacts[c].slope;
+        let responses = contact.responses();
+        for &(j, b) in contact.direction.iter() {
+            if closings[j] == 0.0 {
+                closings[j] = model.damping.row(j).0;
+            }
+            if let Ok(place) = responses.binary_search_by_key(&j, |&(j, _)| j) {
+                closings[j] += slope * b * responses[place].1;
+            }
         }
-    };
-    by_friction.map_or(0.0, |slope| model.damping.row(i).0 + slope)
+    }
 }
 
 /// How far a series may be used; as far as one likes where it ends before its last terms, even if

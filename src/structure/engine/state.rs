@@ -21,8 +21,8 @@ pub(super) struct Situation {
     pub(super) contacts: Vec<ContactState>,
     /// The shared contacts that stick, in the order of [`Model::shared`], and what holds them.
     pub(super) holding: Holding,
-    /// Those that are closed, as far as they are independent; none if that is not known.
-    pub(super) closed: Option<Holding>,
+    /// Those that are closed; none if they are not known.
+    pub(super) closed: Option<Closed>,
 }
 
 /// A set of shared contacts whose directions are independent.
@@ -30,6 +30,15 @@ pub(super) struct Situation {
 pub(super) struct Holding {
     pub(super) contacts: Vec<usize>,
     pub(super) factor: Factor,
+}
+
+/// The shared contacts that are closed.
+#[derive(Debug, Clone)]
+pub(super) struct Closed {
+    /// As far as they are independent.
+    pub(super) holding: Holding,
+    /// Contacts with a coordinate each that no contact before has: see [`Model::pivots`].
+    pub(super) pivots: Vec<(usize, usize)>,
 }
 
 /// Displacement and velocity of a coordinate. While a contact of its own holds it the velocity is
@@ -140,6 +149,8 @@ pub(super) struct ContactSeries {
     pub(super) drive_load: PowerSeries,
     /// Whether N is not the same at all times.
     pub(super) load_varies: bool,
+    /// r' at the start of the step if none of the shared contacts at r = 0 carried anything.
+    pub(super) free: f64,
     /// σμ in slip.
     pub(super) friction: PowerSeries,
     /// Its derivative by the sliding speed, at the start of the step.
@@ -341,6 +352,7 @@ impl Series {
                 load,
                 drive_load: load,
                 load_varies: !contact.load.is_constant() || !contact.load_gradient.is_empty(),
+                free: 0.0,
                 friction: PowerSeries::ZERO,
                 slope: 0.0,
                 limits: PowerSeries::ZERO,
