@@ -1,9 +1,10 @@
 //! The motion of a structure, step by step.
 
-use super::engine::Engine;
 use super::engine::model::Model;
+use super::engine::{Engine, check_start};
 use super::step::Step;
 use super::system::Structure;
+use crate::clock::Clock;
 use crate::error::Error;
 use crate::motion::sealed::Sealed;
 use crate::motion::{Integrator, Run, Segment, System, Trajectory};
@@ -40,56 +41,6 @@ impl<'s> Flow<'s> {
             ended: false,
         })
     }
-}
-
-/// Checks the sizes and the numbers of a start.
-pub(super) fn check_start(model: &Model<'_>, start: &State) -> Result<(), Error> {
-    let n = model.len();
-    let memory = model.remembered();
-    let sizes = [
-        ("displacements", start.displacements.len(), n),
-        ("velocities", start.velocities.len(), n),
-    ];
-    let remembered = start.memory.len();
-    let memory = (remembered > 0).then_some(("memory", remembered, memory));
-    for (name, found, expected) in sizes.into_iter().chain(memory) {
-        if found != expected {
-            return Err(Error::WrongSize {
-                name,
-                found,
-                expected,
-            });
-        }
-    }
-    let coordinates = std::iter::zip(&start.displacements, &start.velocities);
-    for (&displacement, &velocity) in coordinates {
-        if !(displacement.is_finite() && velocity.is_finite()) {
-            return Err(Error::InvalidState {
-                displacement,
-                velocity,
-            });
-        }
-    }
-    for &value in &start.memory {
-        Error::check("Structure", "memory", value, true, "any size")?;
-    }
-    if remembered > 0 {
-        for (c, contact) in model.contacts.iter().enumerate() {
-            let memory = &start.memory[model.memory(c)];
-            if let Some(limit) = contact.law.limit(&|j| memory[j]) {
-                let allowed = "a memory at the start with which static_coefficient ≥ 0";
-                let is_allowed = limit >= 0.0;
-                Error::check(
-                    "Structure",
-                    "static_coefficient",
-                    limit,
-                    is_allowed,
-                    allowed,
-                )?;
-            }
-        }
-    }
-    Ok(())
 }
 
 impl Iterator for Flow<'_> {
@@ -141,5 +92,47 @@ impl Structure {
     #[doc(alias = "solve")]
     pub fn simulate(&self, start: State, duration: f64) -> Result<Trajectory<State>, Error> {
         Integrator::new().simulate(self, start, duration)
+    }
+
+    /// What each contact carries at a time in a state: λ_c in units of force, with the sign of the
+    /// relative velocity that it resists, after the decision of contacts at r = 0; 0 where open.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`simulate`](Self::simulate) about the start;
+    /// [`Error::InvalidParameter`] if the time is not finite.
+    ///
+    /// ```
+    /// use stick_slip::{Contact, Coulomb, Structure, structure::State};
+    ///
+    /// // A locked clutch carries what accelerates the other shaft.
+    /// let clutch = Contact::between(0, 1, Coulomb::new(0.4, 0.3)?, 10.0)?;
+    /// let shafts = Structure::new(&[1.0, 3.0])?.with_force(0, 2.0)?.with_contact(clutch)?;
+    /// let state = State::at_rest(2);
+    /// assert_eq!(shafts.carried(0.0, &state)?, [1.5]);
+    /// assert_eq!(shafts.acceleration(0.0, &state)?, [0.5, 0.5]);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn carried(&self, time: f64, state: &State) -> Result<Vec<f64>, Error> {
+        Ok(self.at(time, state)?.carried())
+    }
+
+    /// The acceleration v' of each coordinate at a time in a state, after the decision of contacts
+    /// at r = 0; in units of velocity per time.
+    ///
+    /// # Errors
+    ///
+    /// As for [`carried`](Self::carried).
+    pub fn acceleration(&self, time: f64, state: &State) -> Result<Vec<f64>, Error> {
+        Ok(self.at(time, state)?.acceleration())
+    }
+
+    /// The engine at an instant.
+    fn at(&self, time: f64, state: &State) -> Result<Engine<'_>, Error> {
+        Error::check("Structure", "time", time, true, "any time")?;
+        let model = self.model();
+        check_start(&model, state)?;
+        let (engine, _) = Engine::start(model, f64::EPSILON, Clock::at(time), state)?;
+        Ok(engine)
     }
 }

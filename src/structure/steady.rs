@@ -1,9 +1,9 @@
 use nalgebra::linalg::Schur;
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::Structure;
 use super::contact::Contact;
 use super::engine::model::Entries;
+use super::system::Structure;
 use crate::error::{Error, NotSliding};
 use crate::friction::memory::{Sliding, Slip};
 use crate::friction::piece_above;
@@ -64,6 +64,23 @@ pub struct SteadySliding {
     /// time. What slip neither changes nor asks for, as the clock of rest of a
     /// [`Dwell`](crate::Dwell), is −∞: nothing is left of a deviation.
     pub eigenvalues: Vec<Complex<f64>>,
+}
+
+impl Structure {
+    /// Steady sliding: every mass stands still, every contact slips, and memory variables stay as
+    /// they are.
+    ///
+    /// See [`SteadySliding`] for formulas and an example.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoSteadySliding`] unless all drives are constant, every contact has a sliding
+    /// velocity w ≠ 0, every load is positive there, and K, with what friction adds to it, is not
+    /// singular: restrain the rigid-body modes. A string that is turned at a given speed, for
+    /// example, has a spring to the ground in a frame that turns with it.
+    pub fn steady_sliding(&self) -> Result<SteadySliding, Error> {
+        SteadySliding::of(self)
+    }
 }
 
 impl SteadySliding {

@@ -3,16 +3,11 @@ use std::borrow::Cow;
 use nalgebra::DMatrix;
 
 use super::contact::Contact;
-use super::engine::Engine;
 use super::engine::model::Model;
-use super::flow::check_start;
-use super::steady::SteadySliding;
 use crate::belt::MassOnBelt;
-use crate::clock::Clock;
 use crate::drive::{self, Drive};
 use crate::error::{Element, Error};
 use crate::friction::memory::ContactLaw;
-use crate::state::structure::State;
 
 /// Several masses on springs and dampers, driven in time, with friction contacts between them and
 /// with surfaces that move.
@@ -424,63 +419,6 @@ impl Structure {
             Cow::Borrowed(&self.forces),
             self.contacts.iter().map(Contact::data).collect(),
         )
-    }
-
-    /// Steady sliding: every mass stands still, every contact slips, and memory variables stay as
-    /// they are.
-    ///
-    /// See [`SteadySliding`] for formulas and an example.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::NoSteadySliding`] unless all drives are constant, every contact has a sliding
-    /// velocity w ≠ 0, every load is positive there, and K, with what friction adds to it, is not
-    /// singular: restrain the rigid-body modes. A string that is turned at a given speed, for
-    /// example, has a spring to the ground in a frame that turns with it.
-    pub fn steady_sliding(&self) -> Result<SteadySliding, Error> {
-        SteadySliding::of(self)
-    }
-
-    /// What each contact carries at a time in a state: λ_c in units of force, with the sign of the
-    /// relative velocity that it resists, after the decision of contacts at r = 0; 0 where open.
-    ///
-    /// # Errors
-    ///
-    /// Those of [`simulate`](Self::simulate) about the start;
-    /// [`Error::InvalidParameter`] if the time is not finite.
-    ///
-    /// ```
-    /// use stick_slip::{Contact, Coulomb, Structure, structure::State};
-    ///
-    /// // A locked clutch carries what accelerates the other shaft.
-    /// let clutch = Contact::between(0, 1, Coulomb::new(0.4, 0.3)?, 10.0)?;
-    /// let shafts = Structure::new(&[1.0, 3.0])?.with_force(0, 2.0)?.with_contact(clutch)?;
-    /// let state = State::at_rest(2);
-    /// assert_eq!(shafts.carried(0.0, &state)?, [1.5]);
-    /// assert_eq!(shafts.acceleration(0.0, &state)?, [0.5, 0.5]);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
-    pub fn carried(&self, time: f64, state: &State) -> Result<Vec<f64>, Error> {
-        Ok(self.at(time, state)?.carried())
-    }
-
-    /// The acceleration v' of each coordinate at a time in a state, after the decision of contacts
-    /// at r = 0; in units of velocity per time.
-    ///
-    /// # Errors
-    ///
-    /// As for [`carried`](Self::carried).
-    pub fn acceleration(&self, time: f64, state: &State) -> Result<Vec<f64>, Error> {
-        Ok(self.at(time, state)?.acceleration())
-    }
-
-    /// The engine at an instant.
-    fn at(&self, time: f64, state: &State) -> Result<Engine<'_>, Error> {
-        Error::check("Structure", "time", time, true, "any time")?;
-        let model = self.model();
-        check_start(&model, state)?;
-        let (engine, _) = Engine::start(model, f64::EPSILON, Clock::at(time), state)?;
-        Ok(engine)
     }
 }
 

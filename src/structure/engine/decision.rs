@@ -14,11 +14,12 @@
 //! A contact on the edge of its band, λ_c = B_c and a_c = 0, is taken to stick, and the sign of the
 //! first derivative of its distance from the edge that is not 0 decides, as for one contact.
 
+use super::edge::{EDGE_ROUNDING, Edge, side_of};
 use super::expand::free_accelerations;
 use super::model::Model;
 use super::plan::{contact_terms, load_terms};
-use super::state::{Closed, ContactState, Edge, Entry, Holding, Phase, Series, Situation};
-use super::transitions::{EDGE_ROUNDING, side_of};
+use super::series::Series;
+use super::state::{Closed, ContactState, Entry, Holding, Phase, Situation};
 use crate::error::Error;
 use crate::state::Direction;
 
@@ -376,11 +377,11 @@ impl Decision {
                     let sides = [side, side.opposite()];
                     let mut out = sides
                         .into_iter()
-                        .filter(|&side| state.leaving(of, side).1 < 0.0);
+                        .filter(|&side| state.edge.leaving(of, side).1 < 0.0);
                     broken.extend(out.next().map(|side| (i, Some(side))));
                 }
                 (Choice::Stick, Edge::On(Some(side)) | Edge::Touched(Some(side))) => {
-                    let (edge, sign) = state.leaving(of, side);
+                    let (edge, sign) = state.edge.leaving(of, side);
                     state.edge = edge;
                     broken.extend((sign < 0.0).then_some((i, Some(side))));
                 }

@@ -3,7 +3,8 @@
 
 use super::model::{ContactData, Model};
 use super::plan::Plan;
-use super::state::{ContactSeries, ContactState, Series, Situation};
+use super::series::{ContactSeries, Series};
+use super::state::{ContactState, Situation};
 use crate::friction::memory::{Motion, Slip};
 use crate::motion::step_control::{Allowance, LONG, MOST_FOURS};
 use crate::series::quarters;

@@ -1,7 +1,9 @@
 //! What ends a step: the first times at which sliding speeds, stick bands and loads come to 0.
 
+use super::edge::Edge;
 use super::model::Model;
-use super::state::{ContactSeries, ContactState, Edge, Firing, Phase, Series, Situation};
+use super::series::{ContactSeries, Series};
+use super::state::{ContactState, Firing, Phase, Situation};
 use crate::series::{PowerSeries, TooCurved, Watch, quarters};
 use crate::state::Direction;
 
@@ -93,7 +95,7 @@ fn bound_firing(
     }
     let mut found: Option<(f64, Firing)> = None;
     for side in [Direction::Lagging, Direction::Leading] {
-        let distance = series.distance(edge, side);
+        let distance = edge.distance(series, side);
         let h = found.map_or(h, |(time, _)| time);
         found = first(&distance, h, Firing::Bound(side))?.or(found);
     }

@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use super::model::{ContactData, Model, Target};
-use super::state::{ContactSeries, ContactState, Phase, Series, Situation};
+use super::series::{ContactSeries, CoordinateSeries, Series};
+use super::state::{ContactState, Phase, Situation};
 use crate::error::{Error, Reached};
 use crate::friction::memory::Slip;
 use crate::scalar::mul_add;
@@ -121,6 +122,9 @@ pub(super) fn expand(
     }
     law_fault(situation, series).map_or(Ok(()), Err)
 }
+
+/// How many masses of a long chain are brought from order to order together.
+const AT_A_TIME: usize = 32;
 
 /// All orders that a step has.
 pub(super) const ALL: usize = TERMS - 1;
@@ -298,78 +302,6 @@ pub(super) fn free_accelerations(model: &Model<'_>, situation: &Situation, serie
     }
     for &c in &model.shared {
         series.contacts[c].free = pull(&model.contacts[c], series, c, 0);
-    }
-}
-
-/// How many masses of a long chain are brought from order to order together.
-const AT_A_TIME: usize = 32;
-
-/// The series of one displacement q: its value, then the coefficients of the velocity v = q', so
-/// that number k is q_0 or k q_k.
-#[derive(Debug, Clone)]
-pub(super) struct Course([f64; TERMS + 1]);
-
-impl Course {
-    pub(super) const ZERO: Self = Self([0.0; TERMS + 1]);
-
-    pub(super) fn start(&mut self, displacement: f64, velocity: f64) {
-        [self.0[0], self.0[1]] = [displacement, velocity];
-    }
-
-    #[inline(always)]
-    pub(super) fn displacement(&self, k: usize) -> f64 {
-        const WEIGHTS: [f64; TERMS + 1] = {
-            let mut weights = [1.0; TERMS + 1];
-            let mut k = 1;
-            while k <= TERMS {
-                weights[k] = INTEGRAL[k - 1];
-                k += 1;
-            }
-            weights
-        };
-        self.0[k] * WEIGHTS[k]
-    }
-
-    #[inline(always)]
-    pub(super) fn velocity(&self, k: usize) -> f64 {
-        self.0[k + 1]
-    }
-
-    #[inline(always)]
-    fn set_velocity(&mut self, k: usize, coefficient: f64) {
-        self.0[k + 1] = coefficient;
-    }
-
-    /// v(t).
-    pub(super) fn at(&self, t: f64) -> f64 {
-        self.velocities().at(t)
-    }
-
-    /// Whether v is constant.
-    pub(super) fn is_straight(&self) -> bool {
-        self.0[2..].iter().all(|&c| c == 0.0)
-    }
-
-    /// The series of v.
-    pub(super) fn velocities(&self) -> PowerSeries {
-        PowerSeries::from_fn(|k| self.velocity(k))
-    }
-}
-
-/// The series of one coordinate.
-#[derive(Debug, Clone)]
-pub(super) struct CoordinateSeries {
-    pub(super) course: Course,
-    /// (M⁻¹f)_i.
-    pub(super) force: PowerSeries,
-}
-
-impl CoordinateSeries {
-    pub(super) fn new(force: PowerSeries) -> Self {
-        Self {
-            course: Course::ZERO,
-            force,
-        }
     }
 }
 

@@ -10,7 +10,8 @@
 //! | file | what is in it |
 //! |---|---|
 //! | `model.rs`, `sparse.rs` | what is constant in a motion |
-//! | `state.rs` | what changes at events; the series of a step |
+//! | `state.rs`, `edge.rs` | what changes at events |
+//! | `series.rs` | what lives for a step |
 //! | `expand.rs` | the power series of all coordinates, order by order |
 //! | `factor.rs` | what holds several contacts at once |
 //! | `plan.rs` | how far the series are used, which errors a step may have |
@@ -22,22 +23,26 @@
 
 mod decision;
 mod defect;
+mod edge;
 mod events;
 mod expand;
 pub(crate) mod factor;
 pub(crate) mod model;
 mod plan;
+mod series;
 mod slow;
 pub(crate) mod sparse;
 mod state;
 mod transitions;
 
 use decision::reconcile;
+use edge::Edge;
 use events::{Firings, first_firings};
 use expand::expand_drives;
 use model::Model;
 use plan::{Control, is_finite, is_linear, plan_reach};
-use state::{Edge, Entry, Firing, Phase, Series, Situation};
+use series::Series;
+use state::{Entry, Firing, Phase, Situation};
 use transitions::{close, decide};
 
 use super::step::{After, Cause, Step};
@@ -310,7 +315,7 @@ impl<'s> Engine<'s> {
         let shared = self.model.shared.iter();
         let at_edge = shared.filter_map(|&c| match self.situation.contacts[c].edge {
             Edge::On(Some(side)) => {
-                let distance = self.series.contacts[c].distance(Edge::Away, side);
+                let distance = Edge::Away.distance(&self.series.contacts[c], side);
                 Some((c, -distance.derivative().at(h)))
             }
             _ => None,
@@ -474,4 +479,54 @@ fn kind_of(before: Mode, after: Mode) -> Option<EventKind> {
         (Mode::Slip(_), Mode::Stick) => Some(EventKind::Stick),
         (Mode::Slip(from), Mode::Slip(to)) => (from != to).then_some(EventKind::Crossing(to)),
     }
+}
+
+/// Checks the sizes and the numbers of a start.
+pub(super) fn check_start(model: &Model<'_>, start: &State) -> Result<(), Error> {
+    let n = model.len();
+    let memory = model.remembered();
+    let sizes = [
+        ("displacements", start.displacements.len(), n),
+        ("velocities", start.velocities.len(), n),
+    ];
+    let remembered = start.memory.len();
+    let memory = (remembered > 0).then_some(("memory", remembered, memory));
+    for (name, found, expected) in sizes.into_iter().chain(memory) {
+        if found != expected {
+            return Err(Error::WrongSize {
+                name,
+                found,
+                expected,
+            });
+        }
+    }
+    let coordinates = std::iter::zip(&start.displacements, &start.velocities);
+    for (&displacement, &velocity) in coordinates {
+        if !(displacement.is_finite() && velocity.is_finite()) {
+            return Err(Error::InvalidState {
+                displacement,
+                velocity,
+            });
+        }
+    }
+    for &value in &start.memory {
+        Error::check("Structure", "memory", value, true, "any size")?;
+    }
+    if remembered > 0 {
+        for (c, contact) in model.contacts.iter().enumerate() {
+            let memory = &start.memory[model.memory(c)];
+            if let Some(limit) = contact.law.limit(&|j| memory[j]) {
+                let allowed = "a memory at the start with which static_coefficient ≥ 0";
+                let is_allowed = limit >= 0.0;
+                Error::check(
+                    "Structure",
+                    "static_coefficient",
+                    limit,
+                    is_allowed,
+                    allowed,
+                )?;
+            }
+        }
+    }
+    Ok(())
 }

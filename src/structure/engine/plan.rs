@@ -1,7 +1,8 @@
 //! How far the series of a step are used, and what errors are allowed in it.
 
 use super::model::{ContactData, Model};
-use super::state::{Phase, Series, Situation};
+use super::series::Series;
+use super::state::{Phase, Situation};
 use crate::motion::step_control::{Allowance, FARTHEST, reach};
 use crate::series::{PowerSeries, TERMS};
 

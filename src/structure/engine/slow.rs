@@ -27,7 +27,8 @@
 use super::expand::{ALL, expand};
 use super::model::Model;
 use super::plan::{Control, plan_reach};
-use super::state::{Phase, Series, Situation};
+use super::series::Series;
+use super::state::{Phase, Situation};
 use crate::friction::memory::Motion;
 use crate::friction::memory::object::LawObject;
 use crate::motion::step_control::SETTLING;

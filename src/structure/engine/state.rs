@@ -1,15 +1,14 @@
-//! What changes at events, and what lives for a step.
+//! What changes at events.
 
-use super::expand::CoordinateSeries;
+use super::edge::Edge;
 use super::factor::Factor;
 use super::model::{ContactData, Model};
+use super::series::Series;
 use crate::clock::Clock;
 use crate::error::Reached;
 use crate::friction::memory::Slip;
 use crate::friction::memory::object::LawObject;
 use crate::motion::Mode;
-use crate::scalar::jet::Tape;
-use crate::series::PowerSeries;
 use crate::state::Direction;
 use crate::state::structure::State;
 
@@ -97,18 +96,6 @@ pub(super) enum Entry {
     OnBreakpoint,
 }
 
-/// What is known of a contact at the bound of its stick band, or of its load.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) enum Edge {
-    /// Away from it, as far as is known.
-    #[default]
-    Away,
-    /// On it, to the bit.
-    On(Option<Direction>),
-    /// On it, and its rate is 0: it was touched.
-    Touched(Option<Direction>),
-}
-
 /// Why a contact ends a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Firing {
@@ -120,49 +107,6 @@ pub(super) enum Firing {
     Bound(Direction),
     /// The normal load is 0.
     Load,
-}
-
-/// The power series of a step.
-#[derive(Debug, Clone)]
-pub(super) struct Series {
-    pub(super) coordinates: Vec<CoordinateSeries>,
-    pub(super) contacts: Vec<ContactSeries>,
-    /// Room for one order of the shared coordinates and contacts.
-    pub(super) rates: Vec<f64>,
-    pub(super) held: Vec<f64>,
-}
-
-/// The series at one contact. All forces are accelerations of r: multiplied by G_cc.
-#[derive(Debug, Clone)]
-pub(super) struct ContactSeries {
-    /// y.
-    pub(super) speeds: PowerSeries,
-    /// w.
-    pub(super) surface: PowerSeries,
-    /// What the contact carries in stick. One with a coordinate to itself: in slip what it would.
-    pub(super) carried: PowerSeries,
-    /// N μ_s; without terms beyond the first for a constant load and a law without memory.
-    pub(super) bound: PowerSeries,
-    /// N.
-    pub(super) load: PowerSeries,
-    /// Its part that is given in time.
-    pub(super) drive_load: PowerSeries,
-    /// Whether N is not the same at all times.
-    pub(super) load_varies: bool,
-    /// r' at the start of the step if none of the shared contacts at r = 0 carried anything.
-    pub(super) free: f64,
-    /// σμ in slip.
-    pub(super) friction: PowerSeries,
-    /// Its derivative by the sliding speed, at the start of the step.
-    pub(super) slope: f64,
-    /// μ_s, if the law has a memory.
-    pub(super) limits: PowerSeries,
-    pub(super) memories: Vec<PowerSeries>,
-    /// One order of the rates of the memory.
-    pub(super) rates: Vec<f64>,
-    /// D, at which the memory relaxes, where its series is that of the slow manifold; else 0.
-    pub(super) relaxation: f64,
-    pub(super) tape: Tape,
 }
 
 impl Situation {
@@ -312,92 +256,5 @@ impl ContactState {
             rate,
             piece: 0,
         };
-    }
-}
-
-impl Edge {
-    /// How many coefficients of the distance from the bound are 0.
-    pub(super) fn known(self) -> usize {
-        match self {
-            Self::Away => 0,
-            Self::On(_) => 1,
-            Self::Touched(_) => 2,
-        }
-    }
-
-    /// Whether it is at the bound on this side.
-    fn is_at(self, side: Direction) -> bool {
-        match self {
-            Self::On(at) | Self::Touched(at) => at.is_none_or(|at| at == side),
-            Self::Away => false,
-        }
-    }
-}
-
-impl Series {
-    pub(super) fn new(model: &Model<'_>, time: f64) -> Self {
-        let constant = |value: f64| {
-            let mut series = PowerSeries::ZERO;
-            series[0] = value;
-            series
-        };
-        let contacts = model.contacts.iter().map(|contact| {
-            let load = constant(contact.load.value(time) * contact.compliance);
-            let count = contact.memory();
-            ContactSeries {
-                speeds: PowerSeries::ZERO,
-                surface: constant(contact.belt_velocity.value(time)),
-                carried: PowerSeries::ZERO,
-                bound: PowerSeries::ZERO,
-                load,
-                drive_load: load,
-                load_varies: !contact.load.is_constant() || !contact.load_gradient.is_empty(),
-                free: 0.0,
-                friction: PowerSeries::ZERO,
-                slope: 0.0,
-                limits: PowerSeries::ZERO,
-                memories: vec![PowerSeries::ZERO; count],
-                rates: vec![0.0; count],
-                relaxation: 0.0,
-                tape: Tape::new(),
-            }
-        });
-        let coordinates = (0..model.len()).map(|i| {
-            let force = model.acceleration_by(i, |j| model.forces[j].value(time));
-            CoordinateSeries::new(constant(force))
-        });
-        Self {
-            coordinates: coordinates.collect(),
-            contacts: contacts.collect(),
-            rates: vec![0.0; model.len()],
-            held: Vec::with_capacity(model.shared.len()),
-        }
-    }
-
-    /// The velocity of coordinate i over the step.
-    pub(super) fn velocities(&self, i: usize) -> PowerSeries {
-        self.coordinates[i].course.velocities()
-    }
-}
-
-impl ContactSeries {
-    /// N μ_s ∓ ℓ, with the zeros that are known.
-    pub(super) fn distance(&self, edge: Edge, side: Direction) -> PowerSeries {
-        let (bound, carried) = (&self.bound, &self.carried);
-        let mut distance = PowerSeries::from_fn(|k| bound[k] - side.sign() * carried[k]);
-        if edge.is_at(side) {
-            for k in 0..edge.known() {
-                distance[k] = 0.0;
-            }
-        }
-        distance
-    }
-
-    /// The memory stays as it is.
-    pub(super) fn hold_memory(&mut self, memory: &[f64]) {
-        for (series, memory) in std::iter::zip(&mut self.memories, memory) {
-            *series = PowerSeries::ZERO;
-            series[0] = *memory;
-        }
     }
 }

@@ -7,21 +7,16 @@
 //! decides. That is repeated until nothing changes.
 
 use super::decision::Decision;
+use super::edge::{EDGE_ROUNDING, Edge, leaving, side_of};
 use super::expand::{ALL, expand};
 use super::model::Model;
 use super::plan::{load_terms, terms};
-use super::state::{ContactSeries, ContactState, Edge, Entry, Phase, Series, Situation};
+use super::series::Series;
+use super::state::{ContactState, Entry, Phase, Situation};
 use crate::error::Error;
 use crate::motion::Mode;
 use crate::series::PowerSeries;
 use crate::state::Direction;
-
-/// Rounding error of what a contact carries, in units of ε times the sum of its terms: so near is
-/// on the edge, at a start or on arrival.
-pub(super) const EDGE_ROUNDING: f64 = 4.0;
-
-/// Height above its bound, in units of ε times that bound, up to which a load has only touched it.
-const TOUCH_ROUNDING: f64 = 8.0;
 
 /// Decides the modes, and expands the motion that follows. Shared contacts are asked only if
 /// something happened to one of them, or a drive broke: `is_disturbed`.
@@ -232,7 +227,7 @@ fn revise_stick(
     if is_fresh && bound.max(carried.abs()) <= rounding {
         // No band yet, for the load begins: on both of its bounds.
         state.edge = Edge::On(None);
-        let rates = [side, side.opposite()].map(|side| (side, state.leaving(of, side).1));
+        let rates = [side, side.opposite()].map(|side| (side, state.edge.leaving(of, side).1));
         let out = rates.into_iter().find(|(_, sign)| *sign < 0.0);
         release = out.map(|(side, _)| (side, 0.0));
     } else {
@@ -240,7 +235,7 @@ fn revise_stick(
         if beyond > rounding && !is_known {
             release = Some((side, beyond));
         } else if is_known || beyond >= 0.0 || (is_fresh && beyond >= -rounding) {
-            let (edge, sign) = state.leaving(of, side);
+            let (edge, sign) = state.edge.leaving(of, side);
             state.edge = edge;
             release = (sign < 0.0).then_some((side, 0.0));
         }
@@ -263,13 +258,6 @@ impl ContactState {
             Entry::Arrived(Some(from)) => -from.sign(),
             _ => 1.0,
         }
-    }
-
-    /// Which way the load carried goes at its bound on a side, and what is known of it then.
-    pub(super) fn leaving(&self, of: &ContactSeries, side: Direction) -> (Edge, f64) {
-        let mut distance = of.distance(self.edge, side);
-        distance[0] = 0.0;
-        leaving(&distance, of.bound[0], Some(side))
     }
 
     /// At a breakpoint the motion decides on the piece: by its first derivative that is not 0.
@@ -299,34 +287,4 @@ impl ContactState {
 /// The piece of a law just above a sliding speed.
 pub(super) fn piece_above(breakpoints: &[f64], speed: f64) -> usize {
     breakpoints.partition_point(|&b| b <= speed)
-}
-
-/// The direction of slip with a sign; leading for 0.
-pub(super) fn side_of(sign: f64) -> Direction {
-    if sign < 0.0 {
-        Direction::Lagging
-    } else {
-        Direction::Leading
-    }
-}
-
-/// Which way a distance goes that is 0: +1 where it grows, −1 where it becomes negative, 0 if it
-/// stays; and what is known of it then.
-///
-/// A rate so small that the distance turns back within rounding of 0 is none: the bound was only
-/// touched.
-fn leaving(distance: &PowerSeries, bound: f64, side: Option<Direction>) -> (Edge, f64) {
-    let (first, second) = (distance[1], distance[2]);
-    let height = first * first / (4.0 * second);
-    let touched =
-        first < 0.0 && second > 0.0 && height <= TOUCH_ROUNDING * f64::EPSILON * bound.abs();
-    if touched {
-        return (Edge::Touched(side), 1.0);
-    }
-    let mut rest = *distance;
-    rest[0] = 0.0;
-    (
-        Edge::On(side),
-        rest.first_nonzero().map_or(0.0, f64::signum),
-    )
 }

@@ -1,0 +1,95 @@
+//! Contacts on the edge of their stick band, or of their load: what is known there, and which way
+//! they go from there.
+
+use super::series::ContactSeries;
+use crate::series::PowerSeries;
+use crate::state::Direction;
+
+/// Rounding error of what a contact carries, in units of ε times the sum of its terms: so near is
+/// on the edge, at a start or on arrival.
+pub(super) const EDGE_ROUNDING: f64 = 4.0;
+
+/// Height above its bound, in units of ε times that bound, up to which a load has only touched it.
+const TOUCH_ROUNDING: f64 = 8.0;
+
+/// What is known of a contact at the bound of its stick band, or of its load.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Edge {
+    /// Away from it, as far as is known.
+    #[default]
+    Away,
+    /// On it, to the bit.
+    On(Option<Direction>),
+    /// On it, and its rate is 0: it was touched.
+    Touched(Option<Direction>),
+}
+
+impl Edge {
+    /// How many coefficients of the distance from the bound are 0.
+    pub(super) fn known(self) -> usize {
+        match self {
+            Self::Away => 0,
+            Self::On(_) => 1,
+            Self::Touched(_) => 2,
+        }
+    }
+
+    /// Whether it is at the bound on this side.
+    fn is_at(self, side: Direction) -> bool {
+        match self {
+            Self::On(at) | Self::Touched(at) => at.is_none_or(|at| at == side),
+            Self::Away => false,
+        }
+    }
+}
+
+impl Edge {
+    /// N μ_s ∓ ℓ, with the zeros that are known.
+    pub(super) fn distance(self, series: &ContactSeries, side: Direction) -> PowerSeries {
+        let (bound, carried) = (&series.bound, &series.carried);
+        let mut distance = PowerSeries::from_fn(|k| bound[k] - side.sign() * carried[k]);
+        if self.is_at(side) {
+            for k in 0..self.known() {
+                distance[k] = 0.0;
+            }
+        }
+        distance
+    }
+
+    /// Which way the load carried goes at its bound on a side, and what is known of it then.
+    pub(super) fn leaving(self, series: &ContactSeries, side: Direction) -> (Self, f64) {
+        let mut distance = self.distance(series, side);
+        distance[0] = 0.0;
+        leaving(&distance, series.bound[0], Some(side))
+    }
+}
+
+/// The direction of slip with a sign; leading for 0.
+pub(super) fn side_of(sign: f64) -> Direction {
+    if sign < 0.0 {
+        Direction::Lagging
+    } else {
+        Direction::Leading
+    }
+}
+
+/// Which way a distance goes that is 0: +1 where it grows, −1 where it becomes negative, 0 if it
+/// stays; and what is known of it then.
+///
+/// A rate so small that the distance turns back within rounding of 0 is none: the bound was only
+/// touched.
+pub(super) fn leaving(distance: &PowerSeries, bound: f64, side: Option<Direction>) -> (Edge, f64) {
+    let (first, second) = (distance[1], distance[2]);
+    let height = first * first / (4.0 * second);
+    let touched =
+        first < 0.0 && second > 0.0 && height <= TOUCH_ROUNDING * f64::EPSILON * bound.abs();
+    if touched {
+        return (Edge::Touched(side), 1.0);
+    }
+    let mut rest = *distance;
+    rest[0] = 0.0;
+    (
+        Edge::On(side),
+        rest.first_nonzero().map_or(0.0, f64::signum),
+    )
+}

@@ -1,0 +1,173 @@
+//! What lives for a step: the power series of all coordinates and contacts.
+
+use super::model::Model;
+use crate::scalar::jet::Tape;
+use crate::series::{INTEGRAL, PowerSeries, TERMS};
+
+/// The power series of a step.
+#[derive(Debug, Clone)]
+pub(super) struct Series {
+    pub(super) coordinates: Vec<CoordinateSeries>,
+    pub(super) contacts: Vec<ContactSeries>,
+    /// Room for one order of the shared coordinates and contacts.
+    pub(super) rates: Vec<f64>,
+    pub(super) held: Vec<f64>,
+}
+
+/// The series at one contact. All forces are accelerations of r: multiplied by G_cc.
+#[derive(Debug, Clone)]
+pub(super) struct ContactSeries {
+    /// y.
+    pub(super) speeds: PowerSeries,
+    /// w.
+    pub(super) surface: PowerSeries,
+    /// What the contact carries in stick. One with a coordinate to itself: in slip what it would.
+    pub(super) carried: PowerSeries,
+    /// N μ_s; without terms beyond the first for a constant load and a law without memory.
+    pub(super) bound: PowerSeries,
+    /// N.
+    pub(super) load: PowerSeries,
+    /// Its part that is given in time.
+    pub(super) drive_load: PowerSeries,
+    /// Whether N is not the same at all times.
+    pub(super) load_varies: bool,
+    /// r' at the start of the step if none of the shared contacts at r = 0 carried anything.
+    pub(super) free: f64,
+    /// σμ in slip.
+    pub(super) friction: PowerSeries,
+    /// Its derivative by the sliding speed, at the start of the step.
+    pub(super) slope: f64,
+    /// μ_s, if the law has a memory.
+    pub(super) limits: PowerSeries,
+    pub(super) memories: Vec<PowerSeries>,
+    /// One order of the rates of the memory.
+    pub(super) rates: Vec<f64>,
+    /// D, at which the memory relaxes, where its series is that of the slow manifold; else 0.
+    pub(super) relaxation: f64,
+    pub(super) tape: Tape,
+}
+
+/// The series of one displacement q: its value, then the coefficients of the velocity v = q', so
+/// that number k is q_0 or k q_k.
+#[derive(Debug, Clone)]
+pub(super) struct Course([f64; TERMS + 1]);
+
+impl Course {
+    pub(super) const ZERO: Self = Self([0.0; TERMS + 1]);
+
+    pub(super) fn start(&mut self, displacement: f64, velocity: f64) {
+        [self.0[0], self.0[1]] = [displacement, velocity];
+    }
+
+    #[inline(always)]
+    pub(super) fn displacement(&self, k: usize) -> f64 {
+        const WEIGHTS: [f64; TERMS + 1] = {
+            let mut weights = [1.0; TERMS + 1];
+            let mut k = 1;
+            while k <= TERMS {
+                weights[k] = INTEGRAL[k - 1];
+                k += 1;
+            }
+            weights
+        };
+        self.0[k] * WEIGHTS[k]
+    }
+
+    #[inline(always)]
+    pub(super) fn velocity(&self, k: usize) -> f64 {
+        self.0[k + 1]
+    }
+
+    #[inline(always)]
+    pub(super) fn set_velocity(&mut self, k: usize, coefficient: f64) {
+        self.0[k + 1] = coefficient;
+    }
+
+    /// v(t).
+    pub(super) fn at(&self, t: f64) -> f64 {
+        self.velocities().at(t)
+    }
+
+    /// Whether v is constant.
+    pub(super) fn is_straight(&self) -> bool {
+        self.0[2..].iter().all(|&c| c == 0.0)
+    }
+
+    /// The series of v.
+    pub(super) fn velocities(&self) -> PowerSeries {
+        PowerSeries::from_fn(|k| self.velocity(k))
+    }
+}
+
+/// The series of one coordinate.
+#[derive(Debug, Clone)]
+pub(super) struct CoordinateSeries {
+    pub(super) course: Course,
+    /// (M⁻¹f)_i.
+    pub(super) force: PowerSeries,
+}
+
+impl CoordinateSeries {
+    pub(super) fn new(force: PowerSeries) -> Self {
+        Self {
+            course: Course::ZERO,
+            force,
+        }
+    }
+}
+
+impl Series {
+    pub(super) fn new(model: &Model<'_>, time: f64) -> Self {
+        let constant = |value: f64| {
+            let mut series = PowerSeries::ZERO;
+            series[0] = value;
+            series
+        };
+        let contacts = model.contacts.iter().map(|contact| {
+            let load = constant(contact.load.value(time) * contact.compliance);
+            let count = contact.memory();
+            ContactSeries {
+                speeds: PowerSeries::ZERO,
+                surface: constant(contact.belt_velocity.value(time)),
+                carried: PowerSeries::ZERO,
+                bound: PowerSeries::ZERO,
+                load,
+                drive_load: load,
+                load_varies: !contact.load.is_constant() || !contact.load_gradient.is_empty(),
+                free: 0.0,
+                friction: PowerSeries::ZERO,
+                slope: 0.0,
+                limits: PowerSeries::ZERO,
+                memories: vec![PowerSeries::ZERO; count],
+                rates: vec![0.0; count],
+                relaxation: 0.0,
+                tape: Tape::new(),
+            }
+        });
+        let coordinates = (0..model.len()).map(|i| {
+            let force = model.acceleration_by(i, |j| model.forces[j].value(time));
+            CoordinateSeries::new(constant(force))
+        });
+        Self {
+            coordinates: coordinates.collect(),
+            contacts: contacts.collect(),
+            rates: vec![0.0; model.len()],
+            held: Vec::with_capacity(model.shared.len()),
+        }
+    }
+
+    /// The velocity of coordinate i over the step.
+    pub(super) fn velocities(&self, i: usize) -> PowerSeries {
+        self.coordinates[i].course.velocities()
+    }
+}
+
+impl ContactSeries {
+    /// The memory stays as it is.
+    pub(super) fn hold_memory(&mut self, memory: &[f64]) {
+        for (series, memory) in std::iter::zip(&mut self.memories, memory) {
+            *series = PowerSeries::ZERO;
+            series[0] = *memory;
+        }
+    }
+}
