@@ -13,12 +13,12 @@ use crate::limit_cycle::{CycleKind, Tracer, find_moving};
 /// What can happen at which belt velocity: the range cut into intervals in each of which the mass
 /// can settle to the same motions. Neighbouring intervals differ.
 ///
-/// The range is cut at all Hopf, grazing, overshoot, crossing and fold velocities. In each interval
-/// between two of them, [`find`](crate::limit_cycle::find) looks at three velocities; where they
-/// disagree (folds of crossing cycles have no search of their own) the border is found by
-/// bisection, to 10⁻¹² of the velocity. v_b = 0 is a border, too: there the mass comes to rest.
+/// The range is cut at all Hopf, grazing, touching, overshoot, crossing and fold velocities. In
+/// each interval between two of them, [`find`](crate::limit_cycle::find) looks at three velocities;
+/// where they disagree (folds of crossing cycles have no search of their own) the border is found
+/// by bisection, to 10⁻¹² of the velocity. v_b = 0 is a border, too: there the mass comes to rest.
 ///
-/// The cost is that of the five searches, and three searches by `find` for each interval. To bound
+/// The cost is that of the six searches, and three searches by `find` for each interval. To bound
 /// it or to watch it, and for any other parameter, use [`Along::vibration_ranges`].
 ///
 /// # Errors

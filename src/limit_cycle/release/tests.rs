@@ -21,7 +21,7 @@ struct Contacts {
 fn contacts(tracer: &mut Tracer<'_>) -> Result<Contacts, Error> {
     let mut release = Release::follow(tracer)?;
     Ok(Contacts {
-        overshoot: release.overshoot(tracer),
+        overshoot: release.overshoot(tracer)?,
         beyond_low: release.beyond_low(tracer),
         beyond_high: release.beyond_high(tracer)?,
     })
