@@ -8,13 +8,14 @@ use std::ops::Range;
 use crate::common::Random;
 use stick_slip::analysis::{averaging, coulomb};
 use stick_slip::bifurcation::{
-    AttractorKind, VibrationRange, along, along_velocities, fold_velocities, grazing_velocities,
-    hopf_velocities, overshoot_velocities, silencing_damping, silencing_load, vibration_ranges,
+    Along, AttractorKind, VibrationRange, along, along_velocities, fold_velocities,
+    grazing_velocities, hopf_velocities, overshoot_velocities, silencing_damping, silencing_load,
+    touching_velocities, vibration_ranges,
 };
 use stick_slip::limit_cycle;
 use stick_slip::{
-    Coulomb, CycleKind, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Scalar, Stribeck,
-    Tabulated,
+    AnyLaw, Coulomb, CycleKind, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Scalar,
+    State, Stribeck, Tabulated,
 };
 
 fn exponential(v_b: f64, damping: f64) -> MassOnBelt<Exponential> {
@@ -351,6 +352,113 @@ fn ranges_of_both_signs_meet_where_the_belt_stands_still() {
     assert_eq!(format!("{:>10}", expected[0]), " continuum");
 }
 
+/// A table with static friction above it, along the damping: a stable pure-slip cycle that touches
+/// the belt inside the stick band appears beside stick-slip, long before it meets another.
+#[test]
+fn a_pure_slip_cycle_appears_where_it_touches_the_belt() {
+    let points = [
+        (0.0, 0.26973204643558985),
+        (0.07195318533155705, 0.2589623866158254),
+        (0.1378923707139511, 0.15271194714614322),
+        (0.14999674516736583, 0.2023731512030223),
+        (0.2033385556884837, 0.14001721407974588),
+        (0.23878684135784675, 0.18185085899830886),
+    ];
+    let law = Tabulated::new(points)
+        .and_then(|law| law.with_static_coefficient(0.3276141564226083))
+        .unwrap();
+    let system = MassOnBelt::new(&law, 0.14381260650167466)
+        .and_then(|system| system.with_load(0.3310749545248424))
+        .unwrap();
+    let search = along(|x| system.with_damping(0.3 * x), 0.02..1.0);
+    let [touching, grazing, fold] = [search.touching(), search.grazing(), search.folds()].map(one);
+    assert_close(touching, 0.2075906307784728, 1e-12);
+    let [equilibrium, slip, stick] = [
+        AttractorKind::Equilibrium,
+        AttractorKind::Cycle(CycleKind::PureSlip),
+        AttractorKind::Cycle(CycleKind::StickSlip),
+    ];
+    let expected = [
+        (0.02..touching, vec![equilibrium, stick]),
+        (touching..grazing, vec![equilibrium, slip, stick]),
+        (grazing..fold, vec![equilibrium, slip]),
+        (fold..1.0, vec![equilibrium]),
+    ];
+    let ranges = search.vibration_ranges().unwrap();
+    let found = ranges
+        .into_iter()
+        .map(|range| (range.velocities, range.attractors));
+    assert_eq!(found.collect::<Vec<_>>(), expected);
+}
+
+/// Pure-slip cycles that reach the belt velocity, by their peaks: their number is odd on one side
+/// of each touching velocity, and changes nowhere else but by pairs.
+#[test]
+fn touching_velocities_are_where_the_outermost_growth_changes_its_sign() {
+    let mut random = Random::new(2806);
+    let (mut seen, mut places) = (0, 0);
+    for i in 0..60 {
+        let top = random.uniform(0.3, 0.8);
+        let width = random.uniform(0.2, 0.8);
+        let least = top * random.uniform(0.3, 0.9);
+        let law: AnyLaw = if i % 2 == 0 {
+            Coulomb::new(random.uniform(1.0, 1.5) * top, top)
+                .unwrap()
+                .into()
+        } else {
+            let end = (
+                3.0 * width,
+                least + random.uniform(0.0, 1.0) * (top - least),
+            );
+            Tabulated::new([(0.0, top), (width, least), end])
+                .and_then(|law| law.with_static_coefficient(random.uniform(1.0, 1.5) * top))
+                .unwrap()
+                .into()
+        };
+        let system = MassOnBelt::new(&law, 1.0)
+            .and_then(|system| system.with_damping(random.logarithmic(0.002, 0.2)))
+            .unwrap();
+        let range = 0.05 * width..2.0 * width;
+        let touching = touching_velocities(&system, range.clone()).unwrap();
+        seen += touching.len();
+        // How the motion that touches the belt velocity inside the stick band goes on, by steps of
+        // the integrator from there: whether it comes back to the belt.
+        let returns = |v_b: f64| {
+            let system = system.with_belt_velocity(v_b).unwrap();
+            let kinetic = system.load() * system.law().kinetic(0.0);
+            let start = State::new(kinetic - 2.0 * system.damping() * v_b, v_b * (1.0 - 1e-9));
+            let motion = system.simulate(start, 12.0).unwrap();
+            let event = motion.events().first().map(|event| event.time);
+            event.is_some_and(|time| (3.0..12.0).contains(&time))
+        };
+        for _ in 0..20 {
+            let v_b = random.uniform(range.start, range.end);
+            if touching
+                .iter()
+                .any(|touching| (touching / v_b - 1.0).abs() < 1e-3)
+            {
+                continue;
+            }
+            let below = touching.iter().filter(|touching| **touching < v_b).count();
+            let at_start = returns(range.start);
+            assert_eq!(
+                returns(v_b),
+                at_start == below.is_multiple_of(2),
+                "{system:?} {v_b}"
+            );
+            places += 1;
+        }
+    }
+    println!("{seen} touching velocities, {places} places");
+    assert!(seen > 10 && places > 1000);
+    // Without static friction above the kinetic one it is grazing.
+    let system = exponential(1.0, 0.15);
+    assert_eq!(
+        touching_velocities(&system, 0.05..1.0),
+        grazing_velocities(&system, 0.05..1.0)
+    );
+}
+
 #[test]
 fn loads_that_silence() {
     // Where damping silences and where load does is the same border.
@@ -388,6 +496,42 @@ fn loads_that_silence() {
         .with_damping(0.02)
         .unwrap();
     assert_eq!(silencing_load(&system).unwrap(), -0.04 / law.slope(0.45));
+}
+
+/// The load that makes steady sliding unstable is beyond what any search can follow, and the mass
+/// vibrates under loads of order 1.
+#[test]
+fn loads_that_silence_where_the_law_is_nearly_flat() {
+    let exponential = Exponential::new(0.4, 0.25, 0.05).unwrap();
+    let mut random = Random::new(2804);
+    for i in 0..24 {
+        // From 5 to 40 widths of the law.
+        let (v_b, damping) = (random.logarithmic(0.25, 2.0), random.logarithmic(1e-3, 0.3));
+        let law: AnyLaw = match i % 4 {
+            0 => exponential.into(),
+            n => Stribeck::new(0.4, 0.25, 0.05, 1 + n as u32).unwrap().into(),
+        };
+        let system = MassOnBelt::new(&law, v_b)
+            .and_then(|system| system.with_damping(damping))
+            .unwrap();
+        let load = silencing_load(&system).unwrap();
+        let vibrates = |load: f64| {
+            let cycles = limit_cycle::find(&system.with_load(load).unwrap()).unwrap();
+            !cycles.is_empty()
+        };
+        let border = [load * (1.0 - 1e-9), load * (1.0 + 1e-9)].map(vibrates);
+        assert_eq!(border, [false, true], "{system:?}: {load}");
+        let at = system.with_load(load).unwrap();
+        assert_close(silencing_damping(&at).unwrap(), damping, 1e-9);
+    }
+    // Nothing vibrates: the load that makes steady sliding unstable, or none.
+    let system = MassOnBelt::new(exponential, 0.3)
+        .and_then(|system| system.with_damping(3.0))
+        .unwrap();
+    let stable = -6.0 / exponential.slope(0.3);
+    assert_eq!(silencing_load(&system), Ok(stable));
+    let faster = system.with_belt_velocity(3.0).unwrap();
+    assert_eq!(silencing_load(&faster), Ok(f64::INFINITY));
 }
 
 thread_local! {
@@ -460,6 +604,37 @@ fn folds_of_scattered_points_take_a_bounded_work() {
     });
     assert!(folds.len() > 5 && folds.is_sorted());
     assert!(calls < 100_000_000, "{calls}");
+}
+
+/// Without a bound of the user's, too: it ran for minutes.
+#[test]
+fn a_plain_search_ends_after_the_default_bound_and_keeps_what_it_has_found() {
+    let most = Along::<Tabulated>::DEFAULT_MAX_STEPS;
+    let law = measured(400, 0.004);
+    let system = MassOnBelt::new(&law, 0.2)
+        .and_then(|system| system.with_damping(0.02))
+        .unwrap();
+    let Err(Error::Stopped {
+        parameter,
+        value,
+        steps,
+        found,
+    }) = fold_velocities(&system, 0.05..1.5)
+    else {
+        panic!()
+    };
+    assert_eq!(parameter, "belt_velocity");
+    assert!((most..most + 200_000).contains(&steps), "{steps}");
+    assert!(0.1 < value && value < 1.5, "{value}");
+    assert!(found.len() > 5 && found.is_sorted() && found[0] < value);
+    // The other searches are far from it.
+    let dampings = along(|damping| system.with_damping(damping), 0.0..2.0);
+    let silent = dampings.with_max_steps(most / 10).unwrap().silence();
+    assert_close(
+        silencing_damping(&system).unwrap(),
+        silent.unwrap().unwrap(),
+        1e-12,
+    );
 }
 
 /// Each evaluation searched the breakpoints one by one: 10⁹ and more.
