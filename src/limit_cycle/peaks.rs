@@ -12,7 +12,7 @@ use crate::numerics::with_slopes::{Roots, Sample, eighths, outline_between, root
 
 /// Smallest velocity maximum that is searched, in units of v_b. Below it a turn changes a motion by
 /// less than rounding does.
-const SMALLEST_PEAK: f64 = 1e-4;
+pub(super) const SMALLEST_PEAK: f64 = 1e-4;
 
 /// A growth, or its change over the range, counts as hidden if it is less than so many times its
 /// rounding error.

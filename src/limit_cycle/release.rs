@@ -14,9 +14,10 @@ use crate::state::Direction;
 /// outside can only go on outwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum ReleaseFate {
-    /// The motion turns inwards: its velocity has a maximum V below v_b, or none, and it does not
-    /// meet the belt on this turn or on any later one.
-    Inward { peak: Option<f64> },
+    /// The motion turns inwards: its velocity has a maximum below v_b, or none, and it does not
+    /// meet the belt on this turn or on any later one. Or it is the outermost motion of a
+    /// continuum.
+    Inward,
     /// The motion comes back to stick, after one arc or after a crossing and a leading arc, and so
     /// to the release point.
     Stick,
@@ -56,27 +57,17 @@ impl Release {
 
     pub(crate) fn fate(&mut self, tracer: &mut Tracer<'_>) -> Result<ReleaseFate, Error> {
         let system = tracer.system();
-        let contact = match self.lagging.arrival {
-            Arrival::Contact(contact) => contact,
-            Arrival::Maximum(point) => {
-                let peak = Some(system.belt_velocity() - point.speed.max(0.0));
-                return Ok(ReleaseFate::Inward { peak });
-            }
-            Arrival::Equilibrium | Arrival::Far | Arrival::Held => {
-                return Ok(ReleaseFate::Inward { peak: None });
-            }
+        let Arrival::Contact(contact) = self.lagging.arrival else {
+            return Ok(ReleaseFate::Inward);
         };
-        let v_b = system.belt_velocity();
         if growth::stays_behind(tracer, &self.lagging)?.is_some() {
             // The motion comes back to the belt by rounding alone.
-            return Ok(ReleaseFate::Inward { peak: Some(v_b) });
+            return Ok(ReleaseFate::Inward);
         }
         match system.landing(contact, Direction::Lagging) {
             Landing::Stick => return Ok(ReleaseFate::Stick),
             // The motion comes round to the release point, and its contact does not last.
-            Landing::Touch => {
-                return Ok(ReleaseFate::Inward { peak: Some(v_b) });
-            }
+            Landing::Touch => return Ok(ReleaseFate::Inward),
             Landing::Crossing(_) => {}
         }
         let sticks = self

@@ -130,6 +130,66 @@ fn the_border_of_a_continuum_is_no_cycle() {
     assert_eq!(bifurcation::silencing_load(&damped), Ok(f64::INFINITY));
 }
 
+/// Friction varies near rest only, on a thirtieth of the belt velocity, where the law has no
+/// breakpoint: only the largest motions in slip come there.
+#[test]
+fn a_continuum_ends_where_friction_begins_to_vary() {
+    let law = Stribeck::new(
+        0.5989457980316475,
+        0.5204567851502142,
+        0.019205374450379963,
+        2,
+    );
+    let system = MassOnBelt::new(law.unwrap(), 1.2739152266588256)
+        .and_then(|system| system.with_load(0.09003223711963569))
+        .unwrap();
+    let v_b = system.belt_velocity();
+    let border = limit_cycle::find(&system).unwrap().continuum().unwrap();
+    let part = border.max_amplitude / v_b;
+    assert!(0.85 < part && part < 0.98, "{part}");
+    // The largest velocity one turn later, and what the attractor is.
+    for (part, grows) in [(0.5, false), (part - 0.01, false), (0.98, true)] {
+        let peak = part * v_b;
+        let force = system.load() * system.law().kinetic(v_b - peak);
+        let start = State::new(force, peak);
+        let motion = system.simulate(start, 9.0).unwrap();
+        let later = motion.sample(20_000).filter(|(time, _)| *time > 4.0);
+        let next = later.map(|(_, state)| state.velocity).fold(0.0, f64::max);
+        assert_eq!(next / peak - 1.0 > 1e-6, grows, "{part}: {}", next / peak);
+        let reached = limit_cycle::attractor(&system, start).unwrap();
+        assert_eq!(reached != Attractor::Continuum, grows, "{part}: {reached}");
+    }
+}
+
+/// A table whose last piece is flat. Beyond the last point a continuum exists, however small; round
+/// it, friction damps.
+#[test]
+fn a_continuum_begins_where_the_belt_passes_a_breakpoint() {
+    let law = Tabulated::new([(0.0, 0.5), (0.15, 0.4), (0.3, 0.42), (0.7, 0.45)]).unwrap();
+    let system = MassOnBelt::new(&law, 0.9).unwrap().with_load(3.0).unwrap();
+    let ranges = bifurcation::vibration_ranges(&system, 0.4..2.0).unwrap();
+    let [below, beyond] = &ranges[..] else {
+        panic!("{ranges:?}")
+    };
+    assert!((below.velocities.end - 0.7).abs() < 1e-11);
+    assert_eq!(below.attractors[0], AttractorKind::Equilibrium);
+    assert_eq!(beyond.attractors[0], AttractorKind::Continuum);
+    for excess in [1e-12, 1e-9, 1e-6, 1e-4, 1e-2, 0.2] {
+        let system = system.with_belt_velocity(0.7 + excess).unwrap();
+        let found = limit_cycle::find(&system).unwrap().continuum();
+        let amplitude = found.unwrap().max_amplitude;
+        assert!((amplitude - excess).abs() < 1e-15, "{excess}: {amplitude}");
+        // A motion that is larger shrinks to the continuum.
+        let equilibrium = system.equilibrium().unwrap().displacement;
+        let start = State::new(equilibrium, excess + 0.1);
+        let end = system.simulate(start, 6.0).unwrap().last();
+        let size = |state: State| (state.displacement - equilibrium).hypot(state.velocity);
+        assert!(size(end) < size(start));
+        let reached = limit_cycle::attractor(&system, start).unwrap();
+        assert_eq!(reached, Attractor::Continuum, "{excess}");
+    }
+}
+
 #[test]
 fn a_cycle_round_a_continuum_is_kept() {
     // Flat from 0.4 to 0.6; above, friction rises and damps, below, it falls and feeds.
