@@ -134,14 +134,18 @@ impl Search<'_> {
         self.over_parts(&mut |work, part, found| {
             hopf(work, part, found)?;
             all_changes(work, part, found)?;
-            folds(work, part, found)?;
+            let doubtful = folds(work, part, found)?;
+            let doubtful = doubtful.iter().flat_map(|range| [range.start, range.end]);
+            let doubtful: Vec<f64> = doubtful.collect();
             let mut borders = vec![part.start, part.end];
             borders.extend(found.iter().filter(|border| part.contains(border)));
             borders.sort_by(f64::total_cmp);
             borders.dedup();
             for ends in borders.windows(2) {
                 let interval = ends[0]..ends[1];
-                add_interval(&mut |value| attractors(work, value), &interval, &mut ranges)?;
+                let places = places(&interval, &doubtful);
+                let attractors = &mut |value| attractors(work, value);
+                add_interval(attractors, &interval, &places, &mut ranges)?;
             }
             Ok(())
         })?;
@@ -166,8 +170,19 @@ fn attractors(work: &Work<'_, '_>, value: f64) -> Result<Vec<AttractorKind>, Err
     Ok(attractors.unwrap_or_default())
 }
 
-/// Where an interval is looked at: away from its ends, at which small cycles are hard to see.
-const PLACES: [f64; 3] = [1.0 / 16.0, 0.5, 15.0 / 16.0];
+/// Where an interval is looked at: away from its ends, at which small cycles are hard to see, and
+/// on both sides of what is doubtful.
+fn places(interval: &Range<f64>, doubtful: &[f64]) -> Vec<f64> {
+    let inside = |place: &f64| interval.start < *place && *place < interval.end;
+    let mut places: Vec<f64> = [1.0 / 16.0, 0.5, 15.0 / 16.0]
+        .map(|place| interval.start + place * (interval.end - interval.start))
+        .into_iter()
+        .chain(doubtful.iter().copied().filter(inside))
+        .collect();
+    places.sort_by(f64::total_cmp);
+    places.dedup();
+    places
+}
 
 /// Width, relative to the parameter, to which a border is bisected.
 const NARROWEST: f64 = 1e-12;
@@ -178,14 +193,16 @@ type Attractors<'a> = dyn FnMut(f64) -> Result<Vec<AttractorKind>, Error> + 'a;
 fn add_interval(
     attractors: &mut Attractors,
     interval: &Range<f64>,
+    places: &[f64],
     ranges: &mut Vec<VibrationRange>,
 ) -> Result<(), Error> {
     let mut at = |value: f64| Ok::<_, Error>((value, attractors(value)?));
-    let [first, second, third] =
-        PLACES.map(|place| interval.start + place * (interval.end - interval.start));
-    let (mut left, middle, right) = (at(first)?, at(second)?, at(third)?);
+    let all: Result<Vec<_>, Error> = places.iter().rev().map(|place| at(*place)).collect();
+    let mut todo = all?;
+    let Some(mut left) = todo.pop() else {
+        return Ok(());
+    };
     let mut start = interval.start;
-    let mut todo = vec![right, middle];
     while let Some(right) = todo.pop() {
         let middle = 0.5 * (left.0 + right.0);
         let is_narrow = right.0 - left.0 <= NARROWEST * left.0.abs().max(right.0.abs());

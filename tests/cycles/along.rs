@@ -391,6 +391,64 @@ fn a_pure_slip_cycle_appears_where_it_touches_the_belt() {
     assert_eq!(found.collect::<Vec<_>>(), expected);
 }
 
+/// A strongly loaded table: the stable pure-slip cycle that shrinks to steady sliding begins where
+/// an unstable one does that double precision cannot resolve. The growth at the turning point jumps
+/// over zero there, so that it counts as no fold; and the range of both cycles is narrow.
+#[test]
+fn a_range_that_begins_with_an_unresolved_cycle_is_found() {
+    let points = [
+        (0.0, 0.20808082803912387),
+        (0.16523164400855647, 0.15240474810504467),
+        (0.26652371019325444, 0.12773919587505803),
+        (0.3132738979086497, 0.16924347890333596),
+    ];
+    let law = Tabulated::new(points).unwrap();
+    let system = MassOnBelt::new(&law, 0.3)
+        .and_then(|system| system.with_damping(0.0007201602423856203))
+        .and_then(|system| system.with_load(18.530858498480026))
+        .unwrap();
+    let at = |v_b: f64| {
+        let cycles = limit_cycle::find(&system.with_belt_velocity(v_b).unwrap()).unwrap();
+        assert_eq!(cycles.len(), 1 + cycles.unresolved().len(), "{v_b}");
+        cycles.len()
+    };
+    let ranges = vibration_ranges(&system, 0.03..0.7).unwrap();
+    let [slip, stick] = [CycleKind::PureSlip, CycleKind::StickSlip].map(AttractorKind::Cycle);
+    let attractors: Vec<_> = ranges.iter().map(|range| &range.attractors[..]).collect();
+    let expected: [&[AttractorKind]; 3] = [
+        &[stick],
+        &[slip, stick],
+        &[AttractorKind::Equilibrium, stick],
+    ];
+    assert_eq!(attractors, expected);
+    let Range { start, end } = ranges[1].velocities;
+    assert_eq!(end, one(hopf_velocities(&system, 0.03..0.7)));
+    assert_eq!([at(start * (1.0 - 1e-9)), at(start * (1.0 + 1e-9))], [1, 2]);
+}
+
+/// The far end of the stick band is passed and left again within one of the 64 intervals, at whose
+/// ends the distance from it is alike.
+#[test]
+fn a_narrow_range_of_overshoot_is_found() {
+    let points = [
+        (0.0, 0.3866034502235657),
+        (0.22471763180516155, 0.282914267581193),
+        (0.43414311853293414, 0.15593438726892295),
+        (0.49293213760091337, 0.2581317970989785),
+    ];
+    let law = Tabulated::new(points).unwrap();
+    let system = MassOnBelt::new(&law, 0.3)
+        .and_then(|system| system.with_damping(0.00014821319779159144))
+        .and_then(|system| system.with_load(0.33003086852975105))
+        .unwrap();
+    let wide = overshoot_velocities(&system, 0.09644283322985005..1.928856664597001).unwrap();
+    let narrow = overshoot_velocities(&system, 0.15..0.25).unwrap();
+    assert_eq!((wide.len(), narrow.len()), (3, 2));
+    for (wide, narrow) in std::iter::zip(wide, narrow) {
+        assert_close(wide, narrow, 1e-12);
+    }
+}
+
 /// Pure-slip cycles that reach the belt velocity, by their peaks: their number is odd on one side
 /// of each touching velocity, and changes nowhere else but by pairs.
 #[test]
