@@ -7,7 +7,7 @@ use super::fold::folds;
 use super::hopf::hopf;
 use crate::belt::MassOnBelt;
 use crate::error::Error;
-use crate::friction::FrictionLaw;
+use crate::friction::{FrictionLaw, is_constant_on};
 use crate::limit_cycle::{CycleKind, Tracer, find_moving};
 
 /// What can happen at which belt velocity: the range cut into intervals in each of which the mass
@@ -139,6 +139,7 @@ impl Search<'_> {
             let doubtful: Vec<f64> = doubtful.collect();
             let mut borders = vec![part.start, part.end];
             borders.extend(found.iter().filter(|border| part.contains(border)));
+            borders.extend(flat_borders(work, part));
             borders.sort_by(f64::total_cmp);
             borders.dedup();
             for ends in borders.windows(2) {
@@ -147,10 +148,26 @@ impl Search<'_> {
                 let attractors = &mut |value| attractors(work, value);
                 add_interval(attractors, &interval, &places, &mut ranges)?;
             }
+            join_narrow(&mut ranges);
             Ok(())
         })?;
         Ok(ranges)
     }
+}
+
+/// Belt velocities in a part of the range at which a continuum begins or ends: without damping,
+/// those at which friction begins to vary. Steady sliding need not lose its stability there.
+fn flat_borders(work: &Work<'_, '_>, part: &Range<f64>) -> Vec<f64> {
+    let Some(system) = work.search.velocities_of.filter(|of| of.damping() == 0.0) else {
+        return Vec::new();
+    };
+    let law = system.law();
+    let is_flat = |piece: usize, end: f64| is_constant_on(law, piece, end);
+    let borders = law.breakpoints().enumerate();
+    let borders = borders.filter(|&(i, speed)| is_flat(i, speed) != is_flat(i + 1, speed));
+    let side = if part.start < 0.0 { -1.0 } else { 1.0 };
+    let velocities = borders.map(|(_, speed)| side * speed);
+    velocities.filter(|v_b| part.contains(v_b)).collect()
 }
 
 /// What the mass can settle to at a value of the parameter.
@@ -205,10 +222,9 @@ fn add_interval(
     let mut start = interval.start;
     while let Some(right) = todo.pop() {
         let middle = 0.5 * (left.0 + right.0);
-        let is_narrow = right.0 - left.0 <= NARROWEST * left.0.abs().max(right.0.abs());
         if left.1 == right.1 {
             left = right;
-        } else if is_narrow || !(left.0 < middle && middle < right.0) {
+        } else if is_narrow(&(left.0..right.0)) || !(left.0 < middle && middle < right.0) {
             add(start..middle, left.1, ranges);
             (start, left) = (middle, right);
         } else {
@@ -218,6 +234,29 @@ fn add_interval(
     }
     add(start..interval.end, left.1, ranges);
     Ok(())
+}
+
+/// Gives ranges as narrow as rounding to their neighbours: two ways to a border need not lead to
+/// the same number.
+fn join_narrow(ranges: &mut Vec<VibrationRange>) {
+    let mut joined: Vec<VibrationRange> = Vec::new();
+    for mut range in ranges.drain(..) {
+        if let Some(last) = joined.pop_if(|last| is_narrow(&last.velocities)) {
+            range.velocities.start = last.velocities.start;
+        }
+        add(range.velocities, range.attractors, &mut joined);
+    }
+    if joined.len() > 1
+        && let Some(last) = joined.pop_if(|last| is_narrow(&last.velocities))
+        && let Some(before) = joined.last_mut()
+    {
+        before.velocities.end = last.velocities.end;
+    }
+    *ranges = joined;
+}
+
+fn is_narrow(Range { start, end }: &Range<f64>) -> bool {
+    end - start <= NARROWEST * start.abs().max(end.abs())
 }
 
 /// Adds a range, or lengthens the last one if it goes on alike.

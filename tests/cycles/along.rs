@@ -5,7 +5,7 @@ use std::cell::Cell;
 use std::ops::ControlFlow::{Break, Continue};
 use std::ops::Range;
 
-use crate::common::Random;
+use crate::common::{Random, Table};
 use stick_slip::analysis::{averaging, coulomb};
 use stick_slip::bifurcation::{
     Along, AttractorKind, VibrationRange, along, along_velocities, fold_velocities,
@@ -424,6 +424,61 @@ fn a_range_that_begins_with_an_unresolved_cycle_is_found() {
     let Range { start, end } = ranges[1].velocities;
     assert_eq!(end, one(hopf_velocities(&system, 0.03..0.7)));
     assert_eq!([at(start * (1.0 - 1e-9)), at(start * (1.0 + 1e-9))], [1, 2]);
+}
+
+/// Equilibria at a breakpoint change their stability by a jump, and the cycles there change with it:
+/// the searches come to it from both sides, within some ulps.
+#[test]
+fn no_range_is_as_narrow_as_rounding() {
+    let table = |points: [(f64, f64); 4]| Table {
+        static_coefficient: points[0].1,
+        points: points.to_vec(),
+    };
+    let top = 0.7245833226698266;
+    let points = [
+        (0.0, top),
+        (0.758, 0.5066),
+        (1.5163, 0.55885),
+        (2.2745, 0.564076),
+    ];
+    let damped = MassOnBelt::new(table(points), 0.36738327357834705)
+        .and_then(|system| system.with_damping(0.0616166324025291))
+        .unwrap();
+    let loads = along(|load| damped.clone().with_load(load), 0.0759..3.04);
+    let undamped = MassOnBelt::new(table(points), 0.10629278313278144)
+        .and_then(|system| system.with_load(0.03671787832311661))
+        .unwrap();
+    let dampings = along(|damping| undamped.clone().with_damping(damping), 0.0..0.15);
+    let [stick, slide] = [
+        AttractorKind::Cycle(CycleKind::StickSlip),
+        AttractorKind::Equilibrium,
+    ];
+    for (search, expected) in [(loads, [slide, stick]), (dampings, [stick, slide])] {
+        let ranges = search.vibration_ranges().unwrap();
+        let found: Vec<_> = ranges.iter().map(|range| &range.attractors[..]).collect();
+        assert_eq!(found, expected.each_ref().map(std::slice::from_ref));
+    }
+}
+
+/// Without damping, a table that is flat at its end: the three velocities looked at lie there.
+#[test]
+fn a_continuum_begins_where_the_law_becomes_flat() {
+    let points = [(0.0, 0.67), (0.17, 0.58), (0.57, 0.58), (0.97, 0.66)];
+    let law = Tabulated::new(points).unwrap();
+    let law = law.with_static_coefficient(0.8).unwrap();
+    let system = MassOnBelt::new(law, 1.0)
+        .unwrap()
+        .with_load(0.0015)
+        .unwrap();
+    for side in [1.0, -1.0] {
+        let range = if side > 0.0 { 0.6..12.0 } else { -12.0..-0.6 };
+        let ranges = vibration_ranges(&system, range).unwrap();
+        let border = ranges.windows(2).find(|pair| {
+            let continuum = |of: &VibrationRange| of.attractors[0] == AttractorKind::Continuum;
+            continuum(&pair[0]) != continuum(&pair[1])
+        });
+        assert_eq!(border.unwrap()[1].velocities.start, side * 0.97);
+    }
 }
 
 /// The far end of the stick band is passed and left again within one of the 64 intervals, at whose
