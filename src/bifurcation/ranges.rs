@@ -9,17 +9,22 @@ use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::{FrictionLaw, is_constant_on};
 use crate::limit_cycle::{CycleKind, Tracer, find_moving};
+use crate::numerics::scan::INTERVALS;
 
 /// What can happen at which belt velocity: the range cut into intervals in each of which the mass
 /// can settle to the same motions. Neighbouring intervals differ.
 ///
-/// The range is cut at all Hopf, grazing, touching, overshoot, crossing and fold velocities. In
-/// each interval between two of them, [`find`](crate::limit_cycle::find) looks at three velocities;
-/// where they disagree (folds of crossing cycles have no search of their own) the border is found
-/// by bisection, to 10⁻¹² of the velocity. v_b = 0 is a border, too: there the mass comes to rest.
+/// The range is cut at all Hopf, grazing, touching, overshoot, crossing and fold velocities, and
+/// where a [continuum](crate::limit_cycle::Continuum) begins. In each interval between two of them,
+/// [`find`](crate::limit_cycle::find) looks at three velocities; where they disagree (folds of
+/// crossing cycles have no search of their own) the border is found by bisection, to 10⁻¹² of the
+/// velocity. Borders that are closer to each other than that are one. v_b = 0 is a border, too:
+/// there the mass comes to rest. Between a supercritical Hopf velocity and the place where the cycle
+/// has grown to the smallest that `find` looks for, the cycle is named as it is beyond.
 ///
-/// The cost is that of the six searches, and three searches by `find` for each interval. To bound
-/// it or to watch it, and for any other parameter, use [`Along::vibration_ranges`].
+/// The cost is that of the six searches, and three searches by `find` for each interval; intervals
+/// narrower than a 64th of the range are searched for changes of contact once more. To bound it or
+/// to watch it, and for any other parameter, use [`Along::vibration_ranges`].
 ///
 /// # Errors
 ///
@@ -140,8 +145,7 @@ impl Search<'_> {
             let mut borders = vec![part.start, part.end];
             borders.extend(found.iter().filter(|border| part.contains(border)));
             borders.extend(flat_borders(work, part));
-            borders.sort_by(f64::total_cmp);
-            borders.dedup();
+            look_closer(work, part, &mut borders)?;
             for ends in borders.windows(2) {
                 let interval = ends[0]..ends[1];
                 let places = places(&interval, &doubtful);
@@ -153,6 +157,34 @@ impl Search<'_> {
         })?;
         Ok(ranges)
     }
+}
+
+/// Adds the borders that a search of the whole part is too coarse for: between two borders that are
+/// closer than its first places, the contacts may change, too. Sorts the borders.
+fn look_closer(
+    work: &Work<'_, '_>,
+    part: &Range<f64>,
+    borders: &mut Vec<f64>,
+) -> Result<(), Error> {
+    borders.sort_by(f64::total_cmp);
+    borders.dedup();
+    let coarse = (part.end - part.start) / INTERVALS as f64;
+    let intervals = borders.windows(2).map(|ends| ends[0]..ends[1]);
+    let close = intervals.filter(|ends| ends.end - ends.start < coarse && !is_narrow(ends));
+    for interval in close.collect::<Vec<_>>() {
+        let Range { start, end } = interval;
+        let mut between = Vec::new();
+        all_changes(work, &interval, &mut between)?;
+        between.retain(|&border| !is_narrow(&(start..border)) && !is_narrow(&(border..end)));
+        if !between.is_empty() {
+            between.extend([start, end]);
+            look_closer(work, &interval, &mut between)?;
+            borders.append(&mut between);
+        }
+    }
+    borders.sort_by(f64::total_cmp);
+    borders.dedup();
+    Ok(())
 }
 
 /// Belt velocities in a part of the range at which a continuum begins or ends: without damping,

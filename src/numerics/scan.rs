@@ -6,7 +6,7 @@ use super::bracket::sign_change_between;
 use crate::error::Error;
 
 /// Number of equal intervals that a range is first divided into.
-const INTERVALS: usize = 64;
+pub(crate) const INTERVALS: usize = 64;
 
 /// The search for something over a range, as [`scan`] needs it.
 pub(crate) trait Survey {

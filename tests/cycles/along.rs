@@ -481,6 +481,41 @@ fn a_continuum_begins_where_the_law_becomes_flat() {
     }
 }
 
+/// Weak friction: all happens below 5·10⁻⁵ of a range up to 0.15. Where stick-slip ends, three kinds
+/// of motion follow each other within the last sixteenth of that.
+#[test]
+fn borders_that_are_close_are_looked_between() {
+    let points = [(0.0, 0.354), (0.456, 0.158), (0.7, 0.158), (1.1, 0.1716)];
+    let law = Tabulated::new(points).unwrap();
+    let system = MassOnBelt::new(&law, 0.72)
+        .and_then(|system| system.with_load(0.00105))
+        .unwrap();
+    let search = |end: f64| along(|damping| system.with_damping(damping), 0.0..end);
+    let silent = silencing_damping(&system).unwrap();
+    assert!(silent < 1e-4);
+    let near = search(1.1 * silent);
+    let [crossing, overshoot, grazing] =
+        [near.crossing(), near.overshoot(), near.grazing()].map(one);
+    assert!(0.9 * silent < crossing && crossing < overshoot && overshoot < grazing);
+    let ranges = search(0.15).vibration_ranges().unwrap();
+    let expected = [
+        (0.0, Some(CycleKind::Crossing)),
+        (crossing, Some(CycleKind::Overshoot)),
+        (overshoot, Some(CycleKind::StickSlip)),
+        (grazing, None),
+    ];
+    assert_eq!(ranges.len(), expected.len(), "{ranges:?}");
+    for (range, (start, kind)) in std::iter::zip(ranges, expected) {
+        assert_close(range.velocities.start, start, 1e-9);
+        let kind = kind.map(AttractorKind::Cycle);
+        let attractors: Vec<_> = [AttractorKind::Equilibrium]
+            .into_iter()
+            .chain(kind)
+            .collect();
+        assert_eq!(range.attractors, attractors);
+    }
+}
+
 /// The far end of the stick band is passed and left again within one of the 64 intervals, at whose
 /// ends the distance from it is alike.
 #[test]
