@@ -83,8 +83,9 @@ impl<L: FrictionLaw> Along<'_, L> {
     }
 }
 
-/// Adds the folds in a part of the range. Returns the narrowest intervals in which something is left
-/// that is no fold to double precision, as where the growth at a turning point jumps over zero.
+/// Adds the folds in a part of the range. Returns the narrowest intervals in which something is
+/// left that is no fold to double precision, as where the growth at a turning point jumps over
+/// zero.
 pub(super) fn folds(
     work: &Work<'_, '_>,
     part: &Range<f64>,

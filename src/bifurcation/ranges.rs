@@ -19,8 +19,8 @@ use crate::numerics::scan::INTERVALS;
 /// [`find`](crate::limit_cycle::find) looks at three velocities; where they disagree (folds of
 /// crossing cycles have no search of their own) the border is found by bisection, to 10⁻¹² of the
 /// velocity. Borders that are closer to each other than that are one. v_b = 0 is a border, too:
-/// there the mass comes to rest. Between a supercritical Hopf velocity and the place where the cycle
-/// has grown to the smallest that `find` looks for, the cycle is named as it is beyond.
+/// there the mass comes to rest. Between a supercritical Hopf velocity and the place where the
+/// cycle has grown to the smallest that `find` looks for, the cycle is named as it is beyond.
 ///
 /// The cost is that of the six searches, and three searches by `find` for each interval; intervals
 /// narrower than a 64th of the range are searched for changes of contact once more. To bound it or

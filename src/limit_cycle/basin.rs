@@ -31,8 +31,8 @@ pub enum Attractor {
     /// The start lies on an unstable periodic motion, to rounding: the slightest disturbance
     /// decides.
     Separatrix(LimitCycle),
-    /// A [continuum](super::Continuum): the start lies in it, so that its motion is periodic, or the
-    /// motion shrinks until it is one of the continuum.
+    /// A [continuum](super::Continuum): the start lies in it, so that its motion is periodic, or
+    /// the motion shrinks until it is one of the continuum.
     Continuum,
     /// The motion grows beyond every periodic motion that was found.
     Unbounded,

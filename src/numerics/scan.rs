@@ -87,9 +87,9 @@ pub(crate) fn look_between<S: Survey>(
 /// whose values are of order 1; f gives `None` where it is not defined.
 ///
 /// An interval of the grid is halved, up to 10 times, while f is defined at one end only, or while
-/// f is closer to zero at an end than it changes across the interval or may bend within it. Two sign
-/// changes are lost only if f passes zero and turns back between two points of that refined grid,
-/// and is nearly straight beside: narrow the range to look closer.
+/// f is closer to zero at an end than it changes across the interval or may bend within it. Two
+/// sign changes are lost only if f passes zero and turns back between two points of that refined
+/// grid, and is nearly straight beside: narrow the range to look closer.
 pub(crate) fn sign_changes(
     f: &mut dyn FnMut(f64) -> Result<Option<f64>, Error>,
     range: &Range<f64>,

@@ -426,8 +426,8 @@ fn a_range_that_begins_with_an_unresolved_cycle_is_found() {
     assert_eq!([at(start * (1.0 - 1e-9)), at(start * (1.0 + 1e-9))], [1, 2]);
 }
 
-/// Equilibria at a breakpoint change their stability by a jump, and the cycles there change with it:
-/// the searches come to it from both sides, within some ulps.
+/// Equilibria at a breakpoint change their stability by a jump, and the cycles there change with
+/// it: the searches come to it from both sides, within some ulps.
 #[test]
 fn no_range_is_as_narrow_as_rounding() {
     let table = |points: [(f64, f64); 4]| Table {
@@ -481,8 +481,8 @@ fn a_continuum_begins_where_the_law_becomes_flat() {
     }
 }
 
-/// Weak friction: all happens below 5·10⁻⁵ of a range up to 0.15. Where stick-slip ends, three kinds
-/// of motion follow each other within the last sixteenth of that.
+/// Weak friction: all happens below 5·10⁻⁵ of a range up to 0.15. Where stick-slip ends, three
+/// kinds of motion follow each other within the last sixteenth of that.
 #[test]
 fn borders_that_are_close_are_looked_between() {
     let points = [(0.0, 0.354), (0.456, 0.158), (0.7, 0.158), (1.1, 0.1716)];

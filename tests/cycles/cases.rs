@@ -393,8 +393,8 @@ fn friction_below_rounding_is_unresolved() {
     assert!((range.end - 0.2).abs() < 1e-14, "{range:?}");
 }
 
-/// Friction is constant to within 1e-5 of the belt velocity, less than any cycle that is looked for,
-/// and varies beyond.
+/// Friction is constant to within 1e-5 of the belt velocity, less than any cycle that is looked
+/// for, and varies beyond.
 #[test]
 fn a_narrow_flat_part_of_a_law_is_a_narrow_family() {
     let law = Tabulated::new([(0.0, 0.5), (0.99999, 0.4), (1.00001, 0.4), (2.0, 0.35)]);
