@@ -102,7 +102,7 @@ fn instead(value: f64, allowed: &str) -> String {
 /// | [`NoCommonPeriod`](Self::NoCommonPeriod), [`NotFree`](Self::NotFree) | a search of [`orbit`](crate::orbit) | the other [`Period`](crate::orbit::Period) |
 /// | [`AtRest`](Self::AtRest), [`NotPeriodic`](Self::NotPeriodic) | a search of `orbit` | a better guess, a longer transient |
 /// | [`At`](Self::At) | a search along a parameter | see the error inside; search beside that value |
-/// | [`Stopped`](Self::Stopped) | a search with a bound or a watcher | raise the bound; search the rest of the range |
+/// | [`Stopped`](Self::Stopped) | a search that takes too many steps, or has a watcher | raise the bound; search the rest of the range |
 ///
 /// To show the message, print the error with `{error}`. A `main` that returns `Result<(), Error>`
 /// prints the variant and its fields instead, by `Debug`.
@@ -473,10 +473,12 @@ pub enum Error {
         start: State,
     },
 
-    /// A search along a parameter was stopped, by its bound of the work or by its watcher.
+    /// A search along a parameter was stopped, by its watcher or by its bound of the work:
+    /// [`Along::DEFAULT_MAX_STEPS`](crate::bifurcation::Along::DEFAULT_MAX_STEPS), unless
+    /// [`Along::with_max_steps`](crate::bifurcation::Along::with_max_steps) gives another.
     #[error(
         "the search along {parameter} was stopped at {} after {steps} steps, with {} values \
-         found; raise the limit with `with_max_steps`, or go on from there",
+         found; raise the limit with `Along::with_max_steps`, or go on from there",
         Plain(*value),
         found.len()
     )]

@@ -40,6 +40,7 @@
 //! | whether steady sliding is stable | [`MassOnBelt::equilibrium`] |
 //! | the belt velocity at which steady sliding becomes stable | [`bifurcation::hopf_velocities`], [`bifurcation::criticality`] |
 //! | the belt velocity at which stick-slip appears or disappears | [`bifurcation::grazing_velocities`] |
+//! | the belt velocity at which a pure-slip cycle touches the belt velocity, and appears or disappears | [`bifurcation::touching_velocities`] |
 //! | the belt velocity at which a cycle changes its kind | [`bifurcation::overshoot_velocities`], [`bifurcation::crossing_velocities`] |
 //! | the belt velocity at which a stable and an unstable cycle meet and vanish | [`bifurcation::fold_velocities`] |
 //! | all cycles over a range of belt velocities, for a picture | [`bifurcation::diagram`] |

@@ -66,20 +66,21 @@ pub fn along_velocities<L: FrictionLaw>(system: &MassOnBelt<L>, range: Range<f64
 ///
 /// The unit of work is a step of a slip phase, some microseconds. An oscillation takes about ten
 /// steps, and two more for each breakpoint of the law that it passes. One system costs
-/// [`hopf`](Self::hopf) no steps; [`grazing`](Self::grazing) and [`overshoot`](Self::overshoot) one
-/// slip arc; [`crossing`](Self::crossing) two; [`folds`](Self::folds) some ten oscillations for a
-/// smooth law, and up to a hundred for a table of scattered points. A range takes 65 systems, and
-/// some tens more for each value that is found. [`vibration_ranges`](Self::vibration_ranges) costs
-/// all five searches.
+/// [`hopf`](Self::hopf) no steps; [`grazing`](Self::grazing), [`touching`](Self::touching) and
+/// [`overshoot`](Self::overshoot) one slip arc; [`crossing`](Self::crossing) two;
+/// [`folds`](Self::folds) some ten oscillations for a smooth law, and up to a hundred for a table
+/// of scattered points. A range takes 65 systems, and some tens more for each value that is found.
+/// [`vibration_ranges`](Self::vibration_ranges) costs all six searches.
 ///
 /// So folds over a table of n points of wide scatter take about 200 n² steps: 60 points a second,
-/// 400 points a minute or two, and a law with thousands of waves much longer. Smooth the table, or
-/// bound the search: a million steps are one to two seconds.
+/// 400 points a minute or two, and a law with thousands of waves much longer. A million steps are
+/// one to two seconds.
 ///
-/// A search is stopped by [`with_max_steps`](Self::with_max_steps), or by a closure that
-/// [watches](Self::watched) it. Both are asked before each system, and one system takes no more
-/// than 2·10⁵ steps and a few. Nothing is lost: [`Error::Stopped`] holds what was found up to
-/// there.
+/// A search is stopped after [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS), or the bound that
+/// [`with_max_steps`](Self::with_max_steps) gives, or by a closure that [watches](Self::watched)
+/// it. All are asked before each system, and one system takes no more than 2·10⁵ steps and a few.
+/// Nothing is lost: [`Error::Stopped`] holds the value reached and what was found below. Smooth the
+/// table, raise the bound, or search the rest of the range.
 pub struct Along<'f, L> {
     family: Family<'f, L>,
     range: Range<f64>,
@@ -87,6 +88,8 @@ pub struct Along<'f, L> {
     max_steps: usize,
     watch: Option<Box<Watch<'f>>>,
 }
+
+const DEFAULT_MAX_STEPS: usize = 10_000_000;
 
 type Watch<'f> = dyn Fn(&Progress) -> ControlFlow<()> + 'f;
 
@@ -110,12 +113,17 @@ pub struct Progress {
 }
 
 impl<'f, L: FrictionLaw> Along<'f, L> {
+    /// The default bound of the work of a search, in steps of slip phases: some ten seconds. The
+    /// functions of [`bifurcation`](super) that search a range, and those that search for silence,
+    /// have this bound, too.
+    pub const DEFAULT_MAX_STEPS: usize = DEFAULT_MAX_STEPS;
+
     fn of(family: Family<'f, L>, range: Range<f64>, parameter: &'static str) -> Self {
         Self {
             family,
             range,
             parameter,
-            max_steps: usize::MAX,
+            max_steps: DEFAULT_MAX_STEPS,
             watch: None,
         }
     }
@@ -126,7 +134,8 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
         Self { parameter, ..self }
     }
 
-    /// Bounds the work of each search: after so many steps it ends in [`Error::Stopped`].
+    /// Bounds the work of each search: after so many steps it ends in [`Error::Stopped`]. Without
+    /// this call the bound is [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS).
     ///
     /// # Errors
     ///
@@ -239,7 +248,22 @@ pub(super) struct Search<'f> {
     watch: Option<&'f Watch<'f>>,
 }
 
-impl Search<'_> {
+impl<'f> Search<'f> {
+    /// A search of a family at values of its own choice, with the default bound of the work.
+    pub(super) fn of(
+        systems: &'f dyn Fn(f64, &mut Look<'_>) -> Result<(), Error>,
+        parameter: &'static str,
+    ) -> Self {
+        Self {
+            systems,
+            velocities_of: None,
+            range: 0.0..f64::INFINITY,
+            parameter,
+            max_steps: DEFAULT_MAX_STEPS,
+            watch: None,
+        }
+    }
+
     /// The range, if it is one.
     pub(super) fn whole(&self) -> Result<Range<f64>, Error> {
         let Range { start, end } = self.range;

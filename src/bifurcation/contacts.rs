@@ -1,4 +1,5 @@
-//! Where the contacts of the motion from the release point change.
+//! Where the contacts of the motion from the release point change, and where pure-slip cycles touch
+//! the belt velocity.
 
 use std::ops::Range;
 
@@ -6,15 +7,17 @@ use super::along::{Along, Work, along_velocities};
 use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
-use crate::limit_cycle::{Release, Tracer};
+use crate::limit_cycle::{PeakMap, Release, Tracer};
 use crate::numerics::scan::sign_changes;
+use crate::state::Direction;
 
 /// Belt velocities v_b in `range`, ascending and dimensionless, at which stick-slip appears or
 /// disappears: the motion from the release point comes back to the belt tangentially.
 ///
 /// For a law with μ̂(0) = μ_s a pure-slip cycle touches the belt velocity at this v_b and becomes
 /// stick-slip. For a law with μ̂(0) < μ_s (Coulomb) the stick-slip cycle disappears, and no
-/// pure-slip cycle takes its place.
+/// pure-slip cycle takes its place; pure-slip cycles touch the belt velocity elsewhere, at the
+/// [`touching_velocities`].
 ///
 /// The velocities are the roots of a function of v_b that is smooth through them: w²/(2v_b²) if the
 /// motion meets the belt, where w is the rate of the relative velocity at contact; V/v_b − 1 if it
@@ -106,8 +109,53 @@ pub fn crossing_velocities<L: FrictionLaw>(
     along_velocities(system, range).crossing()
 }
 
-/// A number computed from the arcs out of the release point.
-type Number = fn(&mut Release, &mut Tracer<'_>) -> Result<Option<f64>, Error>;
+/// Belt velocities in `range`, ascending and dimensionless, at which a pure-slip cycle touches the
+/// belt velocity: its velocity maximum is v_b. On one side of such a v_b the cycle, stable or not,
+/// stays behind the belt; on the other side it does not exist, because it would reach the belt and
+/// stick.
+///
+/// For a law with μ̂(0) = μ_s these are the [`grazing_velocities`]. For a law with μ̂(0) < μ_s the
+/// cycle touches the belt velocity inside the stick band, and the stick-slip cycle does not change
+/// there.
+///
+/// The velocities are the roots of the function that [`grazing_velocities`] describes, for the
+/// motion from the velocity maximum v_b instead of the release point. The range is searched as
+/// densely.
+///
+/// Source: grazing bifurcations of limit cycles, di Bernardo, Budd, Champneys and Kowalczyk,
+/// *Piecewise-smooth Dynamical Systems* (Springer 2008), chapters 7 and 8.
+///
+/// # Errors
+///
+/// Those of [`grazing_velocities`].
+///
+/// ```
+/// use stick_slip::{CycleKind, MassOnBelt, Tabulated, bifurcation, limit_cycle};
+///
+/// // Friction falls to a minimum at the speed 0.4; static friction is larger still.
+/// let law = Tabulated::new([(0.0, 0.4), (0.4, 0.25), (1.0, 0.5)])?;
+/// let law = law.with_static_coefficient(0.5)?;
+/// let system = MassOnBelt::new(&law, 0.3)?.with_damping(0.02)?;
+/// let [touching] = bifurcation::touching_velocities(&system, 0.1..1.0)?[..] else { panic!() };
+/// assert!((touching - 0.3516064051358391).abs() < 1e-13);
+/// let slips = |v_b: f64| -> Result<bool, stick_slip::Error> {
+///     let cycles = limit_cycle::find(&system.with_belt_velocity(v_b)?)?;
+///     Ok(cycles.iter().any(|cycle| cycle.kind() == CycleKind::PureSlip))
+/// };
+/// assert!(!slips(touching - 1e-9)? && slips(touching + 1e-9)?);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[doc(alias = "sweep")]
+#[doc(alias = "grazing")]
+pub fn touching_velocities<L: FrictionLaw>(
+    system: &MassOnBelt<L>,
+    range: Range<f64>,
+) -> Result<Vec<f64>, Error> {
+    along_velocities(system, range).touching()
+}
+
+/// A number computed from slip arcs out of the belt.
+type Number = fn(&mut Tracer<'_>) -> Result<Option<f64>, Error>;
 
 impl<L: FrictionLaw> Along<'_, L> {
     /// Values of the parameter, ascending, at which stick-slip appears or disappears. See
@@ -118,6 +166,16 @@ impl<L: FrictionLaw> Along<'_, L> {
     /// Those of [`grazing_velocities`], and [`Error::Stopped`].
     pub fn grazing(&self) -> Result<Vec<f64>, Error> {
         self.over_parts(&mut |work, part, found| changes(work, part, overshoot, found))
+    }
+
+    /// Values of the parameter, ascending, at which a pure-slip cycle touches the belt velocity.
+    /// See [`touching_velocities`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`grazing`](Self::grazing).
+    pub fn touching(&self) -> Result<Vec<f64>, Error> {
+        self.over_parts(&mut |work, part, found| changes(work, part, touching, found))
     }
 
     /// Values of the parameter, ascending, at which plain stick-slip changes into overshoot or
@@ -141,26 +199,45 @@ impl<L: FrictionLaw> Along<'_, L> {
     }
 }
 
-fn overshoot(release: &mut Release, tracer: &mut Tracer<'_>) -> Result<Option<f64>, Error> {
-    Ok(Some(release.overshoot(tracer)))
+fn overshoot(tracer: &mut Tracer<'_>) -> Result<Option<f64>, Error> {
+    Release::follow(tracer)?.overshoot(tracer).map(Some)
 }
 
-fn beyond_low(release: &mut Release, tracer: &mut Tracer<'_>) -> Result<Option<f64>, Error> {
-    Ok(release.beyond_low(tracer))
+fn beyond_low(tracer: &mut Tracer<'_>) -> Result<Option<f64>, Error> {
+    Ok(Release::follow(tracer)?.beyond_low(tracer))
 }
 
-fn beyond_high(release: &mut Release, tracer: &mut Tracer<'_>) -> Result<Option<f64>, Error> {
-    release.beyond_high(tracer)
+fn beyond_high(tracer: &mut Tracer<'_>) -> Result<Option<f64>, Error> {
+    Release::follow(tracer)?.beyond_high(tracer)
+}
+
+/// Without a jump of friction, the motion that touches the belt velocity is that from the release
+/// point.
+fn touching(tracer: &mut Tracer<'_>) -> Result<Option<f64>, Error> {
+    match touching_beside_release(tracer)? {
+        None => overshoot(tracer),
+        overshoot => Ok(overshoot),
+    }
+}
+
+/// `None` where the motion that touches the belt velocity is that from the release point.
+fn touching_beside_release(tracer: &mut Tracer<'_>) -> Result<Option<f64>, Error> {
+    let system = tracer.system();
+    let [_, high] = system.stick_limits();
+    if system.slip_rate(high, Direction::Lagging) == 0.0 {
+        return Ok(None);
+    }
+    PeakMap::of(tracer).overshoot().map(Some)
 }
 
 /// Adds the values of the parameter at which the contacts of the motion from the release point
-/// change, of all three kinds.
+/// change, of all three kinds, and those at which pure-slip cycles touch the belt velocity.
 pub(super) fn all_changes(
     work: &Work<'_, '_>,
     part: &Range<f64>,
     found: &mut Vec<f64>,
 ) -> Result<(), Error> {
-    let numbers: [Number; 3] = [overshoot, beyond_low, beyond_high];
+    let numbers: [Number; 4] = [overshoot, beyond_low, beyond_high, touching_beside_release];
     numbers
         .into_iter()
         .try_for_each(|number| changes(work, part, number, found))
@@ -178,8 +255,7 @@ fn changes(
             if tracer.system().belt_velocity() <= LOST * tracer.scale() {
                 return Ok(None);
             }
-            let mut release = Release::follow(tracer)?;
-            number(&mut release, tracer)
+            number(tracer)
         })?;
         Ok(number.flatten())
     };

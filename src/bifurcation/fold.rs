@@ -79,23 +79,26 @@ impl<L: FrictionLaw> Along<'_, L> {
     ///
     /// Those of [`grazing`](Self::grazing).
     pub fn folds(&self) -> Result<Vec<f64>, Error> {
-        self.over_parts(&mut folds)
+        self.over_parts(&mut |work, part, found| folds(work, part, found).map(drop))
     }
 }
 
-/// Adds the folds in a part of the range.
+/// Adds the folds in a part of the range. Returns the narrowest intervals in which something is
+/// left that is no fold to double precision, as where the growth at a turning point jumps over
+/// zero.
 pub(super) fn folds(
     work: &Work<'_, '_>,
     part: &Range<f64>,
     found: &mut Vec<f64>,
-) -> Result<(), Error> {
+) -> Result<Vec<Range<f64>>, Error> {
     let mut folds = Folds {
         growths: work,
         found: Vec::new(),
+        doubtful: Vec::new(),
     };
     let searched = scan(&mut folds, part);
     found.append(&mut folds.found);
-    searched
+    searched.map(|()| folds.doubtful)
 }
 
 /// The growth of motions in slip over one turn, at any value of the parameter.
@@ -269,6 +272,8 @@ impl Window {
 struct Folds<'f> {
     growths: &'f dyn Growths,
     found: Vec<f64>,
+    /// Intervals that cannot be halved further, and should.
+    doubtful: Vec<Range<f64>>,
 }
 
 /// A turning point whose growth changes its sign: its number, its places and its growths.
@@ -279,6 +284,17 @@ struct Crossed {
 }
 
 impl Folds<'_> {
+    /// Asks for an interval to be halved, and remembers it as doubtful if it cannot be.
+    fn halve(&mut self, [low, high]: [f64; 2], halvings: u32) -> Look {
+        if halvings == 0 {
+            match self.doubtful.last_mut() {
+                Some(last) if last.end == low => last.end = high,
+                _ => self.doubtful.push(low..high),
+            }
+        }
+        Look::Halve
+    }
+
     /// The fold between two values of the parameter at which a turning point passes zero; `None`
     /// if it is not the same turning point throughout.
     fn fold(
@@ -341,12 +357,13 @@ impl Survey for Folds<'_> {
         (high, b): &mut (f64, Outline),
         halvings: u32,
     ) -> Result<Look, Error> {
+        let ends = [*low, *high];
         if a.is_empty() || b.is_empty() {
             let alike = a.is_empty() && b.is_empty();
-            return Ok(if alike || halvings == 0 {
+            return Ok(if alike {
                 Look::Done
             } else {
-                Look::Halve
+                self.halve(ends, halvings)
             });
         }
         if a.at_ends() != b.at_ends() && halvings > 0 {
@@ -382,15 +399,20 @@ impl Survey for Folds<'_> {
         }
         let mut folds = Vec::new();
         for crossed in &crossed {
-            folds.extend(self.fold([*low, *high], &a, reach, crossed)?);
+            folds.extend(self.fold(ends, &a, reach, crossed)?);
         }
-        if folds.len() < crossed.len() && halvings > 0 {
+        let all = folds.len() == crossed.len();
+        if !all && halvings > 0 {
             // The turning points at the two ends are not the same ones after all.
             return Ok(Look::Halve);
         }
         folds.sort_by(f64::total_cmp);
         self.found.extend(folds);
-        Ok(Look::Done)
+        Ok(if may_hide || !all {
+            self.halve(ends, halvings)
+        } else {
+            Look::Done
+        })
     }
 }
 

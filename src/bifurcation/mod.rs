@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`hopf_velocities`] | the equilibrium loses or regains stability, and a pure-slip cycle is born; [`criticality`] tells which |
 //! | [`grazing_velocities`] | stick-slip appears or disappears: the motion from the release point comes back to the belt tangentially |
+//! | [`touching_velocities`] | a pure-slip cycle touches the belt velocity, and appears or disappears |
 //! | [`fold_velocities`] | a stable and an unstable pure-slip cycle meet |
 //! | [`overshoot_velocities`] | the mass begins to overtake the belt before it sticks |
 //! | [`crossing_velocities`] | the mass no longer sticks at all |
@@ -28,7 +29,7 @@
 //! | file | what is in it |
 //! |---|---|
 //! | `along.rs` | [`Along`]: the family of systems, the range, the bound of the work and the watcher |
-//! | `contacts.rs` | grazing, overshoot, crossing: contacts of the motion from the release point; searched by `numerics/scan.rs` |
+//! | `contacts.rs` | grazing, overshoot, crossing: contacts of the motion from the release point; touching of pure-slip cycles; searched by `numerics/scan.rs` |
 //! | `fold.rs` | folds of pure-slip cycles |
 //! | `hopf.rs` | where stability changes, and which cycle is born there; belt velocities are found in `friction/along.rs` |
 //! | `ranges.rs` | what can happen in which range |
@@ -44,7 +45,9 @@ mod ranges;
 mod silence;
 
 pub use along::{Along, Progress, along, along_velocities};
-pub use contacts::{crossing_velocities, grazing_velocities, overshoot_velocities};
+pub use contacts::{
+    crossing_velocities, grazing_velocities, overshoot_velocities, touching_velocities,
+};
 #[cfg(feature = "rayon")]
 pub use diagram::par_diagram;
 pub use diagram::{DiagramPoint, diagram};

@@ -7,19 +7,24 @@ use super::fold::folds;
 use super::hopf::hopf;
 use crate::belt::MassOnBelt;
 use crate::error::Error;
-use crate::friction::FrictionLaw;
+use crate::friction::{FrictionLaw, is_constant_on};
 use crate::limit_cycle::{CycleKind, Tracer, find_moving};
+use crate::numerics::scan::INTERVALS;
 
 /// What can happen at which belt velocity: the range cut into intervals in each of which the mass
 /// can settle to the same motions. Neighbouring intervals differ.
 ///
-/// The range is cut at all Hopf, grazing, overshoot, crossing and fold velocities. In each interval
-/// between two of them, [`find`](crate::limit_cycle::find) looks at three velocities; where they
-/// disagree (folds of crossing cycles have no search of their own) the border is found by
-/// bisection, to 10⁻¹² of the velocity. v_b = 0 is a border, too: there the mass comes to rest.
+/// The range is cut at all Hopf, grazing, touching, overshoot, crossing and fold velocities, and
+/// where a [continuum](crate::limit_cycle::Continuum) begins. In each interval between two of them,
+/// [`find`](crate::limit_cycle::find) looks at three velocities; where they disagree (folds of
+/// crossing cycles have no search of their own) the border is found by bisection, to 10⁻¹² of the
+/// velocity. Borders that are closer to each other than that are one. v_b = 0 is a border, too:
+/// there the mass comes to rest. Between a supercritical Hopf velocity and the place where the
+/// cycle has grown to the smallest that `find` looks for, the cycle is named as it is beyond.
 ///
-/// The cost is that of the five searches, and three searches by `find` for each interval. To bound
-/// it or to watch it, and for any other parameter, use [`Along::vibration_ranges`].
+/// The cost is that of the six searches, and three searches by `find` for each interval; intervals
+/// narrower than a 64th of the range are searched for changes of contact once more. To bound it or
+/// to watch it, and for any other parameter, use [`Along::vibration_ranges`].
 ///
 /// # Errors
 ///
@@ -134,19 +139,67 @@ impl Search<'_> {
         self.over_parts(&mut |work, part, found| {
             hopf(work, part, found)?;
             all_changes(work, part, found)?;
-            folds(work, part, found)?;
+            let doubtful = folds(work, part, found)?;
+            let doubtful = doubtful.iter().flat_map(|range| [range.start, range.end]);
+            let doubtful: Vec<f64> = doubtful.collect();
             let mut borders = vec![part.start, part.end];
             borders.extend(found.iter().filter(|border| part.contains(border)));
-            borders.sort_by(f64::total_cmp);
-            borders.dedup();
+            borders.extend(flat_borders(work, part));
+            look_closer(work, part, &mut borders)?;
             for ends in borders.windows(2) {
                 let interval = ends[0]..ends[1];
-                add_interval(&mut |value| attractors(work, value), &interval, &mut ranges)?;
+                let places = places(&interval, &doubtful);
+                let attractors = &mut |value| attractors(work, value);
+                add_interval(attractors, &interval, &places, &mut ranges)?;
             }
+            join_narrow(&mut ranges);
             Ok(())
         })?;
         Ok(ranges)
     }
+}
+
+/// Adds the borders that a search of the whole part is too coarse for: between two borders that are
+/// closer than its first places, the contacts may change, too. Sorts the borders.
+fn look_closer(
+    work: &Work<'_, '_>,
+    part: &Range<f64>,
+    borders: &mut Vec<f64>,
+) -> Result<(), Error> {
+    borders.sort_by(f64::total_cmp);
+    borders.dedup();
+    let coarse = (part.end - part.start) / INTERVALS as f64;
+    let intervals = borders.windows(2).map(|ends| ends[0]..ends[1]);
+    let close = intervals.filter(|ends| ends.end - ends.start < coarse && !is_narrow(ends));
+    for interval in close.collect::<Vec<_>>() {
+        let Range { start, end } = interval;
+        let mut between = Vec::new();
+        all_changes(work, &interval, &mut between)?;
+        between.retain(|&border| !is_narrow(&(start..border)) && !is_narrow(&(border..end)));
+        if !between.is_empty() {
+            between.extend([start, end]);
+            look_closer(work, &interval, &mut between)?;
+            borders.append(&mut between);
+        }
+    }
+    borders.sort_by(f64::total_cmp);
+    borders.dedup();
+    Ok(())
+}
+
+/// Belt velocities in a part of the range at which a continuum begins or ends: without damping,
+/// those at which friction begins to vary. Steady sliding need not lose its stability there.
+fn flat_borders(work: &Work<'_, '_>, part: &Range<f64>) -> Vec<f64> {
+    let Some(system) = work.search.velocities_of.filter(|of| of.damping() == 0.0) else {
+        return Vec::new();
+    };
+    let law = system.law();
+    let is_flat = |piece: usize, end: f64| is_constant_on(law, piece, end);
+    let borders = law.breakpoints().enumerate();
+    let borders = borders.filter(|&(i, speed)| is_flat(i, speed) != is_flat(i + 1, speed));
+    let side = if part.start < 0.0 { -1.0 } else { 1.0 };
+    let velocities = borders.map(|(_, speed)| side * speed);
+    velocities.filter(|v_b| part.contains(v_b)).collect()
 }
 
 /// What the mass can settle to at a value of the parameter.
@@ -166,8 +219,19 @@ fn attractors(work: &Work<'_, '_>, value: f64) -> Result<Vec<AttractorKind>, Err
     Ok(attractors.unwrap_or_default())
 }
 
-/// Where an interval is looked at: away from its ends, at which small cycles are hard to see.
-const PLACES: [f64; 3] = [1.0 / 16.0, 0.5, 15.0 / 16.0];
+/// Where an interval is looked at: away from its ends, at which small cycles are hard to see, and
+/// on both sides of what is doubtful.
+fn places(interval: &Range<f64>, doubtful: &[f64]) -> Vec<f64> {
+    let inside = |place: &f64| interval.start < *place && *place < interval.end;
+    let mut places: Vec<f64> = [1.0 / 16.0, 0.5, 15.0 / 16.0]
+        .map(|place| interval.start + place * (interval.end - interval.start))
+        .into_iter()
+        .chain(doubtful.iter().copied().filter(inside))
+        .collect();
+    places.sort_by(f64::total_cmp);
+    places.dedup();
+    places
+}
 
 /// Width, relative to the parameter, to which a border is bisected.
 const NARROWEST: f64 = 1e-12;
@@ -178,20 +242,21 @@ type Attractors<'a> = dyn FnMut(f64) -> Result<Vec<AttractorKind>, Error> + 'a;
 fn add_interval(
     attractors: &mut Attractors,
     interval: &Range<f64>,
+    places: &[f64],
     ranges: &mut Vec<VibrationRange>,
 ) -> Result<(), Error> {
     let mut at = |value: f64| Ok::<_, Error>((value, attractors(value)?));
-    let [first, second, third] =
-        PLACES.map(|place| interval.start + place * (interval.end - interval.start));
-    let (mut left, middle, right) = (at(first)?, at(second)?, at(third)?);
+    let all: Result<Vec<_>, Error> = places.iter().rev().map(|place| at(*place)).collect();
+    let mut todo = all?;
+    let Some(mut left) = todo.pop() else {
+        return Ok(());
+    };
     let mut start = interval.start;
-    let mut todo = vec![right, middle];
     while let Some(right) = todo.pop() {
         let middle = 0.5 * (left.0 + right.0);
-        let is_narrow = right.0 - left.0 <= NARROWEST * left.0.abs().max(right.0.abs());
         if left.1 == right.1 {
             left = right;
-        } else if is_narrow || !(left.0 < middle && middle < right.0) {
+        } else if is_narrow(&(left.0..right.0)) || !(left.0 < middle && middle < right.0) {
             add(start..middle, left.1, ranges);
             (start, left) = (middle, right);
         } else {
@@ -201,6 +266,29 @@ fn add_interval(
     }
     add(start..interval.end, left.1, ranges);
     Ok(())
+}
+
+/// Gives ranges as narrow as rounding to their neighbours: two ways to a border need not lead to
+/// the same number.
+fn join_narrow(ranges: &mut Vec<VibrationRange>) {
+    let mut joined: Vec<VibrationRange> = Vec::new();
+    for mut range in ranges.drain(..) {
+        if let Some(last) = joined.pop_if(|last| is_narrow(&last.velocities)) {
+            range.velocities.start = last.velocities.start;
+        }
+        add(range.velocities, range.attractors, &mut joined);
+    }
+    if joined.len() > 1
+        && let Some(last) = joined.pop_if(|last| is_narrow(&last.velocities))
+        && let Some(before) = joined.last_mut()
+    {
+        before.velocities.end = last.velocities.end;
+    }
+    *ranges = joined;
+}
+
+fn is_narrow(Range { start, end }: &Range<f64>) -> bool {
+    end - start <= NARROWEST * start.abs().max(end.abs())
 }
 
 /// Adds a range, or lengthens the last one if it goes on alike.

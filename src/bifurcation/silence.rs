@@ -1,5 +1,5 @@
-use super::along::{Along, Search, Work};
-use crate::belt::{Belt, Forward, MassOnBelt};
+use super::along::{Along, Look, Search, Work};
+use crate::belt::{Belt, MassOnBelt};
 use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::limit_cycle::{Tracer, find_moving, is_frictionless};
@@ -30,9 +30,9 @@ use crate::numerics::bracket::Bracket;
 ///
 /// # Errors
 ///
-/// [`Error::At`], with the β tried and one of the errors of [`find`](crate::limit_cycle::find). No
-/// β tried is larger than the largest of 10⁻³, twice the result, and twice the β at which steady
-/// sliding becomes stable.
+/// [`Error::At`], with the β tried and one of the errors of [`find`](crate::limit_cycle::find);
+/// [`Error::Stopped`] after [`Along::DEFAULT_MAX_STEPS`]. No β tried is larger than the largest of
+/// 10⁻³, twice the result, and twice the β at which steady sliding becomes stable.
 ///
 /// ```
 /// use stick_slip::{Coulomb, Exponential, MassOnBelt, bifurcation};
@@ -58,41 +58,60 @@ fn least_damping(system: Belt<'_>) -> Result<f64, Error> {
     if system.belt_velocity() == 0.0 || is_frictionless(system.law()) {
         return Ok(0.0);
     }
-    let vibrates: &Vibrates =
-        &|damping| can_vibrate(system.with_damping(damping), "damping", damping);
-    let slope = system.law().slope(system.belt_velocity().abs());
-    // The β below which steady sliding is unstable.
-    let stable = (-0.5 * system.load() * slope).max(0.0);
-    let just_above = stable * (1.0 + MARGIN) + f64::MIN_POSITIVE;
-    if !vibrates(just_above)? {
-        return Ok(stable);
-    }
-    let (mut loud, mut silent) = (just_above, (2.0 * just_above).max(FIRST));
-    while vibrates(silent)? {
-        (loud, silent) = (silent, 2.0 * silent);
-    }
-    Ok(border(vibrates, (loud, true), (silent, false))?.next_up())
+    judged(
+        &|value| system.with_damping(value),
+        "damping",
+        &|vibrates| {
+            let slope = system.law().slope(system.belt_velocity().abs());
+            // The β below which steady sliding is unstable.
+            let stable = (-0.5 * system.load() * slope).max(0.0);
+            let just_above = stable * (1.0 + MARGIN) + f64::MIN_POSITIVE;
+            if !vibrates(just_above)? {
+                return Ok(stable);
+            }
+            let (mut loud, mut silent) = (just_above, (2.0 * just_above).max(FIRST));
+            while vibrates(silent)? {
+                (loud, silent) = (silent, 2.0 * silent);
+            }
+            Ok(border(vibrates, (loud, true), (silent, false))?.next_up())
+        },
+    )
+}
+
+/// A search for a border by loads or dampings of its own choice, within the default bound of the
+/// work.
+fn judged<'s>(
+    with: &dyn Fn(f64) -> Result<Belt<'s>, Error>,
+    parameter: &'static str,
+    search: &dyn Fn(&Vibrates) -> Result<f64, Error>,
+) -> Result<f64, Error> {
+    let systems = |value: f64, look: &mut Look<'_>| with(value).and_then(look);
+    let family = Search::of(&systems, parameter);
+    let work = Work::of(&family);
+    search(&|value| Ok(work.moving_at(value, &mut has_cycles)?.unwrap_or(false)))
 }
 
 /// The largest friction load γ², dimensionless, up to which no vibration lasts at the system's belt
 /// velocity and damping: the load from which on the mass can groan. The system's own γ² is ignored.
 ///
 /// At the border steady sliding becomes unstable (γ² = −2β/(dμ̂/ds(|v_b|))), or two cycles appear,
-/// or stick-slip does. No load silences what an undamped belt drives: without damping the result is
-/// 0 if friction falls at v_b, or if the mass vibrates under the least load tried, 10⁻⁶ of (1 +
-/// β)|v_b|/μ_s. It is infinite at v_b = 0, and if the mass does not vibrate under 10⁶ times that
-/// load.
+/// or stick-slip does. No load silences an undamped mass whose steady sliding is unstable or
+/// surrounded by a [`Continuum`](crate::limit_cycle::Continuum): the result is 0, as it is if the
+/// mass vibrates under the least load tried, 10⁻⁶ of (1 + β)|v_b|/μ_s. If it does not vibrate under
+/// 10⁶ times (1 + β)|v_b|/μ_s, the result is the load that makes steady sliding unstable, infinite
+/// if there is none. It is infinite at v_b = 0, too.
 ///
-/// The border is enclosed by doubling or halving γ², and narrowed to neighbouring numbers;
-/// [`find`](crate::limit_cycle::find) judges as for [`silencing_damping`]. More damping always
-/// silences, but the same is not proved of less load. If the loads that vibrate are not one
-/// interval, the result is one of their borders; [`Along::vibration_ranges`] lists all.
+/// The border is enclosed by doubling or halving γ², from (1 + β)|v_b|/μ_s on, and narrowed to
+/// neighbouring numbers; [`find`](crate::limit_cycle::find) judges as for [`silencing_damping`].
+/// More damping always silences, but the same is not proved of less load. If the loads that vibrate
+/// are not one interval, the result is one of their borders; [`Along::vibration_ranges`] lists all.
 ///
-/// It takes 60 to 130 searches by `find`. To bound or to watch them, use [`Along::silence`].
+/// It takes up to 130 searches by `find`. To bound or to watch them, use [`Along::silence`].
 ///
 /// # Errors
 ///
-/// [`Error::At`], with the load tried and one of the errors of [`find`](crate::limit_cycle::find).
+/// [`Error::At`], with the load tried and one of the errors of [`find`](crate::limit_cycle::find);
+/// [`Error::Stopped`] after [`Along::DEFAULT_MAX_STEPS`].
 ///
 /// ```
 /// use stick_slip::{Exponential, MassOnBelt, bifurcation};
@@ -115,48 +134,43 @@ pub fn silencing_load<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<f64, Err
 }
 
 fn largest_load(system: Belt<'_>) -> Result<f64, Error> {
-    let (law, speed) = (system.law(), system.belt_velocity().abs());
+    let (law, speed, damping) = (system.law(), system.belt_velocity().abs(), system.damping());
     if speed == 0.0 || is_frictionless(law) {
-        return Ok(f64::INFINITY);
+        let is_free = speed > 0.0 && damping == 0.0;
+        return Ok(if is_free { 0.0 } else { f64::INFINITY });
     }
-    let vibrates: &Vibrates = &|load| can_vibrate(system.with_load(load), "load", load);
     // The load above which steady sliding is unstable.
     let stable = match law.slope(speed) {
-        slope if slope < 0.0 => -2.0 * system.damping() / slope,
+        slope if slope < 0.0 => -2.0 * damping / slope,
         _ => f64::INFINITY,
     };
-    let just_below = stable * (1.0 - MARGIN);
-    if stable == 0.0 || (stable.is_finite() && !vibrates(just_below)?) {
+    if stable == 0.0 {
         return Ok(stable);
     }
-    let coefficient = law.static_coefficient().max(law.kinetic(speed));
-    let unit = (1.0 + system.damping()) * speed / coefficient;
-    let mut silent = None;
-    let mut loud = just_below;
-    if stable.is_infinite() {
-        loud = unit;
+    let just_below = stable * (1.0 - MARGIN);
+    // Under this load friction is as strong as the motion with the belt. Where the law is nearly
+    // flat at v_b, the load that makes steady sliding unstable is beyond all that is of interest.
+    let unit = (1.0 + damping) * speed / law.static_coefficient().max(law.kinetic(speed));
+    judged(&|value| system.with_load(value), "load", &|vibrates| {
+        let (mut silent, mut loud) = (0.0, unit.min(just_below));
         while !vibrates(loud)? {
-            if loud > MOST_LOAD * unit {
-                return Ok(f64::INFINITY);
+            if loud >= just_below || loud > MOST_LOAD * unit {
+                return Ok(stable);
             }
-            (silent, loud) = (Some(loud), 2.0 * loud);
+            (silent, loud) = (loud, (2.0 * loud).min(just_below));
         }
-    }
-    let silent = match silent {
-        Some(silent) => silent,
-        None => {
-            let least = loud.min(unit) / MOST_LOAD;
-            let mut silent = 0.5 * loud;
+        if silent == 0.0 {
+            let least = loud / MOST_LOAD;
+            silent = 0.5 * loud;
             while vibrates(silent)? {
                 if silent < least {
                     return Ok(0.0);
                 }
                 (loud, silent) = (silent, 0.5 * silent);
             }
-            silent
         }
-    };
-    border(vibrates, (silent, false), (loud, true))
+        border(vibrates, (silent, false), (loud, true))
+    })
 }
 
 impl<L: FrictionLaw> Along<'_, L> {
@@ -165,9 +179,10 @@ impl<L: FrictionLaw> Along<'_, L> {
     /// alike.
     ///
     /// The mass can vibrate if steady sliding is unstable, or if
-    /// [`find`](crate::limit_cycle::find) finds a cycle or an unresolved range. The result is the
-    /// lower of two neighbouring numbers between which this changes. If it changes more often, one
-    /// of the changes is found; [`vibration_ranges`](Self::vibration_ranges) lists all.
+    /// [`find`](crate::limit_cycle::find) finds a cycle, a continuum or an unresolved range. The
+    /// result is the lower of two neighbouring numbers between which this changes. If it changes
+    /// more often, one of the changes is found; [`vibration_ranges`](Self::vibration_ranges) lists
+    /// all.
     ///
     /// # Errors
     ///
@@ -223,26 +238,11 @@ fn border(vibrates: &Vibrates, low: (f64, bool), high: (f64, bool)) -> Result<f6
     Ok(border.sign_change().below)
 }
 
-/// Whether there are cycles, or may be.
+/// Whether there are periodic motions, or may be.
 fn has_cycles(tracer: &mut Tracer<'_>) -> Result<bool, Error> {
     let cycles = find_moving(tracer)?;
-    Ok(!cycles.is_empty() || !cycles.unresolved().is_empty())
-}
-
-/// The same for the system, if it is one, at a value of a parameter. Inlined, it would be there
-/// once for every call of the closures that call it.
-#[inline(never)]
-fn can_vibrate(
-    system: Result<Belt<'_>, Error>,
-    parameter: &'static str,
-    value: f64,
-) -> Result<bool, Error> {
-    let moving = system.map(Forward::of);
-    let vibrates = moving.and_then(|moving| match moving {
-        Some(system) => has_cycles(&mut Tracer::new(system)),
-        None => Ok(false),
-    });
-    vibrates.map_err(|error| error.at(parameter, value))
+    let none = cycles.is_empty() && cycles.continuum().is_none() && cycles.unresolved().is_empty();
+    Ok(!none)
 }
 
 /// Largest and least load tried, above and below (1 + β)|v_b|/μ_s.

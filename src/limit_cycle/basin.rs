@@ -31,8 +31,8 @@ pub enum Attractor {
     /// The start lies on an unstable periodic motion, to rounding: the slightest disturbance
     /// decides.
     Separatrix(LimitCycle),
-    /// The start lies in a [continuum](super::Continuum): its motion is periodic, and so is every
-    /// other near it.
+    /// A [continuum](super::Continuum): the start lies in it, so that its motion is periodic, or
+    /// the motion shrinks until it is one of the continuum.
     Continuum,
     /// The motion grows beyond every periodic motion that was found.
     Unbounded,
@@ -369,6 +369,10 @@ impl Nest {
             None => averaged::grows(&tracer.system(), peak)?,
             grows => grows,
         };
+        if grows.is_none() && self.cycles.continuum().is_some() {
+            // At the border of the continuum, on either side of it.
+            return Ok(Attractor::Continuum);
+        }
         // Closest to the equilibrium, where no growth is certain, the motion is linear, and the
         // stability of the equilibrium decides.
         let equilibrium = tracer.system().equilibrium();
@@ -383,9 +387,17 @@ impl Nest {
         } else {
             match cycles.rfind(|(_, place)| *place < peak) {
                 Some((cycle, _)) => Attractor::Cycle(cycle.clone()),
-                None => Attractor::Equilibrium,
+                None => self.innermost(),
             }
         })
+    }
+
+    /// The attractor inside all cycles.
+    fn innermost(&self) -> Attractor {
+        match self.cycles.continuum() {
+            Some(_) => Attractor::Continuum,
+            None => Attractor::Equilibrium,
+        }
     }
 
     fn reached_from_release(&self, bounds: &Bounds) -> Attractor {
@@ -393,15 +405,9 @@ impl Nest {
         match bounds.fate {
             // The motion from the release point surrounds all motions in slip, so it comes down to
             // the outermost cycle among them.
-            ReleaseFate::Inward { peak } => {
+            ReleaseFate::Inward => {
                 let outermost = self.of_kind(bounds, CycleKind::PureSlip).next_back();
-                to(outermost.map(|(cycle, _)| cycle)).unwrap_or(
-                    if peak.is_some_and(|peak| self.is_in_continuum(peak)) {
-                        Attractor::Continuum
-                    } else {
-                        Attractor::Equilibrium
-                    },
-                )
+                to(outermost.map(|(cycle, _)| cycle)).unwrap_or_else(|| self.innermost())
             }
             ReleaseFate::Stick => {
                 let mut cycles = self.cycles.iter();

@@ -2,7 +2,7 @@ use super::arc::Tracer;
 use super::continuum::{Continuum, flat_amplitude, is_continuum, is_flat, is_frictionless};
 use super::crossings::CrossingMap;
 use super::cycle::{CycleKind, LimitCycle};
-use super::peaks::PeakMap;
+use super::peaks::{PeakMap, SMALLEST_PEAK};
 use super::release::Release;
 use super::set::CycleSet;
 use crate::belt::{Belt, Forward, MassOnBelt};
@@ -154,10 +154,17 @@ fn add_pure_slip(tracer: &mut Tracer<'_>, set: &mut CycleSet) -> Result<bool, Er
         return Ok(true);
     }
     let mut found = peaks.roots()?;
-    if is_flat(&system) && !found.unresolved.is_empty() {
+    if is_flat(&system) {
         // Motions are harmonic up to the amplitude at which they meet a speed where friction
         // varies.
-        let max_amplitude = flat_amplitude(&system).min(found.unresolved.remove(0).end);
+        let smallest = SMALLEST_PEAK * system.belt_velocity();
+        let mut hidden = smallest;
+        if let Some(first) = found.unresolved.first()
+            && first.start <= smallest
+        {
+            hidden = found.unresolved.remove(0).end;
+        }
+        let max_amplitude = flat_amplitude(&system).min(hidden);
         set.continuum = Some(Continuum { max_amplitude });
         // Beyond, growth sets in gently, and rounding may give it both signs.
         for root in std::mem::take(&mut found.roots) {

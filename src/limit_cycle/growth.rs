@@ -1,6 +1,9 @@
 //! Growth of a motion over one turn, as a sample for the searches.
 
-use super::arc::Tracer;
+use super::arc::{Arc, Arrival, Tracer};
+use super::averaged;
+use super::continuum::{flat_amplitude, is_flat};
+use crate::error::Error;
 use crate::numerics::with_slopes::Sample;
 
 /// Rounding error of one turn, in units of ε times the size of the motion.
@@ -14,5 +17,42 @@ pub(super) fn relative_growth(tracer: &Tracer<'_>, x: f64, next: f64, slope: f64
         slope: (slope - next / x) / x,
         noise: TURN_ROUNDING * f64::EPSILON * (tracer.scale() + x) / x,
         work: tracer.work(),
+    }
+}
+
+/// How far a motion that leaves the belt with the arc `turn` overshoots the belt velocity after one
+/// turn, in units of v_b: w²/(2v_b²) if it meets the belt, with the rate w of the relative velocity
+/// at contact; V/v_b − 1 if it turns back at a velocity maximum V below; −1 if there is no maximum.
+///
+/// Where [`stays_behind`] corrects it, it is not positive.
+pub(super) fn overshoot(tracer: &Tracer<'_>, turn: &Arc) -> Result<f64, Error> {
+    Ok(stays_behind(tracer, turn)?.unwrap_or(computed_overshoot(tracer, turn)))
+}
+
+/// The overshoot of a motion that does not overshoot, though rounding may make it come back to the
+/// belt: 0 for the outermost motion of a continuum, which touches the belt velocity in every turn;
+/// negative for a motion that averaging shows to shrink. `None` for any other.
+pub(super) fn stays_behind(tracer: &Tracer<'_>, turn: &Arc) -> Result<Option<f64>, Error> {
+    let system = tracer.system();
+    let v_b = system.belt_velocity();
+    let overshoot = computed_overshoot(tracer, turn);
+    // A motion that leaves the belt tangentially is one of velocity amplitude v_b.
+    let growth = relative_growth(tracer, v_b, v_b * (1.0 + overshoot), 1.0);
+    if turn.start_rate != 0.0 || !growth.vanishes() {
+        return Ok(None);
+    }
+    Ok(match averaged::grows(&system, v_b)? {
+        Some(false) => Some(overshoot.min(0.0)),
+        None if is_flat(&system) && flat_amplitude(&system) >= v_b => Some(0.0),
+        _ => None,
+    })
+}
+
+fn computed_overshoot(tracer: &Tracer<'_>, turn: &Arc) -> f64 {
+    let v_b = tracer.system().belt_velocity();
+    match turn.arrival {
+        Arrival::Contact(_) => 0.5 * (turn.end_rate / v_b).powi(2),
+        Arrival::Maximum(point) => -point.speed / v_b,
+        Arrival::Equilibrium | Arrival::Far | Arrival::Held => -1.0,
     }
 }

@@ -4,7 +4,7 @@
 use super::arc::{Arc, Arrival, Tracer};
 use super::averaged;
 use super::continuum::is_continuum;
-use super::growth::relative_growth;
+use super::growth::{self, relative_growth};
 use crate::belt::Forward;
 use crate::clock::Time;
 use crate::error::Error;
@@ -12,7 +12,7 @@ use crate::numerics::with_slopes::{Roots, Sample, eighths, outline_between, root
 
 /// Smallest velocity maximum that is searched, in units of v_b. Below it a turn changes a motion by
 /// less than rounding does.
-const SMALLEST_PEAK: f64 = 1e-4;
+pub(super) const SMALLEST_PEAK: f64 = 1e-4;
 
 /// A growth, or its change over the range, counts as hidden if it is less than so many times its
 /// rounding error.
@@ -72,6 +72,15 @@ impl<'t, 's> PeakMap<'t, 's> {
             Arrival::Contact(_) | Arrival::Far | Arrival::Held => self.growth(v_b).map(Some),
             Arrival::Equilibrium => Ok(None),
         }
+    }
+
+    /// How far the motion that touches the belt velocity behind the belt, at the velocity maximum
+    /// V = v_b, overshoots it after one turn: see [`growth::overshoot`]. It is 0 if a periodic
+    /// motion in slip touches the belt velocity.
+    pub(crate) fn overshoot(&mut self) -> Result<f64, Error> {
+        let v_b = self.system().belt_velocity();
+        let turn = self.tracer.arc_from_peak(v_b, Time::Forward)?;
+        growth::overshoot(self.tracer, &turn)
     }
 
     /// The range of velocity maxima that is searched, from the smallest to the largest.

@@ -2,9 +2,8 @@
 //! velocity, the leading arc that follows.
 
 use super::arc::{Arc, Arrival, Tracer};
-use super::averaged;
 use super::cycle::{CycleKind, LimitCycle};
-use super::growth::relative_growth;
+use super::growth;
 use crate::belt::Landing;
 use crate::error::Error;
 use crate::friction::static_is_nan;
@@ -15,9 +14,10 @@ use crate::state::Direction;
 /// outside can only go on outwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum ReleaseFate {
-    /// The motion turns inwards: its velocity has a maximum V below v_b, or none, and it does not
-    /// meet the belt on this turn or on any later one.
-    Inward { peak: Option<f64> },
+    /// The motion turns inwards: its velocity has a maximum below v_b, or none, and it does not
+    /// meet the belt on this turn or on any later one. Or it is the outermost motion of a
+    /// continuum.
+    Inward,
     /// The motion comes back to stick, after one arc or after a crossing and a leading arc, and so
     /// to the release point.
     Stick,
@@ -57,31 +57,17 @@ impl Release {
 
     pub(crate) fn fate(&mut self, tracer: &mut Tracer<'_>) -> Result<ReleaseFate, Error> {
         let system = tracer.system();
-        let contact = match self.lagging.arrival {
-            Arrival::Contact(contact) => contact,
-            Arrival::Maximum(point) => {
-                let peak = Some(system.belt_velocity() - point.speed);
-                return Ok(ReleaseFate::Inward { peak });
-            }
-            Arrival::Equilibrium | Arrival::Far | Arrival::Held => {
-                return Ok(ReleaseFate::Inward { peak: None });
-            }
+        let Arrival::Contact(contact) = self.lagging.arrival else {
+            return Ok(ReleaseFate::Inward);
         };
-        let v_b = system.belt_velocity();
-        let growth = relative_growth(tracer, v_b, v_b * (1.0 + self.overshoot(tracer)), 1.0);
-        if self.lagging.start_rate == 0.0
-            && growth.vanishes()
-            && averaged::grows(&system, v_b)? == Some(false)
-        {
+        if growth::stays_behind(tracer, &self.lagging)?.is_some() {
             // The motion comes back to the belt by rounding alone.
-            return Ok(ReleaseFate::Inward { peak: Some(v_b) });
+            return Ok(ReleaseFate::Inward);
         }
         match system.landing(contact, Direction::Lagging) {
             Landing::Stick => return Ok(ReleaseFate::Stick),
             // The motion comes round to the release point, and its contact does not last.
-            Landing::Touch => {
-                return Ok(ReleaseFate::Inward { peak: Some(v_b) });
-            }
+            Landing::Touch => return Ok(ReleaseFate::Inward),
             Landing::Crossing(_) => {}
         }
         let sticks = self
@@ -118,16 +104,10 @@ impl Release {
         Ok(Some(cycle))
     }
 
-    /// How far the motion would overshoot the belt velocity, in units of v_b: w²/(2v_b²) if it
-    /// meets the belt, with the rate w of the relative velocity at contact; V/v_b − 1 if it turns
-    /// back at a velocity maximum V below; −1 if there is no maximum.
-    pub(crate) fn overshoot(&self, tracer: &Tracer<'_>) -> f64 {
-        let v_b = tracer.system().belt_velocity();
-        match self.lagging.arrival {
-            Arrival::Contact(_) => 0.5 * (self.lagging.end_rate / v_b).powi(2),
-            Arrival::Maximum(point) => -point.speed / v_b,
-            Arrival::Equilibrium | Arrival::Far | Arrival::Held => -1.0,
-        }
+    /// How far the motion overshoots the belt velocity after the first arc, in units of v_b: see
+    /// [`growth::overshoot`].
+    pub(crate) fn overshoot(&self, tracer: &Tracer<'_>) -> Result<f64, Error> {
+        growth::overshoot(tracer, &self.lagging)
     }
 
     /// Distance of the first contact beyond the lower end of the stick band, in units of v_b +

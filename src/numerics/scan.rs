@@ -6,7 +6,7 @@ use super::bracket::sign_change_between;
 use crate::error::Error;
 
 /// Number of equal intervals that a range is first divided into.
-const INTERVALS: usize = 64;
+pub(crate) const INTERVALS: usize = 64;
 
 /// The search for something over a range, as [`scan`] needs it.
 pub(crate) trait Survey {
@@ -87,20 +87,37 @@ pub(crate) fn look_between<S: Survey>(
 /// whose values are of order 1; f gives `None` where it is not defined.
 ///
 /// An interval of the grid is halved, up to 10 times, while f is defined at one end only, or while
-/// f is closer to zero at an end than it changes across the interval. Two sign changes are lost
-/// only if f passes zero and turns back between two points of that refined grid: narrow the range
-/// to look closer.
+/// f is closer to zero at an end than it changes across the interval or may bend within it. Two
+/// sign changes are lost only if f passes zero and turns back between two points of that refined
+/// grid, and is nearly straight beside: narrow the range to look closer.
 pub(crate) fn sign_changes(
     f: &mut dyn FnMut(f64) -> Result<Option<f64>, Error>,
     range: &Range<f64>,
     found: &mut Vec<f64>,
 ) -> Result<(), Error> {
-    scan(&mut SignChanges { f, found }, range)
+    let before = None;
+    scan(&mut SignChanges { f, found, before }, range)
 }
 
 struct SignChanges<'f> {
     f: &'f mut dyn FnMut(f64) -> Result<Option<f64>, Error>,
     found: &'f mut Vec<f64>,
+    /// The last place left of the interval that is looked at, with the value there.
+    before: Option<(f64, f64)>,
+}
+
+impl SignChanges<'_> {
+    /// How far a function that has the same sign at two places may come nearer to zero in between,
+    /// if it bends as much as it does beside: twice what a parabola needs.
+    fn bend(&self, a: (f64, f64), b: (f64, f64)) -> f64 {
+        let Some(before) = self.before else {
+            return 0.0;
+        };
+        let slope = |p: (f64, f64), q: (f64, f64)| (q.1 - p.1) / (q.0 - p.0);
+        let second = 2.0 * (slope(a, b) - slope(before, a)) / (b.0 - before.0);
+        let towards_zero = if a.1 > 0.0 { second } else { -second };
+        0.25 * towards_zero.max(0.0) * (b.0 - a.0).powi(2)
+    }
 }
 
 impl Survey for SignChanges<'_> {
@@ -116,7 +133,7 @@ impl Survey for SignChanges<'_> {
         &mut self,
         a: &mut (f64, Option<f64>),
         b: &mut (f64, Option<f64>),
-        _: u32,
+        halvings: u32,
     ) -> Result<Look, Error> {
         let may_hide = match (a.1, b.1) {
             (None, None) => false,
@@ -134,10 +151,17 @@ impl Survey for SignChanges<'_> {
                     None => true,
                 }
             }
-            (Some(p), Some(q)) => p.abs().min(q.abs()) < (p - q).abs(),
+            (Some(p), Some(q)) => {
+                let reach = (p - q).abs().max(self.bend((a.0, p), (b.0, q)));
+                p.abs().min(q.abs()) < reach
+            }
             _ => true,
         };
-        Ok(if may_hide { Look::Halve } else { Look::Done })
+        if may_hide && halvings > 0 {
+            return Ok(Look::Halve);
+        }
+        self.before = a.1.map(|value| (a.0, value));
+        Ok(Look::Done)
     }
 }
 

@@ -443,14 +443,15 @@ fn errors_of_searches_are_in_si_units() {
     assert!(parameter == "belt_velocity" && (0.3..0.9).contains(&velocity));
     let failed = brake.diagram([0.7]).next().unwrap().unwrap_err();
     assert_eq!(at(failed), ("belt_velocity", 0.7));
-    // Both are tried from where steady sliding changes its stability.
+    // Dampings are tried from where steady sliding changes its stability, loads from
+    // (1 + β)|v_b|/μ_s.
     let slope = -10.0 * 0.15 * (-7.0_f64).exp();
     let (parameter, damping) = at(brake.silencing_damping().unwrap_err());
     assert_eq!(parameter, "damping");
     assert_relative_eq!(damping, -PAD.normal_force * slope, max_relative = 1e-7);
     let (parameter, force) = at(brake.silencing_load().unwrap_err());
     assert_eq!(parameter, "normal_force");
-    assert_relative_eq!(force, -PAD.damping / slope, max_relative = 1e-7);
+    assert_relative_eq!(force, 100.0 * 0.7 * 1.02 / 0.4, max_relative = 1e-14);
 
     // A search with a bound, of a parameter that is called as its user likes.
     let bounded = |steps: usize, name: &'static str| {

@@ -102,22 +102,24 @@ fn limit_cycles() {
 #[test]
 fn bifurcations() {
     type Velocities = fn(&MassOnBelt<Polynomial>, Range<f64>) -> Result<Vec<f64>, Error>;
-    let all: [Velocities; 5] = [
+    let all: [Velocities; 6] = [
         bifurcation::hopf_velocities,
         bifurcation::grazing_velocities,
+        bifurcation::touching_velocities,
         bifurcation::fold_velocities,
         bifurcation::overshoot_velocities,
         bifurcation::crossing_velocities,
     ];
     let counts = all.map(|velocities| velocities(&paper(0.2), 0.1..0.6).unwrap().len());
-    assert_eq!(counts, [1, 1, 0, 0, 0]);
+    assert_eq!(counts, [1, 1, 1, 0, 0, 0]);
     let system = paper(0.2);
     let search: Along<'_, Polynomial> =
         bifurcation::along(|load: f64| system.with_load(load), 0.05..0.5);
     type Search = fn(&Along<'_, Polynomial>) -> Result<Vec<f64>, Error>;
-    let searches: [Search; 5] = [
+    let searches: [Search; 6] = [
         |search| search.hopf(),
         |search| search.grazing(),
+        |search| search.touching(),
         |search| search.folds(),
         |search| search.overshoot(),
         |search| search.crossing(),

@@ -5,16 +5,17 @@ use std::cell::Cell;
 use std::ops::ControlFlow::{Break, Continue};
 use std::ops::Range;
 
-use crate::common::Random;
+use crate::common::{Random, Table};
 use stick_slip::analysis::{averaging, coulomb};
 use stick_slip::bifurcation::{
-    AttractorKind, VibrationRange, along, along_velocities, fold_velocities, grazing_velocities,
-    hopf_velocities, overshoot_velocities, silencing_damping, silencing_load, vibration_ranges,
+    Along, AttractorKind, VibrationRange, along, along_velocities, fold_velocities,
+    grazing_velocities, hopf_velocities, overshoot_velocities, silencing_damping, silencing_load,
+    touching_velocities, vibration_ranges,
 };
 use stick_slip::limit_cycle;
 use stick_slip::{
-    Coulomb, CycleKind, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Scalar, Stribeck,
-    Tabulated,
+    AnyLaw, Coulomb, CycleKind, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Scalar,
+    State, Stribeck, Tabulated,
 };
 
 fn exponential(v_b: f64, damping: f64) -> MassOnBelt<Exponential> {
@@ -351,6 +352,261 @@ fn ranges_of_both_signs_meet_where_the_belt_stands_still() {
     assert_eq!(format!("{:>10}", expected[0]), " continuum");
 }
 
+/// A table with static friction above it, along the damping: a stable pure-slip cycle that touches
+/// the belt inside the stick band appears beside stick-slip, long before it meets another.
+#[test]
+fn a_pure_slip_cycle_appears_where_it_touches_the_belt() {
+    let points = [
+        (0.0, 0.26973204643558985),
+        (0.07195318533155705, 0.2589623866158254),
+        (0.1378923707139511, 0.15271194714614322),
+        (0.14999674516736583, 0.2023731512030223),
+        (0.2033385556884837, 0.14001721407974588),
+        (0.23878684135784675, 0.18185085899830886),
+    ];
+    let law = Tabulated::new(points)
+        .and_then(|law| law.with_static_coefficient(0.3276141564226083))
+        .unwrap();
+    let system = MassOnBelt::new(&law, 0.14381260650167466)
+        .and_then(|system| system.with_load(0.3310749545248424))
+        .unwrap();
+    let search = along(|x| system.with_damping(0.3 * x), 0.02..1.0);
+    let [touching, grazing, fold] = [search.touching(), search.grazing(), search.folds()].map(one);
+    assert_close(touching, 0.2075906307784728, 1e-12);
+    let [equilibrium, slip, stick] = [
+        AttractorKind::Equilibrium,
+        AttractorKind::Cycle(CycleKind::PureSlip),
+        AttractorKind::Cycle(CycleKind::StickSlip),
+    ];
+    let expected = [
+        (0.02..touching, vec![equilibrium, stick]),
+        (touching..grazing, vec![equilibrium, slip, stick]),
+        (grazing..fold, vec![equilibrium, slip]),
+        (fold..1.0, vec![equilibrium]),
+    ];
+    let ranges = search.vibration_ranges().unwrap();
+    let found = ranges
+        .into_iter()
+        .map(|range| (range.velocities, range.attractors));
+    assert_eq!(found.collect::<Vec<_>>(), expected);
+}
+
+/// A strongly loaded table: the stable pure-slip cycle that shrinks to steady sliding begins where
+/// an unstable one does that double precision cannot resolve. The growth at the turning point jumps
+/// over zero there, so that it counts as no fold; and the range of both cycles is narrow.
+#[test]
+fn a_range_that_begins_with_an_unresolved_cycle_is_found() {
+    let points = [
+        (0.0, 0.20808082803912387),
+        (0.16523164400855647, 0.15240474810504467),
+        (0.26652371019325444, 0.12773919587505803),
+        (0.3132738979086497, 0.16924347890333596),
+    ];
+    let law = Tabulated::new(points).unwrap();
+    let system = MassOnBelt::new(&law, 0.3)
+        .and_then(|system| system.with_damping(0.0007201602423856203))
+        .and_then(|system| system.with_load(18.530858498480026))
+        .unwrap();
+    let at = |v_b: f64| {
+        let cycles = limit_cycle::find(&system.with_belt_velocity(v_b).unwrap()).unwrap();
+        assert_eq!(cycles.len(), 1 + cycles.unresolved().len(), "{v_b}");
+        cycles.len()
+    };
+    let ranges = vibration_ranges(&system, 0.03..0.7).unwrap();
+    let [slip, stick] = [CycleKind::PureSlip, CycleKind::StickSlip].map(AttractorKind::Cycle);
+    let attractors: Vec<_> = ranges.iter().map(|range| &range.attractors[..]).collect();
+    let expected: [&[AttractorKind]; 3] = [
+        &[stick],
+        &[slip, stick],
+        &[AttractorKind::Equilibrium, stick],
+    ];
+    assert_eq!(attractors, expected);
+    let Range { start, end } = ranges[1].velocities;
+    assert_eq!(end, one(hopf_velocities(&system, 0.03..0.7)));
+    assert_eq!([at(start * (1.0 - 1e-9)), at(start * (1.0 + 1e-9))], [1, 2]);
+}
+
+/// Equilibria at a breakpoint change their stability by a jump, and the cycles there change with
+/// it: the searches come to it from both sides, within some ulps.
+#[test]
+fn no_range_is_as_narrow_as_rounding() {
+    let table = |points: [(f64, f64); 4]| Table {
+        static_coefficient: points[0].1,
+        points: points.to_vec(),
+    };
+    let top = 0.7245833226698266;
+    let points = [
+        (0.0, top),
+        (0.758, 0.5066),
+        (1.5163, 0.55885),
+        (2.2745, 0.564076),
+    ];
+    let damped = MassOnBelt::new(table(points), 0.36738327357834705)
+        .and_then(|system| system.with_damping(0.0616166324025291))
+        .unwrap();
+    let loads = along(|load| damped.clone().with_load(load), 0.0759..3.04);
+    let undamped = MassOnBelt::new(table(points), 0.10629278313278144)
+        .and_then(|system| system.with_load(0.03671787832311661))
+        .unwrap();
+    let dampings = along(|damping| undamped.clone().with_damping(damping), 0.0..0.15);
+    let [stick, slide] = [
+        AttractorKind::Cycle(CycleKind::StickSlip),
+        AttractorKind::Equilibrium,
+    ];
+    for (search, expected) in [(loads, [slide, stick]), (dampings, [stick, slide])] {
+        let ranges = search.vibration_ranges().unwrap();
+        let found: Vec<_> = ranges.iter().map(|range| &range.attractors[..]).collect();
+        assert_eq!(found, expected.each_ref().map(std::slice::from_ref));
+    }
+}
+
+/// Without damping, a table that is flat at its end: the three velocities looked at lie there.
+#[test]
+fn a_continuum_begins_where_the_law_becomes_flat() {
+    let points = [(0.0, 0.67), (0.17, 0.58), (0.57, 0.58), (0.97, 0.66)];
+    let law = Tabulated::new(points).unwrap();
+    let law = law.with_static_coefficient(0.8).unwrap();
+    let system = MassOnBelt::new(law, 1.0)
+        .unwrap()
+        .with_load(0.0015)
+        .unwrap();
+    for side in [1.0, -1.0] {
+        let range = if side > 0.0 { 0.6..12.0 } else { -12.0..-0.6 };
+        let ranges = vibration_ranges(&system, range).unwrap();
+        let border = ranges.windows(2).find(|pair| {
+            let continuum = |of: &VibrationRange| of.attractors[0] == AttractorKind::Continuum;
+            continuum(&pair[0]) != continuum(&pair[1])
+        });
+        assert_eq!(border.unwrap()[1].velocities.start, side * 0.97);
+    }
+}
+
+/// Weak friction: all happens below 5·10⁻⁵ of a range up to 0.15. Where stick-slip ends, three
+/// kinds of motion follow each other within the last sixteenth of that.
+#[test]
+fn borders_that_are_close_are_looked_between() {
+    let points = [(0.0, 0.354), (0.456, 0.158), (0.7, 0.158), (1.1, 0.1716)];
+    let law = Tabulated::new(points).unwrap();
+    let system = MassOnBelt::new(&law, 0.72)
+        .and_then(|system| system.with_load(0.00105))
+        .unwrap();
+    let search = |end: f64| along(|damping| system.with_damping(damping), 0.0..end);
+    let silent = silencing_damping(&system).unwrap();
+    assert!(silent < 1e-4);
+    let near = search(1.1 * silent);
+    let [crossing, overshoot, grazing] =
+        [near.crossing(), near.overshoot(), near.grazing()].map(one);
+    assert!(0.9 * silent < crossing && crossing < overshoot && overshoot < grazing);
+    let ranges = search(0.15).vibration_ranges().unwrap();
+    let expected = [
+        (0.0, Some(CycleKind::Crossing)),
+        (crossing, Some(CycleKind::Overshoot)),
+        (overshoot, Some(CycleKind::StickSlip)),
+        (grazing, None),
+    ];
+    assert_eq!(ranges.len(), expected.len(), "{ranges:?}");
+    for (range, (start, kind)) in std::iter::zip(ranges, expected) {
+        assert_close(range.velocities.start, start, 1e-9);
+        let kind = kind.map(AttractorKind::Cycle);
+        let attractors: Vec<_> = [AttractorKind::Equilibrium]
+            .into_iter()
+            .chain(kind)
+            .collect();
+        assert_eq!(range.attractors, attractors);
+    }
+}
+
+/// The far end of the stick band is passed and left again within one of the 64 intervals, at whose
+/// ends the distance from it is alike.
+#[test]
+fn a_narrow_range_of_overshoot_is_found() {
+    let points = [
+        (0.0, 0.3866034502235657),
+        (0.22471763180516155, 0.282914267581193),
+        (0.43414311853293414, 0.15593438726892295),
+        (0.49293213760091337, 0.2581317970989785),
+    ];
+    let law = Tabulated::new(points).unwrap();
+    let system = MassOnBelt::new(&law, 0.3)
+        .and_then(|system| system.with_damping(0.00014821319779159144))
+        .and_then(|system| system.with_load(0.33003086852975105))
+        .unwrap();
+    let wide = overshoot_velocities(&system, 0.09644283322985005..1.928856664597001).unwrap();
+    let narrow = overshoot_velocities(&system, 0.15..0.25).unwrap();
+    assert_eq!((wide.len(), narrow.len()), (3, 2));
+    for (wide, narrow) in std::iter::zip(wide, narrow) {
+        assert_close(wide, narrow, 1e-12);
+    }
+}
+
+/// Pure-slip cycles that reach the belt velocity, by their peaks: their number is odd on one side
+/// of each touching velocity, and changes nowhere else but by pairs.
+#[test]
+fn touching_velocities_are_where_the_outermost_growth_changes_its_sign() {
+    let mut random = Random::new(2806);
+    let (mut seen, mut places) = (0, 0);
+    for i in 0..60 {
+        let top = random.uniform(0.3, 0.8);
+        let width = random.uniform(0.2, 0.8);
+        let least = top * random.uniform(0.3, 0.9);
+        let law: AnyLaw = if i % 2 == 0 {
+            Coulomb::new(random.uniform(1.0, 1.5) * top, top)
+                .unwrap()
+                .into()
+        } else {
+            let end = (
+                3.0 * width,
+                least + random.uniform(0.0, 1.0) * (top - least),
+            );
+            Tabulated::new([(0.0, top), (width, least), end])
+                .and_then(|law| law.with_static_coefficient(random.uniform(1.0, 1.5) * top))
+                .unwrap()
+                .into()
+        };
+        let system = MassOnBelt::new(&law, 1.0)
+            .and_then(|system| system.with_damping(random.logarithmic(0.002, 0.2)))
+            .unwrap();
+        let range = 0.05 * width..2.0 * width;
+        let touching = touching_velocities(&system, range.clone()).unwrap();
+        seen += touching.len();
+        // How the motion that touches the belt velocity inside the stick band goes on, by steps of
+        // the integrator from there: whether it comes back to the belt.
+        let returns = |v_b: f64| {
+            let system = system.with_belt_velocity(v_b).unwrap();
+            let kinetic = system.load() * system.law().kinetic(0.0);
+            let start = State::new(kinetic - 2.0 * system.damping() * v_b, v_b * (1.0 - 1e-9));
+            let motion = system.simulate(start, 12.0).unwrap();
+            let event = motion.events().first().map(|event| event.time);
+            event.is_some_and(|time| (3.0..12.0).contains(&time))
+        };
+        for _ in 0..20 {
+            let v_b = random.uniform(range.start, range.end);
+            if touching
+                .iter()
+                .any(|touching| (touching / v_b - 1.0).abs() < 1e-3)
+            {
+                continue;
+            }
+            let below = touching.iter().filter(|touching| **touching < v_b).count();
+            let at_start = returns(range.start);
+            assert_eq!(
+                returns(v_b),
+                at_start == below.is_multiple_of(2),
+                "{system:?} {v_b}"
+            );
+            places += 1;
+        }
+    }
+    println!("{seen} touching velocities, {places} places");
+    assert!(seen > 10 && places > 1000);
+    // Without static friction above the kinetic one it is grazing.
+    let system = exponential(1.0, 0.15);
+    assert_eq!(
+        touching_velocities(&system, 0.05..1.0),
+        grazing_velocities(&system, 0.05..1.0)
+    );
+}
+
 #[test]
 fn loads_that_silence() {
     // Where damping silences and where load does is the same border.
@@ -388,6 +644,42 @@ fn loads_that_silence() {
         .with_damping(0.02)
         .unwrap();
     assert_eq!(silencing_load(&system).unwrap(), -0.04 / law.slope(0.45));
+}
+
+/// The load that makes steady sliding unstable is beyond what any search can follow, and the mass
+/// vibrates under loads of order 1.
+#[test]
+fn loads_that_silence_where_the_law_is_nearly_flat() {
+    let exponential = Exponential::new(0.4, 0.25, 0.05).unwrap();
+    let mut random = Random::new(2804);
+    for i in 0..24 {
+        // From 5 to 40 widths of the law.
+        let (v_b, damping) = (random.logarithmic(0.25, 2.0), random.logarithmic(1e-3, 0.3));
+        let law: AnyLaw = match i % 4 {
+            0 => exponential.into(),
+            n => Stribeck::new(0.4, 0.25, 0.05, 1 + n as u32).unwrap().into(),
+        };
+        let system = MassOnBelt::new(&law, v_b)
+            .and_then(|system| system.with_damping(damping))
+            .unwrap();
+        let load = silencing_load(&system).unwrap();
+        let vibrates = |load: f64| {
+            let cycles = limit_cycle::find(&system.with_load(load).unwrap()).unwrap();
+            !cycles.is_empty()
+        };
+        let border = [load * (1.0 - 1e-9), load * (1.0 + 1e-9)].map(vibrates);
+        assert_eq!(border, [false, true], "{system:?}: {load}");
+        let at = system.with_load(load).unwrap();
+        assert_close(silencing_damping(&at).unwrap(), damping, 1e-9);
+    }
+    // Nothing vibrates: the load that makes steady sliding unstable, or none.
+    let system = MassOnBelt::new(exponential, 0.3)
+        .and_then(|system| system.with_damping(3.0))
+        .unwrap();
+    let stable = -6.0 / exponential.slope(0.3);
+    assert_eq!(silencing_load(&system), Ok(stable));
+    let faster = system.with_belt_velocity(3.0).unwrap();
+    assert_eq!(silencing_load(&faster), Ok(f64::INFINITY));
 }
 
 thread_local! {
@@ -460,6 +752,37 @@ fn folds_of_scattered_points_take_a_bounded_work() {
     });
     assert!(folds.len() > 5 && folds.is_sorted());
     assert!(calls < 100_000_000, "{calls}");
+}
+
+/// Without a bound of the user's, too: it ran for minutes.
+#[test]
+fn a_plain_search_ends_after_the_default_bound_and_keeps_what_it_has_found() {
+    let most = Along::<Tabulated>::DEFAULT_MAX_STEPS;
+    let law = measured(400, 0.004);
+    let system = MassOnBelt::new(&law, 0.2)
+        .and_then(|system| system.with_damping(0.02))
+        .unwrap();
+    let Err(Error::Stopped {
+        parameter,
+        value,
+        steps,
+        found,
+    }) = fold_velocities(&system, 0.05..1.5)
+    else {
+        panic!()
+    };
+    assert_eq!(parameter, "belt_velocity");
+    assert!((most..most + 200_000).contains(&steps), "{steps}");
+    assert!(0.1 < value && value < 1.5, "{value}");
+    assert!(found.len() > 5 && found.is_sorted() && found[0] < value);
+    // The other searches are far from it.
+    let dampings = along(|damping| system.with_damping(damping), 0.0..2.0);
+    let silent = dampings.with_max_steps(most / 10).unwrap().silence();
+    assert_close(
+        silencing_damping(&system).unwrap(),
+        silent.unwrap().unwrap(),
+        1e-12,
+    );
 }
 
 /// Each evaluation searched the breakpoints one by one: 10⁹ and more.

@@ -1,11 +1,12 @@
 //! Edges at which searches once went wrong: ranges of some ulps, the border of a continuum, a belt
 //! at rest, units in which squares overflow.
 
-use crate::common::TurnsNan;
+use crate::common::{Random, TurnsNan};
+use stick_slip::bifurcation::AttractorKind;
 use stick_slip::limit_cycle::{self, Attractor};
 use stick_slip::{
-    Coulomb, CycleKind, Error, Exponential, FrictionLaw, LimitCycle, MassOnBelt, Polynomial, State,
-    Stribeck, Tabulated, bifurcation,
+    AnyLaw, Coulomb, CycleKind, Error, Exponential, FrictionLaw, LimitCycle, MassOnBelt,
+    Polynomial, State, Stribeck, Tabulated, bifurcation,
 };
 
 #[test]
@@ -61,6 +62,131 @@ fn no_cycle_is_made_by_rounding_at_the_border_of_a_continuum() {
         assert!((border - 0.7).abs() < 1e-15, "{load}: {border}");
         let slipping = |cycle: &&LimitCycle| cycle.kind() == CycleKind::PureSlip;
         assert_eq!(cycles.iter().filter(slipping).count(), 0, "{load}");
+    }
+}
+
+/// Without static friction above the kinetic one, the motion from the release point is the border
+/// of the continuum. It comes back to the belt by rounding, or just does not.
+#[test]
+fn the_border_of_a_continuum_is_no_cycle() {
+    let check = |law: AnyLaw, v_b: f64, load: f64| {
+        let system = MassOnBelt::new(&law, v_b).unwrap();
+        let system = system.with_load(load).unwrap();
+        let about = format!("{system:?}");
+        let cycles = limit_cycle::find(&system).unwrap();
+        assert!(cycles.is_empty(), "{about}: {cycles:?}");
+        assert_eq!(cycles.continuum().unwrap().max_amplitude, v_b, "{about}");
+        assert_eq!(limit_cycle::stick_slip(&system), Ok(None), "{about}");
+        let [_, high] = system.stick_limits();
+        for start in [State::new(high, v_b), State::new(0.9 * high, v_b)] {
+            let reached = limit_cycle::attractor(&system, start).unwrap();
+            assert_eq!(reached, Attractor::Continuum, "{about}");
+        }
+        let range = 0.01 * v_b..3.0 * v_b;
+        for search in [
+            bifurcation::grazing_velocities,
+            bifurcation::touching_velocities,
+            bifurcation::overshoot_velocities,
+            bifurcation::crossing_velocities,
+        ] {
+            assert_eq!(search(&system, range.clone()), Ok(vec![]), "{about}");
+        }
+        let ranges = bifurcation::vibration_ranges(&system, range.clone()).unwrap();
+        let [only] = &ranges[..] else {
+            panic!("{about}: {ranges:?}")
+        };
+        assert_eq!(only.velocities, range);
+        assert_eq!(only.attractors, [AttractorKind::Continuum]);
+        // A continuum is a vibration, under whatever load.
+        assert!(only.vibrates());
+        assert_eq!(bifurcation::silencing_load(&system), Ok(0.0), "{about}");
+        let loads = bifurcation::along(|load| system.with_load(load), 0.1 * load..10.0 * load);
+        assert_eq!(loads.silence(), Ok(None), "{about}");
+        assert_eq!(loads.vibration_ranges().unwrap().len(), 1, "{about}");
+    };
+    let one = 0.286_034_524_096_909_3;
+    for load in [0.1, 0.2, 0.3, 0.5, 1.0, 2.0, 3.0] {
+        let law = Coulomb::new(one, one).unwrap();
+        check(law.into(), 0.348_294_879_674_908_74, load);
+    }
+    let mut random = Random::new(2801);
+    for i in 0..40 {
+        let top = random.uniform(0.05, 1.5);
+        let law: AnyLaw = match i % 4 {
+            0 => Coulomb::new(top, top).unwrap().into(),
+            1 => Polynomial::new(top, top, 0.3).unwrap().into(),
+            2 => Stribeck::new(top, top, 0.3, 1).unwrap().into(),
+            _ => Tabulated::new([(0.0, top), (0.2, top), (0.5, top)])
+                .unwrap()
+                .into(),
+        };
+        let v_b = random.logarithmic(1e-4, 10.0);
+        check(law, v_b, random.logarithmic(0.01, 10.0));
+    }
+    // Without friction nothing but damping silences.
+    let free = MassOnBelt::new(Coulomb::new(0.0, 0.0).unwrap(), 0.3).unwrap();
+    assert_eq!(bifurcation::silencing_load(&free), Ok(0.0));
+    let damped = free.with_damping(0.01).unwrap();
+    assert_eq!(bifurcation::silencing_load(&damped), Ok(f64::INFINITY));
+}
+
+/// Friction varies near rest only, on a thirtieth of the belt velocity, where the law has no
+/// breakpoint: only the largest motions in slip come there.
+#[test]
+fn a_continuum_ends_where_friction_begins_to_vary() {
+    let law = Stribeck::new(
+        0.5989457980316475,
+        0.5204567851502142,
+        0.019205374450379963,
+        2,
+    );
+    let system = MassOnBelt::new(law.unwrap(), 1.2739152266588256)
+        .and_then(|system| system.with_load(0.09003223711963569))
+        .unwrap();
+    let v_b = system.belt_velocity();
+    let border = limit_cycle::find(&system).unwrap().continuum().unwrap();
+    let part = border.max_amplitude / v_b;
+    assert!(0.85 < part && part < 0.98, "{part}");
+    // The largest velocity one turn later, and what the attractor is.
+    for (part, grows) in [(0.5, false), (part - 0.01, false), (0.98, true)] {
+        let peak = part * v_b;
+        let force = system.load() * system.law().kinetic(v_b - peak);
+        let start = State::new(force, peak);
+        let motion = system.simulate(start, 9.0).unwrap();
+        let later = motion.sample(20_000).filter(|(time, _)| *time > 4.0);
+        let next = later.map(|(_, state)| state.velocity).fold(0.0, f64::max);
+        assert_eq!(next / peak - 1.0 > 1e-6, grows, "{part}: {}", next / peak);
+        let reached = limit_cycle::attractor(&system, start).unwrap();
+        assert_eq!(reached != Attractor::Continuum, grows, "{part}: {reached}");
+    }
+}
+
+/// A table whose last piece is flat. Beyond the last point a continuum exists, however small; round
+/// it, friction damps.
+#[test]
+fn a_continuum_begins_where_the_belt_passes_a_breakpoint() {
+    let law = Tabulated::new([(0.0, 0.5), (0.15, 0.4), (0.3, 0.42), (0.7, 0.45)]).unwrap();
+    let system = MassOnBelt::new(&law, 0.9).unwrap().with_load(3.0).unwrap();
+    let ranges = bifurcation::vibration_ranges(&system, 0.4..2.0).unwrap();
+    let [below, beyond] = &ranges[..] else {
+        panic!("{ranges:?}")
+    };
+    assert!((below.velocities.end - 0.7).abs() < 1e-11);
+    assert_eq!(below.attractors[0], AttractorKind::Equilibrium);
+    assert_eq!(beyond.attractors[0], AttractorKind::Continuum);
+    for excess in [1e-12, 1e-9, 1e-6, 1e-4, 1e-2, 0.2] {
+        let system = system.with_belt_velocity(0.7 + excess).unwrap();
+        let found = limit_cycle::find(&system).unwrap().continuum();
+        let amplitude = found.unwrap().max_amplitude;
+        assert!((amplitude - excess).abs() < 1e-15, "{excess}: {amplitude}");
+        // A motion that is larger shrinks to the continuum.
+        let equilibrium = system.equilibrium().unwrap().displacement;
+        let start = State::new(equilibrium, excess + 0.1);
+        let end = system.simulate(start, 6.0).unwrap().last();
+        let size = |state: State| (state.displacement - equilibrium).hypot(state.velocity);
+        assert!(size(end) < size(start));
+        let reached = limit_cycle::attractor(&system, start).unwrap();
+        assert_eq!(reached, Attractor::Continuum, "{excess}");
     }
 }
 

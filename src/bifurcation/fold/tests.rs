@@ -58,6 +58,7 @@ fn folds(f: impl Fn(f64) -> Outline, halvings: u32) -> (Vec<f64>, Vec<f64>) {
     let mut folds = Folds {
         growths: &made,
         found: Vec::new(),
+        doubtful: Vec::new(),
     };
     look_between(&mut folds, &mut low, &mut high, halvings).unwrap();
     let found = folds.found;

@@ -21,7 +21,7 @@ struct Contacts {
 fn contacts(tracer: &mut Tracer<'_>) -> Result<Contacts, Error> {
     let mut release = Release::follow(tracer)?;
     Ok(Contacts {
-        overshoot: release.overshoot(tracer),
+        overshoot: release.overshoot(tracer)?,
         beyond_low: release.beyond_low(tracer),
         beyond_high: release.beyond_high(tracer)?,
     })
@@ -114,15 +114,8 @@ fn the_release_point_leads_to_stick_crossing_or_inwards() {
         fate(&fast(0.3, 0.001, 0.03)),
         ReleaseFate::Outward
     ));
-    assert!(matches!(
-        fate(&spiral(1.5, 0.2)),
-        ReleaseFate::Inward { peak: None }
-    ));
-    // If the law has no jump, the velocity has its maximum v_b at the release point.
-    let ReleaseFate::Inward { peak: Some(peak) } = fate(&spiral(0.1, 0.5)) else {
-        panic!()
-    };
-    assert_close(peak, 0.5 * shrinks(0.1), 1e-15);
+    assert_eq!(fate(&spiral(1.5, 0.2)), ReleaseFate::Inward);
+    assert_eq!(fate(&spiral(0.1, 0.5)), ReleaseFate::Inward);
 }
 
 #[test]
@@ -141,6 +134,7 @@ fn contacts_of_circles() {
 #[test]
 fn contacts_of_motions_that_turn_back_or_settle() {
     for v_b in [0.2, 5.0] {
+        // If the law has no jump, the velocity has its maximum v_b at the release point.
         let turns = traced(&spiral(0.1, v_b), contacts);
         assert_close(turns.overshoot, shrinks(0.1) - 1.0, 1e-14);
         assert_eq!((turns.beyond_low, turns.beyond_high), (None, None));

@@ -78,6 +78,24 @@ fn two_roots_within_one_part_are_found() {
     }
 }
 
+/// The function has equal values at both ends of the part that holds its roots.
+#[test]
+fn two_roots_in_the_middle_of_one_part_are_found() {
+    for (place, width) in [(32.5, 0.4), (32.5, 0.25), (10.4, 0.3), (50.6, 0.3)] {
+        for sign in [1.0, -1.0] {
+            let middle = place / 64.0;
+            let width = width / 64.0;
+            let (roots, asked) = scan(0.0..1.0, |x| {
+                Some(sign * ((x - middle).powi(2) - width * width))
+            });
+            assert_eq!(roots.len(), 2, "{place} {width}");
+            assert!((roots[0] - middle + width).abs() < 1e-11);
+            assert!((roots[1] - middle - width).abs() < 1e-11);
+            assert!(asked.len() < 120, "{}", asked.len());
+        }
+    }
+}
+
 #[test]
 fn a_function_that_only_comes_near_zero_is_divided_a_limited_number_of_times() {
     let (roots, asked) = scan(0.0..1.0, |x| Some((x - MIDDLE).powi(2) + 1e-12));
