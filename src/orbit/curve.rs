@@ -9,10 +9,10 @@ use std::ops::{ControlFlow, Range};
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::map::{self, PeriodMap, state, vector};
+use super::map::{self, CLOSED, PeriodMap, state, vector};
 use super::oscillator::{Form, Oscillator};
 use super::sequence::Sequence;
-use super::shoot::{CLOSED, Period, Trial, shortest};
+use super::shoot::{Period, Trial, shortest};
 use crate::error::Error;
 use crate::motion::Segment;
 use crate::state::structure::State;
@@ -282,6 +282,9 @@ impl Curve<'_> {
         let is_free = self.turning.is_some();
         let apart = self.apart(&y, &trial)?;
         let begun = apart.as_ref().unwrap_or(&trial.map);
+        if !begun.is_nearly_closed() || (is_free && !trial.returns(None)) {
+            return Err(self.lost(&y, &trial));
+        }
         let sequence = Sequence::of(begun, trial.period);
         let found = (
             solution(&matrix, &right).filter(|tangent| tangent.norm() > 0.0),

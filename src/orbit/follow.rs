@@ -9,7 +9,7 @@ use super::branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint
 use super::curve::{Curve, Family, Member, Plane, Solved};
 use super::found::Orbit;
 use super::oscillator::Oscillator;
-use super::shoot::{CLOSED, Period, Trial};
+use super::shoot::{Period, Trial};
 use super::walk::{Walk, natural_scale};
 use crate::error::Error;
 use crate::state::structure::State;
@@ -213,8 +213,7 @@ fn walks(
 /// The first point, with the curve's direction there, towards larger parameters.
 fn first(curve: &Curve<'_>, start: &State, period: f64, parameter: f64) -> Result<Solved, Error> {
     let guess = curve.guess(start, period, parameter)?;
-    let growth = guess.trial.map.monodromy.amax().max(1.0);
-    if guess.trial.residual > CLOSED.sqrt() * growth {
+    if !guess.trial.map.is_nearly_closed() {
         return Err(curve.lost(&guess.y, &guess.trial));
     }
     let scale = natural_scale(curve, &guess);

@@ -29,6 +29,10 @@ pub struct PeriodMap {
     cycle: (DMatrix<f64>, DVector<f64>),
 }
 
+/// Largest residual of a closed motion, in units of the sizes of its numbers and of what the motion
+/// magnifies. Rounding alone causes about 1e-15.
+pub(super) const CLOSED: f64 = 1e-11;
+
 /// The least velocity, in displacements a period, that is not rounding of the displacement, with a
 /// margin of the 1e-11 to which a motion is closed.
 const LEAST_VELOCITY: f64 = 1e-3;
@@ -64,6 +68,16 @@ impl PeriodMap {
             }
         }
         residual
+    }
+
+    /// The largest number of the residual, each in units of its own size.
+    pub(super) fn miss(&self) -> f64 {
+        self.residual().component_div(&self.sizes()).amax()
+    }
+
+    /// Whether a closed motion is near: the residual is below the square root of what it is there.
+    pub(super) fn is_nearly_closed(&self) -> bool {
+        self.miss() <= CLOSED.sqrt() * self.monodromy.amax().max(1.0)
     }
 
     /// What the contacts do at first.
@@ -131,6 +145,27 @@ impl PeriodMap {
             first += length;
         }
         sizes
+    }
+
+    /// How far the displacements and the velocities go from their start, the largest distance of
+    /// each in units of the sizes: at the ends of steps and half-way.
+    pub(super) fn extents(&self, sizes: &DVector<f64>) -> [f64; 2] {
+        let start = vector(&self.start, self.order());
+        let states = self.steps.iter().flat_map(|step| {
+            let middle = step.state_at(0.5 * step.duration());
+            [middle, step.end_state()]
+        });
+        states.fold([0.0; 2], |extents, state| {
+            let apart = vector(&state, self.order()) - &start;
+            let now = self.largest(&apart.component_div(sizes));
+            [0, 1].map(|i| f64::max(extents[i], now[i]))
+        })
+    }
+
+    /// The largest of the displacements and of the velocities of a vector.
+    pub(super) fn largest(&self, vector: &DVector<f64>) -> [f64; 2] {
+        let n = self.start.displacements.len();
+        [0, n].map(|first| vector.rows(first, n).amax())
     }
 
     /// The multipliers of a closed motion, by falling modulus; of a free one without the 1 of a
