@@ -6,7 +6,7 @@ use super::multipliers::multipliers;
 use super::oscillator::Form;
 use super::tangent::{TangentFlow, flow_of};
 use crate::error::Error;
-use crate::motion::{EventKind, Integrator, Mode, Segment};
+use crate::motion::{Event, EventKind, Integrator, Mode, Segment};
 use crate::state::structure::State;
 use crate::structure::{Flow, Step};
 
@@ -25,6 +25,8 @@ pub struct PeriodMap {
     pub(super) flow: [DVector<f64>; 2],
     /// Whether anything depended on each number of the memory.
     pub(super) depends: Vec<bool>,
+    /// What the contacts do from the end on.
+    end_modes: Vec<Mode>,
     /// The monodromy of a closed motion, begun where most contacts stick, and the flow there.
     cycle: (DMatrix<f64>, DVector<f64>),
 }
@@ -86,15 +88,22 @@ impl PeriodMap {
         first.map(|step| step.modes())
     }
 
-    /// What the contacts do at the end.
-    fn end_modes(&self) -> Vec<Mode> {
-        self.steps.last().map(modes_after).unwrap_or_default()
-    }
-
     /// Which contacts stick at the end.
     pub(super) fn sticking(&self) -> Vec<bool> {
-        let modes = self.end_modes().into_iter();
-        modes.map(|mode| mode == Mode::Stick).collect()
+        let modes = self.end_modes.iter();
+        modes.map(|mode| *mode == Mode::Stick).collect()
+    }
+
+    /// The events, each with what its contact does from then on.
+    pub(super) fn events(&self) -> impl Iterator<Item = (&Event<State>, Mode)> {
+        let steps = self.steps.iter().enumerate();
+        steps.flat_map(|(i, step)| {
+            let mut later = self.steps[i + 1..].iter();
+            let next = later.find(|step| step.duration() > 0.0);
+            let after = next.map_or(&self.end_modes[..], |step| step.modes());
+            let events = step.events().iter();
+            events.map(|event| (event, after[event.contact]))
+        })
     }
 
     /// The equations of Newton's method for x(T) = x(0), (M − 1)·Δx = −residual: each row in units
@@ -241,8 +250,10 @@ pub(super) fn period_map(
             cycle.column_mut(2 * n + j).fill(0.0);
         }
     }
+    let end_modes = modes_after(last, || flow.fetch(f64::INFINITY))?;
     Ok(PeriodMap {
         start: start.clone(),
+        end_modes,
         monodromy,
         flow: [first_flow.unwrap_or_else(|| last_flow.clone()), last_flow],
         depends: flow.depends.clone(),
@@ -264,7 +275,7 @@ pub(super) fn begun_apart(
     let events = map.steps.iter().flat_map(Segment::events);
     let mut times: Vec<f64> = events.map(|event| event.time).collect();
     let is_near = |time: &f64| *time < NEAR * period || *time > (1.0 - NEAR) * period;
-    if !times.iter().any(is_near) && map.first_modes() == Some(&map.end_modes()[..]) {
+    if !times.iter().any(is_near) && map.first_modes() == Some(&map.end_modes[..]) {
         return Ok(None);
     }
     times.push(period);
@@ -295,7 +306,8 @@ pub(super) fn reach(
     duration: f64,
 ) -> Result<(State, Vec<Mode>), Error> {
     let mut reached = None;
-    for step in Flow::new(Integrator::new(), form.model.clone(), start)? {
+    let mut flow = Flow::new(Integrator::new(), form.model.clone(), start)?;
+    while let Some(step) = flow.next() {
         let step = step?;
         let is_last = step.end_time() >= duration;
         if is_last || reached.is_none() {
@@ -304,7 +316,8 @@ pub(super) fn reach(
             } else {
                 step
             };
-            reached = Some((step.end_state(), modes_after(&step)));
+            let modes = modes_after(&step, || flow.next())?;
+            reached = Some((step.end_state(), modes));
         }
         if is_last {
             break;
@@ -331,13 +344,24 @@ pub(super) fn passage(form: &Form<'_>, start: &State, duration: f64) -> Result<P
     Err(Error::InvalidDuration { value: duration })
 }
 
-/// What the contacts do after a step. One that closes counts as stuck.
-fn modes_after(step: &Step) -> Vec<Mode> {
+/// What the contacts do after a step. One that closes sticks or slips: the next step tells.
+fn modes_after(
+    step: &Step,
+    mut next: impl FnMut() -> Option<Result<Step, Error>>,
+) -> Result<Vec<Mode>, Error> {
     let mut modes = step.modes().to_vec();
     for event in step.events() {
         modes[event.contact] = event.kind.mode();
     }
-    modes
+    let mut closing = step.events().iter();
+    if closing.any(|event| event.kind == EventKind::Close) {
+        while let Some(next) = next().transpose()? {
+            if next.duration() > 0.0 {
+                return Ok(next.modes().to_vec());
+            }
+        }
+    }
+    Ok(modes)
 }
 
 /// Which rows are all zero: coordinates in which all changes are gone.
