@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::found::Orbit;
 use crate::error::Error;
-use crate::motion::System;
+use crate::motion::{EventKind, System};
 
 /// Periodic motions over a parameter, followed in both directions from one of them.
 pub struct Branch<S: System> {
@@ -85,6 +85,23 @@ pub enum BranchEnd {
     Grazing {
         /// The parameter there, by extrapolation: good to about 1e-8 of the range.
         parameter: f64,
+    },
+    /// The motion itself jumps there, and no motion near to it goes on. At one instant a contact
+    /// stands between two fates: it carries exactly the most that it can, as it arrives or while it
+    /// sticks, and is released beyond, which changes the motion at once where static friction is
+    /// above the kinetic one; or it is just caught by its belt, and missed beyond. The multipliers
+    /// on this side say nothing of it.
+    Discontinuity {
+        /// The parameter there.
+        parameter: f64,
+        /// When the motions on the two sides part, in units of time since the start of the period.
+        time: f64,
+        /// The contact at which they part.
+        contact: usize,
+        /// The events of the last motion, by contact and kind.
+        events: Vec<(usize, EventKind)>,
+        /// The events of the motion from the same start just beyond.
+        beyond: Vec<(usize, EventKind)>,
     },
     /// The branch came back to where it began.
     Closed,

@@ -123,13 +123,24 @@ impl Curve<'_> {
     }
 
     fn trial(&self, y: &DVector<f64>, stuck: &[bool]) -> Result<Trial, Error> {
+        let (map, period) = self.motion(y, stuck, 1.0)?;
+        Ok(Trial::new(map, period))
+    }
+
+    /// The motion over some of its periods, and the period.
+    pub(super) fn motion(
+        &self,
+        y: &DVector<f64>,
+        stuck: &[bool],
+        periods: f64,
+    ) -> Result<(PeriodMap, f64), Error> {
         self.tried.set(self.tried.get() + 1);
         let find = || {
             let member = self.member(self.parameter(y))?;
             let form = member.form();
             let period = self.period(&form, y)?;
-            let map = form.period_map(&self.start(&form, y, stuck), period)?;
-            Ok(Trial::new(map, period))
+            let start = self.start(&form, y, stuck);
+            Ok((form.period_map(&start, periods * period)?, period))
         };
         find().map_err(|error: Error| error.at("parameter", self.parameter(y)))
     }

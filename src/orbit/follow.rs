@@ -44,7 +44,10 @@ use crate::state::structure::State;
 /// A free motion starts, at all points of the branch, where one of its coordinates turns back.
 ///
 /// At most 2048 points are computed, and 50 000 motions tried, in each direction. What is found
-/// before a motion is lost is kept: [`Branch::ends`] says why the branch ends.
+/// before a motion is lost is kept: [`Branch::ends`] says why the branch ends. Where the motion
+/// itself jumps as the parameter passes a value, the branch ends with
+/// [`BranchEnd::Discontinuity`]; a jump by less than 1e-3 of its size is passed if a motion is near
+/// on the other side.
 ///
 /// Sources: Kuznetsov, *Elements of Applied Bifurcation Theory*, chapter 10 (continuation, test
 /// functions); Dankowicz and Schilder, *Recipes for Continuation*, chapters 9 and 17 (motions in

@@ -100,6 +100,7 @@
 //! | `walk.rs` | steps along the curve, and where it ends |
 //! | `changes.rs` | what happens between two points of the curve: folds, flips, tori, other events |
 //! | `corner.rs` | where the curve turns back as the events change |
+//! | `jump.rs` | where the motion itself jumps as the events change, and the curve ends |
 //! | `sequence.rs` | the events of a period as a cyclic sequence |
 //! | `section.rs` | [`section`], [`section_at`]: Poincaré sections |
 //! | `lyapunov.rs` | [`lyapunov`]: the largest Lyapunov exponent |
@@ -110,6 +111,7 @@ mod corner;
 mod curve;
 mod follow;
 mod found;
+mod jump;
 mod linear;
 mod lyapunov;
 mod map;
