@@ -105,7 +105,8 @@ pub enum BranchEnd {
     },
     /// The branch came back to where it began.
     Closed,
-    /// The work allowed was done: 2048 points in one direction, or 50 000 motions tried.
+    /// The work allowed was done: 2048 points in one direction, or 50 000 motions tried, or 10⁷
+    /// steps of them.
     Work,
     /// The motion could not be followed further. The family had no system there, or Newton's method
     /// found no motion however short the step.

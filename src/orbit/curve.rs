@@ -42,6 +42,8 @@ pub(super) struct Curve<'f> {
     pub(super) turning: Option<usize>,
     /// How many motions have been tried.
     pub(super) tried: Cell<usize>,
+    /// How many steps they took.
+    pub(super) steps: Cell<usize>,
 }
 
 /// A point of the curve.
@@ -67,6 +69,10 @@ pub(super) struct Plane<'p> {
     /// Along the curve at its last point.
     pub(super) along: &'p DVector<f64>,
 }
+
+/// Most motions that are tried in one direction, and most steps of them all.
+const MOST_TRIALS: usize = 50_000;
+const MOST_STEPS_IN_ALL: usize = 10_000_000;
 
 /// Most steps of Newton's method; three or four are usual.
 const MOST_STEPS: usize = 16;
@@ -127,6 +133,16 @@ impl Curve<'_> {
         Ok(Trial::new(map, period))
     }
 
+    /// Counts the steps of a motion.
+    fn count(&self, form: &Form<'_>) {
+        self.steps.set(self.steps.get() + form.taken());
+    }
+
+    /// Whether the work allowed in one direction is done.
+    pub(super) fn is_at_limit(&self) -> bool {
+        self.tried.get() > MOST_TRIALS || self.steps.get() > MOST_STEPS_IN_ALL
+    }
+
     /// The motion over some of its periods, and the period.
     pub(super) fn motion(
         &self,
@@ -140,7 +156,9 @@ impl Curve<'_> {
             let form = member.form();
             let period = self.period(&form, y)?;
             let start = self.start(&form, y, stuck);
-            Ok((form.period_map(&start, periods * period)?, period))
+            let map = form.period_map(&start, periods * period);
+            self.count(&form);
+            Ok((map?, period))
         };
         find().map_err(|error: Error| error.at("parameter", self.parameter(y)))
     }
@@ -161,7 +179,9 @@ impl Curve<'_> {
             let form = member.form();
             let period = self.period(&form, &beside).ok()?;
             let start = self.start(&form, &beside, stuck);
-            let (end, passed) = map::passage(&form, &start, period).ok()?;
+            let passage = map::passage(&form, &start, period);
+            self.count(&form);
+            let (end, passed) = passage.ok()?;
             let miss = vector(&end, self.order) - vector(&start, self.order);
             Some((beside[last] - y[last], miss, passed == events))
         };
@@ -319,7 +339,10 @@ impl Curve<'_> {
     fn apart(&self, y: &DVector<f64>, trial: &Trial) -> Result<Option<PeriodMap>, Error> {
         let find = || {
             let member = self.member(self.parameter(y))?;
-            map::begun_apart(&member.form(), &trial.map, trial.period)
+            let form = member.form();
+            let apart = map::begun_apart(&form, &trial.map, trial.period);
+            self.count(&form);
+            apart
         };
         find().map_err(|error| error.at("parameter", self.parameter(y)))
     }

@@ -43,7 +43,8 @@ use crate::state::structure::State;
 ///
 /// A free motion starts, at all points of the branch, where one of its coordinates turns back.
 ///
-/// At most 2048 points are computed, and 50 000 motions tried, in each direction. What is found
+/// At most 2048 points are computed, and 50 000 motions of 10⁷ steps in all tried, in each
+/// direction. What is found
 /// before a motion is lost is kept: [`Branch::ends`] says why the branch ends. Where the motion
 /// itself jumps as the parameter passes a value, the branch ends with
 /// [`BranchEnd::Discontinuity`]; a jump by less than 1e-3 of its size is passed if a motion is near
@@ -153,6 +154,7 @@ fn search<'f>(
         order: form.order(),
         turning: None,
         tried: Cell::new(0),
+        steps: Cell::new(0),
     };
     if let Period::Free(_) = kind {
         let map = form.period_map(&start, period).map_err(at)?;
@@ -187,6 +189,7 @@ fn walks(
     let walk = |direction: f64, curve: &mut Curve<'_>| {
         curve.turning = turning;
         curve.tried.set(0);
+        curve.steps.set(0);
         let mut walk = Walk {
             curve,
             first_scale: first_scale.clone(),

@@ -5,7 +5,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::multipliers::multipliers;
 use super::oscillator::Form;
 use super::tangent::{TangentFlow, flow_of};
-use crate::error::Error;
+use crate::error::{Error, Reached};
 use crate::motion::{Event, EventKind, Integrator, Mode, Segment};
 use crate::state::structure::State;
 use crate::structure::{Flow, Step};
@@ -235,7 +235,7 @@ pub(super) fn period_map(
             }
             first_flow.get_or_insert(rates);
         }
-        flow.carry(&step);
+        flow.carry(&step)?;
         steps.push(step);
     }
     let Some(last) = steps.last() else {
@@ -309,6 +309,7 @@ pub(super) fn reach(
     let mut flow = Flow::new(Integrator::new(), form.model.clone(), start)?;
     while let Some(step) = flow.next() {
         let step = step?;
+        form.count(|| Reached::new(step.start_time(), step.state().clone()))?;
         let is_last = step.end_time() >= duration;
         if is_last || reached.is_none() {
             let step = if step.end_time() > duration {
@@ -335,6 +336,7 @@ pub(super) fn passage(form: &Form<'_>, start: &State, duration: f64) -> Result<P
     let settings = Integrator::new().with_max_steps(Integrator::DEFAULT_MAX_STEPS)?;
     for step in Flow::new(settings, form.model.clone(), start)? {
         let step = step?;
+        form.count(|| Reached::new(step.start_time(), step.state().clone()))?;
         if step.end_time() >= duration {
             return Ok((step.until(duration).end_state(), events));
         }

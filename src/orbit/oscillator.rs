@@ -1,13 +1,15 @@
 //! What the searches need of a system.
 
+use std::cell::Cell;
+
 use super::linear::LawDerivatives;
 use super::map::{self, PeriodMap};
 use crate::belt::MassOnBelt;
 use crate::drive;
-use crate::error::Error;
+use crate::error::{Error, Reached};
 use crate::friction::FrictionLaw;
 use crate::friction::memory::ContactLaw;
-use crate::motion::{Ended, System, Trajectory};
+use crate::motion::{Ended, Integrator, System, Trajectory};
 use crate::state;
 use crate::state::structure::State;
 use crate::structure::Structure;
@@ -39,7 +41,12 @@ pub trait Oscillator: System {
 pub struct Form<'s> {
     pub(super) model: Model<'s>,
     pub(super) laws: Box<dyn LawDerivatives + 's>,
+    /// Steps taken so far.
+    taken: Cell<usize>,
 }
+
+/// Most steps of all the motions of one search: seconds for a few masses.
+const MOST_STEPS: usize = 10 * Integrator::DEFAULT_MAX_STEPS;
 
 /// How drives vary.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,7 +59,35 @@ pub(super) enum Rhythm {
     Aperiodic,
 }
 
-impl Form<'_> {
+impl<'s> Form<'s> {
+    fn new(model: Model<'s>, laws: Box<dyn LawDerivatives + 's>) -> Self {
+        Self {
+            model,
+            laws,
+            taken: Cell::new(0),
+        }
+    }
+
+    /// Counts a step, or a part of one, that is to be taken from a state.
+    pub(super) fn count(&self, reached: impl FnOnce() -> Reached) -> Result<(), Error> {
+        if self.taken.get() >= MOST_STEPS {
+            return Err(Self::too_many(reached()));
+        }
+        self.taken.set(self.taken.get() + 1);
+        Ok(())
+    }
+
+    /// The error of a search that would take more steps than it may.
+    pub(super) fn too_many(reached: Reached) -> Error {
+        let limit = MOST_STEPS;
+        Error::TooManySteps { limit, reached }
+    }
+
+    /// Steps taken so far.
+    pub(super) fn taken(&self) -> usize {
+        self.taken.get()
+    }
+
     /// Number of displacements.
     pub(super) fn len(&self) -> usize {
         self.model.len()
@@ -101,10 +136,7 @@ impl<L: ContactLaw<Z>, const Z: usize> Oscillator for Structure<L, Z> {
     }
 
     fn form(&self) -> Form<'_> {
-        Form {
-            model: self.model(),
-            laws: Box::new(self.laws()),
-        }
+        Form::new(self.model(), Box::new(self.laws()))
     }
 
     fn trajectory(&self, map: PeriodMap, period: f64) -> Result<Trajectory<State>, Error> {
@@ -126,10 +158,8 @@ impl<L: FrictionLaw> Oscillator for MassOnBelt<L> {
     }
 
     fn form(&self) -> Form<'_> {
-        Form {
-            model: Model::of_belt(self),
-            laws: Box::new(Typed::<L, 0>(vec![self.law()])),
-        }
+        let laws = Typed::<L, 0>(vec![self.law()]);
+        Form::new(Model::of_belt(self), Box::new(laws))
     }
 
     fn trajectory(&self, map: PeriodMap, period: f64) -> Result<Trajectory, Error> {

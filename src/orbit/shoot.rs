@@ -284,8 +284,12 @@ pub(super) fn shortest(
 /// * [`Error::AtRest`] if nothing moves at a free guess, or where the search or the transient of
 ///   [`settle`] comes to;
 /// * [`Error::NotPeriodic`], with the best start tried and its residual;
-/// * the errors of [`Integrator::simulate`](crate::Integrator::simulate) for the motion from the
-///   guess.
+/// * [`Error::TooManySteps`], with the time and state reached, if the motion from the guess takes
+///   more than 10⁵ steps over the period. All motions that are tried together, and the transient of
+///   [`settle`], take at most 10⁶; a search that comes to this end gives the best start so far, as
+///   [`Error::NotPeriodic`];
+/// * the other errors of [`Integrator::simulate`](crate::Integrator::simulate) for the motion from
+///   the guess.
 ///
 /// ```
 /// use stick_slip::orbit::{self, Period};
@@ -347,7 +351,9 @@ fn find(form: &Form<'_>, guess: &State, period: Period) -> Result<Trial, Error> 
 ///
 /// # Errors
 ///
-/// [`Error::InvalidDuration`] unless the transient is finite and ≥ 0; those of [`shoot`]; those of
+/// [`Error::InvalidDuration`] unless the transient is finite and ≥ 0; [`Error::TooManySteps`], with
+/// the time and state reached, if the transient takes more than 10⁶ steps (about 10⁵ oscillations):
+/// go on from that state; those of [`shoot`]; those of
 /// [`Integrator::simulate`](crate::Integrator::simulate).
 ///
 /// ```

@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::linear::{Joint, joints};
 use super::oscillator::Form;
-use crate::error::Error;
+use crate::error::{Error, Reached};
 use crate::motion::step_control::reach;
 use crate::motion::{Integrator, Mode, Segment};
 use crate::scalar::jet::Tape;
@@ -72,6 +72,10 @@ impl<'s> TangentFlow<'s> {
             Ok(step) => step,
             error => return Some(error),
         };
+        let reached = || Reached::new(step.start_time(), step.state().clone());
+        if let Err(error) = self.form.count(reached) {
+            return Some(Err(error));
+        }
         if step.duration() > 0.0 {
             for (mode, contact) in std::iter::zip(step.modes(), &self.form.model.contacts) {
                 if *mode == Mode::Stick {
@@ -85,7 +89,7 @@ impl<'s> TangentFlow<'s> {
 
     /// Takes the tangents from the start of a step to its end, behind its events. Events at the
     /// start of the motion belong to what was before.
-    pub(super) fn carry(&mut self, step: &Step) {
+    pub(super) fn carry(&mut self, step: &Step) -> Result<(), Error> {
         if step.duration() > 0.0 {
             if !self.has_begun {
                 self.begin(step);
@@ -99,21 +103,21 @@ impl<'s> TangentFlow<'s> {
             let rows = self.tangents.nrows();
             for column in self.tangents.as_mut_slice().chunks_mut(rows) {
                 if column.iter().any(|x| *x != 0.0) {
-                    let matrices = [&self.form.model.stiffness, &self.form.model.damping];
                     let logarithm = self.logarithm.as_mut();
                     advance(
-                        matrices,
+                        self.form,
+                        step,
                         &joints,
                         column,
-                        step.duration(),
                         (&mut self.work, logarithm),
-                    );
+                    )?;
                 }
             }
         }
         if self.has_begun {
             self.pass(step);
         }
+        Ok(())
     }
 
     /// Puts other tangents in the place of those there are.
@@ -130,25 +134,27 @@ pub(super) fn flow_of(step: &Step, n: usize) -> DVector<f64> {
 }
 
 /// Carries one change over a step of length h. Where its own series does not reach so far, as on a
-/// steady motion of any length, the step is taken in parts.
+/// steady motion of any length, the step is taken in parts, each counted as a step.
 fn advance(
-    matrices: [&Sparse; 2],
+    form: &Form<'_>,
+    step: &Step,
     joints: &[Joint],
     column: &mut [f64],
-    h: f64,
     (work, mut logarithm): (&mut [PowerSeries], Option<&mut f64>),
-) {
-    /// Parts below which a series is taken to have no radius of convergence.
+) -> Result<(), Error> {
+    /// Parts of the whole below which there are too many.
     const SHORTEST: f64 = 1e-9;
+    let matrices = [&form.model.stiffness, &form.model.damping];
+    let h = step.duration();
     let mut joints = Cow::Borrowed(joints);
     let mut left = h;
     loop {
         expand(matrices, &joints, column, work);
         let n = matrices[0].len();
         let part = reach_of(work, n, left);
-        if part.is_nan() || part < SHORTEST * h {
+        if part.is_nan() {
             column.fill(f64::NAN);
-            return;
+            return Ok(());
         }
         for (x, series) in column.iter_mut().zip(work.iter()) {
             *x = series.at(part);
@@ -161,9 +167,14 @@ fn advance(
             }
         }
         if part >= left {
-            return;
+            return Ok(());
         }
         left -= part;
+        let reached = || Reached::new(step.start_time() + (h - left), step.state_at(h - left));
+        if part < SHORTEST * h {
+            return Err(Form::too_many(reached()));
+        }
+        form.count(reached)?;
         joints = Cow::Owned(joints.iter().map(|joint| joint.shifted(part)).collect());
     }
 }

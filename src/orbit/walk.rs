@@ -22,9 +22,6 @@ pub(super) struct Walk<'v, 'f> {
 /// Most points in one direction.
 const MOST_POINTS: usize = 2048;
 
-/// Most motions that are tried in one direction.
-const MOST_TRIALS: usize = 50_000;
-
 /// The longest step, in units of the range and of the sizes of the motion.
 const LONGEST: f64 = 1.0 / 64.0;
 
@@ -87,6 +84,9 @@ impl Walk<'_, '_> {
         let mut signs: Signs = [0.0; 4];
         let mut step = 0.25 * LONGEST;
         for _ in 0..MOST_POINTS {
+            if self.curve.is_at_limit() {
+                break;
+            }
             let (outcome, next_step) = self.step(&base, &scale, step, &mut signs);
             let place = match outcome {
                 Outcome::Next(place, found) => {
@@ -150,7 +150,7 @@ impl Walk<'_, '_> {
                 Err(error) if length <= shortest => {
                     return self.behind(&view, &here, shortest, signs, error);
                 }
-                Err(_) if self.curve.tried.get() > MOST_TRIALS => {
+                Err(_) if self.curve.is_at_limit() => {
                     let end = self.grazing(base).unwrap_or(BranchEnd::Work);
                     return (Outcome::End(end), length);
                 }
