@@ -188,7 +188,7 @@ fn growths(
             let next = if time < transient {
                 transient
             } else {
-                time + duration / PARTS as f64
+                (time + duration / PARTS as f64).min(parts.end())
             };
             flow.carry(&step.clone().until(begins + (next - time)))?;
             time = next;

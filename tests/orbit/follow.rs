@@ -4,6 +4,7 @@
 use std::cell::Cell;
 
 use serde_json::Value;
+use stick_slip::nalgebra::DMatrix;
 use stick_slip::orbit::{
     self, BifurcationKind, Branch, BranchEnd, Orbit, Period, follow, settle, shoot,
 };
@@ -542,4 +543,42 @@ fn a_jump_is_where_motions_from_one_start_part() {
     }
     println!("{jumps} jumps");
     assert!(jumps > 3, "{jumps}");
+}
+
+/// A second mass, apart from the first, becomes neutral at once, where the first one gets its
+/// contact, and then stable; it moves as sin 0.7 t all the time. No multiplier passes 1.
+#[test]
+fn no_sign_is_carried_across_a_change_of_events() {
+    let family = |parameter: f64| {
+        let (frequency, damping) = (0.7, 0.5);
+        let stiffness = if parameter > 0.0 { parameter } else { -0.1 };
+        let force = stick_slip::Drive::harmonic(damping * frequency, frequency, 0.0)?
+            .with_sine(stiffness - frequency * frequency, frequency)?;
+        let free = Structure::new(&[1.0, 1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, 0.2)?
+            .with_force(0, stick_slip::Drive::harmonic(1.0, frequency, 0.0)?)?
+            .with_ground_damper(1, damping)?
+            .with_stiffness(DMatrix::from_row_slice(2, 2, &[0.0, 0.0, 0.0, stiffness]))?
+            .with_force(1, force)?;
+        if parameter > 0.0 {
+            free.with_contact(Contact::new(0, Coulomb::new(0.3, 0.3)?, parameter)?)
+        } else {
+            Ok(free)
+        }
+    };
+    let start = State::new(&[0.0, 0.0], &[0.0, 0.7]);
+    let orbit = shoot(&family(-0.1).unwrap(), &start, Period::Driven(1)).unwrap();
+    assert!(orbit.multipliers()[0].re > 1.0);
+    let branch = follow(family, -0.1, &orbit, -0.2..0.2).unwrap();
+    let kinds: Vec<_> = branch.bifurcations.iter().map(|found| found.kind).collect();
+    let ends = (&branch.ends[0], &branch.ends[1]);
+    assert_eq!(ends, (&BranchEnd::Range, &BranchEnd::Range), "{kinds:?}");
+    assert_eq!(
+        kinds,
+        [BifurcationKind::Grazing],
+        "{:?}",
+        branch.bifurcations
+    );
+    assert!(branch.points.last().unwrap().orbit.is_stable());
 }
