@@ -100,7 +100,8 @@ pub enum BranchEnd {
         contact: usize,
         /// The events of the last motion, by contact and kind.
         events: Vec<(usize, EventKind)>,
-        /// The events of the motion from the same start just beyond.
+        /// The events of the motion from the same start just beyond. Where they are of the same
+        /// kinds, the time of one jumps.
         beyond: Vec<(usize, EventKind)>,
     },
     /// The branch came back to where it began.

@@ -22,7 +22,11 @@ const NEAR: f64 = 1e-6;
 /// Jumps above this end a curve, in units of the sizes; behind a smaller one it may go on.
 pub(super) const LARGE: f64 = 1e-3;
 
+/// An event whose time changes by more than this part of the period has become another one.
+const ALIKE: f64 = 1e-3;
+
 /// A motion over three periods, and the events of the first two.
+#[derive(Clone)]
 struct Side {
     parameter: f64,
     period: f64,
@@ -37,9 +41,11 @@ impl View<'_, '_> {
         let mut low = (0.0, self.side(0.0)?);
         for away in AWAY {
             let high = (away * shortest, self.side(away * shortest)?);
-            if high.1.kinds() != low.1.kinds() {
-                let (low, high) = self.border(low, high)?;
-                return low.jump_to(&high);
+            if !high.1.is_like(&low.1, ALIKE) {
+                let (below, above) = self.border(low, high.clone())?;
+                if let Some(jump) = below.jump_to(&above) {
+                    return Some(jump);
+                }
             }
             low = high;
         }
@@ -71,7 +77,7 @@ impl View<'_, '_> {
                 break;
             }
             let side = self.side(middle)?;
-            if side.kinds() == low.1.kinds() {
+            if side.is_like(&low.1, ALIKE) {
                 low = (middle, side);
             } else {
                 high = (middle, side);
@@ -82,9 +88,19 @@ impl View<'_, '_> {
 }
 
 impl Side {
-    fn kinds(&self) -> Vec<(usize, EventKind)> {
-        let events = self.events.iter();
-        events.map(|&(_, contact, kind)| (contact, kind)).collect()
+    /// How many of the first events are those of another motion, with times that differ by at most
+    /// so large a part of the period.
+    fn alike(&self, other: &Self, part: f64) -> usize {
+        let pairs = std::iter::zip(&self.events, &other.events);
+        let alike = pairs.take_while(|(a, b)| {
+            (a.1, a.2) == (b.1, b.2) && (a.0 - b.0).abs() <= part * self.period
+        });
+        alike.count()
+    }
+
+    fn is_like(&self, other: &Self, part: f64) -> bool {
+        let counts = [self.events.len(), other.events.len()];
+        counts == [self.alike(other, part); 2]
     }
 
     /// The events of one period that begins at a time.
@@ -112,12 +128,7 @@ impl Side {
 
     /// The end of a branch between two sides, if the motion jumps there.
     fn jump_to(&self, beyond: &Self) -> Option<(f64, BranchEnd)> {
-        let mut pairs = std::iter::zip(&self.events, &beyond.events);
-        let is_same = |(a, b): (&(f64, usize, EventKind), &(f64, usize, EventKind))| {
-            (a.1, a.2) == (b.1, b.2) && (a.0 - b.0).abs() <= SAME * self.period
-        };
-        let parted = pairs.position(|pair| !is_same(pair));
-        let same = parted.unwrap_or(self.events.len().min(beyond.events.len()));
+        let same = self.alike(beyond, SAME);
         let first = [self, beyond].map(|side| side.events.get(same));
         let first = first.into_iter().flatten();
         let &(time, contact, _) = first.min_by(|a, b| a.0.total_cmp(&b.0))?;
