@@ -73,9 +73,9 @@ pub fn lyapunov<S: Oscillator>(
 ///
 /// # Errors
 ///
-/// [`Error::InvalidDuration`] unless both times are finite, the transient ≥ 0 and the duration
-/// > 0; [`Error::TooManySteps`], with the time and state reached, after 10⁶ steps (about 10⁵
-/// oscillations); the others of [`Integrator::simulate`].
+/// [`Error::InvalidDuration`] unless both times are finite, the transient not negative and the
+/// duration positive; [`Error::TooManySteps`], with the time and state reached, after 10⁶ steps
+/// (about 10⁵ oscillations); the others of [`Integrator::simulate`].
 ///
 /// Source: G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, *Meccanica* 15 (1980) 9-30; for
 /// events, P. C. Müller, *Chaos, Solitons & Fractals* 5 (1995) 1671-1681.

@@ -46,6 +46,11 @@
 //! search follows its guess. Which motions there are, only guesses can tell: start [`settle`] from
 //! many places, and look at sections. For a belt both ways give the same numbers.
 //!
+//! One call of [`shoot`], [`settle`] or [`lyapunov`] takes at most 10⁶ steps in all: about 10⁵
+//! oscillations, seconds for a few masses. Beyond, it ends in
+//! [`Error::TooManySteps`](crate::Error::TooManySteps), with the time and state reached. A branch has
+//! [a bound of its own](follow).
+//!
 //! # Free and driven
 //!
 //! A structure with a drive that varies has motions of n periods of its drives,

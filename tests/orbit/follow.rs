@@ -466,7 +466,7 @@ fn where_a_block_breaks_loose_the_branch_ends_by_a_jump() {
     else {
         panic!("{:?}", branch.ends[1])
     };
-    // R = a cos(0.7 t + 1) − q reaches −1 first, where the cosine is −1; any q near 1/4 is a motion.
+    // R = a cos(0.7 t + 1) − q reaches −1 first, where the cosine is −1; any q near 1/4 is one.
     let place = |orbit: &Orbit<Structure<Coulomb>>| orbit.state().displacements[0];
     let last = branch.points.last().unwrap();
     let force = parameter + place(&last.orbit);
