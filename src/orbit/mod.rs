@@ -48,8 +48,8 @@
 //!
 //! One call of [`shoot`], [`settle`] or [`lyapunov`] takes at most 10⁶ steps in all: about 10⁵
 //! oscillations, seconds for a few masses. Beyond, it ends in
-//! [`Error::TooManySteps`](crate::Error::TooManySteps), with the time and state reached. A branch has
-//! [a bound of its own](follow).
+//! [`Error::TooManySteps`](crate::Error::TooManySteps), with the time and state reached. A branch
+//! has [a bound of its own](follow).
 //!
 //! # Free and driven
 //!
