@@ -7,6 +7,7 @@
 //! | `with_slopes.rs` | all roots of a function known with its slope, and its outline (where it turns); how close two roots may lie |
 //! | `gauss.rs` | Gauss-Legendre quadrature on one interval |
 //! | `adaptive.rs` | quadrature to round-off: trapezoidal rule, adaptive Gauss-Legendre |
+//! | `eigenvalues.rs` | eigenvalues of any real matrix, also where the QR method by itself does not move |
 //! | `chebyshev.rs` | all roots of a function known from values, by Chebyshev interpolation |
 //!
 //! Searches take their function as `&mut dyn FnMut` and so are compiled once. The indirect call
@@ -15,6 +16,7 @@
 pub(crate) mod adaptive;
 pub(crate) mod bracket;
 pub(crate) mod chebyshev;
+pub(crate) mod eigenvalues;
 pub(crate) mod gauss;
 pub(crate) mod scan;
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::found::Orbit;
 use crate::error::Error;
-use crate::motion::System;
+use crate::motion::{EventKind, System};
 
 /// Periodic motions over a parameter, followed in both directions from one of them.
 pub struct Branch<S: System> {
@@ -86,9 +86,28 @@ pub enum BranchEnd {
         /// The parameter there, by extrapolation: good to about 1e-8 of the range.
         parameter: f64,
     },
+    /// The motion itself jumps there, and no motion near to it goes on. At one instant a contact
+    /// stands between two fates: it carries exactly the most that it can, as it arrives or while it
+    /// sticks, and is released beyond, which changes the motion at once where static friction is
+    /// above the kinetic one; or it is just caught by its belt, and missed beyond. The multipliers
+    /// on this side say nothing of it.
+    Discontinuity {
+        /// The parameter there.
+        parameter: f64,
+        /// When the motions on the two sides part, in units of time since the start of the period.
+        time: f64,
+        /// The contact at which they part.
+        contact: usize,
+        /// The events of the last motion, by contact and kind.
+        events: Vec<(usize, EventKind)>,
+        /// The events of the motion from the same start just beyond. Where they are of the same
+        /// kinds, the time of one jumps.
+        beyond: Vec<(usize, EventKind)>,
+    },
     /// The branch came back to where it began.
     Closed,
-    /// The work allowed was done: 2048 points in one direction, or 50 000 motions tried.
+    /// The work allowed was done: 2048 points in one direction, or 50 000 motions tried, or 10⁷
+    /// steps of them.
     Work,
     /// The motion could not be followed further. The family had no system there, or Newton's method
     /// found no motion however short the step.

@@ -36,7 +36,7 @@ const MOST_HALVINGS: usize = 100;
 
 /// Motions on the two sides of a change of events lie at most this far from each other, in units of
 /// the scales, when the interval in between is closed.
-const JUMP: f64 = 1e-4;
+pub(super) const JUMP: f64 = 1e-4;
 
 /// An interval that could not be closed counts as closed below this width.
 const GAP: f64 = 1e-9;

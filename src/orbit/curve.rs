@@ -9,10 +9,10 @@ use std::ops::{ControlFlow, Range};
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::map::{self, PeriodMap, state, vector};
+use super::map::{self, CLOSED, PeriodMap, state, vector};
 use super::oscillator::{Form, Oscillator};
 use super::sequence::Sequence;
-use super::shoot::{CLOSED, Period, Trial, shortest};
+use super::shoot::{Period, Trial, shortest};
 use crate::error::Error;
 use crate::motion::Segment;
 use crate::state::structure::State;
@@ -42,6 +42,8 @@ pub(super) struct Curve<'f> {
     pub(super) turning: Option<usize>,
     /// How many motions have been tried.
     pub(super) tried: Cell<usize>,
+    /// How many steps they took.
+    pub(super) steps: Cell<usize>,
 }
 
 /// A point of the curve.
@@ -67,6 +69,10 @@ pub(super) struct Plane<'p> {
     /// Along the curve at its last point.
     pub(super) along: &'p DVector<f64>,
 }
+
+/// Most motions that are tried in one direction, and most steps of them all.
+const MOST_TRIALS: usize = 50_000;
+const MOST_STEPS_IN_ALL: usize = 10_000_000;
 
 /// Most steps of Newton's method; three or four are usual.
 const MOST_STEPS: usize = 16;
@@ -103,7 +109,7 @@ impl Curve<'_> {
     /// A start as it is for one system: contacts that stick move with their belts.
     fn start(&self, form: &Form<'_>, y: &DVector<f64>, stuck: &[bool]) -> State {
         let mut start = state(&y.rows(0, self.order).into_owned(), self.n);
-        form.put_at_rest(&mut start.velocities, 0.0, |c| stuck[c]);
+        form.put_at_rest(&mut start.velocities, 0.0, |c| stuck.get(c) == Some(&true));
         if let Some(i) = self.turning {
             start.velocities[i] = 0.0;
         }
@@ -119,13 +125,36 @@ impl Curve<'_> {
     }
 
     fn trial(&self, y: &DVector<f64>, stuck: &[bool]) -> Result<Trial, Error> {
+        let (map, period) = self.motion(y, stuck, 1.0)?;
+        Ok(Trial::new(map, period))
+    }
+
+    /// Counts the steps of a motion.
+    fn count(&self, form: &Form<'_>) {
+        self.steps.set(self.steps.get() + form.taken());
+    }
+
+    /// Whether the work allowed in one direction is done.
+    pub(super) fn is_at_limit(&self) -> bool {
+        self.tried.get() > MOST_TRIALS || self.steps.get() > MOST_STEPS_IN_ALL
+    }
+
+    /// The motion over some of its periods, and the period.
+    pub(super) fn motion(
+        &self,
+        y: &DVector<f64>,
+        stuck: &[bool],
+        periods: f64,
+    ) -> Result<(PeriodMap, f64), Error> {
         self.tried.set(self.tried.get() + 1);
         let find = || {
             let member = self.member(self.parameter(y))?;
             let form = member.form();
             let period = self.period(&form, y)?;
-            let map = form.period_map(&self.start(&form, y, stuck), period)?;
-            Ok(Trial::new(map, period))
+            let start = self.start(&form, y, stuck);
+            let map = form.period_map(&start, periods * period);
+            self.count(&form);
+            Ok((map?, period))
         };
         find().map_err(|error: Error| error.at("parameter", self.parameter(y)))
     }
@@ -146,7 +175,9 @@ impl Curve<'_> {
             let form = member.form();
             let period = self.period(&form, &beside).ok()?;
             let start = self.start(&form, &beside, stuck);
-            let (end, passed) = map::passage(&form, &start, period).ok()?;
+            let passage = map::passage(&form, &start, period);
+            self.count(&form);
+            let (end, passed) = passage.ok()?;
             let miss = vector(&end, self.order) - vector(&start, self.order);
             Some((beside[last] - y[last], miss, passed == events))
         };
@@ -278,6 +309,9 @@ impl Curve<'_> {
         let is_free = self.turning.is_some();
         let apart = self.apart(&y, &trial)?;
         let begun = apart.as_ref().unwrap_or(&trial.map);
+        if !begun.is_nearly_closed() || (is_free && !trial.returns(None)) {
+            return Err(self.lost(&y, &trial));
+        }
         let sequence = Sequence::of(begun, trial.period);
         let found = (
             solution(&matrix, &right).filter(|tangent| tangent.norm() > 0.0),
@@ -301,7 +335,10 @@ impl Curve<'_> {
     fn apart(&self, y: &DVector<f64>, trial: &Trial) -> Result<Option<PeriodMap>, Error> {
         let find = || {
             let member = self.member(self.parameter(y))?;
-            map::begun_apart(&member.form(), &trial.map, trial.period)
+            let form = member.form();
+            let apart = map::begun_apart(&form, &trial.map, trial.period);
+            self.count(&form);
+            apart
         };
         find().map_err(|error| error.at("parameter", self.parameter(y)))
     }

@@ -9,7 +9,7 @@ use super::branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint
 use super::curve::{Curve, Family, Member, Plane, Solved};
 use super::found::Orbit;
 use super::oscillator::Oscillator;
-use super::shoot::{CLOSED, Period, Trial};
+use super::shoot::{Period, Trial};
 use super::walk::{Walk, natural_scale};
 use crate::error::Error;
 use crate::state::structure::State;
@@ -43,8 +43,12 @@ use crate::state::structure::State;
 ///
 /// A free motion starts, at all points of the branch, where one of its coordinates turns back.
 ///
-/// At most 2048 points are computed, and 50 000 motions tried, in each direction. What is found
-/// before a motion is lost is kept: [`Branch::ends`] says why the branch ends.
+/// At most 2048 points are computed, and 50 000 motions of 10⁷ steps in all tried, in each
+/// direction. What is found
+/// before a motion is lost is kept: [`Branch::ends`] says why the branch ends. Where the motion
+/// itself jumps as the parameter passes a value, the branch ends with
+/// [`BranchEnd::Discontinuity`]; a jump by less than 1e-3 of its size is passed if a motion is near
+/// on the other side.
 ///
 /// Sources: Kuznetsov, *Elements of Applied Bifurcation Theory*, chapter 10 (continuation, test
 /// functions); Dankowicz and Schilder, *Recipes for Continuation*, chapters 9 and 17 (motions in
@@ -150,6 +154,7 @@ fn search<'f>(
         order: form.order(),
         turning: None,
         tried: Cell::new(0),
+        steps: Cell::new(0),
     };
     if let Period::Free(_) = kind {
         let map = form.period_map(&start, period).map_err(at)?;
@@ -184,6 +189,7 @@ fn walks(
     let walk = |direction: f64, curve: &mut Curve<'_>| {
         curve.turning = turning;
         curve.tried.set(0);
+        curve.steps.set(0);
         let mut walk = Walk {
             curve,
             first_scale: first_scale.clone(),
@@ -213,8 +219,7 @@ fn walks(
 /// The first point, with the curve's direction there, towards larger parameters.
 fn first(curve: &Curve<'_>, start: &State, period: f64, parameter: f64) -> Result<Solved, Error> {
     let guess = curve.guess(start, period, parameter)?;
-    let growth = guess.trial.map.monodromy.amax().max(1.0);
-    if guess.trial.residual > CLOSED.sqrt() * growth {
+    if !guess.trial.map.is_nearly_closed() {
         return Err(curve.lost(&guess.y, &guess.trial));
     }
     let scale = natural_scale(curve, &guess);

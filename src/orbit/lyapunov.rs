@@ -73,8 +73,9 @@ pub fn lyapunov<S: Oscillator>(
 ///
 /// # Errors
 ///
-/// [`Error::InvalidDuration`] unless both times are finite, the transient ≥ 0 and the duration
-/// > 0; those of [`Integrator::simulate`].
+/// [`Error::InvalidDuration`] unless both times are finite, the transient not negative and the
+/// duration positive; [`Error::TooManySteps`], with the time and state reached, after 10⁶ steps
+/// (about 10⁵ oscillations); the others of [`Integrator::simulate`].
 ///
 /// Source: G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, *Meccanica* 15 (1980) 9-30; for
 /// events, P. C. Müller, *Chaos, Solitons & Fractals* 5 (1995) 1671-1681.
@@ -163,7 +164,7 @@ fn growths(
         let step = step?;
         let begins = step.start_time();
         if step.duration() == 0.0 {
-            flow.carry(&step);
+            flow.carry(&step)?;
             continue;
         }
         let along = flow_of(&step, n);
@@ -178,7 +179,7 @@ fn growths(
             break;
         }
         if step.duration() < f64::INFINITY {
-            flow.carry(&step);
+            flow.carry(&step)?;
             continue;
         }
         // Nothing changes any more: any stretch of the step is like its first.
@@ -187,9 +188,9 @@ fn growths(
             let next = if time < transient {
                 transient
             } else {
-                time + duration / PARTS as f64
+                (time + duration / PARTS as f64).min(parts.end())
             };
-            flow.carry(&step.clone().until(begins + (next - time)));
+            flow.carry(&step.clone().until(begins + (next - time)))?;
             time = next;
             if !parts.add(time, normalise(&mut flow, along, &step)?) {
                 return Ok(Parts::gone(duration));

@@ -5,8 +5,8 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::multipliers::multipliers;
 use super::oscillator::Form;
 use super::tangent::{TangentFlow, flow_of};
-use crate::error::Error;
-use crate::motion::{EventKind, Integrator, Mode, Segment};
+use crate::error::{Error, Reached};
+use crate::motion::{Event, EventKind, Integrator, Mode, Segment};
 use crate::state::structure::State;
 use crate::structure::{Flow, Step};
 
@@ -25,11 +25,17 @@ pub struct PeriodMap {
     pub(super) flow: [DVector<f64>; 2],
     /// Whether anything depended on each number of the memory.
     pub(super) depends: Vec<bool>,
+    /// What the contacts do from the end on.
+    end_modes: Vec<Mode>,
     /// The monodromy of a closed motion, begun where most contacts stick, and the flow there.
     cycle: (DMatrix<f64>, DVector<f64>),
     /// The directions of contacts that share coordinates and stick there.
     held: Vec<DVector<f64>>,
 }
+
+/// Largest residual of a closed motion, in units of the sizes of its numbers and of what the motion
+/// magnifies. Rounding alone causes about 1e-15.
+pub(super) const CLOSED: f64 = 1e-11;
 
 /// The least velocity, in displacements a period, that is not rounding of the displacement, with a
 /// margin of the 1e-11 to which a motion is closed.
@@ -68,21 +74,38 @@ impl PeriodMap {
         residual
     }
 
+    /// The largest number of the residual, each in units of its own size.
+    pub(super) fn miss(&self) -> f64 {
+        self.residual().component_div(&self.sizes()).amax()
+    }
+
+    /// Whether a closed motion is near: the residual is below the square root of what it is there.
+    pub(super) fn is_nearly_closed(&self) -> bool {
+        self.miss() <= CLOSED.sqrt() * self.monodromy.amax().max(1.0)
+    }
+
     /// What the contacts do at first.
     fn first_modes(&self) -> Option<&[Mode]> {
         let first = self.steps.iter().find(|step| step.duration() > 0.0);
         first.map(|step| step.modes())
     }
 
-    /// What the contacts do at the end.
-    fn end_modes(&self) -> Vec<Mode> {
-        self.steps.last().map(modes_after).unwrap_or_default()
-    }
-
     /// Which contacts stick at the end.
     pub(super) fn sticking(&self) -> Vec<bool> {
-        let modes = self.end_modes().into_iter();
-        modes.map(|mode| mode == Mode::Stick).collect()
+        let modes = self.end_modes.iter();
+        modes.map(|mode| *mode == Mode::Stick).collect()
+    }
+
+    /// The events, each with what its contact does from then on.
+    pub(super) fn events(&self) -> impl Iterator<Item = (&Event<State>, Mode)> {
+        let steps = self.steps.iter().enumerate();
+        steps.flat_map(|(i, step)| {
+            let mut later = self.steps[i + 1..].iter();
+            let next = later.find(|step| step.duration() > 0.0);
+            let after = next.map_or(&self.end_modes[..], |step| step.modes());
+            let events = step.events().iter();
+            events.map(|event| (event, after[event.contact]))
+        })
     }
 
     /// The equations of Newton's method for x(T) = x(0), (M − 1)·Δx = −residual: each row in units
@@ -133,6 +156,27 @@ impl PeriodMap {
             first += length;
         }
         sizes
+    }
+
+    /// How far the displacements and the velocities go from their start, the largest distance of
+    /// each in units of the sizes: at the ends of steps and half-way.
+    pub(super) fn extents(&self, sizes: &DVector<f64>) -> [f64; 2] {
+        let start = vector(&self.start, self.order());
+        let states = self.steps.iter().flat_map(|step| {
+            let middle = step.state_at(0.5 * step.duration());
+            [middle, step.end_state()]
+        });
+        states.fold([0.0; 2], |extents, state| {
+            let apart = vector(&state, self.order()) - &start;
+            let now = self.largest(&apart.component_div(sizes));
+            [0, 1].map(|i| f64::max(extents[i], now[i]))
+        })
+    }
+
+    /// The largest of the displacements and of the velocities of a vector.
+    pub(super) fn largest(&self, vector: &DVector<f64>) -> [f64; 2] {
+        let n = self.start.displacements.len();
+        [0, n].map(|first| vector.rows(first, n).amax())
     }
 
     /// The multipliers of a closed motion, by falling modulus; of a free one without the 1 of a
@@ -196,7 +240,7 @@ pub(super) fn period_map(
             }
             first_flow.get_or_insert(rates);
         }
-        flow.carry(&step);
+        flow.carry(&step)?;
         steps.push(step);
     }
     let Some(last) = steps.last() else {
@@ -211,8 +255,10 @@ pub(super) fn period_map(
             cycle.column_mut(2 * n + j).fill(0.0);
         }
     }
+    let end_modes = modes_after(last, || flow.fetch(f64::INFINITY))?;
     Ok(PeriodMap {
         start: start.clone(),
+        end_modes,
         monodromy,
         flow: [first_flow.unwrap_or_else(|| last_flow.clone()), last_flow],
         depends: flow.depends.clone(),
@@ -235,7 +281,7 @@ pub(super) fn begun_apart(
     let events = map.steps.iter().flat_map(Segment::events);
     let mut times: Vec<f64> = events.map(|event| event.time).collect();
     let is_near = |time: &f64| *time < NEAR * period || *time > (1.0 - NEAR) * period;
-    if !times.iter().any(is_near) && map.first_modes() == Some(&map.end_modes()[..]) {
+    if !times.iter().any(is_near) && map.first_modes() == Some(&map.end_modes[..]) {
         return Ok(None);
     }
     times.push(period);
@@ -264,8 +310,10 @@ pub(super) fn reach(
     duration: f64,
 ) -> Result<(State, Vec<Mode>), Error> {
     let mut reached = None;
-    for step in Flow::new(Integrator::new(), form.model.clone(), start)? {
+    let mut flow = Flow::new(Integrator::new(), form.model.clone(), start)?;
+    while let Some(step) = flow.next() {
         let step = step?;
+        form.count(|| Reached::new(step.start_time(), step.state().clone()))?;
         let is_last = step.end_time() >= duration;
         if is_last || reached.is_none() {
             let step = if step.end_time() > duration {
@@ -273,7 +321,8 @@ pub(super) fn reach(
             } else {
                 step
             };
-            reached = Some((step.end_state(), modes_after(&step)));
+            let modes = modes_after(&step, || flow.next())?;
+            reached = Some((step.end_state(), modes));
         }
         if is_last {
             break;
@@ -291,6 +340,7 @@ pub(super) fn passage(form: &Form<'_>, start: &State, duration: f64) -> Result<P
     let settings = Integrator::new().with_max_steps(Integrator::DEFAULT_MAX_STEPS)?;
     for step in Flow::new(settings, form.model.clone(), start)? {
         let step = step?;
+        form.count(|| Reached::new(step.start_time(), step.state().clone()))?;
         if step.end_time() >= duration {
             return Ok((step.until(duration).end_state(), events));
         }
@@ -300,13 +350,24 @@ pub(super) fn passage(form: &Form<'_>, start: &State, duration: f64) -> Result<P
     Err(Error::InvalidDuration { value: duration })
 }
 
-/// What the contacts do after a step. One that closes counts as stuck.
-fn modes_after(step: &Step) -> Vec<Mode> {
+/// What the contacts do after a step. One that closes sticks or slips: the next step tells.
+fn modes_after(
+    step: &Step,
+    mut next: impl FnMut() -> Option<Result<Step, Error>>,
+) -> Result<Vec<Mode>, Error> {
     let mut modes = step.modes().to_vec();
     for event in step.events() {
         modes[event.contact] = event.kind.mode();
     }
-    modes
+    let mut closing = step.events().iter();
+    if closing.any(|event| event.kind == EventKind::Close) {
+        while let Some(next) = next().transpose()? {
+            if next.duration() > 0.0 {
+                return Ok(next.modes().to_vec());
+            }
+        }
+    }
+    Ok(modes)
 }
 
 /// The directions of contacts that share coordinates and stick, as rows for states.

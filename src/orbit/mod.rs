@@ -46,6 +46,11 @@
 //! search follows its guess. Which motions there are, only guesses can tell: start [`settle`] from
 //! many places, and look at sections. For a belt both ways give the same numbers.
 //!
+//! One call of [`shoot`], [`settle`] or [`lyapunov`] takes at most 10⁶ steps in all: about 10⁵
+//! oscillations, seconds for a few masses. Beyond, it ends in
+//! [`Error::TooManySteps`](crate::Error::TooManySteps), with the time and state reached. A branch
+//! has [a bound of its own](follow).
+//!
 //! # Free and driven
 //!
 //! A structure with a drive that varies has motions of n periods of its drives,
@@ -100,6 +105,7 @@
 //! | `walk.rs` | steps along the curve, and where it ends |
 //! | `changes.rs` | what happens between two points of the curve: folds, flips, tori, other events |
 //! | `corner.rs` | where the curve turns back as the events change |
+//! | `jump.rs` | where the motion itself jumps as the events change, and the curve ends |
 //! | `sequence.rs` | the events of a period as a cyclic sequence |
 //! | `section.rs` | [`section`], [`section_at`]: Poincaré sections |
 //! | `lyapunov.rs` | [`lyapunov`]: the largest Lyapunov exponent |
@@ -110,6 +116,7 @@ mod corner;
 mod curve;
 mod follow;
 mod found;
+mod jump;
 mod linear;
 mod lyapunov;
 mod map;

@@ -1,10 +1,8 @@
 //! Floquet multipliers: the eigenvalues of the monodromy matrix of a closed motion.
 
-use nalgebra::linalg::Schur;
 use nalgebra::{Complex, DMatrix, DVector};
 
-/// Sweeps for each eigenvalue; two or three are usual.
-const MOST_SWEEPS: usize = 100;
+use crate::numerics::eigenvalues::{eigenvalues, reflected};
 
 /// The multipliers by falling modulus, without the 1 that belongs to `flow` if that is given;
 /// `None` if they do not converge.
@@ -43,15 +41,8 @@ pub(super) fn multipliers(
     while let Some(normal) = normals.pop() {
         scaled = across(&scaled, normal, &mut normals);
     }
-    let reduced = scaled;
     let count = order.saturating_sub(usize::from(flow.is_some()));
-    let mut values: Vec<Complex<f64>> = if reduced.nrows() == 0 {
-        Vec::new()
-    } else {
-        let most = MOST_SWEEPS * reduced.nrows();
-        let schur = Schur::try_new(reduced, f64::EPSILON, most)?;
-        schur.complex_eigenvalues().iter().copied().collect()
-    };
+    let mut values = eigenvalues(scaled)?;
     values.sort_by(|a, b| {
         let by_modulus = b.norm_sqr().total_cmp(&a.norm_sqr());
         by_modulus.then(b.im.total_cmp(&a.im))
@@ -90,20 +81,36 @@ fn across(
     };
     let norm = vector.norm();
     vector[0] += if first < 0.0 { -norm } else { norm };
-    let length = vector.norm_squared();
-    let mut reflected = matrix.clone();
-    if length > 0.0 {
-        let row = vector.transpose() * &reflected;
-        reflected -= &vector * row * (2.0 / length);
-        let column = &reflected * &vector;
-        reflected -= column * vector.transpose() * (2.0 / length);
-        for other in others.iter_mut() {
-            let part = vector.dot(other);
+    for other in others.iter_mut() {
+        let (part, length) = (vector.dot(other), vector.norm_squared());
+        if length > 0.0 {
             other.axpy(-2.0 * part / length, &vector, 1.0);
         }
-    }
-    for other in others.iter_mut() {
         *other = other.rows(1, n - 1).into_owned();
     }
+    let reflected = reflected(matrix.clone(), &vector);
     reflected.view((1, 1), (n - 1, n - 1)).into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A disturbance that comes back after six periods: the QR method alone does not move on it.
+    #[test]
+    fn a_cyclic_permutation_has_the_sixth_roots_of_unity() {
+        let matrix = DMatrix::from_fn(6, 6, |i, j| f64::from(u8::from(i == (j + 1) % 6)));
+        let sizes = DVector::from_element(6, 1.0);
+        let found = multipliers(&matrix, None, &[], &sizes).unwrap();
+        for multiplier in &found {
+            assert!((multiplier.powu(6) - 1.0).norm() < 1e-13, "{found:?}");
+        }
+        let sum: Complex<f64> = found.iter().sum();
+        assert!(sum.norm() < 1e-13, "{found:?}");
+        // Without the one along the flow, which is the sum of all.
+        let flow = DVector::from_element(6, 0.3);
+        let found = multipliers(&matrix, Some(&flow), &[], &sizes).unwrap();
+        let sum: Complex<f64> = found.iter().sum();
+        assert!(found.len() == 5 && (sum + 1.0).norm() < 1e-13, "{found:?}");
+    }
 }

@@ -1,11 +1,13 @@
 //! What the searches need of a system.
 
+use std::cell::Cell;
+
 use super::map::{self, PeriodMap};
 use crate::belt::MassOnBelt;
 use crate::drive;
-use crate::error::Error;
+use crate::error::{Error, Reached};
 use crate::friction::FrictionLaw;
-use crate::motion::{Ended, System, Trajectory};
+use crate::motion::{Ended, Integrator, System, Trajectory};
 use crate::state;
 use crate::state::structure::State;
 use crate::structure::Structure;
@@ -35,7 +37,12 @@ pub trait Oscillator: System {
 #[derive(Debug)]
 pub struct Form<'s> {
     pub(super) model: Model<'s>,
+    /// Steps taken so far.
+    taken: Cell<usize>,
 }
+
+/// Most steps of all the motions of one search: seconds for a few masses.
+const MOST_STEPS: usize = 10 * Integrator::DEFAULT_MAX_STEPS;
 
 /// How drives vary.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,7 +55,34 @@ pub(super) enum Rhythm {
     Aperiodic,
 }
 
-impl Form<'_> {
+impl<'s> Form<'s> {
+    fn new(model: Model<'s>) -> Self {
+        Self {
+            model,
+            taken: Cell::new(0),
+        }
+    }
+
+    /// Counts a step, or a part of one, that is to be taken from a state.
+    pub(super) fn count(&self, reached: impl FnOnce() -> Reached) -> Result<(), Error> {
+        if self.taken.get() >= MOST_STEPS {
+            return Err(Self::too_many(reached()));
+        }
+        self.taken.set(self.taken.get() + 1);
+        Ok(())
+    }
+
+    /// The error of a search that would take more steps than it may.
+    pub(super) fn too_many(reached: Reached) -> Error {
+        let limit = MOST_STEPS;
+        Error::TooManySteps { limit, reached }
+    }
+
+    /// Steps taken so far.
+    pub(super) fn taken(&self) -> usize {
+        self.taken.get()
+    }
+
     /// Number of displacements.
     pub(super) fn len(&self) -> usize {
         self.model.len()
@@ -117,9 +151,7 @@ impl Oscillator for Structure {
     }
 
     fn form(&self) -> Form<'_> {
-        Form {
-            model: self.model(),
-        }
+        Form::new(self.model())
     }
 
     fn trajectory(&self, map: PeriodMap, period: f64) -> Result<Trajectory<State>, Error> {
@@ -141,9 +173,7 @@ impl<L: FrictionLaw> Oscillator for MassOnBelt<L> {
     }
 
     fn form(&self) -> Form<'_> {
-        Form {
-            model: Model::of_belt(self),
-        }
+        Form::new(Model::of_belt(self))
     }
 
     fn trajectory(&self, map: PeriodMap, period: f64) -> Result<Trajectory, Error> {

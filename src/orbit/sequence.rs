@@ -2,11 +2,11 @@
 
 use super::branch::BifurcationKind;
 use super::map::PeriodMap;
-use crate::motion::{EventKind, Mode, Segment};
+use crate::motion::{EventKind, Mode};
 
-/// Events of a period, contact and kind, from wherever it is counted.
+/// Events of a period, from wherever it is counted: contact, kind, and what the contact does then.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Sequence(Vec<(usize, EventKind)>);
+pub(super) struct Sequence(Vec<(usize, EventKind, Mode)>);
 
 /// Events of different contacts closer than this part of the period count as simultaneous: they
 /// are listed by contact.
@@ -15,9 +15,9 @@ const TOGETHER: f64 = 1e-11;
 impl Sequence {
     /// The events of a closed motion that does not begin near to one.
     pub(super) fn of(map: &PeriodMap, period: f64) -> Self {
-        let events = map.steps.iter().flat_map(Segment::events);
+        let events = map.events();
         let mut events: Vec<_> = events
-            .map(|event| (event.time, event.contact, event.kind))
+            .map(|(event, after)| (event.time, (event.contact, event.kind, after)))
             .collect();
         // From behind the longest pause, so that none is torn apart at the end of the period.
         let count = events.len();
@@ -34,12 +34,11 @@ impl Sequence {
         let mut first = 0;
         for i in 1..=count {
             if i == count || events[i].0 - events[i - 1].0 > TOGETHER * period {
-                events[first..i].sort_by_key(|event| event.1);
+                events[first..i].sort_by_key(|event| event.1.0);
                 first = i;
             }
         }
-        let kinds = events.into_iter();
-        Self(kinds.map(|(_, contact, kind)| (contact, kind)).collect())
+        Self(events.into_iter().map(|event| event.1).collect())
     }
 
     /// Whether the events are the same, in the same order round the period.
@@ -56,9 +55,9 @@ impl Sequence {
         };
         let contacts = long.0.iter().chain(&short.0).map(|event| event.0).max();
         let grazes = (0..=contacts.unwrap_or(0)).all(|contact| {
-            let of = |sequence: &Self| -> Vec<EventKind> {
+            let of = |sequence: &Self| -> Vec<(EventKind, Mode)> {
                 let own = sequence.0.iter().filter(|event| event.0 == contact);
-                own.map(|event| event.1).collect()
+                own.map(|event| (event.1, event.2)).collect()
             };
             has_more_pairs(&of(short), &of(long))
         });
@@ -77,7 +76,7 @@ fn is_rotated<T: PartialEq>(a: &[T], b: &[T]) -> bool {
 
 /// Whether the events of one contact become others by taking out pairs after which it goes on as it
 /// did before.
-fn has_more_pairs(short: &[EventKind], long: &[EventKind]) -> bool {
+fn has_more_pairs(short: &[(EventKind, Mode)], long: &[(EventKind, Mode)]) -> bool {
     /// More pairs than that are not tried out.
     const MOST_PAIRS: usize = 4;
     let more = long.len().saturating_sub(short.len());
@@ -86,11 +85,11 @@ fn has_more_pairs(short: &[EventKind], long: &[EventKind]) -> bool {
     }
     (0..long.len()).any(|i| {
         let at = |j: usize| long[(i + j) % long.len()];
-        let before = match (at(0), at(1)) {
+        let before = match (at(0).0, at(1).0) {
             // Whatever it slid like when it was caught.
             (EventKind::Stick, EventKind::Release(to)) => {
                 let last = long.len() - 1;
-                long.len() == 2 || at(last).mode() == Mode::Slip(to)
+                long.len() == 2 || at(last).1 == Mode::Slip(to)
             }
             (EventKind::Release(_), EventKind::Stick) => true,
             (EventKind::Crossing(from), EventKind::Crossing(to)) => from != to,
@@ -99,7 +98,7 @@ fn has_more_pairs(short: &[EventKind], long: &[EventKind]) -> bool {
         if !before {
             return false;
         }
-        let rest: Vec<EventKind> = (2..long.len()).map(at).collect();
+        let rest: Vec<_> = (2..long.len()).map(at).collect();
         has_more_pairs(short, &rest)
     })
 }

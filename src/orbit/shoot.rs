@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, SVD};
 
 use super::found::Orbit;
-use super::map::{self, PeriodMap, state, vector};
+use super::map::{self, CLOSED, PeriodMap, state, vector};
 use super::oscillator::{Form, Oscillator, Rhythm};
 use crate::error::Error;
 use crate::motion::Mode;
@@ -56,6 +56,8 @@ struct Problem<'s> {
     form: &'s Form<'s>,
     /// Of a free motion: a point of the section, and its normal.
     section: Option<[DVector<f64>; 2]>,
+    /// The period that was given.
+    estimate: f64,
 }
 
 /// A start, and the motion from there over one period.
@@ -69,11 +71,32 @@ pub(super) struct Trial {
 
 impl Trial {
     pub(super) fn new(map: PeriodMap, period: f64) -> Self {
-        let residual = map.residual().component_div(&map.sizes()).amax();
         Self {
             period,
+            residual: map.miss(),
             map,
-            residual,
+        }
+    }
+
+    /// Whether a motion that is closed to rounding leaves its start and comes back: each of its
+    /// numbers is in units of the sizes.
+    pub(super) fn returns(&self, step: Option<&DVector<f64>>) -> bool {
+        let sizes = self.map.sizes();
+        let away = self.map.extents(&sizes);
+        let residual = self.map.residual().component_div(&sizes);
+        std::iter::once(&residual).chain(step).all(|missed| {
+            let missed = std::iter::zip(self.map.largest(missed), away);
+            missed
+                .into_iter()
+                .all(|(missed, away)| missed.max(LEAST_MISS) <= RETURN * away)
+        })
+    }
+
+    fn not_periodic(self) -> Error {
+        Error::NotPeriodic {
+            residual: self.residual,
+            period: self.period,
+            start: self.map.start,
         }
     }
 }
@@ -88,9 +111,13 @@ const LEAST_PART: f64 = 1.0 / 1024.0;
 /// the nearest one is taken.
 const SINGULAR: f64 = 1e-11;
 
-/// Largest residual of a closed motion, in units of the sizes of its numbers and of what the motion
-/// magnifies. Rounding alone causes about 1e-15.
-pub(super) const CLOSED: f64 = 1e-11;
+/// A free motion leaves its start and comes back: it misses the start by at most this part of its
+/// own extent, whatever its size, and no step of Newton's method leads farther than that away.
+/// A motion that shrinks to a state of rest, or to no time at all, misses it by all of its extent.
+const RETURN: f64 = 1e-2;
+
+/// A miss below this, in units of the sizes, is rounding.
+const LEAST_MISS: f64 = 1e-13;
 
 impl<'s> Problem<'s> {
     /// The problem for a guess, with the first trial.
@@ -99,6 +126,7 @@ impl<'s> Problem<'s> {
         let mut problem = Self {
             form,
             section: None,
+            estimate: duration,
         };
         let trial = problem.trial(guess, duration)?;
         if let Period::Free(_) = period {
@@ -161,7 +189,7 @@ impl<'s> Problem<'s> {
         let mut best = first;
         for _ in 0..MOST_STEPS {
             if best.residual == 0.0 {
-                return Ok(best);
+                return self.returned(best, None);
             }
             let Some((change, longer, size)) = self.step(&best) else {
                 break;
@@ -182,14 +210,35 @@ impl<'s> Problem<'s> {
             };
             match found {
                 Some(found) => best = found,
-                None if closed => return Ok(best),
+                None if closed => {
+                    let change = change.component_div(&best.map.sizes());
+                    return self.returned(best, Some(&change));
+                }
                 None => break,
             }
         }
-        Err(Error::NotPeriodic {
-            residual: best.residual,
-            period: best.period,
-            start: best.map.start,
+        Err(best.not_periodic())
+    }
+
+    /// A closed motion, from which the last step of Newton's method has a size, if it is one that
+    /// leaves its start and comes back.
+    fn returned(&self, found: Trial, step: Option<&DVector<f64>>) -> Result<Trial, Error> {
+        if self.section.is_none() || found.returns(step) {
+            // Beside a belt a start can slip although the end sticks: then it does not go on so.
+            let apart = map::begun_apart(self.form, &found.map, found.period)?;
+            return match apart {
+                Some(apart) if !apart.is_nearly_closed() => {
+                    Err(Trial::new(apart, found.period).not_periodic())
+                }
+                _ => Ok(found),
+            };
+        }
+        let sizes = found.map.sizes();
+        let moved = found.map.flow[0].component_div(&sizes).amax() * self.estimate;
+        Err(if moved <= CLOSED.sqrt() {
+            Error::AtRest
+        } else {
+            found.not_periodic()
         })
     }
 }
@@ -213,7 +262,12 @@ pub(super) fn shortest(
 /// It need not be stable. The residual x(T) − x(0) goes down to rounding, about 1e-15 of the size
 /// of each number. Steps that would make it larger are shortened. Events need not be known
 /// beforehand: their sequence is whatever it is at each trial. Where the motion is one of a
-/// continuous family, the one nearest the guess is found.
+/// continuous family, the one nearest the guess is found; motions that grow or decay by less than
+/// 1e-11 a period count as one.
+///
+/// A free motion must leave its start and come back: the residual is also small beside the extent
+/// of the motion, however small that is. So a state of rest, periodic with any period, is not
+/// found, nor is a period near 0.
 ///
 /// The guess is a state at time 0 of the drives; for a free motion any state near the motion.
 /// (Where a free guess lies exactly at an event with a jump, and nothing is found from there, the
@@ -224,10 +278,15 @@ pub(super) fn shortest(
 ///
 /// * [`Error::NoCommonPeriod`], [`Error::NotFree`] if the kind of period does not fit the drives;
 /// * [`Error::InvalidParameter`] for 0 periods, and unless an estimate is positive and finite;
-/// * [`Error::AtRest`] if nothing moves at a free guess, or where the search comes to;
+/// * [`Error::AtRest`] if nothing moves at a free guess, or where the search or the transient of
+///   [`settle`] comes to;
 /// * [`Error::NotPeriodic`], with the best start tried and its residual;
-/// * the errors of [`Integrator::simulate`](crate::Integrator::simulate) for the motion from the
-///   guess.
+/// * [`Error::TooManySteps`], with the time and state reached, if the motion from the guess takes
+///   more than 10⁵ steps over the period. All motions that are tried together, and the transient of
+///   [`settle`], take at most 10⁶; a search that comes to this end gives the best start so far, as
+///   [`Error::NotPeriodic`];
+/// * the other errors of [`Integrator::simulate`](crate::Integrator::simulate) for the motion from
+///   the guess.
 ///
 /// ```
 /// use stick_slip::orbit::{self, Period};
@@ -278,12 +337,7 @@ fn search(form: &Form<'_>, guess: &State, period: Period) -> Result<Trial, Error
 /// A closed motion near a guess.
 fn find(form: &Form<'_>, guess: &State, period: Period) -> Result<Trial, Error> {
     let (problem, first) = Problem::new(form, guess, period)?;
-    let at_first = first.map.flow[0].norm();
-    let found = problem.solve(first)?;
-    if problem.section.is_some() && found.map.flow[0].norm() <= CLOSED * at_first {
-        return Err(Error::AtRest);
-    }
-    Ok(found)
+    problem.solve(first)
 }
 
 /// Follows the motion from a start at time 0 for a while, then looks for the periodic motion near
@@ -294,7 +348,9 @@ fn find(form: &Form<'_>, guess: &State, period: Period) -> Result<Trial, Error> 
 ///
 /// # Errors
 ///
-/// [`Error::InvalidDuration`] unless the transient is finite and ≥ 0; those of [`shoot`]; those of
+/// [`Error::InvalidDuration`] unless the transient is finite and ≥ 0; [`Error::TooManySteps`], with
+/// the time and state reached, if the transient takes more than 10⁶ steps (about 10⁵ oscillations):
+/// go on from that state; those of [`shoot`]; those of
 /// [`Integrator::simulate`](crate::Integrator::simulate).
 ///
 /// ```

@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::linear::{Holding, Linear};
 use super::oscillator::Form;
-use crate::error::Error;
+use crate::error::{Error, Reached};
 use crate::motion::step_control::reach;
 use crate::motion::{Integrator, Mode, Segment};
 use crate::scalar::jet::Tape;
@@ -72,6 +72,10 @@ impl<'s> TangentFlow<'s> {
             Ok(step) => step,
             error => return Some(error),
         };
+        let reached = || Reached::new(step.start_time(), step.state().clone());
+        if let Err(error) = self.form.count(reached) {
+            return Some(Err(error));
+        }
         if step.duration() > 0.0 {
             let (n, model) = (self.form.len(), &self.form.model);
             for (c, mode) in step.modes().iter().enumerate() {
@@ -91,7 +95,7 @@ impl<'s> TangentFlow<'s> {
 
     /// Takes the tangents from the start of a step to its end, behind its events. Events at the
     /// start of the motion belong to what was before.
-    pub(super) fn carry(&mut self, step: &Step) {
+    pub(super) fn carry(&mut self, step: &Step) -> Result<(), Error> {
         let mut linear = None;
         if step.duration() > 0.0 {
             if !self.has_begun {
@@ -107,19 +111,14 @@ impl<'s> TangentFlow<'s> {
             for column in self.tangents.as_mut_slice().chunks_mut(rows) {
                 if column.iter().any(|x| *x != 0.0) {
                     let logarithm = self.logarithm.as_mut();
-                    advance(
-                        &self.form.model,
-                        linear,
-                        column,
-                        step.duration(),
-                        (&mut self.work, logarithm),
-                    );
+                    advance(self.form, step, linear, column, (&mut self.work, logarithm))?;
                 }
             }
         }
         if self.has_begun {
             self.pass(step, linear.as_ref());
         }
+        Ok(())
     }
 
     /// Puts other tangents in the place of those there are.
@@ -136,25 +135,26 @@ pub(super) fn flow_of(step: &Step, n: usize) -> DVector<f64> {
 }
 
 /// Carries one change over a step of length h. Where its own series does not reach so far, as on a
-/// steady motion of any length, the step is taken in parts.
+/// steady motion of any length, the step is taken in parts, each counted as a step.
 fn advance(
-    model: &Model<'_>,
+    form: &Form<'_>,
+    step: &Step,
     linear: &Linear,
     column: &mut [f64],
-    h: f64,
     (work, mut logarithm): (&mut [PowerSeries], Option<&mut f64>),
-) {
-    /// Parts below which a series is taken to have no radius of convergence.
+) -> Result<(), Error> {
+    /// Parts of the whole below which there are too many.
     const SHORTEST: f64 = 1e-9;
+    let (model, h) = (&form.model, step.duration());
     let mut linear = Cow::Borrowed(linear);
     let mut left = h;
     loop {
         expand(model, &linear, column, work);
         let n = model.len();
         let part = reach_of(work, n, left);
-        if part.is_nan() || part < SHORTEST * h {
+        if part.is_nan() {
             column.fill(f64::NAN);
-            return;
+            return Ok(());
         }
         for (x, series) in column.iter_mut().zip(work.iter()) {
             *x = series.at(part);
@@ -167,9 +167,14 @@ fn advance(
             }
         }
         if part >= left {
-            return;
+            return Ok(());
         }
         left -= part;
+        let reached = || Reached::new(step.start_time() + (h - left), step.state_at(h - left));
+        if part < SHORTEST * h {
+            return Err(Form::too_many(reached()));
+        }
+        form.count(reached)?;
         linear = Cow::Owned(linear.shifted(part));
     }
 }

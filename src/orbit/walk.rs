@@ -5,6 +5,7 @@ use nalgebra::DVector;
 use super::branch::BranchEnd;
 use super::changes::{Found, Place, Signs, View};
 use super::curve::{Curve, Plane, Solved};
+use super::jump::LARGE;
 use crate::error::Error;
 use crate::motion::{Mode, Segment};
 use crate::state::structure::State;
@@ -20,9 +21,6 @@ pub(super) struct Walk<'v, 'f> {
 
 /// Most points in one direction.
 const MOST_POINTS: usize = 2048;
-
-/// Most motions that are tried in one direction.
-const MOST_TRIALS: usize = 50_000;
 
 /// The longest step, in units of the range and of the sizes of the motion.
 const LONGEST: f64 = 1.0 / 64.0;
@@ -86,6 +84,9 @@ impl Walk<'_, '_> {
         let mut signs: Signs = [0.0; 4];
         let mut step = 0.25 * LONGEST;
         for _ in 0..MOST_POINTS {
+            if self.curve.is_at_limit() {
+                break;
+            }
             let (outcome, next_step) = self.step(&base, &scale, step, &mut signs);
             let place = match outcome {
                 Outcome::Next(place, found) => {
@@ -147,23 +148,43 @@ impl Walk<'_, '_> {
                     return (outcome, longer.min(LONGEST));
                 }
                 Err(error) if length <= shortest => {
-                    let Some((place, found)) = view.corner() else {
-                        return (Outcome::End(self.end(base, error)), length);
-                    };
-                    *signs = [0.0; 4];
-                    let length = view.apart(&here, &place);
-                    return (Outcome::Next(place, vec![found]), length.min(LONGEST));
+                    return self.behind(&view, &here, shortest, signs, error);
                 }
-                Err(error) if self.curve.tried.get() > MOST_TRIALS => {
-                    let end = match self.end(base, error) {
-                        BranchEnd::Lost { .. } => BranchEnd::Work,
-                        end => end,
-                    };
+                Err(_) if self.curve.is_at_limit() => {
+                    let end = self.grazing(base).unwrap_or(BranchEnd::Work);
                     return (Outcome::End(end), length);
                 }
                 Err(_) => length *= 0.5,
             }
         }
+    }
+
+    /// Where no step, however short, leads on: a corner, or the end, and why.
+    fn behind(
+        &self,
+        view: &View<'_, '_>,
+        here: &Place,
+        shortest: f64,
+        signs: &mut Signs,
+        error: Error,
+    ) -> (Outcome, f64) {
+        let mut end = self.grazing(view.base);
+        if end.is_none()
+            && let Some((size, jump)) = view.discontinuity(shortest)
+        {
+            if size > LARGE {
+                return (Outcome::End(jump), shortest);
+            }
+            end = Some(jump);
+        }
+        if let Some((place, found)) = view.corner() {
+            *signs = [0.0; 4];
+            let length = view.apart(here, &place);
+            return (Outcome::Next(place, vec![found]), length.min(LONGEST));
+        }
+        let parameter = self.curve.parameter(&view.base.y);
+        let lost = BranchEnd::Lost { parameter, error };
+        (Outcome::End(end.unwrap_or(lost)), shortest)
     }
 
     fn tried(
@@ -251,14 +272,13 @@ impl Walk<'_, '_> {
         Some(Outcome::End(BranchEnd::Hopf { parameter }))
     }
 
-    /// Why the curve ends here.
+    /// The tangential arrival at which the curve ends behind a point, if it does.
     ///
     /// Where an arrival at the belt becomes tangential, the derivative of the map grows like 1/ρ, ρ
     /// the rate at which the relative velocity arrives, and all numbers of the motion are smooth
     /// functions of ρ: their values at the end are those of a polynomial in 1/|derivative| at 0.
-    fn end(&self, base: &Solved, error: Error) -> BranchEnd {
+    fn grazing(&self, base: &Solved) -> Option<BranchEnd> {
         let growth = |solved: &Solved| solved.trial.map.monodromy.norm();
-        let parameter = self.curve.parameter(&base.y);
         let mut known: Vec<[f64; 2]> = Vec::new();
         for solved in self.points.iter().rev() {
             let place = growth(solved).recip();
@@ -270,11 +290,10 @@ impl Walk<'_, '_> {
             }
         }
         let grows = known.len() == GRAZING_POINTS && known[0][0] * GRAZING_GROWTH < 1.0;
-        if grows && growth(base) * known[GRAZING_POINTS - 1][0] > 3.0 {
-            let parameter = at_zero(&mut known);
-            return BranchEnd::Grazing { parameter };
-        }
-        BranchEnd::Lost { parameter, error }
+        let grows = grows && growth(base) * known[GRAZING_POINTS - 1][0] > 3.0;
+        grows.then(|| BranchEnd::Grazing {
+            parameter: at_zero(&mut known),
+        })
     }
 
     /// Whether the curve has come back to its first point.

@@ -1,4 +1,3 @@
-use nalgebra::linalg::Schur;
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::contact::Contact;
@@ -7,6 +6,7 @@ use super::system::Structure;
 use crate::error::{Error, NotSliding};
 use crate::friction::memory::{Sliding, Slip};
 use crate::friction::piece_above;
+use crate::numerics::eigenvalues::eigenvalues as eigenvalues_of;
 use crate::state::Direction;
 
 /// Steady sliding of a [`Structure`]: every mass stands still while the belts move, and how small
@@ -335,7 +335,7 @@ fn eigenvalues(
     let remembered: usize = memories.iter().map(|memory| memory.matrix.nrows()).sum();
     let mut values: Vec<Complex<f64>> = if damping.amax() == 0.0 && remembered == 0 {
         // s² = −λ of K alone: what is undamped has a real part of exactly 0.
-        let squares = matrix_eigenvalues(stiffness.clone())?;
+        let squares = eigenvalues_of(stiffness.clone())?;
         squares
             .iter()
             .map(|&square| (-square).sqrt())
@@ -366,7 +366,7 @@ fn eigenvalues(
             }
             start += count;
         }
-        matrix_eigenvalues(matrix)?
+        eigenvalues_of(matrix)?
     };
     // No −0, which would sort after 0.
     for value in &mut values {
@@ -374,15 +374,4 @@ fn eigenvalues(
     }
     values.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
     Some(values)
-}
-
-fn matrix_eigenvalues(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
-    /// Sweeps for each eigenvalue; two or three are usual.
-    const MOST_SWEEPS: usize = 100;
-    if !matrix.iter().all(|entry| entry.is_finite()) {
-        return None;
-    }
-    let most = MOST_SWEEPS * matrix.nrows();
-    let schur = Schur::try_new(matrix, f64::EPSILON, most)?;
-    Some(schur.complex_eigenvalues().iter().copied().collect())
 }

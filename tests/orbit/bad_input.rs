@@ -239,3 +239,40 @@ fn what_stops_a_motion_stops_a_search() {
         "{last:?}"
     );
 }
+
+/// Whatever times are asked for, a call ends within seconds and says how far it came.
+#[test]
+fn work_is_bounded() {
+    let driven = block(sine(1.0), 0.2.into());
+    let free = block(0.0.into(), 0.2.into());
+    let start = State::at_rest(1);
+    let at_limit = |error: Option<Error>, limit_in_force: usize| {
+        let Some(Error::TooManySteps { limit, reached }) = &error else {
+            panic!("{error:?}")
+        };
+        assert_eq!(*limit, limit_in_force);
+        assert!(reached.time.is_finite());
+        assert_eq!(reached.state.displacements.len(), 1);
+        reached.time
+    };
+    let settled = settle(&driven, &start, 1e12, Period::Driven(1));
+    assert!(at_limit(settled.err(), 1_000_000) > 1e5);
+    for (transient, duration) in [(0.0, 1e12), (1e12, 1.0)] {
+        let exponent = lyapunov(&driven, &start, transient, duration);
+        assert!(at_limit(exponent.err(), 1_000_000) > 1e5);
+    }
+    // Steady sliding is one step, which changes of it pass in many.
+    let sliding = State::new(&[0.3], &[0.0]);
+    for duration in [1e8, 1e12] {
+        at_limit(lyapunov(&free, &sliding, 0.0, duration).err(), 1_000_000);
+    }
+    let found = shoot(&driven, &start, Period::Driven(100_000_000));
+    at_limit(found.err(), 100_000);
+    let guesses = [[0.3, 0.0], [0.3 + 1e-10, 0.0], [-1e8, 0.2], [0.0, 0.0]];
+    for guess in guesses {
+        for period in [1e8, 1e12] {
+            let start = State::new(&guess[..1], &guess[1..]);
+            assert!(shoot(&free, &start, Period::Free(period)).is_err());
+        }
+    }
+}

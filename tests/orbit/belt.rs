@@ -2,10 +2,12 @@
 //! shooting.
 
 use serde_json::Value;
-use stick_slip::orbit::{Orbit, Period, shoot};
-use stick_slip::{AnyLaw, LimitCycle, MassOnBelt, State, limit_cycle};
+use stick_slip::orbit::{Orbit, Period, settle, shoot};
+use stick_slip::{
+    AnyLaw, CycleSet, Error, Exponential, FrictionLaw, LimitCycle, MassOnBelt, State, limit_cycle,
+};
 
-use crate::common::{number, system_of, text};
+use crate::common::{Random, number, system_of, text};
 use crate::reading::cases;
 
 const ACCURACY: f64 = 1e-12;
@@ -124,4 +126,76 @@ fn against_file(case: &Value, system: &MassOnBelt<AnyLaw>, failures: &mut Vec<St
     if worst.0.is_nan() || worst.0 > ACCURACY {
         failures.push(format!("{}: {worst:?}", text(&case["id"])));
     }
+}
+
+/// Whether a motion is a cycle of the complete search, run through once or several times, or one of
+/// a continuum.
+fn is_known<L: FrictionLaw>(orbit: &Orbit<MassOnBelt<L>>, cycles: &CycleSet) -> bool {
+    let (least, largest) = orbit.extremes(0);
+    let is = |cycle: &LimitCycle| {
+        let times = (orbit.period() / cycle.period()).round().max(1.0);
+        let size = cycle.max_displacement() - cycle.min_displacement();
+        let near = |a: f64, b: f64, scale: f64| (a - b).abs() < 1e-7 * scale;
+        near(orbit.period(), times * cycle.period(), cycle.period())
+            && near(least, cycle.min_displacement(), size)
+            && near(largest, cycle.max_displacement(), size)
+    };
+    let inside = cycles
+        .continuum()
+        .is_some_and(|family| 0.5 * (largest - least) <= family.max_amplitude);
+    inside || cycles.iter().any(is)
+}
+
+/// Guesses of any kind, few of them near a motion: a search may fail, but finds nothing that is
+/// not there.
+#[test]
+fn what_is_found_is_a_cycle_that_the_complete_search_has() {
+    let mut random = Random::new(2);
+    let (mut found, mut at_rest, mut not_periodic) = (0, 0, 0);
+    for i in 0..30 * Random::KINDS {
+        let system = random.any_system(i % Random::KINDS);
+        let v_b = system.belt_velocity().abs();
+        let wide = v_b + 0.5 * system.load();
+        let guess = State::new(
+            random.uniform(-1.5, 1.5) * wide,
+            random.uniform(-2.0, 1.5) * v_b,
+        );
+        let estimate = random.pick(&[2.0, 4.0, 6.3, 6.3, 12.6]) * random.uniform(0.8, 1.2);
+        let period = Period::Free(estimate);
+        let transient = random.pick(&[20.0, 100.0, 300.0]);
+        let cycles = limit_cycle::find(&system).unwrap();
+        for orbit in [
+            shoot(&system, &guess, period),
+            settle(&system, &guess, transient, period),
+        ] {
+            match orbit {
+                Ok(orbit) => {
+                    let about = || format!("{i}: {system:?}, {guess:?}, {estimate}: {orbit:?}");
+                    assert!(is_known(&orbit, &cycles), "{}", about());
+                    found += 1;
+                }
+                Err(Error::AtRest) => at_rest += 1,
+                Err(Error::NotPeriodic { .. }) => not_periodic += 1,
+                Err(error) => panic!("{i}: {error}"),
+            }
+        }
+    }
+    println!("{found} found, {at_rest} at rest, {not_periodic} not periodic");
+    assert!(found > 120 && at_rest > 20, "{found} {at_rest}");
+}
+
+/// x(T) = x(0) is true of any T at a state of rest, and of T = 0 everywhere.
+#[test]
+fn neither_rest_nor_no_time_is_a_motion() {
+    let law = Exponential::new(0.4, 0.25, 0.5).unwrap();
+    let system = MassOnBelt::new(law, 1.5)
+        .and_then(|system| system.with_damping(0.1))
+        .unwrap();
+    assert!(limit_cycle::find(&system).unwrap().is_empty());
+    let settled = settle(&system, &(0.0, 0.0).into(), 300.0, Period::Free(6.3));
+    assert_eq!(settled.map(|_| ()), Err(Error::AtRest));
+    let found = shoot(&system, &(0.5, 0.3).into(), Period::Free(2.0)).map(|_| ());
+    assert!(matches!(found, Err(Error::NotPeriodic { .. })), "{found:?}");
+    let found = shoot(&system, &(0.5, 0.3).into(), Period::Free(1e-12)).map(|_| ());
+    assert!(found.is_err());
 }

@@ -4,13 +4,14 @@
 use std::cell::Cell;
 
 use serde_json::Value;
+use stick_slip::nalgebra::DMatrix;
 use stick_slip::orbit::{
     self, BifurcationKind, Branch, BranchEnd, Orbit, Period, follow, settle, shoot,
 };
 use stick_slip::structure::State;
 use stick_slip::{
-    Contact, Coulomb, Dwell, Error, EventKind, Exponential, FrictionLaw, MassOnBelt, Polynomial,
-    Structure, System, bifurcation, limit_cycle,
+    Contact, Coulomb, Direction, Dwell, Error, EventKind, Exponential, FrictionLaw, MassOnBelt,
+    Polynomial, Structure, System, bifurcation, limit_cycle,
 };
 
 use crate::common::number;
@@ -437,4 +438,147 @@ fn a_pair_of_multipliers_leaves_the_unit_circle() {
         let ends = [&branch.ends[0], &branch.ends[1]];
         assert!(ends.iter().all(|end| matches!(end, BranchEnd::Range)));
     }
+}
+
+/// A block that a force holds against the ground moves as soon as the force reaches what static
+/// friction carries, and then at once by a finite way.
+#[test]
+fn where_a_block_breaks_loose_the_branch_ends_by_a_jump() {
+    let family = |amplitude: f64| {
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, 0.1)?
+            .with_force(0, stick_slip::Drive::harmonic(amplitude, 0.7, 1.0)?)?
+            .with_contact(Contact::new(0, Coulomb::new(0.5, 0.3)?, 2.0)?)
+    };
+    let start = State::new(&[0.25], &[0.0]);
+    let orbit = shoot(&family(0.3).unwrap(), &start, Period::Driven(1)).unwrap();
+    assert_eq!(orbit.extremes(0), (0.25, 0.25));
+    let branch = follow(family, 0.3, &orbit, 0.1..2.0).unwrap();
+    assert_eq!(branch.ends[0], BranchEnd::Range);
+    let BranchEnd::Discontinuity {
+        parameter,
+        time,
+        contact: 0,
+        events,
+        beyond,
+    } = &branch.ends[1]
+    else {
+        panic!("{:?}", branch.ends[1])
+    };
+    // R = a cos(0.7 t + 1) − q reaches −1 first, where the cosine is −1; any q near 1/4 is one.
+    let place = |orbit: &Orbit<Structure>| orbit.state().displacements[0];
+    let last = branch.points.last().unwrap();
+    let force = parameter + place(&last.orbit);
+    assert!((force - 1.0).abs() < 1e-8, "{force}");
+    assert!(
+        (time - (std::f64::consts::PI - 1.0) / 0.7).abs() < 1e-6,
+        "{time}"
+    );
+    assert_eq!(events, &[]);
+    assert_eq!(beyond[0], (0, EventKind::Release(Direction::Lagging)));
+    for point in &branch.points {
+        assert!((place(&point.orbit) - 0.25).abs() < 1e-3);
+    }
+}
+
+/// Of a forced block that stops in each period, the last motion at a jump and the motion from the
+/// same start beyond it.
+#[test]
+fn a_jump_is_where_motions_from_one_start_part() {
+    let mut random = crate::common::Random::new(11);
+    let mut jumps = 0;
+    for i in 0..40 {
+        let mut between = |low: f64, high: f64| random.uniform(low, high);
+        let (limit, part) = (between(0.3, 0.6), between(0.4, 0.9));
+        let (damping, belt) = (between(0.02, 0.3), between(-0.3, 0.3));
+        let (amplitude, frequency, phase) =
+            (between(0.5, 1.5), between(0.3, 1.2), between(0.0, 6.0));
+        let family = |frequency: f64| {
+            let law = Coulomb::new(limit, part * limit)?;
+            Structure::new(&[1.0])?
+                .with_ground_spring(0, 1.0)?
+                .with_ground_damper(0, damping)?
+                .with_force(0, stick_slip::Drive::harmonic(amplitude, frequency, phase)?)?
+                .with_contact(Contact::new(0, law, 1.0)?.on_belt(belt))
+        };
+        let start = State::at_rest(1);
+        let Ok(orbit) = settle(
+            &family(frequency).unwrap(),
+            &start,
+            400.0,
+            Period::Driven(1),
+        ) else {
+            continue;
+        };
+        let range = 0.8 * frequency..1.25 * frequency;
+        let branch = follow(family, frequency, &orbit, range).unwrap();
+        for (which, end) in branch.ends.iter().enumerate() {
+            let BranchEnd::Discontinuity {
+                parameter,
+                time,
+                events,
+                beyond,
+                ..
+            } = end
+            else {
+                continue;
+            };
+            jumps += 1;
+            let last = &branch.points[which * (branch.points.len() - 1)];
+            assert!((last.parameter - parameter).abs() < 1e-8 * frequency, "{i}");
+            let away = 1e-7 * (2.0 * which as f64 - 1.0);
+            let kinds = |parameter: f64| -> Vec<(usize, EventKind)> {
+                let system = family(parameter).unwrap();
+                let motion = system
+                    .simulate(last.orbit.state(), system.period().unwrap())
+                    .unwrap();
+                let events = motion.events().iter().filter(|event| event.time > 1e-6);
+                events.map(|event| (event.contact, event.kind)).collect()
+            };
+            assert_eq!(&kinds(parameter - away), events, "{i}");
+            assert_ne!(events, beyond, "{i}");
+            assert!(*time > 0.0 && *time <= 1.001 * last.orbit.period(), "{i}");
+        }
+    }
+    println!("{jumps} jumps");
+    assert!(jumps > 3, "{jumps}");
+}
+
+/// A second mass, apart from the first, becomes neutral at once, where the first one gets its
+/// contact, and then stable; it moves as sin 0.7 t all the time. No multiplier passes 1.
+#[test]
+fn no_sign_is_carried_across_a_change_of_events() {
+    let family = |parameter: f64| {
+        let (frequency, damping) = (0.7, 0.5);
+        let stiffness = if parameter > 0.0 { parameter } else { -0.1 };
+        let force = stick_slip::Drive::harmonic(damping * frequency, frequency, 0.0)?
+            .with_sine(stiffness - frequency * frequency, frequency)?;
+        let free = Structure::new(&[1.0, 1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, 0.2)?
+            .with_force(0, stick_slip::Drive::harmonic(1.0, frequency, 0.0)?)?
+            .with_ground_damper(1, damping)?
+            .with_stiffness(DMatrix::from_row_slice(2, 2, &[0.0, 0.0, 0.0, stiffness]))?
+            .with_force(1, force)?;
+        if parameter > 0.0 {
+            free.with_contact(Contact::new(0, Coulomb::new(0.3, 0.3)?, parameter)?)
+        } else {
+            Ok(free)
+        }
+    };
+    let start = State::new(&[0.0, 0.0], &[0.0, 0.7]);
+    let orbit = shoot(&family(-0.1).unwrap(), &start, Period::Driven(1)).unwrap();
+    assert!(orbit.multipliers()[0].re > 1.0);
+    let branch = follow(family, -0.1, &orbit, -0.2..0.2).unwrap();
+    let kinds: Vec<_> = branch.bifurcations.iter().map(|found| found.kind).collect();
+    let ends = (&branch.ends[0], &branch.ends[1]);
+    assert_eq!(ends, (&BranchEnd::Range, &BranchEnd::Range), "{kinds:?}");
+    assert_eq!(
+        kinds,
+        [BifurcationKind::Grazing],
+        "{:?}",
+        branch.bifurcations
+    );
+    assert!(branch.points.last().unwrap().orbit.is_stable());
 }

@@ -111,6 +111,27 @@ fn exponents_of_a_belt() {
     assert!(found.spread < 1e-3);
 }
 
+/// The spread is the standard error of a mean of 16 parts. On steady sliding, one step of any
+/// length, each part alone is a shorter run after a longer transient.
+#[test]
+fn the_spread_is_the_standard_error_of_sixteen_parts() {
+    let system = MassOnBelt::new(Coulomb::new(0.25, 0.25).unwrap(), 0.5)
+        .and_then(|system| system.with_damping(0.125))
+        .unwrap();
+    let (start, part) = ((0.25, 0.0).into(), 1.75);
+    let found = lyapunov_with_spread(&system, &start, 0.0, 16.0 * part).unwrap();
+    let of = |i: u32| lyapunov(&system, &start, f64::from(i) * part, part).unwrap();
+    let parts: Vec<f64> = (0..16).map(of).collect();
+    let mean = parts.iter().sum::<f64>() / 16.0;
+    let squares: f64 = parts.iter().map(|x| (x - mean).powi(2)).sum();
+    let error = (squares / (16.0 * 15.0)).sqrt();
+    assert!((found.value - mean).abs() < 1e-13, "{found:?} {mean}");
+    assert!(
+        error > 0.01 && (found.spread / error - 1.0).abs() < 1e-11,
+        "{found:?} {error}"
+    );
+}
+
 /// Growth by two motions side by side, once a period of the drive: no tangents.
 fn growth_of_two(system: &Structure, start: State, periods: usize) -> f64 {
     const APART: f64 = 1e-8;

@@ -16,5 +16,6 @@ mod dwell;
 mod follow;
 mod formulas;
 mod long_run;
+mod opening;
 mod references;
 mod seam;

@@ -385,3 +385,28 @@ fn a_clock_of_rest_is_forgotten() {
     assert_eq!(found.eigenvalues[2], Complex::new(f64::NEG_INFINITY, 0.0));
     assert!(!found.is_stable());
 }
+
+/// Each mass pushed by the one before it alone, in a ring of six: s⁶ = ±1 for √(−s²) and for s, on
+/// which the QR method by itself does not move.
+#[test]
+fn a_ring_of_masses_has_roots_of_unity() {
+    let ring = DMatrix::from_fn(6, 6, |i, j| f64::from(u8::from(i == (j + 1) % 6)));
+    let undamped: Structure = Structure::new(&[1.0; 6])
+        .and_then(|structure| structure.with_stiffness(ring))
+        .unwrap();
+    let found = undamped.steady_sliding().unwrap().eigenvalues;
+    assert_eq!(found.len(), 12);
+    for s in &found {
+        assert!(((s * s).powu(6) - 1.0).norm() < 1e-12, "{found:?}");
+    }
+    // As blocks of the matrix of first order: s³ = −1 for each of two masses in turn.
+    let turn = DMatrix::from_row_slice(3, 3, &[0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+    let damped: Structure = Structure::new(&[1.0; 3])
+        .and_then(|structure| structure.with_stiffness(turn))
+        .and_then(|structure| structure.with_damping(DMatrix::identity(3, 3) * 1e-300))
+        .unwrap();
+    let found = damped.steady_sliding().unwrap().eigenvalues;
+    for s in &found {
+        assert!(((s * s).powu(3) + 1.0).norm() < 1e-12, "{found:?}");
+    }
+}

@@ -1,0 +1,156 @@
+//! Where the motion itself jumps: up to one event it is the same on both sides of a border, and
+//! from then on another one.
+
+use super::branch::BranchEnd;
+use super::changes::{JUMP, View};
+use super::map::{PeriodMap, vector};
+use crate::motion::{EventKind, Segment};
+use crate::state::structure::State;
+
+/// How far beyond the last motion the border is looked for, in units of the shortest step.
+const AWAY: [f64; 8] = [1.0, 4.0, 16.0, 64.0, 256.0, 1024.0, 4096.0, 16384.0];
+
+/// Halvings of the way to the border: down to neighbouring numbers.
+const MOST_HALVINGS: usize = 64;
+
+/// Up to the border's event the motions on its two sides differ by at most this.
+const SAME: f64 = 1e-6;
+
+/// Part of the period within which an event counts as one at its start.
+const NEAR: f64 = 1e-6;
+
+/// Jumps above this end a curve, in units of the sizes; behind a smaller one it may go on.
+pub(super) const LARGE: f64 = 1e-3;
+
+/// An event whose time changes by more than this part of the period has become another one.
+const ALIKE: f64 = 1e-3;
+
+/// A motion over three periods, and the events of the first two.
+#[derive(Clone)]
+struct Side {
+    parameter: f64,
+    period: f64,
+    map: PeriodMap,
+    events: Vec<(f64, usize, EventKind)>,
+}
+
+impl View<'_, '_> {
+    /// The discontinuity at which the curve ends behind its last point, if there is one within some
+    /// of the shortest steps; and how large it is, in units of the sizes.
+    pub(super) fn discontinuity(&self, shortest: f64) -> Option<(f64, BranchEnd)> {
+        let mut low = (0.0, self.side(0.0)?);
+        for away in AWAY {
+            let high = (away * shortest, self.side(away * shortest)?);
+            if !high.1.is_like(&low.1, ALIKE) {
+                let (below, above) = self.border(low, high.clone())?;
+                if let Some(jump) = below.jump_to(&above) {
+                    return Some(jump);
+                }
+            }
+            low = high;
+        }
+        None
+    }
+
+    /// The motion from a start along the tangent, as far from the last point.
+    fn side(&self, distance: f64) -> Option<Side> {
+        let y = &self.base.y + self.base.tangent.component_mul(self.scale) * distance;
+        let stuck = self.base.trial.map.sticking();
+        let (map, period) = self.curve.motion(&y, &stuck, 3.0).ok()?;
+        let inside = NEAR * period..(2.0 + NEAR) * period;
+        let events = map.events().map(|(event, _)| event);
+        let events = events.filter(|event| inside.contains(&event.time));
+        let events = events.map(|event| (event.time, event.contact, event.kind));
+        Some(Side {
+            parameter: self.curve.parameter(&y),
+            period,
+            events: events.collect(),
+            map,
+        })
+    }
+
+    /// The two sides of the place where the events change.
+    fn border(&self, mut low: (f64, Side), mut high: (f64, Side)) -> Option<(Side, Side)> {
+        for _ in 0..MOST_HALVINGS {
+            let middle = 0.5 * (low.0 + high.0);
+            if middle <= low.0 || middle >= high.0 {
+                break;
+            }
+            let side = self.side(middle)?;
+            if side.is_like(&low.1, ALIKE) {
+                low = (middle, side);
+            } else {
+                high = (middle, side);
+            }
+        }
+        Some((low.1, high.1))
+    }
+}
+
+impl Side {
+    /// How many of the first events are those of another motion, with times that differ by at most
+    /// so large a part of the period.
+    fn alike(&self, other: &Self, part: f64) -> usize {
+        let pairs = std::iter::zip(&self.events, &other.events);
+        let alike = pairs.take_while(|(a, b)| {
+            (a.1, a.2) == (b.1, b.2) && (a.0 - b.0).abs() <= part * self.period
+        });
+        alike.count()
+    }
+
+    fn is_like(&self, other: &Self, part: f64) -> bool {
+        let counts = [self.events.len(), other.events.len()];
+        counts == [self.alike(other, part); 2]
+    }
+
+    /// The events of one period that begins at a time.
+    fn kinds_from(&self, begin: f64) -> Vec<(usize, EventKind)> {
+        let inside = begin + NEAR * self.period..begin + (1.0 + NEAR) * self.period;
+        let events = self.events.iter();
+        let events = events.filter(|event| inside.contains(&event.0));
+        events.map(|&(_, contact, kind)| (contact, kind)).collect()
+    }
+
+    fn at(&self, time: f64) -> Option<State> {
+        let mut steps = self.map.steps.iter();
+        let step = steps.find(|step| time <= step.end_time())?;
+        Some(step.state_at(step.since_start(time)))
+    }
+
+    /// How far another motion is away at a time, in units of the sizes.
+    fn apart(&self, other: &Self, time: f64) -> Option<f64> {
+        let sizes = self.map.sizes();
+        let [a, b] = [self.at(time)?, other.at(time)?].map(|state| vector(&state, sizes.len()));
+        let n = 2 * self.map.start.displacements.len();
+        let apart = (a - b).component_div(&sizes);
+        Some(apart.rows(0, n).amax())
+    }
+
+    /// The end of a branch between two sides, if the motion jumps there.
+    fn jump_to(&self, beyond: &Self) -> Option<(f64, BranchEnd)> {
+        let same = self.alike(beyond, SAME);
+        let first = [self, beyond].map(|side| side.events.get(same));
+        let first = first.into_iter().flatten();
+        let &(time, contact, _) = first.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let later = self.map.steps.iter().map(Segment::end_time);
+        let later = later.filter(|end| (time..time + self.period).contains(end));
+        let jumps = later.filter_map(|end| self.apart(beyond, end));
+        let jump = jumps.fold(0.0, f64::max);
+        if jump <= JUMP || self.apart(beyond, time)? > SAME {
+            return None;
+        }
+        let begin = if time > (1.0 + NEAR) * self.period {
+            self.period
+        } else {
+            0.0
+        };
+        let end = BranchEnd::Discontinuity {
+            parameter: self.parameter,
+            time: time - begin,
+            contact,
+            events: self.kinds_from(begin),
+            beyond: beyond.kinds_from(begin),
+        };
+        Some((jump, end))
+    }
+}
