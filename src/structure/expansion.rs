@@ -237,7 +237,11 @@ impl Joint {
             }
             corrects = false;
             for (series, rate) in std::iter::zip(&mut self.memories, rates) {
-                series[k] += (rate - (k + 1) as f64 * series[k + 1]) / self.relaxation;
+                let correction = (rate - (k + 1) as f64 * series[k + 1]) / self.relaxation;
+                // What rounds to and fro would change the later coefficients for ever.
+                if correction.abs() > 2.0 * f64::EPSILON * series[k].abs() {
+                    series[k] += correction;
+                }
             }
         };
         self.friction[k] = coefficient;

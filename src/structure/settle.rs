@@ -55,14 +55,41 @@ impl Engine<'_> {
     }
 
     /// The same where all velocities are constant and all loads straight lines: no series limits
-    /// the step.
+    /// the step, but what contacts remember goes on, and may show more of their laws.
     fn settle_linear(&mut self, break_time: Option<f64>, to_break: f64) -> Result<Settled, Error> {
-        // Roots of straight lines need no isolation.
-        let duration = self.first_firing(to_break).unwrap_or(to_break);
+        let longest = self.longest_remembered();
+        let mut h = to_break.min(longest);
+        let duration = loop {
+            // Roots of straight lines need no isolation.
+            let end = self.first_firing(h).unwrap_or(h);
+            if longest.is_infinite() || self.defects_are_accepted(end) {
+                break end;
+            }
+            h = 0.5 * end;
+            if h.is_nan() || h <= f64::EPSILON * self.clock.time.abs() || h < f64::MIN_POSITIVE {
+                return Err(self.underflow(h));
+            }
+        };
         Ok(Settled {
             duration,
             at_break: break_time.filter(|_| duration >= to_break),
         })
+    }
+
+    /// How long a step may be in which nothing but the memory of contacts changes: until it has
+    /// changed by its own size, and longer where the structure's own times are.
+    fn longest_remembered(&mut self) -> f64 {
+        let changing = |joint: &Joint| {
+            let rate = |series: &PowerSeries| (series[0] / series[1]).abs();
+            let memories = joint.memories.iter().filter(|series| !series.is_constant());
+            memories.map(rate).reduce(f64::min)
+        };
+        let closed = self.joints.iter().filter(|joint| joint.mode != Mode::Open);
+        let Some(least) = closed.filter_map(changing).reduce(f64::min) else {
+            return f64::INFINITY;
+        };
+        self.reach();
+        least.max(FARTHEST * self.unit)
     }
 
     /// Where pieces of a drive meet next, as a time and as a duration from now.

@@ -103,9 +103,13 @@ impl Engine<'_> {
         let mut found = false;
         for (c, joint) in self.joints.iter_mut().enumerate() {
             joint.relaxes_anew = false;
-            if joint.relaxation == 0.0 {
-                let speed = self.bodies[joint.body].speed;
-                let rate = joint.relaxation_at(&*self.model.laws, c, speed);
+            if let (0.0, Mode::Slip(direction)) = (joint.relaxation, joint.mode) {
+                let slip = Slip {
+                    speed: self.bodies[joint.body].speed,
+                    direction: direction.sign(),
+                    piece: joint.piece,
+                };
+                let rate = joint.relaxation_at(&*self.model.laws, c, slip, joint.memory[0]);
                 if rate * reach > SETTLING {
                     (joint.relaxation, joint.relaxes_anew) = (rate, true);
                     found = true;
@@ -180,21 +184,19 @@ impl Engine<'_> {
 }
 
 impl Joint {
-    /// D, or 0 where the memory does not relax by itself.
-    fn relaxation_at(&self, laws: &dyn Laws, number: usize, speed: f64) -> f64 {
+    /// D at a memory, or 0 where it does not relax by itself.
+    pub(super) fn relaxation_at(
+        &self,
+        laws: &dyn Laws,
+        number: usize,
+        slip: Slip<f64>,
+        memory: f64,
+    ) -> f64 {
         /// Of the memory: a difference so large loses half the digits, as many as are needed.
         const PART: f64 = 1.0 / (1 << 26) as f64;
-        let (Mode::Slip(direction), Some(&memory)) = (self.mode, self.memory.first()) else {
-            return 0.0;
-        };
         if memory == 0.0 {
             return 0.0;
         }
-        let slip = Slip {
-            speed,
-            direction: direction.sign(),
-            piece: self.piece,
-        };
         let rate = |factor: f64| {
             let mut rate = 0.0;
             let take = &mut |_, now| rate = now;

@@ -8,7 +8,7 @@ use stick_slip::{
 
 /// The same law with a second memory that nothing depends on: its motion is followed by explicit
 /// steps.
-struct Padded<L>(L);
+pub(crate) struct Padded<L>(pub(crate) L);
 
 impl<L: ContactLaw<1>> ContactLaw<2> for Padded<L> {
     fn coefficient<S: Scalar>(&self, slip: Slip<S>, [z, _]: [S; 2]) -> S {
