@@ -212,6 +212,8 @@ impl<'s> Engine<'s> {
                     body.speed = joint.breakpoints[number];
                     joint.piece = number + usize::from(rising);
                 }
+                // Behind a break they may have jumped.
+                Some(Firing::Bound(_) | Firing::Load) if settled.at_break.is_some() => {}
                 Some(Firing::Bound(side)) => joint.edge = Edge::On(Some(side)),
                 Some(Firing::Load) => joint.load_edge = Edge::On(None),
             }

@@ -37,7 +37,7 @@ impl Engine<'_> {
             if !(h >= to_break || h > f64::EPSILON * elapsed && h >= f64::MIN_POSITIVE) {
                 return Err(self.underflow(h));
             }
-            let Ok(end) = self.first_firing(h) else {
+            let Ok(end) = self.first_firing(h, to_break) else {
                 h *= 0.5;
                 continue;
             };
@@ -61,7 +61,7 @@ impl Engine<'_> {
         let mut h = to_break.min(longest);
         let duration = loop {
             // Roots of straight lines need no isolation.
-            let end = self.first_firing(h).unwrap_or(h);
+            let end = self.first_firing(h, to_break).unwrap_or(h);
             if longest.is_infinite() || self.defects_are_accepted(end) {
                 break end;
             }
@@ -238,8 +238,10 @@ impl Engine<'_> {
         })
     }
 
-    /// The first time in (0, h] at which a contact has to be looked at, or h.
-    fn first_firing(&mut self, h: f64) -> Result<f64, TooCurved> {
+    /// The first time in (0, h] at which a contact has to be looked at, or h. Within rounding of a
+    /// break it is that: what a contact comes to where pieces of a drive meet, the later piece
+    /// decides on.
+    fn first_firing(&mut self, h: f64, to_break: f64) -> Result<f64, TooCurved> {
         let elapsed = self.clock.time.abs();
         let slack = |end: f64| TOGETHER * f64::EPSILON * (elapsed + end);
         let mut end = h;
@@ -253,6 +255,9 @@ impl Engine<'_> {
         }
         for joint in &mut self.joints {
             joint.firing = joint.firing.filter(|&(time, _)| time <= end + slack(end));
+        }
+        if to_break <= end + slack(end) {
+            end = end.max(to_break);
         }
         Ok(end)
     }
