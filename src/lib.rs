@@ -241,7 +241,9 @@ pub mod structure;
 pub use belt::{Equilibrium, Flow, MassOnBelt, Stability, Step};
 pub use drive::Drive;
 pub use error::{Error, Reached};
-pub use friction::memory::{AnyContactLaw, ContactLaw, Dahl, Dwell, LuGre, Motion, Slip};
+pub use friction::memory::{
+    AnyContactLaw, ContactLaw, Dahl, Dwell, LuGre, Motion, Slip, Variables,
+};
 pub use friction::{
     AnyLaw, Coulomb, Exponential, FrictionLaw, LawFault, Polynomial, Rational, Scaled, Stribeck,
     Tabulated, check_law,

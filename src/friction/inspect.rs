@@ -111,7 +111,9 @@ impl std::fmt::Display for LawFault {
 ///
 /// Power series of the law are chained from one end of the range to the other, each as long as it
 /// converges, and compared with the law's values at 4096 places over the range and at others
-/// besides. What is narrower than the distance of these places can be missed. A feature counts as
+/// besides. What is narrower than the distance of these places can be missed. Narrow features are
+/// looked for from nine places over the range, both ways, so that each is far from one of them; one
+/// at an end of the range is seen by what begins there, and does not count. A feature counts as
 /// narrow if the integrator's own checks could lie on both sides of it in a motion whose velocity
 /// amplitude is half the range: for a bump exp(−(s/w)²) if w is less than about an 85th of the
 /// range.
@@ -179,6 +181,7 @@ fn inspect(law: &dyn Values, speeds: Range<f64>) -> Result<Vec<LawFault>, Error>
         let to = to.min(end);
         if from < to {
             inspection.piece(piece, from, to)?;
+            inspection.features(piece, from, to);
             from = to;
         }
     }
@@ -197,6 +200,11 @@ const REACH: f64 = 0.5;
 
 /// Distance of the integrator's checks of a step, in parts of its length.
 const CHECKS: f64 = 0.25;
+
+/// From how many places over the range, and from the ends of each piece, narrow features are looked
+/// for, both ways. A series that begins near one shows it in its coefficients; the steps of a
+/// motion may begin anywhere.
+const STARTS: f64 = 8.0;
 
 /// Shortest stretch, in parts of the range: where a series reaches no further, something is wrong.
 const SHORTEST: f64 = 1e-10;
@@ -290,6 +298,54 @@ impl Inspection<'_> {
         Ok(())
     }
 
+    /// Notes the narrow features of one piece of the law: where it differs from a series that
+    /// begins far away, and soon agrees with it again.
+    fn features(&mut self, piece: usize, start: f64, end: f64) {
+        let parts = (STARTS * (end - start) / self.range).ceil();
+        for i in 0..=parts as usize {
+            let at = (start + (end - start) * (i as f64 / parts)).min(end);
+            let c = taylor_coefficients_on::<TERMS>(self.law, piece, at);
+            let series = PowerSeries::from_fn(|k| c[k]);
+            if c.iter().any(|c| !c.is_finite()) {
+                continue;
+            }
+            for (direction, most) in [(1.0, end - at), (-1.0, at - start)] {
+                let mut stretch = Stretch {
+                    start: at,
+                    length: most.min(REACH * self.range),
+                    piece,
+                    series,
+                };
+                let least = most.min(self.range / PLACES);
+                while stretch.length >= least && !stretch.converges(self.size) {
+                    stretch.length *= 0.5;
+                }
+                if most > 0.0 && stretch.length >= least {
+                    self.features_along(&stretch, direction);
+                }
+            }
+        }
+    }
+
+    /// The same along one series, up or down.
+    fn features_along(&mut self, stretch: &Stretch, direction: f64) {
+        let spacing = (self.range / PLACES).min(stretch.length / PLACES_IN_STRETCH);
+        let step = direction * spacing;
+        let mut feature = Vec::new();
+        for i in 0..=(stretch.length / spacing) as usize {
+            let difference = self.difference(stretch, i as f64 * step);
+            if difference != 0.0 {
+                feature.push(difference);
+                continue;
+            }
+            let places = feature.len();
+            if (1..i).contains(&places) && places as f64 * spacing < CHECKS * stretch.length {
+                self.narrow(stretch.start + (i - places) as f64 * step, step, &feature);
+            }
+            feature.clear();
+        }
+    }
+
     /// Whether the law's value differs from the series at the time t of a stretch.
     fn difference(&self, stretch: &Stretch, t: f64) -> f64 {
         let speed = stretch.start + t;
@@ -357,7 +413,7 @@ impl Inspection<'_> {
         let high = heights.iter().filter(|&&h| h > 0.5 * highest).count();
         self.faults.push(LawFault::Narrow {
             speed: start + place as f64 * spacing,
-            width: high as f64 * spacing,
+            width: high as f64 * spacing.abs(),
         });
     }
 

@@ -44,9 +44,10 @@ pub enum EventKind {
     /// The relative velocity changes its sign, and the mass does not stick: the contact would have
     /// to carry more than γ²μ_s.
     Crossing(Direction),
-    /// The normal load, given as a function of time, falls to 0: no friction from now on.
+    /// The normal load, given as a function of time, falls to 0 and below: no friction from now on.
+    /// A load that only touches 0 is no event: see [`Contact`](crate::Contact).
     Open,
-    /// The normal load rises from 0 again, and friction comes back.
+    /// The normal load rises above 0 again, and friction comes back.
     Close,
 }
 

@@ -124,6 +124,12 @@ impl PowerSeries {
         Self::from_fn(|k| (k + 1) as f64 * self.get(k + 1))
     }
 
+    /// The value of dc/dt.
+    #[inline(never)]
+    pub(crate) fn slope_at(&self, t: f64) -> f64 {
+        sum_of_powers(t, |k| (k + 1) as f64 * self.get(k + 1))
+    }
+
     /// Makes it the series of c(h − t).
     pub(crate) fn reflect(&mut self, h: f64) {
         *self = self.shifted(h);

@@ -32,6 +32,11 @@ use crate::friction::memory::{ContactLaw, validate};
 /// is part of the stiffness matrix, and which would pull once N < 0: the motion ends there, with
 /// an error.
 ///
+/// A load that only touches 0, from above or from below, is no event: where it turns back within
+/// 8ε of 0, in units of the sum of the sizes of its terms, or where one piece of a [`Drive`] ends
+/// at 0 and the next goes back. Nor is it one where what a sticking contact carries touches its
+/// limit, within 8ε of that limit.
+///
 /// The type of the law is not part of the type of the contact, so a structure may have contacts of
 /// different laws.
 ///

@@ -208,6 +208,69 @@ fn narrow_features_are_found_and_others_are_not_called_narrow() {
     assert_eq!(check_law(&NARROW_BUMP, 0.6..0.8).unwrap(), []);
 }
 
+/// On a law that falls: .3 + .2 exp(−s/.7) + height exp(−((s − at)/width)²).
+struct BumpOnFall {
+    at: f64,
+    width: f64,
+    height: f64,
+}
+
+impl FrictionLaw for BumpOnFall {
+    fn static_coefficient(&self) -> f64 {
+        0.5 + self.height
+    }
+    fn kinetic<S: Scalar>(&self, s: S) -> S {
+        let bump = (-((s - self.at) / self.width).square()).exp() * self.height;
+        (s * (-1.0 / 0.7)).exp() * 0.2 + 0.3 + bump
+    }
+}
+
+/// Wherever it lies, also just above a place where a series begins that shows it.
+#[test]
+fn a_narrow_bump_is_found_wherever_it_lies() {
+    let above_the_middle = [
+        (1.1134908661127623, 0.015223865377099027, 0.138),
+        (1.0865681123015738, 0.00743, 0.0246),
+    ];
+    let one = |at: f64, width: f64, height: f64| {
+        let found = faults(&BumpOnFall { at, width, height });
+        let [LawFault::Narrow { speed, width: is }] = found[..] else {
+            return Err(TestCaseError::fail(format!(
+                "{at} {width} {height}: {found:?}"
+            )));
+        };
+        prop_assert!(
+            (speed - at).abs() < 5e-4 + 0.2 * width,
+            "{} is not {}",
+            speed,
+            at
+        );
+        let half = 2.0 * width * 2.0_f64.ln().sqrt();
+        prop_assert!((is - half).abs() < 2e-3, "{} is not {}", is, half);
+        Ok(())
+    };
+    for (at, width, height) in above_the_middle {
+        one(at, width, height).unwrap();
+    }
+    let ranges = [0.0..1.0, -3.0..-1.65, -4.0..-0.5];
+    for_all(1024, ranges, |[place, width, height]| {
+        let width = 10.0_f64.powf(width);
+        // Between the ends, where it shows at none.
+        let at = 7.0 * width + place * (2.0 - 14.0 * width);
+        one(at, width, 10.0_f64.powf(height))
+    });
+    // And none that is wide enough is called narrow.
+    for_all(
+        256,
+        [0.0..2.0, -1.3..0.0, -4.0..-0.5],
+        |[at, width, height]| {
+            let (width, height) = (10.0_f64.powf(width), 10.0_f64.powf(height));
+            prop_assert_eq!(faults(&BumpOnFall { at, width, height }), []);
+            Ok(())
+        },
+    );
+}
+
 #[test]
 fn faults_say_what_to_do() {
     for (found, remedy) in [

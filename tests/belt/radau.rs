@@ -3,20 +3,13 @@
 //!
 //! Its errors are measured in the sliding speed itself and in u itself, not in any scale of the
 //! motion. Contacts and breakpoints are met by shortening the step, so there is no dense output.
-//!
-//! Source: E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., Springer
-//! 1996, section IV.5.
 
 use stick_slip::{FrictionLaw, MassOnBelt, State};
 
+use crate::common::radau::{Matrix, STAGES, Stages, solve, weights};
 use crate::simple::Seen;
 
-const STAGES: usize = 5;
-
-type Stages = [f64; STAGES];
-type Matrix = [Stages; STAGES];
-
-/// The weights of the method.
+/// The method, and how exact its steps are.
 #[derive(Debug, Clone)]
 pub(crate) struct Radau {
     a: Matrix,
@@ -26,62 +19,9 @@ pub(crate) struct Radau {
     tolerance: f64,
 }
 
-/// P_n(x).
-fn legendre(n: usize, x: f64) -> f64 {
-    let (mut last, mut p) = (1.0, x);
-    for k in 2..=n {
-        let k = k as f64;
-        (last, p) = (p, ((2.0 * k - 1.0) * x * p - (k - 1.0) * last) / k);
-    }
-    p
-}
-
 impl Radau {
     pub(crate) fn new(tolerance: f64) -> Self {
-        // The nodes c are the roots of P_5(x) − P_4(x), x = 2c − 1; the last is 1.
-        let f = |x: f64| legendre(STAGES, x) - legendre(STAGES - 1, x);
-        let mut nodes = [1.0; STAGES];
-        let mut found = 0;
-        let cells = 1000;
-        for i in 0..cells {
-            let [mut a, mut b] = [i, i + 1].map(|i| 2.0 * f64::from(i) / f64::from(cells) - 1.0);
-            if i + 1 == cells || f(a) * f(b) > 0.0 {
-                continue;
-            }
-            while b.next_down() > a {
-                let middle = 0.5 * (a + b);
-                if middle <= a || middle >= b {
-                    break;
-                }
-                if f(a) * f(middle) <= 0.0 {
-                    b = middle;
-                } else {
-                    a = middle;
-                }
-            }
-            nodes[found] = 0.5 + 0.5 * a;
-            found += 1;
-        }
-        assert_eq!(found, STAGES - 1);
-        // a_ij = ∫ from 0 to c_i of the polynomial that is 1 at c_j and 0 at the other nodes.
-        let mut a = [[0.0; STAGES]; STAGES];
-        for j in 0..STAGES {
-            let mut c = [0.0; STAGES];
-            c[0] = 1.0;
-            let mut degree = 0;
-            for m in (0..STAGES).filter(|m| *m != j) {
-                degree += 1;
-                let scale = 1.0 / (nodes[j] - nodes[m]);
-                for k in (0..=degree).rev() {
-                    let lower = if k > 0 { c[k - 1] } else { 0.0 };
-                    c[k] = scale * (lower - nodes[m] * c[k]);
-                }
-            }
-            for (row, node) in std::iter::zip(&mut a, nodes) {
-                let term = |k: usize| c[k] * node.powi(k as i32 + 1) / (k + 1) as f64;
-                row[j] = (0..STAGES).map(term).sum();
-            }
-        }
+        let a = weights();
         let product = |i: usize, k: usize| (0..STAGES).map(|j| a[i][j] * a[j][k]).sum();
         Self {
             a,
@@ -89,31 +29,6 @@ impl Radau {
             tolerance,
         }
     }
-}
-
-/// Solves a linear system by elimination with pivots.
-fn solve(mut a: Matrix, mut b: Stages) -> Stages {
-    for k in 0..STAGES {
-        let largest = (k..STAGES).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs()));
-        let pivot = largest.unwrap();
-        a.swap(k, pivot);
-        b.swap(k, pivot);
-        for i in k + 1..STAGES {
-            let factor = a[i][k] / a[k][k];
-            let (above, below) = a.split_at_mut(i);
-            for (x, y) in std::iter::zip(&mut below[0][k..], &above[k][k..]) {
-                *x -= factor * y;
-            }
-            b[i] -= factor * b[k];
-        }
-    }
-    for k in (0..STAGES).rev() {
-        for j in k + 1..STAGES {
-            b[k] -= a[k][j] * b[j];
-        }
-        b[k] /= a[k][k];
-    }
-    b
 }
 
 /// A slip phase of one system, on one side of the belt: x = σu and s.
@@ -167,8 +82,9 @@ impl<L: FrictionLaw> Slip<'_, L> {
             let place: Stages = std::array::from_fn(|i| x + h * sum(&method.a[i], &speeds));
             let rates = std::array::from_fn(|i| self.rate([place[i], stages[i]]));
             let slopes = stages.map(|s| damping + self.slope(s));
-            let residual = std::array::from_fn(|i| s + h * sum(&method.a[i], &rates) - stages[i]);
-            let jacobian = std::array::from_fn(|i| {
+            let residual: Stages =
+                std::array::from_fn(|i| s + h * sum(&method.a[i], &rates) - stages[i]);
+            let jacobian: Matrix = std::array::from_fn(|i| {
                 std::array::from_fn(|k| {
                     let unit = if i == k { 1.0 } else { 0.0 };
                     unit + h * h * method.a2[i][k] + h * method.a[i][k] * slopes[k]

@@ -6,6 +6,7 @@ pub(crate) mod any;
 pub(crate) mod orbit;
 pub(crate) mod polynomials;
 pub(crate) mod property;
+pub(crate) mod radau;
 
 use std::cell::Cell;
 

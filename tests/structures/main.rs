@@ -9,6 +9,7 @@
 mod common;
 
 mod bad_input;
+mod bristles;
 mod closed_forms;
 mod formulas;
 mod identities;

@@ -206,6 +206,75 @@ fn a_load_comes_back_over_a_mass_at_rest() {
     assert!(closings > 2000, "{closings}");
 }
 
+/// Openings and closings of a contact of a mass on a spring.
+fn changes_of_load(load: Drive, unit: f64, mass: f64, duration: f64) -> Vec<(f64, EventKind)> {
+    let law = Coulomb::new(0.4, 0.3).unwrap();
+    let structure = Structure::new(&[mass])
+        .and_then(|s| s.with_ground_spring(0, unit))
+        .and_then(|s| s.with_contact(Contact::new(0, law, load)?.on_belt(0.3)))
+        .unwrap();
+    let start = State::new(&[0.1], &[0.0]);
+    let motion = structure.simulate(start, duration).unwrap();
+    let events = motion.events().iter();
+    let of_load = events.filter(|e| matches!(e.kind, EventKind::Open | EventKind::Close));
+    of_load.map(|event| (event.time, event.kind)).collect()
+}
+
+/// From above or from below, at the minimum of a sine or of its fourth power, where pieces of a
+/// profile meet, or at the start: in whatever units, a touch is no event. What goes beyond 0 by
+/// more than rounding is two.
+#[test]
+fn a_load_that_touches_zero_does_not_open_or_close() {
+    for i in 0..100 {
+        let unit = 1e-3 * 1.7_f64.powi(i % 20);
+        let omega = 0.3 * 1.13_f64.powi(i % 17);
+        let phase = 0.2 + 0.37 * f64::from(i);
+        let changes = |load: Result<Drive, Error>| {
+            let mass = 0.1 * 1.3_f64.powi(i % 13);
+            changes_of_load(load.unwrap(), unit, mass, 60.0 / omega)
+        };
+        for side in [unit, -unit] {
+            let sine = Drive::harmonic(unit, omega, phase).and_then(|d| d.with_constant(side));
+            // cos⁴
+            let flat = Drive::harmonic(0.5 * side, omega, phase)
+                .and_then(|d| d.with_harmonic(0.125 * side, 2.0 * omega, 2.0 * phase))
+                .and_then(|d| d.with_constant(0.375 * side));
+            let (first, second) = (7.0 / omega, 13.1 / omega);
+            let kinked = Drive::profile(&[
+                (0.0, side),
+                (first, 0.0),
+                (11.0 / omega, side),
+                (second, 0.0),
+                (17.0 / omega, 2.0 * side),
+            ]);
+            let at_start = Drive::harmonic(-side, omega, 0.0).and_then(|d| d.with_constant(side));
+            for load in [sine, flat, kinked, at_start] {
+                let found = changes(load);
+                assert_eq!(found, [], "{i} {side}");
+            }
+            // A dip of 1e-12 lasts for √8e-12 of a radian.
+            let dip = Drive::harmonic(unit, omega, phase)
+                .and_then(|d| d.with_constant(side * (1.0 - 1e-12)));
+            let found = changes(dip);
+            assert!(found.len() >= 18 && found.len() % 2 == 0, "{}", found.len());
+            for pair in found.chunks(2) {
+                let gap = omega * (pair[1].0 - pair[0].0);
+                assert!((gap - 8e-12_f64.sqrt()).abs() < 1e-8, "{gap:e}");
+            }
+        }
+        // To 0 and back by a jump, down by one and back: the value behind it decides.
+        let jumps = Drive::profile(&[
+            (0.0, unit),
+            (2.0, 0.0),
+            (2.0, unit),
+            (4.0, 0.0),
+            (4.0, -unit),
+        ]);
+        let found = changes(jumps);
+        assert!(matches!(found[..], [(4.0, EventKind::Open)]), "{found:?}");
+    }
+}
+
 /// A mass with neither spring nor damper carries nothing: its band and its load vanish together.
 #[test]
 fn a_load_opens_over_a_mass_that_carries_nothing() {

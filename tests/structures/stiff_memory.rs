@@ -3,31 +3,31 @@
 use stick_slip::structure::State;
 use stick_slip::{
     AnyLaw, Contact, ContactLaw, Drive, Exponential, FrictionLaw, Integrator, LuGre, Motion,
-    Polynomial, Scalar, Segment, Slip, Structure,
+    Polynomial, Scalar, Segment, Slip, Structure, Variables,
 };
 
 /// The same law with a second memory that nothing depends on: its motion is followed by explicit
 /// steps.
-struct Padded(LuGre<AnyLaw>);
+pub(crate) struct Padded<L>(pub(crate) L);
 
-impl ContactLaw for Padded {
+impl<L: ContactLaw> ContactLaw for Padded<L> {
     type Memory<S: Scalar> = [S; 2];
     fn coefficient<S: Scalar>(&self, slip: Slip<S>, [z, _]: [S; 2]) -> S {
-        self.0.coefficient(slip, [z])
+        self.0.coefficient(slip, Variables::from_fn(|_| z))
     }
     fn limit<S: Scalar>(&self, zero: S, [z, _]: [S; 2]) -> Option<S> {
-        self.0.limit(zero, [z])
+        self.0.limit(zero, Variables::from_fn(|_| z))
     }
     fn rates<S: Scalar>(&self, motion: Motion<S>, [z, other]: [S; 2]) -> [S; 2] {
-        let [rate] = self.0.rates(motion, [z]);
-        [rate, other.constant(0.0)]
+        let rates = self.0.rates(motion, Variables::from_fn(|_| z));
+        [rates.as_ref()[0], other.constant(0.0)]
     }
     fn breakpoints(&self) -> impl Iterator<Item = f64> {
-        ContactLaw::breakpoints(&self.0)
+        self.0.breakpoints()
     }
     fn caught(&self, [z, other]: [f64; 2]) -> [f64; 2] {
-        let [z] = self.0.caught([z]);
-        [z, other]
+        let caught = self.0.caught(Variables::from_fn(|_| z));
+        [caught.as_ref()[0], other]
     }
 }
 

@@ -4,15 +4,25 @@
 use super::model::{ContactData, Model};
 use super::plan::Plan;
 use super::series::{ContactSeries, Series};
-use super::state::{ContactState, Situation};
+use super::slow::relaxation;
+use super::state::{ContactState, Phase, Situation};
 use crate::friction::memory::{Motion, Slip};
 use crate::motion::step_control::{Allowance, LONG, MOST_FOURS};
 use crate::series::quarters;
 
-/// Whether a step of length h leaves out no more than it may, at every contact that slips: at its
-/// quarters, about the places where the sliding speed is least, and, in a long step, at least every
-/// quarter of a radian. Coefficients alone miss what lies hidden behind an underflow, such as the
-/// flank of a narrow Gaussian.
+/// Ratio of the distances from the place where a contact is slowest at which it is looked at.
+///
+/// A law that changes about some slow speed has still the values of rest at a quarter of it, or,
+/// where the speed falls like the square of the distance, at a sixteenth.
+const NEARER: f64 = 0.25;
+
+/// The first of these distances, in parts of the step.
+const FIRST: f64 = 0.0625;
+
+/// Whether a step of length h leaves out no more than it may, at every contact: at its quarters,
+/// about the places where the sliding speed is least, and, in a long step, at least every quarter
+/// of a radian. Coefficients alone miss what lies hidden behind an underflow, such as the flank of
+/// a narrow Gaussian.
 pub(super) fn is_accepted(
     model: &Model<'_>,
     situation: &Situation,
@@ -20,119 +30,260 @@ pub(super) fn is_accepted(
     plan: &Plan,
     h: f64,
 ) -> bool {
-    let contacts = std::iter::zip(&situation.contacts, &series.contacts);
-    let mut contacts = contacts.zip(&model.contacts).zip(&plan.contacts);
-    contacts.all(|(((state, series), contact), allowance)| {
-        let Some(slip) = state.slip(()) else {
-            return true;
+    (0..model.contacts.len()).all(|c| {
+        let step = ContactStep {
+            contact: &model.contacts[c],
+            state: &situation.contacts[c],
+            series: &series.contacts[c],
+            allowance: plan.contacts[c],
+            size: plan.sizes[c],
+            unit: plan.unit,
+            h,
         };
-        let defects = defects(contact, series, slip, h, plan.unit);
-        allowance.accepts(defects, h) && memory_is_accepted(contact, state, series, h)
+        step.friction_is_accepted() && step.memory_is_accepted()
     })
 }
 
-/// Whether a step of length h leaves out no more of a contact's memory than it may, at its
-/// quarters.
-fn memory_is_accepted(
-    contact: &ContactData<'_>,
-    state: &ContactState,
-    series: &ContactSeries,
-    h: f64,
-) -> bool {
-    if series.memories.is_empty() {
-        return true;
-    }
-    let times = quarters(h);
-    std::iter::zip(times, series.speeds.at_some(times)).all(|(time, speed)| {
-        let Some(slip) = state.slip(speed.max(0.0)) else {
-            return true;
-        };
-        let mut accepted = true;
-        let mut take = |j: usize, rate: f64| {
-            let memory = &series.memories[j];
-            let scale = memory[0].abs().max(memory[1].abs() * h);
-            let missing = (memory.derivative().at(time) - rate).abs();
-            let largest = rate.abs().max(memory[1].abs());
-            // What is missing on a slow manifold moves it aside by as much divided by D.
-            let (largest, h) = if series.relaxation > 0.0 {
-                (series.relaxation * scale, series.relaxation.recip())
-            } else {
-                (largest, h)
-            };
-            let allowance = Allowance::new(f64::EPSILON * scale, largest);
-            accepted &= allowance.accepts([missing; 3], h);
-        };
-        let memory = &|j: usize| series.memories[j].at(time);
-        contact.law.rates(Motion::Slip(slip), memory, &mut take);
-        accepted
-    })
-}
-
-/// The defects of a step of length h at a contact that slips: at its quarters, about the places
-/// where the speed is least, and between them in a long step.
-fn defects(
-    contact: &ContactData<'_>,
-    series: &ContactSeries,
-    slip: Slip<()>,
-    h: f64,
-    unit: f64,
-) -> [f64; 3] {
-    let speeds = &series.speeds;
-    let look = |times: [f64; 4], speeds: [f64; 4]| defect(contact, series, slip, times, speeds);
-    let times = quarters(h);
-    let at_times = speeds.at_four(times);
-    let at_quarters = look(times, at_times);
-    let mut at_minima = 0.0;
-    speeds.about_minima(h, at_times, &mut |times| {
-        at_minima += look(times, speeds.at_four(times));
-    });
-    let mut between = 0.0;
+/// Calls `look` with places in a step that is longer than a unit of time, four at a time, at least
+/// every quarter of that unit.
+fn in_between(h: f64, unit: f64, look: &mut dyn FnMut([f64; 4])) {
     if h > LONG * unit {
         let fours = (h / unit).ceil().min(MOST_FOURS);
         let part = 0.25 * h / fours;
         for i in 0..fours as usize {
             let start = i as f64 * 4.0 * part;
-            let times = [0.5, 1.5, 2.5, 3.5].map(|place| start + place * part);
-            between += look(times, speeds.at_four(times));
+            look([0.5, 1.5, 2.5, 3.5].map(|place| start + place * part));
         }
     }
-    [at_quarters, at_minima, between]
 }
 
-/// Largest N·|μ(s(t)) − μ(t)| at four times, where s(t) has the values `speeds`: the defect of the
-/// series, up to terms as small as its last.
-fn defect(
-    contact: &ContactData<'_>,
-    series: &ContactSeries,
-    slip: Slip<()>,
-    times: [f64; 4],
-    speeds: [f64; 4],
-) -> f64 {
-    let friction = series.friction.at_four(times);
-    let slip = Slip {
-        speed: speeds.map(|speed| speed.max(0.0)),
-        direction: slip.direction,
-        piece: slip.piece,
-    };
-    let memory = &|i: usize, j: usize| series.memories[j].at(times[i]);
-    let values = contact.law.at_four(slip, memory);
-    let mut largest = 0.0;
-    for i in 0..4 {
-        let value = values[i] * slip.direction;
-        let mut difference = (value - friction[i]).abs();
-        if series.load_varies {
-            difference *= series.load.at(times[i]).abs();
+/// A contact in a step of length h.
+struct ContactStep<'a> {
+    contact: &'a ContactData<'a>,
+    state: &'a ContactState,
+    series: &'a ContactSeries,
+    /// Of its relative velocity.
+    allowance: Allowance,
+    /// The size of the terms of its equation.
+    size: f64,
+    /// The time unit in which step lengths are measured.
+    unit: f64,
+    h: f64,
+}
+
+impl ContactStep<'_> {
+    /// Whether the series of friction in slip leave out no more than they may.
+    fn friction_is_accepted(&self) -> bool {
+        let Some(slip) = self.state.slip(()) else {
+            return true;
+        };
+        let speeds = &self.series.speeds;
+        let times = quarters(self.h);
+        let at_times = speeds.at_four(times);
+        let at_quarters = self.defect(slip, times, at_times);
+        let mut at_minima = 0.0;
+        speeds.about_minima(self.h, at_times, &mut |times| {
+            at_minima += self.defect(slip, times, speeds.at_four(times));
+        });
+        let mut between = 0.0;
+        in_between(self.h, self.unit, &mut |times| {
+            between += self.defect(slip, times, speeds.at_four(times));
+        });
+        self.allowance
+            .accepts([at_quarters, at_minima, between], self.h)
+    }
+
+    /// Largest N·|μ(s(t)) − μ(t)| at four times, where s(t) has the values `speeds`: the defect of
+    /// the series, up to terms as small as its last.
+    fn defect(&self, slip: Slip<()>, times: [f64; 4], speeds: [f64; 4]) -> f64 {
+        let Self {
+            contact, series, ..
+        } = self;
+        let friction = series.friction.at_four(times);
+        let slip = Slip {
+            speed: speeds.map(|speed| speed.max(0.0)),
+            direction: slip.direction,
+            piece: slip.piece,
+        };
+        let memory = &|i: usize, j: usize| series.memories[j].at(times[i]);
+        let values = contact.law.at_four(slip, memory);
+        let mut largest = 0.0;
+        for i in 0..4 {
+            let value = values[i] * slip.direction;
+            let mut difference = (value - friction[i]).abs();
+            if series.load_varies {
+                difference *= series.load.at(times[i]).abs();
+            }
+            // Not f64::max, which would drop a NaN.
+            largest = if largest >= difference {
+                largest
+            } else {
+                difference + 0.0 * largest
+            };
         }
-        // Not f64::max, which would drop a NaN.
-        largest = if largest >= difference {
+        if series.load_varies {
             largest
         } else {
-            difference + 0.0 * largest
-        };
+            series.load[0].abs() * largest
+        }
     }
-    if series.load_varies {
-        largest
-    } else {
-        series.load[0].abs() * largest
+
+    /// Whether the step leaves out no more of the memory than it may, in the same places, and in
+    /// slip in others that close in on those where the contact is slowest.
+    fn memory_is_accepted(&self) -> bool {
+        if self.series.memories.is_empty() || self.state.phase_is_open() {
+            return true;
+        }
+        let h = self.h;
+        let holds = |times| self.memory_holds(times, [h; 4]);
+        let mut accepted = holds(quarters(h));
+        in_between(h, self.unit, &mut |times| {
+            accepted = accepted && holds(times);
+        });
+        if let (true, Phase::Slip { .. }) = (accepted, self.state.phase) {
+            let speeds = &self.series.speeds;
+            let at_quarters = speeds.at_some(quarters(h));
+            speeds.about_minima(h, at_quarters, &mut |times| {
+                accepted = accepted && holds(times) && self.holds_towards(times[1]);
+            });
+            if at_quarters[3] < 0.5 * at_quarters[2] {
+                accepted = accepted && self.holds_towards(h);
+            }
+        }
+        accepted
+    }
+
+    /// Whether the series of a contact that slips hold closer and closer to a place where it is
+    /// slowest.
+    ///
+    /// A memory mostly changes in proportion to the sliding speed. So the very place where that is
+    /// 0 shows nothing of what the law does at slow speeds, nor does a place where it is far above
+    /// them; what is missed in between stays in the memory.
+    fn holds_towards(&self, slowest: f64) -> bool {
+        let (speeds, h) = (&self.series.speeds, self.h);
+        let least = speeds.at(slowest);
+        let (sides, ratio) = if slowest < h {
+            ([-1.0, 1.0, -NEARER, NEARER], NEARER.powi(2))
+        } else {
+            ([0, 1, 2, 3].map(|k| -NEARER.powi(k)), NEARER.powi(4))
+        };
+        let mut distance = FIRST * h;
+        while distance > f64::EPSILON * h {
+            let times = sides.map(|side| (slowest + side * distance).clamp(0.0, h));
+            let lasting = sides.map(|side: f64| side.abs() * distance / NEARER);
+            if !(self.memory_holds(times, lasting) && self.friction_holds(times, lasting)) {
+                return false;
+            }
+            // Nearer, it is as fast, or there is no time left to miss anything in.
+            let is_as_fast = speeds.at(times[3]) <= 2.0 * least;
+            if is_as_fast || !self.counts(slowest, times[3], lasting[3]) {
+                return true;
+            }
+            distance *= ratio;
+        }
+        true
+    }
+
+    /// Whether the series of the memory, and of the limit of the stick band, leave out no more than
+    /// they may at four times, each of which stands for what lasts so long.
+    fn memory_holds(&self, times: [f64; 4], lasting: [f64; 4]) -> bool {
+        let (series, law) = (self.series, self.contact.law);
+        let motions = self.motions_at(times);
+        let mut accepted = true;
+        if self.state.sticks() {
+            let scale = series.bound[0].abs().max(self.size);
+            let allowance = Allowance::new(f64::EPSILON * scale, scale);
+            let (loads, bounds) = (self.loads_at(times), series.bound.at_some(times));
+            for i in 0..4 {
+                let limit = law.limit(&|j| series.memories[j].at(times[i]));
+                let missing = limit.map_or(0.0, |limit| (limit * loads[i] - bounds[i]).abs());
+                accepted &= allowance.accepts([missing; 3], 1.0);
+            }
+        }
+        for i in 0..4 {
+            let memory = &|j: usize| series.memories[j].at(times[i]);
+            // What is missing on a slow manifold moves it aside by as much divided by D.
+            let relaxation = match motions[i] {
+                Motion::Slip(slip) if series.relaxation > 0.0 => {
+                    relaxation(law, slip, memory(0)).max(0.0)
+                }
+                _ => 0.0,
+            };
+            let lasting = lasting[i].min(relaxation.recip());
+            let mut take = |j: usize, rate: f64| {
+                let memory = &series.memories[j];
+                let scale = self.memory_scale(j);
+                let largest = rate.abs().max(memory[1].abs()).max(relaxation * scale);
+                let missing = (memory.slope_at(times[i]) - rate).abs();
+                let allowance = Allowance::new(f64::EPSILON * scale, largest);
+                accepted &= allowance.accepts([missing; 3], lasting);
+            };
+            law.rates(motions[i], memory, &mut take);
+        }
+        accepted
+    }
+
+    /// The same of the series of friction in slip.
+    fn friction_holds(&self, times: [f64; 4], lasting: [f64; 4]) -> bool {
+        let motions = self.motions_at(times);
+        let (loads, friction) = (self.loads_at(times), self.series.friction.at_some(times));
+        (0..4).all(|i| {
+            let Motion::Slip(slip) = motions[i] else {
+                return true;
+            };
+            let memory = &|j: usize| self.series.memories[j].at(times[i]);
+            let value = self.contact.law.coefficient(slip, memory) * slip.direction;
+            let missing = (loads[i] * (value - friction[i])).abs();
+            self.allowance.accepts([missing; 3], lasting[i])
+        })
+    }
+
+    /// Whether more could be missing than may be from a time on towards the place where the contact
+    /// is slowest, if all is missing that depends on its speed.
+    ///
+    /// Where a memory has come to rest its rate is 0 at any speed; with twice the memory it is not.
+    fn counts(&self, slowest: f64, time: f64, lasting: f64) -> bool {
+        let (series, law) = (self.series, self.contact.law);
+        let motions = self.motions_at([time, slowest, slowest, slowest]);
+        let [Motion::Slip(here), Motion::Slip(there), ..] = motions else {
+            return false;
+        };
+        let mut counts = false;
+        for factor in [1.0, 2.0] {
+            let memory = &|j: usize| factor * series.memories[j].at(time);
+            law.rates(Motion::Slip(here), memory, &mut |j, rate| {
+                let allowance = Allowance::new(f64::EPSILON * self.memory_scale(j), 0.0);
+                let all = rate.abs() + series.memories[j].slope_at(time).abs();
+                counts |= !allowance.accepts([all; 3], lasting);
+            });
+            let [value, at_slowest] = [here, there].map(|slip| law.coefficient(slip, memory));
+            let all = series.load.at(time) * (value - at_slowest);
+            counts |= !self.allowance.accepts([all.abs(); 3], lasting);
+        }
+        counts
+    }
+
+    /// What it does at four times.
+    fn motions_at(&self, times: [f64; 4]) -> [Motion<f64>; 4] {
+        let speeds = self.series.speeds.at_some(times);
+        speeds.map(|speed| match self.state.slip(speed.max(0.0)) {
+            Some(slip) => Motion::Slip(slip),
+            None => Motion::Stick,
+        })
+    }
+
+    /// N at four times.
+    fn loads_at(&self, times: [f64; 4]) -> [f64; 4] {
+        if self.series.load_varies {
+            self.series.load.at_some(times)
+        } else {
+            [self.series.load[0]; 4]
+        }
+    }
+
+    /// The size by which errors of a variable of the memory are measured.
+    fn memory_scale(&self, j: usize) -> f64 {
+        let series = &self.series.memories[j];
+        series[0].abs().max(series[1].abs() * self.h)
     }
 }

@@ -9,7 +9,9 @@ use crate::state::Direction;
 /// on the edge, at a start or on arrival.
 pub(super) const EDGE_ROUNDING: f64 = 4.0;
 
-/// Height above its bound, in units of ε times that bound, up to which a load has only touched it.
+/// Height above its bound, in units of ε times that bound, up to which a load carried has only
+/// touched it; and that above or below 0, in units of ε times the sum of the sizes of its terms, up
+/// to which a normal load has only touched 0.
 const TOUCH_ROUNDING: f64 = 8.0;
 
 /// What is known of a contact at the bound of its stick band, or of its load.
@@ -76,15 +78,16 @@ pub(super) fn side_of(sign: f64) -> Direction {
 /// Which way a distance goes that is 0: +1 where it grows, −1 where it becomes negative, 0 if it
 /// stays; and what is known of it then.
 ///
-/// A rate so small that the distance turns back within rounding of 0 is none: the bound was only
-/// touched.
+/// A rate so small that the distance turns back within rounding of 0, on either side, is none: the
+/// bound was only touched. Rounding is measured by the size of the terms, so that no unit of force
+/// or of time changes what counts as a touch.
 pub(super) fn leaving(distance: &PowerSeries, bound: f64, side: Option<Direction>) -> (Edge, f64) {
     let (first, second) = (distance[1], distance[2]);
-    let height = first * first / (4.0 * second);
+    let height = first * first / (4.0 * second.abs());
     let touched =
-        first < 0.0 && second > 0.0 && height <= TOUCH_ROUNDING * f64::EPSILON * bound.abs();
+        first.signum() != second.signum() && height <= TOUCH_ROUNDING * f64::EPSILON * bound.abs();
     if touched {
-        return (Edge::Touched(side), 1.0);
+        return (Edge::Touched(side), second.signum());
     }
     let mut rest = *distance;
     rest[0] = 0.0;

@@ -15,12 +15,13 @@ const TOGETHER: f64 = 4.0;
 pub(super) type Firings = Vec<Option<(f64, Firing)>>;
 
 /// The first time in (0, h] at which something happens at a contact, or h; which contacts it is is
-/// noted.
+/// noted. Within rounding of a break of a drive it is that: what a contact comes to where pieces of
+/// a drive meet, the later piece decides on.
 pub(super) fn first_firings(
     model: &Model<'_>,
     situation: &Situation,
     series: &Series,
-    h: f64,
+    [h, to_break]: [f64; 2],
     firings: &mut Firings,
 ) -> Result<f64, TooCurved> {
     let elapsed = situation.clock.time.abs();
@@ -38,6 +39,9 @@ pub(super) fn first_firings(
     }
     for firing in firings.iter_mut() {
         *firing = firing.filter(|&(time, _)| time <= end + slack(end));
+    }
+    if to_break <= end + slack(end) {
+        end = end.max(to_break);
     }
     Ok(end)
 }

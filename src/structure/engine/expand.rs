@@ -335,7 +335,11 @@ impl ContactSeries {
             // The law runs twice: for the memory, then with it.
             self.run_law(contact, slip, k);
             for (series, rate) in std::iter::zip(&mut self.memories, &self.rates) {
-                series[k] += (rate - (k + 1) as f64 * series[k + 1]) / self.relaxation;
+                let correction = (rate - (k + 1) as f64 * series[k + 1]) / self.relaxation;
+                // What rounds to and fro would change the later coefficients for ever.
+                if correction.abs() > 2.0 * f64::EPSILON * series[k].abs() {
+                    series[k] += correction;
+                }
             }
         }
         let coefficient = self.run_law(contact, slip, k);

@@ -40,7 +40,7 @@ use edge::Edge;
 use events::{Firings, first_firings};
 use expand::expand_drives;
 use model::Model;
-use plan::{Control, is_finite, is_linear, plan_reach};
+use plan::{Control, is_finite, is_linear, plan_memory, plan_reach};
 use series::Series;
 use state::{Entry, Firing, Phase, Situation};
 use transitions::{close, decide};
@@ -195,9 +195,7 @@ impl<'s> Engine<'s> {
             at_break: break_time.filter(|_| duration >= to_break),
         };
         if is_linear(model, situation, series) {
-            // Roots of straight lines need no isolation.
-            let found = first_firings(model, situation, series, to_break, firings);
-            return Ok(settled(found.unwrap_or(to_break)));
+            return self.settle_linear(break_time, to_break);
         }
         if !is_finite(situation, series) {
             return Err(self.underflow(0.0));
@@ -218,7 +216,7 @@ impl<'s> Engine<'s> {
             if !(h >= to_break || h > f64::EPSILON * elapsed && h >= f64::MIN_POSITIVE) {
                 return Err(self.underflow(h));
             }
-            let Ok(end) = first_firings(model, situation, series, h, firings) else {
+            let Ok(end) = first_firings(model, situation, series, [h, to_break], firings) else {
                 h *= 0.5;
                 continue;
             };
@@ -230,6 +228,40 @@ impl<'s> Engine<'s> {
         let is_cut = h < cut.min(to_break) || control.longest < reach;
         control.longest = if is_cut { 2.0 * h } else { f64::INFINITY };
         Ok(settled(duration))
+    }
+
+    /// The same where all velocities are constant and all loads straight lines: no series limits
+    /// the step, but the memory of contacts goes on, and may show more of their laws.
+    fn settle_linear(&mut self, break_time: Option<f64>, to_break: f64) -> Result<Settled, Error> {
+        let Self {
+            model,
+            situation,
+            series,
+            control,
+            firings,
+            ..
+        } = self;
+        let longest = plan_memory(model, situation, series, control);
+        let mut h = to_break.min(longest);
+        let duration = loop {
+            // Roots of straight lines need no isolation.
+            let found = first_firings(model, situation, series, [h, to_break], firings);
+            let end = found.unwrap_or(h);
+            if longest.is_infinite()
+                || defect::is_accepted(model, situation, series, &control.plan, end)
+            {
+                break end;
+            }
+            h = 0.5 * end;
+            let elapsed = situation.clock.time.abs();
+            if h.is_nan() || h <= f64::EPSILON * elapsed || h < f64::MIN_POSITIVE {
+                return Err(self.underflow(h));
+            }
+        };
+        Ok(Settled {
+            duration,
+            at_break: break_time.filter(|_| duration >= to_break),
+        })
     }
 
     /// Where pieces of a drive meet next, as a time and as a duration from now.
@@ -293,6 +325,8 @@ impl<'s> Engine<'s> {
                 }
             }
             match firing {
+                // Behind a break of a drive they may have jumped.
+                Some(Firing::Bound(_) | Firing::Load) if settled.at_break.is_some() => {}
                 Some(Firing::Bound(side)) => state.edge = Edge::On(Some(side)),
                 Some(Firing::Load) => state.load_edge = Edge::On(None),
                 _ => {}

@@ -33,6 +33,8 @@ pub(super) struct Plan {
     /// Of each coordinate, and of each contact's relative velocity.
     pub(super) coordinates: Vec<Allowance>,
     pub(super) contacts: Vec<Allowance>,
+    /// The size of the terms of the equation of each contact's relative velocity.
+    pub(super) sizes: Vec<f64>,
     /// Rate at which a deviation of each velocity dies out.
     closings: Vec<f64>,
     /// Scale of each velocity, and the size of the terms of its equation.
@@ -207,6 +209,7 @@ pub(super) fn plan_reach(
         plan.coordinates.push(allowance);
     }
     plan.contacts.clear();
+    plan.sizes.clear();
     for (c, contact) in model.contacts.iter().enumerate() {
         let (state, of) = (&situation.contacts[c], &series.contacts[c]);
         let size = contact.size_along(|j| plan.scales[j].1);
@@ -235,8 +238,36 @@ pub(super) fn plan_reach(
             farthest = farthest.min(reach_of(f64::EPSILON * scale, series, TERMS - 1));
         }
         plan.contacts.push(allowance);
+        plan.sizes.push(size);
     }
     farthest
+}
+
+/// How long a step may be in which nothing but the memory of contacts changes: until it has changed
+/// by its own size, and longer where the structure's own times are. The errors allowed in it are
+/// noted in the plan.
+pub(super) fn plan_memory(
+    model: &Model<'_>,
+    situation: &Situation,
+    series: &Series,
+    control: &mut Control,
+) -> f64 {
+    let contacts = std::iter::zip(&situation.contacts, &series.contacts);
+    let closed = contacts.filter(|(state, _)| !state.phase_is_open());
+    let memories = closed.flat_map(|(_, of)| &of.memories);
+    let changing = memories.filter(|memory| !memory.is_constant());
+    let times = changing.map(|memory| (memory[0] / memory[1]).abs());
+    let Some(least) = times.reduce(f64::min) else {
+        return f64::INFINITY;
+    };
+    plan_reach(
+        model,
+        situation,
+        series,
+        control.tolerance,
+        &mut control.plan,
+    );
+    least.max(FARTHEST * control.plan.unit)
 }
 
 /// The velocity of a coordinate as it is integrated: v = w + σy with a contact of its own.

@@ -29,8 +29,8 @@ use super::model::Model;
 use super::plan::{Control, plan_reach};
 use super::series::Series;
 use super::state::{Phase, Situation};
-use crate::friction::memory::Motion;
 use crate::friction::memory::object::LawObject;
+use crate::friction::memory::{Motion, Slip};
 use crate::motion::step_control::SETTLING;
 use crate::series::{PowerSeries, TERMS};
 
@@ -146,8 +146,12 @@ impl Slow<'_, '_> {
         self.control.begun.clear();
         for (c, contact) in self.series.contacts.iter_mut().enumerate() {
             // Several variables of one contact may be stiff together.
-            if contact.relaxation == 0.0 && contact.memories.len() == 1 {
-                let rate = self.situation.relaxation(self.model.contacts[c].law, c);
+            let state = &self.situation.contacts[c];
+            let (Phase::Slip { speed, .. }, [memory]) = (state.phase, &state.memory[..]) else {
+                continue;
+            };
+            if let (Some(slip), 0.0) = (state.slip(speed), contact.relaxation) {
+                let rate = relaxation(self.model.contacts[c].law, slip, *memory);
                 if rate * reach > SETTLING {
                     contact.relaxation = rate;
                     self.control.begun.push(c);
@@ -239,24 +243,18 @@ impl Slow<'_, '_> {
     }
 }
 
-impl Situation {
-    /// D, at which the memory of a contact relaxes, or 0 where it does not by itself.
-    fn relaxation(&self, law: &dyn LawObject, contact: usize) -> f64 {
-        /// Of the memory: a difference so large loses half the digits, as many as are needed.
-        const PART: f64 = 1.0 / (1 << 26) as f64;
-        let state = &self.contacts[contact];
-        let (Phase::Slip { speed, .. }, [memory]) = (state.phase, &state.memory[..]) else {
-            return 0.0;
-        };
-        let Some(slip) = state.slip(speed).filter(|_| *memory != 0.0) else {
-            return 0.0;
-        };
-        let rate = |factor: f64| {
-            let mut rate = 0.0;
-            let take = &mut |_, now| rate = now;
-            law.rates(Motion::Slip(slip), &|_| memory * factor, take);
-            rate
-        };
-        (rate(1.0) - rate(1.0 + PART)) / (PART * memory)
+/// D at a memory of one variable, or 0 where it does not relax by itself.
+pub(super) fn relaxation(law: &dyn LawObject, slip: Slip<f64>, memory: f64) -> f64 {
+    /// Of the memory: a difference so large loses half the digits, as many as are needed.
+    const PART: f64 = 1.0 / (1 << 26) as f64;
+    if memory == 0.0 {
+        return 0.0;
     }
+    let rate = |factor: f64| {
+        let mut rate = 0.0;
+        let take = &mut |_, now| rate = now;
+        law.rates(Motion::Slip(slip), &|_| memory * factor, take);
+        rate
+    };
+    (rate(1.0) - rate(1.0 + PART)) / (PART * memory)
 }

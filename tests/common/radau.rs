@@ -1,0 +1,94 @@
+//! Radau IIA with five stages (order 9): the weights of an implicit method for stiff equations, and
+//! the elimination that its Newton steps need.
+//!
+//! Source: E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., Springer
+//! 1996, section IV.5.
+
+pub(crate) const STAGES: usize = 5;
+
+pub(crate) type Stages = [f64; STAGES];
+pub(crate) type Matrix = [Stages; STAGES];
+
+/// P_n(x).
+fn legendre(n: usize, x: f64) -> f64 {
+    let (mut last, mut p) = (1.0, x);
+    for k in 2..=n {
+        let k = k as f64;
+        (last, p) = (p, ((2.0 * k - 1.0) * x * p - (k - 1.0) * last) / k);
+    }
+    p
+}
+
+/// The weights a_ij of the method.
+pub(crate) fn weights() -> Matrix {
+    // The nodes c are the roots of P_5(x) − P_4(x), x = 2c − 1; the last is 1.
+    let f = |x: f64| legendre(STAGES, x) - legendre(STAGES - 1, x);
+    let mut nodes = [1.0; STAGES];
+    let mut found = 0;
+    let cells = 1000;
+    for i in 0..cells {
+        let [mut a, mut b] = [i, i + 1].map(|i| 2.0 * f64::from(i) / f64::from(cells) - 1.0);
+        if i + 1 == cells || f(a) * f(b) > 0.0 {
+            continue;
+        }
+        while b.next_down() > a {
+            let middle = 0.5 * (a + b);
+            if middle <= a || middle >= b {
+                break;
+            }
+            if f(a) * f(middle) <= 0.0 {
+                b = middle;
+            } else {
+                a = middle;
+            }
+        }
+        nodes[found] = 0.5 + 0.5 * a;
+        found += 1;
+    }
+    assert_eq!(found, STAGES - 1);
+    // a_ij = ∫ from 0 to c_i of the polynomial that is 1 at c_j and 0 at the other nodes.
+    let mut a = [[0.0; STAGES]; STAGES];
+    for j in 0..STAGES {
+        let mut c = [0.0; STAGES];
+        c[0] = 1.0;
+        let mut degree = 0;
+        for m in (0..STAGES).filter(|m| *m != j) {
+            degree += 1;
+            let scale = 1.0 / (nodes[j] - nodes[m]);
+            for k in (0..=degree).rev() {
+                let lower = if k > 0 { c[k - 1] } else { 0.0 };
+                c[k] = scale * (lower - nodes[m] * c[k]);
+            }
+        }
+        for (row, node) in std::iter::zip(&mut a, nodes) {
+            let term = |k: usize| c[k] * node.powi(k as i32 + 1) / (k + 1) as f64;
+            row[j] = (0..STAGES).map(term).sum();
+        }
+    }
+    a
+}
+
+/// Solves a linear system by elimination with pivots.
+pub(crate) fn solve<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]) -> [f64; N] {
+    for k in 0..N {
+        let largest = (k..N).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs()));
+        let pivot = largest.unwrap();
+        a.swap(k, pivot);
+        b.swap(k, pivot);
+        for i in k + 1..N {
+            let factor = a[i][k] / a[k][k];
+            let (above, below) = a.split_at_mut(i);
+            for (x, y) in std::iter::zip(&mut below[0][k..], &above[k][k..]) {
+                *x -= factor * y;
+            }
+            b[i] -= factor * b[k];
+        }
+    }
+    for k in (0..N).rev() {
+        for j in k + 1..N {
+            b[k] -= a[k][j] * b[j];
+        }
+        b[k] /= a[k][k];
+    }
+    b
+}
