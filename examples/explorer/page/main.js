@@ -1,69 +1,28 @@
-// Headings, and fields: name, label, value; and either choices, or least, largest, step, laws.
-const ANALYTIC = "polynomial exponential coulomb stribeck";
-const FIELDS = [
-  ["System"],
-  ["v_b", "belt velocity v_b", 0.2, 0, 2, 0.005],
-  ["beta", "damping ratio β", 0.05, 0, 0.5, 0.001],
-  ["load", "friction load γ²", 1, 0.05, 5, 0.05],
-  ["Friction law"],
-  ["law", "law", "polynomial", ["polynomial", "exponential", "coulomb", "stribeck", "table"]],
-  ["mu_s", "static coefficient μ_s", 0.4, 0, 1.5, 0.01, ANALYTIC],
-  ["mu_k", "least kinetic coefficient", 0.25, 0, 1.5, 0.01, ANALYTIC],
-  ["v_s", "velocity in which it falls", 0.5, 0.01, 2, 0.01, "polynomial exponential stribeck"],
-  ["exponent", "exponent", 1, 1, 4, 1, "stribeck"],
-  ["viscous", "viscous coefficient", 0, 0, 0.5, 0.005, "stribeck"],
-  ["points", "speeds, coefficients", "0 0.4, 0.1 0.33, 0.3 0.27, 0.8 0.25", , , , "table"],
-  ["Force F cos Ωτ"],
-  ["force", "force F", 0, 0, 1, 0.01],
-  ["frequency", "frequency Ω", 1, 0.05, 3, 0.01],
-  ["Start (or click in the plane)"],
-  ["u", "displacement u", 0, -3, 3, 0.01],
-  ["v", "velocity u′", 0, -3, 3, 0.01],
-  ["View"],
-  ["time", "time shown", 60, 10, 300, 1],
-  ["to", "amplitudes up to", 0.6, 0.1, 5, 0.05],
-  ["over", "amplitudes over", "velocity", ["velocity", "frequency"]],
-  ["basins", "basins", "hidden", ["hidden", "shown"]],
-  ["SI units, if all are given"],
-  ["mass", "mass in kg", ""],
-  ["spring", "spring in N/m", ""],
-  ["normal_load", "normal load in N", ""],
-];
 const element = (id) => document.getElementById(id);
 const form = document.querySelector("form");
+const program = URL.createObjectURL(new Blob([element("worker").textContent]));
 const value = (name) => form.elements[name].value;
 const rounded = (x) => Number(x.toPrecision(4));
 const isForced = () => Number(value("force")) !== 0;
 const over = () => (isForced() && value("over") === "frequency" ? "frequency" : "v_b");
 
-let group;
-for (const [name, label, , least, largest, step, laws] of FIELDS) {
-  if (!label) {
-    form.insertAdjacentHTML("beforeend", `<fieldset><legend>${name}</legend></fieldset>`);
-    group = form.lastElementChild;
-    continue;
-  }
-  let field = `<input name="${name}" spellcheck="false" aria-label="${label}">`;
-  if (step) {
-    const ends = `min="${least}" max="${largest}" step="${step}"`;
-    field = `<input type="range" data-of="${name}" ${ends} aria-label="${label}">${field}`;
-  } else if (least) {
-    field = `<select name="${name}"><option>${least.join("<option>")}</select>`;
-  }
-  group.insertAdjacentHTML("beforeend", `<label><span>${label}</span>${field}</label>`);
-  if (laws) group.lastElementChild.dataset.laws = laws;
+// Each number with a step has a slider.
+for (const field of [...form.querySelectorAll("[step]")]) {
+  const { name, min, max, step } = field;
+  const slider = { type: "range", min, max, step, ariaLabel: field.parentElement.innerText.trim() };
+  field.before(Object.assign(document.createElement("input"), slider));
+  field.previousSibling.dataset.of = name;
 }
 
 const plots = {
-  phase: new Plot("phase", "Phase plane", "u", "u′", "", (u, v, isPressed) => {
-    if (isPressed) set({ u: rounded(u), v: rounded(v) });
-  }),
-  diagram: new Plot("diagram", "Amplitudes", "v_b", "a", "xy", (x, _, isPressed) => {
-    if (isPressed) set({ [over()]: rounded(x) });
-  }),
-  time: new Plot("time", "Motion from the start", "time τ", "u, u′", "x", trace),
+  phase: new Plot("phase", "Phase plane", "u", "u′", ""),
+  diagram: new Plot("diagram", "Amplitudes", "v_b", "a", "xy"),
+  time: new Plot("time", "Motion from the start", "time τ", "u, u′", "x"),
   law: new Plot("law", "Friction law", "sliding speed", "μ", "xy"),
 };
+plots.phase.press = (u, v) => set({ u: rounded(u), v: rounded(v) });
+plots.diagram.press = (x) => set({ [over()]: rounded(x) });
+plots.time.hover = trace;
 
 // Shows the state at a time of the motion in the other plots.
 function trace(time) {
@@ -87,11 +46,12 @@ class Desk {
 
   start() {
     this.worker?.terminate();
-    this.worker = new Worker(URL.createObjectURL(new Blob([element("worker").textContent])));
+    this.worker = new Worker(program);
     this.worker.postMessage(this.module);
     this.worker.onmessage = ({ data }) => {
-      this.job.show(JSON.parse(data));
+      const { show } = this.job;
       this.job = null;
+      show(JSON.parse(data));
       this.next();
     };
     this.job = null;
@@ -107,16 +67,12 @@ class Desk {
     this.job = this.plan.shift();
     this.since = performance.now();
     if (this.job) this.worker.postMessage(this.job.question);
-    showState();
+    const isBusy = quick.job || slow.job || timer;
+    document.documentElement.dataset.state = isBusy ? "computing" : "ready";
   }
 }
 let quick, slow, timer, drawn;
 const errors = {};
-
-function showState() {
-  const isBusy = quick.job || slow.job || timer;
-  document.documentElement.dataset.state = isBusy ? "computing" : "ready";
-}
 
 // A question about the parameters, with more fields, and what is done with the answer.
 function question(kind, more, show) {
@@ -142,20 +98,16 @@ function motion() {
   });
 }
 
-// What the amplitudes depend on; without a force they hold for all velocities and starts.
-function diagramKey() {
+// The amplitudes, unless they are drawn; without a force they hold for all velocities and starts.
+function diagram(count, exact) {
   const without = ["time", "basins", ...(isForced() ? [] : ["u", "v", "v_b"])];
   const fields = [...new FormData(form)].filter(([name]) => !without.includes(name));
-  return JSON.stringify(fields);
-}
-
-function diagram(count, exact) {
-  const key = diagramKey();
+  const key = JSON.stringify(fields);
   if (drawn === key) return [];
-  const job = question("diagram", { count, exact }, ({ series, error }) => {
+  const job = question("diagram", { count, exact }, ({ series }) => {
     plots.diagram.figure.classList.toggle("stale", !series.length);
     if (series.length) plots.diagram.draw({ series, xLabel: over() === "v_b" ? "v_b" : "Ω" });
-    if (exact) drawn = key;
+    drawn = exact ? key : null;
   });
   return [job];
 }
@@ -176,6 +128,7 @@ function changed() {
   form.elements.over.parentElement.hidden = !isForced();
   form.elements.basins.parentElement.hidden = isForced();
   if (value("basins") === "hidden" || isForced()) plots.phase.draw({ cells: null });
+  errors.basins = null;
   plots.diagram.draw({ cursor: Math.abs(value(over())) });
   clearTimeout(timer);
   timer = setTimeout(refine, 200);
@@ -199,9 +152,10 @@ function set(values) {
 }
 
 function readAddress() {
-  const given = new URLSearchParams(location.hash.slice(1));
-  const fields = FIELDS.filter((field) => field[1]);
-  set(Object.fromEntries(fields.map(([name, , value]) => [name, given.get(name) ?? value])));
+  form.reset();
+  const given = [...new URLSearchParams(location.hash.slice(1))];
+  const known = given.filter(([name]) => form.elements.namedItem(name));
+  set({ ...Object.fromEntries(new FormData(form)), ...Object.fromEntries(known) });
 }
 
 (async () => {

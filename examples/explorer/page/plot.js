@@ -14,13 +14,28 @@ function save(name, text) {
   setTimeout(() => URL.revokeObjectURL(href), 1000);
 }
 
-// A plot in SVG: axes, curves and dots. `fromZero` names the axes that start there;
-// `move(x, y, isPressed)` is called where the pointer is.
+// A picture of rows of digits, from the bottom up.
+function coloured(cells) {
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = [cells[0].length, cells.length];
+  const pen = canvas.getContext("2d");
+  const colours = ["#64748b40", "#0ea5e938", "#0ea5e938", "#f59e0b38", "#f59e0b38"];
+  cells.reverse().forEach((row, j) =>
+    [...row].forEach((cell, i) => {
+      pen.fillStyle = colours[cell % colours.length];
+      pen.fillRect(i, j, 1, 1);
+    }),
+  );
+  return canvas.toDataURL();
+}
+
+// A plot in SVG: axes, curves and dots. `fromZero` names the axes that start there; `press(x, y)`
+// and `hover(x, y)` are called where the pointer is.
 class Plot {
   series = [];
 
-  constructor(id, title, xLabel, yLabel, fromZero, move) {
-    Object.assign(this, { xLabel, yLabel, fromZero, move });
+  constructor(id, title, xLabel, yLabel, fromZero) {
+    Object.assign(this, { xLabel, yLabel, fromZero });
     this.figure = document.getElementById(id);
     this.figure.innerHTML = `<figcaption><h2>${title}</h2><output></output>
       <button>CSV</button><button>SVG</button></figcaption><svg role="img" aria-label="${title}">`;
@@ -49,7 +64,8 @@ class Plot {
     if (x < range.x[0] || x > range.x[1] || y < range.y[0] || y > range.y[1]) return;
     const text = `${this.xLabel} = ${x.toPrecision(4)}, ${this.yLabel} = ${y.toPrecision(4)}`;
     this.figure.querySelector("output").textContent = text;
-    this.move?.(x, y, buttons > 0);
+    this.hover?.(x, y);
+    if (buttons) this.press?.(x, y);
   }
 
   bounds(axis) {
@@ -60,10 +76,9 @@ class Plot {
     const high = values.reduce((a, b) => Math.max(a, b), -Infinity);
     if (fromZero && axis === "x") return [low, high];
     // A margin, with round ends, so that the axes rest while a slider moves a little.
-    const margin = 0.04 * (high - low) || 0.5;
-    const [first, second] = ticks(low - margin, high + margin, 20);
-    const round = (end, to) => to(end / (second - first)) * (second - first);
-    return [fromZero ? low : round(low - margin, Math.floor), round(high + margin, Math.ceil)];
+    const margin = 0.1 * (high - low) || 0.5;
+    const round = ticks(low - margin, high + margin, 40);
+    return [fromZero ? low : round[0], round.at(-1)];
   }
 
   paint() {
@@ -91,9 +106,6 @@ class Plot {
     text(box.left + box.width / 2, height - 4, "middle", this.xLabel);
     text(4, 15, "start", this.yLabel);
     const isMark = (series) => series.class.includes("mark");
-    for (const series of this.series.filter((one) => !isMark(one))) {
-      line(series.class, this.path(series, x, y));
-    }
     // Names of neighbours stand below each other, as long as there is room.
     let [last, level] = [-Infinity, 0];
     for (const { name, x: [u] } of this.series.filter(isMark).sort((a, b) => a.x[0] - b.x[0])) {
@@ -104,6 +116,9 @@ class Plot {
       const turned = `transform="rotate(-90 ${right} ${down})"`;
       if (down + 96 < bottom) text(right, down, "end", `${name} ${u.toPrecision(4)}`, turned);
     }
+    for (const series of this.series.filter((one) => !isMark(one))) {
+      line(series.class, this.path(series, x, y));
+    }
     if (this.cursor >= range.x[0] && this.cursor <= range.x[1]) {
       line("start", `M${x(this.cursor)} ${bottom}V${box.top}`);
     }
@@ -112,16 +127,13 @@ class Plot {
   }
 
   path(series, x, y) {
-    const isDots = series.class.includes("point");
-    let [path, isOn] = ["", false];
-    series.x.forEach((u, i) => {
+    const at = (u, i) => {
       const v = series.y[i];
-      const isPoint = u !== null && v !== null;
-      if (isPoint) path += `${isOn && !isDots ? "L" : "M"}${x(u).toFixed(1)} ${y(v).toFixed(1)}`;
-      if (isPoint && isDots) path += "h.01";
-      isOn = isPoint;
-    });
-    return path;
+      return u !== null && v !== null ? `${x(u).toFixed(1)} ${y(v).toFixed(1)}` : "";
+    };
+    const points = series.x.map(at);
+    if (series.class.includes("point")) return points.map((point) => `M${point}h.01`).join("");
+    return points.map((point, i) => point && (points[i - 1] ? "L" : "M") + point).join("");
   }
 
   legend(width) {
@@ -142,16 +154,8 @@ class Plot {
   // The basins, below the curves.
   image(x, y) {
     const { cells, left, right, low, high } = this.cells;
-    const canvas = document.createElement("canvas");
-    [canvas.width, canvas.height] = [cells[0].length, cells.length];
-    const pen = canvas.getContext("2d");
-    const colours = ["#64748b40", "#0ea5e938", "#0ea5e938", "#f59e0b38", "#f59e0b38"];
-    const dot = (cell, i, j) => {
-      pen.fillStyle = colours[cell % colours.length];
-      pen.fillRect(i, cells.length - 1 - j, 1, 1);
-    };
-    cells.forEach((row, j) => [...row].forEach((cell, i) => dot(cell, i, j)));
-    return `<image href="${canvas.toDataURL()}" preserveAspectRatio="none" x="${x(left)}"
+    this.cells.url ??= coloured(cells);
+    return `<image href="${this.cells.url}" preserveAspectRatio="none" x="${x(left)}"
       y="${y(high)}" width="${x(right) - x(left)}" height="${y(low) - y(high)}"/>`;
   }
 
@@ -164,8 +168,7 @@ class Plot {
   picture() {
     const copy = this.svg.cloneNode(true);
     const copies = [copy, ...copy.querySelectorAll("*")];
-    const names = ["fill", "stroke", "stroke-width", "stroke-dasharray", "stroke-linecap", "font",
-      "paint-order"];
+    const names = ["fill", "stroke", "stroke-width", "stroke-dasharray", "stroke-linecap", "font"];
     [this.svg, ...this.svg.querySelectorAll("*")].forEach((element, i) => {
       const style = getComputedStyle(element);
       for (const name of names) copies[i].style.setProperty(name, style.getPropertyValue(name));

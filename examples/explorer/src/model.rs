@@ -6,10 +6,9 @@ use stick_slip::bifurcation::{self, along_velocities};
 use stick_slip::limit_cycle::{Attractor, Basins, basins};
 use stick_slip::orbit::{self, Period};
 use stick_slip::structure;
-use stick_slip::{
-    AnyLaw, Coulomb, Drive, Error, Event, Exponential, FrictionLaw, MassOnBelt, Mode,
-};
-use stick_slip::{Physical, Polynomial, Scaling, Segment, State, Stribeck, Structure, Tabulated};
+use stick_slip::{AnyLaw, Coulomb, Drive, Error, Exponential, FrictionLaw, MassOnBelt, Physical};
+use stick_slip::{Polynomial, Scaling, Segment, State, Stribeck, Structure};
+use stick_slip::{SystemState, Tabulated, Trajectory};
 
 use crate::text::{Answer, Fallible, Question, six};
 
@@ -25,8 +24,8 @@ pub fn answer(question: &str) -> String {
         "basins" => cells(&q),
         kind => Err(format!("no such question: {kind}").into()),
     };
-    let failed = |error: Box<dyn std::error::Error>| Some(error.to_string());
-    let answer = answer.unwrap_or_else(|e| Answer { error: failed(e), ..Answer::default() });
+    let answer = answer.map_err(|error| error.to_string());
+    let answer = answer.unwrap_or_else(|e| Answer { error: Some(e), ..Answer::default() });
     serde_json::to_string(&answer).unwrap_or_default()
 }
 
@@ -67,40 +66,47 @@ fn forced(belt: &Belt, force: f64, frequency: f64) -> Result<Forced, Error> {
 }
 
 /// A motion as points, with both ends of every step, so that no event is cut off.
-#[derive(Default)]
 struct Line {
-    t: Vec<f64>,
-    u: Vec<f64>,
-    v: Vec<f64>,
-    /// Displacement where the mass sticks, else NaN.
-    stick: Vec<f64>,
+    /// Time, displacement, velocity; displacement in stick, sliding speed in slip, else NaN.
+    points: Vec<[f64; 5]>,
     stick_time: f64,
-    /// Sliding speeds; NaN where the mass sticks.
-    speeds: Vec<f64>,
-    events: Vec<Event<structure::State>>,
+    /// Time, displacement, kind.
+    events: Vec<(f64, f64, String)>,
 }
 
 impl Line {
-    fn of(system: &Forced, start: structure::State, time: f64) -> Result<Self, Error> {
-        let motion = system.simulate(start, time)?;
-        let v_b = system.contacts()[0].belt_velocity().value(0.0);
-        let mut line = Self { events: motion.events().to_vec(), ..Self::default() };
+    fn of<S: SystemState + Into<structure::State>>(motion: &Trajectory<S>, v_b: f64) -> Self {
+        let (mut points, mut stick_time, mut events) = (Vec::new(), 0.0, Vec::new());
+        let interval = motion.duration() / 800.0;
         for step in motion.steps() {
             let duration = step.duration();
-            let sticks = step.modes()[0] == Mode::Stick;
-            line.stick_time += if sticks { duration } else { 0.0 };
-            let parts = (800.0 * duration / time).ceil().max(1.0);
-            for time in (0..=parts as usize).map(|i| duration * i as f64 / parts) {
-                let state = step.state_at(time);
-                let (u, v) = (state.displacements[0], state.velocities[0]);
-                line.t.push(step.start_time() + time);
-                line.u.push(u);
-                line.v.push(v);
-                line.stick.push(if sticks { u } else { f64::NAN });
-                line.speeds.push(if sticks { f64::NAN } else { (v - v_b).abs() });
-            }
+            let point = |time: f64| {
+                let state: structure::State = step.state_at(time).into();
+                (state.displacements[0], state.velocities[0])
+            };
+            // In stick the velocity is that of the belt, to the bit.
+            let is_stick = [0.0, 0.5, 1.0].iter().all(|part| point(part * duration).1 == v_b);
+            stick_time += if is_stick { duration } else { 0.0 };
+            let parts = (duration / interval).ceil().max(1.0);
+            points.extend((0..=parts as usize).map(|i| {
+                let time = duration * i as f64 / parts;
+                let (u, v) = point(time);
+                let slip = [step.start_time() + time, u, v, f64::NAN, (v - v_b).abs()];
+                if is_stick { [slip[0], u, v, u, f64::NAN] } else { slip }
+            }));
+            let u = point(duration).0;
+            let kinds = step.events().iter().map(|event| (event.time, u, event.kind.to_string()));
+            events.extend(kinds);
         }
-        Ok(line)
+        // A stiff motion has many steps.
+        points.dedup_by(|next: &mut [f64; 5], kept| {
+            next[0] - kept[0] < 0.2 * interval && next[3].is_nan() == kept[3].is_nan()
+        });
+        Self { points, stick_time, events }
+    }
+
+    fn columns(&self) -> [Vec<f64>; 5] {
+        std::array::from_fn(|i| self.points.iter().map(|point| point[i]).collect())
     }
 }
 
@@ -115,13 +121,13 @@ struct Cycle {
 
 impl Cycle {
     fn words(&self) -> String {
-        let Self { kind, period, amplitude, .. } = self;
-        let stick = match 100.0 * self.line.stick_time / period {
+        let (amplitude, period) = (six(self.amplitude), six(self.period));
+        let stick = match 100.0 * self.line.stick_time / self.period {
             0.0 => String::new(),
             percent => format!(", {percent:.1} % of it in stick"),
         };
-        let (amplitude, period) = (six(*amplitude), six(*period));
-        format!("{} {kind}: amplitude {amplitude}, period {period}{stick}", stable(self.is_stable))
+        let kind = format!("{} {}", stable(self.is_stable), self.kind);
+        format!("{kind}: amplitude {amplitude}, period {period}{stick}")
     }
 }
 
@@ -129,29 +135,25 @@ fn stable(is_stable: bool) -> &'static str {
     if is_stable { "stable" } else { "unstable" }
 }
 
-/// A fate in words, all cycles, and the number of the cycle that is reached.
-type Fate = (String, Vec<Cycle>, Option<usize>);
+/// All cycles, and the number of the one that the motion comes to, or what else it comes to.
+type Fate = (Vec<Cycle>, Result<usize, String>);
 
 /// What becomes of a start without a force.
-fn free_fate(belt: &Belt, system: &Forced, start: State) -> Result<Fate, Error> {
+fn free_fate(belt: &Belt, start: State) -> Result<Fate, Error> {
     let basins = basins(belt)?;
     let cycles = basins.cycles().iter().map(|cycle| {
-        let line = Line::of(system, cycle.state().into(), cycle.period())?;
         let (period, amplitude) = (cycle.period(), cycle.amplitude());
         let (is_stable, kind) = (cycle.is_stable(), cycle.kind().to_string());
-        Ok(Cycle { is_stable, kind, period, amplitude, line })
+        let line = Line::of(&cycle.trajectory(), belt.belt_velocity());
+        Cycle { is_stable, kind, period, amplitude, line }
     });
-    let cycles = cycles.collect::<Result<Vec<Cycle>, Error>>()?;
     let attractor = basins.attractor(start)?;
-    let index = index(&basins, &attractor);
-    let words = match (&attractor, index) {
-        (Attractor::Separatrix(_), Some(i)) => format!("stays on {}", cycles[i].words()),
-        (_, Some(i)) => format!("settles to {}", cycles[i].words()),
-        (Attractor::Unbounded, _) => "moves farther and farther away".into(),
-        (Attractor::Unresolved, _) => "comes to what double precision does not tell".into(),
-        (other, _) => format!("settles to {other}"),
+    let other = match attractor {
+        Attractor::Unbounded => "moves farther and farther away".into(),
+        Attractor::Unresolved => "comes to what double precision does not tell".into(),
+        _ => format!("settles to {attractor}"),
     };
-    Ok((words, cycles, index))
+    Ok((cycles.collect(), index(&basins, &attractor).ok_or(other)))
 }
 
 /// The number of the cycle to which a motion comes.
@@ -162,44 +164,46 @@ fn index(basins: &Basins<AnyLaw>, attractor: &Attractor) -> Option<usize> {
 
 /// What becomes of a start under a force: the first stable motion that repeats after one to four
 /// of its periods, and the unstable ones met before.
-fn forced_fate(belt: &Belt, system: &Forced, start: State) -> Result<Fate, Error> {
+fn forced_fate(belt: &Belt, system: &Forced, start: State) -> Fate {
     let transient = (20.0 / belt.damping()).clamp(300.0, 3000.0);
-    let (mut cycles, mut failure) = (Vec::new(), String::new());
+    let mut cycles = Vec::new();
     for count in 1..=4 {
-        match orbit::settle(system, &start.into(), transient, Period::Driven(count)) {
-            Err(error) => failure = format!(" ({error})"),
-            Ok(orbit) => {
-                let ((low, high), period) = (orbit.extremes(0), orbit.period());
-                let (is_stable, amplitude) = (orbit.is_stable(), 0.5 * (high - low));
-                let kind = format!("motion over {count} × the force's period");
-                let line = Line::of(system, orbit.state(), period)?;
-                cycles.push(Cycle { is_stable, kind, period, amplitude, line });
-                if is_stable {
-                    let last = cycles.len() - 1;
-                    return Ok((
-                        format!("settles to {}", cycles[last].words()),
-                        cycles,
-                        Some(last),
-                    ));
-                }
-            }
+        let orbit = orbit::settle(system, &start.into(), transient, Period::Driven(count));
+        let Ok(orbit) = orbit else { continue };
+        let (period, (low, high)) = (orbit.period(), orbit.extremes(0));
+        let (is_stable, amplitude) = (orbit.is_stable(), 0.5 * (high - low));
+        let kind = format!("motion over {count} × the force's period");
+        let line = Line::of(orbit.trajectory(), belt.belt_velocity());
+        cycles.push(Cycle { is_stable, kind, period, amplitude, line });
+        if is_stable {
+            break;
         }
     }
-    let words = format!("does not repeat itself after 1, 2, 3 or 4 periods of the force{failure}");
-    Ok((words, cycles, None))
+    let reached = cycles.iter().position(|cycle| cycle.is_stable);
+    let other = "does not repeat itself after 1, 2, 3 or 4 periods of the force";
+    (cycles, reached.ok_or(other.into()))
 }
 
 /// What the mass does from its start, all its cycles, and its law.
 fn motion(q: &Question) -> Fallible<Answer> {
-    let (belt, start, force) = (belt(q)?, start(q)?, q.get("force")?);
-    let system = forced(&belt, force, q.get("frequency")?)?;
-    let line = Line::of(&system, start.into(), q.get("time")?)?;
-    let fate = if force == 0.0 { free_fate } else { forced_fate };
-    let (fate, cycles, reached) = fate(&belt, &system, start)?;
+    let (belt, start, time, force) = (belt(q)?, start(q)?, q.get("time")?, q.get("force")?);
+    let v_b = belt.belt_velocity();
+    let (line, (cycles, reached)) = if force == 0.0 {
+        (Line::of(&belt.simulate(start, time)?, v_b), free_fate(&belt, start)?)
+    } else {
+        let system = forced(&belt, force, q.get("frequency")?)?;
+        let motion = system.simulate(start.into(), time)?;
+        (Line::of(&motion, v_b), forced_fate(&belt, &system, start))
+    };
+    let fate = match &reached {
+        Ok(i) if cycles[*i].is_stable => format!("settles to {}", cycles[*i].words()),
+        Ok(i) => format!("stays, until disturbed, on {}", cycles[*i].words()),
+        Err(other) => other.clone(),
+    };
     let mut answer = Answer::default();
     let (u, v) = (start.displacement, start.velocity);
     answer.words.push(format!("From u = {u}, u′ = {v} the mass {fate}."));
-    let others = cycles.iter().enumerate().filter(|(i, _)| Some(*i) != reached);
+    let others = cycles.iter().enumerate().filter(|(i, _)| Ok(*i) != reached);
     answer.words.extend(others.map(|(_, cycle)| format!("There is also {}.", cycle.words())));
     draw_motion(&mut answer, &line, &cycles);
     if let Some(equilibrium) = belt.equilibrium().filter(|_| force == 0.0) {
@@ -207,10 +211,10 @@ fn motion(q: &Question) -> Fallible<Answer> {
         let class = format!("phase {} point", stable(equilibrium.is_stable()));
         answer.add(class, "steady sliding", vec![equilibrium.displacement], vec![0.0]);
     }
-    let reached = reached.map(|i| &cycles[i]);
-    draw_law(&mut answer, &belt, &reached.map_or(&line, |cycle| &cycle.line).speeds);
+    let cycle = reached.ok().map(|i| &cycles[i]);
+    draw_law(&mut answer, &belt, cycle.map_or(&line, |cycle| &cycle.line));
     if ["mass", "spring", "normal_load"].iter().all(|name| !q.text(name).is_empty()) {
-        answer.words.push(si_units(q, &belt, reached)?);
+        answer.words.push(si_units(q, &belt, cycle)?);
     }
     Ok(answer)
 }
@@ -225,8 +229,8 @@ fn si_units(q: &Question, belt: &Belt, cycle: Option<&Cycle>) -> Fallible<String
     let physical = Physical { mass, stiffness, damping, normal_force, belt_velocity };
     let scaling = Scaling::new(physical)?.with_length(length)?;
     let motion = cycle.map_or(String::new(), |cycle| {
-        let amplitude = six(1e3 * scaling.metres(cycle.amplitude));
         let period = scaling.seconds(cycle.period);
+        let amplitude = six(1e3 * scaling.metres(cycle.amplitude));
         let (period, hertz) = (six(period), six(period.recip()));
         format!("amplitude {amplitude} mm, period {period} s, {hertz} Hz; ")
     });
@@ -235,37 +239,38 @@ fn si_units(q: &Question, belt: &Belt, cycle: Option<&Cycle>) -> Fallible<String
 }
 
 fn draw_motion(answer: &mut Answer, line: &Line, cycles: &[Cycle]) {
-    let Line { t, u, v, stick, .. } = line;
+    let [t, u, v, stick, _] = line.columns();
     answer.add("phase motion", "from the start", u.clone(), v.clone());
-    for Cycle { is_stable, kind, line: Line { u, v, stick, .. }, .. } in cycles {
-        answer.add("phase stick", "stick", stick.clone(), v.clone());
-        answer.add(format!("phase {}", stable(*is_stable)), kind, u.clone(), v.clone());
+    for Cycle { is_stable, kind, line, .. } in cycles {
+        let [_, u, v, stick, _] = line.columns();
+        answer.add("phase stick", "stick", stick, v.clone());
+        answer.add(format!("phase {}", stable(*is_stable)), kind, u, v);
     }
     answer.add("phase start point", "start", u[..1].to_vec(), v[..1].to_vec());
-    answer.add("time stick", "stick", t.clone(), stick.clone());
-    answer.add("time velocity", "velocity u′", t.clone(), v.clone());
-    answer.add("time displacement", "displacement u", t.clone(), u.clone());
+    answer.add("time stick", "stick", t.clone(), stick);
+    answer.add("time velocity", "velocity u′", t.clone(), v);
+    answer.add("time displacement", "displacement u", t, u);
     for kind in ["stick", "release", "crossing"] {
-        let events = line.events.iter().filter(|event| event.kind.to_string().starts_with(kind));
-        let (x, y) = events.map(|event| (event.time, event.state.displacements[0])).unzip();
+        let events = line.events.iter().filter(|event| event.2.starts_with(kind));
+        let (x, y) = events.map(|event| (event.0, event.1)).unzip();
         answer.add(format!("time {kind}-event point"), &format!("{kind} (event)"), x, y);
     }
 }
 
-fn draw_law(answer: &mut Answer, belt: &Belt, speeds: &[f64]) {
+fn draw_law(answer: &mut Answer, belt: &Belt, line: &Line) {
     let (law, v_b) = (belt.law(), belt.belt_velocity().abs());
-    let start = speeds.iter().copied().fold(f64::INFINITY, f64::min);
-    let end = speeds.iter().copied().fold(0.0, f64::max);
+    let speeds = || line.points.iter().map(|point| point[4]);
+    let (low, high) = (speeds().fold(f64::INFINITY, f64::min), speeds().fold(0.0, f64::max));
     let mut curve = |class, name, range: Range<f64>| {
         let speed = |i| range.start + (range.end - range.start) * f64::from(i) / 200.0;
         let x: Vec<f64> = (0..=200).map(speed).collect();
         let y = x.iter().map(|&speed| law.kinetic(speed)).collect();
         answer.add(class, name, x, y);
     };
-    if start < end {
-        curve("law visited", "where the motion slides", start..end);
+    if low < high {
+        curve("law visited", "where the motion slides", low..high);
     }
-    curve("law kinetic", "kinetic", 0.0..1.25 * end.max(v_b).max(1e-3));
+    curve("law kinetic", "kinetic", 0.0..1.25 * high.max(v_b).max(1e-3));
     answer.add("law event point", "static", vec![0.0], vec![law.static_coefficient()]);
     answer.add("law start point", "steady sliding", vec![v_b], vec![law.kinetic(v_b)]);
 }

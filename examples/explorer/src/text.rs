@@ -5,6 +5,7 @@ use std::fmt::Display;
 use std::str::FromStr;
 
 use serde::Serialize;
+use serde_json::{Value, json};
 
 pub type Fallible<T> = Result<T, Box<dyn Error>>;
 
@@ -30,26 +31,18 @@ impl<'q> Question<'q> {
 pub struct Answer {
     /// Sentences.
     pub words: Vec<String>,
-    pub series: Vec<Series>,
+    /// Curves and sets of dots.
+    pub series: Vec<Value>,
     /// Rows of a picture from the bottom up, a character for each cell.
     pub cells: Vec<String>,
     /// What went wrong; the rest holds nevertheless.
     pub error: Option<String>,
 }
 
-/// A curve or a set of dots. NaN, written as null, interrupts a curve.
-#[derive(Serialize)]
-pub struct Series {
-    /// The plot, and how it is drawn: classes of the style sheet.
-    class: String,
-    name: String,
-    x: Vec<f64>,
-    y: Vec<f64>,
-}
-
 impl Answer {
+    /// Adds a curve, interrupted at NaN, or dots. The class names the plot, and how it is drawn.
     pub fn add(&mut self, class: impl Into<String>, name: &str, x: Vec<f64>, y: Vec<f64>) {
-        self.series.push(Series { class: class.into(), name: name.to_owned(), x, y });
+        self.series.push(json!({ "class": class.into(), "name": name, "x": x, "y": y }));
     }
 }
 

@@ -136,10 +136,11 @@ try {
   assert.deepEqual(await seen(), before);
 
   // Bad numbers are answered in the words of the crate, and a good one heals all.
+  await go("spring=1&normal_load=1&length=1");
   for (const [name, bad, good, message] of [
     ["beta", "-1", "0.05", "damping = -1 is not allowed"],
     ["load", "two", "1", "load = “two”: invalid float literal"],
-    ["mass", "0", "", ""],
+    ["mass", "0", "", "Scaling: mass = 0 is not allowed"],
     ["to", "-1", "0.6", "range.end = -1 is not allowed"],
   ]) {
     await type(name, bad);
