@@ -2,7 +2,6 @@ const element = (id) => document.getElementById(id);
 const form = document.querySelector("form");
 const program = URL.createObjectURL(new Blob([element("worker").textContent]));
 const value = (name) => form.elements[name].value;
-const rounded = (x) => Number(x.toPrecision(4));
 const isForced = () => Number(value("force")) !== 0;
 const over = () => (isForced() && value("over") === "frequency" ? "frequency" : "v_b");
 
@@ -20,24 +19,18 @@ const plots = {
   time: new Plot("time", "Motion from the start", "time τ", "u, u′", "x"),
   law: new Plot("law", "Friction law", "sliding speed", "μ", "xy"),
 };
-plots.phase.press = (u, v) => set({ u: rounded(u), v: rounded(v) });
-plots.diagram.press = (x) => set({ [over()]: rounded(x) });
-plots.time.hover = trace;
-
-// Shows the state at a time of the motion in the other plots.
-function trace(time) {
-  const find = (plot, name) => plots[plot].series.find((series) => series.class.includes(name));
-  const [u, v, law] = [find("time", "displacement"), find("time", "velocity"), find("law", "kin")];
+plots.phase.press = (u, v) => set({ u: +u.toPrecision(4), v: +v.toPrecision(4) });
+plots.diagram.press = (x) => set({ [over()]: +x.toPrecision(4) });
+// The state at a time of the motion, shown in the other plots.
+plots.time.hover = (time) => {
+  const find = (name) => plots.time.series.find((series) => series.class.includes(name));
+  const [u, v] = [find("displacement"), find("velocity")];
   const i = u.x.findIndex((other) => other >= time);
-  const speed = Math.abs(v.y[i] - value("v_b"));
-  const at = law.x.findIndex((other) => other >= speed);
-  plots.phase.draw({ dot: i < 0 ? null : [u.y[i], v.y[i]] });
-  plots.law.draw({ dot: at < 0 ? null : [speed, law.y[at]] });
-}
+  plots.phase.draw({ dot: [u.y[i], v.y[i]] });
+  plots.law.draw({ cursor: Math.abs(v.y[i] - value("v_b")) });
+};
 
-// A worker, and the questions that it has still to answer. One that takes longer than this, in
-// milliseconds, is stopped when others are asked.
-const PATIENCE = 500;
+// A worker, and the questions that it has still to answer.
 class Desk {
   constructor(module) {
     this.module = module;
@@ -59,7 +52,8 @@ class Desk {
 
   ask(plan) {
     this.plan = plan;
-    if (this.job && performance.now() - this.since > PATIENCE) this.start();
+    // What takes longer than half a second is stopped.
+    if (this.job && performance.now() - this.since > 500) this.start();
     if (!this.job) this.next();
   }
 
@@ -91,7 +85,7 @@ function motion() {
     for (const [name, plot] of Object.entries(plots)) {
       if (name !== "diagram") plot.figure.classList.toggle("stale", Boolean(error));
       const own = series.filter((one) => one.class.startsWith(name));
-      if (own.length) plot.draw({ series: own, dot: null });
+      if (own.length) plot.draw({ series: own, dot: null, cursor: NaN });
     }
     const text = words.map((sentence) => `<p>${sentence}</p>`).join("");
     if (!error) element("words").innerHTML = text;
@@ -155,7 +149,7 @@ function readAddress() {
   form.reset();
   const given = [...new URLSearchParams(location.hash.slice(1))];
   const known = given.filter(([name]) => form.elements.namedItem(name));
-  set({ ...Object.fromEntries(new FormData(form)), ...Object.fromEntries(known) });
+  set(Object.fromEntries([...new FormData(form), ...known]));
 }
 
 (async () => {

@@ -1,4 +1,3 @@
-"use strict";
 // Round numbers between two others, a certain number of them at most.
 function ticks(low, high, count) {
   const power = 10 ** Math.floor(Math.log10((high - low) / count));
@@ -20,12 +19,11 @@ function coloured(cells) {
   [canvas.width, canvas.height] = [cells[0].length, cells.length];
   const pen = canvas.getContext("2d");
   const colours = ["#64748b40", "#0ea5e938", "#0ea5e938", "#f59e0b38", "#f59e0b38"];
-  cells.reverse().forEach((row, j) =>
-    [...row].forEach((cell, i) => {
-      pen.fillStyle = colours[cell % colours.length];
-      pen.fillRect(i, j, 1, 1);
-    }),
-  );
+  const dot = (cell, i, j) => {
+    pen.fillStyle = colours[cell % colours.length];
+    pen.fillRect(i, j, 1, 1);
+  };
+  cells.reverse().forEach((row, j) => [...row].forEach((cell, i) => dot(cell, i, j)));
   return canvas.toDataURL();
 }
 
@@ -168,7 +166,7 @@ class Plot {
   picture() {
     const copy = this.svg.cloneNode(true);
     const copies = [copy, ...copy.querySelectorAll("*")];
-    const names = ["fill", "stroke", "stroke-width", "stroke-dasharray", "stroke-linecap", "font"];
+    const names = ["fill", "font", "stroke", "stroke-width", "stroke-dasharray", "stroke-linecap"];
     [this.svg, ...this.svg.querySelectorAll("*")].forEach((element, i) => {
       const style = getComputedStyle(element);
       for (const name of names) copies[i].style.setProperty(name, style.getPropertyValue(name));

@@ -1,6 +1,9 @@
 // Answers questions one after the other. The first message is the compiled module.
 let module, wasm;
-const start = () => (wasm = new WebAssembly.Instance(module).exports);
+function start(compiled) {
+  module = compiled;
+  wasm = new WebAssembly.Instance(module).exports;
+}
 
 function answer(question) {
   const text = new TextEncoder().encode(question);
@@ -12,14 +15,11 @@ function answer(question) {
 }
 
 onmessage = ({ data }) => {
-  if (data instanceof WebAssembly.Module) {
-    module = data;
-    return start();
-  }
+  if (data instanceof WebAssembly.Module) return start(data);
   try {
     postMessage(answer(data));
   } catch (error) {
-    start();
+    start(module);
     postMessage(JSON.stringify({ words: [], series: [], cells: [], error: String(error) }));
   }
 };

@@ -15,14 +15,13 @@ use crate::text::{Answer, Fallible, Question, six};
 type Belt = MassOnBelt<AnyLaw>;
 type Forced = Structure<AnyLaw>;
 
-/// The answer to a question, as JSON.
+/// The answer to a question, `motion`, `diagram` or `basins`, as JSON.
 pub fn answer(question: &str) -> String {
     let q = Question(question);
     let answer = match q.text("kind") {
         "motion" => motion(&q),
         "diagram" => diagram(&q),
-        "basins" => cells(&q),
-        kind => Err(format!("no such question: {kind}").into()),
+        _ => cells(&q),
     };
     let answer = answer.map_err(|error| error.to_string());
     let answer = answer.unwrap_or_else(|e| Answer { error: Some(e), ..Answer::default() });
@@ -126,8 +125,7 @@ impl Cycle {
             0.0 => String::new(),
             percent => format!(", {percent:.1} % of it in stick"),
         };
-        let kind = format!("{} {}", stable(self.is_stable), self.kind);
-        format!("{kind}: amplitude {amplitude}, period {period}{stick}")
+        format!("{}: amplitude {amplitude}, period {period}{stick}", self.kind)
     }
 }
 
@@ -143,12 +141,14 @@ fn free_fate(belt: &Belt, start: State) -> Result<Fate, Error> {
     let basins = basins(belt)?;
     let cycles = basins.cycles().iter().map(|cycle| {
         let (period, amplitude) = (cycle.period(), cycle.amplitude());
-        let (is_stable, kind) = (cycle.is_stable(), cycle.kind().to_string());
+        let is_stable = cycle.is_stable();
+        let kind = format!("{} {}", stable(is_stable), cycle.kind());
         let line = Line::of(&cycle.trajectory(), belt.belt_velocity());
         Cycle { is_stable, kind, period, amplitude, line }
     });
     let attractor = basins.attractor(start)?;
     let other = match attractor {
+        Attractor::Continuum => "stays on one of a continuum of cycles".into(),
         Attractor::Unbounded => "moves farther and farther away".into(),
         Attractor::Unresolved => "comes to what double precision does not tell".into(),
         _ => format!("settles to {attractor}"),
@@ -172,7 +172,7 @@ fn forced_fate(belt: &Belt, system: &Forced, start: State) -> Fate {
         let Ok(orbit) = orbit else { continue };
         let (period, (low, high)) = (orbit.period(), orbit.extremes(0));
         let (is_stable, amplitude) = (orbit.is_stable(), 0.5 * (high - low));
-        let kind = format!("motion over {count} × the force's period");
+        let kind = format!("{} motion of period {}π/Ω", stable(is_stable), 2 * count);
         let line = Line::of(orbit.trajectory(), belt.belt_velocity());
         cycles.push(Cycle { is_stable, kind, period, amplitude, line });
         if is_stable {

@@ -1,8 +1,6 @@
 //! Questions and answers as text.
 
-use std::error::Error;
-use std::fmt::Display;
-use std::str::FromStr;
+use std::{error::Error, fmt::Display, str::FromStr};
 
 use serde::Serialize;
 use serde_json::{Value, json};

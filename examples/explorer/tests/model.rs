@@ -70,7 +70,8 @@ fn two_fates_side_by_side() {
 fn a_force_and_its_resonance_curve() {
     let forced = "mu_s=0.55 mu_k=0.3 v_s=0.7 beta=0.03 load=0.9 v_b=0.25 force=0.2 frequency=0.9";
     let motion = words(&ask(&format!("kind=motion {forced}")));
-    assert!(motion.contains("amplitude 0.455983, period 6.98132"), "{motion}");
+    let expected = "stable motion of period 2π/Ω: amplitude 0.455983, period 6.98132";
+    assert!(motion.contains(expected), "{motion}");
     let curve = ask(&format!("kind=diagram over=frequency to=1 {forced}"));
     assert!(!series(&curve, "diagram mark").is_empty());
     assert!(series(&curve, "diagram unstable").iter().any(|point| point.1 > 0.4));
