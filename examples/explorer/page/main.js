@@ -87,6 +87,7 @@ function motion() {
       const own = series.filter((one) => one.class.startsWith(name));
       if (own.length) plot.draw({ series: own, dot: null, cursor: NaN });
     }
+    element("words").classList.toggle("stale", Boolean(error));
     const text = words.map((sentence) => `<p>${sentence}</p>`).join("");
     if (!error) element("words").innerHTML = text;
   });

@@ -40,14 +40,20 @@ const pause = (time) => new Promise((done) => setTimeout(done, time));
 async function settled() {
   for (let i = 0; i < 600; i++) {
     await pause(50);
-    if (await value("document.documentElement.dataset.state === 'ready'")) return pause(50);
+    if (await value("document.documentElement.dataset.state === 'ready'")) {
+      const frame = "requestAnimationFrame";
+      return value(`new Promise((drawn) => ${frame}(() => ${frame}(() => drawn())))`);
+    }
   }
   assert.fail("the page computes for half a minute");
 }
 const text = (id) => value(`document.getElementById("${id}").innerText`);
 const plot = (id) => value(`document.querySelector("#${id} svg").innerHTML`);
 async function go(hash) {
-  await value(`location.hash = "${hash}"`);
+  await value(`new Promise((changed) => {
+    setTimeout(changed, 1000);
+    addEventListener("hashchange", () => changed(), { once: true });
+    location.hash = "${hash}"; })`);
   await settled();
 }
 async function type(name, content) {
