@@ -32,6 +32,41 @@ const DEFECT_FLOOR: f64 = 1000.0;
 /// step's last term.
 const DEFECT_LIMIT: f64 = 40.0 * TERMS as f64;
 
+/// What a step of some length comes to.
+pub(crate) enum Attempt<T> {
+    /// It may be taken.
+    Taken(T),
+    /// Its series are too curved for their roots to be isolated.
+    TooCurved,
+    /// It leaves out more than it may, up to this time.
+    Inexact(f64),
+}
+
+/// The longest step up to `longest` that may be taken, by halving, with the length that was tried.
+///
+/// # Errors
+///
+/// The length at which steps became too short.
+#[inline(always)]
+pub(crate) fn settle<T>(
+    longest: f64,
+    is_long_enough: impl Fn(f64) -> bool,
+    mut attempt: impl FnMut(f64) -> Attempt<T>,
+) -> Result<(T, f64), f64> {
+    let mut h = longest;
+    loop {
+        if !is_long_enough(h) {
+            return Err(h);
+        }
+        h = 0.5
+            * match attempt(h) {
+                Attempt::Taken(step) => return Ok((step, h)),
+                Attempt::TooCurved => h,
+                Attempt::Inexact(end) => end,
+            };
+    }
+}
+
 /// The errors that are allowed in a step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Allowance {

@@ -91,6 +91,8 @@
 //!
 //! | file | what is in it |
 //! |---|---|
+//! | `form.rs` | a system as the searches see it |
+//! | `period.rs`, `trial.rs` | [`Period`]; a start that is tried |
 //! | `oscillator.rs` | [`Oscillator`]: what the searches need of a system, without the type of its laws |
 //! | `linear.rs` | the equations linearised along one step: derivatives of the laws as power series |
 //! | `tangent.rs` | the tangent flow: small changes, carried along by the steps of the motion |
@@ -115,6 +117,7 @@ mod changes;
 mod corner;
 mod curve;
 mod follow;
+mod form;
 mod found;
 mod jump;
 mod linear;
@@ -122,11 +125,13 @@ mod lyapunov;
 mod map;
 mod multipliers;
 mod oscillator;
+mod period;
 mod saltation;
 mod section;
 mod sequence;
 mod shoot;
 mod tangent;
+mod trial;
 mod walk;
 
 pub use branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
@@ -134,5 +139,6 @@ pub use follow::follow;
 pub use found::Orbit;
 pub use lyapunov::{LyapunovExponent, lyapunov, lyapunov_with_spread};
 pub use oscillator::Oscillator;
+pub use period::Period;
 pub use section::{EventSection, Section, section, section_at};
-pub use shoot::{Period, settle, shoot};
+pub use shoot::{settle, shoot};

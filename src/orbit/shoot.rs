@@ -2,53 +2,15 @@
 
 use nalgebra::{DMatrix, DVector, SVD};
 
+use super::form::{Form, Rhythm};
 use super::found::Orbit;
-use super::map::{self, CLOSED, PeriodMap, state, vector};
-use super::oscillator::{Form, Oscillator, Rhythm};
+use super::map::{self, CLOSED, state, vector};
+use super::oscillator::Oscillator;
+use super::period::Period;
+use super::trial::Trial;
 use crate::error::Error;
 use crate::motion::Mode;
 use crate::state::structure::State;
-
-/// The period of a motion that is looked for.
-///
-/// ```
-/// use stick_slip::orbit::Period;
-/// assert_ne!(Period::Driven(2), Period::Free(2.0));
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Period {
-    /// So many periods of the drives of a [`Structure`](crate::Structure), at least 1. The state is
-    /// that at time 0 of the drives.
-    Driven(usize),
-    /// An estimate of the period of a free motion, in which no drive varies, in units of time.
-    ///
-    /// The state is on the section through the guess that is normal to the flow there.
-    Free(f64),
-}
-
-impl Period {
-    /// In units of time, where drives vary like this.
-    pub(super) fn duration(self, rhythm: Rhythm) -> Result<f64, Error> {
-        match (self, rhythm) {
-            (Self::Driven(count), Rhythm::Periodic(period)) => {
-                let allowed = "periods ≥ 1";
-                Ok(
-                    Error::check("orbit::Period", "periods", count as f64, count > 0, allowed)?
-                        * period,
-                )
-            }
-            (Self::Driven(_), _) => Err(Error::NoCommonPeriod),
-            (Self::Free(estimate), Rhythm::Constant) => Error::check(
-                "orbit::Period",
-                "period",
-                estimate,
-                estimate > 0.0,
-                "period > 0",
-            ),
-            (Self::Free(_), _) => Err(Error::NotFree),
-        }
-    }
-}
 
 /// A fixed point that is looked for: x(T) = x(0).
 #[derive(Debug)]
@@ -60,47 +22,6 @@ struct Problem<'s> {
     estimate: f64,
 }
 
-/// A start, and the motion from there over one period.
-#[derive(Debug, Clone)]
-pub(super) struct Trial {
-    pub(super) period: f64,
-    pub(super) map: PeriodMap,
-    /// Size of the residual, each number in units of its own size.
-    pub(super) residual: f64,
-}
-
-impl Trial {
-    pub(super) fn new(map: PeriodMap, period: f64) -> Self {
-        Self {
-            period,
-            residual: map.miss(),
-            map,
-        }
-    }
-
-    /// Whether a motion that is closed to rounding leaves its start and comes back: each of its
-    /// numbers is in units of the sizes.
-    pub(super) fn returns(&self, step: Option<&DVector<f64>>) -> bool {
-        let sizes = self.map.sizes();
-        let away = self.map.extents(&sizes);
-        let residual = self.map.residual().component_div(&sizes);
-        std::iter::once(&residual).chain(step).all(|missed| {
-            let missed = std::iter::zip(self.map.largest(missed), away);
-            missed
-                .into_iter()
-                .all(|(missed, away)| missed.max(LEAST_MISS) <= RETURN * away)
-        })
-    }
-
-    fn not_periodic(self) -> Error {
-        Error::NotPeriodic {
-            residual: self.residual,
-            period: self.period,
-            start: self.map.start,
-        }
-    }
-}
-
 /// Most steps of Newton's method; five to ten are usual.
 const MOST_STEPS: usize = 60;
 
@@ -110,14 +31,6 @@ const LEAST_PART: f64 = 1.0 / 1024.0;
 /// Singular values below this part of the largest count as 0: the motion is one of a family, and
 /// the nearest one is taken.
 const SINGULAR: f64 = 1e-11;
-
-/// A free motion leaves its start and comes back: it misses the start by at most this part of its
-/// own extent, whatever its size, and no step of Newton's method leads farther than that away.
-/// A motion that shrinks to a state of rest, or to no time at all, misses it by all of its extent.
-const RETURN: f64 = 1e-2;
-
-/// A miss below this, in units of the sizes, is rounding.
-const LEAST_MISS: f64 = 1e-13;
 
 impl<'s> Problem<'s> {
     /// The problem for a guess, with the first trial.
