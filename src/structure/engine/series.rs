@@ -14,9 +14,21 @@ pub(super) struct Series {
     pub(super) held: Vec<f64>,
 }
 
+/// What a contact does in a step, as the series need it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum ContactCourse {
+    Open,
+    /// With μ_s at the start.
+    Stick(f64),
+    /// With σ, which piece of the law holds, and dy/dt at the start where that is known.
+    Slip(f64, usize, Option<f64>),
+}
+
 /// The series at one contact. All forces are accelerations of r: multiplied by G_cc.
 #[derive(Debug, Clone)]
 pub(super) struct ContactSeries {
+    /// What the contact does in the step.
+    pub(super) course: ContactCourse,
     /// y.
     pub(super) speeds: PowerSeries,
     /// w.
@@ -127,6 +139,7 @@ impl Series {
             let load = constant(contact.load.value(time) * contact.compliance);
             let count = contact.memory();
             ContactSeries {
+                course: ContactCourse::Open,
                 speeds: PowerSeries::ZERO,
                 surface: constant(contact.belt_velocity.value(time)),
                 carried: PowerSeries::ZERO,
