@@ -97,11 +97,17 @@ pub(super) fn expand(
     start(model, situation, series);
     if model.shared.is_empty() {
         let shift = model.bandwidth;
-        for start in (0..n + orders * shift).step_by(AT_A_TIME) {
+        if n <= AT_A_TIME {
             for k in 0..orders {
-                let place = |i: usize| i.saturating_sub(k * shift).min(n);
-                let coordinates = place(start)..place(start + AT_A_TIME);
-                order(model, series, k, coordinates);
+                order(model, series, k, 0..n);
+            }
+        } else {
+            for start in (0..n + orders * shift).step_by(AT_A_TIME) {
+                for k in 0..orders {
+                    let place = |i: usize| i.saturating_sub(k * shift).min(n);
+                    let coordinates = place(start)..place(start + AT_A_TIME);
+                    order(model, series, k, coordinates);
+                }
             }
         }
     } else {
@@ -144,15 +150,19 @@ fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
         series.coordinates[i].course.start(displacement, velocity);
     }
     for (of, state) in std::iter::zip(&mut series.contacts, &situation.contacts) {
-        (of.course, of.speeds[0]) = match state.phase {
-            Phase::Open => (ContactCourse::Open, 0.0),
-            Phase::Stick { .. } => (ContactCourse::Stick(state.static_coefficient()), 0.0),
+        (of.rate, of.limit) = (None, state.static_coefficient());
+        (of.course, of.side, of.speeds[0]) = match state.phase {
+            Phase::Open => (ContactCourse::Open, 1.0, 0.0),
+            Phase::Stick { .. } => (ContactCourse::Stick, 0.0, 0.0),
             Phase::Slip {
                 direction,
                 speed,
                 rate,
                 piece,
-            } => (ContactCourse::Slip(direction.sign(), piece, rate), speed),
+            } => {
+                (of.piece, of.rate) = (piece, rate);
+                (ContactCourse::Slip, direction.sign(), speed)
+            }
         };
         if of.course != ContactCourse::Open && of.relaxation == 0.0 {
             for (series, memory) in std::iter::zip(&mut of.memories, &state.memory) {
@@ -190,16 +200,13 @@ fn order(model: &Model<'_>, series: &mut Series, k: usize, range: Range<usize>) 
         if of.load_varies {
             of.load_order(contact, coordinates, k);
         }
-        // σ, what is known of the rate, and friction; 0 in stick.
-        let (side, rate, friction) = match of.course {
-            ContactCourse::Slip(side, piece, rate) => {
-                (side, rate, of.slip_order(contact, side, piece, k))
+        let friction = match of.course {
+            ContactCourse::Slip => of.slip_order(contact, k),
+            ContactCourse::Stick => {
+                of.stick_order(contact, k);
+                0.0
             }
-            ContactCourse::Stick(limit) => {
-                of.stick_order(contact, limit, k);
-                (0.0, None, 0.0)
-            }
-            ContactCourse::Open => (1.0, None, 0.0),
+            ContactCourse::Open => 0.0,
         };
         let mut carried = free_rate(model, coordinates, i, k);
         let mut surface = 0.0;
@@ -212,13 +219,12 @@ fn order(model: &Model<'_>, series: &mut Series, k: usize, range: Range<usize>) 
             carried += coordinates[i].force[0];
         }
         of.carried[k] = carried;
-        let equation = (side * carried - friction) * INTEGRAL[k];
-        let speed = match rate {
-            Some(rate) if k == 0 => rate,
-            _ => equation,
-        };
+        let mut speed = (of.side * carried - friction) * INTEGRAL[k];
+        if k == 0 {
+            speed = of.rate.unwrap_or(speed);
+        }
         of.speeds[k + 1] = speed;
-        let velocity = mul_add(side, speed, surface);
+        let velocity = mul_add(of.side, speed, surface);
         coordinates[i].course.set_velocity(k + 1, velocity);
     }
 }
@@ -264,9 +270,11 @@ fn shared_order(model: &Model<'_>, situation: &Situation, series: &mut Series, k
         series.coordinates[j].course.set_velocity(k + 1, velocity);
     }
     for &c in &model.shared {
-        if let ContactCourse::Slip(side, _, rate) = series.contacts[c].course {
-            let equation = side * pull(&model.contacts[c], series, c, k) * INTEGRAL[k];
-            series.contacts[c].speeds[k + 1] = rate.filter(|_| k == 0).unwrap_or(equation);
+        if let ContactCourse::Slip = series.contacts[c].course {
+            let pull = pull(&model.contacts[c], series, c, k);
+            let of = &mut series.contacts[c];
+            let equation = of.side * pull * INTEGRAL[k];
+            of.speeds[k + 1] = of.rate.filter(|_| k == 0).unwrap_or(equation);
         }
     }
 }
@@ -300,9 +308,9 @@ impl Series {
         of.load_order(contact, &self.coordinates, k);
         match of.course {
             ContactCourse::Open => {}
-            ContactCourse::Stick(limit) => of.stick_order(contact, limit, k),
-            ContactCourse::Slip(side, piece, _) => {
-                let friction = side * of.slip_order(contact, side, piece, k);
+            ContactCourse::Stick => of.stick_order(contact, k),
+            ContactCourse::Slip => {
+                let friction = of.side * of.slip_order(contact, k);
                 for &(j, x) in contact.responses() {
                     self.rates[j] -= x * friction;
                 }
@@ -330,11 +338,11 @@ impl ContactSeries {
     /// Coefficient k of Nσμ in slip, and k + 1 of the memory; on the slow manifold k of the memory,
     /// from k + 1 of the pass before.
     #[inline(always)]
-    fn slip_order(&mut self, contact: &ContactData<'_>, side: f64, piece: usize, k: usize) -> f64 {
+    fn slip_order(&mut self, contact: &ContactData<'_>, k: usize) -> f64 {
         let slip = Slip {
             speed: self.speeds[k],
-            direction: side,
-            piece,
+            direction: self.side,
+            piece: self.piece,
         };
         let coefficient = if self.memories.is_empty() {
             self.run_law(contact, slip, k)
@@ -381,11 +389,11 @@ impl ContactSeries {
 
     /// Coefficient k of the bound N μ_s in stick, and k + 1 of the memory.
     #[inline]
-    fn stick_order(&mut self, contact: &ContactData<'_>, limit: f64, k: usize) {
+    fn stick_order(&mut self, contact: &ContactData<'_>, k: usize) {
         if self.memories.is_empty() {
             // μ_s is a constant.
             self.bound[k] = if k == 0 || self.load_varies {
-                self.load[k] * limit
+                self.load[k] * self.limit
             } else {
                 0.0
             };

@@ -18,10 +18,8 @@ pub(super) struct Series {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum ContactCourse {
     Open,
-    /// With μ_s at the start.
-    Stick(f64),
-    /// With σ, which piece of the law holds, and dy/dt at the start where that is known.
-    Slip(f64, usize, Option<f64>),
+    Stick,
+    Slip,
 }
 
 /// The series at one contact. All forces are accelerations of r: multiplied by G_cc.
@@ -29,6 +27,14 @@ pub(super) enum ContactCourse {
 pub(super) struct ContactSeries {
     /// What the contact does in the step.
     pub(super) course: ContactCourse,
+    /// σ in slip; 0 in stick, and 1 for one that is open.
+    pub(super) side: f64,
+    /// Which piece of the law holds in slip.
+    pub(super) piece: usize,
+    /// dy/dt at the start, where it is known.
+    pub(super) rate: Option<f64>,
+    /// μ_s at the start.
+    pub(super) limit: f64,
     /// y.
     pub(super) speeds: PowerSeries,
     /// w.
@@ -140,6 +146,10 @@ impl Series {
             let count = contact.memory();
             ContactSeries {
                 course: ContactCourse::Open,
+                side: 1.0,
+                piece: 0,
+                rate: None,
+                limit: 0.0,
                 speeds: PowerSeries::ZERO,
                 surface: constant(contact.belt_velocity.value(time)),
                 carried: PowerSeries::ZERO,
