@@ -7,8 +7,8 @@
 //!   stiffness of 1 and one of 1.3;
 //! * a light damper slides and takes up little, a heavy one locks the blades together and takes up
 //!   nothing: both limits are linear resonances. Between them the peak is four times lower;
-//! * `orbit::settle` finds one forced motion, and `orbit::follow` the whole resonance curve, through
-//!   all changes of stick and slip;
+//! * `orbit::settle` finds one forced motion, and `orbit::follow` the whole resonance curve,
+//!   through all changes of stick and slip;
 //! * `carried` gives the force in the locked damper, and so the load from which it never slips.
 //!
 //! ```text
