@@ -3,9 +3,9 @@
 //! For a mass on a moving belt the crate finds every stick (the belt catches the mass), every
 //! release (the belt lets it go), every crossing (the mass passes the belt's velocity without
 //! sticking), every limit cycle, and the belt velocities at which cycles appear. The friction law
-//! can be any that you can write as a function. The motion of several masses, with friction on belts
-//! and between the masses, under forces and on belts that vary in time, is followed as exactly, and
-//! their [periodic motions](orbit) are found from a guess.
+//! can be any that you can write as a function. The motion of several masses, with friction on
+//! belts and between the masses, under forces and on belts that vary in time, is followed as
+//! exactly, and their [periodic motions](orbit) are found from a guess.
 //!
 //! ```
 //! use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
@@ -179,10 +179,10 @@
 //! * **Memory in structures only.** The law of a [`MassOnBelt`] depends on the relative velocity
 //!   alone. A contact of a [`Structure`] may remember ([`Dwell`], [`Dahl`], [`LuGre`], or a
 //!   [`ContactLaw`] of your own), and a belt enters a structure by `Structure::from`.
-//! * **Contacts that share masses.** They decide together which of them stick: uniquely where static
-//!   and kinetic coefficients are equal, [by a rule](Structure#contacts-that-share-masses) otherwise.
-//!   Contacts with linearly dependent directions must not come to rest together
-//!   ([`Error::Undetermined`]).
+//! * **Contacts that share masses.** They decide together which of them stick: uniquely where
+//!   static and kinetic coefficients are equal, otherwise
+//!   [by a rule](Structure#contacts-that-share-masses). Contacts with linearly dependent directions
+//!   must not come to rest together ([`Error::Undetermined`]).
 //! * **Stiffness.** One mass on a belt is followed even where the system is stiff (large β or
 //!   γ²·dμ̂/ds, as for the cubic law far above its minimum), up to D = 2β + γ²·dμ̂/ds of about
 //!   1e20. Far beyond, numbers overflow. A [`Structure`] is followed by such series where

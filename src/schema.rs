@@ -55,10 +55,11 @@
 //! | [`AttractorKind`](crate::bifurcation::AttractorKind) | `equilibrium`, `continuum`, or `cycle` with its kind | no |
 //! | [`DiagramPoint`](crate::bifurcation::DiagramPoint) | `belt_velocity`, `equilibrium`, `cycles` | no |
 //!
-//! The law of a contact is written with its name: `coulomb`, `exponential`, `polynomial`, `rational`,
-//! `stribeck`, `tabulated`, `dwell`, `dahl` or `lugre`, or `dry` for an
-//! [`AnyContactLaw`](crate::AnyContactLaw) without memory. A law of your own has no name: writing its
-//! contact is an error. Write its parameters beside the structure, and add the contact after reading.
+//! The law of a contact is written with its name: `coulomb`, `exponential`, `polynomial`,
+//! `rational`, `stribeck`, `tabulated`, `dwell`, `dahl` or `lugre`, or `dry` for an
+//! [`AnyContactLaw`](crate::AnyContactLaw) without memory. A law of your own has no name: writing
+//! its contact is an error. Write its parameters beside the structure, and add the contact after
+//! reading.
 //!
 //! ```
 //! use stick_slip::nalgebra::DMatrix;
