@@ -27,7 +27,7 @@ const ROAD: f64 = 30.0;
 /// Speeds when the clutch begins to close, rad/s.
 const START: [f64; 2] = [200.0, 20.0];
 
-/// Mean radius in metres, number of faces, clamp force in newtons; coefficients at rest and sliding.
+/// Mean radius in metres, number of faces, clamp force in newtons; static and kinetic coefficient.
 const RADIUS: f64 = 0.12;
 const FACES: f64 = 2.0;
 const CLAMP: f64 = 4000.0;
