@@ -1,4 +1,4 @@
-//! Several masses on springs and dampers, driven in time, with friction contacts.
+//! Several masses on springs and dampers, driven in time, with friction on belts and between them.
 
 mod contact;
 pub(crate) mod engine;
