@@ -30,6 +30,8 @@ pub(super) struct Decision {
     beyond: Vec<(usize, f64)>,
     /// How many contacts on an edge broke their condition in the last round.
     broken: usize,
+    /// Whether the candidates are to be gathered anew.
+    is_stale: bool,
 }
 
 /// A contact with r = 0. Accelerations and forces are divided by √G_cc, so that G has a unit
@@ -94,7 +96,13 @@ impl Decision {
             candidates: Vec::new(),
             beyond,
             broken: usize::MAX,
+            is_stale: false,
         }
+    }
+
+    /// Another contact has opened or closed: all is asked again.
+    pub(super) fn restart(&mut self) {
+        self.is_stale = true;
     }
 
     /// Solves for the modes of all candidates, and sets them.
@@ -130,13 +138,10 @@ impl Decision {
     fn gather(&mut self, model: &Model<'_>, situation: &mut Situation, series: &mut Series) {
         let decides = |c: usize| self.candidates.iter().any(|other| other.contact == c);
         let is_new = |&&c: &&usize| situation.contacts[c].sticks() && !decides(c);
-        let is_open = |candidate: &Candidate| {
-            matches!(situation.contacts[candidate.contact].phase, Phase::Open)
-        };
-        let has_new = model.shared.iter().any(|c| is_new(&c));
-        if !has_new && !self.candidates.iter().any(is_open) {
+        if !self.is_stale && !model.shared.iter().any(|c| is_new(&c)) {
             return;
         }
+        (self.is_stale, self.broken) = (false, usize::MAX);
         // From the beginning, with all at rest.
         for candidate in self.candidates.drain(..) {
             let state = &mut situation.contacts[candidate.contact];

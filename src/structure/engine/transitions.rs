@@ -55,7 +55,8 @@ pub(super) fn decide(
             );
             if change && shared {
                 situation.closed = None;
-                decision.get_or_insert_with(|| Decision::new(model, situation, series));
+                let new = || Decision::new(model, situation, series);
+                decision.get_or_insert_with(new).restart();
             }
             changed |= change || revise_mode(model, situation, series, c);
         }
