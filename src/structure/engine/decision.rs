@@ -14,7 +14,7 @@
 //! A contact on the edge of its band, λ_c = B_c and a_c = 0, is taken to stick, and the sign of the
 //! first derivative of its distance from the edge that is not 0 decides, as for one contact.
 
-use super::expand::free_accelerations;
+use super::expand::{free_accelerations, unless_rounding};
 use super::model::Model;
 use super::plan::{contact_terms, load_terms};
 use super::state::{ContactState, Edge, Entry, Holding, Phase, Series, Situation};
@@ -500,6 +500,8 @@ impl Candidate {
 /// by the least change in kinetic energy, so that rounding errors do not add up to a drift.
 pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &Series) {
     let closed = situation.closed.take();
+    let has_arrived = |&c: &usize| situation.contacts[c].has_arrived();
+    let closed = closed.filter(|_| !model.shared.iter().any(has_arrived));
     let closed = closed.unwrap_or_else(|| closed_contacts(model, situation));
     let apart = |c: usize| {
         let velocity = model.contacts[c].along(|j| situation.coordinates[j].velocity);
@@ -522,8 +524,14 @@ pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &S
     };
     let Holding { contacts, factor } = &situation.holding;
     let displacements = model.corrections(contacts, factor, carried);
+    let before = |&j: &usize| (j, situation.coordinates[j].velocity);
+    let before: Vec<_> = model.shared_coordinates.iter().map(before).collect();
     for (j, correction) in velocities {
         situation.coordinates[j].velocity -= correction;
+    }
+    for (j, before) in before {
+        let velocity = &mut situation.coordinates[j].velocity;
+        *velocity = unless_rounding(*velocity, before);
     }
     for (j, correction) in displacements {
         situation.coordinates[j].displacement -= correction;
@@ -531,9 +539,13 @@ pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &S
     situation.closed = Some(closed);
 }
 
-/// The shared contacts that are closed: of dependent ones those that stick.
+/// The shared contacts that are closed: of dependent ones those at rest.
 fn closed_contacts(model: &Model<'_>, situation: &Situation) -> Holding {
-    let sticks = |c: usize| situation.contacts[c].sticks();
+    let rests = |c: usize| match situation.contacts[c].phase {
+        Phase::Stick { .. } => true,
+        Phase::Slip { speed, .. } => speed == 0.0,
+        Phase::Open => false,
+    };
     let shared = model.shared.iter().copied();
     let mut contacts: Vec<usize> = shared
         .filter(|&c| !situation.contacts[c].phase_is_open())
@@ -543,7 +555,7 @@ fn closed_contacts(model: &Model<'_>, situation: &Situation) -> Holding {
             Ok(factor) => return Holding { contacts, factor },
             Err(place) => place,
         };
-        let before = contacts[..=place].iter().rposition(|&c| !sticks(c));
+        let before = contacts[..=place].iter().rposition(|&c| !rests(c));
         contacts.remove(before.unwrap_or(place));
     }
 }
