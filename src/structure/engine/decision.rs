@@ -18,7 +18,7 @@ use super::expand::{free_accelerations, unless_rounding};
 use super::model::Model;
 use super::plan::{contact_terms, load_terms};
 use super::state::{ContactState, Edge, Entry, Holding, Phase, Series, Situation};
-use super::transitions::{EDGE_ROUNDING, side_of};
+use super::transitions::{EDGE_ROUNDING, side_of, undecided};
 use crate::error::Error;
 use crate::state::Direction;
 
@@ -234,10 +234,7 @@ impl Decision {
                 self.candidates[i].change();
             }
         }
-        Err(Error::StepUnderflow {
-            step: 0.0,
-            reached: situation.reached(model, series),
-        })
+        Err(undecided(situation.reached(model, series)))
     }
 
     /// The contacts that stick, with the factor that holds them. One that depends on others is
@@ -269,6 +266,7 @@ impl Decision {
         let mut places = vec![None; model.contacts.len()];
         for (i, candidate) in self.candidates.iter_mut().enumerate() {
             places[candidate.contact] = Some(i);
+            candidate.rounding = 0.0;
             candidate.force = match candidate.choice {
                 Choice::Stick => 0.0,
                 Choice::Slip(side) | Choice::Leave(side) => side.sign() * candidate.most(side),

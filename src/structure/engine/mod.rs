@@ -38,7 +38,7 @@ use expand::expand_drives;
 use model::Model;
 use plan::{Control, is_finite, is_linear, plan_reach};
 use state::{Edge, Entry, Firing, Phase, Series, Situation};
-use transitions::{close, decide};
+use transitions::{close, decide, undecided};
 
 use super::step::{After, Cause, Step};
 use crate::clock::Clock;
@@ -149,7 +149,7 @@ impl<'s> Engine<'s> {
             self.idle + 1
         };
         if self.idle > 4 * (self.situation.contacts.len() + 2) {
-            return Err(self.undecided());
+            return Err(undecided(self.situation.reached(&self.model, &self.series)));
         }
         let is_disturbed = self.land(settled);
         let approaches = self.approaches(settled.duration);
@@ -411,13 +411,6 @@ impl<'s> Engine<'s> {
             }
         }
         Error::StepUnderflow { step, reached }
-    }
-
-    fn undecided(&self) -> Error {
-        Error::StepUnderflow {
-            step: 0.0,
-            reached: self.situation.reached(&self.model, &self.series),
-        }
     }
 }
 

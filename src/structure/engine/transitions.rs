@@ -11,7 +11,7 @@ use super::expand::{ALL, expand};
 use super::model::Model;
 use super::plan::{load_terms, terms};
 use super::state::{ContactSeries, ContactState, Edge, Entry, Phase, Series, Situation};
-use crate::error::Error;
+use crate::error::{Error, Reached};
 use crate::motion::Mode;
 use crate::series::PowerSeries;
 use crate::state::Direction;
@@ -67,7 +67,15 @@ pub(super) fn decide(
             return Ok(());
         }
     }
-    Ok(())
+    match decision {
+        None => Ok(()),
+        Some(_) => Err(undecided(situation.reached(model, series))),
+    }
+}
+
+/// Contacts that do not come to a decision.
+pub(super) fn undecided(reached: Reached) -> Error {
+    Error::StepUnderflow { step: 0.0, reached }
 }
 
 /// A contact that has come to r = 0 is taken to stick, until what it carries says otherwise.
