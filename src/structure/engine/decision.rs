@@ -48,8 +48,6 @@ struct Candidate {
     limit: f64,
     kinetic: [f64; 2],
     has_yielded: bool,
-    /// The direction in which it is taken to slip next if it depends on others that stick.
-    dependent_side: Direction,
     choice: Choice,
     /// Of the last solution: λ, a, and how far rounding may have moved the one of them that the
     /// choice leaves free.
@@ -185,7 +183,6 @@ impl Decision {
                 limit: of.bound[0] / root,
                 kinetic,
                 has_yielded: false,
-                dependent_side: side_of(series.held[place]),
                 choice: Choice::Stick,
                 force: 0.0,
                 acceleration: 0.0,
@@ -237,27 +234,15 @@ impl Decision {
         Err(undecided(situation.reached(model, series)))
     }
 
-    /// The contacts that stick, with the factor that holds them. One that depends on others is
-    /// taken to slip.
-    fn hold(&mut self, model: &Model<'_>) -> Holding {
-        loop {
-            let sticking = self.candidates.iter();
-            let sticking = sticking.filter(|candidate| candidate.choice == Choice::Stick);
-            let contacts: Vec<usize> = sticking.map(|candidate| candidate.contact).collect();
-            match model.factor(&contacts) {
-                Ok(factor) => return Holding { contacts, factor },
-                Err(place) => {
-                    let dependent = contacts[place];
-                    for candidate in &mut self.candidates {
-                        if candidate.contact == dependent {
-                            let side = candidate.dependent_side;
-                            candidate.choice = Choice::Slip(side);
-                            candidate.dependent_side = side.opposite();
-                        }
-                    }
-                }
-            }
-        }
+    /// The contacts that stick, with the factor that holds them. Dependent ones are taken to give
+    /// way a little: they share what they carry, and far too much if they cannot all stick.
+    fn hold(&self, model: &Model<'_>) -> Holding {
+        let sticking = self.candidates.iter();
+        let sticking = sticking.filter(|candidate| candidate.choice == Choice::Stick);
+        let contacts: Vec<usize> = sticking.map(|candidate| candidate.contact).collect();
+        let factor = model.factor(&contacts);
+        let factor = factor.unwrap_or_else(|_| model.soft_factor(&contacts));
+        Holding { contacts, factor }
     }
 
     /// Forces and accelerations of the choices.

@@ -23,6 +23,18 @@ impl Factor {
     ///
     /// The number of the first row that depends on those before, within rounding.
     pub(crate) fn new(rows: impl Iterator<Item = Vec<(usize, f64)>>) -> Result<Self, usize> {
+        Self::with_diagonal(1.0, rows)
+    }
+
+    /// The same with another diagonal.
+    ///
+    /// # Errors
+    ///
+    /// As for [`new`](Self::new).
+    pub(crate) fn with_diagonal(
+        diagonal: f64,
+        rows: impl Iterator<Item = Vec<(usize, f64)>>,
+    ) -> Result<Self, usize> {
         /// Rounding of an entry of the matrix.
         const ROUNDING: f64 = 8.0 * f64::EPSILON;
         let mut factor = Self::default();
@@ -35,7 +47,7 @@ impl Factor {
                 entries[j - first] = value;
             }
             let mut moved = vec![0.0; i + 1 - first];
-            let (mut square, mut square_moved) = (1.0, ROUNDING);
+            let (mut square, mut square_moved) = (diagonal, ROUNDING * diagonal);
             for j in first..i {
                 let (other, other_moved) = (&factor.rows[j], &errors[j]);
                 let (mut rest, mut error) = (entries[j - first], ROUNDING);
