@@ -10,6 +10,9 @@ mod common;
 
 mod bad_input;
 mod closed_forms;
+mod contacts;
+mod contacts_random;
+mod decisions;
 mod formulas;
 mod identities;
 mod memory;

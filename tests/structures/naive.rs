@@ -2,6 +2,15 @@
 
 use stick_slip::nalgebra::{DMatrix, DVector};
 
+/// Whether a matrix B M⁻¹Bᵀ is that of independent rows.
+pub(crate) fn is_definite(compliance: &DMatrix<f64>) -> bool {
+    let Some(factor) = compliance.clone().cholesky() else {
+        return false;
+    };
+    let part = |c: usize| factor.l_dirty()[(c, c)].powi(2) / compliance[(c, c)];
+    (0..compliance.nrows()).all(|c| part(c) > 1e-9)
+}
+
 /// Contacts with r = 0 that ask what to do: a = a⁰ − G λ.
 #[derive(Debug, Clone)]
 pub(crate) struct Question {
@@ -41,13 +50,14 @@ impl Question {
         let block = DMatrix::from_fn(stuck.len(), stuck.len(), |c, d| {
             self.compliance[(stuck[c], stuck[d])]
         });
-        if !stuck.is_empty() {
-            let squares = block.symmetric_eigenvalues();
-            if squares.min() <= 1e-9 * squares.max() {
-                return None;
-            }
+        if !is_definite(&block) {
+            return None;
         }
-        let forces = matrix.lu().solve(&right)?;
+        // Nalgebra factorises no matrix without rows.
+        let forces = match k {
+            0 => right,
+            _ => matrix.lu().solve(&right)?,
+        };
         let accelerations = &self.free - &self.compliance * &forces;
         Some((forces, accelerations))
     }

@@ -9,7 +9,7 @@ use stick_slip::{
 };
 
 use crate::common::Random;
-use crate::naive::Question;
+use crate::naive::{Question, is_definite};
 
 /// constant + Σ a cos(Ωt + φ) + straight lines through points.
 #[derive(Debug, Clone, Default)]
@@ -345,7 +345,7 @@ impl Plain {
         for c in 0..self.contacts.len() {
             let with_it: Vec<usize> = rest.iter().copied().chain([c]).collect();
             let rows = self.rows(&with_it);
-            let is_independent = rows.clone().svd(false, false).singular_values.min() > 1e-3;
+            let is_independent = is_definite(&(&rows * rows.transpose()));
             if random.bits().is_multiple_of(2) && is_independent {
                 rest = with_it;
             }
@@ -375,7 +375,8 @@ impl Plain {
             structure = structure.with_force(i, force.drive()).unwrap();
         }
         for contact in &self.contacts {
-            let direction: Vec<_> = contact.direction.iter().copied().enumerate().collect();
+            let entries = contact.direction.iter().copied().enumerate();
+            let direction: Vec<_> = entries.filter(|(_, b)| *b != 0.0).collect();
             let mut made = Contact::along(&direction, contact.law.clone(), contact.load.drive())
                 .unwrap()
                 .on_belt(contact.belt.drive());
@@ -474,14 +475,12 @@ impl<'p> Simple<'p> {
         let rows = self.plain.rows(&self.stuck);
         self.responses = &self.inverse * rows.transpose();
         let compliance = &rows * &self.responses;
-        let is_independent = self.stuck.is_empty() || {
-            let squares = compliance.clone().symmetric_eigenvalues();
-            squares.min() > 1e-9 * squares.max()
-        };
-        self.holds = match compliance.try_inverse() {
-            Some(inverse) if is_independent => inverse,
-            _ => return false,
-        };
+        if !is_definite(&compliance) {
+            return false;
+        }
+        if !self.stuck.is_empty() {
+            self.holds = compliance.try_inverse().unwrap();
+        }
         true
     }
 
@@ -512,10 +511,12 @@ impl<'p> Simple<'p> {
             let contact = &plain.contacts[c];
             contact.direction.dot(&rates) - contact.belt.at(t, before)[1]
         });
-        let held = &self.holds * DVector::from_iterator(self.stuck.len(), pulls);
-        rates -= &self.responses * &held;
-        for (&c, held) in self.stuck.iter().zip(&held) {
-            carried[c] = *held;
+        if !self.stuck.is_empty() {
+            let held = &self.holds * DVector::from_iterator(self.stuck.len(), pulls);
+            rates -= &self.responses * &held;
+            for (&c, held) in self.stuck.iter().zip(&held) {
+                carried[c] = *held;
+            }
         }
         (rates, carried)
     }
@@ -561,6 +562,9 @@ impl<'p> Simple<'p> {
 
     /// Contacts that stick keep the velocity of their belts.
     fn hold(&mut self) {
+        if self.stuck.is_empty() {
+            return;
+        }
         let apart = self
             .stuck
             .iter()
