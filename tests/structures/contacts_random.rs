@@ -99,7 +99,12 @@ fn a_simple_integrator_sees_the_same_events_of_joints() {
         let start: State = plain.start_at_rest(&mut random);
         let duration = 8.0;
         const STEP: f64 = 4e-3;
-        let [coarse, fine] = [2.0 * STEP, STEP].map(|h| plain.events(&start, duration, h));
+        // What is at rest within rounding may come to rest a moment later.
+        let later = |mut events: Vec<Seen>| {
+            events.retain(|event| event.0 > 1e-12 || event.2 == 'u');
+            events
+        };
+        let [coarse, fine] = [2.0 * STEP, STEP].map(|h| later(plain.events(&start, duration, h)));
         if fine.iter().any(|seen| seen.2 == 'u' && seen.0 == 0.0) {
             assert!(plain.structure().simulate(start, duration).is_err());
             continue;
@@ -108,7 +113,7 @@ fn a_simple_integrator_sees_the_same_events_of_joints() {
             assert!(fine.iter().chain(&coarse).any(|seen| seen.2 == 'u'), "{i}");
             continue;
         };
-        let mut found = told(&motion);
+        let mut found = later(told(&motion));
         found.extend(end);
         for n in 0..coarse.len().max(fine.len()).max(found.len()) {
             let about = || format!("{i}, event {n}:\n{found:?}\n{fine:?}\n{plain:?}\n{start:?}");

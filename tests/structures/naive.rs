@@ -27,6 +27,12 @@ pub(crate) struct Question {
 pub(crate) type Pattern = Vec<i8>;
 
 impl Question {
+    /// G of some of them.
+    fn among(&self, contacts: &[usize]) -> DMatrix<f64> {
+        let entry = |c: usize, d: usize| self.compliance[(contacts[c], contacts[d])];
+        DMatrix::from_fn(contacts.len(), contacts.len(), entry)
+    }
+
     /// What all carry, and how they are accelerated, with these forces in slip; `None` if those
     /// that stick are dependent.
     fn solve(&self, pattern: &[i8], slipping: &[f64]) -> Option<(DVector<f64>, DVector<f64>)> {
@@ -47,10 +53,7 @@ impl Question {
             }
         }
         let stuck: Vec<usize> = (0..k).filter(|&c| pattern[c] == 0).collect();
-        let block = DMatrix::from_fn(stuck.len(), stuck.len(), |c, d| {
-            self.compliance[(stuck[c], stuck[d])]
-        });
-        if !is_definite(&block) {
+        if !is_definite(&self.among(&stuck)) {
             return None;
         }
         // Nalgebra factorises no matrix without rows.
@@ -94,7 +97,8 @@ impl Question {
         self.patterns().filter(keeps).collect()
     }
 
-    /// The fastest yields first: its answer, and how clear it is.
+    /// The fastest yields first: its answer, and how clear it is; `None` if dependent contacts stay
+    /// at rest.
     pub(crate) fn fastest_first(&self) -> Option<(Pattern, f64)> {
         let k = self.limits.len();
         let mut limits = self.limits.clone();
@@ -112,7 +116,9 @@ impl Question {
             let speeds: Vec<f64> = (0..k).map(speed).collect();
             let fastest = speeds.iter().copied().fold(0.0, f64::max);
             if fastest == 0.0 {
-                return Some((pattern, clear));
+                let rests = |&c: &usize| accelerations[c].abs() < 1e-9;
+                let resting: Vec<usize> = (0..k).filter(rests).collect();
+                return is_definite(&self.among(&resting)).then_some((pattern, clear));
             }
             for c in 0..k {
                 // Mirrored ones together.
