@@ -101,7 +101,7 @@ fn a_simple_integrator_sees_the_same_events_of_joints() {
         const STEP: f64 = 4e-3;
         // What is at rest within rounding may come to rest a moment later.
         let later = |mut events: Vec<Seen>| {
-            events.retain(|event| event.0 > 1e-12 || event.2 == 'u');
+            events.retain(|event| event.0 > 1e-10 || event.2 == 'u');
             events
         };
         let [coarse, fine] = [2.0 * STEP, STEP].map(|h| later(plain.events(&start, duration, h)));
