@@ -706,6 +706,55 @@ fn a_users_own_law_is_not_written() {
 }
 
 #[test]
+fn what_is_diagonal_is_written_as_masses() {
+    let law = Coulomb::new(0.4, 0.3).unwrap();
+    let mass = DMatrix::from_row_slice(2, 2, &[1.0, 0.25, 0.25, 3.0]);
+    // Named by the coordinate that was given first.
+    let lever = Contact::along(&[(1, 0.5), (0, -2.0)], law, 1.0).unwrap();
+    let full = Structure::with_mass_matrix(mass)
+        .and_then(|s| s.with_contact(Contact::between(1, 0, law, 2.0)?))
+        .and_then(|s| {
+            s.with_contact(lever)?
+                .with_contact(Contact::new(0, law, 1.0)?)
+        })
+        .unwrap();
+    let text = there_and_back(&full);
+    for part in [
+        r#""mass_matrix":[[1.0,0.25],[0.25,3.0]]"#,
+        r#""direction":[[0,-1.0],[1,1.0]]"#,
+        r#""direction":[[0,-2.0],[1,0.5]]"#,
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    assert_eq!(text.matches("direction").count(), 2, "{text}");
+    let read: Structure = serde_json::from_str(&text).unwrap();
+    let coordinates = read.contacts().iter().map(Contact::coordinate);
+    assert_eq!(coordinates.collect::<Vec<_>>(), [1, 1, 0]);
+    // What is diagonal is written as it always was.
+    let diagonal = Structure::with_mass_matrix(DMatrix::identity(2, 2)).unwrap();
+    let text = there_and_back(&diagonal);
+    assert!(text.contains(r#""masses":[1.0,1.0]"#) && !text.contains("matrix"));
+    for (text, why) in [
+        (r#"{"mass_matrix":[[1,2],[2,1]]}"#, "not positive definite"),
+        (r#"{"mass_matrix":[[1,0.5],[0.4,1]]}"#, "not symmetric"),
+        (r#"{"mass_matrix":[[1,0.5],[0.5]]}"#, "1 numbers in a row"),
+        (
+            r#"{"mass_matrix":[[1]],"masses":[1]}"#,
+            "masses beside a mass matrix",
+        ),
+    ] {
+        refused::<Structure>(text, why);
+    }
+    let law = r#"{"coulomb":{"static_coefficient":0.4,"kinetic_coefficient":0.3}}"#;
+    for direction in ["[[0,0]]", "[[0,1],[0,2]]"] {
+        let text = format!(
+            r#"{{"coordinate":0,"direction":{direction},"law":{law},"load":{{"constant":1}}}}"#
+        );
+        refused::<Contact>(&text, "direction");
+    }
+}
+
+#[test]
 fn reading_structures_checks_what_constructors_check() {
     refused::<Structure>(r#"{"masses":[1,-1]}"#, "mass 1");
     refused::<Structure>(r#"{"masses":[]}"#, "masses");

@@ -6,6 +6,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use stick_slip::analysis::{PureSlip, averaging, design, lugre};
+use stick_slip::nalgebra::DMatrix;
 use stick_slip::orbit::{self, Period};
 use stick_slip::{
     Contact, ContactLaw, Coulomb, Dahl, Drive, Dwell, Error, EventKind, Exponential, FrictionLaw,
@@ -268,6 +269,15 @@ fn systems() -> Vec<Case> {
         }),
         case("Structure", "mass 1", NOT_ABOVE, |x| {
             Structure::new(&[1.0, x])
+        }),
+        case("Structure", "mass matrix (1, 1)", NOT_ABOVE, |x| {
+            Structure::with_mass_matrix(DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 0.0, x]))
+        }),
+        case("Structure", "mass matrix (0, 1)", &ANY, |x| {
+            Structure::with_mass_matrix(DMatrix::from_row_slice(2, 2, &[1.0, x, 0.0, 1.0]))
+        }),
+        case("Structure", "time", &ANY, move |x| {
+            structure().carried(x, &stick_slip::structure::State::at_rest(1))
         }),
         case("Structure", "stiffness (0, 0)", &ANY, move |x| {
             structure().with_ground_spring(0, x)

@@ -276,3 +276,41 @@ fn work_is_bounded() {
         }
     }
 }
+
+/// What sticks for ever keeps the displacement at which it came to rest: the motion is one of a
+/// continuum, and no isolated one.
+#[test]
+fn a_joint_that_sticks_for_ever_gives_a_family() {
+    let stuck = |joint: Contact| {
+        Structure::new(&[1.0, 1.5])
+            .and_then(|s| s.with_ground_spring(0, 1.0)?.with_ground_damper(0, 0.2))
+            .and_then(|s| s.with_ground_spring(1, 0.6)?.with_ground_damper(1, 0.1))
+            .and_then(|s| s.with_force(0, sine(1.3))?.with_contact(joint))
+            .unwrap()
+    };
+    let law = || Coulomb::new(0.5, 0.4).unwrap();
+    for joint in [
+        Contact::between(0, 1, law(), 20.0).unwrap(),
+        Contact::new(1, law(), 20.0).unwrap(),
+    ] {
+        let system = stuck(joint);
+        let start = State::new(&[0.1, 0.05], &[0.0, 0.0]);
+        for found in [
+            shoot(&system, &start, Period::Driven(1)),
+            settle(&system, &start, 200.0, Period::Driven(1)),
+        ] {
+            // Closed to rounding, and the multiplier of the family is exactly 1.
+            let orbit = found.unwrap();
+            let motion = orbit.trajectory();
+            let [from, to] = [orbit.state(), motion.last()];
+            let pairs = |a: &[f64], b: &[f64]| -> f64 {
+                let apart = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+                apart.fold(0.0, f64::max)
+            };
+            assert!(pairs(&from.displacements, &to.displacements) < 1e-13);
+            assert!(pairs(&from.velocities, &to.velocities) < 1e-13);
+            assert!(orbit.multipliers().iter().any(|m| (m - 1.0).norm() < 1e-13));
+            assert!(!orbit.is_stable());
+        }
+    }
+}

@@ -49,6 +49,133 @@ fn masses_are_positive_and_finite() {
 }
 
 #[test]
+fn mass_matrices_are_symmetric_and_definite() {
+    let made = |n: usize, entries: &[f64]| {
+        Structure::with_mass_matrix(DMatrix::from_row_slice(n, entries.len() / n, entries))
+    };
+    for bad in NOT_FINITE {
+        let off_diagonal = made(3, &[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, bad, 0.0, 1.0]);
+        assert_eq!(element(off_diagonal).0, Element::MassMatrix(2, 0));
+    }
+    for bad in [0.0, -1.0].into_iter().chain(NOT_FINITE) {
+        let diagonal = made(2, &[1.0, 0.0, 0.0, bad]);
+        assert_eq!(element(diagonal).0, Element::MassMatrix(1, 1));
+    }
+    assert!(matches!(
+        Structure::with_mass_matrix(DMatrix::zeros(0, 0)),
+        Err(Error::InvalidParameter { name: "masses", .. })
+    ));
+    for (rows, columns) in [(1, 2), (2, 1), (0, 3)] {
+        let made = Structure::with_mass_matrix(DMatrix::from_element(rows, columns, 1.0));
+        assert!(matches!(made, Err(Error::WrongSize { .. })), "{rows}");
+    }
+    let skew = made(2, &[1.0, 0.5, 0.4, 1.0]).unwrap_err();
+    assert_eq!(skew, Error::NotSymmetric { row: 0, column: 1 });
+    message(made(2, &[1.0, 0.5, 0.4, 1.0]), &["symmetric"]);
+    // Rounding of ΦᵀMΦ is not meant.
+    let rounded = made(2, &[1.0, 0.1 + 0.2, 0.3, 1.0]).unwrap();
+    let mass = rounded.mass_matrix();
+    assert_eq!(mass[(0, 1)], mass[(1, 0)]);
+    // One coordinate that only moves with others has no mass of its own.
+    for entries in [
+        [1.0, 1.0, 1.0, 1.0],
+        [1.0, 2.0, 2.0, 1.0],
+        [1.0, 1.0, 1.0, 1.0 + 2.0 * f64::EPSILON],
+    ] {
+        let singular = made(2, &entries).unwrap_err();
+        assert_eq!(
+            singular,
+            Error::NotPositiveDefinite { row: 1 },
+            "{entries:?}"
+        );
+    }
+    message(
+        made(2, &[1.0, 1.0, 1.0, 1.0]),
+        &["coordinate 1", "condensation"],
+    );
+    assert!(made(2, &[1e-9, 1.0, 1.0, 2e9]).is_ok());
+}
+
+#[test]
+fn directions_have_different_coordinates_and_numbers_that_are_not_0() {
+    let bad: [&[(usize, f64)]; 7] = [
+        &[],
+        &[(0, 0.0)],
+        &[(0, 0.0), (1, -0.0)],
+        &[(0, 1.0), (0, -1.0)],
+        &[(1, 1.0), (0, 1.0), (1, 0.0)],
+        &[(0, 1.0), (1, f64::NAN)],
+        &[(0, f64::INFINITY)],
+    ];
+    for direction in bad {
+        let Err(Error::BadDirection { direction: said }) = Contact::along(direction, law(), 1.0)
+        else {
+            panic!("{direction:?}")
+        };
+        // NaN is not equal to itself.
+        assert_eq!(format!("{said:?}"), format!("{direction:?}"));
+        message(
+            Contact::along(direction, law(), 1.0),
+            &["contact", "direction"],
+        );
+    }
+    let Err(Error::BadDirection { direction }) = Contact::between(3, 3, law(), 1.0) else {
+        panic!("one coordinate")
+    };
+    assert_eq!(direction, [(3, 1.0), (3, -1.0)]);
+    // Zeros are left out, and the order does not matter.
+    let contact = Contact::along(&[(2, 1.0), (1, 0.0), (0, -2.0)], law(), 1.0).unwrap();
+    assert_eq!(contact.direction(), [(0, -2.0), (2, 1.0)]);
+    assert_eq!(contact.coordinate(), 2);
+    for far in [
+        Contact::between(7, 0, law(), 1.0),
+        Contact::between(0, 7, law(), 1.0),
+    ] {
+        assert_eq!(
+            masses(2).with_contact(far.unwrap()),
+            Err(Error::NoSuchCoordinate {
+                element: Element::Contact(0),
+                coordinate: 7,
+                count: 2,
+            })
+        );
+    }
+}
+
+#[test]
+fn what_is_carried_is_asked_in_a_state_at_a_time() {
+    use stick_slip::structure::State;
+
+    let joint = Contact::between(0, 1, law(), 1.0).unwrap();
+    let pair = masses(2).with_contact(joint).unwrap();
+    for bad in NOT_FINITE {
+        let at_rest = State::at_rest(2);
+        let refused = [
+            pair.carried(bad, &at_rest).unwrap_err(),
+            pair.acceleration(bad, &at_rest).unwrap_err(),
+        ];
+        for error in refused {
+            assert!(matches!(
+                error,
+                Error::InvalidParameter { name: "time", .. }
+            ));
+        }
+        let start = State::new(&[0.0, bad], &[0.0, 0.0]);
+        assert!(pair.carried(0.0, &start).is_err());
+        assert!(
+            pair.acceleration(0.0, &State::new(&[0.0; 2], &[bad, 0.0]))
+                .is_err()
+        );
+    }
+    for n in [0, 1, 3] {
+        let state = State::at_rest(n);
+        let simulated = pair.simulate(state.clone(), 1.0).map(|_| ()).unwrap_err();
+        assert_eq!(pair.carried(0.0, &state), Err(simulated.clone()));
+        assert_eq!(pair.acceleration(0.0, &state), Err(simulated));
+    }
+}
+
+#[test]
 fn springs_and_dampers_connect_coordinates_that_exist() {
     for bad in NOT_FINITE {
         assert_eq!(

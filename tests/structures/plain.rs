@@ -1,6 +1,7 @@
 //! Random structures in plain numbers, and a deliberately simple integrator for them, which shares
 //! no idea and no code with the crate: fixed Runge-Kutta steps, events by bisection.
 
+use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::structure::State;
 use stick_slip::{
     AnyLaw, Contact, Coulomb, Drive, Exponential, FrictionLaw, Polynomial, Rational, Stribeck,
@@ -8,6 +9,7 @@ use stick_slip::{
 };
 
 use crate::common::Random;
+use crate::naive::{Question, is_definite};
 
 /// constant + Σ a cos(Ωt + φ) + straight lines through points.
 #[derive(Debug, Clone, Default)]
@@ -18,7 +20,7 @@ pub(crate) struct PlainDrive {
 }
 
 impl PlainDrive {
-    fn at(&self, t: f64, before: bool) -> [f64; 2] {
+    pub(crate) fn at(&self, t: f64, before: bool) -> [f64; 2] {
         let mut sum = [self.constant, 0.0];
         for &[a, omega, phase] in &self.harmonics {
             sum[0] += a * (omega * t + phase).cos();
@@ -84,7 +86,8 @@ impl PlainDrive {
 
 #[derive(Debug, Clone)]
 pub(crate) struct PlainContact {
-    pub(crate) coordinate: usize,
+    /// b, with a number for each coordinate.
+    pub(crate) direction: DVector<f64>,
     pub(crate) law: AnyLaw,
     pub(crate) load: PlainDrive,
     pub(crate) gradient: Vec<f64>,
@@ -93,11 +96,23 @@ pub(crate) struct PlainContact {
 
 #[derive(Debug, Clone)]
 pub(crate) struct Plain {
-    pub(crate) masses: Vec<f64>,
-    pub(crate) stiffness: Vec<Vec<f64>>,
-    pub(crate) damping: Vec<Vec<f64>>,
+    pub(crate) mass: DMatrix<f64>,
+    pub(crate) stiffness: DMatrix<f64>,
+    pub(crate) damping: DMatrix<f64>,
     pub(crate) forces: Vec<PlainDrive>,
     pub(crate) contacts: Vec<PlainContact>,
+}
+
+/// e_i.
+fn unit(n: usize, i: usize) -> DVector<f64> {
+    DVector::from_fn(n, |j, _| if i == j { 1.0 } else { 0.0 })
+}
+
+/// A spring or a damper between two coordinates.
+fn connect(matrix: &mut DMatrix<f64>, i: usize, j: usize, value: f64) {
+    for (row, column, sign) in [(i, i, 1.0), (j, j, 1.0), (i, j, -1.0), (j, i, -1.0)] {
+        matrix[(row, column)] += sign * value;
+    }
 }
 
 fn any_law(random: &mut Random) -> AnyLaw {
@@ -130,20 +145,16 @@ impl Plain {
     /// One to four masses of ordinary size.
     pub(crate) fn random(random: &mut Random) -> Self {
         let n = 1 + (random.bits() % 4) as usize;
-        let mut stiffness = vec![vec![0.0; n]; n];
+        let mut stiffness = DMatrix::zeros(n, n);
         let mut damping = stiffness.clone();
         for i in 0..n {
-            stiffness[i][i] += random.uniform(0.3, 2.0);
-            damping[i][i] += random.uniform(0.0, 0.3);
+            stiffness[(i, i)] += random.uniform(0.3, 2.0);
+            damping[(i, i)] += random.uniform(0.0, 0.3);
             for j in 0..i {
                 if random.bits().is_multiple_of(2) {
                     let (k, c) = (random.uniform(0.1, 1.5), random.uniform(0.0, 0.1));
-                    for (matrix, value) in [(&mut stiffness, k), (&mut damping, c)] {
-                        matrix[i][i] += value;
-                        matrix[j][j] += value;
-                        matrix[i][j] -= value;
-                        matrix[j][i] -= value;
-                    }
+                    connect(&mut stiffness, i, j, k);
+                    connect(&mut damping, i, j, c);
                 }
             }
         }
@@ -184,15 +195,16 @@ impl Plain {
                 _ => PlainDrive::default(),
             };
             contacts.push(PlainContact {
-                coordinate: i,
+                direction: unit(n, i),
                 law: any_law(random),
                 load,
                 gradient,
                 belt,
             });
         }
+        let masses = DVector::from_fn(n, |_, _| random.logarithmic(0.3, 3.0));
         Self {
-            masses: (0..n).map(|_| random.logarithmic(0.3, 3.0)).collect(),
+            mass: DMatrix::from_diagonal(&masses),
             stiffness,
             damping,
             forces,
@@ -202,7 +214,7 @@ impl Plain {
 
     /// A start; sometimes with masses that move with their belts.
     pub(crate) fn start(&self, random: &mut Random) -> State {
-        let n = self.masses.len();
+        let n = self.len();
         let q: Vec<f64> = (0..n).map(|_| random.uniform(-1.0, 1.0)).collect();
         let mut v: Vec<f64> = (0..n).map(|_| random.uniform(-1.0, 1.0)).collect();
         let structure = self.structure();
@@ -214,31 +226,173 @@ impl Plain {
         State::new(&q, &v)
     }
 
+    /// One to six coordinates, and as many contacts, in any direction. Where numbers are `coarse`
+    /// they are multiples of 1/4: many contacts stand on their edges, or come to them together.
+    pub(crate) fn shared(random: &mut Random, coarse: bool) -> Self {
+        fn round(x: f64) -> f64 {
+            (4.0 * x).round() / 4.0
+        }
+        let n = 1 + (random.bits() % 6) as usize;
+        let number = |random: &mut Random, low: f64, high: f64| {
+            let x = random.uniform(low, high);
+            if coarse { round(x).max(0.25) } else { x }
+        };
+        let drive = |random: &mut Random, size: f64, jumps: bool| {
+            let mut drive = PlainDrive::random(random, size, jumps);
+            if coarse {
+                drive.constant = round(drive.constant);
+                for (time, value) in &mut drive.points {
+                    (*time, *value) = (round(*time), round(*value));
+                }
+                drive.points.dedup();
+            }
+            drive
+        };
+        let mut mass = DMatrix::from_fn(n, n, |i, j| {
+            let diagonal = number(random, 0.4, 2.5);
+            if i == j { diagonal } else { 0.0 }
+        });
+        if random.bits().is_multiple_of(2) {
+            let part = DMatrix::from_fn(n, n, |_, _| round(random.uniform(-1.0, 1.0)));
+            mass += &part * part.transpose();
+        }
+        let (mut stiffness, mut damping) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
+        for i in 0..n {
+            if !random.bits().is_multiple_of(4) {
+                stiffness[(i, i)] += number(random, 0.3, 2.0);
+                damping[(i, i)] += random.uniform(0.0, 0.2);
+            }
+            for j in 0..i {
+                if random.bits().is_multiple_of(3) {
+                    connect(&mut stiffness, i, j, number(random, 0.1, 1.5));
+                    connect(&mut damping, i, j, random.uniform(0.0, 0.1));
+                }
+            }
+        }
+        let forces = (0..n).map(|_| match random.bits() % 3 {
+            0 => drive(random, 1.0, true),
+            _ => PlainDrive::default(),
+        });
+        let forces = forces.collect();
+        let mut contacts = Vec::new();
+        for _ in 0..1 + random.bits() % 6 {
+            let [i, j] = [0; 2].map(|_| (random.bits() % n as u64) as usize);
+            let direction = match random.bits() % 4 {
+                0 => unit(n, i),
+                1 => DVector::from_fn(n, |_, _| 0.5 + number(random, 0.0, 1.0)),
+                _ if i == j => unit(n, i),
+                _ => unit(n, i) - unit(n, j),
+            };
+            let base = number(random, 0.3, 2.0);
+            let mut load = PlainDrive {
+                constant: base,
+                ..PlainDrive::default()
+            };
+            let mut gradient = vec![0.0; n];
+            match random.bits() % 6 {
+                // May open.
+                0 => {
+                    load = drive(random, base, true);
+                    load.constant = 0.6 * base;
+                    let harmonic = [0.5 * base, random.logarithmic(0.2, 2.0), 0.0];
+                    load.harmonics.push(harmonic);
+                }
+                1 => gradient[i] = base * random.uniform(-0.4, 0.4),
+                _ => {}
+            }
+            let belt = match random.bits() % 6 {
+                0 => PlainDrive::random(random, 0.5, false),
+                1 | 2 => PlainDrive {
+                    constant: random.sign() * number(random, 0.05, 0.8),
+                    ..PlainDrive::default()
+                },
+                _ => PlainDrive::default(),
+            };
+            let law = match random.bits() % 4 {
+                0 => any_law(random),
+                k => {
+                    let kinetic = number(random, 0.2, 0.6);
+                    // Equal limits in one case of three.
+                    let fall = number(random, 0.02, 0.4) * f64::from(u8::from(k > 1));
+                    Coulomb::new(kinetic + fall, kinetic).unwrap().into()
+                }
+            };
+            contacts.push(PlainContact {
+                direction,
+                law,
+                load,
+                gradient,
+                belt,
+            });
+        }
+        Self {
+            mass,
+            stiffness,
+            damping,
+            forces,
+            contacts,
+        }
+    }
+
+    /// A start in which a few contacts are at rest, or all masses.
+    pub(crate) fn start_at_rest(&self, random: &mut Random) -> State {
+        let n = self.len();
+        let scale = random.pick(&[0.0, 0.5, 1.0]);
+        let q: Vec<f64> = (0..n).map(|_| scale * random.uniform(-1.0, 1.0)).collect();
+        let scale = random.pick(&[0.0, 1.0, 1.0]);
+        let mut v = DVector::from_fn(n, |_, _| scale * random.uniform(-1.0, 1.0));
+        let mut rest = Vec::new();
+        for c in 0..self.contacts.len() {
+            let with_it: Vec<usize> = rest.iter().copied().chain([c]).collect();
+            let rows = self.rows(&with_it);
+            let is_independent = is_definite(&(&rows * rows.transpose()));
+            if random.bits().is_multiple_of(2) && is_independent {
+                rest = with_it;
+            }
+        }
+        let rows = self.rows(&rest);
+        let belts = rest
+            .iter()
+            .map(|&c| self.contacts[c].belt.at(0.0, false)[0]);
+        let apart = &rows * &v - DVector::from_vec(belts.collect());
+        if let Some(inverse) = (&rows * rows.transpose()).try_inverse() {
+            v -= rows.transpose() * inverse * apart;
+        }
+        State::new(&q, v.as_slice())
+    }
+
+    /// Number of coordinates.
+    pub(crate) fn len(&self) -> usize {
+        self.mass.nrows()
+    }
+
     pub(crate) fn structure(&self) -> Structure {
-        let n = self.masses.len();
-        let matrix =
-            |rows: &[Vec<f64>]| stick_slip::nalgebra::DMatrix::from_fn(n, n, |i, j| rows[i][j]);
-        let mut structure = Structure::new(&self.masses)
-            .and_then(|s| s.with_stiffness(matrix(&self.stiffness)))
-            .and_then(|s| s.with_damping(matrix(&self.damping)))
+        let mut structure = Structure::with_mass_matrix(self.mass.clone())
+            .and_then(|s| s.with_stiffness(self.stiffness.clone()))
+            .and_then(|s| s.with_damping(self.damping.clone()))
             .unwrap();
         for (i, force) in self.forces.iter().enumerate() {
             structure = structure.with_force(i, force.drive()).unwrap();
         }
         for contact in &self.contacts {
-            let mut made = Contact::new(
-                contact.coordinate,
-                contact.law.clone(),
-                contact.load.drive(),
-            )
-            .unwrap()
-            .on_belt(contact.belt.drive());
+            let entries = contact.direction.iter().copied().enumerate();
+            let direction: Vec<_> = entries.filter(|(_, b)| *b != 0.0).collect();
+            let mut made = Contact::along(&direction, contact.law.clone(), contact.load.drive())
+                .unwrap()
+                .on_belt(contact.belt.drive());
             for (j, &n) in contact.gradient.iter().enumerate() {
                 made = made.with_load_gradient(j, n).unwrap();
             }
             structure = structure.with_contact(made).unwrap();
         }
         structure
+    }
+
+    /// The rows b of some contacts.
+    pub(crate) fn rows(&self, contacts: &[usize]) -> DMatrix<f64> {
+        DMatrix::from_fn(contacts.len(), self.len(), |c, j| {
+            self.contacts[contacts[c]].direction[j]
+        })
     }
 
     /// Times where pieces of drives meet.
@@ -254,92 +408,134 @@ impl Plain {
 
 /// What a contact does: slips to a side, sticks, or is open.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Does {
+pub(crate) enum Does {
     Slip(f64),
     Stick,
     Open,
 }
 
-/// Time, contact, a letter (s: stick, r: release, x: crossing, o: open, c: close), and the side of
-/// the slip after a release or a crossing.
+/// Time, contact, a letter (s: stick, r: release, x: crossing, o: open, c: close, u: dependent
+/// contacts stick together), and the side of the slip after a release or a crossing.
 pub(crate) type Seen = (f64, usize, char, f64);
 
-/// A motion that is followed.
-struct Simple<'p> {
+impl Plain {
+    /// The load of each contact.
+    pub(crate) fn loads(&self, t: f64, q: &DVector<f64>, before: bool) -> Vec<f64> {
+        let load = |contact: &PlainContact| {
+            let gradient: f64 = contact.gradient.iter().zip(q).map(|(n, q)| n * q).sum();
+            contact.load.at(t, before)[0] + gradient
+        };
+        self.contacts.iter().map(load).collect()
+    }
+
+    /// The relative velocity of a contact.
+    pub(crate) fn sliding(&self, c: usize, t: f64, v: &DVector<f64>) -> f64 {
+        let contact = &self.contacts[c];
+        contact.direction.dot(v) - contact.belt.at(t, false)[0]
+    }
+}
+
+/// Equations of motion with the modes of all contacts.
+pub(crate) struct Simple<'p> {
     plain: &'p Plain,
+    /// M⁻¹.
+    inverse: DMatrix<f64>,
     does: Vec<Does>,
+    /// The contacts that stick, M⁻¹B_Sᵀ, and the inverse of B_S M⁻¹B_Sᵀ.
+    stuck: Vec<usize>,
+    responses: DMatrix<f64>,
+    holds: DMatrix<f64>,
     t: f64,
-    q: Vec<f64>,
-    v: Vec<f64>,
+    q: DVector<f64>,
+    v: DVector<f64>,
     seen: Vec<Seen>,
 }
 
-impl Simple<'_> {
-    fn load(&self, contact: &PlainContact, t: f64, q: &[f64], before: bool) -> f64 {
-        let gradient: f64 = contact.gradient.iter().zip(q).map(|(n, q)| n * q).sum();
-        contact.load.at(t, before)[0] + gradient
+impl<'p> Simple<'p> {
+    pub(crate) fn new(plain: &'p Plain, start: &State) -> Self {
+        Self {
+            plain,
+            inverse: plain.mass.clone().try_inverse().unwrap(),
+            does: vec![Does::Open; plain.contacts.len()],
+            stuck: vec![],
+            responses: DMatrix::zeros(plain.len(), 0),
+            holds: DMatrix::zeros(0, 0),
+            t: 0.0,
+            q: DVector::from_column_slice(&start.displacements),
+            v: DVector::from_column_slice(&start.velocities),
+            seen: vec![],
+        }
     }
 
-    /// Force on a coordinate without that of its contact.
-    fn force(&self, i: usize, t: f64, q: &[f64], v: &[f64], before: bool) -> f64 {
+    /// Sets the modes; false if contacts that stick are dependent.
+    pub(crate) fn set(&mut self, does: Vec<Does>) -> bool {
+        let contacts = 0..does.len();
+        self.stuck = contacts.filter(|&c| does[c] == Does::Stick).collect();
+        self.does = does;
+        let rows = self.plain.rows(&self.stuck);
+        self.responses = &self.inverse * rows.transpose();
+        let compliance = &rows * &self.responses;
+        if !is_definite(&compliance) {
+            return false;
+        }
+        if !self.stuck.is_empty() {
+            self.holds = compliance.try_inverse().unwrap();
+        }
+        true
+    }
+
+    /// dv/dt and what each contact carries; `before`: of the piece of the drives that ends at t.
+    pub(crate) fn rates(
+        &self,
+        t: f64,
+        q: &DVector<f64>,
+        v: &DVector<f64>,
+        before: bool,
+    ) -> (DVector<f64>, Vec<f64>) {
         let plain = self.plain;
-        let row = |m: &[Vec<f64>], x: &[f64]| m[i].iter().zip(x).map(|(m, x)| m * x).sum::<f64>();
-        plain.forces[i].at(t, before)[0] - row(&plain.damping, v) - row(&plain.stiffness, q)
-    }
-
-    fn carried(&self, contact: &PlainContact, t: f64, q: &[f64], v: &[f64], before: bool) -> f64 {
-        let i = contact.coordinate;
-        let slope = contact.belt.at(t, before)[1];
-        self.force(i, t, q, v, before) - self.plain.masses[i] * slope
-    }
-
-    /// dv/dt; `before`: of the piece of the drives that ends at t.
-    fn rates(&self, t: f64, q: &[f64], v: &[f64], before: bool) -> Vec<f64> {
-        let mut rates: Vec<f64> = (0..q.len())
-            .map(|i| self.force(i, t, q, v, before))
-            .collect();
-        for (contact, does) in self.plain.contacts.iter().zip(&self.does) {
-            let i = contact.coordinate;
-            if let Does::Slip(side) = does {
-                let speed = (side * (v[i] - contact.belt.at(t, before)[0])).max(0.0);
-                let coefficient = side * contact.law.kinetic(speed);
-                rates[i] -= self.load(contact, t, q, before) * coefficient;
+        let mut force = -&plain.damping * v - &plain.stiffness * q;
+        for (force, drive) in force.iter_mut().zip(&plain.forces) {
+            *force += drive.at(t, before)[0];
+        }
+        let loads = plain.loads(t, q, before);
+        let mut carried = vec![0.0; loads.len()];
+        for (c, contact) in plain.contacts.iter().enumerate() {
+            if let Does::Slip(side) = self.does[c] {
+                let r = contact.direction.dot(v) - contact.belt.at(t, before)[0];
+                carried[c] = side * loads[c] * contact.law.kinetic((side * r).max(0.0));
+                force -= &contact.direction * carried[c];
             }
         }
-        for (rate, mass) in rates.iter_mut().zip(&self.plain.masses) {
-            *rate /= mass;
-        }
-        for (contact, does) in self.plain.contacts.iter().zip(&self.does) {
-            if *does == Does::Stick {
-                rates[contact.coordinate] = contact.belt.at(t, before)[1];
+        let mut rates = &self.inverse * force;
+        let pulls = self.stuck.iter().map(|&c| {
+            let contact = &plain.contacts[c];
+            contact.direction.dot(&rates) - contact.belt.at(t, before)[1]
+        });
+        if !self.stuck.is_empty() {
+            let held = &self.holds * DVector::from_iterator(self.stuck.len(), pulls);
+            rates -= &self.responses * &held;
+            for (&c, held) in self.stuck.iter().zip(&held) {
+                carried[c] = *held;
             }
         }
-        rates
+        (rates, carried)
     }
 
     /// The state a step later, within one piece of all drives.
-    fn after(&self, h: f64) -> (Vec<f64>, Vec<f64>) {
-        let moved = |x: &[f64], k: &[f64], h: f64| -> Vec<f64> {
-            x.iter().zip(k).map(|(x, k)| x + h * k).collect()
-        };
+    fn after(&self, h: f64) -> (DVector<f64>, DVector<f64>) {
         let (t, q, v) = (self.t, &self.q, &self.v);
-        let a = (v.clone(), self.rates(t, q, v, false));
-        let at = |k: &(Vec<f64>, Vec<f64>), h: f64, before| {
-            let (q, v) = (moved(q, &k.0, h), moved(v, &k.1, h));
-            let rates = self.rates(t + h, &q, &v, before);
+        let a = (v.clone(), self.rates(t, q, v, false).0);
+        let at = |k: &(DVector<f64>, DVector<f64>), h: f64, before| {
+            let (q, v) = (q + &k.0 * h, v + &k.1 * h);
+            let rates = self.rates(t + h, &q, &v, before).0;
             (v, rates)
         };
         let b = at(&a, 0.5 * h, false);
         let c = at(&b, 0.5 * h, false);
         let d = at(&c, h, true);
-        let sum = |x: &[f64], [a, b, c, d]: [&[f64]; 4]| -> Vec<f64> {
-            (0..x.len())
-                .map(|i| x[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]))
-                .collect()
-        };
         (
-            sum(q, [&a.0, &b.0, &c.0, &d.0]),
-            sum(v, [&a.1, &b.1, &c.1, &d.1]),
+            q + (a.0 + b.0 * 2.0 + c.0 * 2.0 + d.0) * (h / 6.0),
+            v + (a.1 + b.1 * 2.0 + c.1 * 2.0 + d.1) * (h / 6.0),
         )
     }
 
@@ -347,88 +543,119 @@ impl Simple<'_> {
     fn due(&self, h: f64) -> Vec<usize> {
         let (q, v) = self.after(h);
         let t = self.t + h;
-        let due = |(contact, does): (&PlainContact, &Does)| {
-            let load = self.load(contact, t, &q, true);
-            match does {
+        let loads = self.plain.loads(t, &q, true);
+        let (_, carried) = self.rates(t, &q, &v, true);
+        let due = |c: &usize| {
+            let contact = &self.plain.contacts[*c];
+            let load = loads[*c];
+            match self.does[*c] {
                 Does::Open => load > 0.0,
                 _ if load < 0.0 => true,
                 Does::Slip(side) => {
-                    side * (v[contact.coordinate] - contact.belt.at(t, true)[0]) < 0.0
+                    side * (contact.direction.dot(&v) - contact.belt.at(t, true)[0]) < 0.0
                 }
-                Does::Stick => {
-                    self.carried(contact, t, &q, &v, true).abs()
-                        > load * contact.law.static_coefficient()
-                }
+                Does::Stick => carried[*c].abs() > load * contact.law.static_coefficient(),
             }
         };
-        let contacts = self.plain.contacts.iter().zip(&self.does).enumerate();
-        contacts
-            .filter(|(_, pair)| due(*pair))
-            .map(|(c, _)| c)
-            .collect()
-    }
-
-    fn go(&mut self, h: f64) {
-        (self.q, self.v) = self.after(h);
-        self.t += h;
-        self.hold();
+        (0..self.does.len()).filter(due).collect()
     }
 
     /// Contacts that stick keep the velocity of their belts.
     fn hold(&mut self) {
-        for (contact, does) in self.plain.contacts.iter().zip(&self.does) {
-            if *does == Does::Stick {
-                self.v[contact.coordinate] = contact.belt.at(self.t, false)[0];
-            }
+        if self.stuck.is_empty() {
+            return;
         }
+        let apart = self
+            .stuck
+            .iter()
+            .map(|&c| self.plain.sliding(c, self.t, &self.v));
+        let apart = DVector::from_iterator(self.stuck.len(), apart);
+        self.v -= &self.responses * &self.holds * apart;
     }
 
-    /// What a contact with r = 0 does.
-    fn decide(&self, contact: &PlainContact) -> Does {
-        let load = self.load(contact, self.t, &self.q, false);
-        let carried = self.carried(contact, self.t, &self.q, &self.v, false);
-        if carried.abs() > load * contact.law.static_coefficient() {
-            Does::Slip(carried.signum())
-        } else {
-            Does::Stick
+    /// What contacts do from now on of which some are due: all at rest decide together. False where
+    /// one separates, or contacts that stick are dependent.
+    fn change(&mut self, due: &[usize]) -> bool {
+        let plain = self.plain;
+        let was = self.does.clone();
+        let loads = plain.loads(self.t, &self.q, false);
+        let mut does = was.clone();
+        for &c in due {
+            let r = plain.sliding(c, self.t, &self.v);
+            does[c] = match was[c] {
+                // The belt's velocity as the crate rounds it.
+                Does::Open if loads[c] > 0.0 && r.abs() > 1e-14 => Does::Slip(r.signum()),
+                Does::Open if loads[c] > 0.0 => Does::Stick,
+                _ if loads[c] < 1e-9 => Does::Open,
+                _ => Does::Stick,
+            };
         }
-    }
-
-    /// Changes the mode of a contact that is due; false where it separates.
-    fn change(&mut self, c: usize) -> bool {
-        let contact = &self.plain.contacts[c];
-        let i = contact.coordinate;
-        let load = self.load(contact, self.t, &self.q, false);
-        let event = match self.does[c] {
-            Does::Open => {
-                let r = self.v[i] - contact.belt.at(self.t, false)[0];
-                // Far from the belt it slips; r = 0 by chance is too close to call.
-                self.does[c] = Does::Slip(r.signum());
-                ('c', 0.0)
-            }
-            _ if load.abs() < 1e-9 || load < 0.0 => {
-                self.does[c] = Does::Open;
-                ('o', 0.0)
-            }
-            was => {
-                if let Does::Slip(_) = was {
-                    self.v[i] = contact.belt.at(self.t, false)[0];
+        // Those at rest, exactly so.
+        let resting: Vec<usize> = (0..does.len())
+            .filter(|&c| does[c] == Does::Stick)
+            .collect();
+        let independent = self.set(does.clone());
+        if independent {
+            self.hold();
+        }
+        // Then they decide.
+        let rows = plain.rows(&resting);
+        let free: Vec<Does> = does
+            .iter()
+            .map(|does| {
+                if *does == Does::Stick {
+                    Does::Open
+                } else {
+                    *does
                 }
-                let carried = self.carried(contact, self.t, &self.q, &self.v, false);
-                let now = match was {
-                    Does::Stick => Does::Slip(carried.signum()),
-                    _ => self.decide(contact),
-                };
-                self.does[c] = now;
-                match (was, now) {
-                    (Does::Stick, Does::Slip(side)) => ('r', side),
-                    (_, Does::Slip(side)) => ('x', side),
-                    _ => ('s', 0.0),
-                }
-            }
+            })
+            .collect();
+        self.set(free);
+        let (rates, _) = self.rates(self.t, &self.q, &self.v, false);
+        let belts = resting
+            .iter()
+            .map(|&c| plain.contacts[c].belt.at(self.t, false)[1]);
+        let limits = |coefficient: &dyn Fn(&AnyLaw) -> f64| -> Vec<f64> {
+            let limit = |&c: &usize| loads[c] * coefficient(&plain.contacts[c].law);
+            resting.iter().map(limit).collect()
         };
-        self.seen.push((self.t, c, event.0, event.1));
-        event.0 != 'o' || contact.gradient.iter().all(|n| *n == 0.0)
+        let question = Question {
+            compliance: &rows * &self.inverse * rows.transpose(),
+            free: &rows * rates - DVector::from_iterator(resting.len(), belts),
+            limits: limits(&|law| law.static_coefficient()),
+            kinetic: limits(&|law| law.kinetic(0.0)),
+        };
+        let Some((pattern, _)) = question.fastest_first() else {
+            self.seen.push((self.t, 0, 'u', 0.0));
+            return false;
+        };
+        for (&c, mode) in resting.iter().zip(pattern) {
+            does[c] = match mode {
+                0 => Does::Stick,
+                side => Does::Slip(f64::from(side)),
+            };
+        }
+        for (c, (was, now)) in was.iter().zip(&does).enumerate() {
+            let event = match (was, now) {
+                (Does::Open, Does::Open) | (Does::Stick, Does::Stick) => continue,
+                (_, Does::Open) => ('o', 0.0),
+                (Does::Open, _) => ('c', 0.0),
+                (Does::Slip(_), Does::Stick) => ('s', 0.0),
+                (Does::Stick, Does::Slip(side)) => ('r', *side),
+                (Does::Slip(from), Does::Slip(to)) if from != to => ('x', *to),
+                (Does::Slip(_), Does::Slip(_)) => continue,
+            };
+            self.seen.push((self.t, c, event.0, event.1));
+            let depends = plain.contacts[c].gradient.iter().any(|n| *n != 0.0);
+            if event.0 == 'o' && depends {
+                return false;
+            }
+        }
+        if !self.set(does) {
+            self.seen.push((self.t, 0, 'u', 0.0));
+            return false;
+        }
+        true
     }
 }
 
@@ -436,43 +663,29 @@ impl Plain {
     /// The events of a motion over a time; an `o` of a load that depends on displacements is its
     /// end.
     pub(crate) fn events(&self, start: &State, duration: f64, step: f64) -> Vec<Seen> {
-        let mut simple = Simple {
-            plain: self,
-            does: vec![Does::Stick; self.contacts.len()],
-            t: 0.0,
-            q: start.displacements.clone(),
-            v: start.velocities.clone(),
-            seen: vec![],
-        };
-        for (c, contact) in self.contacts.iter().enumerate() {
-            let r = simple.v[contact.coordinate] - contact.belt.at(0.0, false)[0];
-            let load = simple.load(contact, 0.0, &simple.q, false);
-            // The belt's velocity as the crate rounds it.
-            let together = r.abs() < 1e-14;
-            simple.does[c] = if load <= 0.0 {
-                Does::Open
-            } else if together {
-                simple.decide(contact)
-            } else {
-                Does::Slip(r.signum())
-            };
+        let mut simple = Simple::new(self, start);
+        let all: Vec<usize> = (0..self.contacts.len()).collect();
+        let goes_on = simple.change(&all);
+        // At the start nothing changes, but for what cannot go on.
+        simple.seen.retain(|seen| seen.2 == 'u');
+        if !goes_on {
+            return simple.seen;
         }
         let breaks = self.breaks();
         while simple.t < duration {
             let t = simple.t;
             // At a break the drives may have jumped: what sticks is asked anew, and so are loads.
             if breaks.contains(&t) {
-                for c in 0..self.contacts.len() {
-                    let contact = &self.contacts[c];
-                    let load = simple.load(contact, t, &simple.q, false);
-                    let due = match simple.does[c] {
-                        Does::Stick => load < 0.0 || simple.decide(contact) != Does::Stick,
-                        Does::Slip(_) => load < 0.0,
-                        Does::Open => load > 0.0,
-                    };
-                    if due && !simple.change(c) {
-                        return simple.seen;
-                    }
+                let loads = self.loads(t, &simple.q, false);
+                let due: Vec<usize> = (0..self.contacts.len())
+                    .filter(|&c| match simple.does[c] {
+                        Does::Stick => true,
+                        Does::Slip(_) => loads[c] < 0.0,
+                        Does::Open => loads[c] > 0.0,
+                    })
+                    .collect();
+                if !simple.change(&due) {
+                    return simple.seen;
                 }
             }
             let next = breaks.iter().copied().find(|time| *time > t);
@@ -480,14 +693,14 @@ impl Plain {
             let h = step.min(end - t);
             let mut due = simple.due(h);
             if due.is_empty() {
-                simple.go(h);
-                if h == end - t {
-                    simple.t = end;
-                }
+                (simple.q, simple.v) = simple.after(h);
+                simple.t = if h == end - t { end } else { t + h };
+                simple.hold();
                 continue;
             }
             let (mut no, mut yes) = (0.0, h);
-            for _ in 0..50 {
+            // Far enough beyond the limit that rounding does not decide.
+            while yes - no > 1e-11 {
                 let middle = 0.5 * (no + yes);
                 let found = simple.due(middle);
                 if found.is_empty() {
@@ -496,11 +709,11 @@ impl Plain {
                     (yes, due) = (middle, found);
                 }
             }
-            simple.go(yes);
-            for c in due {
-                if !simple.change(c) {
-                    return simple.seen;
-                }
+            (simple.q, simple.v) = simple.after(yes);
+            simple.t += yes;
+            simple.hold();
+            if !simple.change(&due) {
+                return simple.seen;
             }
             if simple.seen.len() > 500 {
                 break;

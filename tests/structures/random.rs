@@ -11,11 +11,11 @@ use crate::plain::{Plain, Seen};
 use crate::reading::Raised;
 
 /// Number of structures, which the variable `STRUCTURES` may raise: to 100000 before a release.
-fn count(usual: usize) -> usize {
+pub(crate) fn count(usual: usize) -> usize {
     std::env::var("STRUCTURES").map_or(usual, |text| text.parse().unwrap())
 }
 
-fn told(motion: &Trajectory<State>) -> Vec<Seen> {
+pub(crate) fn told(motion: &Trajectory<State>) -> Vec<Seen> {
     let events = motion.events().iter();
     events
         .map(|event| {
@@ -32,7 +32,7 @@ fn told(motion: &Trajectory<State>) -> Vec<Seen> {
 }
 
 /// The motion, as far as it goes; the contact that separates, and when.
-fn simulate(
+pub(crate) fn simulate(
     plain: &Plain,
     start: &State,
     duration: f64,

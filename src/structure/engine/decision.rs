@@ -15,7 +15,7 @@
 //! first derivative of its distance from the edge that is not 0 decides, as for one contact.
 
 use super::edge::{EDGE_ROUNDING, Edge, side_of};
-use super::expand::free_accelerations;
+use super::expand::{free_accelerations, unless_rounding};
 use super::model::Model;
 use super::plan::{contact_terms, load_terms};
 use super::series::Series;
@@ -31,6 +31,8 @@ pub(super) struct Decision {
     beyond: Vec<(usize, f64)>,
     /// How many contacts on an edge broke their condition in the last round.
     broken: usize,
+    /// Whether the candidates are to be gathered anew.
+    is_stale: bool,
 }
 
 /// A contact with r = 0. Accelerations and forces are divided by √G_cc, so that G has a unit
@@ -47,8 +49,6 @@ struct Candidate {
     limit: f64,
     kinetic: [f64; 2],
     has_yielded: bool,
-    /// The direction in which it is taken to slip next if it depends on others that stick.
-    dependent_side: Direction,
     choice: Choice,
     /// Of the last solution: λ, a, and how far rounding may have moved the one of them that the
     /// choice leaves free.
@@ -91,7 +91,13 @@ impl Decision {
             candidates: Vec::new(),
             beyond,
             broken: usize::MAX,
+            is_stale: false,
         }
+    }
+
+    /// Another contact has opened or closed: all is asked again.
+    pub(super) fn restart(&mut self) {
+        self.is_stale = true;
     }
 
     /// Solves for the modes of all candidates, and sets them.
@@ -126,15 +132,14 @@ impl Decision {
     /// The candidates: shared contacts that stick until something else is decided.
     fn gather(&mut self, model: &Model<'_>, situation: &mut Situation, series: &mut Series) {
         let mut decides = vec![false; situation.contacts.len()];
-        let mut has_opened = false;
         for candidate in &self.candidates {
             decides[candidate.contact] = true;
-            has_opened |= situation.contacts[candidate.contact].phase_is_open();
         }
         let is_new = |&c: &usize| situation.contacts[c].sticks() && !decides[c];
-        if !has_opened && !model.shared.iter().any(is_new) {
+        if !self.is_stale && !model.shared.iter().any(is_new) {
             return;
         }
+        (self.is_stale, self.broken) = (false, usize::MAX);
         // From the beginning, with all at rest.
         for candidate in self.candidates.drain(..) {
             let state = &mut situation.contacts[candidate.contact];
@@ -178,7 +183,6 @@ impl Decision {
                 limit: of.bound[0] / root,
                 kinetic,
                 has_yielded: false,
-                dependent_side: side_of(of.free),
                 choice: Choice::Stick,
                 force: 0.0,
                 acceleration: 0.0,
@@ -227,33 +231,18 @@ impl Decision {
                 self.candidates[i].change();
             }
         }
-        Err(Error::StepUnderflow {
-            step: 0.0,
-            reached: situation.reached(model, series),
-        })
+        Err(situation.undecided(model, series))
     }
 
-    /// The contacts that stick, with the factor that holds them. One that depends on others is
-    /// taken to slip.
-    fn hold(&mut self, model: &Model<'_>) -> Holding {
-        loop {
-            let sticking = self.candidates.iter();
-            let sticking = sticking.filter(|candidate| candidate.choice == Choice::Stick);
-            let contacts: Vec<usize> = sticking.map(|candidate| candidate.contact).collect();
-            match model.factor(&contacts) {
-                Ok(factor) => return Holding { contacts, factor },
-                Err(place) => {
-                    let dependent = contacts[place];
-                    for candidate in &mut self.candidates {
-                        if candidate.contact == dependent {
-                            let side = candidate.dependent_side;
-                            candidate.choice = Choice::Slip(side);
-                            candidate.dependent_side = side.opposite();
-                        }
-                    }
-                }
-            }
-        }
+    /// The contacts that stick, with the factor that holds them. Dependent ones are taken to give
+    /// way a little: they share what they carry, and far too much if they cannot all stick.
+    fn hold(&self, model: &Model<'_>) -> Holding {
+        let sticking = self.candidates.iter();
+        let sticking = sticking.filter(|candidate| candidate.choice == Choice::Stick);
+        let contacts: Vec<usize> = sticking.map(|candidate| candidate.contact).collect();
+        let factor = model.factor(&contacts);
+        let factor = factor.unwrap_or_else(|_| model.soft_factor(&contacts));
+        Holding { contacts, factor }
     }
 
     /// Forces and accelerations of the choices.
@@ -262,6 +251,7 @@ impl Decision {
         let mut places = vec![None; model.contacts.len()];
         for (i, candidate) in self.candidates.iter_mut().enumerate() {
             places[candidate.contact] = Some(i);
+            candidate.rounding = 0.0;
             candidate.force = match candidate.choice {
                 Choice::Stick => 0.0,
                 Choice::Slip(side) | Choice::Leave(side) => side.sign() * candidate.most(side),
@@ -493,6 +483,8 @@ impl Candidate {
 /// by the least change in kinetic energy, so that rounding errors do not add up to a drift.
 pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &Series) {
     let closed = situation.closed.take();
+    let has_arrived = |&c: &usize| situation.contacts[c].has_arrived();
+    let closed = closed.filter(|_| !model.shared.iter().any(has_arrived));
     let closed = closed.unwrap_or_else(|| closed_contacts(model, situation));
     let velocity = |situation: &Situation, c: usize| match situation.contacts[c].phase {
         Phase::Slip {
@@ -516,8 +508,14 @@ pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &S
     let velocities = model.corrections(contacts, factor, apart);
     let Holding { contacts, factor } = &situation.holding;
     let displacements = model.corrections(contacts, factor, carried);
+    let before = |&j: &usize| (j, situation.coordinates[j].velocity);
+    let before: Vec<_> = model.shared_coordinates.iter().map(before).collect();
     for (j, correction) in velocities {
         situation.coordinates[j].velocity -= correction;
+    }
+    for (j, before) in before {
+        let velocity = &mut situation.coordinates[j].velocity;
+        *velocity = unless_rounding(*velocity, before);
     }
     for (j, correction) in displacements {
         situation.coordinates[j].displacement -= correction;
@@ -545,9 +543,13 @@ pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &S
     situation.closed = Some(closed);
 }
 
-/// The shared contacts that are closed: of dependent ones those that stick.
+/// The shared contacts that are closed: of dependent ones those at rest.
 fn closed_contacts(model: &Model<'_>, situation: &Situation) -> Closed {
-    let sticks = |c: usize| situation.contacts[c].sticks();
+    let rests = |c: usize| match situation.contacts[c].phase {
+        Phase::Stick { .. } => true,
+        Phase::Slip { speed, .. } => speed == 0.0,
+        Phase::Open => false,
+    };
     let shared = model.shared.iter().copied();
     let mut contacts: Vec<usize> = shared
         .filter(|&c| !situation.contacts[c].phase_is_open())
@@ -561,7 +563,7 @@ fn closed_contacts(model: &Model<'_>, situation: &Situation) -> Closed {
             }
             Err(place) => place,
         };
-        let before = contacts[..=place].iter().rposition(|&c| !sticks(c));
+        let before = contacts[..=place].iter().rposition(|&c| !rests(c));
         contacts.remove(before.unwrap_or(place));
     }
 }

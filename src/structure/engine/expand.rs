@@ -257,6 +257,11 @@ fn shared_order(model: &Model<'_>, situation: &Situation, series: &mut Series, k
         series.held.push(pull / model.contacts[c].compliance.sqrt());
     }
     holding.factor.solve(&mut series.held);
+    if !holding.contacts.is_empty() {
+        for &j in &model.shared_coordinates {
+            series.unheld[j] = series.rates[j];
+        }
+    }
     for (&c, &force) in std::iter::zip(&holding.contacts, &series.held) {
         let contact = &model.contacts[c];
         let carried = force * contact.compliance.sqrt();
@@ -266,6 +271,9 @@ fn shared_order(model: &Model<'_>, situation: &Situation, series: &mut Series, k
         }
     }
     for &j in &model.shared_coordinates {
+        if !holding.contacts.is_empty() {
+            series.rates[j] = unless_rounding(series.rates[j], series.unheld[j]);
+        }
         let velocity = series.rates[j] * INTEGRAL[k];
         series.coordinates[j].course.set_velocity(k + 1, velocity);
     }
@@ -276,6 +284,17 @@ fn shared_order(model: &Model<'_>, situation: &Situation, series: &mut Series, k
             let equation = of.side * pull * INTEGRAL[k];
             of.speeds[k + 1] = of.rate.filter(|_| k == 0).unwrap_or(equation);
         }
+    }
+}
+
+/// A difference, or 0 if it is but the rounding of the number that something was taken away from:
+/// what is held is at rest to the bit, and nothing is measured by how little it moves.
+pub(super) fn unless_rounding(difference: f64, from: f64) -> f64 {
+    const ROUNDING: f64 = 8.0 * f64::EPSILON;
+    if difference.abs() <= ROUNDING * from.abs() {
+        0.0
+    } else {
+        difference
     }
 }
 

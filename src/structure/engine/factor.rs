@@ -23,30 +23,58 @@ impl Factor {
     ///
     /// The number of the first row that depends on those before, within rounding.
     pub(crate) fn new(rows: impl Iterator<Item = Vec<(usize, f64)>>) -> Result<Self, usize> {
-        /// Part of the diagonal that rounding may leave, in units of ε and of the row's length.
-        const DEPENDENT: f64 = 64.0;
+        Self::with_diagonal(1.0, rows)
+    }
+
+    /// The same with another diagonal.
+    ///
+    /// # Errors
+    ///
+    /// As for [`new`](Self::new).
+    pub(crate) fn with_diagonal(
+        diagonal: f64,
+        rows: impl Iterator<Item = Vec<(usize, f64)>>,
+    ) -> Result<Self, usize> {
+        /// Rounding of an entry of the matrix.
+        const ROUNDING: f64 = 8.0 * f64::EPSILON;
         let mut factor = Self::default();
+        // How far rounding may have moved each entry, to tell a small diagonal from none.
+        let mut errors: Vec<Row> = Vec::new();
         for (i, beside) in rows.enumerate() {
             let first = beside.iter().map(|&(j, _)| j).min().unwrap_or(i);
             let mut entries = vec![0.0; i + 1 - first];
             for (j, value) in beside {
                 entries[j - first] = value;
             }
-            let mut square = 1.0;
+            let mut moved = vec![0.0; i + 1 - first];
+            let (mut square, mut square_moved) = (diagonal, ROUNDING * diagonal);
             for j in first..i {
-                let other = &factor.rows[j];
-                let from = first.max(other.first);
-                let products = (from..j).map(|l| entries[l - first] * other.entry(l));
-                let entry = (entries[j - first] - products.sum::<f64>()) / other.entry(j);
+                let (other, other_moved) = (&factor.rows[j], &errors[j]);
+                let (mut rest, mut error) = (entries[j - first], ROUNDING);
+                for l in first.max(other.first)..j {
+                    let own = entries[l - first];
+                    rest -= own * other.entry(l);
+                    error += moved[l - first] * other.entry(l).abs();
+                    error += own.abs() * other_moved.entry(l);
+                }
+                let diagonal = other.entry(j);
+                let entry = rest / diagonal;
+                error = (error + entry.abs() * other_moved.entry(j)) / diagonal;
                 entries[j - first] = entry;
+                moved[j - first] = error;
                 square -= entry * entry;
+                square_moved += 2.0 * entry.abs() * error + error * error;
             }
-            let least = DEPENDENT * f64::EPSILON * (i + 1 - first) as f64;
-            if square.is_nan() || square <= least {
+            if square.is_nan() || square <= square_moved {
                 return Err(i);
             }
             entries[i - first] = square.sqrt();
+            moved[i - first] = square_moved / square.sqrt();
             factor.rows.push(Row { first, entries });
+            errors.push(Row {
+                first,
+                entries: moved,
+            });
         }
         Ok(factor)
     }

@@ -155,7 +155,7 @@ impl<'s> Engine<'s> {
             self.idle + 1
         };
         if self.idle > 4 * (self.situation.contacts.len() + 2) {
-            return Err(self.undecided());
+            return Err(self.situation.undecided(&self.model, &self.series));
         }
         let is_disturbed = self.land(settled);
         let approaches = self.approaches(settled.duration);
@@ -307,14 +307,18 @@ impl<'s> Engine<'s> {
         };
         let mut is_disturbed = settled.at_break.is_some();
         for (c, contact) in model.contacts.iter().enumerate() {
+            let mut firing = firings[c].take().map(|(_, firing)| firing);
+            series.contacts[c].relaxation = 0.0;
+            if h == 0.0 && settled.at_break.is_none() && firing.is_none() {
+                // Nothing has changed for this contact since it decided.
+                continue;
+            }
             let (state, of) = (&mut situation.contacts[c], &mut series.contacts[c]);
             for (memory, series) in std::iter::zip(&mut state.memory, &of.memories) {
                 *memory = series.at(h);
             }
-            of.relaxation = 0.0;
             (state.edge, state.load_edge) = (Edge::Away, Edge::Away);
             state.entry = Entry::Held;
-            let mut firing = firings[c].take().map(|(_, firing)| firing);
             if let Phase::Slip {
                 speed, rate, piece, ..
             } = &mut state.phase
@@ -458,13 +462,6 @@ impl<'s> Engine<'s> {
             }
         }
         Error::StepUnderflow { step, reached }
-    }
-
-    fn undecided(&self) -> Error {
-        Error::StepUnderflow {
-            step: 0.0,
-            reached: self.situation.reached(&self.model, &self.series),
-        }
     }
 }
 

@@ -475,16 +475,36 @@ impl<'s> Model<'s> {
     ///
     /// The place among them of the first one that depends on those before.
     pub(crate) fn factor(&self, among: &[usize]) -> Result<Factor, usize> {
+        Factor::new(self.couplings(among))
+    }
+
+    /// The same if each of them gave way a little by itself, so that dependent ones share what they
+    /// carry.
+    pub(super) fn soft_factor(&self, among: &[usize]) -> Factor {
+        const SOFTEST: f64 = 1.0;
+        let mut softness = 1e-8;
+        loop {
+            let factor = Factor::with_diagonal(1.0 + softness, self.couplings(among));
+            match factor {
+                Ok(factor) => return factor,
+                // Numbers that are not finite.
+                Err(_) if softness > SOFTEST => return Factor::default(),
+                Err(_) => softness *= 100.0,
+            }
+        }
+    }
+
+    /// Of each of these contacts the coupling with those before it.
+    fn couplings(&self, among: &[usize]) -> impl Iterator<Item = Vec<(usize, f64)>> {
         let mut places = vec![usize::MAX; self.contacts.len()];
         for (place, &c) in among.iter().enumerate() {
             places[c] = place;
         }
-        let row = |(place, &c): (usize, &usize)| {
+        among.iter().enumerate().map(move |(place, &c)| {
             let coupled = self.contacts[c].coupled().iter();
             let before = coupled.map(|&(d, g)| (places[d], g));
             before.filter(|&(other, _)| other < place).collect()
-        };
-        Factor::new(among.iter().enumerate().map(row))
+        })
     }
 }
 

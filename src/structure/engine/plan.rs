@@ -216,8 +216,11 @@ pub(super) fn plan_reach(
         let allowance = match model.owner_of(c) {
             Some(i) => plan.coordinates[i],
             None => {
-                let error = contact.size_along(|j| plan.coordinates[j].error);
-                Allowance::new(error, size)
+                let of_masses = contact.size_along(|j| plan.coordinates[j].error);
+                let rate = of.speeds[1].abs().max(unit * of.speeds[2].abs());
+                let by_rate = if unit.is_finite() { unit * rate } else { 0.0 };
+                let scale = of.speeds[0].abs().max(of.surface[0].abs()).max(by_rate);
+                Allowance::new(of_masses.max(tolerance * scale), size)
             }
         };
         if let (Phase::Slip { .. }, None) = (state.phase, model.owner_of(c)) {
@@ -362,20 +365,38 @@ fn time_unit(
             sizes[j] += x.abs() * load_terms(contact, situation) * coefficient;
         }
     }
-    let mut changing = sizes
+    let changing = sizes
         .iter()
         .enumerate()
         .flat_map(|(i, size)| (1..4).map(move |k| (size / force(i, k).abs()).powf(1.0 / k as f64)));
-    let changing = least(&mut changing);
+    let slipping = model.shared.iter().flat_map(|&c| {
+        let of = &series.contacts[c];
+        let size = model.contacts[c].size_along(|j| sizes[j]) + of.surface[1].abs();
+        let slips = matches!(situation.contacts[c].phase, Phase::Slip { .. });
+        let change = move |k: usize| (k + 1) as f64 * of.speeds[k + 1].abs();
+        let orders = if slips { 1..4 } else { 0..0 };
+        orders.map(move |k| (size / change(k)).powf(1.0 / k as f64))
+    });
+    let changing = least(&mut changing.chain(slipping));
     if changing.is_finite() {
         return changing;
     }
     let velocities = scales.iter().enumerate();
-    least(&mut velocities.map(|(i, &(_, terms))| {
-        let velocity = series.coordinates[i].course.velocity(0).abs();
+    let stopping = least(&mut velocities.map(|(i, &(_, terms))| {
+        let course = &series.coordinates[i].course;
+        let velocity = course.velocity(0).abs();
+        if model.owner[i].is_none() {
+            // What is held has no acceleration, and a velocity that may be but rounding.
+            return velocity / course.velocity(1).abs();
+        }
         velocity.max(motion(model, situation, series, i).surface(0).abs()) / terms
-    }))
+    }));
+    // No time that the clock cannot tell.
+    stopping.max(TOLD * f64::EPSILON * situation.clock.time.abs())
 }
+
+/// Ulps of the clock below which no time is a unit.
+const TOLD: f64 = 1024.0;
 
 /// The rates at which deviations of the velocities of coordinates die out by damping and friction;
 /// 0 unless a contact of the coordinate slips.

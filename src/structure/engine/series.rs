@@ -11,6 +11,7 @@ pub(super) struct Series {
     pub(super) contacts: Vec<ContactSeries>,
     /// Room for one order of the shared coordinates and contacts.
     pub(super) rates: Vec<f64>,
+    pub(super) unheld: Vec<f64>,
     pub(super) held: Vec<f64>,
 }
 
@@ -175,6 +176,7 @@ impl Series {
             coordinates: coordinates.collect(),
             contacts: contacts.collect(),
             rates: vec![0.0; model.len()],
+            unheld: vec![0.0; model.len()],
             held: Vec::with_capacity(model.shared.len()),
         }
     }

@@ -5,7 +5,7 @@ use super::factor::Factor;
 use super::model::{ContactData, Model};
 use super::series::Series;
 use crate::clock::Clock;
-use crate::error::Reached;
+use crate::error::{Error, Reached};
 use crate::friction::memory::Slip;
 use crate::friction::memory::object::LawObject;
 use crate::motion::Mode;
@@ -174,6 +174,12 @@ impl Situation {
 
     pub(super) fn modes(&self) -> Vec<Mode> {
         self.contacts.iter().map(ContactState::mode).collect()
+    }
+
+    /// The error for contacts that do not come to a decision.
+    pub(super) fn undecided(&self, model: &Model<'_>, series: &Series) -> Error {
+        let (step, reached) = (0.0, self.reached(model, series));
+        Error::StepUnderflow { step, reached }
     }
 
     pub(super) fn reached(&self, model: &Model<'_>, series: &Series) -> Reached {

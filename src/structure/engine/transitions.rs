@@ -34,7 +34,6 @@ pub(super) fn decide(
     for c in 0..situation.contacts.len() {
         arrive(model, situation, c);
     }
-    let mut undecided = false;
     // Each round but the last changes a contact: its load, its band, or its piece of the law.
     for _ in 0..=4 * situation.contacts.len() {
         if let Some(decision) = &mut decision {
@@ -51,24 +50,22 @@ pub(super) fn decide(
             );
             if change && shared {
                 situation.closed = None;
-                decision.get_or_insert_with(|| Decision::new(model, situation, series));
+                let new = || Decision::new(model, situation, series);
+                decision.get_or_insert_with(new).restart();
             }
             changed |= change || revise_mode(model, situation, series, c);
         }
-        let mut is_open = false;
         if let Some(decision) = &mut decision {
-            is_open = decision.revise(model, situation, series);
+            changed |= decision.revise(model, situation, series);
         }
-        if !(changed || is_open) {
+        if !changed {
             return Ok(());
         }
-        undecided = is_open;
     }
-    if undecided {
-        let (step, reached) = (0.0, situation.reached(model, series));
-        return Err(Error::StepUnderflow { step, reached });
+    match decision {
+        None => Ok(()),
+        Some(_) => Err(situation.undecided(model, series)),
     }
-    Ok(())
 }
 
 /// A contact that has come to r = 0 is taken to stick, until what it carries says otherwise.

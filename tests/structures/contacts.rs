@@ -1,0 +1,492 @@
+//! Contacts in any direction: identities, limits, and what cannot be decided.
+
+use stick_slip::nalgebra::{DMatrix, DVector};
+use stick_slip::structure::State;
+use stick_slip::{
+    AnyLaw, Contact, Coulomb, Direction, Drive, Error, Event, EventKind, Exponential, Mode,
+    Segment, Structure, Trajectory,
+};
+
+use crate::common::{Random, text};
+use crate::plain::Plain;
+use crate::reading::{cases, law, structure};
+use crate::work::Work;
+
+/// μ_s = μ̂(0).
+fn even(coefficient: f64) -> Coulomb {
+    Coulomb::new(coefficient, coefficient).unwrap()
+}
+
+fn dry() -> Coulomb {
+    Coulomb::new(0.5, 0.3).unwrap()
+}
+
+/// The motion as far as it goes.
+fn motion(structure: &Structure, start: &State, duration: f64) -> Trajectory<State> {
+    match structure.simulate(start.clone(), duration) {
+        Ok(motion) => motion,
+        Err(Error::Separation { reached, .. } | Error::Undetermined { reached, .. }) => {
+            let before = reached.time * (1.0 - 1e-12);
+            structure.simulate(start.clone(), before).unwrap()
+        }
+        Err(error) => panic!("{error}"),
+    }
+}
+
+fn keys(motion: &Trajectory<State>) -> Vec<(usize, EventKind)> {
+    let events = motion.events().iter();
+    events.map(|event| (event.contact, event.kind)).collect()
+}
+
+/// How far events of two motions lie apart, in time and, with a map of the states, in place.
+fn apart(a: &Event<State>, b: &Event<State>, mapped: impl Fn(&[f64]) -> Vec<f64>) -> f64 {
+    let of = |a: &[f64], b: &[f64]| -> f64 {
+        let pairs = a.iter().zip(mapped(b));
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    let places = of(&a.state.displacements, &b.state.displacements);
+    let speeds = of(&a.state.velocities, &b.state.velocities);
+    (a.time - b.time).abs().max(places).max(speeds)
+}
+
+/// The same structure in the coordinates x, q = T x.
+fn changed(plain: &Plain, t: &DMatrix<f64>) -> Plain {
+    let seen = |matrix: &DMatrix<f64>| t.transpose() * matrix * t;
+    let mut plain = plain.clone();
+    [plain.mass, plain.stiffness, plain.damping] =
+        [&plain.mass, &plain.stiffness, &plain.damping].map(seen);
+    for contact in &mut plain.contacts {
+        contact.direction = t.transpose() * &contact.direction;
+        let gradient = t.transpose() * DVector::from_column_slice(&contact.gradient);
+        contact.gradient = gradient.as_slice().to_vec();
+    }
+    plain
+}
+
+/// How much a change of the start grows on the way to each event.
+fn growth(structure: &Structure, start: &State, motion: &Trajectory<State>, end: f64) -> f64 {
+    const CHANGE: f64 = 1e-9;
+    let mut largest = 1.0_f64;
+    for i in 0..2 * structure.len() {
+        let mut beside = start.clone();
+        let n = structure.len();
+        if i < n {
+            beside.displacements[i] += CHANGE;
+        } else {
+            beside.velocities[i - n] += CHANGE;
+        }
+        let Ok(other) = structure.simulate(beside, end) else {
+            continue;
+        };
+        for (a, b) in motion.events().iter().zip(other.events()) {
+            largest = largest.max(apart(a, b, <[f64]>::to_vec) / CHANGE);
+        }
+    }
+    largest
+}
+
+/// A unimodular change of coordinates changes nothing but rounding: every number by at most 1e-13
+/// of the condition number of T and of what the motion itself magnifies.
+#[test]
+fn coordinates_may_be_changed() {
+    let mut random = Random::new(31);
+    let (mut events, mut compared, mut worst) = (0, 0, 0.0_f64);
+    for i in 0..150 {
+        let mut plain = Plain::shared(&mut random, false);
+        let n = plain.len();
+        // Forces are changed as sums of drives, which plain numbers do not have.
+        plain.forces = vec![Default::default(); n];
+        let start = plain.start_at_rest(&mut random);
+        // A product of elementary ones.
+        let mut t = DMatrix::identity(n, n);
+        for _ in 0..n {
+            let [a, b] = [0; 2].map(|_| (random.bits() % n as u64) as usize);
+            if a != b {
+                let row = t.row(a) * random.sign();
+                t.set_row(b, &(t.row(b) + row));
+            }
+        }
+        let back = t.clone().try_inverse().unwrap();
+        let condition = t.norm() * back.norm();
+        let seen = |x: &[f64]| (&back * DVector::from_column_slice(x)).as_slice().to_vec();
+        let mapped = |x: &[f64]| (&t * DVector::from_column_slice(x)).as_slice().to_vec();
+        let duration = 8.0;
+        let one = plain.structure();
+        let other = changed(&plain, &t).structure();
+        let start_seen = State::new(&seen(&start.displacements), &seen(&start.velocities));
+        let (Ok(a), Ok(b)) = (
+            one.simulate(start.clone(), duration),
+            other.simulate(start_seen, duration),
+        ) else {
+            continue;
+        };
+        let about = || format!("{i}: {plain:?}\n{start:?}\n{t}");
+        // What is at rest within rounding may come to rest a moment later.
+        let later = |motion: &Trajectory<State>| -> Vec<Event<State>> {
+            let events = motion.events().iter().cloned();
+            events.filter(|event| event.time > 1e-12).collect()
+        };
+        let (first, second) = (later(&a), later(&b));
+        assert_eq!(first.len(), second.len(), "{}", about());
+        let allowed = 1e-13 * condition * growth(&one, &start, &a, duration);
+        for (a, b) in first.iter().zip(&second) {
+            assert_eq!((a.contact, a.kind), (b.contact, b.kind), "{}", about());
+            let apart = apart(a, b, mapped);
+            assert!(apart <= allowed, "{apart:e} of {allowed:e}: {}", about());
+            worst = worst.max(apart / allowed);
+            events += 1;
+        }
+        compared += 1;
+    }
+    println!("{compared} motions, {events} events, worst {worst:.1e} of what is allowed");
+    assert!(compared > 80 && events > 300, "{compared} {events}");
+}
+
+/// Two masses and a joint, and the same in x_0 = q_0 − q_1, x_1 = q_1: the joint is along one
+/// coordinate then, and M is full.
+#[test]
+fn a_joint_is_a_contact_of_the_relative_coordinate() {
+    let mut random = Random::new(8);
+    let mut events = 0;
+    for _ in 0..100 {
+        let [m, k, c] = [(0.5, 2.0), (0.3, 2.0), (0.0, 0.2)]
+            .map(|(low, high)| [0; 2].map(|_| random.uniform(low, high)));
+        let law = Coulomb::new(0.3 + random.uniform(0.0, 0.3), 0.3).unwrap();
+        let load = random.uniform(0.3, 1.5);
+        let force = Drive::sine(random.uniform(0.5, 2.0), random.uniform(0.5, 2.0)).unwrap();
+        let made = |masses: Structure, contact: Contact, t: DMatrix<f64>| {
+            let matrix =
+                |x: [f64; 2]| t.transpose() * DMatrix::from_diagonal(&x.into_vector()) * &t;
+            masses
+                .with_stiffness(matrix(k))
+                .and_then(|s| s.with_damping(matrix(c)))
+                .and_then(|s| s.with_force(0, force.clone()))
+                .and_then(|s| s.with_contact(contact))
+                .unwrap()
+        };
+        // The force acts on q_0 = x_0 + x_1: on both of x.
+        let between = Contact::between(0, 1, law, load).unwrap();
+        let one = made(
+            Structure::new(&m).unwrap(),
+            between,
+            DMatrix::identity(2, 2),
+        );
+        let t = DMatrix::from_row_slice(2, 2, &[1.0, 1.0, 0.0, 1.0]);
+        let mass = DMatrix::from_row_slice(2, 2, &[m[0], m[0], m[0], m[0] + m[1]]);
+        let alone = Contact::new(0, law, load).unwrap();
+        let other = made(Structure::with_mass_matrix(mass).unwrap(), alone, t)
+            .with_force(1, force.clone())
+            .unwrap();
+        let (a, b) = (
+            motion(&one, &State::new(&[0.3, -0.2], &[0.5, 0.1]), 20.0),
+            motion(&other, &State::new(&[0.5, -0.2], &[0.4, 0.1]), 20.0),
+        );
+        assert_eq!(keys(&a), keys(&b));
+        for (a, b) in a.events().iter().zip(b.events()) {
+            let apart = apart(a, b, |x| vec![x[0] + x[1], x[1]]);
+            assert!(apart < 1e-12, "{apart:e}");
+            events += 1;
+        }
+    }
+    assert!(events > 500, "{events}");
+}
+
+trait IntoVector {
+    fn into_vector(self) -> DVector<f64>;
+}
+
+impl IntoVector for [f64; 2] {
+    fn into_vector(self) -> DVector<f64> {
+        DVector::from_column_slice(&self)
+    }
+}
+
+#[test]
+fn contacts_may_be_numbered_in_any_order() {
+    let mut random = Random::new(17);
+    let (mut events, mut falling) = (0, 0);
+    for i in 0..200 {
+        let plain = Plain::shared(&mut random, i % 4 == 0);
+        let start = plain.start_at_rest(&mut random);
+        let mut order: Vec<usize> = (0..plain.contacts.len()).collect();
+        for c in (1..order.len()).rev() {
+            order.swap(c, (random.bits() % (c as u64 + 1)) as usize);
+        }
+        let mut other = plain.clone();
+        other.contacts = order.iter().map(|&c| plain.contacts[c].clone()).collect();
+        let duration = 8.0;
+        let (Ok(a), Ok(b)) = (
+            plain.structure().simulate(start.clone(), duration),
+            other.structure().simulate(start.clone(), duration),
+        ) else {
+            continue;
+        };
+        let sorted = |events: &[Event<State>], number: &dyn Fn(usize) -> usize| {
+            let mut events: Vec<_> = events.to_vec();
+            for event in &mut events {
+                event.contact = number(event.contact);
+            }
+            // Those of one time in the order of the contacts.
+            let mut begun = 0;
+            for k in 1..=events.len() {
+                if k == events.len() || events[k].time - events[begun].time > 1e-11 {
+                    events[begun..k].sort_by_key(|event| event.contact);
+                    begun = k;
+                }
+            }
+            events
+        };
+        let one = sorted(a.events(), &|c| c);
+        let other = sorted(b.events(), &|c| order[c]);
+        let allowed = 1e-13 * growth(&plain.structure(), &start, &a, duration);
+        let about = || format!("{i}: {plain:?}\n{start:?}\n{order:?}");
+        assert_eq!(one.len(), other.len(), "{}", about());
+        for (a, b) in one.iter().zip(&other) {
+            assert_eq!((a.contact, a.kind), (b.contact, b.kind), "{}", about());
+            assert!(apart(a, b, <[f64]>::to_vec) <= allowed, "{}", about());
+            events += 1;
+        }
+        let falls = |c: &crate::plain::PlainContact| matches!(c.law, AnyLaw::Coulomb(_));
+        falling += usize::from(plain.contacts.iter().any(falls));
+    }
+    assert!(events > 500 && falling > 50, "{events} {falling}");
+}
+
+/// Work is the change of energy over every step, at round-off: reference motions, in which contacts
+/// stick, slip, open and close.
+#[test]
+fn energy_balances_along_contacts() {
+    let mut worst = 0.0_f64;
+    for case in cases(include_str!("../data/contact_trajectories.json")) {
+        let contacts = case["system"]["contacts"].as_array().unwrap();
+        let remembers = |c: &serde_json::Value| !c["dwell"].is_null() || !c["bristle"].is_null();
+        if contacts.iter().any(remembers) {
+            continue;
+        }
+        let laws: Vec<AnyLaw> = contacts.iter().map(|c| law(c, f64::NAN)).collect();
+        let system = structure(&case["system"], f64::NAN);
+        let [q, v] = ["q", "v"].map(|x| crate::reading::numbers(&case["start"][x]));
+        let end = crate::common::number(&case["t_end"]);
+        let motion = motion(&system, &State::new(&q, &v), end);
+        let work = Work::new(&system, &laws);
+        for step in motion.steps() {
+            if step.duration() == 0.0 {
+                continue;
+            }
+            let (done, size) = work.over(step);
+            let [a, b] = [step.state(), &step.end_state()].map(|state| work.energy(state));
+            let apart = (b - a - done).abs() / (size + a.abs() + b.abs());
+            worst = worst.max(apart);
+            let (id, time) = (text(&case["id"]), step.start_time());
+            assert!(apart < 1e-13, "{id} at {time}: {apart:e}");
+        }
+    }
+    println!("worst {worst:.1e}");
+}
+
+/// Nothing acts on the whole: a clutch leaves the momentum as it is.
+#[test]
+fn clutches_keep_momentum() {
+    let load = Drive::profile(&[(0.0, 0.0), (0.5, 2.0), (2.0, 2.0), (2.0, 0.0)]).unwrap();
+    let load = load.with_harmonic(0.4, 3.0, 0.0).unwrap();
+    let clutch = |i: usize| Contact::between(i, i + 1, dry(), load.clone()).unwrap();
+    let inertias = [1.0, 0.7, 2.3];
+    let shafts = Structure::new(&inertias)
+        .and_then(|s| s.with_spring(0, 2, 0.8))
+        .and_then(|s| s.with_contact(clutch(0))?.with_contact(clutch(1)))
+        .unwrap();
+    let start = State::new(&[0.0, 0.3, 0.0], &[5.0, -1.0, 0.2]);
+    let momentum = |state: &State| -> f64 {
+        let parts = inertias.iter().zip(&state.velocities);
+        parts.map(|(inertia, v)| inertia * v).sum()
+    };
+    let first = momentum(&start);
+    let motion = shafts.simulate(start, 20.0).unwrap();
+    assert!(motion.events().len() > 6);
+    for (time, state) in motion.sample(200) {
+        let apart = momentum(&state) - first;
+        assert!(apart.abs() < 1e-13, "{apart:e} at {time}");
+    }
+}
+
+/// A joint with a mass 10¹² times as heavy is a belt at rest.
+#[test]
+fn a_heavy_mass_is_a_belt() {
+    let law = Exponential::new(0.5, 0.3, 0.25).unwrap();
+    let force = || Drive::sine(0.6, 0.9).unwrap();
+    let on_belt = Structure::new(&[1.0])
+        .and_then(|s| s.with_ground_spring(0, 1.0)?.with_force(0, force()))
+        .and_then(|s| s.with_contact(Contact::new(0, law, 1.0)?))
+        .unwrap();
+    let jointed = Structure::new(&[1.0, 1e12])
+        .and_then(|s| s.with_ground_spring(0, 1.0)?.with_force(0, force()))
+        .and_then(|s| s.with_contact(Contact::between(0, 1, law, 1.0)?))
+        .unwrap();
+    let one = on_belt.simulate(State::new(&[0.9], &[0.0]), 40.0).unwrap();
+    let start = State::new(&[0.9, 0.0], &[0.0, 0.0]);
+    let other = jointed.simulate(start, 40.0).unwrap();
+    assert!(one.events().len() > 8);
+    assert_eq!(keys(&one), keys(&other));
+    for (a, b) in one.events().iter().zip(other.events()) {
+        assert!((a.time - b.time).abs() < 1e-10);
+    }
+}
+
+/// So much load that nothing slips: one rigid body.
+#[test]
+fn a_large_load_makes_a_rigid_pair() {
+    for load in [1e3, 1e9, 1e15] {
+        let pair = Structure::new(&[1.0, 3.0])
+            .and_then(|s| s.with_ground_spring(0, 2.0)?.with_ground_spring(1, 7.0))
+            .and_then(|s| s.with_contact(Contact::between(0, 1, dry(), load)?))
+            .unwrap();
+        let motion = pair
+            .simulate(State::new(&[0.5, 0.1], &[0.4, 0.4]), 30.0)
+            .unwrap();
+        assert_eq!(motion.events(), []);
+        // 4 v' = −2 q_0 − 7 q_1, q_0 − q_1 = 0.4, ω = 3/2.
+        let omega = 1.5_f64;
+        let middle = -2.0 * 0.4 / 9.0;
+        for (t, state) in motion.sample(100) {
+            let (sin, cos) = (omega * t).sin_cos();
+            let expected = middle + (0.1 - middle) * cos + 0.4 / omega * sin;
+            let [q_0, q_1] = state.displacements[..] else {
+                panic!()
+            };
+            assert!((q_1 - expected).abs() < 1e-13, "{load} {t}");
+            assert!((q_0 - q_1 - 0.4).abs() < 1e-14, "{load} {t}");
+        }
+    }
+}
+
+/// Two clutches in series between three inertias: one pair locks, then all turn with their common
+/// momentum.
+#[test]
+fn clutches_in_series_lock_one_after_the_other() {
+    let clutch = |i: usize, load: f64| Contact::between(i, i + 1, dry(), load).unwrap();
+    let shafts = Structure::new(&[1.0, 1.0, 1.0])
+        .and_then(|s| s.with_contact(clutch(0, 2.0))?.with_contact(clutch(1, 0.4)))
+        .unwrap();
+    let start = State::new(&[0.0; 3], &[6.0, 0.0, 0.0]);
+    let motion = shafts.simulate(start, 20.0).unwrap();
+    use EventKind::Stick;
+    assert_eq!(keys(&motion), [(0, Stick), (1, Stick)]);
+    let [first, second] = motion.events() else {
+        panic!()
+    };
+    // 0 loses 0.6, 1 gains 0.6 − 0.12, 2 gains 0.12; then 0 and 1 lose 0.06 each.
+    let lock = 6.0 / 1.08;
+    assert!((first.time - lock).abs() < 1e-14);
+    let rest = (6.0 - 0.72 * lock) / 0.18;
+    assert!((second.time - lock - rest).abs() < 1e-13);
+    for v in motion.last().velocities {
+        assert!((v - 2.0).abs() < 1e-14);
+    }
+}
+
+/// A mass between a belt and the ground: two contacts of one coordinate, of which one at most is at
+/// rest.
+#[test]
+fn a_clamped_mass_goes_on() {
+    let clamped = Structure::new(&[1.0])
+        .and_then(|s| s.with_ground_spring(0, 1.0))
+        .and_then(|s| s.with_force(0, Drive::sine(0.9, 0.4)?))
+        .and_then(|s| s.with_contact(Contact::new(0, dry(), 1.0)?.on_belt(0.3)))
+        .and_then(|s| s.with_contact(Contact::new(0, dry(), 0.4)?))
+        .unwrap();
+    let motion = clamped.simulate(State::new(&[0.0], &[0.3]), 60.0).unwrap();
+    let count = |c: usize| motion.events().iter().filter(|e| e.contact == c).count();
+    assert!(count(0) > 4 && count(1) > 2, "{:?}", keys(&motion));
+    for step in motion.steps() {
+        assert_ne!(step.modes(), [Mode::Stick, Mode::Stick]);
+    }
+}
+
+/// Two clutches side by side share what they carry when both stick, and nothing says how.
+#[test]
+fn parallel_clutches_that_lock_are_undetermined() {
+    let clutch = |load: f64| Contact::between(0, 1, even(0.5), load).unwrap();
+    let other = Contact::new(2, even(0.5), 1.0).unwrap();
+    let shafts = |force: f64| {
+        Structure::new(&[1.0, 1.0, 1.0])
+            .and_then(|s| s.with_force(0, force))
+            .and_then(|s| s.with_contact(other.clone())?.with_contact(clutch(1.0)))
+            .and_then(|s| s.with_contact(clutch(2.0)))
+            .unwrap()
+    };
+    let start = State::new(&[0.0; 3], &[3.0, 0.0, 0.0]);
+    // r = 3 − 3 t.
+    let Err(Error::Undetermined { contacts, reached }) = shafts(0.0).simulate(start.clone(), 5.0)
+    else {
+        panic!("both lock")
+    };
+    assert_eq!(contacts, [1, 2]);
+    assert!((reached.time - 1.0).abs() < 1e-15, "{}", reached.time);
+    assert!((reached.state.velocities[0] - 1.5).abs() < 1e-15);
+    // Up to there it is a motion, and where they only slide it goes on.
+    assert!(shafts(0.0).simulate(start.clone(), 0.999).is_ok());
+    let slides = shafts(4.0).simulate(start.clone(), 5.0).unwrap();
+    assert!(slides.events().is_empty());
+    // r' = 4 − 3.
+    let [v_0, v_1, _] = slides.last().velocities[..] else {
+        panic!()
+    };
+    assert!((v_0 - v_1 - 8.0).abs() < 1e-13, "{v_0} {v_1}");
+    // A start at rest is refused at once.
+    assert!(matches!(
+        shafts(0.0).simulate(State::at_rest(3), 1.0),
+        Err(Error::Undetermined { .. })
+    ));
+}
+
+/// A load that jumps away: what the others hold is asked with what is left.
+#[test]
+fn others_decide_without_a_contact_that_opens() {
+    // From t = 1 on nothing presses the first contact, and its friction no longer counts: the
+    // second holds 0.4, though not 0.4 + 0.2.
+    let load = Drive::profile(&[(1.0, 0.4), (1.0, -3.0), (2.0, -3.0)]).unwrap();
+    let mass = Structure::new(&[1.0])
+        .and_then(|s| s.with_force(0, 0.4))
+        .and_then(|s| s.with_contact(Contact::new(0, even(0.5), load)?.on_belt(-1.0)))
+        .and_then(|s| s.with_contact(Contact::new(0, even(0.5), 1.0)?))
+        .unwrap();
+    let motion = mass.simulate(State::at_rest(1), 3.0).unwrap();
+    assert_eq!(keys(&motion), [(0, EventKind::Open)]);
+    assert_eq!(motion.last(), State::at_rest(1));
+}
+
+/// A mass that is held has no velocity, not even that of rounding errors, and nothing but a belt
+/// that moves below it limits the steps.
+#[test]
+fn a_held_mass_is_at_rest_to_the_bit() {
+    let belt = Drive::sine(0.06, 2.0)
+        .unwrap()
+        .with_constant(-0.46)
+        .unwrap();
+    let mass = Structure::new(&[3.5])
+        .and_then(|s| s.with_contact(Contact::new(0, dry(), 1.5)?))
+        .and_then(|s| s.with_contact(Contact::new(0, dry(), 0.75)?.on_belt(belt)))
+        .unwrap();
+    let motion = mass.simulate(State::new(&[-0.5], &[0.83]), 100.0).unwrap();
+    assert_eq!(keys(&motion), [(0, EventKind::Stick)]);
+    assert_eq!(motion.last().velocities, [0.0]);
+    assert!(motion.steps().len() < 200, "{}", motion.steps().len());
+}
+
+/// A joint along two coordinates may be driven as well as a belt.
+#[test]
+fn a_joint_slips_the_way_its_motor_turns() {
+    let joint = Contact::between(0, 1, even(0.5), 1.0).unwrap().on_belt(1.0);
+    let pair = Structure::new(&[1.0, 1.0])
+        .unwrap()
+        .with_contact(joint)
+        .unwrap();
+    assert_eq!(pair.carried(0.0, &State::at_rest(2)).unwrap(), [-0.5]);
+    let motion = pair.simulate(State::at_rest(2), 5.0).unwrap();
+    // r = −1 + t.
+    assert_eq!(keys(&motion), [(0, EventKind::Stick)]);
+    assert!((motion.events()[0].time - 1.0).abs() < 1e-15);
+    assert_eq!(motion.last().velocities, [0.5, -0.5]);
+    let first = motion.steps().first().unwrap();
+    assert_eq!(first.modes(), [Mode::Slip(Direction::Lagging)]);
+}

@@ -1,0 +1,124 @@
+//! What contacts at rest do at once: against all patterns of modes, tried one by one.
+
+use stick_slip::nalgebra::{DMatrix, DVector};
+use stick_slip::structure::State;
+use stick_slip::{Contact, Coulomb, Integrator, Mode, Segment, Structure};
+
+use crate::common::Random;
+use crate::naive::{Pattern, Question, is_definite};
+
+/// Number of decisions, which the variable `STRUCTURES` may raise.
+fn count(usual: usize) -> usize {
+    std::env::var("STRUCTURES").map_or(usual, |text| text.parse().unwrap())
+}
+
+/// A structure at rest with k contacts under constant forces, and what it has to decide.
+fn drawn(random: &mut Random, k: usize, falls: bool) -> (Structure, Question) {
+    let n = k + (random.bits() % 2) as usize;
+    let part = DMatrix::from_fn(n, n, |_, _| random.uniform(-0.7, 0.7));
+    let masses = DMatrix::from_fn(n, n, |i, j| {
+        if i == j {
+            random.uniform(0.5, 2.0)
+        } else {
+            0.0
+        }
+    });
+    let mass = masses + &part * part.transpose();
+    let mut structure = Structure::with_mass_matrix(mass.clone()).unwrap();
+    let mut forces = DVector::zeros(n);
+    for i in 0..n {
+        forces[i] = random.uniform(-2.0, 2.0);
+        structure = structure.with_force(i, forces[i]).unwrap();
+    }
+    let mut rows = DMatrix::zeros(k, n);
+    let (mut limits, mut kinetic) = (vec![], vec![]);
+    for c in 0..k {
+        let direction: Vec<(usize, f64)> = if random.bits().is_multiple_of(2) && n > 1 {
+            let i = (random.bits() % n as u64) as usize;
+            vec![(i, 1.0), ((i + 1) % n, -1.0)]
+        } else {
+            (0..n).map(|j| (j, random.uniform(-1.0, 1.0))).collect()
+        };
+        for &(j, b) in &direction {
+            rows[(c, j)] = b;
+        }
+        let limit = random.uniform(0.3, 0.9);
+        let start = if falls {
+            limit * random.uniform(0.4, 0.95)
+        } else {
+            limit
+        };
+        let load = random.uniform(0.3, 2.0);
+        limits.push(load * limit);
+        kinetic.push(load * start);
+        let contact = Contact::along(&direction, Coulomb::new(limit, start).unwrap(), load);
+        structure = structure.with_contact(contact.unwrap()).unwrap();
+    }
+    let inverse = mass.try_inverse().unwrap();
+    let question = Question {
+        compliance: &rows * &inverse * rows.transpose(),
+        free: &rows * inverse * forces,
+        limits,
+        kinetic,
+    };
+    (structure, question)
+}
+
+/// What the crate decides.
+fn decided(structure: &Structure) -> Pattern {
+    let start = State::at_rest(structure.len());
+    let mut flow = Integrator::new().flow(structure, start).unwrap();
+    let step = flow.find(|step| step.as_ref().unwrap().duration() > 0.0);
+    let modes = step.unwrap().unwrap().modes().to_vec();
+    let sign = |mode: &Mode| match mode {
+        Mode::Slip(direction) => direction.sign() as i8,
+        _ => 0,
+    };
+    modes.iter().map(sign).collect()
+}
+
+#[test]
+fn decisions_are_those_of_all_patterns_tried() {
+    let mut random = Random::new(4);
+    let (mut tried, mut several, mut unclear) = (0, 0, 0);
+    while tried < count(300) {
+        let k = 2 + (random.bits() % 4) as usize;
+        let falls = random.bits().is_multiple_of(2);
+        let (structure, question) = drawn(&mut random, k, falls);
+        if !is_definite(&question.compliance) {
+            continue;
+        }
+        let (expected, clear) = question.fastest_first().unwrap();
+        if clear < 1e-9 {
+            unclear += 1;
+            continue;
+        }
+        let found = decided(&structure);
+        let consistent = question.consistent();
+        assert_eq!(found, expected, "{structure:?} {question:?} {consistent:?}");
+        assert!(consistent.contains(&found), "{structure:?} {consistent:?}");
+        if falls {
+            several += usize::from(consistent.len() > 1);
+        } else {
+            assert_eq!(consistent.len(), 1, "{structure:?} {consistent:?}");
+        }
+        // Forces and accelerations at that instant are those of the pattern.
+        let state = State::at_rest(structure.len());
+        let carried = DVector::from_vec(structure.carried(0.0, &state).unwrap());
+        let pull = &question.free - &question.compliance * &carried;
+        for c in 0..k {
+            let (force, limit) = (carried[c], question.limits[c]);
+            match found[c] {
+                0 => assert!(force.abs() <= limit * (1.0 + 1e-12) && pull[c].abs() < 1e-11),
+                side => {
+                    let kinetic = f64::from(side) * question.kinetic[c];
+                    assert!((force - kinetic).abs() <= 1e-14 * limit);
+                    assert!(f64::from(side) * pull[c] > 0.0);
+                }
+            }
+        }
+        tried += 1;
+    }
+    println!("{tried} decisions, {several} with several answers, {unclear} too close to call");
+    assert!(several * 20 > tried && unclear * 100 < tried);
+}

@@ -1,0 +1,133 @@
+//! The decision of contacts at rest, by trying all patterns of modes.
+
+use stick_slip::nalgebra::{DMatrix, DVector};
+
+/// Whether a matrix B M⁻¹Bᵀ is that of independent rows.
+pub(crate) fn is_definite(compliance: &DMatrix<f64>) -> bool {
+    let Some(factor) = compliance.clone().cholesky() else {
+        return false;
+    };
+    let part = |c: usize| factor.l_dirty()[(c, c)].powi(2) / compliance[(c, c)];
+    (0..compliance.nrows()).all(|c| part(c) > 1e-9)
+}
+
+/// Contacts with r = 0 that ask what to do: a = a⁰ − G λ.
+#[derive(Debug, Clone)]
+pub(crate) struct Question {
+    /// G.
+    pub(crate) compliance: DMatrix<f64>,
+    /// a⁰.
+    pub(crate) free: DVector<f64>,
+    /// N μ_s and N μ̂(0).
+    pub(crate) limits: Vec<f64>,
+    pub(crate) kinetic: Vec<f64>,
+}
+
+/// 0 sticks, ±1 slips with that sign.
+pub(crate) type Pattern = Vec<i8>;
+
+impl Question {
+    /// G of some of them.
+    fn among(&self, contacts: &[usize]) -> DMatrix<f64> {
+        let entry = |c: usize, d: usize| self.compliance[(contacts[c], contacts[d])];
+        DMatrix::from_fn(contacts.len(), contacts.len(), entry)
+    }
+
+    /// What all carry, and how they are accelerated, with these forces in slip; `None` if those
+    /// that stick are dependent.
+    fn solve(&self, pattern: &[i8], slipping: &[f64]) -> Option<(DVector<f64>, DVector<f64>)> {
+        let k = pattern.len();
+        // λ of those that slip, and a = 0 of those that stick: one system for all.
+        let mut matrix = DMatrix::identity(k, k);
+        let mut right = DVector::zeros(k);
+        for c in 0..k {
+            if pattern[c] == 0 {
+                // In units in which G has a unit diagonal, to tell dependent ones.
+                let unit = self.compliance[(c, c)].sqrt();
+                for d in 0..k {
+                    matrix[(c, d)] = self.compliance[(c, d)] / unit;
+                }
+                right[c] = self.free[c] / unit;
+            } else {
+                right[c] = f64::from(pattern[c]) * slipping[c];
+            }
+        }
+        let stuck: Vec<usize> = (0..k).filter(|&c| pattern[c] == 0).collect();
+        if !is_definite(&self.among(&stuck)) {
+            return None;
+        }
+        // Nalgebra factorises no matrix without rows.
+        let forces = match k {
+            0 => right,
+            _ => matrix.lu().solve(&right)?,
+        };
+        let accelerations = &self.free - &self.compliance * &forces;
+        Some((forces, accelerations))
+    }
+
+    /// By how much the pattern keeps all its conditions, in units of force; negative if it breaks
+    /// one.
+    fn margin(&self, pattern: &[i8], bounds: &[f64], slipping: &[f64]) -> Option<f64> {
+        let (forces, accelerations) = self.solve(pattern, slipping)?;
+        let margins = (0..pattern.len()).map(|c| match pattern[c] {
+            0 => bounds[c] - forces[c].abs(),
+            side => f64::from(side) * accelerations[c] / self.compliance[(c, c)],
+        });
+        Some(margins.fold(f64::INFINITY, f64::min))
+    }
+
+    fn patterns(&self) -> impl Iterator<Item = Pattern> {
+        let k = self.limits.len();
+        let digit = |n: usize, c: usize| (n / 3_usize.pow(c as u32) % 3) as i8 - 1;
+        (0..3_usize.pow(k as u32)).map(move |n| (0..k).map(|c| digit(n, c)).collect())
+    }
+
+    /// The pattern that solves the programme with given limits, and how clearly.
+    pub(crate) fn programme(&self, limits: &[f64]) -> Option<(Pattern, f64)> {
+        let patterns = self.patterns();
+        let margins = patterns.filter_map(|p| Some((self.margin(&p, limits, limits)?, p)));
+        let best = margins.max_by(|a, b| a.0.total_cmp(&b.0));
+        best.map(|(margin, pattern)| (pattern, margin))
+    }
+
+    /// All that stuck contacts can hold while those that slip carry their kinetic force and go its
+    /// way.
+    pub(crate) fn consistent(&self) -> Vec<Pattern> {
+        let keeps = |p: &Pattern| self.margin(p, &self.limits, &self.kinetic) > Some(0.0);
+        self.patterns().filter(keeps).collect()
+    }
+
+    /// The fastest yields first: its answer, and how clear it is; `None` if dependent contacts stay
+    /// at rest.
+    pub(crate) fn fastest_first(&self) -> Option<(Pattern, f64)> {
+        let k = self.limits.len();
+        let mut limits = self.limits.clone();
+        let mut yielded = vec![false; k];
+        let mut clear = f64::INFINITY;
+        loop {
+            let (pattern, margin) = self.programme(&limits)?;
+            clear = clear.min(margin);
+            let (_, accelerations) = self.solve(&pattern, &limits)?;
+            let speed = |c: usize| {
+                let may = pattern[c] != 0 && !yielded[c] && self.kinetic[c] < self.limits[c];
+                let speed = accelerations[c].abs() / (self.compliance[(c, c)] * self.limits[c]);
+                if may { speed } else { 0.0 }
+            };
+            let speeds: Vec<f64> = (0..k).map(speed).collect();
+            let fastest = speeds.iter().copied().fold(0.0, f64::max);
+            if fastest == 0.0 {
+                let rests = |&c: &usize| accelerations[c].abs() < 1e-9;
+                let resting: Vec<usize> = (0..k).filter(rests).collect();
+                return is_definite(&self.among(&resting)).then_some((pattern, clear));
+            }
+            for c in 0..k {
+                // Mirrored ones together.
+                if speeds[c] >= (1.0 - 1e-9) * fastest {
+                    (yielded[c], limits[c]) = (true, self.kinetic[c]);
+                } else if speeds[c] > 0.0 {
+                    clear = clear.min(fastest - speeds[c]);
+                }
+            }
+        }
+    }
+}
