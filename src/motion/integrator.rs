@@ -10,8 +10,8 @@ pub(crate) type Steps<'s, Step> = &'s mut dyn Iterator<Item = Result<Step, Error
 /// Settings of the integrator: tolerance and limits of work.
 ///
 /// Each step of a slip phase is a Taylor series of order 26. Contact is the first root of the
-/// sliding speed's own polynomial. Stick has closed formulas. The
-/// [crate page](crate#what-the-integrator-promises) says what this method promises.
+/// polynomial of the sliding speed. Stick has closed formulas. The page
+/// [`guarantees`](crate::guarantees) states what this method promises.
 ///
 /// ```
 /// use stick_slip::{Integrator, MassOnBelt, Polynomial, State};
@@ -64,7 +64,7 @@ impl Integrator {
     /// max(|u − ū|, |v|, |v_b|).
     ///
     /// In stiff systems the scale is max(|v|, |v_b|, |v'|/D), and the tolerance at most 1e-12,
-    /// which costs little: see the [crate page](crate#what-the-integrator-promises).
+    /// which costs little: see [`guarantees`](crate::guarantees#one-mass-on-a-belt).
     ///
     /// # Errors
     ///
