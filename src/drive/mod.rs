@@ -1,12 +1,12 @@
 //! Functions of time, as data.
 //!
-//! | file | what is in it |
-//! |---|---|
-//! | `mod.rs` | [`Drive`]: a constant, harmonics (from amplitude and phase) and profiles, added up |
-//! | `harmonic.rs` | one angular frequency, as a cosine and a sine: value, slope, series, integral; the common period of several |
-//! | `profile.rs` | straight lines through points: the same, and where pieces meet |
-//!
 //! A time inside the crate is a [`Clock`]: after 10⁹ periods the phase is that of the exact time.
+
+// | file | what is in it |
+// |---|---|
+// | `mod.rs` | `Drive`: a constant, harmonics (from amplitude and phase) and profiles, added up |
+// | `harmonic.rs` | one angular frequency, as a cosine and a sine: value, slope, series, integral; the common period of several |
+// | `profile.rs` | straight lines through points: the same, and where pieces meet |
 
 mod harmonic;
 mod profile;

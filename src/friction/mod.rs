@@ -1,20 +1,20 @@
 //! Friction laws: the friction coefficient as a function of the sliding speed.
-//!
-//! | file | what is in it |
-//! |---|---|
-//! | `mod.rs` | [`FrictionLaw`], the trait of every law; implement it for a law of your own |
-//! | `coulomb.rs`, `exponential.rs`, `polynomial.rs`, `rational.rs`, `stribeck.rs` | the laws with a formula |
-//! | `tabulated.rs` | measured points |
-//! | `any.rs` | a law chosen at run time |
-//! | `memory/` | contact laws with memory |
-//! | `scaled.rs` | a law given over speeds in metres per second |
-//! | `law.rs` | a law behind a reference, as the engines see it |
-//! | `expansion.rs` | a law's pieces, and their power series at one speed |
-//! | `slip.rs` | the power series of a mass that slides on a law |
-//! | `along.rs` | a law as a chain of power series over a range of speeds: sign changes and least value of its slope |
-//! | `check.rs` | checks of a law before it is used; whether it is constant |
-//! | `inspect.rs` | [`check_law`]: a law looked at over a range of speeds, for its writer |
-//! | `read.rs` | how laws are read (feature `serde`) |
+
+// | file | what is in it |
+// |---|---|
+// | `mod.rs` | `FrictionLaw`, the trait of every law; implement it for a law of your own |
+// | `coulomb.rs`, `exponential.rs`, `polynomial.rs`, `rational.rs`, `stribeck.rs` | the laws with a formula |
+// | `tabulated.rs` | measured points |
+// | `any.rs` | a law chosen at run time |
+// | `memory/` | contact laws with memory |
+// | `scaled.rs` | a law given over speeds in metres per second |
+// | `law.rs` | a law behind a reference, as the engines see it |
+// | `expansion.rs` | a law's pieces, and their power series at one speed |
+// | `slip.rs` | the power series of a mass that slides on a law |
+// | `along.rs` | a law as a chain of power series over a range of speeds: sign changes and least value of its slope |
+// | `check.rs` | checks of a law before it is used; whether it is constant |
+// | `inspect.rs` | `check_law`: a law looked at over a range of speeds, for its writer |
+// | `read.rs` | how laws are read (feature `serde`) |
 
 mod along;
 mod any;

@@ -1,11 +1,11 @@
 //! Power series in the time since the start of a step, with as many terms as the integrators use.
-//!
-//! | file | what is in it |
-//! |---|---|
-//! | `mod.rs` | [`TERMS`], the number of coefficients; [`PowerSeries`]: values, means, derivative, reflection, division by known roots |
-//! | `roots.rs` | the first root, and all sign changes, isolated so that none is skipped |
-//! | `watch.rs` | [`Watch`]: the first time at which a quantity reaches zero, apart from known roots at the start |
-//! | `minima.rs` | where a series comes close to zero |
+
+// | file | what is in it |
+// |---|---|
+// | `mod.rs` | `TERMS`, the number of coefficients; `PowerSeries`: values, means, derivative, reflection, division by known roots |
+// | `roots.rs` | the first root, and all sign changes, isolated so that none is skipped |
+// | `watch.rs` | `Watch`: the first time at which a quantity reaches zero, apart from known roots at the start |
+// | `minima.rs` | where a series comes close to zero |
 
 #[cfg(test)]
 mod attack;
