@@ -187,7 +187,7 @@ impl Outline {
         (0..middle.len()).map(bend).fold(0.0, f64::max)
     }
 
-    /// Whether the growth is positive at the ends of the range of peak velocities.
+    /// Returns true if the growth is positive at the ends of the range of peak velocities.
     fn at_ends(&self) -> [bool; 2] {
         let of_points = [self.points.first(), self.points.last()].map(|end| end.map(|end| end.1));
         let of_survey = [self.surveyed.first(), self.surveyed.last()].map(|end| end.copied());
@@ -222,12 +222,12 @@ impl Outline {
 struct Window(Vec<(f64, f64)>);
 
 impl Window {
-    /// Whether both have as many maxima and minima, in the same order.
+    /// Returns true if both have as many maxima and minima, in the same order.
     fn is_like(&self, other: &Self) -> bool {
         self.0.len() == other.0.len() && self.rises() == other.rises()
     }
 
-    /// Whether the growth rises from the first point to the second.
+    /// Returns true if the growth rises from the first point to the second.
     fn rises(&self) -> Option<bool> {
         self.0.get(1).map(|next| next.1 > self.0[0].1)
     }
@@ -260,7 +260,8 @@ impl Window {
         zeros
     }
 
-    /// Whether the growth is zero as often as in another window, and may be so at the same places.
+    /// Returns true if the growth is zero as often as in another window, and may be so at the same
+    /// places.
     fn may_have_zeros_of(&self, other: &Self) -> bool {
         let (a, b) = (self.zeros(), other.zeros());
         let meet = |(a, b): (&[f64; 2], &[f64; 2])| a[0] < b[1] && b[0] < a[1];

@@ -70,12 +70,14 @@ pub struct VibrationRange {
 }
 
 impl VibrationRange {
-    /// Whether the start decides what the mass settles to: there are two attractors or more.
+    /// Returns true if the start decides what the mass settles to: there are two attractors or
+    /// more.
     pub fn is_bistable(&self) -> bool {
         self.attractors.len() > 1
     }
 
-    /// Whether a vibration can last: there is another attractor than steady sliding, or none.
+    /// Returns true if a vibration can last: there is another attractor than steady sliding, or
+    /// none.
     pub fn vibrates(&self) -> bool {
         self.attractors != [AttractorKind::Equilibrium]
     }

@@ -224,8 +224,8 @@ impl Search<'_> {
     }
 }
 
-/// Whether the mass can vibrate at a value of a parameter; a trait object, so that the search is
-/// compiled once.
+/// A predicate: can the mass vibrate at a value of a parameter? A trait object, so that the search
+/// is
 type Vibrates<'v> = dyn Fn(f64) -> Result<bool, Error> + 'v;
 
 /// The lower of the two neighbouring numbers between which vibration begins or ends.
@@ -238,7 +238,7 @@ fn border(vibrates: &Vibrates, low: (f64, bool), high: (f64, bool)) -> Result<f6
     Ok(border.sign_change().below)
 }
 
-/// Whether there are periodic motions, or may be.
+/// Returns true if there are periodic motions, or may be.
 fn has_cycles(tracer: &mut Tracer<'_>) -> Result<bool, Error> {
     let cycles = find_moving(tracer)?;
     let none = cycles.is_empty() && cycles.continuum().is_none() && cycles.unresolved().is_empty();

@@ -239,7 +239,7 @@ impl Drive {
         common_period([self])
     }
 
-    /// Whether it has one value at all times.
+    /// Returns true if it has one value at all times.
     pub(crate) fn is_constant(&self) -> bool {
         self.harmonics.is_empty() && self.profiles.is_empty()
     }

@@ -110,7 +110,7 @@ impl Profile {
     }
 }
 
-/// Whether a point may follow the points before it.
+/// Returns true if a point may follow the points before it.
 fn check_point(before: &[(f64, f64)], time: f64, value: f64) -> Result<(), Error> {
     Error::check("Drive", "value", value, true, "any size")?;
     let Some(&(last_time, last_value)) = before.last() else {

@@ -208,15 +208,15 @@ impl Stretch {
         f64::EPSILON * (self.start + self.length) * steepest
     }
 
-    /// Whether the last two terms are mere rounding beside `size`; two, because a series may be
-    /// even or odd.
+    /// Returns true if the last two terms are mere rounding beside `size`; two, because a series
+    /// may be even or odd.
     pub(super) fn converges(&self, size: f64) -> bool {
         [TERMS - 2, TERMS - 1]
             .iter()
             .all(|&k| self.term(k) <= TRUNCATION * size)
     }
 
-    /// Whether the series agrees with `h` at three places inside, to `allowed`.
+    /// Returns true if the series agrees with `h` at three places inside, to `allowed`.
     fn fits(&self, allowed: f64, h: impl Fn(f64) -> f64) -> bool {
         let times = quarters(self.length);
         std::iter::zip(times, self.series.at_some(times))

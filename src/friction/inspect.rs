@@ -346,7 +346,7 @@ impl Inspection<'_> {
         }
     }
 
-    /// Whether the law's value differs from the series at the time t of a stretch.
+    /// Returns true if the law's value differs from the series at the time t of a stretch.
     fn difference(&self, stretch: &Stretch, t: f64) -> f64 {
         let speed = stretch.start + t;
         let steep = stretch.series.derivative().at(t).abs();

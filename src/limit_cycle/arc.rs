@@ -210,8 +210,8 @@ impl<'s> Tracer<'s> {
         })
     }
 
-    /// Whether a motion that starts on the belt leaves it: the sliding speed grows because its rate
-    /// s' is positive or, where s' = 0, because s'' = −σv_b is.
+    /// Returns true if a motion that starts on the belt leaves it: the sliding speed grows because
+    /// its rate s' is positive or, where s' = 0, because s'' = −σv_b is.
     fn slips(&self, start: &SlipPoint, time: Time) -> bool {
         let sigma = start.direction.sign();
         let rate = start.rate.unwrap_or_else(|| {
@@ -222,9 +222,9 @@ impl<'s> Tracer<'s> {
         rate > 0.0 || (rate == 0.0 && start.direction == Direction::Lagging)
     }
 
-    /// Whether a motion stays at the equilibrium for good, or is there to rounding. Where the
-    /// equilibrium attracts strongly, u − ū is measured by the speed that it causes: on the slow
-    /// motion of a node u − ū = −h1 v, and the motion is linear as long as the speed is small.
+    /// Returns true if a motion stays at the equilibrium for good, or is there to rounding. Where
+    /// the equilibrium attracts strongly, u − ū is measured by the speed that it causes: on the
+    /// slow motion of a node u − ū = −h1 v, and the motion is linear as long as the speed is small.
     fn has_settled(&self, point: &SlipPoint, time: Time) -> bool {
         let State {
             displacement,
@@ -293,7 +293,7 @@ fn rate_at_end(step: &Step) -> f64 {
 #[derive(Debug, Clone)]
 struct PeakWatch {
     v_b: f64,
-    /// Whether a maximum can come: v has grown, from the start on or since a minimum. A true
+    /// True if a maximum can come: v has grown, from the start on or since a minimum. A true
     /// minimum lies at v < 0, because v'' = −v there; near the slow motion of a stiff system
     /// rounding makes v' change its sign elsewhere, too.
     has_grown: bool,
@@ -320,9 +320,9 @@ impl PeakWatch {
         }
     }
 
-    /// Whether a maximum may lie in (0, h): only where the velocity is positive, after it has grown
-    /// or was negative. Values at the quarters of the step suffice, because v keeps its sign for
-    /// about half a turn, longer than a quarter of any step.
+    /// Returns true if a maximum may lie in (0, h): only where the velocity is positive, after it
+    /// has grown or was negative. Values at the quarters of the step suffice, because v keeps its
+    /// sign for about half a turn, longer than a quarter of any step.
     fn may_come(&self, speed: &PowerSeries, h: f64) -> bool {
         let speeds = speed.at_some(quarters(h));
         let negative = |s: &f64| *s > self.v_b;

@@ -65,14 +65,14 @@ fn amplitudes_at_breakpoints(system: &Forward<'_>) -> impl Iterator<Item = f64> 
     distances.filter(|distance| *distance > 0.0)
 }
 
-/// Whether a motion of this velocity amplitude grows; `None` if averaging does not tell.
+/// Returns true if a motion of this velocity amplitude grows; `None` if averaging does not tell.
 pub(super) fn grows(system: &Forward<'_>, amplitude: f64) -> Result<Option<bool>, Error> {
     let Sample { value, noise } = drift(system, amplitude)?;
     Ok((value.abs() > noise).then_some(value > 0.0))
 }
 
-/// Whether all motions with an amplitude in a range grow (true) or all die (false); `None` if one
-/// of them may be periodic.
+/// Returns true if all motions with an amplitude in a range grow (true) or all die (false); `None`
+/// if one of them may be periodic.
 pub(super) fn all_grow(system: &Forward<'_>, range: &Range<f64>) -> Result<Option<bool>, Error> {
     let mut ends: Vec<f64> = amplitudes_at_breakpoints(system)
         .filter(|touching| range.contains(touching))

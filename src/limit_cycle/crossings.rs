@@ -77,8 +77,8 @@ impl<'t, 's> CrossingMap<'t, 's> {
         stretch.product()
     }
 
-    /// Whether a motion that crosses downwards at the force F grows over the next turn; `None` if
-    /// rounding hides it.
+    /// Returns true if a motion that crosses downwards at the force F grows over the next turn;
+    /// `None` if rounding hides it.
     pub(super) fn grows(&mut self, force: f64) -> Result<Option<bool>, Error> {
         self.growth(force).map(Sample::grows)
     }

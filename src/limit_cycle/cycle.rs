@@ -354,7 +354,7 @@ impl LimitCycle {
         self.multiplier
     }
 
-    /// Whether the cycle attracts: its multiplier is less than 1.
+    /// Returns true if the cycle attracts: its multiplier is less than 1.
     ///
     /// ```
     /// # use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};

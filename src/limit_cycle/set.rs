@@ -83,7 +83,7 @@ impl CycleSet {
         self.cycles.len()
     }
 
-    /// Whether there is no isolated cycle.
+    /// Returns true if there is no isolated cycle.
     pub fn is_empty(&self) -> bool {
         self.cycles.is_empty()
     }

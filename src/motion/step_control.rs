@@ -72,12 +72,12 @@ impl Allowance {
         FARTHEST * closing.max(1.0)
     }
 
-    /// Whether a force is at most one that rounding alone may cause.
+    /// Returns true if a force is at most one that rounding alone may cause.
     pub(crate) fn is_rounding(&self, force: f64) -> bool {
         force <= self.floor
     }
 
-    /// Whether a step of length h may be taken with these defects. NaN is not accepted.
+    /// Returns true if a step of length h may be taken with these defects. NaN is not accepted.
     ///
     /// A defect is what is missing in the equation of motion when the series is put in.
     #[inline(always)]

@@ -76,7 +76,7 @@ pub(crate) struct Derivative {
     pub(crate) slope: PowerSeries,
     /// Those of the rates of the memory.
     pub(crate) rates: Vec<PowerSeries>,
-    /// Whether anything depends on the input.
+    /// True if anything depends on the input.
     pub(crate) depends: bool,
 }
 

@@ -68,13 +68,13 @@ impl Sliding {
         None
     }
 
-    /// Whether memory number i is ever changed by slip.
+    /// Returns true if memory number i is ever changed by slip.
     fn changes(&self, i: usize) -> bool {
         let row = self.rates_by_memory.row(i);
         self.rates_by_speed[i] != 0.0 || row.iter().any(|rate| *rate != 0.0)
     }
 
-    /// Whether memory number i neither changes in slip nor acts on anything.
+    /// Returns true if memory number i neither changes in slip nor acts on anything.
     pub(crate) fn is_idle(&self, i: usize) -> bool {
         let column = self.rates_by_memory.column(i);
         !self.changes(i) && self.by_memory[i] == 0.0 && column.iter().all(|rate| *rate == 0.0)
