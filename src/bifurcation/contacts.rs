@@ -1,5 +1,5 @@
-//! Where the contacts of the motion from the release point change, and where pure-slip cycles touch
-//! the belt velocity.
+//! Changes of the contacts of the motion from the release point, and velocities at which pure-slip
+//! cycles touch the belt velocity.
 
 use std::ops::Range;
 

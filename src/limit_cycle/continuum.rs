@@ -1,4 +1,5 @@
-//! Families of periodic motions: where nothing feeds or damps a motion, every motion is periodic.
+//! Families of periodic motions: if friction and damping transfer no net energy, every motion is
+//! periodic.
 
 use super::peaks::PeakMap;
 #[cfg(feature = "serde")]
