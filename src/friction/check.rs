@@ -78,8 +78,8 @@ pub(crate) fn is_constant_near(law: &dyn Values, speed: f64) -> bool {
     is_constant(&taylor_coefficients(law, speed))
 }
 
-/// Returns true if friction is constant on a piece of the law, seen from a speed there or at its
-/// end.
+/// Returns true if friction is constant on a piece of the law, expanded about a speed on it or at
+/// its end.
 pub(crate) fn is_constant_on(law: &dyn Values, piece: usize, speed: f64) -> bool {
     is_constant(&taylor_coefficients_on(law, piece, speed))
 }

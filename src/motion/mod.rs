@@ -38,7 +38,7 @@ pub trait System: sealed::Sealed {
     where
         Self: 's;
 
-    /// The motion from `start`, as [`Integrator::flow`] gives it.
+    /// The motion from `start`, as returned by [`Integrator::flow`].
     #[doc(hidden)]
     fn flow(&self, settings: Integrator, start: Self::State) -> Result<Self::Flow<'_>, Error>;
 }
@@ -47,11 +47,11 @@ pub trait System: sealed::Sealed {
 /// [`structure::State`](crate::structure::State) of several. Sealed: no other type can implement
 /// it.
 pub trait SystemState: sealed::Sealed + Clone {
-    /// The steps of which motions through such states consist.
+    /// The type of the steps of such motions.
     type Step: Segment<State = Self>;
 
-    /// The motion of these steps over a duration, or until it is stopped or cannot go on: compiled
-    /// once for each kind of state.
+    /// The motion of these steps over a duration, or until it is stopped or fails: compiled once
+    /// for each type of state.
     #[doc(hidden)]
     fn trajectory(
         steps: Steps<'_, Self::Step>,

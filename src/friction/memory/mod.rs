@@ -104,13 +104,13 @@ impl<S: Copy, const Z: usize> Variables<S> for [S; Z] {
     }
 }
 
-/// A law of the crate, by which a contact is written and compared.
+/// A law of the crate, for serialization and comparison of contacts.
 #[doc(hidden)]
 #[derive(Debug, Clone, PartialEq)]
 pub enum NamedLaw {
-    /// Without memory variables.
+    /// A law without memory variables.
     Dry(AnyLaw),
-    /// With one, which a dry law does not use.
+    /// A law with one memory variable, which a dry law does not use.
     Contact(AnyContactLaw<AnyLaw>),
 }
 
@@ -196,10 +196,10 @@ pub trait ContactLaw: Sized {
     fn breakpoints(&self) -> impl Iterator<Item = f64>;
 
     /// The memory after slip has ended in stick, or stick in slip, given the memory before. The
-    /// event itself still shows the memory before.
+    /// state of the event holds the memory before.
     fn caught(&self, memory: Self::Memory<f64>) -> Self::Memory<f64>;
 
-    /// The law as one of the crate's own, by which it is written and compared; `None` for a user's
+    /// The law as one of the crate's own, for serialization and comparison; `None` for a user's
     /// law.
     #[doc(hidden)]
     fn named(&self) -> Option<NamedLaw> {
