@@ -108,8 +108,8 @@ trait Growths {
     /// of zero.
     fn sharpen(&self, value: f64, outline: &mut Outline, reach: f64) -> Result<(), Error>;
 
-    /// The growth at the only turning point between two peak velocities; `None` if there is
-    /// certainly none.
+    /// The growth at the turning point between two points of the range of peak velocities; `None`
+    /// if the slopes there do not show one.
     fn turn(&self, value: f64, places: [f64; 2], is_maximum: bool) -> Result<Option<f64>, Error>;
 }
 

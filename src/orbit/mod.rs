@@ -80,8 +80,8 @@
 //! * In a continuous family of motions another multiplier is 1, and the motion nearest the guess is
 //!   found.
 //!
-//! At grazing, and if several events happen at one instant, the map has no derivative; the matrix
-//! is then that of the events in the order of the contacts.
+//! The map has no derivative at grazing, and if several events happen at one instant; the matrix is
+//! then that of the events in the order of the contacts.
 //!
 //! Source: for saltation, R. I. Leine, H. Nijmeijer, *Dynamics and Bifurcations of Non-Smooth
 //! Mechanical Systems*, Springer 2004, ch. 7.

@@ -15,7 +15,7 @@
 //! | release | σR − N μ_s | what the law makes of its memory |
 //! | a load that opens or closes, a drive that jumps | a time | δt = 0; rest ends with the load |
 //!
-//! At an event f jumps only for its own contacts, in v' and z'. Where it does not, the
+//! The field f jumps at an event only for its own contacts, in v' and z'. Where it does not, the
 //! perturbations are continuous. Contacts that share coordinates are coupled: the event of one
 //! changes v' of all these coordinates, and perhaps the modes of the others, at the time at which
 //! that contact reached its limit. v' just after the event is that of the next step.
