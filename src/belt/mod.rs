@@ -1,4 +1,4 @@
-//! One mass on one belt of constant velocity: the planar system, and the engine that follows it.
+//! One mass on one belt of constant velocity: the planar system and its engine.
 
 // | file | what is in it |
 // |---|---|

@@ -197,7 +197,7 @@ impl Scalar for f64 {
     }
 }
 
-/// Whether every processor of the target has an instruction for the fused multiply-add. For others
+/// True if every processor of the target has an instruction for the fused multiply-add. For others
 /// `f64::mul_add` is a slow library call.
 const FUSED: bool = cfg!(any(target_feature = "fma", target_arch = "aarch64"));
 
