@@ -1,9 +1,9 @@
 //! Friction-induced vibration, computed to round-off.
 //!
-//! For a mass on a moving belt the crate finds every stick (the belt catches the mass), every
-//! release (the belt lets it go), every crossing (the mass passes the belt's velocity without
-//! sticking), every limit cycle, and the belt velocities at which cycles appear. The friction law
-//! can be any that you can write as a function. The motion of several masses, with forces and belts
+//! For a mass on a moving belt the crate finds every stick (slip ends, the mass moves with the
+//! belt), every release (slip onset), every crossing (the relative velocity changes its sign without
+//! stick), every limit cycle, and the belt velocities at which cycles appear. The friction law can
+//! be any that you can write as a function. The motion of several masses, with forces and belts
 //! that vary in time, is computed as exactly, and their [periodic motions](orbit) are found from a
 //! guess.
 //!
@@ -14,12 +14,12 @@
 //! let law = Polynomial::new(0.4, 0.25, 0.5)?;
 //! let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
 //!
-//! // From rest: carried along by the belt, released, caught again.
+//! // From rest: the mass sticks, is released, and sticks again.
 //! let motion = system.simulate(State::new(0.0, 0.0), 10.0)?;
 //! let kinds: Vec<String> = motion.events().iter().map(|event| event.kind.to_string()).collect();
 //! assert_eq!(kinds, ["stick", "release (lagging)", "stick", "release (lagging)"]);
 //!
-//! // The motion it settles to, without a transient.
+//! // The limit cycle that it tends to, without a transient.
 //! let cycle = limit_cycle::stick_slip(&system)?.ok_or("no stick-slip")?;
 //! assert!((cycle.period() - 6.799421444472158).abs() < 1e-14);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -30,12 +30,12 @@
 //! | question | answer |
 //! |---|---|
 //! | how the mass moves from a given start, and when it sticks | [`MassOnBelt::simulate`], then [`Trajectory::events`], [`state_at`](Trajectory::state_at), [`sample`](Trajectory::sample) |
-//! | how the mass moves, without an end and in constant memory | [`Integrator::flow`] |
+//! | how the mass moves, without a time limit and in constant memory | [`Integrator::flow`] |
 //! | how the mass moves until something happens | [`Integrator::simulate_until`] |
 //! | how the mass moves, with a looser tolerance or more steps | [`Integrator::with_tolerance`], [`Integrator::with_max_steps`] |
-//! | everything that the mass can settle to | [`limit_cycle::find`] |
-//! | the stick-slip motion alone | [`limit_cycle::stick_slip`] |
-//! | what the mass settles to from a given start | [`limit_cycle::attractor`]; from many, [`limit_cycle::basins`] |
+//! | all limit cycles, stable and unstable | [`limit_cycle::find`] |
+//! | the stick-slip cycle alone | [`limit_cycle::stick_slip`] |
+//! | the attractor reached from a given start | [`limit_cycle::attractor`]; from many, [`limit_cycle::basins`] |
 //! | period, extremes, accelerations, harmonics, energies of a periodic motion | [`LimitCycle`] |
 //! | whether steady sliding is stable | [`MassOnBelt::equilibrium`] |
 //! | the belt velocity at which steady sliding becomes stable | [`bifurcation::hopf_velocities`], [`bifurcation::criticality`] |
@@ -44,7 +44,7 @@
 //! | the belt velocity at which a cycle changes its kind | [`bifurcation::overshoot_velocities`], [`bifurcation::crossing_velocities`] |
 //! | the belt velocity at which a stable and an unstable cycle meet and vanish | [`bifurcation::fold_velocities`] |
 //! | all cycles over a range of belt velocities, for a picture | [`bifurcation::diagram`] |
-//! | what can happen at which belt velocity, bistable ranges too | [`bifurcation::vibration_ranges`] |
+//! | the attractors over a range of belt velocities, bistable ranges included | [`bifurcation::vibration_ranges`] |
 //! | the load, the damping or the coefficient of a law at which any of this happens | [`bifurcation::along`] |
 //! | under how much load the mass stays quiet | [`bifurcation::silencing_load`] |
 //! | how much damping keeps the mass quiet | [`bifurcation::silencing_damping`]; at every belt velocity, [`analysis::design`] |
@@ -55,10 +55,11 @@
 //! | how a periodic motion changes over any parameter | [`orbit::follow`] |
 //! | whether a motion is chaotic | [`orbit::lyapunov`], [`orbit::section`] |
 //! | how to work in kilograms, newtons, metres and hertz | [`PhysicalMassOnBelt`], [`Scaling`]; a [`Structure`] takes any consistent units |
-//! | a friction law of my own | [`FrictionLaw`], [`Scalar`]; whether it is in order: [`check_law`] |
+//! | a friction law of my own | [`FrictionLaw`], [`Scalar`]; checked by [`check_law`] |
 //! | measured points as a law | [`Tabulated`] |
-//! | static friction that rises at rest, bristles | [`Dwell`], [`Dahl`], [`LuGre`] in a [`Structure`] |
+//! | static friction that rises with the time in stick, bristles | [`Dwell`], [`Dahl`], [`LuGre`] in a [`Structure`] |
 //! | a law chosen at run time | [`AnyLaw`], [`AnyContactLaw`] |
+//! | what is promised, and which test holds it | [`guarantees`] |
 //!
 //! # The mass on its belt
 //!

@@ -134,15 +134,15 @@ const HIGHEST: usize = 30;
 ///
 /// Checks of these rules:
 ///
-/// | fault of the law | noticed by |
+/// | fault of the law | detected by |
 /// |---|---|
 /// | μ_s < μ̂(0); μ_s negative or not finite; a law that is not finite at s = 0 | [`MassOnBelt::new`](crate::MassOnBelt::new) |
 /// | breakpoints that do not ascend; a jump at a breakpoint | [`MassOnBelt::new`](crate::MassOnBelt::new) |
 /// | μ_s that turns NaN later | the next phase of stick, as an error |
-/// | NaN, ±∞ or an infinite slope at a speed that a step looks at | the step, as an error |
-/// | a jump or kink that is not named | steps, as a rule: they shorten until the law fits its series on both sides, which costs time, or end in an error; what lies between the places that they look at is passed over, and the motion is then wrong by as much |
-/// | a feature narrower than the distance of these places (a step, up to a radian, is looked at in four), NaN included | [`check_law`] alone |
-/// | μ̂ < 0 | [`check_law`] alone: motions follow the law as it is, and friction drives the mass |
+/// | NaN, ±∞ or an infinite slope at a speed at which a step evaluates the law | the step, as an error |
+/// | a jump or kink that is not declared | steps, usually: they shorten until the law fits its series on both sides, which costs time, or return an error; a jump between the points of evaluation is missed, and causes an error of its own size |
+/// | a feature narrower than the distance of these points (four in a step, up to a radian), NaN included | [`check_law`] only |
+/// | μ̂ < 0 | [`check_law`] only: motions follow the law as it is, and friction drives the mass |
 /// | breakpoints that change | nothing: the motion follows one of the laws, or ends in an error |
 ///
 /// Steps evaluate the law at some speeds only; [`check_law`] searches a whole range.

@@ -72,15 +72,15 @@ const HIDDEN_BY_CYCLE: f64 = 1e-6;
 /// velocity maximum, stick, or crossing outside the stick band; no motion is simulated until it
 /// settles.
 ///
-/// | start | first decided at | reaches |
+/// | start | decided at | attractor |
 /// |---|---|---|
 /// | v_b = 0 | | [`Rest`](Attractor::Rest); without damping and kinetic friction [`Continuum`](Attractor::Continuum), outside the stick band |
-/// | in stick, or slip that ends in stick | the release point | the cycle through that point; if the motion from there turns inwards or outwards, as below |
-/// | slip behind the belt, equilibrium a focus | a velocity maximum V | growing over one turn: the next cycle outside, else the next one inside, else the equilibrium |
-/// | slip into a node without a turn round it, or the equilibrium itself, stable or not | | [`Equilibrium`](Attractor::Equilibrium) |
-/// | far out, or above the belt velocity | a crossing beyond the release point | growing over one turn: the next crossing cycle outside, else the next one inside, else as from the release point |
+/// | in stick, or slip that ends in stick | the release point | the cycle through that point; if the motion from there moves inwards or outwards, as below |
+/// | slip slower than the belt, equilibrium a focus | a velocity maximum V | if the motion grows over one period: the next cycle outside; otherwise the next one inside, or the equilibrium if there is none |
+/// | slip into a node without encircling it, or the equilibrium itself, stable or not | | [`Equilibrium`](Attractor::Equilibrium) |
+/// | far out, or above the belt velocity | a crossing beyond the release point | if the motion grows over one period: the next crossing cycle outside; otherwise the next one inside, or as from the release point if there is none |
 /// | an unstable cycle, to 10⁻¹² | | [`Separatrix`](Attractor::Separatrix) |
-/// | where rounding hides the growth over one turn, and averaging does not tell it | | [`Unresolved`](Attractor::Unresolved) |
+/// | any, if rounding hides the growth over one period, and averaging does not show it | | [`Unresolved`](Attractor::Unresolved) |
 ///
 /// # Errors
 ///

@@ -216,7 +216,7 @@ impl Integrator {
         self.run(system, start.into(), duration, Some(&mut stop))
     }
 
-    /// The motion over a duration, or until it is stopped or cannot go on.
+    /// The motion over a duration, or until it is stopped or fails.
     fn run<S: System>(
         self,
         system: &S,
@@ -286,7 +286,7 @@ impl Default for Integrator {
     }
 }
 
-/// The motion of these steps over a duration, or until it is stopped or cannot go on.
+/// The motion of these steps over a duration, or until it is stopped or fails.
 pub(crate) fn trajectory<S: SystemState>(
     all: Steps<'_, S::Step>,
     start_time: f64,

@@ -1,4 +1,4 @@
-//! Numerical methods that know nothing of friction.
+//! Numerical methods, independent of friction.
 //!
 //! Searches take their function as `&mut dyn FnMut` and so are compiled once. The indirect call
 //! costs nothing beside the function, which computes a whole slip arc or searches for cycles.

@@ -141,7 +141,7 @@ pub(crate) fn outline_between(
     Ok(outline)
 }
 
-/// The places at which an outline is looked at first: nine, at equal distances.
+/// The points of the coarse outline: nine, at equal distances.
 pub(crate) fn eighths(
     f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
     a: Sample,
@@ -229,7 +229,7 @@ fn turns_twice(a: Sample, b: Sample) -> bool {
 }
 
 /// Returns true if the cubic through the values and slopes at both ends predicts those in the
-/// middle, and by how much the value is missed.
+/// middle; and the error of the value.
 fn fits(a: Sample, m: Sample, b: Sample) -> (bool, f64) {
     let width = b.x - a.x;
     let value = 0.5 * (a.value + b.value) + width * (a.slope - b.slope) / 8.0;

@@ -95,7 +95,7 @@ fn across(
 mod tests {
     use super::*;
 
-    /// A disturbance that comes back after six periods: the QR method alone does not move on it.
+    /// A perturbation that returns after six periods: the QR method alone does not converge on it.
     #[test]
     fn a_cyclic_permutation_has_the_sixth_roots_of_unity() {
         let matrix = DMatrix::from_fn(6, 6, |i, j| f64::from(u8::from(i == (j + 1) % 6)));

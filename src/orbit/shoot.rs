@@ -349,7 +349,7 @@ fn find(form: &Form<'_>, guess: &State, period: Period) -> Result<Trial, Error> 
 ///
 /// [`Error::InvalidDuration`] unless the transient is finite and ≥ 0; [`Error::TooManySteps`], with
 /// the time and state reached, if the transient takes more than 10⁶ steps (about 10⁵ oscillations):
-/// go on from that state; those of [`shoot`]; those of
+/// continue from that state; those of [`shoot`]; those of
 /// [`Integrator::simulate`](crate::Integrator::simulate).
 ///
 /// ```
