@@ -1,11 +1,11 @@
 //! Friction-induced vibration, computed to round-off.
 //!
 //! For a mass on a moving belt the crate finds every stick (slip ends, the mass moves with the
-//! belt), every release (slip onset), every crossing (the relative velocity changes its sign without
-//! stick), every limit cycle, and the belt velocities at which cycles appear. The friction law can
-//! be any that you can write as a function. The motion of several masses, with forces and belts
-//! that vary in time, is computed as exactly, and their [periodic motions](orbit) are found from a
-//! guess.
+//! belt), every release (slip onset), every crossing (the relative velocity changes its sign
+//! without stick), every limit cycle, and the belt velocities at which cycles appear. The friction
+//! law can be any that you can write as a function. The motion of several masses, with forces and
+//! belts that vary in time, is computed as exactly, and their [periodic motions](orbit) are found
+//! from a guess.
 //!
 //! ```
 //! use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
