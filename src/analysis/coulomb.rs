@@ -1,8 +1,9 @@
 //! Closed forms for Coulomb's law.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 
 use super::dwell::{DwellOscillator, ExactCycle};
+use super::slip_arc::{SMALL, tangential_angle};
 use crate::belt::MassOnBelt;
 use crate::friction::memory::Dwell;
 use crate::friction::{Coulomb, FrictionLaw};
@@ -26,9 +27,6 @@ pub struct TangentialSlip {
     pub velocity_factor: f64,
 }
 
-/// Below this damping ratio θ = √(4πβ) and Λ = 1/θ to rounding: their relative errors are O(β).
-const SMALL: f64 = 1e-17;
-
 /// The slip phase of the stick-slip cycle on the fastest belt, for the damping ratio β. Exact to
 /// rounding. `None` unless 0 < β < 1.
 ///
@@ -48,27 +46,6 @@ pub fn tangential_slip(damping: f64) -> Option<TangentialSlip> {
         duration,
         velocity_factor: frequency * (-damping * duration).exp() / theta.sin(),
     })
-}
-
-/// 2π − ω_d s of that slip phase.
-pub(super) fn tangential_angle(damping: f64) -> Option<f64> {
-    if !(damping > 0.0 && damping < 1.0) {
-        return None;
-    }
-    let frequency = ((1.0 - damping) * (1.0 + damping)).sqrt();
-    let ratio = damping / frequency;
-    // With θ = 2π − ω_d s: β s + ln(cos θ + (β/ω_d) sin θ) falls from 2πβ/ω_d at θ = 0 to −∞ at θ =
-    // π/2 + asin β, where the logarithm's argument vanishes. ln_1p keeps small β exact.
-    let mut residual = |theta: f64| {
-        let sine_half = (0.5 * theta).sin();
-        let logarithm = (ratio * theta.sin() - 2.0 * sine_half * sine_half).ln_1p();
-        // At the far end rounding may make the argument negative; `max` replaces NaN and −∞.
-        Ok((ratio * (2.0 * PI - theta) + logarithm).max(-f64::MAX))
-    };
-    if damping < SMALL {
-        return Some((4.0 * PI).sqrt() * damping.sqrt());
-    }
-    root_between(&mut residual, 0.0, FRAC_PI_2 + damping.asin()).ok()
 }
 
 /// Belt velocity γ²(μ_s − μ_k)Λ(β) up to which there is a stick-slip cycle: one exists for

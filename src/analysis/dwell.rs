@@ -33,8 +33,8 @@
 //! Wear 173 (1994) 1-12, for the criterion; the rest follows from the exact solution of both
 //! phases, which are linear.
 
-use super::coulomb::tangential_angle;
 pub use super::slip_arc::ExactCycle;
+use super::slip_arc::tangential_angle;
 use super::slip_arc::{Oscillator, SlipArc};
 use crate::error::Error;
 use crate::friction::memory::Dwell;

@@ -1,6 +1,11 @@
 //! The slip phase under constant kinetic friction: a piece of a damped free vibration.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use crate::numerics::bracket::root_between;
+
+/// Below this damping ratio θ = √(4πβ) and Λ = 1/θ to rounding: their relative errors are O(β).
+pub(super) const SMALL: f64 = 1e-17;
 
 /// A stick-slip cycle under constant kinetic friction, in closed form but for one number.
 ///
@@ -144,4 +149,26 @@ impl SlipArc {
             multiplier,
         }
     }
+}
+
+/// 2π − ω_d s of the slip phase of duration s that begins and ends tangentially to the belt's
+/// velocity: see [`tangential_slip`](super::coulomb::tangential_slip). `None` unless 0 < β < 1.
+pub(super) fn tangential_angle(damping: f64) -> Option<f64> {
+    if !(damping > 0.0 && damping < 1.0) {
+        return None;
+    }
+    let frequency = ((1.0 - damping) * (1.0 + damping)).sqrt();
+    let ratio = damping / frequency;
+    // With θ = 2π − ω_d s: β s + ln(cos θ + (β/ω_d) sin θ) falls from 2πβ/ω_d at θ = 0 to −∞ at θ =
+    // π/2 + asin β, where the logarithm's argument vanishes. ln_1p keeps small β exact.
+    let mut residual = |theta: f64| {
+        let sine_half = (0.5 * theta).sin();
+        let logarithm = (ratio * theta.sin() - 2.0 * sine_half * sine_half).ln_1p();
+        // At the far end rounding may make the argument negative; `max` replaces NaN and −∞.
+        Ok((ratio * (2.0 * PI - theta) + logarithm).max(-f64::MAX))
+    };
+    if damping < SMALL {
+        return Some((4.0 * PI).sqrt() * damping.sqrt());
+    }
+    root_between(&mut residual, 0.0, FRAC_PI_2 + damping.asin()).ok()
 }

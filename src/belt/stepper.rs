@@ -7,7 +7,7 @@ use super::model::Belt;
 use crate::clock::Time;
 use crate::error::{Error, Reached};
 use crate::friction::slip::{Expander, Expansion, SlipPoint};
-use crate::motion::step_control::{self, Allowance, FARTHEST, LONG, SETTLING, STIFF};
+use crate::motion::step_control::{self, Allowance, Attempt, FARTHEST, LONG, SETTLING, STIFF};
 use crate::series::{PowerSeries, TERMS, quarters};
 use crate::state::State;
 
@@ -247,16 +247,11 @@ impl Stepper {
     ) -> Result<Settled, Error> {
         let (series, speed) = (&self.expander.series, &self.expander.series.speed);
         let limits = self.breakpoints.limits(piece);
-        let mut h = plan.reach.min(self.longest);
-        let (duration, end_speed) = loop {
-            if !(h > plan.least && h >= f64::MIN_POSITIVE) {
-                let reached = Reached::new(elapsed, point.state(system));
-                return Err(self.underflow(system, piece, h, reached));
-            }
+        let is_long_enough = |h: f64| h > plan.least && h >= f64::MIN_POSITIVE;
+        let attempt = |h: f64| {
             let speeds = speed.at_four(quarters(h));
             let Ok(exit) = limits.first_exit(speed, h, speeds) else {
-                h *= 0.5;
-                continue;
+                return Attempt::TooCurved;
             };
             let (end, speeds, end_speed) = match exit {
                 None => (h, speeds, speeds[3]),
@@ -281,11 +276,17 @@ impl Stepper {
                     plan.allowance.is_rounding(inwards)
                 });
                 if leaves {
-                    break (end, end_speed);
+                    return Attempt::Taken((end, end_speed));
                 }
             }
-            h = 0.5 * end;
+            Attempt::Inexact(end)
         };
+        let longest = plan.reach.min(self.longest);
+        let ((duration, end_speed), h) = step_control::settle(longest, is_long_enough, attempt)
+            .map_err(|h| {
+                let reached = Reached::new(elapsed, point.state(system));
+                self.underflow(system, piece, h, reached)
+            })?;
         Ok(Settled {
             duration,
             end_speed,

@@ -33,6 +33,41 @@ const DEFECT_FLOOR: f64 = 1000.0;
 /// step's last term.
 const DEFECT_LIMIT: f64 = 40.0 * TERMS as f64;
 
+/// The outcome of a step of a given length.
+pub(crate) enum Attempt<T> {
+    /// The step is accepted.
+    Taken(T),
+    /// Its series are too curved for their roots to be isolated.
+    TooCurved,
+    /// Its defect is too large, up to this time.
+    Inexact(f64),
+}
+
+/// The longest accepted step up to `longest`, by halving, with the length that was tried.
+///
+/// # Errors
+///
+/// The length at which steps became too short.
+#[inline(always)]
+pub(crate) fn settle<T>(
+    longest: f64,
+    is_long_enough: impl Fn(f64) -> bool,
+    mut attempt: impl FnMut(f64) -> Attempt<T>,
+) -> Result<(T, f64), f64> {
+    let mut h = longest;
+    loop {
+        if !is_long_enough(h) {
+            return Err(h);
+        }
+        h = 0.5
+            * match attempt(h) {
+                Attempt::Taken(step) => return Ok((step, h)),
+                Attempt::TooCurved => h,
+                Attempt::Inexact(end) => end,
+            };
+    }
+}
+
 /// The errors that are allowed in a step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Allowance {

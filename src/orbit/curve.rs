@@ -10,10 +10,13 @@ use std::ops::{ControlFlow, Range};
 
 use nalgebra::{Complex, DMatrix, DVector};
 
+use super::form::Form;
 use super::map::{self, CLOSED, PeriodMap, state, vector};
-use super::oscillator::{Form, Oscillator};
+use super::oscillator::Oscillator;
+use super::period::Period;
 use super::sequence::Sequence;
-use super::shoot::{Period, Trial, shortest};
+use super::shoot::shortest;
+use super::trial::Trial;
 use crate::error::Error;
 use crate::motion::Segment;
 use crate::state::structure::State;

@@ -9,7 +9,8 @@ use super::branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint
 use super::curve::{Curve, Family, Member, Plane, Solved};
 use super::found::Orbit;
 use super::oscillator::Oscillator;
-use super::shoot::{Period, Trial};
+use super::period::Period;
+use super::trial::Trial;
 use super::walk::{Walk, natural_scale};
 use crate::error::Error;
 use crate::state::structure::State;

@@ -3,9 +3,11 @@ use std::ops::ControlFlow;
 
 use nalgebra::Complex;
 
+use super::form::Form;
 use super::map;
-use super::oscillator::{Form, Oscillator};
-use super::shoot::{Period, Trial};
+use super::oscillator::Oscillator;
+use super::period::Period;
+use super::trial::Trial;
 use crate::error::Error;
 use crate::motion::{Event, Segment, System, SystemState, Trajectory};
 use crate::series::PowerSeries;

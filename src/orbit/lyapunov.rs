@@ -2,7 +2,8 @@
 
 use nalgebra::DMatrix;
 
-use super::oscillator::{Form, Oscillator};
+use super::form::Form;
+use super::oscillator::Oscillator;
 use super::tangent::{TangentFlow, flow_of};
 use crate::error::{Error, Reached};
 use crate::motion::{Integrator, Mode, Segment};

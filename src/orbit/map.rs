@@ -2,8 +2,8 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
+use super::form::Form;
 use super::multipliers::multipliers;
-use super::oscillator::Form;
 use super::tangent::{TangentFlow, flow_of};
 use crate::error::{Error, Reached};
 use crate::motion::{Event, EventKind, Integrator, Mode, Segment};
@@ -201,6 +201,14 @@ pub(super) fn vector(state: &State, order: usize) -> DVector<f64> {
 pub(super) fn state(vector: &DVector<f64>, n: usize) -> State {
     let numbers = vector.as_slice();
     State::new(&numbers[..n], &numbers[n..2 * n]).with_memory(&numbers[2 * n..])
+}
+
+impl Form<'_> {
+    /// The motion from a state at time 0 over a duration, with its derivative with respect to that
+    /// state.
+    pub fn period_map(&self, start: &State, duration: f64) -> Result<PeriodMap, Error> {
+        period_map(self, 0.0, start, duration)
+    }
 }
 
 /// The period map over a duration from a state at a time.

@@ -88,7 +88,9 @@
 
 // | file | what is in it |
 // |---|---|
-// | `oscillator.rs` | `Oscillator`: a system for the searches, without the type of its laws |
+// | `form.rs` | a system without the type of its laws, for all searches |
+// | `oscillator.rs` | `Oscillator`: the systems that the searches take |
+// | `period.rs`, `trial.rs` | `Period`; one trial of a search |
 // | `linear.rs` | coefficients of the variational equations along one step, as power series |
 // | `tangent.rs` | the tangent flow: the variational equations along a trajectory |
 // | `saltation.rs` | saltation matrices of events: one formula for all |
@@ -112,6 +114,7 @@ mod changes;
 mod corner;
 mod curve;
 mod follow;
+mod form;
 mod found;
 mod jump;
 mod linear;
@@ -119,11 +122,13 @@ mod lyapunov;
 mod map;
 mod multipliers;
 mod oscillator;
+mod period;
 mod saltation;
 mod section;
 mod sequence;
 mod shoot;
 mod tangent;
+mod trial;
 mod walk;
 
 pub use branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
@@ -131,5 +136,6 @@ pub use follow::follow;
 pub use found::Orbit;
 pub use lyapunov::{LyapunovExponent, lyapunov, lyapunov_with_spread};
 pub use oscillator::Oscillator;
+pub use period::Period;
 pub use section::{EventSection, Section, section, section_at};
-pub use shoot::{Period, settle, shoot};
+pub use shoot::{settle, shoot};

@@ -2,53 +2,15 @@
 
 use nalgebra::{DMatrix, DVector, SVD};
 
+use super::form::{Form, Rhythm};
 use super::found::Orbit;
-use super::map::{self, CLOSED, PeriodMap, state, vector};
-use super::oscillator::{Form, Oscillator, Rhythm};
+use super::map::{self, CLOSED, state, vector};
+use super::oscillator::Oscillator;
+use super::period::Period;
+use super::trial::Trial;
 use crate::error::Error;
 use crate::motion::Mode;
 use crate::state::structure::State;
-
-/// The period of the motion searched for.
-///
-/// ```
-/// use stick_slip::orbit::Period;
-/// assert_ne!(Period::Driven(2), Period::Free(2.0));
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Period {
-    /// This number of periods of the drives of a [`Structure`](crate::Structure), at least 1. The
-    /// state is that at time 0 of the drives.
-    Driven(usize),
-    /// An autonomous motion, in which no drive varies: an estimate of its period, in units of time.
-    ///
-    /// The phase condition is the plane through the guess, normal to the flow there.
-    Free(f64),
-}
-
-impl Period {
-    /// The duration in units of time, for drives that vary like this.
-    pub(super) fn duration(self, rhythm: Rhythm) -> Result<f64, Error> {
-        match (self, rhythm) {
-            (Self::Driven(count), Rhythm::Periodic(period)) => {
-                let allowed = "periods ≥ 1";
-                Ok(
-                    Error::check("orbit::Period", "periods", count as f64, count > 0, allowed)?
-                        * period,
-                )
-            }
-            (Self::Driven(_), _) => Err(Error::NoCommonPeriod),
-            (Self::Free(estimate), Rhythm::Constant) => Error::check(
-                "orbit::Period",
-                "period",
-                estimate,
-                estimate > 0.0,
-                "period > 0",
-            ),
-            (Self::Free(_), _) => Err(Error::NotFree),
-        }
-    }
-}
 
 /// The problem of shooting: x(T) = x(0).
 #[derive(Debug)]
@@ -60,47 +22,6 @@ struct Problem<'s> {
     estimate: f64,
 }
 
-/// A trial: a start, and the motion from there over one period.
-#[derive(Debug, Clone)]
-pub(super) struct Trial {
-    pub(super) period: f64,
-    pub(super) map: PeriodMap,
-    /// Largest residual, each number in units of its size.
-    pub(super) residual: f64,
-}
-
-impl Trial {
-    pub(super) fn new(map: PeriodMap, period: f64) -> Self {
-        Self {
-            period,
-            residual: map.miss(),
-            map,
-        }
-    }
-
-    /// Returns true if a motion that is closed to rounding leaves its start and returns: each of
-    /// its numbers is in units of the sizes.
-    pub(super) fn returns(&self, step: Option<&DVector<f64>>) -> bool {
-        let sizes = self.map.sizes();
-        let away = self.map.extents(&sizes);
-        let residual = self.map.residual().component_div(&sizes);
-        std::iter::once(&residual).chain(step).all(|missed| {
-            let missed = std::iter::zip(self.map.largest(missed), away);
-            missed
-                .into_iter()
-                .all(|(missed, away)| missed.max(LEAST_MISS) <= RETURN * away)
-        })
-    }
-
-    fn not_periodic(self) -> Error {
-        Error::NotPeriodic {
-            residual: self.residual,
-            period: self.period,
-            start: self.map.start,
-        }
-    }
-}
-
 /// Limit of Newton steps; five to ten are usual.
 const MOST_STEPS: usize = 60;
 
@@ -110,14 +31,6 @@ const LEAST_PART: f64 = 1.0 / 1024.0;
 /// Singular values below this part of the largest count as 0: the motion belongs to a continuous
 /// family, and the nearest one is taken.
 const SINGULAR: f64 = 1e-11;
-
-/// An autonomous motion leaves its start and returns: its residual is at most this part of its own
-/// extent, whatever its size, and no Newton step leads farther than that. A motion that shrinks to
-/// an equilibrium, or to no duration, has a residual of its whole extent.
-const RETURN: f64 = 1e-2;
-
-/// A residual below this, in units of the sizes, is rounding.
-const LEAST_MISS: f64 = 1e-13;
 
 impl<'s> Problem<'s> {
     /// The problem for a guess, with the first trial.

@@ -13,8 +13,8 @@ use std::borrow::Cow;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::form::Form;
 use super::linear::{Holding, Linear};
-use super::oscillator::Form;
 use crate::error::{Error, Reached};
 use crate::motion::step_control::reach;
 use crate::motion::{Integrator, Mode, Segment};

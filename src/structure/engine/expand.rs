@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use super::model::{ContactData, Model, Target};
-use super::series::{ContactSeries, CoordinateSeries, Series};
-use super::state::{ContactState, Phase, Situation};
+use super::series::{ContactCourse, ContactSeries, CoordinateSeries, Series};
+use super::state::{Phase, Situation};
 use crate::error::{Error, Reached};
 use crate::friction::memory::Slip;
 use crate::scalar::mul_add;
@@ -94,29 +94,25 @@ pub(super) fn expand(
     orders: usize,
 ) -> Result<(), LawFault> {
     let n = model.len();
-    for i in 0..n {
-        let velocity = situation.velocity(model, series, i);
-        let displacement = situation.coordinates[i].displacement;
-        series.coordinates[i].course.start(displacement, velocity);
-    }
-    for (contact, state) in std::iter::zip(&mut series.contacts, &situation.contacts) {
-        contact.speeds[0] = match state.phase {
-            Phase::Slip { speed, .. } => speed,
-            Phase::Open | Phase::Stick { .. } => 0.0,
-        };
-    }
+    start(model, situation, series);
     if model.shared.is_empty() {
         let shift = model.bandwidth;
-        for start in (0..n + orders * shift).step_by(AT_A_TIME) {
+        if n <= AT_A_TIME {
             for k in 0..orders {
-                let place = |i: usize| i.saturating_sub(k * shift).min(n);
-                let coordinates = place(start)..place(start + AT_A_TIME);
-                order(model, situation, series, k, coordinates);
+                order(model, series, k, 0..n);
+            }
+        } else {
+            for start in (0..n + orders * shift).step_by(AT_A_TIME) {
+                for k in 0..orders {
+                    let place = |i: usize| i.saturating_sub(k * shift).min(n);
+                    let coordinates = place(start)..place(start + AT_A_TIME);
+                    order(model, series, k, coordinates);
+                }
             }
         }
     } else {
         for k in 0..orders {
-            order(model, situation, series, k, 0..n);
+            order(model, series, k, 0..n);
             shared_order(model, situation, series, k);
         }
     }
@@ -146,63 +142,95 @@ fn law_fault(situation: &Situation, series: &Series) -> Option<LawFault> {
     })
 }
 
-/// Order k + 1 of the velocities of some coordinates, without what shared contacts do to them.
-fn order(
-    model: &Model<'_>,
-    situation: &Situation,
-    series: &mut Series,
-    k: usize,
-    range: Range<usize>,
-) {
-    for i in range {
-        let owner = model.owner[i].map(|c| (c, &situation.contacts[c]));
-        let mut slip = None;
-        let mut sticks = false;
-        let mut surface = 0.0;
-        if let Some((c, state)) = owner {
-            let contact = &mut series.contacts[c];
-            contact.load_order(&model.contacts[c], &series.coordinates, k);
-            match state.phase {
-                Phase::Open => {}
-                Phase::Slip {
-                    direction, rate, ..
-                } => {
-                    let resistance = contact.slip_order(&model.contacts[c], state, k);
-                    slip = Some((direction.sign(), rate, resistance));
-                    surface = contact.surface[k + 1];
-                }
-                Phase::Stick { .. } => {
-                    contact.stick_order(&model.contacts[c], state, k);
-                    sticks = true;
-                    surface = contact.surface[k + 1];
-                }
+/// Order 0 of what is integrated, and what every contact does.
+fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
+    for i in 0..model.len() {
+        let velocity = situation.velocity(model, series, i);
+        let displacement = situation.coordinates[i].displacement;
+        series.coordinates[i].course.start(displacement, velocity);
+    }
+    for (of, state) in std::iter::zip(&mut series.contacts, &situation.contacts) {
+        (of.rate, of.limit) = (None, state.static_coefficient());
+        (of.course, of.side, of.speeds[0]) = match state.phase {
+            Phase::Open => (ContactCourse::Open, 1.0, 0.0),
+            Phase::Stick { .. } => (ContactCourse::Stick, 0.0, 0.0),
+            Phase::Slip {
+                direction,
+                speed,
+                rate,
+                piece,
+            } => {
+                (of.piece, of.rate) = (piece, rate);
+                (ContactCourse::Slip, direction.sign(), speed)
+            }
+        };
+        if of.course != ContactCourse::Open && of.relaxation == 0.0 {
+            for (series, memory) in std::iter::zip(&mut of.memories, &state.memory) {
+                series[0] = *memory;
             }
         }
-        let mut carried = free_rate(model, &series.coordinates, i, k);
-        if model.is_driven[i] {
-            carried += series.coordinates[i].force[k] - (k + 1) as f64 * surface;
-        } else if k == 0 {
-            carried += series.coordinates[i].force[0];
-        }
-        if let Some((c, _)) = owner {
-            series.contacts[c].carried[k] = carried;
-        }
-        let velocity = if let (Some((side, rate, resistance)), Some((c, _))) = (slip, owner) {
-            let equation = (side * carried - resistance) * INTEGRAL[k];
-            let speed = rate.filter(|_| k == 0).unwrap_or(equation);
-            series.contacts[c].speeds[k + 1] = speed;
-            mul_add(side, speed, surface)
-        } else if sticks {
-            surface
-        } else {
-            series.rates[i] = carried;
-            carried * INTEGRAL[k]
+    }
+}
+
+/// Order k + 1 of the velocities of some coordinates, without what shared contacts do to them.
+#[inline(always)]
+fn order(model: &Model<'_>, series: &mut Series, k: usize, range: Range<usize>) {
+    let n = model.len();
+    let Series {
+        coordinates,
+        contacts,
+        rates,
+        ..
+    } = series;
+    let (coordinates, owner) = (&mut coordinates[..n], &model.owner[..n]);
+    let (is_driven, rates) = (&model.is_driven[..n], &mut rates[..n]);
+    for i in range {
+        let Some(c) = owner[i] else {
+            let mut rate = free_rate(model, coordinates, i, k);
+            if is_driven[i] || k == 0 {
+                rate += coordinates[i].force[k];
+            }
+            rates[i] = rate;
+            coordinates[i]
+                .course
+                .set_velocity(k + 1, rate * INTEGRAL[k]);
+            continue;
         };
-        series.coordinates[i].course.set_velocity(k + 1, velocity);
+        let (contact, of) = (&model.contacts[c], &mut contacts[c]);
+        if of.load_varies {
+            of.load_order(contact, coordinates, k);
+        }
+        let friction = match of.course {
+            ContactCourse::Slip => of.slip_order(contact, k),
+            ContactCourse::Stick => {
+                of.stick_order(contact, k);
+                0.0
+            }
+            ContactCourse::Open => 0.0,
+        };
+        let mut carried = free_rate(model, coordinates, i, k);
+        let mut surface = 0.0;
+        if is_driven[i] {
+            if of.course != ContactCourse::Open {
+                surface = of.surface[k + 1];
+            }
+            carried += coordinates[i].force[k] - (k + 1) as f64 * surface;
+        } else if k == 0 {
+            carried += coordinates[i].force[0];
+        }
+        of.carried[k] = carried;
+        let mut speed = (of.side * carried - friction) * INTEGRAL[k];
+        if k == 0 {
+            speed = of.rate.unwrap_or(speed);
+        }
+        of.speeds[k + 1] = speed;
+        let velocity = mul_add(of.side, speed, surface);
+        coordinates[i].course.set_velocity(k + 1, velocity);
     }
 }
 
 /// (−M⁻¹K q − M⁻¹C v)_i of order k.
+#[inline(always)]
 fn free_rate(model: &Model<'_>, coordinates: &[CoordinateSeries], i: usize, k: usize) -> f64 {
     let own = &coordinates[i].course;
     let ((spring, springs), (damper, dampers)) = (model.stiffness.row(i), model.damping.row(i));
@@ -220,19 +248,7 @@ fn free_rate(model: &Model<'_>, coordinates: &[CoordinateSeries], i: usize, k: u
 /// those that stick carry, G_SS λ = B_S a − w'.
 fn shared_order(model: &Model<'_>, situation: &Situation, series: &mut Series, k: usize) {
     for &c in &model.shared {
-        let (contact, state) = (&model.contacts[c], &situation.contacts[c]);
-        let of = &mut series.contacts[c];
-        of.load_order(contact, &series.coordinates, k);
-        match state.phase {
-            Phase::Open => {}
-            Phase::Stick { .. } => of.stick_order(contact, state, k),
-            Phase::Slip { direction, .. } => {
-                let friction = direction.sign() * of.slip_order(contact, state, k);
-                for &(j, x) in contact.responses() {
-                    series.rates[j] -= x * friction;
-                }
-            }
-        }
+        series.friction_order(model, c, k);
     }
     let holding = &situation.holding;
     series.held.clear();
@@ -254,12 +270,11 @@ fn shared_order(model: &Model<'_>, situation: &Situation, series: &mut Series, k
         series.coordinates[j].course.set_velocity(k + 1, velocity);
     }
     for &c in &model.shared {
-        if let Phase::Slip {
-            direction, rate, ..
-        } = situation.contacts[c].phase
-        {
-            let equation = direction.sign() * pull(&model.contacts[c], series, c, k) * INTEGRAL[k];
-            series.contacts[c].speeds[k + 1] = rate.filter(|_| k == 0).unwrap_or(equation);
+        if let ContactCourse::Slip = series.contacts[c].course {
+            let pull = pull(&model.contacts[c], series, c, k);
+            let of = &mut series.contacts[c];
+            let equation = of.side * pull * INTEGRAL[k];
+            of.speeds[k + 1] = of.rate.filter(|_| k == 0).unwrap_or(equation);
         }
     }
 }
@@ -272,36 +287,35 @@ fn pull(contact: &ContactData<'_>, series: &Series, c: usize, k: usize) -> f64 {
 /// Notes b·a⁰ − w' of each shared contact at the start: its relative acceleration if none of those
 /// that stick carried anything. Those that slip have their friction.
 pub(super) fn free_accelerations(model: &Model<'_>, situation: &Situation, series: &mut Series) {
-    let n = model.len();
-    for i in 0..n {
-        let velocity = situation.velocity(model, series, i);
-        let displacement = situation.coordinates[i].displacement;
-        series.coordinates[i].course.start(displacement, velocity);
-    }
+    start(model, situation, series);
     for &j in &model.shared_coordinates {
         let force = series.coordinates[j].force[0];
         series.rates[j] = free_rate(model, &series.coordinates, j, 0) + force;
     }
     for &c in &model.shared {
-        let (contact, state) = (&model.contacts[c], &situation.contacts[c]);
-        let of = &mut series.contacts[c];
-        of.load_order(contact, &series.coordinates, 0);
-        match state.phase {
-            Phase::Open => {}
-            Phase::Stick { .. } => of.stick_order(contact, state, 0),
-            Phase::Slip {
-                direction, speed, ..
-            } => {
-                of.speeds[0] = speed;
-                let friction = direction.sign() * of.slip_order(contact, state, 0);
-                for &(j, x) in contact.responses() {
-                    series.rates[j] -= x * friction;
-                }
-            }
-        }
+        series.friction_order(model, c, 0);
     }
     for &c in &model.shared {
         series.contacts[c].free = pull(&model.contacts[c], series, c, 0);
+    }
+}
+
+impl Series {
+    /// Order k of the law of a contact that shares coordinates, and what its friction in slip does
+    /// to them.
+    fn friction_order(&mut self, model: &Model<'_>, c: usize, k: usize) {
+        let (contact, of) = (&model.contacts[c], &mut self.contacts[c]);
+        of.load_order(contact, &self.coordinates, k);
+        match of.course {
+            ContactCourse::Open => {}
+            ContactCourse::Stick => of.stick_order(contact, k),
+            ContactCourse::Slip => {
+                let friction = of.side * of.slip_order(contact, k);
+                for &(j, x) in contact.responses() {
+                    self.rates[j] -= x * friction;
+                }
+            }
+        }
     }
 }
 
@@ -324,14 +338,28 @@ impl ContactSeries {
     /// Coefficient k of Nσμ in slip, and k + 1 of the memory; on the slow manifold k of the memory,
     /// from k + 1 of the pass before.
     #[inline(always)]
-    fn slip_order(&mut self, contact: &ContactData<'_>, state: &ContactState, k: usize) -> f64 {
-        let Some(slip) = state.slip(self.speeds[k]) else {
-            return 0.0;
+    fn slip_order(&mut self, contact: &ContactData<'_>, k: usize) -> f64 {
+        let slip = Slip {
+            speed: self.speeds[k],
+            direction: self.side,
+            piece: self.piece,
         };
-        let relaxes = self.relaxation > 0.0;
-        if !relaxes {
-            self.begin_memory(state, k);
+        let coefficient = if self.memories.is_empty() {
+            self.run_law(contact, slip, k)
         } else {
+            self.with_memory(contact, slip, k)
+        };
+        self.friction[k] = coefficient;
+        if self.load_varies {
+            (0..=k).map(|l| self.load[l] * self.friction[k - l]).sum()
+        } else {
+            self.load[0] * coefficient
+        }
+    }
+
+    /// Coefficient k of σμ, and k + 1 of the memory, or k.
+    fn with_memory(&mut self, contact: &ContactData<'_>, slip: Slip<f64>, k: usize) -> f64 {
+        if self.relaxation > 0.0 {
             // The law runs twice: for the memory, then with it.
             self.run_law(contact, slip, k);
             for (series, rate) in std::iter::zip(&mut self.memories, &self.rates) {
@@ -341,17 +369,11 @@ impl ContactSeries {
                     series[k] += correction;
                 }
             }
+            return self.run_law(contact, slip, k);
         }
         let coefficient = self.run_law(contact, slip, k);
-        if !relaxes {
-            self.set_memories(k);
-        }
-        self.friction[k] = coefficient;
-        if self.load_varies {
-            (0..=k).map(|l| self.load[l] * self.friction[k - l]).sum()
-        } else {
-            self.load[0] * coefficient
-        }
+        self.set_memories(k);
+        coefficient
     }
 
     /// Coefficient k of σμ; notes the slope and coefficient k of the rates of the memory.
@@ -367,29 +389,20 @@ impl ContactSeries {
 
     /// Coefficient k of the bound N μ_s in stick, and k + 1 of the memory.
     #[inline]
-    fn stick_order(&mut self, contact: &ContactData<'_>, state: &ContactState, k: usize) {
+    fn stick_order(&mut self, contact: &ContactData<'_>, k: usize) {
         if self.memories.is_empty() {
             // μ_s is a constant.
             self.bound[k] = if k == 0 || self.load_varies {
-                self.load[k] * state.static_coefficient()
+                self.load[k] * self.limit
             } else {
                 0.0
             };
             return;
         }
-        self.begin_memory(state, k);
         let (memories, rates) = (&self.memories, &mut self.rates);
         self.limits[k] = contact.law.stick_order(&mut self.tape, k, memories, rates);
         self.bound[k] = (0..=k).map(|l| self.load[l] * self.limits[k - l]).sum();
         self.set_memories(k);
-    }
-
-    fn begin_memory(&mut self, state: &ContactState, k: usize) {
-        if k == 0 {
-            for (series, memory) in std::iter::zip(&mut self.memories, &state.memory) {
-                series[0] = *memory;
-            }
-        }
     }
 
     #[inline(always)]

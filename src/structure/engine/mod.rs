@@ -48,6 +48,7 @@ use transitions::{close, decide};
 use super::step::{After, Cause, Step};
 use crate::clock::Clock;
 use crate::error::Error;
+use crate::motion::step_control::{self, Attempt};
 use crate::motion::{Event, EventKind, Mode};
 use crate::series::{PowerSeries, quarters};
 use crate::state::structure::State;
@@ -211,19 +212,22 @@ impl<'s> Engine<'s> {
         let elapsed = situation.clock.time.abs();
         // A motion that nothing gives a length is a polynomial, and good at any time.
         let cut = reach.min(control.longest).min(LONGEST_STEP);
-        let mut h = cut.min(to_break);
-        let duration = loop {
-            if !(h >= to_break || h > f64::EPSILON * elapsed && h >= f64::MIN_POSITIVE) {
-                return Err(self.underflow(h));
-            }
-            let Ok(end) = first_firings(model, situation, series, [h, to_break], firings) else {
-                h *= 0.5;
-                continue;
-            };
-            if defect::is_accepted(model, situation, series, &control.plan, end) {
-                break end;
-            }
-            h = 0.5 * end;
+        let is_long_enough =
+            |h| h >= to_break || h > f64::EPSILON * elapsed && h >= f64::MIN_POSITIVE;
+        let plan = &control.plan;
+        let found =
+            step_control::settle(cut.min(to_break), is_long_enough, |h| {
+                match first_firings(model, situation, series, [h, to_break], firings) {
+                    Err(_) => Attempt::TooCurved,
+                    Ok(end) if defect::is_accepted(model, situation, series, plan, end) => {
+                        Attempt::Taken(end)
+                    }
+                    Ok(end) => Attempt::Inexact(end),
+                }
+            });
+        let (duration, h) = match found {
+            Ok(found) => found,
+            Err(h) => return Err(self.underflow(h)),
         };
         let is_cut = h < cut.min(to_break) || control.longest < reach;
         control.longest = if is_cut { 2.0 * h } else { f64::INFINITY };
@@ -242,21 +246,25 @@ impl<'s> Engine<'s> {
             ..
         } = self;
         let longest = plan_memory(model, situation, series, control);
-        let mut h = to_break.min(longest);
-        let duration = loop {
+        let elapsed = situation.clock.time.abs();
+        let is_long_enough =
+            |h| h >= to_break.min(longest) || h > f64::EPSILON * elapsed && h >= f64::MIN_POSITIVE;
+        let plan = &control.plan;
+        let found = step_control::settle(to_break.min(longest), is_long_enough, |h| {
             // Roots of straight lines need no isolation.
             let found = first_firings(model, situation, series, [h, to_break], firings);
             let end = found.unwrap_or(h);
-            if longest.is_infinite()
-                || defect::is_accepted(model, situation, series, &control.plan, end)
-            {
-                break end;
+            let is_exact =
+                longest.is_infinite() || defect::is_accepted(model, situation, series, plan, end);
+            if is_exact {
+                Attempt::Taken(end)
+            } else {
+                Attempt::Inexact(end)
             }
-            h = 0.5 * end;
-            let elapsed = situation.clock.time.abs();
-            if h.is_nan() || h <= f64::EPSILON * elapsed || h < f64::MIN_POSITIVE {
-                return Err(self.underflow(h));
-            }
+        });
+        let duration = match found {
+            Ok((duration, _)) => duration,
+            Err(h) => return Err(self.underflow(h)),
         };
         Ok(Settled {
             duration,

@@ -14,9 +14,27 @@ pub(super) struct Series {
     pub(super) held: Vec<f64>,
 }
 
+/// What a contact does in a step, as the series need it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum ContactCourse {
+    Open,
+    Stick,
+    Slip,
+}
+
 /// The series at one contact. All forces are accelerations of r: multiplied by G_cc.
 #[derive(Debug, Clone)]
 pub(super) struct ContactSeries {
+    /// What the contact does in the step.
+    pub(super) course: ContactCourse,
+    /// σ in slip; 0 in stick, and 1 for one that is open.
+    pub(super) side: f64,
+    /// Which piece of the law holds in slip.
+    pub(super) piece: usize,
+    /// dy/dt at the start, where it is known.
+    pub(super) rate: Option<f64>,
+    /// μ_s at the start.
+    pub(super) limit: f64,
     /// y.
     pub(super) speeds: PowerSeries,
     /// w.
@@ -127,6 +145,11 @@ impl Series {
             let load = constant(contact.load.value(time) * contact.compliance);
             let count = contact.memory();
             ContactSeries {
+                course: ContactCourse::Open,
+                side: 1.0,
+                piece: 0,
+                rate: None,
+                limit: 0.0,
                 speeds: PowerSeries::ZERO,
                 surface: constant(contact.belt_velocity.value(time)),
                 carried: PowerSeries::ZERO,

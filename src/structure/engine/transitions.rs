@@ -34,6 +34,7 @@ pub(super) fn decide(
     for c in 0..situation.contacts.len() {
         arrive(model, situation, c);
     }
+    let mut undecided = false;
     // Each round but the last changes a contact: its load, its band, or its piece of the law.
     for _ in 0..=4 * situation.contacts.len() {
         if let Some(decision) = &mut decision {
@@ -54,12 +55,18 @@ pub(super) fn decide(
             }
             changed |= change || revise_mode(model, situation, series, c);
         }
+        let mut is_open = false;
         if let Some(decision) = &mut decision {
-            changed |= decision.revise(model, situation, series);
+            is_open = decision.revise(model, situation, series);
         }
-        if !changed {
+        if !(changed || is_open) {
             return Ok(());
         }
+        undecided = is_open;
+    }
+    if undecided {
+        let (step, reached) = (0.0, situation.reached(model, series));
+        return Err(Error::StepUnderflow { step, reached });
     }
     Ok(())
 }

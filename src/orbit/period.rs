@@ -1,0 +1,43 @@
+use super::form::Rhythm;
+use crate::error::Error;
+
+/// The period of the motion searched for.
+///
+/// ```
+/// use stick_slip::orbit::Period;
+/// assert_ne!(Period::Driven(2), Period::Free(2.0));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Period {
+    /// This number of periods of the drives of a [`Structure`](crate::Structure), at least 1. The
+    /// state is that at time 0 of the drives.
+    Driven(usize),
+    /// An autonomous motion, in which no drive varies: an estimate of its period, in units of time.
+    ///
+    /// The phase condition is the plane through the guess, normal to the flow there.
+    Free(f64),
+}
+
+impl Period {
+    /// The duration in units of time, for drives that vary like this.
+    pub(super) fn duration(self, rhythm: Rhythm) -> Result<f64, Error> {
+        match (self, rhythm) {
+            (Self::Driven(count), Rhythm::Periodic(period)) => {
+                let allowed = "periods ≥ 1";
+                Ok(
+                    Error::check("orbit::Period", "periods", count as f64, count > 0, allowed)?
+                        * period,
+                )
+            }
+            (Self::Driven(_), _) => Err(Error::NoCommonPeriod),
+            (Self::Free(estimate), Rhythm::Constant) => Error::check(
+                "orbit::Period",
+                "period",
+                estimate,
+                estimate > 0.0,
+                "period > 0",
+            ),
+            (Self::Free(_), _) => Err(Error::NotFree),
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! One trial of a search: a start, its motion over one period, and the residual.
+
+use nalgebra::DVector;
+
+use super::map::PeriodMap;
+use crate::error::Error;
+
+/// An autonomous motion leaves its start and returns: its residual is at most this part of its own
+/// extent, whatever its size, and no Newton step leads farther than that. A motion that shrinks to
+/// an equilibrium, or to no duration, has a residual of its whole extent.
+const RETURN: f64 = 1e-2;
+
+/// A residual below this, in units of the sizes, is rounding.
+const LEAST_MISS: f64 = 1e-13;
+
+/// A start, and the motion from there over one period.
+#[derive(Debug, Clone)]
+pub(super) struct Trial {
+    pub(super) period: f64,
+    pub(super) map: PeriodMap,
+    /// Largest residual, each number in units of its size.
+    pub(super) residual: f64,
+}
+
+impl Trial {
+    pub(super) fn new(map: PeriodMap, period: f64) -> Self {
+        Self {
+            period,
+            residual: map.miss(),
+            map,
+        }
+    }
+
+    /// Returns true if a motion that is closed to rounding leaves its start and returns: each of
+    /// its numbers is in units of the sizes.
+    pub(super) fn returns(&self, step: Option<&DVector<f64>>) -> bool {
+        let sizes = self.map.sizes();
+        let away = self.map.extents(&sizes);
+        let residual = self.map.residual().component_div(&sizes);
+        std::iter::once(&residual).chain(step).all(|missed| {
+            let missed = std::iter::zip(self.map.largest(missed), away);
+            missed
+                .into_iter()
+                .all(|(missed, away)| missed.max(LEAST_MISS) <= RETURN * away)
+        })
+    }
+
+    pub(super) fn not_periodic(self) -> Error {
+        Error::NotPeriodic {
+            residual: self.residual,
+            period: self.period,
+            start: self.map.start,
+        }
+    }
+}
