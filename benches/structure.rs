@@ -4,6 +4,9 @@
 //! Chains of masses on a belt, each with the cubic law and a spring to the next (tridiagonal K,
 //! diagonal C), a part of them sliding in steady vibration; time of a step divided by the number of
 //! masses, from least times. Beside it the belt's own engine, for one mass.
+//!
+//! Then the same chains with joints between all neighbours, friction contacts that share masses:
+//! all sliding, or all stuck, so that what they carry is found by a factorisation in every order.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -54,18 +57,55 @@ fn start(n: usize) -> structure::State {
     structure::State::new(&u, &vec![0.0; n])
 }
 
+/// n masses with springs and joints between neighbours. They slide by one another, and the first
+/// by the ground, at the speed of a motor in every joint; without motors the joints stick.
+fn jointed<L: FrictionLaw + Clone + Send + Sync + 'static>(
+    n: usize,
+    law: &L,
+    motors: bool,
+) -> Structure {
+    let mut chain = Structure::new(&vec![1.0; n]).unwrap();
+    for i in 0..n {
+        chain = chain
+            .with_ground_spring(i, 1.0)
+            .and_then(|chain| chain.with_ground_damper(i, 0.1))
+            .unwrap();
+        if i > 0 {
+            chain = chain.with_spring(i - 1, i, 0.5).unwrap();
+        }
+        let contact = match i {
+            0 if motors => Contact::new(0, law.clone(), 1.0),
+            0 => continue,
+            _ if motors => Contact::between(i, i - 1, law.clone(), 1.0),
+            _ => Contact::between(i, i - 1, law.clone(), 100.0 * n as f64),
+        };
+        let speed = if motors { 2.0 } else { 0.0 };
+        let contact = contact.unwrap().on_belt(speed);
+        chain = chain.with_contact(contact).unwrap();
+    }
+    chain
+}
+
+/// A chain whose joints all stick moves as one.
+fn together(n: usize) -> structure::State {
+    structure::State::new(&vec![0.3; n], &vec![0.0; n])
+}
+
 fn of_structure<L: FrictionLaw + Clone + Send + Sync + 'static>(
     n: usize,
     law: &L,
     drive: bool,
 ) -> f64 {
-    let system = chain(n, law, drive);
+    of_chain(n, &chain(n, law, drive), &start(n))
+}
+
+fn of_chain(n: usize, system: &Structure, start: &structure::State) -> f64 {
     // Short runs: a long one is seldom left alone by other programs.
     let steps = (1000 / n).clamp(10, 100);
     let runs = if n > 10 { 200 } else { 2000 };
     let step = least_of(runs, steps, || {
         let flow = Integrator::new()
-            .flow(black_box(&system), start(n))
+            .flow(black_box(system), start.clone())
             .unwrap();
         for step in flow.take(steps) {
             black_box(step.unwrap());
@@ -117,8 +157,24 @@ fn main() {
             mass / belt
         );
     }
+    println!("\njoints between all neighbours, beside the chain without them");
+    for n in [2, 10, 100, 1000] {
+        let [mut free, mut sliding, mut stuck] = [f64::INFINITY; 3];
+        let chains = [true, false].map(|motors| jointed(n, &cubic, motors));
+        // In turn, and the least of all.
+        for _ in 0..3 {
+            free = free.min(of_structure(n, &cubic, false));
+            sliding = sliding.min(of_chain(n, &chains[0], &start(n)));
+            stuck = stuck.min(of_chain(n, &chains[1], &together(n)));
+        }
+        println!(
+            "n = {n:4}: {free:5.0} ns a mass; all sliding {:.2}, all stuck {:.2} of that",
+            sliding / free,
+            stuck / free
+        );
+    }
     println!(
-        "one harmonic belt: {:5.0} ns",
+        "\none harmonic belt: {:5.0} ns",
         of_structure(1, &cubic, true)
     );
 }

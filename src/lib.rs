@@ -3,9 +3,9 @@
 //! For a mass on a moving belt the crate finds every stick (slip ends, the mass moves with the
 //! belt), every release (slip onset), every crossing (the relative velocity changes its sign
 //! without stick), every limit cycle, and the belt velocities at which cycles appear. The friction
-//! law can be any that you can write as a function. The motion of several masses, with forces and
-//! belts that vary in time, is computed as exactly, and their [periodic motions](orbit) are found
-//! from a guess.
+//! law can be any that you can write as a function. The motion of several masses, with friction on
+//! belts and between the masses, under forces and on belts that vary in time, is computed as
+//! exactly, and their [periodic motions](orbit) are found from a guess.
 //!
 //! ```
 //! use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
@@ -50,6 +50,8 @@
 //! | how much damping keeps the mass quiet | [`bifurcation::silencing_damping`]; at every belt velocity, [`analysis::design`] |
 //! | the formulas of the source paper, and better ones | [`analysis::PureSlip`], [`analysis::StickSlip`], [`analysis::averaging`]; [where the paper is wrong](analysis#where-the-source-paper-is-wrong) |
 //! | how several masses move, with forces and belts that vary in time | [`Structure`], [`Contact`], [`Drive`] |
+//! | how masses rub on each other: clutch, bolted joint, blade damper, pad on a disc | [`Contact::between`], [`Contact::along`]; the force in it: [`Structure::carried`] |
+//! | a reduced finite-element model, with a full mass matrix | [`Structure::with_mass_matrix`], [`Contact::along`] its mode shapes |
 //! | whether several masses slide steadily, or flutter | [`Structure::steady_sliding`] |
 //! | a periodic motion of any system, with its multipliers | [`orbit::shoot`], [`orbit::settle`] |
 //! | how a periodic motion changes over any parameter | [`orbit::follow`] |
@@ -58,7 +60,7 @@
 //! | a friction law of my own | [`FrictionLaw`], [`Scalar`]; checked by [`check_law`] |
 //! | measured points as a law | [`Tabulated`] |
 //! | static friction that rises with the time in stick, bristles | [`Dwell`], [`Dahl`], [`LuGre`] in a [`Structure`] |
-//! | a law chosen at run time | [`AnyLaw`], [`AnyContactLaw`] |
+//! | a law chosen at run time | [`AnyLaw`], [`AnyContactLaw`]; contacts of one structure may have different laws without them |
 //! | what is promised, and which test holds it | [`guarantees`] |
 //!
 //! # The mass on its belt
@@ -126,6 +128,10 @@
 //! * **Memory in structures only.** The law of a [`MassOnBelt`] depends on the relative velocity
 //!   alone. A contact of a [`Structure`] may have memory variables ([`Dwell`], [`Dahl`], [`LuGre`],
 //!   or a [`ContactLaw`] of your own), and a belt becomes a structure by `Structure::from`.
+//! * **Contacts that share masses.** They decide together which of them stick: uniquely if static
+//!   and kinetic coefficients are equal, otherwise
+//!   [by a rule](Structure#contacts-that-share-masses). Contacts with linearly dependent directions
+//!   must not come to rest together ([`Error::Undetermined`]).
 //! * **Stiffness.** A stiff mass on a belt (large β or γ²·dμ̂/ds, as for the cubic law far above
 //!   its minimum) takes no more steps than another, up to D = 2β + γ²·dμ̂/ds of about 1e20. In
 //!   structures only stiff memory of one variable, as of bristles, is treated this way (tried up to

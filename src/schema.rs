@@ -36,8 +36,8 @@
 //! | [`State`](crate::State) | `displacement`, `velocity` | yes |
 //! | [`structure::State`](crate::structure::State) | `displacements`, `velocities`, [`memory`: empty] | yes |
 //! | [`Drive`](crate::Drive) | [`constant` = 0]; [`harmonics`: none], a list of maps `angular_frequency`, `cosine`, `sine`; [`profiles`: none], each a list of [time, value] | yes |
-//! | [`Contact`](crate::Contact) | `coordinate`, `law`, `load`, [`load_gradient`: a list of [coordinate, force per displacement]], [`belt_velocity` = 0] | yes |
-//! | [`Structure`](crate::Structure) | `masses`, [`stiffness`, `damping`: lists of rows], [`forces`: a drive for each coordinate], [`contacts`: none] | yes |
+//! | [`Contact`](crate::Contact) | `coordinate`, [`direction`: a list of [coordinate, b]; that coordinate alone with b = 1], `law`: a name of a law with that law, see below, `load`, [`load_gradient`: a list of [coordinate, force per displacement]], [`belt_velocity` = 0] | yes |
+//! | [`Structure`](crate::Structure) | `masses`, or `mass_matrix`: a list of rows; [`stiffness`, `damping`: lists of rows], [`forces`: a drive for each coordinate], [`contacts`: none] | yes |
 //! | [`Event`](crate::Event) | `time`, `contact`, `kind`, `state` | yes |
 //! | [`EventKind`](crate::EventKind) | `stick`, `open`, `close`, or `release` or `crossing` with the direction | yes |
 //! | [`Mode`](crate::Mode) | `stick`, `open`, or `slip` with the direction | yes |
@@ -54,6 +54,28 @@
 //! | [`VibrationRange`](crate::bifurcation::VibrationRange) | `velocities`: `start`, `end`; `attractors` | no |
 //! | [`AttractorKind`](crate::bifurcation::AttractorKind) | `equilibrium`, `continuum`, or `cycle` with its kind | no |
 //! | [`DiagramPoint`](crate::bifurcation::DiagramPoint) | `belt_velocity`, `equilibrium`, `cycles` | no |
+//!
+//! The law of a contact is written with its name: `coulomb`, `exponential`, `polynomial`,
+//! `rational`, `stribeck`, `tabulated`, `dwell`, `dahl` or `lugre`, or `dry` for an
+//! [`AnyContactLaw`](crate::AnyContactLaw) without memory. A law of your own has no name: writing
+//! its contact is an error. Write its parameters beside the structure, and add the contact after
+//! reading.
+//!
+//! ```
+//! use stick_slip::nalgebra::DMatrix;
+//! use stick_slip::{Contact, Coulomb, Structure};
+//!
+//! let mass = DMatrix::from_row_slice(2, 2, &[2.0, 0.5, 0.5, 1.0]);
+//! let joint = Contact::between(0, 1, Coulomb::new(0.4, 0.25)?, 3.0)?;
+//! let structure = Structure::with_mass_matrix(mass)?.with_contact(joint)?;
+//! let text = serde_json::to_value(&structure)?;
+//! assert_eq!(text["mass_matrix"], serde_json::json!([[2.0, 0.5], [0.5, 1.0]]));
+//! let contact = &text["contacts"][0];
+//! assert_eq!(contact["direction"], serde_json::json!([[0, 1.0], [1, -1.0]]));
+//! assert_eq!(contact["law"]["coulomb"]["static_coefficient"], 0.4);
+//! assert_eq!(serde_json::from_value::<Structure>(text)?, structure);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 //!
 //! A motion is neither written nor read: write its system, its start and its duration, and simulate
 //! it again.

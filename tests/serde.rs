@@ -4,11 +4,12 @@ use serde::{Serialize, de::DeserializeOwned};
 use serde_json::Value;
 use stick_slip::bifurcation::{self, Criticality};
 use stick_slip::limit_cycle::{Attractor, Continuum};
+use stick_slip::nalgebra::DMatrix;
 use stick_slip::{
     AnyContactLaw, AnyLaw, Contact, Coulomb, CycleKind, CycleSet, Dahl, Direction, Drive, Dwell,
-    Event, EventKind, Exponential, LimitCycle, LuGre, MassOnBelt, Mode, Physical, Polynomial,
-    Rational, Scaled, Scaling, Stability, State, Stribeck, Structure, Tabulated, limit_cycle,
-    structure,
+    Event, EventKind, Exponential, FrictionLaw, LimitCycle, LuGre, MassOnBelt, Mode, Physical,
+    Polynomial, Rational, Scalar, Scaled, Scaling, Stability, State, Stribeck, Structure,
+    Tabulated, limit_cycle, structure,
 };
 
 fn there_and_back<T: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(
@@ -642,6 +643,66 @@ fn structures_there_and_back() {
     let contact = Contact::new(0, Coulomb::new(0.4, 0.3).unwrap(), 5.0).unwrap();
     let expected = Structure::new(&[2.0]).and_then(|s| s.with_contact(contact));
     assert_eq!(read, expected.unwrap());
+}
+
+/// A mass matrix, a joint, a lever, and laws of different kinds.
+#[test]
+fn joints_and_mass_matrices_there_and_back() {
+    let mass = DMatrix::from_row_slice(3, 3, &[2.0, 0.5, 0.0, 0.5, 1.0, 0.1, 0.0, 0.1, 1.0 / 3.0]);
+    let coulomb = Coulomb::new(0.4, 0.25).unwrap();
+    let dwell = Dwell::hyperbolic(table(), 0.6, 2.0).unwrap();
+    let bristles = LuGre::new(coulomb, 1e3, 2.0, 0.1).unwrap();
+    let dry = AnyContactLaw::Dry(AnyLaw::from(coulomb));
+    let structure = Structure::with_mass_matrix(mass)
+        .and_then(|s| s.with_contact(Contact::between(2, 0, coulomb, 3.0)?.on_belt(0.1)))
+        .and_then(|s| s.with_contact(Contact::along(&[(1, 0.1 + 0.2), (2, -1.0)], dwell, 1.0)?))
+        .and_then(|s| s.with_contact(Contact::new(0, bristles, 1.0)?))
+        .and_then(|s| s.with_contact(Contact::new(0, Dahl::new(0.4, 50.0)?, 1.0)?))
+        .and_then(|s| s.with_contact(Contact::new(1, dry, 1.0)?))
+        .unwrap();
+    let text = there_and_back(&structure);
+    for part in [
+        r#"{"mass_matrix":[[2.0,0.5,0.0],[0.5,1.0,0.1],"#,
+        r#""coordinate":2,"direction":[[0,-1.0],[2,1.0]],"law":{"coulomb":"#,
+        r#""direction":[[1,0.30000000000000004],[2,-1.0]],"law":{"dwell":"#,
+        r#"{"coordinate":0,"law":{"lugre":"#,
+        r#"{"coordinate":0,"law":{"dahl":"#,
+        r#"{"coordinate":1,"law":{"dry":"#,
+    ] {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+    let read: Structure = serde_json::from_str(&text).unwrap();
+    assert_eq!(read.contacts()[0].coordinate(), 2);
+
+    refused::<Structure>(
+        r#"{"masses":[1],"mass_matrix":[[1]]}"#,
+        "beside a mass matrix",
+    );
+    refused::<Structure>(r#"{"mass_matrix":[[1,2],[2,1]]}"#, "not positive definite");
+    refused::<Structure>(r#"{"mass_matrix":[[1,2],[0,9]]}"#, "not symmetric");
+    refused::<Structure>(r#"{"mass_matrix":[[1,2]]}"#, "2 numbers in a row");
+    let joint = |direction: &str| {
+        let law = r#"{"coulomb":{"static_coefficient":0.4,"kinetic_coefficient":0.3}}"#;
+        format!(r#"{{"coordinate":0,"direction":{direction},"law":{law},"load":{{"constant":1}}}}"#)
+    };
+    refused::<Contact>(&joint("[[0,1],[0,-1]]"), "direction");
+    refused::<Contact>(&joint("[[0,0]]"), "direction");
+}
+
+#[test]
+fn a_users_own_law_is_not_written() {
+    struct Own;
+    impl FrictionLaw for Own {
+        fn static_coefficient(&self) -> f64 {
+            0.4
+        }
+        fn kinetic<S: Scalar>(&self, speed: S) -> S {
+            speed.constant(0.3)
+        }
+    }
+    let contact = Contact::new(0, Own, 1.0).unwrap();
+    let message = serde_json::to_string(&contact).unwrap_err().to_string();
+    assert!(message.contains("a user's own law"), "{message}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Several masses on springs and dampers, driven in time, with friction contacts.
+//! Several masses on springs and dampers, driven in time, with friction on belts and between them.
 //!
 //! ```
 //! use stick_slip::orbit::{self, Period};

@@ -3,7 +3,7 @@ use std::borrow::Cow;
 use nalgebra::DMatrix;
 
 use super::contact::Contact;
-use super::engine::model::Model;
+use super::engine::model::{Mass, Model};
 use crate::belt::MassOnBelt;
 use crate::drive::{self, Drive};
 use crate::error::{Element, Error};
@@ -414,8 +414,13 @@ impl Structure {
 
     /// What moves, as the engine sees it.
     pub(crate) fn model(&self) -> Model<'_> {
+        let mass = match &self.mass_matrix {
+            Some(mass) => Mass::Full(mass),
+            None => Mass::Diagonal(&self.masses),
+        };
         Model::new(
-            [&self.mass_matrix(), &self.stiffness, &self.damping],
+            mass,
+            [&self.stiffness, &self.damping],
             Cow::Borrowed(&self.forces),
             self.contacts.iter().map(Contact::data).collect(),
         )

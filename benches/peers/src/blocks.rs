@@ -18,11 +18,11 @@ pub struct Blocks<L> {
 }
 
 impl<L: FrictionLaw + Copy> Blocks<L> {
-    pub fn new(set: &Set<Structure>) -> Self {
-        let system = &set.system;
+    /// Those of a structure, with the laws of its contacts.
+    pub fn new(system: &Structure, laws: [L; 2]) -> Self {
         let of_contacts = [0, 1].map(|i| &system.contacts()[i]);
         Self {
-            laws: of_contacts.map(|contact| *contact.law()),
+            laws,
             loads: of_contacts.map(|contact| contact.load().value(0.0)),
             stiffness: [0, 1].map(|i| [0, 1].map(|j| system.stiffness()[(i, j)])),
             damping: [0, 1].map(|i| system.damping()[(i, i)]),
@@ -59,9 +59,9 @@ pub struct End {
 
 impl<L: FrictionLaw + Copy> Phase<L> {
     /// Both blocks behind the belt.
-    pub fn behind(set: &Set<Structure>) -> Self {
+    pub fn behind(blocks: Blocks<L>) -> Self {
         Self {
-            blocks: Blocks::new(set),
+            blocks,
             signs: [-1.0, -1.0],
         }
     }
@@ -146,10 +146,11 @@ impl<L: FrictionLaw + Copy> Phase<L> {
 /// Runs the motion and writes down its events; `end` integrates one phase, its time from 0.
 pub fn run<L: FrictionLaw + Copy>(
     set: &Set<Structure>,
+    blocks: Blocks<L>,
     events: &mut Vec<f64>,
     mut end: impl FnMut(Phase<L>, Point) -> End,
 ) {
-    let mut phase = Phase::behind(set);
+    let mut phase = Phase::behind(blocks);
     let (u, v) = (&set.start.displacements, &set.start.velocities);
     let belt_velocity = phase.blocks.belt_velocity;
     let mut point = [u[0], u[1], v[0] - belt_velocity, v[1] - belt_velocity];

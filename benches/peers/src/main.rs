@@ -30,6 +30,7 @@ mod tsit45;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
+use blocks::Blocks;
 use criterion::{BenchmarkId, Criterion, Throughput};
 use phases::Slip;
 use set::{DURATION, Set};
@@ -67,7 +68,7 @@ fn main() {
         .configure_from_args();
     one_mass(&mut criterion, &set::polynomial());
     one_mass(&mut criterion, &set::exponential());
-    two_blocks(&mut criterion, &set::two_blocks());
+    two_blocks(&mut criterion, &set::two_blocks(), set::laws_of_blocks());
     criterion.final_summary();
 }
 
@@ -85,15 +86,20 @@ fn one_mass<L: FrictionLaw + Copy + 'static>(criterion: &mut Criterion, set: &Se
     });
 }
 
-fn two_blocks<L: FrictionLaw + Copy + 'static>(criterion: &mut Criterion, set: &Set<Structure>) {
+fn two_blocks<L: FrictionLaw + Copy + 'static>(
+    criterion: &mut Criterion,
+    set: &Set<Structure>,
+    laws: [L; 2],
+) {
+    let blocks = Blocks::new(&set.system, laws);
     compare(criterion, set, None, |tolerance| {
         let mut dop853 = dop853::end(tolerance);
         let mut rkv989e = rkv989e::end(tolerance);
-        let mut tsit45 = tsit45::end(set, tolerance);
+        let mut tsit45 = tsit45::end(blocks, tolerance);
         [
-            Box::new(move |events| blocks::run(set, events, &mut dop853)),
-            Box::new(move |events| blocks::run(set, events, &mut rkv989e)),
-            Box::new(move |events| blocks::run(set, events, &mut tsit45)),
+            Box::new(move |events| blocks::run(set, blocks, events, &mut dop853)),
+            Box::new(move |events| blocks::run(set, blocks, events, &mut rkv989e)),
+            Box::new(move |events| blocks::run(set, blocks, events, &mut tsit45)),
         ]
     });
 }

@@ -73,11 +73,8 @@ pub fn exponential() -> Set<MassOnBelt<Exponential>> {
 /// go once a period, the one while the other slips. That the start is rounded puts the events off
 /// by less than 1e-15. Start and times are those of the crate's reference data.
 pub fn two_blocks() -> Set<Structure> {
+    let laws = laws_of_blocks();
     let system = || {
-        let laws = [
-            Exponential::new(0.6, 0.3, 0.2)?,
-            Exponential::new(0.5, 0.25, 0.3)?,
-        ];
         Structure::new(&[1.0, 1.0])?
             .with_ground_spring(0, 1.0)?
             .with_ground_spring(1, 1.0)?
@@ -105,6 +102,13 @@ pub fn two_blocks() -> Set<Structure> {
             period: 5_750_688_912_863_576_733_684_439,
         },
     }
+}
+
+/// The laws of the two blocks.
+pub fn laws_of_blocks() -> [Exponential; 2] {
+    [(0.6, 0.3, 0.2), (0.5, 0.25, 0.3)].map(|(top, low, speed)| {
+        Exponential::new(top, low, speed).expect("the parameters are valid")
+    })
 }
 
 impl Reference {

@@ -10,11 +10,10 @@ use diffsol::{
     NalgebraContext, NalgebraMat, NalgebraVec, OdeBuilder, OdeSolverMethod, OdeSolverStopReason,
     Vector,
 };
-use stick_slip::{FrictionLaw, Structure};
+use stick_slip::FrictionLaw;
 
-use crate::blocks::{End, Phase, Point};
+use crate::blocks::{Blocks, End, Phase, Point};
 use crate::phases::{Contact, Slip};
-use crate::set::Set;
 
 pub fn contact<L: FrictionLaw + Copy + 'static>(
     slip: Slip<L>,
@@ -56,10 +55,10 @@ pub fn contact<L: FrictionLaw + Copy + 'static>(
 }
 
 pub fn end<L: FrictionLaw + Copy + 'static>(
-    set: &Set<Structure>,
+    blocks: Blocks<L>,
     tolerance: f64,
 ) -> impl FnMut(Phase<L>, Point) -> End {
-    let current = Rc::new(Cell::new(Phase::behind(set)));
+    let current = Rc::new(Cell::new(Phase::behind(blocks)));
     let [of_rates, of_roots] = [current.clone(), current.clone()];
     let problem = OdeBuilder::<NalgebraMat<f64>>::new()
         .rtol(tolerance)

@@ -52,6 +52,13 @@ pub(crate) struct Model<'s> {
     pub(super) time_unit: f64,
 }
 
+/// A mass matrix, symmetric and positive definite.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Mass<'m> {
+    Diagonal(&'m [f64]),
+    Full(&'m DMatrix<f64>),
+}
+
 /// What a drive acts on.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Target {
@@ -161,20 +168,25 @@ impl<'s> Model<'s> {
             &[],
         );
         Self::new(
-            [&one(1.0), &one(1.0), &one(2.0 * belt.damping())],
+            Mass::Diagonal(&[1.0]),
+            [&one(1.0), &one(2.0 * belt.damping())],
             Cow::Owned(vec![Drive::constant(0.0)]),
             vec![contact],
         )
     }
 
-    /// From M, K and C. M is symmetric and positive definite.
+    /// From M, K and C.
     pub(crate) fn new(
-        [mass, stiffness, damping]: [&DMatrix<f64>; 3],
+        mass: Mass<'_>,
+        [stiffness, damping]: [&DMatrix<f64>; 2],
         forces: Cow<'s, [Drive]>,
         contacts: Vec<ContactData<'s>>,
     ) -> Self {
-        let n = mass.nrows();
-        let inverse_mass = Sparse::new(&inverse(mass));
+        let n = stiffness.nrows();
+        let inverse_mass = match mass {
+            Mass::Diagonal(masses) => Sparse::diagonal(masses.iter().map(|m| m.recip())),
+            Mass::Full(mass) => Sparse::new(&inverse(mass)),
+        };
         let stiffness = inverse_mass.times(stiffness);
         let damping = inverse_mass.times(damping);
         let elastic = largest_row(&stiffness);
@@ -226,19 +238,30 @@ impl<'s> Model<'s> {
                 self.owner[i] = Some(number);
                 continue;
             }
-            let mut response = vec![0.0; n];
+            let mut response: Vec<(usize, f64)> = Vec::new();
             for &(j, b) in contact.direction.iter() {
                 // M is symmetric: a row of its inverse is a column.
                 let (diagonal, beside) = self.inverse_mass.row(j);
-                response[j] += b * diagonal;
-                for &(i, entry) in beside {
-                    response[i] += b * entry;
-                }
+                response.push((j, b * diagonal));
+                response.extend(beside.iter().map(|&(i, entry)| (i, b * entry)));
             }
-            contact.compliance = contact.along(|j| response[j]);
-            let entries = response.iter().enumerate().filter(|(_, x)| **x != 0.0);
-            let entries = entries.map(|(j, x)| (j, x / contact.compliance));
-            let response: Vec<_> = entries.collect();
+            response.sort_by_key(|&(i, _)| i);
+            response.dedup_by(|next, sum| {
+                let is_same = next.0 == sum.0;
+                if is_same {
+                    sum.1 += next.1;
+                }
+                is_same
+            });
+            let at = |j: usize| match response.binary_search_by_key(&j, |&(i, _)| i) {
+                Ok(place) => response[place].1,
+                Err(_) => 0.0,
+            };
+            contact.compliance = contact.along(at);
+            response.retain(|&(_, x)| x != 0.0);
+            for (_, x) in &mut response {
+                *x /= contact.compliance;
+            }
             for &(j, _) in &response {
                 near[j].push(number);
             }

@@ -46,14 +46,36 @@ impl Sparse {
         }
     }
 
+    /// A diagonal matrix.
+    pub(crate) fn diagonal(entries: impl Iterator<Item = f64>) -> Self {
+        let row = |diagonal: f64| Row {
+            diagonal,
+            start: 0,
+            end: 0,
+        };
+        Self {
+            rows: entries.map(row).collect(),
+            entries: Vec::new(),
+        }
+    }
+
     /// The product with a dense matrix.
     pub(crate) fn times(&self, dense: &DMatrix<f64>) -> Self {
+        if self.entries.is_empty() {
+            let mut product = Self::new(dense);
+            for (row, by) in std::iter::zip(&mut product.rows, &self.rows) {
+                row.diagonal *= by.diagonal;
+                for (_, entry) in &mut product.entries[row.start..row.end] {
+                    *entry *= by.diagonal;
+                }
+            }
+            return product;
+        }
         let mut product = DMatrix::zeros(dense.nrows(), dense.ncols());
-        for (i, (diagonal, beside)) in self.rows().enumerate() {
-            for j in 0..dense.ncols() {
-                let own = diagonal * dense[(i, j)];
+        for (column, mut into) in std::iter::zip(dense.column_iter(), product.column_iter_mut()) {
+            for (i, (diagonal, beside)) in self.rows().enumerate() {
                 let terms = beside.iter();
-                product[(i, j)] = terms.fold(own, |sum, &(l, a)| sum + a * dense[(l, j)]);
+                into[i] = terms.fold(diagonal * column[i], |sum, &(l, a)| sum + a * column[l]);
             }
         }
         Self::new(&product)
@@ -106,6 +128,10 @@ mod tests {
     #[test]
     fn products_are_those_of_dense_matrices() {
         let [a, b] = [dense(4), dense(4).transpose()];
-        assert_eq!(Sparse::new(&a).times(&b), Sparse::new(&(a * b)));
+        assert_eq!(Sparse::new(&a).times(&b), Sparse::new(&(a * &b)));
+        let diagonal = [0.5, 2.0, 1.0, 4.0];
+        let product = Sparse::diagonal(diagonal.into_iter()).times(&b);
+        let matrix = DMatrix::from_diagonal(&nalgebra::DVector::from_row_slice(&diagonal));
+        assert_eq!(product, Sparse::new(&(matrix * b)));
     }
 }
