@@ -5,7 +5,7 @@
 pub(crate) struct Clock {
     /// The time, rounded.
     pub(crate) time: f64,
-    /// What rounding took away from `time`.
+    /// The rounding error of `time`.
     remainder: f64,
 }
 
@@ -47,7 +47,7 @@ impl Clock {
         (later.time - self.time) + (later.remainder - self.remainder)
     }
 
-    /// The product factor·time as a number and what rounding took away from it.
+    /// The product factor·time as a number and its rounding error.
     ///
     /// Together the two are good to about ε² of the product (two-product with a fused
     /// multiply-add).

@@ -1,10 +1,10 @@
 //! Friction-induced vibration, computed to round-off.
 //!
-//! For a mass on a moving belt the crate finds every stick (the belt catches the mass), every
-//! release (the belt lets it go), every crossing (the mass passes the belt's velocity without
-//! sticking), every limit cycle, and the belt velocities at which cycles appear. The friction law
-//! can be any that you can write as a function. The motion of several masses, with friction on
-//! belts and between the masses, under forces and on belts that vary in time, is followed as
+//! For a mass on a moving belt the crate finds every stick (slip ends, the mass moves with the
+//! belt), every release (slip onset), every crossing (the relative velocity changes its sign
+//! without stick), every limit cycle, and the belt velocities at which cycles appear. The friction
+//! law can be any that you can write as a function. The motion of several masses, with friction on
+//! belts and between the masses, under forces and on belts that vary in time, is computed as
 //! exactly, and their [periodic motions](orbit) are found from a guess.
 //!
 //! ```
@@ -14,12 +14,12 @@
 //! let law = Polynomial::new(0.4, 0.25, 0.5)?;
 //! let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
 //!
-//! // From rest: carried along by the belt, released, caught again.
+//! // From rest: the mass sticks, is released, and sticks again.
 //! let motion = system.simulate(State::new(0.0, 0.0), 10.0)?;
 //! let kinds: Vec<String> = motion.events().iter().map(|event| event.kind.to_string()).collect();
 //! assert_eq!(kinds, ["stick", "release (lagging)", "stick", "release (lagging)"]);
 //!
-//! // The motion it settles to, without a transient.
+//! // The limit cycle that it tends to, without a transient.
 //! let cycle = limit_cycle::stick_slip(&system)?.ok_or("no stick-slip")?;
 //! assert!((cycle.period() - 6.799421444472158).abs() < 1e-14);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -30,12 +30,12 @@
 //! | question | answer |
 //! |---|---|
 //! | how the mass moves from a given start, and when it sticks | [`MassOnBelt::simulate`], then [`Trajectory::events`], [`state_at`](Trajectory::state_at), [`sample`](Trajectory::sample) |
-//! | how the mass moves, without an end and in constant memory | [`Integrator::flow`] |
+//! | how the mass moves, without a time limit and in constant memory | [`Integrator::flow`] |
 //! | how the mass moves until something happens | [`Integrator::simulate_until`] |
 //! | how the mass moves, with a looser tolerance or more steps | [`Integrator::with_tolerance`], [`Integrator::with_max_steps`] |
-//! | everything that the mass can settle to | [`limit_cycle::find`] |
-//! | the stick-slip motion alone | [`limit_cycle::stick_slip`] |
-//! | what the mass settles to from a given start | [`limit_cycle::attractor`]; from many, [`limit_cycle::basins`] |
+//! | all limit cycles, stable and unstable | [`limit_cycle::find`] |
+//! | the stick-slip cycle alone | [`limit_cycle::stick_slip`] |
+//! | the attractor reached from a given start | [`limit_cycle::attractor`]; from many, [`limit_cycle::basins`] |
 //! | period, extremes, accelerations, harmonics, energies of a periodic motion | [`LimitCycle`] |
 //! | whether steady sliding is stable | [`MassOnBelt::equilibrium`] |
 //! | the belt velocity at which steady sliding becomes stable | [`bifurcation::hopf_velocities`], [`bifurcation::criticality`] |
@@ -44,7 +44,7 @@
 //! | the belt velocity at which a cycle changes its kind | [`bifurcation::overshoot_velocities`], [`bifurcation::crossing_velocities`] |
 //! | the belt velocity at which a stable and an unstable cycle meet and vanish | [`bifurcation::fold_velocities`] |
 //! | all cycles over a range of belt velocities, for a picture | [`bifurcation::diagram`] |
-//! | what can happen at which belt velocity, bistable ranges too | [`bifurcation::vibration_ranges`] |
+//! | the attractors over a range of belt velocities, bistable ranges included | [`bifurcation::vibration_ranges`] |
 //! | the load, the damping or the coefficient of a law at which any of this happens | [`bifurcation::along`] |
 //! | under how much load the mass stays quiet | [`bifurcation::silencing_load`] |
 //! | how much damping keeps the mass quiet | [`bifurcation::silencing_damping`]; at every belt velocity, [`analysis::design`] |
@@ -57,10 +57,11 @@
 //! | how a periodic motion changes over any parameter | [`orbit::follow`] |
 //! | whether a motion is chaotic | [`orbit::lyapunov`], [`orbit::section`] |
 //! | how to work in kilograms, newtons, metres and hertz | [`PhysicalMassOnBelt`], [`Scaling`]; a [`Structure`] takes any consistent units |
-//! | a friction law of my own | [`FrictionLaw`], [`Scalar`]; whether it is in order: [`check_law`] |
+//! | a friction law of my own | [`FrictionLaw`], [`Scalar`]; checked by [`check_law`] |
 //! | measured points as a law | [`Tabulated`] |
-//! | static friction that rises at rest, bristles | [`Dwell`], [`Dahl`], [`LuGre`] in a [`Structure`] |
+//! | static friction that rises with the time in stick, bristles | [`Dwell`], [`Dahl`], [`LuGre`] in a [`Structure`] |
 //! | a law chosen at run time | [`AnyLaw`], [`AnyContactLaw`]; contacts of one structure may have different laws without them |
+//! | what is promised, and which test holds it | [`guarantees`] |
 //!
 //! # The mass on its belt
 //!
@@ -100,100 +101,46 @@
 //! | [`LimitCycle::harmonics`] | the complex amplitudes of the displacement, one for each harmonic |
 //! | [`Drive::harmonic`] | the largest value of one harmonic |
 //!
-//! # Conventions at zero relative velocity
+//! # What is guaranteed
 //!
-//! In stick the contact has to carry the force F = u + 2βv_b. The largest force that it can carry
-//! is F_s = γ²μ_s. The band of forces in which the mass sticks is half open, so that exactly one
-//! thing follows from every state:
+//! * **Events** are never missed and never fire twice: a contact is an isolated root of the
+//!   polynomial of the sliding speed, refined to the last bit.
+//! * **Stick** has closed formulas, and the velocity is v_b to the bit.
+//! * **One outcome.** Exactly one thing follows from every state with v_r = 0. In stick the contact
+//!   carries F = u + 2βv_b, and for v_b > 0 the mass sticks while −γ²μ_s ≤ F < γ²μ_s.
+//! * **Accuracy.** The tolerance is relative to the scale of the motion, by default round-off. 22
+//!   motions computed with 25 digits are met within 1e-13·max(1, |value|).
+//! * **Repeatability.** The same call gives the same bits on the same kind of processor.
+//! * **Errors.** Otherwise a run returns a typed [`Error`] with the time and state reached. It does
+//!   not panic or hang.
+//! * **Completeness.** [`limit_cycle::stick_slip`] misses no cycle, [`limit_cycle::find`] only
+//!   pairs of cycles [very close together](limit_cycle#what-is-guaranteed). Each function of
+//!   [`bifurcation`] says how densely it searches.
 //!
-//! * v_b > 0: −F_s ≤ F < F_s. At F = F_s the mass is released.
-//! * v_b < 0: −F_s < F ≤ F_s, the mirror image.
-//! * v_b = 0: −F_s ≤ F ≤ F_s.
-//!
-//! | situation | what happens |
-//! |---|---|
-//! | stick, v_b > 0: F grows at the rate v_b and reaches F_s | [`Release`](EventKind::Release), slip with v_r < 0 (lagging); u = F_s − 2βv_b, v = v_b |
-//! | stick, v_b < 0: F reaches −F_s | `Release`, slip with v_r > 0 (leading) |
-//! | stick, v_b = 0 | the mass rests for ever |
-//! | slip, v_r reaches 0, F in the band | [`Stick`](EventKind::Stick), also where γ²μ̂(0) < \|F\|: static friction holds |
-//! | slip, v_r reaches 0, F outside the band | [`Crossing`](EventKind::Crossing): slip goes on with the other sign. This holds too if leading slip ends exactly at the open end of the band |
-//! | slip, v_r touches 0 tangentially at the open end, from lagging | no event, slip goes on |
-//! | start with v_r = 0, F in the band | the mass sticks; no event at time 0 |
-//! | start with v_r = 0, F outside the band | the mass slips at once, with the sign of −F; no event at time 0 |
-//! | start at the release point, within 4 ulps of the largest term of its formula | `Release` at time 0, reported |
-//!
-//! (An ulp is the distance between two neighbouring numbers of type `f64`.)
-//!
-//! [`MassOnBelt::stick_limits`] gives the ends of the band as displacements u; every decision uses
-//! these two numbers. [`MassOnBelt::release_state`] gives the release point.
-//!
-//! # What the integrator promises
-//!
-//! 1. **Steps.** A slip phase is followed by Taylor series of order 26. The defect of a series is
-//!    what is missing in the equation of motion when the series is put in. A step is accepted when
-//!    its defect is small at a quarter, a half and three quarters of the step, at its end, and near
-//!    the place where the mass comes closest to the belt's velocity. So no term is missed because
-//!    it rounds to nothing where the step starts, as exp(−400) does in a law with a narrow Stribeck
-//!    velocity. In a step longer than one radian the defect is checked at every quarter of a
-//!    radian. This finds a bump exp(−(s/w)²) of the law at any other speed if w is at least a
-//!    fortieth of the motion's velocity amplitude. Name the place of a narrower bump as a
-//!    [breakpoint](FrictionLaw::breakpoints). Where friction or the damper rises so steeply with
-//!    the sliding speed that the motion creeps, with D = 2β + γ²·dμ̂/ds large, a step is the power
-//!    series of the creep itself. The number of steps then does not grow with D. Such a step may
-//!    start up to eight errors beside the end of the step before.
-//! 2. **Contacts** are roots of the sliding speed's own polynomial. They are isolated so that none
-//!    is skipped, and refined to the last bit. A shallow contact, in and out within one step, is
-//!    found too.
-//! 3. **Starts of slip.** At the start of slip v_r has a root that is known, simple or double. This
-//!    root is divided out. There is no epsilon, no cooldown and no least duration.
-//! 4. **Stick** has closed formulas, and v equals v_b to the bit.
-//! 5. **Order.** States are continuous. Event times never decrease, and they increase strictly if
-//!    the phase between two events is longer than an ulp of the time. The same call gives the same
-//!    bits on the same kind of processor.
-//! 6. **Large numbers.** The integrated variable is v_r and not v, so that contact is exact for
-//!    large v_b. Time is summed together with its rounding errors: after 10⁵ cycles an event comes
-//!    at its multiple of the period, to 4 ulps of the time.
-//! 7. **Tolerance** is relative to the motion's own scale, max(|u − ū|, |v|, |v_b|), with ū the
-//!    displacement of steady sliding. So a change of units only scales the result. Where the law is
-//!    so steep that ū lies far beyond all that happens, and where a motion creeps, the scale is
-//!    max(|v|, |v_b|, |v'|/max(1, D)): what the motion does, and is about to do.
-//! 8. **Errors.** A motion that cannot be followed further ends in an [`Error`] with the time and
-//!    the state reached. It does not panic or hang.
-//!
-//! Each promise has a test that is named for it. Another method computed 22 motions with 25 digits;
-//! their events and states are met within 1e-13·max(1, |value|). Double precision itself, with
-//! ε = 2.2e-16, sets two limits: the time of a contact near grazing is known to about ε/|v_r'|, and
-//! motions with v_b below 2e-5·γ²μ_s to about ε·γ²μ_s/v_b.
-//!
-//! # What is guaranteed of cycles
-//!
-//! [`limit_cycle::stick_slip`] is complete: if there is a cycle that sticks, it is found.
-//! [`limit_cycle::find`] can miss a pair of cycles that lie very close together; its page says
-//! [how close](limit_cycle#what-is-guaranteed). Each function of [`bifurcation`] says how densely
-//! it searches a range of belt velocities.
+//! The page [`guarantees`] states each promise exactly, with the test that holds it, and the
+//! [conventions at zero relative velocity](guarantees#conventions-at-zero-relative-velocity).
 //!
 //! # Limits
 //!
-//! * **All cycles of one mass only.** Every limit cycle is found for one mass on a belt of constant
-//!   velocity, because its motions lie in a plane and cannot cross each other. Periodic motions of
-//!   a [`Structure`] are found from a guess: see [`orbit`].
+//! * **All cycles of one mass only.** Completeness is guaranteed for a single mass on a belt of
+//!   constant velocity, because its motions lie in a plane and cannot cross each other. Periodic
+//!   motions of a [`Structure`] are found from a guess: see [`orbit`].
 //! * **Memory in structures only.** The law of a [`MassOnBelt`] depends on the relative velocity
-//!   alone. A contact of a [`Structure`] may remember ([`Dwell`], [`Dahl`], [`LuGre`], or a
-//!   [`ContactLaw`] of your own), and a belt enters a structure by `Structure::from`.
-//! * **Contacts that share masses.** They decide together which of them stick: uniquely where
-//!   static and kinetic coefficients are equal, otherwise
+//!   alone. A contact of a [`Structure`] may have memory variables ([`Dwell`], [`Dahl`], [`LuGre`],
+//!   or a [`ContactLaw`] of your own), and a belt becomes a structure by `Structure::from`.
+//! * **Contacts that share masses.** They decide together which of them stick: uniquely if static
+//!   and kinetic coefficients are equal, otherwise
 //!   [by a rule](Structure#contacts-that-share-masses). Contacts with linearly dependent directions
 //!   must not come to rest together ([`Error::Undetermined`]).
-//! * **Stiffness.** One mass on a belt is followed even where the system is stiff (large β or
-//!   γ²·dμ̂/ds, as for the cubic law far above its minimum), up to D = 2β + γ²·dμ̂/ds of about
-//!   1e20. Far beyond, numbers overflow. A [`Structure`] is followed by such series where
-//!   bristles, or another memory of one number, are stiff, whatever their stiffness (tried up to σ0
-//!   = 1e12); else by explicit steps, which become short where it is stiff. What cannot be followed
-//!   ends in [`Error::StepUnderflow`] or [`Error::TooManySteps`].
-//! * **Analytic laws.** A law is analytic, at s = 0 too, or it is so in pieces that meet at
-//!   [breakpoints](FrictionLaw::breakpoints).
-//! * **Narrow bumps.** A bump in the law that is narrower than
-//!   [steps are checked for](#what-the-integrator-promises) has to be named as a breakpoint.
+//! * **Stiffness.** A stiff mass on a belt (large β or γ²·dμ̂/ds, as for the cubic law far above
+//!   its minimum) takes no more steps than another, up to D = 2β + γ²·dμ̂/ds of about 1e20. In
+//!   structures only stiff memory of one variable, as of bristles, is treated this way (tried up to
+//!   σ0 = 1e12); other stiffness shortens the explicit steps. Beyond, the run returns
+//!   [`Error::StepUnderflow`] or [`Error::TooManySteps`].
+//! * **Analytic laws.** A law is analytic, at s = 0 too, or piecewise analytic with
+//!   [breakpoints](FrictionLaw::breakpoints) where the pieces meet.
+//! * **Narrow features.** Declare a breakpoint at any feature of a law narrower than 1/40 of the
+//!   velocity amplitude.
 //!
 //! # Features
 //!
@@ -222,6 +169,7 @@
 // | `scaling.rs` | conversion between SI units and dimensionless numbers |
 // | `bifurcation` | searches of the belt along a parameter |
 // | `physical.rs` | the belt in SI units throughout: the whole road, on top of `scaling.rs` |
+// | `guarantees.rs` | a page for users: each promise with its test |
 // | `schema.rs` | the names under which things are written |
 
 pub mod analysis;
@@ -231,6 +179,7 @@ mod clock;
 mod drive;
 mod error;
 mod friction;
+pub mod guarantees;
 pub mod limit_cycle;
 mod motion;
 mod numerics;

@@ -12,7 +12,7 @@ use crate::motion::{Integrator, Trajectory};
 use crate::scaling::{Physical, Scaling};
 use crate::state::State;
 
-/// A mass on a belt in SI units: what goes in and what comes out are metres, seconds, newtons and
+/// A mass on a belt in SI units: all arguments and results are in metres, seconds, newtons and
 /// joules.
 ///
 /// ```text
@@ -25,12 +25,12 @@ use crate::state::State;
 /// frequencies and eigenvalues in rad/s, energies in J. Multipliers have no unit. Converting costs
 /// a few rounding errors in each number.
 ///
-/// Errors are in SI units, too, and parameters in them have the names of [`Physical`]'s fields.
+/// Errors are in SI units, too, and name parameters after the fields of [`Physical`].
 ///
-/// **Torsion.** For a mass that turns on a torsion spring, give the moment of inertia (kg·m²) for
-/// the mass, N·m/rad for the stiffness, N·m·s/rad for the damping, the product of normal force and
-/// friction radius (N·m) for the normal force, and rad/s for the velocities of belt and law. Then
-/// radians come out for metres.
+/// **Torsion.** For a torsional oscillator, give the moment of inertia (kg·m²) for the mass,
+/// N·m/rad for the stiffness, N·m·s/rad for the damping, the product of normal force and friction
+/// radius (N·m) for the normal force, and rad/s for the velocities of belt and law. Displacements
+/// are then in radians.
 ///
 /// ```
 /// use stick_slip::{CycleKind, Physical, PhysicalMassOnBelt, Stribeck, bifurcation};
@@ -116,13 +116,12 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         &self.scaling
     }
 
-    /// The dimensionless system, for all that this type has no function for.
+    /// The dimensionless system, for functions that this type does not have.
     pub fn dimensionless(&self) -> &MassOnBelt<Scaled<L>> {
         &self.system
     }
 
-    /// The state in which a mass that is carried along by the belt is released, in m and m/s:
-    /// [`MassOnBelt::release_state`].
+    /// The state in which a mass in stick is released, in m and m/s: [`MassOnBelt::release_state`].
     pub fn release_state(&self) -> Option<State> {
         let state = self.system.release_state()?;
         Some(self.scaling.units().state(state))
@@ -144,7 +143,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     }
 
     /// The motion from a start (m, m/s) over a time in seconds, with other settings of the
-    /// integrator. Its start time is left out of account: the motion starts at time 0.
+    /// integrator. Their start time is ignored: the motion starts at time 0.
     ///
     /// # Errors
     ///
@@ -161,9 +160,9 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         })
     }
 
-    /// The motion from a start (m, m/s) until `stop` says so, until a time in seconds is over, or
-    /// until it cannot go on: [`Integrator::simulate_until`]. `stop` is given each step in SI units
-    /// and returns a time in seconds.
+    /// The motion from a start (m, m/s) until `stop` ends it, until a time in seconds is over, or
+    /// until the integration fails: [`Integrator::simulate_until`]. `stop` gets each step in SI
+    /// units and returns a time in seconds.
     ///
     /// # Errors
     ///
@@ -257,7 +256,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         }
     }
 
-    /// The belt velocities, in m/s, that a search of [`bifurcation`] finds in a range of m/s. Give
+    /// The belt velocities, in m/s, found by a search of [`bifurcation`] in a range of m/s. Pass
     /// the search by its name, as in `brake.velocities(bifurcation::hopf_velocities, 0.01..1.0)`.
     ///
     /// # Errors
@@ -276,8 +275,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         Ok(found)
     }
 
-    /// What can happen at which belt velocity, over a range in m/s:
-    /// [`bifurcation::vibration_ranges`].
+    /// The attractors over a range of belt velocities in m/s: [`bifurcation::vibration_ranges`].
     ///
     /// # Errors
     ///
@@ -341,8 +339,8 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         error.in_units(self.scaling.units())
     }
 
-    /// What a search finds over a range in m/s. An error holds the ends of a bad range as they were
-    /// given.
+    /// The results of a search over a range in m/s. An error holds the ends of a bad range as they
+    /// were given.
     fn over<T>(
         &self,
         range: &Range<f64>,
@@ -368,7 +366,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     /// # Errors
     ///
     /// Each item can be an error of [`bifurcation::diagram`], with numbers in SI units; the
-    /// iterator goes on after it.
+    /// iterator continues after it.
     #[doc(alias = "sweep")]
     pub fn diagram(
         &self,

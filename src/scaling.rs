@@ -50,9 +50,9 @@ pub struct Physical {
 /// throughout, and leave the conversion to the crate, see
 /// [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt).
 ///
-/// A mass that turns on a torsion spring is converted likewise: put the moment of inertia (kg·m²)
-/// for the mass, radians for metres, and N·m for newtons. The normal force becomes the product of
-/// normal force and friction radius, in N·m, and the belt velocity and the speeds of the law become
+/// A torsional oscillator is converted in the same way: put the moment of inertia (kg·m²) for the
+/// mass, radians for metres, and N·m for newtons. The normal force becomes the product of normal
+/// force and friction radius, in N·m, and the belt velocity and the speeds of the law become
 /// angular velocities, in rad/s.
 ///
 /// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and

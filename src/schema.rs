@@ -1,20 +1,20 @@
-//! The names of all that the feature `serde` writes and reads, with JSON as the example.
+//! Names of all types that the feature `serde` writes and reads, with JSON as the example.
 //!
 //! Laws, systems with their parts, scalings, states and events are **written and read**. Reading
-//! goes through the constructors: what they refuse is refused here too, with the same message. A
-//! field that is not known is refused as well.
+//! calls the constructors, with the same checks and error messages. An unknown field is refused as
+//! well.
 //!
 //! Equilibria, cycles, sets of cycles, attractors and points of a diagram are **written only**, for
-//! other programs, because they follow from a system. To get them back, read the system and make
+//! other programs, because they follow from a system. To get them back, read the system and compute
 //! them again.
 //!
 //! A struct is a map from the names of its fields, all in `snake_case`, to their values. An enum is
 //! the name of its variant in `snake_case`, alone or as the only key of a map. Numbers are
-//! dimensionless, except for those of [`Physical`](crate::Physical), of a
-//! [`Structure`](crate::Structure) with its parts, and of what a
-//! [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt) has found, which are in SI units (but for
-//! `damping` of a cycle, which is the ratio β everywhere). To write a `PhysicalMassOnBelt`, write
-//! its `Physical` and its law. Fields in brackets may be left out when read.
+//! dimensionless, except those of [`Physical`](crate::Physical), of a
+//! [`Structure`](crate::Structure) with its parts, and of results of a
+//! [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt), which are in SI units (`damping` of a cycle
+//! is the ratio β everywhere). To write a `PhysicalMassOnBelt`, write its `Physical` and its law.
+//! Fields in brackets may be left out when read.
 //!
 //! | type | fields | read |
 //! |---|---|---|

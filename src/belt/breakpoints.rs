@@ -1,5 +1,4 @@
-//! Which piece of the law a motion goes through, and where a step leaves this piece: at a
-//! breakpoint or on the belt.
+//! The active piece of the law, and the end of a step on it: a breakpoint or contact.
 
 use super::model::Belt;
 use crate::clock::Time;
@@ -16,8 +15,8 @@ impl Breakpoints {
         Self(law.breakpoints().collect())
     }
 
-    /// The piece of the law that a motion from this point goes through, and the rate ds/dt that
-    /// decided on the piece, if one had to.
+    /// The active piece of the law for a motion from this point, and the rate ds/dt that decided on
+    /// the piece, if one had to.
     #[inline(always)]
     pub(super) fn piece(
         &self,
@@ -81,12 +80,12 @@ pub(super) struct Limits {
 }
 
 impl Limits {
-    /// Whether a speed lies on the piece, and not at an end of it.
+    /// Returns true if a speed lies on the piece, but not at an end of it.
     pub(super) fn contain(&self, speed: f64) -> bool {
         self.low < speed && self.high.is_none_or(|high| speed < high)
     }
 
-    /// Whether this end of the piece is the lower one.
+    /// Returns true if this end of the piece is the lower one.
     pub(super) fn is_low(&self, limit: f64) -> bool {
         limit == self.low
     }
@@ -128,8 +127,8 @@ impl Limits {
 
 /// The first root in (0, h] of sign·(s(t) − level), which is positive just after t = 0.
 ///
-/// If the motion starts on the level, the root at t = 0 is known (it is double where the rate is
-/// zero) and is divided out, so that nothing has to be skipped by a small time.
+/// If the motion starts on the level, the root at t = 0 is known (it is double if the rate is zero)
+/// and is divided out, so that no short time has to be skipped.
 fn first_passage(
     speed: &PowerSeries,
     level: f64,

@@ -1,6 +1,6 @@
-//! The defect of a slip phase's series: what is missing in the equation of motion when the series
-//! is put in. The coefficients fulfil the equation at the start of a step; the defect shows whether
-//! the series fulfils it elsewhere in the step.
+//! The defect of the series of a slip phase: the residual of the equation of motion with the series
+//! put in. The coefficients fulfil the equation at the start of a step; the defect shows whether
+//! the series fulfils it later in the step.
 
 use super::model::Belt;
 use crate::friction::slip::SlipSeries;
@@ -12,8 +12,8 @@ impl Belt<'_> {
     /// the series. m(t) is the series of the friction; `friction` and `speeds` are the values of m
     /// and s at these times.
     ///
-    /// The coefficients alone do not show what underflows where the step starts, such as the flank
-    /// of a narrow Gaussian in the law.
+    /// The coefficients alone do not contain terms that underflow at the start of the step, such as
+    /// the flank of a narrow Gaussian in the law.
     #[inline(always)]
     pub(crate) fn defect(&self, piece: usize, friction: [f64; 4], speeds: [f64; 4]) -> f64 {
         let exact = self.law().at_four(piece, speeds.map(|s| s.max(0.0)));
@@ -41,18 +41,18 @@ impl SlipSeries {
             + system.load() * self.friction[0].abs()
     }
 
-    /// The largest defect elsewhere in the step.
+    /// The largest defect at four other times of the step.
     #[inline(never)]
     fn defect_elsewhere(&self, system: &Belt<'_>, piece: usize, times: [f64; 4]) -> f64 {
         let [friction, speeds] = [&self.friction, &self.speed].map(|series| series.at_some(times));
         system.defect(piece, friction, speeds)
     }
 
-    /// The defect near the minima of s(t) inside a step of length h, where the motion comes closest
-    /// to the belt: the largest one near each minimum, added up. `speeds` are the values of s at
-    /// the [`quarters`] of h.
+    /// The defect near the minima of s(t) inside a step of length h, where the relative velocity is
+    /// smallest: the largest one near each minimum, added up. `speeds` are the values of s at the
+    /// [`quarters`] of h.
     ///
-    /// The law may have a feature at slow speeds, and a motion may pass it between two quarters.
+    /// The law may have a feature at slow speeds, which a motion may pass between two quarters.
     #[inline(always)]
     pub(crate) fn defect_at_minimum(
         &self,
@@ -69,10 +69,10 @@ impl SlipSeries {
         largest
     }
 
-    /// The defect at places in between, at least every quarter of a radian, for a step longer than
-    /// [`LONG`]: the largest one of each four places, added up.
+    /// The defect at times in between, at least every quarter of a radian, for a step longer than
+    /// [`LONG`]: the largest one of each four times, added up.
     ///
-    /// Where the law is flat, steps are long, and one may pass over a whole feature of the law.
+    /// Steps are long where the law is flat, and one may pass over a whole feature of the law.
     #[inline(never)]
     pub(crate) fn defect_in_between(&self, system: &Belt<'_>, piece: usize, h: f64) -> f64 {
         let fours = h.ceil().min(MOST_FOURS);

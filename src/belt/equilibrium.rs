@@ -3,8 +3,8 @@ use nalgebra::{Complex, Matrix2};
 use crate::error::Digits;
 use crate::state::Units;
 
-/// Steady sliding, in which the mass stands still (v = 0) on the moving belt, and the behaviour of
-/// motions near it.
+/// Steady sliding, in which the mass stands still (v = 0) on the moving belt, and the linear
+/// stability of this equilibrium.
 ///
 /// ```text
 /// ū = sgn(v_b)·γ²μ̂(|v_b|)                        (Eq. 7, corrected: it prints μ(v_r) for μ(v_b))
@@ -13,8 +13,8 @@ use crate::state::Units;
 /// ```
 ///
 /// All quantities are dimensionless. If |v_b| is a breakpoint of the law, slope and stability are
-/// those of the piece above, and hold for motions that stay on that side. Whether motions that pass
-/// the breakpoint grow or die out depends on both slopes.
+/// those of the piece above, and hold for motions that stay on that side. The stability of motions
+/// that pass the breakpoint depends on both slopes.
 ///
 /// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
 /// Stability Analysis*.
@@ -70,8 +70,8 @@ impl Equilibrium {
         }
     }
 
-    /// Whether small disturbances die out, that is, both eigenvalues have a negative real part.
-    /// `false` for a centre.
+    /// Returns true if small perturbations decay, that is, both eigenvalues have a negative real
+    /// part. `false` for a centre.
     pub fn is_stable(&self) -> bool {
         matches!(
             self.stability,
@@ -80,7 +80,7 @@ impl Equilibrium {
     }
 }
 
-/// In one line: stability, displacement and eigenvalues.
+/// Displays stability, displacement and eigenvalues in one line.
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial};
@@ -116,15 +116,15 @@ impl std::fmt::Display for Equilibrium {
     serde(rename_all = "snake_case")
 )]
 pub enum Stability {
-    /// 0 < h1 < 2: oscillations that die out.
+    /// 0 < h1 < 2: decaying oscillations.
     StableFocus,
-    /// h1 ≥ 2: disturbances die out without oscillation. At h1 = 2 the node is degenerate.
+    /// h1 ≥ 2: perturbations decay without oscillation. At h1 = 2 the node is degenerate.
     StableNode,
     /// h1 = 0 exactly: the linear system oscillates undamped, and the nonlinear terms decide.
     Center,
-    /// −2 < h1 < 0: oscillations that grow.
+    /// −2 < h1 < 0: growing oscillations.
     UnstableFocus,
-    /// h1 ≤ −2: disturbances grow without oscillation. At h1 = −2 the node is degenerate.
+    /// h1 ≤ −2: perturbations grow without oscillation. At h1 = −2 the node is degenerate.
     UnstableNode,
 }
 

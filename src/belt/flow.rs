@@ -15,14 +15,14 @@ use crate::motion::sealed::Sealed;
 use crate::motion::{EventKind, Integrator, Mode, Run, Segment, System, Trajectory};
 use crate::state::{Direction, State};
 
-/// The motion of a mass from a start state, as an iterator of [`Step`]s without an end, in constant
+/// The motion of a mass from a start state, as an unbounded iterator of [`Step`]s in constant
 /// memory.
 ///
-/// [`Integrator::flow`] makes it. Steps follow each other without a gap. After an error comes
-/// `None`. If the motion comes to rest for ever (in stick at v_b = 0, or exactly on an
-/// equilibrium), the last step has an infinite duration.
+/// Returned by [`Integrator::flow`]. Steps follow each other without a gap. After an error comes
+/// `None`. If the motion reaches an equilibrium for ever (in stick at v_b = 0, or exactly on the
+/// equilibrium of sliding), the last step has an infinite duration.
 ///
-/// A motion that settles to steady sliding goes on for ever without events. If your program waits
+/// A motion that settles to steady sliding continues for ever without events. If your program waits
 /// for the next event, set [`Integrator::with_max_steps`].
 ///
 /// ```
@@ -45,8 +45,8 @@ pub struct Flow<'s, L> {
     machine: Machine,
 }
 
-/// The motion without its system, which each step is given: so a flow holds no trait object, and
-/// may change threads with its law.
+/// The motion without its system, which is an argument of each step: so a flow holds no trait
+/// object, and can be sent between threads with its law.
 #[derive(Debug, Clone)]
 struct Machine {
     stepper: Stepper,
@@ -117,7 +117,7 @@ impl Machine {
         Some(step)
     }
 
-    /// The next step. Afterwards the motion stands at the end of this step.
+    /// The next step. Afterwards `self` is at the end of this step.
     fn step(&mut self, system: &Belt<'_>) -> Result<Step, Error> {
         let start = self.run.clock;
         let leaving;
@@ -177,8 +177,8 @@ impl Machine {
         Ok(step)
     }
 
-    /// What follows where slip that began at displacement `from` has come to the belt: sets the
-    /// phase, and says which event this is.
+    /// Sets the phase after slip that began at displacement `from` has reached the belt's velocity,
+    /// and returns the kind of the event.
     fn arrive(&mut self, system: &Belt<'_>, from: f64, end: &SlipPoint) -> Option<EventKind> {
         let (phase, event) = match system.landing(end.displacement, end.direction) {
             Landing::Stick => (Phase::Stick, Some(EventKind::Stick)),
@@ -190,12 +190,12 @@ impl Machine {
         event
     }
 
-    /// What follows where a mass that should slide away has come back to the belt before u moved by
-    /// an ulp.
+    /// Sets the phase of a mass that should slide away, but has returned to the belt before u moved
+    /// by an ulp.
     ///
-    /// The force by which it should slide is lost there in the rounding of the forces, and the same
-    /// short step would come again and again. On a belt at rest the mass rests, at the end of the
-    /// stick band; a belt that moves takes it along, here by one ulp.
+    /// The force that should accelerate it is lost there in the rounding of the forces, and the
+    /// same short step would be repeated for ever. On a belt at rest the mass stays at rest, at the
+    /// end of the stick band; on a moving belt it moves with the belt, here by one ulp.
     #[cold]
     fn stay(&mut self, system: &Belt<'_>, end: &SlipPoint) -> Option<EventKind> {
         let u = end.displacement;

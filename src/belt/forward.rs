@@ -4,8 +4,7 @@ use super::model::Belt;
 
 /// A system whose belt moves forward, v_b > 0.
 ///
-/// Searches for periodic motions take this type. None of them then has to ask which way the belt
-/// moves.
+/// Searches for periodic motions take this type, so that they need not handle the sign of v_b.
 #[derive(Clone, Copy)]
 pub(crate) struct Forward<'s>(Belt<'s>);
 

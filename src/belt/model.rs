@@ -1,4 +1,4 @@
-//! A mass on its belt as the engines see it: the law behind a reference.
+//! A mass on its belt for the engines, with the law as a trait object.
 
 use super::equilibrium::Equilibrium;
 use crate::error::Error;
@@ -6,7 +6,7 @@ use crate::friction::slip::Equation;
 use crate::friction::{Law, Values, finite_at};
 use crate::state::{Direction, State};
 
-/// The numbers of a system. They are checked against the law's values alone: a program that only
+/// The parameters of a system. They are checked against the law's values alone: a program that only
 /// makes a system compiles no motion.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Parameters {
@@ -73,8 +73,8 @@ impl Parameters {
     }
 }
 
-/// A [`MassOnBelt`](super::MassOnBelt) of any law. All that follows from its numbers is computed
-/// here; `MassOnBelt` asks it.
+/// A [`MassOnBelt`](super::MassOnBelt) of any law. Everything that follows from its parameters is
+/// computed here; `MassOnBelt` calls it.
 #[derive(Clone, Copy)]
 pub(crate) struct Belt<'s> {
     pub(super) law: &'s dyn Law,
@@ -186,7 +186,7 @@ impl<'s> Belt<'s> {
         }
     }
 
-    /// What follows when slip in a direction reaches the belt's velocity at displacement u.
+    /// The outcome when slip in a direction reaches the belt's velocity at displacement u.
     pub(crate) fn landing(&self, displacement: f64, from: Direction) -> Landing {
         match self.slides_at(displacement) {
             None => Landing::Stick,
@@ -195,19 +195,20 @@ impl<'s> Belt<'s> {
         }
     }
 
-    /// Whether u is the release point, up to the different ways of rounding its formula.
+    /// Returns true if u is the release point, up to the different ways of rounding its formula.
     pub(crate) fn is_release(&self, displacement: f64) -> bool {
         let release = self.release_state();
         release.is_some_and(|release| self.is_rounded(displacement, release.displacement))
     }
 
-    /// Whether u is an end of the stick band, up to the different ways of rounding its formula.
+    /// Returns true if u is an end of the stick band, up to the different ways of rounding its
+    /// formula.
     pub(crate) fn is_at_limit(&self, displacement: f64) -> bool {
         let mut limits = self.stick_limits().into_iter();
         limits.any(|limit| self.is_rounded(displacement, limit))
     }
 
-    /// Whether u is this end of the stick band but for rounding.
+    /// Returns true if u is this end of the stick band, except for rounding.
     fn is_rounded(&self, displacement: f64, limit: f64) -> bool {
         let largest = self
             .largest_friction()
@@ -216,8 +217,8 @@ impl<'s> Belt<'s> {
         (displacement - limit).abs() <= RELEASE_ROUNDING * f64::EPSILON * largest
     }
 
-    /// The rate ds/dτ = |F| − γ²μ̂(0) of a mass that begins to slide at displacement u, where its
-    /// speed on the belt is 0.
+    /// The rate ds/dτ = |F| − γ²μ̂(0) of a mass that begins to slide at displacement u, with
+    /// relative velocity 0.
     ///
     /// The rate is computed from the stick limits that every decision uses, so that it is exactly 0
     /// at the release point of a law with μ̂(0) = μ_s.
@@ -274,15 +275,15 @@ impl<'s> Belt<'s> {
     }
 }
 
-/// What follows when slip reaches the belt's velocity.
+/// The outcome when slip reaches the belt's velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Landing {
     /// Static friction holds the mass.
     Stick,
-    /// Slip goes on in the other direction.
+    /// Slip continues in the other direction.
     Crossing(Direction),
-    /// Slip goes on in the direction from which it came: the motion has only touched the belt's
-    /// velocity, at the open end of the stick band.
+    /// Slip continues in its direction: the motion has only touched the belt's velocity, at the
+    /// open end of the stick band.
     Touch,
 }
 

@@ -1,4 +1,4 @@
-//! How a system is read (feature `serde`): through the checks of its constructors.
+//! Deserialization of a system (feature `serde`) through the checks of its constructors.
 
 use serde::Deserialize;
 

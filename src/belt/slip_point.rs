@@ -1,19 +1,19 @@
-//! How each kind of slip begins.
+//! Initial values of slip phases.
 
 use super::model::Belt;
 use crate::friction::slip::SlipPoint;
 use crate::state::{Direction, State};
 
-/// What the mass does at the start of a motion.
+/// The mode of the mass at the start of a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Start {
-    /// The mass moves with the belt, if only for a time 0.
+    /// The mass moves with the belt, possibly for a time 0 only.
     Stick,
     Slip(SlipPoint),
 }
 
 impl Start {
-    /// What the mass does at the start of the motion from this state.
+    /// The mode of the mass at the start of the motion from this state.
     pub(crate) fn of(system: &Belt<'_>, state: State) -> Self {
         let State {
             displacement,
@@ -72,8 +72,7 @@ impl SlipPoint {
         State::new(self.displacement, velocity)
     }
 
-    /// The point behind a belt of velocity v_b > 0 where the velocity has a maximum: v = `peak`,
-    /// v' = 0.
+    /// The point with v < v_b, v_b > 0, at which the velocity has a maximum: v = `peak`, v' = 0.
     pub(crate) fn at_maximum(system: &Belt<'_>, peak: f64) -> Self {
         let speed = system.belt_velocity() - peak;
         let friction = system.load() * system.law().kinetic(speed);

@@ -1,15 +1,15 @@
-//! The slow motion of a stiff slip phase.
+//! The slow manifold of a stiff slip phase.
 //!
-//! Where D = 2β + γ²dμ̂/ds is large, the sliding speed comes within 1/D to a slow motion, on which
-//! friction balances the other forces, and an explicit step ends after about 10/D whatever happens
-//! there: the recurrence for the coefficients s_k amplifies a deviation of s_0 by D^k/k!. The slow
-//! motion's own coefficients are those that it does not amplify, its *minimal solution*. They are
-//! found as such solutions are: not from the start on, but all at once with s_26 = 0 at the far
-//! end, here by Newton's method because friction is not linear. What is cut off shifts s_0 by about
-//! 26!/(D·R)²⁶ of itself, R the radius of convergence, so for D·R > 43 by less than it is rounded;
-//! and an explicit step of accuracy ε is R/4 long where accuracy limits it, 10/D where stability
-//! does: the same at D·R = 40. So these series begin to be exact where explicit steps begin to be
-//! short.
+//! If D = 2β + γ²dμ̂/ds is large, the sliding speed tends within the time 1/D to a slow manifold,
+//! on which friction balances the other forces, and the length of an explicit step is about 10/D
+//! whatever the motion there: the recurrence for the coefficients s_k amplifies a deviation of s_0
+//! by D^k/k!. The coefficients of the slow manifold are those that it does not amplify, its
+//! *minimal solution*. They are found like such solutions: not forward from the start, but all at
+//! once with s_26 = 0 at the far end, here by Newton's method because friction is not linear. The
+//! truncation shifts s_0 by about 26!/(D·R)²⁶ of itself, R the radius of convergence, so for D·R >
+//! 43 by less than its rounding; and an explicit step of accuracy ε has length R/4 if accuracy
+//! limits it, 10/D if stability does: the same at D·R = 40. So these series become exact at about
+//! the stiffness at which explicit steps become short.
 //!
 //! Sources: F. W. J. Olver, Numerical solution of second-order linear difference equations, *J.
 //! Res. NBS* 71B (1967) 111-129, doi:10.6028/jres.071B.018; W. Gautschi, Computational aspects of
@@ -23,32 +23,32 @@ use crate::friction::slip::{Expander, Expansion, SlipPoint, SlipSeries};
 use crate::motion::step_control::Allowance;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 
-/// How many coefficients are solved for: s_0 … s_25.
+/// Number of coefficients that are solved for: s_0 … s_25.
 const UNKNOWNS: usize = TERMS - 1;
 
-/// Distance from the slow motion, in errors of a step, at which a motion has come to it.
+/// Distance from the slow manifold, in errors of a step, below which a motion has reached it.
 ///
 /// The last term of an explicit step is an error to 6 % of its 26th root, so up to 1.06²⁶ = 4.5 of
 /// them, and what such a step leaves of a deviation is 0.4 of its last term.
 const CLOSE: f64 = 4.0;
 
-/// Deviation from the slow motion, in errors of a step, with which the series at hand is still
-/// worth a look.
+/// Deviation from the slow manifold, in errors of a step, up to which the current series is tried.
 const FAR_OFF: f64 = 1e4;
 
-/// Each pass doubles the number of coefficients that are right; from one, five make all of them.
+/// Limit of passes. Each doubles the number of correct coefficients; from one, five passes give all
+/// of them.
 const MOST_PASSES: usize = 8;
 
-/// Coefficients, and factors of them, above which bounds of a series overflow.
+/// Size of coefficients, and of factors of them, above which bounds of a series overflow.
 const LARGEST: f64 = 1e280;
 
-/// Part of the reach within which corrections count: at all of it they would be those of the last
-/// coefficients, which hardly matter.
+/// Part of the step within which corrections count: over the whole step they would be those of the
+/// last coefficients, which hardly matter.
 const INNER: f64 = 0.8;
 
 impl SlipSeries {
-    /// The slow motion through the same displacement, if the motion has come to it, and how far it
-    /// can be used. This is the explicit series, from `from`.
+    /// The series of the slow manifold through the same displacement, if the motion has reached it,
+    /// and the time over which it can be used. `self` is the explicit series, from `from`.
     pub(super) fn slow(
         &self,
         piece: usize,
@@ -113,7 +113,7 @@ impl SlipSeries {
         None
     }
 
-    /// A series in units of time `unit` as one in time, and how far it can be used.
+    /// A series in units of time `unit` as one in time, and the time over which it can be used.
     fn in_time(mut self, unit: f64, allowance: &Allowance, farthest: f64) -> Option<(Self, f64)> {
         let mut power = 1.0;
         let mut order = 0;
@@ -131,8 +131,8 @@ impl SlipSeries {
         (order >= 2).then(|| (self, allowance.reach_of(&self.speed, order, farthest)))
     }
 
-    /// Drops coefficients that overflow, by a rule that knows no unit of length; the highest order
-    /// left.
+    /// Drops coefficients that overflow, by a rule that is independent of the unit of length;
+    /// returns the highest order that remains.
     #[cold]
     pub(super) fn truncate(&mut self) -> usize {
         // Not all three vanish but in a rest.
@@ -154,7 +154,7 @@ impl SlipSeries {
     }
 }
 
-/// The equations of the coefficients, in the direction of time that is followed:
+/// The equations of the coefficients, in the direction of time in use:
 ///
 /// ```text
 /// (k + 1) s_{k+1} + x_k + 2β (s_k + σv_b [k = 0]) + γ² m_k = 0
@@ -163,7 +163,7 @@ impl SlipSeries {
 ///
 /// with x_0 = σu, β and γ² of the other sign backward in time.
 struct Slow {
-    /// 1, or −1 backward in time.
+    /// Sign of time: 1, or −1 backward in time.
     forward: f64,
     position: f64,
     belt: f64,
@@ -183,16 +183,16 @@ impl Slow {
         }
     }
 
-    /// A unit of time T, a power of two, in which the coefficients are of like size: that in which
-    /// the slow motion, s' = −v/D about, changes s by itself, and u − ū falls to a part.
+    /// A unit of time T, a power of two, in which the coefficients are of similar size: the time in
+    /// which the slow motion, s' ≈ −v/D, changes s significantly, and u − ū decays to a part.
     fn unit(&self, speed: f64, closing: f64) -> f64 {
         let time = (speed * closing / (speed + self.belt).abs()).min(closing);
         const EXPONENT: u64 = 0x7ff << 52;
         f64::from_bits(time.to_bits() & EXPONENT)
     }
 
-    /// The first coefficients of the explicit series, as far as a deviation does not hide those of
-    /// the slow motion. Then one correction gives s_0 to the square of the deviation.
+    /// The first coefficients of the explicit series, up to the order at which a deviation hides
+    /// those of the slow manifold. Then one correction gives s_0 to the square of the deviation.
     fn guess(&self, explicit: &PowerSeries, closing: f64, unit: f64, error: f64) -> PowerSeries {
         let mut c = PowerSeries::ZERO;
         c[0] = explicit[0];

@@ -10,8 +10,8 @@ use crate::state::{Direction, State, Units};
 
 /// A step of the motion of a mass on a belt: a stick phase, or one Taylor step of a slip phase.
 ///
-/// There is no event inside a step, only at its end. A step borrows nothing: it holds the power
-/// series of the motion, which is good to the integrator's tolerance over the
+/// Events happen only at the end of a step. A step borrows nothing: it holds the power series of
+/// the motion, which is accurate to the integrator's tolerance over the
 /// [`duration`](Self::duration) of the step. At the time t since the start of the step
 ///
 /// ```text
@@ -69,8 +69,8 @@ impl Step {
 
     /// A stick phase from displacement u.
     ///
-    /// The displacement grows at the rate v_b up to the release point. At v_b = 0 the mass rests
-    /// for ever.
+    /// The displacement grows at the rate v_b up to the release point. At v_b = 0 the mass stays at
+    /// rest for ever.
     pub(crate) fn stick(start: Clock, displacement: f64, system: &Belt<'_>) -> Self {
         let v_b = system.belt_velocity();
         let state = State::new(displacement, v_b);
@@ -135,17 +135,18 @@ impl Step {
         self.start.time
     }
 
-    /// Time τ at which the step ends, dimensionless; infinite for a rest that lasts for ever.
+    /// Time τ at which the step ends, dimensionless; infinite for an equilibrium that lasts for
+    /// ever.
     pub fn end_time(&self) -> f64 {
         self.start.after(self.duration).time
     }
 
-    /// Duration of the step, dimensionless; infinite for a rest that lasts for ever.
+    /// Duration of the step, dimensionless; infinite for an equilibrium that lasts for ever.
     pub fn duration(&self) -> f64 {
         self.duration
     }
 
-    /// What the mass does during the step.
+    /// The mode of the mass during the step.
     pub fn mode(&self) -> Mode {
         self.mode
     }
@@ -155,8 +156,8 @@ impl Step {
         self.state
     }
 
-    /// State at a finite time t after the **start** of the step,
-    /// 0 ≤ t ≤ [`duration`](Self::duration). Outside this range do not trust the series.
+    /// State at a finite time t after the **start** of the step, 0 ≤ t ≤
+    /// [`duration`](Self::duration). The series is not valid outside this range.
     pub fn state_at(&self, t: f64) -> State {
         let State {
             displacement,
@@ -175,14 +176,14 @@ impl Step {
         }
     }
 
-    /// Whether the mass stands still for ever: exactly on the equilibrium, or in stick on a belt
-    /// that stands still.
+    /// Returns true if the mass stands still for ever: exactly on the equilibrium, or in stick on a
+    /// belt that stands still.
     fn is_rest(&self) -> bool {
         self.state.velocity == 0.0 && self.speed[1] == 0.0 && self.speed[2] == 0.0
     }
 
     /// Coefficients of the power series of the sliding speed s in the time since the step's start,
-    /// s(t) = Σ c_k t^k, to the last bit what the step is made of; zeros in stick.
+    /// s(t) = Σ c_k t^k, equal to the bit to those of the step; zeros in stick.
     ///
     /// ```
     /// use stick_slip::{Coulomb, MassOnBelt, State};
@@ -197,7 +198,7 @@ impl Step {
         self.speed.coefficients()
     }
 
-    /// The event that ends the step, if one does.
+    /// The event at the end of the step, if there is one.
     pub fn event(&self) -> Option<Event> {
         self.event
     }
@@ -273,7 +274,7 @@ fn event(time: f64, kind: EventKind, state: State) -> Event {
     }
 }
 
-/// Without the power series, which is long.
+/// Shows a step without its power series, which is long.
 impl std::fmt::Debug for Step {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Step")
@@ -347,14 +348,14 @@ impl SystemState for State {
 }
 
 impl Trajectory {
-    /// What the mass does at a time from the start to the end of the motion. At the time of an
-    /// event this is what the mass does from then on. `None` outside, and for NaN.
+    /// The mode of the mass at a time from the start to the end of the motion; at an event the mode
+    /// afterwards. `None` outside, and for NaN.
     pub fn mode_at(&self, time: f64) -> Option<Mode> {
         Some(self.step_at(time)?.mode)
     }
 
-    /// This dimensionless motion from time 0, in other units. `asked` is the duration there for
-    /// which it was asked.
+    /// This dimensionless motion from time 0, in other units. `asked` is the requested duration in
+    /// these units.
     pub(crate) fn in_units(&self, units: Units, asked: f64) -> Self {
         let steps = self.steps().iter().map(|step| step.in_units(units));
         let reached = self.duration() / units.rate;
@@ -366,8 +367,8 @@ impl Trajectory {
         Self::new(steps.collect(), 0.0, duration, ended)
     }
 
-    /// The motion sampled at equal intervals from its start on: time, state, and what the mass does
-    /// at that time. The last sample is the last one that fits. For a rate in hertz see
+    /// The motion sampled at equal intervals from its start on: time, state and mode. The last
+    /// sample is the last one that fits. For a rate in hertz see
     /// [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt).
     ///
     /// # Errors

@@ -14,52 +14,52 @@ use crate::state::State;
 /// One Taylor step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Advance {
-    /// How long the step lasts; infinite exactly on an equilibrium.
+    /// Duration of the step; infinite exactly on an equilibrium.
     pub(crate) duration: f64,
-    /// Where it ends.
+    /// The point at its end.
     pub(crate) end: SlipPoint,
 }
 
 impl Advance {
-    /// Whether it ends in contact: at zero sliding speed.
+    /// Returns true if it ends in contact: at zero sliding speed.
     pub(crate) fn is_contact(&self) -> bool {
         self.end.speed == 0.0
     }
 }
 
-/// How far a series is used.
+/// The accepted length of a step.
 #[derive(Debug, Clone, Copy)]
 struct Settled {
     duration: f64,
-    /// Sliding speed there; that of the belt or of the breakpoint to the bit, where one is reached.
+    /// Sliding speed at the end; at contact and at a breakpoint exact to the bit.
     end_speed: f64,
     /// Limit of the step after it.
     longest_next: f64,
 }
 
-/// What a step may be.
+/// The limits of a step.
 #[derive(Debug, Clone, Copy)]
 struct Plan {
     allowance: Allowance,
-    /// How far the coefficients promise that the series holds.
+    /// The length that the coefficients allow.
     reach: f64,
-    /// A shorter step is none.
+    /// The least length of a step.
     least: f64,
-    /// How long a force that is missing shifts the motion: 1/D where it is slow, else for good.
+    /// The time over which a defect acts on the motion: 1/D on a slow manifold, otherwise infinite.
     memory: f64,
 }
 
-/// How far u − ū may be beyond what the motion does and still be its scale. With H the mean of D
-/// between |v_b| and s, v' is −(u − ū) − Hv: so where neither H nor D is above 32, the motion does
-/// at least a 64th of it.
+/// Largest ratio of u − ū to the speeds of the motion at which it is still the scale. With H the
+/// mean of D between |v_b| and s, v' is −(u − ū) − Hv: so if neither H nor D is above 32, v or v'
+/// is at least 1/64 of u − ū.
 const BEYOND: f64 = 64.0;
 
-/// The loosest tolerance where a system is stiff: an error is measured in units of v and v_b there,
-/// and has to be small beside the speeds over which the law bends, for the motion to come to the
-/// slow one. It costs little, for a step of either kind grows like tolerance^(1/26) only.
+/// The loosest tolerance of a stiff system: an error is measured in units of v and v_b there, and
+/// has to be small relative to the speeds over which the law bends, for the motion to reach the
+/// slow manifold. It costs little, because a step of either kind grows only like tolerance^(1/26).
 const LOOSEST: f64 = 1e-12;
 
-/// Takes Taylor steps within slip phases of one system. Each call is given the system: see
+/// Computes Taylor steps within slip phases of one system, which is an argument of each call: see
 /// `Machine` in `flow.rs`.
 #[derive(Debug, Clone)]
 pub(crate) struct Stepper {
@@ -68,8 +68,8 @@ pub(crate) struct Stepper {
     tolerance: f64,
     /// ū, from which the scale of the motion is measured.
     equilibrium: f64,
-    /// Limit of the next step: twice the last one, if that had to be cut below what its
-    /// coefficients promised; else none.
+    /// Limit of the next step: twice the last one, if that had to be shorter than its coefficients
+    /// allowed; otherwise infinite.
     longest: f64,
 }
 
@@ -84,8 +84,8 @@ impl Stepper {
         }
     }
 
-    /// The sliding speed over the step taken last, in the time since its start; backward time where
-    /// that was asked for.
+    /// The sliding speed over the last step, in the time since its start; in backward time if the
+    /// step was backward.
     #[inline]
     pub(crate) fn speed(&self) -> &PowerSeries {
         &self.expander.series.speed
@@ -150,7 +150,7 @@ impl Stepper {
         expanded.map_err(|error| error.reached_at(Reached::new(elapsed, point.state(system))))
     }
 
-    /// What the step from here may be.
+    /// The limits of the step from here.
     #[inline(always)]
     fn plan(
         &mut self,
@@ -176,9 +176,9 @@ impl Stepper {
         })
     }
 
-    /// The same where the motion closes in on a slow one, or leaves it, much faster than it
-    /// oscillates, or where the series overflows; there the series may become that of the slow
-    /// motion.
+    /// The limits of a step in which the motion tends to a slow manifold, or leaves it, much faster
+    /// than it oscillates, or in which the series overflows; here the series of the slow manifold
+    /// may replace the explicit one.
     #[inline(never)]
     fn stiff_plan(
         &mut self,
@@ -233,8 +233,8 @@ impl Stepper {
         Ok(plan)
     }
 
-    /// How far the series is used: up to the first exit from the piece
-    /// of the law, or as far as planned, halved until the defect is accepted.
+    /// The accepted length of the step: up to the first exit from the piece of the law, or as far
+    /// as planned, halved until the defect is accepted.
     #[inline(always)]
     fn settle(
         &self,
@@ -298,8 +298,8 @@ impl Stepper {
         })
     }
 
-    /// The rate ds/dt by the equation of motion, a time t after the start of the step taken last,
-    /// at the sliding speed that is reached there.
+    /// The rate ds/dt by the equation of motion, a time t after the start of the last step, at the
+    /// sliding speed reached there.
     #[inline(never)]
     fn rate_after(
         &self,
@@ -317,7 +317,7 @@ impl Stepper {
         time.sign() * (-force - system.load() * system.law().kinetic_on(piece, speed))
     }
 
-    /// The step that was settled, and where it ends.
+    /// The accepted step, with the point at its end.
     #[inline(always)]
     fn land(&self, system: &Belt<'_>, point: &SlipPoint, time: Time, settled: &Settled) -> Advance {
         Advance {
@@ -331,8 +331,8 @@ impl Stepper {
         }
     }
 
-    /// What the tolerance is relative to: max(|u − ū|, |v|, |v_b|), but where a law is so steep
-    /// that ū lies far beyond all that happens, the scale of what does.
+    /// The scale of the tolerance: max(|u − ū|, |v|, |v_b|); if the law is so steep that ū lies far
+    /// beyond the motion, the scale of the motion without ū.
     #[inline(always)]
     fn scale(&self, system: &Belt<'_>, point: &SlipPoint, state: State, time: Time) -> f64 {
         let deviation = (state.displacement - self.equilibrium).abs();
@@ -383,15 +383,15 @@ impl Stepper {
         }
     }
 
-    /// max(|v|, |v_b|, |v'|/D): the scale of what the motion does, and is about to do, with D the
-    /// rate at which it closes in on a slow one, or leaves it.
+    /// The scale without ū, max(|v|, |v_b|, |v'|/D), with D the rate at which the motion tends to a
+    /// slow manifold, or leaves it.
     fn scale_here(&self, system: &Belt<'_>, state: State, rate: f64) -> f64 {
         let v_b = system.belt_velocity();
         let change = self.expander.series.speed[1].abs() / rate;
         state.velocity.abs().max(v_b.abs()).max(change)
     }
 
-    /// Displacement at a time t after the start of the step taken last, from `start`.
+    /// Displacement at a time t after the start of the last step, from `start`.
     #[inline(never)]
     pub(crate) fn displacement(
         &self,
@@ -403,7 +403,7 @@ impl Stepper {
         self.displacement_inline(system, start, time, t)
     }
 
-    /// The same where speed counts.
+    /// The same, inlined where speed counts.
     #[inline(always)]
     fn displacement_inline(&self, system: &Belt<'_>, start: &SlipPoint, time: Time, t: f64) -> f64 {
         let mean_speed = self.expander.series.speed.mean(t);
@@ -411,7 +411,7 @@ impl Stepper {
         start.displacement + time.sign() * mean_velocity * t
     }
 
-    /// The law's own failure if it gave no number where the motion goes, else a step too short.
+    /// The error of the law if it returned no number on the motion, otherwise a step underflow.
     #[cold]
     fn underflow(&self, system: &Belt<'_>, piece: usize, step: f64, reached: Reached) -> Error {
         let law = system.law();

@@ -146,7 +146,7 @@ impl<L> MassOnBelt<L> {
 }
 
 impl<L: FrictionLaw> MassOnBelt<L> {
-    /// The system as the engines see it.
+    /// The system for the engines.
     pub(crate) fn belt(&self) -> Belt<'_> {
         Belt {
             law: self.law.erased().law(),
@@ -173,17 +173,16 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         self.belt().stick_limits()
     }
 
-    /// The state in which a mass that is carried along by the belt is released, dimensionless:
-    /// u = sgn(v_b)·γ²μ_s − 2βv_b, v = v_b. `None` at v_b = 0, where a mass that sticks rests for
-    /// ever.
+    /// The state in which a mass in stick is released, dimensionless: u = sgn(v_b)·γ²μ_s − 2βv_b, v
+    /// = v_b. `None` at v_b = 0, where a mass that sticks stays at rest for ever.
     pub fn release_state(&self) -> Option<State> {
         self.belt().release_state()
     }
 
     /// The friction force on the mass, dimensionless (in units of the spring's force at u = 1).
     ///
-    /// In slip this is −γ²μ(v_r), in stick the force that the contact carries, u + 2βv_b. If v_r is
-    /// 0 outside the stick band, it is the force just after slip begins.
+    /// The force is −γ²μ(v_r) in slip and the force carried by the contact, u + 2βv_b, in stick. If
+    /// v_r is 0 outside the stick band, it is the force just after slip begins.
     ///
     /// ```
     /// use stick_slip::{Coulomb, MassOnBelt, State};
@@ -221,7 +220,7 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     }
 }
 
-/// The parameters; a law need not be able to print itself.
+/// Shows the parameters; a law need not implement `Debug`.
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial};

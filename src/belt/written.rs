@@ -1,6 +1,6 @@
-//! How an equilibrium is written (feature `serde`).
+//! Serialization of an equilibrium (feature `serde`).
 //!
-//! An equilibrium is written but not read, as is a cycle: read its system, and make it again.
+//! An equilibrium is written but not read, like a cycle: read its system, and compute it again.
 
 use serde::Serialize;
 

@@ -1,5 +1,5 @@
-//! Searches along a parameter: the family of systems, the range, and what bounds and watches the
-//! work.
+//! Searches along a parameter: the family of systems, the range, the bound of the work and the
+//! watcher.
 
 use std::cell::Cell;
 use std::fmt::{self, Debug, Formatter};
@@ -10,10 +10,10 @@ use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::limit_cycle::Tracer;
 
-/// Searches a family of systems along any parameter: load, damping, a coefficient of the law, a
-/// belt velocity, or whatever the closure puts into the system that it makes from one number.
+/// Searches a family of systems along any parameter: a load, a damping, a coefficient of the law, a
+/// belt velocity, or any other number from which the closure makes a system.
 ///
-/// The searches are the methods of [`Along`]. All values of a range are looked at as they are, also
+/// The searches are the methods of [`Along`]. All values of a range are searched as they are, also
 /// below 0. The family should be continuous in the parameter, except at a few values.
 ///
 /// ```
@@ -60,7 +60,7 @@ pub fn along_velocities<L: FrictionLaw>(system: &MassOnBelt<L>, range: Range<f64
     Along::of(Family::Velocities(system), range, "belt_velocity")
 }
 
-/// A search along a parameter. [`along`] and [`along_velocities`] make one.
+/// A search along a parameter, made by [`along`] or [`along_velocities`].
 ///
 /// # Cost
 ///
@@ -72,15 +72,15 @@ pub fn along_velocities<L: FrictionLaw>(system: &MassOnBelt<L>, range: Range<f64
 /// of scattered points. A range takes 65 systems, and some tens more for each value that is found.
 /// [`vibration_ranges`](Self::vibration_ranges) costs all six searches.
 ///
-/// So folds over a table of n points of wide scatter take about 200 n² steps: 60 points a second,
-/// 400 points a minute or two, and a law with thousands of waves much longer. A million steps are
-/// one to two seconds.
+/// For example, folds over a table of n points of wide scatter take about 200 n² steps: 60 points a
+/// second, 400 points a minute or two, and a law with thousands of waves much longer. A million
+/// steps take one to two seconds.
 ///
-/// A search is stopped after [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS), or the bound that
-/// [`with_max_steps`](Self::with_max_steps) gives, or by a closure that [watches](Self::watched)
-/// it. All are asked before each system, and one system takes no more than 2·10⁵ steps and a few.
-/// Nothing is lost: [`Error::Stopped`] holds the value reached and what was found below. Smooth the
-/// table, raise the bound, or search the rest of the range.
+/// A search stops after [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS), or the bound of
+/// [`with_max_steps`](Self::with_max_steps), or at the request of a closure that
+/// [watches](Self::watched) it. Both are checked before each system, and one system takes at most
+/// about 2·10⁵ steps. Nothing is lost: [`Error::Stopped`] holds the value reached and the results
+/// below it. Smooth the table, raise the bound, or search the rest of the range.
 pub struct Along<'f, L> {
     family: Family<'f, L>,
     range: Range<f64>,
@@ -100,13 +100,13 @@ enum Family<'f, L> {
     Systems(Box<dyn Fn(f64) -> Result<MassOnBelt<L>, Error> + 'f>),
 }
 
-/// How far a search has come. See [`Along::watched`].
+/// The progress of a search. See [`Along::watched`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Progress {
-    /// Value of the parameter that is looked at next. On the whole it ascends.
+    /// Value of the parameter searched next. On the whole it ascends.
     pub value: f64,
-    /// Number of systems looked at so far.
+    /// Number of systems searched so far.
     pub systems: usize,
     /// Steps of slip phases so far.
     pub steps: usize,
@@ -134,8 +134,8 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
         Self { parameter, ..self }
     }
 
-    /// Bounds the work of each search: after so many steps it ends in [`Error::Stopped`]. Without
-    /// this call the bound is [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS).
+    /// Bounds the work of each search: after this number of steps it returns [`Error::Stopped`].
+    /// The default is [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS).
     ///
     /// # Errors
     ///
@@ -167,8 +167,8 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
         Ok(Self { max_steps, ..self })
     }
 
-    /// Calls `watch` before each system of a search: it can show how far the search has come, and
-    /// stop it with [`ControlFlow::Break`]; the search then ends in [`Error::Stopped`].
+    /// Calls `watch` before each system of a search: it can show the progress, and stop the search
+    /// with [`ControlFlow::Break`]; the search then returns [`Error::Stopped`].
     ///
     /// ```
     /// use std::ops::ControlFlow::{Break, Continue};
@@ -199,7 +199,7 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
         }
     }
 
-    /// Does a search. It sees no law's type: see [`Search`].
+    /// Runs a search without the type of the law: see [`Search`].
     pub(super) fn search<T>(
         &self,
         search: impl FnOnce(&Search<'_>) -> Result<T, Error>,
@@ -233,7 +233,7 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
     }
 }
 
-/// What is done with a system.
+/// A function called with a system.
 pub(super) type Look<'l> = dyn FnMut(Belt<'_>) -> Result<(), Error> + 'l;
 
 /// An [`Along`] of any law.
@@ -264,7 +264,7 @@ impl<'f> Search<'f> {
         }
     }
 
-    /// The range, if it is one.
+    /// The range, if it is finite and not empty.
     pub(super) fn whole(&self) -> Result<Range<f64>, Error> {
         let Range { start, end } = self.range;
         Error::check(
@@ -284,8 +284,8 @@ impl<'f> Search<'f> {
         Ok(start..end)
     }
 
-    /// The parts of the range that are searched, ascending: the motion of the belt is another on
-    /// the two sides of v_b = 0.
+    /// The parts of the range that are searched, ascending: the belt moves differently on the two
+    /// sides of v_b = 0.
     pub(super) fn parts(&self) -> Result<Vec<Range<f64>>, Error> {
         let Range { start, end } = self.whole()?;
         let is_split = self.velocities_of.is_some() && start < 0.0 && end > 0.0;
@@ -296,8 +296,8 @@ impl<'f> Search<'f> {
         })
     }
 
-    /// Searches the parts of the range one after the other, each with a work counter that all
-    /// share. A search adds what it finds to the list, so that it is there when it is stopped.
+    /// Searches the parts of the range one after the other, with one work counter. A search adds
+    /// its results to the list, so that they are kept when it is stopped.
     pub(super) fn over_parts(&self, search: &mut SearchPart<'_>) -> Result<Vec<f64>, Error> {
         let work = Work::of(self);
         let mut found = Vec::new();
@@ -334,14 +334,14 @@ impl<'a, 'f> Work<'a, 'f> {
         }
     }
 
-    /// Shows the system at a value of the parameter to `look`. An error is given the value.
+    /// Calls `look` with the system at a value of the parameter. An error gets the value.
     pub(super) fn with_system(&self, value: f64, look: &mut Look<'_>) -> Result<(), Error> {
         self.begin(value)?;
         (self.search.systems)(value, look).map_err(|error| error.at(self.search.parameter, value))
     }
 
-    /// What `look` finds in the system at a value of the parameter, with its belt moving forward;
-    /// `None` if the belt stands still.
+    /// The result of `look` for the system at a value of the parameter, with its belt moving
+    /// forward; `None` if the belt stands still.
     pub(super) fn moving_at<T>(
         &self,
         value: f64,
@@ -355,7 +355,7 @@ impl<'a, 'f> Work<'a, 'f> {
         Ok(found)
     }
 
-    /// The same, compiled once for all that `look` may find.
+    /// The same, compiled once for all result types.
     fn with_tracer(
         &self,
         value: f64,

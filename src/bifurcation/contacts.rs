@@ -1,5 +1,5 @@
-//! Where the contacts of the motion from the release point change, and where pure-slip cycles touch
-//! the belt velocity.
+//! Changes of the contacts of the motion from the release point, and velocities at which pure-slip
+//! cycles touch the belt velocity.
 
 use std::ops::Range;
 
@@ -21,19 +21,19 @@ use crate::state::Direction;
 ///
 /// The velocities are the roots of a function of v_b that is smooth through them: w²/(2v_b²) if the
 /// motion meets the belt, where w is the rate of the relative velocity at contact; V/v_b − 1 if it
-/// turns back below, at a velocity maximum V. Negative velocities give the mirror image, −v_b. The
-/// range is divided into 64 intervals, and each in
-/// which a root may hide into up to 2¹⁰ parts. If the range is a thousand times wider than the part
-/// in which the system vibrates, nothing may be found: take a narrower one. Below 64 ε γ²μ_s, with
-/// ε = 2⁻⁵², nothing is looked for: there, a motion of size v_b is lost in the rounding of u.
+/// has a velocity maximum V below v_b. Negative velocities give the mirror image, −v_b. The range
+/// is divided into 64 intervals, and each in which a root may hide into up to 2¹⁰ parts. If the
+/// range is a thousand times wider than the part in which the system vibrates, a root may be
+/// missed: take a narrower range. Velocities below 64 ε γ²μ_s, with ε = 2⁻⁵², are not searched:
+/// there, a motion of size v_b is lost in the rounding of u.
 ///
 /// Source: sliding bifurcations, di Bernardo, Budd, Champneys and Kowalczyk, *Piecewise-smooth
 /// Dynamical Systems* (Springer 2008), chapter 8.
 ///
 /// # Errors
 ///
-/// [`Error::InvalidParameter`] unless the range is finite and not empty; else [`Error::At`], with
-/// the belt velocity and one of the errors of [`limit_cycle::find`](crate::limit_cycle::find).
+/// [`Error::InvalidParameter`] unless the range is finite and not empty; otherwise [`Error::At`],
+/// with the belt velocity and one of the errors of [`limit_cycle::find`](crate::limit_cycle::find).
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, bifurcation};
@@ -111,8 +111,8 @@ pub fn crossing_velocities<L: FrictionLaw>(
 
 /// Belt velocities in `range`, ascending and dimensionless, at which a pure-slip cycle touches the
 /// belt velocity: its velocity maximum is v_b. On one side of such a v_b the cycle, stable or not,
-/// stays behind the belt; on the other side it does not exist, because it would reach the belt and
-/// stick.
+/// stays slower than the belt; on the other side it does not exist, because it would reach the belt
+/// and stick.
 ///
 /// For a law with μ̂(0) = μ_s these are the [`grazing_velocities`]. For a law with μ̂(0) < μ_s the
 /// cycle touches the belt velocity inside the stick band, and the stick-slip cycle does not change

@@ -23,8 +23,8 @@ pub struct DiagramPoint {
 /// # Errors
 ///
 /// Each item can be an error of [`MassOnBelt::with_belt_velocity`], or [`Error::At`] with the belt
-/// velocity and one of the errors of [`find`](crate::limit_cycle::find); the iterator goes on after
-/// it.
+/// velocity and one of the errors of [`find`](crate::limit_cycle::find); the iterator continues
+/// after it.
 ///
 /// ```
 /// use stick_slip::{CycleKind, MassOnBelt, Polynomial, bifurcation};

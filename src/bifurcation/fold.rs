@@ -9,42 +9,41 @@ use crate::numerics::bracket::{SignChange, sign_change_between};
 use crate::numerics::scan::{Look, Survey, scan};
 use crate::numerics::with_slopes::Sample;
 
-/// Largest |growth| on the two sides of a fold. Where the growth is larger and still changes its
-/// sign between neighbouring numbers, it jumps over zero, and no cycles meet.
+/// Largest |growth| on the two sides of a fold. A larger growth that changes its sign between
+/// neighbouring numbers jumps over zero, and no cycles meet.
 const JUMP: f64 = 1e-9;
 
 /// Farthest that a turning point may move from one belt velocity to the next, in units of the range
 /// of peak velocities.
 const FARTHEST_TURN: f64 = 0.1;
 
-/// Distance on both sides of a turning point, in the same units, within which it is looked for
-/// again.
+/// Distance on both sides of a turning point, in the same units, within which it is searched again.
 const NEAR_TURN: f64 = 1e-3;
 
-/// Farthest growth that can come to zero within an interval, in units of the change of the growth
+/// Largest growth that can reach zero within an interval, in units of the change of the growth
 /// across it.
 const REACH: f64 = 2.0;
 
-/// Farthest growth that can come to zero and turn back within half an interval, in units of what
-/// the growth in the middle differs from the mean of both ends: eight times what a parabola needs.
+/// Largest growth that can reach zero and turn back within half an interval, in units of the
+/// difference of the growth in the middle from the mean of both ends: eight times that of a
+/// parabola.
 const REACH_OF_BEND: f64 = 2.0;
 
-/// The same in units of the change across the half, at the least: a function that is odd about the
-/// middle does not show there how it bends.
+/// The same in units of the change across the half, as a lower bound: for a function that is odd
+/// about the middle that difference is 0.
 const LEAST_BEND: f64 = 0.25;
 
 /// Belt velocities v_b in `range`, ascending and dimensionless, at which two pure-slip cycles, one
 /// stable and one unstable, meet and vanish.
 ///
 /// Let V be the peak velocity of a motion and P(V) its next one. At each belt velocity the growth
-/// over one turn, P(V)/V − 1, is a function of V with turning points, found as roots of its exact
+/// over one period, P(V)/V − 1, is a function of V with turning points, found as roots of its exact
 /// derivative. At a fold the growth at a turning point passes through zero, and the multiplier of
 /// the cycle is 1. The range is divided into 64 intervals. In each, only growths count that are
-/// nearer to zero than twice the change across the interval, which is measured at nine places. An
-/// interval in which turning points come, go, move far or come nearer to zero than the growth may
-/// bend away from a straight line in v_b is divided into up to 2¹⁶ parts. Each turning point is
-/// followed into the fold from both sides, so that every velocity returned is one at which cycles
-/// meet.
+/// nearer to zero than twice the change across the interval, which is measured at nine points. An
+/// interval in which turning points appear, disappear, move far or come nearer to zero than the
+/// growth may deviate from a straight line in v_b is divided into up to 2¹⁶ parts. Each turning
+/// point is followed into the fold from both sides, so that cycles meet at every velocity returned.
 ///
 /// Source: saddle-node bifurcations of maps, Guckenheimer and Holmes, *Nonlinear Oscillations,
 /// Dynamical Systems, and Bifurcations of Vector Fields* (Springer 1983), section 3.5.
@@ -83,9 +82,8 @@ impl<L: FrictionLaw> Along<'_, L> {
     }
 }
 
-/// Adds the folds in a part of the range. Returns the narrowest intervals in which something is
-/// left that is no fold to double precision, as where the growth at a turning point jumps over
-/// zero.
+/// Adds the folds in a part of the range. Returns the narrowest intervals with a change that is no
+/// fold to double precision, for example a growth at a turning point that jumps over zero.
 pub(super) fn folds(
     work: &Work<'_, '_>,
     part: &Range<f64>,
@@ -101,17 +99,17 @@ pub(super) fn folds(
     searched.map(|()| folds.doubtful)
 }
 
-/// The growth of motions in slip over one turn, at any value of the parameter.
+/// The growth of motions in slip over one period, at any value of the parameter.
 trait Growths {
-    /// A first look at the growth.
+    /// A coarse outline of the growth.
     fn survey(&self, value: f64) -> Result<Outline, Error>;
 
-    /// Sharpens an outline, so that it has all turning points at which the growth is within `reach`
+    /// Refines an outline, so that it has all turning points at which the growth is within `reach`
     /// of zero.
     fn sharpen(&self, value: f64, outline: &mut Outline, reach: f64) -> Result<(), Error>;
 
-    /// The growth at the one turning point between two places in the range of peak velocities;
-    /// `None` if there is none for sure.
+    /// The growth at the turning point between two points of the range of peak velocities; `None`
+    /// if the slopes there do not show one.
     fn turn(&self, value: f64, places: [f64; 2], is_maximum: bool) -> Result<Option<f64>, Error>;
 }
 
@@ -150,23 +148,23 @@ impl Growths for Work<'_, '_> {
 /// Outline of the growth at one value of the parameter.
 #[derive(Debug)]
 struct Outline {
-    /// The growth at the places of the first look.
+    /// The growth at the points of the coarse outline.
     surveyed: Vec<f64>,
-    /// What is known of the growth, by ascending peak velocity.
+    /// The known samples of the growth, by ascending peak velocity.
     seen: Vec<Sample>,
     /// (peak velocity, growth) at both ends of the range of peak velocities and at the turning
     /// points between them.
     points: Vec<(f64, f64)>,
     /// Growth up to which the turning points are exact.
     reach: f64,
-    /// How far the growth in the middle of the interval that was halved last, with this outline at
-    /// an end or in the middle, is from the mean of both ends; infinite before.
+    /// The difference of the growth in the middle of the interval that was halved last, with this
+    /// outline at an end or in the middle, from the mean of both ends; infinite before.
     bend: f64,
 }
 
 impl Outline {
-    /// How much the growth changes from one outline to another at the places of a survey; infinite
-    /// if there was none.
+    /// The change of the growth from one outline to another at the points of a survey; infinite
+    /// without a survey.
     fn change(&self, other: &Self) -> f64 {
         if self.surveyed.is_empty() {
             return f64::INFINITY;
@@ -175,8 +173,8 @@ impl Outline {
         pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
     }
 
-    /// How far the growth at the places of a survey is from the mean of two others; infinite if
-    /// one has no survey.
+    /// The difference of the growth at the points of a survey from the mean of two others; infinite
+    /// if one has no survey.
     fn bend_between(&self, a: &Self, b: &Self) -> f64 {
         let all = [self, a, b].map(|outline| &outline.surveyed[..]);
         if all.iter().any(|surveyed| surveyed.is_empty()) {
@@ -187,7 +185,7 @@ impl Outline {
         (0..middle.len()).map(bend).fold(0.0, f64::max)
     }
 
-    /// Whether the growth is positive at the ends of the range of peak velocities.
+    /// The signs of the growth at the two ends of the range of peak velocities: true if positive.
     fn at_ends(&self) -> [bool; 2] {
         let of_points = [self.points.first(), self.points.last()].map(|end| end.map(|end| end.1));
         let of_survey = [self.surveyed.first(), self.surveyed.last()].map(|end| end.copied());
@@ -202,7 +200,7 @@ impl Outline {
         self.seen.is_empty() && self.points.is_empty()
     }
 
-    /// The outline with everything beyond `reach` cut off.
+    /// The outline cut off at `reach`.
     fn within(&self, reach: f64) -> Window {
         let clamped = |(peak, growth): &(f64, f64)| (*peak, growth.clamp(-reach, reach));
         let mut points: Vec<_> = self.points.iter().map(clamped).collect();
@@ -217,17 +215,18 @@ impl Outline {
     }
 }
 
-/// What of an outline lies within reach of zero, in the same form.
+/// The part of an outline within reach of zero, in the same form.
 #[derive(Debug)]
 struct Window(Vec<(f64, f64)>);
 
 impl Window {
-    /// Whether both have as many maxima and minima, in the same order.
+    /// Returns true if both have as many maxima and minima, in the same order.
     fn is_like(&self, other: &Self) -> bool {
         self.0.len() == other.0.len() && self.rises() == other.rises()
     }
 
-    /// Whether the growth rises from the first point to the second.
+    /// Returns true if the growth rises from the first point to the second; `None` without two
+    /// points.
     fn rises(&self) -> Option<bool> {
         self.0.get(1).map(|next| next.1 > self.0[0].1)
     }
@@ -260,7 +259,8 @@ impl Window {
         zeros
     }
 
-    /// Whether the growth is zero as often as in another window, and may be so at the same places.
+    /// Returns true if the growth is zero as often as in another window, and may be so at the same
+    /// places.
     fn may_have_zeros_of(&self, other: &Self) -> bool {
         let (a, b) = (self.zeros(), other.zeros());
         let meet = |(a, b): (&[f64; 2], &[f64; 2])| a[0] < b[1] && b[0] < a[1];
@@ -268,11 +268,11 @@ impl Window {
     }
 }
 
-/// The folds found so far, and the growth to look at.
+/// The folds found so far, and the growth to be searched.
 struct Folds<'f> {
     growths: &'f dyn Growths,
     found: Vec<f64>,
-    /// Intervals that cannot be halved further, and should.
+    /// Intervals that would have to be halved further, but cannot.
     doubtful: Vec<Range<f64>>,
 }
 
@@ -284,7 +284,7 @@ struct Crossed {
 }
 
 impl Folds<'_> {
-    /// Asks for an interval to be halved, and remembers it as doubtful if it cannot be.
+    /// Requests that an interval be halved, and records it as doubtful if it cannot be.
     fn halve(&mut self, [low, high]: [f64; 2], halvings: u32) -> Look {
         if halvings == 0 {
             match self.doubtful.last_mut() {

@@ -59,7 +59,7 @@ impl<L: FrictionLaw> Along<'_, L> {
     ///
     /// # Errors
     ///
-    /// Those of [`hopf_velocities`] along the belt velocity, else those of
+    /// Those of [`hopf_velocities`] along the belt velocity, otherwise those of
     /// [`grazing`](Self::grazing).
     pub fn hopf(&self) -> Result<Vec<f64>, Error> {
         self.over_parts(&mut hopf)
@@ -96,11 +96,11 @@ pub(super) fn hopf(
     }
 }
 
-/// Relative distance beyond a range of negative velocities up to which they are looked at.
+/// Relative distance beyond a range of negative velocities up to which they are searched.
 const LOOK_BEYOND: f64 = 1e-6;
 
-/// h1 in units of the sizes of its terms, so that it is of order 1; `None` on a belt at rest and
-/// where it has no terms.
+/// h1 in units of the sizes of its terms, so that it is of order 1; `None` on a belt at rest and if
+/// it has no terms.
 fn relative_damping(work: &Work<'_, '_>, value: f64) -> Result<Option<f64>, Error> {
     let mut relative = None;
     work.with_system(value, &mut |system| {
@@ -144,11 +144,11 @@ impl std::fmt::Display for Criticality {
     }
 }
 
-/// Whether the Hopf point at the belt velocity v_b is super- or subcritical, from the sign of
-/// μ̂'''(|v_b|).
+/// Returns whether a pure-slip cycle born at the Hopf point v_b is stable (supercritical) or
+/// unstable (subcritical), from the sign of μ̂'''(|v_b|).
 ///
-/// Whether v_b is a Hopf point is not checked. At a breakpoint of the law, the piece above counts.
-/// If h1 jumps over zero at the breakpoint, the third derivative tells nothing.
+/// v_b is not checked to be a Hopf point. At a breakpoint of the law, the piece above counts. If h1
+/// jumps over zero at the breakpoint, the third derivative does not decide.
 ///
 /// ```
 /// use stick_slip::bifurcation::{Criticality, criticality, hopf_velocities};

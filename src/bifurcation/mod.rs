@@ -1,40 +1,61 @@
-//! Bifurcations: the belt velocities, loads, dampings or coefficients at which periodic motions
-//! appear, disappear or change their kind.
+//! Bifurcations of one mass on its belt: the belt velocities, loads, dampings or coefficients at
+//! which periodic motions appear, disappear or change their kind.
 //!
-//! | function | what happens there |
+//! ```
+//! use stick_slip::bifurcation::{self, AttractorKind};
+//! use stick_slip::{CycleKind, MassOnBelt, Polynomial};
+//!
+//! let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
+//! let range = 0.01..0.6;
+//!
+//! // On a faster belt stick-slip ends at one velocity, all vibration at another.
+//! let [grazing] = bifurcation::grazing_velocities(&system, range.clone())?[..] else { panic!() };
+//! let [hopf] = bifurcation::hopf_velocities(&system, range.clone())?[..] else { panic!() };
+//! assert!((grazing - 0.395790288797834).abs() < 1e-14);
+//! assert!((hopf - (0.35_f64 / 1.8).sqrt()).abs() < 1e-15);
+//!
+//! // The attractors over the whole range.
+//! let ranges = bifurcation::vibration_ranges(&system, range)?;
+//! let attractors: Vec<_> = ranges.iter().map(|range| range.attractors[0]).collect();
+//! let [stick_slip, slip] = [CycleKind::StickSlip, CycleKind::PureSlip].map(AttractorKind::Cycle);
+//! assert_eq!(attractors, [stick_slip, slip, AttractorKind::Equilibrium]);
+//! # Ok::<(), stick_slip::Error>(())
+//! ```
+//!
+//! | function | event at the values that it returns |
 //! |---|---|
-//! | [`hopf_velocities`] | the equilibrium loses or regains stability, and a pure-slip cycle is born; [`criticality`] tells which |
-//! | [`grazing_velocities`] | stick-slip appears or disappears: the motion from the release point comes back to the belt tangentially |
+//! | [`hopf_velocities`] | the equilibrium loses or regains stability, and a pure-slip cycle is born; [`criticality`] says on which side |
+//! | [`grazing_velocities`] | stick-slip appears or disappears: the motion from the release point returns to the belt tangentially |
 //! | [`touching_velocities`] | a pure-slip cycle touches the belt velocity, and appears or disappears |
 //! | [`fold_velocities`] | a stable and an unstable pure-slip cycle meet |
 //! | [`overshoot_velocities`] | the mass begins to overtake the belt before it sticks |
-//! | [`crossing_velocities`] | the mass no longer sticks at all |
-//! | [`vibration_ranges`] | what the mass can settle to becomes another; bistable ranges are named |
+//! | [`crossing_velocities`] | the mass no longer sticks |
+//! | [`vibration_ranges`] | the set of attractors changes; bistable ranges are named |
 //! | [`silencing_damping`] | with this damping or more no vibration lasts, at one belt velocity |
 //! | [`silencing_load`] | with this load or less no vibration lasts, at one belt velocity |
 //!
 //! Every velocity is a root of an exact function of the belt velocity, bracketed and refined to
-//! round-off. The documentation of each function tells how densely it searches a range; a narrower
+//! round-off. The documentation of each function says how densely it searches a range; a narrower
 //! range is searched more closely. Negative velocities are searched as they are: they give the
 //! mirror image.
 //!
-//! [`along`] searches any other parameter in the same ways: a load, a damping, a coefficient of the
-//! law. Its methods, and those of [`along_velocities`], can be bounded and watched; what a search
-//! costs stands at [`Along`].
-//!
-//! [`analysis`](crate::analysis) has closed forms of some of these velocities for some laws.
+//! [`along`] makes the same searches over any other parameter: a load, a damping, a coefficient of
+//! the law. Its methods, and those of [`along_velocities`], accept a bound of work and a watcher;
+//! [`Along`] states the cost of a search.
 //!
 //! [`diagram`] lists the equilibrium and all cycles for each of a list of belt velocities.
-//!
-//! | file | what is in it |
-//! |---|---|
-//! | `along.rs` | [`Along`]: the family of systems, the range, the bound of the work and the watcher |
-//! | `contacts.rs` | grazing, overshoot, crossing: contacts of the motion from the release point; touching of pure-slip cycles; searched by `numerics/scan.rs` |
-//! | `fold.rs` | folds of pure-slip cycles |
-//! | `hopf.rs` | where stability changes, and which cycle is born there; belt velocities are found in `friction/along.rs` |
-//! | `ranges.rs` | what can happen in which range |
-//! | `silence.rs` | the least damping and the largest load with which nothing vibrates |
-//! | `diagram.rs` | equilibrium and all cycles at each of a list of belt velocities |
+//! [`analysis`](crate::analysis) has closed forms of some of these velocities for some laws;
+//! [`orbit::follow`](crate::orbit::follow) follows the motions of any system.
+
+// | file | what is in it |
+// |---|---|
+// | `along.rs` | `Along`: the family of systems, the range, the bound of the work and the watcher |
+// | `contacts.rs` | grazing, overshoot, crossing: contacts of the motion from the release point; touching of pure-slip cycles; searched by `numerics/scan.rs` |
+// | `fold.rs` | folds of pure-slip cycles |
+// | `hopf.rs` | changes of stability, and the cycle born there; belt velocities are found in `friction/along.rs` |
+// | `ranges.rs` | the attractors of each range |
+// | `silence.rs` | the least damping and the largest load without vibration |
+// | `diagram.rs` | equilibrium and all cycles at each of a list of belt velocities |
 
 mod along;
 mod contacts;

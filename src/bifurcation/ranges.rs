@@ -11,16 +11,16 @@ use crate::friction::{FrictionLaw, is_constant_on};
 use crate::limit_cycle::{CycleKind, Tracer, find_moving};
 use crate::numerics::scan::INTERVALS;
 
-/// What can happen at which belt velocity: the range cut into intervals in each of which the mass
-/// can settle to the same motions. Neighbouring intervals differ.
+/// The attractors over a range of belt velocities: the range is cut into intervals in each of which
+/// the mass can settle to the same motions. Neighbouring intervals differ.
 ///
 /// The range is cut at all Hopf, grazing, touching, overshoot, crossing and fold velocities, and
 /// where a [continuum](crate::limit_cycle::Continuum) begins. In each interval between two of them,
-/// [`find`](crate::limit_cycle::find) looks at three velocities; where they disagree (folds of
+/// [`find`](crate::limit_cycle::find) is called at three velocities; if they disagree (folds of
 /// crossing cycles have no search of their own) the border is found by bisection, to 10⁻¹² of the
-/// velocity. Borders that are closer to each other than that are one. v_b = 0 is a border, too:
-/// there the mass comes to rest. Between a supercritical Hopf velocity and the place where the
-/// cycle has grown to the smallest that `find` looks for, the cycle is named as it is beyond.
+/// velocity. Borders that are closer to each other than that are merged. v_b = 0 is a border, too:
+/// there the mass comes to rest. Between a supercritical Hopf velocity and the velocity at which
+/// the cycle reaches the smallest size that `find` detects, the attractor is given as beyond.
 ///
 /// The cost is that of the six searches, and three searches by `find` for each interval; intervals
 /// narrower than a 64th of the range are searched for changes of contact once more. To bound it or
@@ -64,18 +64,20 @@ pub struct VibrationRange {
     /// Belt velocities, dimensionless; values of the parameter in a search [`along`](super::along)
     /// another one.
     pub velocities: Range<f64>,
-    /// What the mass can settle to, from the inside outwards. Empty if a motion can grow without an
-    /// end, or where double precision can't tell.
+    /// The attractors, from the inside outwards. Empty if a motion can grow without bound, or if
+    /// double precision cannot decide.
     pub attractors: Vec<AttractorKind>,
 }
 
 impl VibrationRange {
-    /// Whether the start decides what the mass settles to: there are two attractors or more.
+    /// Returns true if the start decides to which motion the mass settles: there are two attractors
+    /// or more.
     pub fn is_bistable(&self) -> bool {
         self.attractors.len() > 1
     }
 
-    /// Whether a vibration can last: there is another attractor than steady sliding, or none.
+    /// Returns true if a vibration can last: there is an attractor other than steady sliding, or
+    /// none.
     pub fn vibrates(&self) -> bool {
         self.attractors != [AttractorKind::Equilibrium]
     }
@@ -91,8 +93,8 @@ impl VibrationRange {
 pub enum AttractorKind {
     /// Steady sliding, if it is stable.
     Equilibrium,
-    /// A family of periodic motions round steady sliding, none of which attracts: a motion that
-    /// comes in stays on one of them.
+    /// A family of periodic motions about steady sliding, none of which attracts: a motion that
+    /// reaches the family stays on one of them.
     Continuum,
     /// A stable cycle of this kind.
     Cycle(CycleKind),
@@ -109,7 +111,7 @@ impl Display for AttractorKind {
 }
 
 impl<L: FrictionLaw> Along<'_, L> {
-    /// What can happen at which value of the parameter. See [`vibration_ranges`].
+    /// The attractors over a range of the parameter. See [`vibration_ranges`].
     ///
     /// # Errors
     ///
@@ -159,8 +161,8 @@ impl Search<'_> {
     }
 }
 
-/// Adds the borders that a search of the whole part is too coarse for: between two borders that are
-/// closer than its first places, the contacts may change, too. Sorts the borders.
+/// Adds the borders for which a search of the whole part is too coarse: between two borders that
+/// are closer than its first grid points, the contacts may change, too. Sorts the borders.
 fn look_closer(
     work: &Work<'_, '_>,
     part: &Range<f64>,
@@ -202,7 +204,7 @@ fn flat_borders(work: &Work<'_, '_>, part: &Range<f64>) -> Vec<f64> {
     velocities.filter(|v_b| part.contains(v_b)).collect()
 }
 
-/// What the mass can settle to at a value of the parameter.
+/// The attractors at a value of the parameter.
 fn attractors(work: &Work<'_, '_>, value: f64) -> Result<Vec<AttractorKind>, Error> {
     let attractors = work.moving_at(value, &mut |tracer: &mut Tracer<'_>| {
         let cycles = find_moving(tracer)?;
@@ -219,8 +221,8 @@ fn attractors(work: &Work<'_, '_>, value: f64) -> Result<Vec<AttractorKind>, Err
     Ok(attractors.unwrap_or_default())
 }
 
-/// Where an interval is looked at: away from its ends, at which small cycles are hard to see, and
-/// on both sides of what is doubtful.
+/// The points at which an interval is searched: away from its ends, near which cycles are small,
+/// and on both sides of doubtful values.
 fn places(interval: &Range<f64>, doubtful: &[f64]) -> Vec<f64> {
     let inside = |place: &f64| interval.start < *place && *place < interval.end;
     let mut places: Vec<f64> = [1.0 / 16.0, 0.5, 15.0 / 16.0]
@@ -268,8 +270,8 @@ fn add_interval(
     Ok(())
 }
 
-/// Gives ranges as narrow as rounding to their neighbours: two ways to a border need not lead to
-/// the same number.
+/// Merges ranges as narrow as rounding with their neighbours: two searches for the same border need
+/// not return the same number.
 fn join_narrow(ranges: &mut Vec<VibrationRange>) {
     let mut joined: Vec<VibrationRange> = Vec::new();
     for mut range in ranges.drain(..) {
@@ -291,7 +293,7 @@ fn is_narrow(Range { start, end }: &Range<f64>) -> bool {
     end - start <= NARROWEST * start.abs().max(end.abs())
 }
 
-/// Adds a range, or lengthens the last one if it goes on alike.
+/// Adds a range, or extends the last one if it has the same attractors.
 fn add(velocities: Range<f64>, attractors: Vec<AttractorKind>, ranges: &mut Vec<VibrationRange>) {
     match ranges.last_mut() {
         Some(last)

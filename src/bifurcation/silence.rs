@@ -9,22 +9,22 @@ use crate::numerics::bracket::Bracket;
 /// velocity: steady sliding is stable, and there is no periodic motion. With less damping there is
 /// a periodic motion, or steady sliding is unstable. The system's own β is ignored; 0 at v_b = 0.
 ///
-/// Why there is such a border: more damping turns the velocity field at every state inwards. Take a
-/// cycle at one β. With less damping, every motion that starts outside this curve stays outside it
-/// and never reaches steady sliding. So a system that vibrates at one β can vibrate at every
+/// The reason for such a border: more damping turns the velocity field at every state inwards. Take
+/// a cycle at one β. With less damping, every motion that starts outside this curve stays outside
+/// it and never reaches steady sliding. So a system that vibrates at one β can vibrate at every
 /// smaller one.
 ///
-/// At the border steady sliding becomes stable (β = −½γ²dμ̂/ds(|v_b|)), or the last two cycles
+/// Steady sliding becomes stable at the border (β = −½γ²dμ̂/ds(|v_b|)), or the last two cycles
 /// meet, or stick-slip grazes the belt. The border is enclosed by doubling β and narrowed to
-/// neighbouring numbers. [`find`](crate::limit_cycle::find) judges whether a system vibrates, so
-/// the result is as complete as that search; a range that [can't be
+/// neighbouring numbers. [`find`](crate::limit_cycle::find) decides whether a system vibrates, so
+/// the result is as complete as that search; a range that [cannot be
 /// resolved](crate::limit_cycle::CycleSet::unresolved) counts as a vibration. On very slow belts
-/// and near steady sliding, one turn may change a motion by less than rounding does; `find` then
+/// and near steady sliding, one period may change a motion by less than rounding does; `find` then
 /// decides by averaging. If steady sliding becomes stable and vibration ends within a relative 10⁻⁸
-/// of the same β, the two are not told apart.
+/// of the same β, the two are not distinguished.
 ///
-/// It takes one search by `find` if the vibration ends with the instability of steady sliding, else
-/// 60 to 130. To bound or to watch them, use [`Along::silence`].
+/// It takes one search by `find` if the vibration ends with the instability of steady sliding,
+/// otherwise 60 to 130. To bound or to watch them, use [`Along::silence`].
 ///
 /// Source: cycles of rotated vector fields, Duff, *Ann. Math.* 57 (1953) 15-31.
 ///
@@ -78,7 +78,7 @@ fn least_damping(system: Belt<'_>) -> Result<f64, Error> {
     )
 }
 
-/// A search for a border by loads or dampings of its own choice, within the default bound of the
+/// A search for a border with loads or dampings of its own choice, within the default bound of the
 /// work.
 fn judged<'s>(
     with: &dyn Fn(f64) -> Result<Belt<'s>, Error>,
@@ -92,9 +92,9 @@ fn judged<'s>(
 }
 
 /// The largest friction load γ², dimensionless, up to which no vibration lasts at the system's belt
-/// velocity and damping: the load from which on the mass can groan. The system's own γ² is ignored.
+/// velocity and damping. The system's own γ² is ignored.
 ///
-/// At the border steady sliding becomes unstable (γ² = −2β/(dμ̂/ds(|v_b|))), or two cycles appear,
+/// Steady sliding becomes unstable at the border (γ² = −2β/(dμ̂/ds(|v_b|))), or two cycles appear,
 /// or stick-slip does. No load silences an undamped mass whose steady sliding is unstable or
 /// surrounded by a [`Continuum`](crate::limit_cycle::Continuum): the result is 0, as it is if the
 /// mass vibrates under the least load tried, 10⁻⁶ of (1 + β)|v_b|/μ_s. If it does not vibrate under
@@ -175,8 +175,8 @@ fn largest_load(system: Belt<'_>) -> Result<f64, Error> {
 
 impl<L: FrictionLaw> Along<'_, L> {
     /// The value of the parameter at which vibration ends or begins between the ends of the range:
-    /// on one side of it the mass can vibrate, on the other side it cannot. `None` if both ends are
-    /// alike.
+    /// on one side of it the mass can vibrate, on the other side it cannot. `None` if the mass can
+    /// vibrate at both ends, or at neither.
     ///
     /// The mass can vibrate if steady sliding is unstable, or if
     /// [`find`](crate::limit_cycle::find) finds a cycle, a continuum or an unresolved range. The
@@ -186,8 +186,8 @@ impl<L: FrictionLaw> Along<'_, L> {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] unless the range is finite and not empty; else [`Error::At`],
-    /// with the value and one of the errors of `find`; [`Error::Stopped`].
+    /// [`Error::InvalidParameter`] unless the range is finite and not empty; otherwise
+    /// [`Error::At`], with the value and one of the errors of `find`; [`Error::Stopped`].
     ///
     /// ```
     /// use stick_slip::{Exponential, MassOnBelt, bifurcation};
@@ -224,7 +224,7 @@ impl Search<'_> {
     }
 }
 
-/// Whether the mass can vibrate at a value of a parameter; a trait object, so that the search is
+/// A predicate of the parameter: the mass can vibrate. A trait object, so that the search is
 /// compiled once.
 type Vibrates<'v> = dyn Fn(f64) -> Result<bool, Error> + 'v;
 
@@ -238,7 +238,7 @@ fn border(vibrates: &Vibrates, low: (f64, bool), high: (f64, bool)) -> Result<f6
     Ok(border.sign_change().below)
 }
 
-/// Whether there are periodic motions, or may be.
+/// Returns true if there are, or may be, periodic motions.
 fn has_cycles(tracer: &mut Tracer<'_>) -> Result<bool, Error> {
     let cycles = find_moving(tracer)?;
     let none = cycles.is_empty() && cycles.continuum().is_none() && cycles.unresolved().is_empty();

@@ -12,7 +12,7 @@ use crate::series::{INTEGRAL, PowerSeries, TERMS};
     serde(deny_unknown_fields)
 )]
 pub(crate) struct Harmonic {
-    /// Ω.
+    /// Angular frequency Ω.
     pub(crate) angular_frequency: f64,
     pub(crate) cosine: f64,
     pub(crate) sine: f64,
@@ -35,7 +35,7 @@ impl Harmonic {
         self.cosine.hypot(self.sine)
     }
 
-    /// The sum of two of one frequency.
+    /// The sum of two harmonics of one frequency.
     pub(super) fn plus(self, other: &Self) -> Self {
         Self {
             cosine: self.cosine + other.cosine,
@@ -117,7 +117,7 @@ pub(super) fn common_period(frequencies: &[f64]) -> Option<f64> {
 /// The least q for which a ratio is p/q.
 fn denominator(ratio: f64) -> Option<u64> {
     const MOST: u64 = 1000;
-    /// In ulps: each frequency is rounded, and so is their ratio.
+    /// Tolerance in ulps: each frequency is rounded, and so is their ratio.
     const ROUNDING: f64 = 4.0;
     let allowed = ROUNDING * (ratio.next_up() - ratio);
     (1..=MOST).find(|&q| {

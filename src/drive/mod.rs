@@ -1,12 +1,12 @@
 //! Functions of time, as data.
 //!
-//! | file | what is in it |
-//! |---|---|
-//! | `mod.rs` | [`Drive`]: a constant, harmonics (from amplitude and phase) and profiles, added up |
-//! | `harmonic.rs` | one angular frequency, as a cosine and a sine: value, slope, series, integral; the common period of several |
-//! | `profile.rs` | straight lines through points: the same, and where pieces meet |
-//!
 //! A time inside the crate is a [`Clock`]: after 10⁹ periods the phase is that of the exact time.
+
+// | file | what is in it |
+// |---|---|
+// | `mod.rs` | `Drive`: a constant, harmonics (from amplitude and phase) and profiles, added up |
+// | `harmonic.rs` | one angular frequency, as a cosine and a sine: value, slope, series, integral; the common period of several |
+// | `profile.rs` | straight lines through points: the same, and where pieces meet |
 
 mod harmonic;
 mod profile;
@@ -28,13 +28,12 @@ use crate::series::PowerSeries;
 /// f(t) = c + Σ A_k cos(Ω_k t + φ_k) + Σ (straight lines through points)
 /// ```
 ///
-/// Times, angular frequencies (radians per unit of time) and values are in the units of the system
-/// that it drives; phases in radians. A plain number is a constant drive: wherever a drive is
-/// wanted, `0.3` will do.
+/// Times, angular frequencies (radians per unit of time) and values are in the units of the driven
+/// system; phases in radians. A plain number is accepted as a constant drive: `0.3`.
 ///
-/// Phases are computed from the exact product Ωt, so a harmonic is as good after 10⁹ periods as in
-/// the first. At a kink [`slope`](Self::slope), and at a jump [`value`](Self::value) too, are those
-/// of the piece that follows.
+/// Phases are computed from the exact product Ωt, so a harmonic is as accurate after 10⁹ periods as
+/// in the first. At a kink [`slope`](Self::slope) is that of the following piece; so are
+/// [`value`](Self::value) and slope at a jump.
 ///
 /// ```
 /// use stick_slip::Drive;
@@ -59,14 +58,14 @@ use crate::series::PowerSeries;
 )]
 pub struct Drive {
     constant: f64,
-    /// Of different frequencies, ascending; none is zero.
+    /// Harmonics of different frequencies, ascending; none is zero.
     harmonics: Vec<Harmonic>,
-    /// None is constant.
+    /// Profiles; none is constant.
     profiles: Vec<Profile>,
 }
 
 impl Drive {
-    /// The constant c. One that is not finite is refused where the drive is put to use.
+    /// The constant c. A value that is not finite is refused where the drive is used.
     pub const fn constant(value: f64) -> Self {
         Self {
             constant: value,
@@ -239,13 +238,13 @@ impl Drive {
         common_period([self])
     }
 
-    /// Whether it has one value at all times.
+    /// Returns true if the drive is constant.
     pub(crate) fn is_constant(&self) -> bool {
         self.harmonics.is_empty() && self.profiles.is_empty()
     }
 
-    /// Sum of the largest sizes of its parts. |f| is never larger, and what rounding makes of f is
-    /// in units of ε times this.
+    /// Sum of the largest sizes of its parts: a bound of |f|, and rounding errors of f are in units
+    /// of ε times this.
     pub(crate) fn size(&self) -> f64 {
         let harmonics = self.harmonics.iter().map(Harmonic::amplitude);
         let profiles = self.profiles.iter().map(Profile::size);
@@ -262,7 +261,7 @@ impl Drive {
         Ok(sum)
     }
 
-    /// Its harmonics alone; `None` if it has a profile.
+    /// The harmonics only; `None` if the drive has a profile.
     pub(crate) fn oscillation(&self) -> Option<Self> {
         self.profiles.is_empty().then(|| Self {
             constant: 0.0,
@@ -270,8 +269,8 @@ impl Drive {
         })
     }
 
-    /// The antiderivative of harmonics alone that has the mean 0; `None` if there is more, or it
-    /// overflows.
+    /// The antiderivative with mean 0 of a drive of harmonics only; `None` for other drives, or if
+    /// it overflows.
     pub(crate) fn antiderivative(&self) -> Option<Self> {
         if self.constant != 0.0 || !self.profiles.is_empty() {
             return None;
@@ -318,13 +317,13 @@ impl Drive {
         Ok(sum)
     }
 
-    /// [`Error::InvalidParameter`] unless the drive of a contact is finite at all times. `name` is
-    /// what it is there.
+    /// Returns [`Error::InvalidParameter`] unless the drive of a contact is finite at all times.
+    /// `name` is its name there.
     pub(crate) fn check(&self, name: &'static str, allowed: &'static str) -> Result<(), Error> {
         Error::check("Contact", name, self.constant, true, allowed).map(drop)
     }
 
-    /// Value and slope at a time; of the piece that begins there, if one does.
+    /// Value and slope at a time; at a break those of the piece that begins there.
     pub(crate) fn at(&self, time: Clock) -> [f64; 2] {
         let harmonics = self.harmonics.iter().map(|harmonic| harmonic.at(time));
         let profiles = self.profiles.iter().map(|profile| profile.at(time));
@@ -335,7 +334,7 @@ impl Drive {
             })
     }
 
-    /// Power series in the time since `start`, of the piece that begins there or holds there.
+    /// Power series in the time since `start`, of the piece that begins there or contains it.
     pub(crate) fn series(&self, start: Clock) -> PowerSeries {
         let mut series = PowerSeries::ZERO;
         series[0] = self.constant;
@@ -350,7 +349,7 @@ impl Drive {
         series
     }
 
-    /// The first time after `time` where pieces meet: a kink or a jump.
+    /// The first time after `time` at which two pieces meet: a kink or a jump.
     pub(crate) fn next_break(&self, time: Clock) -> Option<f64> {
         let breaks = self
             .profiles
@@ -379,7 +378,7 @@ impl From<f64> for Drive {
     }
 }
 
-/// The least period that several drives have in common, as [`Drive::period`] has it.
+/// The least common period of several drives, as [`Drive::period`] defines it.
 pub(crate) fn common_period<'d>(drives: impl IntoIterator<Item = &'d Drive>) -> Option<f64> {
     let mut frequencies = Vec::new();
     for drive in drives {
@@ -393,7 +392,7 @@ pub(crate) fn common_period<'d>(drives: impl IntoIterator<Item = &'d Drive>) -> 
 
 #[cfg(feature = "serde")]
 impl Drive {
-    /// From what was written.
+    /// The drive from its written form.
     pub(crate) fn read(
         constant: f64,
         harmonics: &[Harmonic],

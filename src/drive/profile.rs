@@ -1,8 +1,8 @@
 use crate::clock::Clock;
 use crate::error::Error;
 
-/// Straight lines through points (time, value), constant outside. At least two points, not all of
-/// one value in use; times do not descend.
+/// Straight lines through points (time, value), constant outside: at least two points, not all of
+/// the same value; times do not descend.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(transparent))]
 pub(super) struct Profile {
@@ -32,7 +32,7 @@ impl Profile {
         })
     }
 
-    /// Its value, if it has only one.
+    /// Its value, if it is constant.
     pub(super) fn as_constant(&self) -> Option<f64> {
         let &(_, first) = self.points.first()?;
         let constant = self.points.iter().all(|&(_, value)| value == first);
@@ -49,7 +49,7 @@ impl Profile {
         self.on_piece(self.passed(time), time)
     }
 
-    /// Points before a time and at it.
+    /// Number of points before a time and at it.
     fn passed(&self, time: Clock) -> usize {
         self.points
             .partition_point(|&(point, _)| time.until(point) <= 0.0)
@@ -110,7 +110,7 @@ impl Profile {
     }
 }
 
-/// Whether a point may follow the points before it.
+/// Returns an error unless a point may follow the points before it.
 fn check_point(before: &[(f64, f64)], time: f64, value: f64) -> Result<(), Error> {
     Error::check("Drive", "value", value, true, "any size")?;
     let Some(&(last_time, last_value)) = before.last() else {

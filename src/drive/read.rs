@@ -1,4 +1,4 @@
-//! How drives are read (feature `serde`): through the checks of their constructors.
+//! Deserialization of drives (feature `serde`) through the checks of their constructors.
 
 use serde::Deserialize;
 

@@ -1,5 +1,5 @@
-//! A law along a range of sliding speeds, as a chain of power series. Each series is used as far as
-//! it converges, and is checked in between, so that no feature of the law is passed over.
+//! A law over a range of sliding speeds, as a chain of power series. Each series is used within its
+//! radius of convergence and checked in between, so that no feature of the law is missed.
 
 use std::ops::{ControlFlow, Range};
 
@@ -7,8 +7,7 @@ use super::{Values, finite_at, slope_on, taylor_coefficients_on};
 use crate::error::Error;
 use crate::series::{PowerSeries, TERMS, quarters};
 
-/// Largest size of a series' last terms, relative to its largest term: the series is used as far as
-/// they stay below.
+/// Largest size of a series' last terms, relative to its largest term: the limit of its use.
 const TRUNCATION: f64 = 1e-16;
 
 /// Largest error of a series in between, relative to its largest term.
@@ -21,10 +20,10 @@ const ROUNDING: f64 = 1e-14;
 const PIECES: f64 = 64.0;
 
 /// Relative distance below the range at which the search for sign changes begins, so that a root
-/// exactly at the start of the range is seen as one.
+/// exactly at the start of the range counts.
 const LOOK_BACK: f64 = 1e-6;
 
-/// Series after which a search gives up, well within a second.
+/// Number of series after which a search returns an error, well within a second.
 pub(super) const MOST_STRETCHES: usize = 10_000;
 const TOO_LONG: &str =
     "a shorter range: it takes more than 10000 power series of the law to get there";
@@ -40,9 +39,9 @@ impl AlongSlope<'_> {
     /// Sliding speeds, ascending, at which h changes its sign, in a range of positive speeds. `end`
     /// is the function that was called and its name of the range's end, for errors.
     ///
-    /// Where h touches zero to rounding and keeps its sign, nothing is reported. A breakpoint at
-    /// which h jumps over zero is reported. Where h is zero over a whole interval, the end of that
-    /// interval is reported, if the signs before and behind the interval differ.
+    /// A touch of zero to rounding without a change of sign is not reported. A breakpoint at which
+    /// h jumps over zero is reported. If h is zero over a whole interval, the end of that interval
+    /// is reported, if the signs before and behind the interval differ.
     pub(crate) fn sign_changes(
         &self,
         range: &Range<f64>,
@@ -120,8 +119,8 @@ impl AlongSlope<'_> {
         Ok(())
     }
 
-    /// If the law has no finite value or slope at `end`: the error of the first such speed, found
-    /// by bisection from `start`.
+    /// Returns the error of the first speed at which the law has no finite value or slope, if there
+    /// is none at `end`; found by bisection from `start`.
     fn finite_between(&self, start: f64, end: f64) -> Result<(), Error> {
         let (mut good, mut bad) = (start, end);
         let mut found = finite_at(self.law, bad);
@@ -208,15 +207,15 @@ impl Stretch {
         f64::EPSILON * (self.start + self.length) * steepest
     }
 
-    /// Whether the last two terms are mere rounding beside `size`; two, because a series may be
-    /// even or odd.
+    /// Returns true if the last two terms are rounding relative to `size`; two, because a series
+    /// may be even or odd.
     pub(super) fn converges(&self, size: f64) -> bool {
         [TERMS - 2, TERMS - 1]
             .iter()
             .all(|&k| self.term(k) <= TRUNCATION * size)
     }
 
-    /// Whether the series agrees with `h` at three places inside, to `allowed`.
+    /// Returns true if the series agrees with `h` at three places inside, to `allowed`.
     fn fits(&self, allowed: f64, h: impl Fn(f64) -> f64) -> bool {
         let times = quarters(self.length);
         std::iter::zip(times, self.series.at_some(times))
@@ -226,7 +225,7 @@ impl Stretch {
             .all(|(t, value)| (h(self.start + t) - value).abs() <= allowed)
     }
 
-    /// Shortens the stretch so that no root of h lies at its end: rounding of the two series that
+    /// Shortens the interval so that no root of h lies at its end: rounding of the two series that
     /// meet there could lose the root or find it twice.
     fn end_away_from_zero(&mut self) {
         let ends = [1.0, 0.875, 0.75].map(|part| part * self.length);
@@ -243,8 +242,8 @@ impl Stretch {
 /// Part of a stretch, at either end, within which a root belongs to a zero at that end.
 const AT_END: f64 = 1e-3;
 
-/// Distance, relative to the speed, within which two roots may be one touch of zero that rounding
-/// has split.
+/// Distance, relative to the speed, within which two roots may be one touch of zero, split by
+/// rounding.
 const TOUCH: f64 = 1e-6;
 
 /// The sign changes of h, collected while h is followed.

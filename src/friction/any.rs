@@ -6,7 +6,7 @@ use crate::scalar::Scalar;
 
 /// Any of the crate's friction laws, for a choice at run time.
 ///
-/// [`FrictionLaw`] is generic and has no trait objects. This enum is a law itself and gives the
+/// [`FrictionLaw`] is generic and has no trait objects. This enum is a law itself and returns the
 /// same numbers as the law inside, to the bit. To choose among laws of your own, write such an
 /// enum: two functions with a `match`, and `breakpoints` and `kinetic_on` if a law is piecewise.
 /// Contacts of one [`Structure`](crate::Structure) may have different laws without it.
@@ -62,7 +62,7 @@ macro_rules! from_law {
 }
 from_law!(Coulomb Exponential Polynomial Rational Stribeck Tabulated);
 
-/// Evaluates the same expression with the law of whichever variant.
+/// Evaluates one expression with the law of any variant.
 macro_rules! for_each {
     ($any:expr, $law:ident => $result:expr) => {
         match $any {

@@ -72,18 +72,20 @@ pub(crate) const STATIC_ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// Largest relative jump at a breakpoint that counts as rounding.
 pub(crate) const JUMP: f64 = 1e-12;
 
-/// Whether friction is constant near this sliding speed: all derivatives of the law are zero.
+/// Returns true if friction is constant near this sliding speed: all derivatives of the law are
+/// zero.
 pub(crate) fn is_constant_near(law: &dyn Values, speed: f64) -> bool {
     is_constant(&taylor_coefficients(law, speed))
 }
 
-/// Whether friction is constant on a piece of the law, seen from a speed there or at its end.
+/// Returns true if friction is constant on a piece of the law, expanded about a speed on it or at
+/// its end.
 pub(crate) fn is_constant_on(law: &dyn Values, piece: usize, speed: f64) -> bool {
     is_constant(&taylor_coefficients_on(law, piece, speed))
 }
 
-/// Whether there is no kinetic friction at any speed: on each piece the law and all its derivatives
-/// are zero.
+/// Returns true if there is no kinetic friction at any speed: on each piece the law and all its
+/// derivatives are zero.
 pub(crate) fn has_no_kinetic_friction(law: &dyn Values) -> bool {
     let starts = std::iter::once(0.0).chain(law.breakpoints());
     starts.enumerate().all(|(piece, speed)| {

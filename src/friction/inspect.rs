@@ -1,4 +1,4 @@
-//! A law looked at over a range of speeds: what makes its motions wrong, or unable to go on.
+//! Inspection of a law over a range of speeds: faults that make motions wrong or end them.
 
 use std::ops::{ControlFlow, Range};
 
@@ -7,7 +7,7 @@ use super::{FrictionLaw, Values, taylor_coefficients_on, validate};
 use crate::error::Error;
 use crate::series::{PowerSeries, TERMS};
 
-/// What [`check_law`] finds in a friction law. Speeds are in the units of the law.
+/// A fault of a friction law, found by [`check_law`]. Speeds are in the units of the law.
 ///
 /// To show it with its remedy, print it with `{fault}`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,7 +22,7 @@ pub enum LawFault {
         /// μ̂ just above this speed.
         above: f64,
     },
-    /// The slope of the law jumps at a speed that is not named as a breakpoint.
+    /// The slope of the law jumps at a speed that is not declared as a breakpoint.
     Kink {
         /// The sliding speed of the kink.
         speed: f64,
@@ -31,27 +31,27 @@ pub enum LawFault {
         /// dμ̂/ds just above this speed.
         slope_above: f64,
     },
-    /// The law is not analytic at a speed in another way, as where a higher derivative jumps or a
-    /// slope is infinite.
+    /// The law is not analytic at a speed in another way: a higher derivative jumps, or the slope
+    /// is infinite.
     NotAnalytic {
         /// The sliding speed.
         speed: f64,
     },
-    /// The law gives NaN or ±∞.
+    /// The law returns NaN or ±∞.
     NotFinite {
-        /// The lowest sliding speed of the stretch on which it does.
+        /// The lowest sliding speed of the interval on which it does.
         speed: f64,
-        /// What the law gives there.
+        /// The value of the law there.
         value: f64,
     },
-    /// μ̂ is negative: there, friction drives the mass instead of holding it back.
+    /// μ̂ is negative: friction drives the mass there instead of opposing its motion.
     Negative {
-        /// Where μ̂ falls below 0, or the start of the range.
+        /// The speed at which μ̂ falls below 0, or the start of the range.
         from: f64,
-        /// Where μ̂ rises above 0 again, or the end of the range.
+        /// The speed at which μ̂ rises above 0 again, or the end of the range.
         to: f64,
     },
-    /// A feature of the law so narrow that a step of a fast motion may pass over it unseen.
+    /// A feature of the law so narrow that a step of a fast motion may miss it.
     Narrow {
         /// The sliding speed at which the feature is most pronounced.
         speed: f64,
@@ -103,20 +103,20 @@ impl std::fmt::Display for LawFault {
     }
 }
 
-/// Looks at a law before it is used, over the sliding speeds that its motions may reach: what a
-/// motion would meet there and follow wrongly, or not at all. Empty for a law that is in order.
+/// Checks a law over the range of sliding speeds of its motions, before it is used. Returns every
+/// fault that makes a motion wrong or ends it; none for a law in order.
 ///
-/// For a motion on a belt of velocity v_b, look from 0 to twice |v_b| and more: up to
+/// For a motion on a belt of velocity v_b, check from 0 to at least twice |v_b|: up to
 /// [`LimitCycle::max_sliding_speed`](crate::LimitCycle::max_sliding_speed) of its cycle.
 ///
-/// Power series of the law are chained from one end of the range to the other, each as long as it
-/// converges, and compared with the law's values at 4096 places over the range and at others
-/// besides. What is narrower than the distance of these places can be missed. Narrow features are
-/// looked for from nine places over the range, both ways, so that each is far from one of them; one
-/// at an end of the range is seen by what begins there, and does not count. A feature counts as
-/// narrow if the integrator's own checks could lie on both sides of it in a motion whose velocity
-/// amplitude is half the range: for a bump exp(−(s/w)²) if w is less than about an 85th of the
-/// range.
+/// Power series of the law are chained from one end of the range to the other, each within its
+/// radius of convergence, and compared with the law's values at 4096 points over the range and at
+/// others. Features narrower than the distance of these points can be missed. Narrow features are
+/// searched from nine points over the range in both directions, so that each is far from one of
+/// them; a feature at an end of the range is visible in the series that begins there, and does not
+/// count. A feature counts as narrow if the integrator's own checks could lie on both sides of it
+/// in a motion whose velocity amplitude is half the range: for a bump exp(−(s/w)²) if w is less
+/// than about 1/85 of the range.
 ///
 /// # Errors
 ///
@@ -188,10 +188,10 @@ fn inspect(law: &dyn Values, speeds: Range<f64>) -> Result<Vec<LawFault>, Error>
     Ok(inspection.finish(end))
 }
 
-/// Places in the range at which the law's values are looked at, at least.
+/// Least number of points in the range at which the law is evaluated.
 const PLACES: f64 = 4096.0;
 
-/// Places in each stretch at which they are looked at, at least.
+/// Least number of points in each interval at which it is evaluated.
 const PLACES_IN_STRETCH: f64 = 16.0;
 
 /// Longest stretch of one series, in parts of the range: one radian of a motion whose velocity
@@ -201,15 +201,15 @@ const REACH: f64 = 0.5;
 /// Distance of the integrator's checks of a step, in parts of its length.
 const CHECKS: f64 = 0.25;
 
-/// From how many places over the range, and from the ends of each piece, narrow features are looked
-/// for, both ways. A series that begins near one shows it in its coefficients; the steps of a
-/// motion may begin anywhere.
+/// Number of intervals between the points over the range, and from the ends of each piece, from
+/// which narrow features are searched in both directions. A series that begins near a feature shows
+/// it in its coefficients; the steps of a motion may begin anywhere.
 const STARTS: f64 = 8.0;
 
-/// Shortest stretch, in parts of the range: where a series reaches no further, something is wrong.
+/// Shortest interval, in parts of the range: a series that converges over less indicates a fault.
 const SHORTEST: f64 = 1e-10;
 
-/// Distance, in shortest stretches, at which the search goes on behind a place without a series.
+/// Distance, in shortest intervals, at which the search continues behind a point without a series.
 const GAP: f64 = 64.0;
 
 /// Largest difference of law and series that counts as rounding, relative to the largest
@@ -242,7 +242,7 @@ struct Inspection<'l> {
 }
 
 impl Inspection<'_> {
-    /// Looks at one piece of the law.
+    /// Inspects one piece of the law.
     fn piece(&mut self, piece: usize, start: f64, end: f64) -> Result<(), Error> {
         let mut at = start;
         let mut before: Option<Stretch> = None;
@@ -298,8 +298,8 @@ impl Inspection<'_> {
         Ok(())
     }
 
-    /// Notes the narrow features of one piece of the law: where it differs from a series that
-    /// begins far away, and soon agrees with it again.
+    /// Records the narrow features of one piece of the law: speeds at which it differs from a
+    /// series that begins far away, and soon agrees with it again.
     fn features(&mut self, piece: usize, start: f64, end: f64) {
         let parts = (STARTS * (end - start) / self.range).ceil();
         for i in 0..=parts as usize {
@@ -346,7 +346,8 @@ impl Inspection<'_> {
         }
     }
 
-    /// Whether the law's value differs from the series at the time t of a stretch.
+    /// The difference of the law's value from the series at the time t of an interval; 0 within
+    /// rounding.
     fn difference(&self, stretch: &Stretch, t: f64) -> f64 {
         let speed = stretch.start + t;
         let steep = stretch.series.derivative().at(t).abs();
@@ -360,8 +361,8 @@ impl Inspection<'_> {
         }
     }
 
-    /// The first speed of a stretch at which the law differs from the series, if it does so at any
-    /// of the places that are looked at. Notes a feature behind which they soon agree again.
+    /// The first speed of an interval at which the law differs from the series, among the points of
+    /// evaluation. Records a feature behind which they soon agree again.
     fn first_difference(&mut self, stretch: &Stretch, end: f64) -> Option<f64> {
         let spacing = (self.range / PLACES).min(stretch.length / PLACES_IN_STRETCH);
         let time = |i: usize| i as f64 * spacing;
@@ -402,7 +403,7 @@ impl Inspection<'_> {
         }
     }
 
-    /// Notes a narrow feature, given by its heights at places from `start` on.
+    /// Records a narrow feature, given by its heights at points from `start` on.
     fn narrow(&mut self, start: f64, spacing: f64, heights: &[f64]) {
         let (mut place, mut highest) = (0, 0.0);
         for (i, &height) in heights.iter().enumerate() {
@@ -417,7 +418,8 @@ impl Inspection<'_> {
         });
     }
 
-    /// Notes what lies where two stretches meet, if the law below does not follow the series above.
+    /// Records a fault where two intervals meet, if the law below does not agree with the series
+    /// above.
     fn compare(&mut self, below: &Stretch, above: &Stretch) {
         let back = 0.125 * below.length.min(above.length);
         let there = self.law.kinetic_on(above.piece, above.start - back);
@@ -445,7 +447,8 @@ impl Inspection<'_> {
             });
     }
 
-    /// Notes a place where the law has a value but no series, and returns the speed to go on from.
+    /// Records a point at which the law has a value but no series, and returns the speed at which
+    /// to continue.
     fn without_series(&mut self, piece: usize, speed: f64, behind: f64) -> f64 {
         let (below, above) = (
             self.law.kinetic_on(piece, speed),
@@ -463,7 +466,7 @@ impl Inspection<'_> {
         behind
     }
 
-    /// Notes a stretch on which the law has no finite value, and returns the speed behind it.
+    /// Records an interval on which the law has no finite value, and returns the speed behind it.
     fn not_finite(&mut self, piece: usize, start: f64, end: f64) -> f64 {
         let value = self.law.kinetic_on(piece, start);
         self.faults.push(LawFault::NotFinite {
@@ -478,7 +481,7 @@ impl Inspection<'_> {
         behind.min(end)
     }
 
-    /// Notes where the law is negative along a stretch.
+    /// Records the speeds at which the law is negative along an interval.
     fn signs(&mut self, stretch: &Stretch) {
         let rounding = MISFIT * self.size;
         if stretch.series[0] < -rounding {
@@ -498,7 +501,8 @@ impl Inspection<'_> {
             });
     }
 
-    /// Notes that a stretch on which the law is negative ends at this speed, if there is one.
+    /// Records the end, at this speed, of an interval on which the law is negative, if there is
+    /// one.
     fn positive_from(&mut self, to: f64) {
         if let Some(from) = self.negative_from.take() {
             self.faults.push(LawFault::Negative { from, to });

@@ -1,8 +1,8 @@
-//! A friction law behind a reference: what the engines ask of it. Engines and searches are compiled
-//! once, for any law, and each law once, for all of them.
+//! A friction law as a trait object, for the engines. Engines and searches are compiled once, for
+//! any law, and each law once, for all of them.
 //!
-//! What is asked of a law that is only looked at stands apart from what a motion needs, because the
-//! power series of a motion are most of a law's code.
+//! Values of a law are a trait apart from its series along a motion, which are most of a law's
+//! code.
 
 use super::slip::Expansion;
 use super::{FrictionLaw, Piece, piece_above, value_and_slope};
@@ -17,7 +17,7 @@ pub(crate) trait Values {
     fn kinetic(&self, speed: f64) -> f64;
     /// [`FrictionLaw::kinetic_on`].
     fn kinetic_on(&self, piece: usize, speed: f64) -> f64;
-    /// The same at four speeds.
+    /// [`FrictionLaw::kinetic_on`] at four speeds.
     fn at_four(&self, piece: usize, speeds: [f64; 4]) -> [f64; 4];
     /// [`FrictionLaw::breakpoints`].
     fn breakpoints(&self) -> Box<dyn Iterator<Item = f64> + '_>;
@@ -33,10 +33,10 @@ pub(crate) trait Values {
     fn expand_on(&self, piece: usize, speed: f64, coefficients: &mut [f64]);
 }
 
-/// A friction law as the engines see it. Every [`FrictionLaw`] is one.
+/// A friction law for the engines. Every [`FrictionLaw`] is one.
 ///
-/// A call through a reference costs some nanoseconds, so what a step asks for often is asked for at
-/// once: the values at four speeds, and a whole power series.
+/// A call through a reference costs some nanoseconds, so frequent requests of a step are combined:
+/// the values at four speeds, and a whole power series.
 pub(crate) trait Law: Values {
     /// The series of a slip phase.
     fn expand_slip(&self, expansion: Expansion<'_>) -> Result<(), Error>;
@@ -96,7 +96,7 @@ impl<L: FrictionLaw> Law for L {
     }
 }
 
-/// A law on its way to the engines. See [`FrictionLaw::erased`].
+/// A law as a trait object. See [`FrictionLaw::erased`].
 #[doc(hidden)]
 #[derive(Clone, Copy)]
 pub struct LawRef<'l>(&'l dyn Law);

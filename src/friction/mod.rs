@@ -1,20 +1,20 @@
 //! Friction laws: the friction coefficient as a function of the sliding speed.
-//!
-//! | file | what is in it |
-//! |---|---|
-//! | `mod.rs` | [`FrictionLaw`], the trait of every law; implement it for a law of your own |
-//! | `coulomb.rs`, `exponential.rs`, `polynomial.rs`, `rational.rs`, `stribeck.rs` | the laws with a formula |
-//! | `tabulated.rs` | measured points |
-//! | `any.rs` | a law chosen at run time |
-//! | `memory/` | contact laws with memory |
-//! | `scaled.rs` | a law given over speeds in metres per second |
-//! | `law.rs` | a law behind a reference, as the engines see it |
-//! | `expansion.rs` | a law's pieces, and their power series at one speed |
-//! | `slip.rs` | the power series of a mass that slides on a law |
-//! | `along.rs` | a law as a chain of power series over a range of speeds: sign changes and least value of its slope |
-//! | `check.rs` | checks of a law before it is used; whether it is constant |
-//! | `inspect.rs` | [`check_law`]: a law looked at over a range of speeds, for its writer |
-//! | `read.rs` | how laws are read (feature `serde`) |
+
+// | file | what is in it |
+// |---|---|
+// | `mod.rs` | `FrictionLaw`, the trait of every law; implement it for a law of your own |
+// | `coulomb.rs`, `exponential.rs`, `polynomial.rs`, `rational.rs`, `stribeck.rs` | the laws with a formula |
+// | `tabulated.rs` | measured points |
+// | `any.rs` | a law chosen at run time |
+// | `memory/` | contact laws with memory |
+// | `scaled.rs` | a law given over speeds in metres per second |
+// | `law.rs` | a law behind a reference, as the engines see it |
+// | `expansion.rs` | a law's pieces, and their power series at one speed |
+// | `slip.rs` | the power series of a mass that slides on a law |
+// | `along.rs` | a law as a chain of power series over a range of speeds: sign changes and least value of its slope |
+// | `check.rs` | checks of a law before it is used; whether it is constant |
+// | `inspect.rs` | `check_law`: a law looked at over a range of speeds, for its writer |
+// | `read.rs` | how laws are read (feature `serde`) |
 
 mod along;
 mod any;
@@ -58,13 +58,13 @@ pub(crate) use law::{Law, Values};
 
 use crate::scalar::Scalar;
 
-/// Work on a law of any type. See [`FrictionLaw::give_to`].
+/// A function of a law of any type. See [`FrictionLaw::give_to`].
 #[doc(hidden)]
 pub trait LawVisitor {
     /// The result.
     type Output;
 
-    /// Does the work.
+    /// Calls the function.
     fn visit<L: FrictionLaw>(self, law: &L) -> Self::Output;
 }
 
@@ -82,7 +82,7 @@ const HIGHEST: usize = 30;
 /// A law needs two functions, [`static_coefficient`](Self::static_coefficient) and
 /// [`kinetic`](Self::kinetic). `kinetic` is generic over the number type: so the crate computes its
 /// power series along a motion and its exact derivatives, and you write no derivative by hand.
-/// [`Scalar`] gives the rules for writing it.
+/// [`Scalar`] states the rules for writing it.
 ///
 /// ```
 /// use stick_slip::{FrictionLaw, MassOnBelt, Scalar, State};
@@ -119,33 +119,33 @@ const HIGHEST: usize = 30;
 ///
 /// # Piecewise laws
 ///
-/// A law that is analytic only piece by piece (a table, a kink) must be continuous. Its
+/// A piecewise analytic law (a table, a kink) must be continuous. Its
 /// [`breakpoints`](Self::breakpoints) are the speeds at which pieces meet, and
-/// [`kinetic_on`](Self::kinetic_on) gives piece i, which holds from breakpoint i−1 to breakpoint i.
-/// The integrator ends a step exactly at a breakpoint and then asks for the next piece by its
+/// [`kinetic_on`](Self::kinetic_on) returns piece i, which holds from breakpoint i−1 to breakpoint
+/// i. The integrator ends a step exactly at a breakpoint and then evaluates the next piece by its
 /// number, so the law never has to compare the speed with a breakpoint. Every piece is also
-/// evaluated a little outside its interval.
+/// evaluated slightly outside its interval.
 ///
 /// # What a law must not do
 ///
-/// A law must not give different results for the same speed, nor other breakpoints or another μ_s
-/// when it is asked again, and must not panic. It must not return NaN or ±∞ at a speed that the
-/// motion reaches: the motion then ends in a typed error. It must have μ̂(0) ≤ μ_s, to a few ulps.
+/// A law must always return the same results for the same speed, the same breakpoints and the same
+/// μ_s, and must not panic. It must not return NaN or ±∞ at a speed that the motion reaches: the
+/// motion then ends in a typed error. It must have μ̂(0) ≤ μ_s, to a few ulps.
 ///
-/// What is noticed, and where:
+/// Checks of these rules:
 ///
-/// | fault of the law | noticed by |
+/// | fault of the law | detected by |
 /// |---|---|
 /// | μ_s < μ̂(0); μ_s negative or not finite; a law that is not finite at s = 0 | [`MassOnBelt::new`](crate::MassOnBelt::new) |
 /// | breakpoints that do not ascend; a jump at a breakpoint | [`MassOnBelt::new`](crate::MassOnBelt::new) |
 /// | μ_s that turns NaN later | the next phase of stick, as an error |
-/// | NaN, ±∞ or an infinite slope at a speed that a step looks at | the step, as an error |
-/// | a jump or kink that is not named | steps, as a rule: they shorten until the law fits its series on both sides, which costs time, or end in an error; what lies between the places that they look at is passed over, and the motion is then wrong by as much |
-/// | a feature narrower than the distance of these places (a step, up to a radian, is looked at in four), NaN included | [`check_law`] alone |
-/// | μ̂ < 0 | [`check_law`] alone: motions follow the law as it is, and friction drives the mass |
+/// | NaN, ±∞ or an infinite slope at a speed at which a step evaluates the law | the step, as an error |
+/// | a jump or kink that is not declared | steps, usually: they shorten until the law fits its series on both sides, which costs time, or return an error; a jump between the points of evaluation is missed, and causes an error of its own size |
+/// | a feature narrower than the distance of these points (four in a step, up to a radian), NaN included | [`check_law`] only |
+/// | μ̂ < 0 | [`check_law`] only: motions follow the law as it is, and friction drives the mass |
 /// | breakpoints that change | nothing: the motion follows one of the laws, or ends in an error |
 ///
-/// Steps look at the law's values only; [`check_law`] looks at all of a range.
+/// Steps evaluate the law at some speeds only; [`check_law`] searches a whole range.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a friction law",
     label = "no `FrictionLaw`",
@@ -163,8 +163,8 @@ pub trait FrictionLaw: Sized {
     fn kinetic<S: Scalar>(&self, speed: S) -> S;
 
     /// Sliding speeds at which the pieces of the law meet: finitely many, ascending, positive. An
-    /// analytic law has none; but if it has a very narrow feature away from s = 0, give the place
-    /// and the ends of that feature here, so that no step passes over it.
+    /// analytic law has none; but if it has a very narrow feature away from s = 0, declare the
+    /// centre and the ends of that feature here, so that no step misses it.
     fn breakpoints(&self) -> impl Iterator<Item = f64> {
         std::iter::empty()
     }
@@ -176,17 +176,18 @@ pub trait FrictionLaw: Sized {
         self.kinetic(speed)
     }
 
-    /// Gives the law to a visitor; a choice of laws gives the chosen one, and a reference what it
-    /// refers to. [`Scaled`] needs it: else the series of a scaled choice would hold all laws in
-    /// one piece of code.
+    /// Calls a visitor with the law; a choice of laws passes the chosen one, and a reference the
+    /// law that it refers to. [`Scaled`] needs it: otherwise the series of a scaled choice would
+    /// hold all laws in one piece of code.
     #[doc(hidden)]
     #[inline(always)]
     fn give_to<V: LawVisitor>(&self, visitor: V) -> V::Output {
         visitor.visit(self)
     }
 
-    /// The law as the engines see it. Each of the crate's laws has a copy of this of its own, never
-    /// inlined: its motion is then compiled with the crate, not again in every program.
+    /// The law as a trait object for the engines. Each of the crate's laws has its own copy of this
+    /// function, never inlined: its motion is then compiled with the crate, not again in every
+    /// program.
     #[doc(hidden)]
     fn erased(&self) -> LawRef<'_> {
         LawRef::of(self)

@@ -103,7 +103,7 @@ impl<L: FrictionLaw> FrictionLaw for Scaled<L> {
     }
 }
 
-/// Scales the law inside on its way to a visitor.
+/// A visitor that scales the law inside for another visitor.
 struct Scaling<V> {
     velocity_unit: f64,
     visitor: V,

@@ -1,4 +1,4 @@
-//! The power series of a slip phase: of one mass on a spring and a damper that slides on a law.
+//! The power series of a slip phase of one mass on a spring and a damper.
 
 use super::{FrictionLaw, LawVisitor, Piece};
 use crate::clock::Time;
@@ -16,14 +16,14 @@ pub(crate) struct SlipPoint {
     pub(crate) displacement: f64,
     /// Sliding speed s = |v_r|.
     pub(crate) speed: f64,
-    /// The rate ds/dt in the direction of time that is followed, if it is known better than from
-    /// the equation of motion: on the belt, and at an extremum of v.
+    /// The rate ds/dt in the direction of time in use, if it is known more accurately than from the
+    /// equation of motion: at contact, and at an extremum of v.
     pub(crate) rate: Option<f64>,
 }
 
 /// The power series of a slip phase about one of its points, in the time since that point.
 ///
-/// With the direction of slip σ = ±1 and x = σu the equations of slip are
+/// The equations of slip, with the direction of slip σ = ±1 and x = σu, are
 ///
 /// ```text
 /// x' = s + σv_b,   s' = −x − 2β(s + σv_b) − γ²μ̂(s),
@@ -37,7 +37,7 @@ pub(crate) struct SlipSeries {
     pub(crate) speed: PowerSeries,
     /// The series of μ̂(s(t)), without the last coefficient, which the motion does not need.
     pub(crate) friction: PowerSeries,
-    /// The rate D = 2β + γ²dμ̂/ds at the start, at which a deviation of s dies out.
+    /// The rate D = 2β + γ²dμ̂/ds at the start, at which a deviation of s decays.
     pub(crate) decay: f64,
 }
 
@@ -51,9 +51,9 @@ impl SlipSeries {
 
 /// The series of a slip phase, and the rows in which it is computed.
 ///
-/// Both in one place, because the compiler then knows that what is written to one is not in the
-/// other: see [`fused::compute`]. Else it would load anew, after every coefficient that is stored,
-/// what it has in registers.
+/// Both are in one struct, because the compiler then knows that they do not overlap: see
+/// [`fused::compute`]. Otherwise it would reload its registers after every coefficient that is
+/// stored.
 #[derive(Debug, Clone)]
 pub(crate) struct Expander {
     pub(crate) series: SlipSeries,
@@ -72,8 +72,8 @@ impl Expander {
     ///
     /// Three choices are made for speed. The law is an argument of its own: as a part of
     /// `Equation`, the compiler would have to load the law's parameters anew after every
-    /// coefficient that is stored. So are the others: gathered in one place they cost 4 %. The
-    /// series is written in place: a copy would load what has just been stored, and wait for it.
+    /// coefficient that is stored. So are the others: gathered in one struct they cost 4 %. The
+    /// series is written in place: a copy would wait for values that have just been stored.
     fn expand_one<L: FrictionLaw>(
         &mut self,
         piece: Piece<'_, L>,
@@ -206,10 +206,10 @@ pub(crate) struct Equation {
     pub(crate) belt: f64,
 }
 
-/// Expands the motion about a point, on its way to the law.
+/// The expansion of the motion about a point, as a visitor of the law.
 pub(crate) struct Expansion<'a> {
     pub(crate) expander: &'a mut Expander,
-    /// Number of the law's piece.
+    /// Index of the piece of the law.
     pub(crate) piece: usize,
     pub(crate) equation: &'a Equation,
     pub(crate) from: &'a SlipPoint,

@@ -1,5 +1,4 @@
-//! Slip arcs: parts of a slip phase, from one point to the next place where the fate of the motion
-//! is decided.
+//! Slip arcs: parts of a slip phase, up to contact or to a maximum of the velocity.
 
 use std::ops::ControlFlow;
 
@@ -15,15 +14,15 @@ use crate::state::{Direction, State};
 /// The end of a slip arc.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Arrival {
-    /// On the belt, v = v_b, at this displacement.
+    /// Contact, v = v_b, at this displacement.
     Contact(f64),
-    /// At a maximum of the velocity, below v_b.
+    /// A maximum of the velocity, below v_b.
     Maximum(SlipPoint),
-    /// Nowhere: the motion settles at the equilibrium.
+    /// No end: the motion settles at the equilibrium.
     Equilibrium,
-    /// Nowhere: the motion, followed backwards, grows beyond [`FARTHEST`].
+    /// No end: the motion, followed backwards, grows beyond [`FARTHEST`].
     Far,
-    /// Nowhere: the start is on the belt, and slip does not begin there.
+    /// No arc: the start is on the belt, and slip does not begin there.
     Held,
 }
 
@@ -33,10 +32,9 @@ pub(crate) struct Tracer<'s> {
     stepper: Stepper,
     /// The direction of time in which the equilibrium attracts, if there is one.
     attracts: Option<Time>,
-    /// Distance within which the motion, in that direction of time, stays at the equilibrium for
-    /// good.
+    /// Distance within which the motion, in that direction of time, tends to the equilibrium.
     settled: f64,
-    /// max(1, |h1|): by this, u − ū is divided to compare it with a velocity.
+    /// max(1, |h1|), by which u − ū is divided to compare it with a velocity.
     stiffness: f64,
     /// Distance within which a motion is at the equilibrium to rounding.
     rounding: f64,
@@ -65,8 +63,8 @@ const SETTLED: f64 = 1e-9;
 const ROUNDING: f64 = 16.0;
 
 impl Arc {
-    /// Turns round an arc that was followed backwards to the state `end`, so that it runs forwards
-    /// in time: each series c(t) becomes c(h − t), and the last step comes first.
+    /// Reverses an arc that was followed backwards to the state `end`, so that it runs forwards in
+    /// time: each series c(t) becomes c(h − t), and the last step comes first.
     pub(crate) fn reversed(self, end: State) -> Self {
         let mut start = end;
         let turned = self.steps.into_iter().rev().map(|mut step| {
@@ -82,15 +80,15 @@ impl Arc {
     }
 }
 
-/// Distance, in units of |v_b| + γ²μ_s, beyond which no cycle is looked for and no motion is
-/// followed backwards.
+/// Distance, in units of |v_b| + γ²μ_s, beyond which no cycle is searched and no motion is followed
+/// backwards.
 ///
 /// Friction feeds the mass only while 0 < v < v_b, and the averaged cycles of every law have
 /// amplitudes below 2|v_b|. If the law rises fast enough, a motion followed backwards grows to
 /// infinity in finite time.
 pub(crate) const FARTHEST: f64 = 16.0;
 
-/// Most steps of one arc. An oscillation takes about ten, a slow motion to a node a hundred.
+/// Limit of steps of one arc. An oscillation takes about ten, a creep to a node a hundred.
 const MOST_STEPS: usize = Integrator::DEFAULT_MAX_STEPS;
 
 impl<'s> Tracer<'s> {
@@ -136,8 +134,8 @@ impl<'s> Tracer<'s> {
     /// The arc from `start`, forward or backward in time, to contact or to the next maximum of the
     /// velocity after it.
     ///
-    /// Arcs of a leading mass end in contact: it has v > v_b > 0, so u grows until the spring
-    /// brings it back to the belt.
+    /// Arcs with v > v_b > 0 end in contact: u grows until the spring brings the mass back to the
+    /// belt.
     pub(crate) fn arc(&mut self, start: SlipPoint, time: Time) -> Result<Arc, Error> {
         if start.speed == 0.0 && !self.slips(&start, time) {
             return Ok(Arc {
@@ -198,7 +196,7 @@ impl<'s> Tracer<'s> {
         }
     }
 
-    /// The maximum of the velocity, a time t after the start of the step taken last.
+    /// The maximum of the velocity, a time t after the start of the last step.
     #[inline(never)]
     fn maximum(&self, start: &SlipPoint, time: Time, speed: &PowerSeries, t: f64) -> Arrival {
         Arrival::Maximum(SlipPoint {
@@ -210,8 +208,8 @@ impl<'s> Tracer<'s> {
         })
     }
 
-    /// Whether a motion that starts on the belt leaves it: the sliding speed grows because its rate
-    /// s' is positive or, where s' = 0, because s'' = −σv_b is.
+    /// Returns true if a motion that starts on the belt leaves it: the sliding speed grows because
+    /// its rate s' is positive or, where s' = 0, because s'' = −σv_b is.
     fn slips(&self, start: &SlipPoint, time: Time) -> bool {
         let sigma = start.direction.sign();
         let rate = start.rate.unwrap_or_else(|| {
@@ -222,9 +220,9 @@ impl<'s> Tracer<'s> {
         rate > 0.0 || (rate == 0.0 && start.direction == Direction::Lagging)
     }
 
-    /// Whether a motion stays at the equilibrium for good, or is there to rounding. Where the
+    /// Returns true if a motion tends to the equilibrium, or is there to rounding. If the
     /// equilibrium attracts strongly, u − ū is measured by the speed that it causes: on the slow
-    /// motion of a node u − ū = −h1 v, and the motion is linear as long as the speed is small.
+    /// manifold of a node u − ū = −h1 v, and the motion is linear as long as the speed is small.
     fn has_settled(&self, point: &SlipPoint, time: Time) -> bool {
         let State {
             displacement,
@@ -239,8 +237,8 @@ impl<'s> Tracer<'s> {
         }
     }
 
-    /// Factor by which an arc between two places on the belt stretches distances: |du_end/du_start|
-    /// in forward time. `time` is the direction in which the arc was followed.
+    /// Factor by which an arc between two contacts stretches distances: |du_end/du_start| in
+    /// forward time. `time` is the direction in which the arc was followed.
     pub(crate) fn stretch(&self, arc: &Arc, time: Time) -> f64 {
         let (start, end) = match time {
             Time::Forward => (arc.start_rate, arc.end_rate),
@@ -263,7 +261,7 @@ impl<'s> Tracer<'s> {
         self.arc(SlipPoint::arriving(u, direction), Time::Backward)
     }
 
-    /// The arc from a velocity maximum V behind the belt.
+    /// The arc from a velocity maximum V < v_b.
     pub(crate) fn arc_from_peak(&mut self, peak: f64, time: Time) -> Result<Arc, Error> {
         self.arc(SlipPoint::at_maximum(&self.system, peak), time)
     }
@@ -289,13 +287,13 @@ fn rate_at_end(step: &Step) -> f64 {
     step.speed.derivative().at(step.duration)
 }
 
-/// Watches for the first maximum of the velocity on an arc behind the belt.
+/// Detects the first maximum of the velocity on an arc with v < v_b.
 #[derive(Debug, Clone)]
 struct PeakWatch {
     v_b: f64,
-    /// Whether a maximum can come: v has grown, from the start on or since a minimum. A true
-    /// minimum lies at v < 0, because v'' = −v there; near the slow motion of a stiff system
-    /// rounding makes v' change its sign elsewhere, too.
+    /// True if a maximum can follow: v has grown, from the start or since a minimum. A true minimum
+    /// lies at v < 0, because v'' = −v there; near the slow manifold of a stiff system rounding can
+    /// change the sign of v' elsewhere.
     has_grown: bool,
 }
 
@@ -320,9 +318,9 @@ impl PeakWatch {
         }
     }
 
-    /// Whether a maximum may lie in (0, h): only where the velocity is positive, after it has grown
-    /// or was negative. Values at the quarters of the step suffice, because v keeps its sign for
-    /// about half a turn, longer than a quarter of any step.
+    /// Returns true if a maximum may lie in (0, h): only if the velocity is positive, after it has
+    /// grown or was negative. Values at the quarters of the step suffice, because v keeps its sign
+    /// for about half a period, longer than a quarter of any step.
     fn may_come(&self, speed: &PowerSeries, h: f64) -> bool {
         let speeds = speed.at_some(quarters(h));
         let negative = |s: &f64| *s > self.v_b;
@@ -331,7 +329,7 @@ impl PeakWatch {
     }
 
     /// The first time in (0, h) at which the velocity has a maximum: the sliding speed has a
-    /// minimum, and v has grown before. v grows from a place where the sliding speed has a maximum
+    /// minimum, and v has grown before. v begins to grow where the sliding speed has a maximum
     /// above v_b.
     fn first_inside(&mut self, speed: &PowerSeries, h: f64) -> Option<f64> {
         let mut rate = speed.derivative();

@@ -1,7 +1,7 @@
-//! Growth of motions that friction and damping hardly change, by averaging: the change over one
-//! turn is smaller than rounding, but the averaged rate is accurate.
+//! Growth of weakly perturbed motions by averaging: the change over one period is smaller than
+//! rounding, but the averaged rate is accurate.
 //!
-//! A motion of velocity amplitude A ≤ v_b behind the belt drifts at the rate
+//! A motion of velocity amplitude A ≤ v_b drifts at the rate
 //!
 //! ```text
 //! A'/A = −½h1 − (2γ²/π) ∫₀^½π D(A cos ψ) sin²ψ dψ,
@@ -58,20 +58,20 @@ fn drift(system: &Forward<'_>, amplitude: f64) -> Result<Sample, Error> {
     Ok(Sample { value, noise })
 }
 
-/// Velocity amplitudes from which on a motion about the equilibrium meets a breakpoint of the law.
+/// Velocity amplitudes above which a motion about the equilibrium reaches a breakpoint of the law.
 fn amplitudes_at_breakpoints(system: &Forward<'_>) -> impl Iterator<Item = f64> {
     let v_b = system.belt_velocity();
     let distances = system.law().breakpoints().map(move |b| (b - v_b).abs());
     distances.filter(|distance| *distance > 0.0)
 }
 
-/// Whether a motion of this velocity amplitude grows; `None` if averaging does not tell.
+/// Returns true if a motion of this velocity amplitude grows; `None` if averaging does not decide.
 pub(super) fn grows(system: &Forward<'_>, amplitude: f64) -> Result<Option<bool>, Error> {
     let Sample { value, noise } = drift(system, amplitude)?;
     Ok((value.abs() > noise).then_some(value > 0.0))
 }
 
-/// Whether all motions with an amplitude in a range grow (true) or all die (false); `None` if one
+/// Returns true if all motions with an amplitude in a range grow, false if all decay; `None` if one
 /// of them may be periodic.
 pub(super) fn all_grow(system: &Forward<'_>, range: &Range<f64>) -> Result<Option<bool>, Error> {
     let mut ends: Vec<f64> = amplitudes_at_breakpoints(system)

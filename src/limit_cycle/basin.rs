@@ -13,7 +13,7 @@ use crate::friction::slip::SlipPoint;
 use crate::friction::{FrictionLaw, has_no_kinetic_friction};
 use crate::state::{Direction, State};
 
-/// The attractor that a motion reaches, or why there is none. See [`attractor`].
+/// The attractor that a motion reaches, or the reason why there is none. See [`attractor`].
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -22,24 +22,24 @@ use crate::state::{Direction, State};
 )]
 #[non_exhaustive]
 pub enum Attractor {
-    /// The mass rests in the stick band of a belt that stands still.
+    /// The mass is at rest in the stick band of a belt that stands still.
     Rest,
     /// Steady sliding at the equilibrium.
     Equilibrium,
     /// A stable periodic motion.
     Cycle(LimitCycle),
-    /// The start lies on an unstable periodic motion, to rounding: the slightest disturbance
-    /// decides.
+    /// The start lies on an unstable periodic motion, to rounding: an arbitrarily small
+    /// perturbation decides.
     Separatrix(LimitCycle),
     /// A [continuum](super::Continuum): the start lies in it, so that its motion is periodic, or
     /// the motion shrinks until it is one of the continuum.
     Continuum,
     /// The motion grows beyond every periodic motion that was found.
     Unbounded,
-    /// Not decided: a turn changes the motion by less than rounding does, and averaging does not
-    /// tell whether it grows or shrinks. It starts in a range that is
+    /// Not decided: one period changes the motion by less than rounding does, and averaging does
+    /// not show whether it grows or shrinks. The motion starts in a range that is
     /// [unresolved](CycleSet::unresolved), or crosses the belt velocity and changes by less than
-    /// 10⁻¹⁴ in a turn.
+    /// 10⁻¹⁴ per period.
     Unresolved,
 }
 
@@ -65,22 +65,22 @@ const ON_CYCLE: f64 = 1e-12;
 const HIDDEN_BY_CYCLE: f64 = 1e-6;
 
 /// The attractor that the motion from `start` reaches. For many starts of one system use
-/// [`basins`], which looks for the cycles only once.
+/// [`basins`], which searches the cycles only once.
 ///
-/// The geometry of the planar flow decides: cycles lie one inside the other, and a motion between
-/// two of them ends on the one towards which it moves. So only a few slip arcs are followed, to the
-/// first velocity maximum, stick, or crossing outside the stick band; no motion is simulated until
-/// it settles.
+/// The geometry of the planar flow decides: cycles are nested, and a motion between two of them
+/// ends on the one towards which it moves. So only a few slip arcs are followed, to the first
+/// velocity maximum, stick, or crossing outside the stick band; no motion is simulated until it
+/// settles.
 ///
-/// | start | first decided at | reaches |
+/// | start | decided at | attractor |
 /// |---|---|---|
 /// | v_b = 0 | | [`Rest`](Attractor::Rest); without damping and kinetic friction [`Continuum`](Attractor::Continuum), outside the stick band |
-/// | in stick, or slip that ends in stick | the release point | the cycle through that point; if the motion from there turns inwards or outwards, as below |
-/// | slip behind the belt, equilibrium a focus | a velocity maximum V | growing over one turn: the next cycle outside, else the next one inside, else the equilibrium |
-/// | slip into a node without a turn round it, or the equilibrium itself, stable or not | | [`Equilibrium`](Attractor::Equilibrium) |
-/// | far out, or above the belt velocity | a crossing beyond the release point | growing over one turn: the next crossing cycle outside, else the next one inside, else as from the release point |
+/// | in stick, or slip that ends in stick | the release point | the cycle through that point; if the motion from there moves inwards or outwards, as below |
+/// | slip slower than the belt, equilibrium a focus | a velocity maximum V | if the motion grows over one period: the next cycle outside; otherwise the next one inside, or the equilibrium if there is none |
+/// | slip into a node without encircling it, or the equilibrium itself, stable or not | | [`Equilibrium`](Attractor::Equilibrium) |
+/// | far out, or above the belt velocity | a crossing beyond the release point | if the motion grows over one period: the next crossing cycle outside; otherwise the next one inside, or as from the release point if there is none |
 /// | an unstable cycle, to 10⁻¹² | | [`Separatrix`](Attractor::Separatrix) |
-/// | where rounding hides the growth over one turn, and averaging does not tell it | | [`Unresolved`](Attractor::Unresolved) |
+/// | any, if rounding hides the growth over one period, and averaging does not show it | | [`Unresolved`](Attractor::Unresolved) |
 ///
 /// # Errors
 ///
@@ -102,8 +102,8 @@ pub fn attractor<L: FrictionLaw>(system: &MassOnBelt<L>, start: State) -> Result
     basins(system)?.attractor(start)
 }
 
-/// The basins of attraction of a system: its cycles, found once, and the decision which of them a
-/// motion reaches.
+/// The basins of attraction of a system: its cycles, found once, and the decision to which of them
+/// a motion tends.
 ///
 /// # Errors
 ///
@@ -131,7 +131,7 @@ pub fn basins<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Basins<'_, L>, E
     Ok(Basins { system, nest })
 }
 
-/// The motions of a system that bound the basins.
+/// The motions that bound the basins of a system.
 #[derive(Debug, Clone)]
 struct Nest {
     cycles: CycleSet,
@@ -169,12 +169,12 @@ pub struct Basins<'s, L> {
     nest: Nest,
 }
 
-/// What bounds the basins of a belt that moves forward.
+/// The boundaries of the basins on a belt that moves forward.
 #[derive(Debug, Clone)]
 struct Bounds {
     fate: ReleaseFate,
-    /// The place of each cycle: its velocity maximum in pure slip, else the force F where it starts
-    /// (the release point, or the downward crossing).
+    /// The coordinate of each cycle: its velocity maximum in pure slip, otherwise the force F at
+    /// its start (the release point, or the downward crossing).
     places: Vec<f64>,
 }
 
@@ -193,10 +193,10 @@ fn check(start: State) -> Result<(), Error> {
     }
 }
 
-/// The place on a motion where its fate is decided.
+/// The first point of a motion that decides its attractor.
 #[derive(Debug, Clone, Copy)]
 enum Place {
-    /// A velocity maximum V, behind the belt.
+    /// A velocity maximum V < v_b.
     Peak(f64),
     /// The release point.
     Release,
@@ -207,7 +207,7 @@ enum Place {
 }
 
 impl Tracer<'_> {
-    /// The first place on the motion from `start` where its fate is decided.
+    /// The first point of the motion from `start` that decides its attractor.
     fn first_place(&mut self, start: State) -> Result<Place, Error> {
         let system = self.system();
         let v_b = system.belt_velocity();
@@ -239,7 +239,7 @@ impl Tracer<'_> {
 }
 
 impl<L: FrictionLaw> Basins<'_, L> {
-    /// The periodic motions of the system, as [`find`](super::find) returns them.
+    /// The periodic motions of the system, as returned by [`find`](super::find).
     pub fn cycles(&self) -> &CycleSet {
         &self.nest.cycles
     }
@@ -249,7 +249,7 @@ impl<L: FrictionLaw> Basins<'_, L> {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidState`] unless `start` is finite; else those of
+    /// [`Error::InvalidState`] unless `start` is finite; otherwise those of
     /// [`Integrator::simulate`](crate::Integrator::simulate) that concern the law or the length of
     /// steps.
     pub fn attractor(&self, start: State) -> Result<Attractor, Error> {
@@ -338,7 +338,7 @@ impl Nest {
         ranges.iter().any(|range| range.contains(&peak))
     }
 
-    /// The cycles of a kind with their places, from the inside outwards.
+    /// The cycles of a kind with their coordinates, from the inside outwards.
     fn of_kind(
         &self,
         bounds: &Bounds,
@@ -452,7 +452,7 @@ impl Nest {
         })
     }
 
-    /// The cycle of a kind on which a start lies, found by comparing places.
+    /// The cycle of a kind on which a start lies, by comparison of coordinates.
     fn cycle_through(
         &self,
         bounds: &Bounds,

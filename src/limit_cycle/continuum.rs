@@ -1,4 +1,5 @@
-//! Families of periodic motions: where nothing feeds or damps a motion, every motion is periodic.
+//! Families of periodic motions: if friction and damping transfer no net energy, every motion is
+//! periodic.
 
 use super::peaks::PeakMap;
 #[cfg(feature = "serde")]
@@ -36,8 +37,8 @@ impl Continuum {
     };
 }
 
-/// Whether small motions are periodic: there is no damping, and friction does not depend on the
-/// speed near v_b.
+/// Returns true if small motions are periodic: there is no damping, and friction does not depend on
+/// the speed near v_b.
 pub(super) fn is_flat(system: &Forward<'_>) -> bool {
     system.damping() == 0.0
         && is_constant_near(system.law(), system.belt_velocity())
@@ -59,7 +60,7 @@ pub(super) fn flat_amplitude(system: &Forward<'_>) -> f64 {
     amplitude
 }
 
-/// Whether every motion in slip is periodic: the system [`is_flat`], and no motion grows or
+/// Returns true if every motion in slip is periodic: the system [`is_flat`], and no motion grows or
 /// shrinks.
 pub(super) fn is_continuum(peaks: &mut PeakMap<'_, '_>) -> Result<bool, Error> {
     let system = peaks.system();
@@ -75,7 +76,7 @@ pub(super) fn is_continuum(peaks: &mut PeakMap<'_, '_>) -> Result<bool, Error> {
     Ok(peaks.overshoot()? == 0.0)
 }
 
-/// Whether there is no friction at all.
+/// Returns true if there is no friction at all.
 pub(crate) fn is_frictionless(law: &dyn Values) -> bool {
     law.static_coefficient() == 0.0 && has_no_kinetic_friction(law)
 }

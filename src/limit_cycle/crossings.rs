@@ -21,9 +21,9 @@ impl<'t, 's> CrossingMap<'t, 's> {
         Self { tracer }
     }
 
-    /// The two arcs, lagging and leading, of a motion that crosses the belt velocity downwards at a
-    /// force F, and the force where the second one comes back to the belt. `None` if the motion
-    /// sticks or turns inwards after the first arc.
+    /// The two arcs, first with v < v_b, then with v > v_b, of a motion that crosses the belt
+    /// velocity downwards at a force F, and the force at which the second one returns to the belt.
+    /// `None` if the motion sticks or moves inwards after the first arc.
     fn turn(&mut self, force: f64) -> Result<Option<([Arc; 2], f64)>, Error> {
         let system = self.tracer.system();
         let carried = system.carried_force();
@@ -43,7 +43,7 @@ impl<'t, 's> CrossingMap<'t, 's> {
         })
     }
 
-    /// The growth over one turn, C(F)/F − 1, and its slope. C is the force at the next downward
+    /// The growth over one period, C(F)/F − 1, and its slope. C is the force at the next downward
     /// crossing, or F_s, the force at release, if the motion does not cross again.
     pub(super) fn growth(&mut self, force: f64) -> Result<Sample, Error> {
         let release = self.tracer.system().largest_friction();
@@ -57,8 +57,8 @@ impl<'t, 's> CrossingMap<'t, 's> {
     }
 
     /// The growth from a force to the next. `rates` are the rates of the relative velocity at the
-    /// contacts: a shift in time or velocity moves the place of contact by v_b/rate times as much,
-    /// and the noise grows accordingly.
+    /// contacts: a shift in time or velocity moves a contact by v_b/rate times as much, and the
+    /// noise grows accordingly.
     fn growth_to(&self, force: f64, next: f64, slope: f64, rates: [f64; 2]) -> Sample {
         let slowest = rates[0].abs().min(rates[1].abs());
         let steepest = self.tracer.system().belt_velocity() / slowest;
@@ -69,7 +69,7 @@ impl<'t, 's> CrossingMap<'t, 's> {
         }
     }
 
-    /// dC/dF over the arcs of a turn.
+    /// dC/dF over the arcs of a period.
     fn stretch(&self, arcs: &[Arc; 2]) -> f64 {
         let stretch = arcs
             .iter()
@@ -77,14 +77,14 @@ impl<'t, 's> CrossingMap<'t, 's> {
         stretch.product()
     }
 
-    /// Whether a motion that crosses downwards at the force F grows over the next turn; `None` if
-    /// rounding hides it.
+    /// Returns true if a motion that crosses downwards at the force F grows over the next period;
+    /// `None` if rounding hides it.
     pub(super) fn grows(&mut self, force: f64) -> Result<Option<bool>, Error> {
         self.growth(force).map(Sample::grows)
     }
 
     /// The least force from which a motion crosses downwards again, for a system in which the
-    /// motion from the release point does not. Found by following the motion that arrives at an end
+    /// motion from the release point does not; found by following the motion that arrives at an end
     /// of the stick band backwards.
     pub(super) fn least(&mut self) -> Result<Option<Sample>, Error> {
         let carried = self.tracer.system().carried_force();
@@ -133,8 +133,8 @@ impl<'t, 's> CrossingMap<'t, 's> {
     /// Forces at the downward crossings of the periodic motions that cross the belt velocity twice
     /// a period.
     ///
-    /// The force is doubled until it reaches [`FARTHEST`], or until the motions from two forces in
-    /// succession, both beyond every breakpoint of the law, shrink.
+    /// The force is doubled until it reaches [`FARTHEST`], or until the motions from two
+    /// consecutive forces, both beyond every breakpoint of the law, shrink.
     pub(super) fn roots(&mut self, fate: ReleaseFate) -> Result<Roots, Error> {
         let system = self.tracer.system();
         let release = system.largest_friction();

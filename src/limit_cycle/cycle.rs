@@ -17,10 +17,10 @@ use crate::state::{Direction, State, Units};
 pub enum CycleKind {
     /// The mass never reaches the belt velocity.
     PureSlip,
-    /// Slip behind the belt and stick, in turn. [`stick_slip`](super::stick_slip) finds such a
-    /// cycle, or one of the next kind.
+    /// Slip slower than the belt alternates with stick. [`stick_slip`](super::stick_slip) finds
+    /// such a cycle, or one of the next kind.
     StickSlip,
-    /// Slip, a crossing of the belt velocity, slip ahead of the belt, stick.
+    /// Slip, a crossing of the belt velocity, slip faster than the belt, stick.
     Overshoot,
     /// The mass crosses the belt velocity twice a period and never sticks.
     Crossing,
@@ -54,8 +54,8 @@ impl std::fmt::Display for CycleKind {
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
-/// With the feature `serde` the numbers and events of a cycle are written, for other programs. They
-/// cannot be read: keep the system, which can, and find the cycle again from it.
+/// The feature `serde` writes the numbers and events of a cycle, for other programs. They cannot be
+/// read: store the system, which can, and find the cycle again.
 #[derive(Clone, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -67,7 +67,7 @@ pub struct LimitCycle {
     pub(super) kind: CycleKind,
     pub(super) multiplier: f64,
     pub(super) damping: f64,
-    /// The units in which the steps are given.
+    /// The units of the steps.
     pub(super) units: Units,
 }
 
@@ -126,7 +126,7 @@ impl LimitCycle {
         Self { units, ..self }
     }
 
-    /// Makes it its mirror image: (u, v, v_b) → (−u, −v, −v_b).
+    /// Replaces the motion by its mirror image: (u, v, v_b) → (−u, −v, −v_b).
     pub(super) fn mirror(&mut self) {
         for step in &mut self.steps {
             *step = step.mirrored();
@@ -149,7 +149,7 @@ impl LimitCycle {
 
     /// The state (u, v) at which [`trajectory`](Self::trajectory) starts, dimensionless: the
     /// release point if the cycle sticks, the largest velocity in the direction of the belt in pure
-    /// slip, and the crossing to lagging motion of a crossing cycle.
+    /// slip, and the downward crossing (v/v_b falls below 1) of a crossing cycle.
     ///
     /// ```
     /// # use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
@@ -210,7 +210,7 @@ impl LimitCycle {
         self.time_in(|mode| mode == Mode::Stick)
     }
 
-    /// Time per period in which the mass leads the belt, v/v_b > 1; dimensionless.
+    /// Time per period in which the mass is faster than the belt, v/v_b > 1; dimensionless.
     ///
     /// ```
     /// # use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
@@ -332,7 +332,7 @@ impl LimitCycle {
         self.integral_of_displacement() / self.period()
     }
 
-    /// Floquet multiplier, dimensionless: the factor by which a small disturbance changes over one
+    /// Floquet multiplier, dimensionless: the factor by which a small perturbation changes over one
     /// period; that of a cycle without stick is given on the page of
     /// [`limit_cycle`](crate::limit_cycle). It is 0 for a cycle that sticks, because every motion
     /// in stick leaves from the same release point.
@@ -354,7 +354,7 @@ impl LimitCycle {
         self.multiplier
     }
 
-    /// Whether the cycle attracts: its multiplier is less than 1.
+    /// Returns true if the cycle attracts: its multiplier is less than 1.
     ///
     /// ```
     /// # use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
@@ -368,8 +368,8 @@ impl LimitCycle {
         self.multiplier < 1.0
     }
 
-    /// The motion over one period, from [`state`](Self::state) on. A last step of duration 0 gives
-    /// the mode of motion at the time T itself.
+    /// The motion over one period, from [`state`](Self::state) on. A last step of duration 0 holds
+    /// the mode at the time T itself.
     ///
     /// ```
     /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -395,7 +395,7 @@ impl LimitCycle {
     }
 }
 
-/// In one line: kind, period, amplitude and multiplier.
+/// Displays kind, period, amplitude and multiplier in one line.
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -418,7 +418,7 @@ impl std::fmt::Display for LimitCycle {
     }
 }
 
-/// Its measures; without the steps, which are long.
+/// Shows the measures, without the steps, which are long.
 impl std::fmt::Debug for LimitCycle {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("LimitCycle")

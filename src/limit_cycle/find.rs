@@ -9,12 +9,12 @@ use crate::belt::{Belt, Forward, MassOnBelt};
 use crate::error::Error;
 use crate::friction::{FrictionLaw, has_no_kinetic_friction};
 
-/// The periodic motion through the release point, of either kind that sticks; `None` if the motion
-/// from that point never comes back to it, and at v_b = 0.
+/// The periodic motion through the release point; `None` if the motion from that point never
+/// returns to it, and at v_b = 0.
 ///
-/// It is a [`CycleKind::StickSlip`] or, if the mass overtakes the belt before it sticks, a
-/// [`CycleKind::Overshoot`]: ask its [`kind`](LimitCycle::kind). Takes one slip arc for the first
-/// and two for the second. The closed formulas for such motions are
+/// Its [`kind`](LimitCycle::kind) is [`CycleKind::StickSlip`] or, if the mass overtakes the belt
+/// before it sticks, [`CycleKind::Overshoot`]. It takes one slip arc for the first and two for the
+/// second. The closed formulas for such motions are
 /// [`analysis::StickSlip`](crate::analysis::StickSlip).
 ///
 /// # Errors
@@ -105,7 +105,7 @@ pub(crate) fn find_moving(tracer: &mut Tracer<'_>) -> Result<CycleSet, Error> {
 }
 
 /// The periodic motions on a belt at rest: a family if there is neither damping nor kinetic
-/// friction, else none.
+/// friction, otherwise none.
 pub(super) fn of_belt_at_rest(system: Belt<'_>) -> CycleSet {
     let goes_on = system.damping() == 0.0 && has_no_kinetic_friction(system.law());
     CycleSet {
@@ -114,7 +114,7 @@ pub(super) fn of_belt_at_rest(system: Belt<'_>) -> CycleSet {
     }
 }
 
-/// The cycles of a system moving forward, from the inside outwards.
+/// The cycles of a system whose belt moves forward, from the inside outwards.
 pub(super) fn nested_cycles(
     tracer: &mut Tracer<'_>,
     mut release: Release,
@@ -140,7 +140,8 @@ pub(super) fn nested_cycles(
     Ok(set)
 }
 
-/// Adds the periodic motions in slip. False if there are no others, because there is no friction.
+/// Adds the periodic motions in slip. Returns false if there are no others, because there is no
+/// friction.
 fn add_pure_slip(tracer: &mut Tracer<'_>, set: &mut CycleSet) -> Result<bool, Error> {
     let system = tracer.system();
     let mut peaks = PeakMap::of(tracer);

@@ -1,4 +1,4 @@
-//! Growth of a motion over one turn, as a sample for the searches.
+//! Growth of a motion over one period, as a sample for the searches.
 
 use super::arc::{Arc, Arrival, Tracer};
 use super::averaged;
@@ -6,7 +6,7 @@ use super::continuum::{flat_amplitude, is_flat};
 use crate::error::Error;
 use crate::numerics::with_slopes::Sample;
 
-/// Rounding error of one turn, in units of ε times the size of the motion.
+/// Rounding error of one period, in units of ε times the size of the motion.
 const TURN_ROUNDING: f64 = 32.0;
 
 /// The growth next/x − 1 and its slope, for a map x → next(x) with this slope.
@@ -20,18 +20,19 @@ pub(super) fn relative_growth(tracer: &Tracer<'_>, x: f64, next: f64, slope: f64
     }
 }
 
-/// How far a motion that leaves the belt with the arc `turn` overshoots the belt velocity after one
-/// turn, in units of v_b: w²/(2v_b²) if it meets the belt, with the rate w of the relative velocity
-/// at contact; V/v_b − 1 if it turns back at a velocity maximum V below; −1 if there is no maximum.
+/// The overshoot of a motion that leaves the belt with the arc `turn` beyond the belt velocity
+/// after one period, in units of v_b: w²/(2v_b²) if it meets the belt, with the rate w of the
+/// relative velocity at contact; V/v_b − 1 if it has a velocity maximum V below; −1 if there is no
+/// maximum.
 ///
-/// Where [`stays_behind`] corrects it, it is not positive.
+/// It is not positive if [`stays_behind`] corrects it.
 pub(super) fn overshoot(tracer: &Tracer<'_>, turn: &Arc) -> Result<f64, Error> {
     Ok(stays_behind(tracer, turn)?.unwrap_or(computed_overshoot(tracer, turn)))
 }
 
-/// The overshoot of a motion that does not overshoot, though rounding may make it come back to the
-/// belt: 0 for the outermost motion of a continuum, which touches the belt velocity in every turn;
-/// negative for a motion that averaging shows to shrink. `None` for any other.
+/// The overshoot of a motion that does not overshoot, though rounding may bring it back to the
+/// belt: 0 for the outermost motion of a continuum, which touches the belt velocity in every
+/// period; negative for a motion that averaging shows to shrink. `None` for any other.
 pub(super) fn stays_behind(tracer: &Tracer<'_>, turn: &Arc) -> Result<Option<f64>, Error> {
     let system = tracer.system();
     let v_b = system.belt_velocity();

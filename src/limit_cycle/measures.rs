@@ -15,8 +15,8 @@ use crate::state::{State, Units};
 /// ([`Scaling::joules`](crate::Scaling::joules) converts them to joules). f is the friction force
 /// on the mass.
 ///
-/// On a periodic motion `belt_work = damper_loss` and
-/// `drive_work = damper_loss + friction_loss = v_b ∮u dτ`.
+/// For a periodic motion `belt_work = damper_loss` and `drive_work = damper_loss + friction_loss =
+/// v_b ∮u dτ`.
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -30,8 +30,8 @@ use crate::state::{State, Units};
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
-/// A period ends in the state in which it began. So the work of friction on the mass is what the
-/// damper takes, and the drive supplies both losses. Two of the numbers are computed as integrals,
+/// A period ends in the state in which it began, so the work of friction on the mass is dissipated
+/// by the damper, and the drive supplies both losses. Two of the numbers are computed as integrals,
 /// of u and of v², and the other two follow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -147,8 +147,8 @@ impl LimitCycle {
     ///
     /// It equals the root mean square of the velocity, and in physical units ω0 times that. The
     /// reason: differentiate the equation of motion, multiply it by v and integrate it over a
-    /// period. What is left is ∮v'² = ∮v² − ∮v df with the friction force f, and ∮v df = ∮v_r df =
-    /// 0, because f depends on v_r alone in slip, and v_r is 0 in stick.
+    /// period. The result is ∮v'² = ∮v² − ∮v df with the friction force f, and ∮v df = ∮v_r df = 0,
+    /// because f depends on v_r alone in slip, and v_r is 0 in stick.
     ///
     /// ```
     /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -182,7 +182,7 @@ impl LimitCycle {
         peak
     }
 
-    /// Largest sliding speed |v − v_b|, dimensionless: up to there the law has to be known, as to
+    /// Largest sliding speed |v − v_b|, dimensionless: the law must be known up to there, as up to
     /// the end of a [table](crate::Tabulated).
     pub fn max_sliding_speed(&self) -> f64 {
         let [min, max] = self.velocities();
@@ -190,8 +190,8 @@ impl LimitCycle {
         (max - v_b).max(v_b - min)
     }
 
-    /// Works and losses over one period, in dimensionless energy units; ±∞ where one is beyond the
-    /// largest number (velocities above 10¹⁵³, of a load in unfit units).
+    /// Work and losses over one period, in dimensionless energy units; ±∞ if one exceeds the
+    /// largest number (velocities above 10¹⁵³, for a load in unsuitable units).
     pub fn energy(&self) -> EnergyBudget {
         let v_b = self.belt_velocity();
         // The force on the mass is f = u + 2βv + v', and over a period ∮v = ∮v' = ∮(u + v')v = 0.
@@ -211,8 +211,8 @@ impl LimitCycle {
         }
     }
 
-    /// A power of two, at least 1, in which velocities have squares that do not overflow. To count
-    /// in powers of two rounds nothing.
+    /// A power of two, at least 1, as a unit in which the squares of velocities do not overflow. A
+    /// power of two causes no rounding.
     fn unit_of_velocity(&self) -> f64 {
         const EXPONENT: u64 = 0x7ff << 52;
         let [min, max] = self.velocities();

@@ -1,14 +1,47 @@
-//! Periodic motions of the mass on its belt, found exactly and without transients.
+//! Limit cycles of one mass on its belt, found exactly and without transients.
 //!
-//! The motion of the mass is a flow in the plane (u, v), and trajectories in a plane can't cross.
+//! ```
+//! use stick_slip::limit_cycle::{self, Attractor};
+//! use stick_slip::{CycleKind, Exponential, MassOnBelt, State};
+//!
+//! let law = Exponential::new(0.6, 0.3, 0.4)?;
+//! let system = MassOnBelt::new(law, 1.0)?.with_damping(0.01)?;
+//!
+//! // Every limit cycle: an unstable one that never sticks inside a stable stick-slip cycle.
+//! let cycles = limit_cycle::find(&system)?;
+//! let [inner, outer] = cycles.as_slice() else { panic!() };
+//! assert_eq!((inner.kind(), inner.is_stable()), (CycleKind::PureSlip, false));
+//! assert_eq!((outer.kind(), outer.is_stable()), (CycleKind::StickSlip, true));
+//! assert!((outer.period() - 6.44421345231177).abs() < 1e-13);
+//! assert!((outer.amplitude() - 1.19163699374785).abs() < 1e-13);
+//! assert!((outer.stick_duration() - 0.99824663777958).abs() < 1e-13);
+//!
+//! // So steady sliding is stable, but a larger perturbation leads to stick-slip.
+//! let reached = |v| limit_cycle::attractor(&system, State::new(0.31, v));
+//! assert_eq!(reached(0.0)?, Attractor::Equilibrium);
+//! assert!(matches!(reached(0.9)?, Attractor::Cycle(cycle) if cycle == *outer));
+//! # Ok::<(), stick_slip::Error>(())
+//! ```
+//!
+//! | question | answer |
+//! |---|---|
+//! | all limit cycles, stable and unstable | [`find`] |
+//! | the stick-slip cycle alone | [`stick_slip`] |
+//! | the attractor reached from a start; from many | [`attractor`]; [`basins`](basins()) |
+//! | period, extremes, harmonics, energies, trajectory of a cycle | [`LimitCycle`] |
+//! | the velocities at which cycles appear and disappear | [`bifurcation`](crate::bifurcation) |
+//!
+//! # Kinds of cycles
+//!
+//! The motion of the mass is a flow in the plane (u, v), and trajectories in a plane cannot cross.
 //! So for v_b > 0 every periodic motion is one of three kinds. (v_b < 0 is the mirror image; at
 //! v_b = 0 only free vibration without friction is periodic.)
 //!
 //! * The motion **sticks**. Then it leaves stick at the release point: it is found from the one or
 //!   two slip arcs out of that point, and it attracts with multiplier 0 ([`CycleKind::StickSlip`],
 //!   [`CycleKind::Overshoot`]).
-//! * The motion stays **behind the belt**. Then it turns round the equilibrium: it is a fixed point
-//!   of the map from one velocity maximum to the next ([`CycleKind::PureSlip`]).
+//! * The motion stays **slower than the belt**. Then it encircles the equilibrium: it is a fixed
+//!   point of the map from one velocity maximum to the next ([`CycleKind::PureSlip`]).
 //! * The motion **crosses** the belt velocity twice a period and never sticks: it is a fixed point
 //!   of the map from one downward crossing to the next ([`CycleKind::Crossing`]).
 //!
@@ -20,36 +53,36 @@
 //!
 //! # What is guaranteed
 //!
-//! [`stick_slip`] is complete: because trajectories can't cross, there are no other cases than
-//! those that it tells apart. [`find`] divides the range of each map until the cubic through values
-//! and slopes fits, and then keeps dividing wherever that cubic comes near a fixed point. It loses
-//! a pair of cycles only if their peak velocities differ by less than 10⁻⁹ of the range, or if the
-//! map turns twice inside an interval in which its cubic fits to 2 %. Pure-slip cycles with a peak
-//! velocity below 10⁻⁴ v_b are not looked for, nor crossing cycles with forces above 16(γ²μ_s +
-//! |v_b|). Some cycles repel so strongly that motions from two neighbouring numbers, one on each
-//! side, end far away: double precision can't resolve these cycles, and their ranges are reported
-//! as [`unresolved`](CycleSet::unresolved).
+//! [`stick_slip`] is complete: because trajectories cannot cross, there are no other cases than
+//! those that it distinguishes. [`find`] divides the range of each map until the cubic through
+//! values and slopes fits, and divides further wherever that cubic comes near a fixed point. It
+//! loses a pair of cycles only if their peak velocities differ by less than 10⁻⁹ of the range, or
+//! if the map has two turning points inside an interval in which its cubic fits to 2 %. Pure-slip
+//! cycles with a peak velocity below 10⁻⁴ v_b are not searched, nor crossing cycles with forces
+//! above 16(γ²μ_s + |v_b|). Some cycles repel so strongly that motions from two neighbouring
+//! numbers, one on each side, end far away: double precision cannot resolve these cycles, and their
+//! ranges are reported as [`unresolved`](CycleSet::unresolved).
 //!
-//! One turn may change a motion by less than rounding does (weak friction, nearly no damping, a
+//! One period may change a motion by less than rounding does (weak friction, nearly no damping, a
 //! belt far slower than γ²μ_s). Then its growth is taken from the averaged equation, Eq. 12 for any
-//! law. The sign of this growth is certain if it exceeds what the next orders can add; where it is
-//! not certain, the range is unresolved too.
-//!
-//! | file | what is in it |
-//! |---|---|
-//! | `find.rs` | [`find`], [`stick_slip`]: cycles of all three kinds |
-//! | `basin.rs` | [`attractor`], [`basins`]: which cycle a start reaches |
-//! | `arc.rs` | slip arcs, to the next place where the fate of the motion is decided |
-//! | `release.rs` | what the motion from the release point does: cycles that stick |
-//! | `peaks.rs` | the map of velocity maxima: pure-slip cycles (how close two may lie: `numerics/with_slopes.rs`) |
-//! | `crossings.rs` | the map of downward crossings: crossing cycles |
-//! | `growth.rs` | a map's growth over a turn as a sample |
-//! | `averaged.rs` | growth by averaging, where a turn changes a motion by less than rounding does |
-//! | `continuum.rs` | families of periodic motions |
-//! | `set.rs` | [`CycleSet`]: the nested cycles of a system |
-//! | `cycle.rs` | [`LimitCycle`], [`CycleKind`]: arcs joined to one period |
-//! | `measures.rs` | extremes, harmonics and energies ([`EnergyBudget`]) of a cycle |
-//! | `written.rs` | how cycles are written (feature `serde`) |
+//! law. The sign of this growth is certain if it exceeds the bound of the next orders; otherwise
+//! the range is unresolved too. [`guarantees`](crate::guarantees#completeness) names the tests.
+
+// | file | what is in it |
+// |---|---|
+// | `find.rs` | `find`, `stick_slip`: cycles of all three kinds |
+// | `basin.rs` | `attractor`, `basins`: the attractor of a start |
+// | `arc.rs` | slip arcs, up to contact or a velocity maximum |
+// | `release.rs` | the motion from the release point: cycles that stick |
+// | `peaks.rs` | the map of velocity maxima: pure-slip cycles (how close two may lie: `numerics/with_slopes.rs`) |
+// | `crossings.rs` | the map of downward crossings: crossing cycles |
+// | `growth.rs` | the growth of a map over one period, as a sample |
+// | `averaged.rs` | growth by averaging, if one period changes a motion by less than rounding does |
+// | `continuum.rs` | families of periodic motions |
+// | `set.rs` | `CycleSet`: the nested cycles of a system |
+// | `cycle.rs` | `LimitCycle`, `CycleKind`: arcs joined to one period |
+// | `measures.rs` | extremes, harmonics and energies (`EnergyBudget`) of a cycle |
+// | `written.rs` | serialization of cycles (feature `serde`) |
 
 mod arc;
 mod averaged;

@@ -1,5 +1,5 @@
-//! The motion from the release point: the lagging arc out of it and, if that arc crosses the belt
-//! velocity, the leading arc that follows.
+//! The motion from the release point: the slip arc out of it, with v < v_b, and, if that arc
+//! crosses the belt velocity, the arc with v > v_b that follows.
 
 use super::arc::{Arc, Arrival, Tracer};
 use super::cycle::{CycleKind, LimitCycle};
@@ -9,24 +9,24 @@ use crate::error::Error;
 use crate::friction::static_is_nan;
 use crate::state::Direction;
 
-/// Fate of the motion from the release point. Trajectories in the plane can't cross, so one turn
-/// decides: a motion that returns inside its start can only go on inwards, and one that returns
-/// outside can only go on outwards.
+/// Outcome of the motion from the release point. Trajectories in the plane cannot cross, so one
+/// period decides: a motion that returns inside its start moves inwards for ever, and one that
+/// returns outside moves outwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum ReleaseFate {
-    /// The motion turns inwards: its velocity has a maximum below v_b, or none, and it does not
-    /// meet the belt on this turn or on any later one. Or it is the outermost motion of a
+    /// The motion moves inwards: its velocity has a maximum below v_b, or none, and it does not
+    /// meet the belt in this period or in any later one. Or it is the outermost motion of a
     /// continuum.
     Inward,
-    /// The motion comes back to stick, after one arc or after a crossing and a leading arc, and so
-    /// to the release point.
+    /// The motion returns to stick, after one arc or after a crossing and a second arc, and so to
+    /// the release point.
     Stick,
-    /// The motion turns outwards: it crosses twice, the second time beyond the release point, and
-    /// does not stick on any later turn.
+    /// The motion moves outwards: it crosses twice, the second time beyond the release point, and
+    /// does not stick in any later period.
     Outward,
 }
 
-/// The arcs from the release point. The second one is followed only when it is needed.
+/// The arcs from the release point. The second one is followed only if it is needed.
 #[derive(Debug)]
 pub(crate) struct Release {
     lagging: Arc,
@@ -43,7 +43,7 @@ impl Release {
         })
     }
 
-    /// The leading arc, if the lagging one ends in a crossing.
+    /// The second arc, if the first one ends in a crossing.
     #[inline(never)]
     fn leading(&mut self, tracer: &mut Tracer<'_>) -> Result<Option<&Arc>, Error> {
         if self.leading.is_none()
@@ -83,7 +83,7 @@ impl Release {
         })
     }
 
-    /// The periodic motion through the release point, if the motion from there comes back to stick.
+    /// The periodic motion through the release point, if the motion from there returns to stick.
     pub(super) fn into_cycle(
         mut self,
         tracer: &mut Tracer<'_>,
@@ -104,7 +104,7 @@ impl Release {
         Ok(Some(cycle))
     }
 
-    /// How far the motion overshoots the belt velocity after the first arc, in units of v_b: see
+    /// The overshoot beyond the belt velocity after the first arc, in units of v_b: see
     /// [`growth::overshoot`].
     pub(crate) fn overshoot(&self, tracer: &Tracer<'_>) -> Result<f64, Error> {
         growth::overshoot(tracer, &self.lagging)

@@ -4,8 +4,8 @@ use super::continuum::Continuum;
 use super::cycle::LimitCycle;
 use crate::state::Units;
 
-/// All periodic motions of a system: isolated cycles by ascending amplitude, a family, and the
-/// ranges in which neither could be decided.
+/// All periodic motions of a system: isolated cycles by ascending amplitude, a continuous family,
+/// and the unresolved ranges.
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -55,7 +55,7 @@ impl CycleSet {
         self.cycles.extend(cycle);
     }
 
-    /// Makes them those of the mirror image.
+    /// Replaces the motions by their mirror images.
     pub(super) fn mirror(&mut self) {
         self.cycles.iter_mut().for_each(LimitCycle::mirror);
     }
@@ -83,22 +83,22 @@ impl CycleSet {
         self.cycles.len()
     }
 
-    /// Whether there is no isolated cycle.
+    /// Returns true if there is no isolated cycle.
     pub fn is_empty(&self) -> bool {
         self.cycles.is_empty()
     }
 
-    /// The family of periodic motions round the equilibrium, if every small motion is periodic.
+    /// The family of periodic motions about the equilibrium, if every small motion is periodic.
     pub fn continuum(&self) -> Option<Continuum> {
         self.continuum
     }
 
     /// Ranges of peak velocities (largest v in the direction of the belt, dimensionless) in which
-    /// double precision can't resolve whether there are cycles, and which. There are two sorts. In
-    /// a narrow range, the motion from one end dies by far and that from the other end grows by
-    /// far, so that the range holds one unstable cycle, or an odd number. In a wide range, a turn
+    /// double precision cannot resolve the number of cycles. There are two sorts. In a narrow
+    /// range, the motion from one end decays strongly and that from the other end grows strongly,
+    /// so that the range holds one unstable cycle, or an odd number. In a wide range, one period
     /// changes a motion by no more than rounding does, and averaging shows neither that every
-    /// motion dies nor that every motion grows and leaves the range.
+    /// motion decays nor that every motion grows and leaves the range.
     pub fn unresolved(&self) -> &[Range<f64>] {
         &self.unresolved
     }
@@ -120,7 +120,7 @@ impl IntoIterator for CycleSet {
     }
 }
 
-/// Isolated cycle number `index`, by ascending amplitude. Panics if there are not so many.
+/// Isolated cycle number `index`, by ascending amplitude. Panics if there is no such cycle.
 impl std::ops::Index<usize> for CycleSet {
     type Output = LimitCycle;
     fn index(&self, index: usize) -> &LimitCycle {

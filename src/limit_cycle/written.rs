@@ -1,8 +1,8 @@
-//! Writing of cycles (feature `serde`).
+//! Serialization of cycles (feature `serde`).
 //!
 //! Cycles are written but not read. A cycle follows from its system, which can be read, and
-//! computing it again takes less time than reading it would. Numbers that were read might
-//! contradict the law.
+//! computing it again takes less time than reading. Numbers that were read might contradict the
+//! law.
 
 use serde::{Serialize, Serializer};
 
@@ -10,7 +10,7 @@ use super::{CycleKind, EnergyBudget, LimitCycle};
 use crate::motion::Event;
 use crate::state::State;
 
-/// The numbers and events of a cycle, as they are written.
+/// The numbers and events of a cycle in their written form.
 #[derive(Serialize)]
 pub(super) struct WrittenCycle {
     kind: CycleKind,

@@ -1,6 +1,6 @@
 use crate::state::{Direction, State};
 
-/// What a mass does at its contact: stick, slip, or neither while the contact is open.
+/// The mode of a contact: stick, slip or open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -10,9 +10,9 @@ use crate::state::{Direction, State};
 pub enum Mode {
     /// The mass moves with the belt: v = v_b, to the bit.
     Stick,
-    /// The mass slides, behind the belt or ahead of it.
+    /// The mass slides, in this direction.
     Slip(Direction),
-    /// The normal load is gone, and friction with it. Only a contact of a
+    /// There is no normal load, and no friction. Only a contact of a
     /// [`Structure`](crate::Structure) whose load varies in time can be open.
     Open,
 }
@@ -27,7 +27,7 @@ impl std::fmt::Display for Mode {
     }
 }
 
-/// What happens at an event: where the relative velocity is zero, or the normal load.
+/// The kind of an event, at which the relative velocity or the normal load is zero.
 ///
 /// A direction is that of the slip **after** the event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -37,25 +37,25 @@ impl std::fmt::Display for Mode {
     serde(rename_all = "snake_case")
 )]
 pub enum EventKind {
-    /// Slip ends: from now on the mass moves with the belt.
+    /// Slip ends: the contact sticks, and the mass moves with the belt.
     Stick,
-    /// Stick ends: the contact would have to carry more than γ²μ_s, the most that it can.
+    /// Stick ends (slip onset): the force in stick exceeds the largest static friction, γ²μ_s.
     Release(Direction),
-    /// The relative velocity changes its sign, and the mass does not stick: the contact would have
-    /// to carry more than γ²μ_s.
+    /// The relative velocity changes its sign, and the mass does not stick: the force in stick
+    /// would exceed γ²μ_s.
     Crossing(Direction),
-    /// The normal load, given as a function of time, falls to 0 and below: no friction from now on.
-    /// A load that only touches 0 is no event: see [`Contact`](crate::Contact).
+    /// The normal load, given as a function of time, falls below 0: no friction from now on. A load
+    /// that only touches 0 is no event: see [`Contact`](crate::Contact).
     Open,
-    /// The normal load rises above 0 again, and friction comes back.
+    /// The normal load rises above 0 again: friction acts again.
     Close,
 }
 
 impl EventKind {
-    /// What the mass does from the event on.
+    /// The mode of the contact after the event.
     ///
-    /// After a `Close` the mass sticks or slips; the relative velocity decides, which the kind of
-    /// the event does not know. This function then returns `Stick`.
+    /// After a `Close` the contact sticks or slips, by its relative velocity, which is not part of
+    /// the kind of the event. This function then returns `Stick`.
     ///
     /// ```
     /// use stick_slip::{Direction, EventKind, Mode};
@@ -91,13 +91,13 @@ impl std::fmt::Display for EventKind {
     serde(deny_unknown_fields)
 )]
 pub struct Event<S = State> {
-    /// Time since the start, in the units of the system: τ, dimensionless, for a
+    /// Time of the event, in the units of the system: τ, dimensionless, for a
     /// [`MassOnBelt`](crate::MassOnBelt).
     pub time: f64,
     /// Number of the contact at which the event happens; 0 for a
     /// [`MassOnBelt`](crate::MassOnBelt), which has only one.
     pub contact: usize,
-    /// What happens.
+    /// The kind of the event.
     pub kind: EventKind,
     /// State at the event. If the mass sticks, is released or crosses, the velocity at the contact
     /// is that of the belt, to the bit; a contact may open or close at any velocity.

@@ -1,7 +1,7 @@
 use super::{Ended, Segment, System, SystemState, Trajectory};
 use crate::error::Error;
 
-/// What ends a motion: called with each step, it returns the time of the end.
+/// A stop condition: called with each step, it returns the time of the end, or `None`.
 pub(crate) type Stop<'s, Step> = &'s mut dyn FnMut(&Step) -> Option<f64>;
 
 /// The steps of a motion, one after the other.
@@ -10,8 +10,8 @@ pub(crate) type Steps<'s, Step> = &'s mut dyn Iterator<Item = Result<Step, Error
 /// Settings of the integrator: tolerance and limits of work.
 ///
 /// Each step of a slip phase is a Taylor series of order 26. Contact is the first root of the
-/// sliding speed's own polynomial. Stick has closed formulas. The
-/// [crate page](crate#what-the-integrator-promises) says what this method promises.
+/// polynomial of the sliding speed. Stick has closed formulas. The page
+/// [`guarantees`](crate::guarantees) states what this method promises.
 ///
 /// ```
 /// use stick_slip::{Integrator, MassOnBelt, Polynomial, State};
@@ -40,11 +40,11 @@ impl Integrator {
     /// smaller tolerance takes more steps and gains nothing.
     pub const ROUND_OFF: f64 = f64::EPSILON;
     /// The least tolerance. The searches for limit cycles use it, because a cycle that is almost
-    /// neutrally stable magnifies what a step leaves out.
+    /// neutrally stable magnifies the defect of a step.
     pub const MIN_TOLERANCE: f64 = 1e-16;
     /// The largest tolerance.
     pub const MAX_TOLERANCE: f64 = 1e-2;
-    /// The default limit of steps, after which [`simulate`](Self::simulate) gives up. One
+    /// The default limit of steps, after which [`simulate`](Self::simulate) returns an error. One
     /// oscillation takes about ten steps.
     pub const DEFAULT_MAX_STEPS: usize = 100_000;
 
@@ -60,11 +60,11 @@ impl Integrator {
         }
     }
 
-    /// Sets the relative tolerance: the error of a step in units of the motion's own scale,
-    /// max(|u − ū|, |v|, |v_b|).
+    /// Sets the relative tolerance: the error of a step in units of the scale of the motion, max(|u
+    /// − ū|, |v|, |v_b|).
     ///
-    /// In stiff systems the scale is max(|v|, |v_b|, |v'|/D), and the tolerance at most 1e-12,
-    /// which costs little: see the [crate page](crate#what-the-integrator-promises).
+    /// The scale in stiff systems is max(|v|, |v_b|, |v'|/D), and the tolerance at most 1e-12,
+    /// which costs little: see [`guarantees`](crate::guarantees#one-mass-on-a-belt).
     ///
     /// # Errors
     ///
@@ -112,8 +112,8 @@ impl Integrator {
     }
 
     /// Sets the largest number of events of one run, for both `simulate` and `flow`. A run that
-    /// would go on after more events than this ends in an error. (To end a motion **at** an event,
-    /// see [`simulate_until`](Self::simulate_until).)
+    /// would continue after more events returns an error. (To end a motion **at** an event, see
+    /// [`simulate_until`](Self::simulate_until).)
     ///
     /// # Errors
     ///
@@ -139,9 +139,9 @@ impl Integrator {
     /// * [`Error::InvalidState`] unless `start` is finite and, for a
     ///   [`MassOnBelt`](crate::MassOnBelt), the scale of the motion, max(|u − ū|, |v|, |v_b|), is 0
     ///   or from 1e-280 to 1e300;
-    /// * if the motion cannot be followed further, [`Error::NonFiniteFriction`],
-    ///   [`Error::NotAnalytic`], [`Error::StepUnderflow`], [`Error::TooManySteps`] or
-    ///   [`Error::TooManyEvents`], with the time and state reached;
+    /// * if the integration fails on the way, [`Error::NonFiniteFriction`], [`Error::NotAnalytic`],
+    ///   [`Error::StepUnderflow`], [`Error::TooManySteps`] or [`Error::TooManyEvents`], with the
+    ///   time and state reached;
     /// * for a [`Structure`](crate::Structure) also [`Error::WrongSize`], if `start` does not have
     ///   its size; [`Error::InvalidParameter`], if a number of its memory is not finite or makes a
     ///   static coefficient negative; and [`Error::Separation`].
@@ -160,13 +160,14 @@ impl Integrator {
         }
     }
 
-    /// The motion from `start` until `stop` says so, until `duration` is over, or until it cannot
-    /// go on: [`Trajectory::ended`] says which. In any case you get the motion up to there.
+    /// The motion from `start` until `stop` ends it, until `duration` is over, or until the
+    /// integration fails: [`Trajectory::ended`] gives the reason. The motion up to there is
+    /// returned in any case.
     ///
-    /// `stop` is called with each step, in order, and returns the time at which the motion shall
-    /// end, which lies in this step, or `None` to go on. A motion that is stopped at the end of a
-    /// step keeps the events at this end. To stop at a condition on the state, return
-    /// [`Segment::first_zero`]; to stop after a number of events or of steps, count them:
+    /// `stop` is called with each step, in order, and returns the time in this step at which the
+    /// motion shall end, or `None` to continue. A motion that is stopped at the end of a step keeps
+    /// the events at this end. To stop at a condition on the state, return [`Segment::first_zero`];
+    /// to stop after a number of events or of steps, count them:
     ///
     /// ```
     /// use stick_slip::{Ended, Integrator, MassOnBelt, Polynomial, Segment, State};
@@ -201,8 +202,8 @@ impl Integrator {
     /// # Errors
     ///
     /// [`Error::InvalidDuration`], [`Error::InvalidState`] and [`Error::WrongSize`] as in
-    /// [`simulate`](Self::simulate), and the error of a motion that cannot even take its first
-    /// step. Any later error is part of the result.
+    /// [`simulate`](Self::simulate), and the error of a motion that fails in its first step. Any
+    /// later error is part of the result.
     #[doc(alias = "event")]
     #[doc(alias = "condition")]
     pub fn simulate_until<S: System>(
@@ -215,7 +216,7 @@ impl Integrator {
         self.run(system, start.into(), duration, Some(&mut stop))
     }
 
-    /// The motion over a duration, or until it is stopped or cannot go on.
+    /// The motion over a duration, or until it is stopped or fails.
     fn run<S: System>(
         self,
         system: &S,
@@ -232,7 +233,7 @@ impl Integrator {
         S::State::trajectory(&mut steps, self.start_time, duration, stop)
     }
 
-    /// The motion from `start`, step by step and without an end, in constant memory.
+    /// The motion from `start`, step by step: an unbounded iterator in constant memory.
     ///
     /// ```
     /// use stick_slip::{Integrator, MassOnBelt, Polynomial, State};
@@ -252,8 +253,8 @@ impl Integrator {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidState`] and [`Error::WrongSize`] as in [`simulate`](Self::simulate). The
-    /// errors of a motion that cannot be followed further are items; after an error comes `None`.
+    /// [`Error::InvalidState`] and [`Error::WrongSize`] as in [`simulate`](Self::simulate). Errors
+    /// of the integration are items; after an error comes `None`.
     pub fn flow<S: System>(
         self,
         system: &S,
@@ -285,7 +286,7 @@ impl Default for Integrator {
     }
 }
 
-/// The motion of these steps over a duration, or until it is stopped or cannot go on.
+/// The motion of these steps over a duration, or until it is stopped or fails.
 pub(crate) fn trajectory<S: SystemState>(
     all: Steps<'_, S::Step>,
     start_time: f64,

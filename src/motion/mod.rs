@@ -1,13 +1,13 @@
-//! What the motions of every system share. No file here knows a system.
-//!
-//! | file | what is in it |
-//! |---|---|
-//! | `integrator.rs` | [`Integrator`]: tolerance, limits of work, `simulate` and `flow` |
-//! | `event.rs` | [`Event`], [`EventKind`], [`Mode`]; which mode follows each kind of event |
-//! | `step_control.rs` | how long a step may be, which defect is accepted, what counts as stiff |
-//! | `run.rs` | counts and limits of one run (the clock itself: `src/clock.rs`) |
-//! | `trajectory.rs` | [`Trajectory`]: a motion over a finite time, and why it ended ([`Ended`]) |
-//! | `root.rs` | the first time in a step at which a user's function is zero |
+//! Settings, steps, events and trajectories of any system.
+
+// | file | what is in it |
+// |---|---|
+// | `integrator.rs` | `Integrator`: tolerance, limits of work, `simulate` and `flow` |
+// | `event.rs` | `Event`, `EventKind`, `Mode`; the mode after each kind of event |
+// | `step_control.rs` | step sizes, accepted defects, the limit of stiffness |
+// | `run.rs` | counts and limits of one run (the clock itself: `src/clock.rs`) |
+// | `trajectory.rs` | `Trajectory`: a motion over a finite time, and why it ended (`Ended`) |
+// | `root.rs` | the first zero of a user's function in a step |
 
 mod event;
 mod integrator;
@@ -28,7 +28,7 @@ pub(crate) mod sealed {
     pub trait Sealed {}
 }
 
-/// A system that the [`Integrator`] can follow: [`MassOnBelt`](crate::MassOnBelt) or
+/// A system with equations of motion for the [`Integrator`]: [`MassOnBelt`](crate::MassOnBelt) or
 /// [`Structure`](crate::Structure). Sealed: no other type can implement it.
 pub trait System: sealed::Sealed {
     /// The state of the system at one time.
@@ -38,7 +38,7 @@ pub trait System: sealed::Sealed {
     where
         Self: 's;
 
-    /// The motion from `start`, as [`Integrator::flow`] gives it.
+    /// The motion from `start`, as returned by [`Integrator::flow`].
     #[doc(hidden)]
     fn flow(&self, settings: Integrator, start: Self::State) -> Result<Self::Flow<'_>, Error>;
 }
@@ -47,11 +47,11 @@ pub trait System: sealed::Sealed {
 /// [`structure::State`](crate::structure::State) of several. Sealed: no other type can implement
 /// it.
 pub trait SystemState: sealed::Sealed + Clone {
-    /// The steps of which motions through such states consist.
+    /// The type of the steps of such motions.
     type Step: Segment<State = Self>;
 
-    /// The motion of these steps over a duration, or until it is stopped or cannot go on: compiled
-    /// once for each kind of state.
+    /// The motion of these steps over a duration, or until it is stopped or fails: compiled once
+    /// for each type of state.
     #[doc(hidden)]
     fn trajectory(
         steps: Steps<'_, Self::Step>,
@@ -61,42 +61,41 @@ pub trait SystemState: sealed::Sealed + Clone {
     ) -> Result<Trajectory<Self>, Error>;
 }
 
-/// A stretch of a motion without events but at its end: a step of any system. Sealed: no other
-/// type can implement it.
+/// A step of any system: a part of a motion with events only at its end. Sealed: no other type can
+/// implement it.
 ///
 /// All times are in the units of the system.
 pub trait Segment: sealed::Sealed + Clone {
     /// The state of the system at one time.
     type State: SystemState<Step = Self>;
 
-    /// Time at which the stretch starts.
+    /// Time at which the step starts.
     fn start_time(&self) -> f64;
-    /// Time at which the stretch ends; infinite for a rest that lasts for ever.
+    /// Time at which the step ends; infinite for an equilibrium that lasts for ever.
     fn end_time(&self) -> f64;
-    /// How long the stretch lasts; infinite for a rest that lasts for ever.
+    /// Duration of the step; infinite for an equilibrium that lasts for ever.
     fn duration(&self) -> f64;
-    /// The time that has passed at `time` since the **start** of the stretch: 0 before the stretch,
-    /// and its duration after it.
+    /// Time elapsed at `time` since the **start** of the step: 0 before the step, and its duration
+    /// after it.
     fn since_start(&self, time: f64) -> f64;
-    /// State at a finite time t after the **start** of the stretch,
+    /// State at a finite time t after the **start** of the step,
     /// 0 ≤ t ≤ [`duration`](Self::duration).
     fn state_at(&self, t: f64) -> Self::State;
-    /// State at the end of the stretch; if it ends with an event, the state of the event.
+    /// State at the end of the step; if it ends with an event, the state of the event.
     fn end_state(&self) -> Self::State;
-    /// The events that end the stretch, in the order of the contacts.
+    /// The events that end the step, in the order of the contacts.
     fn events(&self) -> &[Event<Self::State>];
-    /// The stretch cut short at `time`, without the events at its end.
+    /// The step cut short at `time`, without the events at its end.
     fn until(self, time: f64) -> Self;
 
-    /// The first time at which a function f of the state is 0 in this stretch, to the last bit;
-    /// `None` if there is none, and in a stretch of infinite duration.
+    /// The first time at which a function f of the state is 0 in this step, to the last bit; `None`
+    /// if there is none, and in a step of infinite duration.
     ///
-    /// f must be continuous. A zero at the start of the stretch does not count: it belongs to the
-    /// stretch before. Nor does a touch of zero without a change of sign. f is evaluated at 33
-    /// times, and about each of its extremes among them. So f may rise above zero and fall again
-    /// between two of these times, but if it does so twice between two of them, that may be missed.
-    /// (The stretch between two events consists of several steps, each at most about a radian
-    /// long.)
+    /// f must be continuous. A zero at the start of the step does not count: it belongs to the step
+    /// before. A zero without a change of sign does not count either. f is evaluated at 33 times,
+    /// and about each of its extremes among them. So one pair of zeros between two of these times
+    /// is found; of two pairs there, one may be missed. (Between two events there are several
+    /// steps, each at most about a radian long.)
     ///
     /// ```
     /// use stick_slip::{Integrator, MassOnBelt, Polynomial, Segment, State};

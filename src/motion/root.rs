@@ -1,15 +1,15 @@
-//! The first time in a step at which a user's function is zero.
+//! The first zero of a user's function in a step.
 
 use crate::numerics::bracket::Bracket;
 
-/// Number of equal parts of a step at whose ends a function is looked at.
+/// Number of equal parts of a step at whose ends the function is evaluated.
 const PARTS: usize = 32;
 
 /// Steps of the search for an extreme between two places: golden sections down to rounding.
 const SECTIONS: usize = 48;
 
 /// The first time t in (0, h] at which f is zero or changes its sign, to the last bit; `None` for
-/// infinite h. NaN is passed over.
+/// infinite h. NaN is skipped.
 pub(super) fn first_zero(f: &mut dyn FnMut(f64) -> f64, h: f64) -> Option<f64> {
     if !h.is_finite() {
         return None;
@@ -56,8 +56,8 @@ fn between(f: &mut dyn FnMut(f64) -> f64, a: (f64, f64), b: (f64, f64)) -> f64 {
     bracket.sign_change().nearest()
 }
 
-/// A place where f has another sign than at three places, at the middle one of which it is nearest
-/// to zero; `None` if none is found on the way to its extreme.
+/// A point at which f has another sign than at three given points, of which f is nearest to zero at
+/// the middle one; `None` if none is found on the way to the extreme.
 fn extreme(
     f: &mut dyn FnMut(f64) -> f64,
     low: (f64, f64),

@@ -1,48 +1,49 @@
-//! How long a step may be, and how large a defect of its series is accepted.
+//! Step sizes, and the accepted defect of a series.
 
 use crate::series::{PowerSeries, TERMS};
 
-/// Length of a step, in radians of the undamped oscillator, above which its defect is looked at in
-/// more than four places. Few steps are so long.
+/// Length of a step, in radians of the undamped oscillator, above which its defect is checked at
+/// more than four points. Few steps are so long.
 ///
-/// Of several masses: in units of the time that the fastest could take.
+/// The unit for several masses is the time of the fastest possible motion.
 pub(crate) const LONG: f64 = 1.0;
 
-/// The largest number of fours of places at which a step longer than [`LONG`] is looked at. Steps
-/// that need it are those of slow motions, which may be 10²⁰ radians long; others have up to eight.
+/// The largest number of groups of four points at which a step longer than [`LONG`] is checked.
+/// Steps that need it are those on a slow manifold, which may be 10²⁰ radians long; others have up
+/// to eight.
 pub(crate) const MOST_FOURS: f64 = 16.0;
 
-/// The longest time over which a series is used, even if its last coefficients vanish: the
-/// oscillator turns once in about 2π.
+/// The longest time over which a series is used, even if its last coefficients vanish: the period
+/// of the oscillator is about 2π.
 pub(crate) const FARTHEST: f64 = 8.0;
 
-/// The rate above which a system is stiff: that at which deviations from a slow motion die out, or
-/// grow.
+/// The rate above which a system is stiff: the rate at which deviations from the slow manifold
+/// decay or grow.
 pub(crate) const STIFF: f64 = 8.0;
 
-/// Reach of an explicit step, in units of 1/D, above which the motion may have come to the slow
-/// one. D is the rate at which deviations from the slow motion die out.
+/// Length of an explicit step, in units of 1/D, above which the motion may have reached the slow
+/// manifold. D is the rate at which deviations from it decay.
 pub(crate) const SETTLING: f64 = 7.0;
 
-/// The defect that is put down to rounding alone, in units of ε times the largest term of the
-/// equation of motion. What rounding causes is seldom above 8.
+/// The defect that rounding alone may cause, in units of ε times the largest term of the equation
+/// of motion. Rounding seldom causes more than 8.
 const DEFECT_FLOOR: f64 = 1000.0;
 
 /// Largest product of defect and step length that is accepted, in units of the error allowed in a
 /// step's last term.
 const DEFECT_LIMIT: f64 = 40.0 * TERMS as f64;
 
-/// What a step of some length comes to.
+/// The outcome of a step of a given length.
 pub(crate) enum Attempt<T> {
-    /// It may be taken.
+    /// The step is accepted.
     Taken(T),
     /// Its series are too curved for their roots to be isolated.
     TooCurved,
-    /// It leaves out more than it may, up to this time.
+    /// Its defect is too large, up to this time.
     Inexact(f64),
 }
 
-/// The longest step up to `longest` that may be taken, by halving, with the length that was tried.
+/// The longest accepted step up to `longest`, by halving, with the length that was tried.
 ///
 /// # Errors
 ///
@@ -70,15 +71,14 @@ pub(crate) fn settle<T>(
 /// The errors that are allowed in a step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Allowance {
-    /// The most that the last terms of the series may amount to.
+    /// Bound of the last terms of the series.
     pub(crate) error: f64,
     /// Defect that rounding alone may cause.
     floor: f64,
 }
 
 impl Allowance {
-    /// Allows this error of the motion, and what rounding makes of the largest term of its
-    /// equation.
+    /// Allows this error of the motion, and the rounding error of the largest term of its equation.
     #[inline(always)]
     pub(crate) fn new(error: f64, largest_term: f64) -> Self {
         Self {
@@ -95,26 +95,26 @@ impl Allowance {
     }
 
     /// As [`reach`](Self::reach), for a series that ends with an earlier order, and for the slow
-    /// motion of a stiff system, which may be followed further.
+    /// manifold of a stiff system, with its larger radius of convergence.
     #[inline(always)]
     pub(crate) fn reach_of(&self, c: &PowerSeries, order: usize, farthest: f64) -> f64 {
         reach(self.error, c, order).min(farthest)
     }
 
-    /// The longest time over which a series is used, for a motion that closes in on a slow one at
-    /// the rate D = `closing`: the slow motion changes within the time D.
+    /// The longest time over which a series is used, for a motion that tends to a slow manifold at
+    /// the rate D = `closing`: the motion on the manifold changes within the time D.
     pub(crate) fn farthest(closing: f64) -> f64 {
         FARTHEST * closing.max(1.0)
     }
 
-    /// Whether a force is at most one that rounding alone may cause.
+    /// Returns true if a force is at most one that rounding alone may cause.
     pub(crate) fn is_rounding(&self, force: f64) -> bool {
         force <= self.floor
     }
 
-    /// Whether a step of length h may be taken with these defects. NaN is not accepted.
+    /// Returns true if a step of length h may be taken with these defects. NaN is not accepted.
     ///
-    /// A defect is what is missing in the equation of motion when the series is put in.
+    /// A defect is the residual of the equation of motion with the series put in.
     #[inline(always)]
     pub(crate) fn accepts(&self, defects: [f64; 3], h: f64) -> bool {
         let accepted = DEFECT_LIMIT * self.error + self.floor * h;

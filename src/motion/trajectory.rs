@@ -8,19 +8,19 @@ use crate::state::State;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Ended {
-    /// It lasts as long as was asked for.
+    /// The duration is over.
     Duration,
-    /// It was stopped on the way.
+    /// The stop condition ended the motion.
     Stopped,
-    /// It could not be followed further, or a limit of steps or events was reached.
+    /// The integration failed, or a limit of steps or events was reached.
     Error(Error),
 }
 
 /// A motion over a finite time, with its events and its state at any time.
 ///
-/// [`MassOnBelt::simulate`](crate::MassOnBelt::simulate) and
-/// [`Structure::simulate`](crate::Structure::simulate) make it. It holds the power series of the
-/// motion between events, so that the state at any time is as accurate as at the ends of steps.
+/// Returned by [`MassOnBelt::simulate`](crate::MassOnBelt::simulate) and
+/// [`Structure::simulate`](crate::Structure::simulate). It holds the power series of the motion
+/// between events, so that the state at any time is as accurate as at the ends of steps.
 ///
 /// ```
 /// use stick_slip::{EventKind, MassOnBelt, Mode, Polynomial, State};
@@ -37,7 +37,7 @@ pub enum Ended {
 /// ```
 #[derive(Clone, PartialEq)]
 pub struct Trajectory<S: SystemState = State> {
-    /// At least one step; the last reaches the end.
+    /// The steps, at least one; the last reaches the end.
     steps: Vec<S::Step>,
     events: Vec<Event<S>>,
     start: f64,
@@ -58,13 +58,13 @@ impl<S: SystemState> Trajectory<S> {
         }
     }
 
-    /// Why the motion ended: [`Ended::Duration`], unless
-    /// [`simulate_until`](crate::Integrator::simulate_until) made it.
+    /// The reason for the end: [`Ended::Duration`], unless the motion comes from
+    /// [`simulate_until`](crate::Integrator::simulate_until).
     pub fn ended(&self) -> &Ended {
         &self.ended
     }
 
-    /// The events in order of time, with an event exactly at the end among them.
+    /// The events in order of time, including an event exactly at the end.
     ///
     /// A start in stick is no event. A start exactly at the release point is a release at the time
     /// of the start.
@@ -72,7 +72,7 @@ impl<S: SystemState> Trajectory<S> {
         &self.events
     }
 
-    /// The steps of the motion, as [`Integrator::flow`](crate::Integrator::flow) gives them. The
+    /// The steps of the motion, as returned by [`Integrator::flow`](crate::Integrator::flow). The
     /// last one is cut at the end of the motion.
     pub fn steps(&self) -> &[S::Step] {
         &self.steps
@@ -99,8 +99,8 @@ impl<S: SystemState> Trajectory<S> {
         Some(step.state_at(step.since_start(time)))
     }
 
-    /// The states at n equidistant times from start to end, each with its time. None for n = 0, the
-    /// start alone for n = 1.
+    /// The states at n equidistant times from start to end, each with its time. For n = 0 there is
+    /// none, for n = 1 the start alone.
     ///
     /// ```
     /// use stick_slip::{Coulomb, MassOnBelt, State};
@@ -185,7 +185,7 @@ impl<S: SystemState> Trajectory<S> {
     }
 }
 
-/// The steps, which are long, are only counted.
+/// Shows the number of steps only, which are long.
 impl<S: SystemState + std::fmt::Debug> std::fmt::Debug for Trajectory<S> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Trajectory")

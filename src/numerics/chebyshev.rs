@@ -62,8 +62,8 @@ pub(crate) fn isolate(
     Ok(nodes.into_iter().map(|(_, node)| node).collect())
 }
 
-/// Whether f(x(t)) is positive throughout 0 ≤ t ≤ 1 (true) or negative throughout (false); `None`
-/// if it may be zero somewhere.
+/// Returns true if f(x(t)) is positive throughout 0 ≤ t ≤ 1, false if it is negative throughout;
+/// `None` if it may be zero somewhere.
 ///
 /// ln|f| is interpolated instead of f, so that a function that falls by hundreds of decades needs
 /// no more places than one that hardly changes. A zero is a singularity of ln|f|, which no

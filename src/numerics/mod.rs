@@ -1,17 +1,17 @@
-//! Numerical methods that know nothing of friction.
-//!
-//! | file | what is in it |
-//! |---|---|
-//! | `bracket.rs` | one root between two places of different sign, to neighbouring numbers, from values alone |
-//! | `scan.rs` | the search of a range over a grid: how many intervals, and how often one is halved where a root may hide |
-//! | `with_slopes.rs` | all roots of a function known with its slope, and its outline (where it turns); how close two roots may lie |
-//! | `gauss.rs` | Gauss-Legendre quadrature on one interval |
-//! | `adaptive.rs` | quadrature to round-off: trapezoidal rule, adaptive Gauss-Legendre |
-//! | `eigenvalues.rs` | eigenvalues of any real matrix, also where the QR method by itself does not move |
-//! | `chebyshev.rs` | all roots of a function known from values, by Chebyshev interpolation |
+//! Numerical methods, independent of friction.
 //!
 //! Searches take their function as `&mut dyn FnMut` and so are compiled once. The indirect call
 //! costs nothing beside the function, which computes a whole slip arc or searches for cycles.
+
+// | file | what is in it |
+// |---|---|
+// | `bracket.rs` | one root between two places of different sign, to neighbouring numbers, from values alone |
+// | `scan.rs` | the search of a range over a grid: how many intervals, and how often one is halved where a root may hide |
+// | `with_slopes.rs` | all roots of a function known with its slope, and its outline (where it turns); how close two roots may lie |
+// | `gauss.rs` | Gauss-Legendre quadrature on one interval |
+// | `adaptive.rs` | quadrature to round-off: trapezoidal rule, adaptive Gauss-Legendre |
+// | `eigenvalues.rs` | eigenvalues of any real matrix, also where the QR method by itself does not move |
+// | `chebyshev.rs` | all roots of a function known from values, by Chebyshev interpolation |
 
 pub(crate) mod adaptive;
 pub(crate) mod bracket;

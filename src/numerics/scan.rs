@@ -102,7 +102,7 @@ pub(crate) fn sign_changes(
 struct SignChanges<'f> {
     f: &'f mut dyn FnMut(f64) -> Result<Option<f64>, Error>,
     found: &'f mut Vec<f64>,
-    /// The last place left of the interval that is looked at, with the value there.
+    /// The last point to the left of the current interval, with the value there.
     before: Option<(f64, f64)>,
 }
 

@@ -19,12 +19,12 @@ pub(crate) struct Sample {
 }
 
 impl Sample {
-    /// Whether the value is zero to rounding.
+    /// Returns true if the value is zero to rounding.
     pub(crate) fn vanishes(&self) -> bool {
         self.value.abs() <= self.noise
     }
 
-    /// Whether the value is positive; `None` if it is zero to rounding.
+    /// Returns true if the value is positive; `None` if it is zero to rounding.
     pub(crate) fn grows(self) -> Option<bool> {
         (!self.vanishes()).then_some(self.value > 0.0)
     }
@@ -141,7 +141,7 @@ pub(crate) fn outline_between(
     Ok(outline)
 }
 
-/// The places at which an outline is looked at first: nine, at equal distances.
+/// The points of the coarse outline: nine, at equal distances.
 pub(crate) fn eighths(
     f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
     a: Sample,
@@ -209,7 +209,8 @@ fn smooth(outline: &mut Vec<Turn>) {
     }
 }
 
-/// Whether the cubic through two ends, whose slopes have the same sign, turns twice in between.
+/// Returns true if the cubic through two ends, whose slopes have the same sign, turns twice in
+/// between.
 fn turns_twice(a: Sample, b: Sample) -> bool {
     let width = b.x - a.x;
     let (dp, dq) = (a.slope * width, b.slope * width);
@@ -227,8 +228,8 @@ fn turns_twice(a: Sample, b: Sample) -> bool {
         && extreme.abs() > a.noise.max(b.noise)
 }
 
-/// Whether the cubic through the values and slopes at both ends predicts those in the middle, and
-/// by how much the value is missed.
+/// Returns true if the cubic through the values and slopes at both ends predicts those in the
+/// middle; and the error of the value.
 fn fits(a: Sample, m: Sample, b: Sample) -> (bool, f64) {
     let width = b.x - a.x;
     let value = 0.5 * (a.value + b.value) + width * (a.slope - b.slope) / 8.0;
@@ -277,8 +278,9 @@ fn divide(
     Ok(())
 }
 
-/// Whether the cubic surely rises, or surely falls, all the way: both slopes agree with the sign of
-/// the change, neither is so steep that the cubic turns in between, and neither is mere rounding.
+/// Returns true if the cubic surely rises, or surely falls, all the way: both slopes agree with the
+/// sign of the change, neither is so steep that the cubic turns in between, and neither is mere
+/// rounding.
 fn one_way(a: Sample, b: Sample) -> bool {
     let secant = (b.value - a.value) / (b.x - a.x);
     [a, b].iter().all(|end| {
@@ -288,8 +290,8 @@ fn one_way(a: Sample, b: Sample) -> bool {
     })
 }
 
-/// Whether rounding may hide a root: beside an end at which the function is zero to rounding, or
-/// where its cubic comes closest to zero.
+/// Returns true if rounding may hide a root: beside an end at which the function is zero to
+/// rounding, or where its cubic comes closest to zero.
 fn hidden(a: Sample, b: Sample, noise: f64) -> bool {
     if (a.value > 0.0) != (b.value > 0.0) {
         a.vanishes() || b.vanishes()

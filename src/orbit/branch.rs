@@ -1,4 +1,4 @@
-//! Branches of periodic motions over a parameter, as they are found.
+//! Branches of periodic motions over a parameter: the results of `follow`.
 
 use std::fmt;
 
@@ -10,7 +10,7 @@ use crate::motion::{EventKind, System};
 pub struct Branch<S: System> {
     /// The motions, from one end of the branch to the other.
     pub points: Vec<BranchPoint<S>>,
-    /// What happens between them, in the same order.
+    /// The bifurcations between them, in the same order.
     pub bifurcations: Vec<Bifurcation<S>>,
     /// Why the branch ends before its first point, and after its last one.
     pub ends: [BranchEnd; 2],
@@ -24,17 +24,18 @@ pub struct BranchPoint<S: System> {
     pub orbit: Orbit<S>,
 }
 
-/// A motion of a [`Branch`] at which its kind changes, or that of the motions near to it.
+/// A motion of a [`Branch`] at which its event sequence changes, or the stability or number of the
+/// motions near it.
 pub struct Bifurcation<S: System> {
     /// The parameter, in its own units.
     pub parameter: f64,
-    /// What happens there.
+    /// The kind of bifurcation.
     pub kind: BifurcationKind,
-    /// The motion there; at a change of its events, that on the smoother side.
+    /// The motion there; at a change of its event sequence, that on the smoother side.
     pub orbit: Orbit<S>,
 }
 
-/// What happens at a [`Bifurcation`].
+/// The kind of a [`Bifurcation`].
 ///
 /// Source: Kuznetsov, *Elements of Applied Bifurcation Theory*, chapters 4 and 5 (fold, flip,
 /// Neimark-Sacker); di Bernardo, Budd, Champneys and Kowalczyk, *Piecewise-smooth Dynamical
@@ -42,14 +43,14 @@ pub struct Bifurcation<S: System> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum BifurcationKind {
     /// A multiplier is +1: two motions meet and vanish, and the branch turns back. In a symmetric
-    /// system the branch may go on instead, and another one crosses it.
+    /// system the branch may continue instead, crossed by another one.
     Fold,
     /// A multiplier is −1: a motion of twice the period is born.
     Flip,
     /// A pair of multipliers lies on the unit circle: motions on a torus are born.
     NeimarkSacker,
-    /// A contact that slips touches its belt, or one that sticks touches the most that it can
-    /// carry, and goes back: a pair of events is born.
+    /// A slipping contact reaches relative velocity 0 tangentially, or a sticking one reaches its
+    /// largest force tangentially: a pair of events is born.
     Grazing,
     /// One event changes into others (a crossing into a stop, for example), or two events of
     /// different contacts change their order.
@@ -72,49 +73,50 @@ impl fmt::Display for BifurcationKind {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum BranchEnd {
-    /// The parameter came to an end of the range.
+    /// The parameter reached an end of the range.
     Range,
-    /// The motion shrank to a point, where a state of equilibrium changes its stability: a Hopf
+    /// The motion shrank to a point, where an equilibrium changes its stability: a Hopf
     /// bifurcation.
     Hopf {
         /// The parameter there.
         parameter: f64,
     },
-    /// An event of the motion became tangential, and no motion near to it goes on: a contact that
-    /// caught the mass is only touched there, and missed beyond.
+    /// An event of the motion became tangential, and no motion near it continues: the contact
+    /// reaches relative velocity 0 only tangentially there, and not at all beyond.
     Grazing {
         /// The parameter there, by extrapolation: good to about 1e-8 of the range.
         parameter: f64,
     },
-    /// The motion itself jumps there, and no motion near to it goes on. At one instant a contact
-    /// stands between two fates: it carries exactly the most that it can, as it arrives or while it
-    /// sticks, and is released beyond, which changes the motion at once where static friction is
-    /// above the kinetic one; or it is just caught by its belt, and missed beyond. The multipliers
-    /// on this side say nothing of it.
+    /// The motion itself jumps there, and no motion near it continues. At one instant a contact
+    /// stands between two outcomes: its force is exactly the static limit, at its arrival or in
+    /// stick, and beyond it is released, with a jump if static friction is above the kinetic one;
+    /// or the relative velocity just reaches 0, and misses it beyond. The multipliers on this side
+    /// do not indicate it.
     Discontinuity {
         /// The parameter there.
         parameter: f64,
-        /// When the motions on the two sides part, in units of time since the start of the period.
+        /// The time at which the motions on the two sides part, in units of time since the start of
+        /// the period.
         time: f64,
         /// The contact at which they part.
         contact: usize,
         /// The events of the last motion, by contact and kind.
         events: Vec<(usize, EventKind)>,
-        /// The events of the motion from the same start just beyond. Where they are of the same
-        /// kinds, the time of one jumps.
+        /// The events of the motion from the same start just beyond. If they are of the same kinds,
+        /// the time of one jumps.
         beyond: Vec<(usize, EventKind)>,
     },
-    /// The branch came back to where it began.
+    /// The branch returned to its start: it is closed.
     Closed,
-    /// The work allowed was done: 2048 points in one direction, or 50 000 motions tried, or 10⁷
+    /// The limit of work was reached: 2048 points in one direction, or 50 000 motions tried, or 10⁷
     /// steps of them.
     Work,
-    /// The motion could not be followed further. The family had no system there, or Newton's method
-    /// found no motion however short the step.
+    /// The motion was lost: the family has no system there, or Newton's method does not converge
+    /// however short the step.
     Lost {
         /// The last parameter at which a motion was found.
         parameter: f64,
-        /// What happened beyond, with the parameter there.
+        /// The error beyond, with the parameter there.
         error: Error,
     },
 }

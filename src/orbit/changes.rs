@@ -1,4 +1,4 @@
-//! What happens between two points of a curve of periodic motions.
+//! Bifurcations between two points of a branch.
 
 use nalgebra::{Complex, DVector};
 
@@ -7,7 +7,7 @@ use super::curve::{Curve, Plane, Solved};
 use crate::error::Error;
 use crate::numerics::bracket::Bracket;
 
-/// A point of the curve, and how far along the tangent of the last one it lies.
+/// A point of the curve, and its distance along the tangent of the last one.
 #[derive(Clone)]
 pub(super) struct Place {
     pub(super) distance: f64,
@@ -21,21 +21,21 @@ pub(super) struct Found {
     pub(super) solved: Solved,
 }
 
-/// The curve seen from its last point: by planes across the tangent there.
+/// The curve near its last point, by planes across the tangent there.
 pub(super) struct View<'v, 'f> {
     pub(super) curve: &'v Curve<'f>,
     pub(super) base: &'v Solved,
     pub(super) scale: &'v DVector<f64>,
 }
 
-/// Most changes of the events within one step.
+/// Limit of changes of the event sequence within one step.
 const MOST_CHANGES: usize = 16;
 
 /// Halvings of an interval of the curve: down to neighbouring numbers.
 const MOST_HALVINGS: usize = 100;
 
-/// Motions on the two sides of a change of events lie at most this far from each other, in units of
-/// the scales, when the interval in between is closed.
+/// Motions on the two sides of a change of the event sequence lie at most this far apart, in units
+/// of the scales, when the interval in between is closed.
 pub(super) const JUMP: f64 = 1e-4;
 
 /// An interval that could not be closed counts as closed below this width.
@@ -44,15 +44,16 @@ const GAP: f64 = 1e-9;
 /// Values of a test function below this are rounding: they have no sign.
 const ROUNDING: f64 = 1e-9;
 
-/// How far a multiplier may lie from where it bifurcates.
+/// Largest distance of a multiplier from its value at the bifurcation.
 const MULTIPLIER: f64 = 1e-6;
 
-/// What changes its sign at a fold (twice: the direction of the parameter, and the product of all 1
-/// − μ), a flip (the product of all 1 + μ) and a Neimark-Sacker bifurcation (that of all 1 − μμ').
+/// Test functions, which change sign at a fold (two: the direction of the parameter, and the
+/// product of all 1 − μ), a flip (the product of all 1 + μ) and a Neimark-Sacker bifurcation (that
+/// of all 1 − μμ').
 pub(super) type Signs = [f64; 4];
 
 impl View<'_, '_> {
-    /// The point on the plane at a distance.
+    /// The point of the curve on the plane at a distance.
     pub(super) fn at(
         &self,
         distance: f64,
@@ -101,7 +102,7 @@ impl View<'_, '_> {
         solved.y.component_div(self.scale)
     }
 
-    /// How far apart two points lie, in units of the scales.
+    /// The distance between two points, in units of the scales.
     pub(super) fn apart(&self, a: &Place, b: &Place) -> f64 {
         (self.scaled(&a.solved) - self.scaled(&b.solved)).amax()
     }
@@ -114,9 +115,9 @@ impl View<'_, '_> {
         self.at(distance, &guess, &near.solved)
     }
 
-    /// The bifurcations between two points, in their order. `signs` are the last ones met.
+    /// The bifurcations between two points, in order. `signs` are the last ones known.
     ///
-    /// An error says that the two points are not connected, as far as can be told.
+    /// Returns an error if no connection between the two points is found.
     pub(super) fn changes(
         &self,
         first: &Place,
@@ -154,9 +155,9 @@ impl View<'_, '_> {
         self.curve.lost(&place.solved.y, &place.solved.trial)
     }
 
-    /// The two sides of the first change of events between two points that differ in them.
+    /// The two sides of the first change of the event sequence between two points.
     fn change_of_events(&self, first: &Place, last: &Place) -> Result<(Place, Place), Error> {
-        /// Where to try if nothing is found in the middle.
+        /// Distances to try if nothing is found in the middle.
         const PARTS: [f64; 5] = [0.5, 0.25, 0.75, 0.0625, 0.9375];
         let (mut low, mut high) = (first.clone(), last.clone());
         for _ in 0..MOST_HALVINGS {
@@ -241,7 +242,7 @@ impl View<'_, '_> {
         Ok(())
     }
 
-    /// The place between two others at which a test function changes its sign.
+    /// The zero of a test function between two places.
     fn sign_change(
         &self,
         from: &Place,

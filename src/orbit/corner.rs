@@ -1,23 +1,23 @@
-//! A corner of the curve: where the events change, it can turn so sharply that Newton's method does
-//! not come to its other piece by itself, or turn back, as at a fold, but at once.
+//! A corner of the branch: at a change of the event sequence it can turn so sharply that Newton's
+//! method does not reach its other piece, or turn back at once, as a fold does smoothly.
 
 use nalgebra::DVector;
 
 use super::changes::{Found, Place, View};
 
-/// How far from the corner, in parts of the range, a motion on the other piece is looked for.
+/// Distances from the corner, in parts of the range, at which a motion on the other piece is
+/// searched.
 const AWAY: [f64; 4] = [1e-4, 1e-3, 1e-5, 1e-2];
 
-/// From the corner, in units of the way to the motion on the known piece: where to start. The other
-/// piece lies across a border that some of these cross.
+/// Guesses, as distances from the corner in units of the distance to the motion on the known piece.
+/// The other piece lies across a border that some of them cross.
 const PARTS: [f64; 7] = [-1.0, 0.0, -4.0, 4.0, -16.0, 16.0, 1.0];
 
-/// How much farther than the parameter the state may change.
+/// Largest ratio of the change of the state to that of the parameter.
 const STEEP: f64 = 64.0;
 
 impl View<'_, '_> {
-    /// A motion on another piece of the curve that begins where the last motion lies, and that
-    /// place.
+    /// A motion on the other piece of the curve, which begins at the last motion, and the corner.
     pub(super) fn corner(&self) -> Option<(Place, Found)> {
         let here = Place {
             distance: 0.0,
@@ -46,7 +46,7 @@ impl View<'_, '_> {
         None
     }
 
-    /// The motion at a parameter beside that of the last one, in units of the range.
+    /// The motion at a parameter near that of the last one, in units of the range.
     fn beside(&self, change: f64, guess: &DVector<f64>) -> Option<Place> {
         let curve = self.curve;
         let parameter = curve.parameter(&self.base.y) + change * curve.width();
@@ -55,8 +55,8 @@ impl View<'_, '_> {
         place.ok()
     }
 
-    /// Whether a motion has other events than the last one, and leads to it as the parameter comes
-    /// back.
+    /// Returns true if a motion has other events than the last one, and tends to it as the
+    /// parameter returns.
     fn is_other_piece(&self, here: &Place, place: &Place, (change, away): (f64, f64)) -> bool {
         let apart = self.apart(here, place);
         if place.solved.sequence.is_like(&self.base.sequence) || apart > STEEP * away {
@@ -70,7 +70,7 @@ impl View<'_, '_> {
         })
     }
 
-    /// With the tangent that leads away from the corner.
+    /// The place with the tangent that leads away from the corner.
     fn away_from(&self, here: &Place, mut place: Place) -> Place {
         let moved = self.scaled(&place.solved) - self.scaled(&here.solved);
         if place.solved.tangent.dot(&moved) < 0.0 {

@@ -1,8 +1,9 @@
-//! Periodic motions as a curve: the equations in which the parameter is one more unknown, and
-//! Newton's method on a plane across the curve.
+//! A branch as a curve: the equations with the parameter as one more unknown, and Newton's method
+//! on a plane across the curve.
 //!
-//! The unknowns y are the start, the period of a free motion, and the parameter. A free motion
-//! starts where one coordinate turns back, v_i = 0: such a section is met however small it becomes.
+//! The unknowns y are the start, the period of an autonomous motion, and the parameter. The phase
+//! condition of an autonomous motion is a turning point of one coordinate, v_i = 0: it holds
+//! however small the motion becomes.
 
 use std::cell::Cell;
 use std::ops::{ControlFlow, Range};
@@ -22,7 +23,7 @@ use crate::state::structure::State;
 
 /// One system of a family.
 pub(super) trait Member {
-    /// The system as the searches see it.
+    /// The system without the type of its laws.
     fn form(&self) -> Form<'_>;
 }
 
@@ -34,18 +35,18 @@ impl<S: Oscillator> Member for S {
 
 pub(super) type Family<'f> = dyn Fn(f64) -> Result<Box<dyn Member + 'f>, Error> + 'f;
 
-/// The equations of the motions of a family.
+/// The equations of the periodic motions of a family.
 pub(super) struct Curve<'f> {
     pub(super) family: &'f Family<'f>,
     pub(super) kind: Period,
     pub(super) range: Range<f64>,
     pub(super) n: usize,
     pub(super) order: usize,
-    /// The coordinate that turns back where a free motion starts.
+    /// The coordinate of the phase condition of an autonomous motion.
     pub(super) turning: Option<usize>,
-    /// How many motions have been tried.
+    /// Number of motions tried.
     pub(super) tried: Cell<usize>,
-    /// How many steps they took.
+    /// Number of steps of all motions tried.
     pub(super) steps: Cell<usize>,
 }
 
@@ -56,11 +57,11 @@ pub(super) struct Solved {
     pub(super) trial: Trial,
     pub(super) sequence: Sequence,
     pub(super) multipliers: Vec<Complex<f64>>,
-    /// Along the curve, in units of the scales with which it was found, of length 1.
+    /// The unit tangent of the curve, in units of the scales with which it was found.
     pub(super) tangent: DVector<f64>,
-    /// Steps of Newton's method.
+    /// Number of Newton steps.
     pub(super) steps: usize,
-    /// Which contacts stick at the start.
+    /// For each contact: true if it sticks at the start.
     stuck: Vec<bool>,
 }
 
@@ -69,25 +70,25 @@ pub(super) struct Plane<'p> {
     pub(super) scale: &'p DVector<f64>,
     pub(super) normal: DVector<f64>,
     pub(super) value: f64,
-    /// Along the curve at its last point.
+    /// The tangent of the curve at its last point.
     pub(super) along: &'p DVector<f64>,
 }
 
-/// Most motions that are tried in one direction, and most steps of them all.
+/// Limits of the work in one direction: motions tried, and their steps.
 const MOST_TRIALS: usize = 50_000;
 const MOST_STEPS_IN_ALL: usize = 10_000_000;
 
-/// Most steps of Newton's method; three or four are usual.
+/// Limit of Newton steps; three or four are usual.
 const MOST_STEPS: usize = 16;
 
-/// Steps above this size have the derivative by the parameter computed again.
+/// A step above this size has the derivative by the parameter computed again.
 const COARSE: f64 = 1e-5;
 
 /// Steps below this size are rounding.
 const FINE: f64 = 1e-13;
 
-/// The parts of the range by which the parameter is changed for the derivative: shorter ones where
-/// the events change beside.
+/// Increments of the parameter for the derivative, in units of the range: shorter ones near a
+/// change of the event sequence.
 const PARTS: [f64; 3] = [1e-6, 1e-8, 1e-10];
 
 impl Curve<'_> {
@@ -109,7 +110,7 @@ impl Curve<'_> {
         checked.and_then(|parameter| (self.family)(parameter))
     }
 
-    /// A start as it is for one system: contacts that stick move with their belts.
+    /// The start for one system: contacts that stick have the velocity of their belts.
     fn start(&self, form: &Form<'_>, y: &DVector<f64>, stuck: &[bool]) -> State {
         let mut start = state(&y.rows(0, self.order).into_owned(), self.n);
         form.put_at_rest(&mut start.velocities, 0.0, |c| stuck.get(c) == Some(&true));
@@ -137,12 +138,12 @@ impl Curve<'_> {
         self.steps.set(self.steps.get() + form.taken());
     }
 
-    /// Whether the work allowed in one direction is done.
+    /// Returns true if the work allowed in one direction is done.
     pub(super) fn is_at_limit(&self) -> bool {
         self.tried.get() > MOST_TRIALS || self.steps.get() > MOST_STEPS_IN_ALL
     }
 
-    /// The motion over some of its periods, and the period.
+    /// The motion over a number of its periods, and the period.
     pub(super) fn motion(
         &self,
         y: &DVector<f64>,
@@ -163,7 +164,7 @@ impl Curve<'_> {
     }
 
     /// The derivative of the residual by the parameter, by differences between motions with the
-    /// same events: those on both sides, or on one if the other has no such motion.
+    /// same events: central, or one-sided if one side has no such motion.
     fn by_parameter(&self, y: &DVector<f64>, trial: &Trial, stuck: &[bool]) -> DVector<f64> {
         let last = self.unknowns() - 1;
         let steps = trial.map.steps.iter().flat_map(Segment::events);
@@ -217,7 +218,7 @@ impl Curve<'_> {
         slope
     }
 
-    /// The derivative of the equations in units of the scales, with a row of zeros below; and the
+    /// The Jacobian of the equations in units of the scales, with a row of zeros below; and the
     /// right-hand side of Newton's method.
     fn linearised(
         &self,
@@ -287,7 +288,7 @@ impl Curve<'_> {
         }
     }
 
-    /// The error that no motion was found near here.
+    /// The error if no motion was found near here.
     pub(super) fn lost(&self, y: &DVector<f64>, trial: &Trial) -> Error {
         let error = Error::NotPeriodic {
             residual: trial.residual,
@@ -334,7 +335,7 @@ impl Curve<'_> {
         })
     }
 
-    /// The motion of a trial begun where no event is near, if its start is near to one.
+    /// The motion of a trial with a start away from events, if its start lies near one.
     fn apart(&self, y: &DVector<f64>, trial: &Trial) -> Result<Option<PeriodMap>, Error> {
         let find = || {
             let member = self.member(self.parameter(y))?;
@@ -346,7 +347,7 @@ impl Curve<'_> {
         find().map_err(|error| error.at("parameter", self.parameter(y)))
     }
 
-    /// The first point, as a guess that `solve` makes good: nothing along the curve is known.
+    /// The first point, as a guess for `solve`: the tangent is not known yet.
     pub(super) fn guess(
         &self,
         start: &State,
@@ -376,8 +377,8 @@ impl Curve<'_> {
         })
     }
 
-    /// Of a free motion: the coordinate and the place at which it turns back the most sharply, and
-    /// its acceleration there in units of its velocity.
+    /// The sharpest turning point of an autonomous motion: its acceleration in units of its
+    /// velocity, its coordinate, and the state there.
     pub(super) fn sharpest(&self, map: &PeriodMap) -> Option<(f64, usize, State)> {
         let mut sharpest: Option<(f64, usize, State)> = None;
         let speeds = map.sizes();
@@ -402,17 +403,18 @@ impl Curve<'_> {
         sharpest
     }
 
-    /// The acceleration with which a free motion turns back where it starts; 1 for a driven one.
+    /// The acceleration at the phase condition of an autonomous motion; 1 for a forced one.
     pub(super) fn turn(&self, solved: &Solved) -> f64 {
         let at = |i: usize| solved.trial.map.flow[0][self.n + i];
         self.turning.map_or(1.0, at)
     }
 }
 
-/// As in shooting, where rows are of size 1.
+/// Singular values below this part of the largest count as 0, as in shooting; here rows are of size
+/// 1.
 const SINGULAR: f64 = 1e-8;
 
-/// The solution of a system of equations, the shortest if there are many.
+/// The minimum-norm solution of a linear system.
 fn solution(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
     let (mut matrix, mut right) = (matrix.clone(), right.clone());
     for (mut row, right) in matrix.row_iter_mut().zip(right.iter_mut()) {

@@ -1,4 +1,4 @@
-//! A periodic motion followed over a parameter.
+//! Continuation of a periodic motion over a parameter.
 
 use std::cell::Cell;
 use std::ops::Range;
@@ -15,39 +15,39 @@ use super::walk::{Walk, natural_scale};
 use crate::error::Error;
 use crate::state::structure::State;
 
-/// Follows a periodic motion over a parameter, in both directions and through folds, to where it
-/// ends or the parameter leaves a range.
+/// Follows a periodic motion over a parameter, in both directions and through folds, until it ends
+/// or the parameter leaves a range.
 ///
-/// `family` gives the system for a value of the parameter, which may be anything that a closure can
-/// put in: a belt's velocity, a load, a damper, a number of a law, the frequency of a force.
-/// `parameter` is where `from` is a motion of the family, inside the range or at one of its ends.
-/// Both ends of the range belong to it.
+/// `family` returns the system for a value of the parameter, which may be anything that a closure
+/// can set: a belt velocity, a load, a damper, a coefficient of a law, the frequency of a force.
+/// `parameter` is the value at which `from` is a motion of the family, inside the range or at one
+/// of its ends. Both ends belong to the range.
 ///
-/// The motions x(0), their period T if they are free, and the parameter p are points of the curve
+/// The start x(0), the period T of an autonomous motion, and the parameter p are points of the
+/// curve
 ///
 /// ```text
 /// x(T; x(0), p) − x(0) = 0,
 /// ```
 ///
-/// along which pseudo-arclength continuation goes: a step in the direction of the tangent, then
-/// Newton's method on the plane across it, with the exact derivative of the map over one period. No
-/// order of stick and slip is prescribed. Where the events of two neighbouring motions differ, the
-/// change in between is enclosed by bisection, down to neighbouring numbers or what rounding
-/// leaves, and the branch goes on behind it.
+/// which is followed by pseudo-arclength continuation: a step in the direction of the tangent, then
+/// Newton's method on the plane across it, with the exact derivative of the period map. The order
+/// of stick and slip is not prescribed. If the events of two neighbouring motions differ, the
+/// change in between is enclosed by bisection, down to neighbouring numbers or to rounding, and the
+/// branch continues behind it.
 ///
-/// A fold is where dp/ds changes its sign, or Π(1 − μ); a flip, where Π(1 + μ) does; a
-/// Neimark-Sacker bifurcation, where Π(1 − μ_i μ_j) does and a complex pair lies on the unit
-/// circle. Each is refined along the arclength, with the motion corrected at every trial. Two of
-/// one kind within one step (1/64 of the range at most) can be missed; a narrower range is followed
-/// more closely. In a continuum of motions one multiplier is 1 all along: the nearest motion is
-/// taken.
+/// A fold is a sign change of dp/ds or of Π(1 − μ); a flip, of Π(1 + μ); a Neimark-Sacker
+/// bifurcation, of Π(1 − μ_i μ_j) with a complex pair on the unit circle. Each is refined along the
+/// arclength, with the motion corrected at every trial. Two of one kind within one step (1/64 of
+/// the range at most) can be missed; a narrower range is followed more closely. In a continuum of
+/// motions one multiplier is always 1, and the nearest motion is taken.
 ///
-/// A free motion starts, at all points of the branch, where one of its coordinates turns back.
+/// The phase condition of an autonomous motion is a turning point of one of its coordinates, on the
+/// whole branch.
 ///
-/// At most 2048 points are computed, and 50 000 motions of 10⁷ steps in all tried, in each
-/// direction. What is found
-/// before a motion is lost is kept: [`Branch::ends`] says why the branch ends. Where the motion
-/// itself jumps as the parameter passes a value, the branch ends with
+/// The limits in each direction are 2048 points, and 50 000 motions of 10⁷ steps in all. If a
+/// motion is lost, the branch up to there is returned: [`Branch::ends`] gives the reason for each
+/// end. If the motion itself jumps as the parameter passes a value, the branch ends with
 /// [`BranchEnd::Discontinuity`]; a jump by less than 1e-3 of its size is passed if a motion is near
 /// on the other side.
 ///
@@ -120,14 +120,14 @@ pub fn follow<S: Oscillator>(
     })
 }
 
-/// What is found, with the parameters.
+/// The results with their parameters.
 struct Search {
     points: Vec<(f64, Trial)>,
     changes: Vec<(BifurcationKind, f64, Trial)>,
     ends: [BranchEnd; 2],
 }
 
-/// Both directions from a motion, given by its start and its period.
+/// Continuation in both directions from a motion, given by its start and its period.
 fn search<'f>(
     family: &'f Family<'f>,
     parameter: f64,
@@ -177,7 +177,7 @@ fn search<'f>(
 
 type Parts = (Vec<Solved>, Vec<(BifurcationKind, Solved)>, [BranchEnd; 2]);
 
-/// Both directions from a start.
+/// Continuation in both directions from a start.
 fn walks(
     curve: &mut Curve<'_>,
     start: &State,
@@ -217,7 +217,7 @@ fn walks(
     Ok((points, found, [end_down, end_up]))
 }
 
-/// The first point, with the curve's direction there, towards larger parameters.
+/// The first point, with the tangent there, towards larger parameters.
 fn first(curve: &Curve<'_>, start: &State, period: f64, parameter: f64) -> Result<Solved, Error> {
     let guess = curve.guess(start, period, parameter)?;
     if !guess.trial.map.is_nearly_closed() {

@@ -1,4 +1,4 @@
-//! A system as the searches see it.
+//! A system without the type of its laws, for all searches.
 
 use std::cell::Cell;
 
@@ -7,7 +7,7 @@ use crate::error::{Error, Reached};
 use crate::motion::Integrator;
 use crate::structure::engine::model::Model;
 
-/// A system without the type of its laws: what all searches work on, so that they are compiled
+/// A system without the type of its laws, on which all searches work, so that they are compiled
 /// once.
 #[derive(Debug)]
 pub struct Form<'s> {
@@ -16,17 +16,17 @@ pub struct Form<'s> {
     taken: Cell<usize>,
 }
 
-/// Most steps of all the motions of one search: seconds for a few masses.
+/// Limit of steps of all the motions of one search: seconds for a few masses.
 const MOST_STEPS: usize = 10 * Integrator::DEFAULT_MAX_STEPS;
 
-/// How drives vary.
+/// The time dependence of the drives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Rhythm {
-    /// Not at all.
+    /// All are constant.
     Constant,
-    /// With a common period.
+    /// They have this common period.
     Periodic(f64),
-    /// Without one.
+    /// They vary without a common period.
     Aperiodic,
 }
 
@@ -38,7 +38,7 @@ impl<'s> Form<'s> {
         }
     }
 
-    /// Counts a step, or a part of one, that is to be taken from a state.
+    /// Counts a step, or a part of one, before it is taken from a state.
     pub(super) fn count(&self, reached: impl FnOnce() -> Reached) -> Result<(), Error> {
         if self.taken.get() >= MOST_STEPS {
             return Err(Self::too_many(reached()));
@@ -47,7 +47,7 @@ impl<'s> Form<'s> {
         Ok(())
     }
 
-    /// The error of a search that would take more steps than it may.
+    /// The error of a search that exceeds its limit of steps.
     pub(super) fn too_many(reached: Reached) -> Error {
         let limit = MOST_STEPS;
         Error::TooManySteps { limit, reached }
@@ -63,7 +63,7 @@ impl<'s> Form<'s> {
         self.model.len()
     }
 
-    /// Numbers of a state: displacements, velocities, and what contacts remember.
+    /// Length of a state vector: displacements, velocities and memory variables.
     pub(super) fn order(&self) -> usize {
         2 * self.len() + self.model.remembered()
     }
@@ -76,12 +76,12 @@ impl<'s> Form<'s> {
         }
     }
 
-    /// Whether no drive varies.
+    /// Returns true if the system is autonomous: no drive varies.
     pub(super) fn is_free(&self) -> bool {
         self.model.drives().all(|drive| drive.is_constant())
     }
 
-    /// Whether a number of a state is the velocity of a coordinate that contacts share.
+    /// Returns true if this number of a state is the velocity of a coordinate that contacts share.
     pub(super) fn shares(&self, row: usize) -> bool {
         let coordinate = row.checked_sub(self.len());
         coordinate.is_some_and(|j| self.model.shared_coordinates.binary_search(&j).is_ok())
@@ -92,14 +92,14 @@ impl<'s> Form<'s> {
         self.model.contacts.len()
     }
 
-    /// Whether a contact has no relative velocity at a time, as far as its law can tell.
+    /// Returns true if the relative velocity of a contact at a time is 0.
     pub(super) fn is_at_rest(&self, contact: usize, velocities: &[f64], time: f64) -> bool {
         let contact = &self.model.contacts[contact];
         let surface = contact.belt_velocity.value(time);
         contact.sliding_velocity(|j| velocities[j], surface) == 0.0
     }
 
-    /// Sets the velocities at a time so that these contacts are at rest.
+    /// Sets the velocities at a time so that these contacts have no relative velocity.
     pub(super) fn put_at_rest(
         &self,
         velocities: &mut [f64],

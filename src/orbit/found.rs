@@ -16,8 +16,8 @@ use crate::structure::Step;
 
 /// A periodic motion, exact to rounding, with its Floquet multipliers.
 ///
-/// Made by [`shoot`](super::shoot) and [`settle`](super::settle). Extremes are roots of the power
-/// series of one period. All numbers are in the units of the system.
+/// Returned by [`shoot`](super::shoot) and [`settle`](super::settle). Extremes are roots of the
+/// power series of one period. All numbers are in the units of the system.
 ///
 /// ```
 /// use stick_slip::orbit::{self, Period};
@@ -74,7 +74,7 @@ impl<S: Oscillator> Orbit<S> {
     }
 }
 
-/// What a closed motion is like.
+/// Properties of a closed motion.
 struct Facts {
     events: Vec<Event<State>>,
     extremes: Vec<[(f64, f64); 2]>,
@@ -108,8 +108,8 @@ impl Facts {
 }
 
 impl<S: System> Orbit<S> {
-    /// Which kind of motion it is: driven, over so many periods of the drives, or free, with its
-    /// period.
+    /// The kind of the motion: forced, over a number of periods of the drives, or autonomous, with
+    /// its period.
     pub fn kind(&self) -> Period {
         self.kind
     }
@@ -119,7 +119,7 @@ impl<S: System> Orbit<S> {
         self.period
     }
 
-    /// The state at the start of the period, which is that at its end.
+    /// The state at the start of the period, equal to that at its end.
     pub fn state(&self) -> S::State {
         self.state.clone()
     }
@@ -129,17 +129,17 @@ impl<S: System> Orbit<S> {
         &self.trajectory
     }
 
-    /// The events in (0, T], in order of time. One at which the period starts is that at T.
+    /// The events in (0, T], in order of time. An event at the start of the period has the time T.
     pub fn events(&self) -> &[Event<S::State>] {
         &self.events
     }
 
-    /// Least and largest displacement of a coordinate; NaN for one that there is not.
+    /// Least and largest displacement of a coordinate; NaN if there is no such coordinate.
     pub fn extremes(&self, coordinate: usize) -> (f64, f64) {
         self.extremes_of(coordinate, 0)
     }
 
-    /// Least and largest velocity of a coordinate; NaN for one that there is not.
+    /// Least and largest velocity of a coordinate; NaN if there is no such coordinate.
     pub fn velocity_extremes(&self, coordinate: usize) -> (f64, f64) {
         self.extremes_of(coordinate, 1)
     }
@@ -149,18 +149,18 @@ impl<S: System> Orbit<S> {
         pair.map_or((f64::NAN, f64::NAN), |pair| pair[which])
     }
 
-    /// The Floquet multipliers, by falling modulus, dimensionless: 2n for n coordinates, and one
-    /// for each number that a contact remembers; of a free motion without the 1 of a shift along
-    /// itself.
+    /// The Floquet multipliers, by falling modulus, dimensionless: two for each coordinate and one
+    /// for each memory variable. Those of an autonomous motion do not include the 1 of a shift
+    /// along itself.
     ///
-    /// A small disturbance of the motion is multiplied by them in each period. Those that stick
-    /// causes are 0 to the bit: see [the page of this module](super#multipliers).
+    /// A small perturbation of the motion is multiplied by them in each period. Those caused by
+    /// stick are 0 to the bit: see [the page of this module](super#multipliers).
     #[doc(alias = "Floquet")]
     pub fn multipliers(&self) -> &[Complex<f64>] {
         &self.multipliers
     }
 
-    /// Whether all multipliers lie inside the unit circle: small disturbances die out.
+    /// Returns true if all multipliers lie inside the unit circle: small perturbations decay.
     pub fn is_stable(&self) -> bool {
         self.multipliers.iter().all(|m| m.norm() < 1.0)
     }
@@ -185,7 +185,7 @@ where
     S::State: PartialEq,
     <S::State as SystemState>::Step: PartialEq,
 {
-    /// All follows from the motion and how it was looked for.
+    /// Compares the motion, its kind and its multipliers, from which the rest follows.
     fn eq(&self, other: &Self) -> bool {
         self.kind == other.kind
             && self.trajectory == other.trajectory
@@ -204,7 +204,7 @@ impl<S: System> fmt::Debug for Orbit<S> {
     }
 }
 
-/// A time of a motion that repeats itself, in (0, T]. One within rounding of 0 is T.
+/// A time of a periodic motion, in (0, T]. A time within rounding of 0 becomes T.
 fn within(time: f64, period: f64) -> f64 {
     const ROUNDING: f64 = 16.0 * f64::EPSILON;
     let time = if time > period { time - period } else { time };
@@ -215,8 +215,8 @@ fn within(time: f64, period: f64) -> f64 {
     }
 }
 
-/// Least and largest displacement and velocity of a coordinate, at the ends of steps and where
-/// velocity or acceleration is 0.
+/// Least and largest displacement and velocity of a coordinate, among the ends of steps and the
+/// zeros of velocity or acceleration.
 fn extremes(steps: &[Step], coordinate: usize) -> [(f64, f64); 2] {
     let mut ranges = [(f64::INFINITY, f64::NEG_INFINITY); 2];
     let mut meet = |which: usize, value: f64| {

@@ -1,5 +1,5 @@
-//! Where the motion itself jumps: up to one event it is the same on both sides of a border, and
-//! from then on another one.
+//! Discontinuities: up to one event the motion is the same on both sides of a border, and differs
+//! afterwards.
 
 use super::branch::BranchEnd;
 use super::changes::{JUMP, View};
@@ -7,19 +7,19 @@ use super::map::{PeriodMap, vector};
 use crate::motion::{EventKind, Segment};
 use crate::state::structure::State;
 
-/// How far beyond the last motion the border is looked for, in units of the shortest step.
+/// Distances beyond the last motion at which the border is searched, in units of the shortest step.
 const AWAY: [f64; 8] = [1.0, 4.0, 16.0, 64.0, 256.0, 1024.0, 4096.0, 16384.0];
 
-/// Halvings of the way to the border: down to neighbouring numbers.
+/// Limit of bisections of the interval that holds the border: down to neighbouring numbers.
 const MOST_HALVINGS: usize = 64;
 
-/// Up to the border's event the motions on its two sides differ by at most this.
+/// Largest difference of the motions on the two sides up to the event at the border.
 const SAME: f64 = 1e-6;
 
 /// Part of the period within which an event counts as one at its start.
 const NEAR: f64 = 1e-6;
 
-/// Jumps above this end a curve, in units of the sizes; behind a smaller one it may go on.
+/// A jump above this, in units of the sizes, ends the branch; after a smaller one it may continue.
 pub(super) const LARGE: f64 = 1e-3;
 
 /// An event whose time changes by more than this part of the period has become another one.
@@ -36,7 +36,7 @@ struct Side {
 
 impl View<'_, '_> {
     /// The discontinuity at which the curve ends behind its last point, if there is one within some
-    /// of the shortest steps; and how large it is, in units of the sizes.
+    /// of the shortest steps; and its size, in units of the sizes.
     pub(super) fn discontinuity(&self, shortest: f64) -> Option<(f64, BranchEnd)> {
         let mut low = (0.0, self.side(0.0)?);
         for away in AWAY {
@@ -52,7 +52,7 @@ impl View<'_, '_> {
         None
     }
 
-    /// The motion from a start along the tangent, as far from the last point.
+    /// The motion from a start on the tangent, at a distance from the last point.
     fn side(&self, distance: f64) -> Option<Side> {
         let y = &self.base.y + self.base.tangent.component_mul(self.scale) * distance;
         let stuck = self.base.trial.map.sticking();
@@ -69,7 +69,7 @@ impl View<'_, '_> {
         })
     }
 
-    /// The two sides of the place where the events change.
+    /// The two sides of the change of the event sequence.
     fn border(&self, mut low: (f64, Side), mut high: (f64, Side)) -> Option<(Side, Side)> {
         for _ in 0..MOST_HALVINGS {
             let middle = 0.5 * (low.0 + high.0);
@@ -88,8 +88,8 @@ impl View<'_, '_> {
 }
 
 impl Side {
-    /// How many of the first events are those of another motion, with times that differ by at most
-    /// so large a part of the period.
+    /// The number of first events equal to those of another motion, with times that differ by at
+    /// most this part of the period.
     fn alike(&self, other: &Self, part: f64) -> usize {
         let pairs = std::iter::zip(&self.events, &other.events);
         let alike = pairs.take_while(|(a, b)| {
@@ -117,7 +117,7 @@ impl Side {
         Some(step.state_at(step.since_start(time)))
     }
 
-    /// How far another motion is away at a time, in units of the sizes.
+    /// The distance of another motion at a time, in units of the sizes.
     fn apart(&self, other: &Self, time: f64) -> Option<f64> {
         let sizes = self.map.sizes();
         let [a, b] = [self.at(time)?, other.at(time)?].map(|state| vector(&state, sizes.len()));

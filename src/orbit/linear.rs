@@ -1,4 +1,4 @@
-//! The equations of motion linearised along one step: how friction follows the velocity and the
+//! The variational equations along one step: the derivatives of friction by the velocity and the
 //! memory of its contact, as power series in time.
 
 use crate::friction::memory::object::Derivative;
@@ -13,15 +13,15 @@ use crate::structure::Step;
 use crate::structure::engine::factor::Factor;
 use crate::structure::engine::model::{ContactData, Model};
 
-/// The equations along one step.
+/// The coefficients of the variational equations along one step.
 #[derive(Debug, Clone)]
 pub(super) struct Linear {
-    /// By the numbers of the contacts.
+    /// The derivatives, by the number of the contact.
     pub(super) joints: Vec<Joint>,
     pub(super) holding: Holding,
 }
 
-/// Contacts that share coordinates and stick, and what holds them.
+/// Sticking contacts that share coordinates, and the factor of their matrix G.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Holding {
     pub(super) contacts: Vec<usize>,
@@ -29,7 +29,7 @@ pub(super) struct Holding {
 }
 
 impl Holding {
-    /// Of these modes. (Contacts that stick together are independent.)
+    /// The holding contacts for these modes. (Contacts that stick together are independent.)
     pub(super) fn of(model: &Model<'_>, modes: &[Mode]) -> Self {
         let shared = model.shared.iter().copied();
         let contacts: Vec<usize> = shared.filter(|&c| modes[c] == Mode::Stick).collect();
@@ -42,7 +42,7 @@ impl Holding {
         }
     }
 
-    /// Takes away from velocities what moves a contact that sticks.
+    /// Projects out the velocities that move a sticking contact.
     pub(super) fn project(&self, model: &Model<'_>, velocities: &mut [f64]) {
         let along = |c: usize| model.contacts[c].along(|j| velocities[j]);
         for (j, correction) in model.corrections(&self.contacts, &self.factor, along) {
@@ -62,12 +62,12 @@ pub(super) struct Joint {
     pub(super) by_load: Option<(PowerSeries, Vec<(usize, f64)>)>,
     /// ∂z_j'/∂r, then ∂z_j'/∂z_l: a row for each j.
     pub(super) rates: Vec<Vec<PowerSeries>>,
-    /// Whether the law depends on z_j in this mode.
+    /// For each memory variable z_j: true if the law depends on it in this mode.
     pub(super) depends: Vec<bool>,
 }
 
 impl Joint {
-    /// The same later.
+    /// The same coefficients, as series about a later time.
     pub(super) fn shifted(&self, time: f64) -> Self {
         let shift = |series: &[PowerSeries]| -> Vec<_> {
             series.iter().map(|series| series.shifted(time)).collect()
@@ -86,7 +86,7 @@ impl Joint {
 }
 
 impl Linear {
-    /// Of a step of positive length.
+    /// The coefficients along a step of positive length.
     pub(super) fn of(model: &Model<'_>, step: &Step, tape: &mut Tape) -> Self {
         let contacts = model.contacts.iter().enumerate();
         let joints = contacts.map(|(number, contact)| {
@@ -106,7 +106,7 @@ impl Linear {
         }
     }
 
-    /// The same later.
+    /// The same coefficients, as series about a later time.
     pub(super) fn shifted(&self, time: f64) -> Self {
         Self {
             joints: self
@@ -145,7 +145,7 @@ impl Along<'_> {
         joint
     }
 
-    /// The derivative by one input, whose rates are noted.
+    /// The derivative by one input; the derivatives of the rates are stored.
     fn derivative(
         &mut self,
         joint: &mut Joint,
@@ -202,7 +202,7 @@ impl Along<'_> {
         }
     }
 
-    /// N G_cc.
+    /// The series of N G_cc.
     fn load(&self, start: &State) -> PowerSeries {
         let mut load = self.contact.load.series(self.step.clock());
         for &(j, gradient) in self.contact.load_gradient {

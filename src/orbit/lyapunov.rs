@@ -1,4 +1,4 @@
-//! The largest Lyapunov exponent: how fast a small change of a motion grows in the long run.
+//! The largest Lyapunov exponent: the mean growth rate of a small perturbation of a motion.
 
 use nalgebra::DMatrix;
 
@@ -10,33 +10,33 @@ use crate::motion::{Integrator, Mode, Segment};
 use crate::state::structure::State;
 use crate::structure::Step;
 
-/// A Lyapunov exponent, with what it may be wrong by; made by [`lyapunov_with_spread`].
+/// A Lyapunov exponent with its standard error; returned by [`lyapunov_with_spread`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LyapunovExponent {
     /// The exponent, per unit of time.
     pub value: f64,
-    /// Its standard error, by the differences between 16 parts of the duration, per unit of time;
-    /// infinite if there are not two parts to compare.
+    /// Its standard error, from the differences between 16 parts of the duration, per unit of time;
+    /// infinite with fewer than two parts.
     pub spread: f64,
 }
 
 /// Parts of the duration that are compared.
 const PARTS: usize = 16;
 
-/// What is left of a change along the motion itself when that is taken out is rounding, if it is
-/// below this part of the change.
+/// The rest of a perturbation after the part along the motion is removed is rounding if it is below
+/// this part of the perturbation.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// Growth of a change over a part of the duration.
+/// Growth of a perturbation over a part of the duration.
 #[derive(Debug, Clone, Copy, Default)]
 struct Growth {
-    /// Logarithm of the factor; −∞ for a change that is gone.
+    /// Logarithm of the factor; −∞ for a perturbation that has decayed to zero.
     logarithm: f64,
     time: f64,
 }
 
 /// The largest Lyapunov exponent of the motion from a start, per unit of time: the value of
-/// [`lyapunov_with_spread`], which says more.
+/// [`lyapunov_with_spread`], without its standard error.
 ///
 /// # Errors
 ///
@@ -60,17 +60,18 @@ pub fn lyapunov<S: Oscillator>(
     Ok(lyapunov_with_spread(system, start, transient, duration)?.value)
 }
 
-/// The largest Lyapunov exponent of the motion from a start at time 0, with its standard error:
-/// the mean rate, per unit of time, at which small changes grow, over a duration after a transient.
+/// The largest Lyapunov exponent of the motion from a start at time 0, with its standard error: the
+/// mean growth rate of small perturbations, per unit of time, over a duration after a transient.
 ///
 /// ```text
 /// λ = lim ln(|δx(t)|/|δx(0)|)/t
 /// ```
 ///
-/// Above 0: chaos. Of a stable periodic motion it is ln|μ|/T, μ the largest multiplier. Of a free
-/// motion a shift along itself, whose exponent is 0, is left out, as the multiplier 1 is. It is −∞
-/// where nothing is left of any change, and where all masses stick for ever. The change follows
-/// the linearised equations, so that nothing is lost by differences; memory is constant.
+/// A positive exponent means chaos. For a stable periodic motion it is ln|μ|/T, μ the largest
+/// multiplier. For an autonomous motion the exponent 0 of a shift along itself is left out, as the
+/// multiplier 1 is. It is −∞ if every perturbation decays to zero, and if all masses stick for
+/// ever. The perturbation is a solution of the variational equations, so that no digits are lost in
+/// differences; memory use is constant.
 ///
 /// # Errors
 ///
@@ -135,7 +136,7 @@ fn exponent(
     Ok(LyapunovExponent { value, spread })
 }
 
-/// The growth of a change in parts of the duration after a transient.
+/// The growth of a perturbation in parts of the duration after a transient.
 fn growths(
     form: &Form<'_>,
     start: &State,
@@ -207,12 +208,12 @@ struct Parts {
     growths: [Growth; PARTS],
     transient: f64,
     duration: f64,
-    /// When the change was measured last.
+    /// The time at which the perturbation was measured last.
     since: f64,
 }
 
 impl Parts {
-    /// The growth of a change that is gone.
+    /// Growth rate of a perturbation that has decayed to zero: −∞.
     fn gone(duration: f64) -> Vec<Growth> {
         vec![Growth {
             logarithm: f64::NEG_INFINITY,
@@ -224,7 +225,7 @@ impl Parts {
         self.transient + self.duration
     }
 
-    /// Adds the growth up to a time; whether anything is left of the change.
+    /// Adds the growth up to a time; returns true if the perturbation has not decayed to zero.
     fn add(&mut self, time: f64, logarithm: f64) -> bool {
         let since = std::mem::replace(&mut self.since, time);
         if since >= self.transient && time > since {
@@ -237,8 +238,9 @@ impl Parts {
     }
 }
 
-/// Makes the change one of size 1, and gives the logarithm of the factor by which it has grown. Of
-/// a free motion, what lies along the motion is taken out first: it neither grows nor dies.
+/// Scales the perturbation to size 1, and returns the logarithm of the factor by which it has
+/// grown. For an autonomous motion the part along the motion is removed first: it neither grows nor
+/// decays.
 fn normalise(flow: &mut TangentFlow<'_>, along: Option<&[f64]>, step: &Step) -> Result<f64, Error> {
     let before = flow.logarithm.replace(0.0).unwrap_or(0.0);
     let change = flow.tangents.as_mut_slice();

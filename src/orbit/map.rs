@@ -1,4 +1,4 @@
-//! The map from the start of a period to its end, with its derivative.
+//! The period map, from the state at the start of a period to that at its end, and its derivative.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -10,35 +10,36 @@ use crate::motion::{Event, EventKind, Integrator, Mode, Segment};
 use crate::state::structure::State;
 use crate::structure::{Flow, Step};
 
-/// A motion over one period, closed or not.
+/// A motion over one period, closed or not, with its derivative.
 ///
-/// Vectors hold n displacements, n velocities, and what the contacts remember.
+/// Vectors hold n displacements, n velocities and the memory variables of the contacts.
 #[derive(Debug, Clone)]
 pub struct PeriodMap {
     pub(super) start: State,
     pub(super) end: State,
-    /// At least one; the last is cut at the end of the period.
+    /// The steps, at least one; the last is cut at the end of the period.
     pub(super) steps: Vec<Step>,
-    /// Derivative of the end with respect to the start.
+    /// The monodromy matrix: the derivative of the end with respect to the start.
     pub(super) monodromy: DMatrix<f64>,
     /// The rates of change of the state at its start and at its end.
     pub(super) flow: [DVector<f64>; 2],
-    /// Whether anything depended on each number of the memory.
+    /// For each memory variable: true if anything depended on it.
     pub(super) depends: Vec<bool>,
-    /// What the contacts do from the end on.
+    /// The modes of the contacts after the end.
     end_modes: Vec<Mode>,
-    /// The monodromy of a closed motion, begun where most contacts stick, and the flow there.
+    /// The monodromy matrix of a closed motion, started where most contacts stick, and the flow
+    /// there.
     cycle: (DMatrix<f64>, DVector<f64>),
-    /// The directions of contacts that share coordinates and stick there.
+    /// The directions of sticking contacts that share coordinates there.
     held: Vec<DVector<f64>>,
 }
 
-/// Largest residual of a closed motion, in units of the sizes of its numbers and of what the motion
-/// magnifies. Rounding alone causes about 1e-15.
+/// Largest residual of a closed motion, in units of the sizes of its numbers and of the
+/// magnification by the motion. Rounding alone causes about 1e-15.
 pub(super) const CLOSED: f64 = 1e-11;
 
-/// The least velocity, in displacements a period, that is not rounding of the displacement, with a
-/// margin of the 1e-11 to which a motion is closed.
+/// The least velocity, in displacements per period, that is not rounding of the displacement, with
+/// a margin for the 1e-11 to which a motion is closed.
 const LEAST_VELOCITY: f64 = 1e-3;
 
 impl PeriodMap {
@@ -62,7 +63,7 @@ impl PeriodMap {
         self.monodromy.nrows()
     }
 
-    /// End minus start; 0 for what nothing depends on.
+    /// The residual: end minus start; 0 for variables on which nothing depends.
     pub(super) fn residual(&self) -> DVector<f64> {
         let mut residual = vector(&self.end, self.order()) - vector(&self.start, self.order());
         let first = self.order() - self.depends.len();
@@ -74,29 +75,30 @@ impl PeriodMap {
         residual
     }
 
-    /// The largest number of the residual, each in units of its own size.
+    /// The largest residual, each number in units of its size.
     pub(super) fn miss(&self) -> f64 {
         self.residual().component_div(&self.sizes()).amax()
     }
 
-    /// Whether a closed motion is near: the residual is below the square root of what it is there.
+    /// Returns true if a closed motion is near: the residual is below the square root of its limit
+    /// for a closed motion.
     pub(super) fn is_nearly_closed(&self) -> bool {
         self.miss() <= CLOSED.sqrt() * self.monodromy.amax().max(1.0)
     }
 
-    /// What the contacts do at first.
+    /// The modes of the contacts at the start.
     fn first_modes(&self) -> Option<&[Mode]> {
         let first = self.steps.iter().find(|step| step.duration() > 0.0);
         first.map(|step| step.modes())
     }
 
-    /// Which contacts stick at the end.
+    /// For each contact: true if it sticks at the end.
     pub(super) fn sticking(&self) -> Vec<bool> {
         let modes = self.end_modes.iter();
         modes.map(|mode| *mode == Mode::Stick).collect()
     }
 
-    /// The events, each with what its contact does from then on.
+    /// The events, each with the mode of its contact afterwards.
     pub(super) fn events(&self) -> impl Iterator<Item = (&Event<State>, Mode)> {
         let steps = self.steps.iter().enumerate();
         steps.flat_map(|(i, step)| {
@@ -108,9 +110,9 @@ impl PeriodMap {
         })
     }
 
-    /// The equations of Newton's method for x(T) = x(0), (M − 1)·Δx = −residual: each row in units
-    /// of the size of its number, each column in those of a scale. Rows and columns of zeros follow
-    /// for the other unknowns.
+    /// The Newton equations of x(T) = x(0), (M − 1)·Δx = −residual: each row in units of the size
+    /// of its number, each column in those of a scale. Rows and columns of zeros follow for the
+    /// other unknowns.
     pub(super) fn closing(
         &self,
         scale: &DVector<f64>,
@@ -129,9 +131,10 @@ impl PeriodMap {
         (matrix, right)
     }
 
-    /// The largest size of every number of the state at the ends of steps, and of a velocity at
-    /// least [`LEAST_VELOCITY`] of its displacement over the period: a mass that slides steadily
-    /// has no velocity but rounding. What is 0 has the size of the largest of its kind.
+    /// The largest size of each number of the state at the ends of steps; for a velocity at least
+    /// [`LEAST_VELOCITY`] of its displacement over the period, because the velocity of a mass that
+    /// slides steadily is rounding only. A number that is 0 gets the size of the largest of its
+    /// kind.
     pub(super) fn sizes(&self) -> DVector<f64> {
         let mut sizes = DVector::zeros(self.order());
         let ends = self.steps.iter().map(Segment::end_state);
@@ -158,8 +161,8 @@ impl PeriodMap {
         sizes
     }
 
-    /// How far the displacements and the velocities go from their start, the largest distance of
-    /// each in units of the sizes: at the ends of steps and half-way.
+    /// The extent of the displacements and of the velocities: their largest distances from the
+    /// start, in units of the sizes, at the ends and midpoints of steps.
     pub(super) fn extents(&self, sizes: &DVector<f64>) -> [f64; 2] {
         let start = vector(&self.start, self.order());
         let states = self.steps.iter().flat_map(|step| {
@@ -173,21 +176,21 @@ impl PeriodMap {
         })
     }
 
-    /// The largest of the displacements and of the velocities of a vector.
+    /// The largest displacement and the largest velocity of a vector.
     pub(super) fn largest(&self, vector: &DVector<f64>) -> [f64; 2] {
         let n = self.start.displacements.len();
         [0, n].map(|first| vector.rows(first, n).amax())
     }
 
-    /// The multipliers of a closed motion, by falling modulus; of a free one without the 1 of a
-    /// shift along itself. `None` if they could not be computed.
+    /// The multipliers of a closed motion, by falling modulus; those of an autonomous one without
+    /// the 1 of a shift along itself. `None` if they do not converge.
     pub(super) fn multipliers(&self, is_free: bool) -> Option<Vec<Complex<f64>>> {
         let (matrix, flow) = &self.cycle;
         multipliers(matrix, is_free.then_some(flow), &self.held, &self.sizes())
     }
 }
 
-/// A state as a vector. What is missing of the memory is 0.
+/// A state as a vector. Missing memory variables are 0.
 pub(super) fn vector(state: &State, order: usize) -> DVector<f64> {
     let numbers = state.displacements.iter().chain(&state.velocities);
     let numbers = numbers.chain(&state.memory).copied();
@@ -208,7 +211,7 @@ impl Form<'_> {
     }
 }
 
-/// The map over a duration from a state at a time.
+/// The period map over a duration from a state at a time.
 pub(super) fn period_map(
     form: &Form<'_>,
     time: f64,
@@ -277,8 +280,8 @@ pub(super) fn period_map(
     })
 }
 
-/// The map of the same closed motion begun elsewhere, where its start lies so near to an event that
-/// rounding decides whether the end lies before it or after; `None` if it does not.
+/// The period map of the same closed motion with another start, if its start lies so near to an
+/// event that rounding decides on which side of it the end lies; otherwise `None`.
 pub(super) fn begun_apart(
     form: &Form<'_>,
     map: &PeriodMap,
@@ -311,7 +314,7 @@ pub(super) fn begun_apart(
     period_map(form, time, &state, period).map(Some)
 }
 
-/// Where a motion is after a duration, and what its contacts do from then on.
+/// The state after a duration, and the modes of the contacts afterwards.
 pub(super) fn reach(
     form: &Form<'_>,
     start: &State,
@@ -342,7 +345,7 @@ pub(super) fn reach(
 /// The end of a motion, and its events: contact and kind.
 type Passage = (State, Vec<(usize, EventKind)>);
 
-/// Where a motion is after a duration, and the events on the way.
+/// The state after a duration, and the events on the way.
 pub(super) fn passage(form: &Form<'_>, start: &State, duration: f64) -> Result<Passage, Error> {
     let mut events = Vec::new();
     let settings = Integrator::new().with_max_steps(Integrator::DEFAULT_MAX_STEPS)?;
@@ -358,7 +361,8 @@ pub(super) fn passage(form: &Form<'_>, start: &State, duration: f64) -> Result<P
     Err(Error::InvalidDuration { value: duration })
 }
 
-/// What the contacts do after a step. One that closes sticks or slips: the next step tells.
+/// The modes of the contacts after a step. A contact that closes sticks or slips, which the next
+/// step decides.
 fn modes_after(
     step: &Step,
     mut next: impl FnMut() -> Option<Result<Step, Error>>,
@@ -378,7 +382,7 @@ fn modes_after(
     Ok(modes)
 }
 
-/// The directions of contacts that share coordinates and stick, as rows for states.
+/// The directions of sticking contacts that share coordinates, as rows for states.
 fn held_by(form: &Form<'_>, modes: &[Mode]) -> Vec<DVector<f64>> {
     let model = &form.model;
     let sticking = model.shared.iter().filter(|&&c| modes[c] == Mode::Stick);
@@ -392,7 +396,7 @@ fn held_by(form: &Form<'_>, modes: &[Mode]) -> Vec<DVector<f64>> {
     rows.collect()
 }
 
-/// Which rows are all zero: coordinates in which all changes are gone.
+/// For each row: true if it is all zero, so that perturbations of this coordinate have vanished.
 fn dead_rows(matrix: &DMatrix<f64>) -> Vec<bool> {
     let rows = matrix.row_iter();
     rows.map(|row| row.iter().all(|x| *x == 0.0)).collect()

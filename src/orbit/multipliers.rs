@@ -7,8 +7,8 @@ use crate::numerics::eigenvalues::{eigenvalues, reflected};
 /// The multipliers by falling modulus, without the 1 that belongs to `flow` if that is given;
 /// `None` if they do not converge.
 ///
-/// Each row or column of zeros is one multiplier that is 0 to the bit, and so is each vector of
-/// `held`, to which all that the matrix gives is normal. The matrix is scaled by the sizes of the
+/// Each row or column of zeros gives one multiplier 0 to the bit, and so does each vector of
+/// `held`, to which the image of the matrix is normal. The matrix is scaled by the sizes of the
 /// numbers, so that units do not matter. The eigenvector of the multiplier 1 is known, the flow f:
 /// in an orthonormal basis (f, Q) the matrix M is block triangular, and the others are the
 /// eigenvalues of QᵀMQ.
@@ -51,8 +51,7 @@ pub(super) fn multipliers(
     Some(values)
 }
 
-/// The coordinates that are left when those with a row or a column of zeros are taken out, again
-/// and again.
+/// The coordinates that remain after those with a row or a column of zeros are removed repeatedly.
 fn alive(matrix: &DMatrix<f64>) -> Vec<usize> {
     let mut alive: Vec<usize> = (0..matrix.nrows()).collect();
     loop {
@@ -68,8 +67,8 @@ fn alive(matrix: &DMatrix<f64>) -> Vec<usize> {
     }
 }
 
-/// QᵀMQ, Q a basis of what is normal to a vector: by the reflection that takes it to an axis. The
-/// others become Qᵀ times themselves.
+/// QᵀMQ, with Q a basis normal to a vector, by the reflection that maps it to an axis. `held`
+/// becomes Qᵀ times itself.
 fn across(
     matrix: &DMatrix<f64>,
     mut vector: DVector<f64>,
@@ -96,7 +95,7 @@ fn across(
 mod tests {
     use super::*;
 
-    /// A disturbance that comes back after six periods: the QR method alone does not move on it.
+    /// A perturbation that returns after six periods: the QR method alone does not converge on it.
     #[test]
     fn a_cyclic_permutation_has_the_sixth_roots_of_unity() {
         let matrix = DMatrix::from_fn(6, 6, |i, j| f64::from(u8::from(i == (j + 1) % 6)));

@@ -1,4 +1,4 @@
-//! What the searches need of a system.
+//! The systems whose periodic motions can be found.
 
 use super::form::Form;
 use super::map::PeriodMap;
@@ -14,7 +14,7 @@ use crate::structure::engine::model::Model;
 /// A system whose periodic motions can be found: [`MassOnBelt`] or [`Structure`]. Sealed, as
 /// [`System`] is.
 ///
-/// A belt is looked at as the structure of one mass that it is; its trajectories are its own.
+/// A belt is treated as a structure of one mass; its trajectories have its own type.
 pub trait Oscillator: System {
     /// The general form of a state.
     #[doc(hidden)]
@@ -22,7 +22,7 @@ pub trait Oscillator: System {
     /// The system's own form of a state.
     #[doc(hidden)]
     fn own(state: &State) -> Self::State;
-    /// The system as the searches see it.
+    /// The system without the type of its laws.
     #[doc(hidden)]
     fn form(&self) -> Form<'_>;
     /// The motion over one period in the system's own form.

@@ -1,7 +1,7 @@
 use super::form::Rhythm;
 use crate::error::Error;
 
-/// The period of a motion that is looked for.
+/// The period of the motion searched for.
 ///
 /// ```
 /// use stick_slip::orbit::Period;
@@ -9,17 +9,17 @@ use crate::error::Error;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Period {
-    /// So many periods of the drives of a [`Structure`](crate::Structure), at least 1. The state is
-    /// that at time 0 of the drives.
+    /// This number of periods of the drives of a [`Structure`](crate::Structure), at least 1. The
+    /// state is that at time 0 of the drives.
     Driven(usize),
-    /// An estimate of the period of a free motion, in which no drive varies, in units of time.
+    /// An autonomous motion, in which no drive varies: an estimate of its period, in units of time.
     ///
-    /// The state is on the section through the guess that is normal to the flow there.
+    /// The phase condition is the plane through the guess, normal to the flow there.
     Free(f64),
 }
 
 impl Period {
-    /// In units of time, where drives vary like this.
+    /// The duration in units of time, for drives that vary like this.
     pub(super) fn duration(self, rhythm: Rhythm) -> Result<f64, Error> {
         match (self, rhythm) {
             (Self::Driven(count), Rhythm::Periodic(period)) => {

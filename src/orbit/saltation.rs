@@ -1,7 +1,7 @@
-//! What events do to changes of a motion.
+//! Saltation: the jump of perturbations at events.
 //!
-//! An event happens where h(x, t) = 0. The motion goes on from g(x), with the field f₊ in the place
-//! of f₋:
+//! An event happens where h(x, t) = 0. The motion continues from g(x), with the vector field f₊ in
+//! place of f₋:
 //!
 //! ```text
 //! δt = −∇h·δx/(∇h·f₋ + ∂h/∂t)                          how much later it happens
@@ -15,10 +15,10 @@
 //! | release | σR − N μ_s | what the law makes of its memory |
 //! | a load that opens or closes, a drive that jumps | a time | δt = 0; rest ends with the load |
 //!
-//! At one instant f jumps for the contacts of the events alone, in v' and z'. Where it does not,
-//! the changes go on as they are. Contacts that share coordinates pull at each other: there the
-//! event of one changes v' of all these coordinates, and perhaps what others do, at the time at
-//! which that one came to its limit. v' just after is that of the next step.
+//! The field f jumps at an event only for its own contacts, in v' and z'. Where it does not, the
+//! perturbations are continuous. Contacts that share coordinates are coupled: the event of one
+//! changes v' of all these coordinates, and perhaps the modes of the others, at the time at which
+//! that contact reached its limit. v' just after the event is that of the next step.
 
 use nalgebra::{DMatrix, RowDVector};
 
@@ -32,10 +32,11 @@ use crate::state::Direction;
 use crate::state::structure::State;
 use crate::structure::Step;
 
-/// A contact with a coordinate to itself at the time of an event, all divided by its mass.
+/// A contact with a coordinate of its own at the time of an event; all numbers are divided by the
+/// mass.
 struct Instant {
     coordinate: usize,
-    /// N.
+    /// The load N.
     load: f64,
     load_rate: f64,
     /// dr/dt just before.
@@ -50,7 +51,7 @@ struct Instant {
 struct LawAt<'l>(&'l dyn LawObject);
 
 impl LawAt<'_> {
-    /// μ with the sign of r where slip begins or ends.
+    /// μ with the sign of r, at the begin or end of slip.
     fn coefficient(self, side: Direction, memory: &[f64]) -> f64 {
         self.0.coefficient(at_zero(side), &|j| memory[j])
     }
@@ -62,7 +63,7 @@ impl LawAt<'_> {
         rates
     }
 
-    /// Where slip begins or ends.
+    /// The rates of the memory at the begin or end of slip.
     fn slipping(self, side: Direction, memory: &[f64]) -> Vec<f64> {
         self.rates(Motion::Slip(at_zero(side)), memory)
     }
@@ -92,17 +93,17 @@ fn at_zero(side: Direction) -> Slip<f64> {
     }
 }
 
-/// What the law of a contact does at an event.
+/// The jump of the memory of a contact at an event.
 struct Passage {
-    /// Whether the memory is set as after stick or slip.
+    /// True if the law resets the memory, as after stick or slip.
     caught: bool,
-    /// Its rates before and after.
+    /// The rates of the memory before and after.
     before: Vec<f64>,
     after: Vec<f64>,
 }
 
 impl Passage {
-    /// Of a contact that was in a mode.
+    /// The jump for a contact that was in a mode.
     fn of(law: LawAt<'_>, mode: Mode, kind: EventKind, memory: &[f64]) -> Self {
         let none = || vec![0.0; memory.len()];
         let side = match mode {
@@ -138,7 +139,7 @@ impl TangentFlow<'_> {
         LawAt(self.form.model.contacts[contact].law)
     }
 
-    /// The rows of the tangents that belong to a contact's memory.
+    /// The rows of the tangents for the memory of a contact.
     fn memory_rows(&self, contact: usize) -> std::ops::Range<usize> {
         let variables = self.form.model.memory(contact);
         let first = 2 * self.form.len();
@@ -149,8 +150,8 @@ impl TangentFlow<'_> {
         self.tangents.row(row).into_owned()
     }
 
-    /// Takes the tangents across the start itself: a contact that slips from r = 0, or is open, has
-    /// had its memory set by its law.
+    /// Carries the tangents past the start of the motion: the law of a contact that slips from r =
+    /// 0, or is open, has reset its memory.
     pub(super) fn begin(&mut self, step: &Step) {
         let model = &self.form.model;
         for (number, contact) in model.contacts.iter().enumerate() {
@@ -177,7 +178,7 @@ impl TangentFlow<'_> {
         }
     }
 
-    /// Takes the tangents across the events at the end of a step.
+    /// Carries the tangents past the events at the end of a step.
     pub(super) fn pass(&mut self, step: &Step, linear: Option<&Linear>) {
         if step.series().is_empty() {
             return;
@@ -199,7 +200,7 @@ impl TangentFlow<'_> {
         }
     }
 
-    /// The rows of the tangents that an event of a contact with a coordinate to itself changes.
+    /// The rows of the tangents that change at an event of a contact with a coordinate of its own.
     fn changed(
         &self,
         step: &Step,
@@ -248,7 +249,7 @@ impl TangentFlow<'_> {
         changes
     }
 
-    /// The rows of a contact's memory that an event changes which comes later by δt.
+    /// The rows of a contact's memory that change at an event delayed by δt.
     fn changed_memory(
         &self,
         contact: usize,
@@ -281,8 +282,8 @@ impl TangentFlow<'_> {
         (0..count).map(change).collect()
     }
 
-    /// The rows that events of contacts which share coordinates change: all of them happen when the
-    /// first that reached a limit of its own did.
+    /// The rows that change at events of contacts that share coordinates: all these events happen
+    /// when the first contact reaches its own limit.
     fn changed_together(
         &self,
         step: &Step,
@@ -315,7 +316,7 @@ impl TangentFlow<'_> {
         changes
     }
 
-    /// δt of the event of a contact that shares coordinates.
+    /// The delay δt of the event of a contact that shares coordinates.
     fn trigger_later(&self, step: &Step, linear: &Linear, event: &Event<State>) -> RowDVector<f64> {
         let (model, n, h) = (&self.form.model, self.form.len(), step.duration());
         let number = event.contact;
@@ -353,8 +354,8 @@ impl TangentFlow<'_> {
         }
     }
 
-    /// The change of what a contact carries in stick, with all that stick:
-    /// ∇λ = G⁻¹ B (M⁻¹∂p), multiplied by G_cc.
+    /// The gradient of the force in stick, with all contacts that stick: ∇λ = G⁻¹ B (M⁻¹∂p),
+    /// multiplied by G_cc.
     fn carried_gradient(&self, linear: &Linear, h: f64, number: usize) -> RowDVector<f64> {
         let (model, n) = (&self.form.model, self.form.len());
         let mut rates: Vec<RowDVector<f64>> = (0..n)
@@ -409,7 +410,7 @@ impl TangentFlow<'_> {
         gradient
     }
 
-    /// δt of a release, from h = σR − N μ_s.
+    /// The delay δt of a release, from h = σR − N μ_s.
     fn later(
         &self,
         contact: usize,
@@ -477,9 +478,9 @@ impl TangentFlow<'_> {
     }
 }
 
-/// The slopes of a map by differences of fourth order; exact for one that is linear.
+/// The slopes of a map by differences of fourth order; exact for a linear map.
 fn slopes_of(map: &dyn Fn(&[f64]) -> Vec<f64>, at: &[f64]) -> DMatrix<f64> {
-    /// About the fifth root of ε, and a power of two.
+    /// The step: about the fifth root of ε, and a power of two.
     const PART: f64 = 1.0 / 1024.0;
     let mut slopes = DMatrix::zeros(at.len(), at.len());
     for (j, value) in at.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Poincaré sections: a motion looked at once a period, or at one kind of event.
+//! Poincaré sections: the states of a motion once a period, or at one kind of event.
 
 use std::fmt;
 
@@ -6,12 +6,12 @@ use super::oscillator::Oscillator;
 use crate::error::{Error, Reached};
 use crate::motion::{Event, EventKind, Integrator, Segment, SystemState};
 
-/// Steps without anything to show after which a section gives up.
+/// Steps without an item after which a section returns an error.
 const PATIENCE: usize = Integrator::DEFAULT_MAX_STEPS;
 
-/// The steps of a motion, with a count of those since something was shown.
+/// The steps of a motion, with the number of steps since the last item.
 struct Steps<'s, S: Oscillator + 's> {
-    /// The error of the start, until it is shown.
+    /// The steps, or the error of the start until it is returned.
     flow: Result<S::Flow<'s>, Option<Error>>,
     count: usize,
 }
@@ -25,7 +25,7 @@ impl<'s, S: Oscillator> Steps<'s, S> {
         }
     }
 
-    /// An error ends the motion.
+    /// The next step; an error ends the motion.
     fn next(&mut self) -> Option<Result<<S::State as SystemState>::Step, Error>> {
         let flow = match &mut self.flow {
             Ok(flow) => flow,
@@ -50,7 +50,7 @@ impl<'s, S: Oscillator> Steps<'s, S> {
     }
 }
 
-/// The states of a motion once a period; made by [`section`].
+/// The states of a motion once a period; returned by [`section`].
 pub struct Section<'s, S: Oscillator + 's> {
     steps: Steps<'s, S>,
     step: Option<<S::State as SystemState>::Step>,
@@ -59,13 +59,12 @@ pub struct Section<'s, S: Oscillator + 's> {
     number: u64,
 }
 
-/// The motion from a start at time 0, looked at at the times T, 2T, 3T, … of a period T: a Poincaré
-/// section, without an end and in constant memory.
+/// The states of the motion from a start at time 0 at the times T, 2T, 3T, … of a period T: a
+/// Poincaré section, as an unbounded iterator in constant memory.
 ///
-/// The k-th time is the exact product kT, so that after 10⁶ periods of a drive its phase is what it
-/// was.
+/// The k-th time is the exact product kT, so the phase of a drive is exact after 10⁶ periods too.
 ///
-/// Where the period, or the start, is not allowed, the only item is that error.
+/// If the period or the start is refused, the only item is that error.
 ///
 /// # Errors
 ///
@@ -136,17 +135,17 @@ impl<S: Oscillator> Iterator for Section<'_, S> {
     }
 }
 
-/// The events of one kind at one contact of a motion; made by [`section_at`].
+/// The events of one kind at one contact of a motion; returned by [`section_at`].
 pub struct EventSection<'s, S: Oscillator + 's> {
     steps: Steps<'s, S>,
     contact: usize,
     kind: EventKind,
 }
 
-/// The motion from a start at time 0, looked at at every event of one kind of one contact: a
-/// Poincaré section of free motions, without an end and in constant memory.
+/// Every event of one kind at one contact of the motion from a start at time 0: a Poincaré section
+/// of autonomous motions, as an unbounded iterator in constant memory.
 ///
-/// Ends with `None` if the motion comes to rest for ever.
+/// The iterator ends if the motion comes to an equilibrium for ever.
 ///
 /// # Errors
 ///

@@ -1,10 +1,10 @@
-//! The events of a periodic motion as a cyclic sequence, and what changes from one to another.
+//! The events of a periodic motion as a cyclic sequence, and the bifurcation between two sequences.
 
 use super::branch::BifurcationKind;
 use super::map::PeriodMap;
 use crate::motion::{EventKind, Mode};
 
-/// Events of a period, from wherever it is counted: contact, kind, and what the contact does then.
+/// The events of a period, from any start: contact, kind, and the mode of the contact afterwards.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Sequence(Vec<(usize, EventKind, Mode)>);
 
@@ -13,7 +13,7 @@ pub(super) struct Sequence(Vec<(usize, EventKind, Mode)>);
 const TOGETHER: f64 = 1e-11;
 
 impl Sequence {
-    /// The events of a closed motion that does not begin near to one.
+    /// The events of a closed motion whose start is not near an event.
     pub(super) fn of(map: &PeriodMap, period: f64) -> Self {
         let events = map.events();
         let mut events: Vec<_> = events
@@ -41,12 +41,12 @@ impl Sequence {
         Self(events.into_iter().map(|event| event.1).collect())
     }
 
-    /// Whether the events are the same, in the same order round the period.
+    /// Returns true if the events are the same, in the same cyclic order.
     pub(super) fn is_like(&self, other: &Self) -> bool {
         is_rotated(&self.0, &other.0)
     }
 
-    /// What a change from one sequence to another is.
+    /// The kind of bifurcation between two sequences.
     pub(super) fn change(&self, other: &Self) -> BifurcationKind {
         let (short, long) = if self.0.len() < other.0.len() {
             (self, other)
@@ -74,10 +74,10 @@ fn is_rotated<T: PartialEq>(a: &[T], b: &[T]) -> bool {
     a.len() == b.len() && (a.is_empty() || (0..a.len()).any(turned))
 }
 
-/// Whether the events of one contact become others by taking out pairs after which it goes on as it
-/// did before.
+/// Returns true if the events of one contact become others by removing pairs of events after which
+/// the contact continues as before.
 fn has_more_pairs(short: &[(EventKind, Mode)], long: &[(EventKind, Mode)]) -> bool {
-    /// More pairs than that are not tried out.
+    /// Limit of the pairs to be removed.
     const MOST_PAIRS: usize = 4;
     let more = long.len().saturating_sub(short.len());
     if more == 0 || !more.is_multiple_of(2) || more > 2 * MOST_PAIRS {

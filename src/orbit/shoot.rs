@@ -1,4 +1,4 @@
-//! Newton's method for the fixed points of the map over one period.
+//! Shooting: Newton's method for fixed points of the period map.
 
 use nalgebra::{DMatrix, DVector, SVD};
 
@@ -12,24 +12,24 @@ use crate::error::Error;
 use crate::motion::Mode;
 use crate::state::structure::State;
 
-/// A fixed point that is looked for: x(T) = x(0).
+/// The problem of shooting: x(T) = x(0).
 #[derive(Debug)]
 struct Problem<'s> {
     form: &'s Form<'s>,
-    /// Of a free motion: a point of the section, and its normal.
+    /// The phase condition of an autonomous motion: a point of the plane, and its normal.
     section: Option<[DVector<f64>; 2]>,
-    /// The period that was given.
+    /// The given period or estimate.
     estimate: f64,
 }
 
-/// Most steps of Newton's method; five to ten are usual.
+/// Limit of Newton steps; five to ten are usual.
 const MOST_STEPS: usize = 60;
 
-/// The shortest part of a step that is tried.
+/// The smallest damping factor of a Newton step.
 const LEAST_PART: f64 = 1.0 / 1024.0;
 
-/// Singular values below this part of the largest count as 0: the motion is one of a family, and
-/// the nearest one is taken.
+/// Singular values below this part of the largest count as 0: the motion belongs to a continuous
+/// family, and the nearest one is taken.
 const SINGULAR: f64 = 1e-11;
 
 impl<'s> Problem<'s> {
@@ -59,8 +59,8 @@ impl<'s> Problem<'s> {
         Ok(Trial::new(map, period))
     }
 
-    /// The step of Newton's method: changes of the start and of the period, and its size in units
-    /// of what they are changes of.
+    /// The Newton step: increments of the start and of the period, and the largest of them in units
+    /// of the sizes.
     fn step(&self, trial: &Trial) -> Option<(DVector<f64>, f64, f64)> {
         let map = &trial.map;
         let (order, sizes) = (map.order(), map.sizes());
@@ -85,8 +85,8 @@ impl<'s> Problem<'s> {
         size.is_finite().then_some((change, longer, size))
     }
 
-    /// The start changed by a part of a step. A contact that sticks at the end moves with its belt
-    /// to the bit.
+    /// The start after a part of a Newton step. A contact that sticks at the end has the velocity
+    /// of its belt to the bit.
     fn changed(&self, trial: &Trial, change: &DVector<f64>, part: f64) -> State {
         let map = &trial.map;
         let start = vector(&map.start, map.order()) + change * part;
@@ -97,7 +97,7 @@ impl<'s> Problem<'s> {
         changed
     }
 
-    /// Newton's method, with shorter steps where the residual would grow.
+    /// Damped Newton's method: a step that would increase the residual is shortened.
     fn solve(&self, first: Trial) -> Result<Trial, Error> {
         let mut best = first;
         for _ in 0..MOST_STEPS {
@@ -133,8 +133,7 @@ impl<'s> Problem<'s> {
         Err(best.not_periodic())
     }
 
-    /// A closed motion, from which the last step of Newton's method has a size, if it is one that
-    /// leaves its start and comes back.
+    /// A closed motion, if it leaves its start and returns; `step` is the last Newton step.
     fn returned(&self, found: Trial, step: Option<&DVector<f64>>) -> Result<Trial, Error> {
         if self.section.is_none() || found.returns(step) {
             // Beside a belt a start can slip although the end sticks: then it does not go on so.
@@ -156,8 +155,8 @@ impl<'s> Problem<'s> {
     }
 }
 
-/// The solution of a system of equations, the shortest if there are many: singular values below a
-/// part of the largest count as 0.
+/// The minimum-norm solution of a linear system: singular values below a part of the largest count
+/// as 0.
 pub(super) fn shortest(
     matrix: DMatrix<f64>,
     right: &DVector<f64>,
@@ -169,30 +168,30 @@ pub(super) fn shortest(
     svd.solve(right, least).ok()
 }
 
-/// The periodic motion near a guess, by Newton's method with the exact derivative of the map over
-/// one period.
+/// The periodic motion near a guess, by shooting: Newton's method with the exact derivative of the
+/// period map.
 ///
-/// It need not be stable. The residual x(T) − x(0) goes down to rounding, about 1e-15 of the size
-/// of each number. Steps that would make it larger are shortened. Events need not be known
-/// beforehand: their sequence is whatever it is at each trial. Where the motion is one of a
-/// continuous family, the one nearest the guess is found; motions that grow or decay by less than
-/// 1e-11 a period count as one.
+/// The motion need not be stable. The residual x(T) − x(0) falls to rounding, about 1e-15 of the
+/// size of each number. Steps that would increase it are shortened. The sequence of events need not
+/// be known beforehand: it may differ from trial to trial. In a continuous family the motion
+/// nearest the guess is found; motions that grow or decay by less than 1e-11 per period count as
+/// one.
 ///
-/// A free motion must leave its start and come back: the residual is also small beside the extent
-/// of the motion, however small that is. So a state of rest, periodic with any period, is not
-/// found, nor is a period near 0.
+/// An autonomous motion must leave its start and return: the residual is also small relative to the
+/// extent of the motion, however small that is. So neither an equilibrium, periodic with any
+/// period, nor a period near 0 is returned.
 ///
-/// The guess is a state at time 0 of the drives; for a free motion any state near the motion.
-/// (Where a free guess lies exactly at an event with a jump, and nothing is found from there, the
-/// search begins between events.) An estimate near twice the period gives the motion run through
-/// twice.
+/// The guess is a state at time 0 of the drives; for an autonomous motion any state near the
+/// motion. (If an autonomous guess lies exactly at an event with a jump, and nothing is found from
+/// there, the search is repeated from a state between events.) An estimate near twice the period
+/// gives two periods of the motion.
 ///
 /// # Errors
 ///
 /// * [`Error::NoCommonPeriod`], [`Error::NotFree`] if the kind of period does not fit the drives;
 /// * [`Error::InvalidParameter`] for 0 periods, and unless an estimate is positive and finite;
-/// * [`Error::AtRest`] if nothing moves at a free guess, or where the search or the transient of
-///   [`settle`] comes to;
+/// * [`Error::AtRest`] if an autonomous guess, or the state that the search or the transient of
+///   [`settle`] reaches, is an equilibrium;
 /// * [`Error::NotPeriodic`], with the best start tried and its residual;
 /// * [`Error::TooManySteps`], with the time and state reached, if the motion from the guess takes
 ///   more than 10⁵ steps over the period. All motions that are tried together, and the transient of
@@ -230,7 +229,7 @@ pub fn shoot<S: Oscillator>(
     Orbit::new(system, &form, found, period)
 }
 
-/// A closed motion near a guess, begun elsewhere if need be.
+/// A closed motion near a guess; if the guess lies at an event, the search starts between events.
 fn search(form: &Form<'_>, guess: &State, period: Period) -> Result<Trial, Error> {
     let failure = match find(form, guess, period) {
         Err(failure @ Error::NotPeriodic { .. }) => failure,
@@ -253,17 +252,17 @@ fn find(form: &Form<'_>, guess: &State, period: Period) -> Result<Trial, Error> 
     problem.solve(first)
 }
 
-/// Follows the motion from a start at time 0 for a while, then looks for the periodic motion near
-/// to where it has come.
+/// Simulates a transient from a start at time 0, then finds the periodic motion near the state
+/// reached.
 ///
-/// The transient is in units of time; of a driven motion it is rounded up to whole periods of the
-/// drives. A long one costs little: where [`shoot`] would fail, make it longer.
+/// The transient is in units of time; in a forced motion it is rounded up to whole periods of the
+/// drives. A long transient costs little: if [`shoot`] fails, make it longer.
 ///
 /// # Errors
 ///
 /// [`Error::InvalidDuration`] unless the transient is finite and ≥ 0; [`Error::TooManySteps`], with
 /// the time and state reached, if the transient takes more than 10⁶ steps (about 10⁵ oscillations):
-/// go on from that state; those of [`shoot`]; those of
+/// continue from that state; those of [`shoot`]; those of
 /// [`Integrator::simulate`](crate::Integrator::simulate).
 ///
 /// ```
@@ -301,7 +300,7 @@ pub fn settle<S: Oscillator>(
     Orbit::new(system, &form, found, period)
 }
 
-/// Where a motion has come to after a transient. What sticks there moves as its belt does at time
+/// The state after a transient. Contacts that stick there get the velocity of their belts at time
 /// 0.
 fn transient_end(
     form: &Form<'_>,

@@ -1,13 +1,13 @@
-//! The tangent flow: how small changes of the start go on along a motion.
+//! The tangent flow: the variational equations along a trajectory,
 //!
 //! ```text
 //! δq' = δv,   m δv' = −K δq − C δv − ∂(Nμ)/∂v δv − ∂(Nμ)/∂z δz − μ n·δq
 //! δz' = ∂z'/∂v δv + ∂z'/∂z δz
 //! ```
 //!
-//! by power series on the very steps of the motion. A contact that sticks has δv = 0; events are in
-//! `saltation.rs`. Each column of a matrix is one change: n displacements, n velocities, and what
-//! the contacts remember.
+//! by power series on the steps of the trajectory. A contact that sticks has δv = 0; events are in
+//! `saltation.rs`. Each column of a matrix is one perturbation: n displacements, n velocities and
+//! the memory variables of the contacts.
 
 use std::borrow::Cow;
 
@@ -24,19 +24,20 @@ use crate::state::structure::State;
 use crate::structure::engine::model::Model;
 use crate::structure::{Flow, Step};
 
-/// A motion with changes of it.
+/// A trajectory with perturbations of it.
 #[derive(Debug)]
 pub(super) struct TangentFlow<'s> {
     pub(super) form: &'s Form<'s>,
     flow: Flow<'s>,
-    /// The changes, one in each column.
+    /// The perturbations, one in each column.
     pub(super) tangents: DMatrix<f64>,
-    /// Whether anything has depended on each number of the memory so far.
+    /// For each memory variable: true if anything has depended on it so far.
     pub(super) depends: Vec<bool>,
-    /// If a number, what of the one change was taken out of `tangents` as a factor, so that it does
-    /// not overflow, and underflows only with all that depends on it: its logarithm.
+    /// The logarithm of a factor taken out of the single perturbation, so that it does not
+    /// overflow, and underflows only with everything that depends on it; `None` if no factor is
+    /// taken out.
     pub(super) logarithm: Option<f64>,
-    /// Whether a step of positive length has been taken.
+    /// True if a step of positive length has been taken.
     has_begun: bool,
     pub(super) start: State,
     tape: Tape,
@@ -44,7 +45,7 @@ pub(super) struct TangentFlow<'s> {
 }
 
 impl<'s> TangentFlow<'s> {
-    /// Changes of a start, which go on along the motion from there.
+    /// Perturbations of a start, to be carried along the trajectory from there.
     pub(super) fn new(
         form: &'s Form<'s>,
         settings: Integrator,
@@ -64,8 +65,8 @@ impl<'s> TangentFlow<'s> {
         })
     }
 
-    /// The next step, cut at a time if it goes on beyond. The tangents stand at its start, without
-    /// what takes a contact out of stick: such a change is gone at once.
+    /// The next step, cut at a time if it is longer. The tangents are those at its start; velocity
+    /// perturbations of a sticking contact are projected out.
     pub(super) fn fetch(&mut self, end: f64) -> Option<Result<Step, Error>> {
         let step = match self.flow.next()? {
             Ok(step) if step.end_time() > end => step.until(end),
@@ -93,8 +94,8 @@ impl<'s> TangentFlow<'s> {
         Some(Ok(step))
     }
 
-    /// Takes the tangents from the start of a step to its end, behind its events. Events at the
-    /// start of the motion belong to what was before.
+    /// Carries the tangents from the start of a step to its end, past its events. Events at the
+    /// start of the trajectory belong to the step before.
     pub(super) fn carry(&mut self, step: &Step) -> Result<(), Error> {
         let mut linear = None;
         if step.duration() > 0.0 {
@@ -121,7 +122,7 @@ impl<'s> TangentFlow<'s> {
         Ok(())
     }
 
-    /// Puts other tangents in the place of those there are.
+    /// Replaces the tangents, and returns the old ones.
     pub(super) fn replace(&mut self, tangents: DMatrix<f64>) -> DMatrix<f64> {
         std::mem::replace(&mut self.tangents, tangents)
     }
@@ -134,8 +135,8 @@ pub(super) fn flow_of(step: &Step, n: usize) -> DVector<f64> {
     DVector::from_iterator(n + step.series().len(), velocities.chain(rates))
 }
 
-/// Carries one change over a step of length h. Where its own series does not reach so far, as on a
-/// steady motion of any length, the step is taken in parts, each counted as a step.
+/// Carries one perturbation over a step of length h. If its own series converges over less than h,
+/// as on a steady motion of any length, the step is taken in parts, each counted as a step.
 fn advance(
     form: &Form<'_>,
     step: &Step,
@@ -143,7 +144,7 @@ fn advance(
     column: &mut [f64],
     (work, mut logarithm): (&mut [PowerSeries], Option<&mut f64>),
 ) -> Result<(), Error> {
-    /// Parts of the whole below which there are too many.
+    /// The shortest part of a step.
     const SHORTEST: f64 = 1e-9;
     let (model, h) = (&form.model, step.duration());
     let mut linear = Cow::Borrowed(linear);
@@ -179,7 +180,7 @@ fn advance(
     }
 }
 
-/// How far the series of a change are good to rounding, at most `h`.
+/// The time over which the series of a perturbation are exact to rounding, at most `h`.
 fn reach_of(work: &[PowerSeries], n: usize, h: f64) -> f64 {
     let largest = |series: &[PowerSeries]| series.iter().fold(0.0, |m: f64, c| m.max(c[0].abs()));
     let size = largest(&work[..n]).max(h * largest(&work[n..2 * n]));
@@ -205,7 +206,7 @@ fn reach_of(work: &[PowerSeries], n: usize, h: f64) -> f64 {
     reached
 }
 
-/// The series of a change from where it stands, order by order.
+/// The series of a perturbation, order by order.
 fn expand(model: &Model<'_>, linear: &Linear, column: &[f64], work: &mut [PowerSeries]) {
     for (series, x) in work.iter_mut().zip(column) {
         series[0] = *x;
@@ -270,7 +271,7 @@ fn expand(model: &Model<'_>, linear: &Linear, column: &[f64], work: &mut [PowerS
     }
 }
 
-/// Coefficient k of a product, in two sums that do not wait for each other.
+/// Coefficient k of a product, in two independent sums, which the processor computes in parallel.
 fn convolution(a: &PowerSeries, b: &PowerSeries, k: usize) -> f64 {
     let mut sums = [0.0; 2];
     for l in 0..=k {

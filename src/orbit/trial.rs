@@ -1,16 +1,16 @@
-//! A start that is tried, and what its motion comes to.
+//! One trial of a search: a start, its motion over one period, and the residual.
 
 use nalgebra::DVector;
 
 use super::map::PeriodMap;
 use crate::error::Error;
 
-/// A free motion leaves its start and comes back: it misses the start by at most this part of its
-/// own extent, whatever its size, and no step of Newton's method leads farther than that away.
-/// A motion that shrinks to a state of rest, or to no time at all, misses it by all of its extent.
+/// An autonomous motion leaves its start and returns: its residual is at most this part of its own
+/// extent, whatever its size, and no Newton step leads farther than that. A motion that shrinks to
+/// an equilibrium, or to no duration, has a residual of its whole extent.
 const RETURN: f64 = 1e-2;
 
-/// A miss below this, in units of the sizes, is rounding.
+/// A residual below this, in units of the sizes, is rounding.
 const LEAST_MISS: f64 = 1e-13;
 
 /// A start, and the motion from there over one period.
@@ -18,7 +18,7 @@ const LEAST_MISS: f64 = 1e-13;
 pub(super) struct Trial {
     pub(super) period: f64,
     pub(super) map: PeriodMap,
-    /// Size of the residual, each number in units of its own size.
+    /// Largest residual, each number in units of its size.
     pub(super) residual: f64,
 }
 
@@ -31,8 +31,8 @@ impl Trial {
         }
     }
 
-    /// Whether a motion that is closed to rounding leaves its start and comes back: each of its
-    /// numbers is in units of the sizes.
+    /// Returns true if a motion that is closed to rounding leaves its start and returns: each of
+    /// its numbers is in units of the sizes.
     pub(super) fn returns(&self, step: Option<&DVector<f64>>) -> bool {
         let sizes = self.map.sizes();
         let away = self.map.extents(&sizes);

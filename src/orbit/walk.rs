@@ -1,4 +1,4 @@
-//! Steps along a curve of periodic motions, and where it ends.
+//! Pseudo-arclength steps along a branch, and its ends.
 
 use nalgebra::DVector;
 
@@ -13,13 +13,13 @@ use crate::state::structure::State;
 /// One half of a branch.
 pub(super) struct Walk<'v, 'f> {
     pub(super) curve: &'v mut Curve<'f>,
-    /// Sizes of the unknowns on the first motion.
+    /// Scales of the unknowns of the first motion.
     pub(super) first_scale: DVector<f64>,
     pub(super) points: Vec<Solved>,
     pub(super) found: Vec<Found>,
 }
 
-/// Most points in one direction.
+/// Limit of points in one direction.
 const MOST_POINTS: usize = 2048;
 
 /// The longest step, in units of the range and of the sizes of the motion.
@@ -28,33 +28,33 @@ const LONGEST: f64 = 1.0 / 64.0;
 /// The shortest step.
 const SHORTEST: f64 = 1e-9;
 
-/// The least cosine between the directions of the curve at neighbouring points.
+/// The least cosine of the angle between the tangents at neighbouring points.
 const STRAIGHT: f64 = 0.97;
 
-/// Sizes do not fall below this part of those of the first motion, so that a motion can shrink to a
-/// point in a finite number of steps.
+/// Scales do not fall below this part of those of the first motion, so that a motion can shrink to
+/// a point in a finite number of steps.
 const LEAST_SIZE: f64 = 0.01;
 
-/// Steps of Newton's method after which a step along the curve is not made longer.
+/// More Newton steps than this keep the next step along the curve from growing.
 const MANY_STEPS: usize = 5;
 
-/// A free motion is started elsewhere when its start has become so blunt a turn, compared with the
-/// sharpest there is.
+/// The phase condition of an autonomous motion is re-anchored once the acceleration there is this
+/// part of that at the sharpest turning point.
 const BLUNT: f64 = 0.3;
 
-/// The smallest and the largest part of a motion that shrinks to a point by which that point is
-/// found.
+/// Sizes, as parts of a shrinking motion, from which the Hopf point is extrapolated.
 const HOPF_PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 
-/// Points by which a tangential arrival is found, and the growth of changes from which on it is
-/// one.
+/// The number of points from which a grazing point is extrapolated, and the growth of perturbations
+/// from which on an arrival counts as grazing.
 const GRAZING_POINTS: usize = 5;
 const GRAZING_GROWTH: f64 = 1e3;
 
-/// A free motion whose acceleration at the start falls below this part of what it was has stopped.
+/// An autonomous motion whose acceleration at the start falls below this part of its former value
+/// has stopped.
 const AT_REST: f64 = 1e-6;
 
-/// What a step comes to.
+/// The outcome of a step.
 enum Outcome {
     Next(Place, Vec<Found>),
     Last(Place, Vec<Found>),
@@ -62,7 +62,7 @@ enum Outcome {
 }
 
 impl Walk<'_, '_> {
-    /// The sizes of the unknowns.
+    /// The scales of the unknowns.
     pub(super) fn scale(&self, solved: &Solved) -> DVector<f64> {
         let mut scale = natural_scale(self.curve, solved);
         let last = scale.len() - 1;
@@ -72,7 +72,7 @@ impl Walk<'_, '_> {
         scale
     }
 
-    /// Goes from a point in the direction of its tangent, which is in units of the first scales.
+    /// Walks from a point in the direction of its tangent, which is in units of the first scales.
     pub(super) fn run(&mut self, first: &Solved) -> BranchEnd {
         let mut base = first.clone();
         let (parameter, range) = (self.curve.parameter(&base.y), &self.curve.range);
@@ -116,7 +116,7 @@ impl Walk<'_, '_> {
         BranchEnd::Work
     }
 
-    /// One step, shortened until it succeeds; and how long to make the next one.
+    /// One step, shortened until it succeeds, and the length of the next one.
     fn step(
         &self,
         base: &Solved,
@@ -159,7 +159,7 @@ impl Walk<'_, '_> {
         }
     }
 
-    /// Where no step, however short, leads on: a corner, or the end, and why.
+    /// The outcome if no step, however short, succeeds: a corner, or the end and its reason.
     fn behind(
         &self,
         view: &View<'_, '_>,
@@ -241,7 +241,7 @@ impl Walk<'_, '_> {
         })
     }
 
-    /// The point at which the motion shrinks to nothing between two places, if it does.
+    /// The Hopf point between two places, if the motion shrinks to a point there.
     ///
     /// The parameter is an even analytic function of the acceleration at the start: its value at 0
     /// is that of the polynomial through four smaller motions.
@@ -272,10 +272,10 @@ impl Walk<'_, '_> {
         Some(Outcome::End(BranchEnd::Hopf { parameter }))
     }
 
-    /// The tangential arrival at which the curve ends behind a point, if it does.
+    /// The grazing point at which the curve ends behind a point, if there is one.
     ///
-    /// Where an arrival at the belt becomes tangential, the derivative of the map grows like 1/ρ, ρ
-    /// the rate at which the relative velocity arrives, and all numbers of the motion are smooth
+    /// As an arrival at the belt becomes tangential, the derivative of the map grows like 1/ρ, ρ
+    /// the rate of the relative velocity at arrival, and all numbers of the motion are smooth
     /// functions of ρ: their values at the end are those of a polynomial in 1/|derivative| at 0.
     fn grazing(&self, base: &Solved) -> Option<BranchEnd> {
         let growth = |solved: &Solved| solved.trial.map.monodromy.norm();
@@ -296,7 +296,7 @@ impl Walk<'_, '_> {
         })
     }
 
-    /// Whether the curve has come back to its first point.
+    /// Returns true if the curve has returned to its first point.
     fn came_back(&self, first: &Solved, base: &Solved, next: &Solved) -> bool {
         if self.points.len() < 3 {
             return false;
@@ -310,7 +310,8 @@ impl Walk<'_, '_> {
         (0.0..=1.0).contains(&part) && beside.norm_squared() <= 0.01 * along
     }
 
-    /// A free motion started elsewhere, if it hardly turns where it starts; with its scales.
+    /// Re-anchors the phase condition at a sharper turning point, with the scales there; `None` if
+    /// that is not needed.
     fn started_elsewhere(
         &mut self,
         base: &Solved,
@@ -330,8 +331,8 @@ impl Walk<'_, '_> {
         moved
     }
 
-    /// The same motion from another start. Of the tangent, only the period and the parameter still
-    /// tell the direction.
+    /// The same motion with another start. Only the period and the parameter of the tangent still
+    /// determine the direction.
     fn moved(
         &self,
         base: &Solved,
@@ -357,7 +358,7 @@ impl Walk<'_, '_> {
     }
 }
 
-/// What the contacts do where a motion starts.
+/// The modes of the contacts at the start of a motion.
 fn starts(solved: &Solved) -> Option<&[Mode]> {
     let mut steps = solved.trial.map.steps.iter();
     let first = steps.find(|step| step.duration() > 0.0);
@@ -375,7 +376,7 @@ fn at_zero(known: &mut [[f64; 2]]) -> f64 {
     known[0][1]
 }
 
-/// The sizes of the unknowns of a point: of its state, its period, and the range.
+/// The scales of the unknowns at a point: those of its state, its period and the range.
 pub(super) fn natural_scale(curve: &Curve<'_>, solved: &Solved) -> DVector<f64> {
     let sizes = solved.trial.map.sizes();
     let unknowns = curve.unknowns();

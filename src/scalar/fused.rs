@@ -20,7 +20,7 @@
 
 use super::FUSED;
 
-/// Whether the processor is asked.
+/// True if the processor is asked.
 pub(crate) const CHOSEN: bool = cfg!(all(target_arch = "x86_64", not(target_feature = "fma")));
 
 /// The sum a·b + c of `taylor.rs`.

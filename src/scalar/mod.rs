@@ -1,13 +1,13 @@
 //! The number types on which a friction law is evaluated: `f64`, two kinds of Taylor coefficients,
 //! and any of these with a derivative.
-//!
-//! | file | what is in it |
-//! |---|---|
-//! | `mod.rs` | [`Scalar`]: what a law may do with a number |
-//! | `taylor.rs`, `operations.rs` | Taylor coefficients whose order is part of the type: the fastest, for one mass on its belt (the order itself: `series::TERMS`) |
-//! | `fused.rs` | with which instructions they are computed, where that is chosen at run time |
-//! | `dual.rs` | any of the numbers with its derivative along one direction |
-//! | `jet.rs`, `jet/operations.rs`, `products.rs` | Taylor coefficients whose order is chosen at run time: small code, for many coupled series and for cold paths |
+
+// | file | what is in it |
+// |---|---|
+// | `mod.rs` | `Scalar`: what a law may do with a number |
+// | `taylor.rs`, `operations.rs` | Taylor coefficients whose order is part of the type: the fastest, for one mass on its belt (the order itself: `series::TERMS`) |
+// | `fused.rs` | with which instructions they are computed, where that is chosen at run time |
+// | `dual.rs` | any of the numbers with its derivative along one direction |
+// | `jet.rs`, `jet/operations.rs`, `products.rs` | Taylor coefficients whose order is chosen at run time: small code, for many coupled series and for cold paths |
 
 pub(crate) mod dual;
 pub(crate) mod fused;
@@ -197,7 +197,7 @@ impl Scalar for f64 {
     }
 }
 
-/// Whether every processor of the target has an instruction for the fused multiply-add. For others
+/// True if every processor of the target has an instruction for the fused multiply-add. For others
 /// `f64::mul_add` is a slow library call.
 const FUSED: bool = cfg!(any(target_feature = "fma", target_arch = "aarch64"));
 

@@ -44,7 +44,7 @@ fn parts(x: f64) -> (i64, i32) {
     ((m >> zeros) * x.signum() as i64, e)
 }
 
-/// Whether c(t) > level.
+/// Returns true if c(t) > level.
 fn is_above(c: &PowerSeries, t: f64, level: f64) -> bool {
     let (t, e) = parts(t);
     // With f = −e: c(t)·2^(26f) = Σ c_k t^k 2^((26−k)f), by Horner's rule.
@@ -94,8 +94,8 @@ impl Judge {
         }
     }
 
-    /// Whether sign·c may fall to `level` anywhere between the times `from` and `to`. The answer
-    /// "no" is proven.
+    /// Returns true if sign·c may fall to `level` anywhere between the times `from` and `to`. The
+    /// answer "no" is proven.
     fn falls(&self, c: &PowerSeries, sign: f64, level: f64, [from, to]: [f64; 2]) -> bool {
         if from >= to {
             return false;
@@ -132,8 +132,8 @@ impl Judge {
     }
 }
 
-/// Whether a polynomial may fall to 0 on the part [x, x + w] of an interval, not counting what lies
-/// before `from`; given by its Bernstein coefficients on that part.
+/// Returns true if a polynomial may fall to 0 on the part [x, x + w] of an interval, not counting
+/// what lies before `from`; given by its Bernstein coefficients on that part.
 fn falls_to_zero(bernstein: &[i128; TERMS], x: f64, w: f64, from: f64, depth: usize) -> bool {
     if x + w < from || bernstein.iter().all(|&b| b > 0) {
         return false;

@@ -56,7 +56,7 @@ impl PowerSeries {
     }
 }
 
-/// Whether a function has a minimum between two places, by its slopes at them.
+/// Returns true if a function has a minimum between two places, by its slopes at them.
 #[inline(always)]
 fn is_turn(slopes: &[f64]) -> bool {
     slopes[0] < 0.0 && slopes[1] >= 0.0

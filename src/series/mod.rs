@@ -1,11 +1,11 @@
 //! Power series in the time since the start of a step, with as many terms as the integrators use.
-//!
-//! | file | what is in it |
-//! |---|---|
-//! | `mod.rs` | [`TERMS`], the number of coefficients; [`PowerSeries`]: values, means, derivative, reflection, division by known roots |
-//! | `roots.rs` | the first root, and all sign changes, isolated so that none is skipped |
-//! | `watch.rs` | [`Watch`]: the first time at which a quantity reaches zero, apart from known roots at the start |
-//! | `minima.rs` | where a series comes close to zero |
+
+// | file | what is in it |
+// |---|---|
+// | `mod.rs` | `TERMS`, the number of coefficients; `PowerSeries`: values, means, derivative, reflection, division by known roots |
+// | `roots.rs` | the first root, and all sign changes, isolated so that none is skipped |
+// | `watch.rs` | `Watch`: the first time at which a quantity reaches zero, apart from known roots at the start |
+// | `minima.rs` | where a series comes close to zero |
 
 #[cfg(test)]
 mod attack;
@@ -71,7 +71,8 @@ impl PowerSeries {
         self.0.get(k).map_or(0.0, |c| *c)
     }
 
-    /// The value c(t). A call costs little beside its sum, and a copy at every place much code.
+    /// The value c(t). Not inlined: a call costs little relative to the sum, and copies would be
+    /// much code.
     #[inline(never)]
     pub(crate) fn at(&self, t: f64) -> f64 {
         sum_of_powers(t, |k| self.0[k])
@@ -102,7 +103,7 @@ impl PowerSeries {
         })
     }
 
-    /// The same where speed does not count: one copy of the code instead of one a place.
+    /// The same where speed does not count: one copy of the code for all callers.
     #[inline(never)]
     pub(crate) fn at_some(&self, t: [f64; 4]) -> [f64; 4] {
         self.at_four(t)
@@ -130,7 +131,7 @@ impl PowerSeries {
         sum_of_powers(t, |k| (k + 1) as f64 * self.get(k + 1))
     }
 
-    /// Makes it the series of c(h − t).
+    /// Replaces the series by that of c(h − t).
     pub(crate) fn reflect(&mut self, h: f64) {
         *self = self.shifted(h);
         for [_, odd] in self.0.as_chunks_mut().0 {

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use super::{PowerSeries, quarters};
 
 /// Error: the roots of a polynomial cannot be isolated in bounded work, because its coefficients
-/// are far larger than its values, or because it is very flat about a root. A shorter step helps.
+/// are far larger than its values, or because it is very flat about a root. Remedy: a shorter step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct TooCurved;
 
@@ -55,8 +55,8 @@ impl PowerSeries {
         Search::new(self, h, curvature).run(h, values, visit)
     }
 
-    /// Whether the polynomial surely has no root on [0, h], as in most steps: at 0 and at the
-    /// quarters of h it is farther from zero than it can bend in between.
+    /// Returns true if the polynomial surely has no root on [0, h], as in most steps: at 0 and at
+    /// the quarters of h it is farther from zero than it can bend in between.
     #[inline(always)]
     pub(super) fn stays_away(&self, h: f64, values: [f64; 4], curvature: f64) -> bool {
         let sign = self.0[0].signum();
@@ -67,8 +67,8 @@ impl PowerSeries {
     }
 }
 
-/// What is called at each sign change, in order of time, with its time and whether the polynomial
-/// rises there.
+/// A function called at each sign change, in order of time, with its time and `true` if the
+/// polynomial rises there.
 type Visit<'v> = &'v mut dyn FnMut(f64, bool) -> ControlFlow<()>;
 
 /// A search for the sign changes of a polynomial on [0, h].

@@ -1,20 +1,20 @@
-//! What can end a step: a quantity that starts positive, and the first time at which it is 0.
+//! Events of a step: a quantity that starts positive, and the first time at which it is 0.
 
 use super::{PowerSeries, TERMS, TooCurved, quarters};
 
-/// A quantity that is positive until something happens: a sliding speed, the distance of a load
-/// from its limit, the distance from a breakpoint, a normal load.
+/// A quantity that is positive until an event: a sliding speed, the distance of a load from its
+/// limit, the distance from a breakpoint, a normal load.
 ///
-/// A root at the start is known and need not be found: the first coefficients that are exactly 0
-/// are counted and divided out. Their number is 0 away from zero, 1 after an arrival at a bound
-/// from which the quantity goes back inside, 2 after a release or where a bound was only touched,
-/// and 3 after a release under forcing that begins at its extremum.
+/// A known root at the start is excluded: the first coefficients that are exactly 0 are counted and
+/// divided out. Their number is 0 away from zero, 1 after an arrival at a bound from which the
+/// quantity returns inside, 2 after a release or if a bound was only touched, and 3 after a release
+/// under forcing that begins at its extremum.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Watch(PowerSeries);
 
 impl Watch {
-    /// Watches a series whose first coefficients are exactly 0 for each known root at t = 0; `None`
-    /// if all coefficients are 0.
+    /// A quantity given by a series whose first coefficients are exactly 0 for each known root at t
+    /// = 0; `None` if all coefficients are 0.
     pub(crate) fn new(series: &PowerSeries) -> Option<Self> {
         let known = series.0.iter().position(|&c| c != 0.0)?;
         Some(Self(series.without_root(known)))
@@ -35,20 +35,20 @@ impl Watch {
 }
 
 impl PowerSeries {
-    /// Whether all terms beyond the first two are 0.
+    /// Returns true if all terms beyond the first two are 0.
     #[inline]
     pub(crate) fn is_linear(&self) -> bool {
         self.0[2..].iter().all(|&c| c == 0.0)
     }
 
-    /// Whether the series is the same at all times.
+    /// Returns true if the series is the same at all times.
     #[inline]
     pub(crate) fn is_constant(&self) -> bool {
         self.0[1] == 0.0 && self.is_linear()
     }
 
-    /// Whether the series surely stays between −bound and bound on [0, h], by its values at the
-    /// [`quarters`] and the bound of its curvature.
+    /// Returns true if the series surely stays between −bound and bound on [0, h], by its values at
+    /// the [`quarters`] and the bound of its curvature.
     #[inline]
     pub(crate) fn stays_within(&self, bound: f64, h: f64) -> bool {
         let values = self.at_four(quarters(h));
@@ -56,8 +56,8 @@ impl PowerSeries {
         bound - largest > self.curvature_bound(h) * h * h / 128.0
     }
 
-    /// Largest of |c_k| t^k, k ≥ 1: how far the series may move within a time t for which it
-    /// converges.
+    /// Largest of |c_k| t^k, k ≥ 1: a bound of the change of the series within a time t for which
+    /// it converges.
     pub(crate) fn largest_change(&self, t: f64) -> f64 {
         let mut power = t;
         let mut largest = 0.0_f64;

@@ -1,10 +1,10 @@
-//! The states of masses, and the directions in which they slide. No file here knows a system.
-//!
-//! | file | what is in it |
-//! |---|---|
-//! | `mod.rs` | [`State`] of one mass, [`Direction`] |
-//! | `structure.rs` | the state of several masses |
-//! | `units.rs` | the units in which a dimensionless motion is measured |
+//! States of masses, and directions of sliding.
+
+// | file | what is in it |
+// |---|---|
+// | `mod.rs` | `State` of one mass, `Direction` |
+// | `structure.rs` | the state of several masses |
+// | `units.rs` | the units in which a dimensionless motion is measured |
 
 pub(crate) mod structure;
 mod units;

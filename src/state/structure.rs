@@ -1,10 +1,11 @@
 use super::State as OneMass;
 
-/// The state of several masses: displacements, velocities, and what their contacts remember.
+/// The state of several masses: displacements, velocities, and the memory variables of their
+/// contacts.
 ///
 /// All numbers are in the units of the system: the structure's own, or dimensionless for a
 /// [`MassOnBelt`](crate::MassOnBelt). An [`Error`](crate::Error) holds a state of this type for
-/// both systems, to say where a motion had got.
+/// both systems, the last state reached.
 ///
 /// ```
 /// use stick_slip::{State, structure};
@@ -24,13 +25,14 @@ pub struct State {
     pub displacements: Vec<f64>,
     /// The velocity of each coordinate.
     pub velocities: Vec<f64>,
-    /// What the contacts remember, in the order of the contacts; empty for contacts without memory.
+    /// The memory variables of the contacts, in the order of the contacts; empty for contacts
+    /// without memory.
     #[cfg_attr(feature = "serde", serde(default))]
     pub memory: Vec<f64>,
 }
 
 impl State {
-    /// The state with these displacements and velocities, and nothing remembered.
+    /// The state with these displacements and velocities, without memory variables.
     pub fn new(displacements: &[f64], velocities: &[f64]) -> Self {
         Self {
             displacements: displacements.to_vec(),
@@ -48,7 +50,7 @@ impl State {
         Self::new(&vec![0.0; n], &vec![0.0; n])
     }
 
-    /// The same state with the numbers that the contacts remember, in the order of the contacts.
+    /// The same state with memory variables, in the order of the contacts.
     pub fn with_memory(mut self, memory: &[f64]) -> Self {
         self.memory = memory.to_vec();
         self

@@ -10,12 +10,12 @@ use crate::motion::sealed::Sealed;
 use crate::motion::{Integrator, Run, Segment, System, Trajectory};
 use crate::state::structure::State;
 
-/// The motion of a [`Structure`] from a start state, without an end: an iterator of [`Step`]s in
-/// constant memory.
+/// The motion of a [`Structure`] from a start state: an unbounded iterator of [`Step`]s in constant
+/// memory.
 ///
-/// Made by [`Integrator::flow`]. After an error comes `None`. A motion in which no velocity changes
-/// and no contact ever will is one last step of infinite duration. A flow stays in the thread in
-/// which it was made; a structure may be shared by threads.
+/// Returned by [`Integrator::flow`]. After an error comes `None`. If no velocity will ever change
+/// and no contact have an event, the last step has an infinite duration. A flow cannot be sent to
+/// another thread; a structure may be shared by threads.
 #[derive(Debug, Clone)]
 pub struct Flow<'s> {
     engine: Engine<'s>,
@@ -94,8 +94,9 @@ impl Structure {
         Integrator::new().simulate(self, start, duration)
     }
 
-    /// What each contact carries at a time in a state: λ_c in units of force, with the sign of the
-    /// relative velocity that it resists, after the decision of contacts at r = 0; 0 where open.
+    /// The friction force of each contact at a time in a state: λ_c in units of force, with the
+    /// sign of the relative velocity that it opposes, after the decision of contacts at r = 0; 0
+    /// for an open contact.
     ///
     /// # Errors
     ///

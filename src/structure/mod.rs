@@ -1,4 +1,51 @@
 //! Several masses on springs and dampers, driven in time, with friction on belts and between them.
+//!
+//! ```
+//! use stick_slip::orbit::{self, Period};
+//! use stick_slip::structure::State;
+//! use stick_slip::{Contact, Coulomb, Drive, Exponential, Structure};
+//!
+//! // Mass 0 rubs on a belt, mass 1 is shaken, and a spring and a friction joint couple them.
+//! let belt = Contact::new(0, Exponential::new(0.4, 0.25, 0.3)?, 1.0)?.on_belt(0.2);
+//! let joint = Contact::between(0, 1, Coulomb::new(0.3, 0.2)?, 0.5)?;
+//! let blocks = Structure::new(&[1.0, 1.0])?
+//!     .with_ground_spring(0, 1.0)?
+//!     .with_ground_damper(0, 0.1)?
+//!     .with_spring(0, 1, 1.2)?
+//!     .with_force(1, Drive::harmonic(0.5, 0.8, 0.0)?)?
+//!     .with_contact(belt)?
+//!     .with_contact(joint)?;
+//!
+//! // The motion from rest, with every event: the joint slips when mass 0 sticks to the belt.
+//! let motion = blocks.simulate(State::at_rest(2), 50.0)?;
+//! let [stick, release, ..] = motion.events() else { panic!() };
+//! assert_eq!((stick.contact, stick.kind.to_string()), (0, "stick".to_owned()));
+//! assert_eq!((release.contact, release.kind.to_string()), (1, "release (lagging)".to_owned()));
+//! assert!((stick.time - 0.474696005111476).abs() < 1e-14);
+//! assert_eq!(release.time, stick.time);
+//! assert_eq!(motion.last().velocities[0], 0.2);
+//!
+//! // The periodic motion that it tends to: one period of the force, with 7 events, stable.
+//! let orbit = orbit::settle(&blocks, &State::at_rest(2), 200.0, Period::Driven(1))?;
+//! assert_eq!(orbit.events().len(), 7);
+//! assert!((orbit.extremes(1).1 - 0.97596429903251).abs() < 1e-12);
+//! assert!((orbit.multipliers()[0].norm() - 0.676730557953).abs() < 1e-10);
+//! # Ok::<(), stick_slip::Error>(())
+//! ```
+//!
+//! | question | answer |
+//! |---|---|
+//! | which masses, springs, dampers and forces | [`Structure`], its methods `with_…`; full matrices by [`with_mass_matrix`](Structure::with_mass_matrix), [`with_stiffness`](Structure::with_stiffness), [`with_damping`](Structure::with_damping) |
+//! | where friction acts, with which law and load | [`Contact`]: on a belt or the ground, between two coordinates, along any direction |
+//! | a force, load or belt velocity that varies in time | [`Drive`](crate::Drive) |
+//! | the motion from a start, with all events | [`Structure::simulate`] |
+//! | a motion with a tolerance, a stop condition, or in constant memory | [`Integrator`](crate::Integrator) |
+//! | friction forces and accelerations in a state | [`Structure::carried`], [`Structure::acceleration`] |
+//! | steady sliding, its eigenvalues, flutter | [`Structure::steady_sliding`] |
+//! | periodic motions, multipliers, bifurcations, chaos | [`orbit`](crate::orbit) |
+//!
+//! States and steps of a structure are [`State`] and [`Step`] of this module; those of one mass on
+//! a belt are [`crate::State`] and [`crate::Step`]. Any consistent units will do.
 
 mod contact;
 pub(crate) mod engine;

@@ -9,8 +9,8 @@ use crate::friction::piece_above;
 use crate::numerics::eigenvalues::eigenvalues as eigenvalues_of;
 use crate::state::Direction;
 
-/// Steady sliding of a [`Structure`]: every mass stands still while the belts move, and how small
-/// motions about that go.
+/// Steady sliding of a [`Structure`]: every mass stands still while the belts move; and the
+/// eigenvalues of small motions about it.
 ///
 /// ```text
 /// K q = f + Σ_c b_c N_c sgn(w_c) μ̂_c(|w_c|),    N_c = N0_c + n_c·q
@@ -21,13 +21,12 @@ use crate::state::Direction;
 /// join those of the masses: −b_c N_c Σ_j ∂μ_c/∂z_j δz_j on the right, and δz' linear in δz and
 /// b_c·δq'.
 ///
-/// The load that follows the displacements makes the stiffness matrix unsymmetric: two modes can
-/// merge and one of them grow (flutter by mode coupling), even where friction does not fall with
-/// speed.
+/// A load that depends on displacements makes the stiffness matrix unsymmetric: two modes can merge
+/// and one of them grow (flutter by mode coupling), even if friction does not fall with speed.
 ///
-/// Eigenvalues are by the Schur form of the 2n × 2n matrix of the scaled system, good to about nε
-/// times the largest; where two of them are nearly equal, to the root of that. With memory the
-/// matrix has a row more for each number. Work grows as n³: a second for n = 100, minutes for 1000.
+/// Eigenvalues come from the Schur form of the 2n × 2n matrix of the scaled system, accurate to
+/// about nε times the largest; if two of them are nearly equal, to the root of that. Each memory
+/// variable adds a row. Work grows as n³: a second for n = 100, minutes for 1000.
 ///
 /// ```
 /// use stick_slip::nalgebra::DMatrix;
@@ -60,9 +59,9 @@ pub struct SteadySliding {
     /// Displacement of each coordinate.
     pub displacements: Vec<f64>,
     /// Eigenvalues of small motions, by falling real part, and for equal ones by falling imaginary
-    /// part; two for each coordinate and one for each number that a contact remembers, per unit of
-    /// time. What slip neither changes nor asks for, as the clock of rest of a
-    /// [`Dwell`](crate::Dwell), is −∞: nothing is left of a deviation.
+    /// part; two for each coordinate and one for each memory variable, per unit of time. A memory
+    /// variable that neither changes in slip nor influences anything, as the clock of a
+    /// [`Dwell`](crate::Dwell), has the eigenvalue −∞.
     pub eigenvalues: Vec<Complex<f64>>,
 }
 
@@ -84,7 +83,7 @@ impl Structure {
 }
 
 impl SteadySliding {
-    /// Whether small motions die out: all eigenvalues have negative real parts.
+    /// Returns true if small motions die out: all eigenvalues have negative real parts.
     pub fn is_stable(&self) -> bool {
         self.eigenvalues
             .iter()
@@ -103,7 +102,7 @@ impl SteadySliding {
         Self::with(structure, &contacts).map_err(Error::NoSteadySliding)
     }
 
-    /// With contacts that slide so.
+    /// Steady sliding with these contacts.
     fn with(structure: &Structure, contacts: &[Steady<'_>]) -> Result<Self, NotSliding> {
         let n = structure.len();
         let mut stiffness = structure.stiffness().clone();
@@ -163,7 +162,7 @@ impl SteadySliding {
     }
 }
 
-/// A contact that slides steadily, and in which direction.
+/// A contact that slides steadily, and its direction of slip.
 struct Steady<'s> {
     contact: &'s Contact,
     sliding: Sliding,
@@ -171,7 +170,8 @@ struct Steady<'s> {
 }
 
 impl<'s> Steady<'s> {
-    /// The contact while all masses are at rest; else why it does not slide, by its number.
+    /// The contact while all masses are at rest; otherwise the reason why it does not slide, by its
+    /// number.
     fn of(contact: &'s Contact) -> Result<Self, fn(usize) -> NotSliding> {
         let velocity = contact.belt_velocity().value(0.0);
         let Some(direction) = Direction::of(-velocity) else {
@@ -270,13 +270,13 @@ impl Frame {
     }
 }
 
-/// Deviations of one contact's memory, except for variables with which slip has nothing to do.
+/// Deviations of one contact's memory, except for variables without influence.
 struct Memory {
     /// ∂z_i'/∂z_j.
     matrix: DMatrix<f64>,
     /// The direction L⁻¹b of the contact.
     row: Vec<f64>,
-    /// What z does to the velocity along the contact, and that velocity to z.
+    /// The influence of z on the velocity along the contact, and of that velocity on z.
     acts: Vec<f64>,
     driven: Vec<f64>,
 }
@@ -324,8 +324,8 @@ fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> Option<DVector<f64>> {
     lu.solve(b).filter(|x| x.iter().all(|x| x.is_finite()))
 }
 
-/// Eigenvalues s of s² + s C + K and what contacts remember, by falling real part; `None` if they
-/// do not converge.
+/// Eigenvalues s of s² + s C + K and the memory variables, by falling real part; `None` if they do
+/// not converge.
 fn eigenvalues(
     stiffness: &DMatrix<f64>,
     damping: &DMatrix<f64>,

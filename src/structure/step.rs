@@ -5,10 +5,10 @@ use crate::motion::{self, Event, Mode, Segment, Steps, Stop, SystemState, Trajec
 use crate::series::PowerSeries;
 use crate::state::structure::State;
 
-/// A stretch of the motion of a [`Structure`](crate::Structure), with events at its end only.
+/// A step of the motion of a [`Structure`](crate::Structure), with events at its end only.
 ///
-/// Made by [`Integrator::flow`](crate::Integrator::flow), and kept by a [`Trajectory`]. Between its
-/// ends it holds the power series of all velocities.
+/// Returned by [`Integrator::flow`](crate::Integrator::flow), and stored in a [`Trajectory`].
+/// Between its ends it holds the power series of all velocities.
 #[derive(Clone, PartialEq)]
 pub struct Step {
     start: Clock,
@@ -16,14 +16,14 @@ pub struct Step {
     duration: f64,
     modes: Vec<Mode>,
     state: State,
-    /// Of the velocities, then of what contacts remember; none for a step of no length.
+    /// Series of the velocities, then of the memory variables; none for a step of duration 0.
     series: Vec<PowerSeries>,
     events: Vec<Event<State>>,
     after: After,
     end_state: State,
 }
 
-/// What the tangent flow has to know of the events at the end of a step.
+/// Data for the tangent flow about the events at the end of a step.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct After {
     /// Contacts whose events have another cause than that contact's own limit.
@@ -35,12 +35,12 @@ pub(crate) struct After {
     pub(crate) approaches: Vec<(usize, f64)>,
 }
 
-/// Why something happened at a contact although it had reached no limit of its own.
+/// The cause of an event of a contact that reached no limit of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Cause {
     /// An event of another contact at the same time.
     Other,
-    /// A jump of a drive: at a time that no change of the motion moves.
+    /// A jump of a drive, whose time is independent of perturbations.
     Drive,
 }
 
@@ -68,12 +68,12 @@ impl Step {
         }
     }
 
-    /// The same step, with what is known of what follows.
+    /// The same step, with the data about the events at its end.
     pub(super) fn followed_by(self, after: After) -> Self {
         Self { after, ..self }
     }
 
-    /// What is known of what follows the events at its end.
+    /// The data about the events at its end.
     pub(crate) fn after(&self) -> &After {
         &self.after
     }
@@ -83,29 +83,29 @@ impl Step {
         self.start
     }
 
-    /// Power series of the velocities in the time since the start, then of what contacts remember;
-    /// none for a step of no length.
+    /// Power series of the velocities in the time since the start, then of the memory variables;
+    /// none for a step of duration 0.
     pub(crate) fn series(&self) -> &[PowerSeries] {
         &self.series
     }
 
-    /// Whether a release at its end was forced by a jump of a drive.
+    /// Returns true if a release at its end was forced by a jump of a drive.
     pub(crate) fn is_forced(&self, contact: usize) -> bool {
         self.after.causes.contains(&(contact, Cause::Drive))
     }
 
-    /// What each contact does during the step.
+    /// The mode of each contact during the step.
     pub fn modes(&self) -> &[Mode] {
         &self.modes
     }
 
-    /// State at its start. What a contact remembers is there as it is after an event.
+    /// State at its start. Memory variables have their values after an event there.
     pub fn state(&self) -> &State {
         &self.state
     }
 }
 
-/// Without the power series, which are long.
+/// Shows a step without its power series, which are long.
 impl std::fmt::Debug for Step {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Step")
@@ -192,14 +192,14 @@ impl SystemState for State {
 }
 
 impl Trajectory<State> {
-    /// What a contact does at a time of the motion, at an event what it does from then on; `None`
-    /// outside, for NaN, and for a contact that there is not.
+    /// The mode of a contact at a time of the motion; at an event the mode afterwards. `None`
+    /// outside, for NaN, and if there is no such contact.
     pub fn mode_at(&self, contact: usize, time: f64) -> Option<Mode> {
         self.step_at(time)?.modes().get(contact).copied()
     }
 
-    /// The motion sampled at equal intervals from its start on: time, state, and what each contact
-    /// does at that time. The last sample is the last one that fits.
+    /// The motion sampled at equal intervals from its start on: time, state, and the mode of each
+    /// contact. The last sample is the last one that fits.
     ///
     /// # Errors
     ///

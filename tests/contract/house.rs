@@ -20,7 +20,7 @@ const FLOORS: [&[&str]; 12] = [
     &["structure"],
     &["limit_cycle", "orbit", "analysis", "scaling"],
     &["bifurcation", "schema"],
-    &["physical"],
+    &["physical", "guarantees"],
 ];
 
 /// Columns that a line may have; words that are addresses and rows of tables are not counted.
@@ -207,6 +207,40 @@ fn no_line_is_too_long() {
         }
     }
     assert!(too_long.is_empty(), "over {COLUMNS} columns: {too_long:#?}");
+}
+
+/// The pages that name tests and files, and the programs of tests.
+#[test]
+fn pages_name_what_exists() {
+    const PROGRAMS: [&str; 6] = [
+        "analysis",
+        "belt",
+        "contract",
+        "cycles",
+        "orbit",
+        "structures",
+    ];
+    let (mut tests, mut paths) = (0, 0);
+    for page in ["ARCHITECTURE.md", "CONTRIBUTING.md", "src/guarantees.rs"] {
+        let text = fs::read_to_string(root().join(page)).unwrap();
+        for name in text.split('`').skip(1).step_by(2) {
+            if let [program, module, test] = name.split("::").collect::<Vec<_>>()[..]
+                && PROGRAMS.contains(&program)
+            {
+                let file = root().join(format!("tests/{program}/{module}.rs"));
+                let code = fs::read_to_string(&file)
+                    .unwrap_or_else(|_| panic!("{page}: {name} has no file"));
+                let is_test = code.contains(&format!("fn {test}()"));
+                assert!(is_test, "{page}: no test {name}");
+                tests += 1;
+            }
+            if (name.starts_with("src/") || name.starts_with("tests/")) && !name.contains('<') {
+                assert!(root().join(name).exists(), "{page}: no file {name}");
+                paths += 1;
+            }
+        }
+    }
+    assert!(tests > 40 && paths > 60, "{tests} tests, {paths} paths");
 }
 
 #[test]

@@ -14,11 +14,10 @@ use crate::scalar::Scalar;
 /// are ill-conditioned, states are not. z in units of length, σ0 per length, σ1 and σ2 time per
 /// length, g dimensionless.
 ///
-/// In slip z follows r at the rate σ0|r|/g. However large that is, the number of steps does not
-/// grow with it: where the bristles have come to follow, a step is the power series of that slow
-/// motion.
-/// In near-stick a mass swings on its bristles at √(Nσ0/m), and steps are about 10/√(Nσ0/m) long,
-/// also after the swing has died out.
+/// The deflection z relaxes in slip at the rate σ0|r|/g. The number of steps does not grow with
+/// this rate: on the slow manifold of the bristles a step is the power series of that manifold.
+/// Near stick a mass vibrates on its bristles at √(Nσ0/m), and steps are about 10/√(Nσ0/m) long,
+/// also after that vibration has decayed.
 ///
 /// Source: C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, *IEEE Trans. Automatic
 /// Control* 40 (1995) 419-425.
@@ -54,9 +53,10 @@ pub struct LuGre<L> {
 impl<L: FrictionLaw> LuGre<L> {
     /// Bristles of stiffness σ0 and damping σ1, viscous friction σ2.
     ///
-    /// With more σ1 than σ2 allows, the contact can give energy to the mass. That is not refused;
-    /// [`analysis::lugre::passive_viscosity`](crate::analysis::lugre::passive_viscosity) gives the
-    /// least σ2 at which it cannot.
+    /// A damping σ1 above the limit set by σ2 lets the contact supply energy to the mass. That is
+    /// not refused;
+    /// [`analysis::lugre::passive_viscosity`](crate::analysis::lugre::passive_viscosity) returns
+    /// the least σ2 at which it cannot.
     ///
     /// # Errors
     ///
@@ -101,7 +101,7 @@ impl<L: FrictionLaw> LuGre<L> {
         self.viscous
     }
 
-    /// z'.
+    /// The rate z'.
     #[inline(always)]
     fn rate<S: Scalar>(&self, slip: Slip<S>, z: S) -> S {
         let largest = self.law.kinetic_on(slip.piece, slip.speed);
@@ -161,7 +161,7 @@ impl<L: FrictionLaw> ContactLaw for LuGre<L> {
     }
 }
 
-/// Dahl's model: bristles that are only elastic, [`LuGre`] with a constant g and σ1 = σ2 = 0.
+/// Dahl's model: purely elastic bristles, [`LuGre`] with a constant g and σ1 = σ2 = 0.
 ///
 /// ```text
 /// z' = r − σ0 |r| z/g,   μ = σ0 z
@@ -186,7 +186,7 @@ impl<L: FrictionLaw> ContactLaw for LuGre<L> {
 pub struct Dahl(LuGre<Coulomb>);
 
 impl Dahl {
-    /// Bristles of stiffness σ0 that carry the coefficient g at most.
+    /// Bristles of stiffness σ0 with the friction coefficient g in steady sliding.
     ///
     /// # Errors
     ///

@@ -3,7 +3,7 @@ use super::{ContactLaw, Motion, Slip, Variables};
 use crate::error::Error;
 use crate::friction::check::{JUMP, STATIC_ROUNDING};
 
-/// Which trait a law implements that remembers so many numbers. A law without memory is a
+/// The trait that a law with this number of memory variables implements: without memory it is
 /// `FrictionLaw`.
 const fn of_law(memory: usize) -> &'static str {
     if memory == 0 {
@@ -13,7 +13,7 @@ const fn of_law(memory: usize) -> &'static str {
     }
 }
 
-/// What the rules are checked by, all with a memory of zeros.
+/// The values by which the rules are checked, all with a memory of zeros.
 struct Facts<'l> {
     kind: &'static str,
     limit: Option<f64>,

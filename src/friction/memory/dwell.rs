@@ -3,7 +3,7 @@ use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::scalar::Scalar;
 
-/// Static friction that rises while the surfaces are at rest on each other.
+/// Static friction that rises with the time in stick.
 ///
 /// ```text
 /// exponential   μ_s(θ) = μ_∞ − (μ_∞ − μ_0) exp(−θ/θ_c)
@@ -47,11 +47,11 @@ use crate::scalar::Scalar;
 pub struct Dwell<L> {
     pub(super) law: L,
     pub(super) form: Form,
-    /// θ_c.
+    /// The time θ_c.
     pub(super) time: f64,
 }
 
-/// With μ_∞, or B.
+/// The form of the rise, with μ_∞ or B.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Form {
     Exponential(f64),
@@ -81,7 +81,7 @@ impl<L: FrictionLaw> Dwell<L> {
         Self::new(law, Form::Hyperbolic(limit), time)
     }
 
-    /// Rises by B for each factor e of time, without a limit.
+    /// Rises by B for each factor e of time, without bound.
     ///
     /// # Errors
     ///
@@ -101,7 +101,7 @@ impl<L: FrictionLaw> Dwell<L> {
         &self.law
     }
 
-    /// Static coefficient μ_s(θ) after a time θ ≥ 0 at rest, dimensionless.
+    /// Static coefficient μ_s(θ) after a time θ ≥ 0 in stick, dimensionless.
     ///
     /// ```
     /// use stick_slip::{Coulomb, Dwell};
@@ -115,7 +115,7 @@ impl<L: FrictionLaw> Dwell<L> {
         self.law.static_coefficient() + self.rise(rest)[0]
     }
 
-    /// Rate dμ_s/dθ after a time θ ≥ 0 at rest, per unit of time.
+    /// Rate dμ_s/dθ after a time θ ≥ 0 in stick, per unit of time.
     ///
     /// ```
     /// use stick_slip::{Coulomb, Dwell};

@@ -1,15 +1,15 @@
 //! Contact laws: friction that may depend on more than the sliding speed.
-//!
-//! | file | what is in it |
-//! |---|---|
-//! | `mod.rs` | [`ContactLaw`], the trait of every contact law, and what a law is told |
-//! | `dwell.rs` | static friction that rises at rest |
-//! | `bristle.rs` | LuGre's and Dahl's bristles |
-//! | `any.rs` | a contact law chosen at run time |
-//! | `object.rs` | a contact law behind a reference: what the engine asks of it |
-//! | `sliding.rs` | what a contact with memory does in steady sliding, linearised |
-//! | `check.rs` | checks of a law before it is used |
-//! | `read.rs` | how these laws are written and read (feature `serde`) |
+
+// | file | what is in it |
+// |---|---|
+// | `mod.rs` | `ContactLaw`, the trait of every contact law, and its arguments |
+// | `dwell.rs` | static friction that rises with the time in stick |
+// | `bristle.rs` | LuGre's and Dahl's bristles |
+// | `any.rs` | a contact law chosen at run time |
+// | `object.rs` | a contact law as a trait object, for the engine |
+// | `sliding.rs` | steady sliding of a contact with memory, linearised |
+// | `check.rs` | checks of a law before it is used |
+// | `read.rs` | serialization of these laws (feature `serde`) |
 
 mod any;
 mod bristle;
@@ -29,7 +29,7 @@ pub(crate) use sliding::Sliding;
 use crate::friction::{AnyLaw, FrictionLaw};
 use crate::scalar::Scalar;
 
-/// Sliding of a contact: what its law is told while it slips.
+/// Sliding of a contact: the argument of its law in slip.
 ///
 /// ```
 /// use stick_slip::{ContactLaw, Coulomb, Slip};
@@ -44,9 +44,9 @@ pub struct Slip<S> {
     /// Sliding speed s = |r| ≥ 0, the size of the relative velocity.
     pub speed: S,
     /// Direction σ of slip, the sign of r: +1 or −1. At s = 0 the direction in which the motion
-    /// goes on.
+    /// continues.
     pub direction: f64,
-    /// Number of the piece of the law that holds, which is the number of
+    /// Index of the active piece of the law: the number of
     /// [breakpoints](ContactLaw::breakpoints) below s.
     pub piece: usize,
 }
@@ -58,12 +58,12 @@ impl<S: Scalar> Slip<S> {
     }
 }
 
-/// State of motion of a contact, stick or slip, as its law is told.
+/// State of motion of a contact, stick or slip: an argument of its law.
 ///
 /// ```
 /// use stick_slip::{ContactLaw, Coulomb, Dahl, Dwell, Motion, Slip};
 ///
-/// // The clock of rest runs in stick alone; bristles bend in slip alone.
+/// // The dwell clock runs in stick only; bristles bend in slip only.
 /// let clock = Dwell::hyperbolic(Coulomb::new(0.4, 0.3)?, 0.6, 2.0)?;
 /// let bristles = Dahl::new(0.4, 50.0)?;
 /// let slip = Motion::Slip(Slip { speed: 0.1, direction: -1.0, piece: 0 });
@@ -81,7 +81,7 @@ pub enum Motion<S> {
     Slip(Slip<S>),
 }
 
-/// The numbers of a contact's memory: an array `[S; Z]`, whatever the number of variables Z.
+/// The memory variables of a contact: an array `[S; Z]` of any length Z.
 /// Sealed: no other type can implement it.
 pub trait Variables<S>: sealed::Sealed + Copy + AsRef<[S]> + AsMut<[S]> {
     /// Number of variables.
@@ -104,13 +104,13 @@ impl<S: Copy, const Z: usize> Variables<S> for [S; Z] {
     }
 }
 
-/// A law of the crate, by which a contact is written and compared.
+/// A law of the crate, for serialization and comparison of contacts.
 #[doc(hidden)]
 #[derive(Debug, Clone, PartialEq)]
 pub enum NamedLaw {
-    /// Without memory variables.
+    /// A law without memory variables.
     Dry(AnyLaw),
-    /// With one, which a dry law does not use.
+    /// A law with one memory variable, which a dry law does not use.
     Contact(AnyContactLaw<AnyLaw>),
 }
 
@@ -196,10 +196,10 @@ pub trait ContactLaw: Sized {
     fn breakpoints(&self) -> impl Iterator<Item = f64>;
 
     /// The memory after slip has ended in stick, or stick in slip, given the memory before. The
-    /// event itself still shows the memory before.
+    /// state of the event holds the memory before.
     fn caught(&self, memory: Self::Memory<f64>) -> Self::Memory<f64>;
 
-    /// The law as one of the crate's own, by which it is written and compared; `None` for a user's
+    /// The law as one of the crate's own, for serialization and comparison; `None` for a user's
     /// law.
     #[doc(hidden)]
     fn named(&self) -> Option<NamedLaw> {

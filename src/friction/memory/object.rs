@@ -1,8 +1,8 @@
-//! A contact law behind a reference: what the engine of structures asks of it. The engine and the
-//! searches are compiled once, for any law, and contacts of different laws stand side by side.
+//! A contact law as a trait object, for the engine of structures. The engine and the searches are
+//! compiled once, for any law, and one structure can have contacts of different laws.
 //!
-//! What is asked of numbers gets the memory as a function of the variable's number, because it is
-//! computed where it is needed. A power series is computed one order at a call.
+//! Functions of numbers get the memory as a function of the variable's number, because it is
+//! computed on demand. A power series is computed one order per call.
 
 use std::fmt;
 
@@ -23,8 +23,8 @@ pub(crate) trait LawObject {
     fn breakpoints(&self) -> Vec<f64>;
     /// μ(r, z).
     fn coefficient(&self, slip: Slip<f64>, memory: Memory<'_>) -> f64;
-    /// μ(r, z) at four sliding speeds, of which `slip` gives direction and piece; the memory by
-    /// place, then by number.
+    /// μ(r, z) at four sliding speeds, with direction and piece of `slip`; the memory by point,
+    /// then by variable.
     fn at_four(&self, slip: Slip<[f64; 4]>, memory: &dyn Fn(usize, usize) -> f64) -> [f64; 4];
     /// μ_s(z).
     fn limit(&self, memory: Memory<'_>) -> Option<f64>;
@@ -34,7 +34,7 @@ pub(crate) trait LawObject {
     fn rates(&self, motion: Motion<f64>, memory: Memory<'_>, take: &mut dyn FnMut(usize, f64));
     /// The memory after slip has ended in stick, or stick in slip.
     fn caught(&self, memory: &mut [f64]);
-    /// Steady sliding; `None` if no memory stays as it is.
+    /// Steady sliding; `None` if no memory is stationary.
     fn sliding(&self, slip: Slip<f64>) -> Option<Sliding>;
     /// The law as one of the crate's own.
     fn named(&self) -> Option<NamedLaw>;
@@ -74,9 +74,9 @@ pub(crate) struct Derivative {
     pub(crate) coefficient: PowerSeries,
     /// Its derivative.
     pub(crate) slope: PowerSeries,
-    /// Those of the rates of the memory.
+    /// The derivatives of the rates of the memory.
     pub(crate) rates: Vec<PowerSeries>,
-    /// Whether anything depends on the input.
+    /// True if the law depends on the input.
     pub(crate) depends: bool,
 }
 

@@ -1,4 +1,4 @@
-//! How contact laws with memory are written and read (feature `serde`): by the arguments of their
+//! Serialization of contact laws with memory (feature `serde`): by the arguments of their
 //! constructors, and through the checks of these.
 
 use serde::{Deserialize, Serialize};

@@ -4,8 +4,8 @@ use super::{ContactLaw, Motion, Slip, Variables};
 use crate::scalar::Scalar;
 use crate::scalar::jet::Tape;
 
-/// A contact that slides steadily: its coefficient with the memory that stays as it is, and what
-/// small deviations of sliding speed and memory change.
+/// Steady sliding of a contact: its coefficient with the stationary memory, and the derivatives by
+/// sliding speed and memory.
 #[derive(Debug, Clone)]
 pub(crate) struct Sliding {
     /// μ, with the sign of the direction of slip.
@@ -20,12 +20,13 @@ pub(crate) struct Sliding {
     pub(crate) rates_by_memory: DMatrix<f64>,
 }
 
-/// Values of a law with a memory, and derivatives by memory number j, or else by the sliding speed.
+/// Values of a law with a memory, and derivatives by memory variable j, or by the sliding speed for
+/// `None`.
 type Slopes<'l> = dyn Fn(&[f64], Option<usize>) -> Derivatives + 'l;
 
-/// Values and derivatives by one number.
+/// Values and derivatives by one variable.
 pub(super) struct Derivatives {
-    /// Both with the sign of the direction of slip.
+    /// The coefficient and its derivative, with the sign of the direction of slip.
     pub(super) coefficient: [f64; 2],
     pub(super) rates: Vec<[f64; 2]>,
 }
@@ -68,13 +69,13 @@ impl Sliding {
         None
     }
 
-    /// Whether memory number i is ever changed by slip.
+    /// Returns true if slip changes memory variable i.
     fn changes(&self, i: usize) -> bool {
         let row = self.rates_by_memory.row(i);
         self.rates_by_speed[i] != 0.0 || row.iter().any(|rate| *rate != 0.0)
     }
 
-    /// Whether memory number i neither changes in slip nor acts on anything.
+    /// Returns true if memory variable i neither changes in slip nor influences anything.
     pub(crate) fn is_idle(&self, i: usize) -> bool {
         let column = self.rates_by_memory.column(i);
         !self.changes(i) && self.by_memory[i] == 0.0 && column.iter().all(|rate| *rate == 0.0)
@@ -97,7 +98,7 @@ impl Sliding {
     }
 }
 
-/// By memory number `by`, or else by the sliding speed.
+/// Values and derivatives by memory variable `by`, or by the sliding speed for `None`.
 pub(super) fn derivatives<L: ContactLaw>(
     law: &L,
     slip: Slip<f64>,

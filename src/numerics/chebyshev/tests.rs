@@ -53,7 +53,7 @@ fn chebyshev(k: i32, x: f64) -> f64 {
     (f64::from(k) * x.acos()).cos()
 }
 
-/// Whether a function of −1 ≤ x ≤ 1 is settled in one piece.
+/// Returns true if a function of −1 ≤ x ≤ 1 is settled in one piece.
 fn settles(noise: f64, f: impl Fn(f64) -> f64) -> bool {
     let watched = Watched::new(|t: f64| f((2.0 * t - 1.0).clamp(-1.0, 1.0)));
     watched.isolated(noise);

@@ -1,0 +1,154 @@
+//! Guarantees: what the integrator and the searches promise, and the test that holds each promise.
+//!
+//! This page holds no items. A test is named by program, module and function. In a clone, run for
+//! example
+//!
+//! ```sh
+//! cargo test --release --test belt integrator::promise_2
+//! ```
+//!
+//! # One mass on a belt
+//!
+//! The numbers are those of [`MassOnBelt`](crate::MassOnBelt) in the notation of the
+//! [crate page](crate#the-mass-on-its-belt); D = 2β + γ²·dμ̂/ds is the effective damping.
+//!
+//! 1. **Steps.** Each step of a slip phase is a Taylor series of order 26. Its defect is the
+//!    residual of the equation of motion with the series put in. A step is accepted if the defect
+//!    is small at a quarter, a half and three quarters of the step, at its end, and near the
+//!    minimum of the sliding speed. This also catches terms of the law that underflow at the start
+//!    of the step, as exp(−400) does in a law with a narrow Stribeck velocity. In a step longer
+//!    than one radian the defect is checked at every quarter of a radian. This finds a bump
+//!    exp(−(s/w)²) of the law at any other speed if w is at least 1/40 of the motion's velocity
+//!    amplitude. Declare a [breakpoint](crate::FrictionLaw::breakpoints) at any narrower feature.
+//!    Tests: `belt::integrator::promise_1_hidden_terms_are_not_missed`,
+//!    `belt::integrator::promise_1_features_passed_in_a_long_step_are_seen`,
+//!    `belt::hostile::a_narrow_feature_is_not_missed_wherever_in_a_step_it_lies`.
+//! 2. **Contact** (v_r = 0) is a root of the polynomial of the sliding speed. Roots are isolated so
+//!    that none is skipped, and refined to the last bit. Grazing contacts that begin and end within
+//!    one step are found.
+//!    Tests: `belt::integrator::promise_2_shallow_grazing_contacts_are_found`,
+//!    `belt::integrator::promise_2_shallow_contacts_of_a_circle`,
+//!    `belt::independent::a_simple_integrator_sees_the_same_events`.
+//! 3. **Start of slip.** v_r has a known root there, simple or double, which is divided out. There
+//!    is no epsilon, no cooldown and no minimum duration: no event fires twice.
+//!    Test: `belt::integrator::promise_3_phase_starts_need_no_epsilon`.
+//! 4. **Stick** has closed formulas, and v equals v_b to the bit.
+//!    Tests: `belt::integrator::promise_4_stick_is_closed_form`,
+//!    `belt::hostile::it_sticks_in_the_band_and_slips_outside`.
+//! 5. **Order.** States are continuous. Event times never decrease; they increase strictly if the
+//!    phase between two events is longer than an ulp of the time. The same call gives the same bits
+//!    on the same kind of processor.
+//!    Tests: `belt::integrator::promise_5_motion_is_continuous_and_ordered_and_repeatable`,
+//!    `contract::api::the_same_bits_again_and_in_threads`.
+//! 6. **Large numbers.** The integrated variable is v_r, not v, so contact is exact for large v_b.
+//!    Time is summed with its rounding errors: after 10⁵ cycles an event lies at its multiple of
+//!    the period within 4 ulps of the time.
+//!    Tests: `belt::integrator::promise_6_contact_is_exact_for_large_belt_velocities`,
+//!    `belt::integrator::promise_6_time_does_not_drift_over_a_hundred_thousand_cycles`.
+//! 7. **Tolerance** is the error of a step relative to the scale of the motion, max(|u − ū|, |v|,
+//!    |v_b|), with ū the displacement of steady sliding. A change of units therefore only scales
+//!    the result. Where a motion creeps (D large), or the law is so steep that ū lies far beyond
+//!    the motion, the scale is max(|v|, |v_b|, |v'|/max(1, D)).
+//!    Tests: `belt::integrator::promise_7_scaling_the_units_scales_the_result`,
+//!    `belt::integrator::requested_tolerance_is_met`,
+//!    `belt::hostile::other_units_of_length_change_no_bit`.
+//! 8. **Errors.** Otherwise the run returns a typed [`Error`](crate::Error) with the time and state
+//!    reached. It does not panic or hang.
+//!    Tests: `belt::integrator::promise_8_what_cannot_go_on_is_an_error_with_time_and_state`,
+//!    `belt::hostile::every_run_ends_with_a_result_or_a_typed_error`.
+//! 9. **Stiff phases.** Where friction or the damper rises so steeply with the sliding speed that
+//!    the motion creeps, a step is the power series of the slow manifold, and the number of steps
+//!    does not grow with D, up to D of about 10²⁰. Two such steps may disagree by up to 8 step
+//!    errors where they meet.
+//!    Tests: `belt::stiff::work_does_not_grow_with_the_stiffness`,
+//!    `belt::stiff::stiff_motions_are_those_of_an_implicit_method`.
+//!
+//! **Accuracy.** Another method computed 22 motions with 25 digits; their events and states are met
+//! within 1e-13·max(1, |value|). Double precision with ε = 2.2e-16 sets two limits: the time of a
+//! contact near grazing is known to about ε/|v_r'|, and motions with v_b below 2e-5·γ²μ_s to about
+//! ε·γ²μ_s/v_b. Test: `belt::reference::trajectories_have_the_reference_events_and_states`.
+//!
+//! # Conventions at zero relative velocity
+//!
+//! In stick the contact carries the force F = u + 2βv_b, and at most F_s = γ²μ_s. The band of
+//! forces in which the mass sticks is half open, so that exactly one thing follows from every
+//! state:
+//!
+//! * v_b > 0: −F_s ≤ F < F_s. At F = F_s the mass is released.
+//! * v_b < 0: −F_s < F ≤ F_s, the mirror image.
+//! * v_b = 0: −F_s ≤ F ≤ F_s.
+//!
+//! | situation | what happens |
+//! |---|---|
+//! | stick, v_b > 0: F grows at the rate v_b and reaches F_s | [`Release`](crate::EventKind::Release), slip with v_r < 0; u = F_s − 2βv_b, v = v_b |
+//! | stick, v_b < 0: F reaches −F_s | `Release`, slip with v_r > 0 |
+//! | stick, v_b = 0 | the mass stays at rest for ever |
+//! | slip, v_r reaches 0, F in the band | [`Stick`](crate::EventKind::Stick), also where γ²μ̂(0) < \|F\|: static friction holds |
+//! | slip, v_r reaches 0, F outside the band | [`Crossing`](crate::EventKind::Crossing): slip continues with the other sign. This includes slip with v_r > 0 that ends exactly at the open end of the band |
+//! | slip with v_r < 0 that touches 0 tangentially at the open end | no event, slip continues |
+//! | start with v_r = 0, F in the band | the mass sticks; no event at time 0 |
+//! | start with v_r = 0, F outside the band | the mass slips at once, with the sign of −F; no event at time 0 |
+//! | start at the release point, within 4 ulps of the largest term of its formula | `Release` at time 0, reported |
+//!
+//! A row that names the sign of v_r but not of v_b is for v_b > 0; for v_b < 0 that sign is
+//! reversed. An ulp is the distance between two neighbouring numbers of type `f64`.
+//!
+//! [`stick_limits`](crate::MassOnBelt::stick_limits) returns the ends of the band as displacements
+//! u; every decision uses these two numbers.
+//! [`release_state`](crate::MassOnBelt::release_state) returns the release point.
+//! Tests: `belt::integrator::ends_of_the_stick_band_are_half_open`,
+//! `belt::integrator::arrival_at_the_open_end_from_leading_is_a_crossing`,
+//! `belt::integrator::release_state_releases_at_time_zero`,
+//! `belt::integrator::starts_beside_the_release_point_are_released_at_once`.
+//!
+//! # Structures
+//!
+//! A [`Structure`](crate::Structure) is followed by the same method: Taylor series of order 26 with
+//! a checked defect, every contact an isolated root of its own sliding speed, known roots at the
+//! start of slip divided out, typed errors. Only contacts with stiff memory, as bristles, are
+//! followed on the slow manifold; other stiffness shortens the (explicit) steps.
+//!
+//! * **Equation of motion, energy and events** agree with those of independent integrators:
+//!   `structures::random::motions_obey_the_law`, `structures::identities::energy_balances`,
+//!   `structures::random::a_simple_integrator_sees_the_same_events`.
+//! * **Stick.** A mass that sticks moves with its belt to the bit, however the belt's velocity
+//!   varies: `structures::identities::a_stuck_mass_is_carried_exactly`.
+//! * **Reference motions** with 25 digits are met:
+//!   `structures::trajectories::motions_have_the_reference_events_and_states`,
+//!   `structures::memory::motions_have_the_reference_events_and_states`.
+//! * **Contacts that share masses** decide together at r = 0, by the rule on the page of
+//!   [`Structure`](crate::Structure#contacts-that-share-masses): all have their static limits, and
+//!   the fastest yields first. If contacts with linearly dependent directions would stick together,
+//!   the run returns [`Error::Undetermined`](crate::Error::Undetermined). The reference motions
+//!   above include contacts that share masses.
+//! * **Loads.** A load that depends on time alone opens and closes its contact; one that only
+//!   touches 0 causes no event; one that depends on displacements ends the motion at 0:
+//!   `structures::names::a_load_that_falls_to_zero_opens_the_contact`,
+//!   `structures::random::a_load_that_touches_zero_does_not_open_or_close`,
+//!   `structures::names::a_load_that_springs_lift_ends_the_motion`.
+//! * **Symmetry.** Mirror images agree to the bit, equal masses in equal states stay together to
+//!   the bit: `structures::identities::mirror_images_agree_to_the_bit`,
+//!   `structures::identities::clones_stay_together_to_the_bit`.
+//! * **Phase.** A drive has the phase of the exact time after any number of periods:
+//!   `structures::identities::a_million_periods_lose_no_phase`.
+//! * **One mass on a belt** moves the same in both engines:
+//!   `structures::two_engines::reference_motions_of_the_belt`,
+//!   `structures::two_engines::random_belts`.
+//! * **Stiff bristles** take as many steps whatever their stiffness (tried up to σ0 = 10¹²):
+//!   `structures::stiff_memory::any_stiffness_takes_as_many_steps`.
+//! * **Limits of work** hold: `structures::random::limits_of_work_hold`.
+//!
+//! # Completeness
+//!
+//! | search | complete? | test |
+//! |---|---|---|
+//! | [`limit_cycle::stick_slip`](crate::limit_cycle::stick_slip) | yes: if a cycle sticks, it is found | `cycles::maps::no_cycle_is_lost_or_invented` |
+//! | [`limit_cycle::find`](crate::limit_cycle::find) | yes, except pairs of cycles [very close together](crate::limit_cycle#what-is-guaranteed); ranges that double precision cannot resolve are [reported](crate::CycleSet::unresolved) | `cycles::maps::no_cycle_is_lost_or_invented`, `cycles::cycles::every_number_of_the_reference`, `cycles::cases::canard_like_growth_is_resolved_or_told` |
+//! | [`limit_cycle::attractor`](crate::limit_cycle::attractor), [`basins`](crate::limit_cycle::basins()) | with the cycles of `find` | `cycles::maps::motions_stay_near_stable_cycles_and_end_on_the_attractor_named` |
+//! | functions of [`bifurcation`](crate::bifurcation) | as dense as each function says | `cycles::bifurcations::every_number_of_the_reference`, `cycles::brute_force::contacts_change_where_brute_force_says` |
+//! | [`orbit::shoot`](crate::orbit::shoot), [`settle`](crate::orbit::settle) | no: one motion near the guess, exact to rounding, or a typed error | `orbit::references::orbits_have_the_reference_numbers`, `orbit::bad_input::what_is_not_found_says_how_far_it_is` |
+//! | [`orbit::follow`](crate::orbit::follow) | no: what is connected with the start; two bifurcations of one kind within a step can be missed | `orbit::follow::bifurcations_of_forced_motions_are_those_of_the_reference`, `orbit::follow::both_directions_meet` |
+//!
+//! Motions of one mass on a belt of constant velocity lie in a plane and cannot cross each other,
+//! so a search for its limit cycles can be complete. With a force, a second mass or a memory they
+//! can cross, and a search finds the motion nearest its guess.
