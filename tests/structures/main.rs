@@ -15,7 +15,6 @@ mod formulas;
 mod identities;
 mod memory;
 mod memory_formulas;
-mod names;
 mod plain;
 mod random;
 mod reading;
