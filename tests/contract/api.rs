@@ -341,7 +341,7 @@ fn a_reference_to_a_law_is_that_law() {
             }
         }
     }
-    fn values<L: FrictionLaw>(law: L) -> (f64, f64, f64, usize) {
+    fn values<L: FrictionLaw>(law: &L) -> (f64, f64, f64, usize) {
         let breakpoints = law.breakpoints().count();
         (
             law.coefficient(-1.0),
@@ -350,8 +350,8 @@ fn a_reference_to_a_law_is_that_law() {
             breakpoints,
         )
     }
-    assert_eq!(values(Kinked), (-0.475, -0.1, 0.475, 1));
-    assert_eq!(values(&&Kinked), values(Kinked));
+    assert_eq!(values(&Kinked), (-0.475, -0.1, 0.475, 1));
+    assert_eq!(values(&&Kinked), values(&Kinked));
 }
 
 #[test]
