@@ -8,7 +8,6 @@ use stick_slip::analysis::drill_string::TwoInertias;
 use stick_slip::analysis::fast_vibration::{mean_coefficient, onset_velocity};
 use stick_slip::analysis::forced::{ForcedOscillator, no_stop_limit};
 use stick_slip::analysis::mode_coupling::ModeCoupling;
-use stick_slip::analysis::oscillating_belt::OnSteadyBelts;
 use stick_slip::{
     Contact, ContactLaw, Coulomb, Direction, Drive, Error, EventKind, FrictionLaw, MassOnBelt,
     Mode, Motion, Polynomial, Scalar, Slip, Structure, structure,
@@ -346,59 +345,6 @@ fn the_best_damper_allows_the_steepest_friction_nearly() {
     let best = string(1.0).best_damper();
     let allowed = |factor: f64| -string(factor * best).critical_slope().unwrap();
     assert!(allowed(1.0) > allowed(0.9) && allowed(1.0) > allowed(1.1));
-}
-
-#[test]
-fn belts_that_do_not_oscillate_together_are_no_forced_masses() {
-    let blocks = |belts: [Drive; 2]| {
-        let mut blocks = Structure::new(&[1.0, 2.0]).unwrap();
-        for (i, belt) in belts.into_iter().enumerate() {
-            let contact = Contact::new(i, Coulomb::new(0.4, 0.3).unwrap(), 1.0).unwrap();
-            blocks = blocks.with_contact(contact.on_belt(belt)).unwrap();
-        }
-        blocks
-    };
-    let shaken = |mean: f64, amplitude| {
-        Drive::sine(amplitude, 2.0)
-            .and_then(|d| d.with_constant(mean))
-            .unwrap()
-    };
-    assert!(OnSteadyBelts::new(&blocks([shaken(0.1, 0.2), shaken(0.3, 0.2)])).is_some());
-    assert!(OnSteadyBelts::new(&blocks([shaken(0.1, 0.2), shaken(0.3, 0.1)])).is_none());
-    let ramp = Drive::profile(&[(0.0, 0.0), (1.0, 0.2)]).unwrap();
-    assert!(OnSteadyBelts::new(&blocks([ramp.clone(), ramp])).is_none());
-    let frame: Structure = Structure::new(&[1.0]).unwrap();
-    assert!(OnSteadyBelts::new(&frame).is_none());
-}
-
-/// W' = w cos Ωt on springs, dampers, and a load that follows the displacement.
-#[test]
-fn additional_forces_of_an_oscillating_belt() {
-    let (w, omega, damping, gradient) = (0.3, 1.7, 0.2, 0.4);
-    let belt = Drive::harmonic(w, omega, 0.0).unwrap();
-    let contact = Contact::new(0, Coulomb::new(0.4, 0.3).unwrap(), 1.0)
-        .and_then(|contact| contact.with_load_gradient(0, gradient))
-        .unwrap()
-        .on_belt(belt);
-    let shaken = Structure::new(&[1.0])
-        .and_then(|structure| structure.with_ground_spring(0, 1.0))
-        .and_then(|structure| structure.with_ground_damper(0, damping))
-        .and_then(|structure| structure.with_contact(contact))
-        .unwrap();
-    let steady = OnSteadyBelts::new(&shaken).unwrap();
-    for t in [0.0, 0.4, 3.0] {
-        let (sine, cosine) = (omega * t).sin_cos();
-        // wΩ sin Ωt − 2ζw cos Ωt − (w/Ω) sin Ωt
-        let expected = w * omega * sine - damping * w * cosine - w / omega * sine;
-        assert!((steady.structure().forces()[0].value(t) - expected).abs() < 4e-16);
-        let load = steady.structure().contacts()[0].load().value(t);
-        assert!((load - 1.0 - gradient * w / omega * sine).abs() < 3e-16);
-        assert!((steady.shift().slope(t) - w * cosine).abs() < 2e-16);
-    }
-    assert_eq!(
-        steady.structure().contacts()[0].belt_velocity(),
-        &Drive::constant(0.0)
-    );
 }
 
 /// Friction with the nap of a surface, and against it.
