@@ -24,6 +24,7 @@ pub(crate) use numbers::{Digits, Plain};
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Reached {
     /// Time since the start of the integration, in the units of the system.
     pub time: f64,

@@ -325,6 +325,7 @@ impl PureSlip {
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct PureSlipCycle {
     /// Largest displacement u_max.
     pub u_max: f64,

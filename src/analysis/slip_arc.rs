@@ -9,6 +9,7 @@ use std::f64::consts::PI;
 /// Units are those of the system from which it was made. On a belt that moves backward,
 /// displacements have the other sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct ExactCycle {
     /// Belt velocity.
     pub belt_velocity: f64,

@@ -380,6 +380,7 @@ impl Cubic {
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct StickSlipCycle {
     /// Largest displacement u_max.
     pub u_max: f64,

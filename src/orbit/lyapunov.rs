@@ -11,6 +11,7 @@ use crate::structure::Step;
 
 /// A Lyapunov exponent, with what it may be wrong by; made by [`lyapunov_with_spread`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct LyapunovExponent {
     /// The exponent, per unit of time.
     pub value: f64,
