@@ -13,8 +13,8 @@
 //! the shape of the sliding speed has to be looked at. A cycle of `cycle` slips for 5.2 of its 6.8
 //! units of time, these for all of their 6.3.
 //!
-//! `step`: one Taylor step of the slip phases of the same cycles. There is one order, 26;
-//! `benches/orders` compares it with others.
+//! `step`: one Taylor step of the slip phases of the same cycles. There is one order, 26,
+//! compared with others at `TERMS` in `src/series/mod.rs`.
 //!
 //! # Where the time of a step goes
 //!

@@ -21,7 +21,7 @@ use stick_slip::{
     Error as LawError, FrictionLaw, Physical, Scaling, Tabulated, bifurcation, limit_cycle,
 };
 
-const SAMPLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/friction.csv");
+const SAMPLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/friction.csv");
 
 fn main() -> ExitCode {
     match run() {

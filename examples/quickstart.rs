@@ -12,7 +12,7 @@
 //!   oscillations to settle; on a slow one it sticks and slips in turn (Figs. 5 and 7), and from
 //!   the first release on the motion is periodic: multiplier 0.
 //!
-//! Run it with `cargo run --release --example quickstart`.
+//! Run it with `cargo run --example quickstart`.
 
 use stick_slip::{
     Exponential, FrictionLaw, LimitCycle, MassOnBelt, Polynomial, State, Trajectory, limit_cycle,

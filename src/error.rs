@@ -24,6 +24,7 @@ pub(crate) use numbers::{Digits, Plain};
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Reached {
     /// Time since the start of the integration, in the units of the system.
     pub time: f64,
@@ -76,34 +77,6 @@ fn instead(value: f64, allowed: &str) -> String {
 /// [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt), in its own units for a
 /// [`Structure`](crate::Structure).
 ///
-/// | variant | when | what to do |
-/// |---|---|---|
-/// | [`InvalidParameter`](Self::InvalidParameter) | a constructor, a `with_` method, or a range of belt velocities | give a number in the range named |
-/// | [`BadPoint`](Self::BadPoint) | [`Tabulated::new`](crate::Tabulated::new), [`Drive::profile`](crate::Drive::profile) | correct or leave out that point |
-/// | [`InvalidState`](Self::InvalidState) | a start is not finite, or extremely large or small | check the start; choose another unit of length |
-/// | [`InvalidTolerance`](Self::InvalidTolerance) | [`Integrator::with_tolerance`](crate::Integrator::with_tolerance) | stay within the limits named |
-/// | [`InvalidDuration`](Self::InvalidDuration) | `simulate` | give a finite duration ≥ 0, or use `flow` |
-/// | [`StaticBelowKinetic`](Self::StaticBelowKinetic) | [`MassOnBelt::new`](crate::MassOnBelt::new), a law with μ̂(0) > μ_s | raise μ_s or lower μ̂(0) |
-/// | [`NonFiniteFriction`](Self::NonFiniteFriction) | a law gives NaN or ±∞ at a speed that is needed | define the law there, or keep the motion away |
-/// | [`NotAnalytic`](Self::NotAnalytic) | a law has a value but no power series at a speed | use integral powers there, or name a breakpoint |
-/// | [`BadBreakpoints`](Self::BadBreakpoints) | `MassOnBelt::new`, a law with breakpoints | sort them; make the law continuous |
-/// | [`BadElement`](Self::BadElement) | a mass, spring, damper, force or contact of a [`Structure`](crate::Structure) | give a number in the range named |
-/// | [`NoSuchCoordinate`](Self::NoSuchCoordinate) | an element of a structure | count its coordinates from 0 |
-/// | [`WrongSize`](Self::WrongSize) | a matrix or a start of a structure | one row, column or number for each coordinate |
-/// | [`NotSymmetric`](Self::NotSymmetric), [`NotPositiveDefinite`](Self::NotPositiveDefinite) | [`Structure::with_mass_matrix`](crate::Structure::with_mass_matrix) | symmetrise; eliminate massless coordinates |
-/// | [`BadDirection`](Self::BadDirection) | a contact along several coordinates | pairs with different coordinates and finite numbers ≠ 0 |
-/// | [`NoSteadySliding`](Self::NoSteadySliding) | [`Structure::steady_sliding`](crate::Structure::steady_sliding) | as [`NotSliding`] says |
-/// | [`BeltVelocityJumps`](Self::BeltVelocityJumps) | a contact on a belt whose velocity jumps | replace the jump by a steep ramp |
-/// | [`StepUnderflow`](Self::StepUnderflow) | a motion: a kink or jump of the law that is not named, a slope γ²·dμ̂/ds beyond about 1e20, or a stiff structure | name the breakpoint; reduce γ²·dμ̂/ds; start nearer to the belt's velocity |
-/// | [`TooManySteps`](Self::TooManySteps) | a motion or a search for cycles: a very long run, or as for `StepUnderflow` | raise the limit with `with_max_steps`, or as for `StepUnderflow` |
-/// | [`Separation`](Self::Separation) | a motion: a load that depends on displacements falls to 0 | end the motion there, or press harder |
-/// | [`Undetermined`](Self::Undetermined) | a motion: contacts with dependent directions stick together | one contact in their place |
-/// | [`TooManyEvents`](Self::TooManyEvents) | a run with `with_max_events` | raise the limit, or use `flow` |
-/// | [`NoCommonPeriod`](Self::NoCommonPeriod), [`NotFree`](Self::NotFree) | a search of [`orbit`](crate::orbit) | the other [`Period`](crate::orbit::Period) |
-/// | [`AtRest`](Self::AtRest), [`NotPeriodic`](Self::NotPeriodic) | a search of `orbit` | a better guess, a longer transient |
-/// | [`At`](Self::At) | a search along a parameter | see the error inside; search beside that value |
-/// | [`Stopped`](Self::Stopped) | a search that takes too many steps, or has a watcher | raise the bound; search the rest of the range |
-///
 /// To show the message, print the error with `{error}`. A `main` that returns `Result<(), Error>`
 /// prints the variant and its fields instead, by `Debug`.
 ///
@@ -129,7 +102,8 @@ fn instead(value: f64, allowed: &str) -> String {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A parameter of a law, a system or the integrator is outside its range, infinite or NaN.
+    /// A parameter of a law, a system, the integrator or a search is outside its range, infinite or
+    /// NaN.
     #[error("{of}: {name} = {} is not allowed{}", Plain(*value), instead(*value, allowed))]
     InvalidParameter {
         /// The type or the function that refused it, for example `Stribeck`.
@@ -142,7 +116,8 @@ pub enum Error {
         allowed: &'static str,
     },
 
-    /// A point of a table or of a profile is not allowed.
+    /// A point of a table ([`Tabulated::new`](crate::Tabulated::new)) or of a profile
+    /// ([`Drive::profile`](crate::Drive::profile)) is not allowed.
     #[error(
         "{of}: point {index}, counted from 0: {name} = {} is not allowed{}",
         Plain(*value),
@@ -181,7 +156,8 @@ pub enum Error {
         velocity: f64,
     },
 
-    /// A relative tolerance is outside its range or NaN.
+    /// A relative tolerance is outside its range or NaN:
+    /// [`Integrator::with_tolerance`](crate::Integrator::with_tolerance).
     #[error(
         "Integrator: tolerance = {} is not allowed; give a number with \
          {min:e} ≤ tolerance ≤ {max:e}",
@@ -316,7 +292,8 @@ pub enum Error {
         contact: usize,
     },
 
-    /// A mass matrix is not symmetric.
+    /// A mass matrix is not symmetric:
+    /// [`Structure::with_mass_matrix`](crate::Structure::with_mass_matrix).
     #[error(
         "the mass matrix is not symmetric: its entries ({row}, {column}) and ({column}, {row}) \
          differ by more than rounding; give (M + Mᵀ)/2"
@@ -348,7 +325,8 @@ pub enum Error {
         direction: Vec<(usize, f64)>,
     },
 
-    /// A structure has no steady sliding.
+    /// A structure has no steady sliding, and why:
+    /// [`Structure::steady_sliding`](crate::Structure::steady_sliding).
     #[error("no steady sliding: {0}")]
     NoSteadySliding(NotSliding),
 
@@ -380,7 +358,8 @@ pub enum Error {
         time: f64,
     },
 
-    /// A step became too short to move the clock, or its power series overflows.
+    /// A step became too short to move the clock, or its power series overflows: a kink or jump of
+    /// the law that is not named, a slope γ²·dμ̂/ds beyond about 1e20, or a stiff structure.
     #[error(
         "the step fell to {} {reached}: the law has a jump or kink there that is not named \
          as a breakpoint, or the system is too stiff (γ²·dμ̂/ds beyond about 1e20, or a structure)",

@@ -123,9 +123,9 @@
 //!   above include contacts that share masses.
 //! * **Loads.** A load that depends on time alone opens and closes its contact; one that only
 //!   touches 0 causes no event; one that depends on displacements ends the motion at 0:
-//!   `structures::names::a_load_that_falls_to_zero_opens_the_contact`,
+//!   `structures::closed_forms::a_load_that_falls_to_zero_opens_the_contact`,
 //!   `structures::random::a_load_that_touches_zero_does_not_open_or_close`,
-//!   `structures::names::a_load_that_springs_lift_ends_the_motion`.
+//!   `structures::closed_forms::a_load_that_springs_lift_ends_the_motion`.
 //! * **Symmetry.** Mirror images agree to the bit, equal masses in equal states stay together to
 //!   the bit: `structures::identities::mirror_images_agree_to_the_bit`,
 //!   `structures::identities::clones_stay_together_to_the_bit`.

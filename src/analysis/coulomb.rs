@@ -20,6 +20,7 @@ use crate::state::State;
 ///
 /// Source: the exact solution of the slip phase, which is linear for this law.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct TangentialSlip {
     /// Duration s of slip, dimensionless.
     pub duration: f64,

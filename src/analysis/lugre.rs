@@ -16,6 +16,7 @@ use crate::friction::{AlongSlope, FrictionLaw};
 /// near it  ∂z'/∂r = |r| g'/g,   ∂z'/∂z = −σ0|r|/g
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct SteadyBristles {
     /// Deflection z, in units of length.
     pub deflection: f64,
@@ -58,6 +59,7 @@ pub fn steady_bristles<L: FrictionLaw>(law: &LuGre<L>, velocity: f64) -> Option<
 /// m x'' + (c + N(σ1 + σ2)) x' + (k + Nσ0) x = 0,   z = x − x_0
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct ContactVibration {
     /// Angular frequency √((k + Nσ0)/m) without damping, in radians per unit of time.
     pub angular_frequency: f64,

@@ -16,7 +16,6 @@
 //! | how much damping, or which belt velocity, keeps the system quiet | [`design`] |
 //! | closed forms for one law alone | [`coulomb`], [`exponential`], [`polynomial`] |
 //! | a harmonic force on a mass with dry friction: amplitude, and when it stops | [`forced`] |
-//! | a belt that oscillates, as a force | [`oscillating_belt`] |
 //! | static friction that rises at rest: cycles, when they exist | [`dwell`] |
 //! | bristles: steady sliding, the vibration of a mass they hold, passivity | [`lugre`] |
 //! | friction under fast vibration | [`fast_vibration`] |
@@ -70,7 +69,6 @@ pub mod fast_vibration;
 pub mod forced;
 pub mod lugre;
 pub mod mode_coupling;
-pub mod oscillating_belt;
 pub mod polynomial;
 mod pure_slip;
 mod regime;

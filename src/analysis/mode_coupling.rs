@@ -46,6 +46,7 @@ pub struct ModeCoupling {
 
 /// The point at which steady sliding begins to flutter.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Flutter {
     /// Friction coefficient μ_c, dimensionless: steady sliding flutters for μ above it.
     pub coefficient: f64,

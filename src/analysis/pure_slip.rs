@@ -32,15 +32,39 @@ use crate::friction::{FrictionLaw, Polynomial};
 ///
 /// ```
 /// use stick_slip::analysis::PureSlip;
-/// use stick_slip::{MassOnBelt, Polynomial};
+/// use stick_slip::{MassOnBelt, Polynomial, bifurcation, limit_cycle};
 ///
-/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.4)?.with_damping(0.05)?;
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.42)?.with_damping(0.05)?;
 /// let formulas = PureSlip::new(&system).unwrap();
-/// assert!((formulas.eta() - 0.45).abs() < 1e-15);
-/// assert!((formulas.onset_velocity().unwrap() - 0.4409585518).abs() < 1e-10);
-/// assert!((formulas.stick_velocity().unwrap() - 0.3944053189).abs() < 1e-10);
-/// assert!((formulas.amplitude().unwrap() - 0.3711842909).abs() < 1e-10);
+/// assert!((formulas.eta() - 0.45).abs() < 1e-15); // (3/2)·0.15/0.5
+/// assert!((formulas.h1() + 0.03248).abs() < 1e-15);
+/// assert!((formulas.h1() + system.equilibrium().unwrap().jacobian[(1, 1)]).abs() < 1e-15);
+/// assert!((formulas.h2() + 0.756).abs() < 1e-15);
+/// assert!((formulas.h3() - 0.6).abs() < 1e-15);
+/// // The range of belt velocities, beside the exact one.
+/// let onset = formulas.onset_velocity().unwrap();
+/// assert!((onset - 0.4409585518).abs() < 1e-10);
+/// assert!((onset - bifurcation::hopf_velocities(&system, 0.0..1.0)?[0]).abs() < 1e-15);
+/// assert!((formulas.stick_velocity().unwrap() - 0.3944053189).abs() < 1e-10); // 0.3957902888
 /// assert!(formulas.is_valid());
+/// assert!(!PureSlip::new(&system.with_belt_velocity(0.2)?).unwrap().is_valid()); // it sticks
+/// // The amplitude, approached slowly, beside that of the exact cycle.
+/// let cycle = &limit_cycle::find(&system)?[0];
+/// let amplitude = formulas.amplitude().unwrap();
+/// assert!((amplitude - 0.2686592224).abs() < 1e-10);
+/// assert!((cycle.amplitude() - 0.2719902245).abs() < 1e-10);
+/// assert!(formulas.transient(0.1, 0.0)?.amplitude(1000.0).unwrap() > 0.999 * amplitude);
+/// // Each order is closer.
+/// let centre = 0.5 * (cycle.max_displacement() + cycle.min_displacement());
+/// let first = formulas.first_order().unwrap();
+/// assert!((0.5 * (first.u_max + first.u_min) - centre).abs() < 1e-3);
+/// let second = formulas.second_order().unwrap();
+/// assert!((second.amplitude - cycle.amplitude()).abs() < 1e-4);
+/// assert!((second.period - cycle.period()).abs() < 1e-3);
+/// let third = formulas.third_order().unwrap();
+/// assert!((third.u_max - cycle.max_displacement()).abs() < 1e-4);
+/// let fourth = formulas.fourth_order().unwrap();
+/// assert!((fourth.period - cycle.period()).abs() < 1e-5);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,66 +106,23 @@ impl PureSlip {
 
     /// Coefficient η = (3/2)γ²(μ_s − μ_m)/v_m: how steeply friction falls at small speeds.
     /// Dimensionless, exact. Source: Eq. 11.
-    ///
-    /// ```
-    /// # use stick_slip::analysis::PureSlip;
-    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.42)?.with_damping(0.05)?;
-    /// # let formulas = PureSlip::new(&system).unwrap();
-    /// assert!((formulas.eta() - 1.5 * 0.15 / 0.5).abs() < 1e-15);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn eta(&self) -> f64 {
         self.eta
     }
 
     /// Coefficient h1 = 2β − η(1 − (v_b/v_m)²): the damping of small motions. Dimensionless, exact.
     /// Source: Eq. 10a.
-    ///
-    /// ```
-    /// # use stick_slip::analysis::PureSlip;
-    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.42)?.with_damping(0.05)?;
-    /// # let formulas = PureSlip::new(&system).unwrap();
-    /// assert!((formulas.h1() + 0.03248).abs() < 1e-15);
-    /// // The same as at the equilibrium, from the law's own slope.
-    /// let jacobian = system.equilibrium().unwrap().jacobian;
-    /// assert!((formulas.h1() + jacobian[(1, 1)]).abs() < 1e-15);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn h1(&self) -> f64 {
         self.h1
     }
 
     /// Coefficient h2 = −η v_b/v_m². Dimensionless, exact. Source: Eq. 10b, corrected: the paper
     /// prints −η(v_b/v_m)².
-    ///
-    /// ```
-    /// # use stick_slip::analysis::PureSlip;
-    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.42)?.with_damping(0.05)?;
-    /// # let formulas = PureSlip::new(&system).unwrap();
-    /// assert!((formulas.h2() + 0.756).abs() < 1e-15);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn h2(&self) -> f64 {
         self.h2
     }
 
     /// Coefficient h3 = η/(3v_m²). Dimensionless, exact. Source: Eq. 10c.
-    ///
-    /// ```
-    /// # use stick_slip::analysis::PureSlip;
-    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.42)?.with_damping(0.05)?;
-    /// # let formulas = PureSlip::new(&system).unwrap();
-    /// assert!((formulas.h3() - 0.6).abs() < 1e-15);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn h3(&self) -> f64 {
         self.h3
     }
@@ -150,19 +131,6 @@ impl PureSlip {
     /// exact. `None` if 2β ≥ η: steady sliding is then stable at every belt velocity.
     ///
     /// Source: after Eq. 15.
-    ///
-    /// ```
-    /// # use stick_slip::analysis::PureSlip;
-    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.42)?.with_damping(0.05)?;
-    /// # let formulas = PureSlip::new(&system).unwrap();
-    /// let onset = formulas.onset_velocity().unwrap();
-    /// assert!((onset - 0.4409585518).abs() < 1e-10);
-    /// let hopf = stick_slip::bifurcation::hopf_velocities(&system, 0.0..1.0)?;
-    /// assert!((onset - hopf[0]).abs() < 1e-15);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn onset_velocity(&self) -> Option<f64> {
         let excess = self.eta - 2.0 * self.damping;
         (excess > 0.0).then(|| self.minimum_velocity * (excess / self.eta).sqrt())
@@ -173,17 +141,6 @@ impl PureSlip {
     ///
     /// Source: after Eq. 15, corrected: the paper prints √(4/3), which would give a velocity above
     /// v_b1.
-    ///
-    /// ```
-    /// # use stick_slip::analysis::PureSlip;
-    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.42)?.with_damping(0.05)?;
-    /// # let formulas = PureSlip::new(&system).unwrap();
-    /// let stick = formulas.stick_velocity().unwrap();
-    /// assert!((stick - 0.3944053189).abs() < 1e-10); // exact: 0.3957902888
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn stick_velocity(&self) -> Option<f64> {
         self.onset_velocity().map(|onset| 0.8_f64.sqrt() * onset)
     }
@@ -216,18 +173,6 @@ impl PureSlip {
     /// still gives a number, but this describes no motion: see [`is_valid`](Self::is_valid).
     ///
     /// Source: Eq. 13, corrected (the printed 3/4 is 4/3), and Eq. 15.
-    ///
-    /// ```
-    /// # use stick_slip::analysis::PureSlip;
-    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.42)?.with_damping(0.05)?;
-    /// # let formulas = PureSlip::new(&system).unwrap();
-    /// let cycle = &limit_cycle::find(&system)?[0];
-    /// assert!((formulas.amplitude().unwrap() - 0.2686592224).abs() < 1e-10);
-    /// assert!((cycle.amplitude() - 0.2719902245).abs() < 1e-10);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn amplitude(&self) -> Option<f64> {
         (self.h1 < 0.0).then(|| 2.0 * self.minimum_velocity * (-self.h1 / self.eta).sqrt())
     }
@@ -237,18 +182,6 @@ impl PureSlip {
     ///
     /// Source: section 4.1.1, corrected: the paper asks for ż < 0, the velocity of the mass, but
     /// means v_r < 0.
-    ///
-    /// ```
-    /// # use stick_slip::analysis::PureSlip;
-    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.42)?.with_damping(0.05)?;
-    /// # let formulas = PureSlip::new(&system).unwrap();
-    /// assert!(formulas.is_valid());
-    /// let slower = PureSlip::new(&system.with_belt_velocity(0.2)?).unwrap();
-    /// assert!(!slower.is_valid()); // there the mass sticks
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn is_valid(&self) -> bool {
         self.amplitude()
             .is_some_and(|amplitude| amplitude < self.belt_velocity.abs())
@@ -260,18 +193,6 @@ impl PureSlip {
     ///
     /// [`Error::InvalidParameter`] if the amplitude is negative, or if the amplitude or the phase
     /// is not finite.
-    ///
-    /// ```
-    /// # use stick_slip::analysis::PureSlip;
-    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.42)?.with_damping(0.05)?;
-    /// # let formulas = PureSlip::new(&system).unwrap();
-    /// let growing = formulas.transient(0.1, 0.0)?;
-    /// // It approaches A0.
-    /// assert!(growing.amplitude(1000.0).unwrap() > 0.999 * formulas.amplitude().unwrap());
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn transient(
         &self,
         initial_amplitude: f64,
@@ -283,74 +204,24 @@ impl PureSlip {
 
     /// The cycle with all terms through ε: averaging, with the shift of the motion's centre. `None`
     /// if h1 ≥ 0. For errors and range see [`PureSlipCycle`].
-    ///
-    /// ```
-    /// # use stick_slip::analysis::PureSlip;
-    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.42)?.with_damping(0.05)?;
-    /// # let formulas = PureSlip::new(&system).unwrap();
-    /// let cycle = &limit_cycle::find(&system)?[0];
-    /// let centre = 0.5 * (cycle.max_displacement() + cycle.min_displacement());
-    /// let formula = formulas.first_order().unwrap();
-    /// assert!((0.5 * (formula.u_max + formula.u_min) - centre).abs() < 1e-3);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn first_order(&self) -> Option<PureSlipCycle> {
         self.cycle(1)
     }
 
     /// The cycle with all terms through ε². `None` if h1 ≥ 0. For errors and range see
     /// [`PureSlipCycle`].
-    ///
-    /// ```
-    /// # use stick_slip::analysis::PureSlip;
-    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.42)?.with_damping(0.05)?;
-    /// # let formulas = PureSlip::new(&system).unwrap();
-    /// let cycle = &limit_cycle::find(&system)?[0];
-    /// let formula = formulas.second_order().unwrap();
-    /// assert!((formula.amplitude - cycle.amplitude()).abs() < 1e-4);
-    /// assert!((formula.period - cycle.period()).abs() < 1e-3);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn second_order(&self) -> Option<PureSlipCycle> {
         self.cycle(2)
     }
 
     /// The cycle with the terms through ε³. `None` if h1 ≥ 0. For errors and range see
     /// [`PureSlipCycle`].
-    ///
-    /// ```
-    /// # use stick_slip::analysis::PureSlip;
-    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.42)?.with_damping(0.05)?;
-    /// # let formulas = PureSlip::new(&system).unwrap();
-    /// let cycle = &limit_cycle::find(&system)?[0];
-    /// let formula = formulas.third_order().unwrap();
-    /// assert!((formula.u_max - cycle.max_displacement()).abs() < 1e-4);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn third_order(&self) -> Option<PureSlipCycle> {
         self.cycle(3)
     }
 
     /// The cycle with the terms through ε³, and the frequency through ε⁴. `None` if h1 ≥ 0. For
     /// errors and range see [`PureSlipCycle`].
-    ///
-    /// ```
-    /// # use stick_slip::analysis::PureSlip;
-    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.42)?.with_damping(0.05)?;
-    /// # let formulas = PureSlip::new(&system).unwrap();
-    /// let cycle = &limit_cycle::find(&system)?[0];
-    /// let formula = formulas.fourth_order().unwrap();
-    /// assert!((formula.period - cycle.period()).abs() < 1e-5);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn fourth_order(&self) -> Option<PureSlipCycle> {
         self.cycle(4)
     }
@@ -454,6 +325,7 @@ impl PureSlip {
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct PureSlipCycle {
     /// Largest displacement u_max.
     pub u_max: f64,

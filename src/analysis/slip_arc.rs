@@ -14,6 +14,7 @@ pub(super) const SMALL: f64 = 1e-17;
 /// Units are those of the system from which it was made. On a belt that moves backward,
 /// displacements have the other sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct ExactCycle {
     /// Belt velocity.
     pub belt_velocity: f64,

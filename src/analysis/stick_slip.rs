@@ -30,14 +30,22 @@ use crate::scalar::LONGEST;
 ///
 /// ```
 /// use stick_slip::analysis::StickSlip;
-/// use stick_slip::{MassOnBelt, Polynomial};
+/// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
 ///
 /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
 /// let formulas = StickSlip::new(&system).unwrap();
-/// assert!((formulas.kappa() - 0.326).abs() < 1e-15);
+/// assert!((formulas.kappa() - 0.326).abs() < 1e-15); // (γ²(μ_s − μ̂(0.2)) − 2β·0.2)/0.2
 /// assert!((formulas.amplitude() - 0.2103593117).abs() < 1e-10); // exact: 0.28621
-/// assert!((formulas.period() - 6.3049131095).abs() < 1e-10); // exact: 6.79942
+/// assert_eq!(formulas.velocity_amplitude(), formulas.amplitude()); // exact: 0.28610
 /// assert!((formulas.stick_duration() - 0.652).abs() < 1e-15); // exact: 1.62956
+/// assert!((formulas.slip_duration() - 5.6529131095).abs() < 1e-10); // exact: 5.16986
+/// assert!((formulas.period() - 6.3049131095).abs() < 1e-10); // exact: 6.79942
+/// assert!((formulas.frequency() - 0.99655383).abs() < 1e-8); // exact: 0.92408
+/// // With the energy that slip gains, to first and to second order.
+/// let u_max = limit_cycle::stick_slip(&system)?.unwrap().max_displacement();
+/// let [first, second] = [formulas.first_order(), formulas.second_order()].map(Option::unwrap);
+/// assert!((first.u_max - u_max).abs() < 2e-3 && (first.slip - 5.16986).abs() < 0.2);
+/// assert!((second.u_max - u_max).abs() < 2e-4 && (second.slip - 5.16986).abs() < 0.05);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -107,17 +115,6 @@ impl StickSlip {
     /// of |v_b|. Dimensionless, exact.
     ///
     /// Source: before Eq. 18.
-    ///
-    /// ```
-    /// # use stick_slip::analysis::StickSlip;
-    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
-    /// # let formulas = StickSlip::new(&system).unwrap();
-    /// // (γ²(μ_s − μ̂(0.2)) − 2β·0.2)/0.2
-    /// assert!((formulas.kappa() - 0.326).abs() < 1e-15);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn kappa(&self) -> f64 {
         self.kappa
     }
@@ -126,16 +123,6 @@ impl StickSlip {
     /// ū − u_min or for half the range of u.
     ///
     /// Source: Eq. 18.
-    ///
-    /// ```
-    /// # use stick_slip::analysis::StickSlip;
-    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
-    /// # let formulas = StickSlip::new(&system).unwrap();
-    /// assert!((formulas.amplitude() - 0.2103593117).abs() < 1e-10); // exact: 0.28621
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn amplitude(&self) -> f64 {
         self.belt_velocity.abs() * self.kappa.hypot(1.0)
     }
@@ -144,18 +131,6 @@ impl StickSlip {
     /// largest speed is |v_b|, exactly.) Dimensionless, error O(ε).
     ///
     /// Source: Eq. 17.
-    ///
-    /// ```
-    /// # use stick_slip::analysis::StickSlip;
-    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
-    /// # let formulas = StickSlip::new(&system).unwrap();
-    /// let cycle = limit_cycle::stick_slip(&system)?.unwrap();
-    /// assert_eq!(formulas.velocity_amplitude(), formulas.amplitude());
-    /// assert!((-cycle.min_velocity() - 0.28610).abs() < 1e-5); // much more
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn velocity_amplitude(&self) -> f64 {
         self.amplitude()
     }
@@ -163,16 +138,6 @@ impl StickSlip {
     /// Duration of stick, 2κ, dimensionless. Error O(ε^{1/2}).
     ///
     /// Source: Eqs. 16-18.
-    ///
-    /// ```
-    /// # use stick_slip::analysis::StickSlip;
-    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
-    /// # let formulas = StickSlip::new(&system).unwrap();
-    /// assert!((formulas.stick_duration() - 0.652).abs() < 1e-15); // exact: 1.62956
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn stick_duration(&self) -> f64 {
         2.0 * self.kappa
     }
@@ -180,16 +145,6 @@ impl StickSlip {
     /// Duration of slip, 2π − 2 atan κ, dimensionless. Error O(ε^{1/2}).
     ///
     /// Source: Eqs. 16-18.
-    ///
-    /// ```
-    /// # use stick_slip::analysis::StickSlip;
-    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
-    /// # let formulas = StickSlip::new(&system).unwrap();
-    /// assert!((formulas.slip_duration() - 5.6529131095).abs() < 1e-10); // exact: 5.16986
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn slip_duration(&self) -> f64 {
         TAU - 2.0 * self.kappa.atan()
     }
@@ -197,16 +152,6 @@ impl StickSlip {
     /// Period T = 2π + 2(κ − atan κ), dimensionless. Error O(ε^{3/2}).
     ///
     /// Source: after Eq. 18.
-    ///
-    /// ```
-    /// # use stick_slip::analysis::StickSlip;
-    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
-    /// # let formulas = StickSlip::new(&system).unwrap();
-    /// assert!((formulas.period() - 6.3049131095).abs() < 1e-10); // exact: 6.79942
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn period(&self) -> f64 {
         self.stick_duration() + self.slip_duration()
     }
@@ -214,16 +159,6 @@ impl StickSlip {
     /// Angular frequency ω_ss = 2π/T, dimensionless (in units of ω0). Error O(ε^{3/2}).
     ///
     /// Source: after Eq. 18.
-    ///
-    /// ```
-    /// # use stick_slip::analysis::StickSlip;
-    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
-    /// # let formulas = StickSlip::new(&system).unwrap();
-    /// assert!((formulas.frequency() - 0.99655383).abs() < 1e-8); // exact: 0.92408
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn frequency(&self) -> f64 {
         TAU / self.period()
     }
@@ -239,19 +174,6 @@ impl StickSlip {
     /// * if W1 ≤ 0, which is |v_b| ≥ v_b0 for the polynomial law;
     /// * if the mass would overtake the belt (see [`second_order`](Self::second_order));
     /// * if the formulas give a slip phase that ends before it begins (W1 ≥ 2π²).
-    ///
-    /// ```
-    /// # use stick_slip::analysis::StickSlip;
-    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
-    /// # let formulas = StickSlip::new(&system).unwrap();
-    /// let cycle = limit_cycle::stick_slip(&system)?.unwrap();
-    /// let formula = formulas.first_order().unwrap();
-    /// assert!((formula.u_max - cycle.max_displacement()).abs() < 2e-3);
-    /// assert!((formula.slip - 5.16986).abs() < 0.2);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn first_order(&self) -> Option<StickSlipCycle> {
         let cubic = self.cubic?;
         self.on_belt(&cubic, cubic.first_order()?)
@@ -261,19 +183,6 @@ impl StickSlip {
     ///
     /// `None` if [`first_order`](Self::first_order) is; if W1 + W2 ≤ 0; and if |v_b|·stick >
     /// 2γ²μ_s, where the mass would meet the belt beyond the stick band and overtake it.
-    ///
-    /// ```
-    /// # use stick_slip::analysis::StickSlip;
-    /// # use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
-    /// # let formulas = StickSlip::new(&system).unwrap();
-    /// let cycle = limit_cycle::stick_slip(&system)?.unwrap();
-    /// let formula = formulas.second_order().unwrap();
-    /// assert!((formula.u_max - cycle.max_displacement()).abs() < 2e-4);
-    /// assert!((formula.slip - 5.16986).abs() < 0.05);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn second_order(&self) -> Option<StickSlipCycle> {
         let cubic = self.cubic?;
         self.on_belt(&cubic, cubic.second_order()?)
@@ -471,6 +380,7 @@ impl Cubic {
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct StickSlipCycle {
     /// Largest displacement u_max.
     pub u_max: f64,

@@ -36,6 +36,7 @@ use crate::state::Units;
     derive(serde::Serialize),
     serde(into = "super::written::Equilibrium")
 )]
+#[non_exhaustive]
 pub struct Equilibrium {
     /// Displacement ū of the mass, dimensionless.
     pub displacement: f64,

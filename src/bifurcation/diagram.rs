@@ -8,6 +8,7 @@ use crate::limit_cycle::{CycleSet, find_all};
 /// Equilibrium and periodic motions at one belt velocity: all that a system can settle to.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct DiagramPoint {
     /// Belt velocity v_b, dimensionless.
     pub belt_velocity: f64,

@@ -60,6 +60,7 @@ pub fn vibration_ranges<L: FrictionLaw>(
 /// [`vibration_ranges`].
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct VibrationRange {
     /// Belt velocities, dimensionless; values of the parameter in a search [`along`](super::along)
     /// another one.

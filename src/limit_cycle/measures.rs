@@ -35,6 +35,7 @@ use crate::state::{State, Units};
 /// of u and of v², and the other two follow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct EnergyBudget {
     /// Work of the belt's drive, ∮ f v_b dτ.
     pub drive_work: f64,

@@ -7,6 +7,7 @@ use crate::error::Error;
 use crate::motion::{EventKind, System};
 
 /// Periodic motions over a parameter, followed in both directions from one of them.
+#[non_exhaustive]
 pub struct Branch<S: System> {
     /// The motions, from one end of the branch to the other.
     pub points: Vec<BranchPoint<S>>,
@@ -17,6 +18,7 @@ pub struct Branch<S: System> {
 }
 
 /// A periodic motion of a [`Branch`].
+#[non_exhaustive]
 pub struct BranchPoint<S: System> {
     /// The parameter, in its own units.
     pub parameter: f64,
@@ -26,6 +28,7 @@ pub struct BranchPoint<S: System> {
 
 /// A motion of a [`Branch`] at which its event sequence changes, or the stability or number of the
 /// motions near it.
+#[non_exhaustive]
 pub struct Bifurcation<S: System> {
     /// The parameter, in its own units.
     pub parameter: f64,

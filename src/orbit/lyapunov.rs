@@ -12,6 +12,7 @@ use crate::structure::Step;
 
 /// A Lyapunov exponent with its standard error; returned by [`lyapunov_with_spread`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct LyapunovExponent {
     /// The exponent, per unit of time.
     pub value: f64,

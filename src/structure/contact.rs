@@ -242,16 +242,6 @@ impl Contact {
             .chain(gradients);
         check_contact(number, count, coordinates, &self.belt_velocity)
     }
-
-    /// The contact as seen from a frame that oscillates with its belt.
-    pub(super) fn seen_from(&self, velocity: &Drive, displacement: &Drive) -> Result<Self, Error> {
-        let gradient: f64 = self.load_gradient.iter().map(|&(_, n)| n).sum();
-        let direction: f64 = self.direction.iter().map(|&(_, b)| b).sum();
-        let mut seen = self.clone();
-        seen.load = seen.load.plus(&displacement.scaled(gradient)?)?;
-        seen.belt_velocity = seen.belt_velocity.plus(&velocity.scaled(-direction)?)?;
-        Ok(seen)
-    }
 }
 
 /// The laws of two contacts are equal if they are laws of this crate with equal numbers, or one and

@@ -55,6 +55,7 @@ use crate::state::Direction;
 /// Source of the example: Hoffmann, Fischer, Allgaier and Gaul, *Mech. Res. Commun.* 29 (2002)
 /// 197-205.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct SteadySliding {
     /// Displacement of each coordinate.
     pub displacements: Vec<f64>,

@@ -382,29 +382,6 @@ impl Structure {
         drive::common_period(self.drives())
     }
 
-    /// The same motion seen from a frame that oscillates with all belts: at the displacement W(t)
-    /// and the velocity W'(t), harmonics both.
-    pub(crate) fn seen_from(&self, velocity: &Drive, displacement: &Drive) -> Result<Self, Error> {
-        let mut seen = self.clone();
-        let acceleration = velocity.derivative()?;
-        let matrices = [&self.mass_matrix(), &self.damping, &self.stiffness];
-        for i in 0..self.len() {
-            let [mass, damping, stiffness] = matrices.map(|matrix| matrix.row(i).sum());
-            let parts = [
-                (&acceleration, mass),
-                (velocity, damping),
-                (displacement, stiffness),
-            ];
-            for (part, factor) in parts {
-                seen = seen.with_force(i, part.scaled(-factor)?)?;
-            }
-        }
-        for contact in &mut seen.contacts {
-            *contact = contact.seen_from(velocity, displacement)?;
-        }
-        Ok(seen)
-    }
-
     /// All functions of time that act on it.
     pub(crate) fn drives(&self) -> impl Iterator<Item = &Drive> {
         let contacts = self.contacts.iter();

@@ -145,6 +145,29 @@ fn names_are_padded() {
 }
 
 #[test]
+fn events_modes_and_directions_are_shown() {
+    let lagging = Direction::Lagging;
+    assert_eq!(EventKind::Stick.to_string(), "stick");
+    assert_eq!(EventKind::Release(lagging).to_string(), "release (lagging)");
+    assert_eq!(
+        EventKind::Crossing(Direction::Leading).to_string(),
+        "crossing (leading)"
+    );
+    assert_eq!(Mode::Stick.to_string(), "stick");
+    assert_eq!(Mode::Slip(lagging).to_string(), "slip (lagging)");
+    let event = Event {
+        time: 1.25,
+        contact: 0,
+        kind: EventKind::Release(lagging),
+        state: State::new(-0.5, 0.25),
+    };
+    let text = event.to_string();
+    for part in ["1.25", "release (lagging)", "-0.5"] {
+        assert!(text.contains(part), "{text}");
+    }
+}
+
+#[test]
 fn nothing_is_shown_as_an_empty_text() {
     fn shows(value: &dyn Debug) {
         assert!(!format!("{value:?}").is_empty());
@@ -287,6 +310,48 @@ fn laws_give_back_what_they_were_given() {
     );
     assert_eq!(stribeck.viscous_coefficient(), 0.01);
     assert_eq!(Integrator::default(), Integrator::new());
+    let system = MassOnBelt::new(stribeck, 0.2).unwrap();
+    assert_eq!((system.damping(), system.load()), (0.0, 1.0));
+}
+
+#[test]
+fn a_belt_at_rest_neither_releases_nor_slides() {
+    let system = paper(0.0);
+    assert_eq!((system.equilibrium(), system.release_state()), (None, None));
+}
+
+/// What a law provides holds for references to it too.
+#[test]
+fn a_reference_to_a_law_is_that_law() {
+    struct Kinked;
+    impl FrictionLaw for Kinked {
+        fn static_coefficient(&self) -> f64 {
+            0.5
+        }
+        fn kinetic<S: Scalar>(&self, speed: S) -> S {
+            self.kinetic_on(usize::from(speed.value() >= 0.25), speed)
+        }
+        fn breakpoints(&self) -> impl Iterator<Item = f64> {
+            std::iter::once(0.25)
+        }
+        fn kinetic_on<S: Scalar>(&self, piece: usize, speed: S) -> S {
+            match piece {
+                0 => -speed * 0.1 + 0.5,
+                _ => speed.constant(0.475),
+            }
+        }
+    }
+    fn values<L: FrictionLaw>(law: &L) -> (f64, f64, f64, usize) {
+        let breakpoints = law.breakpoints().count();
+        (
+            law.coefficient(-1.0),
+            law.slope(-0.1),
+            law.kinetic_on(1, 0.0),
+            breakpoints,
+        )
+    }
+    assert_eq!(values(&Kinked), (-0.475, -0.1, 0.475, 1));
+    assert_eq!(values(&&Kinked), values(&Kinked));
 }
 
 #[test]

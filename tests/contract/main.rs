@@ -1,9 +1,7 @@
-//! What users rely on: names, signatures, traits, the README. Its figures are judged by tests of
-//! the example that draws them.
+//! What users rely on: traits, texts, errors, the README. Its figures are judged by tests of the
+//! package that draws them, its names by every other test, which uses them.
 
 mod api;
-mod belt;
-mod cycles;
 mod house;
 mod readme;
 mod refusals;

@@ -51,6 +51,18 @@ impl ContactLaw for Remembering {
 }
 
 const ANY: [f64; 0] = [];
+const BELOW: &[f64] = &[-1.0, -1e-300, -5e-324];
+const NOT_ABOVE: &[f64] = &[-1.0, -1e-300, -5e-324, 0.0, -0.0];
+/// An ulp above the static coefficient of the laws below, or below 0.
+const NO_KINETIC: &[f64] = &[-1.0, -1e-300, 0.4_f64.next_up(), 0.5];
+/// Around the tolerances that an integrator takes.
+const NO_TOLERANCE: &[f64] = &[
+    0.0,
+    -1e-9,
+    Integrator::MIN_TOLERANCE.next_down(),
+    Integrator::MAX_TOLERANCE.next_up(),
+    1.0,
+];
 
 /// Who refuses, which number, finite numbers that are refused besides NaN and infinities, and the
 /// call.
@@ -98,99 +110,105 @@ fn follow(parameter: f64, range: Range<f64>) -> Result<usize, Error> {
 }
 
 fn laws() -> Vec<Case> {
-    let (below, not_above): (&[f64], &[f64]) = (&[-1.0, -5e-324], &[-1.0, -5e-324, 0.0]);
     vec![
-        case("Polynomial", "static_coefficient", below, |x| {
+        case("Polynomial", "static_coefficient", BELOW, |x| {
             Polynomial::new(x, 0.2, 0.5)
         }),
-        case("Polynomial", "minimum_coefficient", &[-1.0, 0.5], |x| {
+        case("Polynomial", "minimum_coefficient", NO_KINETIC, |x| {
             Polynomial::new(0.4, x, 0.5)
         }),
-        case("Polynomial", "minimum_velocity", not_above, |x| {
+        case("Polynomial", "minimum_velocity", NOT_ABOVE, |x| {
             Polynomial::new(0.4, 0.2, x)
         }),
-        case("Exponential", "static_coefficient", below, |x| {
+        // So small that derived numbers overflow.
+        case("Polynomial", "minimum_velocity", &[1e-120], |x| {
+            Polynomial::new(0.4, 0.25, x)
+        }),
+        case("Exponential", "stribeck_velocity", &[1e-160], |x| {
+            Exponential::new(0.4, 0.25, x)
+        }),
+        case("Exponential", "static_coefficient", BELOW, |x| {
             Exponential::new(x, 0.2, 0.5)
         }),
-        case("Exponential", "kinetic_coefficient", &[0.5], |x| {
+        case("Exponential", "kinetic_coefficient", NO_KINETIC, |x| {
             Exponential::new(0.4, x, 0.5)
         }),
-        case("Exponential", "stribeck_velocity", not_above, |x| {
+        case("Exponential", "stribeck_velocity", NOT_ABOVE, |x| {
             Exponential::new(0.4, 0.2, x)
         }),
-        case("Coulomb", "static_coefficient", below, |x| {
+        case("Coulomb", "static_coefficient", BELOW, |x| {
             Coulomb::new(x, 0.2)
         }),
-        case("Coulomb", "kinetic_coefficient", &[-1.0, 0.5], |x| {
+        case("Coulomb", "kinetic_coefficient", NO_KINETIC, |x| {
             Coulomb::new(0.4, x)
         }),
-        case("Rational", "static_coefficient", below, |x| {
+        case("Rational", "static_coefficient", BELOW, |x| {
             Rational::new(x, 1.0)
         }),
-        case("Rational", "decay", below, |x| Rational::new(0.4, x)),
+        case("Rational", "decay", BELOW, |x| Rational::new(0.4, x)),
         case("Rational", "offset", &[-1.0, 0.5], |x| {
             Rational::new(0.4, 1.0)?.with_offset(x)
         }),
-        case("Rational", "quadratic", below, |x| {
+        case("Rational", "quadratic", BELOW, |x| {
             Rational::new(0.4, 1.0)?.with_quadratic(x)
         }),
-        case("Stribeck", "static_coefficient", below, |x| {
+        case("Stribeck", "static_coefficient", BELOW, |x| {
             Stribeck::new(x, 0.2, 0.5, 1)
         }),
         case("Stribeck", "coulomb_coefficient", &[0.5], |x| {
             Stribeck::new(0.4, x, 0.5, 1)
         }),
-        case("Stribeck", "stribeck_velocity", not_above, |x| {
+        case("Stribeck", "stribeck_velocity", NOT_ABOVE, |x| {
             Stribeck::new(0.4, 0.2, x, 1)
         }),
-        case("Stribeck", "viscous_coefficient", below, |x| {
+        case("Stribeck", "viscous_coefficient", BELOW, |x| {
             Stribeck::new(0.4, 0.2, 0.5, 1)?.with_viscous_coefficient(x)
         }),
         case("Tabulated", "speed", &[1.0, 0.5], |x| {
             Tabulated::new([(0.0, 0.4), (1.0, 0.3), (x, 0.2)])
         }),
-        case("Tabulated", "coefficient", below, |x| {
+        case("Tabulated", "coefficient", BELOW, |x| {
             Tabulated::new([(0.0, 0.4), (1.0, x)])
         }),
         case("Tabulated", "static_coefficient", &[0.3], |x| {
             Tabulated::new([(0.0, 0.4), (1.0, 0.3)])?.with_static_coefficient(x)
         }),
-        case("Scaled", "velocity_unit", not_above, |x| {
+        case("Scaled", "velocity_unit", NOT_ABOVE, |x| {
             Scaled::new(law(), x)
         }),
-        case("LuGre", "stiffness", not_above, |x| {
+        case("LuGre", "stiffness", NOT_ABOVE, |x| {
             LuGre::new(law(), x, 1.0, 0.0)
         }),
-        case("LuGre", "damping", below, |x| {
+        case("LuGre", "damping", BELOW, |x| {
             LuGre::new(law(), 1e3, x, 0.0)
         }),
-        case("LuGre", "viscous", below, |x| {
+        case("LuGre", "viscous", BELOW, |x| {
             LuGre::new(law(), 1e3, 1.0, x)
         }),
-        case("Dahl", "coefficient", not_above, |x| Dahl::new(x, 1e3)),
-        case("Dahl", "stiffness", not_above, |x| Dahl::new(0.4, x)),
+        case("Dahl", "coefficient", NOT_ABOVE, |x| Dahl::new(x, 1e3)),
+        case("Dahl", "stiffness", NOT_ABOVE, |x| Dahl::new(0.4, x)),
         case("Dwell", "limit", &[0.3], |x| {
             Dwell::exponential(law(), x, 1.0)
         }),
         case("Dwell", "limit", &[0.3], |x| {
             Dwell::hyperbolic(law(), x, 1.0)
         }),
-        case("Dwell", "rate", below, |x| {
+        case("Dwell", "rate", BELOW, |x| {
             Dwell::logarithmic(law(), x, 1.0)
         }),
-        case("Dwell", "time", not_above, |x| {
+        case("Dwell", "time", NOT_ABOVE, |x| {
             Dwell::logarithmic(law(), 0.1, x)
         }),
-        case("FrictionLaw", "static_coefficient", below, |x| {
+        case("FrictionLaw", "static_coefficient", BELOW, |x| {
             MassOnBelt::new(Given(x), 0.2)
         }),
-        case("FrictionLaw", "static_coefficient", below, |x| {
+        case("FrictionLaw", "static_coefficient", BELOW, |x| {
             Contact::new(0, Given(x), 1.0)
         }),
         case("ContactLaw", "rate", &ANY, |x| {
             Contact::new(0, Remembering(x), 1.0)
         }),
-        case("check_law", "speeds.start", below, |x| {
+        case("check_law", "speeds.start", BELOW, |x| {
             check_law(&law(), x..1.0)
         }),
         case("check_law", "speeds.end", &[0.1, 0.0], |x| {
@@ -199,8 +217,11 @@ fn laws() -> Vec<Case> {
     ]
 }
 
+fn blocks() -> Structure {
+    Structure::new(&[1.0, 1.0]).unwrap()
+}
+
 fn systems() -> Vec<Case> {
-    const NOT_ABOVE: &[f64] = &[-1.0, -5e-324, 0.0];
     const PAD: Physical = Physical {
         mass: 2.0,
         stiffness: 5000.0,
@@ -208,13 +229,25 @@ fn systems() -> Vec<Case> {
         normal_force: 20.0,
         belt_velocity: 0.05,
     };
-    let structure = || Structure::new(&[1.0]).unwrap();
     vec![
         case("MassOnBelt", "belt_velocity", &ANY, |x| {
             MassOnBelt::new(law(), x)
         }),
-        case("MassOnBelt", "damping", &[-1.0], |x| belt().with_damping(x)),
+        case("MassOnBelt", "belt_velocity", &ANY, |x| {
+            belt().with_belt_velocity(x)
+        }),
+        case("MassOnBelt", "damping", BELOW, |x| belt().with_damping(x)),
         case("MassOnBelt", "load", NOT_ABOVE, |x| belt().with_load(x)),
+        // So large that derived numbers overflow.
+        case("MassOnBelt", "load", &[1e300], |x| {
+            MassOnBelt::new(Coulomb::new(1e10, 1e10)?, 1.0)?.with_load(x)
+        }),
+        case("MassOnBelt", "damping", &[1e308], |x| {
+            belt().with_belt_velocity(10.0)?.with_damping(x)
+        }),
+        case("MassOnBelt", "belt_velocity", &[1e308], |x| {
+            belt().with_damping(100.0)?.with_belt_velocity(x)
+        }),
         case("Scaling", "mass", NOT_ABOVE, |mass| {
             Scaling::new(Physical { mass, ..PAD })
         }),
@@ -239,7 +272,7 @@ fn systems() -> Vec<Case> {
         case("Scaling", "length", NOT_ABOVE, |x| {
             Scaling::new(PAD)?.with_length(x)
         }),
-        case("Integrator", "tolerance", &[0.0, 1.0], |x| {
+        case("Integrator", "tolerance", NO_TOLERANCE, |x| {
             Integrator::new().with_tolerance(x)
         }),
         case("Integrator", "start_time", &ANY, |x| {
@@ -268,7 +301,7 @@ fn systems() -> Vec<Case> {
             Contact::new(0, law(), 1.0)?.with_load_gradient(0, x)
         }),
         case("Structure", "mass 1", NOT_ABOVE, |x| {
-            Structure::new(&[1.0, x])
+            Structure::new(&[1.0, x, -2.0])
         }),
         case("Structure", "mass matrix (1, 1)", NOT_ABOVE, |x| {
             Structure::with_mass_matrix(DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 0.0, x]))
@@ -276,17 +309,29 @@ fn systems() -> Vec<Case> {
         case("Structure", "mass matrix (0, 1)", &ANY, |x| {
             Structure::with_mass_matrix(DMatrix::from_row_slice(2, 2, &[1.0, x, 0.0, 1.0]))
         }),
-        case("Structure", "time", &ANY, move |x| {
-            structure().carried(x, &stick_slip::structure::State::at_rest(1))
+        case("Structure", "time", &ANY, |x| {
+            blocks().carried(x, &stick_slip::structure::State::at_rest(2))
         }),
-        case("Structure", "stiffness (0, 0)", &ANY, move |x| {
-            structure().with_ground_spring(0, x)
+        case("Structure", "stiffness (0, 0)", &ANY, |x| {
+            blocks().with_ground_spring(0, x)
         }),
-        case("Structure", "damping (0, 0)", &ANY, move |x| {
-            structure().with_ground_damper(0, x)
+        case("Structure", "damping (1, 1)", &ANY, |x| {
+            blocks().with_ground_damper(1, x)
         }),
-        case("Structure", "force on coordinate 0", &ANY, move |x| {
-            structure().with_force(0, x)
+        case("Structure", "stiffness (1, 0)", &ANY, |x| {
+            blocks().with_spring(1, 0, x)
+        }),
+        case("Structure", "damping (0, 1)", &ANY, |x| {
+            blocks().with_damper(0, 1, x)
+        }),
+        case("Structure", "stiffness (1, 0)", &ANY, |x| {
+            blocks().with_stiffness(DMatrix::from_row_slice(2, 2, &[0.0, 0.0, x, 0.0]))
+        }),
+        case("Structure", "damping (1, 0)", &ANY, |x| {
+            blocks().with_damping(DMatrix::from_row_slice(2, 2, &[0.0, 0.0, x, 0.0]))
+        }),
+        case("Structure", "force on coordinate 1", &ANY, |x| {
+            blocks().with_force(1, x)
         }),
         case("Structure", "contact 0", &ANY, |x| {
             Structure::new(&[1.0])?.with_contact(Contact::new(0, law(), 1.0)?.on_belt(x))
@@ -302,7 +347,6 @@ fn systems() -> Vec<Case> {
 }
 
 fn searches() -> Vec<Case> {
-    const NOT_ABOVE: &[f64] = &[-1.0, -5e-324, 0.0];
     let start = || State::new(0.3, 0.0);
     vec![
         case("Trajectory", "interval", NOT_ABOVE, move |x| {
@@ -362,70 +406,76 @@ fn searches() -> Vec<Case> {
     ]
 }
 
-/// Counts that are refused.
-fn counts() -> Vec<(&'static str, &'static str, Error)> {
+/// Counts that are refused, and as which number.
+fn counts() -> Vec<(&'static str, &'static str, f64, Error)> {
     let forced = Structure::new(&[1.0]).unwrap();
     let forced = forced
         .with_force(0, Drive::sine(1.0, 1.0).unwrap())
         .unwrap();
     let start = stick_slip::structure::State::new(&[0.0], &[0.0]);
-    let no_contact = orbit::section_at(&belt(), &(0.0, 0.0).into(), 3, EventKind::Stick).next();
+    let belt = belt();
+    let mut no_contact = orbit::section_at(&belt, &(0.0, 0.0).into(), 3, EventKind::Stick);
+    let no_contact_3 = no_contact.next().unwrap().unwrap_err();
+    assert_eq!(no_contact.next(), None);
+    let no_search = bifurcation::along_velocities(&belt, 0.1..0.2).with_max_steps(0);
+    let no_period = orbit::shoot(&forced, &start, Period::Driven(0));
+    let no_steps = Integrator::new().with_max_steps(0);
+    let no_events = Integrator::new().with_max_events(0);
+    let no_power = Stribeck::new(0.4, 0.2, 0.5, 0);
+    let one_point = Tabulated::new([(0.0, 0.4)]);
+    let no_point = Drive::profile(&[]);
+    let no_mass = Structure::new(&[]);
     vec![
-        (
-            "Integrator",
-            "max_steps",
-            Integrator::new().with_max_steps(0).unwrap_err(),
-        ),
-        (
-            "Integrator",
-            "max_events",
-            Integrator::new().with_max_events(0).unwrap_err(),
-        ),
+        ("Integrator", "max_steps", 0.0, no_steps.unwrap_err()),
+        ("Integrator", "max_events", 0.0, no_events.unwrap_err()),
         (
             "bifurcation::along",
             "max_steps",
-            bifurcation::along_velocities(&belt(), 0.1..0.2)
-                .with_max_steps(0)
-                .unwrap_err(),
+            0.0,
+            no_search.unwrap_err(),
         ),
-        (
-            "Stribeck",
-            "exponent",
-            Stribeck::new(0.4, 0.2, 0.5, 0).unwrap_err(),
-        ),
-        (
-            "Tabulated",
-            "points",
-            Tabulated::new([(0.0, 0.4)]).unwrap_err(),
-        ),
-        ("Drive", "points", Drive::profile(&[]).unwrap_err()),
-        ("Structure", "masses", Structure::new(&[]).unwrap_err()),
-        (
-            "orbit::Period",
-            "periods",
-            orbit::shoot(&forced, &start, Period::Driven(0)).unwrap_err(),
-        ),
-        (
-            "orbit::section_at",
-            "contact",
-            no_contact.unwrap().unwrap_err(),
-        ),
+        ("Stribeck", "exponent", 0.0, no_power.unwrap_err()),
+        ("Tabulated", "points", 1.0, one_point.unwrap_err()),
+        ("Drive", "points", 0.0, no_point.unwrap_err()),
+        ("Structure", "masses", 0.0, no_mass.unwrap_err()),
+        ("orbit::Period", "periods", 0.0, no_period.unwrap_err()),
+        ("orbit::section_at", "contact", 3.0, no_contact_3),
     ]
 }
 
-/// A message begins with the name of what refuses, and goes on to that of the number.
+/// The error holds the number, and its message begins with the name of what refuses and goes on to
+/// that of the number.
 #[track_caller]
-fn assert_names(error: &Error, of: &str, name: &str) {
+fn assert_names(error: &Error, of: &str, name: &str, x: f64) {
     let text = error.to_string();
     let rest = text
         .strip_prefix(of)
         .and_then(|rest| rest.strip_prefix(": "));
     let rest = rest.unwrap_or_else(|| panic!("{of}: {text}"));
     assert!(rest.contains(&format!("{name} = ")), "{of}, {name}: {text}");
+    assert!(rest.contains("not allowed"), "{text}");
     assert!(
-        rest.contains("not allowed") && !rest.ends_with(['.', ' ']),
+        !rest.ends_with(['.', ' ']) && !rest.starts_with(char::is_uppercase),
         "{text}"
     );
+    let (value, allowed) = match error {
+        Error::InvalidParameter { value, allowed, .. }
+        | Error::BadPoint { value, allowed, .. }
+        | Error::BadElement { value, allowed, .. } => (value, *allowed),
+        Error::InvalidTolerance {
+            value, min, max, ..
+        } => {
+            assert_eq!([*min, *max], [1e-16, 1e-2]);
+            (value, "1e-16 ≤ tolerance ≤ 1e-2")
+        }
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(value.to_bits(), x.to_bits(), "{text}");
+    assert!(text.contains(allowed), "{text}");
+    // Nobody is told to give a finite number who has done so.
+    if !matches!(error, Error::InvalidTolerance { .. }) {
+        assert_eq!(text.contains("finite number"), !x.is_finite(), "{text}");
+    }
 }
 
 #[test]
@@ -436,12 +486,12 @@ fn every_refusal_names_its_constructor_and_its_number() {
         let not_finite = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
         for &x in not_finite.iter().chain(bad) {
             let error = call(x).unwrap_or_else(|| panic!("{of} takes {name} = {x}"));
-            assert_names(&error, of, name);
+            assert_names(&error, of, name, x);
         }
     }
-    for (of, name, error) in counts() {
+    for (of, name, count, error) in counts() {
         names.insert(of);
-        assert_names(&error, of, name);
+        assert_names(&error, of, name, count);
     }
     // Nothing that refuses is missing above.
     let mut written = BTreeSet::new();

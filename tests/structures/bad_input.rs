@@ -1,15 +1,16 @@
-//! What is refused, with an error that names the element.
+//! What is refused, with an error that names the element. Single numbers that no structure takes:
+//! tests/contract/refusals.rs.
 
 use crate::common::assert_form;
 use stick_slip::nalgebra::DMatrix;
 use stick_slip::structure::Element;
 use stick_slip::{Contact, Coulomb, Drive, Error, Scalar, Structure};
 
-const NOT_FINITE: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
-
 fn law() -> Coulomb {
     Coulomb::new(0.4, 0.3).unwrap()
 }
+
+const NOT_FINITE: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 
 fn masses(n: usize) -> Structure {
     Structure::new(&vec![1.0; n]).unwrap()
@@ -32,20 +33,6 @@ fn message<T>(result: Result<T, Error>, parts: &[&str]) {
         assert!(text.contains(part), "{part:?} is missing: {text}");
     }
     assert_form(&text);
-}
-
-#[test]
-fn masses_are_positive_and_finite() {
-    for bad in [0.0, -1.0].into_iter().chain(NOT_FINITE) {
-        let (element, value) = element(Structure::new(&[1.0, bad, -2.0]));
-        assert_eq!(element, Element::Mass(1));
-        assert_eq!(value.to_bits(), bad.to_bits());
-    }
-    message(Structure::new(&[1.0, -2.0]), &["mass 1", "-2", "mass > 0"]);
-    assert!(matches!(
-        Structure::new(&[]),
-        Err(Error::InvalidParameter { name: "masses", .. })
-    ));
 }
 
 #[test]
@@ -177,24 +164,6 @@ fn what_is_carried_is_asked_in_a_state_at_a_time() {
 
 #[test]
 fn springs_and_dampers_connect_coordinates_that_exist() {
-    for bad in NOT_FINITE {
-        assert_eq!(
-            element(masses(2).with_spring(1, 0, bad)).0,
-            Element::Stiffness(1, 0)
-        );
-        assert_eq!(
-            element(masses(2).with_damper(0, 1, bad)).0,
-            Element::Damping(0, 1)
-        );
-        assert_eq!(
-            element(masses(2).with_ground_spring(1, bad)).0,
-            Element::Stiffness(1, 1)
-        );
-        assert_eq!(
-            element(masses(2).with_ground_damper(0, bad)).0,
-            Element::Damping(0, 0)
-        );
-    }
     let missing = Error::NoSuchCoordinate {
         element: Element::Stiffness(0, 2),
         coordinate: 2,
@@ -229,17 +198,7 @@ fn springs_and_dampers_connect_coordinates_that_exist() {
 }
 
 #[test]
-fn matrices_fit_and_are_finite() {
-    for bad in NOT_FINITE {
-        let mut matrix = DMatrix::zeros(3, 3);
-        matrix[(2, 1)] = bad;
-        let stiffness = masses(3).with_stiffness(matrix.clone());
-        assert_eq!(element(stiffness).0, Element::Stiffness(2, 1));
-        assert_eq!(
-            element(masses(3).with_damping(matrix)).0,
-            Element::Damping(2, 1)
-        );
-    }
+fn matrices_fit() {
     for (rows, columns) in [(2, 3), (3, 2), (0, 0), (4, 4)] {
         let matrix = DMatrix::zeros(rows, columns);
         let Err(Error::WrongSize {
@@ -257,10 +216,7 @@ fn matrices_fit_and_are_finite() {
 }
 
 #[test]
-fn forces_are_finite_and_act_on_coordinates_that_exist() {
-    for bad in NOT_FINITE {
-        assert_eq!(element(masses(2).with_force(1, bad)).0, Element::Force(1));
-    }
+fn forces_act_on_coordinates_that_exist_and_add_up_to_finite_ones() {
     message(
         masses(2).with_force(2, 1.0),
         &["force on coordinate 2", "no coordinate 2"],
@@ -273,20 +229,11 @@ fn forces_are_finite_and_act_on_coordinates_that_exist() {
 }
 
 #[test]
-fn loads_are_positive_while_they_are_constant() {
-    for bad in [0.0, -1.0].into_iter().chain(NOT_FINITE) {
-        let Err(Error::InvalidParameter { name, .. }) = Contact::new(0, law(), bad) else {
-            panic!("{bad}")
-        };
-        assert_eq!(name, "load");
-    }
+fn loads_that_vary_may_fall_to_zero_and_gradients_add_up() {
     // One that is given in time may fall to 0.
     let clutch = Drive::profile(&[(0.0, 1.0), (1.0, -0.5), (2.0, 1.0)]).unwrap();
     assert!(Contact::new(0, law(), clutch).is_ok());
     let contact = || Contact::new(0, law(), 1.0).unwrap();
-    for bad in NOT_FINITE {
-        assert!(contact().with_load_gradient(0, bad).is_err());
-    }
     let steep = contact().with_load_gradient(0, f64::MAX).unwrap();
     assert!(steep.with_load_gradient(0, f64::MAX).is_err());
     // What adds up to 0 is not there.
@@ -323,14 +270,11 @@ fn contacts_have_coordinates_of_the_structure() {
 }
 
 #[test]
-fn belts_do_not_jump_and_are_finite() {
+fn belts_do_not_jump() {
     let on_belt = |belt: Drive| {
         let contact = Contact::new(1, law(), 1.0).unwrap().on_belt(belt);
         masses(2).with_contact(contact)
     };
-    for bad in NOT_FINITE {
-        assert_eq!(element(on_belt(bad.into())).0, Element::Contact(0));
-    }
     let jump = Drive::profile(&[(0.0, 0.0), (3.0, 0.1), (3.0, 0.2), (4.0, 0.2)]).unwrap();
     let expected = Error::BeltVelocityJumps {
         coordinate: 1,

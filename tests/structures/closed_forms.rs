@@ -1,17 +1,16 @@
 //! Closed formulas against numbers that were derived and checked beforehand, and against each
 //! other.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use proptest::{prop_assert, prop_assume};
 use stick_slip::analysis::drill_string::TwoInertias;
 use stick_slip::analysis::fast_vibration::{mean_coefficient, onset_velocity};
 use stick_slip::analysis::forced::{ForcedOscillator, no_stop_limit};
 use stick_slip::analysis::mode_coupling::ModeCoupling;
-use stick_slip::analysis::oscillating_belt::OnSteadyBelts;
 use stick_slip::{
-    Contact, ContactLaw, Coulomb, Drive, EventKind, FrictionLaw, MassOnBelt, Motion, Polynomial,
-    Scalar, Slip, Structure, structure,
+    Contact, ContactLaw, Coulomb, Direction, Drive, Error, EventKind, FrictionLaw, MassOnBelt,
+    Mode, Motion, Polynomial, Scalar, Slip, Structure, structure,
 };
 
 use crate::common::property::for_all;
@@ -348,59 +347,6 @@ fn the_best_damper_allows_the_steepest_friction_nearly() {
     assert!(allowed(1.0) > allowed(0.9) && allowed(1.0) > allowed(1.1));
 }
 
-#[test]
-fn belts_that_do_not_oscillate_together_are_no_forced_masses() {
-    let blocks = |belts: [Drive; 2]| {
-        let mut blocks = Structure::new(&[1.0, 2.0]).unwrap();
-        for (i, belt) in belts.into_iter().enumerate() {
-            let contact = Contact::new(i, Coulomb::new(0.4, 0.3).unwrap(), 1.0).unwrap();
-            blocks = blocks.with_contact(contact.on_belt(belt)).unwrap();
-        }
-        blocks
-    };
-    let shaken = |mean: f64, amplitude| {
-        Drive::sine(amplitude, 2.0)
-            .and_then(|d| d.with_constant(mean))
-            .unwrap()
-    };
-    assert!(OnSteadyBelts::new(&blocks([shaken(0.1, 0.2), shaken(0.3, 0.2)])).is_some());
-    assert!(OnSteadyBelts::new(&blocks([shaken(0.1, 0.2), shaken(0.3, 0.1)])).is_none());
-    let ramp = Drive::profile(&[(0.0, 0.0), (1.0, 0.2)]).unwrap();
-    assert!(OnSteadyBelts::new(&blocks([ramp.clone(), ramp])).is_none());
-    let frame: Structure = Structure::new(&[1.0]).unwrap();
-    assert!(OnSteadyBelts::new(&frame).is_none());
-}
-
-/// W' = w cos Ωt on springs, dampers, and a load that follows the displacement.
-#[test]
-fn additional_forces_of_an_oscillating_belt() {
-    let (w, omega, damping, gradient) = (0.3, 1.7, 0.2, 0.4);
-    let belt = Drive::harmonic(w, omega, 0.0).unwrap();
-    let contact = Contact::new(0, Coulomb::new(0.4, 0.3).unwrap(), 1.0)
-        .and_then(|contact| contact.with_load_gradient(0, gradient))
-        .unwrap()
-        .on_belt(belt);
-    let shaken = Structure::new(&[1.0])
-        .and_then(|structure| structure.with_ground_spring(0, 1.0))
-        .and_then(|structure| structure.with_ground_damper(0, damping))
-        .and_then(|structure| structure.with_contact(contact))
-        .unwrap();
-    let steady = OnSteadyBelts::new(&shaken).unwrap();
-    for t in [0.0, 0.4, 3.0] {
-        let (sine, cosine) = (omega * t).sin_cos();
-        // wΩ sin Ωt − 2ζw cos Ωt − (w/Ω) sin Ωt
-        let expected = w * omega * sine - damping * w * cosine - w / omega * sine;
-        assert!((steady.structure().forces()[0].value(t) - expected).abs() < 4e-16);
-        let load = steady.structure().contacts()[0].load().value(t);
-        assert!((load - 1.0 - gradient * w / omega * sine).abs() < 3e-16);
-        assert!((steady.shift().slope(t) - w * cosine).abs() < 2e-16);
-    }
-    assert_eq!(
-        steady.structure().contacts()[0].belt_velocity(),
-        &Drive::constant(0.0)
-    );
-}
-
 /// Friction with the nap of a surface, and against it.
 #[derive(Debug, Clone, Copy)]
 struct Nap {
@@ -479,4 +425,56 @@ fn friction_may_depend_on_the_direction() {
         motion.events()[swings - 1].state.displacements[0]
     );
     assert_eq!(swings, 10);
+}
+
+/// A clutch is let go for a while: no friction in between.
+#[test]
+fn a_load_that_falls_to_zero_opens_the_contact() -> Result<(), Error> {
+    let load = Drive::profile(&[(0.0, 1.0), (10.0, -1.0), (30.0, -1.0), (40.0, 1.0)])?;
+    let structure = Structure::new(&[1.0])?
+        .with_ground_spring(0, 1.0)?
+        .with_contact(Contact::new(0, Coulomb::new(0.4, 0.3)?, load)?.on_belt(0.1))?;
+    let motion = structure.simulate(structure::State::new(&[0.0], &[0.1]), 60.0)?;
+    let kind = |wanted: EventKind| motion.events().iter().find(|event| event.kind == wanted);
+    let (open, close) = (
+        kind(EventKind::Open).unwrap(),
+        kind(EventKind::Close).unwrap(),
+    );
+    // 1 − t/5 = 0 and −1 + (t − 30)/5 = 0
+    assert!((open.time - 5.0).abs() < 1e-14 && (close.time - 35.0).abs() < 1e-13);
+    assert_eq!(motion.mode_at(0, 20.0), Some(Mode::Open));
+    // Free vibration in between.
+    let (q, v) = (open.state.displacements[0], open.state.velocities[0]);
+    let t = 20.0 - open.time;
+    let free = q * t.cos() + v * t.sin();
+    assert!((motion.state_at(20.0).unwrap().displacements[0] - free).abs() < 1e-14);
+    // It has slipped by then, and does so again afterwards.
+    assert!(matches!(
+        motion.mode_at(0, 4.99),
+        Some(Mode::Slip(Direction::Lagging | Direction::Leading))
+    ));
+    assert_ne!(motion.mode_at(0, 36.0), Some(Mode::Open));
+    Ok(())
+}
+
+#[test]
+fn a_load_that_springs_lift_ends_the_motion() -> Result<(), Error> {
+    let contact = Contact::new(0, Coulomb::new(0.4, 0.3)?, 1.0)?
+        .on_belt(0.1)
+        .with_load_gradient(1, -1.0)?;
+    let structure = Structure::new(&[1.0, 1.0])?
+        .with_ground_spring(0, 1.0)?
+        .with_ground_spring(1, 1.0)?
+        .with_contact(contact)?;
+    // q_1 = 2 sin t: the load 1 − q_1 is gone at t = π/6.
+    let start = || structure::State::new(&[0.0, 0.0], &[0.0, 2.0]);
+    let Err(Error::Separation { contact, reached }) = structure.simulate(start(), 5.0) else {
+        panic!("it separates")
+    };
+    assert_eq!(contact, 0);
+    assert!((reached.time - TAU / 12.0).abs() < 1e-15);
+    assert!((reached.state.displacements[1] - 1.0).abs() < 1e-15);
+    // Up to there it is a motion like any other.
+    assert!(structure.simulate(start(), 0.5).is_ok());
+    Ok(())
 }

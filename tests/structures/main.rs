@@ -19,7 +19,6 @@ mod identities;
 mod memory;
 mod memory_formulas;
 mod naive;
-mod names;
 mod plain;
 mod random;
 mod reading;

@@ -14,7 +14,7 @@
 //! * systems and laws are plain values, so that any number of threads can work on them.
 //!
 //! Run it with
-//! `cargo run --release --example soak -- [integrations] [searches for cycles] [first index]`.
+//! `cargo run --release -p stick-slip-soak -- [integrations] [searches for cycles] [first index]`.
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -24,11 +24,8 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use stick_slip::{Error, limit_cycle};
 
-#[path = "soak/energy.rs"]
 mod energy;
-#[path = "soak/judge.rs"]
 mod judge;
-#[path = "soak/systems.rs"]
 mod systems;
 
 use judge::{APART, Judged, Verdict};

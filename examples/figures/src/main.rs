@@ -19,20 +19,53 @@
 //!   sliding over a parameter;
 //! * `plot.rs` and what it uses: as much of plotters as a figure in print needs.
 //!
-//! Run it with `cargo run --release --example figures`; another folder than `target/figures` comes
-//! after `--`. Two of the files are kept beside the source, for the README:
-//! `cargo run --release --example figures -- FOLDER`, and copy them, to renew them.
+//! Run it with `cargo run --release -p stick-slip-figures`; another folder than `target/figures`
+//! comes after `--`. Two of the files are kept in this folder, for the README: to renew them, draw
+//! them and copy them.
+
+mod amplitude;
+mod chaos;
+mod clip;
+mod errors;
+mod laws;
+mod memory;
+mod motion;
+mod plot;
+mod regimes;
+mod resonance;
+mod structures;
+mod style;
+mod svg;
+#[cfg(test)]
+mod tests;
+mod typeset;
 
 use std::path::PathBuf;
 use std::time::Instant;
 
-use figures::{FIGURES, Result, escape};
+use svg::{Figure, Result};
+use typeset::escape;
 
-#[path = "figures/mod.rs"]
-mod figures;
-#[cfg(test)]
-#[path = "figures/tests.rs"]
-mod tests;
+type Draw = fn() -> Result<Figure>;
+
+/// Name of the file, and what draws it.
+const FIGURES: [(&str, Draw); 15] = [
+    ("fig2_polynomial_law", laws::polynomial),
+    ("fig3_exponential_law", laws::exponential),
+    ("fig4_pure_slip", motion::fig4),
+    ("fig5_stick_slip", motion::fig5),
+    ("fig6_amplitude", amplitude::fig6),
+    ("fig7_exponential_stick_slip", motion::fig7),
+    ("regimes", regimes::regimes),
+    ("bistability", amplitude::bistability),
+    ("errors", errors::errors),
+    ("dwell", memory::dwell),
+    ("lugre", memory::lugre),
+    ("chain", structures::chain),
+    ("mode_coupling", structures::mode_coupling),
+    ("resonance", resonance::resonance),
+    ("chaos", chaos::chaos),
+];
 
 fn main() -> Result<()> {
     let folder = std::env::args_os().nth(1).map(PathBuf::from);

@@ -1,6 +1,6 @@
 //! The figures of the README are those that the example draws today, number by number.
 
-use super::figures::{FIGURES, Figure, escape};
+use super::{FIGURES, Figure, escape};
 
 /// Largest difference of two numbers.
 const TOLERANCE: f64 = 1e-6;
@@ -58,8 +58,8 @@ fn is_reproduced(name: &str, committed: &str) {
     assert!(split(committed).1.len() > 1000);
 }
 
-const AMPLITUDE: &str = include_str!("fig6_amplitude.svg");
-const REGIMES: &str = include_str!("regimes.svg");
+const AMPLITUDE: &str = include_str!("../fig6_amplitude.svg");
+const REGIMES: &str = include_str!("../regimes.svg");
 
 #[test]
 fn amplitude_is_reproduced() {
