@@ -212,7 +212,11 @@ pub(super) fn plan_reach(
     plan.sizes.clear();
     for (c, contact) in model.contacts.iter().enumerate() {
         let (state, of) = (&situation.contacts[c], &series.contacts[c]);
-        let size = contact.size_along(|j| plan.scales[j].1);
+        let mut size = contact.size_along(|j| plan.scales[j].1);
+        if state.sticks() && of.load_varies {
+            // Not by the band as it is now, which may just have opened.
+            size = size.max(load_terms(contact, situation) * state.static_coefficient());
+        }
         let allowance = match model.owner_of(c) {
             Some(i) => plan.coordinates[i],
             None => {
@@ -346,9 +350,10 @@ fn time_unit(
     let size = |(i, &(_, terms)): (usize, &(f64, f64))| {
         terms + model.acceleration_by(i, |j| model.forces[j].size()).abs()
     };
-    let force = |i: usize, k: usize| match model.owner[i] {
-        Some(c) => series.contacts[c].carried[k],
-        None => (k + 1) as f64 * series.coordinates[i].course.velocity(k + 1),
+    let acceleration = |i: usize, k: usize| {
+        let moved = (k + 1) as f64 * motion(model, situation, series, i).speed(k + 1);
+        let carried = model.owner[i].map_or(0.0, |c| series.contacts[c].carried[k]);
+        moved.abs().max(carried.abs())
     };
     // Not by what drives and loads happen to be now, which may be about to change their signs.
     let mut sizes: Vec<f64> = scales.iter().enumerate().map(size).collect();
@@ -362,18 +367,16 @@ fn time_unit(
             sizes[j] += x.abs() * load_terms(contact, situation) * coefficient;
         }
     }
-    let mut changing = sizes
-        .iter()
-        .enumerate()
-        .flat_map(|(i, size)| (1..4).map(move |k| (size / force(i, k).abs()).powf(1.0 / k as f64)));
+    let mut changing = sizes.iter().enumerate().flat_map(|(i, size)| {
+        (1..4).map(move |k| (size / acceleration(i, k)).powf(1.0 / k as f64))
+    });
     let changing = least(&mut changing);
     if changing.is_finite() {
         return changing;
     }
-    let velocities = scales.iter().enumerate();
-    least(&mut velocities.map(|(i, &(_, terms))| {
+    least(&mut sizes.iter().enumerate().map(|(i, size)| {
         let velocity = series.coordinates[i].course.velocity(0).abs();
-        velocity.max(motion(model, situation, series, i).surface(0).abs()) / terms
+        velocity.max(motion(model, situation, series, i).surface(0).abs()) / size
     }))
 }
 
