@@ -414,3 +414,20 @@ fn a_contact_closes_over_a_mass_that_carries_nothing() {
         assert_eq!(motion.last().displacements, [0.29]);
     }
 }
+
+/// A block that nothing else holds, carried by a belt whose velocity passes through 0.
+#[test]
+fn a_block_carried_through_rest_goes_on() {
+    let law = Stribeck::new(0.76, 0.73, 0.44, 2).unwrap();
+    for i in 0..40 {
+        let turns = 3.0 + 0.01 * f64::from(i);
+        let points = [(0.0, -0.13), (turns, 0.0), (7.4, 0.3), (9.9, -0.1)];
+        let contact = Contact::new(0, law, 0.45).unwrap();
+        let contact = contact.on_belt(Drive::profile(&points).unwrap());
+        let block = Structure::new(&[0.6])
+            .and_then(|s| s.with_contact(contact))
+            .unwrap();
+        let motion = block.simulate(State::new(&[0.55], &[-0.13]), 20.0).unwrap();
+        assert!((motion.last().velocities[0] + 0.1).abs() < 1e-13);
+    }
+}

@@ -374,10 +374,19 @@ fn time_unit(
     if changing.is_finite() {
         return changing;
     }
-    least(&mut sizes.iter().enumerate().map(|(i, size)| {
-        let velocity = series.coordinates[i].course.velocity(0).abs();
-        velocity.max(motion(model, situation, series, i).surface(0).abs()) / size
-    }))
+    // What moves with a belt may pass through a velocity of 0.
+    let is_free = |&(i, _): &(usize, &f64)| {
+        !matches!(
+            motion(model, situation, series, i),
+            CoordinateMotion::Sticks(_)
+        )
+    };
+    least(
+        &mut sizes.iter().enumerate().filter(is_free).map(|(i, size)| {
+            let velocity = series.coordinates[i].course.velocity(0).abs();
+            velocity.max(motion(model, situation, series, i).surface(0).abs()) / size
+        }),
+    )
 }
 
 /// The rates at which deviations of the velocities of coordinates die out by damping and friction;
