@@ -157,7 +157,13 @@ impl<'t, 's> CrossingMap<'t, 's> {
         let mut shrinks = 0;
         while shrinks < 2 && low.x < FARTHEST * (release + system.belt_velocity()) {
             let high = self.growth((2.0 * low.x).max(low.x + system.belt_velocity()))?;
-            roots_between(&mut |force| self.growth(force), low, high, &mut roots)?;
+            roots_between(
+                &mut |force| self.growth(force),
+                &|_, _| None,
+                low,
+                high,
+                &mut roots,
+            )?;
             shrinks = if high.value < 0.0 && high.x > beyond {
                 shrinks + 1
             } else {

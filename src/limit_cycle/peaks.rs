@@ -8,7 +8,9 @@ use super::growth::{self, relative_growth};
 use crate::belt::Forward;
 use crate::clock::Time;
 use crate::error::Error;
-use crate::numerics::with_slopes::{Roots, Sample, eighths, outline_between, roots_between, turn};
+use crate::numerics::with_slopes::{
+    Kinks, Roots, Sample, eighths, outline_between, roots_between, turn,
+};
 
 /// Smallest velocity maximum that is searched, in units of v_b. Below it a turn changes a motion by
 /// less than rounding does.
@@ -102,7 +104,10 @@ impl<'t, 's> PeakMap<'t, 's> {
     pub(super) fn roots(&mut self) -> Result<Roots, Error> {
         let mut roots = Roots::default();
         if let Some([smallest, largest]) = self.range()? {
-            roots_between(&mut |peak| self.growth(peak), smallest, largest, &mut roots)?;
+            let kinks = Kink::all(&self.system());
+            let between = |a: f64, b: f64| Kink::between(&kinks, a, b);
+            let mut growth = |peak: f64| self.growth(peak);
+            roots_between(&mut growth, &between, smallest, largest, &mut roots)?;
         }
         self.decide_hidden(&roots)
     }
@@ -207,6 +212,51 @@ impl<'t, 's> PeakMap<'t, 's> {
             }
         }
         Ok((arc, multiplier))
+    }
+}
+
+/// A velocity amplitude W from which on motions meet a jump of γ² dμ̂/ds by J, at a breakpoint of
+/// the law. Behind it their growth changes by J(θ − sin θ cos θ) to the first order, cos θ = W/V:
+/// the work of the force J(V cos ψ − W) over |ψ| < θ, divided by V².
+#[derive(Debug, Clone, Copy)]
+struct Kink {
+    amplitude: f64,
+    jump: f64,
+}
+
+impl Kink {
+    /// In the order of their amplitudes.
+    fn all(system: &Forward<'_>) -> Vec<Self> {
+        let (law, v_b) = (system.law(), system.belt_velocity());
+        let breakpoints = law.breakpoints().enumerate();
+        let kinks = breakpoints.map(|(i, breakpoint)| {
+            let [below, above] = [i, i + 1].map(|piece| law.value_and_slope(piece, breakpoint).1);
+            Self {
+                amplitude: (breakpoint - v_b).abs(),
+                jump: system.load() * (above - below).abs(),
+            }
+        });
+        let mut kinks: Vec<Self> = kinks.filter(|kink| kink.jump > 0.0).collect();
+        kinks.sort_by(|a, b| a.amplitude.total_cmp(&b.amplitude));
+        kinks
+    }
+
+    /// The error with which a cubic may predict the growth between two amplitudes: what changes at
+    /// its upper end, in the value and, at most 4/27 of it times the width, in the slope.
+    fn between(kinks: &[Self], a: f64, b: f64) -> Option<Kinks> {
+        let start = kinks.partition_point(|kink| kink.amplitude <= a);
+        let end = kinks.partition_point(|kink| kink.amplitude < b);
+        let inside = kinks.get(start..end).filter(|inside| !inside.is_empty())?;
+        let change = |kink: &Self| {
+            let cos = kink.amplitude / b;
+            let sin = (1.0 - cos * cos).sqrt();
+            let slope = 2.0 * sin * cos / b;
+            kink.jump * (cos.acos() - sin * cos + 4.0 / 27.0 * slope * (b - a))
+        };
+        Some(Kinks {
+            x: inside[inside.len() / 2].amplitude,
+            error: inside.iter().map(change).sum(),
+        })
     }
 }
 

@@ -53,21 +53,37 @@ const MOST_WORK: usize = 200_000;
 /// the value in the middle.
 const CUBIC_FITS: f64 = 0.02;
 
+/// Places inside an interval at which a function is not smooth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Kinks {
+    /// The middle one.
+    pub(crate) x: f64,
+    /// The most by which the cubic between the ends of the interval may miss the function because
+    /// of them.
+    pub(crate) error: f64,
+}
+
+/// Tells the kinks between two places, if there are any.
+pub(crate) type KinksBetween<'k> = &'k dyn Fn(f64, f64) -> Option<Kinks>;
+
 /// Finds the roots between two samples, and adds them to those found in intervals before.
 ///
 /// An interval is divided until the cubic through the values and slopes at its ends predicts value
 /// and slope in the middle. Then the cubics of the two halves decide. A half holds a root if the
 /// signs at its ends differ. It may hold two if its cubic comes closer to zero than the prediction
-/// was wrong, and is then divided further. A pair of roots is lost only if the function turns
-/// within an interval in which its cubic fits, or if the pair is closer than [`NARROWEST`].
+/// was wrong, and is then divided further; and if it comes closer than kinks may have bent the
+/// function, it is divided at them. A pair of roots is lost only if the function turns within an
+/// interval in which its cubic fits and no kink is told, or if the pair is closer than
+/// [`NARROWEST`].
 pub(crate) fn roots_between(
     f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
+    kinks: KinksBetween<'_>,
     a: Sample,
     b: Sample,
     found: &mut Roots,
 ) -> Result<(), Error> {
     let narrowest = NARROWEST * (b.x - a.x);
-    divide(f, a, b, narrowest, found)
+    divide(f, kinks, a, b, narrowest, found)
 }
 
 /// A point at which a function turns, or an end of its range.
@@ -242,6 +258,7 @@ fn fits(a: Sample, m: Sample, b: Sample) -> (bool, f64) {
 
 fn divide(
     f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
+    kinks: KinksBetween<'_>,
     a: Sample,
     b: Sample,
     narrowest: f64,
@@ -254,6 +271,11 @@ fn divide(
     // that rounding hides.
     let at_rounding = error <= noise;
     for (left, right) in [(a, m), (m, b)] {
+        // Beyond the limit of work kinks are stepped over.
+        let kink = kinks(left.x + narrowest, right.x - narrowest).filter(|kinks| {
+            let matters = closest(left, right) - error <= kinks.error && kinks.error > noise;
+            matters && m.work < MOST_WORK
+        });
         let changes = (left.value > 0.0) != (right.value > 0.0);
         if left.vanishes() && right.vanishes() {
             found.leave(left.x..right.x);
@@ -263,13 +285,17 @@ fn divide(
             } else if left.vanishes() || right.vanishes() {
                 found.leave(left.x..right.x);
             }
-        } else if fits && changes && one_way(left, right) {
+        } else if fits && changes && kink.is_none() && one_way(left, right) {
             found.refine(f, left, right)?;
         } else if at_rounding && hidden(left, right, noise) {
             found.leave(left.x..right.x);
+        } else if let Some(kink) = kink.filter(|_| fits) {
+            let at = f(kink.x)?;
+            divide(f, kinks, left, at, narrowest, found)?;
+            divide(f, kinks, at, right, narrowest, found)?;
         } else if !fits || changes || lowest(left, right) <= error.max(noise) {
             if m.work < MOST_WORK {
-                divide(f, left, right, narrowest, found)?;
+                divide(f, kinks, left, right, narrowest, found)?;
             } else {
                 found.leave(left.x..right.x);
             }

@@ -1,7 +1,7 @@
 //! Edges at which searches once went wrong: ranges of some ulps, the border of a continuum, a belt
 //! at rest, units in which squares overflow.
 
-use crate::common::{Random, TurnsNan};
+use crate::common::{Random, Table, TurnsNan};
 use stick_slip::bifurcation::AttractorKind;
 use stick_slip::limit_cycle::{self, Attractor};
 use stick_slip::{
@@ -293,5 +293,42 @@ fn no_cycle_holds_a_static_coefficient_that_has_turned_nan() {
             // Slip cannot start from a release point that is not a number.
             Err(error) => assert!(matches!(error, Error::StepUnderflow { .. }), "{error:?}"),
         }
+    }
+}
+
+/// A stable and an unstable motion in slip on both sides of a kink of the law: the growth of a turn
+/// comes to zero there and goes back, between places from which a cubic through its values and
+/// slopes stays away from zero.
+#[test]
+fn a_pair_of_cycles_next_to_a_kink_of_the_law_is_found() {
+    let points = [
+        (0.0, 0.4409123819239009),
+        (0.11053013362325875, 0.14137466064153786),
+        (0.23036859106901936, 0.19505697152416687),
+        (0.33634809059134346, 0.1581827750929254),
+        (1.3363480905913434, 0.1581827750929254),
+    ];
+    let law = Table {
+        static_coefficient: 0.6172773346934612,
+        points: points.to_vec(),
+    };
+    let system = MassOnBelt::new(law, 0.7354248506634508)
+        .and_then(|system| system.with_damping(0.0004575217668656442))
+        .unwrap();
+    let kink = system.belt_velocity() - points[1].0;
+    for i in 0..=20 {
+        let load = 0.2 + 0.001 * f64::from(i);
+        let system = system.clone().with_load(load).unwrap();
+        let cycles = limit_cycle::find(&system).unwrap();
+        let pure: Vec<&LimitCycle> = cycles
+            .iter()
+            .filter(|cycle| cycle.kind() == CycleKind::PureSlip)
+            .collect();
+        let [least, inner, outer] = pure[..] else {
+            panic!("{load}: {pure:?}")
+        };
+        assert!(!least.is_stable() && inner.is_stable() && !outer.is_stable());
+        assert!(inner.max_velocity() < kink && kink < outer.max_velocity());
+        assert!(outer.max_velocity() < 1.02 * inner.max_velocity());
     }
 }

@@ -2,8 +2,8 @@
 
 use stick_slip::structure::State;
 use stick_slip::{
-    AnyContactLaw, Contact, Coulomb, Direction, Drive, Dwell, Error, EventKind, Integrator, Mode,
-    Segment, Structure, Trajectory,
+    AnyContactLaw, Contact, Coulomb, Direction, Drive, Dwell, Error, EventKind, FrictionLaw,
+    Integrator, LuGre, Mode, Polynomial, Rational, Segment, Stribeck, Structure, Trajectory,
 };
 
 use crate::common::Random;
@@ -301,4 +301,138 @@ fn a_load_opens_over_a_mass_that_carries_nothing() {
             }
         }
     }
+}
+
+/// The velocity of one mass in slip on a belt, by fixed Runge-Kutta steps. `force` is on the mass.
+fn in_slip(start: [f64; 2], duration: f64, mass: f64, force: impl Fn(f64, [f64; 2]) -> f64) -> f64 {
+    let n = 20_000;
+    let h = duration / f64::from(n);
+    let [mut q, mut v] = start;
+    for i in 0..n {
+        let t = f64::from(i) * h;
+        let rate = |t: f64, q: f64, v: f64| [v, force(t, [q, v]) / mass];
+        let a = rate(t, q, v);
+        let b = rate(t + 0.5 * h, q + 0.5 * h * a[0], v + 0.5 * h * a[1]);
+        let c = rate(t + 0.5 * h, q + 0.5 * h * b[0], v + 0.5 * h * b[1]);
+        let d = rate(t + h, q + h * c[0], v + h * c[1]);
+        q += h * (a[0] + 2.0 * (b[0] + c[0]) + d[0]) / 6.0;
+        v += h * (a[1] + 2.0 * (b[1] + c[1]) + d[1]) / 6.0;
+    }
+    v
+}
+
+/// Nothing is elastic and nothing damps, and the load begins at 0: what a step may miss is measured
+/// by the friction that comes.
+#[test]
+fn a_load_that_begins_at_zero_says_what_it_will_be() {
+    let law = Polynomial::new(0.49, 0.22, 0.98).unwrap();
+    for i in 0..40 {
+        let (omega, mass) = (1.5 + 0.02 * f64::from(i), 0.4 + 0.05 * f64::from(i % 7));
+        // Open at first; where it closes the load is 0 but for rounding.
+        let phase = 0.3 + 0.03 * f64::from(i);
+        let least = 0.2 * phase.cos();
+        let drive = Drive::harmonic(0.2, omega, -phase - 0.5)
+            .and_then(|load| load.with_constant(-least))
+            .unwrap();
+        let block = Structure::new(&[mass])
+            .and_then(|s| s.with_contact(Contact::new(0, law, drive)?))
+            .unwrap();
+        let (closes, closed) = (0.5 / omega, 1.9 * phase / omega);
+        let start = State::new(&[0.0], &[0.7]);
+        let motion = block.simulate(start, closes + closed).unwrap();
+        let load = |t: f64| 0.2 * (omega * t - phase).cos() - least;
+        let force = |t: f64, [_, v]: [f64; 2]| -load(t) * law.kinetic(v);
+        let expected = in_slip([0.0, 0.7], closed, mass, force);
+        let error = motion.last().velocities[0] - expected;
+        assert!(error.abs() < 1e-13, "{i}: {error:e}");
+    }
+}
+
+/// Friction rises at the end of a step, below speeds that its quarters do not show, where the load
+/// falls to 0: the end alone shows it, where it does no work.
+#[test]
+fn a_load_that_ends_at_zero_hides_no_friction_before() {
+    let law = Stribeck::new(0.62, 0.54, 0.05, 3).unwrap();
+    let opens = 0.4734;
+    let points = [(0.0, 0.13 * opens), (opens, 0.0), (2.0, -0.1)];
+    for i in 0..40 {
+        let start = [-0.226, -0.84 + 0.005 * f64::from(i)];
+        let drive = Drive::profile(&points).unwrap();
+        let block = Structure::new(&[0.319])
+            .and_then(|s| s.with_ground_spring(0, 1.24))
+            .and_then(|s| s.with_contact(Contact::new(0, law, drive)?))
+            .unwrap();
+        let motion = block
+            .simulate(State::new(&start[..1], &start[1..]), opens)
+            .unwrap();
+        let force =
+            |t: f64, [q, v]: [f64; 2]| -1.24 * q + 0.13 * (opens - t) * law.kinetic(v.abs());
+        let expected = in_slip(start, opens, 0.319, force);
+        let error = motion.last().velocities[0] - expected;
+        println!("{i}: {error:e} {:?}", motion.last().velocities);
+        assert!(error.abs() < 1e-11, "{i}: {error:e}");
+    }
+}
+
+/// A mass that swings on its bristles alone, about a constant force, and comes to rest: its time
+/// is that of the bristles, whatever its velocity is just now.
+#[test]
+fn a_mass_on_nothing_but_bristles_comes_to_rest() {
+    for i in 0..40 {
+        let force = -0.078 + 0.004 * f64::from(i);
+        let law = Rational::new(0.7, 1.44).unwrap();
+        let bristles = LuGre::new(law, 50.0, 0.3, 0.0).unwrap();
+        let block = Structure::new(&[0.58])
+            .and_then(|s| s.with_force(0, force))
+            .and_then(|s| s.with_contact(Contact::new(0, bristles, 1.5)?))
+            .unwrap();
+        let motion = block.simulate(State::new(&[0.0], &[0.0]), 400.0).unwrap();
+        assert!(motion.last().velocities[0].abs() < 1e-6 * force.abs());
+        let carried = 1.5 * 50.0 * motion.last().memory[0];
+        assert!((carried - force).abs() < 1e-5 * force.abs() + 1e-15);
+    }
+}
+
+/// The band of a contact that has just closed is 0, and what it carries, too.
+#[test]
+fn a_contact_closes_over_a_mass_that_carries_nothing() {
+    let law = Polynomial::new(0.45, 0.25, 0.42).unwrap();
+    for i in 0..40 {
+        let dwell = Dwell::logarithmic(law, 0.18, 9.6 - 0.1 * f64::from(i)).unwrap();
+        let load = Drive::harmonic(0.264, 0.2757 + 0.003 * f64::from(i), 0.0)
+            .and_then(|load| {
+                load.with_harmonic(0.138, 3.927, 1.447)?
+                    .with_constant(0.0975)
+            })
+            .unwrap();
+        let block = Structure::new(&[2.9])
+            .and_then(|s| s.with_contact(Contact::new(0, dwell, load)?))
+            .unwrap();
+        let motion = block.simulate(State::new(&[0.29], &[0.0]), 60.0).unwrap();
+        let kinds = motion.events().iter().map(|event| event.kind);
+        assert!(kinds.filter(|kind| *kind == EventKind::Close).count() > 2);
+        assert_eq!(motion.last().displacements, [0.29]);
+    }
+}
+
+/// A block that nothing else holds, carried by a belt whose velocity passes through 0.
+#[test]
+fn a_block_carried_through_rest_goes_on() {
+    let law = Stribeck::new(0.76, 0.73, 0.44, 2).unwrap();
+    let points = [
+        (0.5497448121129739, -0.13112231010044195),
+        (5.576877347621124, 0.20067051459492435),
+        (7.39145999192632, -0.3644233547835716),
+        (9.877518764820078, 0.008358557795293708),
+        (14.77873049736227, -0.0807517827790033),
+    ];
+    let belt = Drive::constant(-0.0656318433331462);
+    let belt = belt.with_profile(&points).unwrap();
+    let start = State::new(&[0.5524540620537817], &[belt.value(0.0)]);
+    let contact = Contact::new(0, law, 0.44572098356106116).unwrap();
+    let block = Structure::new(&[0.5952527497282494])
+        .and_then(|s| s.with_contact(contact.on_belt(belt.clone())))
+        .unwrap();
+    let motion = block.simulate(start, 20.0).unwrap();
+    assert!((motion.last().velocities[0] - belt.value(20.0)).abs() < 1e-13);
 }

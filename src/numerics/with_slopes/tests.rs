@@ -70,13 +70,17 @@ impl<F: Fn(f64) -> Sample> Counted<F> {
 
     /// What the search finds, and at how many points it looks.
     fn roots(&self, a: f64, b: f64) -> (Roots, usize) {
+        self.roots_with(&|_, _| None, a, b)
+    }
+
+    fn roots_with(&self, kinks: KinksBetween<'_>, a: f64, b: f64) -> (Roots, usize) {
         let mut found = Roots::default();
         let mut f = |x| {
             self.calls.set(self.calls.get() + 1);
             Ok((self.f)(x))
         };
         let (low, high) = ((self.f)(a), (self.f)(b));
-        roots_between(&mut f, low, high, &mut found).unwrap();
+        roots_between(&mut f, kinks, low, high, &mut found).unwrap();
         (found, self.calls.get())
     }
 
@@ -347,6 +351,33 @@ fn what_rounding_hides_is_left_and_nothing_beside_it() {
     };
     assert!(range.contains(&0.7));
     assert!(calls <= 1, "{calls}");
+}
+
+/// f = x − k − J(x − k)^(3/2) + c, without the third term below the kink k, comes above zero
+/// between two places that lie close together.
+#[test]
+fn functions_are_divided_at_their_kinks() {
+    let mut lost = 0;
+    for i in 0..2000 {
+        let kink = 0.05 + 0.9 * f64::from(i) / 2000.0;
+        let jump = 2.0 + 0.02 * f64::from(i % 300);
+        let turns = (2.0 / (3.0 * jump)).powi(2);
+        let bent = |x: f64| {
+            let beyond = (x - kink).max(0.0);
+            let value = x - kink - jump * beyond.powf(1.5) - 0.3 * turns;
+            sample(x, value, 1.0 - 1.5 * jump * beyond.sqrt())
+        };
+        let kinks = |a: f64, b: f64| {
+            let error = 2.0 * jump * (b - kink).powf(0.5) * (b - a);
+            (a < kink && kink < b).then_some(Kinks { x: kink, error })
+        };
+        let (found, calls) = Counted::new(bent).roots_with(&kinks, 0.0, 1.0);
+        let expected = if bent(1.0).value < 0.0 { 2 } else { 1 };
+        assert_eq!(found.roots.len(), expected, "{i}: {found:?}");
+        assert!(found.unresolved.is_empty() && calls < 100, "{i}: {calls}");
+        lost += usize::from(Counted::new(bent).roots(0.0, 1.0).0.roots.len() != expected);
+    }
+    assert!(lost > 0);
 }
 
 #[test]

@@ -93,8 +93,9 @@ impl ContactStep<'_> {
             .accepts([at_quarters, at_minima, between], self.h)
     }
 
-    /// Largest N·|μ(s(t)) − μ(t)| at four times, where s(t) has the values `speeds`: the defect of
-    /// the series, up to terms as small as its last.
+    /// Largest |μ(s(t)) − μ(t)| at four times, where s(t) has the values `speeds`, times the
+    /// largest N there: the defect of the series, up to terms as small as its last. A load that
+    /// vanishes at one of them hides nothing of what is missing before.
     fn defect(&self, slip: Slip<()>, times: [f64; 4], speeds: [f64; 4]) -> f64 {
         let Self {
             contact, series, ..
@@ -110,10 +111,7 @@ impl ContactStep<'_> {
         let mut largest = 0.0;
         for i in 0..4 {
             let value = values[i] * slip.direction;
-            let mut difference = (value - friction[i]).abs();
-            if series.load_varies {
-                difference *= series.load.at(times[i]).abs();
-            }
+            let difference = (value - friction[i]).abs();
             // Not f64::max, which would drop a NaN.
             largest = if largest >= difference {
                 largest
@@ -121,11 +119,8 @@ impl ContactStep<'_> {
                 difference + 0.0 * largest
             };
         }
-        if series.load_varies {
-            largest
-        } else {
-            series.load[0].abs() * largest
-        }
+        let loads = self.loads_at(times).map(f64::abs);
+        loads.into_iter().fold(0.0, f64::max) * largest
     }
 
     /// Whether the step leaves out no more of the memory than it may, in the same places, and in

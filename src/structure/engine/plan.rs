@@ -212,7 +212,11 @@ pub(super) fn plan_reach(
     plan.sizes.clear();
     for (c, contact) in model.contacts.iter().enumerate() {
         let (state, of) = (&situation.contacts[c], &series.contacts[c]);
-        let size = contact.size_along(|j| plan.scales[j].1);
+        let mut size = contact.size_along(|j| plan.scales[j].1);
+        if state.sticks() && of.load_varies {
+            // Not by the band as it is now, which may just have opened.
+            size = size.max(load_terms(contact, situation) * state.static_coefficient());
+        }
         let allowance = match model.owner_of(c) {
             Some(i) => plan.coordinates[i],
             None => {
@@ -349,9 +353,10 @@ fn time_unit(
     let size = |(i, &(_, terms)): (usize, &(f64, f64))| {
         terms + model.acceleration_by(i, |j| model.forces[j].size()).abs()
     };
-    let force = |i: usize, k: usize| match model.owner[i] {
-        Some(c) => series.contacts[c].carried[k],
-        None => (k + 1) as f64 * series.coordinates[i].course.velocity(k + 1),
+    let acceleration = |i: usize, k: usize| {
+        let moved = (k + 1) as f64 * motion(model, situation, series, i).speed(k + 1);
+        let carried = model.owner[i].map_or(0.0, |c| series.contacts[c].carried[k]);
+        moved.abs().max(carried.abs())
     };
     // Not by what drives and loads happen to be now, which may be about to change their signs.
     let mut sizes: Vec<f64> = scales.iter().enumerate().map(size).collect();
@@ -365,10 +370,9 @@ fn time_unit(
             sizes[j] += x.abs() * load_terms(contact, situation) * coefficient;
         }
     }
-    let changing = sizes
-        .iter()
-        .enumerate()
-        .flat_map(|(i, size)| (1..4).map(move |k| (size / force(i, k).abs()).powf(1.0 / k as f64)));
+    let changing = sizes.iter().enumerate().flat_map(|(i, size)| {
+        (1..4).map(move |k| (size / acceleration(i, k)).powf(1.0 / k as f64))
+    });
     let slipping = model.shared.iter().flat_map(|&c| {
         let of = &series.contacts[c];
         let size = model.contacts[c].size_along(|j| sizes[j]) + of.surface[1].abs();
@@ -381,15 +385,17 @@ fn time_unit(
     if changing.is_finite() {
         return changing;
     }
-    let velocities = scales.iter().enumerate();
-    let stopping = least(&mut velocities.map(|(i, &(_, terms))| {
-        let course = &series.coordinates[i].course;
-        let velocity = course.velocity(0).abs();
-        if model.owner[i].is_none() {
+    let stopping = least(&mut sizes.iter().enumerate().map(|(i, size)| {
+        let velocity = series.coordinates[i].course.velocity(0).abs();
+        match motion(model, situation, series, i) {
+            // What moves with a belt may pass through a velocity of 0.
+            CoordinateMotion::Sticks(_) => f64::INFINITY,
             // What is held has no acceleration, and a velocity that may be but rounding.
-            return velocity / course.velocity(1).abs();
+            free @ CoordinateMotion::Free(_) if model.owner[i].is_none() => {
+                velocity / free.speed(1).abs()
+            }
+            slips => velocity.max(slips.surface(0).abs()) / size,
         }
-        velocity.max(motion(model, situation, series, i).surface(0).abs()) / terms
     }));
     // No time that the clock cannot tell.
     stopping.max(TOLD * f64::EPSILON * situation.clock.time.abs())
