@@ -30,7 +30,7 @@ use crate::motion::{Event, EventKind, Mode, Segment};
 use crate::series::PowerSeries;
 use crate::state::Direction;
 use crate::state::structure::State;
-use crate::structure::Step;
+use crate::structure::{Step, Trigger};
 
 /// A contact with a coordinate of its own at the time of an event; all numbers are divided by the
 /// mass.
@@ -282,8 +282,8 @@ impl TangentFlow<'_> {
         (0..count).map(change).collect()
     }
 
-    /// The rows that change at events of contacts that share coordinates: all these events happen
-    /// when the first contact reaches its own limit.
+    /// The rows that change at events of contacts that share coordinates: all these events have
+    /// the time of what triggers them.
     fn changed_together(
         &self,
         step: &Step,
@@ -291,13 +291,9 @@ impl TangentFlow<'_> {
         events: &[&Event<State>],
     ) -> Vec<(usize, RowDVector<f64>)> {
         let (model, n) = (&self.form.model, self.form.len());
-        let has_cause = |contact: usize| {
-            let mut causes = step.after().causes.iter();
-            causes.any(|&(other, _)| other == contact)
-        };
-        let trigger = events.iter().find(|event| !has_cause(event.contact));
-        let none = self.row(0) * 0.0;
-        let later = trigger.map_or(none, |event| self.trigger_later(step, linear, event));
+        let never = self.row(0) * 0.0;
+        let trigger = step.after().trigger;
+        let later = trigger.map_or(never, |trigger| self.triggered_later(step, linear, trigger));
         let mut changes = Vec::new();
         let slopes = |i: usize| step.series()[i].derivative().at(step.duration());
         for (i, after) in step.after().rates.iter().enumerate() {
@@ -316,33 +312,27 @@ impl TangentFlow<'_> {
         changes
     }
 
-    /// The delay δt of the event of a contact that shares coordinates.
-    fn trigger_later(&self, step: &Step, linear: &Linear, event: &Event<State>) -> RowDVector<f64> {
+    /// The delay δt of what triggers events of contacts that share coordinates.
+    fn triggered_later(&self, step: &Step, linear: &Linear, trigger: Trigger) -> RowDVector<f64> {
         let (model, n, h) = (&self.form.model, self.form.len(), step.duration());
-        let number = event.contact;
-        let contact = &model.contacts[number];
-        let along = |row: &dyn Fn(usize) -> RowDVector<f64>| {
-            let direction = contact.direction.iter();
-            direction.fold(self.row(0) * 0.0, |sum, &(j, b)| sum + row(j) * b)
-        };
-        match event.kind {
-            EventKind::Open | EventKind::Close => self.row(0) * 0.0,
-            EventKind::Stick | EventKind::Crossing(_) => {
+        match trigger {
+            Trigger::Rest(number) => {
+                let contact = &model.contacts[number];
                 let surface = contact.belt_velocity.series(step.clock());
                 let slope = |series: &PowerSeries| series.derivative().at(h);
                 let rate = contact.along(|j| slope(&step.series()[j])) - slope(&surface);
-                along(&|j| self.row(n + j)) * -rate.recip()
+                let zero = self.row(0) * 0.0;
+                let direction = contact.direction.iter();
+                let slip = direction.fold(zero, |sum, &(j, b)| sum + self.row(n + j) * b);
+                slip * -rate.recip()
             }
-            EventKind::Release(to) => {
-                let mut approaches = step.after().approaches.iter();
-                let Some(&(_, rate)) = approaches.find(|&&(other, _)| other == number) else {
-                    return self.row(0) * 0.0;
-                };
-                let memory = &event.state.memory[model.memory(number)];
-                let (limit, slopes) = self.law(number).limit(memory);
+            Trigger::Bound(number, side, rate) => {
+                let contact = &model.contacts[number];
+                let state = step.end_state();
+                let (limit, slopes) = self.law(number).limit(&state.memory[model.memory(number)]);
                 let load = contact.load.series(step.clock()).at(h)
-                    + contact.displacement_load(|j| event.state.displacements[j]);
-                let mut gradient = self.carried_gradient(linear, h, number) * to.sign();
+                    + contact.displacement_load(|j| state.displacements[j]);
+                let mut gradient = self.carried_gradient(linear, h, number) * side.sign();
                 for &(j, a) in contact.load_gradient {
                     gradient += self.row(j) * (-limit * a * contact.compliance);
                 }

@@ -60,6 +60,7 @@ pub use contact::Contact;
 pub use flow::Flow;
 pub use steady::SteadySliding;
 pub use step::Step;
+pub(crate) use step::Trigger;
 pub use system::Structure;
 
 pub use crate::error::{Element, NotSliding};

@@ -3,6 +3,7 @@ use crate::error::Error;
 use crate::motion::sealed::Sealed;
 use crate::motion::{self, Event, Mode, Segment, Steps, Stop, SystemState, Trajectory};
 use crate::series::PowerSeries;
+use crate::state::Direction;
 use crate::state::structure::State;
 
 /// A step of the motion of a [`Structure`](crate::Structure), with events at its end only.
@@ -26,22 +27,23 @@ pub struct Step {
 /// Data for the tangent flow about the events at the end of a step.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct After {
-    /// Contacts whose events have another cause than that contact's own limit.
-    pub(crate) causes: Vec<(usize, Cause)>,
+    /// Contacts with a coordinate to themselves, released by a jump of a drive.
+    pub(crate) forced: Vec<usize>,
     /// v' just after, if a contact that shares coordinates has an event.
     pub(crate) rates: Vec<f64>,
-    /// Contacts that share coordinates and came to the bound of their stick band, and the rate of
-    /// σλ − N μ_s just before, multiplied by G_cc.
-    pub(crate) approaches: Vec<(usize, f64)>,
+    /// What gives the events of contacts that share coordinates their time; nothing does at a jump
+    /// of a drive.
+    pub(crate) trigger: Option<Trigger>,
 }
 
-/// The cause of an event of a contact that reached no limit of its own.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Cause {
-    /// An event of another contact at the same time.
-    Other,
-    /// A jump of a drive, whose time is independent of perturbations.
-    Drive,
+/// What a contact that shares coordinates came to; it may have no event itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Trigger {
+    /// Rest: r = 0.
+    Rest(usize),
+    /// The bound of its stick band on a side; the rate of σλ − N μ_s just before, multiplied by
+    /// G_cc.
+    Bound(usize, Direction, f64),
 }
 
 impl Step {
@@ -91,7 +93,7 @@ impl Step {
 
     /// Returns true if a release at its end was forced by a jump of a drive.
     pub(crate) fn is_forced(&self, contact: usize) -> bool {
-        self.after.causes.contains(&(contact, Cause::Drive))
+        self.after.forced.contains(&contact)
     }
 
     /// The mode of each contact during the step.

@@ -13,7 +13,6 @@ use stick_slip::{SystemState, Tabulated, Trajectory};
 use crate::text::{Answer, Fallible, Question, six};
 
 type Belt = MassOnBelt<AnyLaw>;
-type Forced = Structure<AnyLaw>;
 
 /// The answer to a question, `motion`, `diagram` or `basins`, as JSON.
 pub fn answer(question: &str) -> String {
@@ -60,7 +59,7 @@ fn start(q: &Question) -> Fallible<State> {
 }
 
 /// The belt under the force F cos Ωτ.
-fn forced(belt: &Belt, force: f64, frequency: f64) -> Result<Forced, Error> {
+fn forced(belt: &Belt, force: f64, frequency: f64) -> Result<Structure, Error> {
     Structure::from(belt).with_force(0, Drive::harmonic(force, frequency, 0.0)?)
 }
 
@@ -164,7 +163,7 @@ fn index(basins: &Basins<AnyLaw>, attractor: &Attractor) -> Option<usize> {
 
 /// What becomes of a start under a force: the first stable motion that repeats after one to four
 /// of its periods, and the unstable ones met before.
-fn forced_fate(belt: &Belt, system: &Forced, start: State) -> Fate {
+fn forced_fate(belt: &Belt, system: &Structure, start: State) -> Fate {
     let transient = (20.0 / belt.damping()).clamp(300.0, 3000.0);
     let mut cycles = Vec::new();
     for count in 1..=4 {

@@ -45,7 +45,7 @@ use series::Series;
 use state::{Entry, Firing, Phase, Situation};
 use transitions::{close, decide};
 
-use super::step::{After, Cause, Step};
+use super::step::{After, Step, Trigger};
 use crate::clock::Clock;
 use crate::error::Error;
 use crate::motion::step_control::{self, Attempt};
@@ -158,7 +158,7 @@ impl<'s> Engine<'s> {
             return Err(self.situation.undecided(&self.model, &self.series));
         }
         let is_disturbed = self.land(settled);
-        let approaches = self.approaches(settled.duration);
+        let trigger = self.trigger(settled.duration);
         let end = self.state();
         let Self {
             model,
@@ -174,7 +174,7 @@ impl<'s> Engine<'s> {
                 Vec::new()
             }
         };
-        let after = self.after(&events, approaches);
+        let after = self.after(&events, trigger);
         let span = (settled.duration, self.situation.clock);
         Ok(Step::new(start, span, modes, from, series, events, end).followed_by(after))
     }
@@ -356,42 +356,39 @@ impl<'s> Engine<'s> {
         is_disturbed
     }
 
-    /// Of every shared contact that came to a bound of its band: the rate at which it did.
-    fn approaches(&self, h: f64) -> Vec<(usize, f64)> {
-        let shared = self.model.shared.iter();
-        let at_edge = shared.filter_map(|&c| match self.situation.contacts[c].edge {
-            Edge::On(Some(side)) => {
-                let distance = Edge::Away.distance(&self.series.contacts[c], side);
-                Some((c, -distance.derivative().at(h)))
+    /// The first shared contact that came to rest or to a bound of its band.
+    fn trigger(&self, h: f64) -> Option<Trigger> {
+        self.model.shared.iter().find_map(|&c| {
+            let state = &self.situation.contacts[c];
+            match state.edge {
+                Edge::On(Some(side)) => {
+                    let distance = Edge::Away.distance(&self.series.contacts[c], side);
+                    Some(Trigger::Bound(c, side, -distance.derivative().at(h)))
+                }
+                _ => state.has_arrived().then_some(Trigger::Rest(c)),
             }
-            _ => None,
-        });
-        at_edge.collect()
+        })
     }
 
     /// What the tangent flow has to know of the events.
-    fn after(&self, events: &[Event<State>], approaches: Vec<(usize, f64)>) -> After {
-        let is_own = |event: &Event<State>| match event.kind {
-            EventKind::Release(_) => self.situation.contacts[event.contact].edge != Edge::Away,
-            _ => true,
-        };
+    fn after(&self, events: &[Event<State>], trigger: Option<Trigger>) -> After {
         let is_shared = |event: &Event<State>| self.model.owner_of(event.contact).is_none();
-        let has_trigger = events.iter().any(|event| is_shared(event) && is_own(event));
-        let caused = events.iter().filter(|event| !is_own(event));
-        let causes = caused.map(|event| {
-            let by_other = is_shared(event) && has_trigger;
-            let cause = if by_other { Cause::Other } else { Cause::Drive };
-            (event.contact, cause)
-        });
+        let is_forced = |event: &Event<State>| {
+            let is_release = matches!(event.kind, EventKind::Release(_));
+            is_release && self.situation.contacts[event.contact].edge == Edge::Away
+        };
+        let forced = events
+            .iter()
+            .filter(|event| !is_shared(event) && is_forced(event));
         let rates = if events.iter().any(is_shared) {
             self.acceleration()
         } else {
             Vec::new()
         };
         After {
-            causes: causes.collect(),
+            forced: forced.map(|event| event.contact).collect(),
             rates,
-            approaches,
+            trigger,
         }
     }
 
