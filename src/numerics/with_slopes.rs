@@ -279,7 +279,7 @@ fn divide(
         let changes = (left.value > 0.0) != (right.value > 0.0);
         if left.vanishes() && right.vanishes() {
             found.leave(left.x..right.x);
-        } else if right.x - left.x <= narrowest {
+        } else if right.x - left.x <= narrowest || is_indivisible(left.x, right.x) {
             if changes {
                 found.refine(f, left, right)?;
             } else if left.vanishes() || right.vanishes() {
@@ -302,6 +302,12 @@ fn divide(
         }
     }
     Ok(())
+}
+
+/// Returns true if no number lies between two.
+fn is_indivisible(a: f64, b: f64) -> bool {
+    let middle = 0.5 * (a + b);
+    !(a < middle && middle < b)
 }
 
 /// Returns true if the cubic surely rises, or surely falls, all the way: both slopes agree with the

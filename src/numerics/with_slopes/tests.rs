@@ -543,3 +543,26 @@ fn a_turn_is_found_whatever_the_curvature() {
         }
     }
 }
+
+#[test]
+fn an_interval_without_a_number_inside_is_not_divided() {
+    let least = f64::from_bits(1);
+    // Neither cubic fits, and 1e-9 of the first width is 0.
+    for (a, b) in [
+        (least, 3.0 * least),
+        (1.0, 1.0_f64.next_up()),
+        (1.0, f64::INFINITY),
+    ] {
+        let wild = |x: f64| sample(x, if x > a { 1.0 } else { 2.0 }, f64::NAN);
+        let mut found = Roots::default();
+        roots_between(
+            &mut |x| Ok(wild(x)),
+            &|_, _| None,
+            wild(a),
+            wild(b),
+            &mut found,
+        )
+        .unwrap();
+        assert_eq!(found, Roots::default());
+    }
+}
