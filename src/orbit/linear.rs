@@ -10,7 +10,7 @@ use crate::scalar::mul_add;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 use crate::state::structure::State;
 use crate::structure::Step;
-use crate::structure::engine::factor::Factor;
+use crate::structure::engine::factor::Holding;
 use crate::structure::engine::model::{ContactData, Model};
 
 /// The coefficients of the variational equations along one step.
@@ -19,13 +19,6 @@ pub(super) struct Linear {
     /// The derivatives, by the number of the contact.
     pub(super) joints: Vec<Joint>,
     pub(super) holding: Holding,
-}
-
-/// Sticking contacts that share coordinates, and the factor of their matrix G.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Holding {
-    pub(super) contacts: Vec<usize>,
-    pub(super) factor: Factor,
 }
 
 impl Holding {
@@ -45,7 +38,7 @@ impl Holding {
     /// Projects out the velocities that move a sticking contact.
     pub(super) fn project(&self, model: &Model<'_>, velocities: &mut [f64]) {
         let along = |c: usize| model.contacts[c].along(|j| velocities[j]);
-        for (j, correction) in model.corrections(&self.contacts, &self.factor, along) {
+        for (j, correction) in model.corrections(self, along) {
             velocities[j] -= correction;
         }
     }

@@ -22,7 +22,7 @@
 
 use nalgebra::{DMatrix, RowDVector};
 
-use super::linear::{Holding, Linear};
+use super::linear::Linear;
 use super::tangent::TangentFlow;
 use crate::friction::memory::object::LawObject;
 use crate::friction::memory::{Motion, Slip};
@@ -30,6 +30,7 @@ use crate::motion::{Event, EventKind, Mode, Segment};
 use crate::series::PowerSeries;
 use crate::state::Direction;
 use crate::state::structure::State;
+use crate::structure::engine::factor::Holding;
 use crate::structure::{Step, Trigger};
 
 /// A contact with a coordinate of its own at the time of an event; all numbers are divided by the

@@ -14,13 +14,14 @@ use std::borrow::Cow;
 use nalgebra::{DMatrix, DVector};
 
 use super::form::Form;
-use super::linear::{Holding, Linear};
+use super::linear::Linear;
 use crate::error::{Error, Reached};
 use crate::motion::step_control::reach;
 use crate::motion::{Integrator, Mode, Segment};
 use crate::scalar::jet::Tape;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 use crate::state::structure::State;
+use crate::structure::engine::factor::Holding;
 use crate::structure::engine::model::Model;
 use crate::structure::{Flow, Step};
 
@@ -257,10 +258,9 @@ fn expand(model: &Model<'_>, linear: &Linear, column: &[f64], work: &mut [PowerS
                 z[j][k + 1] = inputs(&joint.rates[j], z) * INTEGRAL[k];
             }
         }
-        let Holding { contacts, factor } = &linear.holding;
-        if !contacts.is_empty() {
+        if !linear.holding.contacts.is_empty() {
             let along = |c: usize| model.contacts[c].along(|j| v[j][k + 1]);
-            for (j, correction) in model.corrections(contacts, factor, along) {
+            for (j, correction) in model.corrections(&linear.holding, along) {
                 v[j][k + 1] -= correction;
             }
         }

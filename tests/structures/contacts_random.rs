@@ -5,7 +5,7 @@ use stick_slip::{AnyLaw, Error, FrictionLaw, Integrator, Mode, Segment};
 
 use crate::common::Random;
 use crate::plain::{Plain, Seen};
-use crate::random::{count, simulate, told};
+use crate::random::{Comparison, count, simulate, told};
 use crate::work::Work;
 
 /// Laws of contacts and of motion along every step.
@@ -93,7 +93,7 @@ fn motions_of_joints_obey_the_law() {
 #[test]
 fn a_simple_integrator_sees_the_same_events_of_joints() {
     let mut random = Random::new(501);
-    let (mut compared, mut undecided, mut worst) = (0, 0, 0.0_f64);
+    let mut all = Comparison::default();
     for i in 0..count(40) {
         let plain = Plain::shared(&mut random, false);
         let start: State = plain.start_at_rest(&mut random);
@@ -115,34 +115,10 @@ fn a_simple_integrator_sees_the_same_events_of_joints() {
         };
         let mut found = later(told(&motion));
         found.extend(end);
-        for n in 0..coarse.len().max(fine.len()).max(found.len()) {
-            let about = || format!("{i}, event {n}:\n{found:?}\n{fine:?}\n{plain:?}\n{start:?}");
-            let (Some(a), Some(b)) = (coarse.get(n), fine.get(n)) else {
-                if coarse.len() == fine.len() {
-                    // One more: only at the very end.
-                    assert!(found[n].0 > duration - 1e-3, "{}", about());
-                } else {
-                    undecided += 1;
-                }
-                break;
-            };
-            let same = |a: &Seen, b: &Seen| (a.1, a.2, a.3) == (b.1, b.2, b.3);
-            if !same(a, b) || (a.0 - b.0).abs() > 1e-3 || b.2 == 'u' {
-                undecided += 1;
-                break;
-            }
-            let Some(event) = found.get(n) else {
-                assert!(b.0 > duration - 1e-3, "{}", about());
-                break;
-            };
-            assert!(same(event, b), "{}", about());
-            let allowed = 4.0 * (a.0 - b.0).abs() + 1e-4;
-            assert!((event.0 - b.0).abs() < allowed, "{}", about());
-            worst = worst.max((event.0 - b.0).abs());
-            compared += 1;
-        }
+        let motion = format!("{i}:\n{plain:?}\n{start:?}");
+        all.add(&found, [&coarse, &fine], duration, &motion);
     }
-    println!("{compared} events, {undecided} undecided motions, worst difference {worst:.1e}");
-    assert!(compared > 3 * count(40), "{compared}");
-    assert!(undecided * 5 < count(40), "{undecided}");
+    println!("{all}");
+    assert!(all.compared > 3 * count(40), "{all}");
+    assert!(all.undecided * 5 < count(40), "{all}");
 }

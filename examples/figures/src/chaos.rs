@@ -1,11 +1,12 @@
 //! A forced stick-slip oscillator once a period of the force, and its largest Lyapunov exponent.
 
+use stick_slip::Error;
 use stick_slip::orbit;
 use stick_slip::structure::State;
-use stick_slip::{Contact, Drive, Error, Polynomial, Structure};
 
 use super::clip::Point;
 use super::plot::{Axis, Panel};
+use super::resonance::oscillator;
 use super::style::{BLACK, BLUE, GREY, Stroke};
 use super::svg::{Figure, Result, svg};
 
@@ -15,17 +16,8 @@ const COUNT: usize = 160;
 const TRANSIENT: usize = 300;
 const SAMPLES: usize = 60;
 
-fn oscillator(force: f64) -> std::result::Result<Structure, Error> {
-    let law = Polynomial::new(0.55, 0.3, 0.7)?;
-    Structure::new(&[1.0])?
-        .with_ground_spring(0, 1.0)?
-        .with_ground_damper(0, 0.06)?
-        .with_force(0, Drive::harmonic(force, FREQUENCY, 0.0)?)?
-        .with_contact(Contact::new(0, law, 0.9)?.on_belt(0.25))
-}
-
 fn column(force: f64) -> std::result::Result<(Vec<Point>, Point), Error> {
-    let system = oscillator(force)?;
+    let system = oscillator(force, FREQUENCY)?;
     let period = std::f64::consts::TAU / FREQUENCY;
     let start = State::at_rest(1);
     let section = orbit::section(&system, &start, period);

@@ -14,7 +14,8 @@ type System = Structure;
 const FORCES: [f64; 3] = [0.14, 0.2, 0.3];
 const WHOLE: std::ops::Range<f64> = 0.5..2.0;
 
-fn oscillator(force: f64, frequency: f64) -> std::result::Result<System, Error> {
+/// A mass on a belt under the force p cos Ωt.
+pub(super) fn oscillator(force: f64, frequency: f64) -> std::result::Result<System, Error> {
     let law = Polynomial::new(0.55, 0.3, 0.7)?;
     Structure::new(&[1.0])?
         .with_ground_spring(0, 1.0)?

@@ -16,10 +16,11 @@
 
 use super::edge::{EDGE_ROUNDING, Edge, side_of};
 use super::expand::{free_accelerations, unless_rounding};
+use super::factor::Holding;
 use super::model::Model;
 use super::plan::{contact_terms, load_terms};
 use super::series::Series;
-use super::state::{Closed, ContactState, Entry, Holding, Phase, Situation};
+use super::state::{Closed, ContactState, Entry, Phase, Situation};
 use crate::error::Error;
 use crate::state::Direction;
 
@@ -504,10 +505,8 @@ pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &S
         }
         Phase::Open | Phase::Slip { .. } => 0.0,
     };
-    let Holding { contacts, factor } = &closed.holding;
-    let velocities = model.corrections(contacts, factor, apart);
-    let Holding { contacts, factor } = &situation.holding;
-    let displacements = model.corrections(contacts, factor, carried);
+    let velocities = model.corrections(&closed.holding, apart);
+    let displacements = model.corrections(&situation.holding, carried);
     let before = |&j: &usize| (j, situation.coordinates[j].velocity);
     let before: Vec<_> = model.shared_coordinates.iter().map(before).collect();
     for (j, correction) in velocities {
@@ -522,12 +521,7 @@ pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &S
     }
     // Contacts at rest to the bit, where they do not run in a circle.
     for &(c, pivot) in &closed.pivots {
-        let rests = match situation.contacts[c].phase {
-            Phase::Slip { speed, .. } => speed == 0.0,
-            Phase::Stick { .. } => true,
-            Phase::Open => false,
-        };
-        if rests {
+        if situation.contacts[c].rests() {
             let others = |j: usize| {
                 if j == pivot {
                     0.0
@@ -545,11 +539,6 @@ pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &S
 
 /// The shared contacts that are closed: of dependent ones those at rest.
 fn closed_contacts(model: &Model<'_>, situation: &Situation) -> Closed {
-    let rests = |c: usize| match situation.contacts[c].phase {
-        Phase::Stick { .. } => true,
-        Phase::Slip { speed, .. } => speed == 0.0,
-        Phase::Open => false,
-    };
     let shared = model.shared.iter().copied();
     let mut contacts: Vec<usize> = shared
         .filter(|&c| !situation.contacts[c].phase_is_open())
@@ -563,7 +552,9 @@ fn closed_contacts(model: &Model<'_>, situation: &Situation) -> Closed {
             }
             Err(place) => place,
         };
-        let before = contacts[..=place].iter().rposition(|&c| !rests(c));
+        let before = contacts[..=place]
+            .iter()
+            .rposition(|&c| !situation.contacts[c].rests());
         contacts.remove(before.unwrap_or(place));
     }
 }

@@ -43,9 +43,7 @@ impl Edge {
             Self::Away => false,
         }
     }
-}
 
-impl Edge {
     /// N μ_s ∓ ℓ, with the zeros that are known.
     pub(super) fn distance(self, series: &ContactSeries, side: Direction) -> PowerSeries {
         let (bound, carried) = (&series.bound, &series.carried);

@@ -8,6 +8,14 @@ pub(crate) struct Factor {
     rows: Vec<Row>,
 }
 
+/// Sticking contacts that share coordinates and whose directions are independent, with the factor
+/// of their G.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Holding {
+    pub(crate) contacts: Vec<usize>,
+    pub(crate) factor: Factor,
+}
+
 #[derive(Debug, Clone, PartialEq)]
 struct Row {
     /// Column of the first entry.

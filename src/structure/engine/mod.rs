@@ -196,7 +196,7 @@ impl<'s> Engine<'s> {
             at_break: break_time.filter(|_| duration >= to_break),
         };
         if is_linear(model, situation, series) {
-            return self.settle_linear(break_time, to_break);
+            return self.settle_linear(to_break).map(settled);
         }
         if !is_finite(situation, series) {
             return Err(self.underflow(0.0));
@@ -235,8 +235,9 @@ impl<'s> Engine<'s> {
     }
 
     /// The same where all velocities are constant and all loads straight lines: no series limits
-    /// the step, but the memory of contacts goes on, and may show more of their laws.
-    fn settle_linear(&mut self, break_time: Option<f64>, to_break: f64) -> Result<Settled, Error> {
+    /// the step, but the memory of contacts goes on, and may show more of their laws. Returns the
+    /// duration.
+    fn settle_linear(&mut self, to_break: f64) -> Result<f64, Error> {
         let Self {
             model,
             situation,
@@ -262,14 +263,9 @@ impl<'s> Engine<'s> {
                 Attempt::Inexact(end)
             }
         });
-        let duration = match found {
-            Ok((duration, _)) => duration,
-            Err(h) => return Err(self.underflow(h)),
-        };
-        Ok(Settled {
-            duration,
-            at_break: break_time.filter(|_| duration >= to_break),
-        })
+        found
+            .map(|(duration, _)| duration)
+            .map_err(|h| self.underflow(h))
     }
 
     /// Where pieces of a drive meet next, as a time and as a duration from now.

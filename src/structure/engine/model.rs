@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use nalgebra::DMatrix;
 
-use super::factor::Factor;
+use super::factor::{Factor, Holding};
 use super::sparse::Sparse;
 use crate::belt::MassOnBelt;
 use crate::drive::Drive;
@@ -402,12 +402,12 @@ impl<'s> Model<'s> {
             }
         }
         let shared = self.shared.iter().copied();
-        let (contacts, factor) = self.independent(shared.filter(|&c| rests(c)).collect());
+        let holding = self.independent(shared.filter(|&c| rests(c)).collect());
         let relative = |c: usize| {
             let contact = &self.contacts[c];
             contact.along(|j| velocities[j]) - contact.belt_velocity.value(time)
         };
-        for (j, correction) in self.corrections(&contacts, &factor, relative) {
+        for (j, correction) in self.corrections(&holding, relative) {
             velocities[j] -= correction;
         }
     }
@@ -416,10 +416,10 @@ impl<'s> Model<'s> {
     /// any more, by the least change in the norm of M.
     pub(crate) fn corrections(
         &self,
-        contacts: &[usize],
-        factor: &Factor,
+        holding: &Holding,
         apart: impl Fn(usize) -> f64,
     ) -> Vec<(usize, f64)> {
+        let Holding { contacts, factor } = holding;
         let root = |c: usize| self.contacts[c].compliance.sqrt();
         let mut parts: Vec<f64> = contacts.iter().map(|&c| apart(c) / root(c)).collect();
         factor.solve(&mut parts);
@@ -431,10 +431,10 @@ impl<'s> Model<'s> {
     }
 
     /// The largest set of these shared contacts whose directions are independent, with its factor.
-    pub(super) fn independent(&self, mut contacts: Vec<usize>) -> (Vec<usize>, Factor) {
+    pub(super) fn independent(&self, mut contacts: Vec<usize>) -> Holding {
         loop {
             match self.factor(&contacts) {
-                Ok(factor) => return (contacts, factor),
+                Ok(factor) => return Holding { contacts, factor },
                 Err(place) => {
                     contacts.remove(place);
                 }

@@ -1,7 +1,7 @@
 //! What changes at events.
 
 use super::edge::Edge;
-use super::factor::Factor;
+use super::factor::Holding;
 use super::model::{ContactData, Model};
 use super::series::Series;
 use crate::clock::Clock;
@@ -22,13 +22,6 @@ pub(super) struct Situation {
     pub(super) holding: Holding,
     /// Those that are closed; none if they are not known.
     pub(super) closed: Option<Closed>,
-}
-
-/// A set of shared contacts whose directions are independent.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Holding {
-    pub(super) contacts: Vec<usize>,
-    pub(super) factor: Factor,
 }
 
 /// The shared contacts that are closed.
@@ -198,6 +191,15 @@ impl ContactState {
 
     pub(super) fn sticks(&self) -> bool {
         matches!(self.phase, Phase::Stick { .. })
+    }
+
+    /// Whether r = 0: in stick, or where slip begins or turns.
+    pub(super) fn rests(&self) -> bool {
+        match self.phase {
+            Phase::Stick { .. } => true,
+            Phase::Slip { speed, .. } => speed == 0.0,
+            Phase::Open => false,
+        }
     }
 
     pub(super) fn phase_is_open(&self) -> bool {
