@@ -345,6 +345,38 @@ pub enum Error {
         reached: Reached,
     },
 
+    /// An elastic contact has a law that is not one constant, so how far its slider moves when it
+    /// starts is not determined:
+    /// [`Contact::with_tangential_stiffness`](crate::Contact::with_tangential_stiffness).
+    #[error(
+        "an elastic contact needs one coefficient of friction at all speeds, and this law has \
+         μ_s = {static_coefficient} and μ̂(0) = {kinetic_coefficient} or changes with speed; give \
+         `Coulomb::new(μ, μ)`, or give the slider a mass: a coordinate of its own, with a spring \
+         of stiffness k_t to the structure and a rigid contact with this law"
+    )]
+    LawNotConstant {
+        /// μ_s, dimensionless.
+        static_coefficient: f64,
+        /// μ̂(0), dimensionless.
+        kinetic_coefficient: f64,
+    },
+
+    /// An elastic contact carries more at the start than its slider can hold.
+    #[error(
+        "elastic contact {contact} cannot carry {} at the start: its limit μN is {} there; start \
+         with a smaller memory",
+        Plain(*carried),
+        Plain(*limit)
+    )]
+    OverLimit {
+        /// Number of the contact.
+        contact: usize,
+        /// The force that was given, T.
+        carried: f64,
+        /// μN, in units of force.
+        limit: f64,
+    },
+
     /// The velocity of a belt jumps; a mass that sticks could follow only under an infinite force.
     #[error(
         "the belt under coordinate {coordinate} changes its velocity by a jump at time {}; make \
@@ -541,6 +573,12 @@ pub enum NotSliding {
         /// Its load, in units of force.
         load: f64,
     },
+    /// An elastic contact is at rest when all masses are: any force up to its limit holds it, and
+    /// equilibria are a continuum.
+    Continuum {
+        /// Number of the contact.
+        contact: usize,
+    },
     /// The memory of a contact has no state in which it stays.
     NoSteadyMemory {
         /// Number of the contact.
@@ -565,6 +603,12 @@ impl std::fmt::Display for NotSliding {
                 f,
                 "contact {contact} has the load {} there; press it together",
                 Plain(*load)
+            ),
+            Self::Continuum { contact } => write!(
+                f,
+                "elastic contact {contact} is at rest where all masses are, and carries any force \
+                 up to its limit: equilibria are a continuum; simulate to one of them, or give its \
+                 surface a velocity"
             ),
             Self::NoSteadyMemory { contact } => write!(
                 f,

@@ -36,7 +36,7 @@
 //! | [`State`](crate::State) | `displacement`, `velocity` | yes |
 //! | [`structure::State`](crate::structure::State) | `displacements`, `velocities`, [`memory`: empty] | yes |
 //! | [`Drive`](crate::Drive) | [`constant` = 0]; [`harmonics`: none], a list of maps `angular_frequency`, `cosine`, `sine`; [`profiles`: none], each a list of [time, value] | yes |
-//! | [`Contact`](crate::Contact) | `coordinate`, [`direction`: a list of [coordinate, b]; that coordinate alone with b = 1], `law`: a name of a law with that law, see below, `load`, [`load_gradient`: a list of [coordinate, force per displacement]], [`belt_velocity` = 0] | yes |
+//! | [`Contact`](crate::Contact) | `coordinate`, [`direction`: a list of [coordinate, b]; that coordinate alone with b = 1], `law`: a name of a law with that law, see below, `load`, [`load_gradient`: a list of [coordinate, force per displacement]], [`belt_velocity` = 0], [`tangential_stiffness`: of an elastic contact], [`normal_spring`: a list of [coordinate, d], and k_n] | yes |
 //! | [`Structure`](crate::Structure) | `masses`, or `mass_matrix`: a list of rows; [`stiffness`, `damping`: lists of rows], [`forces`: a drive for each coordinate], [`contacts`: none] | yes |
 //! | [`Event`](crate::Event) | `time`, `contact`, `kind`, `state` | yes |
 //! | [`EventKind`](crate::EventKind) | `stick`, `open`, `close`, or `release` or `crossing` with the direction | yes |

@@ -44,6 +44,14 @@ impl Harmonic {
         }
     }
 
+    pub(super) fn scaled(&self, factor: f64) -> Self {
+        Self {
+            cosine: self.cosine * factor,
+            sine: self.sine * factor,
+            ..*self
+        }
+    }
+
     /// Value and slope.
     pub(super) fn at(&self, time: Clock) -> [f64; 2] {
         let (sine, cosine) = sin_cos(time, self.angular_frequency);

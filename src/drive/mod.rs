@@ -261,6 +261,23 @@ impl Drive {
         Ok(sum)
     }
 
+    /// The drive multiplied by a factor that is not 0.
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        Self {
+            constant: self.constant * factor,
+            harmonics: self
+                .harmonics
+                .iter()
+                .map(|wave| wave.scaled(factor))
+                .collect(),
+            profiles: self
+                .profiles
+                .iter()
+                .map(|profile| profile.scaled(factor))
+                .collect(),
+        }
+    }
+
     /// Returns [`Error::InvalidParameter`] unless the drive of a contact is finite at all times.
     /// `name` is its name there.
     pub(crate) fn check(&self, name: &'static str, allowed: &'static str) -> Result<(), Error> {

@@ -39,6 +39,16 @@ impl Profile {
         constant.then_some(first)
     }
 
+    pub(super) fn scaled(&self, factor: f64) -> Self {
+        let points = self.points.iter();
+        Self {
+            points: points
+                .map(|&(time, value)| (time, value * factor))
+                .collect(),
+            size: self.size * factor.abs(),
+        }
+    }
+
     /// Largest size of its values.
     pub(super) fn size(&self) -> f64 {
         self.size

@@ -124,6 +124,8 @@ impl Error {
             | Self::BadDirection { .. }
             | Self::NoSteadySliding(_)
             | Self::Undetermined { .. }
+            | Self::LawNotConstant { .. }
+            | Self::OverLimit { .. }
             | Self::BeltVelocityJumps { .. }
             | Self::Separation { .. }
             | Self::NoCommonPeriod

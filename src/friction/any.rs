@@ -111,4 +111,8 @@ impl FrictionLaw for AnyLaw {
     fn any(&self) -> Option<AnyLaw> {
         Some(self.clone())
     }
+
+    fn constant(&self) -> Option<f64> {
+        for_each!(self, law => law.constant())
+    }
 }

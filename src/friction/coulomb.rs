@@ -72,4 +72,8 @@ impl FrictionLaw for Coulomb {
     fn any(&self) -> Option<AnyLaw> {
         Some((*self).into())
     }
+
+    fn constant(&self) -> Option<f64> {
+        (self.static_coefficient == self.kinetic_coefficient).then_some(self.kinetic_coefficient)
+    }
 }

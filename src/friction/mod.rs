@@ -200,6 +200,13 @@ pub trait FrictionLaw: Sized {
         None
     }
 
+    /// The one coefficient of a law for which μ_s = μ̂(s) at every speed; `None` for any other, and
+    /// for one of which it is not known.
+    #[doc(hidden)]
+    fn constant(&self) -> Option<f64> {
+        None
+    }
+
     /// Friction coefficient μ(v_r) = sgn(v_r)·μ̂(|v_r|), dimensionless, at a relative velocity v_r
     /// of either sign; 0 at v_r = 0.
     ///
@@ -296,6 +303,9 @@ impl<L: FrictionLaw> FrictionLaw for &L {
     }
     fn any(&self) -> Option<AnyLaw> {
         (**self).any()
+    }
+    fn constant(&self) -> Option<f64> {
+        (**self).constant()
     }
     // These forward to the law itself: the defaults would be compiled once more for the reference.
     fn coefficient(&self, relative_velocity: f64) -> f64 {

@@ -101,6 +101,10 @@ impl<L: FrictionLaw> FrictionLaw for Scaled<L> {
             visitor,
         })
     }
+
+    fn constant(&self) -> Option<f64> {
+        self.law.constant()
+    }
 }
 
 /// A visitor that scales the law inside for another visitor.

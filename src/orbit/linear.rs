@@ -48,6 +48,8 @@ impl Holding {
 #[derive(Debug, Clone)]
 pub(super) struct Joint {
     pub(super) is_stuck: bool,
+    /// Whether its normal spring acts.
+    pub(super) is_closed: bool,
     /// ∂(Nμ)/∂r, then ∂(Nμ)/∂z_j, multiplied by G_cc; none unless it slips.
     pub(super) friction: Vec<PowerSeries>,
     /// μ multiplied by G_cc, and the gradient of the load; none unless it slips under a load that
@@ -125,6 +127,7 @@ impl Along<'_> {
         let count = self.contact.memory();
         let mut joint = Joint {
             is_stuck: mode == Mode::Stick,
+            is_closed: mode != Mode::Open,
             friction: Vec::new(),
             by_load: None,
             rates: vec![Vec::new(); count],
@@ -132,10 +135,30 @@ impl Along<'_> {
         };
         match mode {
             Mode::Open => {}
+            _ if self.contact.is_elastic() => self.elastic(&mut joint, mode),
             Mode::Stick => self.stick(&mut joint),
             Mode::Slip(side) => self.slip(&mut joint, side.sign()),
         }
         joint
+    }
+
+    /// δT' = k_t δr and the force δT; in slip the force σμ n·δq, with which δT goes: see
+    /// [`TangentFlow::limit_elastic`](super::tangent::TangentFlow::limit_elastic).
+    fn elastic(&self, joint: &mut Joint, mode: Mode) {
+        let constant = |value: f64| PowerSeries::from_fn(|k| if k == 0 { value } else { 0.0 });
+        joint.is_stuck = false;
+        match mode {
+            Mode::Slip(side) => {
+                let coefficient = side.sign() * self.contact.constant_coefficient();
+                joint.by_load = Some((constant(coefficient), self.contact.load_gradient.clone()));
+            }
+            Mode::Stick | Mode::Open => {
+                let stiffness = self.contact.tangential_stiffness.unwrap_or(0.0);
+                joint.friction = vec![PowerSeries::ZERO, constant(1.0)];
+                joint.rates = vec![vec![constant(stiffness), PowerSeries::ZERO]];
+                joint.depends = vec![true];
+            }
+        }
     }
 
     /// The derivative by one input; the derivatives of the rates are stored.
@@ -198,7 +221,7 @@ impl Along<'_> {
     /// The series of N G_cc.
     fn load(&self, start: &State) -> PowerSeries {
         let mut load = self.contact.load.series(self.step.clock());
-        for &(j, gradient) in self.contact.load_gradient {
+        for &(j, gradient) in &self.contact.load_gradient {
             load[0] += gradient * start.displacements[j];
             let velocity = &self.step.series()[j];
             for k in 1..TERMS {

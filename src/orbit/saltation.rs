@@ -334,7 +334,7 @@ impl TangentFlow<'_> {
                 let load = contact.load.series(step.clock()).at(h)
                     + contact.displacement_load(|j| state.displacements[j]);
                 let mut gradient = self.carried_gradient(linear, h, number) * side.sign();
-                for &(j, a) in contact.load_gradient {
+                for &(j, a) in &contact.load_gradient {
                     gradient += self.row(j) * (-limit * a * contact.compliance);
                 }
                 for (row, slope) in std::iter::zip(self.memory_rows(number), slopes) {
@@ -421,7 +421,7 @@ impl TangentFlow<'_> {
             }
         }
         let data = &model.contacts[contact];
-        for &(j, a) in data.load_gradient {
+        for &(j, a) in &data.load_gradient {
             gradient += row(j) * (-limit * a * data.compliance);
         }
         let mut rate = sign * at.carried_rate - at.load_rate * limit;

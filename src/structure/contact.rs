@@ -7,7 +7,7 @@ use crate::belt::MassOnBelt;
 use crate::drive::Drive;
 use crate::error::Error;
 use crate::friction::memory::object::LawObject;
-use crate::friction::memory::{ContactLaw, validate};
+use crate::friction::memory::{ContactLaw, Slip, validate};
 
 /// A friction contact: its direction, its law, its normal load and the velocity of the surface that
 /// it slides on.
@@ -28,9 +28,12 @@ use crate::friction::memory::{ContactLaw, validate};
 /// dimensionless. A row b twice as large doubles r and the force on the coordinates.
 ///
 /// A load that depends on time alone may fall to 0 and come back: the contact is open meanwhile,
-/// and there is no friction. A load that depends on displacements comes from a normal spring that
-/// is part of the stiffness matrix, and which would pull once N < 0: the motion ends there, with
-/// an error.
+/// and there is no friction. A load gradient belongs to a normal spring that is part of the
+/// stiffness matrix, and which would pull once N < 0: the motion ends there, with an error. Give
+/// the contact [a normal spring of its own](Self::with_normal_spring) where it opens and closes.
+///
+/// A contact is rigid, or [elastic](Self::with_tangential_stiffness): a spring in series with a
+/// dry slider.
 ///
 /// A load that only touches 0, from above or from below, is no event: where it turns back within
 /// 8ε of 0, in units of the sum of the sizes of its terms, or where one piece of a [`Drive`] ends
@@ -68,10 +71,14 @@ pub struct Contact {
     /// b by ascending coordinate; none is 0.
     direction: Vec<(usize, f64)>,
     law: Arc<dyn LawObject + Send + Sync>,
-    load: Drive,
+    pub(super) load: Drive,
     /// n_j by ascending coordinate j; none is 0.
-    load_gradient: Vec<(usize, f64)>,
+    pub(super) load_gradient: Vec<(usize, f64)>,
     belt_velocity: Drive,
+    /// k_t of an elastic contact.
+    pub(super) tangential_stiffness: Option<f64>,
+    /// d by ascending coordinate, and k_n.
+    pub(super) normal_spring: Option<(Vec<(usize, f64)>, f64)>,
 }
 
 impl Contact {
@@ -125,6 +132,8 @@ impl Contact {
             load: checked_load(load.into())?,
             load_gradient: Vec::new(),
             belt_velocity: Drive::constant(0.0),
+            tangential_stiffness: None,
+            normal_spring: None,
         })
     }
 
@@ -140,14 +149,16 @@ impl Contact {
             load: Drive::constant(belt.load()),
             load_gradient: Vec::new(),
             belt_velocity: Drive::constant(belt.belt_velocity()),
+            tangential_stiffness: None,
+            normal_spring: None,
         }
     }
 
     /// The same contact on a surface of velocity w(t): a belt; between two coordinates, a velocity
     /// that is added between the two.
     ///
-    /// The velocity must not jump; [`Structure::with_contact`](crate::Structure::with_contact)
-    /// checks it.
+    /// The velocity must not jump, except at an elastic contact;
+    /// [`Structure::with_contact`](crate::Structure::with_contact) checks it.
     pub fn on_belt(mut self, velocity: impl Into<Drive>) -> Self {
         self.belt_velocity = velocity.into();
         self
@@ -210,12 +221,34 @@ impl Contact {
         &self.belt_velocity
     }
 
-    /// Normal load N = N0(t) + Σ n_j q_j at a time, in units of force; NaN where a displacement
-    /// is missing. It may be negative: the contact is open then, or the motion has ended.
+    /// Normal load N = N0(t) + Σ n_j q_j + k_n d·q at a time, in units of force; NaN where a
+    /// displacement is missing. It may be negative: the contact is open then, or the motion has
+    /// ended.
     pub fn load_at(&self, time: f64, displacements: &[f64]) -> f64 {
-        let gradient = self.load_gradient.iter();
-        let terms = gradient.map(|&(j, n)| n * displacements.get(j).copied().unwrap_or(f64::NAN));
+        let terms = self
+            .whole_gradient()
+            .map(|(j, n)| n * displacements.get(j).copied().unwrap_or(f64::NAN));
         self.load.value(time) + terms.sum::<f64>()
+    }
+
+    /// Coordinates with the derivative of the load by their displacements, that of a normal spring
+    /// included.
+    pub(super) fn whole_gradient(&self) -> impl Iterator<Item = (usize, f64)> {
+        let spring = self.normal_spring.iter();
+        let of_spring =
+            spring.flat_map(|(direction, k)| direction.iter().map(move |&(j, d)| (j, k * d)));
+        self.load_gradient.iter().copied().chain(of_spring)
+    }
+
+    /// μ_s and μ̂(0), with a memory of zeros.
+    pub(super) fn coefficients_at_rest(&self) -> (f64, f64) {
+        let slip = Slip {
+            speed: 0.0,
+            direction: 1.0,
+            piece: 0,
+        };
+        let kinetic = self.law.coefficient(slip, &|_| 0.0);
+        (self.law.limit(&|_| 0.0).unwrap_or(kinetic), kinetic)
     }
 
     /// Its law, without its type.
@@ -225,22 +258,28 @@ impl Contact {
 
     /// The contact as the engine needs it.
     pub(super) fn data(&self) -> ContactData<'_> {
-        ContactData::new(
+        let mut data = ContactData::new(
             Cow::Borrowed(&self.direction),
             &*self.law,
             [&self.load, &self.belt_velocity].map(Cow::Borrowed),
-            &self.load_gradient,
-        )
+            self.whole_gradient().collect(),
+        );
+        data.tangential_stiffness = self.tangential_stiffness;
+        if let Some((direction, _)) = &self.normal_spring {
+            data.normal = direction;
+        }
+        data
     }
 
     /// Whether it may be contact number `number` of a structure with `count` coordinates.
     pub(super) fn check(&self, number: usize, count: usize) -> Result<(), Error> {
         let direction = self.direction.iter().map(|&(j, _)| j);
-        let gradients = self.load_gradient.iter().map(|&(j, _)| j);
+        let gradients = self.whole_gradient().map(|(j, _)| j);
         let coordinates = std::iter::once(self.coordinate)
             .chain(direction)
             .chain(gradients);
-        check_contact(number, count, coordinates, &self.belt_velocity)
+        let may_jump = self.tangential_stiffness.is_some();
+        check_contact(number, count, coordinates, (&self.belt_velocity, may_jump))
     }
 }
 
@@ -258,6 +297,8 @@ impl PartialEq for Contact {
             && self.load == other.load
             && self.load_gradient == other.load_gradient
             && self.belt_velocity == other.belt_velocity
+            && self.tangential_stiffness == other.tangential_stiffness
+            && self.normal_spring == other.normal_spring
     }
 }
 
@@ -270,12 +311,16 @@ impl fmt::Debug for Contact {
             .field("load", &self.load)
             .field("load_gradient", &self.load_gradient)
             .field("belt_velocity", &self.belt_velocity)
+            .field("tangential_stiffness", &self.tangential_stiffness)
+            .field("normal_spring", &self.normal_spring)
             .finish()
     }
 }
 
 /// The first coordinate of a direction, and its entries by ascending coordinate, without zeros.
-fn checked_direction(given: &[(usize, f64)]) -> Result<(usize, Vec<(usize, f64)>), Error> {
+pub(super) fn checked_direction(
+    given: &[(usize, f64)],
+) -> Result<(usize, Vec<(usize, f64)>), Error> {
     let mut direction = given.to_vec();
     direction.sort_by_key(|&(j, _)| j);
     let is_named_twice = direction.windows(2).any(|pair| pair[0].0 == pair[1].0);

@@ -31,8 +31,8 @@ impl<'s> Flow<'s> {
         model: Model<'s>,
         start: &State,
     ) -> Result<Self, Error> {
-        check_start(&model, start)?;
         let run = Run::new(settings);
+        check_start(&model, run.clock.time, start)?;
         let (engine, first) = Engine::start(model, settings.tolerance(), run.clock, start)?;
         Ok(Self {
             engine,
@@ -132,7 +132,7 @@ impl Structure {
     fn at(&self, time: f64, state: &State) -> Result<Engine<'_>, Error> {
         Error::check("Structure", "time", time, true, "any time")?;
         let model = self.model();
-        check_start(&model, state)?;
+        check_start(&model, time, state)?;
         let (engine, _) = Engine::start(model, f64::EPSILON, Clock::at(time), state)?;
         Ok(engine)
     }

@@ -37,6 +37,7 @@
 //! |---|---|
 //! | which masses, springs, dampers and forces | [`Structure`], its methods `with_…`; full matrices by [`with_mass_matrix`](Structure::with_mass_matrix), [`with_stiffness`](Structure::with_stiffness), [`with_damping`](Structure::with_damping) |
 //! | where friction acts, with which law and load | [`Contact`]: on a belt or the ground, between two coordinates, along any direction |
+//! | joints that give way before they slide, springs that open | [`Contact::with_tangential_stiffness`], [`Contact::with_normal_spring`] |
 //! | a force, load or belt velocity that varies in time | [`Drive`](crate::Drive) |
 //! | the motion from a start, with all events | [`Structure::simulate`] |
 //! | a motion with a tolerance, a stop condition, or in constant memory | [`Integrator`](crate::Integrator) |
@@ -48,6 +49,7 @@
 //! a belt are [`crate::State`] and [`crate::Step`]. Any consistent units will do.
 
 mod contact;
+mod elastic;
 pub(crate) mod engine;
 mod flow;
 #[cfg(feature = "serde")]

@@ -23,6 +23,11 @@ pub(super) struct ContactText<L> {
     load_gradient: Vec<(usize, f64)>,
     #[serde(default = "at_rest")]
     belt_velocity: Drive,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    tangential_stiffness: Option<f64>,
+    /// d and k_n.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    normal_spring: Option<(Vec<(usize, f64)>, f64)>,
 }
 
 fn at_rest() -> Drive {
@@ -95,6 +100,8 @@ impl From<super::Contact> for ContactText<Written> {
             load: contact.load().clone(),
             load_gradient: contact.load_gradient().to_vec(),
             belt_velocity: contact.belt_velocity().clone(),
+            tangential_stiffness: contact.tangential_stiffness(),
+            normal_spring: contact.normal_spring,
         }
     }
 }
@@ -111,6 +118,12 @@ impl TryFrom<ContactText<LawText>> for super::Contact {
         let mut contact = read.law.contact(&direction, read.load)?;
         for (coordinate, gradient) in read.load_gradient {
             contact = contact.with_load_gradient(coordinate, gradient)?;
+        }
+        if let Some(stiffness) = read.tangential_stiffness {
+            contact = contact.with_tangential_stiffness(stiffness)?;
+        }
+        if let Some((direction, stiffness)) = read.normal_spring {
+            contact = contact.with_normal_spring(&direction, stiffness)?;
         }
         Ok(contact.on_belt(read.belt_velocity))
     }

@@ -62,13 +62,16 @@ pub struct SteadySliding {
     /// Eigenvalues of small motions, by falling real part, and for equal ones by falling imaginary
     /// part; two for each coordinate and one for each memory variable, per unit of time. A memory
     /// variable that neither changes in slip nor influences anything, as the clock of a
-    /// [`Dwell`](crate::Dwell), has the eigenvalue −∞.
+    /// [`Dwell`](crate::Dwell), and what an elastic contact carries, has the eigenvalue −∞.
     pub eigenvalues: Vec<Complex<f64>>,
 }
 
 impl Structure {
     /// Steady sliding: every mass stands still, every contact slips, and memory variables stay as
     /// they are.
+    ///
+    /// Elastic contacts carry their limit. One whose surface does not move has equilibria with any
+    /// force up to that limit: [`NotSliding::Continuum`].
     ///
     /// See [`SteadySliding`] for formulas and an example.
     ///
@@ -116,8 +119,16 @@ impl SteadySliding {
         {
             for &(i, b) in contact.direction() {
                 forces[i] -= b * (contact.load().value(0.0) * sliding.coefficient);
-                for &(j, gradient) in contact.load_gradient() {
+                for (j, gradient) in contact.whole_gradient() {
                     stiffness[(i, j)] += b * (sliding.coefficient * gradient);
+                }
+            }
+            // A normal spring acts on its own direction.
+            let (normal, _) = contact.normal_spring().unwrap_or_default();
+            for &(i, d) in normal {
+                forces[i] -= d * contact.load().value(0.0);
+                for (j, gradient) in contact.whole_gradient() {
+                    stiffness[(i, j)] += d * gradient;
                 }
             }
         }
@@ -149,6 +160,8 @@ impl SteadySliding {
             let row = frame.row(contact.direction());
             let memory = Memory::of(sliding, &row, load, *direction);
             idle += sliding.by_memory.len() - memory.matrix.nrows();
+            // What an elastic contact carries follows its limit at once.
+            idle += usize::from(contact.tangential_stiffness().is_some());
             memories.push(memory);
         }
         frame.scale(&mut damping);
@@ -176,7 +189,10 @@ impl<'s> Steady<'s> {
     fn of(contact: &'s Contact) -> Result<Self, fn(usize) -> NotSliding> {
         let velocity = contact.belt_velocity().value(0.0);
         let Some(direction) = Direction::of(-velocity) else {
-            return Err(|contact| NotSliding::NoSpeed { contact });
+            return Err(match contact.tangential_stiffness() {
+                Some(_) => |contact| NotSliding::Continuum { contact },
+                None => |contact| NotSliding::NoSpeed { contact },
+            });
         };
         let (speed, direction) = (velocity.abs(), direction.sign());
         let law = contact.law();

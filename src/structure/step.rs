@@ -34,6 +34,8 @@ pub(crate) struct After {
     /// What gives the events of contacts that share coordinates their time; nothing does at a jump
     /// of a drive.
     pub(crate) trigger: Option<Trigger>,
+    /// Elastic contacts that carried more than their limit after a jump of the load.
+    pub(crate) cut: Vec<usize>,
 }
 
 /// What a contact that shares coordinates came to; it may have no event itself.

@@ -321,6 +321,15 @@ impl Structure {
         Ok(self)
     }
 
+    /// Contacts, with the next numbers: [`with_contact`](Self::with_contact) for each.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`with_contact`](Self::with_contact), for the first contact that has one.
+    pub fn with_contacts(self, contacts: impl IntoIterator<Item = Contact>) -> Result<Self, Error> {
+        contacts.into_iter().try_fold(self, Self::with_contact)
+    }
+
     /// Number of coordinates, at least 1.
     #[allow(clippy::len_without_is_empty)] // it never is
     pub fn len(&self) -> usize {

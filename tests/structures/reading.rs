@@ -59,6 +59,10 @@ pub(crate) fn drive(value: &Value, parameter: f64) -> Drive {
 }
 
 pub(crate) fn law(contact: &Value, parameter: f64) -> AnyLaw {
+    if contact.get("kt").is_some() {
+        let coefficient = number(&contact["mu"]);
+        return Coulomb::new(coefficient, coefficient).unwrap().into();
+    }
     let value = |name: &str| number_or(&contact["law_params"][name], parameter);
     match text(&contact["law"]) {
         "poly" => Polynomial::new(value("mus"), value("mum"), value("vm"))
@@ -125,8 +129,17 @@ fn with_laws<L: ContactLaw + Send + Sync + 'static>(
             .unwrap()
             .on_belt(drive(&contact["w"], parameter));
         let gradients = contact.get("n").map(numbers).unwrap_or_default();
-        for (j, gradient) in gradients.into_iter().enumerate() {
-            made = made.with_load_gradient(j, gradient).unwrap();
+        if let Some(stiffness) = contact.get("kt") {
+            made = made.with_tangential_stiffness(number(stiffness)).unwrap();
+        }
+        if let Some(row) = contact.get("reaction") {
+            let row: Vec<(usize, f64)> = numbers(row).into_iter().enumerate().collect();
+            let (j, d) = row.iter().find(|(_, d)| *d != 0.0).unwrap();
+            made = made.with_normal_spring(&row, gradients[*j] / d).unwrap();
+        } else {
+            for (j, gradient) in gradients.into_iter().enumerate() {
+                made = made.with_load_gradient(j, gradient).unwrap();
+            }
         }
         structure = structure.with_contact(made).unwrap();
     }

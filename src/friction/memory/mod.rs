@@ -205,6 +205,13 @@ pub trait ContactLaw: Sized {
     fn named(&self) -> Option<NamedLaw> {
         None
     }
+
+    /// The one coefficient of a law without memory for which μ_s = μ at every speed; `None` for any
+    /// other.
+    #[doc(hidden)]
+    fn constant(&self) -> Option<f64> {
+        None
+    }
 }
 
 impl<L: FrictionLaw> ContactLaw for L {
@@ -235,5 +242,9 @@ impl<L: FrictionLaw> ContactLaw for L {
 
     fn named(&self) -> Option<NamedLaw> {
         FrictionLaw::any(self).map(NamedLaw::Dry)
+    }
+
+    fn constant(&self) -> Option<f64> {
+        FrictionLaw::constant(self)
     }
 }

@@ -38,6 +38,8 @@ pub(crate) trait LawObject {
     fn sliding(&self, slip: Slip<f64>) -> Option<Sliding>;
     /// The law as one of the crate's own.
     fn named(&self) -> Option<NamedLaw>;
+    /// The one coefficient of a law without memory for which μ_s = μ at every speed.
+    fn constant(&self) -> Option<f64>;
 
     /// Coefficient k of σμ in slip, the slope ∂(σμ)/∂s at the start, and coefficient k of the rates
     /// of the memory. The speed is coefficient k of its series.
@@ -153,6 +155,10 @@ impl<L: ContactLaw> LawObject for L {
 
     fn named(&self) -> Option<NamedLaw> {
         ContactLaw::named(self)
+    }
+
+    fn constant(&self) -> Option<f64> {
+        ContactLaw::constant(self)
     }
 
     fn slip_order(

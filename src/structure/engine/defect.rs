@@ -31,6 +31,10 @@ pub(super) fn is_accepted(
     h: f64,
 ) -> bool {
     (0..model.contacts.len()).all(|c| {
+        if model.contacts[c].is_elastic() {
+            // Linear in what is integrated, up to its events.
+            return true;
+        }
         let step = ContactStep {
             contact: &model.contacts[c],
             state: &situation.contacts[c],

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::model::{ContactData, Model, Target};
 use super::series::{ContactCourse, ContactSeries, CoordinateSeries, Series};
+use super::springs::spring_order;
 use super::state::{Phase, Situation};
 use crate::error::{Error, Reached};
 use crate::friction::memory::Slip;
@@ -72,6 +73,9 @@ pub(super) fn expand_drives(model: &Model<'_>, situation: &Situation, series: &m
             coordinate.force.add(a, &force);
         }
     }
+    for (given, &j) in std::iter::zip(&mut series.given, &model.sprung) {
+        *given = series.coordinates[j].force;
+    }
 }
 
 /// The first `orders` orders of all series, [`ALL`] of them or fewer. Order by order, of every
@@ -82,7 +86,8 @@ pub(super) fn expand_drives(model: &Model<'_>, situation: &Situation, series: &m
 /// on near ones alone, some masses are brought to the last order before the next ones are
 /// begun: all that one reads and writes lies in the processor's nearest memory. With every
 /// order the masses in work are shifted, to those of which all neighbours are ready. Contacts that
-/// share coordinates hold each other at once, so with them each order is that of all masses.
+/// share coordinates hold each other at once, so with them each order is that of all masses, and so
+/// it is with springs of contacts.
 ///
 /// # Errors
 ///
@@ -95,7 +100,7 @@ pub(super) fn expand(
 ) -> Result<(), LawFault> {
     let n = model.len();
     start(model, situation, series);
-    if model.shared.is_empty() {
+    if model.shared.is_empty() && model.springs.is_empty() {
         let shift = model.bandwidth;
         if n <= AT_A_TIME {
             for k in 0..orders {
@@ -112,6 +117,9 @@ pub(super) fn expand(
         }
     } else {
         for k in 0..orders {
+            if k > 0 {
+                spring_order(model, series, k);
+            }
             order(model, series, k, 0..n);
             shared_order(model, situation, series, k);
         }
@@ -170,6 +178,7 @@ fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
             }
         }
     }
+    spring_order(model, series, 0);
 }
 
 /// Order k + 1 of the velocities of some coordinates, without what shared contacts do to them.
@@ -341,7 +350,7 @@ impl Series {
 impl ContactSeries {
     /// Coefficient k of the load.
     #[inline(always)]
-    fn load_order(
+    pub(super) fn load_order(
         &mut self,
         contact: &ContactData<'_>,
         coordinates: &[CoordinateSeries],

@@ -15,6 +15,7 @@
 //! | `expand.rs` | the power series of all coordinates, order by order |
 //! | `factor.rs` | what holds several contacts at once |
 //! | `plan.rs` | how far the series are used, which errors a step may have |
+//! | `springs.rs` | elastic contacts, and normal springs |
 //! | `slow.rs` | the slow manifold of stiff bristles |
 //! | `events.rs` | the first events of a step |
 //! | `defect.rs` | whether the series hold between their coefficients |
@@ -32,6 +33,7 @@ mod plan;
 mod series;
 mod slow;
 pub(crate) mod sparse;
+mod springs;
 mod state;
 mod transitions;
 
@@ -39,9 +41,10 @@ use decision::reconcile;
 use edge::Edge;
 use events::{Firings, first_firings};
 use expand::expand_drives;
-use model::Model;
+use model::{ContactData, Model};
 use plan::{Control, is_finite, is_linear, plan_memory, plan_reach};
 use series::Series;
+use springs::{ask_again, force_at_limit};
 use state::{Entry, Firing, Phase, Situation};
 use transitions::{close, decide};
 
@@ -113,7 +116,9 @@ impl<'s> Engine<'s> {
         let mut events = events(&before, situation, &state);
         events.retain(|event| {
             let edge = situation.contacts[event.contact].edge;
-            matches!(event.kind, EventKind::Release(_)) && edge != Edge::Away
+            let is_release = matches!(event.kind, EventKind::Release(_));
+            // What an elastic contact carries at the start says whether its slider moves.
+            is_release && edge != Edge::Away && !model.contacts[event.contact].is_elastic()
         });
         let first = (!events.is_empty()).then(|| {
             Step::new(
@@ -310,6 +315,7 @@ impl<'s> Engine<'s> {
                 continue;
             }
             let (state, of) = (&mut situation.contacts[c], &mut series.contacts[c]);
+            state.was_cut = false;
             for (memory, series) in std::iter::zip(&mut state.memory, &of.memories) {
                 *memory = series.at(h);
             }
@@ -346,6 +352,7 @@ impl<'s> Engine<'s> {
             }
         }
         expand_drives(model, situation, series);
+        land_springs(model, situation, series, settled.at_break.is_some());
         if !model.shared.is_empty() {
             reconcile(model, situation, series);
         }
@@ -368,14 +375,15 @@ impl<'s> Engine<'s> {
 
     /// What the tangent flow has to know of the events.
     fn after(&self, events: &[Event<State>], trigger: Option<Trigger>) -> After {
-        let is_shared = |event: &Event<State>| self.model.owner_of(event.contact).is_none();
+        let is_shared = |event: &Event<State>| self.model.is_shared(event.contact);
         let is_forced = |event: &Event<State>| {
             let is_release = matches!(event.kind, EventKind::Release(_));
-            is_release && self.situation.contacts[event.contact].edge == Edge::Away
+            let is_own = self.model.owner_of(event.contact).is_some();
+            is_release && is_own && self.situation.contacts[event.contact].edge == Edge::Away
         };
-        let forced = events
-            .iter()
-            .filter(|event| !is_shared(event) && is_forced(event));
+        let forced = events.iter().filter(|event| is_forced(event));
+        let springs = self.model.springs.iter().copied();
+        let cut = springs.filter(|&c| self.situation.contacts[c].was_cut);
         let rates = if events.iter().any(is_shared) {
             self.acceleration()
         } else {
@@ -385,6 +393,7 @@ impl<'s> Engine<'s> {
             forced: forced.map(|event| event.contact).collect(),
             rates,
             trigger,
+            cut: cut.collect(),
         }
     }
 
@@ -458,6 +467,31 @@ impl<'s> Engine<'s> {
     }
 }
 
+/// What elastic contacts carry at the end of a step that is at its limit, to the bit. Where a drive
+/// breaks the limit may jump, and with it what the slider does.
+fn land_springs(model: &Model<'_>, situation: &mut Situation, series: &Series, at_break: bool) {
+    for &c in &model.springs {
+        if !model.contacts[c].is_elastic() || situation.contacts[c].phase_is_open() {
+            continue;
+        }
+        if at_break {
+            let state = &mut situation.contacts[c];
+            state.entry = Entry::Held;
+            ask_again(situation, c);
+            continue;
+        }
+        let state = &situation.contacts[c];
+        let at_limit = match (state.phase, state.edge) {
+            (Phase::Slip { direction, .. }, _) => Some(direction),
+            (Phase::Stick { .. }, Edge::On(side)) => side,
+            _ => None,
+        };
+        if let Some(side) = at_limit {
+            situation.contacts[c].memory[0] = force_at_limit(model, situation, series, c, side);
+        }
+    }
+}
+
 /// Mean of a velocity over [0, t]; of w + σy by its parts.
 fn mean_velocity(
     model: &Model<'_>,
@@ -514,7 +548,7 @@ fn kind_of(before: Mode, after: Mode) -> Option<EventKind> {
 }
 
 /// Checks the sizes and the numbers of a start.
-pub(super) fn check_start(model: &Model<'_>, start: &State) -> Result<(), Error> {
+pub(super) fn check_start(model: &Model<'_>, time: f64, start: &State) -> Result<(), Error> {
     let n = model.len();
     let memory = model.remembered();
     let sizes = [
@@ -546,6 +580,10 @@ pub(super) fn check_start(model: &Model<'_>, start: &State) -> Result<(), Error>
     }
     if remembered > 0 {
         for (c, contact) in model.contacts.iter().enumerate() {
+            if contact.is_elastic() {
+                check_carried(c, contact, time, start, start.memory[model.memory(c).start])?;
+                continue;
+            }
             let memory = &start.memory[model.memory(c)];
             if let Some(limit) = contact.law.limit(&|j| memory[j]) {
                 let allowed = "a memory at the start with which static_coefficient ≥ 0";
@@ -561,4 +599,27 @@ pub(super) fn check_start(model: &Model<'_>, start: &State) -> Result<(), Error>
         }
     }
     Ok(())
+}
+
+/// Whether an elastic contact can carry a force at a start.
+fn check_carried(
+    c: usize,
+    contact: &ContactData<'_>,
+    time: f64,
+    start: &State,
+    carried: f64,
+) -> Result<(), Error> {
+    const ROUNDING: f64 = 4.0 * f64::EPSILON;
+    let displacement = |j: usize| start.displacements[j];
+    let load = contact.load.value(time) + contact.displacement_load(displacement);
+    let limit = (contact.constant_coefficient() * load).max(0.0);
+    let rounding = ROUNDING * contact.constant_coefficient() * contact.load_size(displacement);
+    if carried.abs() <= limit + rounding {
+        return Ok(());
+    }
+    Err(Error::OverLimit {
+        contact: c,
+        carried,
+        limit,
+    })
 }

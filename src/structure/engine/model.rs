@@ -41,6 +41,10 @@ pub(crate) struct Model<'s> {
     pub(crate) shared: Vec<usize>,
     /// The coordinates that they accelerate.
     pub(crate) shared_coordinates: Vec<usize>,
+    /// Contacts with a spring: elastic ones, and those with a normal spring.
+    pub(super) springs: Vec<usize>,
+    /// The coordinates that these springs accelerate, ascending.
+    pub(super) sprung: Vec<usize>,
     /// What the drives that are not constant act on.
     pub(super) varying: Vec<Target>,
     /// Whether the force on a coordinate varies, or the surface under its own contact.
@@ -77,11 +81,18 @@ pub(crate) struct ContactData<'s> {
     pub(crate) direction: Cow<'s, Entries>,
     pub(crate) law: &'s dyn LawObject,
     pub(crate) load: Cow<'s, Drive>,
-    pub(crate) load_gradient: &'s Entries,
+    /// n, that of a normal spring included.
+    pub(crate) load_gradient: Vec<(usize, f64)>,
     pub(crate) belt_velocity: Cow<'s, Drive>,
+    /// k_t of an elastic contact.
+    pub(crate) tangential_stiffness: Option<f64>,
+    /// The direction d of its normal spring; empty without one.
+    pub(crate) normal: &'s Entries,
+    /// M⁻¹d.
+    pub(crate) reaction: Vec<(usize, f64)>,
     /// Speeds at which pieces of the law meet.
     pub(crate) breakpoints: Vec<f64>,
-    /// G_cc.
+    /// G_cc; 1 for an elastic contact, whose forces are not divided by a mass.
     pub(crate) compliance: f64,
     pub(crate) site: Site,
     /// Where its variables begin among those of all contacts.
@@ -93,6 +104,11 @@ pub(crate) struct ContactData<'s> {
 pub(crate) enum Site {
     /// It has a coordinate to itself: r = v_i − w.
     Own(usize),
+    /// It gives way: what it carries is a state, and it holds no coordinate.
+    Elastic {
+        /// M⁻¹b.
+        response: Vec<(usize, f64)>,
+    },
     /// It shares coordinates with other contacts, or has several.
     Shared {
         /// M⁻¹b/G_cc.
@@ -107,7 +123,7 @@ impl<'s> ContactData<'s> {
         direction: Cow<'s, Entries>,
         law: &'s dyn LawObject,
         [load, belt_velocity]: [Cow<'s, Drive>; 2],
-        load_gradient: &'s Entries,
+        load_gradient: Vec<(usize, f64)>,
     ) -> Self {
         Self {
             direction,
@@ -115,6 +131,9 @@ impl<'s> ContactData<'s> {
             load,
             load_gradient,
             belt_velocity,
+            tangential_stiffness: None,
+            normal: &[],
+            reaction: Vec::new(),
             breakpoints: law.breakpoints(),
             compliance: 1.0,
             site: Site::Own(0),
@@ -151,9 +170,28 @@ impl<'s> ContactData<'s> {
         }
     }
 
-    /// Number of memory variables.
+    /// Number of memory variables: those of its law, or what an elastic contact carries.
     pub(crate) fn memory(&self) -> usize {
-        self.law.memory()
+        match self.tangential_stiffness {
+            Some(_) => 1,
+            None => self.law.memory(),
+        }
+    }
+
+    pub(crate) fn is_elastic(&self) -> bool {
+        self.tangential_stiffness.is_some()
+    }
+
+    /// μ of an elastic contact.
+    pub(crate) fn constant_coefficient(&self) -> f64 {
+        self.law.constant().unwrap_or(0.0)
+    }
+
+    /// Sum of the sizes of all terms of the load.
+    pub(crate) fn load_size(&self, displacement: impl Fn(usize) -> f64) -> f64 {
+        let by_displacements = self.load_gradient.iter();
+        let sizes = by_displacements.map(|&(j, n)| (n * displacement(j)).abs());
+        self.load.size() + sizes.sum::<f64>()
     }
 }
 
@@ -165,7 +203,7 @@ impl<'s> Model<'s> {
             Cow::Borrowed(&[(0, 1.0)]),
             belt.law(),
             [belt.load(), belt.belt_velocity()].map(|value| Cow::Owned(Drive::constant(value))),
-            &[],
+            Vec::new(),
         );
         Self::new(
             Mass::Diagonal(&[1.0]),
@@ -189,12 +227,6 @@ impl<'s> Model<'s> {
         };
         let stiffness = inverse_mass.times(stiffness);
         let damping = inverse_mass.times(damping);
-        let elastic = largest_row(&stiffness);
-        let rate = if elastic > 0.0 {
-            elastic.sqrt()
-        } else {
-            largest_row(&damping)
-        };
         let mut model = Self {
             inverse_mass,
             stiffness,
@@ -204,14 +236,24 @@ impl<'s> Model<'s> {
             owner: vec![None; n],
             shared: Vec::new(),
             shared_coordinates: Vec::new(),
+            springs: Vec::new(),
+            sprung: Vec::new(),
             varying: Vec::new(),
             is_driven: vec![false; n],
             bandwidth: 0,
-            time_unit: rate.recip(),
+            time_unit: f64::INFINITY,
         };
         model.place_contacts();
+        model.place_springs();
         model.place_drives();
         model.bandwidth = model.largest_distance();
+        let elastic = model.largest_stiffness();
+        let rate = if elastic > 0.0 {
+            elastic.sqrt()
+        } else {
+            largest(row_sums(&model.damping))
+        };
+        model.time_unit = rate.recip();
         model
     }
 
@@ -222,13 +264,19 @@ impl<'s> Model<'s> {
         let mut first_memory = 0;
         for contact in &mut self.contacts {
             contact.first_memory = first_memory;
-            first_memory += contact.law.memory();
+            first_memory += contact.memory();
             for &(j, _) in contact.direction.iter() {
-                uses[j] += 1;
+                uses[j] += usize::from(!contact.is_elastic());
             }
         }
         let mut near: Vec<Vec<usize>> = vec![Vec::new(); n];
         for (number, contact) in self.contacts.iter_mut().enumerate() {
+            contact.reaction = responses_to(&self.inverse_mass, contact.normal);
+            if contact.is_elastic() {
+                let response = responses_to(&self.inverse_mass, &contact.direction);
+                contact.site = Site::Elastic { response };
+                continue;
+            }
             if let [(i, 1.0)] = contact.direction[..]
                 && uses[i] == 1
                 && self.inverse_mass.row(i).1.is_empty()
@@ -238,21 +286,7 @@ impl<'s> Model<'s> {
                 self.owner[i] = Some(number);
                 continue;
             }
-            let mut response: Vec<(usize, f64)> = Vec::new();
-            for &(j, b) in contact.direction.iter() {
-                // M is symmetric: a row of its inverse is a column.
-                let (diagonal, beside) = self.inverse_mass.row(j);
-                response.push((j, b * diagonal));
-                response.extend(beside.iter().map(|&(i, entry)| (i, b * entry)));
-            }
-            response.sort_by_key(|&(i, _)| i);
-            response.dedup_by(|next, sum| {
-                let is_same = next.0 == sum.0;
-                if is_same {
-                    sum.1 += next.1;
-                }
-                is_same
-            });
+            let mut response = responses_to(&self.inverse_mass, &contact.direction);
             let at = |j: usize| match response.binary_search_by_key(&j, |&(i, _)| i) {
                 Ok(place) => response[place].1,
                 Err(_) => 0.0,
@@ -280,6 +314,45 @@ impl<'s> Model<'s> {
                 *to = coupled;
             }
         }
+    }
+
+    /// Finds which coordinates the springs of contacts act on.
+    fn place_springs(&mut self) {
+        let contacts = self.contacts.iter().enumerate();
+        let with_spring =
+            contacts.filter(|(_, contact)| contact.is_elastic() || !contact.reaction.is_empty());
+        self.springs = with_spring.map(|(c, _)| c).collect();
+        let of = |&c: &usize| {
+            let contact = &self.contacts[c];
+            let pulled = if contact.is_elastic() {
+                contact.responses()
+            } else {
+                &[]
+            };
+            pulled.iter().chain(&contact.reaction).map(|&(j, _)| j)
+        };
+        self.sprung = self.springs.iter().flat_map(of).collect();
+        self.sprung.sort_unstable();
+        self.sprung.dedup();
+    }
+
+    /// Largest Σ_j |a_ij| of M⁻¹K, with the springs of contacts.
+    fn largest_stiffness(&self) -> f64 {
+        let mut sums: Vec<f64> = row_sums(&self.stiffness).collect();
+        for &c in &self.springs {
+            let contact = &self.contacts[c];
+            let mut add = |response: &Entries, stiffness: f64| {
+                for &(j, x) in response {
+                    sums[j] += x.abs() * stiffness;
+                }
+            };
+            if let Some(stiffness) = contact.tangential_stiffness {
+                add(contact.responses(), stiffness * contact.size_along(|_| 1.0));
+            }
+            let gradient = contact.load_gradient.iter().map(|(_, n)| n.abs());
+            add(&contact.reaction, gradient.sum());
+        }
+        largest(sums.into_iter())
     }
 
     /// The contacts that a shared one is coupled with: G_cd/√(G_cc G_dd).
@@ -324,6 +397,9 @@ impl<'s> Model<'s> {
                 }
                 Target::Load(_) => {}
             }
+        }
+        for &j in &self.sprung {
+            self.is_driven[j] = true;
         }
     }
 
@@ -384,8 +460,13 @@ impl<'s> Model<'s> {
     pub(crate) fn owner_of(&self, contact: usize) -> Option<usize> {
         match self.contacts[contact].site {
             Site::Own(i) => Some(i),
-            Site::Shared { .. } => None,
+            Site::Elastic { .. } | Site::Shared { .. } => None,
         }
+    }
+
+    /// Whether a rigid contact shares coordinates with others, or has several.
+    pub(crate) fn is_shared(&self, contact: usize) -> bool {
+        matches!(self.contacts[contact].site, Site::Shared { .. })
     }
 
     /// Sets the velocities at a time so that these contacts are at rest: those of contacts that
@@ -520,14 +601,14 @@ impl ContactData<'_> {
     pub(crate) fn responses(&self) -> &Entries {
         match &self.site {
             Site::Own(_) => &self.direction,
-            Site::Shared { response, .. } => response,
+            Site::Elastic { response } | Site::Shared { response, .. } => response,
         }
     }
 
     /// G_cd/√(G_cc G_dd) of the other contacts that it is coupled with.
     pub(crate) fn coupled(&self) -> &Entries {
         match &self.site {
-            Site::Own(_) => &[],
+            Site::Own(_) | Site::Elastic { .. } => &[],
             Site::Shared { coupled, .. } => coupled,
         }
     }
@@ -572,12 +653,35 @@ fn inverse(mass: &DMatrix<f64>) -> DMatrix<f64> {
     inverse
 }
 
-/// Largest Σ_j |a_ij|.
-fn largest_row(matrix: &Sparse) -> f64 {
-    let rows = matrix.rows().map(|(diagonal, beside)| {
-        diagonal.abs() + beside.iter().map(|(_, a)| a.abs()).sum::<f64>()
+/// M⁻¹b.
+fn responses_to(inverse_mass: &Sparse, direction: &Entries) -> Vec<(usize, f64)> {
+    let mut response: Vec<(usize, f64)> = Vec::new();
+    for &(j, b) in direction {
+        // M is symmetric: a row of its inverse is a column.
+        let (diagonal, beside) = inverse_mass.row(j);
+        response.push((j, b * diagonal));
+        response.extend(beside.iter().map(|&(i, entry)| (i, b * entry)));
+    }
+    response.sort_by_key(|&(i, _)| i);
+    response.dedup_by(|next, sum| {
+        let is_same = next.0 == sum.0;
+        if is_same {
+            sum.1 += next.1;
+        }
+        is_same
     });
-    rows.fold(0.0, f64::max)
+    response
+}
+
+/// Σ_j |a_ij| of each row.
+fn row_sums(matrix: &Sparse) -> impl Iterator<Item = f64> {
+    matrix
+        .rows()
+        .map(|(diagonal, beside)| diagonal.abs() + beside.iter().map(|(_, a)| a.abs()).sum::<f64>())
+}
+
+fn largest(numbers: impl Iterator<Item = f64>) -> f64 {
+    numbers.fold(0.0, f64::max)
 }
 
 /// Whether a contact may be number `number` of a structure with `count` coordinates.
@@ -585,7 +689,7 @@ pub(crate) fn check_contact(
     number: usize,
     count: usize,
     coordinates: impl Iterator<Item = usize>,
-    belt_velocity: &Drive,
+    (belt_velocity, may_jump): (&Drive, bool),
 ) -> Result<(), Error> {
     let mut first = None;
     for coordinate in coordinates {
@@ -602,7 +706,9 @@ pub(crate) fn check_contact(
         .check("belt_velocity", "a belt velocity of any size")
         .map_err(|error| error.of_element(Element::Contact(number)))?;
     match (belt_velocity.first_jump(), first) {
-        (Some(time), Some(coordinate)) => Err(Error::BeltVelocityJumps { coordinate, time }),
+        (Some(time), Some(coordinate)) if !may_jump => {
+            Err(Error::BeltVelocityJumps { coordinate, time })
+        }
         _ => Ok(()),
     }
 }

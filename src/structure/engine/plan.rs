@@ -2,6 +2,7 @@
 
 use super::model::{ContactData, Model};
 use super::series::Series;
+use super::springs::spring_size;
 use super::state::{Phase, Situation};
 use crate::motion::step_control::{Allowance, FARTHEST, reach};
 use crate::series::{PowerSeries, TERMS};
@@ -116,7 +117,7 @@ pub(super) fn terms(model: &Model<'_>, situation: &Situation, series: &Series, i
     for &(j, a) in dampers {
         sum += (a * course(j).velocity(0)).abs();
     }
-    sum
+    sum + spring_size(model, series, i)
 }
 
 /// The same of a contact's relative acceleration, without the forces of contacts.
@@ -137,11 +138,8 @@ pub(super) fn contact_terms(
 
 /// Sum of the sizes of all terms of the load of a contact.
 pub(super) fn load_terms(contact: &ContactData<'_>, situation: &Situation) -> f64 {
-    let gradient = contact.load_gradient.iter();
-    let by_displacements: f64 = gradient
-        .map(|&(j, n)| (n * situation.coordinates[j].displacement).abs())
-        .sum();
-    (contact.load.size() + by_displacements) * contact.compliance
+    let size = contact.load_size(|j| situation.coordinates[j].displacement);
+    size * contact.compliance
 }
 
 /// How far the last coefficients of all series stay below the error allowed; what each coordinate
@@ -163,6 +161,8 @@ pub(super) fn plan_reach(
         let force = match situation.contacts[c].phase {
             Phase::Open => continue,
             Phase::Slip { .. } => of.load[0] * of.friction[0],
+            // Those of springs are among the terms.
+            _ if contact.is_elastic() => continue,
             // Shared contacts act on each other.
             Phase::Stick { .. } if model.owner_of(c).is_none() => of.carried[0],
             Phase::Stick { .. } => continue,
@@ -212,6 +212,23 @@ pub(super) fn plan_reach(
     plan.sizes.clear();
     for (c, contact) in model.contacts.iter().enumerate() {
         let (state, of) = (&situation.contacts[c], &series.contacts[c]);
+        if let Some(stiffness) = contact.tangential_stiffness {
+            let velocity = contact.size_along(|j| plan.scales[j].0) + of.surface[0].abs();
+            let by_motion = if unit.is_finite() {
+                stiffness * velocity * unit
+            } else {
+                0.0
+            };
+            let scale = state.memory[0].abs().max(by_motion);
+            farthest = farthest.min(reach_of(f64::EPSILON * scale, &of.carried, TERMS - 1));
+            if of.load_varies {
+                let error = f64::EPSILON * load_terms(contact, situation);
+                farthest = farthest.min(reach_of(error, &of.load, TERMS - 1));
+            }
+            plan.contacts.push(Allowance::new(0.0, 0.0));
+            plan.sizes.push(0.0);
+            continue;
+        }
         let mut size = contact.size_along(|j| plan.scales[j].1);
         if state.sticks() && of.load_varies {
             // Not by the band as it is now, which may just have opened.
@@ -413,6 +430,9 @@ fn closings(model: &Model<'_>, situation: &Situation, series: &Series, closings:
         let Phase::Slip { .. } = situation.contacts[c].phase else {
             continue;
         };
+        if contact.is_elastic() {
+            continue;
+        }
         let slope = series.contacts[c].load[0] * series.contacts[c].slope;
         let responses = contact.responses();
         for &(j, b) in contact.direction.iter() {

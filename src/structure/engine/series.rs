@@ -9,6 +9,8 @@ use crate::series::{INTEGRAL, PowerSeries, TERMS};
 pub(super) struct Series {
     pub(super) coordinates: Vec<CoordinateSeries>,
     pub(super) contacts: Vec<ContactSeries>,
+    /// The forces that are given on coordinates with springs of contacts, divided by the mass.
+    pub(super) given: Vec<PowerSeries>,
     /// Room for one order of the shared coordinates and contacts.
     pub(super) rates: Vec<f64>,
     pub(super) unheld: Vec<f64>,
@@ -172,8 +174,11 @@ impl Series {
             let force = model.acceleration_by(i, |j| model.forces[j].value(time));
             CoordinateSeries::new(constant(force))
         });
+        let coordinates: Vec<CoordinateSeries> = coordinates.collect();
+        let given = model.sprung.iter().map(|&j| coordinates[j].force);
         Self {
-            coordinates: coordinates.collect(),
+            given: given.collect(),
+            coordinates,
             contacts: contacts.collect(),
             rates: vec![0.0; model.len()],
             unheld: vec![0.0; model.len()],

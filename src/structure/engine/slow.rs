@@ -66,7 +66,8 @@ pub(super) fn relax(
     if !series
         .contacts
         .iter()
-        .any(|contact| contact.memories.len() == 1)
+        .zip(&model.contacts)
+        .any(|(contact, data)| contact.memories.len() == 1 && !data.is_elastic())
     {
         return explicit;
     }
@@ -147,6 +148,9 @@ impl Slow<'_, '_> {
         for (c, contact) in self.series.contacts.iter_mut().enumerate() {
             // Several variables of one contact may be stiff together.
             let state = &self.situation.contacts[c];
+            if self.model.contacts[c].is_elastic() {
+                continue;
+            }
             let (Phase::Slip { speed, .. }, [memory]) = (state.phase, &state.memory[..]) else {
                 continue;
             };

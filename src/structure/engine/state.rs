@@ -55,6 +55,8 @@ pub(super) struct ContactState {
     pub(super) arrival_memory: Vec<f64>,
     /// μ_s at the start of the step; `None` for a law that never sticks.
     pub(super) limit: Option<f64>,
+    /// Whether an elastic contact carried more than its limit after a jump of the load.
+    pub(super) was_cut: bool,
 }
 
 /// What a contact does, with what belongs to it.
@@ -119,6 +121,7 @@ impl Situation {
                 load_edge: Edge::Away,
                 entry: Entry::Held,
                 limit: contact.law.limit(&|j| memory[j]),
+                was_cut: false,
                 arrival_memory: memory.clone(),
                 memory,
             }

@@ -12,6 +12,7 @@ use super::expand::{ALL, expand};
 use super::model::Model;
 use super::plan::{load_terms, terms};
 use super::series::Series;
+use super::springs::{ask_again, revise_elastic};
 use super::state::{ContactState, Entry, Phase, Situation};
 use crate::error::Error;
 use crate::motion::Mode;
@@ -44,11 +45,8 @@ pub(super) fn decide(
         }
         let mut changed = false;
         for c in 0..situation.contacts.len() {
-            let (change, shared) = (
-                revise_load(model, situation, series, c)?,
-                model.owner_of(c).is_none(),
-            );
-            if change && shared {
+            let change = revise_load(model, situation, series, c)?;
+            if change && model.is_shared(c) {
                 situation.closed = None;
                 let new = || Decision::new(model, situation, series);
                 decision.get_or_insert_with(new).restart();
@@ -58,6 +56,7 @@ pub(super) fn decide(
         if let Some(decision) = &mut decision {
             changed |= decision.revise(model, situation, series);
         }
+        changed |= revise_elastic(model, situation, series);
         if !changed {
             return Ok(());
         }
@@ -74,6 +73,12 @@ fn arrive(model: &Model<'_>, situation: &mut Situation, c: usize) {
     let displacement = situation.displacement_along(contact);
     let (clock, state) = (situation.clock, &mut situation.contacts[c]);
     if !state.has_arrived() {
+        return;
+    }
+    if contact.is_elastic() {
+        if !state.sticks() {
+            ask_again(situation, c);
+        }
         return;
     }
     if let Phase::Slip { direction, .. } = state.phase {
@@ -99,6 +104,10 @@ pub(super) fn close(model: &Model<'_>, situation: &mut Situation, series: &mut S
     } else {
         drive.series(situation.clock)
     };
+    if contact.is_elastic() {
+        ask_again(situation, c);
+        return;
+    }
     let surface = series.contacts[c].surface[0];
     let relative = contact.sliding_velocity(|j| situation.velocity(model, series, j), surface);
     let from = situation.displacement_along(contact);
@@ -126,7 +135,9 @@ fn open(model: &Model<'_>, situation: &mut Situation, series: &mut Series, c: us
     }
     let state = &mut situation.contacts[c];
     // Stick that ends here has ended; and nothing happens to a contact without load.
-    if state.sticks() {
+    if model.contacts[c].is_elastic() {
+        state.memory[0] = 0.0;
+    } else if state.sticks() {
         model.contacts[c].law.caught(&mut state.memory);
     }
     series.contacts[c].hold_memory(&state.memory);
@@ -164,7 +175,8 @@ fn revise_load(
             Ok(true)
         }
         (Mode::Stick | Mode::Slip(_), true) => {
-            if !model.contacts[c].load_gradient.is_empty() {
+            let contact = &model.contacts[c];
+            if !contact.load_gradient.is_empty() && contact.normal.is_empty() {
                 let reached = situation.reached(model, series);
                 return Err(Error::Separation {
                     contact: c,

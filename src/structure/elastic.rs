@@ -1,0 +1,188 @@
+//! Contacts that give way before they slide, and normal springs.
+
+use super::contact::Contact;
+use crate::error::Error;
+
+/// Elastic contacts and normal springs.
+impl Contact {
+    /// The same contact with a spring of stiffness k_t > 0 in series: a Jenkins element, as of a
+    /// bolted joint or a blade root. Until its slider slips it is a spring.
+    ///
+    /// ```text
+    /// stick:  T' = k_t r         while |T| ≤ μ N
+    /// slip:   T = σ μ N,         z' = r − σ μ N'/k_t  of the slider, with σ z' ≥ 0
+    /// open:   T = 0              N ≤ 0
+    /// ```
+    ///
+    /// T, in units of force, takes the place of λ: it acts on the structure with −b T, and is a
+    /// memory variable of the contact in [`State::memory`](crate::structure::State::memory), after
+    /// those of contacts before it. Events say what the slider does:
+    /// [`EventKind::Stick`](crate::EventKind::Stick) where it stops,
+    /// [`EventKind::Release`](crate::EventKind::Release) where it starts, with the direction of z'.
+    /// A [`Mode::Stick`](crate::Mode::Stick) contact may have any r. k_t has units of force per
+    /// displacement b·q; μ is dimensionless. The velocity of its surface may jump.
+    ///
+    /// Elastic contacts never decide together: any number of them may have dependent directions.
+    /// Where k_t → ∞ the motion is that of the rigid contact, with a difference of order 1/√k_t,
+    /// and steps as many as √k_t.
+    ///
+    /// Source: G. M. Jenkins, *J. Appl. Phys.* 33 (1962); W. D. Iwan, *J. Appl. Mech.* 33 (1966)
+    /// 893-900. In Moreau's terms it is the sweeping process, the *stop* of hysteresis theory.
+    ///
+    /// # Errors
+    ///
+    /// * [`Error::InvalidParameter`] unless k_t is positive and finite;
+    /// * [`Error::LawNotConstant`] unless the law is one constant, as `Coulomb::new(μ, μ)`: where
+    ///   static friction is larger, or friction falls with speed, the way of a slider without mass
+    ///   is not determined.
+    ///
+    /// ```
+    /// use stick_slip::{Contact, Coulomb, Drive, Structure, structure::State};
+    ///
+    /// // An element of k_t = 2 and μN = 3 on a surface that moves to 5, back to −5, and to 0: the
+    /// // mass is so heavy that it stays.
+    /// let way = Drive::profile(&[(0.0, -1.0), (5.0, -1.0), (5.0, 1.0), (15.0, 1.0), (15.0, -1.0)])?;
+    /// let element = Contact::new(0, Coulomb::new(1.0, 1.0)?, 3.0)?
+    ///     .with_tangential_stiffness(2.0)?
+    ///     .on_belt(way);
+    /// let wall = Structure::new(&[1e20])?.with_contact(element)?;
+    /// let motion = wall.simulate(State::at_rest(1), 20.0)?;
+    /// let force = |time| motion.state_at(time).unwrap().memory[0];
+    /// assert_eq!([0.0, 5.0, 6.5, 8.0].map(|time| force(time).round()), [0.0, 3.0, 0.0, -3.0]);
+    /// assert_eq!(motion.last().memory, [3.0]);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn with_tangential_stiffness(mut self, tangential_stiffness: f64) -> Result<Self, Error> {
+        Error::check(
+            "Contact",
+            "tangential_stiffness",
+            tangential_stiffness,
+            tangential_stiffness > 0.0,
+            "tangential_stiffness > 0",
+        )?;
+        if self.law().constant().is_none() {
+            let (static_coefficient, kinetic_coefficient) = self.coefficients_at_rest();
+            return Err(Error::LawNotConstant {
+                static_coefficient,
+                kinetic_coefficient,
+            });
+        }
+        self.tangential_stiffness = Some(tangential_stiffness);
+        Ok(self)
+    }
+
+    /// Stiffness k_t of the spring in series, in units of force per displacement; `None` for a
+    /// rigid contact.
+    pub fn tangential_stiffness(&self) -> Option<f64> {
+        self.tangential_stiffness
+    }
+
+    /// The same contact with a normal spring of its own, which opens and closes:
+    ///
+    /// ```text
+    /// N = max(0, N0(t) + k_n d·q)
+    /// ```
+    ///
+    /// While it is closed the spring acts on the structure with −d N. d_j are dimensionless, k_n
+    /// has units of force per displacement. Where N falls to 0 the contact opens, an event, and it
+    /// closes where N comes back; there is no impact, for N is continuous. With a load gradient
+    /// besides, its n·q is part of N. For rigid and elastic contacts.
+    ///
+    /// # Errors
+    ///
+    /// * [`Error::BadDirection`] unless there are coordinates, all different, and all d_j are
+    ///   finite, one at least not 0;
+    /// * [`Error::InvalidParameter`] unless k_n, and each k_n d_j, is finite and k_n > 0.
+    ///
+    /// ```
+    /// use stick_slip::{Contact, Coulomb, EventKind, Structure, structure::State};
+    ///
+    /// // A ball of mass 1 on a spring of 4, pressed on it by its weight of 1, thrown up with 1.
+    /// let spring = Contact::new(0, Coulomb::new(0.3, 0.3)?, 1.0)?
+    ///     .with_normal_spring(&[(1, -1.0)], 4.0)?;
+    /// let ball = Structure::new(&[1.0, 1.0])?.with_force(1, -1.0)?.with_contact(spring)?;
+    /// let motion = ball.simulate(State::new(&[0.0, 0.0], &[0.0, 1.0]), 3.0)?;
+    /// let [open, close] = motion.events() else { panic!() };
+    /// assert_eq!([open.kind, close.kind], [EventKind::Open, EventKind::Close]);
+    /// // It leaves the spring at 1/4, with v² = 1 − 1/4, and flies for 2 v.
+    /// assert!((open.state.displacements[1] - 0.25).abs() < 1e-15);
+    /// assert!((close.time - open.time - 2.0 * 0.75_f64.sqrt()).abs() < 1e-14);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn with_normal_spring(
+        mut self,
+        direction: &[(usize, f64)],
+        normal_stiffness: f64,
+    ) -> Result<Self, Error> {
+        Error::check(
+            "Contact",
+            "normal_stiffness",
+            normal_stiffness,
+            normal_stiffness > 0.0,
+            "normal_stiffness > 0",
+        )?;
+        let (_, direction) = super::contact::checked_direction(direction)?;
+        for &(_, d) in &direction {
+            let gradient = normal_stiffness * d;
+            let is_finite = gradient.is_finite();
+            Error::check("Contact", "gradient", gradient, is_finite, "k_n d_j finite")?;
+        }
+        self.normal_spring = Some((direction, normal_stiffness));
+        Ok(self)
+    }
+
+    /// Direction d of its normal spring, by ascending coordinate, and stiffness k_n, in units of
+    /// force per displacement; `None` without one.
+    pub fn normal_spring(&self) -> Option<(&[(usize, f64)], f64)> {
+        let (direction, stiffness) = self.normal_spring.as_ref()?;
+        Some((direction, *stiffness))
+    }
+
+    /// Elastic contacts side by side in the place of this one: each with its stiffness k_t and its
+    /// share of the load, of its gradient and of the stiffness of its normal spring.
+    ///
+    /// Shares are positive and dimensionless, and need not have the sum 1. One load that varies
+    /// drives all elements. The elements of an [`Iwan4`](crate::Iwan4) model are k_t and limits of
+    /// force: they are the shares of a contact with μ = 1 and N = 1.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless each share is positive and finite, and of a load that
+    /// would overflow; those of [`with_tangential_stiffness`](Self::with_tangential_stiffness).
+    ///
+    /// ```
+    /// use stick_slip::{Contact, Coulomb, Structure};
+    ///
+    /// let joint = Contact::between(0, 1, Coulomb::new(0.3, 0.3)?, 10.0)?;
+    /// let elements = joint.in_parallel(&[(5.0, 0.25), (2.0, 0.75)])?;
+    /// assert_eq!(elements[1].tangential_stiffness(), Some(2.0));
+    /// assert_eq!(elements[1].load().value(0.0), 7.5);
+    /// let masses = Structure::new(&[1.0, 1.0])?.with_contacts(elements)?;
+    /// assert_eq!(masses.contacts().len(), 2);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn in_parallel(&self, elements: &[(f64, f64)]) -> Result<Vec<Self>, Error> {
+        let element = |&(tangential_stiffness, share): &(f64, f64)| {
+            Error::check("Contact", "share", share, share > 0.0, "share > 0")?;
+            let mut element = self
+                .clone()
+                .with_tangential_stiffness(tangential_stiffness)?;
+            element.scale_load(share)?;
+            Ok(element)
+        };
+        elements.iter().map(element).collect()
+    }
+
+    /// The load, its gradient and its spring, multiplied.
+    fn scale_load(&mut self, share: f64) -> Result<(), Error> {
+        self.load = self.load.scaled(share);
+        let spring = self.normal_spring.iter_mut();
+        let gradients = self.load_gradient.iter_mut().map(|(_, n)| n);
+        let mut largest = self.load.size();
+        for number in gradients.chain(spring.map(|(_, stiffness)| stiffness)) {
+            *number *= share;
+            largest = largest.max(number.abs());
+        }
+        Error::check("Contact", "load", largest, true, "a finite share of it").map(drop)
+    }
+}

@@ -1,0 +1,254 @@
+//! The springs of contacts: elastic contacts, and normal springs that open.
+//!
+//! What a spring carries is a state, so it acts on the structure as a known force, order by order
+//! before the coordinates: T of an elastic contact, and the reaction −d N of a normal spring. An
+//! elastic contact holds nothing and is never among those that decide together.
+//!
+//! ```text
+//! stick:  T' = k_t r           watched: h_σ = μN − σT, both σ
+//! slip:   T = σ μN             watched: the speed of the slider, ζ_σ = σ r − μN'/k_t
+//! ```
+//!
+//! h_σ' = −k_t ζ_σ: what a contact does at its limit is decided by the first derivative of ζ_σ that
+//! is not 0. A wrong mode of another contact changes r only two orders later than the first
+//! derivative that decided on it, so contacts take their modes by ascending order.
+
+use super::edge::{EDGE_ROUNDING, Edge, side_of};
+use super::model::{ContactData, Model};
+use super::plan::load_terms;
+use super::series::{ContactCourse, ContactSeries, CoordinateSeries, Series};
+use super::state::{Entry, Phase, Situation};
+use crate::series::INTEGRAL;
+use crate::state::Direction;
+
+/// Order k of the forces of all springs, and k + 1 of what they carry.
+pub(super) fn spring_order(model: &Model<'_>, series: &mut Series, k: usize) {
+    for (&j, given) in std::iter::zip(&model.sprung, &series.given) {
+        series.coordinates[j].force[k] = given[k];
+    }
+    for &c in &model.springs {
+        let (contact, of) = (&model.contacts[c], &mut series.contacts[c]);
+        match contact.tangential_stiffness {
+            Some(stiffness) => {
+                of.elastic_order(contact, &series.coordinates, stiffness, k);
+                for &(j, x) in contact.responses() {
+                    series.coordinates[j].force[k] -= x * of.carried[k];
+                }
+            }
+            None => of.load_order(contact, &series.coordinates, k),
+        }
+        if of.course != ContactCourse::Open {
+            for &(j, y) in &contact.reaction {
+                series.coordinates[j].force[k] -= y * (of.load[k] / contact.compliance);
+            }
+        }
+    }
+}
+
+/// Size of the force of all springs on each of their coordinates, for rounding errors.
+pub(super) fn spring_size(model: &Model<'_>, series: &Series, coordinate: usize) -> f64 {
+    if model.sprung.binary_search(&coordinate).is_err() {
+        return 0.0;
+    }
+    let at = |entries: &[(usize, f64)]| {
+        let place = entries.binary_search_by_key(&coordinate, |&(j, _)| j);
+        place.map_or(0.0, |place| entries[place].1.abs())
+    };
+    let sizes = model.springs.iter().map(|&c| {
+        let (contact, of) = (&model.contacts[c], &series.contacts[c]);
+        let carried = if contact.is_elastic() {
+            at(contact.responses()) * of.carried[0].abs()
+        } else {
+            0.0
+        };
+        carried + at(&contact.reaction) * (of.load[0] / contact.compliance).abs()
+    });
+    sizes.sum()
+}
+
+impl ContactSeries {
+    /// Order k of r, and k + 1 of the load, of its limit and of T; in slip order k of the slider's
+    /// speed.
+    fn elastic_order(
+        &mut self,
+        contact: &ContactData<'_>,
+        coordinates: &[CoordinateSeries],
+        stiffness: f64,
+        k: usize,
+    ) {
+        if k == 0 {
+            self.load_order(contact, coordinates, 0);
+            self.bound[0] = self.load[0] * self.limit;
+            self.friction[0] = self.limit;
+        }
+        self.load_order(contact, coordinates, k + 1);
+        self.bound[k + 1] = if self.load_varies {
+            self.load[k + 1] * self.limit
+        } else {
+            0.0
+        };
+        let velocity = contact.along(|j| coordinates[j].course.velocity(k)) - self.surface[k];
+        let carried = &mut self.memories[0];
+        match self.course {
+            ContactCourse::Open => [carried[k], carried[k + 1]] = [0.0, 0.0],
+            ContactCourse::Stick => carried[k + 1] = stiffness * velocity * INTEGRAL[k],
+            ContactCourse::Slip => {
+                if k == 0 {
+                    carried[0] = self.side * self.bound[0];
+                }
+                carried[k + 1] = self.side * self.bound[k + 1];
+                let speed = self.side * velocity - (k + 1) as f64 * self.bound[k + 1] / stiffness;
+                // Zeros that the decision knows.
+                let is_zero = match k {
+                    0 => self.speeds[0] == 0.0,
+                    1 => self.rate.is_some(),
+                    _ => false,
+                };
+                self.speeds[k] = if is_zero { 0.0 } else { speed };
+            }
+        }
+        (self.carried[k], self.carried[k + 1]) = (carried[k], carried[k + 1]);
+    }
+}
+
+/// The force that an elastic contact carries at its limit: σμN, to the bit that of the series which
+/// begins there.
+pub(super) fn force_at_limit(
+    model: &Model<'_>,
+    situation: &Situation,
+    series: &Series,
+    c: usize,
+    side: Direction,
+) -> f64 {
+    let (contact, of) = (&model.contacts[c], &series.contacts[c]);
+    let load = if of.load_varies {
+        let displacement = |j: usize| situation.coordinates[j].displacement;
+        of.drive_load[0] + contact.displacement_load(displacement)
+    } else {
+        of.load[0]
+    };
+    side.sign() * (load * contact.constant_coefficient())
+}
+
+/// An elastic contact that has to ask again what its slider does: at a start, where it closes,
+/// where the slider came to rest, and where a drive breaks.
+pub(super) fn ask_again(situation: &mut Situation, c: usize) {
+    let (since, state) = (situation.clock, &mut situation.contacts[c]);
+    state.entry = match (state.phase, state.entry) {
+        (Phase::Slip { direction, .. }, Entry::Arrived(_)) => Entry::Arrived(Some(direction)),
+        _ => Entry::Arrived(None),
+    };
+    state.phase = Phase::Stick { since, from: 0.0 };
+}
+
+/// A contact at its limit whose slider starts, and the first order at which it does.
+struct Start {
+    contact: usize,
+    side: Direction,
+    order: usize,
+    speed: f64,
+}
+
+/// Starts the sliders of elastic contacts that cannot hold; returns true if there are any, or if
+/// one carried more than its limit after a jump of its load.
+pub(super) fn revise_elastic(
+    model: &Model<'_>,
+    situation: &mut Situation,
+    series: &Series,
+) -> bool {
+    let mut changed = false;
+    let mut starts: Vec<Start> = Vec::new();
+    for &c in &model.springs {
+        let Some(stiffness) = model.contacts[c].tangential_stiffness else {
+            continue;
+        };
+        if !situation.contacts[c].sticks() {
+            continue;
+        }
+        if is_cut(model, situation, series, c) {
+            changed = true;
+            continue;
+        }
+        let (state, of) = (&mut situation.contacts[c], &series.contacts[c]);
+        let sides = match state.edge {
+            Edge::Away => continue,
+            Edge::On(Some(side)) | Edge::Touched(Some(side)) => [Some(side), None],
+            Edge::On(None) | Edge::Touched(None) => {
+                [Some(Direction::Lagging), Some(Direction::Leading)]
+            }
+        };
+        for side in sides.into_iter().flatten() {
+            if let Edge::On(Some(_)) = state.edge {
+                state.edge = state.edge.leaving(of, side).0;
+            }
+            let distance = state.edge.distance(of, side);
+            let mut orders = (1..).zip(&distance.coefficients()[1..]);
+            let Some((order, &d)) = orders.find(|(_, d)| **d != 0.0) else {
+                continue;
+            };
+            if d >= 0.0 {
+                continue;
+            }
+            let speed = if order == 1 { -d / stiffness } else { 0.0 };
+            starts.push(Start {
+                contact: c,
+                side,
+                order,
+                speed,
+            });
+        }
+    }
+    let first = starts.iter().map(|start| start.order).min();
+    for start in starts {
+        if first.is_none_or(|first| start.order > first + 1) {
+            continue;
+        }
+        let carried = force_at_limit(model, situation, series, start.contact, start.side);
+        let state = &mut situation.contacts[start.contact];
+        state.memory[0] = carried;
+        state.entry = Entry::Held;
+        state.phase = Phase::Slip {
+            direction: start.side,
+            speed: start.speed,
+            rate: (start.order > 2).then_some(0.0),
+            piece: 0,
+        };
+        changed = true;
+    }
+    changed
+}
+
+/// Finds out whether an elastic contact that sticks is on an edge of its band. Returns true if it
+/// was beyond it, and carries its limit now.
+fn is_cut(model: &Model<'_>, situation: &mut Situation, series: &Series, c: usize) -> bool {
+    let of = &series.contacts[c];
+    let (bound, carried) = (of.bound[0], of.carried[0]);
+    let size = load_terms(&model.contacts[c], situation) * of.limit;
+    let rounding = EDGE_ROUNDING * f64::EPSILON * (size + carried.abs());
+    let state = &mut situation.contacts[c];
+    if state.edge != Edge::Away {
+        return false;
+    }
+    let side = side_of(carried);
+    let beyond = carried.abs() - bound;
+    match state.entry {
+        // ζ_σ = 0, where T = σμN.
+        Entry::Arrived(Some(from)) => state.edge = Edge::Touched(Some(from)),
+        Entry::Arrived(None) if bound.max(carried.abs()) <= rounding => {
+            // No band yet, for the load begins: on both of its bounds.
+            state.edge = Edge::On(None);
+        }
+        Entry::Arrived(None) if beyond > rounding => {
+            let force = force_at_limit(model, situation, series, c, side);
+            let state = &mut situation.contacts[c];
+            state.memory[0] = force;
+            state.edge = Edge::On(Some(side));
+            state.was_cut = true;
+            return true;
+        }
+        Entry::Arrived(None) if beyond >= -rounding => state.edge = Edge::On(Some(side)),
+        _ if beyond >= 0.0 => state.edge = Edge::On(Some(side)),
+        _ => {}
+    }
+    false
+}
