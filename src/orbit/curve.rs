@@ -18,7 +18,7 @@ use super::sequence::Sequence;
 use super::shoot::shortest;
 use super::trial::Trial;
 use crate::error::Error;
-use crate::motion::Segment;
+use crate::motion::{Mode, Segment};
 use crate::state::structure::State;
 
 /// One system of a family.
@@ -61,8 +61,8 @@ pub(super) struct Solved {
     pub(super) tangent: DVector<f64>,
     /// Number of Newton steps.
     pub(super) steps: usize,
-    /// For each contact: true if it sticks at the start.
-    stuck: Vec<bool>,
+    /// The modes of the contacts at the start.
+    modes: Vec<Mode>,
 }
 
 /// A plane: normal·(y/scale) = value.
@@ -110,10 +110,11 @@ impl Curve<'_> {
         checked.and_then(|parameter| (self.family)(parameter))
     }
 
-    /// The start for one system: contacts that stick have the velocity of their belts.
-    fn start(&self, form: &Form<'_>, y: &DVector<f64>, stuck: &[bool]) -> State {
+    /// The start for one system: contacts that stick have the velocity of their belts, elastic ones
+    /// that slip their limit.
+    fn start(&self, form: &Form<'_>, y: &DVector<f64>, modes: &[Mode]) -> State {
         let mut start = state(&y.rows(0, self.order).into_owned(), self.n);
-        form.put_at_rest(&mut start.velocities, 0.0, |c| stuck.get(c) == Some(&true));
+        form.put_in_modes(&mut start, 0.0, |c| modes.get(c).copied());
         if let Some(i) = self.turning {
             start.velocities[i] = 0.0;
         }
@@ -128,8 +129,8 @@ impl Curve<'_> {
         kind.duration(form.rhythm())
     }
 
-    fn trial(&self, y: &DVector<f64>, stuck: &[bool]) -> Result<Trial, Error> {
-        let (map, period) = self.motion(y, stuck, 1.0)?;
+    fn trial(&self, y: &DVector<f64>, modes: &[Mode]) -> Result<Trial, Error> {
+        let (map, period) = self.motion(y, modes, 1.0)?;
         Ok(Trial::new(map, period))
     }
 
@@ -147,7 +148,7 @@ impl Curve<'_> {
     pub(super) fn motion(
         &self,
         y: &DVector<f64>,
-        stuck: &[bool],
+        modes: &[Mode],
         periods: f64,
     ) -> Result<(PeriodMap, f64), Error> {
         self.tried.set(self.tried.get() + 1);
@@ -155,7 +156,7 @@ impl Curve<'_> {
             let member = self.member(self.parameter(y))?;
             let form = member.form();
             let period = self.period(&form, y)?;
-            let start = self.start(&form, y, stuck);
+            let start = self.start(&form, y, modes);
             let map = form.period_map(&start, periods * period);
             self.count(&form);
             Ok((map?, period))
@@ -165,7 +166,7 @@ impl Curve<'_> {
 
     /// The derivative of the residual by the parameter, by differences between motions with the
     /// same events: central, or one-sided if one side has no such motion.
-    fn by_parameter(&self, y: &DVector<f64>, trial: &Trial, stuck: &[bool]) -> DVector<f64> {
+    fn by_parameter(&self, y: &DVector<f64>, trial: &Trial, modes: &[Mode]) -> DVector<f64> {
         let last = self.unknowns() - 1;
         let steps = trial.map.steps.iter().flat_map(Segment::events);
         let events: Vec<_> = steps
@@ -178,7 +179,7 @@ impl Curve<'_> {
             let member = self.member(beside[last]).ok()?;
             let form = member.form();
             let period = self.period(&form, &beside).ok()?;
-            let start = self.start(&form, &beside, stuck);
+            let start = self.start(&form, &beside, modes);
             let passage = map::passage(&form, &start, period);
             self.count(&form);
             let (end, passed) = passage.ok()?;
@@ -251,18 +252,18 @@ impl Curve<'_> {
         near: &Solved,
         plane: &Plane<'_>,
     ) -> Result<Solved, Error> {
-        let (mut y, mut stuck) = (guess.clone(), near.stuck.clone());
+        let (mut y, mut modes) = (guess.clone(), near.modes.clone());
         let mut slope: Option<DVector<f64>> = None;
         let mut before = f64::INFINITY;
         let mut steps = 0;
         loop {
-            let trial = self.trial(&y, &stuck)?;
+            let trial = self.trial(&y, &modes)?;
             y.rows_mut(0, self.order)
                 .copy_from(&vector(&trial.map.start, self.order));
             let growth = trial.map.monodromy.amax().max(1.0);
             let slope = match &mut slope {
                 Some(slope) if before < COARSE / (growth * growth) => slope,
-                slope => slope.insert(self.by_parameter(&y, &trial, &stuck)),
+                slope => slope.insert(self.by_parameter(&y, &trial, &modes)),
             };
             let (mut matrix, mut right) = self.linearised(&y, &trial, slope, plane.scale);
             let last = self.unknowns() - 1;
@@ -275,7 +276,7 @@ impl Curve<'_> {
             let size = change.amax();
             let closed = trial.residual <= CLOSED * growth && size <= CLOSED.sqrt();
             if size <= FINE || (closed && size >= 0.5 * before) {
-                return self.solved(y, trial, (stuck, steps), matrix, plane);
+                return self.solved(y, trial, (modes, steps), matrix, plane);
             }
             steps += 1;
             let falls = steps <= 2 || size <= 2.0 * before;
@@ -283,7 +284,7 @@ impl Curve<'_> {
                 return Err(self.lost(&y, &trial));
             }
             before = size;
-            stuck = trial.map.sticking();
+            modes = trial.map.end_modes().to_vec();
             y += change.component_mul(plane.scale);
         }
     }
@@ -302,7 +303,7 @@ impl Curve<'_> {
         &self,
         y: DVector<f64>,
         trial: Trial,
-        (stuck, steps): (Vec<bool>, usize),
+        (modes, steps): (Vec<Mode>, usize),
         mut matrix: DMatrix<f64>,
         plane: &Plane<'_>,
     ) -> Result<Solved, Error> {
@@ -331,7 +332,7 @@ impl Curve<'_> {
             multipliers,
             tangent: tangent.normalize(),
             steps,
-            stuck,
+            modes,
         })
     }
 
@@ -361,9 +362,8 @@ impl Curve<'_> {
             y[self.order] = period;
         }
         y[self.unknowns() - 1] = parameter;
-        let none = vec![false; self.member(parameter)?.form().contacts()];
-        let trial = self.trial(&y, &none)?;
-        let stuck = trial.map.sticking();
+        let trial = self.trial(&y, &[])?;
+        let modes = trial.map.end_modes().to_vec();
         let apart = self.apart(&y, &trial)?;
         let begun = apart.as_ref().unwrap_or(&trial.map);
         Ok(Solved {
@@ -371,7 +371,7 @@ impl Curve<'_> {
             tangent: DVector::zeros(self.unknowns()),
             multipliers: Vec::new(),
             steps: 0,
-            stuck,
+            modes,
             y,
             trial,
         })

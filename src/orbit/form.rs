@@ -4,7 +4,8 @@ use std::cell::Cell;
 
 use crate::drive;
 use crate::error::{Error, Reached};
-use crate::motion::Integrator;
+use crate::motion::{Integrator, Mode};
+use crate::state::structure::State;
 use crate::structure::engine::model::Model;
 
 /// A system without the type of its laws, on which all searches work, so that they are compiled
@@ -81,10 +82,19 @@ impl<'s> Form<'s> {
         self.model.drives().all(|drive| drive.is_constant())
     }
 
-    /// Returns true if this number of a state is the velocity of a coordinate that contacts share.
-    pub(super) fn shares(&self, row: usize) -> bool {
-        let coordinate = row.checked_sub(self.len());
-        coordinate.is_some_and(|j| self.model.shared_coordinates.binary_search(&j).is_ok())
+    /// Returns true if this number of a state is one that contacts may hold together: the velocity
+    /// of a coordinate that they share, or what an elastic one carries.
+    pub(super) fn is_held(&self, row: usize) -> bool {
+        let shared = &self.model.shared_coordinates;
+        let is_shared = |j: usize| shared.binary_search(&j).is_ok();
+        let elastic = (0..self.contacts()).filter(|&c| !self.holds(c));
+        row.checked_sub(self.len()).is_some_and(is_shared)
+            || elastic.into_iter().any(|c| row == self.carried_row(c))
+    }
+
+    /// Where the force of an elastic contact stands in a state.
+    pub(super) fn carried_row(&self, contact: usize) -> usize {
+        2 * self.len() + self.model.memory(contact).start
     }
 
     /// Number of contacts.
@@ -99,13 +109,35 @@ impl<'s> Form<'s> {
         contact.sliding_velocity(|j| velocities[j], surface) == 0.0
     }
 
-    /// Sets the velocities at a time so that these contacts have no relative velocity.
-    pub(super) fn put_at_rest(
+    /// Returns true if a contact that sticks holds its coordinates: an elastic one does not.
+    pub(super) fn holds(&self, contact: usize) -> bool {
+        !self.model.contacts[contact].is_elastic()
+    }
+
+    /// Makes a state at a time fit the modes of its contacts, as far as they are given: those that
+    /// stick get no relative velocity, and elastic ones carry their limit in slip, nothing while
+    /// they are open, and at most their limit in any case.
+    pub(super) fn put_in_modes(
         &self,
-        velocities: &mut [f64],
+        state: &mut State,
         time: f64,
-        rests: impl Fn(usize) -> bool,
+        mode: impl Fn(usize) -> Option<Mode>,
     ) {
-        self.model.put_at_rest(velocities, time, rests);
+        let rests = |c: usize| mode(c) == Some(Mode::Stick);
+        self.model.put_at_rest(&mut state.velocities, time, rests);
+        for (c, contact) in self.model.contacts.iter().enumerate() {
+            let place = self.model.memory(c).start;
+            if self.holds(c) {
+                continue;
+            }
+            let limit = contact.limit_at(time, |j| state.displacements[j]);
+            if let Some(carried) = state.memory.get_mut(place) {
+                *carried = match mode(c) {
+                    Some(Mode::Stick) | None => carried.clamp(-limit, limit),
+                    Some(Mode::Slip(side)) => side.sign() * limit,
+                    Some(Mode::Open) => 0.0,
+                };
+            }
+        }
     }
 }

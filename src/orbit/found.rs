@@ -42,6 +42,7 @@ pub struct Orbit<S: System> {
     /// Least and largest displacement and velocity of each coordinate.
     extremes: Vec<[(f64, f64); 2]>,
     multipliers: Vec<Complex<f64>>,
+    unslipped: Vec<usize>,
 }
 
 impl<S: Oscillator> Orbit<S> {
@@ -69,6 +70,7 @@ impl<S: Oscillator> Orbit<S> {
             events: events.collect(),
             extremes: facts.extremes,
             multipliers: facts.multipliers,
+            unslipped: map.unslipped(),
             trajectory: system.trajectory(map, period)?,
         })
     }
@@ -160,6 +162,15 @@ impl<S: System> Orbit<S> {
         &self.multipliers
     }
 
+    /// Elastic contacts whose sliders never move in the period, by their numbers.
+    ///
+    /// Each of them makes the motion one of a family, whose parameter is the place of its slider:
+    /// the residual force in a joint. That place was held as it was at the guess. The multiplier 1
+    /// that belongs to it is left out.
+    pub fn unslipped(&self) -> &[usize] {
+        &self.unslipped
+    }
+
     /// Returns true if all multipliers lie inside the unit circle: small perturbations decay.
     pub fn is_stable(&self) -> bool {
         self.multipliers.iter().all(|m| m.norm() < 1.0)
@@ -176,6 +187,7 @@ impl<S: System> Clone for Orbit<S> {
             events: self.events.clone(),
             extremes: self.extremes.clone(),
             multipliers: self.multipliers.clone(),
+            unslipped: self.unslipped.clone(),
         }
     }
 }

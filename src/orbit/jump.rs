@@ -55,8 +55,8 @@ impl View<'_, '_> {
     /// The motion from a start on the tangent, at a distance from the last point.
     fn side(&self, distance: f64) -> Option<Side> {
         let y = &self.base.y + self.base.tangent.component_mul(self.scale) * distance;
-        let stuck = self.base.trial.map.sticking();
-        let (map, period) = self.curve.motion(&y, &stuck, 3.0).ok()?;
+        let modes = self.base.trial.map.end_modes();
+        let (map, period) = self.curve.motion(&y, modes, 3.0).ok()?;
         let inside = NEAR * period..(2.0 + NEAR) * period;
         let events = map.events().map(|(event, _)| event);
         let events = events.filter(|event| inside.contains(&event.time));

@@ -143,7 +143,7 @@ impl Along<'_> {
     }
 
     /// δT' = k_t δr and the force δT; in slip the force σμ n·δq, with which δT goes: see
-    /// [`TangentFlow::limit_elastic`](super::tangent::TangentFlow::limit_elastic).
+    /// `TangentFlow::limit_elastic`.
     fn elastic(&self, joint: &mut Joint, mode: Mode) {
         let constant = |value: f64| PowerSeries::from_fn(|k| if k == 0 { value } else { 0.0 });
         joint.is_stuck = false;

@@ -32,6 +32,18 @@ pub struct PeriodMap {
     cycle: (DMatrix<f64>, DVector<f64>),
     /// The directions of sticking contacts that share coordinates there.
     held: Vec<DVector<f64>>,
+    /// Elastic contacts whose sliders never move: δT = k_t b·δq all along.
+    unslipped: Vec<Unslipped>,
+}
+
+/// An elastic contact whose slider keeps its place.
+#[derive(Debug, Clone)]
+pub(super) struct Unslipped {
+    pub(super) contact: usize,
+    /// Where its T stands in a state.
+    row: usize,
+    /// k_t b.
+    stiffness: Vec<(usize, f64)>,
 }
 
 /// Largest residual of a closed motion, in units of the sizes of its numbers and of the
@@ -92,10 +104,9 @@ impl PeriodMap {
         first.map(|step| step.modes())
     }
 
-    /// For each contact: true if it sticks at the end.
-    pub(super) fn sticking(&self) -> Vec<bool> {
-        let modes = self.end_modes.iter();
-        modes.map(|mode| *mode == Mode::Stick).collect()
+    /// The modes of the contacts after the end.
+    pub(super) fn end_modes(&self) -> &[Mode] {
+        &self.end_modes
     }
 
     /// The events, each with the mode of its contact afterwards.
@@ -128,7 +139,22 @@ impl PeriodMap {
             }
             right[i] = -residual[i] / sizes[i];
         }
+        // A slider that never moves keeps its place; any other would do as well.
+        for Unslipped { row, stiffness, .. } in &self.unslipped {
+            matrix.row_mut(*row).fill(0.0);
+            matrix[(*row, *row)] = scale[*row] / sizes[*row];
+            for &(j, k) in stiffness {
+                matrix[(*row, j)] -= k * (scale[j] / sizes[*row]);
+            }
+            right[*row] = 0.0;
+        }
         (matrix, right)
+    }
+
+    /// Elastic contacts whose sliders never move.
+    pub(super) fn unslipped(&self) -> Vec<usize> {
+        let contacts = self.unslipped.iter();
+        contacts.map(|unslipped| unslipped.contact).collect()
     }
 
     /// The largest size of each number of the state at the ends of steps; for a velocity at least
@@ -183,10 +209,31 @@ impl PeriodMap {
     }
 
     /// The multipliers of a closed motion, by falling modulus; those of an autonomous one without
-    /// the 1 of a shift along itself. `None` if they do not converge.
+    /// the 1 of a shift along itself, and without the 1 of the place of each slider that never
+    /// moves. `None` if they do not converge.
     pub(super) fn multipliers(&self, is_free: bool) -> Option<Vec<Complex<f64>>> {
         let (matrix, flow) = &self.cycle;
-        multipliers(matrix, is_free.then_some(flow), &self.held, &self.sizes())
+        if self.unslipped.is_empty() {
+            return multipliers(matrix, is_free.then_some(flow), &self.held, &self.sizes());
+        }
+        // With these sliders at rest, T follows from the displacements.
+        let mut basis = DMatrix::identity(self.order(), self.order());
+        for Unslipped { row, stiffness, .. } in &self.unslipped {
+            for &(j, k) in stiffness {
+                basis[(*row, j)] = k;
+            }
+        }
+        let rows: Vec<usize> = self
+            .unslipped
+            .iter()
+            .map(|unslipped| unslipped.row)
+            .collect();
+        let basis = basis.remove_columns_at(&rows);
+        let kept = |vector: &DVector<f64>| vector.clone().remove_rows_at(&rows);
+        let matrix = (matrix * &basis).remove_rows_at(&rows);
+        let held: Vec<_> = self.held.iter().map(|row| basis.tr_mul(row)).collect();
+        let flow = is_free.then(|| kept(flow));
+        multipliers(&matrix, flow.as_ref(), &held, &kept(&self.sizes()))
     }
 }
 
@@ -240,8 +287,10 @@ pub(super) fn period_map(
             let rates = flow_of(&step, n);
             let rows = dead_rows(&flow.tangents);
             let sticking = held_by(form, step.modes());
-            let dead_alone = |&(row, dead): &(usize, &bool)| *dead && !form.shares(row);
-            let now = rows.iter().enumerate().filter(dead_alone).count() + sticking.len();
+            let dead_alone = |&(row, dead): &(usize, &bool)| *dead && !form.is_held(row);
+            let now = rows.iter().enumerate().filter(dead_alone).count()
+                + sticking.len()
+                + forgetting(form, step.modes());
             if first_flow.is_none() || now > dead {
                 let alive = rows.iter().map(|dead| f64::from(u8::from(!dead)));
                 let alive = DMatrix::from_diagonal(&DVector::from_iterator(order, alive));
@@ -267,7 +316,9 @@ pub(super) fn period_map(
         }
     }
     let end_modes = modes_after(last, || flow.fetch(f64::INFINITY))?;
+    let unslipped = unslipped(form, &steps);
     Ok(PeriodMap {
+        unslipped,
         start: start.clone(),
         end_modes,
         monodromy,
@@ -308,9 +359,7 @@ pub(super) fn begun_apart(
         return Ok(None);
     };
     let mut state = step.state_at(step.since_start(time));
-    form.put_at_rest(&mut state.velocities, time, |c| {
-        step.modes()[c] == Mode::Stick
-    });
+    form.put_in_modes(&mut state, time, |c| Some(step.modes()[c]));
     period_map(form, time, &state, period).map(Some)
 }
 
@@ -394,6 +443,30 @@ fn held_by(form: &Form<'_>, modes: &[Mode]) -> Vec<DVector<f64>> {
         row
     });
     rows.collect()
+}
+
+/// The number of elastic contacts that forget what they carry: all that do not stick.
+fn forgetting(form: &Form<'_>, modes: &[Mode]) -> usize {
+    let elastic = (0..form.contacts()).filter(|&c| !form.holds(c));
+    elastic.filter(|&c| modes[c] != Mode::Stick).count()
+}
+
+/// Elastic contacts whose sliders do not move in any of these steps.
+fn unslipped(form: &Form<'_>, steps: &[Step]) -> Vec<Unslipped> {
+    let contacts = form.model.contacts.iter().enumerate();
+    let unslipped = contacts.filter_map(|(c, contact)| {
+        let stiffness = contact.tangential_stiffness?;
+        let mut lasting = steps.iter().filter(|step| step.duration() > 0.0);
+        let direction = contact.direction.iter();
+        let unslipped = Unslipped {
+            contact: c,
+            row: form.carried_row(c),
+            stiffness: direction.map(|&(j, b)| (j, stiffness * b)).collect(),
+        };
+        let never_slips = lasting.all(|step| step.modes()[c] == Mode::Stick);
+        never_slips.then_some(unslipped)
+    });
+    unslipped.collect()
 }
 
 /// For each row: true if it is all zero, so that perturbations of this coordinate have vanished.

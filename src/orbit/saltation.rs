@@ -26,6 +26,7 @@ use super::linear::Linear;
 use super::tangent::TangentFlow;
 use crate::friction::memory::object::LawObject;
 use crate::friction::memory::{Motion, Slip};
+use crate::friction::piece_above;
 use crate::motion::{Event, EventKind, Mode, Segment};
 use crate::series::PowerSeries;
 use crate::state::Direction;
@@ -154,8 +155,12 @@ impl TangentFlow<'_> {
     /// Carries the tangents past the start of the motion: the law of a contact that slips from r =
     /// 0, or is open, has reset its memory.
     pub(super) fn begin(&mut self, step: &Step) {
+        self.limit_elastic(step);
         let model = &self.form.model;
         for (number, contact) in model.contacts.iter().enumerate() {
+            if contact.is_elastic() {
+                continue;
+            }
             let surface = contact.belt_velocity.at(step.clock())[0];
             let velocity = |j: usize| self.start.velocities[j];
             let rests = step.modes()[number] == Mode::Stick;
@@ -184,13 +189,18 @@ impl TangentFlow<'_> {
         if step.series().is_empty() {
             return;
         }
+        let model = &self.form.model;
         let mut changes = Vec::new();
         let mut shared = Vec::new();
         for event in step.events() {
-            if self.form.model.owner_of(event.contact).is_some() {
-                changes.extend(self.changed(step, event.contact, event.kind));
-            } else {
+            let contact = event.contact;
+            if model.is_shared(contact) {
                 shared.push(event);
+            } else if self.form.holds(contact) {
+                changes.extend(self.changed(step, contact, event.kind));
+            } else if event.kind == EventKind::Close {
+                let change = self.closed(step, contact);
+                changes.push((self.form.carried_row(contact), change));
             }
         }
         if let (Some(linear), false) = (linear, shared.is_empty()) {
@@ -199,6 +209,76 @@ impl TangentFlow<'_> {
         for (row, change) in changes {
             self.tangents.row_mut(row).copy_from(&change);
         }
+        for &(contact, side) in &step.after().limited {
+            self.limit_carried(contact, side.sign());
+        }
+    }
+
+    /// δT of an elastic contact that has closed and sticks: T = k_t r (t − t_c).
+    fn closed(&self, step: &Step, contact: usize) -> RowDVector<f64> {
+        let data = &self.form.model.contacts[contact];
+        let stiffness = data.tangential_stiffness.unwrap_or(0.0);
+        let velocities = step.end_state().velocities;
+        let surface = data.belt_velocity.series(step.clock()).at(step.duration());
+        let velocity = data.along(|j| velocities[j]) - surface;
+        self.load_later(step, contact) * (-stiffness * velocity)
+    }
+
+    /// The delay δt of a load that comes to 0 with displacements; none where it jumps.
+    fn load_later(&self, step: &Step, contact: usize) -> RowDVector<f64> {
+        /// Part of the terms of a load below which it is 0.
+        const ZERO: f64 = 1e-9;
+        let never = self.row(0) * 0.0;
+        let data = &self.form.model.contacts[contact];
+        let state = step.end_state();
+        let displacement = |j: usize| state.displacements[j];
+        let given = data.load.series(step.clock());
+        let load = given.at(step.duration()) + data.displacement_load(displacement);
+        if data.load_gradient.is_empty() || load.abs() > ZERO * data.load_size(displacement) {
+            return never;
+        }
+        let rate = given.derivative().at(step.duration())
+            + data.displacement_load(|j| state.velocities[j]);
+        let gradient = data.load_gradient.iter();
+        gradient.fold(never, |sum, &(j, n)| sum + self.row(j) * n) * -rate.recip()
+    }
+
+    /// The derivative of what springs of contacts do to v' of a coordinate.
+    fn by_springs(&self, step: &Step, i: usize) -> RowDVector<f64> {
+        let model = &self.form.model;
+        let mut rate = self.row(0) * 0.0;
+        for (c, contact) in model.contacts.iter().enumerate() {
+            if contact.is_elastic() {
+                rate -= self.row(self.form.carried_row(c)) * entry(contact.responses(), i);
+            }
+            let reaction = entry(&contact.reaction, i);
+            if reaction != 0.0 && step.modes()[c] != Mode::Open {
+                for &(j, n) in &contact.load_gradient {
+                    rate -= self.row(j) * (reaction * n);
+                }
+            }
+        }
+        rate
+    }
+
+    /// The rate of what springs of contacts do to v' of a coordinate, at the end of a step.
+    fn spring_rate(&self, step: &Step, i: usize) -> f64 {
+        let (model, h) = (&self.form.model, step.duration());
+        let rates = model.contacts.iter().enumerate().map(|(c, contact)| {
+            let mut rate = 0.0;
+            if contact.is_elastic() {
+                let carried = &step.series()[self.form.carried_row(c) - self.form.len()];
+                rate -= carried.slope_at(h) * entry(contact.responses(), i);
+            }
+            let reaction = entry(&contact.reaction, i);
+            if reaction != 0.0 && step.modes()[c] != Mode::Open {
+                let velocities = step.end_state().velocities;
+                let given = contact.load.series(step.clock()).slope_at(h);
+                rate -= (given + contact.displacement_load(|j| velocities[j])) * reaction;
+            }
+            rate
+        });
+        rates.sum()
     }
 
     /// The rows of the tangents that change at an event of a contact with a coordinate of its own.
@@ -216,7 +296,7 @@ impl TangentFlow<'_> {
         let arrival = || self.row(velocity) * -at.rate.recip();
         // δt, and the jump −f₊ + Dg f₋ + ∂g/∂t of v'.
         let (later, jump) = match kind {
-            EventKind::Open | EventKind::Close => (never.clone(), 0.0),
+            EventKind::Open | EventKind::Close => (self.load_later(step, contact), 0.0),
             EventKind::Stick => (arrival(), 0.0),
             EventKind::Crossing(to) => {
                 let side = match mode {
@@ -234,7 +314,7 @@ impl TangentFlow<'_> {
                 let later = if step.is_forced(contact) {
                     never.clone()
                 } else {
-                    self.later(contact, to.sign(), (limit, &slopes, &before), &at)
+                    self.later((step, contact), to.sign(), (limit, &slopes, &before), &at)
                 };
                 (later, -to.sign() * surplus.max(0.0))
             }
@@ -245,9 +325,35 @@ impl TangentFlow<'_> {
         } else if jump != 0.0 {
             changes.push((velocity, self.row(velocity) + &later * jump));
         }
-        let passage = Passage::of(law, mode, kind, &at.memory);
+        let passage = self.passage(step, contact, kind, &at.memory);
         changes.extend(self.changed_memory(contact, &passage, &at.memory, &later));
         changes
+    }
+
+    /// The jump of the memory of a contact at an event.
+    fn passage(&self, step: &Step, contact: usize, kind: EventKind, memory: &[f64]) -> Passage {
+        let (law, mode) = (self.law(contact), step.modes()[contact]);
+        let mut passage = Passage::of(law, mode, kind, memory);
+        let rates = match kind {
+            EventKind::Open => &mut passage.before,
+            EventKind::Close => &mut passage.after,
+            _ => return passage,
+        };
+        // With the load the memory stops, or goes on.
+        let data = &self.form.model.contacts[contact];
+        let velocities = step.end_state().velocities;
+        let surface = data.belt_velocity.series(step.clock()).at(step.duration());
+        let velocity = data.sliding_velocity(|j| velocities[j], surface);
+        let motion = match Direction::of(velocity).filter(|_| mode != Mode::Stick) {
+            None => Motion::Stick,
+            Some(direction) => Motion::Slip(Slip {
+                speed: velocity.abs(),
+                direction: direction.sign(),
+                piece: piece_above(data.breakpoints.iter().copied(), velocity.abs()),
+            }),
+        };
+        *rates = law.rates(motion, memory);
+        passage
     }
 
     /// The rows of a contact's memory that change at an event delayed by δt.
@@ -307,8 +413,12 @@ impl TangentFlow<'_> {
         for event in events {
             let contact = event.contact;
             let memory = &event.state.memory[model.memory(contact)];
-            let passage = Passage::of(self.law(contact), step.modes()[contact], event.kind, memory);
-            changes.extend(self.changed_memory(contact, &passage, memory, &later));
+            let passage = self.passage(step, contact, event.kind, memory);
+            let later = match event.kind {
+                EventKind::Open | EventKind::Close => &self.load_later(step, contact),
+                _ => &later,
+            };
+            changes.extend(self.changed_memory(contact, &passage, memory, later));
         }
         changes
     }
@@ -333,7 +443,7 @@ impl TangentFlow<'_> {
                 let (limit, slopes) = self.law(number).limit(&state.memory[model.memory(number)]);
                 let load = contact.load.series(step.clock()).at(h)
                     + contact.displacement_load(|j| state.displacements[j]);
-                let mut gradient = self.carried_gradient(linear, h, number) * side.sign();
+                let mut gradient = self.carried_gradient(step, linear, number) * side.sign();
                 for &(j, a) in &contact.load_gradient {
                     gradient += self.row(j) * (-limit * a * contact.compliance);
                 }
@@ -347,8 +457,8 @@ impl TangentFlow<'_> {
 
     /// The gradient of the force in stick, with all contacts that stick: ∇λ = G⁻¹ B (M⁻¹∂p),
     /// multiplied by G_cc.
-    fn carried_gradient(&self, linear: &Linear, h: f64, number: usize) -> RowDVector<f64> {
-        let (model, n) = (&self.form.model, self.form.len());
+    fn carried_gradient(&self, step: &Step, linear: &Linear, number: usize) -> RowDVector<f64> {
+        let (model, n, h) = (&self.form.model, self.form.len(), step.duration());
         let mut rates: Vec<RowDVector<f64>> = (0..n)
             .map(|i| {
                 let mut rate = self.row(i) * -model.stiffness.row(i).0;
@@ -359,12 +469,12 @@ impl TangentFlow<'_> {
                 for &(j, a) in model.damping.row(i).1 {
                     rate += self.row(n + j) * -a;
                 }
-                rate
+                rate + self.by_springs(step, i)
             })
             .collect();
         for (c, joint) in linear.joints.iter().enumerate() {
             let contact = &model.contacts[c];
-            if joint.friction.is_empty() {
+            if joint.friction.is_empty() || contact.is_elastic() {
                 continue;
             }
             let direction = contact.direction.iter();
@@ -404,7 +514,7 @@ impl TangentFlow<'_> {
     /// The delay δt of a release, from h = σR − N μ_s.
     fn later(
         &self,
-        contact: usize,
+        (step, contact): (&Step, usize),
         sign: f64,
         (limit, slopes, rates): (f64, &[f64], &[f64]),
         at: &Instant,
@@ -420,6 +530,7 @@ impl TangentFlow<'_> {
                 gradient += row(first + j) * (-sign * a);
             }
         }
+        gradient += self.by_springs(step, i) * sign;
         let data = &model.contacts[contact];
         for &(j, a) in &data.load_gradient {
             gradient += row(j) * (-limit * a * data.compliance);
@@ -456,6 +567,7 @@ impl TangentFlow<'_> {
         for &(j, a) in dampers {
             carried_rate -= a * acceleration(j);
         }
+        carried_rate += self.spring_rate(step, i);
         let by_displacements = contact.displacement_load(velocity);
         let load_now = load.at(h) + contact.displacement_load(|j| state.displacements[j]);
         Instant {
@@ -467,6 +579,12 @@ impl TangentFlow<'_> {
             memory: state.memory[model.memory(number)].to_vec(),
         }
     }
+}
+
+/// The number of a coordinate among entries.
+fn entry(entries: &[(usize, f64)], i: usize) -> f64 {
+    let place = entries.binary_search_by_key(&i, |&(j, _)| j);
+    place.map_or(0.0, |place| entries[place].1)
 }
 
 /// The slopes of a map by differences of fourth order; exact for a linear map.

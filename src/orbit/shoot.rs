@@ -91,9 +91,13 @@ impl<'s> Problem<'s> {
         let map = &trial.map;
         let start = vector(&map.start, map.order()) + change * part;
         let mut changed = state(&start, self.form.len());
-        let (sticks, before) = (map.sticking(), &map.start.velocities);
-        let rests = |c: usize| sticks[c] && (part == 1.0 || self.form.is_at_rest(c, before, 0.0));
-        self.form.put_at_rest(&mut changed.velocities, 0.0, rests);
+        let (modes, before) = (map.end_modes(), &map.start.velocities);
+        let keeps = |c: usize| part == 1.0 || self.form.is_at_rest(c, before, 0.0);
+        self.form
+            .put_in_modes(&mut changed, 0.0, |c| match modes[c] {
+                Mode::Stick if self.form.holds(c) && !keeps(c) => None,
+                mode => Some(mode),
+            });
         changed
     }
 
@@ -182,7 +186,7 @@ pub(super) fn shortest(
 /// period, nor a period near 0 is returned.
 ///
 /// The guess is a state at time 0 of the drives; for an autonomous motion any state near the
-/// motion. (If an autonomous guess lies exactly at an event with a jump, and nothing is found from
+/// motion. Of a guess, a force of an elastic contact beyond its limit counts as that limit. (If an autonomous guess lies exactly at an event with a jump, and nothing is found from
 /// there, the search is repeated from a state between events.) An estimate near twice the period
 /// gives two periods of the motion.
 ///
@@ -231,6 +235,10 @@ pub fn shoot<S: Oscillator>(
 
 /// A closed motion near a guess; if the guess lies at an event, the search starts between events.
 fn search(form: &Form<'_>, guess: &State, period: Period) -> Result<Trial, Error> {
+    let mut guess = guess.clone();
+    // A guess may carry more than an elastic contact can.
+    form.put_in_modes(&mut guess, 0.0, |_| None);
+    let guess = &guess;
     let failure = match find(form, guess, period) {
         Err(failure @ Error::NotPeriodic { .. }) => failure,
         found => return found,
@@ -314,6 +322,6 @@ fn transient_end(
         _ => transient,
     };
     let (mut reached, modes) = map::reach(form, start, duration)?;
-    form.put_at_rest(&mut reached.velocities, 0.0, |c| modes[c] == Mode::Stick);
+    form.put_in_modes(&mut reached, 0.0, |c| Some(modes[c]));
     Ok(reached)
 }

@@ -5,6 +5,9 @@
 //! δz' = ∂z'/∂v δv + ∂z'/∂z δz
 //! ```
 //!
+//! What an elastic contact carries, T, has δT' = k_t b·δv in stick and δT = σμ n·δq in slip; a
+//! closed normal spring adds −d n·δq to the forces.
+//!
 //! by power series on the steps of the trajectory. A contact that sticks has δv = 0; events are in
 //! `saltation.rs`. Each column of a matrix is one perturbation: n displacements, n velocities and
 //! the memory variables of the contacts.
@@ -116,11 +119,37 @@ impl<'s> TangentFlow<'s> {
                     advance(self.form, step, linear, column, (&mut self.work, logarithm))?;
                 }
             }
+            self.limit_elastic(step);
         }
         if self.has_begun {
             self.pass(step, linear.as_ref());
         }
         Ok(())
+    }
+
+    /// What elastic contacts carry that do not stick: δT = σμ n·δq in slip, 0 while open.
+    pub(super) fn limit_elastic(&mut self, step: &Step) {
+        for (c, contact) in self.form.model.contacts.iter().enumerate() {
+            if contact.is_elastic() && step.modes()[c] != Mode::Stick {
+                let side = match step.modes()[c] {
+                    Mode::Slip(side) => side.sign(),
+                    Mode::Stick | Mode::Open => 0.0,
+                };
+                self.limit_carried(c, side);
+            }
+        }
+    }
+
+    /// Sets δT of an elastic contact to σμ n·δq.
+    pub(super) fn limit_carried(&mut self, c: usize, side: f64) {
+        let contact = &self.form.model.contacts[c];
+        let coefficient = side * contact.constant_coefficient();
+        let mut carried = self.tangents.row(0) * 0.0;
+        for &(j, n) in &contact.load_gradient {
+            carried += self.tangents.row(j) * (coefficient * n);
+        }
+        let row = self.form.carried_row(c);
+        self.tangents.row_mut(row).copy_from(&carried);
     }
 
     /// Replaces the tangents, and returns the old ones.
@@ -238,9 +267,7 @@ fn expand(model: &Model<'_>, linear: &Linear, column: &[f64], work: &mut [PowerS
                 let terms = row.iter().zip(inputs);
                 terms.map(|(a, x)| convolution(a, x, k)).sum()
             };
-            if let (true, Some(i)) = (joint.is_stuck, model.owner_of(c)) {
-                v[i][k + 1] = 0.0;
-            } else if !joint.is_stuck {
+            if !joint.is_stuck {
                 let friction = inputs(&joint.friction, z);
                 for &(j, x) in contact.responses() {
                     v[j][k + 1] -= x * friction;
@@ -254,8 +281,19 @@ fn expand(model: &Model<'_>, linear: &Linear, column: &[f64], work: &mut [PowerS
                     }
                 }
             }
+            if joint.is_closed && !contact.reaction.is_empty() {
+                let load = contact.displacement_load(|l| q[l][k]);
+                for &(j, y) in &contact.reaction {
+                    v[j][k + 1] -= y * load;
+                }
+            }
             for j in 0..z.len() {
                 z[j][k + 1] = inputs(&joint.rates[j], z) * INTEGRAL[k];
+            }
+        }
+        for (i, owner) in model.owner.iter().enumerate() {
+            if owner.is_some_and(|c| linear.joints[c].is_stuck) {
+                v[i][k + 1] = 0.0;
             }
         }
         if !linear.holding.contacts.is_empty() {

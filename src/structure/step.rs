@@ -34,8 +34,9 @@ pub(crate) struct After {
     /// What gives the events of contacts that share coordinates their time; nothing does at a jump
     /// of a drive.
     pub(crate) trigger: Option<Trigger>,
-    /// Elastic contacts that carried more than their limit after a jump of the load.
-    pub(crate) cut: Vec<usize>,
+    /// Elastic contacts that came to their limit there, and on which side: their sliders start, or
+    /// the load has jumped below what they carried.
+    pub(crate) limited: Vec<(usize, Direction)>,
 }
 
 /// What a contact that shares coordinates came to; it may have no event itself.
@@ -175,6 +176,7 @@ impl Segment for Step {
             end: Clock::at(time),
             duration,
             events: Vec::new(),
+            after: After::default(),
             ..self
         }
     }

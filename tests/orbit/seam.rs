@@ -172,6 +172,9 @@ fn later(case: &serde_json::Value, time: f64) -> serde_json::Value {
     for contact in system["contacts"].as_array_mut().unwrap() {
         if !contact.is_null() {
             turn(&mut contact["w"]);
+            if contact["N0"].is_object() {
+                turn(&mut contact["N0"]);
+            }
         }
     }
     case

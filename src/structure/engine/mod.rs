@@ -38,7 +38,7 @@ mod state;
 mod transitions;
 
 use decision::reconcile;
-use edge::Edge;
+use edge::{Edge, side_of};
 use events::{Firings, first_firings};
 use expand::expand_drives;
 use model::{ContactData, Model};
@@ -382,8 +382,15 @@ impl<'s> Engine<'s> {
             is_release && is_own && self.situation.contacts[event.contact].edge == Edge::Away
         };
         let forced = events.iter().filter(|event| is_forced(event));
-        let springs = self.model.springs.iter().copied();
-        let cut = springs.filter(|&c| self.situation.contacts[c].was_cut);
+        let limited = self.model.springs.iter().filter_map(|&c| {
+            let state = &self.situation.contacts[c];
+            match state.phase {
+                _ if !self.model.contacts[c].is_elastic() => None,
+                Phase::Slip { direction, .. } => Some((c, direction)),
+                _ if state.was_cut => Some((c, side_of(state.memory[0]))),
+                _ => None,
+            }
+        });
         let rates = if events.iter().any(is_shared) {
             self.acceleration()
         } else {
@@ -393,7 +400,7 @@ impl<'s> Engine<'s> {
             forced: forced.map(|event| event.contact).collect(),
             rates,
             trigger,
-            cut: cut.collect(),
+            limited: limited.collect(),
         }
     }
 
@@ -611,8 +618,7 @@ fn check_carried(
 ) -> Result<(), Error> {
     const ROUNDING: f64 = 4.0 * f64::EPSILON;
     let displacement = |j: usize| start.displacements[j];
-    let load = contact.load.value(time) + contact.displacement_load(displacement);
-    let limit = (contact.constant_coefficient() * load).max(0.0);
+    let limit = contact.limit_at(time, displacement);
     let rounding = ROUNDING * contact.constant_coefficient() * contact.load_size(displacement);
     if carried.abs() <= limit + rounding {
         return Ok(());

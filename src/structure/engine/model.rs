@@ -187,6 +187,12 @@ impl<'s> ContactData<'s> {
         self.law.constant().unwrap_or(0.0)
     }
 
+    /// μN of an elastic contact at a time, 0 where it is open.
+    pub(crate) fn limit_at(&self, time: f64, displacement: impl Fn(usize) -> f64) -> f64 {
+        let load = self.load.value(time) + self.displacement_load(displacement);
+        (self.constant_coefficient() * load).max(0.0)
+    }
+
     /// Sum of the sizes of all terms of the load.
     pub(crate) fn load_size(&self, displacement: impl Fn(usize) -> f64) -> f64 {
         let by_displacements = self.load_gradient.iter();
