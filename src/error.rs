@@ -350,7 +350,7 @@ pub enum Error {
     /// [`Contact::with_tangential_stiffness`](crate::Contact::with_tangential_stiffness).
     #[error(
         "an elastic contact needs one coefficient of friction at all speeds, and this law has \
-         μ_s = {static_coefficient} and μ̂(0) = {kinetic_coefficient} or changes with speed; give \
+         μ_s = {static_coefficient} and μ̂(0) = {kinetic_coefficient}, or changes; give \
          `Coulomb::new(μ, μ)`, or give the slider a mass: a coordinate of its own, with a spring \
          of stiffness k_t to the structure and a rigid contact with this law"
     )]

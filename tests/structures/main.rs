@@ -14,6 +14,7 @@ mod closed_forms;
 mod contacts;
 mod contacts_random;
 mod decisions;
+mod elastic;
 mod formulas;
 mod identities;
 mod memory;

@@ -44,7 +44,7 @@ use expand::expand_drives;
 use model::{ContactData, Model};
 use plan::{Control, is_finite, is_linear, plan_memory, plan_reach};
 use series::Series;
-use springs::{ask_again, force_at_limit};
+use springs::land_springs;
 use state::{Entry, Firing, Phase, Situation};
 use transitions::{close, decide};
 
@@ -315,7 +315,6 @@ impl<'s> Engine<'s> {
                 continue;
             }
             let (state, of) = (&mut situation.contacts[c], &mut series.contacts[c]);
-            state.was_cut = false;
             for (memory, series) in std::iter::zip(&mut state.memory, &of.memories) {
                 *memory = series.at(h);
             }
@@ -471,31 +470,6 @@ impl<'s> Engine<'s> {
             }
         }
         Error::StepUnderflow { step, reached }
-    }
-}
-
-/// What elastic contacts carry at the end of a step that is at its limit, to the bit. Where a drive
-/// breaks the limit may jump, and with it what the slider does.
-fn land_springs(model: &Model<'_>, situation: &mut Situation, series: &Series, at_break: bool) {
-    for &c in &model.springs {
-        if !model.contacts[c].is_elastic() || situation.contacts[c].phase_is_open() {
-            continue;
-        }
-        if at_break {
-            let state = &mut situation.contacts[c];
-            state.entry = Entry::Held;
-            ask_again(situation, c);
-            continue;
-        }
-        let state = &situation.contacts[c];
-        let at_limit = match (state.phase, state.edge) {
-            (Phase::Slip { direction, .. }, _) => Some(direction),
-            (Phase::Stick { .. }, Edge::On(side)) => side,
-            _ => None,
-        };
-        if let Some(side) = at_limit {
-            situation.contacts[c].memory[0] = force_at_limit(model, situation, series, c, side);
-        }
     }
 }
 

@@ -12,6 +12,7 @@ use crate::drive::Drive;
 use crate::error::{Element, Error};
 use crate::friction::FrictionLaw;
 use crate::friction::memory::object::LawObject;
+use crate::motion::Mode;
 
 /// Entries of a vector by their coordinates, without zeros.
 pub(crate) type Entries = [(usize, f64)];
@@ -52,7 +53,8 @@ pub(crate) struct Model<'s> {
     /// Largest |i − j| of coordinates of which one acts on the other.
     pub(super) bandwidth: usize,
     /// 1/√(max_i Σ_j |M⁻¹K|_ij): no free vibration without friction is faster than one radian in
-    /// this time. Where nothing is elastic that of the dampers, and infinite without any.
+    /// this time. Where nothing is elastic that of the dampers, and infinite without any. Springs of
+    /// contacts are not among them: see [`time_unit_with`](Self::time_unit_with).
     pub(super) time_unit: f64,
 }
 
@@ -253,7 +255,7 @@ impl<'s> Model<'s> {
         model.place_springs();
         model.place_drives();
         model.bandwidth = model.largest_distance();
-        let elastic = model.largest_stiffness();
+        let elastic = largest(row_sums(&model.stiffness));
         let rate = if elastic > 0.0 {
             elastic.sqrt()
         } else {
@@ -342,8 +344,12 @@ impl<'s> Model<'s> {
         self.sprung.dedup();
     }
 
-    /// Largest Σ_j |a_ij| of M⁻¹K, with the springs of contacts.
-    fn largest_stiffness(&self) -> f64 {
+    /// The time unit with the springs of contacts that act: tangential ones of those that stick,
+    /// normal ones of those that are closed.
+    pub(super) fn time_unit_with(&self, mode: impl Fn(usize) -> Mode) -> f64 {
+        if self.springs.is_empty() {
+            return self.time_unit;
+        }
         let mut sums: Vec<f64> = row_sums(&self.stiffness).collect();
         for &c in &self.springs {
             let contact = &self.contacts[c];
@@ -352,13 +358,20 @@ impl<'s> Model<'s> {
                     sums[j] += x.abs() * stiffness;
                 }
             };
-            if let Some(stiffness) = contact.tangential_stiffness {
+            if let (Some(stiffness), Mode::Stick) = (contact.tangential_stiffness, mode(c)) {
                 add(contact.responses(), stiffness * contact.size_along(|_| 1.0));
             }
-            let gradient = contact.load_gradient.iter().map(|(_, n)| n.abs());
-            add(&contact.reaction, gradient.sum());
+            if mode(c) != Mode::Open {
+                let gradient = contact.load_gradient.iter().map(|(_, n)| n.abs());
+                add(&contact.reaction, gradient.sum());
+            }
         }
-        largest(sums.into_iter())
+        let elastic = largest(sums.into_iter());
+        if elastic > 0.0 {
+            elastic.sqrt().recip()
+        } else {
+            self.time_unit
+        }
     }
 
     /// The contacts that a shared one is coupled with: G_cd/√(G_cc G_dd).

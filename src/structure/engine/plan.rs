@@ -213,7 +213,7 @@ pub(super) fn plan_reach(
     for (c, contact) in model.contacts.iter().enumerate() {
         let (state, of) = (&situation.contacts[c], &series.contacts[c]);
         if let Some(stiffness) = contact.tangential_stiffness {
-            let velocity = contact.size_along(|j| plan.scales[j].0) + of.surface[0].abs();
+            let velocity = contact.size_along(|j| plan.scales[j].0) + contact.belt_velocity.size();
             let by_motion = if unit.is_finite() {
                 stiffness * velocity * unit
             } else {
@@ -221,6 +221,8 @@ pub(super) fn plan_reach(
             };
             let scale = state.memory[0].abs().max(by_motion);
             farthest = farthest.min(reach_of(f64::EPSILON * scale, &of.carried, TERMS - 1));
+            // The slider's speed has that of the surface in it.
+            farthest = farthest.min(reach_of(f64::EPSILON * velocity, &of.surface, TERMS - 1));
             if of.load_varies {
                 let error = f64::EPSILON * load_terms(contact, situation);
                 farthest = farthest.min(reach_of(error, &of.load, TERMS - 1));
@@ -359,8 +361,9 @@ fn time_unit(
     series: &Series,
     scales: &[(f64, f64)],
 ) -> f64 {
-    if model.time_unit.is_finite() {
-        return model.time_unit;
+    let of_springs = model.time_unit_with(|c| situation.contacts[c].mode());
+    if of_springs.is_finite() {
+        return of_springs;
     }
     let least = |times: &mut dyn Iterator<Item = f64>| {
         times

@@ -149,8 +149,7 @@ struct Start {
     speed: f64,
 }
 
-/// Starts the sliders of elastic contacts that cannot hold; returns true if there are any, or if
-/// one carried more than its limit after a jump of its load.
+/// Starts the sliders of elastic contacts that cannot hold; returns true if there are any.
 pub(super) fn revise_elastic(
     model: &Model<'_>,
     situation: &mut Situation,
@@ -165,10 +164,7 @@ pub(super) fn revise_elastic(
         if !situation.contacts[c].sticks() {
             continue;
         }
-        if is_cut(model, situation, series, c) {
-            changed = true;
-            continue;
-        }
+        find_edge(model, situation, series, c);
         let (state, of) = (&mut situation.contacts[c], &series.contacts[c]);
         let sides = match state.edge {
             Edge::Away => continue,
@@ -218,37 +214,59 @@ pub(super) fn revise_elastic(
     changed
 }
 
-/// Finds out whether an elastic contact that sticks is on an edge of its band. Returns true if it
-/// was beyond it, and carries its limit now.
-fn is_cut(model: &Model<'_>, situation: &mut Situation, series: &Series, c: usize) -> bool {
+/// Finds out whether an elastic contact that sticks is on an edge of its band.
+fn find_edge(model: &Model<'_>, situation: &mut Situation, series: &Series, c: usize) {
     let of = &series.contacts[c];
     let (bound, carried) = (of.bound[0], of.carried[0]);
     let size = load_terms(&model.contacts[c], situation) * of.limit;
     let rounding = EDGE_ROUNDING * f64::EPSILON * (size + carried.abs());
     let state = &mut situation.contacts[c];
     if state.edge != Edge::Away {
-        return false;
+        return;
     }
-    let side = side_of(carried);
     let beyond = carried.abs() - bound;
-    match state.entry {
+    let is_fresh = state.has_arrived();
+    state.edge = match state.entry {
         // ζ_σ = 0, where T = σμN.
-        Entry::Arrived(Some(from)) => state.edge = Edge::Touched(Some(from)),
-        Entry::Arrived(None) if bound.max(carried.abs()) <= rounding => {
-            // No band yet, for the load begins: on both of its bounds.
-            state.edge = Edge::On(None);
+        Entry::Arrived(Some(from)) => Edge::Touched(Some(from)),
+        // No band yet, for the load begins: on both of its bounds.
+        _ if is_fresh && bound.max(carried.abs()) <= rounding => Edge::On(None),
+        _ if beyond >= 0.0 || is_fresh && beyond >= -rounding => Edge::On(Some(side_of(carried))),
+        _ => Edge::Away,
+    };
+}
+
+/// What elastic contacts carry at the end of a step, to the bit where they are at their limit.
+/// Where a drive breaks the limit may have jumped: it cuts what they carry, and they ask again.
+pub(super) fn land_springs(
+    model: &Model<'_>,
+    situation: &mut Situation,
+    series: &Series,
+    at_break: bool,
+) {
+    for &c in &model.springs {
+        let state = &situation.contacts[c];
+        if !model.contacts[c].is_elastic() || state.phase_is_open() {
+            continue;
         }
-        Entry::Arrived(None) if beyond > rounding => {
-            let force = force_at_limit(model, situation, series, c, side);
-            let state = &mut situation.contacts[c];
-            state.memory[0] = force;
-            state.edge = Edge::On(Some(side));
-            state.was_cut = true;
-            return true;
+        let carried = state.memory[0];
+        let most = force_at_limit(model, situation, series, c, Direction::Leading).max(0.0);
+        let at_limit = match (state.phase, state.edge) {
+            _ if at_break => None,
+            (Phase::Slip { direction, .. }, _) => Some(direction),
+            (Phase::Stick { .. }, Edge::On(side)) => side,
+            _ => None,
+        };
+        let size = load_terms(&model.contacts[c], situation) + carried.abs();
+        let is_cut = at_break && carried.abs() > most + EDGE_ROUNDING * f64::EPSILON * size;
+        let state = &mut situation.contacts[c];
+        state.was_cut = is_cut;
+        if let Some(side) = at_limit.or(is_cut.then_some(side_of(carried))) {
+            state.memory[0] = side.sign() * most;
         }
-        Entry::Arrived(None) if beyond >= -rounding => state.edge = Edge::On(Some(side)),
-        _ if beyond >= 0.0 => state.edge = Edge::On(Some(side)),
-        _ => {}
+        if at_break {
+            state.entry = Entry::Held;
+            ask_again(situation, c);
+        }
     }
-    false
 }

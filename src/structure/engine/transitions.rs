@@ -46,7 +46,9 @@ pub(super) fn decide(
         let mut changed = false;
         for c in 0..situation.contacts.len() {
             let change = revise_load(model, situation, series, c)?;
-            if change && model.is_shared(c) {
+            // A load that jumps takes the force of a spring with it.
+            let is_asked = model.is_shared(c) || model.springs.binary_search(&c).is_ok();
+            if change && is_asked && !model.shared.is_empty() {
                 situation.closed = None;
                 let new = || Decision::new(model, situation, series);
                 decision.get_or_insert_with(new).restart();

@@ -1,0 +1,567 @@
+//! Elastic contacts and normal springs: closed forms, the rigid limit, and random structures
+//! against a scheme that knows neither modes nor events.
+
+use std::f64::consts::PI;
+
+use approx::{assert_abs_diff_eq, assert_relative_eq};
+use stick_slip::nalgebra::{DMatrix, DVector};
+use stick_slip::structure::State;
+use stick_slip::{
+    Contact, Coulomb, Direction, Drive, Error, EventKind, Exponential, LuGre, Mode, Segment,
+    Structure,
+};
+
+use crate::common::{Random, assert_form};
+use crate::random::count;
+
+fn coulomb(coefficient: f64) -> Coulomb {
+    Coulomb::new(coefficient, coefficient).unwrap()
+}
+
+/// The loop that a public tool prints for k_t = 2, F_s = 3: displacements 0, 5, 3.5, 2, −5, −3.5,
+/// −2, 0 give forces 0, 3, 0, −3, −3, 0, 3, 3.
+#[test]
+fn a_printed_loop() {
+    let way = [0.0, 5.0, 3.5, 2.0, -5.0, -3.5, -2.0, 0.0];
+    let forces = [0.0, 3.0, 0.0, -3.0, -3.0, 0.0, 3.0, 3.0];
+    let mut velocity = Vec::new();
+    for (k, pair) in way.windows(2).enumerate() {
+        let speed = pair[0] - pair[1];
+        velocity.extend([(k as f64, speed), (k as f64 + 1.0, speed)]);
+    }
+    let element = Contact::new(0, coulomb(0.5), 6.0)
+        .and_then(|contact| contact.with_tangential_stiffness(2.0))
+        .unwrap()
+        .on_belt(Drive::profile(&velocity).unwrap());
+    // A mass that does not move, seen from the surface.
+    let structure = Structure::new(&[1e30])
+        .and_then(|structure| structure.with_contact(element))
+        .unwrap();
+    let motion = structure.simulate(State::at_rest(1), 7.0).unwrap();
+    for (k, force) in forces.iter().enumerate() {
+        let found = motion.state_at(k as f64).unwrap();
+        assert_abs_diff_eq!(found.memory[0], *force, epsilon = 1e-14);
+    }
+}
+
+/// One mass on a spring and a Jenkins element, without damping, by its arcs in closed form: the
+/// time and the displacement of each event, all in differences from the event before.
+fn arcs(stiffness: f64, limit: f64, start: f64, most: usize) -> Vec<(f64, EventKind, f64)> {
+    let (mut time, mut x, mut v, mut carried) = (0.0, start, 0.0, 0.0);
+    let mut events = Vec::new();
+    while events.len() < most {
+        // Stick: y'' = −Ω² y − (x + T), y = x − x_s; T reaches its limit at y = (±F − T)/k_t.
+        let omega = (1.0_f64 + stiffness).sqrt();
+        let amplitude = (x + carried) / (omega * omega);
+        let way = |t: f64| {
+            -amplitude * 2.0 * (0.5 * omega * t).sin().powi(2) + v / omega * (omega * t).sin()
+        };
+        let speed = |t: f64| -amplitude * omega * (omega * t).sin() + v * (omega * t).cos();
+        // The turn, where the way is farthest.
+        let turn = (v / (amplitude * omega)).atan().rem_euclid(PI);
+        let turn = if turn == 0.0 { PI } else { turn };
+        let side = if way(turn / omega) >= 0.0 { 1.0 } else { -1.0 };
+        let level = (side * limit - carried) / stiffness;
+        if (way(turn / omega) - level) * side <= 0.0 {
+            break;
+        }
+        let (mut low, mut high) = (0.0, turn / omega);
+        for _ in 0..200 {
+            let middle = 0.5 * (low + high);
+            if (way(middle) - level) * side < 0.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        time += high;
+        (x, v, carried) = (x + level, speed(high), side * limit);
+        let to = if side > 0.0 {
+            Direction::Leading
+        } else {
+            Direction::Lagging
+        };
+        events.push((time, EventKind::Release(to), x));
+        // Slip: x'' = −x − σF, up to the turn.
+        let centre = -side * limit;
+        let phase = (v / (x - centre)).atan().rem_euclid(PI);
+        let radius = (x - centre).hypot(v);
+        time += phase;
+        (x, v) = (centre + side * radius, 0.0);
+        events.push((time, EventKind::Stick, x));
+    }
+    events
+}
+
+#[test]
+fn any_stiffness_has_every_event() {
+    let (limit, start) = (0.3, 5.0);
+    for exponent in -2..=12 {
+        let stiffness = 10.0_f64.powi(exponent);
+        let expected = arcs(stiffness, limit, start, 14);
+        let structure = Structure::new(&[1.0])
+            .and_then(|structure| structure.with_ground_spring(0, 1.0))
+            .and_then(|structure| {
+                let contact = Contact::new(0, coulomb(0.3), 1.0)?;
+                structure.with_contact(contact.with_tangential_stiffness(stiffness)?)
+            })
+            .unwrap();
+        let end = expected.last().map_or(20.0, |last| last.0 + 1e-9);
+        let motion = structure
+            .simulate(State::new(&[start], &[0.0]), end)
+            .unwrap();
+        let kinds: Vec<_> = expected.iter().map(|event| event.1).collect();
+        let found: Vec<_> = motion.events().iter().map(|event| event.kind).collect();
+        assert_eq!(found, kinds, "{stiffness}");
+        for (event, (time, _, x)) in motion.events().iter().zip(&expected) {
+            assert_relative_eq!(event.time, *time, max_relative = 1e-13);
+            assert_abs_diff_eq!(event.state.displacements[0], *x, epsilon = 1e-12);
+            // At its limit, to the bit.
+            assert_eq!(event.state.memory[0].abs(), 0.3, "{stiffness}");
+        }
+        assert_eq!(expected.is_empty(), stiffness < 0.05, "{stiffness}");
+    }
+}
+
+/// The difference from the rigid contact falls as 1/√k_t.
+#[test]
+fn the_rigid_limit_has_its_order() {
+    let contact = Contact::new(0, coulomb(0.4), 1.0).unwrap().on_belt(0.1);
+    let with = |contact: Contact| {
+        Structure::new(&[1.0])
+            .and_then(|structure| structure.with_ground_spring(0, 1.0))
+            .and_then(|structure| structure.with_ground_damper(0, 0.1))
+            .and_then(|structure| structure.with_force(0, Drive::harmonic(0.9, 0.7, 0.0)?))
+            .and_then(|structure| structure.with_contact(contact))
+            .unwrap()
+    };
+    let motion = |structure: &Structure| structure.simulate(State::at_rest(1), 30.0).unwrap();
+    let rigid = motion(&with(contact.clone()));
+    let apart = |stiffness: f64| {
+        let elastic = contact
+            .clone()
+            .with_tangential_stiffness(stiffness)
+            .unwrap();
+        let elastic = motion(&with(elastic));
+        let times = (1..300).map(|k| 0.1 * f64::from(k));
+        let differences = times.map(|time| {
+            let [one, other] = [&rigid, &elastic].map(|motion| motion.state_at(time).unwrap());
+            (one.displacements[0] - other.displacements[0])
+                .hypot(one.velocities[0] - other.velocities[0])
+        });
+        differences.fold(0.0, f64::max)
+    };
+    let found = [1e4, 1e6, 1e8].map(apart);
+    for pair in found.windows(2) {
+        let order = (pair[0] / pair[1]).log10() / 2.0;
+        assert!((order - 0.5).abs() < 0.02, "{order}: {found:?}");
+    }
+}
+
+/// A structure of elastic contacts, and what a simple scheme needs of it.
+struct Drawn {
+    structure: Structure,
+    start: State,
+}
+
+fn drive(random: &mut Random, about: f64, amplitude: f64, may_jump: bool) -> Drive {
+    let drive = Drive::constant(about);
+    match random.bits() % 4 {
+        0 => {
+            let [frequency, phase] = [(0.3, 2.5), (0.0, 6.0)].map(|(a, b)| random.uniform(a, b));
+            drive.with_harmonic(amplitude, frequency, phase).unwrap()
+        }
+        1 => {
+            // Between steps of the simple scheme.
+            let jump = random.uniform(1.0, 6.0).round();
+            let [a, b, mut c] = [0.0; 3].map(|_| random.uniform(-amplitude, amplitude));
+            if !may_jump {
+                c = b;
+            }
+            drive
+                .with_profile(&[(0.0, a), (jump, b), (jump, c), (8.0, a)])
+                .unwrap()
+        }
+        _ => drive,
+    }
+}
+
+/// Rigid contacts among them, and loads that jump, if `mixed`.
+fn draw(random: &mut Random, mixed: bool) -> Drawn {
+    let n = 1 + (random.bits() % 3) as usize;
+    let coupling = if random.bits() % 2 == 0 {
+        0.0
+    } else {
+        random.uniform(-0.2, 0.2)
+    };
+    let masses: Vec<f64> = (0..n).map(|_| random.uniform(0.5, 2.0)).collect();
+    let mass = |i: usize, j: usize| if i == j { masses[i] } else { coupling };
+    let mut structure = Structure::with_mass_matrix(DMatrix::from_fn(n, n, mass)).unwrap();
+    for i in 0..n {
+        let force = drive(random, 0.0, 1.5, true);
+        let [spring, damper, beside] =
+            [(0.3, 2.0), (0.0, 0.2), (0.2, 2.0)].map(|(a, b)| random.uniform(a, b));
+        structure = structure
+            .with_ground_spring(i, spring)
+            .and_then(|s| s.with_ground_damper(i, damper))
+            .and_then(|s| s.with_force(i, force))
+            .unwrap();
+        if i > 0 {
+            structure = structure.with_spring(i - 1, i, beside).unwrap();
+        }
+    }
+    let mut memory = Vec::new();
+    for _ in 0..1 + random.bits() % 4 {
+        let i = (random.bits() % n as u64) as usize;
+        let j = (random.bits() % n as u64) as usize;
+        let about = random.uniform(0.3, 1.5);
+        let varies = random.bits() % 3 == 0;
+        let load = if varies {
+            drive(random, about, 1.2, mixed)
+        } else {
+            about.into()
+        };
+        let law = coulomb(random.uniform(0.1, 0.8));
+        let made = if i == j {
+            Contact::new(i, law, load)
+        } else {
+            Contact::along(&[(i, 1.0), (j, random.uniform(-1.5, -0.5))], law, load)
+        };
+        let mut contact = made.unwrap();
+        let is_rigid = mixed && random.bits() % 3 == 0;
+        if !is_rigid {
+            let stiffness = 10.0_f64.powf(random.uniform(-1.0, 2.0));
+            contact = contact.with_tangential_stiffness(stiffness).unwrap();
+            memory.push(0.0);
+        }
+        if random.bits() % 3 == 0 {
+            let normal = (random.bits() % n as u64) as usize;
+            let d = if random.bits() % 2 == 0 { 1.0 } else { -1.0 };
+            let stiffness = random.uniform(0.2, 2.0);
+            contact = contact
+                .with_normal_spring(&[(normal, d)], stiffness)
+                .unwrap();
+        }
+        let w = random.uniform(-0.3, 0.3);
+        let belt = if is_rigid {
+            w.into()
+        } else {
+            drive(random, w, 0.5, true)
+        };
+        structure = structure.with_contact(contact.on_belt(belt)).unwrap();
+    }
+    let mut numbers = || -> Vec<f64> { (0..n).map(|_| random.uniform(-1.0, 1.0)).collect() };
+    let start = State::new(&numbers(), &numbers()).with_memory(&memory);
+    Drawn { structure, start }
+}
+
+/// Moreau's catching-up: T ← clip(T + k_t Δx, ±μN) at the midpoints of steps of position Verlet.
+fn catch_up(drawn: &Drawn, duration: f64, steps: usize) -> State {
+    let Drawn { structure, start } = drawn;
+    let (n, h) = (structure.len(), duration / steps as f64);
+    let inverse = structure.mass_matrix().into_owned().try_inverse().unwrap();
+    let damping = &inverse * structure.damping() * (0.5 * h);
+    let forward = DMatrix::identity(n, n) - &damping;
+    let back = (DMatrix::identity(n, n) + &damping).try_inverse().unwrap();
+    let mut q = DVector::from_column_slice(&start.displacements);
+    let mut v = DVector::from_column_slice(&start.velocities);
+    let mut carried = start.memory.clone();
+    let mut stretch = |q: &DVector<f64>, moved: &DVector<f64>, time: f64, h: f64| {
+        // Forces on the structure after a part of the way.
+        let mut force = DVector::zeros(n);
+        for (contact, carried) in structure.contacts().iter().zip(&mut carried) {
+            let along: f64 = contact.direction().iter().map(|&(j, b)| b * moved[j]).sum();
+            // Drives jump between steps, in the middle of a way from midpoint to midpoint.
+            let [before, after] = [0.75, 0.25].map(|back| time - back * h);
+            let belt = contact.belt_velocity();
+            let belt = 0.5 * h * (belt.value(before) + belt.value(after));
+            let load = contact.load_at(time, q.as_slice()).max(0.0);
+            let limit = load * contact_coefficient(contact);
+            let stiffness = contact.tangential_stiffness().unwrap();
+            *carried = (*carried + stiffness * (along - belt)).clamp(-limit, limit);
+            for &(j, b) in contact.direction() {
+                force[j] -= b * *carried;
+            }
+            for &(j, d) in contact.normal_spring().map_or(&[][..], |(d, _)| d) {
+                force[j] -= d * load;
+            }
+        }
+        (force, carried.clone())
+    };
+    let mut last = q.clone();
+    for k in 0..steps {
+        let middle = &q + &v * (0.5 * h);
+        let time = (k as f64 + 0.5) * h;
+        let (mut force, _) = stretch(
+            &middle,
+            &(&middle - &last),
+            time,
+            if k == 0 { 0.5 * h } else { h },
+        );
+        for (j, f) in structure.forces().iter().enumerate() {
+            force[j] += f.value(time);
+        }
+        force -= structure.stiffness() * &middle;
+        v = &back * (&forward * &v + &inverse * force * h);
+        q = &middle + &v * (0.5 * h);
+        last = middle;
+    }
+    let (_, carried) = stretch(&q, &(&q - &last), duration, 0.5 * h);
+    State::new(q.as_slice(), v.as_slice()).with_memory(&carried)
+}
+
+fn contact_coefficient(contact: &Contact) -> f64 {
+    // All laws here are Coulomb's with one coefficient, which a contact shows in its text.
+    let text = format!("{contact:?}");
+    let after = text.split("static_coefficient: ").nth(1).unwrap();
+    let number: String = after.chars().take_while(|c| !",} ".contains(*c)).collect();
+    number.parse().unwrap()
+}
+
+#[test]
+fn a_scheme_without_events_comes_to_the_same_states() {
+    let mut random = Random::new(91);
+    let (mut worst, mut events) = (0.0_f64, 0);
+    for i in 0..count(40) {
+        let drawn = draw(&mut random, false);
+        let duration = 8.0;
+        let motion = match drawn.structure.simulate(drawn.start.clone(), duration) {
+            Err(Error::OverLimit { .. }) => continue,
+            motion => motion.unwrap(),
+        };
+        events += motion.events().len();
+        let apart = |steps: usize| {
+            let state = catch_up(&drawn, duration, steps);
+            let found = motion.last();
+            let pairs = [
+                (&found.displacements, &state.displacements),
+                (&found.velocities, &state.velocities),
+            ];
+            let differences = pairs.into_iter().flat_map(|(a, b)| a.iter().zip(b));
+            differences.fold(0.0_f64, |largest, (a, b)| largest.max((a - b).abs()))
+        };
+        let mut found = apart(8_000);
+        let first = found;
+        // Of first order where a load comes back over a contact that sticks.
+        for steps in [64_000, 512_000] {
+            if found > 1e-5 {
+                found = apart(steps);
+            }
+        }
+        assert!(
+            found < 1e-5,
+            "{i}: {first:e}, {found:e}: {:?} {:?}",
+            drawn.structure,
+            drawn.start
+        );
+        worst = worst.max(found);
+    }
+    println!("{events} events, {worst:.1e}");
+    assert!(events > 8 * count(40), "{events}");
+}
+
+/// What holds along every step, of elastic contacts and rigid ones in one structure.
+#[test]
+fn motions_of_elastic_contacts_obey_the_law() {
+    let mut random = Random::new(92);
+    let (mut events, mut motions) = (0, 0);
+    for i in 0..count(600) {
+        let Drawn { structure, start } = draw(&mut random, true);
+        let about = || format!("{i}: {structure:?}\n{start:?}");
+        let motion = match structure.simulate(start.clone(), 20.0) {
+            Err(Error::OverLimit { .. } | Error::Undetermined { .. }) => continue,
+            motion => motion.unwrap_or_else(|error| panic!("{error}\n{}", about())),
+        };
+        motions += 1;
+        events += motion.events().len();
+        for step in motion.steps() {
+            if step.duration() == 0.0 {
+                continue;
+            }
+            for part in [1e-3, 0.35, 0.6, 0.999] {
+                let t = part * step.duration();
+                let (time, state) = (step.start_time() + t, step.state_at(t));
+                let mut place = 0;
+                for (c, contact) in structure.contacts().iter().enumerate() {
+                    let load = contact.load_at(time, &state.displacements);
+                    let size = 1e-11 * (1.0 + load.abs());
+                    let Some(stiffness) = contact.tangential_stiffness() else {
+                        let is_open = step.modes()[c] == Mode::Open;
+                        assert!(if is_open { load <= size } else { load >= -size });
+                        continue;
+                    };
+                    let carried = state.memory[place];
+                    place += 1;
+                    let limit = load * contact_coefficient(contact);
+                    let holds = match step.modes()[c] {
+                        Mode::Open => load <= size && carried == 0.0,
+                        Mode::Stick => carried.abs() <= limit + size,
+                        Mode::Slip(side) => {
+                            // ζ = σ r − μN'/k_t ≥ 0, N' by differences.
+                            let h = 1e-6 * step.duration();
+                            let at = |t: f64| {
+                                let state = step.state_at(t);
+                                contact.load_at(step.start_time() + t, &state.displacements)
+                            };
+                            let rate = (at(t + h) - at(t - h)) / (2.0 * h);
+                            let r: f64 = contact
+                                .direction()
+                                .iter()
+                                .map(|&(j, b)| b * state.velocities[j])
+                                .sum::<f64>()
+                                - contact.belt_velocity().value(time);
+                            let slider =
+                                side.sign() * r - contact_coefficient(contact) * rate / stiffness;
+                            (carried - side.sign() * limit).abs() <= size
+                                && slider >= -1e-7 * (1.0 + rate.abs() / h * 1e-9)
+                        }
+                    };
+                    assert!(holds, "contact {c} at {time} {}", about());
+                }
+            }
+        }
+    }
+    println!("{motions} motions, {events} events");
+    assert!(events > 5 * count(600), "{events}");
+}
+
+#[test]
+fn bad_elastic_contacts_are_refused() {
+    let contact = || Contact::new(0, coulomb(0.3), 2.0).unwrap();
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for refused in [
+            contact().with_tangential_stiffness(bad).unwrap_err(),
+            contact().with_normal_spring(&[(0, 1.0)], bad).unwrap_err(),
+            contact()
+                .in_parallel(&[(1.0, 0.5), (1.0, bad)])
+                .unwrap_err(),
+            contact().in_parallel(&[(bad, 0.5)]).unwrap_err(),
+        ] {
+            assert!(
+                matches!(refused, Error::InvalidParameter { .. }),
+                "{bad}: {refused}"
+            );
+            assert_form(&refused.to_string());
+        }
+    }
+    let huge = contact().in_parallel(&[(1.0, f64::MAX)]);
+    assert!(
+        matches!(huge, Err(Error::InvalidParameter { .. })),
+        "{huge:?}"
+    );
+    for direction in [
+        &[][..],
+        &[(0, 0.0)],
+        &[(0, f64::NAN)],
+        &[(1, 1.0), (1, 2.0)],
+    ] {
+        let refused = contact().with_normal_spring(direction, 1.0);
+        assert!(
+            matches!(refused, Err(Error::BadDirection { .. })),
+            "{refused:?}"
+        );
+    }
+    // Not one constant: static friction, a law that falls, a memory.
+    let falls = Exponential::new(0.4, 0.2, 0.1).unwrap();
+    let refused = [
+        Contact::new(0, Coulomb::new(0.4, 0.3).unwrap(), 1.0),
+        Contact::new(0, falls, 1.0),
+        Contact::new(0, LuGre::new(falls, 10.0, 0.1, 0.0).unwrap(), 1.0),
+    ];
+    for contact in refused {
+        let error = contact.unwrap().with_tangential_stiffness(1.0).unwrap_err();
+        let Error::LawNotConstant {
+            static_coefficient, ..
+        } = error
+        else {
+            panic!("{error}")
+        };
+        // Bristles that are not bent carry nothing.
+        assert!(
+            static_coefficient == 0.4 || error.to_string().contains("μ_s = 0 "),
+            "{error}"
+        );
+        assert_form(&error.to_string());
+    }
+    let elastic = contact().with_tangential_stiffness(5.0).unwrap();
+    let structure = Structure::new(&[1.0])
+        .unwrap()
+        .with_contact(elastic.clone())
+        .unwrap();
+    let start = |carried: f64| State::at_rest(1).with_memory(&[carried]);
+    assert!(structure.simulate(start(-0.6), 1.0).is_ok());
+    for bad in [0.601, -0.7, f64::MAX] {
+        let error = structure.simulate(start(bad), 1.0).unwrap_err();
+        let expected = Error::OverLimit {
+            contact: 0,
+            carried: bad,
+            limit: 0.6,
+        };
+        assert_eq!(error, expected);
+        assert_form(&error.to_string());
+        assert_eq!(structure.carried(0.0, &start(bad)), Err(expected));
+    }
+    for bad in [f64::NAN, f64::INFINITY] {
+        assert!(structure.simulate(start(bad), 1.0).is_err());
+    }
+    // An elastic contact at rest has a continuum of equilibria.
+    let still = structure.with_ground_spring(0, 1.0).unwrap();
+    assert_form(&still.steady_sliding().unwrap_err().to_string());
+    // A coordinate that is not there.
+    let spring = contact().with_normal_spring(&[(3, 1.0)], 1.0).unwrap();
+    let refused = Structure::new(&[1.0]).unwrap().with_contact(spring);
+    assert!(matches!(
+        refused,
+        Err(Error::NoSuchCoordinate { coordinate: 3, .. })
+    ));
+}
+
+/// Nothing moves yet, and what will is 0 at first: a surface, a force, a load.
+#[test]
+fn motions_begin_from_rest() {
+    let sine = || Drive::sine(0.7, 1.3).unwrap();
+    let contact = |load: Drive| {
+        let contact = Contact::new(0, coulomb(0.4), load).unwrap();
+        contact.with_tangential_stiffness(3.0).unwrap()
+    };
+    let mass = || Structure::new(&[1.0]).and_then(|mass| mass.with_ground_spring(0, 1.0));
+    let on = |contact: Contact| mass().and_then(|mass| mass.with_contact(contact)).unwrap();
+    let surface = on(contact(1.0.into()).on_belt(sine()));
+    let force = on(contact(1.0.into())).with_force(0, sine()).unwrap();
+    let load = on(contact(sine()).on_belt(0.5));
+    let free = Structure::new(&[1.0])
+        .and_then(|mass| mass.with_contact(contact(1.0.into()).on_belt(sine())))
+        .unwrap();
+    let still = on(contact(1.0.into()));
+    let events = [surface, force, load, free, still].map(|structure| {
+        let motion = structure.simulate(State::at_rest(1), 30.0).unwrap();
+        motion.events().len()
+    });
+    assert_eq!(events[4], 0);
+    assert!(events[..4].iter().all(|count| *count > 5), "{events:?}");
+}
+
+/// Elastic contacts whose directions depend on each other, together with a rigid one.
+#[test]
+fn parallel_elements_share_what_they_carry() {
+    let pair = |elastic: bool| {
+        let contact = Contact::between(0, 1, coulomb(0.5), 2.0).unwrap();
+        let contacts = if elastic {
+            contact.in_parallel(&[(3.0, 0.5), (1.0, 0.5)]).unwrap()
+        } else {
+            vec![contact.clone(), contact]
+        };
+        Structure::new(&[1.0, 1.0])
+            .and_then(|s| s.with_force(0, 0.2))
+            .and_then(|s| s.with_ground_spring(0, 1.0))
+            .and_then(|s| s.with_ground_spring(1, 1.0))
+            .and_then(|s| s.with_contacts(contacts))
+            .unwrap()
+    };
+    let rigid = pair(false).simulate(State::at_rest(2), 5.0);
+    assert!(matches!(rigid, Err(Error::Undetermined { .. })));
+    let motion = pair(true).simulate(State::at_rest(2), 5.0).unwrap();
+    let carried = &motion.last().memory;
+    assert_relative_eq!(carried[0], 3.0 * carried[1], max_relative = 1e-13);
+    assert_eq!(pair(true).carried(5.0, &motion.last()).unwrap(), *carried);
+}
