@@ -200,8 +200,8 @@ pub use friction::memory::{
     AnyContactLaw, ContactLaw, Dahl, Dwell, LuGre, Motion, Slip, Variables,
 };
 pub use friction::{
-    AnyLaw, Coulomb, Exponential, FrictionLaw, LawFault, Polynomial, Rational, Scaled, Stribeck,
-    Tabulated, check_law,
+    AnyLaw, Coulomb, Exponential, FrictionLaw, Iwan4, LawFault, Polynomial, Rational, Scaled,
+    Stribeck, Tabulated, check_law,
 };
 #[doc(hidden)]
 pub use friction::{LawRef, LawVisitor};

@@ -16,6 +16,7 @@
 //! | how much damping, or which belt velocity, keeps the system quiet | [`design`] |
 //! | closed forms for one law alone | [`coulomb`], [`exponential`], [`polynomial`] |
 //! | a harmonic force on a mass with dry friction: amplitude, and when it stops | [`forced`] |
+//! | a spring in series with a dry slider: first harmonic, hysteresis, exact response of one mass | [`jenkins`]; many of them: [`Iwan4`](crate::Iwan4) |
 //! | static friction that rises at rest: cycles, when they exist | [`dwell`] |
 //! | bristles: steady sliding, the vibration of a mass they hold, passivity | [`lugre`] |
 //! | friction under fast vibration | [`fast_vibration`] |
@@ -67,6 +68,7 @@ pub mod dwell;
 pub mod exponential;
 pub mod fast_vibration;
 pub mod forced;
+pub mod jenkins;
 pub mod lugre;
 pub mod mode_coupling;
 pub mod polynomial;

@@ -13,6 +13,7 @@
 // | `slip.rs` | the power series of a mass that slides on a law |
 // | `along.rs` | a law as a chain of power series over a range of speeds: sign changes and least value of its slope |
 // | `check.rs` | checks of a law before it is used; whether it is constant |
+// | `iwan.rs` | Segalman's distribution of springs and sliders |
 // | `inspect.rs` | `check_law`: a law looked at over a range of speeds, for its writer |
 // | `read.rs` | how laws are read (feature `serde`) |
 
@@ -23,6 +24,7 @@ mod coulomb;
 mod expansion;
 mod exponential;
 mod inspect;
+mod iwan;
 mod law;
 pub(crate) mod memory;
 mod polynomial;
@@ -38,6 +40,7 @@ pub use any::AnyLaw;
 pub use coulomb::Coulomb;
 pub use exponential::Exponential;
 pub use inspect::{LawFault, check_law};
+pub use iwan::Iwan4;
 #[doc(hidden)]
 pub use law::LawRef;
 pub use polynomial::Polynomial;

@@ -5,6 +5,7 @@ mod common;
 
 mod averaging;
 mod formulas;
+mod jenkins;
 mod misprints;
 mod motions;
 mod orders;

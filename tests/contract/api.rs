@@ -6,15 +6,16 @@ use std::hash::Hash;
 use std::thread;
 
 use stick_slip::analysis::averaging::AveragedCycle;
+use stick_slip::analysis::jenkins::{Backbone, SymmetricResponse};
 use stick_slip::analysis::{PureSlip, PureSlipCycle, Regime, StickSlip, StickSlipCycle, Transient};
 use stick_slip::bifurcation::{self, Criticality, DiagramPoint};
 use stick_slip::limit_cycle::{self, Attractor, Continuum};
 use stick_slip::orbit::{LyapunovExponent, Orbit, Period};
 use stick_slip::{
     AnyLaw, Coulomb, CycleKind, CycleSet, Direction, EnergyBudget, Equilibrium, Error, Event,
-    EventKind, Exponential, Flow, FrictionLaw, Integrator, LimitCycle, MassOnBelt, Mode, Physical,
-    Polynomial, Rational, Reached, Scalar, Scaled, Scaling, Stability, State, Step, Stribeck,
-    Structure, Tabulated, Trajectory,
+    EventKind, Exponential, Flow, FrictionLaw, Integrator, Iwan4, LimitCycle, MassOnBelt, Mode,
+    Physical, Polynomial, Rational, Reached, Scalar, Scaled, Scaling, Stability, State, Step,
+    Stribeck, Structure, Tabulated, Trajectory,
 };
 
 #[test]
@@ -62,6 +63,9 @@ fn types_have_the_common_traits() {
     small::<LyapunovExponent>();
     small::<Period>();
     small::<AveragedCycle>();
+    small::<Backbone>();
+    small::<SymmetricResponse>();
+    small::<Iwan4>();
 
     name::<Direction>();
     name::<Mode>();

@@ -10,8 +10,8 @@ use stick_slip::nalgebra::DMatrix;
 use stick_slip::orbit::{self, Period};
 use stick_slip::{
     Contact, ContactLaw, Coulomb, Dahl, Drive, Dwell, Error, EventKind, Exponential, FrictionLaw,
-    Integrator, LuGre, MassOnBelt, Motion, Physical, Polynomial, Rational, Scalar, Scaled, Scaling,
-    Slip, State, Stribeck, Structure, Tabulated, bifurcation, check_law,
+    Integrator, Iwan4, LuGre, MassOnBelt, Motion, Physical, Polynomial, Rational, Scalar, Scaled,
+    Scaling, Slip, State, Stribeck, Structure, Tabulated, bifurcation, check_law,
 };
 
 /// A law with the given static coefficient and no friction, of both kinds.
@@ -176,6 +176,26 @@ fn laws() -> Vec<Case> {
         case("Scaled", "velocity_unit", NOT_ABOVE, |x| {
             Scaled::new(law(), x)
         }),
+        case("Iwan4", "slip_force", NOT_ABOVE, |x| {
+            Iwan4::new(x, 2.0, -0.1, 0.1)
+        }),
+        case("Iwan4", "stiffness", NOT_ABOVE, |x| {
+            Iwan4::new(3.0, x, -0.1, 0.1)
+        }),
+        // So small that the displacement of slip overflows.
+        case("Iwan4", "stiffness", &[5e-324], |x| {
+            Iwan4::new(3.0, x, -0.1, 0.1)
+        }),
+        case("Iwan4", "exponent", &[-1.0, -2.0, 5e-324, 1.0], |x| {
+            Iwan4::new(3.0, 2.0, x, 0.1)
+        }),
+        case("Iwan4", "ratio", BELOW, |x| Iwan4::new(3.0, 2.0, -0.1, x)),
+        case(
+            "Iwan4::elements",
+            "grid",
+            &[0.0, -0.5, 1.0, 2.0, 1e-300],
+            |x| Iwan4::new(3.0, 2.0, -0.1, 0.1)?.elements(3, x),
+        ),
         case("LuGre", "stiffness", NOT_ABOVE, |x| {
             LuGre::new(law(), x, 1.0, 0.0)
         }),
