@@ -15,6 +15,7 @@ mod derivatives;
 mod dwell;
 mod follow;
 mod formulas;
+mod jenkins;
 mod long_run;
 mod opening;
 mod references;

@@ -15,6 +15,7 @@ mod contacts;
 mod contacts_random;
 mod decisions;
 mod elastic;
+mod elastic_identities;
 mod formulas;
 mod identities;
 mod memory;
