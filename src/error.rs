@@ -42,6 +42,20 @@ impl Reached {
     }
 }
 
+impl Reached {
+    /// Returns true if the state is so large that squares in the equations overflow.
+    fn overflows(&self) -> bool {
+        const LARGEST: f64 = 1e150;
+        let State {
+            displacements,
+            velocities,
+            memory,
+        } = &self.state;
+        let mut numbers = displacements.iter().chain(velocities).chain(memory);
+        numbers.any(|x| x.is_nan() || x.abs() > LARGEST)
+    }
+}
+
 impl std::fmt::Display for Reached {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "at time {}", Plain(self.time))?;
@@ -172,15 +186,17 @@ pub enum Error {
         max: f64,
     },
 
-    /// A duration is negative, infinite or NaN.
+    /// A duration is negative, infinite or NaN, or 0 where a mean is taken over it.
     #[error(
         "duration = {} is not allowed{}; a simulation without an end is `flow`",
         Plain(*value),
-        instead(*value, "duration ≥ 0")
+        instead(*value, allowed)
     )]
     InvalidDuration {
         /// The value that was given.
         value: f64,
+        /// The range that it must lie in.
+        allowed: &'static str,
     },
 
     /// The law's kinetic coefficient at zero speed, μ̂(0), exceeds its static coefficient μ_s by
@@ -273,7 +289,7 @@ pub enum Error {
     },
 
     /// A matrix or a start does not have the size of the structure.
-    #[error("{found} {name} were given; {expected} are needed, as many as the structure has")]
+    #[error("{name}: {found} given; the structure needs {expected}")]
     WrongSize {
         /// What was counted, for example `rows of the stiffness matrix`.
         name: &'static str,
@@ -390,12 +406,20 @@ pub enum Error {
         time: f64,
     },
 
-    /// A step became too short to move the clock, or its power series overflows: a kink or jump of
-    /// the law that is not named, a slope γ²·dμ̂/ds beyond about 1e20, or a stiff structure.
+    /// A step became too short to move the clock, or its power series overflows: a motion that
+    /// grows beyond all numbers, a kink or jump of the law that is not named, a slope γ²·dμ̂/ds
+    /// beyond about 1e20, or a stiff structure.
     #[error(
-        "the step fell to {} {reached}: the law has a jump or kink there that is not named \
-         as a breakpoint, or the system is too stiff (γ²·dμ̂/ds beyond about 1e20, or a structure)",
-        Plain(*step)
+        "the step fell to {} {reached}: {}",
+        Plain(*step),
+        if reached.overflows() {
+            "the motion grows beyond the largest numbers; if it should not, look for a negative \
+             stiffness or damping, or friction that drives it, otherwise end it before with \
+             `simulate_until`"
+        } else {
+            "the law has a jump or kink there that is not named as a breakpoint, or the system is \
+             too stiff (γ²·dμ̂/ds beyond about 1e20, or a structure)"
+        }
     )]
     StepUnderflow {
         /// Length of the last step tried.
@@ -665,8 +689,14 @@ impl Error {
         if value >= 0.0 && value.is_finite() {
             Ok(())
         } else {
-            Err(Self::InvalidDuration { value })
+            Err(Self::bad_duration(value))
         }
+    }
+
+    /// The error for a duration that is not finite and ≥ 0.
+    pub(crate) fn bad_duration(value: f64) -> Self {
+        let allowed = "duration ≥ 0";
+        Self::InvalidDuration { value, allowed }
     }
 
     /// An invalid parameter as that of an element of a structure; any other error as it is.

@@ -680,7 +680,10 @@ fn joints_and_mass_matrices_there_and_back() {
     );
     refused::<Structure>(r#"{"mass_matrix":[[1,2],[2,1]]}"#, "not positive definite");
     refused::<Structure>(r#"{"mass_matrix":[[1,2],[0,9]]}"#, "not symmetric");
-    refused::<Structure>(r#"{"mass_matrix":[[1,2]]}"#, "2 numbers in a row");
+    refused::<Structure>(
+        r#"{"mass_matrix":[[1,2]]}"#,
+        "numbers in a row of the mass matrix: 2 given",
+    );
     let joint = |direction: &str| {
         let law = r#"{"coulomb":{"static_coefficient":0.4,"kinetic_coefficient":0.3}}"#;
         format!(r#"{{"coordinate":0,"direction":{direction},"law":{law},"load":{{"constant":1}}}}"#)
@@ -737,7 +740,10 @@ fn what_is_diagonal_is_written_as_masses() {
     for (text, why) in [
         (r#"{"mass_matrix":[[1,2],[2,1]]}"#, "not positive definite"),
         (r#"{"mass_matrix":[[1,0.5],[0.4,1]]}"#, "not symmetric"),
-        (r#"{"mass_matrix":[[1,0.5],[0.5]]}"#, "1 numbers in a row"),
+        (
+            r#"{"mass_matrix":[[1,0.5],[0.5]]}"#,
+            "numbers in a row of the mass matrix: 1 given",
+        ),
         (
             r#"{"mass_matrix":[[1]],"masses":[1]}"#,
             "masses beside a mass matrix",
@@ -760,10 +766,13 @@ fn reading_structures_checks_what_constructors_check() {
     refused::<Structure>(r#"{"masses":[]}"#, "masses");
     refused::<Structure>(
         r#"{"masses":[1],"stiffness":[[1,2]]}"#,
-        "2 numbers in a row",
+        "numbers in a row of the stiffness matrix: 2 given",
     );
-    refused::<Structure>(r#"{"masses":[1],"damping":[[1],[2]]}"#, "2 rows");
-    refused::<Structure>(r#"{"masses":[1],"forces":[{},{}]}"#, "2 forces");
+    refused::<Structure>(
+        r#"{"masses":[1],"damping":[[1],[2]]}"#,
+        "damping matrix: 2 given",
+    );
+    refused::<Structure>(r#"{"masses":[1],"forces":[{},{}]}"#, "forces: 2 given");
     refused::<Structure>(r#"{"masses":[1],"springs":[]}"#, "springs");
     refused::<Drive>(
         r#"{"harmonics":[{"angular_frequency":-1,"cosine":1,"sine":0}]}"#,

@@ -266,7 +266,7 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     /// ```
     #[doc(alias = "integrate")]
     #[doc(alias = "solve")]
-    pub fn simulate(&self, start: State, duration: f64) -> Result<Trajectory, Error> {
+    pub fn simulate(&self, start: impl Into<State>, duration: f64) -> Result<Trajectory, Error> {
         Integrator::new().simulate(self, start, duration)
     }
 }

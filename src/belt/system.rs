@@ -56,7 +56,8 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// * [`Error::InvalidParameter`] if v_b or μ_s is not finite, or μ_s < 0;
+    /// * [`Error::InvalidParameter`] if v_b or μ_s is not finite, μ_s < 0 or μ̂(0) < 0
+    ///   ([`check_law`](crate::check_law) finds where else a law is negative);
     /// * [`Error::StaticBelowKinetic`] if μ̂(0) exceeds μ_s by more than a few ulps;
     /// * [`Error::NonFiniteFriction`] or [`Error::NotAnalytic`] if the law has no finite value or
     ///   slope at the speeds 0 and |v_b|;

@@ -52,8 +52,9 @@ impl Error {
                 displacement: displacement * units.length,
                 velocity: speed(velocity),
             },
-            Self::InvalidDuration { value } => Self::InvalidDuration {
+            Self::InvalidDuration { value, allowed } => Self::InvalidDuration {
                 value: value / units.rate,
+                allowed,
             },
             Self::NonFiniteFriction {
                 speed: s,

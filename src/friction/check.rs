@@ -40,13 +40,26 @@ pub(super) fn check_kinetic(
     )
 }
 
+/// Checks that the kinetic coefficient of the law `of` at speed 0 is not negative.
+pub(crate) fn check_opposing(of: &'static str, kinetic_coefficient: f64) -> Result<(), Error> {
+    Error::check(
+        of,
+        "kinetic coefficient at speed 0",
+        kinetic_coefficient,
+        kinetic_coefficient >= 0.0,
+        "friction that opposes slip: at least 0",
+    )
+    .map(drop)
+}
+
 /// Checks the rules of the trait [`FrictionLaw`] on which a system relies: μ_s is finite and ≥
-/// μ̂(0), the breakpoints ascend, and the law is continuous.
+/// μ̂(0) ≥ 0, the breakpoints ascend, and the law is continuous.
 pub(crate) fn validate(law: &dyn Values) -> Result<(), Error> {
     let static_coefficient = law.static_coefficient();
     check_static("FrictionLaw", static_coefficient)?;
     let kinetic_coefficient = law.kinetic(0.0);
     finite_at(law, 0.0)?;
+    check_opposing("FrictionLaw", kinetic_coefficient)?;
     if kinetic_coefficient > static_coefficient * (1.0 + STATIC_ROUNDING) {
         return Err(Error::StaticBelowKinetic {
             static_coefficient,

@@ -133,19 +133,19 @@ const HIGHEST: usize = 30;
 ///
 /// A law must always return the same results for the same speed, the same breakpoints and the same
 /// μ_s, and must not panic. It must not return NaN or ±∞ at a speed that the motion reaches: the
-/// motion then ends in a typed error. It must have μ̂(0) ≤ μ_s, to a few ulps.
+/// motion then ends in a typed error. It must have 0 ≤ μ̂(0) ≤ μ_s, to a few ulps.
 ///
 /// Checks of these rules:
 ///
 /// | fault of the law | detected by |
 /// |---|---|
-/// | μ_s < μ̂(0); μ_s negative or not finite; a law that is not finite at s = 0 | [`MassOnBelt::new`](crate::MassOnBelt::new) |
+/// | μ_s < μ̂(0); μ_s or μ̂(0) negative or not finite; a law that is not finite at s = 0 | [`MassOnBelt::new`](crate::MassOnBelt::new) |
 /// | breakpoints that do not ascend; a jump at a breakpoint | [`MassOnBelt::new`](crate::MassOnBelt::new) |
 /// | μ_s that turns NaN later | the next phase of stick, as an error |
 /// | NaN, ±∞ or an infinite slope at a speed at which a step evaluates the law | the step, as an error |
 /// | a jump or kink that is not declared | steps, usually: they shorten until the law fits its series on both sides, which costs time, or return an error; a jump between the points of evaluation is missed, and causes an error of its own size |
 /// | a feature narrower than the distance of these points (four in a step, up to a radian), NaN included | [`check_law`] only |
-/// | μ̂ < 0 | [`check_law`] only: motions follow the law as it is, and friction drives the mass |
+/// | μ̂ < 0 at a speed above 0 | [`check_law`] only: motions follow the law as it is, and friction drives the mass |
 /// | breakpoints that change | nothing: the motion follows one of the laws, or ends in an error |
 ///
 /// Steps evaluate the law at some speeds only; [`check_law`] searches a whole range.

@@ -4,6 +4,7 @@ use nalgebra::{Complex, DVector};
 
 use super::branch::BifurcationKind;
 use super::curve::{Curve, Plane, Solved};
+use super::map::CLOSED;
 use crate::error::Error;
 use crate::numerics::bracket::Bracket;
 
@@ -51,6 +52,37 @@ const MULTIPLIER: f64 = 1e-6;
 /// product of all 1 − μ), a flip (the product of all 1 + μ) and a Neimark-Sacker bifurcation (that
 /// of all 1 − μμ').
 pub(super) type Signs = [f64; 4];
+
+/// How strongly the motion at a place magnifies perturbations.
+fn growth(place: &Place) -> f64 {
+    place.solved.trial.map.monodromy.amax().max(1.0)
+}
+
+/// Returns true if rounding of the motions cannot tell two places apart. In a symmetric motion, or
+/// one of equal masses, several events change at one place.
+fn is_same(low: &Place, high: &Place) -> bool {
+    high.distance - low.distance <= CLOSED * growth(low).max(growth(high))
+}
+
+/// The change of events between its two sides, with the motion on the smoother one; `None` if the
+/// events are the same after all.
+fn change(low: &Place, high: &Place) -> Option<Found> {
+    let [before, after] = [low, high].map(|place| &place.solved.sequence);
+    if before.is_like(after) {
+        return None;
+    }
+    let kind = before.change(after);
+    let smoother = if growth(high) < growth(low) {
+        high
+    } else {
+        low
+    };
+    Some(Found {
+        distance: smoother.distance,
+        kind,
+        solved: smoother.solved.clone(),
+    })
+}
 
 impl View<'_, '_> {
     /// The point of the curve on the plane at a distance.
@@ -126,26 +158,24 @@ impl View<'_, '_> {
     ) -> Result<Vec<Found>, Error> {
         let mut found = Vec::new();
         let mut from = first.clone();
+        // The two sides of the last change of events, which may be one with the next.
+        let mut sides: Option<(Place, Place)> = None;
         for _ in 0..MOST_CHANGES {
             if from.solved.sequence.is_like(&last.solved.sequence) {
+                found.extend(sides.and_then(|(low, high)| change(&low, &high)));
                 self.smooth(&from, last, signs, &mut found)?;
                 return Ok(found);
             }
             let (low, high) = self.change_of_events(&from, last)?;
-            self.smooth(&from, &low, signs, &mut found)?;
-            *signs = [0.0; 4];
-            let kind = low.solved.sequence.change(&high.solved.sequence);
-            let growth = |place: &Place| place.solved.trial.map.monodromy.amax();
-            let smoother = if growth(&high) < growth(&low) {
-                &high
-            } else {
-                &low
+            sides = match sides.take() {
+                Some((first, second)) if is_same(&second, &low) => Some((first, high.clone())),
+                sides => {
+                    found.extend(sides.and_then(|(low, high)| change(&low, &high)));
+                    self.smooth(&from, &low, signs, &mut found)?;
+                    Some((low, high.clone()))
+                }
             };
-            found.push(Found {
-                distance: smoother.distance,
-                kind,
-                solved: smoother.solved.clone(),
-            });
+            *signs = [0.0; 4];
             from = high;
         }
         Err(self.lost(last))

@@ -6,7 +6,7 @@ use super::form::Form;
 use super::oscillator::Oscillator;
 use super::tangent::{TangentFlow, flow_of};
 use crate::error::{Error, Reached};
-use crate::motion::{Integrator, Mode, Segment};
+use crate::motion::{Integrator, Segment};
 use crate::state::structure::State;
 use crate::structure::Step;
 
@@ -70,9 +70,10 @@ pub fn lyapunov<S: Oscillator>(
 ///
 /// A positive exponent means chaos. For a stable periodic motion it is ln|μ|/T, μ the largest
 /// multiplier. For an autonomous motion the exponent 0 of a shift along itself is left out, as the
-/// multiplier 1 is. It is −∞ if every perturbation decays to zero, and if all masses stick for
-/// ever. The perturbation is a solution of the variational equations, so that no digits are lost in
-/// differences; memory use is constant.
+/// multiplier 1 is. It is −∞ if every perturbation decays to zero. It is 0 if all masses stick to
+/// surfaces at rest for ever: each stays where it came to rest, and a perturbation of its
+/// displacement stays as it is. The perturbation is a solution of the variational equations, so
+/// that no digits are lost in differences; memory use is constant.
 ///
 /// # Errors
 ///
@@ -115,7 +116,10 @@ fn exponent(
 ) -> Result<LyapunovExponent, Error> {
     Error::check_duration(transient)?;
     if !(duration > 0.0 && (transient + duration).is_finite()) {
-        return Err(Error::InvalidDuration { value: duration });
+        return Err(Error::InvalidDuration {
+            value: duration,
+            allowed: "duration > 0",
+        });
     }
     let parts = growths(form, start, transient, duration)?;
     let parts: Vec<Growth> = parts.into_iter().filter(|part| part.time > 0.0).collect();
@@ -172,9 +176,7 @@ fn growths(
         }
         let along = flow_of(&step, n);
         let along = is_free.then_some(along.as_slice());
-        let stuck = step.modes().iter().filter(|mode| **mode == Mode::Stick);
-        let rests = step.duration() == f64::INFINITY && stuck.count() == n;
-        let alive = !rests && parts.add(begins, normalise(&mut flow, along, &step)?);
+        let alive = parts.add(begins, normalise(&mut flow, along, &step)?);
         if !alive {
             return Ok(Parts::gone(duration));
         }

@@ -304,7 +304,7 @@ pub(super) fn period_map(
         steps.push(step);
     }
     let Some(last) = steps.last() else {
-        return Err(Error::InvalidDuration { value: duration });
+        return Err(Error::bad_duration(duration));
     };
     let (end, last_flow) = (last.end_state(), flow_at_end(last, n));
     let monodromy = &flow.tangents * &head.0;
@@ -388,7 +388,7 @@ pub(super) fn reach(
             break;
         }
     }
-    reached.ok_or(Error::InvalidDuration { value: duration })
+    reached.ok_or(Error::bad_duration(duration))
 }
 
 /// The end of a motion, and its events: contact and kind.
@@ -407,7 +407,7 @@ pub(super) fn passage(form: &Form<'_>, start: &State, duration: f64) -> Result<P
         let own = step.events().iter().filter(|event| event.time > 0.0);
         events.extend(own.map(|event| (event.contact, event.kind)));
     }
-    Err(Error::InvalidDuration { value: duration })
+    Err(Error::bad_duration(duration))
 }
 
 /// The modes of the contacts after a step. A contact that closes sticks or slips, which the next

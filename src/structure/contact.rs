@@ -87,7 +87,8 @@ impl Contact {
     /// # Errors
     ///
     /// * [`Error::InvalidParameter`] if the load is not finite, or a constant ≤ 0, if μ_s is
-    ///   negative or not finite, and if a law breaks one of the rules of [`ContactLaw`];
+    ///   negative or not finite, if friction at speed 0 does not oppose slip, and if a law breaks
+    ///   another of the rules of [`ContactLaw`];
     /// * the errors of [`MassOnBelt::new`](crate::MassOnBelt::new) that a law can cause.
     pub fn new<L: ContactLaw + Send + Sync + 'static>(
         coordinate: usize,

@@ -90,7 +90,11 @@ impl Structure {
     /// Those of [`Integrator::simulate`](crate::Integrator::simulate).
     #[doc(alias = "integrate")]
     #[doc(alias = "solve")]
-    pub fn simulate(&self, start: State, duration: f64) -> Result<Trajectory<State>, Error> {
+    pub fn simulate(
+        &self,
+        start: impl Into<State>,
+        duration: f64,
+    ) -> Result<Trajectory<State>, Error> {
         Integrator::new().simulate(self, start, duration)
     }
 

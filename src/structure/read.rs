@@ -174,18 +174,27 @@ impl TryFrom<StructureText> for super::Structure {
         let mut structure = if read.mass_matrix.is_empty() {
             Self::new(&read.masses)?
         } else {
-            let names = ["rows of the mass matrix", "numbers in a row of it"];
+            let names = [
+                "rows of the mass matrix",
+                "numbers in a row of the mass matrix",
+            ];
             check_count("masses beside a mass matrix", read.masses.len(), 0)?;
             let n = read.mass_matrix.len();
             Self::with_mass_matrix(from_rows(&read.mass_matrix, n, names)?)?
         };
         if !read.stiffness.is_empty() {
-            let names = ["rows of the stiffness matrix", "numbers in a row of it"];
+            let names = [
+                "rows of the stiffness matrix",
+                "numbers in a row of the stiffness matrix",
+            ];
             let matrix = from_rows(&read.stiffness, structure.len(), names)?;
             structure = structure.with_stiffness(matrix)?;
         }
         if !read.damping.is_empty() {
-            let names = ["rows of the damping matrix", "numbers in a row of it"];
+            let names = [
+                "rows of the damping matrix",
+                "numbers in a row of the damping matrix",
+            ];
             let matrix = from_rows(&read.damping, structure.len(), names)?;
             structure = structure.with_damping(matrix)?;
         }

@@ -37,7 +37,11 @@ fn a_static_coefficient_that_turns_nan_ends_the_motion_in_an_error() {
 
 #[test]
 fn negative_friction_is_followed_as_it_is() {
-    let system = MassOnBelt::new(Polynomials::new(0.4, &[-0.1]), -0.5).unwrap();
+    // −0.1 at all speeds of the motion, from 0.3 to 0.7; at speed 0 it would be refused.
+    let law = Polynomials::new(0.4, &[0.1, -1.0])
+        .then(0.2, &[-0.1])
+        .told();
+    let system = MassOnBelt::new(law, -0.5).unwrap();
     let motion = system.simulate(State::new(0.3, 0.0), 4.0).unwrap();
     for (time, state) in motion.sample(50) {
         // v_r > 0: u'' + u − 0.1 = 0.

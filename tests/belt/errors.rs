@@ -179,7 +179,7 @@ fn invalid_duration() {
         let error = paper(0.2)
             .simulate(State::new(0.0, 0.0), duration)
             .unwrap_err();
-        let Error::InvalidDuration { value } = error else {
+        let Error::InvalidDuration { value, .. } = error else {
             panic!("{error}")
         };
         assert_eq!(value.to_bits(), duration.to_bits());
@@ -869,4 +869,28 @@ fn tiny_speeds_are_speeds() {
             }
         }
     }
+}
+
+/// Friction that drives the mass beyond all numbers is not taken for a kink of the law; and what
+/// drives it from the start on is refused.
+#[test]
+fn friction_that_drives() {
+    struct Falls(f64);
+    impl FrictionLaw for Falls {
+        fn static_coefficient(&self) -> f64 {
+            0.4
+        }
+        fn kinetic<S: Scalar>(&self, speed: S) -> S {
+            speed * -0.5 + self.0
+        }
+    }
+    let system = MassOnBelt::new(Falls(0.4), 0.2).unwrap();
+    let error = error_of(system.simulate((3.0, 0.0), 1e5));
+    assert_message(&error, &["at time", "beyond the largest numbers"]);
+    let error = MassOnBelt::new(Falls(-0.1), 0.2).map(drop).unwrap_err();
+    assert_message(
+        &error,
+        &["kinetic coefficient at speed 0 = -0.1", "opposes"],
+    );
+    assert!(MassOnBelt::new(Falls(0.0), 0.2).is_ok());
 }

@@ -113,9 +113,10 @@ fn waves(a: f64) -> Wave {
     }
 }
 
-/// Slope (s − a)² − d.
+/// Slope (s − a)² − d; 1 at speed 0.
 fn touch(a: f64, d: f64) -> Polynomials {
-    Polynomials::about(a, 2.0, &[1.0 - a * d, -d, 0.0, 1.0 / 3.0])
+    let there = 1.0 - a * d + a.powi(3) / 3.0;
+    Polynomials::about(a, 2.0, &[there, -d, 0.0, 1.0 / 3.0])
 }
 
 /// Slope −0.3 below the speed, 0.2 above.

@@ -128,6 +128,13 @@ fn durations_are_checked() {
 }
 
 #[test]
+fn a_mean_over_no_time_says_what_it_needs() {
+    let driven = block(sine(1.0), 0.2.into());
+    let found = lyapunov(&driven, &State::at_rest(1), 1.0, 0.0);
+    message(found, "duration = 0 is not allowed: duration > 0");
+}
+
+#[test]
 fn rest_is_no_periodic_motion() {
     let rest = MassOnBelt::new(Coulomb::new(0.4, 0.3).unwrap(), 0.0).unwrap();
     let found = shoot(&rest, &(0.1, 0.0).into(), Period::Free(6.0)).map(|_| ());

@@ -582,3 +582,34 @@ fn no_sign_is_carried_across_a_change_of_events() {
     );
     assert!(branch.points.last().unwrap().orbit.is_stable());
 }
+
+/// Den Hartog's oscillator without and with stops: the two halves of a symmetric motion get a stop
+/// at one frequency, and that is one bifurcation.
+#[test]
+fn what_happens_in_both_halves_of_a_motion_is_one_bifurcation() {
+    let family = |frequency: f64| {
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, 0.05)?
+            .with_force(0, stick_slip::Drive::harmonic(1.0, frequency, 0.0)?)?
+            .with_contact(Contact::new(0, Coulomb::new(0.5, 0.5)?, 1.0)?)
+    };
+    let start = State::at_rest(1);
+    let orbit = settle(&family(0.9).unwrap(), &start, 300.0, Period::Driven(1)).unwrap();
+    let branch = follow(family, 0.9, &orbit, 0.1..0.95).unwrap();
+    let found = branch.bifurcations.iter();
+    let found: Vec<_> = found.map(|found| (found.kind, found.parameter)).collect();
+    let stops = |frequency: f64| {
+        let orbit = settle(&family(frequency)?, &start, 300.0, Period::Driven(1))?;
+        let stops = orbit.events().iter();
+        Ok::<usize, Error>(stops.filter(|event| event.kind == EventKind::Stick).count())
+    };
+    // By simulation beside each.
+    let [more, pair, first] = found[..] else {
+        panic!("{found:?}")
+    };
+    for ((kind, parameter), below, above) in [(more, 6, 4), (pair, 4, 2), (first, 2, 0)] {
+        assert_eq!(stops(parameter - 1e-4), Ok(below), "{kind} {parameter}");
+        assert_eq!(stops(parameter + 1e-4), Ok(above), "{kind} {parameter}");
+    }
+}

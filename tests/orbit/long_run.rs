@@ -92,12 +92,17 @@ fn exponents_of_a_belt() {
     // In stick all that is beside the motion is gone.
     let found = lyapunov_with_spread(&paper(0.2), &(0.0, 0.0).into(), 0.0, 100.0).unwrap();
     assert_eq!((found.value, found.spread), (f64::NEG_INFINITY, 0.0));
-    // At rest for ever.
+    // At rest for ever: another displacement in the band stays another one. So says the formula,
+    // and so the multiplier 1 of the same mass under a force that does not move it.
     let rest = MassOnBelt::new(Coulomb::new(0.4, 0.3).unwrap(), 0.0).unwrap();
-    assert_eq!(
-        lyapunov(&rest, &(0.1, 0.0).into(), 0.0, 10.0),
-        Ok(f64::NEG_INFINITY)
-    );
+    let found = lyapunov_with_spread(&rest, &(0.1, 0.0).into(), 0.0, 10.0).unwrap();
+    assert_eq!((found.value, found.spread), (0.0, 0.0));
+    let held = Structure::from(&rest).with_force(0, Drive::sine(0.1, 1.0).unwrap());
+    let (held, start) = (held.unwrap(), State::new(&[0.1], &[0.0]));
+    let multipliers = shoot(&held, &start, Period::Driven(1)).unwrap();
+    assert_eq!(multipliers.multipliers()[0].re, 1.0);
+    let found = lyapunov_with_spread(&held, &start, 0.0, 10.0).unwrap();
+    assert_eq!((found.value, found.spread), (0.0, 0.0));
     // Exactly on steady sliding: eigenvalues −β ± i√(1 − β²).
     let sliding = MassOnBelt::new(Coulomb::new(0.25, 0.25).unwrap(), 0.5)
         .and_then(|system| system.with_damping(0.125))

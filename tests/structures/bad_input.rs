@@ -3,8 +3,8 @@
 
 use crate::common::assert_form;
 use stick_slip::nalgebra::DMatrix;
-use stick_slip::structure::Element;
-use stick_slip::{Contact, Coulomb, Drive, Error, Scalar, Structure};
+use stick_slip::structure::{Element, State};
+use stick_slip::{Contact, Coulomb, Dahl, Drive, Error, Scalar, Structure};
 
 fn law() -> Coulomb {
     Coulomb::new(0.4, 0.3).unwrap()
@@ -210,7 +210,7 @@ fn matrices_fit() {
         assert_ne!(found, expected);
         message(
             masses(3).with_damping(matrix),
-            &["damping matrix", "3 are needed"],
+            &["damping matrix", "needs 3"],
         );
     }
 }
@@ -304,6 +304,7 @@ impl stick_slip::FrictionLaw for Law {
 fn laws_are_checked_as_for_a_mass_on_a_belt() {
     for (static_coefficient, kinetic) in [
         (0.3, 0.4),
+        (0.4, -0.1),
         (f64::NAN, 0.3),
         (-0.1, -0.2),
         (0.3, f64::NAN),
@@ -319,4 +320,36 @@ fn laws_are_checked_as_for_a_mass_on_a_belt() {
         assert_eq!(format!("{refused:?}"), format!("{belt:?}"));
     }
     assert!(Contact::new(0, Law(0.4, 0.4), 1.0).is_ok());
+}
+
+#[test]
+fn a_motion_that_flies_away_is_said_to() {
+    let pushed = |stiffness: f64, damping: f64| {
+        let contact = Contact::new(0, law(), 1.0)?.on_belt(0.2);
+        masses(1)
+            .with_ground_spring(0, stiffness)?
+            .with_ground_damper(0, damping)?
+            .with_contact(contact)
+    };
+    let start = || State::new(&[3.0], &[0.0]);
+    for (stiffness, damping) in [(-1.0, 0.0), (1.0, -0.5)] {
+        let found = pushed(stiffness, damping).unwrap().simulate(start(), 1e5);
+        message(found, &["at time", "beyond the largest numbers"]);
+    }
+    let found = pushed(1.0, 0.5).unwrap().simulate(start(), 1e5);
+    assert!(found.is_ok());
+}
+
+#[test]
+fn counts_are_said_in_words_that_fit_them() {
+    let bristles = || Contact::new(0, Dahl::new(0.4, 100.0)?, 1.0);
+    let two = masses(1)
+        .with_contact(bristles().unwrap())
+        .and_then(|s| s.with_contact(bristles()?))
+        .unwrap();
+    let start = State::at_rest(1).with_memory(&[0.0]);
+    message(
+        two.simulate(start, 1.0),
+        &["memory variables: 1 given; the structure needs 2"],
+    );
 }

@@ -422,7 +422,10 @@ fn memories_at_the_start_are_checked() {
     }
     assert!(matches!(
         result(&[0.0, 0.0]),
-        Err(Error::WrongSize { name: "memory", .. })
+        Err(Error::WrongSize {
+            name: "memory variables",
+            ..
+        })
     ));
 }
 

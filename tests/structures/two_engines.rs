@@ -45,7 +45,7 @@ impl Compared {
         self.motions += 1;
         let structure = Structure::from(belt);
         let expected = belt.simulate(start, duration).unwrap();
-        let found = structure.simulate(start.into(), duration).unwrap();
+        let found = structure.simulate(start, duration).unwrap();
         let kinds = |n: usize| (expected.events()[n].kind, found.events()[n].kind);
         let magnified = magnification(belt, &expected, duration);
         let allowed = ACCURACY + 8.0 * f64::EPSILON * magnified;
@@ -147,7 +147,7 @@ fn steep_cubic_laws() {
             .unwrap();
         let start = State::new(random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0));
         let expected = belt.simulate(start, 10.0).unwrap();
-        let found = Structure::from(&belt).simulate(start.into(), 10.0).unwrap();
+        let found = Structure::from(&belt).simulate(start, 10.0).unwrap();
         assert_eq!(
             expected.events().len(),
             found.events().len(),
@@ -207,7 +207,7 @@ fn steep_cubic_laws_in_40_digits() {
             .unwrap();
         let one = belt.simulate(start, time).unwrap().last();
         let structure = Structure::from(&belt);
-        let other = structure.simulate(start.into(), time).unwrap().last();
+        let other = structure.simulate(start, time).unwrap().last();
         for [u, v] in [
             [one.displacement, one.velocity],
             [other.displacements[0], other.velocities[0]],

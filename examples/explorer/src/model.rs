@@ -191,7 +191,7 @@ fn motion(q: &Question) -> Fallible<Answer> {
         (Line::of(&belt.simulate(start, time)?, v_b), free_fate(&belt, start)?)
     } else {
         let system = forced(&belt, force, q.get("frequency")?)?;
-        let motion = system.simulate(start.into(), time)?;
+        let motion = system.simulate(start, time)?;
         (Line::of(&motion, v_b), forced_fate(&belt, &system, start))
     };
     let fate = match &reached {

@@ -1,7 +1,7 @@
 use super::sliding::{Derivatives, derivatives};
 use super::{ContactLaw, Motion, Slip, Variables};
 use crate::error::Error;
-use crate::friction::check::{JUMP, STATIC_ROUNDING};
+use crate::friction::check::{JUMP, STATIC_ROUNDING, check_opposing};
 
 /// The trait that a law with this number of memory variables implements: without memory it is
 /// `FrictionLaw`.
@@ -94,6 +94,9 @@ impl Facts<'_> {
             is_allowed,
             allowed,
         )?;
+        if self.limit.is_some() {
+            check_opposing(self.kind, forward)?;
+        }
         let mut last = 0.0;
         for (index, value) in self.breakpoints.enumerate() {
             let continuous = DIRECTIONS.iter().all(|&direction| {
