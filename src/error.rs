@@ -510,10 +510,11 @@ pub enum Error {
 
     /// A search along a parameter was stopped, by its watcher or by its bound of the work:
     /// [`Along::DEFAULT_MAX_STEPS`](crate::bifurcation::Along::DEFAULT_MAX_STEPS), unless
-    /// [`Along::with_max_steps`](crate::bifurcation::Along::with_max_steps) gives another.
+    /// [`Along::with_max_steps`](crate::bifurcation::Along::with_max_steps) gives another. A search
+    /// of [`orbit`](crate::orbit) on one system was stopped by its watcher: along `time`.
     #[error(
         "the search along {parameter} was stopped at {} after {steps} steps, with {} values \
-         found; raise the limit with `Along::with_max_steps`, or go on from there",
+         found; raise the limit with `with_max_steps`, or go on from there",
         Plain(*value),
         found.len()
     )]

@@ -111,9 +111,14 @@ pub enum BranchEnd {
     },
     /// The branch returned to its start: it is closed.
     Closed,
-    /// The limit of work was reached: 2048 points in one direction, or 50 000 motions tried, or 10⁷
-    /// steps of them.
+    /// The limit of work was reached: 2048 points in one direction, or 10⁷ steps, unless
+    /// [`Search`](super::Search) sets others, or 50 000 motions tried.
     Work,
+    /// The watcher stopped the search.
+    Stopped {
+        /// The last parameter at which a motion was found.
+        parameter: f64,
+    },
     /// The motion was lost: the family has no system there, or Newton's method does not converge
     /// however short the step.
     Lost {

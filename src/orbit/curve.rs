@@ -10,10 +10,12 @@ use std::ops::{ControlFlow, Range};
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::form::Form;
+use super::branch::BranchEnd;
+use super::form::{Form, MOST_STEPS as MOST_STEPS_OF_A_MOTION};
 use super::map::{self, CLOSED, PeriodMap, state, vector};
 use super::oscillator::Oscillator;
 use super::period::Period;
+use super::search::Watched;
 use super::sequence::Sequence;
 use super::shoot::shortest;
 use super::trial::Trial;
@@ -48,6 +50,9 @@ pub(super) struct Curve<'f> {
     pub(super) tried: Cell<usize>,
     /// Number of steps of all motions tried.
     pub(super) steps: Cell<usize>,
+    /// Limits of steps and of points in one direction.
+    pub(super) most: (usize, usize),
+    pub(super) watched: &'f Watched<'f>,
 }
 
 /// A point of the curve.
@@ -74,9 +79,8 @@ pub(super) struct Plane<'p> {
     pub(super) along: &'p DVector<f64>,
 }
 
-/// Limits of the work in one direction: motions tried, and their steps.
+/// Limit of the motions tried in one direction.
 const MOST_TRIALS: usize = 50_000;
-const MOST_STEPS_IN_ALL: usize = 10_000_000;
 
 /// Limit of Newton steps; three or four are usual.
 const MOST_STEPS: usize = 16;
@@ -134,14 +138,32 @@ impl Curve<'_> {
         Ok(Trial::new(map, period))
     }
 
+    /// A system of the family, watched.
+    fn form<'m>(&'m self, member: &'m dyn Member, parameter: f64) -> Form<'m> {
+        self.watched.at(parameter);
+        member.form().within(MOST_STEPS_OF_A_MOTION, self.watched)
+    }
+
     /// Counts the steps of a motion.
     fn count(&self, form: &Form<'_>) {
         self.steps.set(self.steps.get() + form.taken());
+        self.watched.add(form.taken());
     }
 
-    /// Returns true if the work allowed in one direction is done.
+    /// Returns true if the work allowed in one direction is done, or the search was stopped.
     pub(super) fn is_at_limit(&self) -> bool {
-        self.tried.get() > MOST_TRIALS || self.steps.get() > MOST_STEPS_IN_ALL
+        let is_done = self.tried.get() > MOST_TRIALS || self.steps.get() > self.most.0;
+        is_done || self.watched.is_stopped()
+    }
+
+    /// The end of a branch at a limit, behind its last motion.
+    pub(super) fn end_at_limit(&self, last: &Solved) -> BranchEnd {
+        let parameter = self.parameter(&last.y);
+        if self.watched.is_stopped() {
+            BranchEnd::Stopped { parameter }
+        } else {
+            BranchEnd::Work
+        }
     }
 
     /// The motion over a number of its periods, and the period.
@@ -154,7 +176,7 @@ impl Curve<'_> {
         self.tried.set(self.tried.get() + 1);
         let find = || {
             let member = self.member(self.parameter(y))?;
-            let form = member.form();
+            let form = self.form(&*member, self.parameter(y));
             let period = self.period(&form, y)?;
             let start = self.start(&form, y, modes);
             let map = form.period_map(&start, periods * period);
@@ -177,7 +199,7 @@ impl Curve<'_> {
             let mut beside = y.clone();
             beside[last] += change;
             let member = self.member(beside[last]).ok()?;
-            let form = member.form();
+            let form = self.form(&*member, beside[last]);
             let period = self.period(&form, &beside).ok()?;
             let start = self.start(&form, &beside, modes);
             let passage = map::passage(&form, &start, period);
@@ -340,7 +362,7 @@ impl Curve<'_> {
     fn apart(&self, y: &DVector<f64>, trial: &Trial) -> Result<Option<PeriodMap>, Error> {
         let find = || {
             let member = self.member(self.parameter(y))?;
-            let form = member.form();
+            let form = self.form(&*member, self.parameter(y));
             let apart = map::begun_apart(&form, &trial.map, trial.period);
             self.count(&form);
             apart

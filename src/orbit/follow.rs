@@ -6,10 +6,11 @@ use std::ops::Range;
 use nalgebra::DVector;
 
 use super::branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
-use super::curve::{Curve, Family, Member, Plane, Solved};
+use super::curve::{Curve, Member, Plane, Solved};
 use super::found::Orbit;
 use super::oscillator::Oscillator;
 use super::period::Period;
+use super::search::Search;
 use super::trial::Trial;
 use super::walk::{Walk, natural_scale};
 use crate::error::Error;
@@ -45,8 +46,8 @@ use crate::state::structure::State;
 /// The phase condition of an autonomous motion is a turning point of one of its coordinates, on the
 /// whole branch.
 ///
-/// The limits in each direction are 2048 points, and 50 000 motions of 10⁷ steps in all. If a
-/// motion is lost, the branch up to there is returned: [`Branch::ends`] gives the reason for each
+/// The limits in each direction are 2048 points, and 50 000 motions of 10⁷ steps in all;
+/// [`Search`] sets others, watches the search, and says what it costs. If a motion is lost, the branch up to there is returned: [`Branch::ends`] gives the reason for each
 /// end. If the motion itself jumps as the parameter passes a value, the branch ends with
 /// [`BranchEnd::Discontinuity`]; a jump by less than 1e-3 of its size is passed if a motion is near
 /// on the other side.
@@ -91,14 +92,54 @@ pub fn follow<S: Oscillator>(
     from: &Orbit<S>,
     range: Range<f64>,
 ) -> Result<Branch<S>, Error> {
-    let members = |parameter: f64| -> Result<Box<dyn Member + '_>, Error> {
-        Ok(Box::new(family(parameter)?))
-    };
-    let start = (S::general(&from.state()), from.period());
-    let found = search(&members, parameter, start, from.kind(), range)?;
+    Search::new().follow(family, parameter, from, range)
+}
+
+impl Search<'_> {
+    /// The branch of a periodic motion over a parameter: [`follow`], within the bounds of this
+    /// search.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`follow`]; [`Error::Stopped`] if the watcher stops it before the first motion.
+    pub fn follow<S: Oscillator>(
+        &self,
+        family: impl Fn(f64) -> Result<S, Error>,
+        parameter: f64,
+        from: &Orbit<S>,
+        range: Range<f64>,
+    ) -> Result<Branch<S>, Error> {
+        let members = |parameter: f64| -> Result<Box<dyn Member + '_>, Error> {
+            Ok(Box::new(family(parameter)?))
+        };
+        let watched = self.watch("parameter");
+        let curve = Curve {
+            family: &members,
+            kind: from.kind(),
+            range,
+            n: 0,
+            order: 0,
+            turning: None,
+            tried: Cell::new(0),
+            steps: Cell::new(0),
+            most: self.of_branch(),
+            watched: &watched,
+        };
+        let start = (S::general(&from.state()), from.period());
+        let found = search(curve, parameter, start)?;
+        branch(family, from.kind(), found)
+    }
+}
+
+/// The branch with its motions.
+fn branch<S: Oscillator>(
+    family: impl Fn(f64) -> Result<S, Error>,
+    kind: Period,
+    found: Results,
+) -> Result<Branch<S>, Error> {
     let orbit = |parameter: f64, trial: Trial| -> Result<Orbit<S>, Error> {
         let system = family(parameter).map_err(|error| error.at("parameter", parameter))?;
-        Orbit::new(&system, &system.form(), trial, from.kind())
+        Orbit::new(&system, &system.form(), trial, kind)
     };
     let points = found.points.into_iter().map(|(parameter, trial)| {
         let orbit = orbit(parameter, trial)?;
@@ -121,43 +162,32 @@ pub fn follow<S: Oscillator>(
 }
 
 /// The results with their parameters.
-struct Search {
+struct Results {
     points: Vec<(f64, Trial)>,
     changes: Vec<(BifurcationKind, f64, Trial)>,
     ends: [BranchEnd; 2],
 }
 
 /// Continuation in both directions from a motion, given by its start and its period.
-fn search<'f>(
-    family: &'f Family<'f>,
+fn search(
+    mut curve: Curve<'_>,
     parameter: f64,
     (mut start, period): (State, f64),
-    kind: Period,
-    range: Range<f64>,
-) -> Result<Search, Error> {
+) -> Result<Results, Error> {
     let Range {
         start: low,
         end: high,
-    } = range;
+    } = curve.range;
     let name = "orbit::follow";
     Error::check(name, "range.start", low, true, "start < end")?;
     Error::check(name, "range.end", high, high > low, "start < end")?;
     let inside = (low..=high).contains(&parameter);
     Error::check(name, "parameter", parameter, inside, "inside the range")?;
     let at = |error: Error| error.at("parameter", parameter);
-    let system = family(parameter).map_err(at)?;
+    let system = (curve.family)(parameter).map_err(at)?;
     let form = system.form();
-    let mut curve = Curve {
-        family,
-        kind,
-        range,
-        n: form.len(),
-        order: form.order(),
-        turning: None,
-        tried: Cell::new(0),
-        steps: Cell::new(0),
-    };
-    if let Period::Free(_) = kind {
+    (curve.n, curve.order) = (form.len(), form.order());
+    if let Period::Free(_) = curve.kind {
         let map = form.period_map(&start, period).map_err(at)?;
         let (_, turning, state) = curve.sharpest(&map).ok_or(Error::AtRest)?;
         (curve.turning, start) = (Some(turning), state);
@@ -168,7 +198,7 @@ fn search<'f>(
         let (parameter, trial) = of(solved);
         (kind, parameter, trial)
     });
-    Ok(Search {
+    Ok(Results {
         changes: changes.collect(),
         points: points.into_iter().map(of).collect(),
         ends,

@@ -2,6 +2,7 @@
 
 use std::cell::Cell;
 
+use super::search::Watched;
 use crate::drive;
 use crate::error::{Error, Reached};
 use crate::motion::{Integrator, Mode};
@@ -13,12 +14,17 @@ use crate::structure::engine::model::Model;
 #[derive(Debug)]
 pub struct Form<'s> {
     pub(super) model: Model<'s>,
-    /// Steps taken so far.
+    /// Steps taken so far, and their limit.
     taken: Cell<usize>,
+    most: usize,
+    watched: Option<&'s Watched<'s>>,
 }
 
 /// Limit of steps of all the motions of one search: seconds for a few masses.
-const MOST_STEPS: usize = 10 * Integrator::DEFAULT_MAX_STEPS;
+pub(super) const MOST_STEPS: usize = 10 * Integrator::DEFAULT_MAX_STEPS;
+
+/// Steps after which the watcher of a search is called again.
+const LOOK_EVERY: usize = 1000;
 
 /// The time dependence of the drives.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,22 +42,45 @@ impl<'s> Form<'s> {
         Self {
             model,
             taken: Cell::new(0),
+            most: MOST_STEPS,
+            watched: None,
+        }
+    }
+
+    /// The same with another limit of steps, and watched.
+    pub(super) fn within(self, most: usize, watched: &'s Watched<'s>) -> Self {
+        Self {
+            most,
+            watched: Some(watched),
+            ..self
         }
     }
 
     /// Counts a step, or a part of one, before it is taken from a state.
     pub(super) fn count(&self, reached: impl FnOnce() -> Reached) -> Result<(), Error> {
-        if self.taken.get() >= MOST_STEPS {
-            return Err(Self::too_many(reached()));
+        let taken = self.taken.get();
+        if taken >= self.most {
+            return Err(self.too_many(reached()));
         }
-        self.taken.set(self.taken.get() + 1);
+        if let Some(watched) = self.watched {
+            if !watched.is_stopped() && taken.is_multiple_of(LOOK_EVERY) {
+                watched.look(reached().time, taken);
+            }
+            watched.check()?;
+        }
+        self.taken.set(taken + 1);
         Ok(())
     }
 
     /// The error of a search that exceeds its limit of steps.
-    pub(super) fn too_many(reached: Reached) -> Error {
-        let limit = MOST_STEPS;
+    pub(super) fn too_many(&self, reached: Reached) -> Error {
+        let limit = self.most;
         Error::TooManySteps { limit, reached }
+    }
+
+    /// Limit of the steps of one motion over a period.
+    pub(super) fn most_of_a_period(&self) -> usize {
+        (self.most / 10).max(Integrator::DEFAULT_MAX_STEPS)
     }
 
     /// Steps taken so far.

@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 
 use super::form::Form;
 use super::oscillator::Oscillator;
+use super::search::Search;
 use super::tangent::{TangentFlow, flow_of};
 use crate::error::{Error, Reached};
 use crate::motion::{Integrator, Segment};
@@ -105,7 +106,26 @@ pub fn lyapunov_with_spread<S: Oscillator>(
     transient: f64,
     duration: f64,
 ) -> Result<LyapunovExponent, Error> {
-    exponent(&system.form(), &S::general(start), transient, duration)
+    Search::new().lyapunov_with_spread(system, start, transient, duration)
+}
+
+impl Search<'_> {
+    /// The largest Lyapunov exponent: [`lyapunov_with_spread`], within the bound of this search.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`lyapunov_with_spread`]; [`Error::Stopped`] if the watcher stops it.
+    pub fn lyapunov_with_spread<S: Oscillator>(
+        &self,
+        system: &S,
+        start: &S::State,
+        transient: f64,
+        duration: f64,
+    ) -> Result<LyapunovExponent, Error> {
+        let watched = self.watch("time");
+        let form = system.form().within(self.steps(), &watched);
+        exponent(&form, &S::general(start), transient, duration)
+    }
 }
 
 fn exponent(

@@ -267,7 +267,7 @@ pub(super) fn period_map(
 ) -> Result<PeriodMap, Error> {
     let (n, order) = (form.len(), form.order());
     let settings = Integrator::new()
-        .with_max_steps(Integrator::DEFAULT_MAX_STEPS)?
+        .with_max_steps(form.most_of_a_period())?
         .with_start_time(time)?;
     let end_time = time + duration;
     let identity = DMatrix::identity(order, order);
@@ -397,7 +397,7 @@ type Passage = (State, Vec<(usize, EventKind)>);
 /// The state after a duration, and the events on the way.
 pub(super) fn passage(form: &Form<'_>, start: &State, duration: f64) -> Result<Passage, Error> {
     let mut events = Vec::new();
-    let settings = Integrator::new().with_max_steps(Integrator::DEFAULT_MAX_STEPS)?;
+    let settings = Integrator::new().with_max_steps(form.most_of_a_period())?;
     for step in Flow::new(settings, form.model.clone(), start)? {
         let step = step?;
         form.count(|| Reached::new(step.start_time(), step.state().clone()))?;

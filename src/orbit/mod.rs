@@ -49,7 +49,8 @@
 //! One call of [`shoot`], [`settle`] or [`lyapunov`] takes at most 10⁶ steps in all: about 10⁵
 //! oscillations, seconds for a few masses. Beyond, it returns
 //! [`Error::TooManySteps`](crate::Error::TooManySteps), with the time and state reached. A branch
-//! has [a bound of its own](follow).
+//! has [a bound of its own](follow). [`Search`] sets other bounds and takes a watcher, which can stop
+//! a search; its page says what each search costs.
 //!
 //! # Autonomous and forced motions
 //!
@@ -106,6 +107,7 @@
 // | `corner.rs` | branches that turn back at a change of the event sequence |
 // | `jump.rs` | motions that jump at a change of the event sequence, which ends the branch |
 // | `sequence.rs` | the events of a period as a cyclic sequence |
+// | `search.rs` | `Search`: bounds of the work, and a watcher |
 // | `section.rs` | `section`, `section_at`: Poincaré sections |
 // | `lyapunov.rs` | `lyapunov`: the largest Lyapunov exponent |
 
@@ -124,6 +126,7 @@ mod multipliers;
 mod oscillator;
 mod period;
 mod saltation;
+mod search;
 mod section;
 mod sequence;
 mod shoot;
@@ -137,5 +140,6 @@ pub use found::Orbit;
 pub use lyapunov::{LyapunovExponent, lyapunov, lyapunov_with_spread};
 pub use oscillator::Oscillator;
 pub use period::Period;
+pub use search::{Progress, Search};
 pub use section::{EventSection, Section, section, section_at};
 pub use shoot::{settle, shoot};

@@ -7,6 +7,7 @@ use super::found::Orbit;
 use super::map::{self, CLOSED, state, vector};
 use super::oscillator::Oscillator;
 use super::period::Period;
+use super::search::Search;
 use super::trial::Trial;
 use crate::error::Error;
 use crate::motion::Mode;
@@ -221,6 +222,8 @@ pub(super) fn shortest(
 /// assert!((orbit.period() - cycle.period()).abs() < 1e-13);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
+///
+/// To bound or to watch it: [`Search`].
 #[doc(alias = "solve")]
 #[doc(alias = "Newton")]
 pub fn shoot<S: Oscillator>(
@@ -228,9 +231,57 @@ pub fn shoot<S: Oscillator>(
     guess: &S::State,
     period: Period,
 ) -> Result<Orbit<S>, Error> {
-    let form = system.form();
-    let found = search(&form, &S::general(guess), period)?;
-    Orbit::new(system, &form, found, period)
+    Search::new().shoot(system, guess, period)
+}
+
+impl Search<'_> {
+    /// The periodic motion near a guess: [`shoot`], within the bound of this search.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`shoot`]; [`Error::Stopped`] if the watcher stops it.
+    pub fn shoot<S: Oscillator>(
+        &self,
+        system: &S,
+        guess: &S::State,
+        period: Period,
+    ) -> Result<Orbit<S>, Error> {
+        self.found(system, period, |form| {
+            search(form, &S::general(guess), period)
+        })
+    }
+
+    /// The periodic motion that a start settles to: [`settle`], within the bound of this search.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`settle`]; [`Error::Stopped`] if the watcher stops it.
+    pub fn settle<S: Oscillator>(
+        &self,
+        system: &S,
+        start: &S::State,
+        transient: f64,
+        period: Period,
+    ) -> Result<Orbit<S>, Error> {
+        self.found(system, period, |form| {
+            let guess = transient_end(form, &S::general(start), transient, period)?;
+            search(form, &guess, period)
+        })
+    }
+
+    /// The motion that a search finds.
+    fn found<S: Oscillator>(
+        &self,
+        system: &S,
+        period: Period,
+        search: impl FnOnce(&Form<'_>) -> Result<Trial, Error>,
+    ) -> Result<Orbit<S>, Error> {
+        let watched = self.watch("time");
+        let form = system.form().within(self.steps(), &watched);
+        let found = search(&form);
+        watched.check()?;
+        Orbit::new(system, &form, found?, period)
+    }
 }
 
 /// A closed motion near a guess; if the guess lies at an event, the search starts between events.
@@ -302,10 +353,7 @@ pub fn settle<S: Oscillator>(
     transient: f64,
     period: Period,
 ) -> Result<Orbit<S>, Error> {
-    let form = system.form();
-    let guess = transient_end(&form, &S::general(start), transient, period)?;
-    let found = search(&form, &guess, period)?;
-    Orbit::new(system, &form, found, period)
+    Search::new().settle(system, start, transient, period)
 }
 
 /// The state after a transient. Contacts that stick there get the velocity of their belts at time

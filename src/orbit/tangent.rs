@@ -203,7 +203,7 @@ fn advance(
         left -= part;
         let reached = || Reached::new(step.start_time() + (h - left), step.state_at(h - left));
         if part < SHORTEST * h {
-            return Err(Form::too_many(reached()));
+            return Err(form.too_many(reached()));
         }
         form.count(reached)?;
         linear = Cow::Owned(linear.shifted(part));

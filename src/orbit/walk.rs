@@ -19,9 +19,6 @@ pub(super) struct Walk<'v, 'f> {
     pub(super) found: Vec<Found>,
 }
 
-/// Limit of points in one direction.
-const MOST_POINTS: usize = 2048;
-
 /// The longest step, in units of the range and of the sizes of the motion.
 const LONGEST: f64 = 1.0 / 64.0;
 
@@ -83,7 +80,7 @@ impl Walk<'_, '_> {
         let mut scale = self.first_scale.clone();
         let mut signs: Signs = [0.0; 4];
         let mut step = 0.25 * LONGEST;
-        for _ in 0..MOST_POINTS {
+        for _ in 0..self.curve.most.1 {
             if self.curve.is_at_limit() {
                 break;
             }
@@ -95,7 +92,9 @@ impl Walk<'_, '_> {
                 }
                 Outcome::Last(place, found) => {
                     self.found.extend(found);
+                    let parameter = self.curve.parameter(&place.solved.y);
                     self.points.push(place.solved);
+                    self.curve.watched.found(parameter);
                     return BranchEnd::Range;
                 }
                 Outcome::End(end) => return end,
@@ -105,6 +104,8 @@ impl Walk<'_, '_> {
                 return BranchEnd::Closed;
             }
             self.points.push(place.solved.clone());
+            let parameter = self.curve.parameter(&place.solved.y);
+            self.curve.watched.found(parameter);
             let tangent = place.solved.tangent.component_mul(&scale);
             base = place.solved;
             scale = self.scale(&base);
@@ -113,7 +114,7 @@ impl Walk<'_, '_> {
                 (base, scale) = (moved, moved_scale);
             }
         }
-        BranchEnd::Work
+        self.curve.end_at_limit(&base)
     }
 
     /// One step, shortened until it succeeds, and the length of the next one.
@@ -146,6 +147,9 @@ impl Walk<'_, '_> {
                         _ => 1.5 * length,
                     };
                     return (outcome, longer.min(LONGEST));
+                }
+                Err(_) if self.curve.watched.is_stopped() => {
+                    return (Outcome::End(self.curve.end_at_limit(base)), length);
                 }
                 Err(error) if length <= shortest => {
                     return self.behind(&view, &here, shortest, signs, error);

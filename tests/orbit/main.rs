@@ -11,6 +11,7 @@ mod reading;
 
 mod bad_input;
 mod belt;
+mod bounds;
 mod derivatives;
 mod dwell;
 mod follow;

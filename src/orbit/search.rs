@@ -1,0 +1,242 @@
+//! The bound of the work of a search, and its watcher.
+
+use std::cell::Cell;
+use std::fmt;
+use std::ops::ControlFlow;
+
+use super::form::MOST_STEPS;
+use crate::error::Error;
+
+/// A search for periodic motions or exponents with a bound of its work and a watcher: the functions
+/// of [`orbit`](super) as methods.
+///
+/// # Cost
+///
+/// The unit of work is a step of the motion: some microseconds for a few masses, and n times that
+/// for n masses. An oscillation takes about ten steps, more if many contacts have events. The
+/// derivative of a motion, which every search needs, takes as long as 2n more motions.
+///
+/// | search | work |
+/// |---|---|
+/// | [`settle`](Self::settle) | the transient, then [`shoot`](Self::shoot) |
+/// | [`shoot`](Self::shoot) | five to ten motions over a period, each with its derivative |
+/// | [`lyapunov_with_spread`](Self::lyapunov_with_spread) | the motion with one perturbation: about three times the motion alone |
+/// | [`follow`](Self::follow) | three to five motions with derivatives for each point, at least 65 points over the range, and some tens of motions for each bifurcation; a hundred for each change of the events |
+///
+/// So a branch of one mass takes a part of a second. One of a drill string of 20 inertias took 7 s
+/// for 134 points, with 10⁶ steps in all; narrow ranges with many bifurcations, and long periods,
+/// take minutes. A watcher shows how far it came, and can stop it:
+///
+/// ```
+/// use std::ops::ControlFlow::{Break, Continue};
+/// use std::time::{Duration, Instant};
+/// use stick_slip::orbit::{BranchEnd, Period, Search};
+/// use stick_slip::{MassOnBelt, Polynomial};
+///
+/// let law = Polynomial::new(0.4, 0.25, 0.5)?;
+/// let family = |belt_velocity: f64| MassOnBelt::new(law, belt_velocity)?.with_damping(0.05);
+/// let (system, begin) = (family(0.2)?, Instant::now());
+///
+/// // Not longer than a minute.
+/// let search = Search::new().watched(|_| {
+///     if begin.elapsed() < Duration::from_secs(60) { Continue(()) } else { Break(()) }
+/// });
+/// let orbit = search.shoot(&system, &(0.1, 0.2).into(), Period::Free(7.0))?;
+/// let branch = search.follow(family, 0.2, &orbit, 0.05..0.5)?;
+/// assert_eq!(branch.ends[0], BranchEnd::Range);
+///
+/// // A search that is stopped keeps what it has found.
+/// let ten = Search::new().watched(|progress| {
+///     if progress.points < 10 { Continue(()) } else { Break(()) }
+/// });
+/// let part = ten.follow(family, 0.2, &orbit, 0.05..0.5)?;
+/// assert_eq!(part.points.len(), 11); // with the first
+/// assert!(matches!(part.ends[1], BranchEnd::Stopped { .. }));
+/// let whole: Vec<f64> = branch.points.iter().map(|point| point.parameter).collect();
+/// assert!(part.points.iter().all(|point| whole.contains(&point.parameter)));
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[must_use]
+#[derive(Default)]
+pub struct Search<'w> {
+    max_steps: Option<usize>,
+    max_points: Option<usize>,
+    watch: Option<Box<Watch<'w>>>,
+}
+
+type Watch<'w> = dyn Fn(&Progress) -> ControlFlow<()> + 'w;
+
+/// The progress of a search. See [`Search::watched`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Progress {
+    /// Value of the parameter at hand; in a search on one system the time that the
+    /// motion at hand has reached.
+    pub value: f64,
+    /// Number of motions found so far, except for the first; 0 in a search on one system.
+    pub points: usize,
+    /// Steps taken so far.
+    pub steps: usize,
+}
+
+impl<'w> Search<'w> {
+    /// The default bound of the work on one system, in steps: seconds for a few masses.
+    pub const DEFAULT_MAX_STEPS: usize = MOST_STEPS;
+    /// The default bound of the work of [`follow`](Self::follow) in each direction, in steps.
+    pub const DEFAULT_MAX_BRANCH_STEPS: usize = 10 * MOST_STEPS;
+    /// The default bound of the points of [`follow`](Self::follow) in each direction.
+    pub const DEFAULT_MAX_POINTS: usize = 2048;
+
+    /// A search with the default bounds, not watched.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Bounds the steps of each search. On one system it then returns
+    /// [`Error::TooManySteps`]; a branch ends with [`BranchEnd::Work`](super::BranchEnd::Work).
+    ///
+    /// The defaults are [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) and, for a branch in each
+    /// direction, [`DEFAULT_MAX_BRANCH_STEPS`](Self::DEFAULT_MAX_BRANCH_STEPS). One motion over a
+    /// period may take a tenth of it, at least 10⁵.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] for 0.
+    pub fn with_max_steps(self, max_steps: usize) -> Result<Self, Error> {
+        let max_steps = Some(positive("max_steps", max_steps, "max_steps > 0")?);
+        Ok(Self { max_steps, ..self })
+    }
+
+    /// Bounds the points of a branch in each direction.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] for 0.
+    pub fn with_max_points(self, max_points: usize) -> Result<Self, Error> {
+        let max_points = Some(positive("max_points", max_points, "max_points > 0")?);
+        Ok(Self { max_points, ..self })
+    }
+
+    /// Calls `watch` before each motion that is tried along a parameter, after each that is found,
+    /// and every 1000 steps: it can show the progress, and stop the search with
+    /// [`ControlFlow::Break`].
+    ///
+    /// A branch that is stopped keeps what was found, with
+    /// [`BranchEnd::Stopped`](super::BranchEnd::Stopped) as its end; any other search returns
+    /// [`Error::Stopped`].
+    pub fn watched(self, watch: impl Fn(&Progress) -> ControlFlow<()> + 'w) -> Self {
+        Self {
+            watch: Some(Box::new(watch)),
+            ..self
+        }
+    }
+
+    /// The bound of the steps on one system.
+    pub(super) fn steps(&self) -> usize {
+        self.max_steps.unwrap_or(Self::DEFAULT_MAX_STEPS)
+    }
+
+    /// The bounds of a branch in each direction: steps and points.
+    pub(super) fn of_branch(&self) -> (usize, usize) {
+        (
+            self.max_steps.unwrap_or(Self::DEFAULT_MAX_BRANCH_STEPS),
+            self.max_points.unwrap_or(Self::DEFAULT_MAX_POINTS),
+        )
+    }
+
+    /// The watch over one search: on one system with the parameter `time`.
+    pub(super) fn watch(&self, parameter: &'static str) -> Watched<'_> {
+        Watched {
+            watch: self.watch.as_deref(),
+            parameter,
+            value: Cell::new(None),
+            points: Cell::new(0),
+            steps: Cell::new(0),
+            stopped: Cell::new(None),
+        }
+    }
+}
+
+fn positive(name: &'static str, count: usize, allowed: &'static str) -> Result<usize, Error> {
+    Error::check("orbit::Search", name, count as f64, count > 0, allowed)?;
+    Ok(count)
+}
+
+impl fmt::Debug for Search<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Search")
+            .field("max_steps", &self.max_steps)
+            .field("max_points", &self.max_points)
+            .field("watched", &self.watch.is_some())
+            .finish()
+    }
+}
+
+/// The progress of one search, and whether it was stopped.
+pub(super) struct Watched<'w> {
+    watch: Option<&'w Watch<'w>>,
+    parameter: &'static str,
+    /// The value of the parameter at hand; on one system `None`.
+    value: Cell<Option<f64>>,
+    points: Cell<usize>,
+    /// Steps of the motions before the one at hand.
+    steps: Cell<usize>,
+    /// Where it was stopped.
+    stopped: Cell<Option<Progress>>,
+}
+
+impl Watched<'_> {
+    /// Another value of the parameter is at hand.
+    pub(super) fn at(&self, value: f64) {
+        self.value.set(Some(value));
+    }
+
+    /// One more motion was found, at a value of the parameter.
+    pub(super) fn found(&self, value: f64) {
+        self.at(value);
+        self.points.set(self.points.get() + 1);
+        self.look(value, 0);
+    }
+
+    /// A motion has ended, after so many steps.
+    pub(super) fn add(&self, steps: usize) {
+        self.steps.set(self.steps.get() + steps);
+    }
+
+    pub(super) fn is_stopped(&self) -> bool {
+        self.stopped.get().is_some()
+    }
+
+    /// Shows the progress, after so many steps of the motion at hand, which has reached a time.
+    pub(super) fn look(&self, time: f64, steps: usize) {
+        let progress = Progress {
+            value: self.value.get().unwrap_or(time),
+            points: self.points.get(),
+            steps: self.steps.get() + steps,
+        };
+        if self.watch.is_some_and(|watch| watch(&progress).is_break()) {
+            self.stopped.set(Some(progress));
+        }
+    }
+
+    /// The error if the search was stopped.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        match self.stopped.get() {
+            None => Ok(()),
+            Some(Progress { value, steps, .. }) => Err(Error::Stopped {
+                parameter: self.parameter,
+                value,
+                steps,
+                found: Vec::new(),
+            }),
+        }
+    }
+}
+
+impl fmt::Debug for Watched<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Watched")
+            .field("stopped", &self.stopped)
+            .finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,172 @@
+//! Searches within bounds: how they end, what a watcher sees, and what is kept.
+
+use std::cell::{Cell, RefCell};
+use std::ops::ControlFlow::{Break, Continue};
+
+use stick_slip::orbit::{BranchEnd, Orbit, Period, Progress, Search, follow, settle, shoot};
+use stick_slip::structure::State;
+use stick_slip::{Contact, Coulomb, Drive, Error, Structure};
+
+fn driven(frequency: f64) -> Result<Structure, Error> {
+    let contact = Contact::new(0, Coulomb::new(0.5, 0.3)?, 1.5)?.on_belt(0.1);
+    Structure::new(&[1.0])?
+        .with_ground_spring(0, 1.0)?
+        .with_ground_damper(0, 0.02)?
+        .with_force(0, Drive::harmonic(0.3, frequency, 0.0)?)?
+        .with_contact(contact)
+}
+
+fn start() -> State {
+    State::new(&[0.3], &[0.0])
+}
+
+fn motion() -> Orbit<Structure> {
+    settle(&driven(0.78).unwrap(), &start(), 400.0, Period::Driven(1)).unwrap()
+}
+
+#[test]
+fn bounds_are_positive() {
+    for refused in [
+        Search::new().with_max_steps(0),
+        Search::new().with_max_points(0),
+    ] {
+        let Err(Error::InvalidParameter { of, value, .. }) = refused else {
+            panic!()
+        };
+        assert_eq!((of, value), ("orbit::Search", 0.0));
+    }
+}
+
+/// The bound counts the steps of all motions of a search, and is met to the step.
+#[test]
+fn steps_are_bounded_on_one_system() {
+    let system = driven(0.78).unwrap();
+    let search = |most: usize| Search::new().with_max_steps(most).unwrap();
+    let (period, orbit) = (Period::Driven(1), motion());
+    for most in [1, 100] {
+        let settled = search(most)
+            .settle(&system, &start(), 1e12, period)
+            .map(drop);
+        let exponent = search(most).lyapunov_with_spread(&system, &start(), 1.0, 1e12);
+        for found in [settled, exponent.map(drop)] {
+            let Err(Error::TooManySteps { limit, reached }) = found else {
+                panic!("{found:?}")
+            };
+            assert_eq!(limit, most);
+            assert!(reached.time < 1e3);
+        }
+    }
+    // Enough is enough, and the result does not depend on the bound.
+    let same = search(1000).shoot(&system, &orbit.state(), period).unwrap();
+    assert!(same == shoot(&system, &orbit.state(), period).unwrap());
+    // More than the default.
+    let more = search(2 * Search::DEFAULT_MAX_STEPS);
+    let found = more.lyapunov_with_spread(&system, &start(), 0.0, 1e12);
+    let Err(Error::TooManySteps { limit, reached }) = found else {
+        panic!("{found:?}")
+    };
+    assert_eq!(limit, 2 * Search::DEFAULT_MAX_STEPS);
+    assert!(reached.time > 2e5);
+}
+
+#[test]
+fn a_watcher_stops_a_search_on_one_system() {
+    let system = driven(0.78).unwrap();
+    let calls = Cell::new(0);
+    let search = Search::new().watched(|progress| {
+        calls.set(calls.get() + 1);
+        assert_eq!(progress.points, 0);
+        if progress.value < 1e4 {
+            Continue(())
+        } else {
+            Break(())
+        }
+    });
+    let period = Period::Driven(1);
+    let settled = search.settle(&system, &start(), 1e12, period).map(drop);
+    let exponent = search.lyapunov_with_spread(&system, &start(), 1e12, 1e12);
+    for found in [settled, exponent.map(drop)] {
+        let Err(Error::Stopped {
+            parameter,
+            value,
+            steps,
+            found,
+        }) = found
+        else {
+            panic!("{found:?}")
+        };
+        assert_eq!((parameter, found), ("time", vec![]));
+        assert!((1e4..1.1e4).contains(&value), "{value}");
+        assert!(steps.is_multiple_of(1000) && calls.get() >= steps / 1000);
+    }
+    let never = Search::new().watched(|_| Break(()));
+    let found = never.shoot(&system, &start(), period).map(drop);
+    assert!(
+        matches!(found, Err(Error::Stopped { steps: 0, .. })),
+        "{found:?}"
+    );
+    let found = never.follow(driven, 0.78, &motion(), 0.7..0.8).map(drop);
+    assert!(
+        matches!(found, Err(Error::Stopped { steps: 0, .. })),
+        "{found:?}"
+    );
+}
+
+/// A branch that is stopped is the beginning of the whole one, to the bit.
+#[test]
+fn a_branch_keeps_what_was_found() {
+    let (range, orbit) = (0.7..0.8, motion());
+    let whole = follow(driven, 0.78, &orbit, range.clone()).unwrap();
+    let seen: RefCell<Vec<Progress>> = RefCell::new(Vec::new());
+    let watched = Search::new().watched(|progress| {
+        seen.borrow_mut().push(*progress);
+        Continue(())
+    });
+    let same = watched.follow(driven, 0.78, &orbit, range.clone()).unwrap();
+    assert_eq!(same.ends, whole.ends);
+    assert_eq!(same.points.len(), whole.points.len());
+    let seen = seen.borrow();
+    for pair in seen.windows(2) {
+        assert!(pair[0].points <= pair[1].points && pair[0].steps <= pair[1].steps);
+    }
+    assert!(seen.iter().all(|progress| range.contains(&progress.value)
+        || (progress.value - range.end).abs() < 1e-3
+        || (progress.value - range.start).abs() < 1e-3));
+    assert_eq!(seen.last().unwrap().points, whole.points.len() - 1);
+
+    let parameters = |points: &[stick_slip::orbit::BranchPoint<Structure>]| -> Vec<f64> {
+        points.iter().map(|point| point.parameter).collect()
+    };
+    let known = parameters(&whole.points);
+    let most = whole.points.len() - 1;
+    for points in [1, most / 2, most - 1] {
+        let stopped = Search::new().watched(move |progress| {
+            if progress.points < points {
+                Continue(())
+            } else {
+                Break(())
+            }
+        });
+        let part = stopped.follow(driven, 0.78, &orbit, range.clone()).unwrap();
+        let found = parameters(&part.points);
+        assert_eq!(found.len(), points + 1);
+        assert!(
+            known.windows(found.len()).any(|known| known == found),
+            "{found:?}"
+        );
+        assert!(
+            part.ends
+                .iter()
+                .any(|end| matches!(end, BranchEnd::Stopped { .. }))
+        );
+    }
+    // Bounds of points and of steps: in each direction.
+    let few = Search::new().with_max_points(3).unwrap();
+    let part = few.follow(driven, 0.78, &orbit, range.clone()).unwrap();
+    assert_eq!(part.ends, [BranchEnd::Work, BranchEnd::Work]);
+    assert_eq!(part.points.len(), 7);
+    let short = Search::new().with_max_steps(150).unwrap();
+    let part = short.follow(driven, 0.78, &orbit, range).unwrap();
+    assert_eq!(part.ends, [BranchEnd::Work, BranchEnd::Work]);
+    assert!(part.points.len() > 3 && part.points.len() < whole.points.len());
+}
