@@ -346,6 +346,10 @@ pub enum Error {
     #[error("no steady sliding: {0}")]
     NoSteadySliding(NotSliding),
 
+    /// No Hopf point of steady sliding is near: no pair of eigenvalues crosses the imaginary axis.
+    #[error("no Hopf point is near: no pair of eigenvalues crosses the imaginary axis")]
+    NoHopfPoint,
+
     /// Contacts whose directions are linearly dependent came to rest together, as two clutches side
     /// by side: how they share what they carry, and so when each of them slips again, is not
     /// determined.

@@ -1,5 +1,5 @@
-//! Bifurcations of one mass on its belt: the belt velocities, loads, dampings or coefficients at
-//! which periodic motions appear, disappear or change their kind.
+//! Bifurcations of one mass on its belt, and of steady sliding of any system: the belt velocities,
+//! loads, dampings or coefficients at which periodic motions appear, disappear or change their kind.
 //!
 //! ```
 //! use stick_slip::bifurcation::{self, AttractorKind};
@@ -33,6 +33,7 @@
 //! | [`vibration_ranges`] | the set of attractors changes; bistable ranges are named |
 //! | [`silencing_damping`] | with this damping or more no vibration lasts, at one belt velocity |
 //! | [`silencing_load`] | with this load or less no vibration lasts, at one belt velocity |
+//! | [`hopf_locus`] | the equilibrium of any system loses stability: curves in two parameters, with their special points |
 //!
 //! Every velocity is a root of an exact function of the belt velocity, bracketed and refined to
 //! round-off. The documentation of each function says how densely it searches a range; a narrower
@@ -53,6 +54,7 @@
 // | `contacts.rs` | grazing, overshoot, crossing: contacts of the motion from the release point; touching of pure-slip cycles; searched by `numerics/scan.rs` |
 // | `fold.rs` | folds of pure-slip cycles |
 // | `hopf.rs` | changes of stability, and the cycle born there; belt velocities are found in `friction/along.rs` |
+// | `hopf_locus` | curves of Hopf points of any system in two parameters: the search (`mod.rs`), the equations (`equations.rs`) |
 // | `ranges.rs` | the attractors of each range |
 // | `silence.rs` | the least damping and the largest load without vibration |
 // | `diagram.rs` | equilibrium and all cycles at each of a list of belt velocities |
@@ -62,6 +64,7 @@ mod contacts;
 mod diagram;
 mod fold;
 mod hopf;
+mod hopf_locus;
 mod ranges;
 mod silence;
 
@@ -74,5 +77,6 @@ pub use diagram::par_diagram;
 pub use diagram::{DiagramPoint, diagram};
 pub use fold::fold_velocities;
 pub use hopf::{Criticality, criticality, hopf_velocities};
+pub use hopf_locus::{HopfLocus, HopfPoint, SpecialHopfPoint, hopf_locus};
 pub use ranges::{AttractorKind, VibrationRange, vibration_ranges};
 pub use silence::{silencing_damping, silencing_load};

@@ -124,6 +124,7 @@ impl Error {
             | Self::NotPositiveDefinite { .. }
             | Self::BadDirection { .. }
             | Self::NoSteadySliding(_)
+            | Self::NoHopfPoint
             | Self::Undetermined { .. }
             | Self::LawNotConstant { .. }
             | Self::OverLimit { .. }

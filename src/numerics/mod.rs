@@ -11,6 +11,7 @@
 // | `gauss.rs` | Gauss-Legendre quadrature on one interval |
 // | `adaptive.rs` | quadrature to round-off: trapezoidal rule, adaptive Gauss-Legendre |
 // | `eigenvalues.rs` | eigenvalues of any real matrix, also where the QR method by itself does not move |
+// | `trace.rs` | curves in two parameters: Newton's method across a curve, pseudo-arclength steps along it |
 // | `chebyshev.rs` | all roots of a function known from values, by Chebyshev interpolation |
 
 pub(crate) mod adaptive;
@@ -21,4 +22,5 @@ pub(crate) mod gauss;
 pub(crate) mod scan;
 #[cfg(test)]
 pub(crate) mod testing;
+pub(crate) mod trace;
 pub(crate) mod with_slopes;

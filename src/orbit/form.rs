@@ -56,6 +56,11 @@ impl<'s> Form<'s> {
         }
     }
 
+    /// The model of the engine.
+    pub(crate) fn model(&self) -> &Model<'s> {
+        &self.model
+    }
+
     /// Counts a step, or a part of one, before it is taken from a state.
     pub(super) fn count(&self, reached: impl FnOnce() -> Reached) -> Result<(), Error> {
         let taken = self.taken.get();

@@ -106,6 +106,7 @@
 // | `changes.rs` | bifurcations between two points of the curve: folds, flips, tori, changes of the event sequence |
 // | `corner.rs` | branches that turn back at a change of the event sequence |
 // | `jump.rs` | motions that jump at a change of the event sequence, which ends the branch |
+// | `locus` | curves of bifurcations in two parameters |
 // | `sequence.rs` | the events of a period as a cyclic sequence |
 // | `search.rs` | `Search`: bounds of the work, and a watcher |
 // | `section.rs` | `section`, `section_at`: Poincaré sections |
@@ -120,6 +121,7 @@ mod form;
 mod found;
 mod jump;
 mod linear;
+mod locus;
 mod lyapunov;
 mod map;
 mod multipliers;
@@ -137,6 +139,7 @@ mod walk;
 pub use branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
 pub use follow::follow;
 pub use found::Orbit;
+pub use locus::found::{LocusEnd, SpecialKind};
 pub use lyapunov::{LyapunovExponent, lyapunov, lyapunov_with_spread};
 pub use oscillator::Oscillator;
 pub use period::Period;

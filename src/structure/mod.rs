@@ -54,6 +54,7 @@ pub(crate) mod engine;
 mod flow;
 #[cfg(feature = "serde")]
 mod read;
+pub(crate) mod sliding_field;
 mod steady;
 mod step;
 mod system;

@@ -3,7 +3,9 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::contact::Contact;
 use super::engine::model::Entries;
 use super::system::Structure;
+use crate::drive::Drive;
 use crate::error::{Error, NotSliding};
+use crate::friction::memory::object::LawObject;
 use crate::friction::memory::{Sliding, Slip};
 use crate::friction::piece_above;
 use crate::numerics::eigenvalues::eigenvalues as eigenvalues_of;
@@ -187,28 +189,38 @@ impl<'s> Steady<'s> {
     /// The contact while all masses are at rest; otherwise the reason why it does not slide, by its
     /// number.
     fn of(contact: &'s Contact) -> Result<Self, fn(usize) -> NotSliding> {
-        let velocity = contact.belt_velocity().value(0.0);
-        let Some(direction) = Direction::of(-velocity) else {
-            return Err(match contact.tangential_stiffness() {
-                Some(_) => |contact| NotSliding::Continuum { contact },
-                None => |contact| NotSliding::NoSpeed { contact },
-            });
-        };
-        let (speed, direction) = (velocity.abs(), direction.sign());
-        let law = contact.law();
-        let slip = Slip {
-            speed,
-            direction,
-            piece: piece_above(law.breakpoints().into_iter(), speed),
-        };
-        match law.sliding(slip) {
-            Some(sliding) => Ok(Self {
-                contact,
-                sliding,
-                direction,
-            }),
-            None => Err(|contact| NotSliding::NoSteadyMemory { contact }),
+        let is_still = contact.belt_velocity().value(0.0) == 0.0;
+        if is_still && contact.tangential_stiffness().is_some() {
+            return Err(|contact| NotSliding::Continuum { contact });
         }
+        let (sliding, direction) = sliding_of(contact.belt_velocity(), contact.law())?;
+        Ok(Self {
+            contact,
+            sliding,
+            direction,
+        })
+    }
+}
+
+/// Steady sliding on a surface of constant velocity, while all masses are at rest, and the
+/// direction of slip; otherwise the reason why the contact does not slide, by its number.
+pub(super) fn sliding_of(
+    surface: &Drive,
+    law: &dyn LawObject,
+) -> Result<(Sliding, f64), fn(usize) -> NotSliding> {
+    let velocity = surface.value(0.0);
+    let Some(direction) = Direction::of(-velocity) else {
+        return Err(|contact| NotSliding::NoSpeed { contact });
+    };
+    let (speed, direction) = (velocity.abs(), direction.sign());
+    let slip = Slip {
+        speed,
+        direction,
+        piece: piece_above(law.breakpoints().into_iter(), speed),
+    };
+    match law.sliding(slip) {
+        Some(sliding) => Ok((sliding, direction)),
+        None => Err(|contact| NotSliding::NoSteadyMemory { contact }),
     }
 }
 
@@ -330,7 +342,7 @@ impl Memory {
 }
 
 /// The solution of A x = b; `None` if A is singular to rounding.
-fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> Option<DVector<f64>> {
+pub(super) fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> Option<DVector<f64>> {
     let largest = a.amax();
     let lu = a.clone().lu();
     let pivots = lu.u().diagonal();

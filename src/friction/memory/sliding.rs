@@ -8,6 +8,8 @@ use crate::scalar::jet::Tape;
 /// sliding speed and memory.
 #[derive(Debug, Clone)]
 pub(crate) struct Sliding {
+    /// The stationary memory.
+    pub(crate) memory: Vec<f64>,
     /// μ, with the sign of the direction of slip.
     pub(crate) coefficient: f64,
     /// ∂μ/∂s.
@@ -88,6 +90,7 @@ impl Sliding {
         let by_memory: Vec<_> = (0..count).map(|j| law(memory, Some(j))).collect();
         let (rates, rates_by_speed) = by_speed.rates.iter().map(|&[rate, by]| (rate, by)).unzip();
         let sliding = Self {
+            memory: memory.to_vec(),
             coefficient: by_speed.coefficient[0],
             slope: by_speed.coefficient[1],
             by_memory: by_memory.iter().map(|by| by.coefficient[1]).collect(),

@@ -1,0 +1,379 @@
+//! Curves of Hopf points of steady sliding in two parameters.
+
+mod equations;
+
+use std::ops::Range;
+
+use nalgebra::{Complex, DVector};
+
+use self::equations::{Bordered, HopfPoints};
+use super::hopf::Criticality;
+use crate::error::Error;
+use crate::numerics::eigenvalues::eigenvalues;
+use crate::numerics::trace::{End, Equations, Plane, Point, solve, trace};
+use crate::orbit::{LocusEnd, Oscillator, SpecialKind};
+
+/// A curve of Hopf points of steady sliding in two parameters; returned by [`hopf_locus`].
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct HopfLocus {
+    /// The points, from one end of the curve to the other.
+    pub points: Vec<HopfPoint>,
+    /// The special points between them, in the same order.
+    pub special: Vec<SpecialHopfPoint>,
+    /// Why the curve ends before its first point, and after its last one.
+    pub ends: [LocusEnd; 2],
+}
+
+/// A point of a [`HopfLocus`]: steady sliding with a pair of eigenvalues ±iω.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct HopfPoint {
+    /// The two parameters, in their own units.
+    pub parameters: [f64; 2],
+    /// The angular frequency ω, in radians per unit of time.
+    pub frequency: f64,
+    /// Displacement of each coordinate in steady sliding.
+    pub displacements: Vec<f64>,
+    /// The first Lyapunov coefficient l1, for an eigenvector of length 1 in the units of the
+    /// system: its sign has meaning, its size depends on these units. NaN if 0 or ±2iω is an
+    /// eigenvalue.
+    pub first_lyapunov_coefficient: f64,
+    /// The largest real part of the other eigenvalues, per unit of time; −∞ if there are none. If
+    /// it is positive, steady sliding is unstable on both sides of the curve.
+    pub largest_other: f64,
+    /// The rounding of the coefficient.
+    rounding: f64,
+}
+
+/// A special point of a [`HopfLocus`].
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct SpecialHopfPoint {
+    /// What is special.
+    pub kind: SpecialKind,
+    /// The Hopf point.
+    pub point: HopfPoint,
+}
+
+impl HopfPoint {
+    /// Returns whether the motion born there is stable (if no other eigenvalue is in the right half plane):
+    /// the sign of the first Lyapunov coefficient. Where friction is linear up to stick (Coulomb),
+    /// the point is degenerate.
+    pub fn criticality(&self) -> Criticality {
+        let value = self.first_lyapunov_coefficient;
+        if value < -self.rounding {
+            Criticality::Supercritical
+        } else if value > self.rounding {
+            Criticality::Subcritical
+        } else {
+            Criticality::Degenerate
+        }
+    }
+}
+
+/// Intervals into which each range is divided for the search.
+const INTERVALS: usize = 64;
+
+/// Bisections of an interval in which the number of unstable eigenvalues changes, before Newton's
+/// method begins.
+const HALVINGS: usize = 20;
+
+/// Real parts below this part of the largest eigenvalue count as 0 in the search.
+const ROUNDING: f64 = 1e-10;
+
+/// A point within this distance of a curve, in parts of the ranges, lies on it.
+const SAME: f64 = 1e-7;
+
+/// The curves of Hopf points of steady sliding in a rectangle of two parameters: a pair of
+/// eigenvalues ±iω of the linearised motion crosses the imaginary axis, and a periodic motion is
+/// born.
+///
+/// `family` returns the system for values of the two parameters, which may be anything that a
+/// closure can set. Where it returns an error, or the system has no steady sliding, there is no
+/// curve.
+///
+/// Every curve that separates two neighbouring nodes of a grid of 65 × 65 values is found, whatever
+/// the number of masses; a closed curve inside one cell, or two curves between the same nodes, can
+/// be missed. Each is then followed by pseudo-arclength continuation: the equations
+///
+/// ```text
+/// (A − iω) w = 0,    A = ∂F/∂x at steady sliding
+/// ```
+///
+/// are solved by Newton's method with a bordered matrix. Parameters and ω are exact to the rounding
+/// of A, divided by the speed at which the eigenvalue crosses the axis.
+///
+/// The first Lyapunov coefficient l1 decides whether the motion that is born is stable. It takes
+/// the second and third derivatives of friction by velocities, loads and memory variables, from the
+/// power series of the laws. Special points: l1 = 0 ([`SpecialKind::Bautin`]), other eigenvalues on
+/// the axis ([`SpecialKind::DoubleHopf`], [`SpecialKind::ZeroHopf`]), and the largest and least
+/// values of each parameter along the curve ([`SpecialKind::Turn`]).
+///
+/// Work: some 10⁴ eigenvalue problems of order 2n, n the number of coordinates.
+///
+/// Sources: Kuznetsov, *Elements of Applied Bifurcation Theory*, section 5.4 (l1) and chapter 8;
+/// Govaerts, *Numerical Methods for Bifurcations of Dynamical Equilibria*, chapters 3 and 4
+/// (bordered matrices).
+///
+/// # Errors
+///
+/// [`Error::InvalidParameter`] unless both ranges are finite and not empty; the error at the first
+/// node if no node of the grid has steady sliding.
+///
+/// ```
+/// use stick_slip::bifurcation::{self, Criticality};
+/// use stick_slip::orbit::SpecialKind;
+/// use stick_slip::{Exponential, MassOnBelt};
+///
+/// // Belt velocity and damping ratio at which steady sliding of a mass on a belt is neutral.
+/// let family = |v_b: f64, beta: f64| {
+///     MassOnBelt::new(Exponential::new(0.4, 0.25, 0.5)?, v_b)?.with_damping(beta)
+/// };
+/// let [curve] = &bifurcation::hopf_locus(family, [0.02..1.2, 0.005..0.2])?[..] else { panic!() };
+/// for point in &curve.points {
+///     // 2β = −dμ̂/ds, in closed form.
+///     let [v_b, beta] = point.parameters;
+///     let expected = 0.15 * v_b / 0.25 * (-(v_b / 0.5).powi(2)).exp();
+///     assert!((beta - expected).abs() < 1e-14);
+///     let stable = v_b < 1.5_f64.sqrt() * 0.5;
+///     assert_eq!(point.criticality() == Criticality::Supercritical, stable);
+/// }
+/// let bautin = curve.special.iter().find(|point| point.kind == SpecialKind::Bautin).unwrap();
+/// assert!((bautin.point.parameters[0] - 1.5_f64.sqrt() * 0.5).abs() < 1e-13);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[doc(alias = "continuation")]
+#[doc(alias = "stability chart")]
+pub fn hopf_locus<S: Oscillator>(
+    family: impl Fn(f64, f64) -> Result<S, Error>,
+    ranges: [Range<f64>; 2],
+) -> Result<Vec<HopfLocus>, Error> {
+    for (range, [start, end]) in ranges.iter().zip([
+        ["ranges[0].start", "ranges[0].end"],
+        ["ranges[1].start", "ranges[1].end"],
+    ]) {
+        let of = "bifurcation::hopf_locus";
+        Error::check(of, start, range.start, true, "start < end")?;
+        Error::check(of, end, range.end, range.end > range.start, "start < end")?;
+    }
+    let points = HopfPoints {
+        family: &family,
+        ranges,
+    };
+    let mut search = Search {
+        points,
+        curves: Vec::new(),
+    };
+    search.run()?;
+    Ok(search.curves.into_iter().map(HopfLocus::from).collect())
+}
+
+type Solved = Point<Bordered>;
+
+/// A curve that was followed.
+struct Curve {
+    points: Vec<Solved>,
+    special: Vec<(usize, Solved)>,
+    ends: [LocusEnd; 2],
+}
+
+struct Search<'f, S, F: Fn(f64, f64) -> Result<S, Error>> {
+    points: HopfPoints<'f, S, F>,
+    curves: Vec<Curve>,
+}
+
+/// A node of the grid: the number of unstable eigenvalues.
+type Node = Result<usize, Error>;
+
+impl<S: Oscillator, F: Fn(f64, f64) -> Result<S, Error>> Search<'_, S, F> {
+    fn run(&mut self) -> Result<(), Error> {
+        let value = |which: usize, i: usize| {
+            let (range, part) = (&self.points.ranges[which], i as f64 / INTERVALS as f64);
+            range.start * (1.0 - part) + range.end * part
+        };
+        let count = INTERVALS + 1;
+        let places: Vec<[f64; 2]> = (0..count * count)
+            .map(|k| [value(0, k % count), value(1, k / count)])
+            .collect();
+        let nodes: Vec<Node> = places.iter().map(|&place| self.unstable(place)).collect();
+        if let (true, Some(Err(error))) = (nodes.iter().all(Result::is_err), nodes.first()) {
+            return Err(error.clone());
+        }
+        for k in 0..nodes.len() {
+            let right = (k % count < INTERVALS).then_some((0, k + 1));
+            let above = (k / count < INTERVALS).then_some((1, k + count));
+            for (which, next) in [right, above].into_iter().flatten() {
+                if let (Ok(a), Ok(b)) = (&nodes[k], &nodes[next])
+                    && a != b
+                {
+                    self.cross(which, [places[k], places[next]], *a);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn unstable(&self, place: [f64; 2]) -> Node {
+        let (matrix, _) = self.points.balanced(place)?;
+        let values = eigenvalues(matrix).ok_or(Error::NoHopfPoint)?;
+        let largest = values.iter().map(|value| value.norm()).fold(0.0, f64::max);
+        let unstable = values.iter().filter(|value| value.re > ROUNDING * largest);
+        Ok(unstable.count())
+    }
+
+    /// Finds the curve that crosses an edge of the grid, unless it is known.
+    fn cross(&mut self, which: usize, [mut low, mut high]: [[f64; 2]; 2], count: usize) {
+        for _ in 0..HALVINGS {
+            let mut middle = low;
+            middle[which] = 0.5 * (low[which] + high[which]);
+            match self.unstable(middle) {
+                Ok(now) if now == count => low = middle,
+                Ok(_) => high = middle,
+                // No steady sliding in between.
+                Err(_) => return,
+            }
+        }
+        let Some(first) = self.begin(which, low) else {
+            return;
+        };
+        if !self.is_known(&first) {
+            let curve = self.follow(&first);
+            self.curves.push(curve);
+        }
+    }
+
+    /// The Hopf point on an edge.
+    fn begin(&self, which: usize, place: [f64; 2]) -> Option<Solved> {
+        let (matrix, _) = self.points.balanced(place).ok()?;
+        let values = eigenvalues(matrix)?;
+        let oscillating = values.iter().filter(|value| value.im > 0.0);
+        let nearest = oscillating.min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()))?;
+        let begun = self.points.begun(place, nearest.im).ok()?;
+        let guess = DVector::from_column_slice(&[place[0], place[1], nearest.im]);
+        let scale = self.points.scale(&guess, &begun);
+        let mut normal = DVector::zeros(3);
+        normal[1 - which] = 1.0;
+        let value = guess[1 - which] / scale[1 - which];
+        let plane = |along| Plane {
+            scale: &scale,
+            normal: normal.clone(),
+            value,
+            along,
+        };
+        // In the direction of the edge's normal, or along the edge.
+        let along = DVector::from_element(3, 0.001) + &normal;
+        let point = solve(&self.points, &guess, &begun, &plane(&along)).ok()?;
+        let inside = [0, 1].into_iter().all(|i| {
+            let range = &self.points.ranges[i];
+            (range.start..=range.end).contains(&point.y[i])
+        });
+        inside.then_some(point)
+    }
+
+    /// Returns true if a point lies on a curve that was followed.
+    fn is_known(&self, point: &Solved) -> bool {
+        let scaled = |y: &DVector<f64>| y.component_div(&point.scale);
+        let there = scaled(&point.y);
+        self.curves.iter().any(|curve| {
+            curve.points.windows(2).any(|pair| {
+                let [from, to] = [scaled(&pair[0].y), scaled(&pair[1].y)];
+                let step = &to - &from;
+                let length = step.norm();
+                let done = step.dot(&(&there - &from)) / length.powi(2);
+                let beside = (&from + &step * done - &there).norm();
+                let margin = SAME / length;
+                if !((-margin..=1.0 + margin).contains(&done) && beside <= 0.5 * length) {
+                    return false;
+                }
+                let along = step.normalize();
+                let plane = Plane {
+                    scale: &point.scale,
+                    value: along.dot(&there),
+                    normal: along.clone(),
+                    along: &along,
+                };
+                let guess = &pair[0].y * (1.0 - done) + &pair[1].y * done;
+                let near = &pair[0].value;
+                let found = solve(&self.points, &guess, near, &plane);
+                found.is_ok_and(|found| (scaled(&found.y) - &there).amax() <= SAME)
+            })
+        })
+    }
+
+    /// The curve through a point, in both directions.
+    fn follow(&self, first: &Solved) -> Curve {
+        let mut back = first.clone();
+        back.tangent.neg_mut();
+        let up = trace(&self.points, first);
+        let end = |end: End, points: &[Solved]| {
+            let last = points.last().unwrap_or(first);
+            LocusEnd::of(end, [last.y[0], last.y[1]])
+        };
+        if up.end == End::Closed {
+            let mut points = up.points;
+            points.insert(0, first.clone());
+            points.push(first.clone());
+            return Curve {
+                points,
+                special: up
+                    .special
+                    .into_iter()
+                    .map(|(test, _, at)| (test, at))
+                    .collect(),
+                ends: [LocusEnd::Closed, LocusEnd::Closed],
+            };
+        }
+        let down = trace(&self.points, &back);
+        let ends = [end(down.end, &down.points), end(up.end, &up.points)];
+        let mut points = down.points;
+        points.reverse();
+        points.push(first.clone());
+        points.extend(up.points);
+        let special = down.special.into_iter().rev().chain(up.special);
+        Curve {
+            points,
+            special: special.map(|(test, _, at)| (test, at)).collect(),
+            ends,
+        }
+    }
+}
+
+impl From<&Solved> for HopfPoint {
+    fn from(point: &Solved) -> Self {
+        let (y, value) = (&point.y, &point.value);
+        let others = value.others.iter().map(|value| value.re);
+        Self {
+            parameters: [y[0], y[1]],
+            frequency: y[2],
+            displacements: value.displacements.clone(),
+            first_lyapunov_coefficient: value.lyapunov[0],
+            largest_other: others.fold(f64::NEG_INFINITY, f64::max),
+            rounding: value.lyapunov[1],
+        }
+    }
+}
+
+impl From<Curve> for HopfLocus {
+    fn from(curve: Curve) -> Self {
+        let special = curve.special.iter().map(|(test, point)| {
+            let others = point.value.others.iter();
+            let nearest = others.min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()));
+            let kind = match (test, nearest) {
+                (0, _) => SpecialKind::Bautin,
+                (1, Some(Complex { im, .. })) if *im == 0.0 => SpecialKind::ZeroHopf,
+                (1, _) => SpecialKind::DoubleHopf,
+                (test, _) => SpecialKind::Turn(test - 2),
+            };
+            SpecialHopfPoint {
+                kind,
+                point: point.into(),
+            }
+        });
+        Self {
+            special: special.collect(),
+            points: curve.points.iter().map(HopfPoint::from).collect(),
+            ends: curve.ends,
+        }
+    }
+}

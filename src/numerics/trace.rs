@@ -1,0 +1,524 @@
+//! Curves in two parameters: Newton's method across a curve, and pseudo-arclength steps along it
+//! inside a rectangle of the parameters.
+//!
+//! The unknowns y are those of the equations and, among them, the two parameters. The equations may
+//! be more than the unknowns less one, if they are consistent: steps of Newton's method solve them
+//! by least squares.
+
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector, SVD};
+
+use super::bracket::Bracket;
+use crate::error::Error;
+
+/// Equations whose solutions form a curve.
+pub(crate) trait Equations {
+    /// What is computed at one y.
+    type Value: Clone;
+
+    /// The places of the two parameters among the unknowns.
+    fn parameters(&self) -> [usize; 2];
+
+    /// Their ranges.
+    fn ranges(&self) -> &[Range<f64>; 2];
+
+    /// The value near that of a point of the curve. Unknowns that have to be exact may be set.
+    fn value(&self, y: &mut DVector<f64>, near: &Self::Value) -> Result<Self::Value, Error>;
+
+    /// The residuals, each in units of its size.
+    fn residual(&self, y: &DVector<f64>, value: &Self::Value) -> DVector<f64>;
+
+    /// The derivatives of the residuals, each column in units of the scale of its unknown.
+    fn jacobian(
+        &self,
+        y: &DVector<f64>,
+        value: &Self::Value,
+        scale: &DVector<f64>,
+    ) -> Result<DMatrix<f64>, Error>;
+
+    /// The largest residual of a solution: rounding, as far as the equations magnify it.
+    fn rounding(&self, value: &Self::Value) -> f64;
+
+    /// Completes the value of a solution, or refuses it.
+    fn complete(&self, y: &DVector<f64>, value: Self::Value) -> Result<Self::Value, Error>;
+
+    /// The scales of the unknowns.
+    fn scale(&self, y: &DVector<f64>, value: &Self::Value) -> DVector<f64>;
+
+    /// Functions that change sign at special points of the curve; 0 or NaN has no sign.
+    fn tests(&self, point: &Point<Self::Value>) -> Vec<f64>;
+
+    /// Returns true if the kind of the curve ends at a zero of this test.
+    fn ends_at(&self, test: usize) -> bool;
+
+    /// Returns true if the work allowed is done.
+    fn is_at_limit(&self) -> bool;
+
+    /// The error if no solution was found near here.
+    fn lost(&self, y: &DVector<f64>, value: &Self::Value) -> Error;
+}
+
+/// A point of a curve.
+#[derive(Debug, Clone)]
+pub(crate) struct Point<V> {
+    pub(crate) y: DVector<f64>,
+    pub(crate) value: V,
+    pub(crate) scale: DVector<f64>,
+    /// The unit tangent, in units of the scale.
+    pub(crate) tangent: DVector<f64>,
+    /// Number of Newton steps.
+    steps: usize,
+}
+
+/// A plane: normal·(y/scale) = value.
+#[derive(Debug)]
+pub(crate) struct Plane<'p> {
+    pub(crate) scale: &'p DVector<f64>,
+    pub(crate) normal: DVector<f64>,
+    pub(crate) value: f64,
+    /// A direction in which the tangent is to point.
+    pub(crate) along: &'p DVector<f64>,
+}
+
+/// A curve in one direction from its first point, which is not repeated.
+#[derive(Debug)]
+pub(crate) struct Half<V> {
+    pub(crate) points: Vec<Point<V>>,
+    /// The special points, each with its test and the number of the point before it; the first
+    /// point of the curve is number 0.
+    pub(crate) special: Vec<(usize, usize, Point<V>)>,
+    pub(crate) end: End,
+}
+
+/// Why a curve ends.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum End {
+    /// At a side of the rectangle.
+    Ranges,
+    /// It returns to its first point.
+    Closed,
+    /// At a special point.
+    Special,
+    /// The work allowed is done.
+    Work,
+    /// Newton's method does not converge, however short the step.
+    Lost(Error),
+}
+
+/// Limit of points in one direction.
+const MOST_POINTS: usize = 2048;
+
+/// The longest and the shortest step, in units of the scales.
+const LONGEST: f64 = 1.0 / 64.0;
+const SHORTEST: f64 = 1e-9;
+
+/// The least cosine of the angle between the tangents at neighbouring points.
+const STRAIGHT: f64 = 0.97;
+
+/// More Newton steps than this keep the next step along the curve from growing.
+const MANY_STEPS: usize = 5;
+
+/// Limit of Newton steps; three or four are usual.
+const MOST_STEPS: usize = 16;
+
+/// A step below this size keeps the derivatives of the one before.
+const COARSE: f64 = 1e-5;
+
+/// Steps below this size are rounding.
+const FINE: f64 = 1e-14;
+
+/// Singular values below this part of the largest count as 0.
+const SINGULAR: f64 = 1e-12;
+
+/// A test at a special point is below this part of its values on both sides.
+const ZERO: f64 = 1e-6;
+
+/// Halvings of the interval that holds a special point.
+const MOST_HALVINGS: usize = 100;
+
+/// The minimum-norm least-squares solution of a linear system, its rows in units of their sizes.
+fn solution(mut matrix: DMatrix<f64>, mut right: DVector<f64>) -> Option<DVector<f64>> {
+    for (mut row, right) in matrix.row_iter_mut().zip(right.iter_mut()) {
+        let size = row.amax();
+        if size > 0.0 {
+            row /= size;
+            *right /= size;
+        }
+    }
+    if !matrix.iter().chain(&right).all(|x| x.is_finite()) {
+        return None;
+    }
+    let sweeps = 1000 * matrix.nrows();
+    let svd = SVD::try_new(matrix, true, true, f64::EPSILON, sweeps)?;
+    let least = SINGULAR * svd.singular_values.max();
+    let solution = svd.solve(&right, least).ok()?;
+    solution.iter().all(|x| x.is_finite()).then_some(solution)
+}
+
+/// The rows of the equations, and one more below.
+fn with_row(jacobian: &DMatrix<f64>, row: &DVector<f64>) -> DMatrix<f64> {
+    let rows = jacobian.nrows();
+    let mut matrix = jacobian.clone().insert_row(rows, 0.0);
+    matrix.row_mut(rows).copy_from(&row.transpose());
+    matrix
+}
+
+/// The point of the curve on a plane, near a guess, by Newton's method.
+pub(crate) fn solve<E: Equations>(
+    equations: &E,
+    guess: &DVector<f64>,
+    near: &E::Value,
+    plane: &Plane<'_>,
+) -> Result<Point<E::Value>, Error> {
+    let mut y = guess.clone();
+    let mut known: Option<DMatrix<f64>> = None;
+    let mut before = f64::INFINITY;
+    let mut steps = 0;
+    loop {
+        let value = equations.value(&mut y, near)?;
+        let residual = equations.residual(&y, &value);
+        let jacobian = match &mut known {
+            Some(known) if before < COARSE => known,
+            known => known.insert(equations.jacobian(&y, &value, plane.scale)?),
+        };
+        let rows = residual.len();
+        let mut right = (-&residual).insert_row(rows, 0.0);
+        right[rows] = plane.value - plane.normal.dot(&y.component_div(plane.scale));
+        let Some(change) = solution(with_row(jacobian, &plane.normal), right) else {
+            return Err(equations.lost(&y, &value));
+        };
+        let size = change.amax();
+        let is_small = residual.amax() <= equations.rounding(&value) && size <= COARSE;
+        if size <= FINE || (is_small && size >= 0.5 * before) {
+            let mut right = DVector::zeros(rows + 1);
+            right[rows] = 1.0;
+            let tangent = solution(with_row(jacobian, plane.along), right);
+            let tangent = tangent.filter(|tangent| tangent.norm() > 0.0);
+            let Some(tangent) = tangent.filter(|_| is_small) else {
+                return Err(equations.lost(&y, &value));
+            };
+            return Ok(Point {
+                value: equations.complete(&y, value)?,
+                y,
+                scale: plane.scale.clone(),
+                tangent: tangent.normalize(),
+                steps,
+            });
+        }
+        steps += 1;
+        let falls = steps <= 2 || size <= 2.0 * before;
+        if !(size <= 1.0 && falls && steps < MOST_STEPS) {
+            return Err(equations.lost(&y, &value));
+        }
+        before = size;
+        y += change.component_mul(plane.scale);
+    }
+}
+
+/// The points of a curve near one of them, by planes across the tangent there.
+struct View<'v, E: Equations> {
+    equations: &'v E,
+    base: &'v Point<E::Value>,
+}
+
+/// A point, and its distance along the tangent of the last one.
+struct Place<V> {
+    distance: f64,
+    point: Point<V>,
+}
+
+impl<V: Clone> Clone for Place<V> {
+    fn clone(&self) -> Self {
+        let point = self.point.clone();
+        Self { point, ..*self }
+    }
+}
+
+impl<E: Equations> View<'_, E> {
+    fn at(
+        &self,
+        distance: f64,
+        guess: &DVector<f64>,
+        near: &E::Value,
+    ) -> Result<Place<E::Value>, Error> {
+        let base = self.base;
+        let plane = Plane {
+            scale: &base.scale,
+            normal: base.tangent.clone(),
+            value: base.tangent.dot(&base.y.component_div(&base.scale)) + distance,
+            along: &base.tangent,
+        };
+        let point = solve(self.equations, guess, near, &plane)?;
+        Ok(Place { distance, point })
+    }
+
+    fn between(
+        &self,
+        low: &Place<E::Value>,
+        high: &Place<E::Value>,
+        distance: f64,
+    ) -> Result<Place<E::Value>, Error> {
+        let part = (distance - low.distance) / (high.distance - low.distance);
+        let guess = &low.point.y * (1.0 - part) + &high.point.y * part;
+        let near = if part < 0.5 { low } else { high };
+        self.at(distance, &guess, &near.point.value)
+    }
+
+    /// The point at which a parameter has a value.
+    fn with_parameter(
+        &self,
+        which: usize,
+        value: f64,
+        guess: &DVector<f64>,
+        near: &E::Value,
+    ) -> Result<Place<E::Value>, Error> {
+        let (base, place) = (self.base, self.equations.parameters()[which]);
+        let mut normal = DVector::zeros(guess.len());
+        normal[place] = 1.0;
+        let mut guess = guess.clone();
+        guess[place] = value;
+        let plane = Plane {
+            scale: &base.scale,
+            value: value / base.scale[place],
+            normal,
+            along: &base.tangent,
+        };
+        let mut point = solve(self.equations, &guess, near, &plane)?;
+        point.y[place] = value;
+        let moved = (&point.y - &base.y).component_div(&base.scale);
+        Ok(Place {
+            distance: base.tangent.dot(&moved),
+            point,
+        })
+    }
+
+    /// The first parameter that is outside its range on the way to y, the side that it passes, and
+    /// the part of the way up to there.
+    fn outside(&self, y: &DVector<f64>) -> Option<(usize, f64, f64)> {
+        let (places, ranges) = (self.equations.parameters(), self.equations.ranges());
+        let passed = [0, 1].into_iter().filter_map(|which| {
+            let (from, to) = (self.base.y[places[which]], y[places[which]]);
+            let side = to.clamp(ranges[which].start, ranges[which].end);
+            (side != to).then(|| (which, side, (side - from) / (to - from)))
+        });
+        passed.min_by(|a, b| a.2.total_cmp(&b.2))
+    }
+
+    /// The next point at about a distance, and whether it lies on a side of the rectangle.
+    fn next(&self, length: f64) -> Result<(Place<E::Value>, bool), Error> {
+        let base = self.base;
+        let guess = &base.y + base.tangent.component_mul(&base.scale) * length;
+        let mut place = None;
+        let mut outside = self.outside(&guess);
+        if outside.is_none() {
+            let found = self.at(length, &guess, &base.value)?;
+            outside = self.outside(&found.point.y);
+            place = Some(found);
+        }
+        // Both, at a corner.
+        for _ in 0..2 {
+            let Some((which, side, part)) = outside else {
+                break;
+            };
+            let (guess, near) = match &place {
+                Some(place) => (place.point.y.clone(), &place.point.value),
+                None => (&base.y + (&guess - &base.y) * part, &base.value),
+            };
+            let found = self.with_parameter(which, side, &guess, near)?;
+            outside = self.outside(&found.point.y);
+            place = Some(found);
+        }
+        let place = place.ok_or_else(|| self.equations.lost(&base.y, &base.value))?;
+        let (y, places) = (&place.point.y, self.equations.parameters());
+        let ranges = self.equations.ranges().iter();
+        let is_last = std::iter::zip(places, ranges)
+            .any(|(i, range)| y[i] <= range.start || y[i] >= range.end);
+        let moved = (y - &base.y).component_div(&base.scale);
+        let sideways = &moved - &base.tangent * place.distance;
+        let straight = place.point.tangent.dot(&base.tangent) >= STRAIGHT
+            && sideways.norm() <= 0.5 * place.distance;
+        if straight && place.distance > 0.0 && outside.is_none() {
+            Ok((place, is_last))
+        } else {
+            Err(self.equations.lost(y, &place.point.value))
+        }
+    }
+
+    /// The zero of a test between two places; `None` if it changes its sign without one.
+    fn sign_change(
+        &self,
+        from: &Place<E::Value>,
+        to: &Place<E::Value>,
+        test: usize,
+        values: [f64; 2],
+    ) -> Result<Option<Place<E::Value>>, Error> {
+        let (mut low, mut high) = (from.clone(), to.clone());
+        let mut bracket = Bracket::new((from.distance, values[0]), (to.distance, values[1]));
+        let mut best: Option<(f64, Place<E::Value>)> = None;
+        for _ in 0..MOST_HALVINGS {
+            let Some(distance) = bracket.next_place() else {
+                break;
+            };
+            let place = self.between(&low, &high, distance)?;
+            let value = self.equations.tests(&place.point)[test];
+            bracket.narrow(distance, value);
+            if best.as_ref().is_none_or(|best| value.abs() < best.0) {
+                best = Some((value.abs(), place.clone()));
+            }
+            if (value > 0.0) == (values[1] > 0.0) {
+                high = place;
+            } else {
+                low = place;
+            }
+            let apart = (&low.point.y - &high.point.y).component_div(&self.base.scale);
+            if value == 0.0 || apart.amax() <= f64::EPSILON || bracket.width() <= f64::EPSILON {
+                break;
+            }
+        }
+        let size = values[0].abs().max(values[1].abs());
+        let zero = best.filter(|best| best.0 <= ZERO * size);
+        Ok(zero.map(|zero| zero.1))
+    }
+}
+
+/// Follows a curve from a point in the direction of its tangent.
+pub(crate) fn trace<E: Equations>(equations: &E, first: &Point<E::Value>) -> Half<E::Value> {
+    let mut half = Half {
+        points: Vec::new(),
+        special: Vec::new(),
+        end: End::Work,
+    };
+    let mut base = first.clone();
+    let mut signs = signs_of(equations, first);
+    let mut length = 0.25 * LONGEST;
+    if leaves(equations, first) {
+        half.end = End::Ranges;
+        return half;
+    }
+    while half.points.len() < MOST_POINTS && !equations.is_at_limit() {
+        let view = View {
+            equations,
+            base: &base,
+        };
+        let (place, is_last, special) = loop {
+            let found = view.next(length).and_then(|(place, is_last)| {
+                let special = special_points(&view, &place, &signs)?;
+                Ok((place, is_last, special))
+            });
+            match found {
+                Ok(found) => break found,
+                Err(error) if length <= SHORTEST => {
+                    half.end = End::Lost(error);
+                    return half;
+                }
+                Err(_) if equations.is_at_limit() => return half,
+                Err(_) => length *= 0.5,
+            }
+        };
+        if place.point.steps < MANY_STEPS {
+            length = (1.5 * length).min(LONGEST);
+        }
+        for (test, place) in special {
+            half.special
+                .push((test, half.points.len(), place.point.clone()));
+            if equations.ends_at(test) {
+                half.points.push(place.point);
+                half.end = End::Special;
+                return half;
+            }
+        }
+        for (sign, now) in signs.iter_mut().zip(signs_of(equations, &place.point)) {
+            if now != 0.0 {
+                *sign = now;
+            }
+        }
+        if half.points.len() >= 3 && passes(&base, &place.point, first) {
+            half.end = End::Closed;
+            return half;
+        }
+        half.points.push(place.point.clone());
+        if is_last {
+            half.end = End::Ranges;
+            return half;
+        }
+        base = place.point;
+        let scale = equations.scale(&base.y, &base.value);
+        base.tangent.component_mul_assign(&base.scale);
+        base.tangent.component_div_assign(&scale);
+        base.tangent.normalize_mut();
+        base.scale = scale;
+    }
+    half
+}
+
+/// A test and the place of its zero.
+type Special<V> = (usize, Place<V>);
+
+/// The special points between the last point and the next one, in order.
+fn special_points<E: Equations>(
+    view: &View<'_, E>,
+    to: &Place<E::Value>,
+    before: &[f64],
+) -> Result<Vec<Special<E::Value>>, Error> {
+    let from = Place {
+        distance: 0.0,
+        point: view.base.clone(),
+    };
+    let [begin, end] = [&from, to].map(|place| view.equations.tests(&place.point));
+    let mut found = Vec::new();
+    for (test, sign) in before.iter().enumerate() {
+        let now = end[test];
+        if sign * now >= 0.0 || now.is_nan() {
+            continue;
+        }
+        // A value without a sign at the last point is a zero there.
+        let low = if begin[test] * sign > 0.0 {
+            begin[test]
+        } else {
+            *sign * f64::MIN_POSITIVE
+        };
+        if let Some(place) = view.sign_change(&from, to, test, [low, now])? {
+            found.push((test, place));
+        }
+    }
+    found.sort_by(|a, b| a.1.distance.total_cmp(&b.1.distance));
+    Ok(found)
+}
+
+/// The signs of the tests; 0 for one without.
+fn signs_of<E: Equations>(equations: &E, point: &Point<E::Value>) -> Vec<f64> {
+    let sign = |value: f64| {
+        if value == 0.0 || value.is_nan() {
+            0.0
+        } else {
+            value.signum()
+        }
+    };
+    equations.tests(point).into_iter().map(sign).collect()
+}
+
+/// Returns true if the tangent at a point leads out of the rectangle.
+fn leaves<E: Equations>(equations: &E, point: &Point<E::Value>) -> bool {
+    let parameters = equations.parameters().into_iter();
+    parameters.zip(equations.ranges()).any(|(i, range)| {
+        let (y, along) = (point.y[i], point.tangent[i]);
+        (y <= range.start && along < 0.0) || (y >= range.end && along > 0.0)
+    })
+}
+
+/// Returns true if the curve passes a point of it again, in the same direction, between two others.
+fn passes<V>(from: &Point<V>, to: &Point<V>, point: &Point<V>) -> bool {
+    let part = |y: &DVector<f64>| (y - &from.y).component_div(&from.scale);
+    let (step, there) = (part(&to.y), part(&point.y));
+    let along = step.norm_squared();
+    let done = step.dot(&there) / along;
+    let beside = &step * done - &there;
+    let direction = point
+        .tangent
+        .component_mul(&point.scale)
+        .component_div(&from.scale);
+    (0.0..=1.0).contains(&done)
+        && beside.norm_squared() <= 0.01 * along
+        && direction.dot(&step) > 0.0
+}

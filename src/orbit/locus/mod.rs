@@ -1,0 +1,3 @@
+//! Curves in two parameters.
+
+pub(super) mod found;

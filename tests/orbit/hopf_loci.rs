@@ -1,0 +1,214 @@
+//! Hopf curves of steady sliding in two parameters: closed forms, and points known to 25 digits.
+
+use stick_slip::bifurcation::{Criticality, HopfLocus, hopf_locus};
+use stick_slip::nalgebra::DMatrix;
+use stick_slip::orbit::{LocusEnd, SpecialKind};
+use stick_slip::{Contact, Coulomb, Drive, Error, Exponential, LuGre, MassOnBelt, Structure};
+
+use crate::common::{list, number, text};
+use crate::loci::{curve, member};
+
+/// Error promised for parameters, in units of max(1, |value|).
+const ACCURACY: f64 = 1e-13;
+
+fn close(actual: f64, expected: f64) -> bool {
+    (actual - expected).abs() <= ACCURACY * expected.abs().max(1.0)
+}
+
+fn special(locus: &HopfLocus, kind: SpecialKind) -> Vec<[f64; 2]> {
+    let of_kind = locus.special.iter().filter(|special| special.kind == kind);
+    of_kind.map(|special| special.point.parameters).collect()
+}
+
+/// The curve of a reference case between two of its points, of which one parameter is prescribed at
+/// the sides of the rectangle.
+#[test]
+fn curves_pass_through_the_points_of_the_reference() {
+    for (id, which) in [("hbe", 0), ("hds", 0), ("hmc", 1)] {
+        let case = curve(id);
+        let family = |p: f64, q: f64| Ok(member(&case["system"], p, q));
+        let points = list(&case["points"]);
+        for pair in points.windows(2) {
+            let at = |i: usize| [0, 1].map(|k| number(&pair[i][["PARAM1", "PARAM2"][k]]));
+            let [from, to] = [at(0), at(1)];
+            let mut ranges = [0, 1].map(|k: usize| {
+                let (low, high) = (from[k].min(to[k]), from[k].max(to[k]));
+                let margin = 0.3 * (high - low) + 0.02 * high;
+                low - margin..high + margin
+            });
+            ranges[which] = from[which].min(to[which])..from[which].max(to[which]);
+            let loci = hopf_locus(family, ranges).unwrap();
+            let mut found = 0;
+            for locus in &loci {
+                for point in &locus.points {
+                    let i = usize::from(point.parameters[which] == to[which]);
+                    if point.parameters[which] != [from, to][i][which] {
+                        continue;
+                    }
+                    let expected = &pair[i];
+                    let other = [from, to][i][1 - which];
+                    let error = point.parameters[1 - which] - other;
+                    if error.abs() > 1e-3 {
+                        // Another point at the same side.
+                        continue;
+                    }
+                    found += 1;
+                    assert!(close(point.parameters[1 - which], other), "{id}: {error:e}");
+                    let frequency = number(&expected["omega"]);
+                    assert!(
+                        close(point.frequency, frequency),
+                        "{id}: {}",
+                        point.frequency
+                    );
+                    let l1 = point.first_lyapunov_coefficient;
+                    if let Some(known) = expected.get("first_lyapunov_coefficient") {
+                        assert!((l1 / number(known) - 1.0).abs() < 1e-10, "{id}: {l1}");
+                    }
+                    if let Some(cubic) = expected.get("cubic_coefficient") {
+                        // A' = ω l1 A³/2, with an eigenvector of length 1.
+                        let known = 2.0 * number(cubic) / frequency;
+                        assert!((l1 - known).abs() < 1e-12, "{id}: {l1}, {known}");
+                    }
+                    let kind = match expected.get("criticality") {
+                        Some(kind) => text(kind),
+                        None => "degenerate",
+                    };
+                    assert_eq!(point.criticality().to_string(), kind, "{id}");
+                }
+            }
+            assert_eq!(found, 2, "{id}: {from:?} {to:?} {}", loci.len());
+        }
+    }
+}
+
+#[test]
+fn a_mass_on_a_belt_has_the_curve_in_closed_form_with_its_special_points() {
+    let case = curve("hbe");
+    let family = |p: f64, q: f64| Ok(member(&case["system"], p, q));
+    let loci = hopf_locus(family, [0.01..1.5, 0.01..0.3]).unwrap();
+    let [locus] = &loci[..] else {
+        panic!("{} curves", loci.len())
+    };
+    assert_eq!(locus.ends, [LocusEnd::Ranges, LocusEnd::Ranges]);
+    assert!(locus.points.len() > 40);
+    for point in &locus.points {
+        let [v_b, damping] = point.parameters;
+        let expected = 0.3 * v_b / 0.25 * (-4.0 * v_b * v_b).exp();
+        assert!(close(damping, expected), "{v_b}: {:e}", damping - expected);
+        assert!(close(point.frequency, 1.0));
+        assert_eq!(point.largest_other, f64::NEG_INFINITY);
+    }
+    for (name, kind) in [
+        ("bautin", SpecialKind::Bautin),
+        ("fold_of_the_hopf_curve_over_PARAM2", SpecialKind::Turn(1)),
+    ] {
+        let known = list(&case["codimension_two"]).iter();
+        let known = known.filter(|point| text(&point["kind"]) == name).next();
+        let found = special(locus, kind);
+        assert_eq!(found.len(), 1, "{name}");
+        for (which, found) in found[0].iter().enumerate() {
+            let expected = number(&known.unwrap()[["PARAM1", "PARAM2"][which]]);
+            let error = found - expected;
+            println!("{name}: {error:.1e}");
+            // Where the curve turns, its place is the zero of a tangent from differences.
+            let tolerance = if which == 0 { 1e-9 } else { ACCURACY };
+            assert!(error.abs() <= tolerance, "{name}: {error:e}");
+        }
+    }
+}
+
+/// A belt by itself and as a structure has the same curve.
+#[test]
+fn a_belt_and_its_structure_have_the_same_curve() {
+    let belt = |v_b: f64, beta: f64| {
+        MassOnBelt::new(Exponential::new(0.4, 0.25, 0.5)?, v_b)?.with_damping(beta)
+    };
+    let ranges = || [0.02..1.2, 0.005..0.2];
+    let structure = |v_b: f64, beta: f64| Ok(Structure::from(&belt(v_b, beta)?));
+    let [a, b] = [
+        hopf_locus(belt, ranges()).unwrap(),
+        hopf_locus(structure, ranges()).unwrap(),
+    ];
+    assert_eq!(a.len(), 1);
+    assert_eq!(a, b);
+}
+
+/// Bristles on a mass with a spring: the stability limit of LuGre friction about steady sliding,
+/// with the eigenvalues of `Structure::steady_sliding` on both sides.
+#[test]
+fn bristles_have_the_stability_limit_of_their_eigenvalues() {
+    let family = |v_b: f64, damping: f64| {
+        let law = LuGre::new(Exponential::new(0.4, 0.25, 0.1)?, 100.0, 0.5, 0.1)?;
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, damping)?
+            .with_contact(Contact::new(0, law, 1.0)?.on_belt(v_b))
+    };
+    let loci = hopf_locus(family, [0.02..0.4, 0.0..1.5]).unwrap();
+    assert!(!loci.is_empty());
+    for locus in &loci {
+        for point in &locus.points {
+            let [v_b, damping] = point.parameters;
+            let pair = |damping: f64| {
+                let sliding = family(v_b, damping).unwrap().steady_sliding().unwrap();
+                let values = sliding.eigenvalues.into_iter();
+                let mut values = values.filter(|value| value.im > 0.0);
+                values.next().unwrap()
+            };
+            let there = pair(damping);
+            assert!(
+                there.re.abs() < 1e-12 * there.norm().max(1.0),
+                "{v_b}: {there}"
+            );
+            assert!((there.im - point.frequency).abs() < 1e-11);
+            assert!(pair(damping + 1e-6).re < 0.0 && pair(damping - 1e-6).re > 0.0);
+        }
+    }
+}
+
+#[test]
+fn undamped_systems_and_bad_families_are_no_trouble() {
+    // Without damping all eigenvalues lie on the axis until two modes merge.
+    let flutter = |mu: f64, k22: f64| {
+        Structure::new(&[1.0, 1.0])?
+            .with_stiffness(DMatrix::from_row_slice(2, 2, &[2.0, 1.0, 1.0, k22]))?
+            .with_contact(
+                Contact::new(0, Coulomb::new(mu, mu)?, 10.0)?
+                    .with_load_gradient(1, 4.0 / 3.0)?
+                    .on_belt(1.0),
+            )
+    };
+    let loci = hopf_locus(flutter, [0.1..1.5, 1.5..3.0]).unwrap();
+    // Where they merge is no Hopf point: the eigenvalues leave the axis with a vertical tangent.
+    for point in loci.iter().flat_map(|locus| &locus.points) {
+        assert!(point.frequency > 0.0);
+        assert_eq!(point.criticality(), Criticality::Degenerate);
+    }
+    let refuses = |_: f64, _: f64| -> Result<Structure, Error> { Err(Error::NotFree) };
+    let error = hopf_locus(refuses, [0.0..1.0, 0.0..1.0]).unwrap_err();
+    assert!(error.to_string().contains("first parameter"), "{error}");
+    for bad in [f64::NAN, f64::INFINITY] {
+        for ranges in [[0.0..bad, 0.0..1.0], [0.0..1.0, bad..1.0]] {
+            let error = hopf_locus(flutter, ranges).unwrap_err();
+            assert!(matches!(error, Error::InvalidParameter { .. }), "{error}");
+        }
+    }
+    // A driven system does not slide steadily.
+    let driven = |p: f64, q: f64| flutter(p, q)?.with_force(0, Drive::harmonic(0.1, 1.0, 0.0)?);
+    assert!(hopf_locus(driven, [0.1..1.0, 1.5..3.0]).is_err());
+    // A part of the rectangle has no system.
+    let case = curve("hbe");
+    let half = |p: f64, q: f64| {
+        if p > 0.4 {
+            return Err(Error::NotFree);
+        }
+        Ok(member(&case["system"], p, q))
+    };
+    let loci = hopf_locus(half, [0.01..1.5, 0.01..0.3]).unwrap();
+    assert_eq!(loci.len(), 1);
+    let lost = |end: &LocusEnd| match end {
+        LocusEnd::Lost { parameters, .. } => (parameters[0] - 0.4).abs() < 1e-6,
+        _ => false,
+    };
+    assert!(loci[0].ends.iter().any(lost), "{:?}", loci[0].ends);
+}
