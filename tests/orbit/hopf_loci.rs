@@ -102,8 +102,8 @@ fn a_mass_on_a_belt_has_the_curve_in_closed_form_with_its_special_points() {
         ("bautin", SpecialKind::Bautin),
         ("fold_of_the_hopf_curve_over_PARAM2", SpecialKind::Turn(1)),
     ] {
-        let known = list(&case["codimension_two"]).iter();
-        let known = known.filter(|point| text(&point["kind"]) == name).next();
+        let mut known = list(&case["codimension_two"]).iter();
+        let known = known.find(|point| text(&point["kind"]) == name);
         let found = special(locus, kind);
         assert_eq!(found.len(), 1, "{name}");
         for (which, found) in found[0].iter().enumerate() {

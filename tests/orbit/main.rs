@@ -14,6 +14,7 @@ mod belt;
 mod bounds;
 mod derivatives;
 mod dwell;
+mod elastic;
 mod follow;
 mod formulas;
 mod hopf_loci;

@@ -189,7 +189,7 @@ fn drive(random: &mut Random, about: f64, amplitude: f64, may_jump: bool) -> Dri
 /// Rigid contacts among them, and loads that jump, if `mixed`.
 fn draw(random: &mut Random, mixed: bool) -> Drawn {
     let n = 1 + (random.bits() % 3) as usize;
-    let coupling = if random.bits() % 2 == 0 {
+    let coupling = if random.bits().is_multiple_of(2) {
         0.0
     } else {
         random.uniform(-0.2, 0.2)
@@ -215,7 +215,7 @@ fn draw(random: &mut Random, mixed: bool) -> Drawn {
         let i = (random.bits() % n as u64) as usize;
         let j = (random.bits() % n as u64) as usize;
         let about = random.uniform(0.3, 1.5);
-        let varies = random.bits() % 3 == 0;
+        let varies = random.bits().is_multiple_of(3);
         let load = if varies {
             drive(random, about, 1.2, mixed)
         } else {
@@ -228,15 +228,19 @@ fn draw(random: &mut Random, mixed: bool) -> Drawn {
             Contact::along(&[(i, 1.0), (j, random.uniform(-1.5, -0.5))], law, load)
         };
         let mut contact = made.unwrap();
-        let is_rigid = mixed && random.bits() % 3 == 0;
+        let is_rigid = mixed && random.bits().is_multiple_of(3);
         if !is_rigid {
             let stiffness = 10.0_f64.powf(random.uniform(-1.0, 2.0));
             contact = contact.with_tangential_stiffness(stiffness).unwrap();
             memory.push(0.0);
         }
-        if random.bits() % 3 == 0 {
+        if random.bits().is_multiple_of(3) {
             let normal = (random.bits() % n as u64) as usize;
-            let d = if random.bits() % 2 == 0 { 1.0 } else { -1.0 };
+            let d = if random.bits().is_multiple_of(2) {
+                1.0
+            } else {
+                -1.0
+            };
             let stiffness = random.uniform(0.2, 2.0);
             contact = contact
                 .with_normal_spring(&[(normal, d)], stiffness)

@@ -106,7 +106,7 @@ impl Given {
             });
         }
         for i in 0..n {
-            if random.bits() % 3 > 0 {
+            if !random.bits().is_multiple_of(3) {
                 continue;
             }
             let direction = (0..n).map(|j| if i == j { 1.0 } else { 0.0 }).collect();

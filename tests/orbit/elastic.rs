@@ -1,0 +1,131 @@
+//! Branches and families of motions with elastic contacts.
+
+use std::f64::consts::TAU;
+
+use serde_json::Value;
+use stick_slip::orbit::{BifurcationKind, Period, follow, lyapunov, settle, shoot};
+use stick_slip::structure::State;
+use stick_slip::{Contact, Coulomb, Drive, Error, Integrator, Structure};
+
+use crate::common::{number, text};
+use crate::reading::{cases, structure};
+use crate::references::{period, start};
+
+fn case(id: &str) -> Value {
+    let cases = cases(include_str!("../data/joint_cycles.json"));
+    cases
+        .into_iter()
+        .find(|case| text(&case["id"]) == id)
+        .unwrap()
+}
+
+/// The system of a case, driven at another frequency.
+fn at_frequency(case: &Value, frequency: f64) -> Structure {
+    let mut system = case["system"].clone();
+    for force in system["f"].as_array_mut().unwrap() {
+        if force["type"] == "fourier" {
+            for term in force["terms"].as_array_mut().unwrap() {
+                term["omega"] = format!("{frequency:e}").into();
+            }
+        }
+    }
+    structure(&system, f64::NAN)
+}
+
+/// The resonance of a normal spring that opens leans over: from its unstable middle both folds are
+/// found, and behind them both stable sides.
+#[test]
+fn a_resonance_is_followed_through_its_folds() {
+    let case = case("jc_06");
+    let length = number(&case["period"]);
+    let frequency = TAU / length;
+    let family = |frequency: f64| Ok::<_, Error>(at_frequency(&case, frequency));
+    // The point of the file, carried to the end of its period of the drive.
+    let time = number(&case["start"]["t"]).rem_euclid(length);
+    let rest = Integrator::new()
+        .with_start_time(time)
+        .and_then(|i| i.simulate(&family(frequency)?, start(&case, 1), length - time))
+        .unwrap();
+    let orbit = shoot(&family(frequency).unwrap(), &rest.last(), period(&case)).unwrap();
+    assert!(!orbit.is_stable());
+    let branch = follow(family, frequency, &orbit, 1.15..1.45).unwrap();
+    let folds: Vec<_> = branch
+        .bifurcations
+        .iter()
+        .filter(|found| found.kind == BifurcationKind::Fold)
+        .collect();
+    let parameters: Vec<f64> = folds.iter().map(|fold| fold.parameter).collect();
+    println!("folds at {parameters:?}");
+    let [low, high] = parameters[..] else {
+        panic!("{parameters:?}")
+    };
+    let (low, high) = (low.min(high), low.max(high));
+    // The file says about 1.238 and 1.345, from a scan.
+    assert!((low - 1.238).abs() < 1e-3 && (high - 1.345).abs() < 3e-3);
+    for fold in folds {
+        let nearest = fold.orbit.multipliers().iter().map(|m| (m - 1.0).norm());
+        assert!(nearest.fold(f64::INFINITY, f64::min) < 1e-5);
+    }
+    // One motion outside the folds, three between them: two stable, with the unstable one there.
+    let inside = branch
+        .points
+        .iter()
+        .filter(|point| (low..high).contains(&point.parameter));
+    let (stable, unstable): (Vec<_>, Vec<_>) = inside.partition(|point| point.orbit.is_stable());
+    assert!(!stable.is_empty() && !unstable.is_empty());
+    let ends = [branch.points.first(), branch.points.last()];
+    assert!(
+        ends.into_iter()
+            .flatten()
+            .all(|point| point.orbit.is_stable())
+    );
+}
+
+fn oscillator(force: f64) -> Structure {
+    let element = Contact::new(0, Coulomb::new(0.5, 0.5).unwrap(), 2.0)
+        .and_then(|contact| contact.with_tangential_stiffness(3.0))
+        .unwrap();
+    Structure::new(&[1.0])
+        .and_then(|s| s.with_ground_spring(0, 1.0))
+        .and_then(|s| s.with_ground_damper(0, 0.1))
+        .and_then(|s| s.with_force(0, Drive::harmonic(force, 1.2, 0.0)?))
+        .and_then(|s| s.with_contact(element))
+        .unwrap()
+}
+
+/// A slider that never moves: the residual force is what it was at the start.
+#[test]
+fn sliders_that_never_move_keep_their_place() {
+    let system = oscillator(0.2);
+    for residual in [0.0, 0.3, -0.5] {
+        let start = State::at_rest(1).with_memory(&[residual]);
+        let orbit = shoot(&system, &start, Period::Driven(1)).unwrap();
+        assert_eq!(orbit.unslipped(), [0]);
+        assert_eq!(orbit.multipliers().len(), 2);
+        assert!(orbit.is_stable());
+        let state = orbit.state();
+        let place = state.displacements[0] - state.memory[0] / 3.0;
+        assert!((place + residual / 3.0).abs() < 1e-14, "{place}");
+        // (K + k_t) x + … = −k_t z: the mean.
+        let (low, high) = orbit.extremes(0);
+        assert!((0.5 * (low + high) + residual / 4.0).abs() < 1e-13);
+    }
+    let slips = settle(
+        &oscillator(2.0),
+        &State::at_rest(1),
+        200.0,
+        Period::Driven(1),
+    )
+    .unwrap();
+    assert_eq!((slips.unslipped(), slips.multipliers().len()), (&[][..], 3));
+}
+
+/// The exponent of a motion is that of its multipliers.
+#[test]
+fn exponents_are_those_of_the_multipliers() {
+    let system = oscillator(2.0);
+    let orbit = settle(&system, &State::at_rest(1), 200.0, Period::Driven(1)).unwrap();
+    let expected = orbit.multipliers()[0].norm().ln() / orbit.period();
+    let found = lyapunov(&system, &orbit.state(), 50.0, 800.0 * orbit.period()).unwrap();
+    assert!((found - expected).abs() < 1e-3, "{found:?} {expected}");
+}
