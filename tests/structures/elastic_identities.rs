@@ -1,12 +1,13 @@
 //! Elastic contacts, alone and among rigid ones: two motions never come apart, energy is what the
 //! forces and the sliders leave, and many elements act as the joint that they stand for.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::structure::State;
 use stick_slip::{
-    Contact, Coulomb, Direction, Drive, Error, Iwan4, Mode, Segment, Structure, Trajectory,
+    Contact, Coulomb, Direction, Drive, Error, EventKind, Iwan4, Mode, Segment, Structure,
+    Trajectory,
 };
 
 use super::random::count;
@@ -280,6 +281,39 @@ fn energy_is_what_forces_and_sliders_leave() {
         assert!(error < 2e-13, "{i}: {error:e}\n{given:?}\n{start:?}");
     }
     println!("worst: {worst:e}");
+}
+
+/// In slip no force depends on how fast the surface moves, but the stop of the slider does.
+#[test]
+fn sliders_stop_where_a_fast_surface_turns() {
+    let law = Coulomb::new(1.0, 1.0).unwrap();
+    for frequency in [1.0, 10.0, 100.0] {
+        // The surface moves by 2/frequency and back; the slider follows after twice its limit.
+        let element = Contact::new(0, law, 0.3 / frequency)
+            .and_then(|contact| contact.with_tangential_stiffness(1.0))
+            .unwrap()
+            .on_belt(Drive::sine(1.0, frequency).unwrap());
+        for stiffness in [0.0, 1e20] {
+            let wall = Structure::new(&[1e20])
+                .and_then(|s| s.with_ground_spring(0, stiffness))
+                .and_then(|s| s.with_contact(element.clone()))
+                .unwrap();
+            let motion = wall.simulate(State::at_rest(1), 20.0 / frequency).unwrap();
+            let stops = motion.events().iter();
+            let stops = stops.filter(|event| event.kind == EventKind::Stick);
+            let mut count = 0;
+            for (k, stop) in (1..).zip(stops) {
+                let turn = PI * f64::from(k) / frequency;
+                assert!(
+                    (stop.time - turn).abs() < 1e-14 * turn,
+                    "{frequency}: {} {turn}",
+                    stop.time
+                );
+                count += 1;
+            }
+            assert_eq!(count, 6, "{frequency}");
+        }
+    }
 }
 
 /// The elements of a joint on a surface that moves at velocity 1 from turn to turn, under a mass so

@@ -221,8 +221,11 @@ pub(super) fn plan_reach(
             };
             let scale = state.memory[0].abs().max(by_motion);
             farthest = farthest.min(reach_of(f64::EPSILON * scale, &of.carried, TERMS - 1));
-            // The slider's speed has that of the surface in it.
-            farthest = farthest.min(reach_of(f64::EPSILON * velocity, &of.surface, TERMS - 1));
+            if let Phase::Slip { .. } = state.phase {
+                // No force depends on the surface's velocity now, but the slider's stop does.
+                let error = tolerance * velocity.max(of.speeds[0].abs());
+                farthest = farthest.min(reach_of(error, &of.speeds, TERMS - 2));
+            }
             if of.load_varies {
                 let error = f64::EPSILON * load_terms(contact, situation);
                 farthest = farthest.min(reach_of(error, &of.load, TERMS - 1));
