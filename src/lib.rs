@@ -36,7 +36,7 @@
 //! | all limit cycles, stable and unstable | [`limit_cycle::find`] |
 //! | the stick-slip cycle alone | [`limit_cycle::stick_slip`] |
 //! | the attractor reached from a given start | [`limit_cycle::attractor`]; from many, [`limit_cycle::basins`] |
-//! | period, extremes, accelerations, harmonics, energies of a periodic motion | [`LimitCycle`] |
+//! | period, extremes, accelerations, harmonics, energies of a periodic motion | [`LimitCycle`], [`orbit::Orbit`] |
 //! | whether steady sliding is stable | [`MassOnBelt::equilibrium`] |
 //! | the belt velocity at which steady sliding becomes stable | [`bifurcation::hopf_velocities`], [`bifurcation::criticality`] |
 //! | the belt velocity at which stick-slip appears or disappears | [`bifurcation::grazing_velocities`] |
@@ -52,6 +52,7 @@
 //! | how several masses move, with forces and belts that vary in time | [`Structure`], [`Contact`], [`Drive`] |
 //! | how masses rub on each other: clutch, bolted joint, blade damper, pad on a disc | [`Contact::between`], [`Contact::along`]; the force in it: [`Structure::carried`] |
 //! | a reduced finite-element model, with a full mass matrix | [`Structure::with_mass_matrix`], [`Contact::along`] its mode shapes |
+//! | friction forces, loads and accelerations along a motion; work and heat of every part | [`Structure::samples`], [`Structure::energy_budget`] |
 //! | whether several masses slide steadily, or flutter | [`Structure::steady_sliding`] |
 //! | a periodic motion of any system, with its multipliers | [`orbit::shoot`], [`orbit::settle`] |
 //! | how a periodic motion changes over any parameter | [`orbit::follow`] |

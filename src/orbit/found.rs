@@ -1,18 +1,16 @@
 use std::fmt;
-use std::ops::ControlFlow;
 
 use nalgebra::Complex;
 
 use super::form::Form;
 use super::map;
+use super::measures::Measures;
 use super::oscillator::Oscillator;
 use super::period::Period;
 use super::trial::Trial;
 use crate::error::Error;
 use crate::motion::{Event, Segment, System, SystemState, Trajectory};
-use crate::series::PowerSeries;
 use crate::state::structure::State;
-use crate::structure::Step;
 
 /// A periodic motion, exact to rounding, with its Floquet multipliers.
 ///
@@ -39,8 +37,7 @@ pub struct Orbit<S: System> {
     state: S::State,
     trajectory: Trajectory<S::State>,
     events: Vec<Event<S::State>>,
-    /// Least and largest displacement and velocity of each coordinate.
-    extremes: Vec<[(f64, f64); 2]>,
+    pub(super) measures: Measures,
     multipliers: Vec<Complex<f64>>,
     unslipped: Vec<usize>,
 }
@@ -53,7 +50,9 @@ impl<S: Oscillator> Orbit<S> {
         kind: Period,
     ) -> Result<Self, Error> {
         let facts = Facts::of(form, &found, kind)?;
+        let energy = system.energy_budget(&found.map);
         let Trial { period, map, .. } = found;
+        let measures = Measures::of(form, &map.steps, period, energy);
         let events = facts.events.into_iter().map(|event| Event {
             time: event.time,
             contact: event.contact,
@@ -68,7 +67,7 @@ impl<S: Oscillator> Orbit<S> {
             period,
             state: S::own(&map.start),
             events: events.collect(),
-            extremes: facts.extremes,
+            measures,
             multipliers: facts.multipliers,
             unslipped: map.unslipped(),
             trajectory: system.trajectory(map, period)?,
@@ -79,7 +78,6 @@ impl<S: Oscillator> Orbit<S> {
 /// Properties of a closed motion.
 struct Facts {
     events: Vec<Event<State>>,
-    extremes: Vec<[(f64, f64); 2]>,
     multipliers: Vec<Complex<f64>>,
 }
 
@@ -103,7 +101,6 @@ impl Facts {
         events.sort_by(|a, b| a.time.total_cmp(&b.time));
         Ok(Self {
             events,
-            extremes: (0..form.len()).map(|i| extremes(&map.steps, i)).collect(),
             multipliers,
         })
     }
@@ -134,21 +131,6 @@ impl<S: System> Orbit<S> {
     /// The events in (0, T], in order of time. An event at the start of the period has the time T.
     pub fn events(&self) -> &[Event<S::State>] {
         &self.events
-    }
-
-    /// Least and largest displacement of a coordinate; NaN if there is no such coordinate.
-    pub fn extremes(&self, coordinate: usize) -> (f64, f64) {
-        self.extremes_of(coordinate, 0)
-    }
-
-    /// Least and largest velocity of a coordinate; NaN if there is no such coordinate.
-    pub fn velocity_extremes(&self, coordinate: usize) -> (f64, f64) {
-        self.extremes_of(coordinate, 1)
-    }
-
-    fn extremes_of(&self, coordinate: usize, which: usize) -> (f64, f64) {
-        let pair = self.extremes.get(coordinate);
-        pair.map_or((f64::NAN, f64::NAN), |pair| pair[which])
     }
 
     /// The Floquet multipliers, by falling modulus, dimensionless: two for each coordinate and one
@@ -185,7 +167,7 @@ impl<S: System> Clone for Orbit<S> {
             state: self.state.clone(),
             trajectory: self.trajectory.clone(),
             events: self.events.clone(),
-            extremes: self.extremes.clone(),
+            measures: self.measures.clone(),
             multipliers: self.multipliers.clone(),
             unslipped: self.unslipped.clone(),
         }
@@ -225,34 +207,4 @@ fn within(time: f64, period: f64) -> f64 {
     } else {
         time
     }
-}
-
-/// Least and largest displacement and velocity of a coordinate, among the ends of steps and the
-/// zeros of velocity or acceleration.
-fn extremes(steps: &[Step], coordinate: usize) -> [(f64, f64); 2] {
-    let mut ranges = [(f64::INFINITY, f64::NEG_INFINITY); 2];
-    let mut meet = |which: usize, value: f64| {
-        let (least, largest): &mut (f64, f64) = &mut ranges[which];
-        (*least, *largest) = (least.min(value), largest.max(value));
-    };
-    for step in steps {
-        for state in [step.state(), &step.end_state()] {
-            meet(0, state.displacements[coordinate]);
-            meet(1, state.velocities[coordinate]);
-        }
-        let Some(velocity) = step.series().get(coordinate) else {
-            continue;
-        };
-        let h = step.duration();
-        let start = step.state().displacements[coordinate];
-        let mut visit = |series: &PowerSeries, which: usize, value: &dyn Fn(f64) -> f64| {
-            let _ = series.sign_changes(h, &mut |t, _| {
-                meet(which, value(t));
-                ControlFlow::Continue(())
-            });
-        };
-        visit(velocity, 0, &|t| start + t * velocity.mean(t));
-        visit(&velocity.derivative(), 1, &|t| velocity.at(t));
-    }
-    ranges
 }

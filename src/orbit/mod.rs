@@ -49,8 +49,8 @@
 //! One call of [`shoot`], [`settle`] or [`lyapunov`] takes at most 10⁶ steps in all: about 10⁵
 //! oscillations, seconds for a few masses. Beyond, it returns
 //! [`Error::TooManySteps`](crate::Error::TooManySteps), with the time and state reached. A branch
-//! has [a bound of its own](follow). [`Search`] sets other bounds and takes a watcher, which can stop
-//! a search; its page says what each search costs.
+//! has [a bound of its own](follow). [`Search`] sets other bounds and takes a watcher, which can
+//! stop a search; its page says what each search costs.
 //!
 //! # Autonomous and forced motions
 //!
@@ -99,6 +99,7 @@
 // | `multipliers.rs` | the eigenvalues of the monodromy matrix |
 // | `shoot.rs` | `shoot`, `settle`: Newton's method for the fixed points of the map |
 // | `found.rs` | `Orbit`: a periodic motion with its events, extremes and multipliers |
+// | `measures.rs` | extremes, means, harmonics and energies of an `Orbit` |
 // | `follow.rs` | `follow`: continuation of a motion over a parameter |
 // | `branch.rs` | `Branch`: the result of `follow` |
 // | `curve.rs` | the equations with the parameter as one more unknown; Newton's method across the curve |
@@ -124,6 +125,7 @@ mod linear;
 mod locus;
 mod lyapunov;
 mod map;
+mod measures;
 mod multipliers;
 mod oscillator;
 mod period;

@@ -8,8 +8,9 @@ use crate::friction::FrictionLaw;
 use crate::motion::{Ended, System, Trajectory};
 use crate::state;
 use crate::state::structure::State;
-use crate::structure::Structure;
 use crate::structure::engine::model::Model;
+use crate::structure::engine::sparse::Sparse;
+use crate::structure::{Energies, EnergyBudget, Structure};
 
 /// A system whose periodic motions can be found: [`MassOnBelt`] or [`Structure`]. Sealed, as
 /// [`System`] is.
@@ -28,6 +29,9 @@ pub trait Oscillator: System {
     /// The motion over one period in the system's own form.
     #[doc(hidden)]
     fn trajectory(&self, map: PeriodMap, period: f64) -> Result<Trajectory<Self::State>, Error>;
+    /// Work and heat along a motion.
+    #[doc(hidden)]
+    fn energy_budget(&self, map: &PeriodMap) -> EnergyBudget;
 }
 
 impl Oscillator for Structure {
@@ -45,6 +49,11 @@ impl Oscillator for Structure {
 
     fn trajectory(&self, map: PeriodMap, period: f64) -> Result<Trajectory<State>, Error> {
         Ok(Trajectory::new(map.steps, 0.0, period, Ended::Duration))
+    }
+
+    fn energy_budget(&self, map: &PeriodMap) -> EnergyBudget {
+        let model = self.model();
+        self.energies(&model).budget(map.steps())
     }
 }
 
@@ -67,5 +76,17 @@ impl<L: FrictionLaw> Oscillator for MassOnBelt<L> {
 
     fn trajectory(&self, map: PeriodMap, period: f64) -> Result<Trajectory, Error> {
         self.simulate(Self::own(&map.start), period)
+    }
+
+    fn energy_budget(&self, map: &PeriodMap) -> EnergyBudget {
+        let one = |entry: f64| Sparse::diagonal(std::iter::once(entry));
+        let energies = Energies {
+            model: &Model::of_belt(self),
+            mass: one(1.0),
+            stiffness: one(1.0),
+            damping: one(2.0 * self.damping()),
+            normal: vec![None],
+        };
+        energies.budget(map.steps())
     }
 }

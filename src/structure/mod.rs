@@ -41,26 +41,73 @@
 //! | a force, load or belt velocity that varies in time | [`Drive`](crate::Drive) |
 //! | the motion from a start, with all events | [`Structure::simulate`] |
 //! | a motion with a tolerance, a stop condition, or in constant memory | [`Integrator`](crate::Integrator) |
-//! | friction forces and accelerations in a state | [`Structure::carried`], [`Structure::acceleration`] |
+//! | friction forces and accelerations in a state | [`Structure::carried`], [`Structure::acceleration`]; sampled along a motion: [`Structure::samples`] |
+//! | energies; work and heat of every force, contact and damper along a motion | [`Structure::energy_budget`], [`Structure::kinetic_energy`], [`Structure::elastic_energy`] |
 //! | steady sliding, its eigenvalues, flutter | [`Structure::steady_sliding`] |
 //! | periodic motions, multipliers, bifurcations, chaos | [`orbit`](crate::orbit) |
+//!
+//! # Frames that move at a varying speed
+//!
+//! Coordinates may count from a frame that turns (or travels) with Ω(t), as those of a drill string
+//! from its table: then springs and displacements stay small. With e the coordinates that turn with
+//! it (1 for each, 0 for others), q from the frame obeys the same equations with
+//!
+//! | in the frame | add |
+//! |---|---|
+//! | inertia | a force −(M e)_i Ω'(t) on each coordinate i |
+//! | a damper c between coordinate i and what does not turn | the damper to the ground, and a force −c Ω(t) |
+//! | a contact with what does not turn, or with a surface of velocity w | a surface of velocity w(t) − (b·e) Ω(t) |
+//! | springs, dampers and contacts between coordinates that turn (b·e = 0) | nothing |
+//! | a spring or damper to the ground | one to the frame |
+//!
+//! ```
+//! use stick_slip::{Contact, Coulomb, Drive, Structure, structure::State};
+//!
+//! // A bit of 400 kg m² on a pipe of 800 N m/rad. The table above speeds up from 6 rad/s to
+//! // 12 rad/s between 10 s and 40 s: Ω' = 0.2 rad/s². The mud around the bit brakes it.
+//! let (inertia, pipe, mud, rock) = (400.0, 800.0, 300.0, 500.0);
+//! let table = |factor: f64| Drive::profile(&[(10.0, factor * 6.0), (40.0, factor * 12.0)]);
+//! let speeds_up = [(10.0, 0.0), (10.0, -inertia * 0.2), (40.0, -inertia * 0.2), (40.0, 0.0)];
+//! let bit = Structure::new(&[inertia])?
+//!     .with_ground_spring(0, pipe)? // to the table
+//!     .with_ground_damper(0, mud)?
+//!     .with_force(0, Drive::profile(&speeds_up)?)?
+//!     .with_force(0, table(-mud)?)?
+//!     .with_contact(Contact::new(0, Coulomb::new(0.5, 0.5)?, rock)?.on_belt(table(-1.0)?))?;
+//! let motion = bit.simulate(State::at_rest(1), 80.0)?;
+//!
+//! // The pipe is twisted by rock and mud, and by the inertia of the bit as long as it speeds up.
+//! let twist = |time| -motion.state_at(time).unwrap().displacements[0];
+//! let steady = |speed: f64| (0.5 * rock + mud * speed) / pipe;
+//! assert!((twist(10.0) - steady(6.0)).abs() < 1e-1);
+//! assert!((twist(80.0) - steady(12.0)).abs() < 1e-5);
+//! let behind = mud * 0.2 / pipe; // how far the mud's ramp is followed late, in rad/s
+//! let expected = steady(12.0) + inertia * 0.2 / pipe - mud * behind / pipe;
+//! assert!((twist(40.0) - expected).abs() < 1e-4);
+//! # Ok::<(), stick_slip::Error>(())
+//! ```
 //!
 //! States and steps of a structure are [`State`] and [`Step`] of this module; those of one mass on
 //! a belt are [`crate::State`] and [`crate::Step`]. Any consistent units will do.
 
 mod contact;
 mod elastic;
+mod energy;
 pub(crate) mod engine;
 mod flow;
 #[cfg(feature = "serde")]
 mod read;
+mod sample;
 pub(crate) mod sliding_field;
 mod steady;
 mod step;
 mod system;
 
 pub use contact::Contact;
+pub(crate) use energy::Energies;
+pub use energy::EnergyBudget;
 pub use flow::Flow;
+pub use sample::Sample;
 pub use steady::SteadySliding;
 pub use step::Step;
 pub(crate) use step::Trigger;

@@ -440,6 +440,7 @@ fn counts() -> Vec<(&'static str, &'static str, f64, Error)> {
     let no_search = bifurcation::along_velocities(&belt, 0.1..0.2).with_max_steps(0);
     let no_period = orbit::shoot(&forced, &start, Period::Driven(0));
     let no_steps = Integrator::new().with_max_steps(0);
+    let no_search_steps = orbit::Search::new().with_max_steps(0);
     let no_events = Integrator::new().with_max_events(0);
     let no_power = Stribeck::new(0.4, 0.2, 0.5, 0);
     let one_point = Tabulated::new([(0.0, 0.4)]);
@@ -453,6 +454,12 @@ fn counts() -> Vec<(&'static str, &'static str, f64, Error)> {
             "max_steps",
             0.0,
             no_search.unwrap_err(),
+        ),
+        (
+            "orbit::Search",
+            "max_steps",
+            0.0,
+            no_search_steps.unwrap_err(),
         ),
         ("Stribeck", "exponent", 0.0, no_power.unwrap_err()),
         ("Tabulated", "points", 1.0, one_point.unwrap_err()),

@@ -21,6 +21,7 @@ mod hopf_loci;
 mod jenkins;
 mod loci;
 mod long_run;
+mod measures;
 mod opening;
 mod references;
 mod seam;

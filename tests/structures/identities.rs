@@ -562,3 +562,70 @@ fn uncoupled_masses_do_not_feel_each_other() {
         },
     );
 }
+
+/// Two shafts, the first held by a spring whose other end turns to and fro, rubbing on the ground
+/// and on each other, with a damper to the ground: from the ground, and from a frame that turns with
+/// that end.
+#[test]
+fn a_frame_that_turns_at_varying_speed_changes_nothing() {
+    let (size, frequency) = (0.8, 0.7);
+    let (spring, joint, damper) = (1.3, 0.9, 0.15);
+    let mass = stick_slip::nalgebra::DMatrix::from_row_slice(2, 2, &[1.0, 0.2, 0.2, 0.6]);
+    // Θ = a sin ωt.
+    let speed = |factor: f64| Drive::harmonic(factor * size * frequency, frequency, 0.0);
+    let acceleration = |factor: f64| Drive::sine(-factor * size * frequency.powi(2), frequency);
+    let common = || {
+        Structure::with_mass_matrix(mass.clone())?
+            .with_ground_spring(0, spring)?
+            .with_spring(0, 1, joint)?
+            .with_damper(0, 1, 0.1)?
+            .with_ground_damper(1, damper)
+    };
+    let law = Exponential::new(0.4, 0.25, 0.3).unwrap();
+    let rubbing = || Contact::new(1, law, 0.8);
+    let clutch = || Contact::between(0, 1, law, 0.3);
+    let ground = common()
+        .and_then(|s| s.with_force(0, Drive::sine(spring * size, frequency)?))
+        .and_then(|s| s.with_contact(rubbing()?)?.with_contact(clutch()?))
+        .unwrap();
+    let frame = common()
+        .and_then(|s| {
+            s.with_force(0, acceleration(-1.2)?)?
+                .with_force(1, acceleration(-0.8)?)
+        })
+        .and_then(|s| s.with_force(1, speed(-damper)?))
+        .and_then(|s| {
+            s.with_contact(rubbing()?.on_belt(speed(-1.0)?))?
+                .with_contact(clutch()?)
+        })
+        .unwrap();
+    let begin = size * frequency;
+    let seen = ground
+        .simulate(State::new(&[0.3, -0.2], &[0.5, 0.1]), 60.0)
+        .unwrap();
+    let start = State::new(&[0.3, -0.2], &[0.5 - begin, 0.1 - begin]);
+    let other = frame.simulate(start, 60.0).unwrap();
+    assert!(seen.events().len() > 20);
+    assert_eq!(seen.events().len(), other.events().len());
+    for (one, same) in std::iter::zip(seen.events(), other.events()) {
+        assert_eq!((one.contact, one.kind), (same.contact, same.kind));
+        assert!(
+            (one.time - same.time).abs() < 1e-11,
+            "{} {}",
+            one.time,
+            same.time
+        );
+    }
+    for ((time, one), (_, same)) in std::iter::zip(seen.sample(200), other.sample(200)) {
+        let (angle, rate) = (
+            size * (frequency * time).sin(),
+            size * frequency * (frequency * time).cos(),
+        );
+        for i in 0..2 {
+            let apart = one.displacements[i] - angle - same.displacements[i];
+            assert!(apart.abs() < 1e-11, "{time}: {apart:e}");
+            let apart = one.velocities[i] - rate - same.velocities[i];
+            assert!(apart.abs() < 1e-11, "{time}: {apart:e}");
+        }
+    }
+}

@@ -16,6 +16,7 @@ mod contacts_random;
 mod decisions;
 mod elastic;
 mod elastic_identities;
+mod energy;
 mod formulas;
 mod identities;
 mod memory;

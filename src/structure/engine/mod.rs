@@ -14,6 +14,7 @@
 //! | `series.rs` | what lives for a step |
 //! | `expand.rs` | the power series of all coordinates, order by order |
 //! | `factor.rs` | what holds several contacts at once |
+//! | `forces.rs` | forces and accelerations at any time within a step |
 //! | `plan.rs` | how far the series are used, which errors a step may have |
 //! | `springs.rs` | elastic contacts, and normal springs |
 //! | `slow.rs` | the slow manifold of stiff bristles |
@@ -28,6 +29,7 @@ mod edge;
 mod events;
 mod expand;
 pub(crate) mod factor;
+pub(crate) mod forces;
 pub(crate) mod model;
 mod plan;
 mod series;

@@ -531,7 +531,7 @@ impl<'s> Model<'s> {
     }
 
     /// The largest set of these shared contacts whose directions are independent, with its factor.
-    pub(super) fn independent(&self, mut contacts: Vec<usize>) -> Holding {
+    pub(crate) fn independent(&self, mut contacts: Vec<usize>) -> Holding {
         loop {
             match self.factor(&contacts) {
                 Ok(factor) => return Holding { contacts, factor },

@@ -1,0 +1,313 @@
+//! Energies of a structure, and what each part of it does along a motion.
+
+use std::iter::zip;
+
+use super::engine::check_start;
+use super::engine::forces::{Forces, Instant};
+use super::engine::model::Model;
+use super::engine::sparse::Sparse;
+use super::step::Step;
+use super::system::Structure;
+use crate::error::Error;
+use crate::motion::{Mode, Segment, Trajectory};
+use crate::numerics::gauss::gauss_nodes;
+use crate::state::structure::State;
+
+/// Energy budget of a motion: work and heat, in units of force times displacement.
+///
+/// ```text
+/// E = ½ vᵀMv + ½ qᵀK_s q + Σ T²/(2k_t) + Σ N²/(2k_n),    K_s = (K + Kᵀ)/2
+/// stored = Σ force_work + Σ drive_work + Σ normal_work + circulation
+///          − damper_loss − Σ friction_loss
+/// drive_work = belt_work + friction_loss + what the spring of an elastic contact has gained
+/// ```
+///
+/// `stored` is taken from the ends of the motion, the others are integrals over its power series,
+/// so both sums close to rounding ([`defect`](Self::defect)). In a periodic motion `stored` is 0.
+///
+/// λ is the friction force of a contact, T that of an elastic one; it acts on the coordinates with
+/// −b λ, and on the surface that moves with w with λ.
+///
+/// ```
+/// use stick_slip::{Contact, Coulomb, Structure, structure::State};
+///
+/// // A block that is thrown onto the ground, and a belt that carries another one along.
+/// let ground = Contact::new(0, Coulomb::new(0.4, 0.25)?, 8.0)?;
+/// let belt = Contact::new(1, Coulomb::new(0.4, 0.25)?, 8.0)?.on_belt(1.0);
+/// let blocks = Structure::new(&[2.0, 2.0])?.with_contact(ground)?.with_contact(belt)?;
+/// let motion = blocks.simulate(State::new(&[0.0, 0.0], &[3.0, 0.0]), 5.0)?;
+/// let energy = blocks.energy_budget(&motion)?;
+/// // ½ 2 · 3² becomes heat. The belt gives as much to the block as to the contact: ½ 2 · 1² each.
+/// assert!((energy.friction_loss[0] - 9.0).abs() < 1e-14);
+/// assert!((energy.belt_work[1] - 1.0).abs() < 1e-15);
+/// assert!((energy.drive_work[1] - 2.0).abs() < 1e-15);
+/// assert!((energy.stored + 8.0).abs() < 1e-14 && energy.defect().abs() < 1e-14);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct EnergyBudget {
+    /// E at the end minus E at the start.
+    pub stored: f64,
+    /// Work of the force on each coordinate, ∫ f_i v_i dt.
+    pub force_work: Vec<f64>,
+    /// Work of what moves the surface of each contact, −∫ λ w dt.
+    pub drive_work: Vec<f64>,
+    /// Work of each contact's friction on the coordinates, −∫ λ b·v dt.
+    pub belt_work: Vec<f64>,
+    /// Heat in each contact, ∫ λ r dt; of an elastic one ∫ μN|z'| dt. Where bristles slide, what
+    /// they store is part of it.
+    pub friction_loss: Vec<f64>,
+    /// Work of what presses each normal spring, ∫ N (N0' + n·v)/k_n dt; 0 without one.
+    pub normal_work: Vec<f64>,
+    /// Heat in all dampers, ∫ vᵀCv dt.
+    pub damper_loss: f64,
+    /// Work of the skew part of the stiffness matrix, −∫ vᵀ(K − Kᵀ)q/2 dt; 0 if K is symmetric.
+    pub circulation: f64,
+}
+
+impl EnergyBudget {
+    /// What is missing in the balance: `stored` minus all work, plus all losses. It is rounding,
+    /// and in a motion of looser tolerance an estimate of its error.
+    pub fn defect(&self) -> f64 {
+        let work = [&self.force_work, &self.drive_work, &self.normal_work];
+        let work = work.into_iter().flatten().sum::<f64>() + self.circulation;
+        let losses = self.friction_loss.iter().sum::<f64>() + self.damper_loss;
+        self.stored - (work - losses)
+    }
+}
+
+/// Energies.
+impl Structure {
+    /// Kinetic energy ½ vᵀMv of a state.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`simulate`](Self::simulate) about the start.
+    pub fn kinetic_energy(&self, state: &State) -> Result<f64, Error> {
+        let moving = State::new(&state.displacements, &state.velocities);
+        check_start(&self.model(), 0.0, &moving)?;
+        Ok(self.energies(&self.model()).kinetic(&state.velocities))
+    }
+
+    /// Elastic energy ½ qᵀKq + Σ T²/(2k_t) + Σ N²/(2k_n) of a state at a time: of the stiffness
+    /// matrix, of elastic contacts, and of normal springs that press at that time.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`simulate`](Self::simulate) about the start; [`Error::InvalidParameter`] if the
+    /// time is not finite.
+    ///
+    /// ```
+    /// use stick_slip::{Structure, structure::State};
+    ///
+    /// let pair = Structure::new(&[1.0, 2.0])?.with_spring(0, 1, 6.0)?;
+    /// let state = State::new(&[0.5, 0.0], &[0.0, 3.0]);
+    /// assert_eq!(pair.elastic_energy(0.0, &state)?, 0.75);
+    /// assert_eq!(pair.kinetic_energy(&state)?, 9.0);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn elastic_energy(&self, time: f64, state: &State) -> Result<f64, Error> {
+        Error::check("Structure", "time", time, true, "any time")?;
+        let model = self.model();
+        check_start(&model, time, state)?;
+        let energies = self.energies(&model);
+        let springs = zip(self.contacts(), &energies.normal).enumerate();
+        let springs = springs.map(|(c, (contact, normal))| {
+            let load = contact.load_at(time, &state.displacements).max(0.0);
+            let carried = state.memory.get(model.memory(c).start);
+            energies.of_contact(c, carried.copied().unwrap_or(0.0))
+                + normal.map_or(0.0, |stiffness| 0.5 * load * load / stiffness)
+        });
+        Ok(energies.elastic(&state.displacements) + springs.sum::<f64>())
+    }
+
+    /// What each force, contact and damper does along a motion of this structure.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::WrongSize`] if the motion is one of another structure.
+    pub fn energy_budget(&self, motion: &Trajectory<State>) -> Result<EnergyBudget, Error> {
+        let model = self.model();
+        check_motion(&model, motion)?;
+        Ok(self.energies(&model).budget(motion.steps()))
+    }
+
+    /// The matrices and springs from which energies are computed.
+    pub(crate) fn energies<'m, 's>(&self, model: &'m Model<'s>) -> Energies<'m, 's> {
+        let normal = self.contacts().iter();
+        Energies {
+            model,
+            mass: Sparse::new(&self.mass_matrix()),
+            stiffness: Sparse::new(self.stiffness()),
+            damping: Sparse::new(self.damping()),
+            normal: normal
+                .map(|contact| contact.normal_spring().map(|(_, stiffness)| stiffness))
+                .collect(),
+        }
+    }
+}
+
+/// Checks that a motion has the size of a structure.
+pub(super) fn check_motion(model: &Model<'_>, motion: &Trajectory<State>) -> Result<(), Error> {
+    let Some(first) = motion.steps().first() else {
+        return Ok(());
+    };
+    let state = first.state();
+    let sizes = [
+        ("displacements", state.displacements.len(), model.len()),
+        ("contacts", first.modes().len(), model.contacts.len()),
+        ("memory variables", state.memory.len(), model.remembered()),
+    ];
+    match sizes
+        .into_iter()
+        .find(|(_, found, expected)| found != expected)
+    {
+        Some((name, found, expected)) => Err(Error::WrongSize {
+            name,
+            found,
+            expected,
+        }),
+        None => Ok(()),
+    }
+}
+
+/// The matrices of a structure, for its energies.
+pub(crate) struct Energies<'m, 's> {
+    pub(crate) model: &'m Model<'s>,
+    pub(crate) mass: Sparse,
+    pub(crate) stiffness: Sparse,
+    pub(crate) damping: Sparse,
+    /// k_n of each contact.
+    pub(crate) normal: Vec<Option<f64>>,
+}
+
+impl Energies<'_, '_> {
+    fn kinetic(&self, v: &[f64]) -> f64 {
+        0.5 * form(&self.mass, v, v)
+    }
+
+    fn elastic(&self, q: &[f64]) -> f64 {
+        0.5 * form(&self.stiffness, q, q)
+    }
+
+    /// T²/(2k_t) of an elastic contact, and 0 of others.
+    fn of_contact(&self, c: usize, carried: f64) -> f64 {
+        let stiffness = self.model.contacts[c].tangential_stiffness;
+        stiffness.map_or(0.0, |stiffness| 0.5 * carried * carried / stiffness)
+    }
+
+    /// N²/(2k_n) of each normal spring at one time.
+    fn of_normals<'i>(&'i self, instant: &'i Instant) -> impl Iterator<Item = f64> + 'i {
+        zip(&instant.contacts, &self.normal).map(|(at, normal)| {
+            let load = at.load.max(0.0);
+            normal.map_or(0.0, |stiffness| 0.5 * load * load / stiffness)
+        })
+    }
+
+    /// E at one time.
+    fn stored(&self, instant: &Instant) -> f64 {
+        let State {
+            displacements,
+            velocities,
+            ..
+        } = &instant.state;
+        let carried = instant.contacts.iter().enumerate();
+        let carried = carried.map(|(c, at)| self.of_contact(c, at.carried));
+        let springs = carried.chain(self.of_normals(instant)).sum::<f64>();
+        self.kinetic(velocities) + self.elastic(displacements) + springs
+    }
+
+    /// The budget of a motion of these steps.
+    pub(crate) fn budget(&self, steps: &[Step]) -> EnergyBudget {
+        let (model, contacts) = (self.model, self.model.contacts.len());
+        let mut budget = EnergyBudget {
+            force_work: vec![0.0; model.len()],
+            drive_work: vec![0.0; contacts],
+            belt_work: vec![0.0; contacts],
+            friction_loss: vec![0.0; contacts],
+            normal_work: vec![0.0; contacts],
+            ..EnergyBudget::default()
+        };
+        let is_long = |step: &&Step| step.duration() > 0.0 && step.duration().is_finite();
+        let mut ends: Option<(Instant, Instant)> = None;
+        for step in steps.iter().filter(is_long) {
+            let forces = Forces::of(model, step);
+            let h = step.duration();
+            for (t, weight) in gauss_nodes(0.0, h) {
+                self.add(&mut budget, step, (t, weight), &forces.at(t));
+            }
+            // Drives at the end of a step belong to it: they may jump there.
+            let (start, end) = (forces.at(0.0), forces.before(h));
+            if let Some((_, last)) = &ends {
+                self.add_jump(&mut budget, last, &start);
+            }
+            let first = ends.map_or(start, |(first, _)| first);
+            ends = Some((first, end));
+        }
+        if let Some((first, last)) = ends {
+            budget.stored = self.stored(&last) - self.stored(&first);
+        }
+        budget
+    }
+
+    /// Adds what happens about a time t after the start of a step.
+    fn add(
+        &self,
+        budget: &mut EnergyBudget,
+        step: &Step,
+        (t, weight): (f64, f64),
+        instant: &Instant,
+    ) {
+        let (q, v) = (&instant.state.displacements, &instant.state.velocities);
+        for ((work, force), v) in zip(zip(&mut budget.force_work, &instant.forces), v) {
+            *work += weight * force * v;
+        }
+        budget.damper_loss += weight * form(&self.damping, v, v);
+        let skew = form(&self.stiffness, v, q) - form(&self.stiffness, q, v);
+        budget.circulation -= 0.5 * weight * skew;
+        for (c, at) in instant.contacts.iter().enumerate() {
+            budget.drive_work[c] -= weight * at.carried * at.surface;
+            budget.belt_work[c] -= weight * at.carried * at.velocity;
+            let contact = &self.model.contacts[c];
+            let relative = at.velocity - at.surface;
+            if let Mode::Slip(_) = step.modes()[c] {
+                // The slider moves by r less what its spring takes up.
+                let spring = contact.tangential_stiffness.map_or(0.0, |stiffness| {
+                    let series = &step.series()[self.model.len() + self.model.memory(c).start];
+                    series.slope_at(t) / stiffness
+                });
+                budget.friction_loss[c] += weight * at.carried * (relative - spring);
+            }
+            if let Some(stiffness) = self.normal[c].filter(|_| at.load > 0.0) {
+                let pressed = contact.normal.iter().map(|&(j, d)| d * v[j]).sum::<f64>();
+                let rate = contact.load_rate(step.clock().after(t), v) - stiffness * pressed;
+                budget.normal_work[c] += weight * at.load * rate / stiffness;
+            }
+        }
+    }
+
+    /// Adds what a jump of a load does between two steps: the slider of an elastic contact slips at
+    /// once, and a normal spring is pressed.
+    fn add_jump(&self, budget: &mut EnergyBudget, before: &Instant, after: &Instant) {
+        for (c, loss) in budget.friction_loss.iter_mut().enumerate() {
+            let [from, to] = [before, after].map(|at| self.of_contact(c, at.contacts[c].carried));
+            *loss += from - to;
+        }
+        let springs = zip(self.of_normals(before), self.of_normals(after));
+        for (work, (from, to)) in zip(&mut budget.normal_work, springs) {
+            *work += to - from;
+        }
+    }
+}
+
+/// xᵀAy.
+fn form(matrix: &Sparse, x: &[f64], y: &[f64]) -> f64 {
+    let rows = matrix.rows().enumerate();
+    rows.map(|(i, (diagonal, beside))| {
+        let own = diagonal * y[i];
+        x[i] * beside.iter().fold(own, |sum, &(j, a)| sum + a * y[j])
+    })
+    .sum()
+}

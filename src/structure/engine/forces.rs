@@ -1,0 +1,189 @@
+//! Forces and accelerations at any time within a step, from its series and its modes.
+
+use super::factor::Holding;
+use super::model::{ContactData, Model, Site};
+use crate::clock::Clock;
+use crate::drive::Drive;
+use crate::friction::memory::Slip;
+use crate::friction::piece_above;
+use crate::motion::{Mode, Segment};
+use crate::state::Direction;
+use crate::state::structure::State;
+use crate::structure::Step;
+
+/// What acts during a step of positive length.
+pub(crate) struct Forces<'a, 's> {
+    model: &'a Model<'s>,
+    step: &'a Step,
+    holding: Holding,
+}
+
+/// What acts at one time.
+#[derive(Debug, Clone)]
+pub(crate) struct Instant {
+    pub(crate) state: State,
+    /// v' of each coordinate.
+    pub(crate) accelerations: Vec<f64>,
+    /// f of each coordinate.
+    pub(crate) forces: Vec<f64>,
+    pub(crate) contacts: Vec<AtContact>,
+}
+
+/// What acts at one contact: all is 0 while it is open, except for velocities.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct AtContact {
+    /// N.
+    pub(crate) load: f64,
+    /// λ, or T of an elastic contact.
+    pub(crate) carried: f64,
+    /// b·v and w.
+    pub(crate) velocity: f64,
+    pub(crate) surface: f64,
+    /// w'.
+    surface_rate: f64,
+}
+
+impl<'a, 's> Forces<'a, 's> {
+    pub(crate) fn of(model: &'a Model<'s>, step: &'a Step) -> Self {
+        let shared = model.shared.iter().copied();
+        let sticking = shared.filter(|&c| step.modes()[c] == Mode::Stick);
+        Self {
+            holding: model.independent(sticking.collect()),
+            model,
+            step,
+        }
+    }
+
+    /// What acts at a time t after the start of the step.
+    pub(crate) fn at(&self, t: f64) -> Instant {
+        let clock = self.step.clock().after(t);
+        self.with(t, &|drive| drive.at(clock))
+    }
+
+    /// What acts at a time t after the start of the step by the drives of this step, which may jump
+    /// at its end.
+    pub(crate) fn before(&self, t: f64) -> Instant {
+        let clock = self.step.clock();
+        self.with(t, &|drive| {
+            let series = drive.series(clock);
+            [series.at(t), series.slope_at(t)]
+        })
+    }
+
+    /// What acts at a time, with value and slope of each drive.
+    fn with(&self, t: f64, drive: &dyn Fn(&Drive) -> [f64; 2]) -> Instant {
+        let (model, step) = (self.model, self.step);
+        let state = step.state_at(t);
+        let (q, v) = (&state.displacements, &state.velocities);
+        let forces = model.forces.iter().map(|force| drive(force)[0]);
+        let forces: Vec<f64> = forces.collect();
+        let product = |(diagonal, beside): (f64, &[(usize, f64)]), i: usize, x: &[f64]| {
+            let own = diagonal * x[i];
+            beside.iter().fold(own, |sum, &(j, a)| sum + a * x[j])
+        };
+        let coordinates = 0..model.len();
+        let free = coordinates.map(|i| {
+            let driven = model.acceleration_by(i, |j| forces[j]);
+            driven - product(model.damping.row(i), i, v) - product(model.stiffness.row(i), i, q)
+        });
+        let mut accelerations: Vec<f64> = free.collect();
+        let numbers = model.contacts.iter().enumerate();
+        let mut contacts: Vec<AtContact> = numbers
+            .map(|(c, contact)| {
+                let memory = &state.memory[model.memory(c)];
+                let [surface, surface_rate] = drive(&contact.belt_velocity);
+                let mut at = AtContact {
+                    velocity: contact.along(|j| v[j]),
+                    surface,
+                    surface_rate,
+                    ..AtContact::default()
+                };
+                let mode = step.modes()[c];
+                if mode != Mode::Open {
+                    at.load = drive(&contact.load)[0] + contact.displacement_load(|j| q[j]);
+                    at.carried = known(contact, &at, mode, memory);
+                }
+                at
+            })
+            .collect();
+        for (contact, at) in std::iter::zip(&model.contacts, &contacts) {
+            let push = contact.compliance * at.carried;
+            let responses = contact.responses().iter().map(|&(j, x)| (j, x * push));
+            let reaction = contact.reaction.iter().map(|&(j, y)| (j, y * at.load));
+            for (j, change) in responses.chain(reaction) {
+                accelerations[j] -= change;
+            }
+        }
+        self.hold(&mut accelerations, &mut contacts);
+        Instant {
+            state,
+            accelerations,
+            forces,
+            contacts,
+        }
+    }
+
+    /// Adds what rigid contacts carry in stick: as much as keeps r' at 0.
+    fn hold(&self, accelerations: &mut [f64], contacts: &mut [AtContact]) {
+        let model = self.model;
+        for (c, contact) in model.contacts.iter().enumerate() {
+            if let (Site::Own(i), Mode::Stick) = (&contact.site, self.step.modes()[c]) {
+                let rate = contacts[c].surface_rate;
+                contacts[c].carried = (accelerations[*i] - rate) / contact.compliance;
+                accelerations[*i] = rate;
+            }
+        }
+        let Holding {
+            contacts: sticking,
+            factor,
+        } = &self.holding;
+        let root = |c: usize| model.contacts[c].compliance.sqrt();
+        let apart = |c: usize| {
+            let along = model.contacts[c].along(|j| accelerations[j]);
+            (along - contacts[c].surface_rate) / root(c)
+        };
+        let mut parts: Vec<f64> = sticking.iter().map(|&c| apart(c)).collect();
+        factor.solve(&mut parts);
+        for (&c, part) in std::iter::zip(sticking, parts) {
+            contacts[c].carried = part / root(c);
+            for &(j, x) in model.contacts[c].responses() {
+                accelerations[j] -= x * (part * root(c));
+            }
+        }
+    }
+}
+
+/// The force of a contact that is open, elastic or slips; 0 where a rigid one sticks.
+fn known(contact: &ContactData<'_>, at: &AtContact, mode: Mode, memory: &[f64]) -> f64 {
+    match mode {
+        _ if contact.tangential_stiffness.is_some() => memory[0],
+        Mode::Open | Mode::Stick => 0.0,
+        Mode::Slip(side) => {
+            at.load * friction(contact, side, at.velocity - at.surface, &|j| memory[j])
+        }
+    }
+}
+
+/// μ of a rigid contact that slips in a direction.
+fn friction(
+    contact: &ContactData<'_>,
+    side: Direction,
+    relative: f64,
+    memory: &dyn Fn(usize) -> f64,
+) -> f64 {
+    let direction = side.sign();
+    let speed = (direction * relative).max(0.0);
+    let slip = Slip {
+        speed,
+        direction,
+        piece: piece_above(contact.breakpoints.iter().copied(), speed),
+    };
+    contact.law.coefficient(slip, memory)
+}
+
+impl ContactData<'_> {
+    /// N' of a closed contact.
+    pub(crate) fn load_rate(&self, time: Clock, velocities: &[f64]) -> f64 {
+        self.load.at(time)[1] + self.displacement_load(|j| velocities[j])
+    }
+}

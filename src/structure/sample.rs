@@ -1,0 +1,78 @@
+//! A motion sampled with what acts at each time.
+
+use super::energy::check_motion;
+use super::engine::forces::Forces;
+use super::system::Structure;
+use crate::error::Error;
+use crate::motion::{Mode, Segment, Trajectory};
+use crate::state::structure::State;
+
+/// A motion of a [`Structure`] at one time: see [`Structure::samples`].
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct Sample {
+    /// The time, in the units of the structure.
+    pub time: f64,
+    /// Displacements, velocities and memory variables.
+    pub state: State,
+    /// The mode of each contact; at an event the mode afterwards.
+    pub modes: Vec<Mode>,
+    /// v' of each coordinate.
+    pub accelerations: Vec<f64>,
+    /// The friction force of each contact, as of [`Structure::carried`]: λ_c in units of force, or T
+    /// of an elastic contact; 0 where open.
+    pub friction: Vec<f64>,
+    /// The normal load of each contact, in units of force; 0 where open.
+    pub loads: Vec<f64>,
+}
+
+impl Structure {
+    /// A motion of this structure sampled at equal intervals from its start on, with the
+    /// accelerations, and the friction force, load and mode of each contact. The last sample is the
+    /// last one that fits. [`Trajectory::sample_every`] gives states and modes alone, in less time.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless the interval is finite and > 0; [`Error::WrongSize`] if
+    /// the motion is one of another structure.
+    ///
+    /// ```
+    /// use stick_slip::{Contact, Coulomb, Mode, Structure, structure::State};
+    ///
+    /// // A block of 2 kg on a belt: while it sticks, friction balances its spring.
+    /// let contact = Contact::new(0, Coulomb::new(0.4, 0.3)?, 20.0)?.on_belt(0.1);
+    /// let block = Structure::new(&[2.0])?.with_ground_spring(0, 50.0)?.with_contact(contact)?;
+    /// let motion = block.simulate(State::at_rest(1), 2.0)?;
+    /// for sample in block.samples(&motion, 1e-3)? {
+    ///     let spring = 50.0 * sample.state.displacements[0];
+    ///     match sample.modes[0] {
+    ///         Mode::Stick => assert!((sample.friction[0] + spring).abs() < 1e-14),
+    ///         _ => assert_eq!(sample.friction[0].abs(), 0.3 * 20.0),
+    ///     }
+    ///     assert!((2.0 * sample.accelerations[0] + spring + sample.friction[0]).abs() < 1e-14);
+    /// }
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn samples(
+        &self,
+        motion: &Trajectory<State>,
+        interval: f64,
+    ) -> Result<impl Iterator<Item = Sample>, Error> {
+        let model = self.model();
+        check_motion(&model, motion)?;
+        Ok(motion.steps_every(interval)?.map(move |(time, step)| {
+            let instant = Forces::of(&model, step).at(step.since_start(time));
+            let contacts = instant.contacts.iter();
+            let (friction, loads) = contacts.map(|at| (at.carried, at.load)).unzip();
+            Sample {
+                time,
+                modes: step.modes().to_vec(),
+                accelerations: instant.accelerations,
+                friction,
+                loads,
+                state: instant.state,
+            }
+        }))
+    }
+}

@@ -1,0 +1,210 @@
+//! Measures of periodic motions: those of a belt against the complete search, energies against
+//! reference data and against each other, a linear motion in closed form.
+
+use stick_slip::orbit::{Orbit, Period, shoot};
+use stick_slip::structure::State;
+use stick_slip::{
+    Contact, Coulomb, Drive, Exponential, FrictionLaw, Integrator, MassOnBelt, Structure,
+    limit_cycle,
+};
+
+use crate::common::{list, number, paper, text};
+use crate::reading::{cases, numbers, structure};
+use crate::references::{all, period, remembers, start};
+
+#[track_caller]
+fn close(what: &str, found: f64, expected: f64, allowed: f64) {
+    let apart = (found - expected).abs() / expected.abs().max(1.0);
+    assert!(apart <= allowed, "{what}: {found}, not {expected}");
+}
+
+/// Every number of a cycle by the same name.
+fn compare<L: FrictionLaw>(system: &MassOnBelt<L>) -> usize {
+    let cycles = limit_cycle::find(system).unwrap();
+    for cycle in &cycles {
+        let orbit = shoot(system, &cycle.state(), Period::Free(cycle.period())).unwrap();
+        let close = |what: &str, found: f64, expected: f64| close(what, found, expected, 1e-12);
+        close("frequency", orbit.frequency(), cycle.frequency());
+        close("amplitude", orbit.amplitude(0), cycle.amplitude());
+        close(
+            "mean",
+            orbit.mean_displacement(0),
+            cycle.mean_displacement(),
+        );
+        close("rms velocity", orbit.rms_velocity(0), cycle.rms_velocity());
+        close(
+            "rms acceleration",
+            orbit.rms_acceleration(0),
+            cycle.rms_acceleration(),
+        );
+        close(
+            "peak acceleration",
+            orbit.peak_acceleration(0),
+            cycle.peak_acceleration(),
+        );
+        close("stick", orbit.stick_duration(0), cycle.stick_duration());
+        close(
+            "speed",
+            orbit.max_sliding_speed(0),
+            cycle.max_sliding_speed(),
+        );
+        let (found, expected) = (orbit.energy(), cycle.energy());
+        close("drive work", found.drive_work[0], expected.drive_work);
+        close("belt work", found.belt_work[0], expected.belt_work);
+        close("damper loss", found.damper_loss, expected.damper_loss);
+        close(
+            "friction loss",
+            found.friction_loss[0],
+            expected.friction_loss,
+        );
+        for (found, expected) in [
+            (orbit.harmonics(0, 5), cycle.harmonics(5)),
+            (orbit.velocity_harmonics(0, 5), cycle.velocity_harmonics(5)),
+            (
+                orbit.acceleration_harmonics(0, 5),
+                cycle.acceleration_harmonics(5),
+            ),
+        ] {
+            assert_eq!(found.len(), 5);
+            for (found, expected) in found.iter().zip(expected) {
+                close("harmonic", found.norm(), expected.norm());
+            }
+        }
+    }
+    cycles.len()
+}
+
+#[test]
+fn measures_of_a_belt_are_those_of_its_cycle() {
+    let mut compared = compare(&paper(0.2)) + compare(&paper(0.4071));
+    let law = Exponential::new(0.6, 0.3, 0.4).unwrap();
+    for (velocity, damping) in [(1.0, 0.01), (-0.5, 0.05), (0.05, 0.3)] {
+        let system = MassOnBelt::new(law, velocity).unwrap();
+        compared += compare(&system.with_damping(damping).unwrap());
+    }
+    assert!(compared >= 5, "{compared}");
+}
+
+#[test]
+fn energies_of_the_reference_orbits_close() {
+    let mut compared = 0;
+    for case in all() {
+        if remembers(&case) {
+            continue;
+        }
+        let id = text(&case["id"]);
+        let contacts = list(&case["system"]["contacts"]).len();
+        let system = structure(&case["system"], f64::NAN);
+        let orbit = shoot(&system, &start(&case, contacts), period(&case)).unwrap();
+        let energy = orbit.energy();
+        let size = energy.damper_loss.abs()
+            + energy.friction_loss.iter().sum::<f64>()
+            + energy.force_work.iter().map(|work| work.abs()).sum::<f64>();
+        // The motion closes to rounding.
+        assert!(
+            energy.stored.abs() < 1e-12 * size.max(1.0),
+            "{id}: {energy:?}"
+        );
+        assert!(
+            energy.defect().abs() < 1e-13 * size.max(1.0),
+            "{id}: {energy:?}"
+        );
+        for (c, loss) in energy.friction_loss.iter().enumerate() {
+            let supplied = energy.drive_work[c] - energy.belt_work[c];
+            close(id, supplied, *loss, 1e-12);
+        }
+        compared += 1;
+    }
+    assert!(compared > 8, "{compared}");
+}
+
+/// Heat of elastic contacts over a periodic motion, known to 25 digits.
+#[test]
+fn heat_per_period_is_that_of_the_reference() {
+    let mut compared = 0;
+    for case in cases(include_str!("../data/joint_cycles.json")) {
+        let id = text(&case["id"]);
+        let system = structure(&case["system"], f64::NAN);
+        let at = &case["start"];
+        let start = State::new(&numbers(&at["q"]), &numbers(&at["v"]));
+        let start = start.with_memory(&numbers(&at["T"]));
+        let motion = Integrator::new()
+            .with_start_time(number(&at["t"]))
+            .and_then(|from| from.simulate(&system, start, number(&case["period"])))
+            .unwrap();
+        let expected = numbers(&case["dissipated"]);
+        let losses = system.energy_budget(&motion).unwrap().friction_loss;
+        for (found, expected) in losses.iter().zip(expected) {
+            close(id, *found, expected, 1e-12);
+            compared += 1;
+        }
+    }
+    assert!(compared > 3, "{compared}");
+}
+
+/// m x'' + c x' + k x = F cos ωt, with a contact that never slips on a mass apart.
+#[test]
+fn a_linear_motion_has_one_harmonic() {
+    let (m, c, k, force, omega) = (2.0, 0.3, 5.0, 0.7, 1.3);
+    let contact = Contact::new(1, Coulomb::new(0.4, 0.3).unwrap(), 1.0).unwrap();
+    let system = Structure::new(&[m, 1.0])
+        .and_then(|s| s.with_ground_spring(0, k)?.with_ground_damper(0, c))
+        .and_then(|s| s.with_force(0, Drive::harmonic(force, omega, 0.0)?))
+        .and_then(|s| s.with_contact(contact.on_belt(0.2)))
+        .and_then(|s| s.with_ground_spring(1, 1.0))
+        .unwrap();
+    // The second mass slides steadily, at 0.3.
+    let start = State::new(&[0.1, 0.3], &[0.0, 0.0]);
+    let orbit = shoot(&system, &start, Period::Driven(1)).unwrap();
+    let close = |what: &str, found: f64, expected: f64| close(what, found, expected, 1e-14);
+    let amplitude = force / (k - m * omega * omega).hypot(c * omega);
+    close("amplitude", orbit.amplitude(0), amplitude);
+    close("mean", orbit.mean_displacement(0), 0.0);
+    close("mean of the other", orbit.mean_displacement(1), 0.3);
+    close(
+        "rms",
+        orbit.rms_velocity(0),
+        amplitude * omega / 2.0_f64.sqrt(),
+    );
+    close(
+        "peak",
+        orbit.peak_acceleration(0),
+        amplitude * omega * omega,
+    );
+    close("speed", orbit.max_sliding_speed(0), 0.2);
+    let harmonics = orbit.harmonics(0, 4);
+    close("first", harmonics[0].norm(), amplitude);
+    // x = Re(a e^{iωt}), a = F/(k − mω² + icω).
+    let phase = -(c * omega).atan2(k - m * omega * omega);
+    close("phase", harmonics[0].arg(), phase);
+    for harmonic in &harmonics[1..] {
+        assert!(harmonic.norm() < 1e-15);
+    }
+    let loss = 0.5 * c * (omega * amplitude).powi(2) * orbit.period();
+    close("loss", orbit.energy().damper_loss, loss);
+    close("work", orbit.energy().force_work[0], loss);
+    close(
+        "heat",
+        orbit.energy().friction_loss[0],
+        0.3 * 0.2 * orbit.period(),
+    );
+}
+
+#[test]
+fn what_there_is_not_is_nan() {
+    let orbit: Orbit<_> = shoot(&paper(0.2), &(0.1, 0.2).into(), Period::Free(7.0)).unwrap();
+    for number in [
+        orbit.amplitude(1),
+        orbit.mean_displacement(1),
+        orbit.rms_velocity(1),
+        orbit.rms_acceleration(1),
+        orbit.peak_acceleration(1),
+        orbit.extremes(1).0,
+        orbit.acceleration_extremes(1).1,
+        orbit.stick_duration(1),
+        orbit.max_sliding_speed(1),
+    ] {
+        assert!(number.is_nan());
+    }
+    assert!(orbit.harmonics(1, 3).is_empty() && orbit.harmonics(0, 0).is_empty());
+}
