@@ -346,6 +346,15 @@ pub enum Error {
     #[error("no steady sliding: {0}")]
     NoSteadySliding(NotSliding),
 
+    /// A curve of bifurcations was asked of a change of events
+    /// ([`orbit::locus`](crate::orbit::locus) follows folds, flips and Neimark-Sacker
+    /// bifurcations).
+    #[error(
+        "a change of events has no multiplier that a curve could follow; give a fold, a flip or a \
+         Neimark-Sacker bifurcation"
+    )]
+    NotSmooth,
+
     /// No Hopf point of steady sliding is near: no pair of eigenvalues crosses the imaginary axis.
     #[error("no Hopf point is near: no pair of eigenvalues crosses the imaginary axis")]
     NoHopfPoint,

@@ -1,5 +1,6 @@
 //! Bifurcations of one mass on its belt, and of steady sliding of any system: the belt velocities,
-//! loads, dampings or coefficients at which periodic motions appear, disappear or change their kind.
+//! loads, dampings or coefficients at which periodic motions appear, disappear or change their
+//! kind.
 //!
 //! ```
 //! use stick_slip::bifurcation::{self, AttractorKind};

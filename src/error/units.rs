@@ -125,6 +125,7 @@ impl Error {
             | Self::BadDirection { .. }
             | Self::NoSteadySliding(_)
             | Self::NoHopfPoint
+            | Self::NotSmooth
             | Self::Undetermined { .. }
             | Self::LawNotConstant { .. }
             | Self::OverLimit { .. }

@@ -46,6 +46,23 @@ pub(crate) trait Equations {
     /// The scales of the unknowns.
     fn scale(&self, y: &DVector<f64>, value: &Self::Value) -> DVector<f64>;
 
+    /// Returns true if the equations have the same form at both points. Otherwise the change in
+    /// between is enclosed, and the curve continues if it is connected there.
+    fn is_like(&self, _: &Self::Value, _: &Self::Value) -> bool {
+        true
+    }
+
+    /// Other unknowns for the same point, if those in use have become unsuitable.
+    fn moved(&self, _: &Point<Self::Value>) -> Option<(DVector<f64>, Self::Value)> {
+        None
+    }
+
+    /// The size of a solution that can shrink to nothing, with the sign that it has beyond, and the
+    /// number of the measure.
+    fn size(&self, _: &Self::Value) -> Option<(usize, f64)> {
+        None
+    }
+
     /// Functions that change sign at special points of the curve; 0 or NaN has no sign.
     fn tests(&self, point: &Point<Self::Value>) -> Vec<f64>;
 
@@ -100,6 +117,8 @@ pub(crate) enum End {
     Closed,
     /// At a special point.
     Special,
+    /// The solution shrinks to nothing at these parameters.
+    Vanishes([f64; 2]),
     /// The work allowed is done.
     Work,
     /// Newton's method does not converge, however short the step.
@@ -134,6 +153,11 @@ const SINGULAR: f64 = 1e-12;
 /// A test at a special point is below this part of its values on both sides.
 const ZERO: f64 = 1e-6;
 
+/// A change of the form of the equations is enclosed to this width, and the curve is connected if
+/// the points on both sides are at most this far apart.
+const GAP: f64 = 1e-9;
+const JUMP: f64 = 1e-4;
+
 /// Halvings of the interval that holds a special point.
 const MOST_HALVINGS: usize = 100;
 
@@ -154,6 +178,30 @@ fn solution(mut matrix: DMatrix<f64>, mut right: DVector<f64>) -> Option<DVector
     let least = SINGULAR * svd.singular_values.max();
     let solution = svd.solve(&right, least).ok()?;
     solution.iter().all(|x| x.is_finite()).then_some(solution)
+}
+
+/// Checks that ranges of two parameters are finite and not empty.
+pub(crate) fn check_ranges(of: &'static str, ranges: &[Range<f64>; 2]) -> Result<(), Error> {
+    let names = [
+        ["ranges[0].start", "ranges[0].end"],
+        ["ranges[1].start", "ranges[1].end"],
+    ];
+    for (range, [start, end]) in std::iter::zip(ranges, names) {
+        Error::check(of, start, range.start, true, "start < end")?;
+        Error::check(of, end, range.end, range.end > range.start, "start < end")?;
+    }
+    Ok(())
+}
+
+/// The value at 0 of the polynomial through points, by Neville's scheme.
+pub(crate) fn at_zero(known: &mut [[f64; 2]]) -> f64 {
+    for level in 1..known.len() {
+        for i in 0..known.len() - level {
+            let ([a, low], [b, _]) = (known[i], known[i + level]);
+            known[i][1] = (a * known[i + 1][1] - b * low) / (a - b);
+        }
+    }
+    known[0][1]
 }
 
 /// The rows of the equations, and one more below.
@@ -236,6 +284,13 @@ impl<V: Clone> Clone for Place<V> {
 }
 
 impl<E: Equations> View<'_, E> {
+    fn here(&self) -> Place<E::Value> {
+        Place {
+            distance: 0.0,
+            point: self.base.clone(),
+        }
+    }
+
     fn at(
         &self,
         distance: f64,
@@ -345,6 +400,27 @@ impl<E: Equations> View<'_, E> {
         }
     }
 
+    /// Encloses a change of the form of the equations; an error unless the curve is connected
+    /// there.
+    fn connect(&self, mut low: Place<E::Value>, mut high: Place<E::Value>) -> Result<(), Error> {
+        let first = low.point.value.clone();
+        while high.distance - low.distance > GAP {
+            let middle = 0.5 * (low.distance + high.distance);
+            let place = self.between(&low, &high, middle)?;
+            if self.equations.is_like(&first, &place.point.value) {
+                low = place;
+            } else {
+                high = place;
+            }
+        }
+        let apart = (&low.point.y - &high.point.y).component_div(&self.base.scale);
+        if apart.amax() <= JUMP {
+            Ok(())
+        } else {
+            Err(self.equations.lost(&high.point.y, &high.point.value))
+        }
+    }
+
     /// The zero of a test between two places; `None` if it changes its sign without one.
     fn sign_change(
         &self,
@@ -382,6 +458,13 @@ impl<E: Equations> View<'_, E> {
     }
 }
 
+/// The outcome of a step: the next point, whether it is the last one, and the special points on the
+/// way; or the parameters at which the solution vanishes.
+enum Step<V> {
+    Next(Place<V>, bool, Vec<Special<V>>),
+    Vanishes([f64; 2]),
+}
+
 /// Follows a curve from a point in the direction of its tangent.
 pub(crate) fn trace<E: Equations>(equations: &E, first: &Point<E::Value>) -> Half<E::Value> {
     let mut half = Half {
@@ -403,11 +486,23 @@ pub(crate) fn trace<E: Equations>(equations: &E, first: &Point<E::Value>) -> Hal
         };
         let (place, is_last, special) = loop {
             let found = view.next(length).and_then(|(place, is_last)| {
+                if turns(equations, &base, &place.point) {
+                    let vanishes = vanishes(equations, first, &half.points);
+                    let lost = || equations.lost(&base.y, &base.value);
+                    return Ok(Step::Vanishes(vanishes.ok_or_else(lost)?));
+                }
+                if !equations.is_like(&base.value, &place.point.value) {
+                    view.connect(view.here(), place.clone())?;
+                }
                 let special = special_points(&view, &place, &signs)?;
-                Ok((place, is_last, special))
+                Ok(Step::Next(place, is_last, special))
             });
             match found {
-                Ok(found) => break found,
+                Ok(Step::Next(place, is_last, special)) => break (place, is_last, special),
+                Ok(Step::Vanishes(parameters)) => {
+                    half.end = End::Vanishes(parameters);
+                    return half;
+                }
                 Err(error) if length <= SHORTEST => {
                     half.end = End::Lost(error);
                     return half;
@@ -448,8 +543,30 @@ pub(crate) fn trace<E: Equations>(equations: &E, first: &Point<E::Value>) -> Hal
         base.tangent.component_div_assign(&scale);
         base.tangent.normalize_mut();
         base.scale = scale;
+        if let Some(moved) = moved(equations, &base) {
+            base = moved;
+        }
     }
     half
+}
+
+/// The same point in other unknowns, if these are needed. Only the parameters still determine the
+/// direction.
+fn moved<E: Equations>(equations: &E, point: &Point<E::Value>) -> Option<Point<E::Value>> {
+    let (y, value) = equations.moved(point)?;
+    let scale = equations.scale(&y, &value);
+    let mut along = DVector::zeros(y.len());
+    for i in equations.parameters() {
+        along[i] = point.tangent[i] * point.scale[i] / scale[i];
+    }
+    let along = along.try_normalize(0.0)?;
+    let plane = Plane {
+        scale: &scale,
+        value: along.dot(&y.component_div(&scale)),
+        normal: along.clone(),
+        along: &along,
+    };
+    solve(equations, &y, &value, &plane).ok()
 }
 
 /// A test and the place of its zero.
@@ -461,10 +578,7 @@ fn special_points<E: Equations>(
     to: &Place<E::Value>,
     before: &[f64],
 ) -> Result<Vec<Special<E::Value>>, Error> {
-    let from = Place {
-        distance: 0.0,
-        point: view.base.clone(),
-    };
+    let from = view.here();
     let [begin, end] = [&from, to].map(|place| view.equations.tests(&place.point));
     let mut found = Vec::new();
     for (test, sign) in before.iter().enumerate() {
@@ -484,6 +598,55 @@ fn special_points<E: Equations>(
     }
     found.sort_by(|a, b| a.1.distance.total_cmp(&b.1.distance));
     Ok(found)
+}
+
+/// Returns true if a solution has shrunk to nothing between two points.
+fn turns<E: Equations>(equations: &E, from: &Point<E::Value>, to: &Point<E::Value>) -> bool {
+    match (equations.size(&from.value), equations.size(&to.value)) {
+        (Some((a, from)), Some((b, to))) => a == b && from * to <= 0.0,
+        _ => false,
+    }
+}
+
+/// The parameters at which the solution shrinks to nothing behind the last point: even functions of
+/// its size, extrapolated by the polynomials through earlier points. Rounding grows as the solution
+/// shrinks, and what a polynomial leaves out with its size: those two that agree best decide.
+fn vanishes<E: Equations>(
+    equations: &E,
+    first: &Point<E::Value>,
+    points: &[Point<E::Value>],
+) -> Option<[f64; 2]> {
+    /// Points of one polynomial, and the least ratio of neighbouring sizes.
+    const POINTS: usize = 6;
+    const RATIO: f64 = 1.3;
+    let mut measure = None;
+    let mut known: [Vec<[f64; 2]>; 2] = [Vec::new(), Vec::new()];
+    for point in points.iter().rev().chain([first]) {
+        let (which, size) = equations.size(&point.value)?;
+        if *measure.get_or_insert(which) != which {
+            break;
+        }
+        let last = known[0].last().map_or(0.0, |last: &[f64; 2]| last[0]);
+        if size.powi(2) >= RATIO.powi(2) * last {
+            for (known, i) in known.iter_mut().zip(equations.parameters()) {
+                known.push([size.powi(2), point.y[i]]);
+            }
+        }
+    }
+    let values = |known: &[[f64; 2]]| -> Vec<f64> {
+        let windows = known.windows(POINTS);
+        windows
+            .map(|window| at_zero(&mut window.to_vec()))
+            .collect()
+    };
+    let [a, b] = known.map(|known| values(&known));
+    let apart = |i: usize| {
+        let [x, y] = [&a, &b].map(|values| values[i + 1] - values[i]);
+        let [p, q] = equations.parameters().map(|place| first.scale[place]);
+        (x / p).hypot(y / q)
+    };
+    let best = (0..a.len().checked_sub(1)?).min_by(|&i, &j| apart(i).total_cmp(&apart(j)))?;
+    Some([a[best], b[best]])
 }
 
 /// The signs of the tests; 0 for one without.

@@ -399,37 +399,54 @@ impl Curve<'_> {
         })
     }
 
-    /// The sharpest turning point of an autonomous motion: its acceleration in units of its
-    /// velocity, its coordinate, and the state there.
-    pub(super) fn sharpest(&self, map: &PeriodMap) -> Option<(f64, usize, State)> {
-        let mut sharpest: Option<(f64, usize, State)> = None;
-        let speeds = map.sizes();
-        for step in &map.steps {
-            for i in 0..self.n {
-                let Some(velocity) = step.series().get(i) else {
-                    continue;
-                };
-                let _ = velocity.sign_changes(step.duration(), &mut |t, _| {
-                    let sharpness = velocity.derivative().at(t).abs() / speeds[self.n + i];
-                    // The first of equal ones, whatever rounding says.
-                    let most = sharpest.as_ref().map_or(0.0, |most| 1.001 * most.0);
-                    if sharpness > most {
-                        let mut state = step.state_at(t);
-                        state.velocities[i] = 0.0;
-                        sharpest = Some((sharpness, i, state));
-                    }
-                    ControlFlow::Continue(())
-                });
-            }
-        }
-        sharpest
-    }
-
     /// The acceleration at the phase condition of an autonomous motion; 1 for a forced one.
     pub(super) fn turn(&self, solved: &Solved) -> f64 {
         let at = |i: usize| solved.trial.map.flow[0][self.n + i];
         self.turning.map_or(1.0, at)
     }
+}
+
+/// A turning point of a coordinate of an autonomous motion.
+pub(super) struct Turn {
+    /// Its acceleration in units of its largest velocity.
+    pub(super) sharpness: f64,
+    pub(super) coordinate: usize,
+    pub(super) time: f64,
+    pub(super) state: State,
+    /// The modes of the contacts there.
+    pub(super) modes: Vec<Mode>,
+}
+
+/// The sharpest turning point of an autonomous motion.
+pub(super) fn sharpest(map: &PeriodMap) -> Option<Turn> {
+    let n = map.start.displacements.len();
+    let mut sharpest: Option<Turn> = None;
+    let speeds = map.sizes();
+    for step in &map.steps {
+        for coordinate in 0..n {
+            let Some(velocity) = step.series().get(coordinate) else {
+                continue;
+            };
+            let _ = velocity.sign_changes(step.duration(), &mut |t, _| {
+                let sharpness = velocity.derivative().at(t).abs() / speeds[n + coordinate];
+                // The first of equal ones, whatever rounding says.
+                let most = sharpest.as_ref().map_or(0.0, |most| 1.001 * most.sharpness);
+                if sharpness > most {
+                    let mut state = step.state_at(t);
+                    state.velocities[coordinate] = 0.0;
+                    sharpest = Some(Turn {
+                        sharpness,
+                        coordinate,
+                        time: step.start_time() + t,
+                        modes: step.modes().to_vec(),
+                        state,
+                    });
+                }
+                ControlFlow::Continue(())
+            });
+        }
+    }
+    sharpest
 }
 
 /// Singular values below this part of the largest count as 0, as in shooting; here rows are of size

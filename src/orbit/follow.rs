@@ -6,7 +6,7 @@ use std::ops::Range;
 use nalgebra::DVector;
 
 use super::branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
-use super::curve::{Curve, Member, Plane, Solved};
+use super::curve::{Curve, Member, Plane, Solved, sharpest};
 use super::found::Orbit;
 use super::oscillator::Oscillator;
 use super::period::Period;
@@ -189,8 +189,8 @@ fn search(
     (curve.n, curve.order) = (form.len(), form.order());
     if let Period::Free(_) = curve.kind {
         let map = form.period_map(&start, period).map_err(at)?;
-        let (_, turning, state) = curve.sharpest(&map).ok_or(Error::AtRest)?;
-        (curve.turning, start) = (Some(turning), state);
+        let turn = sharpest(&map).ok_or(Error::AtRest)?;
+        (curve.turning, start) = (Some(turn.coordinate), turn.state);
     }
     let (points, changes, ends) = walks(&mut curve, &start, period, parameter)?;
     let of = |solved: Solved| (curve.parameter(&solved.y), solved.trial);

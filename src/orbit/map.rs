@@ -99,7 +99,7 @@ impl PeriodMap {
     }
 
     /// The modes of the contacts at the start.
-    fn first_modes(&self) -> Option<&[Mode]> {
+    pub(super) fn first_modes(&self) -> Option<&[Mode]> {
         let first = self.steps.iter().find(|step| step.duration() > 0.0);
         first.map(|step| step.modes())
     }
@@ -341,19 +341,12 @@ pub(super) fn begun_apart(
     /// Part of the period within which an event is near.
     const NEAR: f64 = 1e-6;
     let events = map.steps.iter().flat_map(Segment::events);
-    let mut times: Vec<f64> = events.map(|event| event.time).collect();
-    let is_near = |time: &f64| *time < NEAR * period || *time > (1.0 - NEAR) * period;
-    if !times.iter().any(is_near) && map.first_modes() == Some(&map.end_modes[..]) {
+    let mut times = events.map(|event| event.time);
+    let is_near = |time: f64| time < NEAR * period || time > (1.0 - NEAR) * period;
+    if !times.any(is_near) && map.first_modes() == Some(&map.end_modes[..]) {
         return Ok(None);
     }
-    times.push(period);
-    // The middle of the longest time without an event.
-    let mut last = 0.0;
-    let gaps = times
-        .iter()
-        .map(|&time| (std::mem::replace(&mut last, time), time));
-    let gap = gaps.max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)));
-    let time = gap.map_or(0.0, |(from, to)| 0.5 * (from + to));
+    let time = longest_pause(map, 0.0, period);
     let step = map.steps.iter().find(|step| step.end_time() > time);
     let Some(step) = step else {
         return Ok(None);
@@ -361,6 +354,16 @@ pub(super) fn begun_apart(
     let mut state = step.state_at(step.since_start(time));
     form.put_in_modes(&mut state, time, |c| Some(step.modes()[c]));
     period_map(form, time, &state, period).map(Some)
+}
+
+/// The middle of the longest time without an event between two times.
+pub(super) fn longest_pause(map: &PeriodMap, from: f64, to: f64) -> f64 {
+    let events = map.steps.iter().flat_map(Segment::events);
+    let times = events.map(|event| event.time).chain([to]);
+    let mut last = from;
+    let gaps = times.map(|time| (std::mem::replace(&mut last, time), time));
+    let gap = gaps.max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)));
+    gap.map_or(from, |(from, to)| 0.5 * (from + to))
 }
 
 /// The state after a duration, and the modes of the contacts afterwards.

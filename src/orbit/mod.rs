@@ -38,6 +38,7 @@
 //! | any system: the motion near a guess, stable or not | [`shoot`] | one motion, exact to rounding, or a typed error |
 //! | any system: the motion that a start settles to | [`settle`] | one motion, exact to rounding, or a typed error |
 //! | any system: a branch of motions over a parameter, its bifurcations and its ends | [`follow`] | the connected branch; two bifurcations of one kind within a step can be missed |
+//! | any system: the curve of a bifurcation over two parameters | [`locus`] | the connected curve; two special points of one kind within a step can be missed |
 //! | any system: whether a motion is periodic | [`section`], [`section_at`] | a picture |
 //! | any system: whether a motion is chaotic | [`lyapunov`], [`lyapunov_with_spread`] | a mean with its standard error |
 //!
@@ -107,7 +108,7 @@
 // | `changes.rs` | bifurcations between two points of the curve: folds, flips, tori, changes of the event sequence |
 // | `corner.rs` | branches that turn back at a change of the event sequence |
 // | `jump.rs` | motions that jump at a change of the event sequence, which ends the branch |
-// | `locus` | curves of bifurcations in two parameters |
+// | `locus` | curves of bifurcations in two parameters: the search (`mod.rs`), the motions (`motions.rs`), folds, flips and tori (`smooth.rs`), their scalars (`bordered.rs`), the results (`found.rs`) |
 // | `sequence.rs` | the events of a period as a cyclic sequence |
 // | `search.rs` | `Search`: bounds of the work, and a watcher |
 // | `section.rs` | `section`, `section_at`: Poincaré sections |
@@ -141,7 +142,8 @@ mod walk;
 pub use branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
 pub use follow::follow;
 pub use found::Orbit;
-pub use locus::found::{LocusEnd, SpecialKind};
+pub use locus::found::{Locus, LocusEnd, LocusKind, LocusPoint, SpecialKind, SpecialPoint};
+pub use locus::locus;
 pub use lyapunov::{LyapunovExponent, lyapunov, lyapunov_with_spread};
 pub use oscillator::Oscillator;
 pub use period::Period;

@@ -4,10 +4,11 @@ use nalgebra::DVector;
 
 use super::branch::BranchEnd;
 use super::changes::{Found, Place, Signs, View};
-use super::curve::{Curve, Plane, Solved};
+use super::curve::{Curve, Plane, Solved, sharpest};
 use super::jump::LARGE;
 use crate::error::Error;
 use crate::motion::{Mode, Segment};
+use crate::numerics::trace::at_zero;
 use crate::state::structure::State;
 
 /// One half of a branch.
@@ -37,7 +38,7 @@ const MANY_STEPS: usize = 5;
 
 /// The phase condition of an autonomous motion is re-anchored once the acceleration there is this
 /// part of that at the sharpest turning point.
-const BLUNT: f64 = 0.3;
+pub(super) const BLUNT: f64 = 0.3;
 
 /// Sizes, as parts of a shrinking motion, from which the Hopf point is extrapolated.
 const HOPF_PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
@@ -323,12 +324,12 @@ impl Walk<'_, '_> {
     ) -> Option<(Solved, DVector<f64>)> {
         let now = self.curve.turning?;
         let map = &base.trial.map;
-        let (most, turning, start) = self.curve.sharpest(map)?;
-        if self.curve.turn(base).abs() >= BLUNT * most * map.sizes()[self.curve.n + now] {
+        let turn = sharpest(map)?;
+        if self.curve.turn(base).abs() >= BLUNT * turn.sharpness * map.sizes()[self.curve.n + now] {
             return None;
         }
-        self.curve.turning = Some(turning);
-        let moved = self.moved(base, &start, tangent);
+        self.curve.turning = Some(turn.coordinate);
+        let moved = self.moved(base, &turn.state, tangent);
         if moved.is_none() {
             self.curve.turning = Some(now);
         }
@@ -367,17 +368,6 @@ fn starts(solved: &Solved) -> Option<&[Mode]> {
     let mut steps = solved.trial.map.steps.iter();
     let first = steps.find(|step| step.duration() > 0.0);
     first.map(|step| step.modes())
-}
-
-/// The value at 0 of the polynomial through points, by Neville's scheme.
-fn at_zero(known: &mut [[f64; 2]]) -> f64 {
-    for level in 1..known.len() {
-        for i in 0..known.len() - level {
-            let ([a, low], [b, _]) = (known[i], known[i + level]);
-            known[i][1] = (a * known[i + 1][1] - b * low) / (a - b);
-        }
-    }
-    known[0][1]
 }
 
 /// The scales of the unknowns at a point: those of its state, its period and the range.

@@ -109,6 +109,28 @@ fn follow(parameter: f64, range: Range<f64>) -> Result<usize, Error> {
     Ok(branch.bifurcations.len())
 }
 
+fn forced(frequency: f64, force: f64) -> Result<Structure, Error> {
+    Structure::new(&[1.0])?
+        .with_ground_spring(0, 1.0)?
+        .with_ground_damper(0, 0.02)?
+        .with_force(0, Drive::harmonic(force, frequency, 0.0)?)?
+        .with_contact(Contact::new(0, Coulomb::new(0.5, 0.3)?, 1.5)?.on_belt(0.1))
+}
+
+/// The curve of a flip.
+fn locus(second: f64, ranges: [Range<f64>; 2]) -> Result<usize, Error> {
+    let start = stick_slip::structure::State::new(&[0.3], &[0.0]);
+    let motion = orbit::settle(&forced(0.74, 0.3)?, &start, 400.0, Period::Driven(1))?;
+    let branch = orbit::follow(|x| forced(x, 0.3), 0.75, &motion, 0.73..0.76)?;
+    let locus = orbit::locus(forced, &branch.bifurcations[0], second, ranges)?;
+    Ok(locus.points.len())
+}
+
+fn hopf_locus(ranges: [Range<f64>; 2]) -> Result<usize, Error> {
+    let family = |v_b: f64, damping: f64| belt().with_belt_velocity(v_b)?.with_damping(damping);
+    Ok(bifurcation::hopf_locus(family, ranges)?.len())
+}
+
 fn laws() -> Vec<Case> {
     vec![
         case("Polynomial", "static_coefficient", BELOW, |x| {
@@ -399,6 +421,24 @@ fn searches() -> Vec<Case> {
         case("orbit::follow", "parameter", &[0.0, 0.4], |x| {
             follow(x, 0.1..0.3)
         }),
+        case("orbit::locus", "ranges[0].start", &[], |x| {
+            locus(0.3, [x..0.75, 0.2..0.4])
+        }),
+        case("orbit::locus", "ranges[1].end", &[0.2, 0.1], |x| {
+            locus(0.3, [0.7..0.75, 0.2..x])
+        }),
+        case("orbit::locus", "second", &[0.1, 0.5], |x| {
+            locus(x, [0.7..0.75, 0.2..0.4])
+        }),
+        case("bifurcation::hopf_locus", "ranges[1].start", &[], |x| {
+            hopf_locus([0.1..0.5, x..0.1])
+        }),
+        case(
+            "bifurcation::hopf_locus",
+            "ranges[0].end",
+            &[0.1, -1.0],
+            |x| hopf_locus([0.1..x, 0.01..0.1]),
+        ),
         case(
             "design::stabilizing_damping_over",
             "velocities.start",

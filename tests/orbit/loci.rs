@@ -1,9 +1,16 @@
 //! Curves of bifurcations in two parameters, known to 25 digits.
 
-use serde_json::Value;
-use stick_slip::Structure;
+use std::ops::Range;
 
-use crate::common::{list, text};
+use serde_json::Value;
+use stick_slip::orbit::{
+    self, Bifurcation, BifurcationKind, Locus, LocusEnd, LocusKind, LocusPoint, Orbit, Period,
+    SpecialKind, follow, settle, shoot,
+};
+use stick_slip::structure::State;
+use stick_slip::{Error, EventKind, Structure};
+
+use crate::common::{list, number, text};
 use crate::reading::{cases, remembering, structure};
 
 /// A reference curve.
@@ -43,4 +50,281 @@ fn put(value: &mut Value, parameters: [f64; 2]) {
         Value::Object(fields) => fields.values_mut().for_each(|item| put(item, parameters)),
         _ => {}
     }
+}
+
+/// Error promised for parameters, in units of max(1, |value|).
+const ACCURACY: f64 = 1e-12;
+
+/// A bifurcation of a kind over the first parameter, from a motion there.
+fn bifurcation(
+    case: &Value,
+    kind: BifurcationKind,
+    second: f64,
+    (start, motion): (f64, &Orbit<Structure>),
+    range: Range<f64>,
+) -> Vec<Bifurcation<Structure>> {
+    let family = |first: f64| Ok(member(&case["system"], first, second));
+    let branch = follow(family, start, motion, range).unwrap();
+    let mut found = branch.bifurcations;
+    found.retain(|found| found.kind == kind);
+    found
+}
+
+fn parameters(point: &Value) -> [f64; 2] {
+    ["PARAM1", "PARAM2"].map(|name| number(&point[name]))
+}
+
+/// Follows the curve up to points of the reference, at each of which one parameter is a side of the
+/// rectangle; returns the largest error.
+fn compare(
+    case: &Value,
+    points: &[Value],
+    which: usize,
+    (at, second): (&Bifurcation<Structure>, f64),
+    ranges: &[Range<f64>; 2],
+) -> f64 {
+    let family = |first: f64, second: f64| Ok(member(&case["system"], first, second));
+    let begins = [at.parameter, second][which];
+    let mut worst: f64 = 0.0;
+    for point in points {
+        let expected = parameters(point);
+        let mut ranges = ranges.clone();
+        if expected[which] < begins {
+            ranges[which].start = expected[which];
+        } else {
+            ranges[which].end = expected[which];
+        }
+        let locus = orbit::locus(family, at, second, ranges).unwrap();
+        // The curve may meet this side at both of its ends.
+        let away = |point: &&LocusPoint<Structure>| {
+            (point.parameters[1 - which] - expected[1 - which]).abs()
+        };
+        let at_side = locus.points.iter();
+        let at_side = at_side.filter(|point| point.parameters[which] == expected[which]);
+        let there = at_side.min_by(|a, b| away(a).total_cmp(&away(b)));
+        let there = there.unwrap_or_else(|| panic!("{expected:?}: {:?}", locus.ends));
+        let errors = [
+            (there.parameters[1 - which], expected[1 - which]),
+            (there.orbit.period(), number(&point["period"])),
+        ];
+        for (found, expected) in errors {
+            worst = worst.max((found - expected).abs() / expected.abs().max(1.0));
+        }
+    }
+    worst
+}
+
+/// The special points of a curve, each with its parameters.
+fn special(locus: &Locus<Structure>) -> Vec<(SpecialKind, [f64; 2])> {
+    let special = locus.special.iter();
+    special
+        .map(|point| (point.kind, point.parameters))
+        .collect()
+}
+
+/// A special point of a kind has the parameters and the period of the reference.
+fn has_special(locus: &Locus<Structure>, kind: SpecialKind, known: &Value, accuracy: f64) {
+    let found = locus.special.iter().find(|point| point.kind == kind);
+    let found = found.unwrap_or_else(|| panic!("{kind}: {:?}", special(locus)));
+    let expected = parameters(known)
+        .into_iter()
+        .chain([number(&known["period"])]);
+    let numbers = found.parameters.into_iter().chain([found.orbit.period()]);
+    for (found, expected) in numbers.zip(expected) {
+        let error = (found - expected).abs();
+        println!("{kind}: {error:.1e}");
+        assert!(
+            error <= accuracy * expected.abs().max(1.0),
+            "{kind}: {error:e}"
+        );
+    }
+}
+
+#[test]
+fn flips_of_forced_stick_slip() {
+    let case = curve("flc");
+    let system = member(&case["system"], 0.78, 0.3);
+    let start = State::new(&[0.3], &[0.0]);
+    let motion = settle(&system, &start, 400.0, Period::Driven(1)).unwrap();
+    let flips = bifurcation(&case, BifurcationKind::Flip, 0.3, (0.78, &motion), 0.7..0.8);
+    let worst = compare(
+        &case,
+        list(&case["points"]),
+        0,
+        (&flips[0], 0.3),
+        &[0.64..0.82, 0.1..0.7],
+    );
+    assert!(worst < ACCURACY, "{worst:e}");
+}
+
+#[test]
+fn folds_of_stick_slip_with_dwell() {
+    let case = curve("dwf");
+    let (v_b, theta) = (0.15, 1.5);
+    let system = member(&case["system"], v_b, theta);
+    let motion = system.simulate(State::new(&[-0.6], &[0.0]), 300.0).unwrap();
+    let sticks = motion
+        .events()
+        .iter()
+        .filter(|e| e.kind == EventKind::Stick);
+    let times: Vec<f64> = sticks.map(|event| event.time).collect();
+    let period = times[times.len() - 1] - times[times.len() - 2];
+    let motion = settle(&system, &motion.last(), 0.0, Period::Free(period)).unwrap();
+    let folds = bifurcation(
+        &case,
+        BifurcationKind::Fold,
+        theta,
+        (v_b, &motion),
+        0.1..0.4,
+    );
+    let worst = compare(
+        &case,
+        list(&case["points"]),
+        1,
+        (&folds[0], theta),
+        &[0.05..0.6, 0.3..4.0],
+    );
+    assert!(worst < ACCURACY, "{worst:e}");
+}
+
+#[test]
+fn tori_of_a_forced_pure_slip_motion() {
+    let case = curve("vdp_ns");
+    let tori = |[first, second]: [f64; 2], range: Range<f64>| {
+        let system = member(&case["system"], first, second);
+        let start = State::new(&[0.1], &[0.0]);
+        let motion = settle(&system, &start, 400.0, Period::Driven(1)).unwrap();
+        let kind = BifurcationKind::NeimarkSacker;
+        bifurcation(&case, kind, second, (first, &motion), range).remove(0)
+    };
+    let torus = tori([1.0, 0.05], 1.0..1.3);
+    let ranges = [0.99..1.8, 0.001..0.4];
+    let worst = compare(&case, list(&case["points"]), 0, (&torus, 0.05), &ranges);
+    assert!(worst < ACCURACY, "{worst:e}");
+    // From the 1:1 resonance to a tongue of doubled motions, and from there on.
+    let family = |first: f64, second: f64| Ok(member(&case["system"], first, second));
+    let below = orbit::locus(family, &torus, 0.05, [0.99..2.5, 0.001..0.6]).unwrap();
+    assert_eq!(below.ends, [LocusEnd::Special, LocusEnd::Special]);
+    let above = tori([2.2, 0.45], 2.1..2.6);
+    let above = orbit::locus(family, &above, 0.45, [0.99..2.5, 0.001..0.6]).unwrap();
+    assert_eq!(above.ends, [LocusEnd::Special, LocusEnd::Ranges]);
+    assert_eq!(special(&below).len() + special(&above).len(), 5);
+    for known in list(&case["codimension_two"]) {
+        let order = text(&known["kind"]).strip_prefix("resonance_1_").unwrap();
+        let kind = SpecialKind::Resonance(order.parse().unwrap());
+        let locus = if order == "2" { &above } else { &below };
+        has_special(locus, kind, known, ACCURACY);
+    }
+    // In between multipliers lie on the unit circle.
+    for point in &below.points {
+        let product: f64 = point.orbit.multipliers().iter().map(|m| m.norm()).product();
+        assert!((product - 1.0).abs() < 1e-10);
+    }
+}
+
+#[test]
+fn folds_of_a_forced_pure_slip_motion() {
+    let case = curve("vdp_fold");
+    let points = list(&case["points"]);
+    let system = member(&case["system"], 1.0, 0.00635);
+    let start = State::new(&[0.1], &[0.0]);
+    let motion = settle(&system, &start, 2000.0, Period::Driven(1)).unwrap();
+    let kind = BifurcationKind::Fold;
+    // On the two branches that meet at the cusp.
+    let folds = bifurcation(&case, kind, 0.00635, (1.0, &motion), 0.99..1.02);
+    let [lower, upper] = &folds[..] else { panic!() };
+    let (lower, upper) = if lower.parameter < upper.parameter {
+        (lower, upper)
+    } else {
+        (upper, lower)
+    };
+    let ranges = [0.99..1.01, 1e-4..0.01];
+    let mut worst = compare(&case, &points[3..], 1, (upper, 0.00635), &ranges);
+    worst = worst.max(compare(&case, &points[..2], 1, (lower, 0.00635), &ranges));
+    assert!(worst < ACCURACY, "{worst:e}");
+    let family = |first: f64, second: f64| Ok(member(&case["system"], first, second));
+    for fold in [lower, upper] {
+        let locus = orbit::locus(family, fold, 0.00635, ranges.clone()).unwrap();
+        assert_eq!(locus.kind, LocusKind::Fold);
+        assert_eq!(special(&locus).len(), 2);
+        let [cusp, resonance] = [0, 1].map(|i| &list(&case["codimension_two"])[i]);
+        has_special(&locus, SpecialKind::Cusp, cusp, 1e-10);
+        has_special(&locus, SpecialKind::Resonance(1), resonance, ACCURACY);
+    }
+}
+
+#[test]
+fn folds_of_cycles_on_a_belt() {
+    let case = curve("bel_fold");
+    let points = list(&case["points"]);
+    let near = &points[4];
+    let [v_b, damping] = parameters(near);
+    let neighbour = &near["neighbours"][0];
+    let damping = damping * (1.0 + neighbour["change"].as_f64().unwrap());
+    let system = member(&case["system"], v_b, damping);
+    let q = neighbour["cycles"][0]["q"].as_f64().unwrap();
+    let guess = State::new(&[q], &[0.0]);
+    let motion = shoot(&system, &guess, Period::Free(number(&near["period"]))).unwrap();
+    let kind = BifurcationKind::Fold;
+    let folds = bifurcation(&case, kind, damping, (v_b, &motion), 0.5..0.9);
+    let ranges = [0.5..1.3, 0.03..0.2];
+    let worst = compare(&case, points, 0, (&folds[0], damping), &ranges);
+    assert!(worst < ACCURACY, "{worst:e}");
+    // From the Bautin point of the Hopf curve to where the cycle touches the belt.
+    let family = |first: f64, second: f64| Ok(member(&case["system"], first, second));
+    let locus = orbit::locus(family, &folds[0], damping, ranges).unwrap();
+    let hopf_curve = curve("hbe");
+    let bautin = &list(&hopf_curve["codimension_two"])[0];
+    let near = |found: [f64; 2], known: &Value, accuracy: f64| {
+        let pairs = std::iter::zip(found, parameters(known));
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < accuracy
+    };
+    let hopf = locus.ends.iter().find_map(|end| match end {
+        LocusEnd::Hopf { parameters } => Some(*parameters),
+        _ => None,
+    });
+    assert!(near(hopf.unwrap(), bautin, 1e-8), "{hopf:?}");
+    let jumps = locus.ends.iter().position(|end| *end == LocusEnd::Jump);
+    let last = [0, locus.points.len() - 1][jumps.unwrap()];
+    let grazing = &list(&case["codimension_two"])[0];
+    assert!(near(locus.points[last].parameters, grazing, 1e-8));
+}
+
+#[test]
+fn what_is_no_curve_is_refused() {
+    let case = curve("flc");
+    let system = member(&case["system"], 0.78, 0.3);
+    let start = State::new(&[0.3], &[0.0]);
+    let motion = settle(&system, &start, 400.0, Period::Driven(1)).unwrap();
+    let family = |first: f64, second: f64| Ok(member(&case["system"], first, second));
+    let flips = bifurcation(&case, BifurcationKind::Flip, 0.3, (0.78, &motion), 0.7..0.8);
+    let flip = &flips[0];
+    for bad in [f64::NAN, f64::INFINITY, -f64::INFINITY] {
+        for ranges in [[0.7..bad, 0.2..0.4], [0.7..0.8, bad..0.4]] {
+            let error = orbit::locus(family, flip, 0.3, ranges).unwrap_err();
+            assert!(matches!(error, Error::InvalidParameter { .. }), "{error}");
+        }
+        let error = orbit::locus(family, flip, bad, [0.7..0.8, 0.2..0.4]).unwrap_err();
+        assert!(matches!(error, Error::InvalidParameter { .. }), "{error}");
+    }
+    // Outside the rectangle.
+    assert!(orbit::locus(family, flip, 0.5, [0.7..0.8, 0.2..0.4]).is_err());
+    // A family that refuses a part of the rectangle ends the curve with its error.
+    let half = |first: f64, second: f64| {
+        if second > 0.31 {
+            return Err(Error::NotFree);
+        }
+        family(first, second)
+    };
+    let locus = orbit::locus(half, flip, 0.3, [0.7..0.8, 0.2..0.4]).unwrap();
+    let lost = |end: &LocusEnd| match end {
+        LocusEnd::Lost { parameters, error } => {
+            (parameters[1] - 0.31).abs() < 1e-6 && error.to_string().contains("drive")
+        }
+        _ => false,
+    };
+    assert!(locus.ends.iter().any(lost), "{:?}", locus.ends);
+    // A range without width in the other parameter's direction ends at once, at both sides.
+    let locus = orbit::locus(family, flip, 0.3, [0.7..0.8, 0.3..0.4]).unwrap();
+    assert!(locus.ends.iter().all(|end| *end == LocusEnd::Ranges));
 }

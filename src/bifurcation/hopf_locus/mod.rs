@@ -10,7 +10,7 @@ use self::equations::{Bordered, HopfPoints};
 use super::hopf::Criticality;
 use crate::error::Error;
 use crate::numerics::eigenvalues::eigenvalues;
-use crate::numerics::trace::{End, Equations, Plane, Point, solve, trace};
+use crate::numerics::trace::{End, Equations, Plane, Point, check_ranges, solve, trace};
 use crate::orbit::{LocusEnd, Oscillator, SpecialKind};
 
 /// A curve of Hopf points of steady sliding in two parameters; returned by [`hopf_locus`].
@@ -57,8 +57,8 @@ pub struct SpecialHopfPoint {
 }
 
 impl HopfPoint {
-    /// Returns whether the motion born there is stable (if no other eigenvalue is in the right half plane):
-    /// the sign of the first Lyapunov coefficient. Where friction is linear up to stick (Coulomb),
+    /// Returns whether the motion born there is stable (if no other eigenvalue is in the right half
+    /// plane): the sign of the first Lyapunov coefficient. Where friction is linear up to stick (Coulomb),
     /// the point is degenerate.
     pub fn criticality(&self) -> Criticality {
         let value = self.first_lyapunov_coefficient;
@@ -149,14 +149,7 @@ pub fn hopf_locus<S: Oscillator>(
     family: impl Fn(f64, f64) -> Result<S, Error>,
     ranges: [Range<f64>; 2],
 ) -> Result<Vec<HopfLocus>, Error> {
-    for (range, [start, end]) in ranges.iter().zip([
-        ["ranges[0].start", "ranges[0].end"],
-        ["ranges[1].start", "ranges[1].end"],
-    ]) {
-        let of = "bifurcation::hopf_locus";
-        Error::check(of, start, range.start, true, "start < end")?;
-        Error::check(of, end, range.end, range.end > range.start, "start < end")?;
-    }
+    check_ranges("bifurcation::hopf_locus", &ranges)?;
     let points = HopfPoints {
         family: &family,
         ranges,

@@ -2,8 +2,122 @@
 
 use std::fmt;
 
+use super::super::found::Orbit;
 use crate::error::Error;
+use crate::motion::System;
 use crate::numerics::trace::End;
+
+/// A curve of bifurcations of periodic motions in two parameters; returned by [`locus`].
+///
+/// [`locus`]: super::locus
+#[non_exhaustive]
+pub struct Locus<S: System> {
+    /// The kind of bifurcation.
+    pub kind: LocusKind,
+    /// The points, from one end of the curve to the other.
+    pub points: Vec<LocusPoint<S>>,
+    /// The special points between them, in the same order.
+    pub special: Vec<SpecialPoint<S>>,
+    /// Why the curve ends before its first point, and after its last one.
+    pub ends: [LocusEnd; 2],
+}
+
+/// A point of a [`Locus`].
+#[non_exhaustive]
+pub struct LocusPoint<S: System> {
+    /// The two parameters, in their own units.
+    pub parameters: [f64; 2],
+    /// The motion at the bifurcation, with its multipliers.
+    pub orbit: Orbit<S>,
+}
+
+/// A special point of a [`Locus`].
+#[non_exhaustive]
+pub struct SpecialPoint<S: System> {
+    /// What is special.
+    pub kind: SpecialKind,
+    /// The two parameters, in their own units.
+    pub parameters: [f64; 2],
+    /// The motion there.
+    pub orbit: Orbit<S>,
+}
+
+/// The kind of a [`Locus`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum LocusKind {
+    /// A multiplier is +1.
+    Fold,
+    /// A multiplier is −1.
+    Flip,
+    /// A pair of multipliers lies on the unit circle.
+    NeimarkSacker,
+}
+
+impl fmt::Display for LocusKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Fold => "fold",
+            Self::Flip => "flip",
+            Self::NeimarkSacker => "Neimark-Sacker",
+        })
+    }
+}
+
+impl<S: System> Clone for Locus<S> {
+    fn clone(&self) -> Self {
+        Self {
+            kind: self.kind,
+            points: self.points.clone(),
+            special: self.special.clone(),
+            ends: self.ends.clone(),
+        }
+    }
+}
+
+impl<S: System> Clone for LocusPoint<S> {
+    fn clone(&self) -> Self {
+        let orbit = self.orbit.clone();
+        Self { orbit, ..*self }
+    }
+}
+
+impl<S: System> Clone for SpecialPoint<S> {
+    fn clone(&self) -> Self {
+        let orbit = self.orbit.clone();
+        Self { orbit, ..*self }
+    }
+}
+
+impl<S: System> fmt::Debug for Locus<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Locus")
+            .field("kind", &self.kind)
+            .field("points", &self.points)
+            .field("special", &self.special)
+            .field("ends", &self.ends)
+            .finish()
+    }
+}
+
+impl<S: System> fmt::Debug for LocusPoint<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("LocusPoint")
+            .field("parameters", &self.parameters)
+            .field("orbit", &self.orbit)
+            .finish()
+    }
+}
+
+impl<S: System> fmt::Debug for SpecialPoint<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("SpecialPoint")
+            .field("kind", &self.kind)
+            .field("parameters", &self.parameters)
+            .field("orbit", &self.orbit)
+            .finish()
+    }
+}
 
 /// The kind of a special point of a curve in two parameters: a point at which a second condition
 /// holds (codimension two).
@@ -13,6 +127,19 @@ use crate::numerics::trace::End;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum SpecialKind {
+    /// Two curves of folds meet tangentially: between them there are three motions.
+    Cusp,
+    /// The multipliers of the curve are both 1 (1), both −1 (2), exp(±2πi/3) (3) or ±i (4): strong
+    /// resonance. A curve of tori begins or ends at the first two.
+    Resonance(u8),
+    /// The multipliers +1 and −1.
+    FoldFlip,
+    /// A multiplier +1 and a pair on the unit circle.
+    FoldNeimarkSacker,
+    /// A multiplier −1 and a pair on the unit circle.
+    FlipNeimarkSacker,
+    /// Two pairs on the unit circle.
+    DoubleNeimarkSacker,
     /// Hopf points change between super- and subcritical: a curve of folds of cycles begins.
     Bautin,
     /// A second pair of eigenvalues is imaginary.
@@ -27,6 +154,12 @@ pub enum SpecialKind {
 impl fmt::Display for SpecialKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Cusp => f.pad("cusp"),
+            Self::Resonance(order) => f.pad(&format!("1:{order} resonance")),
+            Self::FoldFlip => f.pad("fold-flip"),
+            Self::FoldNeimarkSacker => f.pad("fold-Neimark-Sacker"),
+            Self::FlipNeimarkSacker => f.pad("flip-Neimark-Sacker"),
+            Self::DoubleNeimarkSacker => f.pad("double Neimark-Sacker"),
             Self::Bautin => f.pad("Bautin"),
             Self::DoubleHopf => f.pad("double Hopf"),
             Self::ZeroHopf => f.pad("zero-Hopf"),
@@ -45,6 +178,15 @@ pub enum LocusEnd {
     Closed,
     /// The kind of the curve ends at its last special point.
     Special,
+    /// The events of the motion change beyond the last point, and no curve of this kind continues:
+    /// the motion or its derivative jumps there.
+    Jump,
+    /// The motion shrank to a point, where steady sliding has a Hopf bifurcation (at a Bautin point
+    /// for a curve of folds).
+    Hopf {
+        /// The parameters there.
+        parameters: [f64; 2],
+    },
     /// The limit of work was reached.
     Work,
     /// The curve was lost: the family has no system there, or Newton's method does not converge
@@ -64,6 +206,7 @@ impl LocusEnd {
             End::Ranges => Self::Ranges,
             End::Closed => Self::Closed,
             End::Special => Self::Special,
+            End::Vanishes(parameters) => Self::Hopf { parameters },
             End::Work => Self::Work,
             End::Lost(error) => Self::Lost { parameters, error },
         }

@@ -1,0 +1,471 @@
+//! The equations of folds, flips and tori: a closed motion, and scalars that are 0 where a
+//! multiplier is 1, −1, or a pair is exp(±iθ).
+//!
+//! | curve | matrix A |
+//! |---|---|
+//! | fold | M − 1; for an autonomous motion [M − 1, f(T); phase condition, 0] |
+//! | flip | M + 1 |
+//! | torus | M² − 2κM + 1, κ = cos θ, with two borders |
+//!
+//! Derivatives of A by start and period take one pair of motions for each product: D²P is
+//! symmetric, so uᵀ D²P[w, ·] is uᵀ(M(x + hw) − M(x − hw))/2h.
+
+use std::ops::Range;
+
+use nalgebra::{Complex, DMatrix, DVector};
+
+use super::super::map::{CLOSED, vector};
+use super::super::sequence::Sequence;
+use super::super::trial::Trial;
+use super::bordered::Bordered;
+use super::found::SpecialKind;
+use super::motions::{Begin, Motions, Section, events_of};
+use crate::error::Error;
+use crate::numerics::trace::{Equations, Point};
+
+/// The kind of curve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Smooth {
+    Fold,
+    Flip,
+    Torus,
+}
+
+/// Curves of folds, flips or tori.
+pub(super) struct SmoothCurve<'f> {
+    pub(super) motions: Motions<'f>,
+    pub(super) kind: Smooth,
+    pub(super) ranges: [Range<f64>; 2],
+}
+
+/// A motion with its scalars.
+#[derive(Debug, Clone)]
+pub(super) struct Motion {
+    pub(super) trial: Trial,
+    pub(super) begin: Begin,
+    bordered: Bordered,
+    /// Of a solution: its events, its multipliers, and ½ uᵀD²P[w, w].
+    sequence: Option<Sequence>,
+    pub(super) multipliers: Vec<Complex<f64>>,
+    quadratic: f64,
+}
+
+/// Test functions nearer to 0 than this are rounding.
+const ROUNDING: f64 = 1e-11;
+
+/// Special points at which the curve of tori ends: κ = 1 and κ = −1.
+const TORUS_ENDS: [usize; 2] = [0, 1];
+
+impl<'f> SmoothCurve<'f> {
+    fn count(&self) -> usize {
+        match self.kind {
+            Smooth::Torus => 2,
+            Smooth::Fold | Smooth::Flip => 1,
+        }
+    }
+
+    fn unknowns(&self) -> usize {
+        self.motions.own() + 2 + usize::from(self.kind == Smooth::Torus)
+    }
+
+    /// The cosine of the angle of the critical pair of a torus.
+    fn kappa(&self, y: &DVector<f64>) -> f64 {
+        y[self.unknowns() - 1]
+    }
+
+    /// The first guess: a motion from a start near a bifurcation, with its multipliers.
+    pub(super) fn begin(
+        &self,
+        start: &DVector<f64>,
+        period: f64,
+        parameters: [f64; 2],
+        multipliers: &[Complex<f64>],
+    ) -> Result<(DVector<f64>, Motion), Error> {
+        let (motions, own) = (&self.motions, self.motions.own());
+        let mut y = DVector::zeros(self.unknowns());
+        y.rows_mut(0, motions.order).copy_from(start);
+        if own > motions.order {
+            y[motions.order] = period;
+        }
+        y[own] = parameters[0];
+        y[own + 1] = parameters[1];
+        let begin = Begin::at_zero();
+        let trial = motions.trial(&y, &begin)?;
+        if self.kind == Smooth::Torus {
+            let pairs = multipliers.iter().filter(|m| m.im != 0.0);
+            let off = |m: &Complex<f64>| (m.norm() - 1.0).abs();
+            let nearest = pairs.min_by(|a, b| off(a).total_cmp(&off(b)));
+            let nearest = nearest.ok_or_else(|| motions.lost(&y, &trial))?;
+            y[own + 2] = nearest.re / nearest.norm();
+        }
+        let (y, begin) = motions.begun(&y, &trial, 0.0)?;
+        let trial = motions.trial(&y, &begin)?;
+        let bordered = Bordered::begin(&self.matrix(&y, &trial, &begin), self.count());
+        let bordered = bordered.ok_or_else(|| motions.lost(&y, &trial))?;
+        let motion = Motion {
+            trial,
+            begin,
+            bordered,
+            sequence: None,
+            multipliers: Vec::new(),
+            quadratic: f64::NAN,
+        };
+        Ok((y, motion))
+    }
+
+    /// M, each number in units of its size.
+    fn monodromy(&self, trial: &Trial, begin: &Begin) -> DMatrix<f64> {
+        let (order, sizes) = (self.motions.order, &begin.sizes);
+        DMatrix::from_fn(order, order, |i, j| {
+            trial.map.monodromy[(i, j)] * (sizes[j] / sizes[i])
+        })
+    }
+
+    /// The matrix A in units of the sizes.
+    fn matrix(&self, y: &DVector<f64>, trial: &Trial, begin: &Begin) -> DMatrix<f64> {
+        let order = self.motions.order;
+        let matrix = self.monodromy(trial, begin);
+        let one = DMatrix::identity(order, order);
+        match (self.kind, &begin.section) {
+            (Smooth::Fold, None) => matrix - one,
+            (Smooth::Fold, Some(Section { normal, .. })) => {
+                let mut matrix = (matrix - one).resize(order + 1, order + 1, 0.0);
+                for i in 0..order {
+                    matrix[(i, order)] =
+                        trial.map.flow[1][i] * (begin.sizes[order] / begin.sizes[i]);
+                    matrix[(order, i)] = normal[i] * begin.sizes[i];
+                }
+                matrix
+            }
+            (Smooth::Flip, _) => matrix + one,
+            (Smooth::Torus, _) => &matrix * &matrix - &matrix * (2.0 * self.kappa(y)) + one,
+        }
+    }
+
+    /// The vectors l and a of each product lᵀ M_α a in the derivative of each scalar, in the units
+    /// of the system; a with a part for the period.
+    fn products(&self, y: &DVector<f64>, value: &Motion) -> Vec<Vec<[DVector<f64>; 2]>> {
+        let (order, own) = (self.motions.order, self.motions.own());
+        let Motion {
+            bordered, begin, ..
+        } = value;
+        let sizes = begin.sizes.rows(0, order).into_owned();
+        let lefts: Vec<_> = bordered
+            .left
+            .column_iter()
+            .map(|u| u.into_owned())
+            .collect();
+        let rights: Vec<_> = bordered
+            .right
+            .column_iter()
+            .map(|w| w.into_owned())
+            .collect();
+        let with_period = |w: &DVector<f64>| w.clone().resize_vertically(own, 0.0);
+        let mut products = Vec::new();
+        for w in &rights {
+            for u in &lefts {
+                products.push(match self.kind {
+                    Smooth::Fold => {
+                        let left = u.rows(0, order).component_div(&sizes);
+                        vec![[left, w.component_mul(&begin.sizes)]]
+                    }
+                    Smooth::Flip => {
+                        let left = u.component_div(&sizes);
+                        vec![[left, with_period(&w.component_mul(&sizes))]]
+                    }
+                    Smooth::Torus => {
+                        let matrix = self.monodromy(&value.trial, begin);
+                        let further = &matrix * w;
+                        let back = matrix.transpose() * u - u * (2.0 * self.kappa(y));
+                        [(u.clone(), further), (back, w.clone())]
+                            .map(|(l, a)| {
+                                let left = l.component_div(&sizes);
+                                [left, with_period(&a.component_mul(&sizes))]
+                            })
+                            .into()
+                    }
+                });
+            }
+        }
+        products
+    }
+
+    /// lᵀ D²P[a, ·], a row over start and period.
+    fn second(
+        &self,
+        y: &DVector<f64>,
+        value: &Motion,
+        [left, along]: &[DVector<f64>; 2],
+    ) -> Result<DVector<f64>, Error> {
+        let direction = along.clone().resize_vertically(self.unknowns(), 0.0);
+        let beside = self.beside(y, &direction, value)?;
+        Ok(beside.by_start.transpose() * left)
+    }
+
+    fn beside(
+        &self,
+        y: &DVector<f64>,
+        direction: &DVector<f64>,
+        value: &Motion,
+    ) -> Result<super::motions::Beside, Error> {
+        let known = (&value.trial, &value.begin);
+        let beside = self.motions.difference(y, direction, known);
+        beside.ok_or_else(|| self.motions.lost(y, &value.trial))
+    }
+
+    /// ½ uᵀD²P[w, w].
+    fn quadratic(&self, y: &DVector<f64>, value: &Motion) -> Result<f64, Error> {
+        let products = self.products(y, value);
+        let [product] = &products[0][..] else {
+            return Ok(f64::NAN);
+        };
+        Ok(0.5 * self.second(y, value, product)?.dot(&product[1]))
+    }
+
+    /// The multipliers without those that belong to the curve.
+    fn others(&self, y: &DVector<f64>, value: &Motion) -> Vec<Complex<f64>> {
+        let own = match self.kind {
+            Smooth::Fold => vec![Complex::from(1.0)],
+            Smooth::Flip => vec![Complex::from(-1.0)],
+            Smooth::Torus => {
+                let kappa = Complex::from(self.kappa(y));
+                let root = (kappa * kappa - 1.0).sqrt();
+                vec![kappa + root, kappa - root]
+            }
+        };
+        let mut others = value.multipliers.clone();
+        for own in own {
+            let off = |m: &Complex<f64>| (m - own).norm();
+            let places =
+                (0..others.len()).min_by(|&i, &j| off(&others[i]).total_cmp(&off(&others[j])));
+            if let Some(place) = places {
+                others.remove(place);
+            }
+        }
+        others
+    }
+}
+
+impl SmoothCurve<'_> {
+    /// Returns true if the events of the motion are others just behind a point.
+    pub(super) fn jumps_behind(&self, point: &Point<Motion>) -> bool {
+        /// Distances behind it, in units of the scales.
+        const AWAY: [f64; 4] = [1e-9, 1e-8, 1e-7, 1e-6];
+        let value = &point.value;
+        AWAY.iter().any(|away| {
+            let y = &point.y + point.tangent.component_mul(&point.scale) * *away;
+            let beyond = self.motions.trial(&y, &value.begin);
+            beyond.is_ok_and(|beyond| events_of(&beyond.map) != events_of(&value.trial.map))
+        })
+    }
+
+    /// The kind of special point at a zero of a test; `None` for two real multipliers of product 1.
+    pub(super) fn special(&self, test: usize, point: &Point<Motion>) -> Option<SpecialKind> {
+        let others = self.others(&point.y, &point.value);
+        let with_pair = |kind| others.iter().any(|m| m.im != 0.0).then_some(kind);
+        match (self.kind, test) {
+            (Smooth::Fold, 0) => Some(SpecialKind::Cusp),
+            (Smooth::Fold, 1) | (Smooth::Torus, 0) => Some(SpecialKind::Resonance(1)),
+            (Smooth::Flip, 0) | (Smooth::Torus, 1) => Some(SpecialKind::Resonance(2)),
+            (Smooth::Torus, 2) => Some(SpecialKind::Resonance(3)),
+            (Smooth::Torus, 3) => Some(SpecialKind::Resonance(4)),
+            (Smooth::Fold, 2) | (Smooth::Flip, 1) => Some(SpecialKind::FoldFlip),
+            (Smooth::Fold, _) => with_pair(SpecialKind::FoldNeimarkSacker),
+            (Smooth::Flip, _) => with_pair(SpecialKind::FlipNeimarkSacker),
+            (Smooth::Torus, 4) => Some(SpecialKind::FoldNeimarkSacker),
+            (Smooth::Torus, 5) => Some(SpecialKind::FlipNeimarkSacker),
+            (Smooth::Torus, _) => with_pair(SpecialKind::DoubleNeimarkSacker),
+        }
+    }
+}
+
+impl Equations for SmoothCurve<'_> {
+    type Value = Motion;
+
+    fn parameters(&self) -> [usize; 2] {
+        let own = self.motions.own();
+        [own, own + 1]
+    }
+
+    fn ranges(&self) -> &[Range<f64>; 2] {
+        &self.ranges
+    }
+
+    fn value(&self, y: &mut DVector<f64>, near: &Motion) -> Result<Motion, Error> {
+        let (motions, begin) = (&self.motions, near.begin.clone());
+        let trial = motions.trial(y, &begin)?;
+        y.rows_mut(0, motions.order)
+            .copy_from(&vector(&trial.map.start, motions.order));
+        let bordered = near.bordered.with(&self.matrix(y, &trial, &begin));
+        let bordered = bordered.ok_or_else(|| motions.lost(y, &trial))?;
+        Ok(Motion {
+            trial,
+            begin,
+            bordered,
+            ..near.clone()
+        })
+    }
+
+    fn residual(&self, y: &DVector<f64>, value: &Motion) -> DVector<f64> {
+        let closing = self.motions.residual(y, &value.trial, &value.begin);
+        let scalars = value.bordered.scalars.iter().copied();
+        let numbers: Vec<f64> = closing.iter().copied().chain(scalars).collect();
+        DVector::from_vec(numbers)
+    }
+
+    fn jacobian(
+        &self,
+        y: &DVector<f64>,
+        value: &Motion,
+        scale: &DVector<f64>,
+    ) -> Result<DMatrix<f64>, Error> {
+        let (own, unknowns) = (self.motions.own(), self.unknowns());
+        let products = self.products(y, value);
+        let rows = own + products.len();
+        let mut jacobian = DMatrix::zeros(rows, unknowns);
+        let closing = self.motions.closing(&value.trial, &value.begin, scale);
+        jacobian.view_mut((0, 0), (own, own)).copy_from(&closing);
+        for j in own..own + 2 {
+            let mut direction = DVector::zeros(unknowns);
+            direction[j] = 1.0;
+            let beside = self.beside(y, &direction, value)?;
+            for i in 0..self.motions.order {
+                jacobian[(i, j)] = beside.residual[i] * (scale[j] / value.begin.sizes[i]);
+            }
+            for (k, products) in products.iter().enumerate() {
+                let slopes = products.iter().map(|[l, a]| l.dot(&(&beside.by_start * a)));
+                jacobian[(own + k, j)] = -slopes.sum::<f64>() * scale[j];
+            }
+        }
+        for (k, products) in products.iter().enumerate() {
+            let mut row = DVector::zeros(own);
+            for product in products {
+                row += self.second(y, value, product)?;
+            }
+            for j in 0..own {
+                jacobian[(own + k, j)] = -row[j] * scale[j];
+            }
+        }
+        if self.kind == Smooth::Torus {
+            let matrix = self.monodromy(&value.trial, &value.begin);
+            let slopes = value.bordered.left.transpose() * matrix * &value.bordered.right * 2.0;
+            for (k, slope) in slopes.iter().enumerate() {
+                jacobian[(own + k, unknowns - 1)] = slope * scale[unknowns - 1];
+            }
+        }
+        Ok(jacobian)
+    }
+
+    fn rounding(&self, value: &Motion) -> f64 {
+        CLOSED * value.trial.map.monodromy.amax().max(1.0)
+    }
+
+    fn complete(&self, y: &DVector<f64>, mut value: Motion) -> Result<Motion, Error> {
+        let motions = &self.motions;
+        let trial = &value.trial;
+        let is_free = value.begin.section.is_some();
+        if is_free && !trial.returns(None) {
+            return Err(motions.lost(y, trial));
+        }
+        let multipliers = trial.map.multipliers(is_free);
+        value.multipliers = multipliers.ok_or_else(|| motions.lost(y, trial))?;
+        value.sequence = Some(Motions::sequence(trial));
+        value.quadratic = match self.kind {
+            Smooth::Fold => self.quadratic(y, &value)?,
+            Smooth::Flip | Smooth::Torus => f64::NAN,
+        };
+        let renewed = value.bordered.renewed();
+        let bordered = renewed.ok_or_else(|| motions.lost(y, &value.trial))?;
+        let old = value.begin.sizes.clone();
+        let trial = value.trial.clone();
+        motions.settle(y, &trial, &mut value.begin)?;
+        value.bordered = bordered.rescaled(&old.component_div(&value.begin.sizes));
+        Ok(value)
+    }
+
+    fn scale(&self, y: &DVector<f64>, value: &Motion) -> DVector<f64> {
+        let own = self.motions.own();
+        DVector::from_fn(y.len(), |i, _| match i.checked_sub(own) {
+            None => value.begin.sizes[i],
+            Some(which @ (0 | 1)) => self.motions.widths[which],
+            Some(_) => 1.0,
+        })
+    }
+
+    fn is_like(&self, a: &Motion, b: &Motion) -> bool {
+        match (&a.sequence, &b.sequence) {
+            (Some(a), Some(b)) => a.is_like(b),
+            _ => true,
+        }
+    }
+
+    fn moved(&self, point: &Point<Motion>) -> Option<(DVector<f64>, Motion)> {
+        let value = &point.value;
+        let (y, begin) = self.motions.moved(&point.y, &value.trial, &value.begin)?;
+        let trial = self.motions.trial(&y, &begin).ok()?;
+        let bordered = Bordered::begin(&self.matrix(&y, &trial, &begin), self.count())?;
+        let value = Motion {
+            trial,
+            begin,
+            bordered,
+            ..value.clone()
+        };
+        Some((y, value))
+    }
+
+    fn size(&self, value: &Motion) -> Option<(usize, f64)> {
+        let turning = value.begin.section.as_ref()?.turning?;
+        let acceleration = value.trial.map.flow[0][self.motions.n + turning];
+        Some((turning, acceleration))
+    }
+
+    fn tests(&self, point: &Point<Motion>) -> Vec<f64> {
+        let value = &point.value;
+        let others = self.others(&point.y, value);
+        let one = Complex::from(1.0);
+        // 0 where rounding could give any sign.
+        let product = |factors: &mut dyn Iterator<Item = Complex<f64>>| {
+            let factors: Vec<_> = factors.collect();
+            let is_rounding = factors.iter().any(|x| x.norm() < ROUNDING);
+            let product = factors.iter().product::<Complex<f64>>().re;
+            if is_rounding { 0.0 } else { product }
+        };
+        let folds = product(&mut others.iter().map(|m| one - m));
+        let flips = product(&mut others.iter().map(|m| one + m));
+        let pairs = (0..others.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+        let tori = product(&mut pairs.map(|(i, j)| one - others[i] * others[j]));
+        let order = self.motions.order;
+        let along = {
+            let [left, right] = [&value.bordered.left, &value.bordered.right];
+            left.rows(0, order).dot(&right.rows(0, order))
+        };
+        match self.kind {
+            Smooth::Fold => vec![value.quadratic, along, flips, tori],
+            Smooth::Flip => vec![along, folds, tori],
+            Smooth::Torus => {
+                let kappa = self.kappa(&point.y);
+                vec![
+                    kappa - 1.0,
+                    kappa + 1.0,
+                    kappa + 0.5,
+                    kappa,
+                    folds,
+                    flips,
+                    tori,
+                ]
+            }
+        }
+    }
+
+    fn ends_at(&self, test: usize) -> bool {
+        self.kind == Smooth::Torus && TORUS_ENDS.contains(&test)
+    }
+
+    fn is_at_limit(&self) -> bool {
+        self.motions.is_at_limit()
+    }
+
+    fn lost(&self, y: &DVector<f64>, value: &Motion) -> Error {
+        self.motions.lost(y, &value.trial)
+    }
+}
