@@ -120,8 +120,8 @@ fn forced(frequency: f64, force: f64) -> Result<Structure, Error> {
 /// The curve of a flip.
 fn locus(second: f64, ranges: [Range<f64>; 2]) -> Result<usize, Error> {
     let start = stick_slip::structure::State::new(&[0.3], &[0.0]);
-    let motion = orbit::settle(&forced(0.74, 0.3)?, &start, 400.0, Period::Driven(1))?;
-    let branch = orbit::follow(|x| forced(x, 0.3), 0.75, &motion, 0.73..0.76)?;
+    let motion = orbit::settle(&forced(0.78, 0.3)?, &start, 400.0, Period::Driven(1))?;
+    let branch = orbit::follow(|x| forced(x, 0.3), 0.78, &motion, 0.74..0.79)?;
     let locus = orbit::locus(forced, &branch.bifurcations[0], second, ranges)?;
     Ok(locus.points.len())
 }

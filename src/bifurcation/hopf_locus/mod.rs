@@ -58,8 +58,8 @@ pub struct SpecialHopfPoint {
 
 impl HopfPoint {
     /// Returns whether the motion born there is stable (if no other eigenvalue is in the right half
-    /// plane): the sign of the first Lyapunov coefficient. Where friction is linear up to stick (Coulomb),
-    /// the point is degenerate.
+    /// plane): the sign of the first Lyapunov coefficient. Where friction is linear up to stick
+    /// (Coulomb), the point is degenerate.
     pub fn criticality(&self) -> Criticality {
         let value = self.first_lyapunov_coefficient;
         if value < -self.rounding {

@@ -1,0 +1,216 @@
+//! Curves in two parameters: Newton's method across a curve, and pseudo-arclength steps along it
+//! inside a rectangle of the parameters.
+//!
+//! The unknowns y are those of the equations and, among them, the two parameters. The equations may
+//! be more than the unknowns less one, if they are consistent: steps of Newton's method solve them
+//! by least squares.
+
+mod along;
+
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector, SVD};
+
+pub(crate) use self::along::{End, Half, trace};
+use crate::error::Error;
+
+/// Equations whose solutions form a curve.
+pub(crate) trait Equations {
+    /// What is computed at one y.
+    type Value: Clone;
+
+    /// The places of the two parameters among the unknowns.
+    fn parameters(&self) -> [usize; 2];
+
+    /// Their ranges.
+    fn ranges(&self) -> &[Range<f64>; 2];
+
+    /// The value near that of a point of the curve. Unknowns that have to be exact may be set.
+    fn value(&self, y: &mut DVector<f64>, near: &Self::Value) -> Result<Self::Value, Error>;
+
+    /// The residuals, each in units of its size.
+    fn residual(&self, y: &DVector<f64>, value: &Self::Value) -> DVector<f64>;
+
+    /// The derivatives of the residuals, each column in units of the scale of its unknown.
+    fn jacobian(
+        &self,
+        y: &DVector<f64>,
+        value: &Self::Value,
+        scale: &DVector<f64>,
+    ) -> Result<DMatrix<f64>, Error>;
+
+    /// The largest residual of a solution: rounding, as far as the equations magnify it.
+    fn rounding(&self, value: &Self::Value) -> f64;
+
+    /// Completes the value of a solution, or refuses it.
+    fn complete(&self, y: &DVector<f64>, value: Self::Value) -> Result<Self::Value, Error>;
+
+    /// The scales of the unknowns.
+    fn scale(&self, y: &DVector<f64>, value: &Self::Value) -> DVector<f64>;
+
+    /// Returns true if the equations have the same form at both points. Otherwise the change in
+    /// between is enclosed, and the curve continues if it is connected there.
+    fn is_like(&self, _: &Self::Value, _: &Self::Value) -> bool {
+        true
+    }
+
+    /// Other unknowns for the same point, if those in use have become unsuitable.
+    fn moved(&self, _: &Point<Self::Value>) -> Option<(DVector<f64>, Self::Value)> {
+        None
+    }
+
+    /// The size of a solution that can shrink to nothing, with the sign that it has beyond, and the
+    /// number of the measure.
+    fn size(&self, _: &Self::Value) -> Option<(usize, f64)> {
+        None
+    }
+
+    /// Functions that change sign at special points of the curve; 0 or NaN has no sign.
+    fn tests(&self, point: &Point<Self::Value>) -> Vec<f64>;
+
+    /// Returns true if the kind of the curve ends at a zero of this test.
+    fn ends_at(&self, test: usize) -> bool;
+
+    /// Returns true if the work allowed is done.
+    fn is_at_limit(&self) -> bool;
+
+    /// The error if no solution was found near here.
+    fn lost(&self, y: &DVector<f64>, value: &Self::Value) -> Error;
+}
+
+/// A point of a curve.
+#[derive(Debug, Clone)]
+pub(crate) struct Point<V> {
+    pub(crate) y: DVector<f64>,
+    pub(crate) value: V,
+    pub(crate) scale: DVector<f64>,
+    /// The unit tangent, in units of the scale.
+    pub(crate) tangent: DVector<f64>,
+    /// Number of Newton steps.
+    steps: usize,
+}
+
+/// A plane: normal·(y/scale) = value.
+#[derive(Debug)]
+pub(crate) struct Plane<'p> {
+    pub(crate) scale: &'p DVector<f64>,
+    pub(crate) normal: DVector<f64>,
+    pub(crate) value: f64,
+    /// A direction in which the tangent is to point.
+    pub(crate) along: &'p DVector<f64>,
+}
+
+/// Limit of Newton steps; three or four are usual.
+const MOST_STEPS: usize = 16;
+
+/// A step below this size keeps the derivatives of the one before.
+const COARSE: f64 = 1e-5;
+
+/// Steps below this size are rounding.
+const FINE: f64 = 1e-14;
+
+/// Singular values below this part of the largest count as 0.
+const SINGULAR: f64 = 1e-12;
+
+/// The minimum-norm least-squares solution of a linear system, its rows in units of their sizes.
+fn solution(mut matrix: DMatrix<f64>, mut right: DVector<f64>) -> Option<DVector<f64>> {
+    for (mut row, right) in matrix.row_iter_mut().zip(right.iter_mut()) {
+        let size = row.amax();
+        if size > 0.0 {
+            row /= size;
+            *right /= size;
+        }
+    }
+    if !matrix.iter().chain(&right).all(|x| x.is_finite()) {
+        return None;
+    }
+    let sweeps = 1000 * matrix.nrows();
+    let svd = SVD::try_new(matrix, true, true, f64::EPSILON, sweeps)?;
+    let least = SINGULAR * svd.singular_values.max();
+    let solution = svd.solve(&right, least).ok()?;
+    solution.iter().all(|x| x.is_finite()).then_some(solution)
+}
+
+/// Checks that ranges of two parameters are finite and not empty.
+pub(crate) fn check_ranges(of: &'static str, ranges: &[Range<f64>; 2]) -> Result<(), Error> {
+    let names = [
+        ["ranges[0].start", "ranges[0].end"],
+        ["ranges[1].start", "ranges[1].end"],
+    ];
+    for (range, [start, end]) in std::iter::zip(ranges, names) {
+        Error::check(of, start, range.start, true, "start < end")?;
+        Error::check(of, end, range.end, range.end > range.start, "start < end")?;
+    }
+    Ok(())
+}
+
+/// The value at 0 of the polynomial through points, by Neville's scheme.
+pub(crate) fn at_zero(known: &mut [[f64; 2]]) -> f64 {
+    for level in 1..known.len() {
+        for i in 0..known.len() - level {
+            let ([a, low], [b, _]) = (known[i], known[i + level]);
+            known[i][1] = (a * known[i + 1][1] - b * low) / (a - b);
+        }
+    }
+    known[0][1]
+}
+
+/// The rows of the equations, and one more below.
+fn with_row(jacobian: &DMatrix<f64>, row: &DVector<f64>) -> DMatrix<f64> {
+    let rows = jacobian.nrows();
+    let mut matrix = jacobian.clone().insert_row(rows, 0.0);
+    matrix.row_mut(rows).copy_from(&row.transpose());
+    matrix
+}
+
+/// The point of the curve on a plane, near a guess, by Newton's method.
+pub(crate) fn solve<E: Equations>(
+    equations: &E,
+    guess: &DVector<f64>,
+    near: &E::Value,
+    plane: &Plane<'_>,
+) -> Result<Point<E::Value>, Error> {
+    let mut y = guess.clone();
+    let mut known: Option<DMatrix<f64>> = None;
+    let mut before = f64::INFINITY;
+    let mut steps = 0;
+    loop {
+        let value = equations.value(&mut y, near)?;
+        let residual = equations.residual(&y, &value);
+        let jacobian = match &mut known {
+            Some(known) if before < COARSE => known,
+            known => known.insert(equations.jacobian(&y, &value, plane.scale)?),
+        };
+        let rows = residual.len();
+        let mut right = (-&residual).insert_row(rows, 0.0);
+        right[rows] = plane.value - plane.normal.dot(&y.component_div(plane.scale));
+        let Some(change) = solution(with_row(jacobian, &plane.normal), right) else {
+            return Err(equations.lost(&y, &value));
+        };
+        let size = change.amax();
+        let is_small = residual.amax() <= equations.rounding(&value) && size <= COARSE;
+        if size <= FINE || (is_small && size >= 0.5 * before) {
+            let mut right = DVector::zeros(rows + 1);
+            right[rows] = 1.0;
+            let tangent = solution(with_row(jacobian, plane.along), right);
+            let tangent = tangent.filter(|tangent| tangent.norm() > 0.0);
+            let Some(tangent) = tangent.filter(|_| is_small) else {
+                return Err(equations.lost(&y, &value));
+            };
+            return Ok(Point {
+                value: equations.complete(&y, value)?,
+                y,
+                scale: plane.scale.clone(),
+                tangent: tangent.normalize(),
+                steps,
+            });
+        }
+        steps += 1;
+        let falls = steps <= 2 || size <= 2.0 * before;
+        if !(size <= 1.0 && falls && steps < MOST_STEPS) {
+            return Err(equations.lost(&y, &value));
+        }
+        before = size;
+        y += change.component_mul(plane.scale);
+    }
+}
