@@ -323,7 +323,7 @@ fn extremes(steps: &[Step], coordinate: usize) -> [(f64, f64); 3] {
         at_extremes(velocity, h, &mut |t| meet(0, start + t * velocity.mean(t)));
         at_extremes(&acceleration, h, &mut |t| meet(1, velocity.at(t)));
         at_extremes(&acceleration.derivative(), h, &mut |t| {
-            meet(2, acceleration.at(t))
+            meet(2, acceleration.at(t));
         });
     }
     ranges

@@ -237,7 +237,7 @@ fn find_edge(model: &Model<'_>, situation: &mut Situation, series: &Series, c: u
 }
 
 /// What elastic contacts carry at the end of a step, to the bit where they are at their limit.
-/// Where a drive breaks the limit may have jumped: it cuts what they carry, and they ask again.
+/// Where a drive breaks the limit may jump, and they ask again.
 pub(super) fn land_springs(
     model: &Model<'_>,
     situation: &mut Situation,
@@ -245,28 +245,43 @@ pub(super) fn land_springs(
     at_break: bool,
 ) {
     for &c in &model.springs {
-        let state = &situation.contacts[c];
+        let state = &mut situation.contacts[c];
         if !model.contacts[c].is_elastic() || state.phase_is_open() {
             continue;
-        }
-        let carried = state.memory[0];
-        let most = force_at_limit(model, situation, series, c, Direction::Leading).max(0.0);
-        let at_limit = match (state.phase, state.edge) {
-            _ if at_break => None,
-            (Phase::Slip { direction, .. }, _) => Some(direction),
-            (Phase::Stick { .. }, Edge::On(side)) => side,
-            _ => None,
-        };
-        let size = load_terms(&model.contacts[c], situation) + carried.abs();
-        let is_cut = at_break && carried.abs() > most + EDGE_ROUNDING * f64::EPSILON * size;
-        let state = &mut situation.contacts[c];
-        state.was_cut = is_cut;
-        if let Some(side) = at_limit.or(is_cut.then_some(side_of(carried))) {
-            state.memory[0] = side.sign() * most;
         }
         if at_break {
             state.entry = Entry::Held;
             ask_again(situation, c);
+            continue;
+        }
+        let at_limit = match (state.phase, state.edge) {
+            (Phase::Slip { direction, .. }, _) => Some(direction),
+            (Phase::Stick { .. }, Edge::On(side)) => side,
+            _ => None,
+        };
+        if let Some(side) = at_limit {
+            let carried = force_at_limit(model, situation, series, c, side);
+            situation.contacts[c].memory[0] = carried;
+        }
+    }
+}
+
+/// Loads that have jumped cut what elastic contacts carry, before anything is decided by it.
+pub(super) fn cut(model: &Model<'_>, situation: &mut Situation, series: &Series) {
+    for &c in &model.springs {
+        let contact = &model.contacts[c];
+        let state = &mut situation.contacts[c];
+        state.was_cut = false;
+        if !(contact.is_elastic() && state.sticks() && state.has_arrived()) {
+            continue;
+        }
+        let carried = state.memory[0];
+        let most = force_at_limit(model, situation, series, c, Direction::Leading).max(0.0);
+        let size = load_terms(contact, situation) + carried.abs();
+        if carried.abs() > most + EDGE_ROUNDING * f64::EPSILON * size {
+            let state = &mut situation.contacts[c];
+            state.memory[0] = carried.signum() * most;
+            state.was_cut = true;
         }
     }
 }

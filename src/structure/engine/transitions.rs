@@ -12,7 +12,7 @@ use super::expand::{ALL, expand};
 use super::model::Model;
 use super::plan::{load_terms, terms};
 use super::series::Series;
-use super::springs::{ask_again, revise_elastic};
+use super::springs::{ask_again, cut, revise_elastic};
 use super::state::{ContactState, Entry, Phase, Situation};
 use crate::error::Error;
 use crate::motion::Mode;
@@ -27,6 +27,7 @@ pub(super) fn decide(
     series: &mut Series,
     is_disturbed: bool,
 ) -> Result<(), Error> {
+    cut(model, situation, series);
     let asks_shared = is_disturbed && !model.shared.is_empty();
     let mut decision = asks_shared.then(|| Decision::new(model, situation, series));
     if asks_shared {
