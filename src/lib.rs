@@ -62,6 +62,15 @@
 //! | measured points as a law | [`Tabulated`] |
 //! | static friction that rises with the time in stick, bristles | [`Dwell`], [`Dahl`], [`LuGre`] in a [`Structure`] |
 //! | a law chosen at run time | [`AnyLaw`], [`AnyContactLaw`]; contacts of one structure may have different laws without them |
+//! | joints that are springs before they slide | [`Contact::with_tangential_stiffness`], [`Contact::in_parallel`] with [`Iwan4`]; formulas in [`analysis::jenkins`] |
+//! | a normal load that varies | a [`Drive`] in time, [`Contact::with_load_gradient`], [`Contact::with_normal_spring`] where surfaces part |
+//! | a law that depends on the direction | a [`ContactLaw`] gets the direction; a [`FrictionLaw`] is odd in the relative velocity |
+//! | an incline, or a constant force | a constant force F shifts the displacement by F/k and changes nothing else; an incline also reduces the normal force. Or [`Structure::with_force`] |
+//! | torsion | moments of inertia for masses, radians for metres, N·m for newtons |
+//! | a belt that speeds up, slows down or reverses | [`Contact::on_belt`] with [`Drive::profile`] |
+//! | samples at 48 kHz, with stick or slip | [`Trajectory::sample_every`] |
+//! | bounding, watching or stopping a search | [`bifurcation::Along`], [`orbit::Search`]; what was found so far is kept |
+//! | cancelling a run | [`Integrator::simulate_until`], or stop taking steps from [`Integrator::flow`] |
 //! | what is promised, and which test holds it | [`guarantees`] |
 //!
 //! # The mass on its belt

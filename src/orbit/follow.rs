@@ -46,11 +46,11 @@ use crate::state::structure::State;
 /// The phase condition of an autonomous motion is a turning point of one of its coordinates, on the
 /// whole branch.
 ///
-/// The limits in each direction are 2048 points, and 50 000 motions of 10⁷ steps in all;
-/// [`Search`] sets others, watches the search, and says what it costs. If a motion is lost, the
-/// branch up to there is returned: [`Branch::ends`] gives the reason for each end. If the motion itself jumps as the parameter passes a value, the branch ends with
-/// [`BranchEnd::Discontinuity`]; a jump by less than 1e-3 of its size is passed if a motion is near
-/// on the other side.
+/// The limits in each direction are 2048 points, and 50 000 motions of 10⁷ steps in all; [`Search`]
+/// sets others, watches the search, and says what it costs. If a motion is lost, the branch up to
+/// there is returned: [`Branch::ends`] gives the reason for each end. If the motion itself jumps as
+/// the parameter passes a value, the branch ends with [`BranchEnd::Discontinuity`]; a jump by less
+/// than 1e-3 of its size is passed if a motion is near on the other side.
 ///
 /// Sources: Kuznetsov, *Elements of Applied Bifurcation Theory*, chapter 10 (continuation, test
 /// functions); Dankowicz and Schilder, *Recipes for Continuation*, chapters 9 and 17 (motions in

@@ -187,9 +187,10 @@ pub(super) fn shortest(
 /// period, nor a period near 0 is returned.
 ///
 /// The guess is a state at time 0 of the drives; for an autonomous motion any state near the
-/// motion. Of a guess, a force of an elastic contact beyond its limit counts as that limit. (If an autonomous guess lies exactly at an event with a jump, and nothing is found from
-/// there, the search is repeated from a state between events.) An estimate near twice the period
-/// gives two periods of the motion.
+/// motion. Of a guess, a force of an elastic contact beyond its limit counts as that limit. (If an
+/// autonomous guess lies exactly at an event with a jump, and nothing is found from there, the
+/// search is repeated from a state between events.) An estimate near twice the period gives two
+/// periods of the motion.
 ///
 /// # Errors
 ///

@@ -41,14 +41,15 @@ impl Contact {
     ///
     /// // An element of k_t = 2 and μN = 3 on a surface that moves to 5, back to −5, and to 0: the
     /// // mass is so heavy that it stays.
-    /// let way = Drive::profile(&[(0.0, -1.0), (5.0, -1.0), (5.0, 1.0), (15.0, 1.0), (15.0, -1.0)])?;
+    /// let way = [(0.0, -1.0), (5.0, -1.0), (5.0, 1.0), (15.0, 1.0), (15.0, -1.0)];
     /// let element = Contact::new(0, Coulomb::new(1.0, 1.0)?, 3.0)?
     ///     .with_tangential_stiffness(2.0)?
-    ///     .on_belt(way);
+    ///     .on_belt(Drive::profile(&way)?);
     /// let wall = Structure::new(&[1e20])?.with_contact(element)?;
     /// let motion = wall.simulate(State::at_rest(1), 20.0)?;
-    /// let force = |time| motion.state_at(time).unwrap().memory[0];
-    /// assert_eq!([0.0, 5.0, 6.5, 8.0].map(|time| force(time).round()), [0.0, 3.0, 0.0, -3.0]);
+    /// for (time, force) in [(0.0, 0.0), (5.0, 3.0), (6.5, 0.0), (8.0, -3.0)] {
+    ///     assert!((motion.state_at(time).unwrap().memory[0] - force).abs() < 1e-14);
+    /// }
     /// assert_eq!(motion.last().memory, [3.0]);
     /// # Ok::<(), stick_slip::Error>(())
     /// ```

@@ -20,8 +20,8 @@ pub struct Sample {
     pub modes: Vec<Mode>,
     /// v' of each coordinate.
     pub accelerations: Vec<f64>,
-    /// The friction force of each contact, as of [`Structure::carried`]: λ_c in units of force, or T
-    /// of an elastic contact; 0 where open.
+    /// The friction force of each contact, as of [`Structure::carried`]: λ_c in units of force, or
+    /// T of an elastic contact; 0 where open.
     pub friction: Vec<f64>,
     /// The normal load of each contact, in units of force; 0 where open.
     pub loads: Vec<f64>,

@@ -48,6 +48,16 @@ fn manifest(key: &str) -> &'static str {
     line.unwrap().split('"').nth(1).unwrap()
 }
 
+/// A first reader sees how to run it without turning a page.
+#[test]
+fn the_readme_is_short() {
+    assert!(README.lines().count() <= 150);
+    let place = |command: &str| README.lines().position(|line| line.starts_with(command));
+    for command in ["cargo run --example quickstart", "cargo test --release"] {
+        assert!(place(command).is_some_and(|line| line < 60), "{command}");
+    }
+}
+
 #[test]
 fn program_is_compiled_here_and_short() {
     assert_eq!(block("# stick-slip", "rust"), PROGRAM);
@@ -98,15 +108,28 @@ fn durations_are_the_ones_printed_and_accurate_to_4e15() {
     assert!(README.contains("within 4e-15"));
 }
 
-/// That they are met within 1e-13 is asserted beside the data, in `tests/belt/reference.rs`.
+/// That they are met within 1e-13 is asserted beside the data, in `tests/belt/reference.rs` and
+/// `tests/structures`.
 #[test]
 fn reference_motions_are_counted() {
-    let data: Value = include_str!("../data/trajectories.json").parse().unwrap();
-    let count = data["cases"].as_array().unwrap().len();
-    assert!(
-        README.contains(&format!("{count} reference motions")),
-        "{count}"
-    );
+    let count = |text: &str| {
+        let data: Value = text.parse().unwrap();
+        data["cases"].as_array().unwrap().len()
+    };
+    let of_belts = count(include_str!("../data/trajectories.json"));
+    let of_structures = [
+        include_str!("../data/driven_trajectories.json"),
+        include_str!("../data/structure_trajectories.json"),
+        include_str!("../data/dwell_trajectories.json"),
+        include_str!("../data/bristle_trajectories.json"),
+        include_str!("../data/contact_trajectories.json"),
+        include_str!("../data/joint_trajectories.json"),
+    ]
+    .map(count)
+    .iter()
+    .sum::<usize>();
+    let text = format!("{of_belts} reference motions of a belt and {of_structures} of structures");
+    assert!(README.contains(&text), "{text}");
     assert!(include_str!("../belt/reference.rs").contains("const ACCURACY: f64 = 1e-13;"));
     assert!(README.contains("1e-13·max(1, |value|)"));
 }
@@ -188,10 +211,11 @@ fn files_linked_to_exist_and_examples_are_listed() {
             None => assert!(root.join(target).exists(), "{target}"),
         }
     }
+    let listed = include_str!("../../examples/README.md");
     for entry in std::fs::read_dir(root.join("examples")).unwrap() {
         let name = entry.unwrap().file_name().into_string().unwrap();
         if name.ends_with(".rs") {
-            assert!(README.contains(&format!("(examples/{name})")), "{name}");
+            assert!(listed.contains(&format!("({name})")), "{name}");
         }
     }
 }

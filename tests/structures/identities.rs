@@ -564,8 +564,8 @@ fn uncoupled_masses_do_not_feel_each_other() {
 }
 
 /// Two shafts, the first held by a spring whose other end turns to and fro, rubbing on the ground
-/// and on each other, with a damper to the ground: from the ground, and from a frame that turns with
-/// that end.
+/// and on each other, with a damper to the ground: from the ground, and from a frame that turns
+/// with that end.
 #[test]
 fn a_frame_that_turns_at_varying_speed_changes_nothing() {
     let (size, frequency) = (0.8, 0.7);

@@ -53,8 +53,8 @@ pub(crate) struct Model<'s> {
     /// Largest |i − j| of coordinates of which one acts on the other.
     pub(super) bandwidth: usize,
     /// 1/√(max_i Σ_j |M⁻¹K|_ij): no free vibration without friction is faster than one radian in
-    /// this time. Where nothing is elastic that of the dampers, and infinite without any. Springs of
-    /// contacts are not among them: see [`time_unit_with`](Self::time_unit_with).
+    /// this time. Where nothing is elastic that of the dampers, and infinite without any. Springs
+    /// of contacts are not among them: see [`time_unit_with`](Self::time_unit_with).
     pub(super) time_unit: f64,
 }
 
