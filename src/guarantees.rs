@@ -126,6 +126,13 @@
 //!   `structures::closed_forms::a_load_that_falls_to_zero_opens_the_contact`,
 //!   `structures::random::a_load_that_touches_zero_does_not_open_or_close`,
 //!   `structures::closed_forms::a_load_that_springs_lift_ends_the_motion`.
+//! * **Elastic contacts** are at their limit to the bit in slip, for any stiffness from 1e-2 to
+//!   1e12: `structures::elastic::any_stiffness_has_every_event`. Two motions of a structure with
+//!   loads in time never come further apart, and energies balance:
+//!   `structures::elastic_identities::two_motions_never_come_apart`,
+//!   `structures::elastic_identities::energy_is_what_forces_and_sliders_leave`. A scheme without
+//!   modes and events comes to the same states:
+//!   `structures::elastic::a_scheme_without_events_comes_to_the_same_states`.
 //! * **Symmetry.** Mirror images agree to the bit, equal masses in equal states stay together to
 //!   the bit: `structures::identities::mirror_images_agree_to_the_bit`,
 //!   `structures::identities::clones_stay_together_to_the_bit`.

@@ -135,6 +135,7 @@ mod search;
 mod section;
 mod sequence;
 mod shoot;
+mod springs;
 mod tangent;
 mod trial;
 mod walk;

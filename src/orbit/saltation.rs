@@ -148,7 +148,7 @@ impl TangentFlow<'_> {
         first + variables.start..first + variables.end
     }
 
-    fn row(&self, row: usize) -> RowDVector<f64> {
+    pub(super) fn row(&self, row: usize) -> RowDVector<f64> {
         self.tangents.row(row).into_owned()
     }
 
@@ -212,73 +212,6 @@ impl TangentFlow<'_> {
         for &(contact, side) in &step.after().limited {
             self.limit_carried(contact, side.sign());
         }
-    }
-
-    /// δT of an elastic contact that has closed and sticks: T = k_t r (t − t_c).
-    fn closed(&self, step: &Step, contact: usize) -> RowDVector<f64> {
-        let data = &self.form.model.contacts[contact];
-        let stiffness = data.tangential_stiffness.unwrap_or(0.0);
-        let velocities = step.end_state().velocities;
-        let surface = data.belt_velocity.series(step.clock()).at(step.duration());
-        let velocity = data.along(|j| velocities[j]) - surface;
-        self.load_later(step, contact) * (-stiffness * velocity)
-    }
-
-    /// The delay δt of a load that comes to 0 with displacements; none where it jumps.
-    fn load_later(&self, step: &Step, contact: usize) -> RowDVector<f64> {
-        /// Part of the terms of a load below which it is 0.
-        const ZERO: f64 = 1e-9;
-        let never = self.row(0) * 0.0;
-        let data = &self.form.model.contacts[contact];
-        let state = step.end_state();
-        let displacement = |j: usize| state.displacements[j];
-        let given = data.load.series(step.clock());
-        let load = given.at(step.duration()) + data.displacement_load(displacement);
-        if data.load_gradient.is_empty() || load.abs() > ZERO * data.load_size(displacement) {
-            return never;
-        }
-        let rate = given.derivative().at(step.duration())
-            + data.displacement_load(|j| state.velocities[j]);
-        let gradient = data.load_gradient.iter();
-        gradient.fold(never, |sum, &(j, n)| sum + self.row(j) * n) * -rate.recip()
-    }
-
-    /// The derivative of what springs of contacts do to v' of a coordinate.
-    fn by_springs(&self, step: &Step, i: usize) -> RowDVector<f64> {
-        let model = &self.form.model;
-        let mut rate = self.row(0) * 0.0;
-        for (c, contact) in model.contacts.iter().enumerate() {
-            if contact.is_elastic() {
-                rate -= self.row(self.form.carried_row(c)) * entry(contact.responses(), i);
-            }
-            let reaction = entry(&contact.reaction, i);
-            if reaction != 0.0 && step.modes()[c] != Mode::Open {
-                for &(j, n) in &contact.load_gradient {
-                    rate -= self.row(j) * (reaction * n);
-                }
-            }
-        }
-        rate
-    }
-
-    /// The rate of what springs of contacts do to v' of a coordinate, at the end of a step.
-    fn spring_rate(&self, step: &Step, i: usize) -> f64 {
-        let (model, h) = (&self.form.model, step.duration());
-        let rates = model.contacts.iter().enumerate().map(|(c, contact)| {
-            let mut rate = 0.0;
-            if contact.is_elastic() {
-                let carried = &step.series()[self.form.carried_row(c) - self.form.len()];
-                rate -= carried.slope_at(h) * entry(contact.responses(), i);
-            }
-            let reaction = entry(&contact.reaction, i);
-            if reaction != 0.0 && step.modes()[c] != Mode::Open {
-                let velocities = step.end_state().velocities;
-                let given = contact.load.series(step.clock()).slope_at(h);
-                rate -= (given + contact.displacement_load(|j| velocities[j])) * reaction;
-            }
-            rate
-        });
-        rates.sum()
     }
 
     /// The rows of the tangents that change at an event of a contact with a coordinate of its own.
@@ -579,12 +512,6 @@ impl TangentFlow<'_> {
             memory: state.memory[model.memory(number)].to_vec(),
         }
     }
-}
-
-/// The number of a coordinate among entries.
-fn entry(entries: &[(usize, f64)], i: usize) -> f64 {
-    let place = entries.binary_search_by_key(&i, |&(j, _)| j);
-    place.map_or(0.0, |place| entries[place].1)
 }
 
 /// The slopes of a map by differences of fourth order; exact for a linear map.

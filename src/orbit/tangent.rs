@@ -127,31 +127,6 @@ impl<'s> TangentFlow<'s> {
         Ok(())
     }
 
-    /// What elastic contacts carry that do not stick: δT = σμ n·δq in slip, 0 while open.
-    pub(super) fn limit_elastic(&mut self, step: &Step) {
-        for (c, contact) in self.form.model.contacts.iter().enumerate() {
-            if contact.is_elastic() && step.modes()[c] != Mode::Stick {
-                let side = match step.modes()[c] {
-                    Mode::Slip(side) => side.sign(),
-                    Mode::Stick | Mode::Open => 0.0,
-                };
-                self.limit_carried(c, side);
-            }
-        }
-    }
-
-    /// Sets δT of an elastic contact to σμ n·δq.
-    pub(super) fn limit_carried(&mut self, c: usize, side: f64) {
-        let contact = &self.form.model.contacts[c];
-        let coefficient = side * contact.constant_coefficient();
-        let mut carried = self.tangents.row(0) * 0.0;
-        for &(j, n) in &contact.load_gradient {
-            carried += self.tangents.row(j) * (coefficient * n);
-        }
-        let row = self.form.carried_row(c);
-        self.tangents.row_mut(row).copy_from(&carried);
-    }
-
     /// Replaces the tangents, and returns the old ones.
     pub(super) fn replace(&mut self, tangents: DMatrix<f64>) -> DMatrix<f64> {
         std::mem::replace(&mut self.tangents, tangents)

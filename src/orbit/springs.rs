@@ -1,0 +1,111 @@
+//! The springs of contacts in the variational equations: elastic contacts, and normal springs that
+//! open and close.
+//!
+//! On displacements and velocities the events of springs have S = I, for their forces are
+//! continuous. Where a slider starts, opens, or is cut by its load, δT falls on that of its limit.
+
+use nalgebra::RowDVector;
+
+use super::tangent::TangentFlow;
+use crate::motion::{Mode, Segment};
+use crate::structure::Step;
+
+impl TangentFlow<'_> {
+    /// What elastic contacts carry that do not stick: δT = σμ n·δq in slip, 0 while open.
+    pub(super) fn limit_elastic(&mut self, step: &Step) {
+        for (c, contact) in self.form.model.contacts.iter().enumerate() {
+            if contact.is_elastic() && step.modes()[c] != Mode::Stick {
+                let side = match step.modes()[c] {
+                    Mode::Slip(side) => side.sign(),
+                    Mode::Stick | Mode::Open => 0.0,
+                };
+                self.limit_carried(c, side);
+            }
+        }
+    }
+
+    /// Sets δT of an elastic contact to σμ n·δq.
+    pub(super) fn limit_carried(&mut self, c: usize, side: f64) {
+        let contact = &self.form.model.contacts[c];
+        let coefficient = side * contact.constant_coefficient();
+        let mut carried = self.tangents.row(0) * 0.0;
+        for &(j, n) in &contact.load_gradient {
+            carried += self.tangents.row(j) * (coefficient * n);
+        }
+        let row = self.form.carried_row(c);
+        self.tangents.row_mut(row).copy_from(&carried);
+    }
+
+    /// δT of an elastic contact that has closed and sticks: T = k_t r (t − t_c).
+    pub(super) fn closed(&self, step: &Step, contact: usize) -> RowDVector<f64> {
+        let data = &self.form.model.contacts[contact];
+        let stiffness = data.tangential_stiffness.unwrap_or(0.0);
+        let velocities = step.end_state().velocities;
+        let surface = data.belt_velocity.series(step.clock()).at(step.duration());
+        let velocity = data.along(|j| velocities[j]) - surface;
+        self.load_later(step, contact) * (-stiffness * velocity)
+    }
+
+    /// The delay δt of a load that comes to 0 with displacements; none where it jumps.
+    pub(super) fn load_later(&self, step: &Step, contact: usize) -> RowDVector<f64> {
+        /// Part of the terms of a load below which it is 0.
+        const ZERO: f64 = 1e-9;
+        let never = self.row(0) * 0.0;
+        let data = &self.form.model.contacts[contact];
+        let state = step.end_state();
+        let displacement = |j: usize| state.displacements[j];
+        let given = data.load.series(step.clock());
+        let load = given.at(step.duration()) + data.displacement_load(displacement);
+        if data.load_gradient.is_empty() || load.abs() > ZERO * data.load_size(displacement) {
+            return never;
+        }
+        let rate = given.derivative().at(step.duration())
+            + data.displacement_load(|j| state.velocities[j]);
+        let gradient = data.load_gradient.iter();
+        gradient.fold(never, |sum, &(j, n)| sum + self.row(j) * n) * -rate.recip()
+    }
+
+    /// The derivative of what springs of contacts do to v' of a coordinate.
+    pub(super) fn by_springs(&self, step: &Step, i: usize) -> RowDVector<f64> {
+        let model = &self.form.model;
+        let mut rate = self.row(0) * 0.0;
+        for (c, contact) in model.contacts.iter().enumerate() {
+            if contact.is_elastic() {
+                rate -= self.row(self.form.carried_row(c)) * entry(contact.responses(), i);
+            }
+            let reaction = entry(&contact.reaction, i);
+            if reaction != 0.0 && step.modes()[c] != Mode::Open {
+                for &(j, n) in &contact.load_gradient {
+                    rate -= self.row(j) * (reaction * n);
+                }
+            }
+        }
+        rate
+    }
+
+    /// The rate of what springs of contacts do to v' of a coordinate, at the end of a step.
+    pub(super) fn spring_rate(&self, step: &Step, i: usize) -> f64 {
+        let (model, h) = (&self.form.model, step.duration());
+        let rates = model.contacts.iter().enumerate().map(|(c, contact)| {
+            let mut rate = 0.0;
+            if contact.is_elastic() {
+                let carried = &step.series()[self.form.carried_row(c) - self.form.len()];
+                rate -= carried.slope_at(h) * entry(contact.responses(), i);
+            }
+            let reaction = entry(&contact.reaction, i);
+            if reaction != 0.0 && step.modes()[c] != Mode::Open {
+                let velocities = step.end_state().velocities;
+                let given = contact.load.series(step.clock()).slope_at(h);
+                rate -= (given + contact.displacement_load(|j| velocities[j])) * reaction;
+            }
+            rate
+        });
+        rates.sum()
+    }
+}
+
+/// The number of a coordinate among entries.
+fn entry(entries: &[(usize, f64)], i: usize) -> f64 {
+    let place = entries.binary_search_by_key(&i, |&(j, _)| j);
+    place.map_or(0.0, |place| entries[place].1)
+}
