@@ -14,6 +14,7 @@ mod closed_forms;
 mod contacts;
 mod contacts_random;
 mod decisions;
+mod edges;
 mod elastic;
 mod elastic_identities;
 mod energy;

@@ -109,9 +109,14 @@ impl Decision {
         series: &mut Series,
     ) -> Result<(), Error> {
         self.gather(model, situation, series);
+        let mut are_on_edges = false;
         loop {
             self.solve(model, situation, series)?;
             let Some(fastest) = self.fastest() else {
+                if !are_on_edges && self.put_on_edges() {
+                    are_on_edges = true;
+                    continue;
+                }
                 break;
             };
             /// Mirrored contacts yield together.
@@ -301,6 +306,20 @@ impl Decision {
     fn fastest(&self) -> Option<f64> {
         let eager = self.candidates.iter().map(Candidate::eagerness);
         eager.filter(|eagerness| *eagerness > 0.0).reduce(f64::max)
+    }
+
+    /// Takes contacts that slip with the force of stick and without acceleration to stick on the edge
+    /// of their band; returns true if there are any.
+    fn put_on_edges(&mut self) -> bool {
+        let mut changed = false;
+        for candidate in &mut self.candidates {
+            let is_slip = matches!(candidate.choice, Choice::Slip(_)) && !candidate.has_yielded;
+            if is_slip && candidate.acceleration.abs() <= candidate.rounding {
+                candidate.choice = Choice::Stick;
+                changed = true;
+            }
+        }
+        changed
     }
 
     /// The contacts that are at rest together though their directions are dependent, if any: what
@@ -537,24 +556,26 @@ pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &S
     situation.closed = Some(closed);
 }
 
-/// The shared contacts that are closed: of dependent ones those at rest.
+/// The shared contacts that are closed.
+///
+/// Only those that stick are met to the bit. Others give way: where their directions nearly depend
+/// on others', that would magnify rounding errors into velocities that nothing gives them. One that
+/// arrives does so a little, for it may stick from now on.
 fn closed_contacts(model: &Model<'_>, situation: &Situation) -> Closed {
+    const SLIDING: f64 = 1.0 / 64.0;
+    const ARRIVING: f64 = 1.0 / 4096.0;
     let shared = model.shared.iter().copied();
-    let mut contacts: Vec<usize> = shared
-        .filter(|&c| !situation.contacts[c].phase_is_open())
-        .collect();
-    loop {
-        let place = match model.factor(&contacts) {
-            Ok(factor) => {
-                let pivots = model.pivots(&contacts);
-                let holding = Holding { contacts, factor };
-                return Closed { holding, pivots };
-            }
-            Err(place) => place,
-        };
-        let before = contacts[..=place]
-            .iter()
-            .rposition(|&c| !situation.contacts[c].rests());
-        contacts.remove(before.unwrap_or(place));
-    }
+    let contacts = shared.filter(|&c| !situation.contacts[c].phase_is_open());
+    let softness = |c: usize| match &situation.contacts[c] {
+        state if state.sticks() => 0.0,
+        state if state.rests() => ARRIVING,
+        _ => SLIDING,
+    };
+    let holding = model.independent(contacts.collect(), softness);
+    // Those that stick first: an arrival that depends on them adds nothing but rounding.
+    let resting = holding.contacts.iter().copied();
+    let mut resting: Vec<usize> = resting.filter(|&c| situation.contacts[c].rests()).collect();
+    resting.sort_by_key(|&c| !situation.contacts[c].sticks());
+    let pivots = model.pivots(&model.independent(resting, |_| 0.0).contacts);
+    Closed { holding, pivots }
 }

@@ -31,16 +31,16 @@ impl Factor {
     ///
     /// The number of the first row that depends on those before, within rounding.
     pub(crate) fn new(rows: impl Iterator<Item = Vec<(usize, f64)>>) -> Result<Self, usize> {
-        Self::with_diagonal(1.0, rows)
+        Self::with_diagonal(|_| 1.0, rows)
     }
 
-    /// The same with another diagonal.
+    /// The same with another diagonal, by the number of the row.
     ///
     /// # Errors
     ///
     /// As for [`new`](Self::new).
     pub(crate) fn with_diagonal(
-        diagonal: f64,
+        diagonal: impl Fn(usize) -> f64,
         rows: impl Iterator<Item = Vec<(usize, f64)>>,
     ) -> Result<Self, usize> {
         /// Rounding of an entry of the matrix.
@@ -55,6 +55,7 @@ impl Factor {
                 entries[j - first] = value;
             }
             let mut moved = vec![0.0; i + 1 - first];
+            let diagonal = diagonal(i);
             let (mut square, mut square_moved) = (diagonal, ROUNDING * diagonal);
             for j in first..i {
                 let (other, other_moved) = (&factor.rows[j], &errors[j]);

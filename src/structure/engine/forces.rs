@@ -48,7 +48,7 @@ impl<'a, 's> Forces<'a, 's> {
         let shared = model.shared.iter().copied();
         let sticking = shared.filter(|&c| step.modes()[c] == Mode::Stick);
         Self {
-            holding: model.independent(sticking.collect()),
+            holding: model.independent(sticking.collect(), |_| 0.0),
             model,
             step,
         }

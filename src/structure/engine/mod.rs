@@ -44,7 +44,7 @@ use edge::{Edge, side_of};
 use events::{Firings, first_firings};
 use expand::expand_drives;
 use model::{ContactData, Model};
-use plan::{Control, is_finite, is_linear, plan_memory, plan_reach};
+use plan::{Control, is_finite, is_linear, plan_memory, plan_reach, reaches};
 use series::Series;
 use springs::land_springs;
 use state::{Entry, Firing, Phase, Situation};
@@ -221,17 +221,21 @@ impl<'s> Engine<'s> {
         let cut = reach.min(control.longest).min(LONGEST_STEP);
         let is_long_enough =
             |h| h >= to_break || h > f64::EPSILON * elapsed && h >= f64::MIN_POSITIVE;
-        let plan = &control.plan;
-        let found =
-            step_control::settle(cut.min(to_break), is_long_enough, |h| {
-                match first_firings(model, situation, series, [h, to_break], firings) {
-                    Err(_) => Attempt::TooCurved,
-                    Ok(end) if defect::is_accepted(model, situation, series, plan, end) => {
-                        Attempt::Taken(end)
-                    }
-                    Ok(end) => Attempt::Inexact(end),
-                }
-            });
+        let Control {
+            plan, tolerance, ..
+        } = &mut *control;
+        let found = step_control::settle(cut.min(to_break), is_long_enough, |h| {
+            let Ok(end) = first_firings(model, situation, series, [h, to_break], firings) else {
+                return Attempt::TooCurved;
+            };
+            let is_exact = reaches(model, situation, series, *tolerance, end, plan)
+                && defect::is_accepted(model, situation, series, plan, end);
+            if is_exact {
+                Attempt::Taken(end)
+            } else {
+                Attempt::Inexact(end)
+            }
+        });
         let (duration, h) = match found {
             Ok(found) => found,
             Err(h) => return Err(self.underflow(h)),

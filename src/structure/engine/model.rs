@@ -502,7 +502,7 @@ impl<'s> Model<'s> {
             }
         }
         let shared = self.shared.iter().copied();
-        let holding = self.independent(shared.filter(|&c| rests(c)).collect());
+        let holding = self.independent(shared.filter(|&c| rests(c)).collect(), |_| 0.0);
         let relative = |c: usize| {
             let contact = &self.contacts[c];
             contact.along(|j| velocities[j]) - contact.belt_velocity.value(time)
@@ -531,9 +531,14 @@ impl<'s> Model<'s> {
     }
 
     /// The largest set of these shared contacts whose directions are independent, with its factor.
-    pub(crate) fn independent(&self, mut contacts: Vec<usize>) -> Holding {
+    /// Each gives way by itself, by so much in parts of its own compliance.
+    pub(crate) fn independent(
+        &self,
+        mut contacts: Vec<usize>,
+        softness: impl Fn(usize) -> f64,
+    ) -> Holding {
         loop {
-            match self.factor(&contacts) {
+            match self.giving_factor(&contacts, &softness) {
                 Ok(factor) => return Holding { contacts, factor },
                 Err(place) => {
                     contacts.remove(place);
@@ -578,14 +583,26 @@ impl<'s> Model<'s> {
         Factor::new(self.couplings(among))
     }
 
+    /// The same if each of them gave way by itself, by so much in parts of its own compliance.
+    ///
+    /// # Errors
+    ///
+    /// As for [`factor`](Self::factor).
+    fn giving_factor(
+        &self,
+        among: &[usize],
+        softness: impl Fn(usize) -> f64,
+    ) -> Result<Factor, usize> {
+        Factor::with_diagonal(|i| 1.0 + softness(among[i]), self.couplings(among))
+    }
+
     /// The same if each of them gave way a little by itself, so that dependent ones share what they
     /// carry.
     pub(super) fn soft_factor(&self, among: &[usize]) -> Factor {
         const SOFTEST: f64 = 1.0;
         let mut softness = 1e-8;
         loop {
-            let factor = Factor::with_diagonal(1.0 + softness, self.couplings(among));
-            match factor {
+            match self.giving_factor(among, |_| softness) {
                 Ok(factor) => return factor,
                 // Numbers that are not finite.
                 Err(_) if softness > SOFTEST => return Factor::default(),

@@ -7,6 +7,13 @@ use super::state::{Phase, Situation};
 use crate::motion::step_control::{Allowance, FARTHEST, reach};
 use crate::series::{PowerSeries, TERMS};
 
+/// Lengths of a step in which their changes measure velocities, at most.
+///
+/// Where springs are soft beside friction, or there are none, a velocity would change by far more
+/// within the unit of time than it does before friction stops it: an error that is small beside
+/// that may be as large as the velocity itself.
+const BEYOND: f64 = 16.0;
+
 /// What controls the lengths of steps, from one to the next.
 #[derive(Debug, Clone)]
 pub(super) struct Control {
@@ -31,6 +38,9 @@ pub(super) struct Control {
 pub(super) struct Plan {
     /// The time unit in which step lengths are measured.
     pub(super) unit: f64,
+    /// The time in which their changes measure velocities: the unit, or less where steps are but a
+    /// small part of that.
+    within: f64,
     /// Of each coordinate, and of each contact's relative velocity.
     pub(super) coordinates: Vec<Allowance>,
     pub(super) contacts: Vec<Allowance>,
@@ -172,37 +182,74 @@ pub(super) fn plan_reach(
         }
     }
     plan.unit = time_unit(model, situation, series, scales);
-    let unit = plan.unit;
+    let mut within = plan.unit;
+    loop {
+        let farthest = plan_within(model, situation, series, tolerance, within, plan);
+        let shorter = BEYOND * farthest;
+        if shorter < 0.5 * within {
+            within = shorter;
+        } else {
+            return farthest;
+        }
+    }
+}
+
+/// Allows no more than a step of this length may have; returns true if the series still reach so
+/// far. Events may end a step long before anything else would.
+pub(super) fn reaches(
+    model: &Model<'_>,
+    situation: &Situation,
+    series: &Series,
+    tolerance: f64,
+    h: f64,
+    plan: &mut Plan,
+) -> bool {
+    let within = BEYOND * h;
+    within >= plan.within || plan_within(model, situation, series, tolerance, within, plan) >= h
+}
+
+/// How far the series may be used if velocities are measured by how they change in the time
+/// `within`.
+fn plan_within(
+    model: &Model<'_>,
+    situation: &Situation,
+    series: &Series,
+    tolerance: f64,
+    within: f64,
+    plan: &mut Plan,
+) -> f64 {
+    plan.within = within;
+    let scales = &mut plan.scales;
     // A mass that does not move yet is judged by how others will move it.
     let mut energy = 0.0_f64;
     for (i, (scale, _)) in scales.iter_mut().enumerate() {
         let closing = plan.closings[i];
-        let unit = if closing * unit > 1.0 {
+        let time = if closing * within > 1.0 {
             closing.recip()
         } else {
-            unit
+            within
         };
         let motion = motion(model, situation, series, i);
-        let rate = motion.speed(1).abs().max(unit * motion.speed(2).abs());
-        let by_rate = if unit.is_finite() { unit * rate } else { 0.0 };
+        let rate = motion.speed(1).abs().max(time * motion.speed(2).abs());
+        let by_rate = if time.is_finite() { time * rate } else { 0.0 };
         let velocity = series.coordinates[i].course.velocity(0);
         *scale = velocity.abs().max(motion.surface(0).abs()).max(by_rate);
         energy = energy.max(*scale / model.inverse_mass.row(i).0.sqrt());
     }
-    let mut farthest = FARTHEST * unit;
+    let mut farthest = FARTHEST * plan.unit;
     plan.coordinates.clear();
     for (i, &(own, terms)) in scales.iter().enumerate() {
         let motion = motion(model, situation, series, i);
         let shared = energy * model.inverse_mass.row(i).0.sqrt();
         let scale = if own < shared {
-            own.max(shared.min(motion.largest_change(unit)))
+            own.max(shared.min(motion.largest_change(within)))
         } else {
             own
         };
         let mut error = tolerance * scale;
-        if model.shared_coordinates.binary_search(&i).is_ok() && unit.is_finite() {
+        if model.shared_coordinates.binary_search(&i).is_ok() && within.is_finite() {
             // What holds a coordinate leaves the rounding errors of the forces on it.
-            error = error.max(f64::EPSILON * unit * terms);
+            error = error.max(f64::EPSILON * within * terms);
         }
         let allowance = Allowance::new(error, terms);
         farthest = farthest.min(motion.reach(allowance.error));
@@ -214,8 +261,8 @@ pub(super) fn plan_reach(
         let (state, of) = (&situation.contacts[c], &series.contacts[c]);
         if let Some(stiffness) = contact.tangential_stiffness {
             let velocity = contact.size_along(|j| plan.scales[j].0) + contact.belt_velocity.size();
-            let by_motion = if unit.is_finite() {
-                stiffness * velocity * unit
+            let by_motion = if plan.unit.is_finite() {
+                stiffness * velocity * plan.unit
             } else {
                 0.0
             };
@@ -243,8 +290,12 @@ pub(super) fn plan_reach(
             Some(i) => plan.coordinates[i],
             None => {
                 let of_masses = contact.size_along(|j| plan.coordinates[j].error);
-                let rate = of.speeds[1].abs().max(unit * of.speeds[2].abs());
-                let by_rate = if unit.is_finite() { unit * rate } else { 0.0 };
+                let rate = of.speeds[1].abs().max(within * of.speeds[2].abs());
+                let by_rate = if within.is_finite() {
+                    within * rate
+                } else {
+                    0.0
+                };
                 let scale = of.speeds[0].abs().max(of.surface[0].abs()).max(by_rate);
                 Allowance::new(of_masses.max(tolerance * scale), size)
             }

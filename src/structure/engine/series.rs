@@ -15,6 +15,8 @@ pub(super) struct Series {
     pub(super) rates: Vec<f64>,
     pub(super) unheld: Vec<f64>,
     pub(super) held: Vec<f64>,
+    /// How far rounding may have moved that order of the shared coordinates, where that counts.
+    pub(super) rounding: Vec<f64>,
 }
 
 /// What a contact does in a step, as the series need it.
@@ -182,6 +184,7 @@ impl Series {
             contacts: contacts.collect(),
             rates: vec![0.0; model.len()],
             unheld: vec![0.0; model.len()],
+            rounding: vec![0.0; model.len()],
             held: Vec::with_capacity(model.shared.len()),
         }
     }

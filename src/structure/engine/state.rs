@@ -27,9 +27,9 @@ pub(super) struct Situation {
 /// The shared contacts that are closed.
 #[derive(Debug, Clone)]
 pub(super) struct Closed {
-    /// As far as they are independent.
+    /// Those that do not stick give way a little.
     pub(super) holding: Holding,
-    /// Contacts with a coordinate each that no contact before has: see [`Model::pivots`].
+    /// Contacts at rest with a coordinate each that none before has: see [`Model::pivots`].
     pub(super) pivots: Vec<(usize, usize)>,
 }
 
