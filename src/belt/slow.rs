@@ -48,7 +48,8 @@ const INNER: f64 = 0.8;
 
 impl SlipSeries {
     /// The series of the slow manifold through the same displacement, if the motion has reached it,
-    /// and the time over which it can be used. `self` is the explicit series, from `from`.
+    /// and the time over which it can be used. `self` is the explicit series, from `from`. Counts
+    /// the series that are computed for it.
     pub(super) fn slow(
         &self,
         piece: usize,
@@ -57,11 +58,13 @@ impl SlipSeries {
         from: &SlipPoint,
         time: Time,
         allowance: &Allowance,
+        passes: &mut usize,
     ) -> Option<(Self, f64)> {
         let (slow, speed) = (Slow::new(system, from, time), from.speed);
         let equation = system.equation(from.direction);
         // The series of the friction along a given series of the sliding speed.
         let mut compose = |c: &PowerSeries| -> Result<Self, Error> {
+            *passes += 1;
             // Not with the last coefficient of the explicit series, which is not written here.
             expander.series = Self::ZERO;
             system.law().expand_slip(Expansion {

@@ -167,7 +167,7 @@ impl<'s> Tracer<'s> {
             let step = Step::slip(clock, duration, point.direction, state, &speed, v_b, None);
             clock = clock.after(duration);
             steps.push(step);
-            self.work += 1;
+            self.work += self.stepper.passes();
             let arrival = if maximum.is_some() {
                 Some(self.maximum(&point, time, &speed, duration))
             } else if duration.is_infinite() || self.has_settled(&end, time) {

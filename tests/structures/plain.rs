@@ -361,6 +361,23 @@ impl Plain {
         State::new(&q, v.as_slice())
     }
 
+    /// Whether every contact is at rest to the bit at the start, or surely not: what is at rest but
+    /// for rounding comes to rest a moment later, and until then others decide as if it slid.
+    pub(crate) fn is_clear(&self, start: &State) -> bool {
+        self.starts(start).all(|r| r == 0.0 || r.abs() > 1e-9)
+    }
+
+    /// The number of contacts that are at rest at the start.
+    pub(crate) fn resting(&self, start: &State) -> usize {
+        self.starts(start).filter(|r| *r == 0.0).count()
+    }
+
+    /// The relative velocities of the contacts at the start.
+    fn starts(&self, start: &State) -> impl Iterator<Item = f64> {
+        let v = DVector::from_column_slice(&start.velocities);
+        (0..self.contacts.len()).map(move |c| self.sliding(c, 0.0, &v))
+    }
+
     /// Number of coordinates.
     pub(crate) fn len(&self) -> usize {
         self.mass.nrows()
