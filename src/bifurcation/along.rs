@@ -65,7 +65,8 @@ pub fn along_velocities<L: FrictionLaw>(system: &MassOnBelt<L>, range: Range<f64
 /// # Cost
 ///
 /// The unit of work is a step of a slip phase, about a microsecond; where friction is so stiff that
-/// a step takes several series, it counts for as many. An oscillation takes about ten steps, and two more for each breakpoint of the law that it passes. One system costs
+/// a step takes several series, it counts for as many. An oscillation takes about ten steps, and
+/// two more for each breakpoint of the law that it passes. One system costs
 /// [`hopf`](Self::hopf) no steps; [`grazing`](Self::grazing), [`touching`](Self::touching) and
 /// [`overshoot`](Self::overshoot) one slip arc; [`crossing`](Self::crossing) two;
 /// [`folds`](Self::folds) some ten oscillations for a smooth law, and up to a hundred for a table

@@ -8,7 +8,8 @@ use stick_slip::{
 };
 
 /// A block that slides to a stop takes ∫ m ds/(N μ(s)). Where it starts, the law has no derivative
-/// that is not rounding; no spring, or a very soft one, gives a time in which to measure velocities.
+/// that is not rounding, and no spring, or a very soft one, gives a time in which to measure
+/// velocities.
 #[test]
 fn a_block_without_a_spring_slides_to_a_stop() {
     let law = Exponential::new(0.31, 0.144, 0.0278).unwrap();

@@ -308,8 +308,8 @@ impl Decision {
         eager.filter(|eagerness| *eagerness > 0.0).reduce(f64::max)
     }
 
-    /// Takes contacts that slip with the force of stick and without acceleration to stick on the edge
-    /// of their band; returns true if there are any.
+    /// Takes contacts that slip with the force of stick and without acceleration to stick on the
+    /// edge of their band; returns true if there are any.
     fn put_on_edges(&mut self) -> bool {
         let mut changed = false;
         for candidate in &mut self.candidates {
