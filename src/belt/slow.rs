@@ -54,11 +54,10 @@ impl SlipSeries {
         &self,
         piece: usize,
         system: &Belt<'_>,
-        expander: &mut Expander,
+        (expander, passes): (&mut Expander, &mut usize),
         from: &SlipPoint,
         time: Time,
         allowance: &Allowance,
-        passes: &mut usize,
     ) -> Option<(Self, f64)> {
         let (slow, speed) = (Slow::new(system, from, time), from.speed);
         let equation = system.equation(from.direction);

@@ -232,11 +232,10 @@ impl Stepper {
             let slow = explicit.slow(
                 piece,
                 system,
-                &mut self.expander,
+                (&mut self.expander, &mut self.passes),
                 point,
                 time,
                 &allowance,
-                &mut self.passes,
             );
             self.expander.series = match slow {
                 Some((slow, reach)) if limits.contain(slow.speed[0]) => {

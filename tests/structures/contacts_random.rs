@@ -1,6 +1,5 @@
 //! Random structures whose contacts share coordinates: nothing panics, hangs or is missed.
 
-use stick_slip::structure::State;
 use stick_slip::{AnyLaw, Error, FrictionLaw, Integrator, Mode, Segment};
 
 use crate::common::Random;
