@@ -5,7 +5,9 @@
 //! * a profile is a list of points (time, value), joined by straight lines and constant outside; a
 //!   ramp's ends are kinks, at which a step ends exactly;
 //! * a mass can be released by a kink: its inertia has to be carried too;
-//! * the same belt velocity gives different motions on the way up and on the way down.
+//! * the same belt velocity gives different motions on the way up and on the way down;
+//! * vibration begins long after steady sliding has become unstable, the later the less disturbs it:
+//!   give a slow simulation the disturbance that the machine has.
 //!
 //! Run it with `cargo run --release --example speed_profile`.
 
@@ -47,20 +49,37 @@ fn main() -> Result<(), Error> {
         );
     }
 
-    // Steady sliding at constant velocities, for comparison.
-    println!("\nsteady sliding on a belt of constant velocity");
-    for velocity in [0.05, 0.1, 0.3, 0.6, 0.75, 0.9] {
-        let constant = Structure::new(&[1.0])?
+    // Where steady sliding is stable; it vibrates later than it could, both on the way up and down.
+    println!("\nsteady sliding, with the belt held at its velocity of each time");
+    for change in system.stability_changes(0.0..400.0)? {
+        let becomes = if change.becomes_stable {
+            "stable"
+        } else {
+            "unstable"
+        };
+        let velocity = belt.value(change.time);
+        println!("  {:8.3}  {velocity:6.4}  becomes {becomes}", change.time);
+    }
+
+    // How much later, is a matter of what disturbs the mass.
+    println!("\nfirst stick on a belt that slows down from 1.2 to 0.4 within 4000");
+    let slow = Drive::profile(&[(0.0, 1.2), (4000.0, 0.4)])?;
+    let slowing = |disturbance: f64| {
+        Structure::new(&[1.0])?
             .with_ground_spring(0, 1.0)?
             .with_ground_damper(0, 0.1)?
-            .with_contact(Contact::new(0, law, 1.0)?.on_belt(velocity))?;
-        let stable = constant
-            .steady_sliding()
-            .is_ok_and(|sliding| sliding.is_stable());
-        println!(
-            "  {velocity:5.3}  {}",
-            if stable { "stable" } else { "unstable" }
-        );
+            .with_force(0, Drive::sine(disturbance, 1.0)?)?
+            .with_contact(Contact::new(0, law, 1.0)?.on_belt(slow.clone()))
+    };
+    for disturbance in [1e-2, 1e-3, 1e-6, 1e-9, 0.0] {
+        let motion = slowing(disturbance)?.simulate(State::new(&[0.26], &[0.0]), 4000.0)?;
+        let mut events = motion.events().iter();
+        let stick = events.find(|event| event.kind == EventKind::Stick);
+        let time = stick.map_or(f64::NAN, |event| event.time);
+        println!("  disturbed by {disturbance:5.0e} of the load: {time:7.1}");
+    }
+    for change in slowing(0.0)?.stability_changes(0.0..4000.0)? {
+        println!("  unstable since: {:22.1}", change.time);
     }
 
     let mut sticks = motion

@@ -56,6 +56,8 @@
 //! | whether several masses slide steadily, or flutter | [`Structure::steady_sliding`] |
 //! | a periodic motion of any system, with its multipliers | [`orbit::shoot`], [`orbit::settle`] |
 //! | how a periodic motion changes over any parameter | [`orbit::follow`] |
+//! | what any system settles to from a start, or as a parameter rises and falls | [`orbit::classify`], [`orbit::sweep`] |
+//! | where steady sliding becomes unstable along a speed profile | [`Structure::stability_changes`] |
 //! | whether a motion is chaotic | [`orbit::lyapunov`], [`orbit::section`] |
 //! | how to work in kilograms, newtons, metres and hertz | [`PhysicalMassOnBelt`], [`Scaling`]; a [`Structure`] takes any consistent units |
 //! | a friction law of my own | [`FrictionLaw`], [`Scalar`]; checked by [`check_law`] |

@@ -4,7 +4,8 @@
 //! calls the constructors, with the same checks and error messages. An unknown field is refused as
 //! well.
 //!
-//! Equilibria, cycles, sets of cycles, attractors and points of a diagram are **written only**, for
+//! Equilibria, cycles, sets of cycles, periodic motions, branches, sweeps, attractors, samples,
+//! energies and points of a diagram are **written only**, for
 //! other programs, because they follow from a system. To get them back, read the system and compute
 //! them again.
 //!
@@ -53,6 +54,15 @@
 //! | [`Attractor`](crate::limit_cycle::Attractor) | `rest`, `equilibrium`, `continuum`, `unbounded`, `unresolved`, or `cycle` or `separatrix` with the cycle | no |
 //! | [`VibrationRange`](crate::bifurcation::VibrationRange) | `velocities`: `start`, `end`; `attractors` | no |
 //! | [`AttractorKind`](crate::bifurcation::AttractorKind) | `equilibrium`, `continuum`, or `cycle` with its kind | no |
+//! | [`structure::Sample`](crate::structure::Sample) | `time`, `state`, `modes`, `accelerations`, `friction`, `loads` | no |
+//! | [`structure::EnergyBudget`](crate::structure::EnergyBudget) | `stored`, `force_work`, `drive_work`, `belt_work`, `friction_loss`, `normal_work`, `damper_loss`, `circulation` | no |
+//! | [`StabilityChange`](crate::structure::StabilityChange) | `time`, `becomes_stable`, `frequency` | no |
+//! | [`Orbit`](crate::orbit::Orbit) | `period`, `is_stable`, `multipliers`: a list of [re, im]; `extremes`, `velocity_extremes`: [least, largest] of each coordinate; `energy`, `state` (its start), `events` | no |
+//! | [`Branch`](crate::orbit::Branch) | `points`: maps `parameter`, `orbit`; `bifurcations`: maps `parameter`, `kind` (in words), `orbit`; `ends` (in words) | no |
+//! | [`orbit::Attractor`](crate::orbit::Attractor) | `kind`, `orbit`: nothing unless it is periodic | no |
+//! | [`orbit::AttractorKind`](crate::orbit::AttractorKind) | `rest`, `steady_sliding`, `pure_slip`, `stick_slip`, `irregular` | no |
+//! | [`Sweep`](crate::orbit::Sweep) | `up`, `down`: maps `parameter`, `attractor`, `error` (in words); `stopped` | no |
+//! | [`orbit::Change`](crate::orbit::Change) | `between`: two values, `from`, `to` | no |
 //! | [`DiagramPoint`](crate::bifurcation::DiagramPoint) | `belt_velocity`, `equilibrium`, `cycles` | no |
 //!
 //! The law of a contact is written with its name: `coulomb`, `exponential`, `polynomial`,

@@ -789,3 +789,56 @@ fn reading_structures_checks_what_constructors_check() {
         "no coordinate 1",
     );
 }
+
+/// What follows from a structure is written for other programs.
+#[test]
+fn samples_orbits_branches_and_sweeps_are_written() {
+    use stick_slip::orbit::{self, Period};
+    let family = |belt: f64| {
+        let law = Coulomb::new(0.4, 0.25)?;
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, 0.05)?
+            .with_contact(Contact::new(0, law, 1.0)?.on_belt(belt))
+    };
+    let system = family(0.1).unwrap();
+    let start = structure::State::at_rest(1);
+    let orbit = orbit::settle(&system, &start, 50.0, Period::Free(7.0)).unwrap();
+    let value = serde_json::to_value(&orbit).unwrap();
+    assert_eq!(value["period"].as_f64(), Some(orbit.period()));
+    assert_eq!(value["is_stable"], true);
+    assert_eq!(value["multipliers"], serde_json::json!([[0.0, 0.0]]));
+    assert_eq!(value["extremes"][0][1].as_f64(), Some(orbit.extremes(0).1));
+    assert_eq!(
+        value["events"].as_array().unwrap().len(),
+        orbit.events().len()
+    );
+    let heat = &value["energy"]["friction_loss"][0];
+    assert_eq!(heat.as_f64(), Some(orbit.energy().friction_loss[0]));
+
+    let branch = orbit::follow(family, 0.1, &orbit, 0.09..0.11).unwrap();
+    let value = serde_json::to_value(&branch).unwrap();
+    assert_eq!(
+        value["points"].as_array().unwrap().len(),
+        branch.points.len()
+    );
+    assert_eq!(value["points"][0]["parameter"], 0.09);
+    assert_eq!(value["ends"], serde_json::json!(["Range", "Range"]));
+
+    let sweep = orbit::sweep(family, &[0.1, 0.2], &start).unwrap();
+    let value = serde_json::to_value(&sweep).unwrap();
+    assert_eq!(value["up"][1]["attractor"]["kind"], "stick_slip");
+    assert!(value["up"][1]["attractor"]["orbit"]["period"].is_f64());
+    assert!(value["down"][0]["error"].is_null() && value["stopped"].is_null());
+
+    let motion = system.simulate(start, 2.0).unwrap();
+    let samples: Vec<_> = system.samples(&motion, 0.5).unwrap().collect();
+    let value = serde_json::to_value(&samples).unwrap();
+    assert_eq!(value.as_array().unwrap().len(), 5);
+    assert_eq!(value[2]["time"], 1.0);
+    assert_eq!(value[2]["loads"], serde_json::json!([1.0]));
+    assert_eq!(
+        value[2]["state"]["velocities"][0].as_f64(),
+        Some(samples[2].state.velocities[0])
+    );
+}

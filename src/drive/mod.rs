@@ -319,6 +319,17 @@ impl Drive {
         breaks.min_by(f64::total_cmp)
     }
 
+    /// The times in [start, end] at which two pieces meet.
+    pub(crate) fn breaks_in(&self, start: f64, end: f64) -> Vec<f64> {
+        let mut breaks = Vec::new();
+        let mut time = start;
+        while let Some(next) = self.next_break(Clock::at(time)).filter(|&next| next <= end) {
+            breaks.push(next);
+            time = next;
+        }
+        breaks
+    }
+
     /// The first time at which it jumps.
     pub(crate) fn first_jump(&self) -> Option<f64> {
         let jumps = self.profiles.iter().filter_map(Profile::first_jump);

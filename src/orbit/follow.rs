@@ -85,7 +85,6 @@ use crate::state::structure::State;
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[doc(alias = "continuation")]
-#[doc(alias = "sweep")]
 pub fn follow<S: Oscillator>(
     family: impl Fn(f64) -> Result<S, Error>,
     parameter: f64,

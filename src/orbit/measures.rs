@@ -114,6 +114,12 @@ impl Contact {
 }
 
 impl<S: System> Orbit<S> {
+    /// Number of coordinates.
+    #[cfg(feature = "serde")]
+    pub(super) fn coordinates(&self) -> usize {
+        self.measures.coordinates.len()
+    }
+
     fn coordinate<T>(&self, coordinate: usize, of: impl Fn(&Coordinate) -> T) -> Option<T> {
         self.measures.coordinates.get(coordinate).map(of)
     }

@@ -37,6 +37,8 @@
 //! | `MassOnBelt`: parameters at which motions appear and vanish | [`bifurcation`](crate::bifurcation) | as dense as each function states |
 //! | any system: the motion near a guess, stable or not | [`shoot`] | one motion, exact to rounding, or a typed error |
 //! | any system: the motion that a start settles to | [`settle`] | one motion, exact to rounding, or a typed error |
+//! | any system: what a start settles to, and what it is | [`classify`] | the attractor of that start |
+//! | any system: the same as a parameter rises and falls, with hysteresis | [`sweep`] | the attractors on this way |
 //! | any system: a branch of motions over a parameter, its bifurcations and its ends | [`follow`] | the connected branch; two bifurcations of one kind within a step can be missed |
 //! | any system: the curve of a bifurcation over two parameters | [`locus`] | the connected curve; two special points of one kind within a step can be missed |
 //! | any system: whether a motion is periodic | [`section`], [`section_at`] | a picture |
@@ -99,6 +101,8 @@
 // | `map.rs` | the period map with its derivative, the monodromy matrix |
 // | `multipliers.rs` | the eigenvalues of the monodromy matrix |
 // | `shoot.rs` | `shoot`, `settle`: Newton's method for the fixed points of the map |
+// | `written.rs` | serialization of the results (feature `serde`) |
+// | `classify.rs`, `sweep.rs` | what a motion settles to; the same as a parameter rises and falls |
 // | `found.rs` | `Orbit`: a periodic motion with its events, extremes and multipliers |
 // | `measures.rs` | extremes, means, harmonics and energies of an `Orbit` |
 // | `follow.rs` | `follow`: continuation of a motion over a parameter |
@@ -116,6 +120,7 @@
 
 mod branch;
 mod changes;
+mod classify;
 mod corner;
 mod curve;
 mod follow;
@@ -136,11 +141,15 @@ mod section;
 mod sequence;
 mod shoot;
 mod springs;
+mod sweep;
 mod tangent;
 mod trial;
 mod walk;
+#[cfg(feature = "serde")]
+mod written;
 
 pub use branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
+pub use classify::{Attractor, AttractorKind, classify};
 pub use follow::follow;
 pub use found::Orbit;
 pub use locus::found::{Locus, LocusEnd, LocusKind, LocusPoint, SpecialKind, SpecialPoint};
@@ -151,3 +160,4 @@ pub use period::Period;
 pub use search::{Progress, Search};
 pub use section::{EventSection, Section, section, section_at};
 pub use shoot::{settle, shoot};
+pub use sweep::{Change, Sweep, SweepPoint, sweep};

@@ -286,7 +286,7 @@ impl Search<'_> {
 }
 
 /// A closed motion near a guess; if the guess lies at an event, the search starts between events.
-fn search(form: &Form<'_>, guess: &State, period: Period) -> Result<Trial, Error> {
+pub(super) fn search(form: &Form<'_>, guess: &State, period: Period) -> Result<Trial, Error> {
     let mut guess = guess.clone();
     // A guess may carry more than an elastic contact can.
     form.put_in_modes(&mut guess, 0.0, |_| None);

@@ -44,6 +44,7 @@
 //! | friction forces and accelerations in a state | [`Structure::carried`], [`Structure::acceleration`]; sampled along a motion: [`Structure::samples`] |
 //! | energies; work and heat of every force, contact and damper along a motion | [`Structure::energy_budget`], [`Structure::kinetic_energy`], [`Structure::elastic_energy`] |
 //! | steady sliding, its eigenvalues, flutter | [`Structure::steady_sliding`] |
+//! | where steady sliding becomes unstable along a speed profile, and why vibration begins later | [`Structure::stability_changes`] |
 //! | periodic motions, multipliers, bifurcations, chaos | [`orbit`](crate::orbit) |
 //!
 //! # Frames that move at a varying speed
@@ -95,6 +96,7 @@ mod elastic;
 mod energy;
 pub(crate) mod engine;
 mod flow;
+mod passage;
 #[cfg(feature = "serde")]
 mod read;
 mod sample;
@@ -107,6 +109,7 @@ pub use contact::Contact;
 pub(crate) use energy::Energies;
 pub use energy::EnergyBudget;
 pub use flow::Flow;
+pub use passage::StabilityChange;
 pub use sample::Sample;
 pub use steady::SteadySliding;
 pub use step::Step;

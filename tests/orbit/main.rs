@@ -12,6 +12,7 @@ mod reading;
 mod bad_input;
 mod belt;
 mod bounds;
+mod classify;
 mod derivatives;
 mod dwell;
 mod elastic;

@@ -410,3 +410,45 @@ fn a_ring_of_masses_has_roots_of_unity() {
         assert!(((s * s).powu(3) + 1.0).norm() < 1e-12, "{found:?}");
     }
 }
+
+/// Along a belt that slows down and speeds up again, stability changes at the Hopf velocities.
+#[test]
+fn stability_changes_where_the_belt_passes_its_hopf_velocities() {
+    let law = stick_slip::Exponential::new(0.4, 0.25, 0.5).unwrap();
+    let mass = stick_slip::MassOnBelt::new(law, 1.0).and_then(|mass| mass.with_damping(0.05));
+    let hopf = stick_slip::bifurcation::hopf_velocities(&mass.unwrap(), 0.01..1.5).unwrap();
+    let [low, high] = hopf[..] else {
+        panic!("{hopf:?}")
+    };
+    let belt = Drive::profile(&[(0.0, 1.5), (100.0, 0.0), (150.0, -1.5)]).unwrap();
+    let system = Structure::new(&[1.0])
+        .and_then(|s| s.with_ground_spring(0, 1.0)?.with_ground_damper(0, 0.1))
+        .and_then(|s| s.with_contact(Contact::new(0, law, 1.0)?.on_belt(belt)))
+        .unwrap();
+    let found = system.stability_changes(-10.0..200.0).unwrap();
+    let slow = |velocity: f64| 100.0 * (1.5 - velocity) / 1.5;
+    let fast = |velocity: f64| 100.0 + 50.0 * velocity / 1.5;
+    let expected = [
+        (slow(high), false),
+        (slow(low), true),
+        (fast(low), false),
+        (fast(high), true),
+    ];
+    assert_eq!(found.len(), expected.len(), "{found:?}");
+    for (found, (time, becomes_stable)) in std::iter::zip(found, expected) {
+        assert!((found.time - time).abs() < 1e-11, "{found:?} {time}");
+        assert_eq!(found.becomes_stable, becomes_stable);
+        assert!((found.frequency - 1.0).abs() < 1e-12);
+    }
+    for (start, end) in [
+        (0.0, 0.0),
+        (1.0, 0.0),
+        (f64::NAN, 1.0),
+        (0.0, f64::INFINITY),
+    ] {
+        assert!(system.stability_changes(start..end).is_err());
+    }
+    for bad in [f64::NAN, f64::INFINITY] {
+        assert!(system.frozen(bad).is_err());
+    }
+}

@@ -1,0 +1,460 @@
+//! What a motion settles to.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::fmt;
+use std::ops::ControlFlow;
+
+use nalgebra::DVector;
+
+use super::form::{Form, Rhythm};
+use super::found::Orbit;
+use super::oscillator::Oscillator;
+use super::period::Period;
+use super::search::Search;
+use super::shoot;
+use super::trial::Trial;
+use crate::error::{Error, Reached};
+use crate::motion::{EventKind, Integrator, Mode, Segment, System};
+use crate::state::Direction;
+use crate::state::structure::State;
+use crate::structure::{Flow, Step};
+
+/// What a motion settles to: see [`classify`].
+#[non_exhaustive]
+pub enum Attractor<S: System> {
+    /// Every mass is at rest, and every contact sticks for ever.
+    Rest,
+    /// Every mass is at rest, and contacts slide steadily.
+    SteadySliding,
+    /// A periodic motion in which no contact sticks and slips in turn.
+    PureSlip(Box<Orbit<S>>),
+    /// A periodic motion in which contacts stick and slip in turn.
+    StickSlip(Box<Orbit<S>>),
+    /// Not periodic within 16 returns, after 1.3·10⁵ steps: chaotic or quasi-periodic, or a
+    /// transient that decays very slowly. [`lyapunov`](super::lyapunov()) tells chaos.
+    Irregular,
+}
+
+/// A kind of [`Attractor`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(rename_all = "snake_case")
+)]
+#[non_exhaustive]
+pub enum AttractorKind {
+    /// [`Attractor::Rest`].
+    Rest,
+    /// [`Attractor::SteadySliding`].
+    SteadySliding,
+    /// [`Attractor::PureSlip`].
+    PureSlip,
+    /// [`Attractor::StickSlip`].
+    StickSlip,
+    /// [`Attractor::Irregular`].
+    Irregular,
+}
+
+impl fmt::Display for AttractorKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Rest => "rest",
+            Self::SteadySliding => "steady sliding",
+            Self::PureSlip => "pure slip",
+            Self::StickSlip => "stick-slip",
+            Self::Irregular => "irregular",
+        })
+    }
+}
+
+impl<S: System> Attractor<S> {
+    /// Its kind.
+    pub fn kind(&self) -> AttractorKind {
+        match self {
+            Self::Rest => AttractorKind::Rest,
+            Self::SteadySliding => AttractorKind::SteadySliding,
+            Self::PureSlip(_) => AttractorKind::PureSlip,
+            Self::StickSlip(_) => AttractorKind::StickSlip,
+            Self::Irregular => AttractorKind::Irregular,
+        }
+    }
+
+    /// The periodic motion, if it is one.
+    pub fn orbit(&self) -> Option<&Orbit<S>> {
+        match self {
+            Self::PureSlip(orbit) | Self::StickSlip(orbit) => Some(orbit),
+            Self::Rest | Self::SteadySliding | Self::Irregular => None,
+        }
+    }
+}
+
+impl<S: System> Clone for Attractor<S> {
+    fn clone(&self) -> Self {
+        match self {
+            Self::Rest => Self::Rest,
+            Self::SteadySliding => Self::SteadySliding,
+            Self::PureSlip(orbit) => Self::PureSlip(orbit.clone()),
+            Self::StickSlip(orbit) => Self::StickSlip(orbit.clone()),
+            Self::Irregular => Self::Irregular,
+        }
+    }
+}
+
+impl<S: System> fmt::Debug for Attractor<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.orbit() {
+            Some(orbit) => write!(f, "{:?}({orbit:?})", self.kind()),
+            None => self.kind().fmt(f),
+        }
+    }
+}
+
+/// What the motion from a start at time 0 settles to: rest, steady sliding, a periodic motion with
+/// or without stick, or neither.
+///
+/// The motion is followed until it stands still or nearly repeats itself after 1 to 16 returns: to
+/// an event, to a turning point, or after a period of the drives. From there [`shoot`] finds the
+/// periodic motion to rounding. It is taken if it is stable and near. So the result is the
+/// attractor of this start; other starts may have others.
+///
+/// Steady sliding and rest are taken as reached once all velocities stay below 10⁻⁶ of the largest
+/// one, belts included, for many steps without an event. A start exactly on an unstable
+/// equilibrium, or on an unstable periodic motion, stays there: disturb it.
+///
+/// The work is at most 1.3·10⁵ steps of the motion, about 10⁴ oscillations, and ten shootings;
+/// beyond, the motion counts as irregular. [`Search::classify`] bounds and watches it. For one mass
+/// on a belt [`limit_cycle::attractor`](crate::limit_cycle::attractor) decides without simulation.
+///
+/// # Errors
+///
+/// [`Error::NoCommonPeriod`] if the drives vary without a common period; those of
+/// [`Integrator::simulate`].
+///
+/// ```
+/// use stick_slip::orbit::{AttractorKind, classify};
+/// use stick_slip::{Contact, Error, Rational, Structure, structure::State};
+///
+/// // Two blocks on a belt, coupled by a spring.
+/// let blocks = |belt: f64| -> Result<Structure, Error> {
+///     let mut blocks = Structure::new(&[1.0, 1.0])?.with_spring(0, 1, 1.2)?;
+///     for (i, load) in [(0, 1.0), (1, 1.3)] {
+///         let contact = Contact::new(i, Rational::new(1.0, 3.0)?, load)?.on_belt(belt);
+///         blocks = blocks.with_ground_spring(i, 1.0)?.with_ground_damper(i, 0.1)?;
+///         blocks = blocks.with_contact(contact)?;
+///     }
+///     Ok(blocks)
+/// };
+/// let start = State::new(&[0.7, 0.0], &[0.2, -0.2]);
+/// let slow = classify(&blocks(0.5)?, &start)?;
+/// assert_eq!(slow.kind(), AttractorKind::StickSlip);
+/// assert!((slow.orbit().unwrap().period() - 3.8260641332796215).abs() < 1e-13);
+/// assert_eq!(classify(&blocks(6.0)?, &start)?.kind(), AttractorKind::SteadySliding);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[doc(alias = "attractor")]
+#[doc(alias = "basin")]
+pub fn classify<S: Oscillator>(system: &S, start: &S::State) -> Result<Attractor<S>, Error> {
+    Search::new().classify(system, start)
+}
+
+impl Search<'_> {
+    /// What the motion from a start settles to: [`classify`], within the bound of this search.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`classify`]; [`Error::TooManySteps`] at the bound; [`Error::Stopped`] if the
+    /// watcher stops it.
+    pub fn classify<S: Oscillator>(
+        &self,
+        system: &S,
+        start: &S::State,
+    ) -> Result<Attractor<S>, Error> {
+        let watched = self.watch("time");
+        let form = system.form().within(self.steps(), &watched);
+        let found = settled(system, &form, &S::general(start));
+        watched.check()?;
+        Ok(found?.0)
+    }
+}
+
+/// Steps after which a motion is looked at first; each time twice as many as before.
+const FIRST_STEPS: usize = 256;
+
+/// How often it is looked at.
+const LOOKS: usize = 9;
+
+/// Largest number of returns after which a motion may repeat itself, and the least number of
+/// returns from which that is judged.
+const MOST_RETURNS: usize = 16;
+const LEAST_RETURNS: usize = 6;
+
+/// Velocities below this part of the largest are those of a mass at rest.
+const AT_REST: f64 = 1e-6;
+
+/// A motion that misses itself by more, in units of its extent, is not periodic yet; the periodic
+/// motion that is found lies at most so far away.
+const NEAR: f64 = 0.05;
+
+/// A motion that misses itself by less is periodic, stable or not: one of a continuum.
+const CLOSED: f64 = 1e-9;
+
+/// What a motion settles to, and a state there, at the beginning of a period of the drives.
+pub(super) fn settled<S: Oscillator>(
+    system: &S,
+    form: &Form<'_>,
+    start: &State,
+) -> Result<(Attractor<S>, State), Error> {
+    let period = match form.rhythm() {
+        Rhythm::Periodic(period) => Some(period),
+        Rhythm::Constant => None,
+        Rhythm::Aperiodic => return Err(Error::NoCommonPeriod),
+    };
+    let mut flow = Flow::new(Integrator::new(), form.model.clone(), start)?;
+    let mut fastest = fastest_surface(form);
+    let (mut turning, mut number) = (0, 1);
+    let mut last = start.clone();
+    for look in 0..LOOKS {
+        let mut seen = Seen::new(form.len(), turning);
+        for _ in 0..FIRST_STEPS << look {
+            let Some(step) = flow.next().transpose()? else {
+                break;
+            };
+            form.count(|| Reached::new(step.start_time(), step.state().clone()))?;
+            if step.duration().is_infinite() {
+                return Ok((at_rest(step.modes()), step.state().clone()));
+            }
+            seen.add(form, &step, period, &mut number);
+        }
+        fastest = seen.velocities().fold(fastest, f64::max);
+        if let Some((_, state)) = seen.latest(period) {
+            last = state.clone();
+        }
+        let rests = seen.velocities().all(|v| v <= AT_REST * fastest);
+        if rests && seen.events.is_empty() && (period.is_none() || fastest == 0.0) {
+            return Ok((at_rest(&seen.modes), last));
+        }
+        let (kept, kind) = match period {
+            Some(_) => (Some(&seen.strobes), None),
+            None => (seen.section(), Some(())),
+        };
+        if let Some(returns) = kept.filter(|kept| kept.len() >= LEAST_RETURNS)
+            && let Some((count, missed)) = repeats(&seen, returns)
+        {
+            let (time, guess) = &returns[returns.len() - 1 - count];
+            let estimate = returns[returns.len() - 1].0 - time;
+            let period = kind.map_or(Period::Driven(count), |()| Period::Free(estimate));
+            if let Ok(found) = shoot::search(form, guess, period)
+                && let Some(orbit) = accepted(system, form, found, period, (&seen, guess, missed))?
+            {
+                let state = S::general(&orbit.state());
+                let mut coordinates = 0..form.len();
+                let stands = coordinates.all(|i| orbit.velocity_extremes(i) == (0.0, 0.0));
+                let attractor = if stands {
+                    at_rest(&seen.modes)
+                } else {
+                    named(orbit)
+                };
+                return Ok((attractor, state));
+            }
+        }
+        turning = seen.largest();
+    }
+    Ok((Attractor::Irregular, last))
+}
+
+/// The largest velocity of a surface.
+fn fastest_surface(form: &Form<'_>) -> f64 {
+    let contacts = form.model.contacts.iter();
+    let surfaces = contacts.map(|contact| contact.belt_velocity.size());
+    surfaces.fold(0.0, f64::max)
+}
+
+/// The equilibrium with these modes.
+fn at_rest<S: System>(modes: &[Mode]) -> Attractor<S> {
+    if modes.iter().any(|mode| matches!(mode, Mode::Slip(_))) {
+        Attractor::SteadySliding
+    } else {
+        Attractor::Rest
+    }
+}
+
+/// A periodic motion by its name.
+fn named<S: System>(orbit: Orbit<S>) -> Attractor<S> {
+    let mut events = orbit.events().iter();
+    if events.any(|event| event.kind == EventKind::Stick) {
+        Attractor::StickSlip(Box::new(orbit))
+    } else {
+        Attractor::PureSlip(Box::new(orbit))
+    }
+}
+
+/// The motion that was found, if it attracts and lies near the guess.
+fn accepted<S: Oscillator>(
+    system: &S,
+    form: &Form<'_>,
+    found: Trial,
+    period: Period,
+    (seen, guess, missed): (&Seen, &State, f64),
+) -> Result<Option<Orbit<S>>, Error> {
+    if seen.apart(&found.map.start, guess) > NEAR {
+        return Ok(None);
+    }
+    let orbit = Orbit::new(system, form, found, period)?;
+    Ok((orbit.is_stable() || missed <= CLOSED).then_some(orbit))
+}
+
+/// The number of returns after which a motion repeats itself, and by how much it misses itself.
+fn repeats(seen: &Seen, returns: &Returns) -> Option<(usize, f64)> {
+    let last = returns.len() - 1;
+    let most = MOST_RETURNS.min(last / 2);
+    let misses = (1..=most).map(|count| {
+        let pairs = [last, last - 1].map(|i| seen.apart(&returns[i].1, &returns[i - count].1));
+        (count, pairs[0].max(pairs[1]))
+    });
+    let misses: Vec<(usize, f64)> = misses.collect();
+    let least = misses.iter().map(|miss| miss.1).fold(NEAR, f64::min);
+    // The first that is not much worse than the best.
+    misses
+        .into_iter()
+        .find(|&(_, miss)| miss <= 2.0 * least + CLOSED && miss <= NEAR)
+}
+
+/// States at the returns of a motion, with their times.
+type Returns = VecDeque<(f64, State)>;
+
+fn keep(returns: &mut Returns, time: f64, state: State) {
+    if returns.len() > 2 * MOST_RETURNS {
+        returns.pop_front();
+    }
+    returns.push_back((time, state));
+}
+
+/// The part of a motion since the last look.
+struct Seen {
+    /// Least and largest of each displacement, then of each velocity.
+    ranges: Vec<(f64, f64)>,
+    modes: Vec<Mode>,
+    /// States at events, by contact and kind, and how many there were.
+    events: BTreeMap<(usize, u8), (usize, Returns)>,
+    /// States at the largest displacements of one coordinate.
+    turning: usize,
+    turns: (usize, Returns),
+    /// States at the beginnings of periods of the drives.
+    strobes: Returns,
+    latest: Option<(f64, State)>,
+}
+
+impl Seen {
+    fn new(n: usize, turning: usize) -> Self {
+        Self {
+            ranges: vec![(f64::INFINITY, f64::NEG_INFINITY); 2 * n],
+            modes: Vec::new(),
+            events: BTreeMap::new(),
+            turning,
+            turns: (0, Returns::new()),
+            strobes: Returns::new(),
+            latest: None,
+        }
+    }
+
+    /// Adds a step. `number` counts the periods of the drives.
+    fn add(&mut self, form: &Form<'_>, step: &Step, period: Option<f64>, number: &mut u64) {
+        for state in [step.state(), &step.end_state()] {
+            let numbers = state.displacements.iter().chain(&state.velocities);
+            for ((least, largest), x) in std::iter::zip(&mut self.ranges, numbers) {
+                (*least, *largest) = (least.min(*x), largest.max(*x));
+            }
+        }
+        self.modes = step.modes().to_vec();
+        if let Some(period) = period {
+            while *number as f64 * period < step.end_time() {
+                let time = *number as f64 * period;
+                let mut state = step.state_at(step.since_start(time));
+                form.put_in_modes(&mut state, 0.0, |c| Some(step.modes()[c]));
+                keep(&mut self.strobes, time, state);
+                *number += 1;
+            }
+        } else if let Some(velocity) = step.series().get(self.turning) {
+            let _ = velocity.sign_changes(step.duration(), &mut |t, rises| {
+                if !rises {
+                    self.turns.0 += 1;
+                    keep(&mut self.turns.1, step.start_time() + t, step.state_at(t));
+                }
+                ControlFlow::Continue(())
+            });
+        }
+        for event in step.events() {
+            let key = (event.contact, rank(event.kind));
+            let (count, returns) = self.events.entry(key).or_default();
+            *count += 1;
+            keep(returns, event.time, event.state.clone());
+        }
+        self.latest = Some((step.end_time(), step.end_state()));
+    }
+
+    /// The largest size of each velocity.
+    fn velocities(&self) -> impl Iterator<Item = f64> {
+        let velocities = self.ranges[self.ranges.len() / 2..].iter();
+        velocities.map(|(least, largest)| largest.max(-least))
+    }
+
+    /// The coordinate whose velocity varies most.
+    fn largest(&self) -> usize {
+        let velocities = self.ranges[self.ranges.len() / 2..].iter().enumerate();
+        let spread = |range: &(f64, f64)| range.1 - range.0;
+        let largest = velocities.max_by(|a, b| spread(a.1).total_cmp(&spread(b.1)));
+        largest.map_or(0, |(i, _)| i)
+    }
+
+    /// The last state, at the beginning of a period of the drives if there are any.
+    fn latest(&self, period: Option<f64>) -> Option<&(f64, State)> {
+        match period {
+            Some(_) => self.strobes.back(),
+            None => self.latest.as_ref(),
+        }
+    }
+
+    /// The returns to that event, or turning point, which happens most rarely but often enough.
+    fn section(&self) -> Option<&Returns> {
+        let events = self.events.values().chain([&self.turns]);
+        let often = events.filter(|(count, _)| *count >= LEAST_RETURNS);
+        often
+            .min_by_key(|(count, _)| *count)
+            .map(|(_, returns)| returns)
+    }
+
+    /// The largest difference of displacements and velocities, in units of their ranges.
+    fn apart(&self, a: &State, b: &State) -> f64 {
+        let n = self.ranges.len() / 2;
+        let vector = |state: &State| {
+            let numbers = state.displacements.iter().chain(&state.velocities);
+            DVector::from_iterator(2 * n, numbers.copied())
+        };
+        let apart = (vector(a) - vector(b)).abs();
+        let ranges = self.ranges.iter().map(|range| range.1 - range.0);
+        let mut ranges: Vec<f64> = ranges.collect();
+        for part in ranges.chunks_mut(n) {
+            // What hardly moves is measured by what moves.
+            let largest = part.iter().copied().fold(0.0, f64::max);
+            for range in part {
+                *range = range.max(1e-3 * largest);
+            }
+        }
+        let parts = std::iter::zip(apart.iter(), ranges);
+        let parts = parts.map(|(apart, range)| if *apart == 0.0 { 0.0 } else { apart / range });
+        parts.fold(0.0, f64::max)
+    }
+}
+
+/// A number for each kind of event.
+fn rank(kind: EventKind) -> u8 {
+    let side = |direction: Direction| u8::from(direction == Direction::Leading);
+    match kind {
+        EventKind::Stick => 0,
+        EventKind::Open => 1,
+        EventKind::Close => 2,
+        EventKind::Release(direction) => 3 + side(direction),
+        EventKind::Crossing(direction) => 5 + side(direction),
+    }
+}

@@ -1,0 +1,237 @@
+//! A parameter up and down, each motion from the end of the last.
+
+use std::fmt;
+
+use super::classify::{Attractor, AttractorKind, settled};
+use super::oscillator::Oscillator;
+use super::search::Search;
+use crate::error::Error;
+use crate::motion::System;
+use crate::state::structure::State;
+
+/// What a system settles to as a parameter rises and falls: see [`sweep`].
+pub struct Sweep<S: System> {
+    /// The values on the way up, in ascending order.
+    pub up: Vec<SweepPoint<S>>,
+    /// The values on the way down, in descending order.
+    pub down: Vec<SweepPoint<S>>,
+    /// The value at which the watcher stopped the sweep.
+    pub stopped: Option<f64>,
+}
+
+/// What a system settles to at one value of a parameter.
+pub struct SweepPoint<S: System> {
+    /// The parameter, in its own units.
+    pub parameter: f64,
+    /// What the motion settles to, or why that is not known. Behind an error the sweep continues
+    /// from the last state before.
+    pub attractor: Result<Attractor<S>, Error>,
+}
+
+/// A change of what a system settles to, between two values of a sweep.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct Change {
+    /// The value before the change, and the one after it: in a sweep downward the larger one first.
+    pub between: [f64; 2],
+    /// What the system settles to before the change.
+    pub from: AttractorKind,
+    /// What it settles to after it.
+    pub to: AttractorKind,
+}
+
+impl<S: System> SweepPoint<S> {
+    /// The kind of the attractor, if it is known.
+    pub fn kind(&self) -> Option<AttractorKind> {
+        self.attractor.as_ref().ok().map(Attractor::kind)
+    }
+}
+
+impl<S: System> Sweep<S> {
+    /// The changes on the way up, then those on the way down.
+    pub fn changes(&self) -> impl Iterator<Item = Change> {
+        [&self.up, &self.down].into_iter().flat_map(|way| {
+            let known = way
+                .iter()
+                .filter_map(|point| Some((point.parameter, point.kind()?)));
+            let known: Vec<(f64, AttractorKind)> = known.collect();
+            let pairs = known.windows(2).filter(|pair| pair[0].1 != pair[1].1);
+            let changes = pairs.map(|pair| Change {
+                between: [pair[0].0, pair[1].0],
+                from: pair[0].1,
+                to: pair[1].1,
+            });
+            changes.collect::<Vec<_>>()
+        })
+    }
+}
+
+/// What a system settles to as a parameter takes ascending values, and then the same values
+/// downward: each motion starts where the last one ended.
+///
+/// Where both ways differ, the system has two attractors, and which one it is on depends on the
+/// past (hysteresis). A machine that is started, loaded and unloaded does the same. Do not look for
+/// a critical value by a bisection over simulations from one start: a start that is in the basin of
+/// one attractor at one value need not be so at the next, and vibration that is there may be missed
+/// far beyond the value found. Sweep, then follow the motion that was found to its end:
+///
+/// ```
+/// use stick_slip::orbit::{self, AttractorKind};
+/// use stick_slip::{Contact, Error, Exponential, Structure, structure::State};
+///
+/// // A mass on a belt of rising velocity: steady sliding and stick-slip side by side.
+/// let mass = |velocity: f64| -> Result<Structure, Error> {
+///     let law = Exponential::new(0.6, 0.3, 0.4)?;
+///     Structure::new(&[1.0])?
+///         .with_ground_spring(0, 1.0)?
+///         .with_ground_damper(0, 0.02)?
+///         .with_contact(Contact::new(0, law, 1.0)?.on_belt(velocity))
+/// };
+/// let velocities: Vec<f64> = (1..=16).map(|i| 0.25 * f64::from(i)).collect();
+/// let sweep = orbit::sweep(mass, &velocities, &State::at_rest(1))?;
+/// let [ends, begins] = sweep.changes().collect::<Vec<_>>()[..] else { panic!() };
+/// assert_eq!((ends.from, ends.to), (AttractorKind::StickSlip, AttractorKind::SteadySliding));
+/// assert_eq!((begins.from, begins.to), (AttractorKind::SteadySliding, AttractorKind::StickSlip));
+/// assert!(begins.between[0] < ends.between[0]); // later on the way up
+///
+/// // Exactly: stick-slip goes on to the grazing at which it meets an unstable motion. The nearer to
+/// // it, the smaller are the steps that the sweep can take without falling off.
+/// let last = sweep.up.iter().rfind(|point| point.kind() == Some(AttractorKind::StickSlip));
+/// let last = last.unwrap();
+/// let orbit = last.attractor.as_ref().unwrap().orbit().unwrap();
+/// let branch = orbit::follow(mass, last.parameter, orbit, 0.2..4.0)?;
+/// let [grazing] = &branch.bifurcations[..] else { panic!() };
+/// assert!((grazing.parameter - 3.8399).abs() < 1e-6 && grazing.parameter > ends.between[0]);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+///
+/// From steady sliding each motion starts with a push of 10⁻⁶ of the largest velocity, so that it
+/// leaves an unstable one. The cost at each value is that of [`classify`](super::classify); changes
+/// slower than its 1.3·10⁵ steps, as close to a bifurcation, appear at a later value.
+///
+/// # Errors
+///
+/// [`Error::InvalidParameter`] unless the values are finite and ascending. An error at a value is
+/// part of the result. To bound or to watch it: [`Search::sweep`].
+#[doc(alias = "hysteresis")]
+#[doc(alias = "brute force")]
+pub fn sweep<S: Oscillator>(
+    family: impl Fn(f64) -> Result<S, Error>,
+    values: &[f64],
+    start: &S::State,
+) -> Result<Sweep<S>, Error> {
+    Search::new().sweep(family, values, start)
+}
+
+impl Search<'_> {
+    /// What a system settles to as a parameter rises and falls: [`sweep`], with the bound of this
+    /// search at each value. A sweep that is stopped keeps what was found.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`sweep`].
+    pub fn sweep<S: Oscillator>(
+        &self,
+        family: impl Fn(f64) -> Result<S, Error>,
+        values: &[f64],
+        start: &S::State,
+    ) -> Result<Sweep<S>, Error> {
+        let mut last = f64::NEG_INFINITY;
+        for &value in values {
+            Error::check(
+                "orbit::sweep",
+                "value",
+                value,
+                value > last,
+                "ascending values",
+            )?;
+            last = value;
+        }
+        let watched = self.watch("parameter");
+        let mut sweep = Sweep {
+            up: Vec::new(),
+            down: Vec::new(),
+            stopped: None,
+        };
+        let mut start = S::general(start);
+        let down = values.iter().rev().map(|&value| (value, false));
+        for (parameter, rises) in values.iter().map(|&value| (value, true)).chain(down) {
+            watched.at(parameter);
+            let found = family(parameter).and_then(|system| {
+                let form = system.form().within(self.steps(), &watched);
+                let found = settled(&system, &form, &start);
+                watched.add(form.taken());
+                found
+            });
+            if watched.is_stopped() {
+                sweep.stopped = Some(parameter);
+                break;
+            }
+            let attractor = found.map(|(attractor, state)| {
+                start = pushed(&attractor, state);
+                attractor
+            });
+            let way = if rises {
+                &mut sweep.up
+            } else {
+                &mut sweep.down
+            };
+            way.push(SweepPoint {
+                parameter,
+                attractor: attractor.map_err(|error| error.at("parameter", parameter)),
+            });
+            watched.found(parameter);
+        }
+        Ok(sweep)
+    }
+}
+
+/// The start at the next value.
+fn pushed<S: System>(attractor: &Attractor<S>, mut state: State) -> State {
+    const PUSH: f64 = 1e-6;
+    if let Attractor::SteadySliding = attractor {
+        let sizes = state.displacements.iter().map(|q| q.abs());
+        let size = sizes.fold(0.0, f64::max);
+        for (i, q) in state.displacements.iter_mut().enumerate() {
+            *q += PUSH * size / ((i + 1) as f64).sqrt();
+        }
+    }
+    state
+}
+
+impl<S: System> Clone for Sweep<S> {
+    fn clone(&self) -> Self {
+        Self {
+            up: self.up.clone(),
+            down: self.down.clone(),
+            stopped: self.stopped,
+        }
+    }
+}
+
+impl<S: System> Clone for SweepPoint<S> {
+    fn clone(&self) -> Self {
+        let attractor = self.attractor.clone();
+        Self { attractor, ..*self }
+    }
+}
+
+impl<S: System> fmt::Debug for Sweep<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Sweep")
+            .field("up", &self.up)
+            .field("down", &self.down)
+            .field("stopped", &self.stopped)
+            .finish()
+    }
+}
+
+impl<S: System> fmt::Debug for SweepPoint<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("SweepPoint")
+            .field("parameter", &self.parameter)
+            .field("attractor", &self.attractor)
+            .finish()
+    }
+}

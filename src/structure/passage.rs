@@ -1,0 +1,178 @@
+//! Where steady sliding changes its stability while drives vary slowly.
+
+use std::ops::Range;
+
+use super::system::Structure;
+use crate::drive::Drive;
+use crate::error::Error;
+
+/// A change of stability along the drives: see [`Structure::stability_changes`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct StabilityChange {
+    /// The time, in the units of the structure.
+    pub time: f64,
+    /// Returns true if steady sliding is stable after it.
+    pub becomes_stable: bool,
+    /// Angular frequency of the small motion that neither grows nor decays there, per unit of time.
+    pub frequency: f64,
+}
+
+/// Equal parts of a range of times at whose ends stability is computed.
+const PARTS: usize = 256;
+
+/// Drives that vary slowly.
+impl Structure {
+    /// This structure with every drive held at its value at a time.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] if the time is not finite.
+    ///
+    /// ```
+    /// use stick_slip::{Contact, Coulomb, Drive, Structure};
+    ///
+    /// let belt = Drive::profile(&[(0.0, 1.0), (10.0, 0.0)])?;
+    /// let block = Structure::new(&[1.0])?
+    ///     .with_ground_spring(0, 1.0)?
+    ///     .with_contact(Contact::new(0, Coulomb::new(0.4, 0.3)?, 1.0)?.on_belt(belt))?;
+    /// let then = block.frozen(4.0)?;
+    /// assert_eq!(then.contacts()[0].belt_velocity().value(99.0), 0.6);
+    /// assert_eq!(then.steady_sliding()?.displacements, [0.3]);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn frozen(&self, time: f64) -> Result<Self, Error> {
+        Error::check("Structure", "time", time, true, "any time")?;
+        let held = |drive: &Drive| Drive::constant(drive.value(time));
+        let mut frozen = Self::with_mass_matrix(self.mass_matrix().into_owned())?
+            .with_stiffness(self.stiffness().clone())?
+            .with_damping(self.damping().clone())?;
+        for (i, force) in self.forces().iter().enumerate() {
+            frozen = frozen.with_force(i, held(force))?;
+        }
+        for contact in self.contacts() {
+            let mut contact = contact.clone().on_belt(held(contact.belt_velocity()));
+            contact.load = held(&contact.load);
+            frozen = frozen.with_contact(contact)?;
+        }
+        Ok(frozen)
+    }
+
+    /// The times at which steady sliding of the [frozen](Self::frozen) structure becomes unstable or
+    /// stable again, in ascending order: the borders of vibration along a slow speed profile, or a
+    /// load that rises.
+    ///
+    /// Stability is computed at 257 times over the range and wherever pieces of a profile meet, and
+    /// each change is refined by bisection to neighbouring numbers. Two changes between two of these
+    /// times can be missed; a narrower range is searched more closely. Where there is no steady
+    /// sliding (a belt at rest, no load), nothing is reported.
+    ///
+    /// # Delayed loss of stability
+    ///
+    /// A motion that passes such a time slowly does not vibrate at once. While sliding was stable,
+    /// a perturbation decayed as exp ∫Re s dt, s the leading eigenvalue, and it first has to grow by
+    /// as much again: the onset is delayed, for slow drives by a time that depends on the smallest
+    /// disturbance alone. In exact arithmetic it is as far behind the border as the decay began
+    /// before it; in floating point rounding ends the decay at 10⁻¹⁶; in a machine vibration from
+    /// elsewhere, roughness or noise do, long before. So the onset of a simulation without a
+    /// disturbance is a property of the arithmetic. Add the disturbance that the machine has, near the
+    /// frequency of the change: others pass without much effect. (A kink of a profile is one, too.)
+    ///
+    /// ```
+    /// use stick_slip::{Contact, Drive, EventKind, Exponential, Structure, structure::State};
+    ///
+    /// // A belt that slows down from 1.2 to 0.4, and what shakes the mass near its own frequency.
+    /// let belt = Drive::profile(&[(0.0, 1.2), (4000.0, 0.4)])?;
+    /// let slowing = |disturbance: f64| {
+    ///     let contact = Contact::new(0, Exponential::new(0.4, 0.25, 0.5)?, 1.0)?;
+    ///     Structure::new(&[1.0])?
+    ///         .with_ground_spring(0, 1.0)?
+    ///         .with_ground_damper(0, 0.1)?
+    ///         .with_force(0, Drive::sine(disturbance, 1.0)?)?
+    ///         .with_contact(contact.on_belt(belt.clone()))
+    /// };
+    /// let limit = slowing(0.0)?.stability_changes(0.0..4000.0)?[0];
+    /// assert!(!limit.becomes_stable && (limit.frequency - 1.0).abs() < 1e-12);
+    ///
+    /// // The first stick, by the size of the disturbance: 10⁻³ of the load, 10⁻⁹, rounding alone.
+    /// let onset = |disturbance: f64| -> Result<f64, stick_slip::Error> {
+    ///     let motion = slowing(disturbance)?.simulate(State::new(&[0.26], &[0.0]), 4000.0)?;
+    ///     let mut sticks = motion.events().iter().filter(|event| event.kind == EventKind::Stick);
+    ///     Ok(sticks.next().map_or(f64::INFINITY, |event| event.time))
+    /// };
+    /// let [real, small, rounding] = [onset(1e-3)?, onset(1e-9)?, onset(0.0)?];
+    /// assert_eq!([limit.time, real, small].map(f64::round), [2307.0, 2509.0, 3093.0]);
+    /// assert!(rounding > 3300.0);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    ///
+    /// Source: A. I. Neishtadt, *Differential Equations* 23 (1987) 1385-1391; S. M. Baer, T. Erneux,
+    /// J. Rinzel, *SIAM J. Appl. Math.* 49 (1989) 55-71.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidParameter`] unless the range is finite and not empty.
+    #[doc(alias = "Hopf")]
+    #[doc(alias = "slow passage")]
+    pub fn stability_changes(&self, times: Range<f64>) -> Result<Vec<StabilityChange>, Error> {
+        let Range { start, end } = times;
+        let of = "Structure::stability_changes";
+        Error::check(of, "times.start", start, true, "start < end")?;
+        Error::check(of, "times.end", end, end > start, "start < end")?;
+        let width = end - start;
+        let parts = (0..=PARTS).map(|i| start + width * (i as f64 / PARTS as f64));
+        let mut places: Vec<f64> = parts.collect();
+        places.extend(self.drives().flat_map(|drive| drive.breaks_in(start, end)));
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        let mut changes = Vec::new();
+        let mut last: Option<(f64, bool)> = None;
+        for time in places {
+            let here = self.is_stable_at(time)?.map(|stable| (time, stable));
+            if let (Some(before), Some(after)) = (last, here)
+                && before.1 != after.1
+                && let Some(change) = self.change_between(before, after)?
+            {
+                changes.push(change);
+            }
+            last = here;
+        }
+        Ok(changes)
+    }
+
+    /// Whether steady sliding is stable with the drives of a time; `None` if there is none.
+    fn is_stable_at(&self, time: f64) -> Result<Option<bool>, Error> {
+        match self.frozen(time)?.steady_sliding() {
+            Ok(sliding) => Ok(Some(sliding.is_stable())),
+            Err(Error::NoSteadySliding(_)) => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// The change between two times; `None` if steady sliding ends between them.
+    fn change_between(
+        &self,
+        (mut low, is_stable): (f64, bool),
+        (mut high, becomes_stable): (f64, bool),
+    ) -> Result<Option<StabilityChange>, Error> {
+        loop {
+            let middle = 0.5 * low + 0.5 * high;
+            if !(low < middle && middle < high) {
+                break;
+            }
+            match self.is_stable_at(middle)? {
+                Some(stable) if stable == is_stable => low = middle,
+                Some(_) => high = middle,
+                None => return Ok(None),
+            }
+        }
+        let sliding = self.frozen(high)?.steady_sliding()?;
+        let frequency = sliding.eigenvalues.first().map_or(f64::NAN, |s| s.im.abs());
+        Ok(Some(StabilityChange {
+            time: high,
+            becomes_stable,
+            frequency,
+        }))
+    }
+}

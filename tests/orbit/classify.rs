@@ -1,0 +1,248 @@
+//! What motions settle to: against the complete search of one mass, against known motions, and
+//! sweeps with hysteresis.
+
+use std::ops::ControlFlow::{Break, Continue};
+
+use stick_slip::limit_cycle::{self, Attractor as Planar};
+use stick_slip::orbit::{AttractorKind, Change, Search, classify, sweep};
+use stick_slip::structure::State;
+use stick_slip::{
+    Contact, Coulomb, CycleKind, Drive, Error, EventKind, Exponential, MassOnBelt, Rational,
+    Structure, bifurcation,
+};
+
+use crate::common::{Random, paper, text};
+use crate::reading::structure;
+use crate::references::{all, period, remembers, start};
+
+/// Planar motions cannot hide: the attractor of each start is known.
+#[test]
+fn belts_settle_to_what_the_complete_search_says() {
+    use AttractorKind::{PureSlip, Rest, SteadySliding, StickSlip};
+    let mut random = Random::new(5);
+    let mut counts = [0; 4];
+    for i in 0..120 {
+        let system = random.system();
+        let system = if i % 8 == 0 {
+            system.with_belt_velocity(0.0).unwrap()
+        } else {
+            system
+        };
+        let begin = (random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0));
+        let about = format!("{i}: {system:?} {begin:?}");
+        let expected = limit_cycle::attractor(&system, begin.into()).unwrap();
+        let found = classify(&system, &begin.into()).unwrap_or_else(|e| panic!("{about}: {e}"));
+        let (kind, cycle) = match &expected {
+            Planar::Rest => (Rest, None),
+            Planar::Equilibrium => (SteadySliding, None),
+            Planar::Cycle(cycle) => match cycle.kind() {
+                CycleKind::PureSlip | CycleKind::Crossing => (PureSlip, Some(cycle)),
+                CycleKind::StickSlip | CycleKind::Overshoot => (StickSlip, Some(cycle)),
+            },
+            _ => continue,
+        };
+        assert_eq!(found.kind(), kind, "{about}");
+        counts[kind as usize] += 1;
+        if let Some(cycle) = cycle {
+            let orbit = found.orbit().unwrap();
+            // The period, or a multiple that was seen first.
+            let times = orbit.period() / cycle.period();
+            assert!((times - times.round()).abs() < 1e-10, "{about}: {times}");
+            assert!(
+                (orbit.amplitude(0) - cycle.amplitude()).abs() < 1e-10,
+                "{about}"
+            );
+            assert!(orbit.is_stable());
+        }
+    }
+    println!("{counts:?}");
+    assert!(
+        counts[0] > 5 && counts[1] > 20 && counts[3] > 20,
+        "{counts:?}"
+    );
+}
+
+/// Stable motions of the reference data, started beside them.
+#[test]
+fn reference_orbits_are_found_from_beside_them() {
+    let mut compared = 0;
+    for case in all() {
+        if remembers(&case) {
+            continue;
+        }
+        let id = text(&case["id"]);
+        let contacts = case["system"]["contacts"].as_array().unwrap().len();
+        let system = structure(&case["system"], f64::NAN);
+        let known = stick_slip::orbit::shoot(&system, &start(&case, contacts), period(&case));
+        let known = known.unwrap();
+        let slow = known.multipliers()[0].norm() > 0.99;
+        if slow {
+            continue;
+        }
+        let mut begin = known.state();
+        begin.displacements[0] += 1e-3;
+        let found = classify(&system, &begin).unwrap();
+        let orbit = found.orbit().unwrap_or_else(|| panic!("{id}: {found:?}"));
+        let times = orbit.period() / known.period();
+        assert!((times - times.round()).abs() < 1e-9, "{id}: {times}");
+        for i in 0..system.len() {
+            let apart = orbit.amplitude(i) - known.amplitude(i);
+            assert!(apart.abs() < 1e-9, "{id}: {apart}");
+        }
+        compared += 1;
+    }
+    assert!(compared > 6, "{compared}");
+}
+
+#[test]
+fn chaos_rest_and_what_is_held() {
+    // K. Popp, P. Stelter 1990: chaotic by its exponent (long_run.rs).
+    let law = Rational::new(0.3, 1.42)
+        .and_then(|law| law.with_offset(0.1)?.with_quadratic(0.01))
+        .unwrap();
+    let forced = |force: f64| {
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_force(0, Drive::harmonic(force, 0.75, 0.0)?)?
+            .with_contact(Contact::new(0, law, 1.0)?.on_belt(0.2))
+    };
+    let chaotic = classify(&forced(0.1).unwrap(), &State::at_rest(1)).unwrap();
+    assert_eq!(chaotic.kind(), AttractorKind::Irregular);
+    assert!(chaotic.orbit().is_none());
+    let block = |force: f64| {
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, 0.1)?
+            .with_force(0, Drive::sine(force, 1.3)?)?
+            .with_contact(Contact::new(0, Coulomb::new(0.4, 0.3)?, 1.0)?)
+    };
+    let kind = |system: Structure, begin: State| classify(&system, &begin).unwrap().kind();
+    let begin = || State::new(&[0.3], &[0.2]);
+    assert_eq!(kind(block(0.05).unwrap(), begin()), AttractorKind::Rest);
+    assert_eq!(kind(block(0.38).unwrap(), begin()), AttractorKind::Rest);
+    for force in [0.5, 0.6, 1.0, 5.0] {
+        let late = block(force).unwrap().simulate(begin(), 500.0).unwrap();
+        let mut late = late.events().iter().filter(|event| event.time > 400.0);
+        let expected = if late.any(|event| event.kind == EventKind::Stick) {
+            AttractorKind::StickSlip
+        } else {
+            AttractorKind::PureSlip
+        };
+        assert_eq!(kind(block(force).unwrap(), begin()), expected, "{force}");
+    }
+    // No friction that varies, no damping: every motion is periodic, none attracts.
+    let level = Structure::new(&[1.0])
+        .and_then(|s| s.with_ground_spring(0, 1.0))
+        .and_then(|s| s.with_contact(Contact::new(0, Coulomb::new(0.3, 0.3)?, 1.0)?.on_belt(1.0)))
+        .unwrap();
+    let found = classify(&level, &State::new(&[0.3], &[0.5])).unwrap();
+    assert_eq!(found.kind(), AttractorKind::PureSlip);
+    assert!((found.orbit().unwrap().amplitude(0) - 0.5).abs() < 1e-12);
+    // Drives without a common period.
+    let ramp = block(0.5)
+        .unwrap()
+        .with_force(0, Drive::profile(&[(0.0, 0.0), (1.0, 1.0)]).unwrap());
+    let found = classify(&ramp.unwrap(), &begin()).map(drop);
+    assert_eq!(found, Err(Error::NoCommonPeriod));
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let found = classify(&block(0.5).unwrap(), &State::new(&[bad], &[0.0])).map(drop);
+        assert!(
+            matches!(found, Err(Error::InvalidState { .. })),
+            "{found:?}"
+        );
+    }
+}
+
+fn exponential(velocity: f64) -> Result<MassOnBelt<Exponential>, Error> {
+    MassOnBelt::new(Exponential::new(0.6, 0.3, 0.4)?, velocity)?.with_damping(0.01)
+}
+
+/// Both ways change where the complete search has its borders.
+#[test]
+fn a_sweep_shows_the_hysteresis_of_a_bistable_mass() {
+    let velocities: Vec<f64> = (2..=80).map(|i| 0.05 * f64::from(i)).collect();
+    let found = sweep(exponential, &velocities, &(0.0, 0.0).into()).unwrap();
+    assert_eq!((found.up.len(), found.down.len()), (79, 79));
+    let changes: Vec<Change> = found.changes().collect();
+    let ranges = bifurcation::vibration_ranges(&exponential(1.0).unwrap(), 0.1..4.0).unwrap();
+    let bistable = ranges.iter().filter(|range| range.is_bistable());
+    let bistable: Vec<_> = bistable.map(|range| range.velocities.clone()).collect();
+    let (low, high) = (bistable[0].start, bistable[bistable.len() - 1].end);
+    let inside = |change: &Change, value: f64| {
+        let [a, b] = change.between;
+        assert!(
+            a.min(b) <= value && value <= a.max(b),
+            "{change:?}, {value}"
+        );
+    };
+    // Vibration begins at the lower border, and ends below the upper one: a step of the velocity is
+    // a push, and near the border a small one is enough.
+    let ends = changes
+        .iter()
+        .find(|change| change.to == AttractorKind::SteadySliding);
+    let end = ends.unwrap().between[0];
+    assert!(high - 0.2 < end && end < high, "{end} {high}");
+    let begins = changes
+        .iter()
+        .find(|change| change.from == AttractorKind::SteadySliding);
+    inside(begins.unwrap(), low);
+    // The way up and the way down differ in between alone.
+    for (up, down) in std::iter::zip(&found.up, found.down.iter().rev()) {
+        assert_eq!(up.parameter, down.parameter);
+        let differs = up.kind() != down.kind();
+        let both = low <= up.parameter && up.parameter <= end;
+        assert_eq!(differs, both, "{}", up.parameter);
+    }
+}
+
+#[test]
+fn sweeps_are_bounded_watched_and_go_on_behind_errors() {
+    let values = [0.2, 0.3, 0.4];
+    let start = (0.0, 0.0).into();
+    for bad in [
+        [0.2, 0.2, 0.3],
+        [0.3, 0.2, 0.4],
+        [0.2, f64::NAN, 0.4],
+        [0.2, 0.3, f64::INFINITY],
+    ] {
+        let found = sweep(exponential, &bad, &start).map(drop);
+        assert!(
+            matches!(found, Err(Error::InvalidParameter { .. })),
+            "{found:?}"
+        );
+    }
+    let none = sweep(exponential, &[], &start).unwrap();
+    assert!(none.up.is_empty() && none.changes().next().is_none());
+    // A family with a hole.
+    let family = |velocity: f64| {
+        if velocity == 0.3 {
+            return Err(Error::AtRest);
+        }
+        exponential(velocity)
+    };
+    let found = sweep(family, &values, &start).unwrap();
+    let Err(Error::At { value, .. }) = &found.up[1].attractor else {
+        panic!("{found:?}")
+    };
+    assert_eq!((*value, found.up[1].kind()), (0.3, None));
+    assert_eq!(found.up[2].kind(), Some(AttractorKind::StickSlip));
+    // Too little work for each value, and a watcher.
+    let few = Search::new().with_max_steps(20).unwrap();
+    let found = few.sweep(exponential, &values, &start).unwrap();
+    assert_eq!(found.up.len() + found.down.len(), 6);
+    let error = found.up[0].attractor.as_ref().unwrap_err();
+    assert!(error.to_string().contains("20 steps"), "{error}");
+    let stops = Search::new().watched(|progress| {
+        if progress.points < 4 {
+            Continue(())
+        } else {
+            Break(())
+        }
+    });
+    let found = stops.sweep(exponential, &values, &start).unwrap();
+    assert_eq!((found.up.len(), found.down.len()), (3, 1));
+    assert_eq!(found.stopped, Some(0.3));
+    let never = Search::new().watched(|_| Break(()));
+    let found = never.classify(&paper(0.2), &start).map(drop);
+    assert!(matches!(found, Err(Error::Stopped { .. })), "{found:?}");
+}
