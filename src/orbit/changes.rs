@@ -55,7 +55,7 @@ pub(super) type Signs = [f64; 4];
 
 /// How strongly the motion at a place magnifies perturbations.
 fn growth(place: &Place) -> f64 {
-    place.solved.trial.map.monodromy.amax().max(1.0)
+    place.solved.trial.map.growth()
 }
 
 /// Returns true if rounding of the motions cannot tell two places apart. In a symmetric motion, or

@@ -210,7 +210,7 @@ impl Curve<'_> {
         };
         let mut slope = DVector::zeros(self.order);
         // A map with a large derivative bends as strongly.
-        let growth = 0.5 * trial.map.monodromy.amax();
+        let growth = 0.5 * trial.map.growth();
         for part in PARTS {
             let step = part * self.width() / (1.0 + growth * growth);
             let (low, high) = (miss(-step), miss(step));
@@ -282,7 +282,7 @@ impl Curve<'_> {
             let trial = self.trial(&y, &modes)?;
             y.rows_mut(0, self.order)
                 .copy_from(&vector(&trial.map.start, self.order));
-            let growth = trial.map.monodromy.amax().max(1.0);
+            let growth = trial.map.growth();
             let slope = match &mut slope {
                 Some(slope) if before < COARSE / (growth * growth) => slope,
                 slope => slope.insert(self.by_parameter(&y, &trial, &modes)),

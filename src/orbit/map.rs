@@ -92,10 +92,27 @@ impl PeriodMap {
         self.residual().component_div(&self.sizes()).amax()
     }
 
+    /// How strongly the motion magnifies perturbations, at least 1: the largest entry of the
+    /// derivative, with displacements in units of the largest one, velocities likewise, and memory
+    /// variables in units of their own sizes. So it does not depend on the units of the system.
+    pub(super) fn growth(&self) -> f64 {
+        let n = self.start.displacements.len();
+        let mut sizes = self.sizes();
+        for first in [0, n] {
+            let mut part = sizes.rows_mut(first, n);
+            let largest = part.amax();
+            part.fill(largest);
+        }
+        let order = self.order();
+        let entries = (0..order).flat_map(|j| (0..order).map(move |i| (i, j)));
+        let scaled = entries.map(|(i, j)| self.monodromy[(i, j)].abs() * (sizes[j] / sizes[i]));
+        scaled.fold(1.0, f64::max)
+    }
+
     /// Returns true if a closed motion is near: the residual is below the square root of its limit
     /// for a closed motion.
     pub(super) fn is_nearly_closed(&self) -> bool {
-        self.miss() <= CLOSED.sqrt() * self.monodromy.amax().max(1.0)
+        self.miss() <= CLOSED.sqrt() * self.growth()
     }
 
     /// The modes of the contacts at the start.

@@ -112,7 +112,7 @@ impl<'s> Problem<'s> {
             let Some((change, longer, size)) = self.step(&best) else {
                 break;
             };
-            let growth = best.map.monodromy.amax().max(1.0);
+            let growth = best.map.growth();
             let closed = best.residual <= CLOSED * growth && size <= CLOSED.sqrt();
             let most = 0.5 * best.period / longer.abs();
             let mut part = most.min(1.0);

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use stick_slip::analysis::jenkins::{SymmetricResponse, first_harmonic, loop_area};
 use stick_slip::nalgebra::Complex;
-use stick_slip::orbit::{Orbit, Period, shoot};
+use stick_slip::orbit::{Branch, BranchEnd, Orbit, Period, follow, settle, shoot};
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Drive, EventKind, Structure};
 
@@ -114,5 +114,38 @@ fn same_multipliers(one: &[Complex<f64>], other: &[Complex<f64>], given: &Given)
     let apart = [sum(one) - sum(other), product(one) - product(other)];
     for apart in apart {
         assert!(apart.norm() < 1e-11, "{given:?}: {one:?}, not {other:?}");
+    }
+}
+
+/// A branch in metres and seconds of a mass that vibrates by micrometres in a fraction of a
+/// millisecond, beside the same one in its own units.
+#[test]
+fn branches_do_not_depend_on_units() {
+    let (time, length) = (1e-4, 1e-6);
+    let branch = |[per_time, length]: [f64; 2]| {
+        let square = per_time * per_time;
+        let family = |frequency: f64| {
+            let [k, k_t] = [0.6, 0.4].map(|stiffness| stiffness * square);
+            let [limit, force] = [0.3, 0.15].map(|force| force * length * square);
+            let given = [1.0, 0.02 * per_time, k, k_t, limit, force, frequency];
+            Ok(structure(given, 0.0))
+        };
+        let middle = 0.9 * per_time;
+        let system = family(middle)?;
+        let start = State::at_rest(1);
+        let orbit = settle(&system, &start, 400.0 / per_time, Period::Driven(1))?;
+        follow(family, middle, &orbit, 0.85 * per_time..1.12 * per_time)
+    };
+    let [plain, scaled] = [[1.0, 1.0], [1.0 / time, length]].map(|units| branch(units).unwrap());
+    assert!(plain.ends.iter().all(|end| *end == BranchEnd::Range));
+    assert_eq!(plain.ends, scaled.ends);
+    let kinds = |branch: &Branch<Structure>| -> Vec<_> {
+        branch.bifurcations.iter().map(|found| found.kind).collect()
+    };
+    assert!(!plain.bifurcations.is_empty());
+    assert_eq!(kinds(&plain), kinds(&scaled));
+    for (one, other) in plain.bifurcations.iter().zip(&scaled.bifurcations) {
+        let apart = one.parameter - other.parameter * time;
+        assert!(apart.abs() < 1e-9, "{} {}", one.kind, apart);
     }
 }

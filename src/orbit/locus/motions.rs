@@ -190,7 +190,7 @@ impl<'f> Motions<'f> {
         (trial, begin): (&Trial, &Begin),
     ) -> Option<Beside> {
         let own = self.own();
-        let growth = trial.map.monodromy.amax().max(1.0);
+        let growth = trial.map.growth();
         let size = |i: usize| match i.checked_sub(own) {
             None => begin.sizes[i],
             Some(which) => self.widths[which],

@@ -357,7 +357,7 @@ impl Equations for SmoothCurve<'_> {
     }
 
     fn rounding(&self, value: &Motion) -> f64 {
-        CLOSED * value.trial.map.monodromy.amax().max(1.0)
+        CLOSED * value.trial.map.growth()
     }
 
     fn complete(&self, y: &DVector<f64>, mut value: Motion) -> Result<Motion, Error> {
