@@ -2,7 +2,7 @@
 
 use stick_slip::structure::State;
 use stick_slip::{
-    AnyContactLaw, Contact, Coulomb, Direction, Drive, Dwell, Error, EventKind, FrictionLaw,
+    AnyContactLaw, Contact, Coulomb, Direction, Drive, Dwell, Error, Event, EventKind, FrictionLaw,
     Integrator, LuGre, Mode, Polynomial, Rational, Segment, Stribeck, Structure, Trajectory,
 };
 
@@ -15,20 +15,19 @@ pub(crate) fn count(usual: usize) -> usize {
     std::env::var("STRUCTURES").map_or(usual, |text| text.parse().unwrap())
 }
 
+fn told_of(event: &Event<State>) -> Seen {
+    let (letter, side) = match event.kind {
+        EventKind::Stick => ('s', 0.0),
+        EventKind::Release(direction) => ('r', direction.sign()),
+        EventKind::Crossing(direction) => ('x', direction.sign()),
+        EventKind::Open => ('o', 0.0),
+        EventKind::Close => ('c', 0.0),
+    };
+    (event.time, event.contact, letter, side)
+}
+
 pub(crate) fn told(motion: &Trajectory<State>) -> Vec<Seen> {
-    let events = motion.events().iter();
-    events
-        .map(|event| {
-            let (letter, side) = match event.kind {
-                EventKind::Stick => ('s', 0.0),
-                EventKind::Release(direction) => ('r', direction.sign()),
-                EventKind::Crossing(direction) => ('x', direction.sign()),
-                EventKind::Open => ('o', 0.0),
-                EventKind::Close => ('c', 0.0),
-            };
-            (event.time, event.contact, letter, side)
-        })
-        .collect()
+    motion.events().iter().map(told_of).collect()
 }
 
 /// The motion, as far as it goes; the contact that separates, and when.
@@ -107,6 +106,82 @@ fn motions_obey_the_law() {
     }
     println!("{events} events, {separations} separations, {opened} openings");
     assert!(events > 10 * count(2000) / 2 && separations > 0 && opened > 0);
+}
+
+/// The events up to a time, or up to where the motion cannot go on.
+fn seen(structure: &Structure, start: &State, tolerance: f64, duration: f64) -> Vec<Seen> {
+    let mut seen = Vec::new();
+    let flow = Integrator::new()
+        .with_tolerance(tolerance)
+        .and_then(|integrator| integrator.flow(structure, start.clone()));
+    for (n, step) in flow.into_iter().flatten().enumerate() {
+        let step = match step {
+            Ok(step) => step,
+            Err(Error::Separation { .. } | Error::Undetermined { .. }) => break,
+            Err(error) => panic!("{error}\n{structure:?}\n{start:?}"),
+        };
+        assert!(n < 10000, "{structure:?}\n{start:?}");
+        if step.end_time() > duration {
+            break;
+        }
+        seen.extend(step.events().iter().map(told_of));
+    }
+    seen
+}
+
+/// A loose tolerance neither invents nor loses an event where the motion itself is sure of them:
+/// where motions that start further apart than its errors have the same.
+#[test]
+fn a_loose_tolerance_sees_the_same_events() {
+    let duration = 15.0;
+    for tolerance in [1e-6, 1e-9, 1e-12] {
+        let mut random = Random::new(77);
+        let (mut compared, mut unsure) = (0, 0);
+        for i in 0..count(300) {
+            let plain = match i % 3 {
+                0 => Plain::shared(&mut random, false),
+                _ => Plain::random(&mut random),
+            };
+            let start = plain.start_at_rest(&mut random);
+            let structure = plain.structure();
+            if structure.contacts().len() > structure.len() {
+                continue; // Several may come to rest at once, by what holds them.
+            }
+            let usual = seen(&structure, &start, f64::EPSILON, duration);
+            let same = |a: &Seen, b: &Seen| (a.1, a.2, a.3) == (b.1, b.2, b.3);
+            // How many events the neighbours agree on, and how far theirs are apart.
+            let mut sure = usual.len();
+            let mut apart = vec![0.0_f64; usual.len()];
+            for change in [-1e3, 1e3] {
+                for j in 0..structure.len() {
+                    let mut near = start.clone();
+                    near.displacements[j] += change * tolerance;
+                    let near = seen(&structure, &near, f64::EPSILON, duration);
+                    let pairs = std::iter::zip(&near, &usual);
+                    sure = sure.min(pairs.clone().take_while(|(a, b)| same(a, b)).count());
+                    for (apart, (a, b)) in std::iter::zip(&mut apart, pairs) {
+                        *apart = apart.max((a.0 - b.0).abs());
+                    }
+                }
+            }
+            let loose = seen(&structure, &start, tolerance, duration);
+            for n in 0..sure {
+                let about = || format!("{tolerance:e}, {i}, event {n}:\n{plain:?}\n{start:?}");
+                let late = duration - usual[n].0 < 1e3 * tolerance + apart[n];
+                let Some(event) = loose.get(n) else {
+                    assert!(late, "{}", about());
+                    break;
+                };
+                assert!(same(event, &usual[n]), "{}", about());
+                let off = (event.0 - usual[n].0).abs();
+                assert!(off <= 1e3 * tolerance + apart[n], "{off:e} {}", about());
+            }
+            compared += sure;
+            unsure += usual.len() - sure;
+        }
+        println!("{tolerance:e}: {compared} events, {unsure} unsure");
+        assert!(compared > 5 * count(300) && unsure < compared / 10);
+    }
 }
 
 /// Events compared with those that the simple integrator sees.

@@ -3,7 +3,8 @@
 
 use stick_slip::structure;
 use stick_slip::{
-    AnyLaw, Error, FrictionLaw, MassOnBelt, Mode, Polynomial, State, Structure, Trajectory,
+    AnyLaw, Error, Exponential, FrictionLaw, Integrator, MassOnBelt, Mode, Polynomial, State,
+    Structure, Tabulated, Trajectory,
 };
 
 use crate::common::{Random, number, system_of, text};
@@ -278,4 +279,32 @@ fn starts_that_do_not_fit_are_refused() {
     }
     assert!(structure.simulate(state(&[0.0], &[0.0]), -1.0).is_err());
     assert!(structure.simulate(state(&[0.0], &[0.0]), 0.0).is_ok());
+}
+
+/// A mass far outside of the stick band flies off the belt at once, however narrow the law's
+/// feature at the belt is beside the tolerance: a series may come back there, the motion does not.
+#[test]
+fn a_mass_outside_the_stick_band_leaves_the_belt_at_any_tolerance() {
+    let law = Exponential::new(0.06, 0.003, 8e-4).unwrap();
+    let points = [(0.0, 0.345), (0.077, 0.214), (0.154, 0.158), (0.309, 0.301)];
+    let table = Tabulated::new(points)
+        .and_then(|law| law.with_static_coefficient(0.457))
+        .unwrap();
+    let laws: [(AnyLaw, _, _); 2] = [(law.into(), 1.2e-6, 45.0), (table.into(), 8222.0, 40.86)];
+    for (law, load, v_b) in laws {
+        let belt = MassOnBelt::new(law.clone(), v_b)
+            .and_then(|belt| belt.with_load(load))
+            .unwrap();
+        let structure = Structure::from(&belt);
+        let start = State::new(belt.stick_limits()[0] - 66.0, v_b);
+        let exact = belt.simulate(start, 0.1).unwrap().last();
+        for tolerance in [1e-14, 1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2] {
+            let integrator = Integrator::new().with_tolerance(tolerance).unwrap();
+            let motion = integrator.simulate(&structure, start, 0.1).unwrap();
+            let last = motion.last();
+            let forces = start.displacement.abs() + load * law.static_coefficient();
+            let apart = (last.velocities[0] - exact.velocity).abs() / forces.max(v_b);
+            assert!(apart <= 10.0 * tolerance, "{v_b} {tolerance:e}: {apart:e}");
+        }
+    }
 }

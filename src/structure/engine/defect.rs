@@ -42,6 +42,7 @@ pub(super) fn is_accepted(
             allowance: plan.contacts[c],
             size: plan.sizes[c],
             unit: plan.unit,
+            tolerance: plan.tolerance,
             h,
         };
         step.friction_is_accepted() && step.memory_is_accepted()
@@ -72,6 +73,7 @@ struct ContactStep<'a> {
     size: f64,
     /// The time unit in which step lengths are measured.
     unit: f64,
+    tolerance: f64,
     h: f64,
 }
 
@@ -191,7 +193,7 @@ impl ContactStep<'_> {
         let mut accepted = true;
         if self.state.sticks() {
             let scale = series.bound[0].abs().max(self.size);
-            let allowance = Allowance::new(f64::EPSILON * scale, scale);
+            let allowance = Allowance::new(self.tolerance * scale, scale);
             let (loads, bounds) = (self.loads_at(times), series.bound.at_some(times));
             for i in 0..4 {
                 let limit = law.limit(&|j| series.memories[j].at(times[i]));
@@ -214,7 +216,7 @@ impl ContactStep<'_> {
                 let scale = self.memory_scale(j);
                 let largest = rate.abs().max(memory[1].abs()).max(relaxation * scale);
                 let missing = (memory.slope_at(times[i]) - rate).abs();
-                let allowance = Allowance::new(f64::EPSILON * scale, largest);
+                let allowance = Allowance::new(self.tolerance * scale, largest);
                 accepted &= allowance.accepts([missing; 3], lasting);
             };
             law.rates(motions[i], memory, &mut take);
@@ -251,7 +253,7 @@ impl ContactStep<'_> {
         for factor in [1.0, 2.0] {
             let memory = &|j: usize| factor * series.memories[j].at(time);
             law.rates(Motion::Slip(here), memory, &mut |j, rate| {
-                let allowance = Allowance::new(f64::EPSILON * self.memory_scale(j), 0.0);
+                let allowance = Allowance::new(self.tolerance * self.memory_scale(j), 0.0);
                 let all = rate.abs() + series.memories[j].slope_at(time).abs();
                 counts |= !allowance.accepts([all; 3], lasting);
             });

@@ -1,7 +1,9 @@
 //! What ends a step: the first times at which sliding speeds, stick bands and loads come to 0.
 
 use super::edge::Edge;
+use super::mean_velocity;
 use super::model::Model;
+use super::plan::Plan;
 use super::series::{ContactSeries, Series};
 use super::state::{ContactState, Firing, Phase, Situation};
 use crate::series::{PowerSeries, TooCurved, Watch, quarters};
@@ -146,4 +148,93 @@ fn first(
         return Ok(None);
     };
     Ok(watch.first_zero(h)?.map(|time| (time, firing)))
+}
+
+/// Whether sliding speeds that come to 0, or to a breakpoint of a law, go on beyond it by the
+/// equation of motion.
+///
+/// Where a tolerance is large beside the changes of a speed, a series may have a root that the
+/// motion has not, and would come back to where the step began for ever.
+pub(super) fn go_through(
+    model: &Model<'_>,
+    situation: &Situation,
+    series: &Series,
+    plan: &Plan,
+    firings: &Firings,
+) -> bool {
+    firings.iter().enumerate().all(|(c, firing)| {
+        let contact = &model.contacts[c];
+        if contact.is_elastic() {
+            return true;
+        }
+        let (time, speed, inward) = match *firing {
+            Some((time, Firing::Arrival)) => (time, 0.0, 1.0),
+            Some((time, Firing::Breakpoint(number, rising))) => (
+                time,
+                contact.breakpoints[number],
+                if rising { -1.0 } else { 1.0 },
+            ),
+            _ => return true,
+        };
+        let rate = inward * rate_at(model, situation, series, c, time, speed);
+        plan.contacts[c].is_rounding(rate)
+    })
+}
+
+/// dy/dt of a contact that slips, by the equation of motion, at a time of the step and a speed
+/// reached there.
+fn rate_at(
+    model: &Model<'_>,
+    situation: &Situation,
+    series: &Series,
+    c: usize,
+    time: f64,
+    speed: f64,
+) -> f64 {
+    let (contact, of) = (&model.contacts[c], &series.contacts[c]);
+    let Some(slip) = situation.contacts[c].slip(speed) else {
+        return f64::NAN;
+    };
+    let friction = |of: &ContactSeries, coefficient: f64| {
+        let load = if of.load_varies {
+            of.load.at(time)
+        } else {
+            of.load[0]
+        };
+        load * coefficient
+    };
+    let memory = &|j: usize| of.memories[j].at(time);
+    let own = friction(of, slip.direction * contact.law.coefficient(slip, memory));
+    let displacement = |j: usize| {
+        let way = time * mean_velocity(model, situation, series, j, time);
+        situation.coordinates[j].displacement + way
+    };
+    let velocity = |j: usize| series.coordinates[j].course.at(time);
+    let free = |i: usize| {
+        let ((spring, springs), (damper, dampers)) = (model.stiffness.row(i), model.damping.row(i));
+        let by_springs = springs.iter().map(|&(j, a)| a * displacement(j));
+        let by_dampers = dampers.iter().map(|&(j, a)| a * velocity(j));
+        series.coordinates[i].force.at(time)
+            - (spring * displacement(i) + damper * velocity(i))
+            - (by_springs.sum::<f64>() + by_dampers.sum::<f64>())
+    };
+    // What the others do to the coordinates of a shared contact.
+    let others = |j: usize| {
+        let others = model.shared.iter().filter(|&&d| d != c);
+        let of_others = others.map(|&d| {
+            let of = &series.contacts[d];
+            let response = model.contacts[d].response(j);
+            match situation.contacts[d].phase {
+                Phase::Open => 0.0,
+                _ if response == 0.0 => 0.0,
+                Phase::Slip { direction, .. } => {
+                    response * direction.sign() * friction(of, of.friction.at(time))
+                }
+                Phase::Stick { .. } => response * of.carried.at(time),
+            }
+        });
+        of_others.sum::<f64>()
+    };
+    let pull = contact.along(|j| free(j) - others(j)) - of.surface.slope_at(time);
+    slip.direction * pull - own
 }

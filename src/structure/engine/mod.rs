@@ -41,7 +41,7 @@ mod transitions;
 
 use decision::reconcile;
 use edge::{Edge, side_of};
-use events::{Firings, first_firings};
+use events::{Firings, first_firings, go_through};
 use expand::expand_drives;
 use model::{ContactData, Model};
 use plan::{Control, is_finite, is_linear, plan_memory, plan_reach, reaches};
@@ -112,7 +112,7 @@ impl<'s> Engine<'s> {
         expand_drives(model, situation, series);
         let state = situation.state(model, series);
         let before = situation.modes();
-        decide(model, situation, series, true)?;
+        decide(model, situation, series, [true, true])?;
         // A start beyond the band slips at once, without an event; one on its edge, growing, is a
         // release.
         let mut events = events(&before, situation, &state);
@@ -166,6 +166,7 @@ impl<'s> Engine<'s> {
         }
         let is_disturbed = self.land(settled);
         let trigger = self.trigger(settled.duration);
+        let disturbed = [is_disturbed, settled.at_break.is_some()];
         let end = self.state();
         let Self {
             model,
@@ -173,7 +174,7 @@ impl<'s> Engine<'s> {
             series: next,
             ..
         } = self;
-        let events = match decide(model, situation, next, is_disturbed) {
+        let events = match decide(model, situation, next, disturbed) {
             Ok(()) => events(&modes, situation, &end),
             // The step is good; what cannot be followed begins at its end.
             Err(error) => {
@@ -228,9 +229,11 @@ impl<'s> Engine<'s> {
             let Ok(end) = first_firings(model, situation, series, [h, to_break], firings) else {
                 return Attempt::TooCurved;
             };
-            let is_exact = reaches(model, situation, series, *tolerance, end, plan)
-                && defect::is_accepted(model, situation, series, plan, end);
-            if is_exact {
+            // Behind a break of a drive other forces act.
+            let is_taken = reaches(model, situation, series, *tolerance, end, plan)
+                && defect::is_accepted(model, situation, series, plan, end)
+                && (end >= to_break || go_through(model, situation, series, plan, firings));
+            if is_taken {
                 Attempt::Taken(end)
             } else {
                 Attempt::Inexact(end)

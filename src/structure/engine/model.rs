@@ -627,7 +627,7 @@ impl<'s> Model<'s> {
 
 impl ContactData<'_> {
     /// (M⁻¹b)_j/G_cc of a shared contact.
-    fn response(&self, coordinate: usize) -> f64 {
+    pub(super) fn response(&self, coordinate: usize) -> f64 {
         let entries = self.responses();
         let found = entries.binary_search_by_key(&coordinate, |&(j, _)| j);
         found.map_or(0.0, |place| entries[place].1)

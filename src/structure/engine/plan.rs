@@ -36,6 +36,7 @@ pub(super) struct Control {
 /// The errors that a step may have.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Plan {
+    pub(super) tolerance: f64,
     /// The time unit in which step lengths are measured.
     pub(super) unit: f64,
     /// The time in which their changes measure velocities: the unit, or less where steps are but a
@@ -162,6 +163,7 @@ pub(super) fn plan_reach(
     plan: &mut Plan,
 ) -> f64 {
     let n = model.len();
+    plan.tolerance = tolerance;
     closings(model, situation, series, &mut plan.closings);
     let scales = &mut plan.scales;
     scales.clear();
@@ -267,14 +269,14 @@ fn plan_within(
                 0.0
             };
             let scale = state.memory[0].abs().max(by_motion);
-            farthest = farthest.min(reach_of(f64::EPSILON * scale, &of.carried, TERMS - 1));
+            farthest = farthest.min(reach_of(tolerance * scale, &of.carried, TERMS - 1));
             if let Phase::Slip { .. } = state.phase {
                 // No force depends on the surface's velocity now, but the slider's stop does.
                 let error = tolerance * velocity.max(of.speeds[0].abs());
                 farthest = farthest.min(reach_of(error, &of.speeds, TERMS - 2));
             }
             if of.load_varies {
-                let error = f64::EPSILON * load_terms(contact, situation);
+                let error = tolerance * load_terms(contact, situation);
                 farthest = farthest.min(reach_of(error, &of.load, TERMS - 1));
             }
             plan.contacts.push(Allowance::new(0.0, 0.0));
@@ -305,17 +307,17 @@ fn plan_within(
         }
         if state.sticks() {
             // The last coefficient of the force needs that of the velocities, and is not there.
-            let error = f64::EPSILON * of.bound[0].abs().max(size);
+            let error = tolerance * of.bound[0].abs().max(size);
             farthest = farthest.min(reach_of(error, &of.carried, TERMS - 2));
             farthest = farthest.min(reach_of(error, &of.bound, TERMS - 2));
         }
         if of.load_varies {
-            let error = f64::EPSILON * load_terms(contact, situation);
+            let error = tolerance * load_terms(contact, situation);
             farthest = farthest.min(reach_of(error, &of.load, TERMS - 2));
         }
         for (series, memory) in std::iter::zip(&of.memories, &state.memory) {
             let scale = memory.abs().max(series[1].abs() * farthest.min(f64::MAX));
-            farthest = farthest.min(reach_of(f64::EPSILON * scale, series, TERMS - 1));
+            farthest = farthest.min(reach_of(tolerance * scale, series, TERMS - 1));
         }
         plan.contacts.push(allowance);
         plan.sizes.push(size);

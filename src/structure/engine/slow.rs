@@ -192,11 +192,12 @@ impl Slow<'_, '_> {
             let Control {
                 tolerance, plan, ..
             } = &mut *self.control;
-            let reach = plan_reach(self.model, self.situation, self.series, *tolerance, plan);
+            let tolerance = *tolerance;
+            let reach = plan_reach(self.model, self.situation, self.series, tolerance, plan);
             let slow = std::iter::zip(self.slow_memories(), &before[self.model.len()..]);
             let may_have_come = slow.into_iter().all(|((series, memory), before)| {
                 let moved = 4.0 * (series[0] - before[0]).abs();
-                (series[0] - memory).abs() <= moved + CLOSE * f64::EPSILON * memory.abs()
+                (series[0] - memory).abs() <= moved + CLOSE * tolerance * memory.abs()
             });
             if !may_have_come || reach < LONGER * shorter {
                 return None;
@@ -233,8 +234,8 @@ impl Slow<'_, '_> {
             let allowance = self.control.plan.coordinates.get(i);
             (series, allowance.map_or(0.0, |allowance| allowance.error))
         });
-        let memories = self.slow_memories();
-        velocities.chain(memories.map(|(z, _)| (*z, f64::EPSILON * z[0].abs())))
+        let (memories, tolerance) = (self.slow_memories(), self.control.tolerance);
+        velocities.chain(memories.map(move |(z, _)| (*z, tolerance * z[0].abs())))
     }
 
     /// The memories that relax, and their values at the start of the step.

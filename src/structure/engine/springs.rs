@@ -226,11 +226,13 @@ fn find_edge(model: &Model<'_>, situation: &mut Situation, series: &Series, c: u
     }
     let beyond = carried.abs() - bound;
     let is_fresh = state.has_arrived();
+    // The load is 0 as far as the tolerance says.
+    let begins = state.load_edge != Edge::Away;
     state.edge = match state.entry {
         // ζ_σ = 0, where T = σμN.
         Entry::Arrived(Some(from)) => Edge::Touched(Some(from)),
         // No band yet, for the load begins: on both of its bounds.
-        _ if is_fresh && bound.max(carried.abs()) <= rounding => Edge::On(None),
+        _ if is_fresh && (begins || bound.max(carried.abs()) <= rounding) => Edge::On(None),
         _ if beyond >= 0.0 || is_fresh && beyond >= -rounding => Edge::On(Some(side_of(carried))),
         _ => Edge::Away,
     };

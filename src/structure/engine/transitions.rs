@@ -20,12 +20,13 @@ use crate::series::PowerSeries;
 use crate::state::Direction;
 
 /// Decides the modes, and expands the motion that follows. Shared contacts are asked only if
-/// something happened to one of them, or a drive broke: `is_disturbed`.
+/// something happened to one of them, or a drive broke: `is_disturbed`. What contacts carry is as
+/// before unless the motion begins, or a drive broke: `may_jump`.
 pub(super) fn decide(
     model: &Model<'_>,
     situation: &mut Situation,
     series: &mut Series,
-    is_disturbed: bool,
+    [is_disturbed, may_jump]: [bool; 2],
 ) -> Result<(), Error> {
     cut(model, situation, series);
     let asks_shared = is_disturbed && !model.shared.is_empty();
@@ -54,7 +55,7 @@ pub(super) fn decide(
                 let new = || Decision::new(model, situation, series);
                 decision.get_or_insert_with(new).restart();
             }
-            changed |= change || revise_mode(model, situation, series, c);
+            changed |= change || revise_mode(model, situation, series, c, may_jump);
         }
         if let Some(decision) = &mut decision {
             changed |= decision.revise(model, situation, series);
@@ -195,7 +196,13 @@ fn revise_load(
 
 /// Releases a contact that cannot stick, and puts one that slides onto its piece of the law;
 /// returns true if that has changed anything.
-fn revise_mode(model: &Model<'_>, situation: &mut Situation, series: &Series, c: usize) -> bool {
+fn revise_mode(
+    model: &Model<'_>,
+    situation: &mut Situation,
+    series: &Series,
+    c: usize,
+    may_jump: bool,
+) -> bool {
     let (contact, of) = (&model.contacts[c], &series.contacts[c]);
     let state = &mut situation.contacts[c];
     match state.phase {
@@ -206,7 +213,7 @@ fn revise_mode(model: &Model<'_>, situation: &mut Situation, series: &Series, c:
                 return false;
             };
             if state.limit.is_some() {
-                return revise_stick(model, situation, series, c, i);
+                return revise_stick(model, situation, series, [c, i], may_jump);
             }
             // Its own law says what it carries at r = 0: the same on both sides.
             let coefficient = state.start_coefficient(contact.law, Direction::Leading);
@@ -224,8 +231,8 @@ fn revise_stick(
     model: &Model<'_>,
     situation: &mut Situation,
     series: &Series,
-    c: usize,
-    i: usize,
+    [c, i]: [usize; 2],
+    may_jump: bool,
 ) -> bool {
     let (contact, of) = (&model.contacts[c], &series.contacts[c]);
     let force = model.acceleration_by(i, |j| model.forces[j].size()).abs();
@@ -251,7 +258,8 @@ fn revise_stick(
         release = out.map(|(side, _)| (side, 0.0));
     } else {
         let beyond = side.sign() * carried - bound;
-        if beyond > rounding && !is_known {
+        // One that goes on sticking has passed its bound within the errors of the last step.
+        if beyond > rounding && !is_known && (is_fresh || may_jump) {
             release = Some((side, beyond));
         } else if is_known || beyond >= 0.0 || (is_fresh && beyond >= -rounding) {
             let (edge, sign) = state.edge.leaving(of, side);
