@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::edge::Edge;
 use super::factor::Holding;
 use super::model::{ContactData, Model, Target};
-use super::series::{ContactCourse, ContactSeries, CoordinateSeries, Course, Series};
+use super::series::{ContactCourse, ContactSeries, CoordinateSeries, Series};
 use super::springs::spring_order;
 use super::state::{Phase, Situation};
 use crate::error::{Error, Reached};
@@ -100,44 +100,18 @@ pub(super) fn expand(
     series: &mut Series,
     orders: usize,
 ) -> Result<(), LawFault> {
-    if orders < ALL {
-        // What is not computed is not that of the step before.
-        for of in &mut series.contacts {
-            (of.speeds, of.carried, of.bound) =
-                (PowerSeries::ZERO, PowerSeries::ZERO, PowerSeries::ZERO);
-            if of.load_varies {
-                of.load = PowerSeries::ZERO;
-            }
-        }
-    }
-    start(model, situation, series);
-    all_orders(model, situation, series, 0..orders);
-    law_fault(situation, series).map_or(Ok(()), Err)
-}
-
-/// All orders that come after the first ones, which [`expand`] has found.
-pub(super) fn expand_further(
-    model: &Model<'_>,
-    situation: &Situation,
-    series: &mut Series,
-    first: usize,
-) {
-    all_orders(model, situation, series, first..ALL);
-}
-
-fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, orders: Range<usize>) {
     let n = model.len();
+    start(model, situation, series);
     if model.shared.is_empty() && model.springs.is_empty() {
         let shift = model.bandwidth;
         if n <= AT_A_TIME {
-            for k in orders {
+            for k in 0..orders {
                 order(model, series, k, 0..n);
             }
         } else {
-            for start in (0..n + orders.len() * shift).step_by(AT_A_TIME) {
-                for k in orders.clone() {
-                    let behind = (k - orders.start) * shift;
-                    let place = |i: usize| i.saturating_sub(behind).min(n);
+            for start in (0..n + orders * shift).step_by(AT_A_TIME) {
+                for k in 0..orders {
+                    let place = |i: usize| i.saturating_sub(k * shift).min(n);
                     let coordinates = place(start)..place(start + AT_A_TIME);
                     order(model, series, k, coordinates);
                 }
@@ -145,7 +119,7 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
         }
     } else {
         let is_delicate = is_delicate(model, situation);
-        for k in orders {
+        for k in 0..orders {
             if k > 0 {
                 spring_order(model, series, k);
             }
@@ -153,6 +127,7 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
             shared_order(model, situation, series, k, is_delicate);
         }
     }
+    law_fault(situation, series).map_or(Ok(()), Err)
 }
 
 /// How many masses of a long chain are brought from order to order together.
@@ -212,9 +187,6 @@ fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
 /// Order k + 1 of the velocities of some coordinates, without what shared contacts do to them.
 #[inline(always)]
 fn order(model: &Model<'_>, series: &mut Series, k: usize, range: Range<usize>) {
-    if k >= ALL {
-        return; // Tells the compiler which coefficients there are.
-    }
     let n = model.len();
     let Series {
         coordinates,
@@ -272,15 +244,16 @@ fn order(model: &Model<'_>, series: &mut Series, k: usize, range: Range<usize>) 
 /// (−M⁻¹K q − M⁻¹C v)_i of order k.
 #[inline(always)]
 fn free_rate(model: &Model<'_>, coordinates: &[CoordinateSeries], i: usize, k: usize) -> f64 {
-    let ([spring, damper], beside) = model.couplings.row(i);
-    let [q, v] = coordinates[i].course.pair(k);
-    let (mut springs, mut dampers) = (spring * q, damper * v);
-    for entry in beside {
-        let [q, v] = coordinates[entry.column].course.pair(k);
-        springs += entry.values[0] * q;
-        dampers += entry.values[1] * v;
+    let own = &coordinates[i].course;
+    let ((spring, springs), (damper, dampers)) = (model.stiffness.row(i), model.damping.row(i));
+    let mut rate = -damper * own.velocity(k) - spring * own.displacement(k);
+    for &(j, a) in springs {
+        rate -= a * coordinates[j].course.displacement(k);
     }
-    -mul_add(springs, Course::WEIGHTS[k], dampers)
+    for &(j, a) in dampers {
+        rate -= a * coordinates[j].course.velocity(k);
+    }
+    rate
 }
 
 /// What shared contacts do to order k + 1 of the velocities: friction of those that slip, then what

@@ -6,7 +6,7 @@ use std::ops::Range;
 use nalgebra::DMatrix;
 
 use super::factor::{Factor, Holding};
-use super::sparse::{Pair, Sparse};
+use super::sparse::Sparse;
 use crate::belt::MassOnBelt;
 use crate::drive::Drive;
 use crate::error::{Element, Error};
@@ -31,8 +31,6 @@ pub(crate) struct Model<'s> {
     pub(crate) stiffness: Sparse,
     /// M⁻¹C.
     pub(crate) damping: Sparse,
-    /// Both, for the power series.
-    pub(super) couplings: Pair,
     /// M⁻¹.
     pub(crate) inverse_mass: Sparse,
     pub(crate) forces: Cow<'s, [Drive]>,
@@ -239,7 +237,6 @@ impl<'s> Model<'s> {
         let damping = inverse_mass.times(damping);
         let mut model = Self {
             inverse_mass,
-            couplings: Pair::new(&stiffness, &damping),
             stiffness,
             damping,
             forces,

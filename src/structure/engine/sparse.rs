@@ -103,68 +103,6 @@ impl Sparse {
     }
 }
 
-/// Two sparse matrices side by side, so that one pass over a row serves both.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Pair {
-    rows: Vec<PairRow>,
-    entries: Vec<PairEntry>,
-}
-
-#[derive(Debug, Clone, PartialEq)]
-struct PairRow {
-    diagonal: [f64; 2],
-    start: usize,
-    end: usize,
-}
-
-/// The entries of both in one column.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct PairEntry {
-    pub(crate) column: usize,
-    pub(crate) values: [f64; 2],
-}
-
-impl Pair {
-    pub(crate) fn new(first: &Sparse, second: &Sparse) -> Self {
-        let mut entries: Vec<PairEntry> = Vec::new();
-        let rows = std::iter::zip(first.rows(), second.rows()).map(|(first, second)| {
-            let start = entries.len();
-            let of_both = [first.1, second.1].into_iter().enumerate();
-            for (which, &(column, value)) in
-                of_both.flat_map(|(n, row)| row.iter().map(move |e| (n, e)))
-            {
-                let known = entries[start..]
-                    .iter()
-                    .position(|entry| entry.column == column);
-                let place = known.map_or(entries.len(), |place| start + place);
-                if known.is_none() {
-                    entries.push(PairEntry {
-                        column,
-                        values: [0.0; 2],
-                    });
-                }
-                entries[place].values[which] = value;
-            }
-            PairRow {
-                diagonal: [first.0, second.0],
-                start,
-                end: entries.len(),
-            }
-        });
-        Self {
-            rows: rows.collect(),
-            entries,
-        }
-    }
-
-    /// A row: the entries on the diagonals, and those beside them.
-    #[inline(always)]
-    pub(crate) fn row(&self, i: usize) -> ([f64; 2], &[PairEntry]) {
-        let row = &self.rows[i];
-        (row.diagonal, &self.entries[row.start..row.end])
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
