@@ -54,7 +54,7 @@ impl SlipSeries {
         &self,
         piece: usize,
         system: &Belt<'_>,
-        (expander, passes): (&mut Expander, &mut usize),
+        expander: &mut Expander,
         from: &SlipPoint,
         time: Time,
         allowance: &Allowance,
@@ -63,7 +63,7 @@ impl SlipSeries {
         let equation = system.equation(from.direction);
         // The series of the friction along a given series of the sliding speed.
         let mut compose = |c: &PowerSeries| -> Result<Self, Error> {
-            *passes += 1;
+            expander.passes += 1;
             // Not with the last coefficient of the explicit series, which is not written here.
             expander.series = Self::ZERO;
             system.law().expand_slip(Expansion {

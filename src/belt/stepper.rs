@@ -71,8 +71,6 @@ pub(crate) struct Stepper {
     /// Limit of the next step: twice the last one, if that had to be shorter than its coefficients
     /// allowed; otherwise infinite.
     longest: f64,
-    /// How many series the last step took: one, and more on a slow manifold.
-    passes: usize,
 }
 
 impl Stepper {
@@ -83,13 +81,12 @@ impl Stepper {
             tolerance,
             equilibrium: system.equilibrium_displacement(),
             longest: f64::INFINITY,
-            passes: 0,
         }
     }
 
     /// How many series the last step took: what it cost.
     pub(crate) fn passes(&self) -> usize {
-        self.passes
+        self.expander.passes
     }
 
     /// The sliding speed over the last step, in the time since its start; in backward time if the
@@ -123,7 +120,7 @@ impl Stepper {
                 (piece, &at_breakpoint)
             }
         };
-        self.passes = 1;
+        self.expander.passes = 1;
         self.begin(system, point, piece, time, elapsed)?;
         if self.expander.series.speed[1] == 0.0 && self.expander.series.speed[2] == 0.0 {
             return Ok(Advance {
@@ -229,14 +226,7 @@ impl Stepper {
         if closing > STIFF && has_come && point.rate.is_none() {
             let limits = self.breakpoints.limits(piece);
             let explicit = self.expander.series;
-            let slow = explicit.slow(
-                piece,
-                system,
-                (&mut self.expander, &mut self.passes),
-                point,
-                time,
-                &allowance,
-            );
+            let slow = explicit.slow(piece, system, &mut self.expander, point, time, &allowance);
             self.expander.series = match slow {
                 Some((slow, reach)) if limits.contain(slow.speed[0]) => {
                     plan.reach = reach;

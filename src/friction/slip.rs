@@ -57,6 +57,8 @@ impl SlipSeries {
 #[derive(Debug, Clone)]
 pub(crate) struct Expander {
     pub(crate) series: SlipSeries,
+    /// How many series the last step took: one, and more on a slow manifold.
+    pub(crate) passes: usize,
     workspace: Workspace<TERMS>,
 }
 
@@ -64,6 +66,7 @@ impl Expander {
     pub(crate) fn new() -> Self {
         Self {
             series: SlipSeries::ZERO,
+            passes: 0,
             workspace: Workspace::new(),
         }
     }
@@ -122,7 +125,9 @@ impl Expander {
             load,
             belt,
         } = equation;
-        let Self { series, workspace } = self;
+        let Self {
+            series, workspace, ..
+        } = self;
         let SlipSeries {
             speed: series,
             friction,
