@@ -1,4 +1,4 @@
-//! The figures of the source paper, and nine more, as SVG files and a page that shows them.
+//! The figures of the source paper, and ten more, as SVG files and a page that shows them.
 //!
 //! What to learn from it:
 //!
@@ -14,6 +14,8 @@
 //! * `errors.rs`: a formula is as good as the order of its error, seen as a slope;
 //! * `memory.rs`: closed forms for rising static friction under motions that have settled; bristles
 //!   beside the dry friction that is their limit;
+//! * `joint.rs`: exact resonance curves of a mass on a spring with a slider, beside first-harmonic
+//!   theory;
 //! * `laws.rs`: friction laws on both sides of zero;
 //! * `structures.rs`: the events of many contacts over time and place; eigenvalues of steady
 //!   sliding over a parameter;
@@ -27,6 +29,7 @@ mod amplitude;
 mod chaos;
 mod clip;
 mod errors;
+mod joint;
 mod laws;
 mod memory;
 mod motion;
@@ -49,7 +52,7 @@ use typeset::escape;
 type Draw = fn() -> Result<Figure>;
 
 /// Name of the file, and what draws it.
-const FIGURES: [(&str, Draw); 15] = [
+const FIGURES: [(&str, Draw); 16] = [
     ("fig2_polynomial_law", laws::polynomial),
     ("fig3_exponential_law", laws::exponential),
     ("fig4_pure_slip", motion::fig4),
@@ -61,6 +64,7 @@ const FIGURES: [(&str, Draw); 15] = [
     ("errors", errors::errors),
     ("dwell", memory::dwell),
     ("lugre", memory::lugre),
+    ("joint", joint::joint),
     ("chain", structures::chain),
     ("mode_coupling", structures::mode_coupling),
     ("resonance", resonance::resonance),

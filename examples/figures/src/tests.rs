@@ -82,8 +82,8 @@ fn caption_has_the_exact_borders() {
 
 #[test]
 fn every_coordinate_lies_in_the_picture() {
-    let structures = ["chain", "mode_coupling"].map(|name| drawn(name).svg);
-    for svg in [AMPLITUDE, REGIMES, &structures[0], &structures[1]] {
+    let others = ["chain", "mode_coupling", "joint"].map(|name| drawn(name).svg);
+    for svg in [AMPLITUDE, REGIMES, &others[0], &others[1], &others[2]] {
         let size = svg
             .split_once("viewBox=\"")
             .unwrap()
