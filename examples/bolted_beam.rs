@@ -1,0 +1,255 @@
+//! A beam on six elastic pads, pressed on them by springs: its second resonance, where the pads
+//! slip and open, swept upwards and downwards, and damping over amplitude from a free decay.
+//!
+//! What to learn from it:
+//!
+//! * a reduced model enters by its matrices: here 14 bending and 6 axial shapes of a beam whose
+//!   thickness steps, so that M and K are full. A contact is two rows of shape functions: the
+//!   displacement of the surface along the pad, and that into it;
+//! * each pad is an elastic contact with a normal spring. Below the onset of slip the joint is
+//!   linear; then it damps; where pads open, the resonance leans to lower frequencies;
+//! * so there is a range of frequencies with two steady motions. A sweep downwards finds one of
+//!   them, a sweep upwards the other, and each jumps where its motion ends;
+//! * `orbit::settle` makes each of the two exact, with its multipliers. They tell that the stronger
+//!   one is not stable where the two differ most: the vibration beats about it.
+//!
+//! Run it with `cargo run --release --example bolted_beam`; it takes a minute.
+
+use std::f64::consts::{PI, TAU};
+
+use stick_slip::nalgebra::{DMatrix, DVector};
+use stick_slip::orbit::{self, Period};
+use stick_slip::structure::State;
+use stick_slip::{Contact, Coulomb, Drive, Error, Segment, Structure, Trajectory};
+
+// Steel, in metres, kilograms and seconds.
+const LENGTH: f64 = 0.4;
+const WIDTH: f64 = 0.03;
+const MODULUS: f64 = 210e9;
+const DENSITY: f64 = 7850.0;
+/// Thickness up to the middle, and beyond it.
+const THICKNESS: [f64; 2] = [0.02, 0.016];
+const BENDING: usize = 14;
+const AXIAL: usize = 6;
+const SHAPES: usize = BENDING + AXIAL;
+/// Damping ratio of the second mode without pads.
+const DAMPING: f64 = 0.001;
+
+// Of each pad.
+const PADS: usize = 6;
+const FRICTION: f64 = 0.3;
+const LOAD: f64 = 150.0;
+const TANGENTIAL: f64 = 8e6;
+const NORMAL: f64 = 2e6;
+
+/// Wave numbers: w = sin px of a beam on two supports, u = sin qx of a bar held at one end.
+fn wave_number(shape: usize) -> f64 {
+    match shape.checked_sub(BENDING) {
+        None => PI * (shape + 1) as f64 / LENGTH,
+        Some(axial) => PI * (axial as f64 + 0.5) / LENGTH,
+    }
+}
+
+/// Mass and stiffness matrix.
+fn matrices() -> [DMatrix<f64>; 2] {
+    let mut matrices = [0, 1].map(|_| DMatrix::zeros(SHAPES, SHAPES));
+    for (half, thickness) in THICKNESS.into_iter().enumerate() {
+        let ends = [0.5, 1.0].map(|part| LENGTH * (part - 0.5 + 0.5 * half as f64));
+        let area = WIDTH * thickness;
+        let bending = MODULUS * area * thickness * thickness / 12.0;
+        // ∫ cos rx
+        let cosine = |r: f64| match r {
+            0.0 => ends[1] - ends[0],
+            _ => ((r * ends[1]).sin() - (r * ends[0]).sin()) / r,
+        };
+        for i in 0..SHAPES {
+            for j in (0..SHAPES).filter(|&j| (i < BENDING) == (j < BENDING)) {
+                let [p, q] = [i, j].map(wave_number);
+                let [less, more] = [cosine((p - q).abs()), cosine(p + q)];
+                let sines = 0.5 * (less - more);
+                matrices[0][(i, j)] += DENSITY * area * sines;
+                matrices[1][(i, j)] += if i < BENDING {
+                    bending * (p * q) * (p * q) * sines
+                } else {
+                    MODULUS * area * (p * q) * (0.5 * (less + more))
+                };
+            }
+        }
+    }
+    matrices
+}
+
+/// Displacements of the lower surface at a pad: along it, and into it.
+fn rows(pad: usize) -> [Vec<(usize, f64)>; 2] {
+    let x = LENGTH * (0.62 + 0.06 * pad as f64);
+    let along = |shape: usize| {
+        let p = wave_number(shape);
+        if shape < BENDING {
+            0.5 * THICKNESS[1] * p * (p * x).cos()
+        } else {
+            (p * x).sin()
+        }
+    };
+    let into = |shape: usize| -(wave_number(shape) * x).sin();
+    [
+        (0..SHAPES).map(|shape| (shape, along(shape))).collect(),
+        (0..BENDING).map(|shape| (shape, into(shape))).collect(),
+    ]
+}
+
+/// The beam under a force at 0.3 of its length.
+fn beam(force: f64, frequency: f64) -> Result<Structure, Error> {
+    let [mass, stiffness] = matrices();
+    // In proportion to the stiffness: higher modes are damped more.
+    let damping = &stiffness * (2.0 * DAMPING / (TAU * 1060.0));
+    let mut beam = Structure::with_mass_matrix(mass)?
+        .with_stiffness(stiffness)?
+        .with_damping(damping)?;
+    let mut pressed = [0.0; BENDING];
+    for pad in 0..PADS {
+        let [along, into] = rows(pad);
+        for &(shape, d) in &into {
+            pressed[shape] += LOAD * d;
+        }
+        let contact = Contact::along(&along, Coulomb::new(FRICTION, FRICTION)?, LOAD)?
+            .with_tangential_stiffness(TANGENTIAL)?
+            .with_normal_spring(&into, NORMAL)?;
+        beam = beam.with_contact(contact)?;
+    }
+    for (shape, pressed) in pressed.into_iter().enumerate() {
+        let part = force * (wave_number(shape) * 0.3 * LENGTH).sin();
+        let drive = Drive::harmonic(part, TAU * frequency, 0.0)?.with_constant(pressed)?;
+        beam = beam.with_force(shape, drive)?;
+    }
+    Ok(beam)
+}
+
+/// Frequency and shape of the second mode, with all pads closed and stuck.
+fn second_mode() -> Option<(f64, DVector<f64>)> {
+    let [mass, mut stiffness] = matrices();
+    for pad in 0..PADS {
+        for (row, k) in rows(pad).into_iter().zip([TANGENTIAL, NORMAL]) {
+            let mut vector = DVector::zeros(SHAPES);
+            row.iter().for_each(|&(shape, b)| vector[shape] = b);
+            stiffness += k * &vector * vector.transpose();
+        }
+    }
+    let inverse = mass.cholesky()?.l().try_inverse()?;
+    let modes = (&inverse * stiffness * inverse.transpose()).symmetric_eigen();
+    let mut order: Vec<usize> = (0..SHAPES).collect();
+    order.sort_by(|&i, &j| modes.eigenvalues[i].total_cmp(&modes.eigenvalues[j]));
+    let mode = order[1];
+    let shape = inverse.transpose() * modes.eigenvectors.column(mode);
+    Some((modes.eigenvalues[mode].sqrt() / TAU, &shape / shape[1]))
+}
+
+/// Half the range of the second bending shape from a time on.
+fn amplitude(motion: &Trajectory<State>, from: f64) -> f64 {
+    let steps = motion.steps().iter();
+    let late = steps.filter(|step| step.start_time() >= from);
+    let (low, high) = late.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), step| {
+        let q = step.state().displacements[1];
+        (low.min(q), high.max(q))
+    });
+    0.5 * (high - low)
+}
+
+/// Times and values of the maxima of the second bending shape.
+fn maxima(motion: &Trajectory<State>) -> Vec<(f64, f64)> {
+    let turns = motion.steps().iter().filter_map(|step| {
+        let [before, after] = [step.state(), &step.end_state()].map(|state| state.velocities[1]);
+        let time = step.duration() * before / (before - after);
+        let is_maximum = before > 0.0 && after <= 0.0;
+        is_maximum.then(|| {
+            (
+                step.start_time() + time,
+                step.state_at(time).displacements[1],
+            )
+        })
+    });
+    turns.collect()
+}
+
+const FORCE: f64 = 60.0;
+/// Frequencies of the sweeps, in units of that of the stuck beam.
+const RANGE: [f64; 2] = [0.978, 1.002];
+const FREQUENCIES: usize = 13;
+/// Periods at each of them.
+const PERIODS: f64 = 150.0;
+
+fn main() -> Result<(), Error> {
+    let (natural, shape) = second_mode().expect("the mass matrix is positive definite");
+    println!("second mode, pads closed and stuck: {natural:.2} Hz");
+
+    // A free decay, from where the pads open.
+    let start: Vec<f64> = (&shape * 1.2e-4).iter().copied().collect();
+    let start = State::new(&start, &[0.0; SHAPES]);
+    let decay = beam(0.0, natural)?.simulate(start, 240.0 / natural)?;
+    println!("\nfree decay: amplitude in µm, frequency in Hz, damping ratio");
+    let window = 20;
+    let mut ratios = Vec::new();
+    for part in maxima(&decay).windows(window + 1).step_by(window) {
+        let (begin, end) = (part[0], part[window]);
+        let frequency = window as f64 / (end.0 - begin.0);
+        let ratio = (begin.1 / end.1).ln() / (window as f64 * TAU);
+        println!(
+            "  {:6.1}   {frequency:8.2}   {ratio:.5}",
+            1e6 * (begin.1 * end.1).sqrt()
+        );
+        ratios.push((frequency, ratio));
+    }
+    let most = ratios.iter().fold(0.0_f64, |most, point| most.max(point.1));
+    let last = ratios[ratios.len() - 1];
+    // At last the pads stick; before, they damp, and soften where they open.
+    assert!((last.0 / natural - 1.0).abs() < 5e-3 && ratios[0].0 < 0.995 * natural);
+    assert!(most > 1.5 * last.1);
+
+    println!("\n{FORCE} N: frequency in Hz, amplitude in µm swept downwards and upwards");
+    let at = |i: usize| {
+        let part = i as f64 / (FREQUENCIES - 1) as f64;
+        natural * (RANGE[0] + (RANGE[1] - RANGE[0]) * part)
+    };
+    let sweep = |order: &mut dyn Iterator<Item = usize>| {
+        let mut found = vec![(0.0, State::at_rest(SHAPES)); FREQUENCIES];
+        let mut state = State::at_rest(SHAPES);
+        for i in order {
+            let motion = beam(FORCE, at(i))?.simulate(state, PERIODS / at(i))?;
+            state = motion.last();
+            found[i] = (amplitude(&motion, (PERIODS - 2.0) / at(i)), state.clone());
+        }
+        Ok::<_, Error>(found)
+    };
+    let down = sweep(&mut (0..FREQUENCIES).rev())?;
+    let up = sweep(&mut (0..FREQUENCIES))?;
+    let mut apart = Vec::new();
+    for i in 0..FREQUENCIES {
+        let [one, other] = [down[i].0, up[i].0];
+        println!("  {:8.2}   {:6.1}   {:6.1}", at(i), 1e6 * one, 1e6 * other);
+        apart.push((one / other, i));
+    }
+
+    // Two motions at one frequency, both exact: where the sweeps differ most, unless the vibration
+    // there is not periodic.
+    apart.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let exact = |i: usize| -> Result<[orbit::Orbit<Structure>; 2], Error> {
+        let system = beam(FORCE, at(i))?;
+        let settled = |start| orbit::settle(&system, start, 200.0 / at(i), Period::Driven(1));
+        Ok([settled(&down[i].1)?, settled(&up[i].1)?])
+    };
+    let (i, orbits) = apart
+        .iter()
+        .find_map(|&(_, i)| exact(i).ok().map(|orbits| (i, orbits)))
+        .expect("two periodic motions");
+    println!(
+        "\nat {:.2} Hz: amplitude in µm, events a period, largest multiplier",
+        at(i)
+    );
+    let amplitudes = orbits.each_ref().map(|orbit| {
+        let (low, high) = orbit.extremes(1);
+        let (events, largest) = (orbit.events().len(), orbit.multipliers()[0].norm());
+        println!("  {:7.3}   {events:3}   {largest:.6}", 0.5e6 * (high - low));
+        high - low
+    });
+    assert!(amplitudes[0] > 1.2 * amplitudes[1] && orbits[1].is_stable());
+    Ok(())
+}
