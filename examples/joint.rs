@@ -113,7 +113,7 @@ fn main() -> Result<(), Error> {
         // The backbone at the peak: to first harmonic ω is that of the conservative system, up to
         // the square of the damping ratio.
         let point = backbone(MASS, DAMPING, STIFFNESS, TANGENTIAL, LIMIT, harmonic.1);
-        let point = point.ok_or(Error::InvalidDuration { value: harmonic.1 })?;
+        let point = point.expect("positive parameters");
         let shift = (harmonic.0 / point.angular_frequency - 1.0).abs();
         assert!(shift < 2.0 * point.damping_ratio.powi(2).max(1e-8));
     }
