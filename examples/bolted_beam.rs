@@ -8,10 +8,10 @@
 //!   displacement of the surface along the pad, and that into it;
 //! * each pad is an elastic contact with a normal spring. Below the onset of slip the joint is
 //!   linear; then it damps; where pads open, the resonance leans to lower frequencies;
-//! * so there is a range of frequencies with two steady motions. A sweep downwards finds one of
-//!   them, a sweep upwards the other, and each jumps where its motion ends;
-//! * `orbit::settle` makes each of the two exact, with its multipliers. They tell that the stronger
-//!   one is not stable where the two differ most: the vibration beats about it.
+//! * so there is a range of frequencies with two motions: a sweep downwards and a sweep upwards come
+//!   to different amplitudes;
+//! * `orbit::settle` makes two such motions exact, with their multipliers, which tell whether each
+//!   is stable.
 //!
 //! Run it with `cargo run --release --example bolted_beam`; it takes a minute.
 
