@@ -6,8 +6,8 @@
 //!   ramp's ends are kinks, at which a step ends exactly;
 //! * a mass can be released by a kink: its inertia has to be carried too;
 //! * the same belt velocity gives different motions on the way up and on the way down;
-//! * vibration begins long after steady sliding has become unstable, the later the less disturbs it:
-//!   give a slow simulation the disturbance that the machine has.
+//! * vibration begins long after steady sliding has become unstable, the later the less disturbs
+//!   it: give a slow simulation the disturbance that the machine has.
 //!
 //! Run it with `cargo run --release --example speed_profile`.
 

@@ -95,8 +95,8 @@ impl<S: System> Sweep<S> {
 /// assert_eq!((begins.from, begins.to), (AttractorKind::SteadySliding, AttractorKind::StickSlip));
 /// assert!(begins.between[0] < ends.between[0]); // later on the way up
 ///
-/// // Exactly: stick-slip goes on to the grazing at which it meets an unstable motion. The nearer to
-/// // it, the smaller are the steps that the sweep can take without falling off.
+/// // Exactly: stick-slip goes on to the grazing at which it meets an unstable motion. The nearer
+/// // to it, the smaller are the steps that the sweep can take without falling off.
 /// let last = sweep.up.iter().rfind(|point| point.kind() == Some(AttractorKind::StickSlip));
 /// let last = last.unwrap();
 /// let orbit = last.attractor.as_ref().unwrap().orbit().unwrap();

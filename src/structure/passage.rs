@@ -59,25 +59,26 @@ impl Structure {
         Ok(frozen)
     }
 
-    /// The times at which steady sliding of the [frozen](Self::frozen) structure becomes unstable or
-    /// stable again, in ascending order: the borders of vibration along a slow speed profile, or a
-    /// load that rises.
+    /// The times at which steady sliding of the [frozen](Self::frozen) structure becomes unstable
+    /// or stable again, in ascending order: the borders of vibration along a slow speed profile, or
+    /// a load that rises.
     ///
     /// Stability is computed at 257 times over the range and wherever pieces of a profile meet, and
-    /// each change is refined by bisection to neighbouring numbers. Two changes between two of these
-    /// times can be missed; a narrower range is searched more closely. Where there is no steady
-    /// sliding (a belt at rest, no load), nothing is reported.
+    /// each change is refined by bisection to neighbouring numbers. Two changes between two of
+    /// these times can be missed; a narrower range is searched more closely. Where there is no
+    /// steady sliding (a belt at rest, no load), nothing is reported.
     ///
     /// # Delayed loss of stability
     ///
     /// A motion that passes such a time slowly does not vibrate at once. While sliding was stable,
-    /// a perturbation decayed as exp ∫Re s dt, s the leading eigenvalue, and it first has to grow by
-    /// as much again: the onset is delayed, for slow drives by a time that depends on the smallest
-    /// disturbance alone. In exact arithmetic it is as far behind the border as the decay began
-    /// before it; in floating point rounding ends the decay at 10⁻¹⁶; in a machine vibration from
-    /// elsewhere, roughness or noise do, long before. So the onset of a simulation without a
-    /// disturbance is a property of the arithmetic. Add the disturbance that the machine has, near the
-    /// frequency of the change: others pass without much effect. (A kink of a profile is one, too.)
+    /// a perturbation decayed as exp ∫Re s dt, s the leading eigenvalue, and it first has to grow
+    /// by as much again: the onset is delayed, for slow drives by a time that depends on the
+    /// smallest disturbance alone. In exact arithmetic it is as far behind the border as the decay
+    /// began before it; in floating point rounding ends the decay at 10⁻¹⁶; in a machine vibration
+    /// from elsewhere, roughness or noise do, long before. So the onset of a simulation without a
+    /// disturbance is a property of the arithmetic. Add the disturbance that the machine has, near
+    /// the frequency of the change: others pass without much effect. (A kink of a profile is one,
+    /// too.)
     ///
     /// ```
     /// use stick_slip::{Contact, Drive, EventKind, Exponential, Structure, structure::State};
@@ -107,8 +108,8 @@ impl Structure {
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     ///
-    /// Source: A. I. Neishtadt, *Differential Equations* 23 (1987) 1385-1391; S. M. Baer, T. Erneux,
-    /// J. Rinzel, *SIAM J. Appl. Math.* 49 (1989) 55-71.
+    /// Source: A. I. Neishtadt, *Differential Equations* 23 (1987) 1385-1391; S. M. Baer, T.
+    /// Erneux, J. Rinzel, *SIAM J. Appl. Math.* 49 (1989) 55-71.
     ///
     /// # Errors
     ///

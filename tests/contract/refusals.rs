@@ -418,6 +418,25 @@ fn searches() -> Vec<Case> {
         case("orbit::follow", "range.end", &[0.1, -1.0], |x| {
             follow(0.2, 0.1..x)
         }),
+        case("orbit::sweep", "value", &[0.2, 0.1], |x| {
+            orbit::sweep(
+                |v| belt().with_belt_velocity(v),
+                &[0.2, x],
+                &(0.0, 0.0).into(),
+            )
+        }),
+        case("Structure::stability_changes", "times.start", &ANY, |x| {
+            Structure::new(&[1.0])?.stability_changes(x..1.0)
+        }),
+        case(
+            "Structure::stability_changes",
+            "times.end",
+            &[0.1, -1.0],
+            |x| Structure::new(&[1.0])?.stability_changes(0.1..x),
+        ),
+        case("Structure", "time", &ANY, |x| {
+            Structure::new(&[1.0])?.frozen(x)
+        }),
         case("orbit::follow", "parameter", &[0.0, 0.4], |x| {
             follow(x, 0.1..0.3)
         }),
