@@ -346,6 +346,17 @@ pub enum Error {
     #[error("no steady sliding: {0}")]
     NoSteadySliding(NotSliding),
 
+    /// A motion has no derivative by a parameter: its events change however little that changes, as
+    /// at grazing; or the family has no system beside.
+    #[error(
+        "no derivative by parameter {parameter}: the events of the motion change, or the family \
+         has no system, however little the parameter changes; take another value or duration"
+    )]
+    NoDerivative {
+        /// The number of the parameter, from 0.
+        parameter: usize,
+    },
+
     /// A curve of bifurcations was asked of a change of events
     /// ([`orbit::locus`](crate::orbit::locus) follows folds, flips and Neimark-Sacker
     /// bifurcations).

@@ -126,6 +126,7 @@ impl Error {
             | Self::NoSteadySliding(_)
             | Self::NoHopfPoint
             | Self::NotSmooth
+            | Self::NoDerivative { .. }
             | Self::Undetermined { .. }
             | Self::LawNotConstant { .. }
             | Self::OverLimit { .. }

@@ -41,6 +41,7 @@
 //! | any system: the same as a parameter rises and falls, with hysteresis | [`sweep`] | the attractors on this way |
 //! | any system: a branch of motions over a parameter, its bifurcations and its ends | [`follow`] | the connected branch; two bifurcations of one kind within a step can be missed |
 //! | any system: the curve of a bifurcation over two parameters | [`locus`] | the connected curve; two special points of one kind within a step can be missed |
+//! | any system: derivatives of a motion by parameters, to fit them | [`sensitivities`], [`orbit_sensitivities`] | about 1e-11 of the largest derivative, or a typed error |
 //! | any system: whether a motion is periodic | [`section`], [`section_at`] | a picture |
 //! | any system: whether a motion is chaotic | [`lyapunov`], [`lyapunov_with_spread`] | a mean with its standard error |
 //!
@@ -116,6 +117,7 @@
 // | `sequence.rs` | the events of a period as a cyclic sequence |
 // | `search.rs` | `Search`: bounds of the work, and a watcher |
 // | `section.rs` | `section`, `section_at`: Poincaré sections |
+// | `sensitivity` | `sensitivities`, `orbit_sensitivities`: derivatives by parameters (`mod.rs`), from differences between motions with the same events (`variation.rs`) |
 // | `lyapunov.rs` | `lyapunov`: the largest Lyapunov exponent |
 
 mod branch;
@@ -138,6 +140,7 @@ mod period;
 mod saltation;
 mod search;
 mod section;
+mod sensitivity;
 mod sequence;
 mod shoot;
 mod springs;
@@ -159,5 +162,8 @@ pub use oscillator::Oscillator;
 pub use period::Period;
 pub use search::{Progress, Search};
 pub use section::{EventSection, Section, section, section_at};
+pub use sensitivity::{
+    EventSensitivity, OrbitSensitivities, Sensitivities, orbit_sensitivities, sensitivities,
+};
 pub use shoot::{settle, shoot};
 pub use sweep::{Change, Sweep, SweepPoint, sweep};

@@ -31,7 +31,7 @@ const LEAST_PART: f64 = 1.0 / 1024.0;
 
 /// Singular values below this part of the largest count as 0: the motion belongs to a continuous
 /// family, and the nearest one is taken.
-const SINGULAR: f64 = 1e-11;
+pub(super) const SINGULAR: f64 = 1e-11;
 
 impl<'s> Problem<'s> {
     /// The problem for a guess, with the first trial.

@@ -440,6 +440,16 @@ fn searches() -> Vec<Case> {
         case("orbit::follow", "parameter", &[0.0, 0.4], |x| {
             follow(x, 0.1..0.3)
         }),
+        case("orbit::sensitivities", "parameter", &[], |x| {
+            let family = |p: &[f64]| {
+                let force = if p[0].is_finite() { p[0] } else { 0.1 };
+                Ok((
+                    forced(0.78, force)?,
+                    stick_slip::structure::State::at_rest(1),
+                ))
+            };
+            Ok(orbit::sensitivities(family, &[x], 1.0)?.events().len())
+        }),
         case("orbit::locus", "ranges[0].start", &[], |x| {
             locus(0.3, [x..0.75, 0.2..0.4])
         }),

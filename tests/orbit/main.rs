@@ -26,3 +26,4 @@ mod measures;
 mod opening;
 mod references;
 mod seam;
+mod sensitivities;
