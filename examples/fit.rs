@@ -55,8 +55,8 @@ fn times(duration: f64) -> impl Iterator<Item = f64> {
     (1..=(duration * RATE) as usize).map(|k| k as f64 / RATE)
 }
 
-/// The displacement sensor: noise that is the same in every run, with a normal distribution to within
-/// what the sum of twelve uniform numbers gives.
+/// The displacement sensor: noise that is the same in every run, of nearly normal distribution (the
+/// sum of twelve uniform numbers).
 fn measured() -> Result<Vec<f64>, Error> {
     let (structure, start) = brake(&TRUTH)?;
     let motion = structure.simulate(start, DURATION)?;
