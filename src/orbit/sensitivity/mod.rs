@@ -11,7 +11,7 @@ use super::oscillator::Oscillator;
 use super::period::Period;
 use super::shoot::{SINGULAR, shortest};
 use crate::error::Error;
-use crate::motion::{Event, EventKind, Mode, Segment};
+use crate::motion::{Event, EventKind, Segment};
 use crate::state::structure::State;
 
 /// A motion with its derivatives by parameters; returned by [`sensitivities`].
@@ -193,7 +193,10 @@ pub fn sensitivities<S: Oscillator>(
     duration: f64,
 ) -> Result<Sensitivities, Error> {
     if !(duration > 0.0 && duration.is_finite()) {
-        return Err(Error::InvalidDuration { value: duration });
+        return Err(Error::InvalidDuration {
+            value: duration,
+            allowed: "duration > 0",
+        });
     }
     check(parameters)?;
     let run = |parameters: &[f64], expected: usize| {
@@ -273,10 +276,12 @@ pub fn orbit_sensitivities<S: Oscillator>(
     };
     let step = whole.steps.iter().find(|step| step.end_time() > begin);
     let Some(step) = step else {
-        return Err(Error::InvalidDuration { value: period });
+        return Err(Error::InvalidDuration {
+            value: period,
+            allowed: "duration > 0",
+        });
     };
     let start = vector(&step.state_at(step.since_start(begin)), order);
-    let stuck = |c: usize| step.modes()[c] == Mode::Stick;
     let (phase, base) = (begin / period, if is_free { 0.0 } else { begin });
 
     // A motion of the family, from a start that follows the parameters.
@@ -291,7 +296,7 @@ pub fn orbit_sensitivities<S: Oscillator>(
         let changes = std::iter::zip(to, parameters).map(|(to, from)| to - from);
         let changes = DVector::from_iterator(to.len(), changes);
         let mut start = state(&(&start + slopes * changes), n);
-        form.put_at_rest(&mut start.velocities, begin, stuck);
+        form.put_in_modes(&mut start, begin, |c| Some(step.modes()[c]));
         Run::of(&form, (begin, &start), duration, expected)
     };
     let mut slopes = DMatrix::zeros(order, parameters.len());
