@@ -8,8 +8,8 @@
 //!   displacement of the surface along the pad, and that into it;
 //! * each pad is an elastic contact with a normal spring. Below the onset of slip the joint is
 //!   linear; then it damps; where pads open, the resonance leans to lower frequencies;
-//! * so there is a range of frequencies with two motions: a sweep downwards and a sweep upwards come
-//!   to different amplitudes;
+//! * so there is a range of frequencies with two motions: sweeps downwards and upwards come to
+//!   different amplitudes;
 //! * `orbit::settle` makes two such motions exact, with their multipliers, which tell whether each
 //!   is stable.
 //!

@@ -14,10 +14,12 @@ const LIMIT: f64 = 0.3;
 const FORCES: [f64; 5] = [0.05, 0.15, 0.25, 0.35, 0.42];
 const RANGE: std::ops::Range<f64> = 0.65..1.15;
 
-const CAPTION: &str = "One mass on a spring in series with a dry slider: x'' + 0.02 x' + 0.6 x + T = \
-    P cos ωt, spring 0.4, slider 0.3. (a) Exact amplitudes for P = 0.05, 0.15, 0.25, 0.35 and 0.42, \
-    and to first harmonic (dashed); the backbone (grey). (b) Damping ratio along the backbone: \
-    nothing is added below the amplitude 0.75, where slip begins.";
+const CAPTION: &str = concat!(
+    "One mass on a spring in series with a dry slider: x'' + 0.02 x' + 0.6 x + T = P cos ",
+    "ωt, spring 0.4, slider 0.3. (a) Exact amplitudes for P = 0.05, 0.15, 0.25, 0.35 and ",
+    "0.42, and to first harmonic (dashed); the backbone (grey). (b) Damping ratio along ",
+    "the backbone: nothing is added below the amplitude 0.75, where slip begins.",
+);
 
 /// The frequencies, one below and one above the backbone, at which the first harmonic needs a force
 /// for an amplitude.
