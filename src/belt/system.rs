@@ -74,6 +74,19 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         .with_belt_velocity(belt_velocity)
     }
 
+    /// A system whose law may drive the mass at speed 0 too: friction that is one negative constant
+    /// has closed forms of motions that grow.
+    #[cfg(test)]
+    pub(crate) fn with_any_friction(law: L, belt_velocity: f64) -> Result<Self, Error> {
+        Self {
+            law,
+            belt_velocity: 0.0,
+            damping: 0.0,
+            load: 1.0,
+        }
+        .with_belt_velocity(belt_velocity)
+    }
+
     /// The same system with damping ratio β ≥ 0, dimensionless. The damper's force is 2β u'.
     ///
     /// # Errors
