@@ -190,13 +190,12 @@ pub enum Error {
     #[error(
         "duration = {} is not allowed{}; a simulation without an end is `flow`",
         Plain(*value),
-        instead(*value, allowed)
+        // 0 is refused only where something is a mean over the duration.
+        instead(*value, if *value == 0.0 { "duration > 0" } else { "duration ≥ 0" })
     )]
     InvalidDuration {
         /// The value that was given.
         value: f64,
-        /// The range that it must lie in.
-        allowed: &'static str,
     },
 
     /// The law's kinetic coefficient at zero speed, μ̂(0), exceeds its static coefficient μ_s by
@@ -289,7 +288,7 @@ pub enum Error {
     },
 
     /// A matrix or a start does not have the size of the structure.
-    #[error("{name}: {found} given; the structure needs {expected}")]
+    #[error("{name}: {found} given; {expected} are needed, as many as the structure has")]
     WrongSize {
         /// What was counted, for example `rows of the stiffness matrix`.
         name: &'static str,
@@ -714,14 +713,8 @@ impl Error {
         if value >= 0.0 && value.is_finite() {
             Ok(())
         } else {
-            Err(Self::bad_duration(value))
+            Err(Self::InvalidDuration { value })
         }
-    }
-
-    /// The error for a duration that is not finite and ≥ 0.
-    pub(crate) fn bad_duration(value: f64) -> Self {
-        let allowed = "duration ≥ 0";
-        Self::InvalidDuration { value, allowed }
     }
 
     /// An invalid parameter as that of an element of a structure; any other error as it is.

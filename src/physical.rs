@@ -226,7 +226,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
                 displacement: given.displacement,
                 velocity: given.velocity,
             }),
-            Err(Error::InvalidDuration { .. }) => Err(Error::bad_duration(seconds)),
+            Err(Error::InvalidDuration { .. }) => Err(Error::InvalidDuration { value: seconds }),
             Err(error) => Err(self.in_si(error)),
         }
     }

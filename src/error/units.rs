@@ -52,9 +52,8 @@ impl Error {
                 displacement: displacement * units.length,
                 velocity: speed(velocity),
             },
-            Self::InvalidDuration { value, allowed } => Self::InvalidDuration {
+            Self::InvalidDuration { value } => Self::InvalidDuration {
                 value: value / units.rate,
-                allowed,
             },
             Self::NonFiniteFriction {
                 speed: s,

@@ -136,10 +136,7 @@ fn exponent(
 ) -> Result<LyapunovExponent, Error> {
     Error::check_duration(transient)?;
     if !(duration > 0.0 && (transient + duration).is_finite()) {
-        return Err(Error::InvalidDuration {
-            value: duration,
-            allowed: "duration > 0",
-        });
+        return Err(Error::InvalidDuration { value: duration });
     }
     let parts = growths(form, start, transient, duration)?;
     let parts: Vec<Growth> = parts.into_iter().filter(|part| part.time > 0.0).collect();

@@ -92,9 +92,10 @@ impl PeriodMap {
         self.residual().component_div(&self.sizes()).amax()
     }
 
-    /// How strongly the motion magnifies perturbations, at least 1: the largest entry of the
-    /// derivative, with displacements in units of the largest one, velocities likewise, and memory
-    /// variables in units of their own sizes. So it does not depend on the units of the system.
+    /// How strongly the motion magnifies perturbations, at least 1: the largest derivative of a
+    /// displacement or velocity at the end, with displacements in units of the largest one,
+    /// velocities likewise, and memory variables in units of their own sizes. So it does not depend
+    /// on the units of the system, nor on a memory that has decayed to nothing.
     pub(super) fn growth(&self) -> f64 {
         let n = self.start.displacements.len();
         let mut sizes = self.sizes();
@@ -103,8 +104,7 @@ impl PeriodMap {
             let largest = part.amax();
             part.fill(largest);
         }
-        let order = self.order();
-        let entries = (0..order).flat_map(|j| (0..order).map(move |i| (i, j)));
+        let entries = (0..self.order()).flat_map(|j| (0..2 * n).map(move |i| (i, j)));
         let scaled = entries.map(|(i, j)| self.monodromy[(i, j)].abs() * (sizes[j] / sizes[i]));
         scaled.fold(1.0, f64::max)
     }
@@ -321,7 +321,7 @@ pub(super) fn period_map(
         steps.push(step);
     }
     let Some(last) = steps.last() else {
-        return Err(Error::bad_duration(duration));
+        return Err(Error::InvalidDuration { value: duration });
     };
     let (end, last_flow) = (last.end_state(), flow_at_end(last, n));
     let monodromy = &flow.tangents * &head.0;
@@ -408,7 +408,7 @@ pub(super) fn reach(
             break;
         }
     }
-    reached.ok_or(Error::bad_duration(duration))
+    reached.ok_or(Error::InvalidDuration { value: duration })
 }
 
 /// The end of a motion, and its events: contact and kind.
@@ -427,7 +427,7 @@ pub(super) fn passage(form: &Form<'_>, start: &State, duration: f64) -> Result<P
         let own = step.events().iter().filter(|event| event.time > 0.0);
         events.extend(own.map(|event| (event.contact, event.kind)));
     }
-    Err(Error::bad_duration(duration))
+    Err(Error::InvalidDuration { value: duration })
 }
 
 /// The modes of the contacts after a step. A contact that closes sticks or slips, which the next

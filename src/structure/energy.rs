@@ -158,7 +158,7 @@ pub(super) fn check_motion(model: &Model<'_>, motion: &Trajectory<State>) -> Res
     let sizes = [
         ("displacements", state.displacements.len(), model.len()),
         ("contacts", first.modes().len(), model.contacts.len()),
-        ("memory variables", state.memory.len(), model.remembered()),
+        ("memory", state.memory.len(), model.remembered()),
     ];
     match sizes
         .into_iter()

@@ -210,7 +210,7 @@ fn matrices_fit() {
         assert_ne!(found, expected);
         message(
             masses(3).with_damping(matrix),
-            &["damping matrix", "needs 3"],
+            &["damping matrix", "3 are needed"],
         );
     }
 }
@@ -348,8 +348,5 @@ fn counts_are_said_in_words_that_fit_them() {
         .and_then(|s| s.with_contact(bristles()?))
         .unwrap();
     let start = State::at_rest(1).with_memory(&[0.0]);
-    message(
-        two.simulate(start, 1.0),
-        &["memory variables: 1 given; the structure needs 2"],
-    );
+    message(two.simulate(start, 1.0), &["memory: 1 given; 2 are needed"]);
 }

@@ -312,7 +312,7 @@ fn motions_of_other_structures_are_refused() {
             "displacements",
         ),
         (&rubbed, &motion, "contacts"),
-        (&brushed, &of_rubbed, "memory variables"),
+        (&brushed, &of_rubbed, "memory"),
     ] {
         let found = system.energy_budget(motion);
         assert!(

@@ -422,10 +422,7 @@ fn memories_at_the_start_are_checked() {
     }
     assert!(matches!(
         result(&[0.0, 0.0]),
-        Err(Error::WrongSize {
-            name: "memory variables",
-            ..
-        })
+        Err(Error::WrongSize { name: "memory", .. })
     ));
 }
 

@@ -171,7 +171,7 @@ fn a_jump_over_zero_is_a_root() {
 
 #[test]
 fn an_error_ends_the_search() {
-    let error = Error::bad_duration(0.5);
+    let error = Error::InvalidDuration { value: 0.5 };
     let fails = |at: f64| {
         let mut found = Vec::new();
         let mut f = |x| {

@@ -193,10 +193,7 @@ pub fn sensitivities<S: Oscillator>(
     duration: f64,
 ) -> Result<Sensitivities, Error> {
     if !(duration > 0.0 && duration.is_finite()) {
-        return Err(Error::InvalidDuration {
-            value: duration,
-            allowed: "duration > 0",
-        });
+        return Err(Error::InvalidDuration { value: duration });
     }
     check(parameters)?;
     let run = |parameters: &[f64], expected: usize| {
@@ -276,10 +273,7 @@ pub fn orbit_sensitivities<S: Oscillator>(
     };
     let step = whole.steps.iter().find(|step| step.end_time() > begin);
     let Some(step) = step else {
-        return Err(Error::InvalidDuration {
-            value: period,
-            allowed: "duration > 0",
-        });
+        return Err(Error::InvalidDuration { value: period });
     };
     let start = vector(&step.state_at(step.since_start(begin)), order);
     let (phase, base) = (begin / period, if is_free { 0.0 } else { begin });

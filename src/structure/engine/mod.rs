@@ -546,7 +546,7 @@ pub(super) fn check_start(model: &Model<'_>, time: f64, start: &State) -> Result
         ("velocities", start.velocities.len(), n),
     ];
     let remembered = start.memory.len();
-    let memory = (remembered > 0).then_some(("memory variables", remembered, memory));
+    let memory = (remembered > 0).then_some(("memory", remembered, memory));
     for (name, found, expected) in sizes.into_iter().chain(memory) {
         if found != expected {
             return Err(Error::WrongSize {
