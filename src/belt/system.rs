@@ -65,19 +65,12 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     ///   law jumps at one of them.
     pub fn new(law: L, belt_velocity: f64) -> Result<Self, Error> {
         validate(&law)?;
-        Self {
-            law,
-            belt_velocity: 0.0,
-            damping: 0.0,
-            load: 1.0,
-        }
-        .with_belt_velocity(belt_velocity)
+        Self::unchecked(law, belt_velocity)
     }
 
-    /// A system whose law may drive the mass at speed 0 too: friction that is one negative constant
-    /// has closed forms of motions that grow.
-    #[cfg(test)]
-    pub(crate) fn with_any_friction(law: L, belt_velocity: f64) -> Result<Self, Error> {
+    /// A system whose law is not checked. It may drive the mass at speed 0 too: friction that is one
+    /// negative constant has closed forms of motions that grow, for tests.
+    pub(crate) fn unchecked(law: L, belt_velocity: f64) -> Result<Self, Error> {
         Self {
             law,
             belt_velocity: 0.0,

@@ -67,7 +67,7 @@ pub(super) type System = MassOnBelt<Law>;
 
 pub(super) fn system(rest: f64, c: [f64; 3], v_b: f64, damping: f64) -> System {
     let knee = None;
-    MassOnBelt::with_any_friction(Law { rest, c, knee }, v_b)
+    MassOnBelt::unchecked(Law { rest, c, knee }, v_b)
         .and_then(|system| system.with_damping(damping))
         .unwrap()
 }
@@ -84,7 +84,7 @@ pub(super) fn spiral(damping: f64, v_b: f64) -> System {
 
 pub(super) fn with_knee(mut law: Law, knee: f64, slope: f64, v_b: f64) -> System {
     law.knee = Some((knee, slope));
-    MassOnBelt::with_any_friction(law, v_b).unwrap()
+    MassOnBelt::unchecked(law, v_b).unwrap()
 }
 
 /// A system with the parameters of most examples of the crate: friction falls up to the speed ½ and
@@ -119,7 +119,7 @@ pub(super) fn rescaled(system: &System, unit: f64) -> System {
         knee: law.knee.map(|(knee, slope)| (knee * unit, slope / unit)),
         ..law
     };
-    MassOnBelt::with_any_friction(law, system.belt_velocity() * unit)
+    MassOnBelt::unchecked(law, system.belt_velocity() * unit)
         .and_then(|scaled| scaled.with_damping(system.damping()))
         .and_then(|scaled| scaled.with_load(system.load() * unit))
         .unwrap()

@@ -9,6 +9,7 @@ use nalgebra::RowDVector;
 use super::tangent::TangentFlow;
 use crate::motion::{Mode, Segment};
 use crate::structure::Step;
+use crate::structure::engine::model::entry;
 
 impl TangentFlow<'_> {
     /// What elastic contacts carry that do not stick: δT = σμ n·δq in slip, 0 while open.
@@ -86,6 +87,7 @@ impl TangentFlow<'_> {
     /// The rate of what springs of contacts do to v' of a coordinate, at the end of a step.
     pub(super) fn spring_rate(&self, step: &Step, i: usize) -> f64 {
         let (model, h) = (&self.form.model, step.duration());
+        let velocities = step.end_state().velocities;
         let rates = model.contacts.iter().enumerate().map(|(c, contact)| {
             let mut rate = 0.0;
             if contact.is_elastic() {
@@ -94,7 +96,6 @@ impl TangentFlow<'_> {
             }
             let reaction = entry(&contact.reaction, i);
             if reaction != 0.0 && step.modes()[c] != Mode::Open {
-                let velocities = step.end_state().velocities;
                 let given = contact.load.series(step.clock()).slope_at(h);
                 rate -= (given + contact.displacement_load(|j| velocities[j])) * reaction;
             }
@@ -102,10 +103,4 @@ impl TangentFlow<'_> {
         });
         rates.sum()
     }
-}
-
-/// The number of a coordinate among entries.
-fn entry(entries: &[(usize, f64)], i: usize) -> f64 {
-    let place = entries.binary_search_by_key(&i, |&(j, _)| j);
-    place.map_or(0.0, |place| entries[place].1)
 }

@@ -105,15 +105,6 @@ impl Sensitivities {
     }
 
     fn of(parameters: &[f64], begin: f64, order: usize, run: &Runs<'_>) -> Result<Self, Error> {
-        for value in parameters {
-            Error::check(
-                "orbit::sensitivities",
-                "parameter",
-                *value,
-                true,
-                "a number",
-            )?;
-        }
         let here = run(parameters, 0)?;
         let count = here.events.len();
         let variations = (0..parameters.len()).map(|number| {

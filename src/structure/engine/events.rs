@@ -1,7 +1,6 @@
 //! What ends a step: the first times at which sliding speeds, stick bands and loads come to 0.
 
 use super::edge::Edge;
-use super::mean_velocity;
 use super::model::Model;
 use super::plan::Plan;
 use super::series::{ContactSeries, Series};
@@ -206,7 +205,7 @@ fn rate_at(
     let memory = &|j: usize| of.memories[j].at(time);
     let own = friction(of, slip.direction * contact.law.coefficient(slip, memory));
     let displacement = |j: usize| {
-        let way = time * mean_velocity(model, situation, series, j, time);
+        let way = time * situation.mean_velocity(model, series, j, time);
         situation.coordinates[j].displacement + way
     };
     let velocity = |j: usize| series.coordinates[j].course.at(time);

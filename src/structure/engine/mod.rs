@@ -304,7 +304,7 @@ impl<'s> Engine<'s> {
             ..
         } = self;
         for i in 0..model.len() {
-            let way = h * mean_velocity(model, situation, series, i, h);
+            let way = h * situation.mean_velocity(model, series, i, h);
             let coordinate = &mut situation.coordinates[i];
             coordinate.displacement += way;
             if model.owner[i].is_none_or(|c| situation.contacts[c].phase_is_open()) {
@@ -479,34 +479,6 @@ impl<'s> Engine<'s> {
             }
         }
         Error::StepUnderflow { step, reached }
-    }
-}
-
-/// Mean of a velocity over [0, t]; of w + σy by its parts.
-fn mean_velocity(
-    model: &Model<'_>,
-    situation: &Situation,
-    series: &Series,
-    i: usize,
-    t: f64,
-) -> f64 {
-    let Some(c) = model.owner[i] else {
-        return series.velocities(i).mean(t);
-    };
-    let of = &series.contacts[c];
-    let surface = || {
-        if model.is_driven[i] {
-            of.surface.mean(t)
-        } else {
-            of.surface[0]
-        }
-    };
-    match situation.contacts[c].phase {
-        Phase::Open => series.velocities(i).mean(t),
-        Phase::Stick { .. } => surface(),
-        Phase::Slip { direction, .. } => {
-            crate::scalar::mul_add(direction.sign(), of.speeds.mean(t), surface())
-        }
     }
 }
 

@@ -295,10 +295,7 @@ impl<'s> Model<'s> {
                 continue;
             }
             let mut response = responses_to(&self.inverse_mass, &contact.direction);
-            let at = |j: usize| match response.binary_search_by_key(&j, |&(i, _)| i) {
-                Ok(place) => response[place].1,
-                Err(_) => 0.0,
-            };
+            let at = |j: usize| entry(&response, j);
             contact.compliance = contact.along(at);
             response.retain(|&(_, x)| x != 0.0);
             for (_, x) in &mut response {
@@ -628,9 +625,7 @@ impl<'s> Model<'s> {
 impl ContactData<'_> {
     /// (M⁻¹b)_j/G_cc of a shared contact.
     pub(super) fn response(&self, coordinate: usize) -> f64 {
-        let entries = self.responses();
-        let found = entries.binary_search_by_key(&coordinate, |&(j, _)| j);
-        found.map_or(0.0, |place| entries[place].1)
+        entry(self.responses(), coordinate)
     }
 
     /// M⁻¹b/G_cc; for one with a coordinate to itself that is b.
@@ -687,6 +682,12 @@ fn inverse(mass: &DMatrix<f64>) -> DMatrix<f64> {
         }
     }
     inverse
+}
+
+/// The number of a coordinate among entries.
+pub(crate) fn entry(entries: &Entries, coordinate: usize) -> f64 {
+    let place = entries.binary_search_by_key(&coordinate, |&(j, _)| j);
+    place.map_or(0.0, |place| entries[place].1)
 }
 
 /// M⁻¹b.

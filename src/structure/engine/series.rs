@@ -11,6 +11,8 @@ pub(super) struct Series {
     pub(super) contacts: Vec<ContactSeries>,
     /// The forces that are given on coordinates with springs of contacts, divided by the mass.
     pub(super) given: Vec<PowerSeries>,
+    /// The sizes of the forces of springs on these coordinates at the start.
+    pub(super) spring_sizes: Vec<f64>,
     /// Room for one order of the shared coordinates and contacts.
     pub(super) rates: Vec<f64>,
     pub(super) unheld: Vec<f64>,
@@ -180,6 +182,7 @@ impl Series {
         let given = model.sprung.iter().map(|&j| coordinates[j].force);
         Self {
             given: given.collect(),
+            spring_sizes: vec![0.0; model.sprung.len()],
             coordinates,
             contacts: contacts.collect(),
             rates: vec![0.0; model.len()],

@@ -43,27 +43,39 @@ pub(super) fn spring_order(model: &Model<'_>, series: &mut Series, k: usize) {
             }
         }
     }
+    if k == 0 {
+        note_sizes(model, series);
+    }
 }
 
-/// Size of the force of all springs on each of their coordinates, for rounding errors.
+/// Size of the force of all springs on a coordinate at the start, for rounding errors.
 pub(super) fn spring_size(model: &Model<'_>, series: &Series, coordinate: usize) -> f64 {
-    if model.sprung.binary_search(&coordinate).is_err() {
-        return 0.0;
-    }
-    let at = |entries: &[(usize, f64)]| {
-        let place = entries.binary_search_by_key(&coordinate, |&(j, _)| j);
-        place.map_or(0.0, |place| entries[place].1.abs())
-    };
-    let sizes = model.springs.iter().map(|&c| {
-        let (contact, of) = (&model.contacts[c], &series.contacts[c]);
-        let carried = if contact.is_elastic() {
-            at(contact.responses()) * of.carried[0].abs()
-        } else {
-            0.0
+    let place = model.sprung.binary_search(&coordinate);
+    place.map_or(0.0, |place| series.spring_sizes[place])
+}
+
+/// Notes these sizes for all coordinates.
+fn note_sizes(model: &Model<'_>, series: &mut Series) {
+    let Series {
+        contacts,
+        spring_sizes,
+        ..
+    } = series;
+    spring_sizes.fill(0.0);
+    for &c in &model.springs {
+        let (contact, of) = (&model.contacts[c], &contacts[c]);
+        let mut note = |entries: &[(usize, f64)], force: f64| {
+            for (j, x) in entries {
+                if let Ok(place) = model.sprung.binary_search(j) {
+                    spring_sizes[place] += (x * force).abs();
+                }
+            }
         };
-        carried + at(&contact.reaction) * (of.load[0] / contact.compliance).abs()
-    });
-    sizes.sum()
+        if contact.is_elastic() {
+            note(contact.responses(), of.carried[0]);
+        }
+        note(&contact.reaction, of.load[0] / contact.compliance);
+    }
 }
 
 impl ContactSeries {

@@ -9,6 +9,7 @@ use crate::error::{Error, Reached};
 use crate::friction::memory::Slip;
 use crate::friction::memory::object::LawObject;
 use crate::motion::Mode;
+use crate::scalar::mul_add;
 use crate::state::Direction;
 use crate::state::structure::State;
 
@@ -146,6 +147,34 @@ impl Situation {
             Phase::Slip {
                 direction, speed, ..
             } => series.contacts[c].surface[0] + direction.sign() * speed,
+        }
+    }
+
+    /// Mean of a velocity over [0, t]; of w + σy by its parts.
+    pub(super) fn mean_velocity(
+        &self,
+        model: &Model<'_>,
+        series: &Series,
+        i: usize,
+        t: f64,
+    ) -> f64 {
+        let Some(c) = model.owner[i] else {
+            return series.velocities(i).mean(t);
+        };
+        let of = &series.contacts[c];
+        let surface = || {
+            if model.is_driven[i] {
+                of.surface.mean(t)
+            } else {
+                of.surface[0]
+            }
+        };
+        match self.contacts[c].phase {
+            Phase::Open => series.velocities(i).mean(t),
+            Phase::Stick { .. } => surface(),
+            Phase::Slip { direction, .. } => {
+                mul_add(direction.sign(), of.speeds.mean(t), surface())
+            }
         }
     }
 
