@@ -68,8 +68,8 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         Self::unchecked(law, belt_velocity)
     }
 
-    /// A system whose law is not checked. It may drive the mass at speed 0 too: friction that is one
-    /// negative constant has closed forms of motions that grow, for tests.
+    /// A system whose law is not checked. It may drive the mass at speed 0 too: friction that is
+    /// one negative constant has closed forms of motions that grow, for tests.
     pub(crate) fn unchecked(law: L, belt_velocity: f64) -> Result<Self, Error> {
         Self {
             law,
