@@ -7,8 +7,8 @@ use stick_slip::limit_cycle::{Attractor, Continuum};
 use stick_slip::nalgebra::DMatrix;
 use stick_slip::{
     AnyContactLaw, AnyLaw, Contact, Coulomb, CycleKind, CycleSet, Dahl, Direction, Drive, Dwell,
-    Event, EventKind, Exponential, FrictionLaw, LimitCycle, LuGre, MassOnBelt, Mode, Physical,
-    Polynomial, Rational, Scalar, Scaled, Scaling, Stability, State, Stribeck, Structure,
+    Event, EventKind, Exponential, FrictionLaw, Iwan4, LimitCycle, LuGre, MassOnBelt, Mode,
+    Physical, Polynomial, Rational, Scalar, Scaled, Scaling, Stability, State, Stribeck, Structure,
     Tabulated, limit_cycle, structure,
 };
 
@@ -232,6 +232,10 @@ fn reading_checks_what_constructors_check() {
         r#"{"static_coefficient":0.4,"kinetic_coefficient":0.2,"stribeck_velocity":0}"#,
         "stribeck_velocity",
     );
+    refused::<Iwan4>(
+        r#"{"slip_force":3,"stiffness":2,"exponent":-1,"ratio":0.1}"#,
+        "exponent = -1 is not allowed",
+    );
     let stribeck = |exponent: &str| {
         format!(
             concat!(
@@ -387,6 +391,7 @@ fn documents() -> Vec<(Value, Read)> {
     let laws = contact_laws().into_iter().map(document);
     laws.chain([
         document(Coulomb::new(0.4, 0.25).unwrap()),
+        document(Iwan4::new(3.0, 2.0, -0.1, 0.1).unwrap()),
         document(Exponential::new(0.4, 0.25, 0.5).unwrap()),
         document(polynomial),
         document(stribeck.unwrap()),

@@ -36,6 +36,11 @@ const MOST_INTERVALS: usize = 100_000;
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "super::read::Iwan4")
+)]
 pub struct Iwan4 {
     slip_force: f64,
     stiffness: f64,

@@ -30,6 +30,8 @@ read! {
         => Self::new(static_coefficient, kinetic_coefficient);
     Exponential { static_coefficient: f64, kinetic_coefficient: f64, stribeck_velocity: f64 }
         => Self::new(static_coefficient, kinetic_coefficient, stribeck_velocity);
+    Iwan4 { slip_force: f64, stiffness: f64, exponent: f64, ratio: f64 }
+        => Self::new(slip_force, stiffness, exponent, ratio);
     Polynomial { static_coefficient: f64, minimum_coefficient: f64, minimum_velocity: f64 }
         => Self::new(static_coefficient, minimum_coefficient, minimum_velocity);
     Rational {
