@@ -7,10 +7,11 @@ use crate::belt::{Equilibrium, MassOnBelt, Step};
 use crate::bifurcation::{self, DiagramPoint, VibrationRange};
 use crate::error::Error;
 use crate::friction::{FrictionLaw, Scaled};
-use crate::limit_cycle::{self, CycleSet, LimitCycle};
+use crate::limit_cycle::{self, Attractor, Basins, CycleSet, LimitCycle};
 use crate::motion::{Integrator, Trajectory};
 use crate::scaling::{Physical, Scaling};
 use crate::state::State;
+use crate::structure::{Contact, Structure};
 
 /// A mass on a belt in SI units: all arguments and results are in metres, seconds, newtons and
 /// joules.
@@ -256,6 +257,42 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         }
     }
 
+    /// The attractor that the motion from a start in m and m/s reaches, in SI units:
+    /// [`limit_cycle::attractor`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`limit_cycle::attractor`].
+    pub fn attractor(&self, start: impl Into<State>) -> Result<Attractor, Error> {
+        self.basins()?.attractor(start.into())
+    }
+
+    /// The basins of attraction, for starts in m and m/s and with cycles in SI units:
+    /// [`limit_cycle::basins`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`limit_cycle::basins`].
+    ///
+    /// ```
+    /// use stick_slip::{Attractor, Exponential, Physical, PhysicalMassOnBelt};
+    ///
+    /// let pad = Physical {
+    ///     mass: 2.0, stiffness: 5000.0, damping: 2.0, normal_force: 20.0, belt_velocity: 0.2,
+    /// };
+    /// let brake = PhysicalMassOnBelt::new(pad, Exponential::new(0.6, 0.3, 0.08)?)?; // law in m/s
+    /// let basins = brake.basins()?;
+    /// let steady = brake.equilibrium().unwrap().displacement;
+    /// assert_eq!(basins.attractor((steady, 0.060))?, Attractor::Equilibrium);
+    /// let Attractor::Cycle(cycle) = basins.attractor((steady, 0.064))? else { panic!() };
+    /// assert!((cycle.max_velocity() - 0.2).abs() < 1e-15); // m/s: it sticks to the belt
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn basins(&self) -> Result<Basins<'_, Scaled<L>>, Error> {
+        let basins = limit_cycle::basins_in(&self.system, self.scaling.units());
+        basins.map_err(|error| self.in_si(error))
+    }
+
     /// The belt velocities, in m/s, found by a search of [`bifurcation`] in a range of m/s. Pass
     /// the search by its name, as in `brake.velocities(bifurcation::hopf_velocities, 0.01..1.0)`.
     ///
@@ -399,6 +436,45 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
                 }),
             }
         })
+    }
+}
+
+/// The mass on its belt as a structure, in SI units: for [`orbit`](crate::orbit), energies of
+/// motions, forces, and whatever else structures have.
+///
+/// ```
+/// use stick_slip::{Coulomb, Physical, PhysicalMassOnBelt, Structure, structure::State};
+///
+/// let pad = Physical {
+///     mass: 2.0, stiffness: 5000.0, damping: 4.0, normal_force: 20.0, belt_velocity: 0.05,
+/// };
+/// let brake = PhysicalMassOnBelt::new(pad, Coulomb::new(0.4, 0.25)?)?;
+/// let structure = Structure::try_from(&brake)?;
+/// let motion = structure.simulate(State::new(&[0.0], &[0.0]), 1.0)?; // s
+/// let energy = structure.energy_budget(&motion)?; // J
+/// assert!(energy.friction_loss[0] > 0.2 && energy.defect().abs() < 1e-13);
+/// let same = brake.simulate((0.0, 0.0), 1.0)?;
+/// assert!((motion.last().displacements[0] - same.last().displacement).abs() < 1e-16); // m
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+impl<L> TryFrom<&PhysicalMassOnBelt<L>> for Structure
+where
+    L: FrictionLaw + Clone + Send + Sync + 'static,
+{
+    type Error = Error;
+
+    /// # Errors
+    ///
+    /// Those of [`Structure`]'s constructors; parameters that a [`PhysicalMassOnBelt`] has pass
+    /// their checks, but for numbers at the limits of f64.
+    fn try_from(brake: &PhysicalMassOnBelt<L>) -> Result<Self, Error> {
+        let physical = brake.physical();
+        let law = brake.dimensionless().law().law().clone();
+        let contact = Contact::new(0, law, physical.normal_force)?.on_belt(physical.belt_velocity);
+        Self::new(&[physical.mass])?
+            .with_ground_spring(0, physical.stiffness)?
+            .with_ground_damper(0, physical.damping)?
+            .with_contact(contact)
     }
 }
 

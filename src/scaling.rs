@@ -305,11 +305,7 @@ impl Scaling {
     /// The dimensionless state (u, v), from a state (X, X') in metres and metres per second.
     #[doc(alias = "state")]
     pub fn dimensionless_state(&self, state: impl Into<State>) -> State {
-        let state = state.into();
-        State::new(
-            self.dimensionless_displacement(state.displacement),
-            self.dimensionless_velocity(state.velocity),
-        )
+        self.units().dimensionless(state.into())
     }
 
     /// A range of dimensionless velocities, from one in metres per second, as the searches of

@@ -11,7 +11,7 @@ use crate::clock::Time;
 use crate::error::Error;
 use crate::friction::slip::SlipPoint;
 use crate::friction::{FrictionLaw, has_no_kinetic_friction};
-use crate::state::{Direction, State};
+use crate::state::{Direction, State, Units};
 
 /// The attractor that a motion reaches, or the reason why there is none. See [`attractor`].
 #[derive(Debug, Clone, PartialEq)]
@@ -41,6 +41,17 @@ pub enum Attractor {
     /// [unresolved](CycleSet::unresolved), or crosses the belt velocity and changes by less than
     /// 10⁻¹⁴ per period.
     Unresolved,
+}
+
+impl Attractor {
+    /// The same attractor of a dimensionless system in other units.
+    fn in_units(self, units: Units) -> Self {
+        match self {
+            Self::Cycle(cycle) => Self::Cycle(cycle.in_units(units)),
+            Self::Separatrix(cycle) => Self::Separatrix(cycle.in_units(units)),
+            other => other,
+        }
+    }
 }
 
 impl std::fmt::Display for Attractor {
@@ -97,7 +108,11 @@ const HIDDEN_BY_CYCLE: f64 = 1e-6;
 /// assert!(matches!(attractor(&system, State::new(rest, 0.32))?, Attractor::Cycle(_)));
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
-pub fn attractor<L: FrictionLaw>(system: &MassOnBelt<L>, start: State) -> Result<Attractor, Error> {
+pub fn attractor<L: FrictionLaw>(
+    system: &MassOnBelt<L>,
+    start: impl Into<State>,
+) -> Result<Attractor, Error> {
+    let start = start.into();
     check(start)?;
     basins(system)?.attractor(start)
 }
@@ -127,8 +142,22 @@ pub fn attractor<L: FrictionLaw>(system: &MassOnBelt<L>, start: State) -> Result
 #[doc(alias = "brute force")]
 #[doc(alias = "basin of attraction")]
 pub fn basins<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Basins<'_, L>, Error> {
+    basins_in(system, Units::DIMENSIONLESS)
+}
+
+/// The basins of a dimensionless system, for starts and with results in other units.
+pub(crate) fn basins_in<L: FrictionLaw>(
+    system: &MassOnBelt<L>,
+    units: Units,
+) -> Result<Basins<'_, L>, Error> {
     let nest = Nest::of(system.belt())?;
-    Ok(Basins { system, nest })
+    let cycles = nest.cycles.clone().in_units(units);
+    Ok(Basins {
+        system,
+        nest,
+        cycles,
+        units,
+    })
 }
 
 /// The motions that bound the basins of a system.
@@ -140,6 +169,9 @@ struct Nest {
 }
 
 /// Basins of attraction of a system. See [`basins`].
+///
+/// Starts and cycles are dimensionless; in SI units if
+/// [`PhysicalMassOnBelt::basins`](crate::PhysicalMassOnBelt::basins) has returned it.
 ///
 /// A `Basins` borrows the system and owns the cycles. Queries do not change it, so threads
 /// may share it:
@@ -167,6 +199,9 @@ struct Nest {
 pub struct Basins<'s, L> {
     system: &'s MassOnBelt<L>,
     nest: Nest,
+    /// Those of the nest, in the units.
+    cycles: CycleSet,
+    units: Units,
 }
 
 /// The boundaries of the basins on a belt that moves forward.
@@ -241,7 +276,7 @@ impl Tracer<'_> {
 impl<L: FrictionLaw> Basins<'_, L> {
     /// The periodic motions of the system, as returned by [`find`](super::find).
     pub fn cycles(&self) -> &CycleSet {
-        &self.nest.cycles
+        &self.cycles
     }
 
     /// The attractor that the motion from `start` reaches, decided as in [`attractor`], by a few
@@ -252,9 +287,14 @@ impl<L: FrictionLaw> Basins<'_, L> {
     /// [`Error::InvalidState`] unless `start` is finite; otherwise those of
     /// [`Integrator::simulate`](crate::Integrator::simulate) that concern the law or the length of
     /// steps.
-    pub fn attractor(&self, start: State) -> Result<Attractor, Error> {
+    pub fn attractor(&self, start: impl Into<State>) -> Result<Attractor, Error> {
+        let start = start.into();
         check(start)?;
-        self.nest.attractor(self.system.belt(), start)
+        let attractor = self
+            .nest
+            .attractor(self.system.belt(), self.units.dimensionless(start));
+        let attractor = attractor.map_err(|error| error.in_units(self.units))?;
+        Ok(attractor.in_units(self.units))
     }
 }
 

@@ -51,4 +51,12 @@ impl Units {
             state.velocity * self.velocity(),
         )
     }
+
+    /// A state in these units without them.
+    pub(crate) fn dimensionless(self, state: State) -> State {
+        State::new(
+            state.displacement / self.length,
+            state.velocity / self.velocity(),
+        )
+    }
 }

@@ -5,8 +5,9 @@ use std::ops::Range;
 
 use approx::assert_relative_eq;
 use stick_slip::{
-    Ended, Error, FrictionLaw, Integrator, Physical, PhysicalMassOnBelt, Scalar, Scaling, Segment,
-    State, Step, Stribeck, Tabulated, bifurcation, limit_cycle,
+    Attractor, Ended, Error, Exponential, FrictionLaw, Integrator, Physical, PhysicalMassOnBelt,
+    Scalar, Scaling, Segment, State, Step, Stribeck, Structure, Tabulated, bifurcation,
+    limit_cycle, structure,
 };
 
 const PAD: Physical = Physical {
@@ -516,4 +517,63 @@ fn other_consistent_units_give_the_same_motion() {
         b.energy().friction_loss,
         max_relative = 1e-12
     );
+}
+
+/// Exact symmetry of units: basins in SI units are those of the dimensionless system, start by
+/// start, and their cycles are those that `cycles` returns.
+#[test]
+fn basins_are_those_of_the_dimensionless_system() {
+    let pad = Physical {
+        mass: 2.0,
+        stiffness: 5000.0,
+        damping: 2.0,
+        normal_force: 20.0,
+        belt_velocity: 0.2,
+    };
+    let brake = PhysicalMassOnBelt::new(pad, Exponential::new(0.6, 0.3, 0.08).unwrap()).unwrap();
+    let basins = brake.basins().unwrap();
+    assert_eq!(basins.cycles(), &brake.cycles().unwrap());
+    let plain = limit_cycle::basins(brake.dimensionless()).unwrap();
+    let steady = brake.equilibrium().unwrap().displacement;
+    let mut reached = [0; 2];
+    for i in 0..40 {
+        let start = State::new(
+            steady + 1e-4 * f64::from(i % 8),
+            0.004 * f64::from(i) - 0.08,
+        );
+        let expected = plain.attractor(brake.scaling().dimensionless_state(start));
+        let found = basins.attractor(start).unwrap();
+        assert_eq!(found, brake.attractor(start).unwrap());
+        match (found, expected.unwrap()) {
+            (Attractor::Equilibrium, Attractor::Equilibrium) => reached[0] += 1,
+            (Attractor::Cycle(found), Attractor::Cycle(expected)) => {
+                reached[1] += 1;
+                let period = brake.scaling().seconds(expected.period());
+                assert_relative_eq!(found.period(), period, max_relative = 1e-15);
+            }
+            (found, expected) => panic!("{found} is not {expected}"),
+        }
+    }
+    assert!(reached[0] > 3 && reached[1] > 3, "{reached:?}");
+    let bad = basins.attractor((0.001, f64::NAN));
+    assert!(matches!(bad, Err(Error::InvalidState { displacement, .. }) if displacement == 0.001));
+}
+
+/// The structure in SI units moves as the mass on its belt does, and rubs away as much energy as
+/// the limit cycle does per period.
+#[test]
+fn the_structure_of_a_brake_is_in_si_units() {
+    let brake = brake();
+    let structure = Structure::try_from(&brake).unwrap();
+    let cycle = brake.stick_slip().unwrap().unwrap();
+    let State {
+        displacement,
+        velocity,
+    } = cycle.state();
+    let start = structure::State::new(&[displacement], &[velocity]);
+    let motion = structure.simulate(start, cycle.period()).unwrap();
+    let end = motion.last();
+    assert_relative_eq!(end.displacements[0], displacement, max_relative = 1e-12);
+    let loss = structure.energy_budget(&motion).unwrap().friction_loss[0];
+    assert_relative_eq!(loss, cycle.energy().friction_loss, max_relative = 1e-12);
 }

@@ -30,7 +30,7 @@ fn belts_settle_to_what_the_complete_search_says() {
         };
         let begin = (random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0));
         let about = format!("{i}: {system:?} {begin:?}");
-        let expected = limit_cycle::attractor(&system, begin.into()).unwrap();
+        let expected = limit_cycle::attractor(&system, begin).unwrap();
         let found = classify(&system, &begin.into()).unwrap_or_else(|e| panic!("{about}: {e}"));
         let (kind, cycle) = match &expected {
             Planar::Rest => (Rest, None),
