@@ -5,7 +5,7 @@ mod units;
 
 pub(crate) use numbers::{Digits, Plain};
 
-/// The time and the state that an integration had reached when it could not go on.
+/// The time and the state that an integration had reached when it could not continue.
 ///
 /// ```
 /// use stick_slip::{Error, Integrator, MassOnBelt, Polynomial, State};
@@ -13,7 +13,7 @@ pub(crate) use numbers::{Digits, Plain};
 /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?;
 /// let short = Integrator::new().with_max_steps(5)?;
 /// match short.simulate(&system, State::new(0.0, 0.0), 100.0) {
-///     // Go on from there, or look at the motion up to there.
+///    // Continue from there, or inspect the motion up to there.
 ///     Err(Error::TooManySteps { reached, .. }) => {
 ///         let motion = system.simulate(State::new(0.0, 0.0), reached.time)?;
 ///         let apart = motion.last().displacement - reached.state.displacements[0];
@@ -86,7 +86,7 @@ fn instead(value: f64, allowed: &str) -> String {
 /// further.
 ///
 /// Every variant carries the numbers that a caller needs to decide what to do, and its message
-/// names the remedy. The numbers are in the units of what was called: dimensionless for a
+/// names the remedy. The numbers are in the units of the type that was called: dimensionless for a
 /// [`MassOnBelt`](crate::MassOnBelt), in SI units for [`Scaling`](crate::Scaling) and
 /// [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt), in its own units for a
 /// [`Structure`](crate::Structure).
@@ -340,13 +340,13 @@ pub enum Error {
         direction: Vec<(usize, f64)>,
     },
 
-    /// A structure has no steady sliding, and why:
+    /// A structure has no steady sliding, for the reason inside:
     /// [`Structure::steady_sliding`](crate::Structure::steady_sliding).
     #[error("no steady sliding: {0}")]
     NoSteadySliding(NotSliding),
 
-    /// A motion has no derivative by a parameter: its events change however little that changes, as
-    /// at grazing; or the family has no system beside.
+    /// A motion has no derivative by a parameter: the smallest change of the parameter changes the
+    /// events of the motion, as at grazing, or the family returns no system next to the parameter.
     #[error(
         "no derivative by parameter {parameter}: the events of the motion change, or the family \
          has no system, however little the parameter changes; take another value or duration"
@@ -370,8 +370,8 @@ pub enum Error {
     NoHopfPoint,
 
     /// Contacts whose directions are linearly dependent came to rest together, as two clutches side
-    /// by side: how they share what they carry, and so when each of them slips again, is not
-    /// determined.
+    /// by side. The distribution of the force among them is not determined, nor when each of them
+    /// slips again.
     #[error(
         "contacts {contacts:?} stick together {reached}, but their directions are dependent: what \
          each of them carries is not determined; put one contact in their place, with the sum of \
@@ -429,9 +429,9 @@ pub enum Error {
         time: f64,
     },
 
-    /// A step became too short to move the clock, or its power series overflows: a motion that
-    /// grows beyond all numbers, a kink or jump of the law that is not named, a slope γ²·dμ̂/ds
-    /// beyond about 1e20, or a stiff structure.
+    /// A step became too short to move the clock, or its power series overflows. Causes: a motion
+    /// that grows without bound, an undeclared kink or jump of the law, a slope γ²·dμ̂/ds beyond
+    /// about 1e20, or a stiff structure.
     #[error(
         "the step fell to {} {reached}: {}",
         Plain(*step),
@@ -466,8 +466,8 @@ pub enum Error {
 
     /// The normal load of a contact fell to 0, where the load depends on displacements.
     ///
-    /// The surfaces part, and the springs of the structure are no longer those of its stiffness
-    /// matrix. (A load that depends on time alone may fall to 0:
+    /// The surfaces separate, and the stiffness matrix, which contains the normal spring, no longer
+    /// holds. (A load that depends on time alone may fall to 0:
     /// [`EventKind::Open`](crate::EventKind::Open).)
     #[error(
         "contact {contact} separates {reached}: its normal load falls to 0; end the motion here, \
@@ -492,7 +492,7 @@ pub enum Error {
         reached: Reached,
     },
 
-    /// A periodic motion was asked for with the period of the drives, and they have none in common.
+    /// A motion with the period of the drives was requested, but the drives have no common period.
     #[error(
         "the drives have no common period: all are constant, or their frequencies are \
          incommensurate, or one is a profile; for a free motion give `Period::Free`, else make \
@@ -500,18 +500,19 @@ pub enum Error {
     )]
     NoCommonPeriod,
 
-    /// A free periodic motion was asked of a system with a drive that varies in time.
+    /// An autonomous motion, [`Period::Free`](crate::orbit::Period::Free), was requested of a
+    /// system with a drive that varies in time.
     #[error("a drive varies in time, so no motion is free; give `Period::Driven`")]
     NotFree,
 
-    /// A search for a free periodic motion began at, or came to, a state of rest.
+    /// A search for an autonomous periodic motion began at an equilibrium, or reached one.
     #[error(
         "nothing moves there: a state of rest is no periodic motion; give a guess on the motion, \
          for example the end of a transient"
     )]
     AtRest,
 
-    /// Newton's method did not come to a periodic motion.
+    /// Newton's method did not converge to a periodic motion.
     #[error(
         "no periodic motion was found near the guess: the best start tried, q = {:?}, v = {:?}, \
          misses itself after {} by {} of the size of a coordinate; give a guess nearer to the \
@@ -544,7 +545,7 @@ pub enum Error {
     Stopped {
         /// The parameter, by its name.
         parameter: &'static str,
-        /// The value that was to be looked at next. What lies well below was searched.
+        /// The value to be searched next. Values well below it were searched.
         value: f64,
         /// Steps of slip phases that were taken.
         steps: usize,
@@ -552,10 +553,10 @@ pub enum Error {
         found: Vec<f64>,
     },
 
-    /// A search over a parameter could not go on at one value of this parameter.
+    /// A search over a parameter failed at one value of this parameter.
     ///
-    /// The error inside says why, and what to do. A range that leaves the value out can still be
-    /// searched.
+    /// The error inside gives the reason and the remedy. A range that leaves the value out can
+    /// still be searched.
     #[error("at {parameter} = {}: {source}", Plain(*value))]
     At {
         /// The parameter, by its name: `belt_velocity`, `damping`, `load`, or the name given to
@@ -565,7 +566,7 @@ pub enum Error {
         parameter: &'static str,
         /// Its value.
         value: f64,
-        /// What happened there.
+        /// The error there.
         source: Box<Self>,
     },
 }
@@ -687,8 +688,8 @@ impl Error {
         }
     }
 
-    /// Returns `value` if it is finite and `in_range`, else [`Error::InvalidParameter`]. `of` is
-    /// the type or the function whose parameter it is, as users write it.
+    /// Returns `value` if it is finite and `in_range`, otherwise [`Error::InvalidParameter`]. `of`
+    /// is the type or the function whose parameter it is, as users write it.
     pub(crate) fn check(
         of: &'static str,
         name: &'static str,

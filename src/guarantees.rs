@@ -52,8 +52,8 @@
 //!    Tests: `belt::integrator::promise_7_scaling_the_units_scales_the_result`,
 //!    `belt::integrator::requested_tolerance_is_met`,
 //!    `belt::hostile::other_units_of_length_change_no_bit`.
-//! 8. **Errors.** Otherwise the run returns a typed [`Error`](crate::Error) with the time and state
-//!    reached. It does not panic or hang.
+//! 8. **Errors.** A run that cannot continue returns a typed [`Error`](crate::Error) with the time
+//!    and state reached. It does not panic or hang.
 //!    Tests: `belt::integrator::promise_8_what_cannot_go_on_is_an_error_with_time_and_state`,
 //!    `belt::hostile::every_run_ends_with_a_result_or_a_typed_error`.
 //! 9. **Stiff phases.** Where friction or the damper rises so steeply with the sliding speed that

@@ -371,7 +371,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         Ok(self.scaling.newtons(load))
     }
 
-    /// An error of the dimensionless system in SI units.
+    /// Converts an error of the dimensionless system to SI units.
     fn in_si(&self, error: Error) -> Error {
         error.in_units(self.scaling.units())
     }

@@ -5,9 +5,8 @@
 //! well.
 //!
 //! Equilibria, cycles, sets of cycles, periodic motions, branches, sweeps, attractors, samples,
-//! energies and points of a diagram are **written only**, for
-//! other programs, because they follow from a system. To get them back, read the system and compute
-//! them again.
+//! energies and points of a diagram are **written only**, for other programs, because they follow
+//! from a system. To get them back, read the system and compute them again.
 //!
 //! A struct is a map from the names of its fields, all in `snake_case`, to their values. An enum is
 //! the name of its variant in `snake_case`, alone or as the only key of a map. Numbers are

@@ -63,8 +63,8 @@ impl Integrator {
     /// Sets the relative tolerance: the error of a step in units of the scale of the motion, max(|u
     /// − ū|, |v|, |v_b|).
     ///
-    /// The scale in stiff systems is max(|v|, |v_b|, |v'|/D), and the tolerance at most 1e-12,
-    /// which costs little: see [`guarantees`](crate::guarantees#one-mass-on-a-belt).
+    /// In stiff systems the scale is max(|v|, |v_b|, |v'|/D) and the tolerance at most 1e-12, which
+    /// costs little: see [`guarantees`](crate::guarantees#one-mass-on-a-belt).
     ///
     /// # Errors
     ///

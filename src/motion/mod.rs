@@ -93,9 +93,9 @@ pub trait Segment: sealed::Sealed + Clone {
     ///
     /// f must be continuous. A zero at the start of the step does not count: it belongs to the step
     /// before. A zero without a change of sign does not count either. f is evaluated at 33 times,
-    /// and about each of its extremes among them. So one pair of zeros between two of these times
-    /// is found; of two pairs there, one may be missed. (Between two events there are several
-    /// steps, each at most about a radian long.)
+    /// and every extreme between them is searched too. A pair of zeros between two of these times
+    /// is therefore found; of two pairs there, one may be missed. (Between two events there are
+    /// several steps, each at most about a radian long.)
     ///
     /// ```
     /// use stick_slip::{Integrator, MassOnBelt, Polynomial, Segment, State};

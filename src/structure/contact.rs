@@ -27,18 +27,19 @@ use crate::friction::memory::{ContactLaw, Slip, validate};
 /// Loads in units of force, n_j force per displacement, w in units of velocity, μ and b
 /// dimensionless. A row b twice as large doubles r and the force on the coordinates.
 ///
-/// A load that depends on time alone may fall to 0 and come back: the contact is open meanwhile,
-/// and there is no friction. A load gradient belongs to a normal spring that is part of the
-/// stiffness matrix, and which would pull once N < 0: the motion ends there, with an error. Give
-/// the contact [a normal spring of its own](Self::with_normal_spring) where it opens and closes.
+/// If the load depends on time alone it may fall to 0 and rise again: the contact is open in
+/// between and transmits no friction. A load gradient describes a normal spring that is part of the
+/// stiffness matrix. That spring would pull for N < 0, so the motion ends with an error where N
+/// reaches 0. For a contact that opens and closes use [a normal spring of its
+/// own](Self::with_normal_spring).
 ///
 /// A contact is rigid, or [elastic](Self::with_tangential_stiffness): a spring in series with a
 /// dry slider.
 ///
-/// A load that only touches 0, from above or from below, is no event: where it turns back within
-/// 8ε of 0, in units of the sum of the sizes of its terms, or where one piece of a [`Drive`] ends
-/// at 0 and the next goes back. Nor is it one where what a sticking contact carries touches its
-/// limit, within 8ε of that limit.
+/// Touching is no event: neither a load that touches 0, from above or from below, nor a force in
+/// stick that touches its limit. The load touches 0 if it turns back within 8ε of 0, in units of
+/// the sum of the sizes of its terms, or if one piece of a [`Drive`] ends at 0 and the next one
+/// goes back. The force touches its limit if it turns back within 8ε of it.
 ///
 /// The type of the law is not part of the type of the contact, so a structure may have contacts of
 /// different laws.
@@ -66,7 +67,7 @@ use crate::friction::memory::{ContactLaw, Slip, validate};
     serde(into = "super::read::ContactText<super::read::Written>")
 )]
 pub struct Contact {
-    /// As it was given first, from which errors and `coordinate` name the contact.
+    /// The coordinate given first, by which errors and `coordinate` name the contact.
     coordinate: usize,
     /// b by ascending coordinate; none is 0.
     direction: Vec<(usize, f64)>,
@@ -155,8 +156,8 @@ impl Contact {
         }
     }
 
-    /// The same contact on a surface of velocity w(t): a belt; between two coordinates, a velocity
-    /// that is added between the two.
+    /// The same contact on a surface of velocity w(t), as a belt. In a contact between two
+    /// coordinates w(t) is subtracted from their relative velocity.
     ///
     /// The velocity must not jump, except at an elastic contact;
     /// [`Structure::with_contact`](crate::Structure::with_contact) checks it.
@@ -165,12 +166,13 @@ impl Contact {
         self
     }
 
-    /// The same contact with n·q added to its load, q the displacement of a coordinate.
+    /// The same contact with n·q added to its load: q is the displacement of a coordinate, n a
+    /// force per displacement.
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] unless n, and its sum with what is there for that coordinate,
-    /// is finite.
+    /// [`Error::InvalidParameter`] unless n, and its sum with the gradient already set for that
+    /// coordinate, is finite.
     pub fn with_load_gradient(mut self, coordinate: usize, gradient: f64) -> Result<Self, Error> {
         let place = self
             .load_gradient
@@ -195,8 +197,8 @@ impl Contact {
         Ok(self)
     }
 
-    /// The coordinate that it belongs to, from 0: the first of those that were given. See
-    /// [`direction`](Self::direction) for all of them.
+    /// The first of the coordinates that were given, from 0. [`direction`](Self::direction) lists
+    /// all of them.
     pub fn coordinate(&self) -> usize {
         self.coordinate
     }
@@ -272,7 +274,7 @@ impl Contact {
         data
     }
 
-    /// Whether it may be contact number `number` of a structure with `count` coordinates.
+    /// Checks that this may be contact number `number` of a structure with `count` coordinates.
     pub(super) fn check(&self, number: usize, count: usize) -> Result<(), Error> {
         let direction = self.direction.iter().map(|&(j, _)| j);
         let gradients = self.whole_gradient().map(|(j, _)| j);
@@ -338,7 +340,7 @@ pub(super) fn checked_direction(
     }
 }
 
-/// A normal load N0(t), if it may be one.
+/// Returns the normal load N0(t) if it is a valid one.
 fn checked_load(load: Drive) -> Result<Drive, Error> {
     load.check("load", "load > 0")?;
     if load.is_constant() {

@@ -1,12 +1,12 @@
-//! Contacts that give way before they slide, and normal springs.
+//! Elastic contacts, and contacts with a normal spring of their own.
 
 use super::contact::Contact;
 use crate::error::Error;
 
 /// Elastic contacts and normal springs.
 impl Contact {
-    /// The same contact with a spring of stiffness k_t > 0 in series: a Jenkins element, as of a
-    /// bolted joint or a blade root. Until its slider slips it is a spring.
+    /// The same contact with a spring of stiffness k_t > 0 in series: a Jenkins element, the model
+    /// of a bolted joint or a blade root. It acts as a spring until its slider slips.
     ///
     /// ```text
     /// stick:  T' = k_t r         while |T| ≤ μ N
@@ -16,15 +16,16 @@ impl Contact {
     ///
     /// T, in units of force, takes the place of λ: it acts on the structure with −b T, and is a
     /// memory variable of the contact in [`State::memory`](crate::structure::State::memory), after
-    /// those of contacts before it. Events say what the slider does:
+    /// memory variable of the contact in [`State::memory`](crate::structure::State::memory), after
+    /// those of contacts before it. Events refer to the slider:
     /// [`EventKind::Stick`](crate::EventKind::Stick) where it stops,
     /// [`EventKind::Release`](crate::EventKind::Release) where it starts, with the direction of z'.
-    /// A [`Mode::Stick`](crate::Mode::Stick) contact may have any r. k_t has units of force per
+    /// A [`Mode::Stick`](crate::Mode::Stick) contact may have any r. k_t is a force per
     /// displacement b·q; μ is dimensionless. The velocity of its surface may jump.
     ///
-    /// Elastic contacts never decide together: any number of them may have dependent directions.
-    /// Where k_t → ∞ the motion is that of the rigid contact, with a difference of order 1/√k_t,
-    /// and steps as many as √k_t.
+    /// Elastic contacts need no common decision with others, so any number of them may have
+    /// linearly dependent directions. For k_t → ∞ the motion tends to that of the rigid contact,
+    /// with a difference of order 1/√k_t; the number of steps grows as √k_t.
     ///
     /// Source: G. M. Jenkins, *J. Appl. Phys.* 33 (1962); W. D. Iwan, *J. Appl. Mech.* 33 (1966)
     /// 893-900. In Moreau's terms it is the sweeping process, the *stop* of hysteresis theory.
@@ -32,9 +33,9 @@ impl Contact {
     /// # Errors
     ///
     /// * [`Error::InvalidParameter`] unless k_t is positive and finite;
-    /// * [`Error::LawNotConstant`] unless the law is one constant, as `Coulomb::new(μ, μ)`: where
-    ///   static friction is larger, or friction falls with speed, the way of a slider without mass
-    ///   is not determined.
+    /// * [`Error::LawNotConstant`] unless the law is one constant, as `Coulomb::new(μ, μ)`: with
+    ///   larger static friction, or friction that falls with speed, the displacement of a slider
+    ///   without mass is not determined.
     ///
     /// ```
     /// use stick_slip::{Contact, Coulomb, Drive, Structure, structure::State};
@@ -84,9 +85,10 @@ impl Contact {
     /// N = max(0, N0(t) + k_n d·q)
     /// ```
     ///
-    /// While it is closed the spring acts on the structure with −d N. d_j are dimensionless, k_n
-    /// has units of force per displacement. Where N falls to 0 the contact opens, an event, and it
-    /// closes where N comes back; there is no impact, for N is continuous. With a load gradient
+    /// The closed spring acts on the structure with −d N. The d_j are dimensionless, k_n is a force
+    /// per displacement. The contact opens where N falls to 0 and closes where N rises above 0
+    /// again; both are events. N is continuous, so there is no impact. A load gradient adds n·q to
+    /// N. The contact may be rigid or elastic.
     /// besides, its n·q is part of N. For rigid and elastic contacts.
     ///
     /// # Errors
@@ -139,12 +141,12 @@ impl Contact {
         Some((direction, *stiffness))
     }
 
-    /// Elastic contacts side by side in the place of this one: each with its stiffness k_t and its
-    /// share of the load, of its gradient and of the stiffness of its normal spring.
+    /// Elastic contacts in parallel that replace this one. Each has its stiffness k_t and its share
+    /// of the load, of the load gradient and of the stiffness of the normal spring.
     ///
-    /// Shares are positive and dimensionless, and need not have the sum 1. One load that varies
-    /// drives all elements. The elements of an [`Iwan4`](crate::Iwan4) model are k_t and limits of
-    /// force: they are the shares of a contact with μ = 1 and N = 1.
+    /// Shares are positive and dimensionless; their sum need not be 1. A load that varies acts on
+    /// all elements. The elements of an [`Iwan4`](crate::Iwan4) model are pairs of k_t and limit
+    /// force: use them with a contact of μ = 1 and N = 1.
     ///
     /// # Errors
     ///
@@ -174,7 +176,7 @@ impl Contact {
         elements.iter().map(element).collect()
     }
 
-    /// The load, its gradient and its spring, multiplied.
+    /// Multiplies the load, its gradient and its normal spring by a share.
     fn scale_load(&mut self, share: f64) -> Result<(), Error> {
         self.load = self.load.scaled(share);
         let spring = self.normal_spring.iter_mut();

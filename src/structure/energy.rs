@@ -1,4 +1,4 @@
-//! Energies of a structure, and what each part of it does along a motion.
+//! Energies of a structure, and work and heat of each of its parts along a motion.
 
 use std::iter::zip;
 
@@ -19,14 +19,15 @@ use crate::state::structure::State;
 /// E = ½ vᵀMv + ½ qᵀK_s q + Σ T²/(2k_t) + Σ N²/(2k_n),    K_s = (K + Kᵀ)/2
 /// stored = Σ force_work + Σ drive_work + Σ normal_work + circulation
 ///          − damper_loss − Σ friction_loss
-/// drive_work = belt_work + friction_loss + what the spring of an elastic contact has gained
+/// drive_work = belt_work + friction_loss + Δ[T²/(2k_t)]        T of an elastic contact
 /// ```
 ///
-/// `stored` is taken from the ends of the motion, the others are integrals over its power series,
-/// so both sums close to rounding ([`defect`](Self::defect)). In a periodic motion `stored` is 0.
+/// `stored` is the difference between the two ends of the motion; the other terms are integrals
+/// over its power series. Both balances close to rounding ([`defect`](Self::defect)). In a periodic
+/// motion `stored` is 0.
 ///
-/// λ is the friction force of a contact, T that of an elastic one; it acts on the coordinates with
-/// −b λ, and on the surface that moves with w with λ.
+/// λ is the friction force of a contact, called T in an elastic one. It acts on the coordinates
+/// with −b λ, and with λ on the surface that moves with w.
 ///
 /// ```
 /// use stick_slip::{Contact, Coulomb, Structure, structure::State};
@@ -52,14 +53,14 @@ pub struct EnergyBudget {
     pub stored: f64,
     /// Work of the force on each coordinate, ∫ f_i v_i dt.
     pub force_work: Vec<f64>,
-    /// Work of what moves the surface of each contact, −∫ λ w dt.
+    /// Work done on the moving surface of each contact, −∫ λ w dt.
     pub drive_work: Vec<f64>,
     /// Work of each contact's friction on the coordinates, −∫ λ b·v dt.
     pub belt_work: Vec<f64>,
-    /// Heat in each contact, ∫ λ r dt; of an elastic one ∫ μN|z'| dt. Where bristles slide, what
-    /// they store is part of it.
+    /// Heat in each contact, ∫ λ r dt; for an elastic one ∫ μN|z'| dt. For bristles it includes the
+    /// energy that they store.
     pub friction_loss: Vec<f64>,
-    /// Work of what presses each normal spring, ∫ N (N0' + n·v)/k_n dt; 0 without one.
+    /// Work of the load that presses each normal spring, ∫ N (N0' + n·v)/k_n dt; 0 without one.
     pub normal_work: Vec<f64>,
     /// Heat in all dampers, ∫ vᵀCv dt.
     pub damper_loss: f64,
@@ -68,8 +69,8 @@ pub struct EnergyBudget {
 }
 
 impl EnergyBudget {
-    /// What is missing in the balance: `stored` minus all work, plus all losses. It is rounding,
-    /// and in a motion of looser tolerance an estimate of its error.
+    /// Residual of the energy balance: `stored` minus all work, plus all losses. It is rounding
+    /// error; with a looser tolerance it estimates the error of the motion.
     pub fn defect(&self) -> f64 {
         let work = [&self.force_work, &self.drive_work, &self.normal_work];
         let work = work.into_iter().flatten().sum::<f64>() + self.circulation;
@@ -123,7 +124,7 @@ impl Structure {
         Ok(energies.elastic(&state.displacements) + springs.sum::<f64>())
     }
 
-    /// What each force, contact and damper does along a motion of this structure.
+    /// Work and heat of each force, contact and damper along a motion of this structure.
     ///
     /// # Errors
     ///
@@ -252,7 +253,7 @@ impl Energies<'_, '_> {
         budget
     }
 
-    /// Adds what happens about a time t after the start of a step.
+    /// Adds the contributions of one point of the quadrature, a time t after the start of a step.
     fn add(
         &self,
         budget: &mut EnergyBudget,
@@ -288,8 +289,8 @@ impl Energies<'_, '_> {
         }
     }
 
-    /// Adds what a jump of a load does between two steps: the slider of an elastic contact slips at
-    /// once, and a normal spring is pressed.
+    /// Adds the effect of a load that jumps between two steps: the slider of an elastic contact
+    /// slips at once, and a normal spring is pressed.
     fn add_jump(&self, budget: &mut EnergyBudget, before: &Instant, after: &Instant) {
         for (c, loss) in budget.friction_loss.iter_mut().enumerate() {
             let [from, to] = [before, after].map(|at| self.of_contact(c, at.contacts[c].carried));

@@ -13,9 +13,9 @@ use crate::state::structure::State;
 /// The motion of a [`Structure`] from a start state: an unbounded iterator of [`Step`]s in constant
 /// memory.
 ///
-/// Returned by [`Integrator::flow`]. After an error comes `None`. If no velocity will ever change
-/// and no contact have an event, the last step has an infinite duration. A flow cannot be sent to
-/// another thread; a structure may be shared by threads.
+/// Returned by [`Integrator::flow`]. After an error comes `None`. If no velocity changes any more
+/// and no contact has another event, the last step has an infinite duration. A flow cannot be sent
+/// to another thread; a structure may be shared by threads.
 #[derive(Debug, Clone)]
 pub struct Flow<'s> {
     engine: Engine<'s>,

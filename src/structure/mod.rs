@@ -49,16 +49,17 @@
 //!
 //! # Frames that move at a varying speed
 //!
-//! Coordinates may count from a frame that turns (or travels) with Ω(t), as those of a drill string
-//! from its table: then springs and displacements stay small. With e the coordinates that turn with
-//! it (1 for each, 0 for others), q from the frame obeys the same equations with
+//! Coordinates may be measured from a frame that rotates (or travels) with Ω(t), as those of a
+//! drill string from its rotary table; displacements then stay small. Let e_i be 1 for each
+//! coordinate that rotates with the frame and 0 for the others. Coordinates relative to the frame
+//! obey the same equations with these additions:
 //!
 //! | in the frame | add |
 //! |---|---|
 //! | inertia | a force −(M e)_i Ω'(t) on each coordinate i |
-//! | a damper c between coordinate i and what does not turn | the damper to the ground, and a force −c Ω(t) |
-//! | a contact with what does not turn, or with a surface of velocity w | a surface of velocity w(t) − (b·e) Ω(t) |
-//! | springs, dampers and contacts between coordinates that turn (b·e = 0) | nothing |
+//! | a damper c between coordinate i and a part that does not rotate | the damper to the ground, and a force −c Ω(t) |
+//! | a contact with a part that does not rotate, or with a surface of velocity w | a surface of velocity w(t) − (b·e) Ω(t) |
+//! | springs, dampers and contacts between rotating coordinates (b·e = 0) | nothing |
 //! | a spring or damper to the ground | one to the frame |
 //!
 //! ```

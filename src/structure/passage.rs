@@ -13,7 +13,7 @@ use crate::error::Error;
 pub struct StabilityChange {
     /// The time, in the units of the structure.
     pub time: f64,
-    /// Returns true if steady sliding is stable after it.
+    /// True if steady sliding is stable after it.
     pub becomes_stable: bool,
     /// Angular frequency of the small motion that neither grows nor decays there, per unit of time.
     pub frequency: f64,
@@ -71,14 +71,14 @@ impl Structure {
     /// # Delayed loss of stability
     ///
     /// A motion that passes such a time slowly does not vibrate at once. While sliding was stable,
-    /// a perturbation decayed as exp ∫Re s dt, s the leading eigenvalue, and it first has to grow
-    /// by as much again: the onset is delayed, for slow drives by a time that depends on the
-    /// smallest disturbance alone. In exact arithmetic it is as far behind the border as the decay
-    /// began before it; in floating point rounding ends the decay at 10⁻¹⁶; in a machine vibration
-    /// from elsewhere, roughness or noise do, long before. So the onset of a simulation without a
-    /// disturbance is a property of the arithmetic. Add the disturbance that the machine has, near
-    /// the frequency of the change: others pass without much effect. (A kink of a profile is one,
-    /// too.)
+    /// a perturbation decayed as exp ∫Re s dt, with the leading eigenvalue s, and it has to grow by
+    /// the same factor before vibration is visible. For slow drives the delay depends on the
+    /// smallest disturbance alone. In exact arithmetic it is as long as the decay before the border
+    /// lasted; in floating point rounding limits the decay to 10⁻¹⁶; in a machine roughness, noise
+    /// or vibration from elsewhere limit it much earlier. The onset in a simulation without a
+    /// disturbance is therefore a property of the arithmetic. Add the disturbance that the machine
+    /// has, near the frequency of the change: other frequencies have little effect. (A kink of a
+    /// profile is a disturbance, too.)
     ///
     /// ```
     /// use stick_slip::{Contact, Drive, EventKind, Exponential, Structure, structure::State};
@@ -142,7 +142,8 @@ impl Structure {
         Ok(changes)
     }
 
-    /// Whether steady sliding is stable with the drives of a time; `None` if there is none.
+    /// Returns true if steady sliding is stable with the drives held at a time; `None` if there is
+    /// no steady sliding.
     fn is_stable_at(&self, time: f64) -> Result<Option<bool>, Error> {
         match self.frozen(time)?.steady_sliding() {
             Ok(sliding) => Ok(Some(sliding.is_stable())),

@@ -14,7 +14,7 @@ use crate::friction::{AnyLaw, Coulomb, Exponential, Polynomial, Rational, Stribe
 #[serde(deny_unknown_fields)]
 pub(super) struct ContactText<L> {
     coordinate: usize,
-    /// Unless it is that coordinate alone.
+    /// Left out if it is that coordinate alone.
     #[serde(default = "Vec::new", skip_serializing_if = "Vec::is_empty")]
     direction: Vec<(usize, f64)>,
     law: L,
@@ -34,7 +34,7 @@ fn at_rest() -> Drive {
     Drive::constant(0.0)
 }
 
-/// A law that is written: one of the crate's.
+/// A law in its written form, which only the crate's own laws have.
 pub(super) struct Written(Option<NamedLaw>);
 
 impl Serialize for Written {
@@ -133,7 +133,7 @@ impl TryFrom<ContactText<LawText>> for super::Contact {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct StructureText {
-    /// Of a diagonal mass matrix.
+    /// The diagonal, if the mass matrix is diagonal.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     masses: Vec<f64>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -1,4 +1,4 @@
-//! A motion sampled with what acts at each time.
+//! Samples of a motion with friction forces, loads and accelerations.
 
 use super::energy::check_motion;
 use super::engine::forces::Forces;

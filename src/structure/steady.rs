@@ -19,16 +19,17 @@ use crate::state::Direction;
 /// M δq'' + (C + Σ_c N_c dμ̂_c/ds b_c b_cᵀ) δq' + (K − Σ_c sgn(w_c) μ̂_c b_c n_cᵀ) δq = 0
 /// ```
 ///
-/// Contacts with memory variables, as bristles, hold the memory at which z' = 0; its deviations
-/// join those of the masses: −b_c N_c Σ_j ∂μ_c/∂z_j δz_j on the right, and δz' linear in δz and
+/// Contacts with memory variables, as bristles, have the memory at which z' = 0. Its perturbations
+/// δz add −b_c N_c Σ_j ∂μ_c/∂z_j δz_j on the right, and equations for δz' that are linear in δz and
 /// b_c·δq'.
 ///
 /// A load that depends on displacements makes the stiffness matrix unsymmetric: two modes can merge
 /// and one of them grow (flutter by mode coupling), even if friction does not fall with speed.
 ///
-/// Eigenvalues come from the Schur form of the 2n × 2n matrix of the scaled system, accurate to
-/// about nε times the largest; if two of them are nearly equal, to the root of that. Each memory
-/// variable adds a row. Work grows as n³: a second for n = 100, minutes for 1000.
+/// Eigenvalues come from the Schur form of the 2n × 2n matrix of the scaled system. Their error is
+/// about nε times the largest eigenvalue, or the square root of nε times it where two of them
+/// nearly coincide. Each memory variable adds a row. Work grows as n³: a second for n = 100,
+/// minutes for 1000.
 ///
 /// ```
 /// use stick_slip::nalgebra::DMatrix;
@@ -64,13 +65,13 @@ pub struct SteadySliding {
     /// Eigenvalues of small motions, by falling real part, and for equal ones by falling imaginary
     /// part; two for each coordinate and one for each memory variable, per unit of time. A memory
     /// variable that neither changes in slip nor influences anything, as the clock of a
-    /// [`Dwell`](crate::Dwell), and what an elastic contact carries, has the eigenvalue −∞.
+    /// [`Dwell`](crate::Dwell), and the force of an elastic contact have the eigenvalue −∞.
     pub eigenvalues: Vec<Complex<f64>>,
 }
 
 impl Structure {
-    /// Steady sliding: every mass stands still, every contact slips, and memory variables stay as
-    /// they are.
+    /// Steady sliding: every mass stands still, every contact slips, and memory variables are
+    /// constant.
     ///
     /// Elastic contacts carry their limit. One whose surface does not move has equilibria with any
     /// force up to that limit: [`NotSliding::Continuum`].
@@ -80,9 +81,10 @@ impl Structure {
     /// # Errors
     ///
     /// [`Error::NoSteadySliding`] unless all drives are constant, every contact has a sliding
-    /// velocity w ≠ 0, every load is positive there, and K, with what friction adds to it, is not
-    /// singular: restrain the rigid-body modes. A string that is turned at a given speed, for
-    /// example, has a spring to the ground in a frame that turns with it.
+    /// velocity w ≠ 0, every load is positive there, and K, with the terms that friction adds to
+    /// it, is not singular: restrain the rigid-body modes. For example, describe a drill string
+    /// that is turned at a given speed in the rotating frame, where the drive is a spring to the
+    /// ground.
     pub fn steady_sliding(&self) -> Result<SteadySliding, Error> {
         SteadySliding::of(self)
     }

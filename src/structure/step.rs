@@ -31,15 +31,15 @@ pub(crate) struct After {
     pub(crate) forced: Vec<usize>,
     /// v' just after, if a contact that shares coordinates has an event.
     pub(crate) rates: Vec<f64>,
-    /// What gives the events of contacts that share coordinates their time; nothing does at a jump
-    /// of a drive.
+    /// The condition that determines the time of events of contacts that share coordinates; none at
+    /// a jump of a drive.
     pub(crate) trigger: Option<Trigger>,
     /// Elastic contacts that came to their limit there, and on which side: their sliders start, or
     /// the load has jumped below what they carried.
     pub(crate) limited: Vec<(usize, Direction)>,
 }
 
-/// What a contact that shares coordinates came to; it may have no event itself.
+/// The condition that a contact with shared coordinates has reached; it may have no event itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Trigger {
     /// Rest: r = 0.

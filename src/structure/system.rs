@@ -30,15 +30,15 @@ use crate::friction::memory::ContactLaw;
 ///
 /// # Contacts that share masses
 ///
-/// What a sticking contact carries depends on what others do that share its masses. At r = 0 they
-/// decide together:
+/// The force in a sticking contact depends on the other contacts on the same masses. Their modes at
+/// r = 0 are therefore decided together:
 ///
-/// * where static and kinetic coefficients are equal there is one consistent answer, and it is
+/// * if static and kinetic coefficients are equal, exactly one answer is consistent, and it is
 ///   taken;
-/// * else the *fastest yields first*: all have their static limits; of the contacts that cannot
-///   hold, the one with the largest |r'|/(G_cc N μ_s) falls to its kinetic friction,
-///   G_cc = bᵀM⁻¹b, and the others are asked again. That is the limit of friction that falls from
-///   its static to its kinetic value within a very small sliding speed.
+/// * otherwise the *fastest yields first*: all contacts start with their static limits. Of those
+///   that cannot hold, the one with the largest |r'|/(G_cc N μ_s), where G_cc = bᵀM⁻¹b, drops to
+///   its kinetic friction, and the decision is repeated for the others. This is the limit of
+///   friction that falls from its static to its kinetic value within a very small sliding speed.
 ///
 /// The answer does not depend on the numbering of contacts. Contacts whose directions are linearly
 /// dependent (parallel clutches) may slide; if they come to rest together the motion ends with
@@ -203,13 +203,13 @@ impl Structure {
         Ok(structure)
     }
 
-    /// A spring of stiffness k between two coordinates, added to what is there:
-    /// f_i = −k(q_i − q_j) = −f_j. k may be negative.
+    /// Adds a spring of stiffness k between two coordinates: f_i = −k(q_i − q_j) = −f_j. k may be
+    /// negative.
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchCoordinate`]; [`Error::BadElement`] unless i and j differ and k, and what it
-    /// is added to, are finite.
+    /// [`Error::NoSuchCoordinate`]; [`Error::BadElement`] unless i and j differ, and k and the sum
+    /// with what is there are finite.
     pub fn with_spring(mut self, i: usize, j: usize, stiffness: f64) -> Result<Self, Error> {
         add_between(
             &mut self.stiffness,
@@ -220,8 +220,7 @@ impl Structure {
         Ok(self)
     }
 
-    /// A damper between two coordinates, added to what is there: f_i = −c(v_i − v_j) = −f_j.
-    /// c may be negative.
+    /// Adds a damper between two coordinates: f_i = −c(v_i − v_j) = −f_j. c may be negative.
     ///
     /// # Errors
     ///
@@ -231,13 +230,12 @@ impl Structure {
         Ok(self)
     }
 
-    /// A spring between a coordinate and the ground, added to what is there: f_i = −k q_i. k may be
-    /// negative.
+    /// Adds a spring between a coordinate and the ground: f_i = −k q_i. k may be negative.
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchCoordinate`]; [`Error::BadElement`] unless k, and what it is added to, are
-    /// finite.
+    /// [`Error::NoSuchCoordinate`]; [`Error::BadElement`] unless k and the sum with what is there
+    /// are finite.
     pub fn with_ground_spring(mut self, i: usize, stiffness: f64) -> Result<Self, Error> {
         add(
             &mut self.stiffness,
@@ -248,8 +246,7 @@ impl Structure {
         Ok(self)
     }
 
-    /// A damper between a coordinate and the ground, added to what is there: f_i = −c v_i. c may be
-    /// negative.
+    /// Adds a damper between a coordinate and the ground: f_i = −c v_i. c may be negative.
     ///
     /// # Errors
     ///
@@ -259,7 +256,7 @@ impl Structure {
         Ok(self)
     }
 
-    /// A stiffness matrix, added to what is there. It need not be symmetric.
+    /// Adds a stiffness matrix, in units of force per displacement. It need not be symmetric.
     ///
     /// # Errors
     ///
@@ -275,7 +272,7 @@ impl Structure {
         Ok(self)
     }
 
-    /// A damping matrix, added to what is there. It need not be symmetric.
+    /// Adds a damping matrix, in units of force per velocity. It need not be symmetric.
     ///
     /// # Errors
     ///
@@ -290,7 +287,7 @@ impl Structure {
         Ok(self)
     }
 
-    /// A force f_i(t) on a coordinate, added to what is there.
+    /// Adds a force f_i(t) on a coordinate.
     ///
     /// # Errors
     ///
@@ -309,7 +306,7 @@ impl Structure {
         Ok(self)
     }
 
-    /// A contact, with the next number.
+    /// Adds a contact, with the next number.
     ///
     /// # Errors
     ///
@@ -321,7 +318,7 @@ impl Structure {
         Ok(self)
     }
 
-    /// Contacts, with the next numbers: [`with_contact`](Self::with_contact) for each.
+    /// Adds contacts, with the next numbers: [`with_contact`](Self::with_contact) for each.
     ///
     /// # Errors
     ///
@@ -373,8 +370,8 @@ impl Structure {
         &self.contacts
     }
 
-    /// The least common period of all drives: forces, loads and belts. `None` if all are constant,
-    /// or if they have none, as for [`Drive::period`].
+    /// The least common period of all drives: forces, loads and belts. `None` if all are constant
+    /// or have no common period; see [`Drive::period`].
     ///
     /// ```
     /// use stick_slip::{Contact, Coulomb, Drive, Structure};
@@ -398,7 +395,7 @@ impl Structure {
         self.forces.iter().chain(of_contacts)
     }
 
-    /// What moves, as the engine sees it.
+    /// The model that the engine integrates.
     pub(crate) fn model(&self) -> Model<'_> {
         let mass = match &self.mass_matrix {
             Some(mass) => Mass::Full(mass),
@@ -444,7 +441,7 @@ where
     }
 }
 
-/// Whether a structure may have these masses.
+/// Checks the masses of a structure.
 fn check_masses(masses: &[f64], element: impl Fn(usize) -> Element) -> Result<(), Error> {
     let n = masses.len();
     Error::check(
@@ -461,7 +458,7 @@ fn check_masses(masses: &[f64], element: impl Fn(usize) -> Element) -> Result<()
     Ok(())
 }
 
-/// Whether a symmetric matrix is positive definite, by Cholesky's factorisation.
+/// Checks that a symmetric matrix is positive definite, by Cholesky's factorisation.
 fn check_definite(mass: &DMatrix<f64>) -> Result<(), Error> {
     let n = mass.nrows();
     let mut rest = mass.clone();
@@ -504,7 +501,7 @@ fn add(
     Ok(())
 }
 
-/// Adds what connects two coordinates.
+/// Adds a spring or damper between two coordinates.
 fn add_between(
     matrix: &mut DMatrix<f64>,
     element: Element,
