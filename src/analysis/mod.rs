@@ -1,5 +1,26 @@
 //! Formulas: closed forms and averaging, each with its source and the order of its error.
 //!
+//! ```
+//! use stick_slip::analysis::{PureSlip, Regime, StickSlip, regime};
+//! use stick_slip::{MassOnBelt, Polynomial};
+//!
+//! let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.42)?.with_damping(0.05)?;
+//! assert_eq!(regime(&system), Regime::PureSlip);
+//! let cycle = PureSlip::new(&system).and_then(|formulas| formulas.fourth_order()).unwrap();
+//! assert!((cycle.period - 6.32748385).abs() < 1e-8); // exact: 6.32749178
+//!
+//! let slower = system.with_belt_velocity(0.2)?;
+//! assert_eq!(regime(&slower), Regime::StickSlip);
+//! let cycle = StickSlip::new(&slower).and_then(|formulas| formulas.second_order()).unwrap();
+//! assert!((cycle.v_min + 0.2893).abs() < 1e-4); // exact: −0.2861
+//! # Ok::<(), stick_slip::Error>(())
+//! ```
+//!
+#![doc = include_str!("../figures/errors.svg")]
+//!
+//! *Error of the formulas against the exact cycle, for γ² = ε and β = 0.05ε: the slope of a line is
+//! the order of the error. (a) Cycles without stick. (b) Stick-slip.*
+//!
 //! Nothing here integrates the equations of motion, so the formulas are independent of the exact
 //! motions in the rest of the crate. An error O(εⁿ) means the order as friction and damping become
 //! weak beside the spring, (γ², β) → (εγ², εβ). "Eq. n" is an equation of A. Farshidianfar and N.
@@ -22,22 +43,6 @@
 //! | friction under fast vibration | [`fast_vibration`] |
 //! | flutter by mode coupling | [`mode_coupling`] |
 //! | two inertias on a shaft, with friction at one | [`drill_string`] |
-//!
-//! ```
-//! use stick_slip::analysis::{PureSlip, Regime, StickSlip, regime};
-//! use stick_slip::{MassOnBelt, Polynomial};
-//!
-//! let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.42)?.with_damping(0.05)?;
-//! assert_eq!(regime(&system), Regime::PureSlip);
-//! let cycle = PureSlip::new(&system).and_then(|formulas| formulas.fourth_order()).unwrap();
-//! assert!((cycle.period - 6.32748385).abs() < 1e-8); // exact: 6.32749178
-//!
-//! let slower = system.with_belt_velocity(0.2)?;
-//! assert_eq!(regime(&slower), Regime::StickSlip);
-//! let cycle = StickSlip::new(&slower).and_then(|formulas| formulas.second_order()).unwrap();
-//! assert!((cycle.v_min + 0.2893).abs() < 1e-4); // exact: −0.2861
-//! # Ok::<(), stick_slip::Error>(())
-//! ```
 //!
 //! # Where the source paper is wrong
 //!

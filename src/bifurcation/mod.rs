@@ -23,6 +23,13 @@
 //! # Ok::<(), stick_slip::Error>(())
 //! ```
 //!
+#![doc = include_str!("../figures/regimes.svg")]
+//!
+//! *Attractors over belt velocity and damping, with computed borders: Hopf points (black), grazing
+//! (blue), overshoot and crossing (purple), folds (green). (a) Polynomial law with μ_s = 0.4,
+//! μ_m = 0.1, v_m = 1, γ² = 0.15. (b) Exponential law with μ_s = 0.6, μ_k = 0.3, v_s = 0.4,
+//! γ² = 1: two motions can be stable side by side.*
+//!
 //! | function | event at the values that it returns |
 //! |---|---|
 //! | [`hopf_velocities`] | the equilibrium loses or regains stability, and a pure-slip cycle is born; [`criticality`] says on which side |

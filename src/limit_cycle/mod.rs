@@ -23,6 +23,13 @@
 //! # Ok::<(), stick_slip::Error>(())
 //! ```
 //!
+#![doc = include_str!("../figures/bistability.svg")]
+//!
+//! *Cycles of this law over the belt velocity; dashed ones are unstable. (a) Beyond the Hopf point
+//! steady sliding and stick-slip are both stable, with an unstable cycle between them, up to the
+//! grazing at which both cycles end. (b) With more damping stick-slip changes into pure slip, which
+//! ends in a fold.*
+//!
 //! | question | answer |
 //! |---|---|
 //! | all limit cycles, stable and unstable | [`find`] |

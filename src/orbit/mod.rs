@@ -28,6 +28,11 @@
 //! # Ok::<(), stick_slip::Error>(())
 //! ```
 //!
+#![doc = include_str!("../figures/resonance.svg")]
+//!
+//! *Amplitude over the frequency of the force for such a mass, by [`follow`]: dashed motions are
+//! unstable, rings are folds.*
+//!
 //! # Which search for which system
 //!
 //! | system and question | search | what it promises |

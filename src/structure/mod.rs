@@ -33,6 +33,12 @@
 //! # Ok::<(), stick_slip::Error>(())
 //! ```
 //!
+#![doc = include_str!("../figures/mode_coupling.svg")]
+//!
+//! *Small motions about steady sliding of a brake, by [`Structure::steady_sliding`], over the
+//! friction coefficient: two modes merge at μ = 0.75, and one of them grows; with dampers growth
+//! begins at 0.7575.*
+//!
 //! | question | answer |
 //! |---|---|
 //! | which masses, springs, dampers and forces | [`Structure`], its methods `with_…`; full matrices by [`with_mass_matrix`](Structure::with_mass_matrix), [`with_stiffness`](Structure::with_stiffness), [`with_damping`](Structure::with_damping) |

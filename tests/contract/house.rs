@@ -133,6 +133,9 @@ fn modules() -> Vec<(String, String)> {
     let mut left_out = BTreeSet::new();
     let mut all = Vec::new();
     for path in files_of("src") {
+        if path.extension().is_none_or(|extension| extension != "rs") {
+            continue;
+        }
         let text = fs::read_to_string(&path).unwrap();
         let name = path.strip_prefix(&src).unwrap().with_extension("");
         let name = name.to_str().unwrap().replace('\\', "/");

@@ -22,8 +22,8 @@
 //! * `plot.rs` and what it uses: as much of plotters as a figure in print needs.
 //!
 //! Run it with `cargo run --release -p stick-slip-figures`; another folder than `target/figures`
-//! comes after `--`. Two of the files are kept in this folder, for the README: to renew them, draw
-//! them and copy them.
+//! comes after `--`. One of the files is kept in this folder, for the README, and five in
+//! `src/figures` of the crate, for its pages: to renew them, draw them and copy them.
 
 mod amplitude;
 mod chaos;

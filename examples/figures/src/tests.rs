@@ -1,4 +1,5 @@
-//! The figures of the README are those that the example draws today, number by number.
+//! The figures of README and documentation are those that the example draws today, number by
+//! number.
 
 use super::{FIGURES, Figure, escape};
 
@@ -51,7 +52,7 @@ fn difference(expected: &str, actual: &str) -> Option<String> {
 fn is_reproduced(name: &str, committed: &str) {
     let figure = drawn(name);
     if let Some(difference) = difference(committed, &figure.svg) {
-        panic!("examples/figures/{name}.svg is not what the example draws: {difference}");
+        panic!("the kept figure {name} is not what the example draws: {difference}");
     }
     assert!(committed.contains(&escape(&figure.caption)));
     assert!(committed.len() < 100_000);
@@ -59,7 +60,7 @@ fn is_reproduced(name: &str, committed: &str) {
 }
 
 const AMPLITUDE: &str = include_str!("../fig6_amplitude.svg");
-const REGIMES: &str = include_str!("../regimes.svg");
+const REGIMES: &str = include_str!("../../../src/figures/regimes.svg");
 
 #[test]
 fn amplitude_is_reproduced() {
@@ -68,8 +69,27 @@ fn amplitude_is_reproduced() {
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "takes minutes without optimisation")]
-fn regimes_are_reproduced() {
+fn figures_of_the_documentation_are_reproduced() {
     is_reproduced("regimes", REGIMES);
+    for (name, kept) in [
+        (
+            "bistability",
+            include_str!("../../../src/figures/bistability.svg"),
+        ),
+        ("errors", include_str!("../../../src/figures/errors.svg")),
+        (
+            "mode_coupling",
+            include_str!("../../../src/figures/mode_coupling.svg"),
+        ),
+        (
+            "resonance",
+            include_str!("../../../src/figures/resonance.svg"),
+        ),
+    ] {
+        is_reproduced(name, kept);
+        // A blank line would end the picture in a page of the documentation.
+        assert!(!kept.contains("\n\n"));
+    }
 }
 
 /// The borders in the caption, from 25-digit computations.

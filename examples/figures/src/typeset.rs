@@ -24,9 +24,8 @@ pub(crate) fn typeset(label: &str) -> String {
         text.push_str(&italic_variables(&rest[..at]));
         let (script, after) = script(&rest[at + 1..]);
         text.push_str(&format!(
-            "<tspan dy=\"{:.2}em\" font-size=\"{:.0}%\">{script}</tspan>",
-            shift / SIZE,
-            100.0 * SIZE
+            "<tspan dy=\"{:.2}em\" font-size=\"{SIZE}em\">{script}</tspan>",
+            shift / SIZE
         ));
         // Back to the line, with what comes next.
         let (next, after) = after.split_at(after.find(['_', '^']).unwrap_or(after.len()));
