@@ -37,7 +37,7 @@
 //! | the stick-slip cycle alone | [`limit_cycle::stick_slip`] |
 //! | the attractor reached from a given start | [`limit_cycle::attractor`]; from many, [`limit_cycle::basins`] |
 //! | period, extremes, accelerations, harmonics, energies of a periodic motion | [`LimitCycle`], [`orbit::Orbit`] |
-//! | whether steady sliding is stable | [`MassOnBelt::equilibrium`] |
+//! | stability of steady sliding | [`MassOnBelt::equilibrium`] |
 //! | the belt velocity at which steady sliding becomes stable | [`bifurcation::hopf_velocities`], [`bifurcation::criticality`] |
 //! | the belt velocity at which stick-slip appears or disappears | [`bifurcation::grazing_velocities`] |
 //! | the belt velocity at which a pure-slip cycle touches the belt velocity, and appears or disappears | [`bifurcation::touching_velocities`] |
@@ -46,25 +46,25 @@
 //! | all cycles over a range of belt velocities, for a picture | [`bifurcation::diagram`] |
 //! | the attractors over a range of belt velocities, bistable ranges included | [`bifurcation::vibration_ranges`] |
 //! | the load, the damping or the coefficient of a law at which any of this happens | [`bifurcation::along`] |
-//! | under how much load the mass stays quiet | [`bifurcation::silencing_load`] |
-//! | how much damping keeps the mass quiet | [`bifurcation::silencing_damping`]; at every belt velocity, [`analysis::design`] |
+//! | the largest load without vibration | [`bifurcation::silencing_load`] |
+//! | the least damping without vibration | [`bifurcation::silencing_damping`]; at every belt velocity, [`analysis::design`] |
 //! | the formulas of the source paper, and better ones | [`analysis::PureSlip`], [`analysis::StickSlip`], [`analysis::averaging`]; [where the paper is wrong](analysis#where-the-source-paper-is-wrong) |
 //! | how several masses move, with forces and belts that vary in time | [`Structure`], [`Contact`], [`Drive`] |
-//! | how masses rub on each other: clutch, bolted joint, blade damper, pad on a disc | [`Contact::between`], [`Contact::along`]; the force in it: [`Structure::carried`] |
+//! | friction between masses: clutch, bolted joint, blade damper, pad on a disc | [`Contact::between`], [`Contact::along`]; the force in it: [`Structure::carried`] |
 //! | a reduced finite-element model, with a full mass matrix | [`Structure::with_mass_matrix`], [`Contact::along`] its mode shapes |
 //! | friction forces, loads and accelerations along a motion; work and heat of every part | [`Structure::samples`], [`Structure::energy_budget`] |
-//! | whether several masses slide steadily, or flutter | [`Structure::steady_sliding`] |
+//! | steady sliding of several masses, its stability, flutter | [`Structure::steady_sliding`] |
 //! | a periodic motion of any system, with its multipliers | [`orbit::shoot`], [`orbit::settle`] |
 //! | how a periodic motion changes over any parameter | [`orbit::follow`] |
-//! | what any system settles to from a start, or as a parameter rises and falls | [`orbit::classify`], [`orbit::sweep`] |
+//! | the attractor of any system from a start, or as a parameter rises and falls | [`orbit::classify`], [`orbit::sweep`] |
 //! | where steady sliding becomes unstable along a speed profile | [`Structure::stability_changes`] |
-//! | whether a motion is chaotic | [`orbit::lyapunov`], [`orbit::section`] |
+//! | chaos: the largest Lyapunov exponent, Poincaré sections | [`orbit::lyapunov`], [`orbit::section`] |
 //! | how to work in kilograms, newtons, metres and hertz | [`PhysicalMassOnBelt`], [`Scaling`]; a [`Structure`] takes any consistent units |
 //! | a friction law of my own | [`FrictionLaw`], [`Scalar`]; checked by [`check_law`] |
 //! | measured points as a law | [`Tabulated`] |
 //! | static friction that rises with the time in stick, bristles | [`Dwell`], [`Dahl`], [`LuGre`] in a [`Structure`] |
 //! | a law chosen at run time | [`AnyLaw`], [`AnyContactLaw`]; contacts of one structure may have different laws without them |
-//! | joints that are springs before they slide | [`Contact::with_tangential_stiffness`], [`Contact::in_parallel`] with [`Iwan4`]; formulas in [`analysis::jenkins`] |
+//! | joints that deform elastically before they slide | [`Contact::with_tangential_stiffness`], [`Contact::in_parallel`] with [`Iwan4`]; formulas in [`analysis::jenkins`] |
 //! | a normal load that varies | a [`Drive`] in time, [`Contact::with_load_gradient`], [`Contact::with_normal_spring`] where surfaces part |
 //! | a law that depends on the direction | a [`ContactLaw`] gets the direction; a [`FrictionLaw`] is odd in the relative velocity |
 //! | an incline, or a constant force | a constant force F shifts the displacement by F/k and changes nothing else; an incline also reduces the normal force. Or [`Structure::with_force`] |
@@ -106,10 +106,10 @@
 //! | where | what it is |
 //! |---|---|
 //! | [`LimitCycle::amplitude`] | half the distance between the largest and the least displacement |
-//! | [`limit_cycle::Continuum`] | the amplitude in this same sense, of the largest motion of a family of periodic motions |
+//! | [`limit_cycle::Continuum`] | half the range of displacements, for the largest motion of a family of periodic motions |
 //! | [`analysis::PureSlip::amplitude`] | A0 of the source paper, Eq. 15: the amplitude of both displacement and velocity, to first order |
-//! | [`analysis::StickSlip::amplitude`] | A1 of the source paper, Eq. 18: the amplitude of a slip arc to which friction gives no energy |
-//! | [`analysis::averaging`] | the amplitude of the harmonic motion that is averaged over |
+//! | [`analysis::StickSlip::amplitude`] | A1 of the source paper, Eq. 18: the amplitude of a slip arc that gains no energy from friction |
+//! | [`analysis::averaging`] | the amplitude of the harmonic motion that averaging assumes |
 //! | [`LimitCycle::harmonics`] | the complex amplitudes of the displacement, one for each harmonic |
 //! | [`Drive::harmonic`] | the largest value of one harmonic |
 //!
@@ -118,13 +118,13 @@
 //! * **Events** are never missed and never fire twice: a contact is an isolated root of the
 //!   polynomial of the sliding speed, refined to the last bit.
 //! * **Stick** has closed formulas, and the velocity is v_b to the bit.
-//! * **One outcome.** Exactly one thing follows from every state with v_r = 0. In stick the contact
+//! * **Uniqueness.** From every state with v_r = 0 exactly one motion follows. In stick the contact
 //!   carries F = u + 2βv_b, and for v_b > 0 the mass sticks while −γ²μ_s ≤ F < γ²μ_s.
 //! * **Accuracy.** The tolerance is relative to the scale of the motion, by default round-off. 22
 //!   motions computed with 25 digits are met within 1e-13·max(1, |value|).
 //! * **Repeatability.** The same call gives the same bits on the same kind of processor.
-//! * **Errors.** Otherwise a run returns a typed [`Error`] with the time and state reached. It does
-//!   not panic or hang.
+//! * **Errors.** A run that cannot continue returns a typed [`Error`] with the time and state
+//!   reached. It does not panic or hang.
 //! * **Completeness.** [`limit_cycle::stick_slip`] misses no cycle, [`limit_cycle::find`] only
 //!   pairs of cycles [very close together](limit_cycle#what-is-guaranteed). Each function of
 //!   [`bifurcation`] says how densely it searches.
@@ -140,14 +140,14 @@
 //! * **Memory in structures only.** The law of a [`MassOnBelt`] depends on the relative velocity
 //!   alone. A contact of a [`Structure`] may have memory variables ([`Dwell`], [`Dahl`], [`LuGre`],
 //!   or a [`ContactLaw`] of your own), and a belt becomes a structure by `Structure::from`.
-//! * **Contacts that share masses.** They decide together which of them stick: uniquely if static
-//!   and kinetic coefficients are equal, otherwise
+//! * **Contacts that share masses.** Which of them stick is decided for all together: uniquely if
+//!   static and kinetic coefficients are equal, otherwise
 //!   [by a rule](Structure#contacts-that-share-masses). Contacts with linearly dependent directions
 //!   must not come to rest together ([`Error::Undetermined`]).
-//! * **Stiffness.** A stiff mass on a belt (large β or γ²·dμ̂/ds, as for the cubic law far above
-//!   its minimum) takes no more steps than another, up to D = 2β + γ²·dμ̂/ds of about 1e20. In
+//! * **Stiffness.** Stiffness of a mass on a belt (large β or γ²·dμ̂/ds, as for the cubic law far
+//!   above its minimum) costs no steps, up to D = 2β + γ²·dμ̂/ds of about 1e20. In
 //!   structures only stiff memory of one variable, as of bristles, is treated this way (tried up to
-//!   σ0 = 1e12); other stiffness shortens the explicit steps. Beyond, the run returns
+//!   σ0 = 1e12); other stiffness shortens the explicit steps, and at its extreme the run returns
 //!   [`Error::StepUnderflow`] or [`Error::TooManySteps`].
 //! * **Analytic laws.** A law is analytic, at s = 0 too, or piecewise analytic with
 //!   [breakpoints](FrictionLaw::breakpoints) where the pieces meet.
@@ -172,7 +172,7 @@
 // | `error.rs` | every error with its message; where errors get their place, parameter and units |
 // | `scalar` | the numbers that a law is evaluated on, and their recurrences |
 // | `series`, `numerics` | power series and their roots; brackets, scans, quadrature |
-// | `drive`, `friction` | functions of time; friction laws, their checks, contacts that remember |
+// | `drive`, `friction` | functions of time; friction laws, their checks, contact laws with memory |
 // | `motion` | what both engines share: settings, step control, events, trajectories |
 // | `belt` | one mass on a belt: system and engine |
 // | `structure` | several masses and contacts: system and engine |
@@ -180,7 +180,7 @@
 // | `limit_cycle`, `analysis` | all cycles of the belt; closed formulas |
 // | `scaling.rs` | conversion between SI units and dimensionless numbers |
 // | `bifurcation` | searches of the belt along a parameter |
-// | `physical.rs` | the belt in SI units throughout: the whole road, on top of `scaling.rs` |
+// | `physical.rs` | the belt in SI units throughout, on top of `scaling.rs` |
 // | `guarantees.rs` | a page for users: each promise with its test |
 // | `schema.rs` | the names under which things are written |
 

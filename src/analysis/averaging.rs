@@ -18,8 +18,8 @@
 //!
 //! with cos s = w/A. The terms with s come from the jump of the friction force where the mass
 //! overtakes the belt, and exist only for A > w. The trapezoidal rule is used if the integrand is
-//! smooth and periodic, that is for A ≤ w and speeds on one piece of the law; else Gauss-Legendre
-//! panels that end at ψ = s and at the breakpoints.
+//! smooth and periodic, that is for A ≤ w and speeds on one piece of the law; otherwise
+//! Gauss-Legendre panels that end at ψ = s and at the breakpoints.
 //!
 //! The amplitude A and the period 2π have errors O(ε²). Averaging describes motions that never
 //! stick: see [`AveragedCycle::is_valid`].
@@ -63,8 +63,8 @@ pub fn drift<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64) -> Result<f
     Ok(SlowFlow::at(&system.belt(), amplitude, 0.0)?.drift(amplitude))
 }
 
-/// Slope dA'/dA of the drift at the amplitude A ≥ 0, dimensionless: the rate at which a disturbance
-/// of the amplitude grows. Error O(ε²). The slope is −∞ just above A = |v_b| if μ̂(0) > 0.
+/// Slope dA'/dA of the drift at the amplitude A ≥ 0, dimensionless: the growth rate of a
+/// perturbation of the amplitude. Error O(ε²). The slope is −∞ just above A = |v_b| if μ̂(0) > 0.
 ///
 /// # Errors
 ///
@@ -96,8 +96,8 @@ struct SlowFlow {
 }
 
 impl SlowFlow {
-    /// `steepest` is the size of the law's slopes, beside which smaller ones are mere rounding; 0
-    /// if that is not known.
+    /// The slow flow at an amplitude. `steepest` is the size of the law's slopes, relative to which
+    /// smaller ones are rounding; 0 if it is not known.
     fn at(system: &Belt<'_>, amplitude: f64, steepest: f64) -> Result<Self, Error> {
         let belt_speed = system.belt_velocity().abs();
         Error::check(
@@ -223,7 +223,7 @@ impl AveragedCycle {
         self.amplitude
     }
 
-    /// Slope dA'/dA of the drift at the cycle, dimensionless: the rate at which disturbances grow.
+    /// Slope dA'/dA of the drift at the cycle, dimensionless: the growth rate of perturbations.
     /// Error O(ε³).
     pub fn drift_slope(&self) -> f64 {
         self.drift_slope
@@ -234,7 +234,7 @@ impl AveragedCycle {
         (2.0 * PI * self.drift_slope).exp()
     }
 
-    /// Whether neighbouring motions approach the cycle: dA'/dA < 0.
+    /// Returns true if neighbouring motions approach the cycle: dA'/dA < 0.
     pub fn is_stable(&self) -> bool {
         self.drift_slope < 0.0
     }
@@ -245,8 +245,8 @@ impl AveragedCycle {
         2.0 * self.half_leading_duration
     }
 
-    /// Whether the motion never sticks, so that averaging describes it. That is so if A ≤ |v_b|, or
-    /// if the mass leads the belt for so long that friction cannot hold it at the end: A sin s >
+    /// Returns true if the motion never sticks, so that averaging describes it: if A ≤ |v_b|, or if
+    /// the mass leads the belt for so long that friction cannot hold it at the end, A sin s >
     /// γ²(μ_s + μ̂(0)). Otherwise the motion sticks; for its formulas see
     /// [`StickSlip`](super::StickSlip). Relative error O(ε) in γ².
     pub fn is_valid(&self) -> bool {
@@ -256,7 +256,7 @@ impl AveragedCycle {
 
 /// All cycles of the slow flow, by ascending amplitude: stable and unstable ones, also those that
 /// overtake the belt. Stick-slip that exists only because μ_s > μ̂(0), as for Coulomb's law, is not
-/// among them: averaging does not know μ_s.
+/// among them: the averaged equation does not contain μ_s.
 ///
 /// # What "all" means
 ///
@@ -265,13 +265,13 @@ impl AveragedCycle {
 /// sliding speed s in each cycle, which takes out more.) The whole range is searched. Let A_i be
 /// the amplitudes at which the motion first touches the belt or a breakpoint; between them A'/A is
 /// analytic in √(A² − A_i²). It is interpolated by Chebyshev polynomials to round-off, on pieces
-/// that are cut until each has no root or is monotone. So no cycle is passed over, except
+/// that are cut until each has no root or is monotone. No cycle is missed, except
 ///
 /// * a pair so close, as at a fold, that A'/A between its amplitudes stays below its rounding
 ///   error, 10⁻¹⁴(β + γ²·max abs(dμ̂/ds)): at folds of the exponential law a pair less than some
 ///   10⁻⁶|v_b| apart may be lost;
-/// * a cycle made by a feature of the law's slope that is narrower than some 3·10⁻⁴|v_b| in speed
-///   (slow speeds are looked at more closely).
+/// * a cycle caused by a feature of the law's slope that is narrower than some 3·10⁻⁴|v_b| in speed
+///   (slow speeds are sampled more densely).
 ///
 /// If A' vanishes to rounding on a whole interval (Coulomb's law without damping: every orbit with
 /// A ≤ |v_b|), the cycles there are not isolated and are not listed. At v_b = 0 there are none.
@@ -343,8 +343,8 @@ fn cycles_of(system: &Belt<'_>) -> Result<Vec<AveragedCycle>, Error> {
 
 /// The largest |dμ̂/ds| at the law's breakpoints up to a speed; 0 without breakpoints.
 ///
-/// A motion that only just reaches a piece of the law sees a part of it that is as narrow as
-/// rounding: slopes there are as good as their size on the whole piece allows.
+/// A motion that barely reaches a piece of the law covers a part of it as narrow as rounding:
+/// slopes there are as accurate as their size on the whole piece allows.
 fn steepest_at_breakpoints(law: &dyn Values, fastest: f64) -> Result<f64, Error> {
     let mut steepest = 0.0_f64;
     for (piece, speed) in law

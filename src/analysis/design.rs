@@ -3,7 +3,7 @@
 //!
 //! **Stabilizing** damping makes steady sliding stable. **Silencing** damping leaves no vibration
 //! at all. Stable steady sliding is not always enough: a stick-slip motion may exist beside it, and
-//! go on for ever once a knock has started it.
+//! last for ever once a disturbance has started it.
 //!
 //! | Question | any law | polynomial, exponential, Coulomb |
 //! |---|---|---|
@@ -29,7 +29,7 @@ use crate::friction::{AlongSlope, FrictionLaw};
 /// ignored.
 ///
 /// With more damping small disturbances die out. For the polynomial law large ones die out too, if
-/// friction is weak beside the spring. For a law that falls more steeply at other speeds
+/// friction is weak compared with the spring. For a law that falls more steeply at other speeds
 /// (exponential), or that jumps (Coulomb, μ_s > μ̂(0)), a stick-slip vibration may exist beside the
 /// stable steady sliding.
 ///
@@ -56,9 +56,9 @@ pub fn stabilizing_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Option<f64
 /// max(−dμ̂/ds), or 0. Dimensionless, exact to rounding. The system's own v_b and β are ignored.
 ///
 /// The law is expanded in power series from one end of the range to the other. Each series is used
-/// as far as it converges, and checked in between. The steepest fall is found among the ends of the
-/// series, the breakpoints, and all minima of dμ̂/ds on each series, which are isolated so that
-/// none is skipped.
+/// within its radius of convergence and checked in between. The steepest fall is found among the
+/// ends of the series, the breakpoints, and all minima of dμ̂/ds on each series, which are isolated
+/// so that none is skipped.
 ///
 /// # Errors
 ///

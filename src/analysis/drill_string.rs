@@ -37,8 +37,8 @@ pub struct TwoInertias {
 }
 
 impl TwoInertias {
-    /// Whether steady rotation is stable if the torque of friction has the slope d = dT/dω at its
-    /// speed:
+    /// Returns true if steady rotation is stable for the slope d = dT/dω of the torque of friction
+    /// at its speed:
     ///
     /// ```text
     /// J_u b_u d² + (J_u²k + J_l b_u²) d + J_l² b_u k > 0,   b_u + d > 0,   J_u d + J_l b_u > 0

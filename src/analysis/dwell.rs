@@ -22,11 +22,11 @@
 //! | exponential | 2ΔF/(kθ_c) | θ_c[a/q + W0(−e^{−a/q}/q)], q = kvθ_c/(2ΔF), a = 1 + F_0/ΔF |
 //! | logarithmic | 2NB/(kθ_c) | −θ_c[1 + W−1(−q e^{−q−a})/q], q = kvθ_c/(2NB), a = F_0/(NB) |
 //!
-//! W is Lambert's function. With damping the slip phase is a damped vibration. Each of its arcs
-//! belongs to one duration of stick and to one belt velocity, so that all cycles lie on a curve
-//! that is known in closed form. Along it the belt velocity has one maximum, the fold, at which a
-//! stable cycle and an unstable one meet. The unstable one exists down to the belt velocity at
-//! which its arc comes back to the belt tangentially: N(μ_s(θ) − μ_k)Λω/k, where ωθ = 1/Λ with Λ of
+//! W is Lambert's function. With damping the slip phase is a damped vibration. Each slip arc
+//! belongs to one duration of stick and to one belt velocity, so all cycles lie on a curve that is
+//! known in closed form. Along it the belt velocity has one maximum, the fold, at which a stable
+//! cycle and an unstable one meet. The unstable one exists down to the belt velocity at which its
+//! arc returns to the belt tangentially: N(μ_s(θ) − μ_k)Λω/k, where ωθ = 1/Λ with Λ of
 //! [`coulomb::tangential_slip`](super::coulomb::tangential_slip).
 //!
 //! Source: C. Gao, D. Kuhlmann-Wilsdorf, D. D. Makel, *The dynamic analysis of stick-slip motion*,
@@ -87,7 +87,7 @@ pub struct DwellOscillator {
     pub load: f64,
 }
 
-/// Largest p that is looked at: beyond it mass and spring do not matter.
+/// Largest p that is searched: beyond it mass and spring do not matter.
 const LARGEST: f64 = 1e150;
 
 impl DwellOscillator {
@@ -110,9 +110,9 @@ impl DwellOscillator {
     /// `None` if there is none: at v = 0; where |v| is
     /// [`critical_velocity`](Self::critical_velocity) or more without damping, or above the
     /// [`fold`](Self::fold) with damping; for c ≥ 2√(km); and where static friction rises so far
-    /// above the kinetic one that the mass swings past the belt
-    /// at the contact: there it must carry more than N μ_s(0) in the other direction. Also `None`
-    /// if a field is out of its range.
+    /// above the kinetic one that the mass overtakes the belt at the contact, which then would have
+    /// to carry more than N μ_s(0) in the other direction. Also `None` if a field is out of its
+    /// range.
     pub fn stick_slip(&self, velocity: f64) -> Option<ExactCycle> {
         let of = self.oscillator()?;
         let least = match self.fold_arc(&of) {
@@ -141,12 +141,13 @@ impl DwellOscillator {
         self.cycle_between(&of, velocity, low, high)
     }
 
-    /// The unstable stick-slip cycle on a belt of velocity v, which bounds the starts that lead to
-    /// the stable one: it exists between [`grazing_velocity`](Self::grazing_velocity) and the
-    /// [`fold`](Self::fold), with damping only. Exact. `None` as for
-    /// [`stick_slip`](Self::stick_slip), and where rounding does not tell the cycle from the fold.
-    /// If friction has all but risen at the release, that is so for the whole range: with damping
-    /// ratio 0.77 and ωθ_c = 1 it is narrower than 10⁻⁴⁰ of its velocities.
+    /// The unstable stick-slip cycle on a belt of velocity v, which separates the starts that lead
+    /// to the stable one from the others. It exists between
+    /// [`grazing_velocity`](Self::grazing_velocity) and the [`fold`](Self::fold), with damping
+    /// only. Exact. `None` as for [`stick_slip`](Self::stick_slip), and where rounding cannot
+    /// separate the cycle from the fold. This can be the whole range, if friction has almost
+    /// reached its limit at the release: with damping ratio 0.77 and ωθ_c = 1 the range is narrower
+    /// than 10⁻⁴⁰ of its velocities.
     pub fn unstable_stick_slip(&self, velocity: f64) -> Option<ExactCycle> {
         let of = self.oscillator()?;
         let fold = self.fold_arc(&of)?;
@@ -155,9 +156,9 @@ impl DwellOscillator {
     }
 
     /// The cycle at the largest belt velocity of all, where the stable cycle and the unstable one
-    /// meet; its multiplier is 1, to the root of rounding. The belt velocity is exact. If friction
-    /// has all but risen at the release, the arc comes back to the belt tangentially to rounding,
-    /// and the multiplier is not known.
+    /// meet; its multiplier is 1, to the square root of rounding. The belt velocity is exact. If
+    /// friction has almost reached its limit at the release, the arc returns to the belt
+    /// tangentially to rounding, and the multiplier is not known.
     ///
     /// `None` without damping, where the stable cycle has no partner; if static friction does not
     /// rise; and for c ≥ 2√(km).
@@ -201,7 +202,7 @@ impl DwellOscillator {
         self.load * (law.static_coefficient() - law.kinetic_coefficient())
     }
 
-    /// F_s(θ) − F_k after the rest that belongs to an arc, and its rate.
+    /// F_s(θ) − F_k after the stick phase that belongs to an arc, and its rate.
     fn risen(&self, of: &Oscillator, arc: &SlipArc) -> [f64; 2] {
         let [rise, rate] = self.law.rise(arc.rest() / of.frequency);
         [self.jump() + self.load * rise, self.load * rate]

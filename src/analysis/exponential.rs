@@ -10,7 +10,7 @@ use crate::numerics::bracket::root_between;
 /// A belt velocity at which steady sliding gains or loses stability, and what happens there.
 ///
 /// Source: 2β + γ²μ̂'(v) = 0, Eq. 14. The sign of the cubic term of the averaged flow,
-/// −γ²μ̂'''(v)A³/16, tells on which side the cycle lies.
+/// −γ²μ̂'''(v)A³/16, gives the side on which the cycle lies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HopfPoint {
     velocity: f64,
@@ -23,9 +23,9 @@ impl HopfPoint {
         self.velocity
     }
 
-    /// Whether the point is supercritical: a small stable cycle is born on the unstable side
-    /// (μ̂''' > 0, that is v < √(3/2) v_s). If not, a small unstable cycle lies on the stable side,
-    /// and a disturbance beyond it leads to a large vibration. Exact.
+    /// Returns true if the point is supercritical: a small stable cycle is born on the unstable
+    /// side (μ̂''' > 0, that is v < √(3/2) v_s). Otherwise a small unstable cycle lies on the
+    /// stable side, and a disturbance beyond it leads to a large vibration. Exact.
     pub fn is_supercritical(&self) -> bool {
         self.is_supercritical
     }

@@ -1,4 +1,5 @@
-//! Friction under fast vibration along the surface, as the slow motion feels it.
+//! Friction under fast vibration along the surface: its mean over a fast period, which acts on the
+//! slow motion.
 //!
 //! A belt that shakes at a frequency Ω far above those of the system adds a fast relative velocity
 //! w cos Ωt to the slow one, v. The slow motion then feels the mean of the friction coefficient

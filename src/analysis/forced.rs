@@ -49,7 +49,7 @@ pub struct ForcedOscillator {
     pub force: f64,
 }
 
-/// The periodic motion that turns twice a period, at ±A, and never stops. Exact.
+/// The periodic motion with two turning points a period, at ±A, and no stop. Exact.
 ///
 /// ```text
 /// x = e^{−ζt}(C cos qt + D sin qt) + F + P cos Ωt − S sin Ωt,    q = √(1 − ζ²)
@@ -75,9 +75,9 @@ impl ForcedOscillator {
     /// G = (sinh a − (ζ/q) sin b)/(cosh a + cos b),    H = sin b/(Ωq(cosh a + cos b))
     /// ```
     ///
-    /// `None` if there is no such motion: the root is not real, the mass would turn in between, or
-    /// the force at the turning point does not exceed F_s, so that the mass stops there. Also
-    /// `None` if a field is out of its range, and at resonance without damping.
+    /// `None` if there is no such motion: the root is not real, the mass would turn back in
+    /// between, or the force at the turning point does not exceed F_s, so that the mass stops
+    /// there. Also `None` if a field is out of its range, and at resonance without damping.
     ///
     /// ```
     /// # use stick_slip::analysis::forced::ForcedOscillator;
@@ -255,7 +255,7 @@ impl WithoutStops {
         ]
     }
 
-    /// Whether x' < 0 on the open half period; `None` if that cannot be decided.
+    /// Returns true if x' < 0 on the open half period; `None` if that cannot be decided.
     fn falls_throughout(&self) -> Option<bool> {
         let size = self.free.iter().chain(&self.forced).map(|c| c.abs());
         let rate = 1.0 + self.oscillator.angular_frequency;

@@ -42,9 +42,9 @@ pub fn loop_area(tangential_stiffness: f64, limit: f64, amplitude: f64) -> f64 {
     4.0 * limit * (amplitude - limit / tangential_stiffness).max(0.0)
 }
 
-/// The first harmonic of the force under x = A cos ωt, as the triple (k_eq, c_eq, D): a spring and
-/// a damper that would answer with it, and the energy D that one cycle dissipates
-/// ([`loop_area`]).
+/// The first harmonic of the force under x = A cos ωt, as the triple (k_eq, c_eq, D): the stiffness
+/// of a spring and the constant of a damper with this harmonic, and the energy D that one cycle
+/// dissipates ([`loop_area`]).
 ///
 /// ```text
 /// cos θ = 1 − 2F_s/(k_t A),    D = 4F_s(A − F_s/k_t)
@@ -58,7 +58,7 @@ pub fn loop_area(tangential_stiffness: f64, limit: f64, amplitude: f64) -> f64 {
 /// use std::f64::consts::PI;
 /// use stick_slip::analysis::jenkins::first_harmonic;
 ///
-/// // At twice the amplitude of first slip the loop is the widest for its length.
+/// // At twice the amplitude of first slip the loss per squared amplitude is largest.
 /// let (stiffness, damping, loss) = first_harmonic(3.0, 6.0, 4.0, 0.5);
 /// assert!((stiffness - 1.5).abs() < 1e-15);
 /// assert!((damping - 48.0 / (PI * 0.5 * 16.0)).abs() < 1e-15);
@@ -87,7 +87,7 @@ pub fn first_harmonic(
     (stiffness, damping, loss)
 }
 
-/// x − sin x for 0 ≤ x ≤ 2π, without the difference of near numbers.
+/// x − sin x for 0 ≤ x ≤ 2π, without cancellation.
 fn angle_without_sine(x: f64) -> f64 {
     if x > 1.0 {
         return x - x.sin();
@@ -118,9 +118,9 @@ pub struct Backbone {
 /// mω² = k + k_eq(A),   ζ = (c + c_eq(A))/(2mω)
 /// ```
 ///
-/// A negative damping that takes c + c_eq away makes the vibration periodic (extended periodic
-/// motion concept). A force of amplitude ω(c + c_eq)A drives it at phase resonance. `None` unless
-/// m, k_t, F_s and A are positive, c ≥ 0 and k ≥ 0, all finite.
+/// A negative damping that cancels c + c_eq makes the vibration periodic (extended periodic motion
+/// concept). A force of amplitude ω(c + c_eq)A drives it at phase resonance. `None` unless m, k_t,
+/// F_s and A are positive, c ≥ 0 and k ≥ 0, all finite.
 ///
 /// Source: M. Krack, *Nonlinear modal analysis of nonconservative systems: extension of the
 /// periodic motion concept*, Computers & Structures 154 (2015) 59-71.
@@ -161,16 +161,16 @@ pub fn backbone(
 ///
 /// The history starts at displacement and force 0 and moves straight from each displacement to the
 /// next. F is the backbone, the force of the first loading; it must be odd. The rules are exact for
-/// any number of springs with dry sliders of constant limits, side by side:
+/// any number of springs with dry sliders of constant limits, in parallel:
 ///
 /// ```text
 /// first loading:   T = F(x)
-/// after a turn at (x_r, T_r):   T = T_r ± 2F(|x − x_r|/2)
+/// after a reversal at (x_r, T_r):   T = T_r ± 2F(|x − x_r|/2)
 /// ```
 ///
-/// A loop that closes is forgotten: the curve that it interrupted goes on, the first loading
-/// included. A closed loop between −A and A has the area D = 8∫F dx − 4A F(A), 0 ≤ x ≤ A. `None`
-/// unless all displacements are finite.
+/// A closed loop has no effect on what follows: the curve that it interrupted continues, the first
+/// loading included. A closed loop between −A and A has the area D = 8∫F dx − 4A F(A), 0 ≤ x ≤ A.
+/// `None` unless all displacements are finite.
 ///
 /// ```
 /// use stick_slip::Iwan4;

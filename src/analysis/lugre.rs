@@ -1,5 +1,4 @@
-//! Bristles of [`LuGre`]: steady sliding, the small vibration of a mass that they hold, and whether
-//! they can give energy to it.
+//! Bristles of [`LuGre`]: steady sliding, the small vibration of a mass on bristles, and passivity.
 //!
 //! Source: C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, *IEEE Trans. Automatic
 //! Control* 40 (1995) 419-425, Eqs. 1-3; for passivity N. Barahanov, R. Ortega, *IEEE Trans.
@@ -22,8 +21,8 @@ pub struct SteadyBristles {
     pub deflection: f64,
     /// Friction coefficient μ, dimensionless.
     pub coefficient: f64,
-    /// Rate σ0|r|/g at which a deviation of z dies out, per unit of time. Beside the rates of the
-    /// rest of a system it tells how stiff that is.
+    /// Rate σ0|r|/g at which a perturbation of z decays, per unit of time. Compared with the other
+    /// rates of a system it measures stiffness.
     pub rate: f64,
 }
 
@@ -53,7 +52,7 @@ pub fn steady_bristles<L: FrictionLaw>(law: &LuGre<L>, velocity: f64) -> Option<
     })
 }
 
-/// The vibration of a mass that bristles hold.
+/// The vibration of a mass that is held by bristles.
 ///
 /// ```text
 /// m x'' + (c + N(σ1 + σ2)) x' + (k + Nσ0) x = 0,   z = x − x_0
@@ -67,8 +66,8 @@ pub struct ContactVibration {
     pub damping_ratio: f64,
 }
 
-/// The small vibration of a mass m on a spring k and a damper c that bristles hold under a load N:
-/// the limit of small displacements beside g/σ0. Any consistent units.
+/// The small vibration of a mass m on a spring k and a damper c that is held by bristles under a
+/// load N: the limit of displacements small compared with g/σ0. Any consistent units.
 ///
 /// `None` unless m and N are positive, k ≥ 0 and c ≥ 0, all finite.
 ///
@@ -106,21 +105,21 @@ pub fn contact_vibration<L: FrictionLaw>(
     (in_range && is_finite).then_some(vibration)
 }
 
-/// Viscous friction σ2 from which on bristles are passive up to a sliding speed: what they give
-/// back is at most what is stored in them, N·σ0 z²/2. In the unit of σ1.
+/// Least viscous friction σ2 with which bristles are passive up to a sliding speed: they return at
+/// most the energy N·σ0 z²/2 stored in them. In the unit of σ1.
 ///
 /// ```text
 /// σ2 ≥ σ1 (g_max − g_min)/g_min,   g_max and g_min over sliding speeds from 0 to the largest
 /// ```
 ///
-/// For a law that falls from μ_s to μ_k this is the condition of Barahanov and Ortega,
-/// σ2 ≥ σ1(μ_s − μ_k)/μ_k; it is also necessary, where no speed is too high. With less, bristles
-/// can give energy to a mass. The law's own σ2 is ignored.
+/// For a law that falls from μ_s to μ_k this is the condition of Barahanov and Ortega, σ2 ≥ σ1(μ_s
+/// − μ_k)/μ_k; without a limit of the speed it is also necessary. With less, bristles can give
+/// energy to a mass. The law's own σ2 is ignored.
 ///
 /// # Errors
 ///
-/// [`Error::InvalidParameter`] unless `max_speed` is positive and finite, g positive up to there,
-/// and not so far that its series are too many; [`Error::NonFiniteFriction`] and
+/// [`Error::InvalidParameter`] unless `max_speed` is positive and finite, g is positive up to
+/// there, and the range takes no more than 10⁴ power series; [`Error::NonFiniteFriction`] and
 /// [`Error::NotAnalytic`] if the law fails.
 ///
 /// ```

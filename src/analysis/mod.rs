@@ -23,13 +23,13 @@
 //!
 //! Nothing here integrates the equations of motion, so the formulas are independent of the exact
 //! motions in the rest of the crate. An error O(εⁿ) means the order as friction and damping become
-//! weak beside the spring, (γ², β) → (εγ², εβ). "Eq. n" is an equation of A. Farshidianfar and N.
+//! weak compared with the spring, (γ², β) → (εγ², εβ). "Eq. n" is an equation of A. Farshidianfar and N.
 //! Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and Stability Analysis*. "Eq.
-//! n, corrected" is one that they print wrongly; the documentation says how.
+//! n, corrected" is one that they print wrongly; the table below lists the corrections.
 //!
 //! | Question | Answer |
 //! |---|---|
-//! | where the mass can stand still while the belt slides under it, and whether it stays there | [`MassOnBelt::equilibrium`](crate::MassOnBelt::equilibrium) |
+//! | steady sliding of a mass on a belt, and its stability | [`MassOnBelt::equilibrium`](crate::MassOnBelt::equilibrium) |
 //! | vibration that never sticks, polynomial law | [`PureSlip`], [`PureSlipCycle`], [`Transient`] |
 //! | vibration that sticks, any law | [`StickSlip`]; more accurately, for a cubic law, [`StickSlipCycle`] |
 //! | weak friction, any law: slow growth and decay, cycles that do not stick | [`averaging`] |

@@ -34,7 +34,7 @@ pub fn silencing_damping_everywhere(system: &MassOnBelt<Polynomial>) -> f64 {
 /// belt velocity. `None` if a coefficient overflows. The system's own v_b is ignored.
 ///
 /// The velocity above which steady sliding is stable is exact. That no other motion lasts above it
-/// is true while friction is weak beside the spring.
+/// holds while friction is weak compared with the spring.
 ///
 /// Source: Farshidianfar and Noei Aghaee, after Eq. 15.
 ///

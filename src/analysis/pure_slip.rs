@@ -177,8 +177,8 @@ impl PureSlip {
         (self.h1 < 0.0).then(|| 2.0 * self.minimum_velocity * (-self.h1 / self.eta).sqrt())
     }
 
-    /// Whether the averaged cycle exists and slips all the time: A0 < |v_b|, which is the same as
-    /// v_b0 < |v_b| < v_b1. Error O(ε²) in the belt velocity.
+    /// Returns true if the averaged cycle exists and slips all the time: A0 < |v_b|, which is the
+    /// same as v_b0 < |v_b| < v_b1. Error O(ε²) in the belt velocity.
     ///
     /// Source: section 4.1.1, corrected: the paper asks for ż < 0, the velocity of the mass, but
     /// means v_r < 0.

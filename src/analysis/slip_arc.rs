@@ -7,12 +7,11 @@ use crate::numerics::bracket::root_between;
 /// Below this damping ratio θ = √(4πβ) and Λ = 1/θ to rounding: their relative errors are O(β).
 pub(super) const SMALL: f64 = 1e-17;
 
-/// A stick-slip cycle under constant kinetic friction, in closed form but for one number.
+/// A stick-slip cycle under constant kinetic friction, in closed form except for one number.
 ///
-/// About the place where kinetic friction balances the spring the slip phase is a damped free
-/// vibration, which leaves the belt's velocity at the release and comes back to it at the contact.
-/// Units are those of the system from which it was made. On a belt that moves backward,
-/// displacements have the other sign.
+/// About the displacement where kinetic friction balances the spring the slip phase is a damped
+/// free vibration, which starts and ends with the belt's velocity. Units are those of the system
+/// from which the cycle was made. On a belt that moves backward, displacements have the other sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ExactCycle {
@@ -30,8 +29,8 @@ pub struct ExactCycle {
     pub amplitude: f64,
     /// Largest sliding speed |v − v_b|.
     pub max_sliding_speed: f64,
-    /// The multiplier that is not that of time: by it a small change of the place of release is
-    /// multiplied in each cycle. Dimensionless.
+    /// Floquet multiplier of a perturbation of the release displacement; the other one, of a shift
+    /// in time, is 1. Dimensionless.
     pub multiplier: f64,
 }
 
@@ -41,7 +40,7 @@ impl ExactCycle {
         self.stick_duration + self.slip_duration
     }
 
-    /// Whether small changes die out: |multiplier| < 1.
+    /// Returns true if small perturbations decay: |multiplier| < 1.
     pub fn is_stable(&self) -> bool {
         self.multiplier.abs() < 1.0
     }
@@ -59,7 +58,8 @@ pub(super) struct Oscillator {
     pub(super) kinetic: f64,
 }
 
-/// A slip arc in units of 1/ω and v/ω, about the place where kinetic friction balances the spring:
+/// A slip arc in units of 1/ω and v/ω, about the displacement where kinetic friction balances the
+/// spring:
 ///
 /// ```text
 /// y'' + 2βy' + y = 0,   y(0) = x,   y'(0) = 1 = y'(s)

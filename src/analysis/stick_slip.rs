@@ -401,10 +401,10 @@ pub struct StickSlipCycle {
     /// Period T.
     pub period: f64,
     /// Growth W = (V − |v_b|)/|v_b|, which is W1 to first order. V is the next maximum of the speed
-    /// along the belt, if friction did not jump at the belt velocity. Slip gains the energy
-    /// v_b²(W + W²/2).
+    /// along the belt that would follow if friction did not jump at the belt velocity. Slip gains
+    /// the energy v_b²(W + W²/2).
     pub growth: f64,
     /// Return angle δ, in radians, which is q0 to first order: the phase by which the mass meets
-    /// the belt before a full turn is complete.
+    /// the belt before a full period of free vibration is complete.
     pub return_angle: f64,
 }

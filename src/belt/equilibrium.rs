@@ -3,8 +3,8 @@ use nalgebra::{Complex, Matrix2};
 use crate::error::Digits;
 use crate::state::Units;
 
-/// Steady sliding, in which the mass stands still (v = 0) on the moving belt, and the linear
-/// stability of this equilibrium.
+/// Steady sliding, in which the mass stands still (v = 0) on the moving belt, and its linear
+/// stability.
 ///
 /// ```text
 /// ū = sgn(v_b)·γ²μ̂(|v_b|)                        (Eq. 7, corrected: it prints μ(v_r) for μ(v_b))

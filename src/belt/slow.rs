@@ -1,14 +1,14 @@
 //! The slow manifold of a stiff slip phase.
 //!
 //! If D = 2β + γ²dμ̂/ds is large, the sliding speed tends within the time 1/D to a slow manifold,
-//! on which friction balances the other forces, and the length of an explicit step is about 10/D
+//! on which friction balances the other forces. The length of an explicit step is then about 10/D
 //! whatever the motion there: the recurrence for the coefficients s_k amplifies a deviation of s_0
 //! by D^k/k!. The coefficients of the slow manifold are those that it does not amplify, its
-//! *minimal solution*. They are found like such solutions: not forward from the start, but all at
-//! once with s_26 = 0 at the far end, here by Newton's method because friction is not linear. The
-//! truncation shifts s_0 by about 26!/(D·R)²⁶ of itself, R the radius of convergence, so for D·R >
-//! 43 by less than its rounding; and an explicit step of accuracy ε has length R/4 if accuracy
-//! limits it, 10/D if stability does: the same at D·R = 40. So these series become exact at about
+//! *minimal solution*. Such solutions are computed not forward from the start, but all at once with
+//! s_26 = 0 at the far end; here by Newton's method, because friction is not linear. The truncation
+//! changes s_0 by about 26!/(D·R)²⁶ of itself, R the radius of convergence: less than its rounding
+//! for D·R > 43. An explicit step of accuracy ε has length R/4 if accuracy limits it, 10/D if
+//! stability does: the same at D·R = 40. So these series become exact at about
 //! the stiffness at which explicit steps become short.
 //!
 //! Sources: F. W. J. Olver, Numerical solution of second-order linear difference equations, *J.

@@ -154,7 +154,7 @@ pub fn touching_velocities<L: FrictionLaw>(
     along_velocities(system, range).touching()
 }
 
-/// A number computed from slip arcs out of the belt.
+/// A number computed from slip arcs that start on the belt.
 type Number = fn(&mut Tracer<'_>) -> Result<Option<f64>, Error>;
 
 impl<L: FrictionLaw> Along<'_, L> {

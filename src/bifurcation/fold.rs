@@ -39,11 +39,12 @@ const LEAST_BEND: f64 = 0.25;
 /// Let V be the peak velocity of a motion and P(V) its next one. At each belt velocity the growth
 /// over one period, P(V)/V − 1, is a function of V with turning points, found as roots of its exact
 /// derivative. At a fold the growth at a turning point passes through zero, and the multiplier of
-/// the cycle is 1. The range is divided into 64 intervals. In each, only growths count that are
-/// nearer to zero than twice the change across the interval, which is measured at nine points. An
-/// interval in which turning points appear, disappear, move far or come nearer to zero than the
-/// growth may deviate from a straight line in v_b is divided into up to 2¹⁶ parts. Each turning
-/// point is followed into the fold from both sides, so that cycles meet at every velocity returned.
+/// the cycle is 1. The range is divided into 64 intervals. In each, turning points are followed if
+/// their growth is nearer to zero than twice its change across the interval, measured at nine
+/// points. An interval is divided further, into up to 2¹⁶ parts, if turning points appear,
+/// disappear or move far in it, or come so near to zero that the growth may reach it unless it is a
+/// straight line in v_b. Each turning point is followed into the fold from both sides, so that
+/// cycles meet at every velocity returned.
 ///
 /// Source: saddle-node bifurcations of maps, Guckenheimer and Holmes, *Nonlinear Oscillations,
 /// Dynamical Systems, and Bifurcations of Vector Fields* (Springer 1983), section 3.5.

@@ -14,12 +14,12 @@ use crate::numerics::scan::sign_changes;
 /// ```
 ///
 /// The law is expanded in power series from one end of the range to the other. Each series is used
-/// as far as it converges, and checked in between; its roots are isolated so that none is skipped.
-/// Where h1 touches zero to rounding and keeps its sign, stability does not change, and nothing is
-/// reported. Negative velocities give the mirror image, −v_b. A
-/// [breakpoint](FrictionLaw::breakpoints) at which h1 jumps over zero is reported.
-/// Where h1 is zero over a whole interval, the end of that interval is reported, if the signs
-/// before and behind the interval differ.
+/// within its radius of convergence and checked in between; its roots are isolated so that none is
+/// skipped. Where h1 touches zero to rounding and keeps its sign, stability does not change, and
+/// nothing is reported. Negative velocities give the mirror image, −v_b. A
+/// [breakpoint](FrictionLaw::breakpoints) at which h1 jumps over zero is reported. Where h1 is zero
+/// over a whole interval, the end of that interval is reported if the signs on its two sides
+/// differ.
 ///
 /// For the exponential law there is the closed form
 /// [`analysis::exponential::hopf_velocities`](crate::analysis::exponential::hopf_velocities).

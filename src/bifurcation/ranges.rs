@@ -19,8 +19,8 @@ use crate::numerics::scan::INTERVALS;
 /// [`find`](crate::limit_cycle::find) is called at three velocities; if they disagree (folds of
 /// crossing cycles have no search of their own) the border is found by bisection, to 10⁻¹² of the
 /// velocity. Borders that are closer to each other than that are merged. v_b = 0 is a border, too:
-/// there the mass comes to rest. Between a supercritical Hopf velocity and the velocity at which
-/// the cycle reaches the smallest size that `find` detects, the attractor is given as beyond.
+/// there the mass comes to rest. From a supercritical Hopf velocity on the new cycle is at first
+/// smaller than `find` detects; this interval is reported with the attractors beyond it.
 ///
 /// The cost is that of the six searches, and three searches by `find` for each interval; intervals
 /// narrower than a 64th of the range are searched for changes of contact once more. To bound it or

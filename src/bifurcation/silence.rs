@@ -9,10 +9,10 @@ use crate::numerics::bracket::Bracket;
 /// velocity: steady sliding is stable, and there is no periodic motion. With less damping there is
 /// a periodic motion, or steady sliding is unstable. The system's own β is ignored; 0 at v_b = 0.
 ///
-/// The reason for such a border: more damping turns the velocity field at every state inwards. Take
+/// Such a border exists because more damping turns the velocity field inwards at every state. Take
 /// a cycle at one β. With less damping, every motion that starts outside this curve stays outside
-/// it and never reaches steady sliding. So a system that vibrates at one β can vibrate at every
-/// smaller one.
+/// it and never reaches steady sliding. A system that vibrates at one β can therefore vibrate at
+/// every smaller one.
 ///
 /// Steady sliding becomes stable at the border (β = −½γ²dμ̂/ds(|v_b|)), or the last two cycles
 /// meet, or stick-slip grazes the belt. The border is enclosed by doubling β and narrowed to
@@ -39,7 +39,7 @@ use crate::numerics::bracket::Bracket;
 ///
 /// let system = MassOnBelt::new(Exponential::new(0.4, 0.25, 0.5)?, 1.0)?;
 /// let silent = bifurcation::silencing_damping(&system)?;
-/// // Steady sliding is stable from 0.0110 on; stick-slip goes on beside it.
+/// // Steady sliding is stable from 0.0110 on; stick-slip remains possible beside it.
 /// assert!(silent > 0.012);
 ///
 /// // Coulomb's law never destabilises steady sliding.

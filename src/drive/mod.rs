@@ -32,8 +32,8 @@ use crate::series::PowerSeries;
 /// system; phases in radians. A plain number is accepted as a constant drive: `0.3`.
 ///
 /// Phases are computed from the exact product Ωt, so a harmonic is as accurate after 10⁹ periods as
-/// in the first. At a kink [`slope`](Self::slope) is that of the following piece; so are
-/// [`value`](Self::value) and slope at a jump.
+/// in the first. At a kink [`slope`](Self::slope) is that of the following piece; at a jump
+/// [`value`](Self::value) and slope are.
 ///
 /// ```
 /// use stick_slip::Drive;
@@ -65,7 +65,7 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// The constant c. A value that is not finite is refused where the drive is used.
+    /// The constant c. A value that is not finite is refused by the function that uses the drive.
     pub const fn constant(value: f64) -> Self {
         Self {
             constant: value,
@@ -112,7 +112,7 @@ impl Drive {
         Self::constant(0.0).with_profile(points)
     }
 
-    /// c added.
+    /// The same drive plus a constant c.
     ///
     /// # Errors
     ///
@@ -130,7 +130,7 @@ impl Drive {
         Ok(self)
     }
 
-    /// A·cos(Ωt + φ) added.
+    /// The same drive plus A·cos(Ωt + φ).
     ///
     /// # Errors
     ///
@@ -147,7 +147,7 @@ impl Drive {
         self.with_waves(angular_frequency, amplitude * cosine, -amplitude * sine)
     }
 
-    /// A·sin(Ωt) added.
+    /// The same drive plus A·sin(Ωt).
     ///
     /// # Errors
     ///
@@ -157,7 +157,7 @@ impl Drive {
         self.with_waves(angular_frequency, 0.0, amplitude)
     }
 
-    /// Straight lines through points added.
+    /// The same drive plus straight lines through points.
     ///
     /// # Errors
     ///
@@ -173,7 +173,7 @@ impl Drive {
         }
     }
 
-    /// cosine·cos(Ωt) + sine·sin(Ωt) added.
+    /// The same drive plus cosine·cos(Ωt) + sine·sin(Ωt).
     fn with_waves(mut self, frequency: f64, cosine: f64, sine: f64) -> Result<Self, Error> {
         Error::check(
             "Drive",

@@ -120,8 +120,8 @@ impl std::fmt::Display for LawFault {
 ///
 /// # Errors
 ///
-/// * Those of [`MassOnBelt::new`](crate::MassOnBelt::new) that concern the law: it would not be
-///   taken at all;
+/// * Those of [`MassOnBelt::new`](crate::MassOnBelt::new) that concern the law, which is then
+///   refused as a whole;
 /// * [`Error::InvalidParameter`] unless 0 ≤ start < end, both finite, or if more than 10 000 power
 ///   series do not reach the end of the range.
 ///

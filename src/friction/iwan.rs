@@ -3,8 +3,8 @@ use crate::error::Error;
 /// Most intervals of [`Iwan4::elements`].
 const MOST_INTERVALS: usize = 100_000;
 
-/// Segalman's four-parameter Iwan model of a bolted joint: springs in series with dry sliders, side
-/// by side, with break-free displacements φ from 0 up.
+/// Segalman's four-parameter Iwan model of a bolted joint: springs in series with dry sliders, in
+/// parallel, with break-free displacements φ from 0 up.
 ///
 /// ```text
 /// ρ(φ) = R φ^χ on 0 < φ < φ_max, and S δ(φ − φ_max)        T(x) = ∫ ρ(φ) clip(x − z_φ, ±φ) dφ
@@ -154,10 +154,10 @@ impl Iwan4 {
     ///
     /// The sum of the stiffnesses is K_T and that of the limits F_S, to rounding. The first loading
     /// follows tangents of F that touch it at all e_i: it is never below F. Cycles dissipate more
-    /// than D by a factor that is the same in each interval (but the first); amplitudes below
-    /// limit_1/k_1 dissipate nothing, so that e_1 = grid^{n−1} φ_max should lie below the smallest
-    /// amplitude of interest. With an exponent of −0.1 and a grid of 0.5 the factor is 1.068 at
-    /// the e_i.
+    /// than D, by a factor that is the same in each interval except the first. Amplitudes below
+    /// limit_1/k_1 dissipate nothing, so e_1 = grid^{n−1} φ_max should lie below the smallest
+    /// amplitude of interest. With an exponent of −0.1 and a grid of 0.5 the factor is 1.068 at the
+    /// e_i.
     ///
     /// # Errors
     ///

@@ -203,8 +203,8 @@ pub trait FrictionLaw: Sized {
         None
     }
 
-    /// The one coefficient of a law for which μ_s = μ̂(s) at every speed; `None` for any other, and
-    /// for one of which it is not known.
+    /// The coefficient of a law for which μ_s = μ̂(s) at every speed; `None` for any other law, and
+    /// if it is not known.
     #[doc(hidden)]
     fn constant(&self) -> Option<f64> {
         None

@@ -13,9 +13,9 @@ use crate::scalar::Scalar;
 /// leaves their range. The slope d_i at point i is the weighted harmonic mean of the slopes of the
 /// two chords that meet there, or 0 if those have opposite signs.
 ///
-/// The first point must be at s = 0. Every slip phase begins there, and how friction falls near
-/// rest decides whether the mass sticks. If your measurements do not reach so far down, put there
-/// the value that you extrapolate, or the static coefficient.
+/// The first point must be at s = 0. Every slip phase begins there, and the slope of friction near
+/// rest decides whether the mass sticks. If your measurements do not reach so far down, extrapolate
+/// them, or use the static coefficient.
 ///
 /// Above the last point the coefficient is constant. The slope at the last point is 0, so that it
 /// is continuous there too: between the last two points the law levels off. Measure up to the

@@ -12,8 +12,8 @@ use crate::numerics::with_slopes::{
     Kinks, Roots, Sample, eighths, outline_between, roots_between, turn,
 };
 
-/// Smallest velocity maximum that is searched, in units of v_b. Below it a turn changes a motion by
-/// less than rounding does.
+/// Smallest velocity maximum that is searched, in units of v_b. Below it one period changes a
+/// motion by less than rounding does.
 pub(super) const SMALLEST_PEAK: f64 = 1e-4;
 
 /// A growth, or its change over the range, counts as hidden if it is less than so many times its
@@ -34,11 +34,11 @@ impl<'t, 's> PeakMap<'t, 's> {
         self.tracer.system()
     }
 
-    /// The growth over one turn, P(V)/V − 1, and its slope. P(V) is the velocity maximum that
+    /// The growth over one period, P(V)/V − 1, and its slope. P(V) is the velocity maximum that
     /// follows V on a motion in slip.
     ///
-    /// P'(V) = (V/P)·exp(−∮(2β + γ² dμ̂/ds) dτ). A motion that meets the belt instead counts as one
-    /// that grows, and one that settles at a node as one that dies.
+    /// P'(V) = (V/P)·exp(−∮(2β + γ² dμ̂/ds) dτ). A motion that meets the belt instead counts as
+    /// growing, and one that settles at a node as decaying.
     pub(super) fn growth(&mut self, peak: f64) -> Result<Sample, Error> {
         let v_b = self.system().belt_velocity();
         let arc = self.tracer.arc_from_peak(peak, Time::Forward)?;
@@ -53,8 +53,8 @@ impl<'t, 's> PeakMap<'t, 's> {
         Ok(relative_growth(self.tracer, peak, next, slope))
     }
 
-    /// Whether a motion with the velocity maximum V grows over the next turn; `None` if rounding
-    /// hides it.
+    /// Returns true if a motion with the velocity maximum V grows over the next period; `None` if
+    /// rounding hides it.
     pub(super) fn grows(&mut self, peak: f64) -> Result<Option<bool>, Error> {
         self.growth(peak).map(Sample::grows)
     }
@@ -76,9 +76,9 @@ impl<'t, 's> PeakMap<'t, 's> {
         }
     }
 
-    /// How far the motion that touches the belt velocity behind the belt, at the velocity maximum
-    /// V = v_b, overshoots it after one turn: see [`growth::overshoot`]. It is 0 if a periodic
-    /// motion in slip touches the belt velocity.
+    /// The overshoot, after one period, of the motion that touches the belt velocity from below,
+    /// with the velocity maximum V = v_b: see [`growth::overshoot`]. It is 0 if a periodic motion
+    /// in slip touches the belt velocity.
     pub(crate) fn overshoot(&mut self) -> Result<f64, Error> {
         let v_b = self.system().belt_velocity();
         let turn = self.tracer.arc_from_peak(v_b, Time::Forward)?;
@@ -142,7 +142,7 @@ impl<'t, 's> PeakMap<'t, 's> {
         Ok(kept)
     }
 
-    /// The growth over one turn at nine peak velocities from one end of their range to the other.
+    /// The growth over one period at nine peak velocities from one end of their range to the other.
     /// Empty if every motion in slip meets the belt, if none returns, or if every one is periodic.
     pub(crate) fn survey(&mut self) -> Result<Vec<Sample>, Error> {
         if is_continuum(self)? {
@@ -154,10 +154,10 @@ impl<'t, 's> PeakMap<'t, 's> {
         eighths(&mut |peak| self.growth(peak), smallest, largest)
     }
 
-    /// Outline of the growth over one turn as a function of the peak velocity: (peak, growth) at
+    /// Outline of the growth over one period as a function of the peak velocity: (peak, growth) at
     /// the ends of the range and at the turning points between, as far as the growth there is
-    /// within `reach` of zero. `seen` is what is known of the growth, in ascending order, from a
-    /// [`survey`](Self::survey) on; what is looked at is added.
+    /// within `reach` of zero. `seen` holds the known values of the growth, in ascending order,
+    /// from a [`survey`](Self::survey) on; new values are added to it.
     pub(crate) fn outline(
         &mut self,
         seen: &mut Vec<Sample>,
@@ -179,7 +179,7 @@ impl<'t, 's> PeakMap<'t, 's> {
     }
 
     /// The growth at a turning point between two places in the range of peak velocities, from 0 to
-    /// 1; `None` if the slopes there do not show one, a maximum or else a minimum.
+    /// 1; `None` if the slopes there show no maximum, or no minimum if that is searched.
     pub(crate) fn turn(
         &mut self,
         places: [f64; 2],
@@ -216,7 +216,7 @@ impl<'t, 's> PeakMap<'t, 's> {
 }
 
 /// A velocity amplitude W from which on motions meet a jump of γ² dμ̂/ds by J, at a breakpoint of
-/// the law. Behind it their growth changes by J(θ − sin θ cos θ) to the first order, cos θ = W/V:
+/// the law. Beyond W their growth changes by J(θ − sin θ cos θ) to first order, with cos θ = W/V:
 /// the work of the force J(V cos ψ − W) over |ψ| < θ, divided by V².
 #[derive(Debug, Clone, Copy)]
 struct Kink {

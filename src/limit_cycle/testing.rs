@@ -1,5 +1,5 @@
-//! What the tests of this module share: systems with closed forms. If the kinetic coefficient is
-//! c + d·s, slip is a damped oscillation, and a circle without damping.
+//! Shared by the tests of this module: systems with closed forms. If the kinetic coefficient is c +
+//! d·s, slip is a damped oscillation, and a circle without damping.
 
 use std::f64::consts::TAU;
 
@@ -125,7 +125,7 @@ pub(super) fn rescaled(system: &System, unit: f64) -> System {
         .unwrap()
 }
 
-/// Factor by which a damped oscillation shrinks over one turn.
+/// Factor by which a damped oscillation shrinks over one period.
 pub(super) fn shrinks(damping: f64) -> f64 {
     (-TAU * damping / (1.0 - damping * damping).sqrt()).exp()
 }

@@ -90,11 +90,11 @@ pub enum BranchEnd {
         /// The parameter there, by extrapolation: good to about 1e-8 of the range.
         parameter: f64,
     },
-    /// The motion itself jumps there, and no motion near it continues. At one instant a contact
-    /// stands between two outcomes: its force is exactly the static limit, at its arrival or in
-    /// stick, and beyond it is released, with a jump if static friction is above the kinetic one;
-    /// or the relative velocity just reaches 0, and misses it beyond. The multipliers on this side
-    /// do not indicate it.
+    /// The motion itself jumps there, and no motion near it continues. At one instant a contact has
+    /// two possible outcomes: its force is exactly the static limit, at its arrival or in stick,
+    /// and beyond the border it is released, with a jump if static friction is above the kinetic
+    /// one; or the relative velocity just reaches 0, and misses it beyond. The multipliers on this
+    /// side do not indicate it.
     Discontinuity {
         /// The parameter there.
         parameter: f64,

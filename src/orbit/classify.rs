@@ -1,4 +1,4 @@
-//! What a motion settles to.
+//! The attractor that a motion reaches.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt;
@@ -19,7 +19,7 @@ use crate::state::Direction;
 use crate::state::structure::State;
 use crate::structure::{Flow, Step};
 
-/// What a motion settles to: see [`classify`].
+/// The attractor that a motion reaches: see [`classify`].
 #[non_exhaustive]
 pub enum Attractor<S: System> {
     /// Every mass is at rest, and every contact sticks for ever.
@@ -69,7 +69,7 @@ impl fmt::Display for AttractorKind {
 }
 
 impl<S: System> Attractor<S> {
-    /// Its kind.
+    /// The kind of the attractor.
     pub fn kind(&self) -> AttractorKind {
         match self {
             Self::Rest => AttractorKind::Rest,
@@ -110,17 +110,17 @@ impl<S: System> fmt::Debug for Attractor<S> {
     }
 }
 
-/// What the motion from a start at time 0 settles to: rest, steady sliding, a periodic motion with
-/// or without stick, or neither.
+/// The attractor that the motion from a start at time 0 reaches: rest, steady sliding, a periodic
+/// motion with or without stick, or none of these.
 ///
-/// The motion is followed until it stands still or nearly repeats itself after 1 to 16 returns: to
-/// an event, to a turning point, or after a period of the drives. From there [`shoot`] finds the
-/// periodic motion to rounding. It is taken if it is stable and near. So the result is the
+/// The motion is simulated until it stands still, or nearly repeats itself after 1 to 16 returns:
+/// to an event, to a turning point, or to the same phase of the drives. From there [`shoot`] finds
+/// the periodic motion to rounding. It is returned if it is stable and near. So the result is the
 /// attractor of this start; other starts may have others.
 ///
-/// Steady sliding and rest are taken as reached once all velocities stay below 10⁻⁶ of the largest
-/// one, belts included, for many steps without an event. A start exactly on an unstable
-/// equilibrium, or on an unstable periodic motion, stays there: disturb it.
+/// Steady sliding and rest are reached once all velocities stay below 10⁻⁶ of the largest one,
+/// belts included, for many steps without an event. A start exactly on an unstable equilibrium, or
+/// on an unstable periodic motion, stays there: perturb it.
 ///
 /// The work is at most 1.3·10⁵ steps of the motion, about 10⁴ oscillations, and ten shootings;
 /// beyond, the motion counts as irregular. [`Search::classify`] bounds and watches it. For one mass
@@ -159,7 +159,8 @@ pub fn classify<S: Oscillator>(system: &S, start: &S::State) -> Result<Attractor
 }
 
 impl Search<'_> {
-    /// What the motion from a start settles to: [`classify`], within the bound of this search.
+    /// The attractor that the motion from a start reaches: [`classify`], within the bound of this
+    /// search.
     ///
     /// # Errors
     ///
@@ -178,28 +179,29 @@ impl Search<'_> {
     }
 }
 
-/// Steps after which a motion is looked at first; each time twice as many as before.
+/// Steps after which a motion is first tested; each time twice as many as before.
 const FIRST_STEPS: usize = 256;
 
-/// How often it is looked at.
+/// Number of tests.
 const LOOKS: usize = 9;
 
 /// Largest number of returns after which a motion may repeat itself, and the least number of
-/// returns from which that is judged.
+/// returns needed to judge that.
 const MOST_RETURNS: usize = 16;
 const LEAST_RETURNS: usize = 6;
 
-/// Velocities below this part of the largest are those of a mass at rest.
+/// Velocities below this part of the largest count as those of a mass at rest.
 const AT_REST: f64 = 1e-6;
 
-/// A motion that misses itself by more, in units of its extent, is not periodic yet; the periodic
-/// motion that is found lies at most so far away.
+/// Largest distance between a motion and its return, in units of its extent, from which a periodic
+/// motion is searched; that motion lies at most so far away.
 const NEAR: f64 = 0.05;
 
-/// A motion that misses itself by less is periodic, stable or not: one of a continuum.
+/// A motion that returns to within less is periodic, stable or not: one of a continuum.
 const CLOSED: f64 = 1e-9;
 
-/// What a motion settles to, and a state there, at the beginning of a period of the drives.
+/// The attractor that a motion reaches, and a state there, at the beginning of a period of the
+/// drives.
 pub(super) fn settled<S: Oscillator>(
     system: &S,
     form: &Form<'_>,
@@ -279,7 +281,7 @@ fn at_rest<S: System>(modes: &[Mode]) -> Attractor<S> {
     }
 }
 
-/// A periodic motion by its name.
+/// A periodic motion as an attractor, with stick or without.
 fn named<S: System>(orbit: Orbit<S>) -> Attractor<S> {
     let mut events = orbit.events().iter();
     if events.any(|event| event.kind == EventKind::Stick) {
@@ -304,7 +306,7 @@ fn accepted<S: Oscillator>(
     Ok((orbit.is_stable() || missed <= CLOSED).then_some(orbit))
 }
 
-/// The number of returns after which a motion repeats itself, and by how much it misses itself.
+/// The number of returns after which a motion repeats itself, and its distance from itself then.
 fn repeats(seen: &Seen, returns: &Returns) -> Option<(usize, f64)> {
     let last = returns.len() - 1;
     let most = MOST_RETURNS.min(last / 2);
@@ -330,7 +332,7 @@ fn keep(returns: &mut Returns, time: f64, state: State) {
     returns.push_back((time, state));
 }
 
-/// The part of a motion since the last look.
+/// The part of a motion since the last test.
 struct Seen {
     /// Least and largest of each displacement, then of each velocity.
     ranges: Vec<(f64, f64)>,
@@ -415,7 +417,7 @@ impl Seen {
         }
     }
 
-    /// The returns to that event, or turning point, which happens most rarely but often enough.
+    /// The returns to the event, or the turning point, that happens most rarely but often enough.
     fn section(&self) -> Option<&Returns> {
         let events = self.events.values().chain([&self.turns]);
         let often = events.filter(|(count, _)| *count >= LEAST_RETURNS);

@@ -146,9 +146,9 @@ impl<S: System> Orbit<S> {
 
     /// Elastic contacts whose sliders never move in the period, by their numbers.
     ///
-    /// Each of them makes the motion one of a family, whose parameter is the place of its slider:
-    /// the residual force in a joint. That place was held as it was at the guess. The multiplier 1
-    /// that belongs to it is left out.
+    /// Each of them makes the motion one of a family, whose parameter is the position of its
+    /// slider, that is the residual force in a joint. The position is that of the guess. The
+    /// multiplier 1 of the family is left out.
     pub fn unslipped(&self) -> &[usize] {
         &self.unslipped
     }

@@ -47,7 +47,7 @@ struct Growth {
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, orbit};
 ///
-/// // Stick-slip: after one stick phase nothing is left of a change beside the motion.
+/// // Stick-slip: a stick phase removes every perturbation.
 /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
 /// let exponent = orbit::lyapunov(&system, &(0.0, 0.0).into(), 0.0, 100.0)?;
 /// assert_eq!(exponent, f64::NEG_INFINITY);
@@ -69,12 +69,12 @@ pub fn lyapunov<S: Oscillator>(
 /// λ = lim ln(|δx(t)|/|δx(0)|)/t
 /// ```
 ///
-/// A positive exponent means chaos. For a stable periodic motion it is ln|μ|/T, μ the largest
-/// multiplier. For an autonomous motion the exponent 0 of a shift along itself is left out, as the
-/// multiplier 1 is. It is −∞ if every perturbation decays to zero. It is 0 if all masses stick to
-/// surfaces at rest for ever: each stays where it came to rest, and a perturbation of its
-/// displacement stays as it is. The perturbation is a solution of the variational equations, so
-/// that no digits are lost in differences; memory use is constant.
+/// A positive exponent means chaos. For a stable periodic motion it is ln|μ|/T, with the largest
+/// multiplier μ. For an autonomous motion the exponent 0 of a shift along itself is left out, as
+/// the multiplier 1 is. The exponent is −∞ if every perturbation decays to zero. It is 0 if all
+/// masses stick for ever to surfaces at rest, because a perturbation of the displacement then
+/// remains. The perturbation is a solution of the variational equations, not a difference of
+/// motions, so no digits cancel; memory use is constant.
 ///
 /// # Errors
 ///

@@ -41,14 +41,14 @@
 //! | `MassOnBelt`: the attractor reached from a start | [`limit_cycle::attractor`](crate::limit_cycle::attractor), [`basins`](crate::limit_cycle::basins()) | complete, with the same exception |
 //! | `MassOnBelt`: parameters at which motions appear and vanish | [`bifurcation`](crate::bifurcation) | as dense as each function states |
 //! | any system: the motion near a guess, stable or not | [`shoot`] | one motion, exact to rounding, or a typed error |
-//! | any system: the motion that a start settles to | [`settle`] | one motion, exact to rounding, or a typed error |
-//! | any system: what a start settles to, and what it is | [`classify`] | the attractor of that start |
-//! | any system: the same as a parameter rises and falls, with hysteresis | [`sweep`] | the attractors on this way |
+//! | any system: the periodic motion that a start settles to | [`settle`] | one motion, exact to rounding, or a typed error |
+//! | any system: the attractor that a start reaches, and its kind | [`classify`] | the attractor of that start |
+//! | any system: attractors as a parameter rises and falls, with hysteresis | [`sweep`] | the attractors reached, each from the last |
 //! | any system: a branch of motions over a parameter, its bifurcations and its ends | [`follow`] | the connected branch; two bifurcations of one kind within a step can be missed |
 //! | any system: the curve of a bifurcation over two parameters | [`locus`] | the connected curve; two special points of one kind within a step can be missed |
 //! | any system: derivatives of a motion by parameters, to fit them | [`sensitivities`], [`orbit_sensitivities`] | about 1e-11 of the largest derivative, or a typed error |
-//! | any system: whether a motion is periodic | [`section`], [`section_at`] | a picture |
-//! | any system: whether a motion is chaotic | [`lyapunov`], [`lyapunov_with_spread`] | a mean with its standard error |
+//! | any system: Poincaré sections | [`section`], [`section_at`] | a picture |
+//! | any system: the largest Lyapunov exponent, positive in chaos | [`lyapunov`], [`lyapunov_with_spread`] | a mean with its standard error |
 //!
 //! The motions of one mass on a belt of constant velocity lie in a plane and cannot cross each
 //! other, so a search can be complete. With a force, a second mass or a memory they can cross, and

@@ -7,8 +7,8 @@ use std::ops::ControlFlow;
 use super::form::MOST_STEPS;
 use crate::error::Error;
 
-/// A search for periodic motions or exponents with a bound of its work and a watcher: the functions
-/// of [`orbit`](super) as methods.
+/// A search for periodic motions or exponents with a bound of its work and a watcher. Its methods
+/// are the functions of [`orbit`](super).
 ///
 /// # Cost
 ///
@@ -23,9 +23,9 @@ use crate::error::Error;
 /// | [`lyapunov_with_spread`](Self::lyapunov_with_spread) | the motion with one perturbation: about three times the motion alone |
 /// | [`follow`](Self::follow) | three to five motions with derivatives for each point, at least 65 points over the range, and some tens of motions for each bifurcation; a hundred for each change of the events |
 ///
-/// So a branch of one mass takes a part of a second. One of a drill string of 20 inertias took 7 s
-/// for 134 points, with 10⁶ steps in all; narrow ranges with many bifurcations, and long periods,
-/// take minutes. A watcher shows how far it came, and can stop it:
+/// A branch of one mass therefore takes a fraction of a second. One of a drill string of 20
+/// inertias took 7 s for 134 points, with 10⁶ steps in all; narrow ranges with many bifurcations,
+/// and long periods, take minutes. A watcher shows the progress, and can stop the search:
 ///
 /// ```
 /// use std::ops::ControlFlow::{Break, Continue};

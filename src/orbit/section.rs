@@ -9,7 +9,7 @@ use crate::motion::{Event, EventKind, Integrator, Segment, SystemState};
 /// Steps without an item after which a section returns an error.
 const PATIENCE: usize = Integrator::DEFAULT_MAX_STEPS;
 
-/// The steps of a motion, with the number of steps since the last item.
+/// The steps of a motion, and the number of steps since the last item.
 struct Steps<'s, S: Oscillator + 's> {
     /// The steps, or the error of the start until it is returned.
     flow: Result<S::Flow<'s>, Option<Error>>,

@@ -1,4 +1,4 @@
-//! A parameter up and down, each motion from the end of the last.
+//! A sweep of a parameter up and down: each motion starts from the end of the last.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::motion::System;
 use crate::state::structure::State;
 
-/// What a system settles to as a parameter rises and falls: see [`sweep`].
+/// Attractors as a parameter rises and falls: see [`sweep`].
 pub struct Sweep<S: System> {
     /// The values on the way up, in ascending order.
     pub up: Vec<SweepPoint<S>>,
@@ -19,25 +19,25 @@ pub struct Sweep<S: System> {
     pub stopped: Option<f64>,
 }
 
-/// What a system settles to at one value of a parameter.
+/// The attractor at one value of a parameter.
 pub struct SweepPoint<S: System> {
     /// The parameter, in its own units.
     pub parameter: f64,
-    /// What the motion settles to, or why that is not known. Behind an error the sweep continues
-    /// from the last state before.
+    /// The attractor that the motion reaches, or the error. After an error the sweep continues from
+    /// the last state before it.
     pub attractor: Result<Attractor<S>, Error>,
 }
 
-/// A change of what a system settles to, between two values of a sweep.
+/// A change of the attractor, between two values of a sweep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct Change {
     /// The value before the change, and the one after it: in a sweep downward the larger one first.
     pub between: [f64; 2],
-    /// What the system settles to before the change.
+    /// The attractor before the change.
     pub from: AttractorKind,
-    /// What it settles to after it.
+    /// The attractor after it.
     pub to: AttractorKind,
 }
 
@@ -67,14 +67,14 @@ impl<S: System> Sweep<S> {
     }
 }
 
-/// What a system settles to as a parameter takes ascending values, and then the same values
-/// downward: each motion starts where the last one ended.
+/// The attractors that a system reaches as a parameter takes ascending values, and then the same
+/// values downward: each motion starts where the last one ended, as in a machine that is started,
+/// loaded and unloaded.
 ///
-/// Where both ways differ, the system has two attractors, and which one it is on depends on the
-/// past (hysteresis). A machine that is started, loaded and unloaded does the same. Do not look for
-/// a critical value by a bisection over simulations from one start: a start that is in the basin of
-/// one attractor at one value need not be so at the next, and vibration that is there may be missed
-/// far beyond the value found. Sweep, then follow the motion that was found to its end:
+/// Where the two directions differ, the system has two attractors, and its past decides between
+/// them (hysteresis). Do not search a critical value by bisection with simulations from one start:
+/// the start may lie in the basin of another attractor at the next value, and vibration that exists
+/// far beyond the value found is missed. Sweep, then follow the motion that was found to its end:
 ///
 /// ```
 /// use stick_slip::orbit::{self, AttractorKind};
@@ -95,8 +95,8 @@ impl<S: System> Sweep<S> {
 /// assert_eq!((begins.from, begins.to), (AttractorKind::SteadySliding, AttractorKind::StickSlip));
 /// assert!(begins.between[0] < ends.between[0]); // later on the way up
 ///
-/// // Exactly: stick-slip goes on to the grazing at which it meets an unstable motion. The nearer
-/// // to it, the smaller are the steps that the sweep can take without falling off.
+/// // Exactly: stick-slip exists up to the grazing at which it meets an unstable motion. The nearer
+/// // to it, the smaller are the steps with which a sweep still follows it.
 /// let last = sweep.up.iter().rfind(|point| point.kind() == Some(AttractorKind::StickSlip));
 /// let last = last.unwrap();
 /// let orbit = last.attractor.as_ref().unwrap().orbit().unwrap();
@@ -107,8 +107,9 @@ impl<S: System> Sweep<S> {
 /// ```
 ///
 /// From steady sliding each motion starts with a push of 10⁻⁶ of the largest velocity, so that it
-/// leaves an unstable one. The cost at each value is that of [`classify`](super::classify); changes
-/// slower than its 1.3·10⁵ steps, as close to a bifurcation, appear at a later value.
+/// leaves an unstable one. The cost at each value is that of [`classify`](super::classify);
+/// transients longer than its 1.3·10⁵ steps, as close to a bifurcation, show the change at a later
+/// value.
 ///
 /// # Errors
 ///
@@ -125,8 +126,8 @@ pub fn sweep<S: Oscillator>(
 }
 
 impl Search<'_> {
-    /// What a system settles to as a parameter rises and falls: [`sweep`], with the bound of this
-    /// search at each value. A sweep that is stopped keeps what was found.
+    /// The attractors as a parameter rises and falls: [`sweep`], with the bound of this search at
+    /// each value. A sweep that is stopped keeps what was found.
     ///
     /// # Errors
     ///

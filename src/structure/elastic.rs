@@ -89,7 +89,6 @@ impl Contact {
     /// per displacement. The contact opens where N falls to 0 and closes where N rises above 0
     /// again; both are events. N is continuous, so there is no impact. A load gradient adds n·q to
     /// N. The contact may be rigid or elastic.
-    /// besides, its n·q is part of N. For rigid and elastic contacts.
     ///
     /// # Errors
     ///

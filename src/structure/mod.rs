@@ -43,7 +43,7 @@
 //! |---|---|
 //! | which masses, springs, dampers and forces | [`Structure`], its methods `with_…`; full matrices by [`with_mass_matrix`](Structure::with_mass_matrix), [`with_stiffness`](Structure::with_stiffness), [`with_damping`](Structure::with_damping) |
 //! | where friction acts, with which law and load | [`Contact`]: on a belt or the ground, between two coordinates, along any direction |
-//! | joints that give way before they slide, springs that open | [`Contact::with_tangential_stiffness`], [`Contact::with_normal_spring`] |
+//! | elastic joints, normal springs that open | [`Contact::with_tangential_stiffness`], [`Contact::with_normal_spring`] |
 //! | a force, load or belt velocity that varies in time | [`Drive`](crate::Drive) |
 //! | the motion from a start, with all events | [`Structure::simulate`] |
 //! | a motion with a tolerance, a stop condition, or in constant memory | [`Integrator`](crate::Integrator) |
@@ -89,7 +89,7 @@
 //! let steady = |speed: f64| (0.5 * rock + mud * speed) / pipe;
 //! assert!((twist(10.0) - steady(6.0)).abs() < 1e-1);
 //! assert!((twist(80.0) - steady(12.0)).abs() < 1e-5);
-//! let behind = mud * 0.2 / pipe; // how far the mud's ramp is followed late, in rad/s
+//! let behind = mud * 0.2 / pipe; // the lag behind the ramp, in rad/s
 //! let expected = steady(12.0) + inertia * 0.2 / pipe - mud * behind / pipe;
 //! assert!((twist(40.0) - expected).abs() < 1e-4);
 //! # Ok::<(), stick_slip::Error>(())

@@ -1,5 +1,5 @@
-//! One mass on a spring and a damper: free motion, and the answer to e^{iωt} and to a constant
-//! force from rest, also at resonance, at critical damping and without a spring.
+//! One mass on a spring and a damper: free motion, and the response from rest to e^{iωt} and to a
+//! constant force, also at resonance, at critical damping and without a spring.
 //!
 //! ```text
 //! m x'' + c x' + κ x = e^{σt},   λ1, λ2 the roots of mλ² + cλ + κ
@@ -7,8 +7,8 @@
 //! from rest:                       x = e[λ1, λ2, σ]/m
 //! ```
 //!
-//! e[…] are divided differences of λ ↦ e^{λt}: symmetric and entire, so that nothing special
-//! happens where roots or σ meet.
+//! e[…] are divided differences of λ ↦ e^{λt}: symmetric and entire, so that coinciding roots, or a
+//! root equal to σ, are no special case.
 
 use nalgebra::Complex;
 

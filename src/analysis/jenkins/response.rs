@@ -8,18 +8,18 @@ use crate::error::Error;
 use crate::numerics::bracket::root_between;
 use crate::numerics::chebyshev::{Sample, brackets, isolate};
 
-/// The periodic motion of one mass beside a Jenkins element under a harmonic force, if it turns
-/// twice a period, at ±A. Exact to rounding.
+/// The periodic motion of one mass beside a Jenkins element under a harmonic force, with two
+/// turning points a period, at ±A. Exact to rounding.
 ///
 /// ```text
 /// m x'' + c x' + k x + T = P cos ωt,     T: spring k_t in series with a slider of the limit F_s
 /// ```
 ///
-/// If the slider moves, the motion consists of four linear arcs: from the turn at A the spring
-/// relaxes and loads the other way for a time τ, then the slider moves until the turn at −A, and
-/// the other half of the period is the mirror image. The fields follow from one scalar equation for
-/// τ. If it does not move, the response is that of the linear oscillator with the stiffness
-/// k + k_t.
+/// If the slider moves, the motion consists of four linear arcs: from the turning point at A the
+/// spring unloads and loads the other way for a time τ, then the slider moves until the turning
+/// point at −A, and the other half of the period is the mirror image. The fields follow from one
+/// scalar equation for τ. If the slider does not move, the response is that of the linear
+/// oscillator with the stiffness k + k_t.
 ///
 /// ```
 /// use stick_slip::analysis::jenkins::SymmetricResponse;
@@ -42,14 +42,15 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 pub struct SymmetricResponse {
     /// Amplitude A, the largest displacement.
     pub amplitude: f64,
-    /// Time τ from a turn until the slider moves; half a period if it does not move at all.
+    /// Time τ from a turning point until the slider moves; half a period if it does not move at
+    /// all.
     pub elastic_time: f64,
-    /// Phase θ of the force at the turn at A, in radians: the force is P cos(ωt + θ), with t
-    /// counted from there. There x = A, x' = 0, and T = F_s if the slider moves.
+    /// Phase θ of the force at the turning point at A, in radians: the force is P cos(ωt + θ), with
+    /// t counted from there. There x = A, x' = 0, and T = F_s if the slider moves.
     pub phase: f64,
     /// Floquet multipliers of the map of (x, x', T) over one period, by falling modulus.
-    /// Dimensionless. One of them is 0 if the slider moves. If it does not, one is 1: the force
-    /// that was left in the spring at the start, on which the rest of the motion does not depend.
+    /// Dimensionless. One of them is 0 if the slider moves. If it does not, one is 1: that of the
+    /// residual force in the spring, which does not influence the rest of the motion.
     pub multipliers: [Complex<f64>; 3],
 }
 
@@ -58,7 +59,7 @@ impl SymmetricResponse {
     /// k_t and the limit F_s, under a force of the amplitude P and the angular frequency ω. Any
     /// consistent units.
     ///
-    /// `None` if the motion is another one, which turns more than twice a period: far below
+    /// `None` if the motion is another one, with more than two turning points a period: far below
     /// resonance, where the free vibration is superposed on a slow motion. Also `None` unless m,
     /// k_t, F_s, P and ω are positive, c ≥ 0 and k ≥ 0, all finite; if ratios of them overflow; if
     /// the free vibration in stick is more than 5000 times as fast as the force; and if there is no
@@ -67,7 +68,7 @@ impl SymmetricResponse {
     /// ```
     /// use stick_slip::analysis::jenkins::SymmetricResponse;
     ///
-    /// // A mass on nothing but the element moves with it, or beyond it.
+    /// // A mass held by the element alone: in stick for a small force, in slip for a large one.
     /// let free = |force| SymmetricResponse::at(1.0, 0.0, 0.0, 1.0, 1.0, force, 0.5);
     /// assert!((free(0.3).unwrap().amplitude - 0.4).abs() < 1e-15);
     /// assert!(free(2.0).unwrap().amplitude > 4.0);
@@ -138,8 +139,8 @@ type Velocity<'v> = dyn FnMut(f64) -> Result<Sample, Error> + 'v;
 /// Shortest elastic arc, in radians of the force: A is about 4F_s/(k_t τ²) there.
 const SHORTEST: f64 = 1e-100;
 
-/// Largest angular frequency of the free vibration in stick, in units of ω. With more there are
-/// more roots than can be told apart.
+/// Largest angular frequency of the free vibration in stick, in units of ω. Beyond it the roots are
+/// too many to be separated.
 const MOST_OSCILLATIONS: f64 = 5000.0;
 
 /// ω = 1.

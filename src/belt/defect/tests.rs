@@ -25,7 +25,7 @@ impl FrictionLaw for Bump {
     }
 }
 
-/// Friction that is no number above a speed.
+/// Friction that is NaN above a speed.
 struct Ends(f64);
 
 impl FrictionLaw for Ends {
@@ -41,7 +41,7 @@ impl FrictionLaw for Ends {
     }
 }
 
-/// Friction 0.25, by a law that counts how often it is asked.
+/// Friction 0.25, by a law that counts its evaluations.
 #[derive(Default)]
 struct Counted(Cell<usize>);
 
@@ -104,7 +104,7 @@ fn defect<L: FrictionLaw>(
     system.belt().defect(0, friction, speeds)
 }
 
-/// The defect that is looked for where the speed is least.
+/// The defect found near the least sliding speed.
 fn closest(law: Bump, c: &[f64], h: f64) -> f64 {
     let series = series(c, 0.0);
     let speeds = series.speed.at_four(quarters(h));
@@ -172,7 +172,7 @@ fn no_number_is_larger_than_any_defect() {
     }
 }
 
-/// Wherever in a step the minimum lies, and whatever the shape about it.
+/// For every place of the minimum in a step, and every shape around it.
 #[test]
 fn features_at_the_least_speed_are_seen() {
     for h in [0.3, 1.0, 2.0] {
@@ -192,7 +192,7 @@ fn features_at_the_least_speed_are_seen() {
     }
 }
 
-/// The law is also looked at on both sides of the minimum, and not beyond the step.
+/// The law is also evaluated on both sides of the minimum, but not beyond the step.
 #[test]
 fn features_beside_the_least_speed_are_seen() {
     let speed_at = |c: &[f64], t: f64| PowerSeries::from(c).at(t);
@@ -216,7 +216,7 @@ fn features_beside_the_least_speed_are_seen() {
     }
 }
 
-/// The slope at the end of a step decides whether the last stretch holds a minimum: exact to the
+/// The slope at the end of a step decides whether the last interval holds a minimum: exact to the
 /// fourth degree.
 #[test]
 fn minima_outside_the_step_are_not_looked_for() {
@@ -239,7 +239,7 @@ fn minima_outside_the_step_are_not_looked_for() {
     }
 }
 
-/// Of two minima in one step both count.
+/// Both of two minima in one step count.
 #[test]
 fn every_minimum_of_a_step_is_looked_at() {
     // (t − 0.2)²(t − 0.8)² + 0.01 t + 0.02: the first minimum is the lower one.
@@ -258,7 +258,7 @@ fn every_minimum_of_a_step_is_looked_at() {
     }
 }
 
-/// Four places for each radian, but not more than 64: a step of a slow motion may be 10²⁰ radians
+/// Four points for each radian, but not more than 64: a step on a slow manifold may be 10²⁰ radians
 /// long.
 #[test]
 fn a_long_step_is_looked_at_in_so_many_places() {

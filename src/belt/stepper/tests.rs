@@ -1,26 +1,27 @@
-//! The border between explicit steps and those of the slow motion, in both directions of time.
+//! The transition between explicit steps and steps on the slow manifold, in both directions of
+//! time.
 //!
-//! What is missing in the equation of motion, divided by the rate at which a deviation dies out,
-//! bounds the error of a motion that closes in on a slow one. So no other method is needed.
+//! The residual of the equation of motion, divided by the rate at which a deviation decays, bounds
+//! the error of a motion that approaches a slow manifold. So no other method is needed.
 
 use super::*;
 use crate::belt::MassOnBelt;
 use crate::friction::{Exponential, FrictionLaw, Polynomial, Stribeck, Tabulated};
 use crate::state::Direction;
 
-/// What was seen of the steps of some motions.
+/// Statistics of the steps of some motions.
 #[derive(Debug, Default)]
 struct Seen {
-    /// How many steps were so long in units of 1/|D|: up to 8, 14, 40, 100 and beyond.
+    /// Number of steps by their length in units of 1/|D|: up to 8, 14, 40, 100 and beyond.
     lengths: [usize; 5],
-    /// By how many errors a step shifts the speed at most: at its start, and by its defect. One is
-    /// the tolerance, or what rounding of the forces shifts the slow motion by.
+    /// Largest change of the speed by a step, at its start and by its defect, in units of the
+    /// error: the tolerance, or the shift of the slow manifold by rounding of the forces.
     jump: f64,
     defect: f64,
 }
 
 impl Seen {
-    /// Follows a motion while it closes in on a slow one.
+    /// Follows a motion while it approaches a slow manifold.
     fn follow<L: FrictionLaw>(
         &mut self,
         system: &MassOnBelt<L>,
@@ -94,7 +95,7 @@ fn at_force_balance<L: FrictionLaw>(system: &MassOnBelt<L>, speed: f64) -> SlipP
 }
 
 /// Friction that rises with the speed, D from 4 to 4000 and R by the speed at the start: steps of
-/// all lengths in units of 1/D, up to the border, on it and beyond.
+/// all lengths in units of 1/D, below, at and beyond the transition.
 #[test]
 fn explicit_and_slow_steps_meet_without_a_gap() {
     let mut seen = Seen::default();
@@ -117,7 +118,7 @@ fn explicit_and_slow_steps_meet_without_a_gap() {
     assert!(seen.lengths.iter().all(|n| *n >= 50), "{seen:?}");
 }
 
-/// Friction that falls with the speed: backwards in time the slow motion attracts.
+/// Friction that falls with the speed: backwards in time the slow manifold attracts.
 #[test]
 fn explicit_and_slow_steps_meet_backwards_too() {
     let mut seen = Seen::default();
@@ -145,7 +146,7 @@ fn explicit_and_slow_steps_meet_backwards_too() {
     assert!(seen.lengths.iter().all(|n| *n >= 50), "{seen:?}");
 }
 
-/// A table whose points the creep passes: each step keeps to one piece.
+/// A table whose points the creeping motion passes: each step stays on one piece.
 #[test]
 fn slow_steps_end_at_the_breakpoints_of_the_law() {
     let points = (0..40).map(|i| {

@@ -1,4 +1,4 @@
-//! Folds of outlines made by hand, and how often outlines are asked for.
+//! Folds of outlines made by hand, and the number of outlines requested.
 
 use std::cell::RefCell;
 
@@ -21,7 +21,7 @@ fn window(points: &[(f64, f64)]) -> Window {
     outline(points).within(f64::INFINITY)
 }
 
-/// Outlines made by a function, which keeps the places at which it is asked.
+/// Outlines made by a function, which records the places at which it is called.
 struct Made<F> {
     f: F,
     asked: RefCell<Vec<f64>>,
@@ -48,7 +48,7 @@ fn hump(height: f64) -> Outline {
     outline(&[(0.0, -1.0), (0.5, height), (1.0, -1.0)])
 }
 
-/// Folds over the belt velocities from 0 to 1, and where outlines were asked for.
+/// Folds over the belt velocities from 0 to 1, and the places at which outlines were requested.
 fn folds(f: impl Fn(f64) -> Outline, halvings: u32) -> (Vec<f64>, Vec<f64>) {
     let (mut low, mut high) = ((0.0, f(0.0)), (1.0, f(1.0)));
     let made = Made {

@@ -1,4 +1,4 @@
-//! Systems in which rounding hides how much a motion grows over one turn.
+//! Systems in which rounding hides how much a motion grows over one period.
 
 use super::*;
 use crate::friction::{Coulomb, Exponential, Polynomial};

@@ -10,9 +10,9 @@ use crate::scalar::Scalar;
 /// ```
 ///
 /// g is the kinetic coefficient μ̂ of any law; in steady sliding μ = sgn(r) g(|r|) + σ2 r. There is
-/// no stick mode: every root of r is a [`Crossing`](crate::EventKind::Crossing). Near stick those
-/// are ill-conditioned, states are not. z in units of length, σ0 per length, σ1 and σ2 time per
-/// length, g dimensionless.
+/// no stick mode: every root of r is a [`Crossing`](crate::EventKind::Crossing). Near stick the
+/// times of crossings are ill-conditioned, states are not. z in units of length, σ0 per length, σ1
+/// and σ2 time per length, g dimensionless.
 ///
 /// The deflection z relaxes in slip at the rate σ0|r|/g. The number of steps does not grow with
 /// this rate: on the slow manifold of the bristles a step is the power series of that manifold.

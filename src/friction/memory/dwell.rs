@@ -12,8 +12,8 @@ use crate::scalar::Scalar;
 /// ```
 ///
 /// θ is the time since the contact stuck, its one memory variable: 0 in slip and after a
-/// [`Stick`](crate::EventKind::Stick); the state of a release shows its value just before. A start
-/// in stick may set it. μ_0 is the static coefficient of the law inside, which also gives the
+/// [`Stick`](crate::EventKind::Stick). The state of a release holds its value just before, and a
+/// start in stick may set it. μ_0 is the static coefficient of the law inside, which also gives the
 /// kinetic one. Coefficients are dimensionless, times in the units of the structure.
 /// [`analysis::dwell`](crate::analysis::dwell) has closed forms for one mass on a belt.
 ///

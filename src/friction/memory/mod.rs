@@ -135,7 +135,7 @@ pub enum NamedLaw {
 /// ```
 /// use stick_slip::{Contact, ContactLaw, Motion, Scalar, Slip, Structure, structure::State};
 ///
-/// /// A surface that is run in: over the distance slid, z, μ comes from 0.5 to 0.3.
+/// /// A surface during running-in: over the distance slid, z, μ falls from 0.5 to 0.3.
 /// struct RunIn;
 ///
 /// impl ContactLaw for RunIn {
@@ -195,8 +195,8 @@ pub trait ContactLaw: Sized {
     /// [`FrictionLaw::breakpoints`].
     fn breakpoints(&self) -> impl Iterator<Item = f64>;
 
-    /// The memory after slip has ended in stick, or stick in slip, given the memory before. The
-    /// state of the event holds the memory before.
+    /// The memory after a change between slip and stick, given the memory before. The state of the
+    /// event holds the memory before.
     fn caught(&self, memory: Self::Memory<f64>) -> Self::Memory<f64>;
 
     /// The law as one of the crate's own, for serialization and comparison; `None` for a user's

@@ -1,4 +1,4 @@
-//! The drift against its closed form for the cubic law, and against the growth of exact turns.
+//! The drift against its closed form for the cubic law, and against the growth over exact periods.
 
 use std::f64::consts::TAU;
 

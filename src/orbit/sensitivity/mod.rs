@@ -43,9 +43,9 @@ pub struct EventSensitivity {
 pub struct OrbitSensitivities {
     /// ∂T/∂p of each parameter.
     pub period: Vec<f64>,
-    /// The motion over one period with its derivatives. It begins away from events: see
-    /// [`Sensitivities::times`]. That of an autonomous motion begins where the orbit begins or
-    /// later, and the phase stays so that the derivative there is normal to the flow.
+    /// The motion over one period with its derivatives. It begins away from events, at
+    /// [`Sensitivities::times`]. An autonomous motion begins where the orbit begins or later, with
+    /// the phase for which the derivative there is normal to the flow.
     pub motion: Sensitivities,
 }
 
@@ -67,7 +67,7 @@ impl Sensitivities {
     /// The derivatives of the state at a time: a row for each displacement, then each velocity,
     /// then each memory variable, and a column for each parameter. `None` outside, and for NaN.
     ///
-    /// The time is fixed. At an event, where velocities turn sharply, the derivative is that just
+    /// The time is fixed. At an event, where velocities have a kink, the derivative is that just
     /// before.
     pub fn at(&self, time: f64) -> Option<DMatrix<f64>> {
         if !(self.begin..=self.here.end).contains(&time) {
@@ -132,12 +132,12 @@ impl Sensitivities {
 /// anything that a closure can set: coefficients of a law, loads, stiffnesses, belt velocities, the
 /// start itself.
 ///
-/// Derivatives go through stick, slip and crossings: motions beside have the same events at other
-/// times, and near an event each is continued by its own power series, so that nothing jumps. The
-/// derivatives are differences of fourth order between motions exact to rounding. The increment
-/// changes the motion by a thousandth of its size, or less if shorter increments agree better. The
-/// error is about 1e-11 of the largest derivative, and below 1e-10 for all reference motions. If a
-/// side has no system or other events, the difference is one-sided.
+/// Derivatives are continued through stick, slip and crossings: neighbouring motions have the same
+/// events at other times, and near an event each is continued by its own power series, so that
+/// nothing jumps. The derivatives are differences of fourth order between motions exact to
+/// rounding. The increment changes the motion by a thousandth of its size, or less if shorter
+/// increments agree better. The error is about 1e-11 of the largest derivative, and below 1e-10 for
+/// all reference motions. If one side has no system or other events, the difference is one-sided.
 ///
 /// Work: some twenty motions for each parameter.
 ///
@@ -210,8 +210,8 @@ pub fn sensitivities<S: Oscillator>(
 /// (M − 1) ∂x/∂p + x'(T) ∂T/∂p = −∂P/∂p,
 /// ```
 ///
-/// P the period map. For an autonomous motion ∂x/∂p is normal to the flow at the begin. In a
-/// continuum of motions it is the least solution.
+/// P the period map. For an autonomous motion ∂x/∂p is normal to the flow at the start. In a
+/// continuum of motions it is the minimum-norm solution.
 ///
 /// # Errors
 ///

@@ -9,7 +9,7 @@ use crate::motion::{Event, EventKind, Integrator, Segment};
 use crate::state::structure::State;
 use crate::structure::{Flow, Step};
 
-/// A motion, its steps grouped by the events between them.
+/// A motion, with its steps grouped by the events between them.
 #[derive(Debug, Clone)]
 pub(super) struct Run {
     segments: Vec<Vec<Step>>,
@@ -33,7 +33,7 @@ impl Run {
         duration: f64,
         expected: usize,
     ) -> Result<Self, Error> {
-        /// A motion beside another one has the same events up to this part of the duration later.
+        /// Part of the duration by which an event of a neighbouring motion may be later.
         const LATER: f64 = 1.01;
         let settings = Integrator::new()
             .with_max_steps(Integrator::DEFAULT_MAX_STEPS)?
@@ -303,7 +303,7 @@ impl Variation {
         })
     }
 
-    /// The derivative of something that each motion has.
+    /// The derivative of a quantity of the motions.
     pub(super) fn derivative(
         &self,
         of: impl Fn(&Run) -> Option<DVector<f64>>,
