@@ -23,7 +23,7 @@
 /// assert_eq!(flutter.coefficient, 0.75);
 /// assert_eq!(flutter.angular_frequency, 2.0_f64.sqrt());
 ///
-/// // Damping delays it where it is shared out; on one mode alone it can bring it forward.
+/// // Damping of both modes delays flutter; of one mode alone it can bring it forward.
 /// let damped = ModeCoupling { damping: [0.1, 0.05], ..model };
 /// assert!((damped.flutter().unwrap().coefficient - 0.7575).abs() < 1e-15);
 /// ```

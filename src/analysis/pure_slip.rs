@@ -41,14 +41,14 @@ use crate::friction::{FrictionLaw, Polynomial};
 /// assert!((formulas.h1() + system.equilibrium().unwrap().jacobian[(1, 1)]).abs() < 1e-15);
 /// assert!((formulas.h2() + 0.756).abs() < 1e-15);
 /// assert!((formulas.h3() - 0.6).abs() < 1e-15);
-/// // The range of belt velocities, beside the exact one.
+/// // The range of belt velocities, and the exact one.
 /// let onset = formulas.onset_velocity().unwrap();
 /// assert!((onset - 0.4409585518).abs() < 1e-10);
 /// assert!((onset - bifurcation::hopf_velocities(&system, 0.0..1.0)?[0]).abs() < 1e-15);
 /// assert!((formulas.stick_velocity().unwrap() - 0.3944053189).abs() < 1e-10); // 0.3957902888
 /// assert!(formulas.is_valid());
 /// assert!(!PureSlip::new(&system.with_belt_velocity(0.2)?).unwrap().is_valid()); // it sticks
-/// // The amplitude, approached slowly, beside that of the exact cycle.
+/// // The amplitude, approached slowly, and that of the exact cycle.
 /// let cycle = &limit_cycle::find(&system)?[0];
 /// let amplitude = formulas.amplitude().unwrap();
 /// assert!((amplitude - 0.2686592224).abs() < 1e-10);
@@ -307,7 +307,7 @@ impl PureSlip {
 /// | second and third harmonic | 3 | 3 | 3 | 3 |
 ///
 /// Range of validity: v_b0 < |v_b| < v_b1 ([`PureSlip::is_valid`]; [`PureSlip::grazing_velocity`]
-/// is a better lower end), with a, b, h1 small beside 1.
+/// is a better lower end), with a, b, h1 small compared with 1.
 ///
 /// Source: expansion of z'' + z + h1 z' + h2 z'² + h3 z'³ = 0. The first order is Eqs. 13 and 15
 /// (corrected), with the shift of the centre that the paper leaves out.

@@ -2,17 +2,17 @@
 
 // | file | what is in it |
 // |---|---|
-// | `system.rs` | `MassOnBelt`: what users see of a system |
-// | `model.rs` | `Belt`: what the engines see; forces, the stick band, what follows an arrival |
+// | `system.rs` | `MassOnBelt`, the system for users |
+// | `model.rs` | `Belt`, for the engines: forces, the stick band, the outcome of an arrival |
 // | `forward.rs` | `Forward`: a system whose belt moves forward |
 // | `equilibrium.rs` | steady sliding and its stability |
 // | `slip_point.rs` | how each kind of slip begins (the power series of slip: `friction/slip.rs`) |
-// | `slow.rs` | the power series of the slow motion in a stiff slip phase (tried by `stepper.rs`; from which stiffness on: `motion/step_control.rs`) |
-// | `defect.rs` | whether a series holds between its coefficients, and where that is looked at |
+// | `slow.rs` | the power series of the slow manifold in a stiff slip phase (tried by `stepper.rs`; from which stiffness on: `motion/step_control.rs`) |
+// | `defect.rs` | the residual of the equation of motion, and where it is checked |
 // | `breakpoints.rs` | pieces of the law, and where a step leaves one |
 // | `stepper.rs` | one Taylor step: begin, plan (explicit or slow), settle, land |
 // | `flow.rs` | the phase machine: which phase follows which |
-// | `step.rs` | `Step`: a stretch of motion as a value; how a stick phase becomes one |
+// | `step.rs` | `Step`: a part of a motion; how a stick phase becomes one |
 // | `read.rs`, `written.rs` | how a system is read, and an equilibrium written (feature `serde`) |
 
 mod breakpoints;

@@ -84,7 +84,7 @@ impl Stepper {
         }
     }
 
-    /// How many series the last step took: what it cost.
+    /// Number of series computed in the last step: its cost.
     pub(crate) fn passes(&self) -> usize {
         self.expander.passes
     }

@@ -8,13 +8,13 @@
 // | `any.rs` | a law chosen at run time |
 // | `memory/` | contact laws with memory |
 // | `scaled.rs` | a law given over speeds in metres per second |
-// | `law.rs` | a law behind a reference, as the engines see it |
+// | `law.rs` | a law as a trait object, for the engines |
 // | `expansion.rs` | a law's pieces, and their power series at one speed |
 // | `slip.rs` | the power series of a mass that slides on a law |
 // | `along.rs` | a law as a chain of power series over a range of speeds: sign changes and least value of its slope |
 // | `check.rs` | checks of a law before it is used; whether it is constant |
 // | `iwan.rs` | Segalman's distribution of springs and sliders |
-// | `inspect.rs` | `check_law`: a law looked at over a range of speeds, for its writer |
+// | `inspect.rs` | `check_law`: faults of a law over a range of speeds |
 // | `read.rs` | how laws are read (feature `serde`) |
 
 mod along;

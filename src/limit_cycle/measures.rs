@@ -183,8 +183,8 @@ impl LimitCycle {
         peak
     }
 
-    /// Largest sliding speed |v − v_b|, dimensionless: the law must be known up to there, as up to
-    /// the end of a [table](crate::Tabulated).
+    /// Largest sliding speed |v − v_b|, dimensionless. The law must be known up to there: compare
+    /// it with the end of a [table](crate::Tabulated).
     pub fn max_sliding_speed(&self) -> f64 {
         let [min, max] = self.velocities();
         let v_b = self.belt_velocity();

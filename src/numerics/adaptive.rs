@@ -57,10 +57,10 @@ impl<const N: usize> Integral<N> {
     }
 }
 
-/// First comparison: 64 against 128 intervals, so that no feature wider than π/128 is passed over.
+/// First comparison: 64 against 128 intervals, so that no feature wider than π/128 is missed.
 const COARSEST: usize = 64;
-/// Most intervals. An analytic integrand that so many do not resolve is nearly singular, and
-/// Gauss-Legendre panels are cheaper.
+/// Most intervals. An analytic integrand that needs more is nearly singular, and Gauss-Legendre
+/// panels are cheaper.
 const FINEST: usize = 2048;
 
 /// ∫₀^π f dψ of an even 2π-periodic analytic f, by the trapezoidal rule, which converges
@@ -110,8 +110,8 @@ fn gauss_panel<const N: usize>(
 }
 
 /// Points that divide a ≤ x ≤ b into panels. Towards both ends each panel is four times shorter
-/// than the one before, so that what a law does at slow speeds is seen whatever its scale (down to
-/// some 10⁻⁶ of the interval).
+/// than the one before, to resolve a law at slow speeds whatever its scale (down to some 10⁻⁶ of
+/// the interval).
 pub(crate) fn graded(a: f64, b: f64) -> [f64; 13] {
     let half = 0.5 * (b - a);
     std::array::from_fn(|j| match j {
@@ -124,7 +124,7 @@ pub(crate) fn graded(a: f64, b: f64) -> [f64; 13] {
 
 /// ∫ f dx over a mesh, by Gauss-Legendre, of an f that is analytic between neighbouring points of
 /// the mesh. Each interval is a panel, and is halved until the panel agrees with its halves. `peak`
-/// is a size of f beside which smaller values are mere rounding; 0 if there is none.
+/// is a size of f relative to which smaller values are rounding; 0 if there is none.
 pub(crate) fn gauss<const N: usize>(
     mut f: impl FnMut(f64) -> Result<[f64; N], Error>,
     mesh: &[f64],

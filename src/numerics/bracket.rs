@@ -5,9 +5,9 @@ use crate::error::Error;
 /// An interval at whose ends a function has different signs (0 counts as negative), and that
 /// shrinks with every value inside.
 ///
-/// The method is false position: the next place to look at is where the chord passes zero. While
-/// only one end moves, its steps go twice as far each time, so that the other end soon moves too.
-/// If three values have not halved the interval, bisection does.
+/// The method is false position: the next place is where the chord passes zero. While only one end
+/// moves, its steps double each time, so that the other end soon moves too. If three values have
+/// not halved the interval, bisection does.
 #[derive(Debug, Clone)]
 pub(crate) struct Bracket {
     low: f64,
@@ -33,8 +33,8 @@ enum End {
 /// A sign change of a function, between the number `below` and the next one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SignChange {
-    /// The lower of the two neighbouring numbers. If a range is cut in two, this number lies in the
-    /// part in which the change is seen, so that no change is lost or found twice.
+    /// The lower of the two neighbouring numbers. If a range is divided, this number lies in the
+    /// part in which the change is found, so that no change is lost or found twice.
     pub(crate) below: f64,
     /// The function at `below`, and at the number above.
     pub(crate) values: [f64; 2],
@@ -75,7 +75,7 @@ impl Bracket {
         self.high - self.low
     }
 
-    /// The next place to look at; `None` if no number is left between the ends.
+    /// The next place to evaluate; `None` if no number is left between the ends.
     pub(crate) fn next_place(&self) -> Option<f64> {
         let (a, b) = (self.low, self.high);
         let chord = a + (b - a) * (self.low_value / (self.low_value - self.high_value));

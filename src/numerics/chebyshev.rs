@@ -23,7 +23,7 @@ const DEGREE: usize = 32;
 /// Shortest piece of 0 ≤ t ≤ 1: two roots closer than this can be missed as a pair.
 const SHORTEST: f64 = 1.0 / (1u64 << 30) as f64;
 /// Most pieces in one segment. A smooth function needs a few, and each near-double root about 60;
-/// for a function noisier than it says the halving would never end.
+/// for a function noisier than it reports the halving would never end.
 const MOST_PIECES: usize = 2000;
 
 /// Points, in ascending t, between which f(x(t)), 0 ≤ t ≤ 1, has at most one root. Between two of

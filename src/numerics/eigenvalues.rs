@@ -6,7 +6,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 /// Sweeps for each eigenvalue; two or three are usual.
 const MOST_SWEEPS: usize = 100;
 
-/// How often the matrix is reflected, if its eigenvalues do not converge.
+/// Number of reflections of the matrix, if its eigenvalues do not converge.
 const MOST_REFLECTIONS: usize = 4;
 
 /// The eigenvalues of a square matrix, by its Schur form; `None` if it holds a number that is not

@@ -1,7 +1,8 @@
 //! Numerical methods, independent of friction.
 //!
 //! Searches take their function as `&mut dyn FnMut` and so are compiled once. The indirect call
-//! costs nothing beside the function, which computes a whole slip arc or searches for cycles.
+//! costs nothing compared with the function, which computes a whole slip arc or searches for
+//! cycles.
 
 // | file | what is in it |
 // |---|---|

@@ -30,8 +30,9 @@ pub(crate) trait Survey {
         self.sample(x)
     }
 
-    /// Looks between two neighbouring places, each given with its sample, to which it may add:
-    /// records what lies there, or asks for the interval to be halved, if `halvings` are left.
+    /// Searches the interval between two neighbouring places, each given with its sample, to which
+    /// it may add: records what lies there, or requests that the interval be halved, if `halvings`
+    /// are left.
     fn look(
         &mut self,
         left: &mut (f64, Self::Sample),
@@ -40,7 +41,7 @@ pub(crate) trait Survey {
     ) -> Result<Look, Error>;
 }
 
-/// Result of looking at an interval.
+/// Result of the search of an interval.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Look {
     Done,
@@ -48,7 +49,7 @@ pub(crate) enum Look {
 }
 
 /// Searches a range: [`INTERVALS`] intervals of equal width, and the halves of those for which the
-/// survey asks.
+/// survey requests it.
 pub(crate) fn scan<S: Survey>(survey: &mut S, range: &Range<f64>) -> Result<(), Error> {
     let width = (range.end - range.start) / INTERVALS as f64;
     let mut left = None;
@@ -67,7 +68,7 @@ pub(crate) fn scan<S: Survey>(survey: &mut S, range: &Range<f64>) -> Result<(), 
     Ok(())
 }
 
-/// Looks at one interval, and at its halves if the survey asks for them.
+/// Searches one interval, and its halves if the survey requests it.
 pub(crate) fn look_between<S: Survey>(
     survey: &mut S,
     left: &mut (f64, S::Sample),
@@ -89,7 +90,7 @@ pub(crate) fn look_between<S: Survey>(
 /// An interval of the grid is halved, up to 10 times, while f is defined at one end only, or while
 /// f is closer to zero at an end than it changes across the interval or may bend within it. Two
 /// sign changes are lost only if f passes zero and turns back between two points of that refined
-/// grid, and is nearly straight beside: narrow the range to look closer.
+/// grid, and is nearly straight around: a narrower range is searched more closely.
 pub(crate) fn sign_changes(
     f: &mut dyn FnMut(f64) -> Result<Option<f64>, Error>,
     range: &Range<f64>,
@@ -107,8 +108,8 @@ struct SignChanges<'f> {
 }
 
 impl SignChanges<'_> {
-    /// How far a function that has the same sign at two places may come nearer to zero in between,
-    /// if it bends as much as it does beside: twice what a parabola needs.
+    /// Bound of the approach to zero, between two places of the same sign, of a function that bends
+    /// as much there as nearby: twice what a parabola needs.
     fn bend(&self, a: (f64, f64), b: (f64, f64)) -> f64 {
         let Some(before) = self.before else {
             return 0.0;

@@ -1,4 +1,4 @@
-//! What the tests of this module share.
+//! Shared by the tests of this module.
 
 /// Numbers in −1 ≤ y < 1 without any order.
 pub(crate) fn rough(x: f64) -> f64 {

@@ -1,5 +1,5 @@
-//! All roots in an interval, and the outline (where it turns), of a function whose value and slope
-//! are known at every point.
+//! All roots in an interval, and the outline (the turning points), of a function whose value and
+//! slope are known at every point.
 
 use std::ops::Range;
 
@@ -35,17 +35,16 @@ impl Sample {
 pub(crate) struct Roots {
     /// Roots in ascending order.
     pub(crate) roots: Vec<f64>,
-    /// Ranges in which roots could not be decided. There are two sorts: neighbouring numbers, or
-    /// nearly so, between which the function jumps over zero; and ranges in which it is zero to
-    /// rounding.
+    /// Ranges in which roots could not be decided, of two sorts: (nearly) neighbouring numbers
+    /// between which the function jumps over zero; and ranges in which it is zero to rounding.
     pub(crate) unresolved: Vec<Range<f64>>,
 }
 
 /// Width, relative to the interval searched, below which an interval is not divided further.
 const NARROWEST: f64 = 1e-9;
 
-/// Taylor steps after which the rest of the interval is left unresolved, or of an outline as it is.
-/// Some hundreds are the rule; a law with thousands of waves below the speed of the motion needs a
+/// Taylor steps after which the rest of the interval is left unresolved, and an outline as it is.
+/// Some hundreds are usual; a law with thousands of waves below the speed of the motion needs a
 /// limit.
 const MOST_WORK: usize = 200_000;
 
@@ -58,23 +57,22 @@ const CUBIC_FITS: f64 = 0.02;
 pub(crate) struct Kinks {
     /// The middle one.
     pub(crate) x: f64,
-    /// The most by which the cubic between the ends of the interval may miss the function because
-    /// of them.
+    /// Bound of the error that kinks cause in the cubic between the ends of the interval.
     pub(crate) error: f64,
 }
 
-/// Tells the kinks between two places, if there are any.
+/// Returns the kinks between two places, if there are any.
 pub(crate) type KinksBetween<'k> = &'k dyn Fn(f64, f64) -> Option<Kinks>;
 
 /// Finds the roots between two samples, and adds them to those found in intervals before.
 ///
 /// An interval is divided until the cubic through the values and slopes at its ends predicts value
 /// and slope in the middle. Then the cubics of the two halves decide. A half holds a root if the
-/// signs at its ends differ. It may hold two if its cubic comes closer to zero than the prediction
-/// was wrong, and is then divided further; and if it comes closer than kinks may have bent the
-/// function, it is divided at them. A pair of roots is lost only if the function turns within an
-/// interval in which its cubic fits and no kink is told, or if the pair is closer than
-/// [`NARROWEST`].
+/// signs at its ends differ. It may hold two, and is divided further, if its cubic comes closer to
+/// zero than the error of the prediction; and if it comes closer than kinks may have bent the
+/// function, it is divided at them. A pair of roots is lost only if the function has two turning
+/// points within an interval in which its cubic fits and no kink is known, or if the pair is closer
+/// than [`NARROWEST`].
 pub(crate) fn roots_between(
     f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
     kinks: KinksBetween<'_>,
@@ -105,13 +103,13 @@ const DEEPEST: usize = 9;
 const BEYOND: usize = 4;
 
 /// The outline of a function between two samples: both ends and, in ascending order between them,
-/// the points at which the slope changes sign. Maxima and minima take turns, each higher than its
+/// the points at which the slope changes sign. Maxima and minima alternate, each higher than its
 /// neighbours, or lower, by more than rounding.
 ///
-/// The interval is divided until the cubics fit and turn no more often than the slopes at their
-/// ends tell, or stay farther from zero than `reach`. Each turning point within reach is then
+/// The interval is divided until the cubics fit and have no more turning points than the slopes at
+/// their ends show, or stay farther from zero than `reach`. Each turning point within reach is then
 /// refined as a root of the slope, until its sign is known and its size to a hundredth; those
-/// beyond are at their places and sizes only roughly, or are left out in pairs.
+/// beyond have approximate places and sizes, or are left out in pairs.
 pub(crate) fn outline_between(
     f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
     a: Sample,
@@ -212,7 +210,7 @@ pub(crate) fn turn(
     }
 }
 
-/// Removes from an outline the turns that are mere rounding.
+/// Removes turning points that are rounding.
 fn smooth(outline: &mut Vec<Turn>) {
     let hidden =
         |pair: &[Turn]| (pair[0].value - pair[1].value).abs() <= pair[0].noise.max(pair[1].noise);
@@ -322,7 +320,7 @@ fn one_way(a: Sample, b: Sample) -> bool {
     })
 }
 
-/// Returns true if rounding may hide a root: beside an end at which the function is zero to
+/// Returns true if rounding may hide a root: next to an end at which the function is zero to
 /// rounding, or where its cubic comes closest to zero.
 fn hidden(a: Sample, b: Sample, noise: f64) -> bool {
     if (a.value > 0.0) != (b.value > 0.0) {

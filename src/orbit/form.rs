@@ -111,13 +111,13 @@ impl<'s> Form<'s> {
         }
     }
 
-    /// Returns true if the system is autonomous: no drive varies.
+    /// Returns true if the system is autonomous: all drives are constant.
     pub(super) fn is_free(&self) -> bool {
         self.model.drives().all(|drive| drive.is_constant())
     }
 
-    /// Returns true if this number of a state is one that contacts may hold together: the velocity
-    /// of a coordinate that they share, or what an elastic one carries.
+    /// Returns true if contacts may hold this entry of a state together: the velocity of a
+    /// coordinate that they share, or the force of an elastic one.
     pub(super) fn is_held(&self, row: usize) -> bool {
         let shared = &self.model.shared_coordinates;
         let is_shared = |j: usize| shared.binary_search(&j).is_ok();
@@ -126,7 +126,7 @@ impl<'s> Form<'s> {
             || elastic.into_iter().any(|c| row == self.carried_row(c))
     }
 
-    /// Where the force of an elastic contact stands in a state.
+    /// Index of the force of an elastic contact in a state.
     pub(super) fn carried_row(&self, contact: usize) -> usize {
         2 * self.len() + self.model.memory(contact).start
     }
@@ -148,9 +148,9 @@ impl<'s> Form<'s> {
         !self.model.contacts[contact].is_elastic()
     }
 
-    /// Makes a state at a time fit the modes of its contacts, as far as they are given: those that
-    /// stick get no relative velocity, and elastic ones carry their limit in slip, nothing while
-    /// they are open, and at most their limit in any case.
+    /// Makes a state at a time fit the modes of its contacts, as far as they are given: contacts
+    /// that stick get no relative velocity; elastic ones carry their limit in slip, nothing while
+    /// they are open, and at most their limit in stick.
     pub(super) fn put_in_modes(
         &self,
         state: &mut State,

@@ -14,7 +14,7 @@ use crate::numerics::gauss::{gauss_legendre, gauss_nodes};
 use crate::series::PowerSeries;
 use crate::structure::{EnergyBudget, Step};
 
-/// What is measured once a motion is found.
+/// Measures taken once a motion is found.
 #[derive(Debug, Clone)]
 pub(super) struct Measures {
     coordinates: Vec<Coordinate>,
@@ -219,8 +219,8 @@ impl<S: System> Orbit<S> {
         self.contact(contact, |of| of.stick_duration)
     }
 
-    /// Largest sliding speed |r| of a contact while it slips: the law must be known up to there. 0
-    /// for one that never slips.
+    /// Largest sliding speed |r| of a contact while it slips, up to which the law must be known; 0
+    /// if the contact never slips.
     pub fn max_sliding_speed(&self, contact: usize) -> f64 {
         self.contact(contact, |of| of.max_sliding_speed)
     }

@@ -12,7 +12,7 @@ use crate::structure::Step;
 use crate::structure::engine::model::entry;
 
 impl TangentFlow<'_> {
-    /// What elastic contacts carry that do not stick: δT = σμ n·δq in slip, 0 while open.
+    /// The forces of elastic contacts that do not stick: δT = σμ n·δq in slip, 0 while open.
     pub(super) fn limit_elastic(&mut self, step: &Step) {
         for (c, contact) in self.form.model.contacts.iter().enumerate() {
             if contact.is_elastic() && step.modes()[c] != Mode::Stick {
@@ -66,7 +66,7 @@ impl TangentFlow<'_> {
         gradient.fold(never, |sum, &(j, n)| sum + self.row(j) * n) * -rate.recip()
     }
 
-    /// The derivative of what springs of contacts do to v' of a coordinate.
+    /// The derivative of the acceleration v' of a coordinate by the springs of contacts.
     pub(super) fn by_springs(&self, step: &Step, i: usize) -> RowDVector<f64> {
         let model = &self.form.model;
         let mut rate = self.row(0) * 0.0;
@@ -84,7 +84,8 @@ impl TangentFlow<'_> {
         rate
     }
 
-    /// The rate of what springs of contacts do to v' of a coordinate, at the end of a step.
+    /// The rate of the acceleration v' of a coordinate by the springs of contacts, at the end of a
+    /// step.
     pub(super) fn spring_rate(&self, step: &Step, i: usize) -> f64 {
         let (model, h) = (&self.form.model, step.duration());
         let velocities = step.end_state().velocities;

@@ -6,8 +6,8 @@ use super::map::PeriodMap;
 use crate::error::Error;
 
 /// An autonomous motion leaves its start and returns: its residual is at most this part of its own
-/// extent, whatever its size, and no Newton step leads farther than that. A motion that shrinks to
-/// an equilibrium, or to no duration, has a residual of its whole extent.
+/// extent, and no Newton step leads farther. A motion that shrinks to an equilibrium, or to no
+/// duration, has a residual of its whole extent.
 const RETURN: f64 = 1e-2;
 
 /// A residual below this, in units of the sizes, is rounding.

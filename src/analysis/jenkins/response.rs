@@ -152,7 +152,7 @@ const UNKNOWN: Sample = Sample {
     noise: f64::INFINITY,
 };
 
-/// Rounding error of a determinant beside its size, and of a velocity beside that of its terms.
+/// Rounding error of a determinant relative to its size, and of a velocity to that of its terms.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 impl Forced {

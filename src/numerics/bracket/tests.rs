@@ -1,4 +1,4 @@
-//! Roots of functions that are known in closed form, and how often they are asked.
+//! Roots of functions that are known in closed form, and the number of evaluations.
 
 use super::*;
 

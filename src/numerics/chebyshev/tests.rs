@@ -4,7 +4,7 @@ use super::*;
 use crate::numerics::bracket::root_between;
 use crate::numerics::testing::rough;
 
-/// A function that keeps the points at which it was looked at.
+/// A function that records the points of its evaluations.
 struct Watched<F> {
     f: F,
     seen: RefCell<Vec<f64>>,
@@ -264,7 +264,7 @@ fn brackets_need_two_values_beyond_their_noise() {
     assert!(found(&[(0.2, 0.1), (7.0, 0.1)]).is_empty() && found(&[]).is_empty());
 }
 
-/// The sign of a function all along, and at how many points it was looked at.
+/// The sign of a function throughout, and the number of evaluations.
 fn sign(noise: f64, f: impl Fn(f64) -> f64) -> (Option<bool>, usize) {
     let watched = Watched::new(f);
     let mut sample = |t| {

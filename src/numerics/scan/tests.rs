@@ -1,4 +1,4 @@
-//! Sign changes of functions that are known in closed form, and how often they are asked.
+//! Sign changes of functions that are known in closed form, and the number of evaluations.
 
 use super::*;
 
