@@ -23,3 +23,12 @@ impl std::fmt::Display for Digits {
         Plain(rounded.unwrap_or(self.0)).fmt(f)
     }
 }
+
+/// What to give instead of a number that is not allowed, for a message.
+pub(super) fn instead(value: f64, allowed: &str) -> String {
+    if value.is_finite() {
+        format!(": {allowed}")
+    } else {
+        format!("; give a finite number: {allowed}")
+    }
+}

@@ -1,0 +1,106 @@
+//! Parts of a structure that errors name, and the reasons why one has no steady sliding.
+
+use super::numbers::Plain;
+
+/// A part of a [`Structure`](crate::Structure), by its place, counted from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Element {
+    /// A mass, by its coordinate.
+    Mass(usize),
+    /// An entry of the mass matrix, by row and column.
+    MassMatrix(usize, usize),
+    /// An entry of the stiffness matrix, by row and column, or a spring, by the coordinates at its
+    /// two ends. A spring to the ground has the same coordinate twice.
+    Stiffness(usize, usize),
+    /// An entry of the damping matrix, by row and column, or a damper, by the coordinates at its
+    /// two ends. A damper to the ground has the same coordinate twice.
+    Damping(usize, usize),
+    /// The force on a coordinate, by the coordinate.
+    Force(usize),
+    /// A contact, by its number.
+    Contact(usize),
+}
+
+impl std::fmt::Display for Element {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Mass(i) => write!(f, "mass {i}"),
+            Self::MassMatrix(i, j) => write!(f, "mass matrix ({i}, {j})"),
+            Self::Stiffness(i, j) => write!(f, "stiffness ({i}, {j})"),
+            Self::Damping(i, j) => write!(f, "damping ({i}, {j})"),
+            Self::Force(i) => write!(f, "force on coordinate {i}"),
+            Self::Contact(i) => write!(f, "contact {i}"),
+        }
+    }
+}
+
+/// The reason why a [`Structure`](crate::Structure) has no steady sliding.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum NotSliding {
+    /// A drive varies in time.
+    Driven,
+    /// The surfaces of a contact are at rest on each other when all masses are.
+    NoSpeed {
+        /// Number of the contact.
+        contact: usize,
+    },
+    /// The normal load of a contact is not positive there.
+    NoLoad {
+        /// Number of the contact.
+        contact: usize,
+        /// Its load, in units of force.
+        load: f64,
+    },
+    /// An elastic contact is at rest when all masses are: any force up to its limit holds it, and
+    /// equilibria are a continuum.
+    Continuum {
+        /// Number of the contact.
+        contact: usize,
+    },
+    /// The memory of a contact has no state in which it stays.
+    NoSteadyMemory {
+        /// Number of the contact.
+        contact: usize,
+    },
+    /// The stiffness matrix, with what friction adds to it, is singular.
+    Singular,
+    /// The eigenvalues could not be computed.
+    Eigenvalues,
+}
+
+impl std::fmt::Display for NotSliding {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Driven => f.write_str("a drive varies in time; make all drives constant"),
+            Self::NoSpeed { contact } => write!(
+                f,
+                "contact {contact} has no sliding speed where all masses are at rest; give its \
+                 surface a velocity"
+            ),
+            Self::NoLoad { contact, load } => write!(
+                f,
+                "contact {contact} has the load {} there; press it together",
+                Plain(*load)
+            ),
+            Self::Continuum { contact } => write!(
+                f,
+                "elastic contact {contact} is at rest where all masses are, and carries any force \
+                 up to its limit: equilibria are a continuum; simulate to one of them, or give its \
+                 surface a velocity"
+            ),
+            Self::NoSteadyMemory { contact } => write!(
+                f,
+                "the memory of contact {contact} comes to no steady state while it slides"
+            ),
+            Self::Singular => f.write_str(
+                "the stiffness matrix is singular; restrain the rigid-body modes, for example by \
+                 a spring to the ground in a frame that moves along",
+            ),
+            Self::Eigenvalues => {
+                f.write_str("the eigenvalues could not be computed; check the sizes of the entries")
+            }
+        }
+    }
+}
