@@ -1,3 +1,4 @@
+use approx::assert_abs_diff_eq;
 use num_bigint::BigInt;
 use proptest::prelude::*;
 
@@ -82,7 +83,7 @@ fn phases_are_exact_after_a_billion_periods() {
                     (value - exact).abs() <= allowed,
                     "{frequency} {periods}: {value} {exact}"
                 );
-                assert!((slope - exact_slope).abs() <= allowed * frequency);
+                assert_abs_diff_eq!(slope, exact_slope, epsilon = allowed * frequency);
             }
         }
     }
@@ -192,7 +193,7 @@ fn integrals_are_closed() {
     let time = 1e6 * TAU / 1.3;
     let (_, cosine) = exact_sin_cos(1.3, &[time]);
     let closed = sine.integral(Clock::at(0.0), Clock::at(time));
-    assert!((closed - (1.0 - cosine) / 1.3).abs() < 4e-16);
+    assert_abs_diff_eq!(closed, (1.0 - cosine) / 1.3, epsilon = 4e-16);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Averaging against closed forms, against its own definition, and against a scan for cycles.
 
+use approx::assert_abs_diff_eq;
 use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
 
@@ -210,7 +211,7 @@ fn a_fold_is_followed_until_both_cycles_meet() {
     // The exact fold at this load is at 1.457833217; averaging is O(ε²) away.
     assert!((two - 1.457833217465865).abs() < 2e-5, "{two}");
     let pair = cycles(&at(two)).unwrap();
-    assert!((pair[0].amplitude() - pair[1].amplitude()).abs() < 1e-5);
+    assert_abs_diff_eq!(pair[0].amplitude(), pair[1].amplitude(), epsilon = 1e-5);
     assert!((pair[0].multiplier() - 1.0).abs() < 1e-6 && (pair[1].multiplier() - 1.0).abs() < 1e-6);
 }
 

@@ -1,5 +1,6 @@
 //! The formulas against their reference values, in degenerate cases, and for hostile input.
 
+use approx::assert_abs_diff_eq;
 use std::collections::BTreeSet;
 use std::f64::consts::{E, PI, TAU};
 
@@ -353,7 +354,7 @@ fn paper_arc_serves_any_law() {
             .unwrap();
         let formulas = StickSlip::new(&system).unwrap();
         let kappa = kappa(&system);
-        assert!((formulas.kappa() - kappa).abs() < 1e-15);
+        assert_abs_diff_eq!(formulas.kappa(), kappa, epsilon = 1e-15);
         assert_eq!(formulas.amplitude(), 0.3 * formulas.kappa().hypot(1.0));
         assert_eq!(formulas.velocity_amplitude(), formulas.amplitude());
         assert_eq!(formulas.stick_duration(), 2.0 * formulas.kappa());
@@ -430,7 +431,7 @@ fn hopf_velocities_at_the_ends_of_their_range() {
             .unwrap()
             .map(|point| point.velocity());
         assert!(low < 0.5_f64.sqrt() && high > 0.5_f64.sqrt());
-        assert!((low * (-low * low).exp() / beta - 1.0).abs() < 4e-16);
+        assert_abs_diff_eq!(low * (-low * low).exp() / beta, 1.0, epsilon = 4e-16);
         assert!((high.ln() - high * high - beta.ln()).abs() < 4e-16 * beta.ln().abs());
     }
 }
@@ -484,7 +485,7 @@ fn free_vibration_rests_in_the_stick_band() {
             .zip([(0.0, -1.7), (1.0, 0.7), (2.0, 0.3)])
     {
         assert_eq!(time, n * PI);
-        assert!((turn - expected).abs() < 4e-16);
+        assert_abs_diff_eq!(turn, expected, epsilon = 4e-16);
     }
     assert!((turns(State::new(0.2, -1.0))[0].1 - (0.5 - 0.3_f64.hypot(1.0))).abs() < 1e-15);
     let motion = FreeVibration::new(&system, State::new(0.2, -1.0)).unwrap();
@@ -588,7 +589,7 @@ fn laws_are_looked_at_in_the_range_alone_and_vertical_tangents_are_errors() {
     let system = MassOnBelt::new(Ends, 0.5).unwrap();
     // The slope −1/(2√(0.8 − s)), halved.
     let found = design::stabilizing_damping_over(&system, 0.3..0.55).unwrap();
-    assert!((found - 0.5).abs() < 1e-15);
+    assert_abs_diff_eq!(found, 0.5, epsilon = 1e-15);
     // Whether the range ends there or goes on to where the law is not a number.
     for end in [0.8, 0.9] {
         let error = design::stabilizing_damping_over(&system, 0.3..end).unwrap_err();
@@ -738,12 +739,12 @@ fn transients_at_the_border_of_stability_decay_by_a_power() {
     for (start, time) in [(0.1, 40.0), (0.3, 1e6), (0.3, -20.0)] {
         let amplitude = formulas.transient(start, 0.0).unwrap().amplitude(time);
         let expected = (1.0 / (start * start) + 0.45 * time).sqrt().recip();
-        assert!((amplitude.unwrap() / expected - 1.0_f64).abs() < 1e-14);
+        assert_abs_diff_eq!(amplitude.unwrap() / expected, 1.0_f64, epsilon = 1e-14);
     }
     // After a long time there is the cycle, or nothing.
     let growing = PureSlip::new(&paper(0.42)).unwrap();
     let late = growing.transient(0.01, 0.0).unwrap().amplitude(1e6);
-    assert!((late.unwrap() - growing.amplitude().unwrap()).abs() < 1e-15);
+    assert_abs_diff_eq!(late.unwrap(), growing.amplitude().unwrap(), epsilon = 1e-15);
     let decaying = PureSlip::new(&paper(0.6)).unwrap();
     assert_eq!(
         decaying.transient(0.01, 0.0).unwrap().amplitude(1e6),
@@ -773,7 +774,7 @@ fn transient_states_lie_on_the_circle_of_their_amplitude_at_their_phase() {
             state.displacement - equilibrium(&system).unwrap().displacement,
             state.velocity,
         );
-        assert!((z.hypot(v) - amplitude.unwrap()).abs() < 1e-15);
+        assert_abs_diff_eq!(z.hypot(v), amplitude.unwrap(), epsilon = 1e-15);
         assert!(((z.atan2(v) - 0.4 - time).sin()).abs() < 1e-14 && (v * (0.4 + time).cos() > 0.0));
     }
 }
@@ -785,8 +786,8 @@ fn displacements_are_counted_from_the_equilibrium() {
         let displacement = equilibrium(&system).unwrap().displacement;
         let formulas = StickSlip::new(&system).unwrap();
         for cycle in [formulas.first_order(), formulas.second_order()].map(Option::unwrap) {
-            assert!((cycle.u_max - displacement - cycle.z_max).abs() < 1e-15);
-            assert!((cycle.u_min - displacement - cycle.z_min).abs() < 1e-15);
+            assert_abs_diff_eq!(cycle.u_max - displacement, cycle.z_max, epsilon = 1e-15);
+            assert_abs_diff_eq!(cycle.u_min - displacement, cycle.z_min, epsilon = 1e-15);
             assert!(cycle.z_min < 0.0 && cycle.z_max > 0.0);
             let along = if v_b > 0.0 { cycle.v_max } else { cycle.v_min };
             assert_eq!(along, v_b);
@@ -796,9 +797,9 @@ fn displacements_are_counted_from_the_equilibrium() {
             .third_order()
             .unwrap();
         let displacement = equilibrium(&paper(2.1 * v_b)).unwrap().displacement;
-        assert!((cycle.u_max - displacement - cycle.z_max).abs() < 1e-15);
-        assert!((cycle.u_min - displacement - cycle.z_min).abs() < 1e-15);
-        assert!((cycle.u_mean - displacement - cycle.z_mean).abs() < 1e-15);
+        assert_abs_diff_eq!(cycle.u_max - displacement, cycle.z_max, epsilon = 1e-15);
+        assert_abs_diff_eq!(cycle.u_min - displacement, cycle.z_min, epsilon = 1e-15);
+        assert_abs_diff_eq!(cycle.u_mean - displacement, cycle.z_mean, epsilon = 1e-15);
         assert!((cycle.amplitude - 0.5 * (cycle.u_max - cycle.u_min)).abs() < 1e-15);
     }
 }
@@ -1006,7 +1007,7 @@ fn coulomb_at_the_ends_of_the_numbers() {
         let leading = 1.0 / ((4.0 * PI).sqrt() * beta.sqrt());
         let error = slip.velocity_factor / leading - 1.0;
         assert!(error.abs() < 1e-11, "{beta}: {error}");
-        assert!((slip.duration - 2.0 * PI).abs() <= 4.0 * beta.sqrt() + 1e-15);
+        assert_abs_diff_eq!(slip.duration, 2.0 * PI, epsilon = 4.0 * beta.sqrt() + 1e-15);
     }
     // On both sides of the place where the closed form takes over.
     let [below, above] = [1e-17, 0.999e-17].map(|beta| tangential_slip(beta).unwrap());

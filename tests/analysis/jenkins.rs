@@ -1,6 +1,7 @@
 //! Jenkins elements and Iwan's joint: closed forms against each other, against quadrature, against
 //! sliders followed one by one, against 25-digit cycles and for hostile input.
 
+use approx::assert_abs_diff_eq;
 use std::f64::consts::{PI, TAU};
 
 use proptest::{prop_assert, prop_assert_eq};
@@ -202,7 +203,7 @@ fn the_backbone_is_where_the_force_is_in_quadrature() {
         let point = backbone(m, c, k, k_t, limit, amplitude).unwrap();
         let omega = point.angular_frequency;
         let (added, damper, loss) = first_harmonic(k_t, limit, amplitude, omega);
-        assert!((k + added - m * omega * omega).abs() < 1e-15);
+        assert_abs_diff_eq!(k + added, m * omega * omega, epsilon = 1e-15);
         // The energy per cycle is 4πζ times that of the spring.
         let energy = 0.5 * m * (omega * amplitude).powi(2);
         let total = loss + PI * c * omega * amplitude * amplitude;
@@ -639,8 +640,8 @@ fn elements_are_tangents_with_the_stiffness_and_the_force_of_the_joint() {
         assert!(elements.iter().all(|&(k, limit)| k > 0.0 && limit > 0.0));
         let stiffness: f64 = elements.iter().map(|e| e.0).sum();
         let force: f64 = elements.iter().map(|e| e.1).sum();
-        assert!((stiffness / joint.stiffness() - 1.0).abs() < 1e-14);
-        assert!((force / joint.slip_force() - 1.0).abs() < 1e-14);
+        assert_abs_diff_eq!(stiffness / joint.stiffness(), 1.0, epsilon = 1e-14);
+        assert_abs_diff_eq!(force / joint.slip_force(), 1.0, epsilon = 1e-14);
         let longest = joint.largest_break_free();
         let small = 1e-14 * joint.slip_force();
         for i in 1..=n {
@@ -688,8 +689,8 @@ fn elements_have_25_digits() {
     let contacts = list(&case["system"]["contacts"]);
     assert_eq!(elements.len(), contacts.len());
     for ((stiffness, limit), contact) in elements.into_iter().zip(contacts) {
-        assert!((stiffness / number(&contact["kt"]) - 1.0).abs() < 1e-15);
-        assert!((limit / number(&contact["N0"]) - 1.0).abs() < 1e-15);
+        assert_abs_diff_eq!(stiffness / number(&contact["kt"]), 1.0, epsilon = 1e-15);
+        assert_abs_diff_eq!(limit / number(&contact["N0"]), 1.0, epsilon = 1e-15);
     }
 }
 
@@ -697,21 +698,21 @@ fn elements_have_25_digits() {
 fn joints_have_their_limits() {
     // All sliders at φ_max: one Jenkins element.
     let one = Iwan4::new(3.0, 2.0, -0.5, 1e300).unwrap();
-    assert!((one.largest_break_free() - 1.5).abs() < 1e-15);
-    assert!((one.backbone(1.0) - 2.0).abs() < 1e-15);
+    assert_abs_diff_eq!(one.largest_break_free(), 1.5, epsilon = 1e-15);
+    assert_abs_diff_eq!(one.backbone(1.0), 2.0, epsilon = 1e-15);
     assert!((one.dissipation(4.0) - loop_area(2.0, 3.0, 4.0)).abs() < 1e-14);
     // An exponent near −1 makes a joint that slips at any displacement: slip of the logarithm.
     let sharp = Iwan4::new(1.0, 1.0, (-1.0_f64).next_up(), 0.0).unwrap();
     let longest = sharp.largest_break_free();
     for part in [1e-3_f64, 0.1, 0.5] {
         let leading = part * (1.0 - part.ln());
-        assert!((sharp.backbone(part * longest) - leading).abs() < 1e-14);
+        assert_abs_diff_eq!(sharp.backbone(part * longest), leading, epsilon = 1e-14);
     }
     // Uniform: F = K_T u − R u²/2.
     let uniform = Iwan4::new(1.0, 2.0, 0.0, 0.0).unwrap();
     assert_eq!(uniform.largest_break_free(), 1.0);
-    assert!((uniform.backbone(0.25) - (0.5 - 0.0625)).abs() < 1e-16);
-    assert!((uniform.dissipation(0.5) - 8.0 * 0.125 / 6.0).abs() < 1e-16);
+    assert_abs_diff_eq!(uniform.backbone(0.25), (0.5 - 0.0625), epsilon = 1e-16);
+    assert_abs_diff_eq!(uniform.dissipation(0.5), 8.0 * 0.125 / 6.0, epsilon = 1e-16);
 
     assert!(uniform.backbone(f64::NAN).is_nan());
     assert_eq!(uniform.backbone(-f64::INFINITY), -1.0);

@@ -3,6 +3,7 @@
 
 use crate::common::paper;
 use crate::common::polynomials::{Polynomials, coefficients};
+use approx::assert_abs_diff_eq;
 use stick_slip::analysis::averaging::{cycles, drift};
 use stick_slip::analysis::{PureSlip, Regime, StickSlip, equilibrium, regime};
 use stick_slip::{CycleKind, EventKind, Exponential, FrictionLaw, MassOnBelt, Polynomial};
@@ -41,12 +42,12 @@ fn misprint_eq_10b_h2_has_one_power_of_the_belt_velocity() {
         2.0 * system.damping() * y + system.load() * (mu(y - 0.4) - mu(-0.4))
     };
     let even = 0.5 * (h(0.1) + h(-0.1)) / 0.01;
-    assert!((formulas.h2() - even).abs() < 1e-13);
+    assert_abs_diff_eq!(formulas.h2(), even, epsilon = 1e-13);
     let printed = -formulas.eta() * (0.4_f64 / 0.5).powi(2);
     assert!((printed - even).abs() > 0.4);
     for y in [-0.3, -0.1, 0.2, 0.399] {
         let cubic = ((formulas.h3() * y + formulas.h2()) * y + formulas.h1()) * y;
-        assert!((cubic - h(y)).abs() < 1e-15);
+        assert_abs_diff_eq!(cubic, h(y), epsilon = 1e-15);
     }
 }
 
@@ -64,7 +65,7 @@ fn misprint_eq_13_amplitude_has_4_over_3() {
     let formulas = PureSlip::new(&system).unwrap();
     let ratio = -formulas.h1() / formulas.h3();
     let (corrected, printed) = ((4.0 / 3.0 * ratio).sqrt(), (0.75 * ratio).sqrt());
-    assert!((formulas.amplitude().unwrap() - corrected).abs() < 1e-15);
+    assert_abs_diff_eq!(formulas.amplitude().unwrap(), corrected, epsilon = 1e-15);
     // The averaged motion neither grows nor decays at the one, and grows at the other.
     assert!(drift(&system, corrected).unwrap().abs() < 1e-17);
     assert!(drift(&system, printed).unwrap() > 1e-3);
@@ -84,13 +85,13 @@ fn misprint_v_b0_is_below_v_b1() {
     assert!(v_b0 < v_b1);
     // At v_b0 the averaged motion just reaches the belt; between the two it does not.
     let touching = PureSlip::new(&paper(v_b0)).unwrap();
-    assert!((touching.amplitude().unwrap() - v_b0).abs() < 1e-15);
+    assert_abs_diff_eq!(touching.amplitude().unwrap(), v_b0, epsilon = 1e-15);
     assert!(formulas.is_valid(), "Fig. 4, v_b = 0.4, is pure slip");
     // The better grazing velocity lies where the formula for its error says: relative O(q²) above
     // v_b0.
     let q = 0.8 * formulas.eta() * (v_b1 / 0.5).powi(2);
     let shift = formulas.grazing_velocity().unwrap() / v_b0 - 1.0;
-    assert!((shift / (q * q) - 3461.0 / 76800.0).abs() < 1e-12);
+    assert_abs_diff_eq!(shift / (q * q), 3461.0 / 76800.0, epsilon = 1e-12);
 }
 
 #[test]
@@ -141,7 +142,7 @@ fn numerics_eq_2_mass_is_released_at_gamma_squared_mu_s() {
         let release = motion.events()[0];
         assert!(matches!(release.kind, EventKind::Release(_)));
         let force = release.state.displacement + 2.0 * 0.05 * 0.2;
-        assert!((force - load * 0.4).abs() < 1e-14);
+        assert_abs_diff_eq!(force, load * 0.4, epsilon = 1e-14);
         // Printed: 2βv_b + u ≤ μ_s.
         assert!((force - 0.4).abs() > 0.1);
     }
@@ -167,7 +168,7 @@ fn numerics_eq_7_steady_sliding_stays_where_friction_at_the_belt_velocity_puts_i
     // Printed: ū = γ²μ(v_r), with v_r = −v_b at rest. The mass leaves that place for good.
     assert!(drift(-friction) > 0.2);
     let settled = system.simulate(State::new(-friction, 0.0), 2000.0).unwrap();
-    assert!((settled.last().displacement - friction).abs() < 1e-10);
+    assert_abs_diff_eq!(settled.last().displacement, friction, epsilon = 1e-10);
 }
 
 #[test]
@@ -193,8 +194,8 @@ fn numerics_eq_10b_mean_displacement_tells_h2() {
         rest,
     );
     let by_h2 = |h2: f64| -0.5 * formulas.amplitude().unwrap().powi(2) * h2;
-    assert!((exact / by_h2(formulas.h2()) - 1.0).abs() < 0.02);
-    assert!((other / by_h2(printed_h2) - 1.0).abs() < 0.02);
+    assert_abs_diff_eq!(exact / by_h2(formulas.h2()), 1.0, epsilon = 0.02);
+    assert_abs_diff_eq!(other / by_h2(printed_h2), 1.0, epsilon = 0.02);
     assert!(exact > 2.0 * by_h2(printed_h2));
 }
 
@@ -209,9 +210,9 @@ fn numerics_eq_13_amplitude_is_that_of_4_over_3() {
     let cycles = limit_cycle::find(&system).unwrap();
     let exact = cycles.iter().next().unwrap().amplitude();
     let ratio = -formulas.h1() / formulas.h3();
-    assert!(((4.0 / 3.0 * ratio).sqrt() / exact - 1.0).abs() < 1e-4);
+    assert_abs_diff_eq!((4.0 / 3.0 * ratio).sqrt() / exact, 1.0, epsilon = 1e-4);
     // Printed: 3/4 for 4/3, which is √(9/16) of it.
-    assert!(((0.75 * ratio).sqrt() / exact - 0.75).abs() < 1e-4);
+    assert_abs_diff_eq!((0.75 * ratio).sqrt() / exact, 0.75, epsilon = 1e-4);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Laws that break their contract, or use its edges: what stepping makes of them.
 
+use approx::assert_abs_diff_eq;
 use std::cell::Cell;
 
 use crate::common::TurnsNan;
@@ -46,7 +47,7 @@ fn negative_friction_is_followed_as_it_is() {
     for (time, state) in motion.sample(50) {
         // v_r > 0: u'' + u − 0.1 = 0.
         let expected = 0.1 + 0.2 * time.cos();
-        assert!((state.displacement - expected).abs() < 1e-15);
+        assert_abs_diff_eq!(state.displacement, expected, epsilon = 1e-15);
     }
 }
 
@@ -102,8 +103,8 @@ fn breakpoints_that_change_cut_steps_and_no_more() {
     for calls in 0..28 {
         let system = MassOnBelt::new(Wandering(Cell::new(calls)), 0.2).unwrap();
         let last = system.simulate(State::new(0.0, 0.0), 30.0).unwrap().last();
-        assert!((last.displacement - steady.displacement).abs() < 1e-13);
-        assert!((last.velocity - steady.velocity).abs() < 1e-13);
+        assert_abs_diff_eq!(last.displacement, steady.displacement, epsilon = 1e-13);
+        assert_abs_diff_eq!(last.velocity, steady.velocity, epsilon = 1e-13);
     }
 }
 

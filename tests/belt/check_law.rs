@@ -3,6 +3,7 @@
 
 use crate::common::polynomials::Polynomials;
 use crate::common::property::for_all;
+use approx::assert_abs_diff_eq;
 use proptest::prelude::*;
 use stick_slip::{
     AnyLaw, Coulomb, Error, Exponential, FrictionLaw, LawFault, MassOnBelt, Polynomial, Rational,
@@ -101,7 +102,7 @@ fn jumps_are_found_to_the_last_bits() {
     else {
         panic!("{:?}", faults(&jump()))
     };
-    assert!((speed - 0.3).abs() < 1e-15);
+    assert_abs_diff_eq!(speed, 0.3, epsilon = 1e-15);
     assert!((below - 0.37).abs() < 1e-14 && (above - 0.27).abs() < 1e-14);
     let [LawFault::Jump { speed, .. }] = faults(&jump_in_the_middle())[..] else {
         panic!()
@@ -189,7 +190,7 @@ fn narrow_features_are_found_and_others_are_not_called_narrow() {
         let [LawFault::Narrow { speed, width: is }] = found[..] else {
             panic!("{found:?}")
         };
-        assert!((speed - 0.7).abs() < 1e-3);
+        assert_abs_diff_eq!(speed, 0.7, epsilon = 1e-3);
         assert!((is - width(w)).abs() < 2e-3, "{is}");
     }
     let wide = Bump {

@@ -2,6 +2,7 @@
 
 use crate::common::Random;
 use crate::simple::{Seen, Simple, told};
+use approx::assert_abs_diff_eq;
 use stick_slip::{
     Coulomb, Direction, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Rational, State,
     Stribeck, Tabulated,
@@ -228,5 +229,5 @@ fn the_simple_integrator_meets_the_known_slip_duration() {
         ('r', Direction::Lagging.sign(), 's')
     );
     // 25 digits are known.
-    assert!((stick.0 - release.0 - 5.169862999532134).abs() < 1e-10);
+    assert_abs_diff_eq!(stick.0 - release.0, 5.169862999532134, epsilon = 1e-10);
 }

@@ -3,6 +3,7 @@
 // Reference numbers keep the digits they were computed with.
 #![allow(clippy::excessive_precision)]
 
+use approx::assert_abs_diff_eq;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::common::{Decay, Leine, Random, Table, paper, ulp};
@@ -1573,7 +1574,7 @@ fn samples_end_with_the_motion() {
             );
             for (i, (time, state)) in samples.iter().enumerate() {
                 let expected = duration * i as f64 / (n - 1) as f64;
-                assert!((time - expected).abs() <= ulp(duration));
+                assert_abs_diff_eq!(*time, expected, epsilon = ulp(duration));
                 assert_eq!(motion.state_at(*time), Some(*state));
             }
         }

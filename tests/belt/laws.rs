@@ -2,6 +2,7 @@
 
 use crate::common::Decay;
 use crate::common::polynomials::Polynomials;
+use approx::assert_abs_diff_eq;
 use stick_slip::{
     AnyLaw, Coulomb, Error, EventKind, Exponential, FrictionLaw, MassOnBelt, Mode, Physical,
     Polynomial, Rational, Scalar, Scaling, State, Step, Stribeck, Tabulated, Trajectory,
@@ -482,7 +483,7 @@ fn leines_law_has_the_period_of_an_independent_integration() {
         .filter(|event| matches!(event.kind, EventKind::Release(_)))
         .map(|event| event.time)
         .collect();
-    assert!((releases[1] - releases[0] - 12.0010312948).abs() < 1e-9);
+    assert_abs_diff_eq!(releases[1] - releases[0], 12.0010312948, epsilon = 1e-9);
 }
 
 #[test]
@@ -574,7 +575,7 @@ fn table_goes_through_its_points_and_between_them_only_as_they_do() {
 fn table_has_the_slopes_of_pchip() {
     let law = Tabulated::new([(0.0, 0.5), (1.0, 0.3), (3.0, 0.2), (4.0, 0.2)]).unwrap();
     // Chords −0.2, −0.05, 0 of lengths 1, 2, 1.
-    assert!((law.slope(0.0) - (-(4.0 * 0.2) + 0.05) / 3.0).abs() < 1e-16);
+    assert_abs_diff_eq!(law.slope(0.0), (-(4.0 * 0.2) + 0.05) / 3.0, epsilon = 1e-16);
     assert!((law.slope(1.0) - 9.0 / (5.0 / -0.2 + 4.0 / -0.05)).abs() < 1e-16);
     assert_eq!(law.slope(3.0), 0.0);
     assert_eq!(law.slope(4.0), 0.0);

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use approx::assert_relative_eq;
+use approx::{assert_abs_diff_eq, assert_relative_eq};
 use stick_slip::{
     Attractor, Ended, Error, Exponential, FrictionLaw, Integrator, Physical, PhysicalMassOnBelt,
     Scalar, Scaling, Segment, State, Step, Stribeck, Structure, Tabulated, bifurcation,
@@ -116,7 +116,7 @@ fn cycles_and_events_are_those_of_the_dimensionless_system() {
             .zip(plain.trajectory().events())
         {
             assert_eq!(a.kind, b.kind);
-            assert!((a.time - scaling.seconds(b.time)).abs() < 1e-15);
+            assert_abs_diff_eq!(a.time, scaling.seconds(b.time), epsilon = 1e-15);
             assert_relative_eq!(
                 a.state.displacement,
                 scaling.metres(b.state.displacement),

@@ -1,6 +1,7 @@
 //! Runs that stop: at a condition on the state, after events, at a limit; what they return is the
 //! motion up to there, the same as without the stop.
 
+use approx::assert_abs_diff_eq;
 use stick_slip::{
     Contact, Coulomb, Ended, Error, Event, Integrator, MassOnBelt, Mode, Segment, State, Structure,
     structure,
@@ -77,7 +78,7 @@ fn a_motion_that_is_stopped_can_go_on() {
         time += motion.duration();
         from = motion.last();
         let there = whole.state_at(time).unwrap();
-        assert!((from.displacement - there.displacement).abs() < 1e-13);
+        assert_abs_diff_eq!(from.displacement, there.displacement, epsilon = 1e-13);
         turns += 1;
     }
     assert_eq!(turns, 6);
@@ -176,7 +177,7 @@ fn a_structure_stops_as_a_belt_does() {
             step.first_zero(|state| state.displacements[0] - 0.35)
         })
         .unwrap();
-    assert!((here.duration() - there.duration()).abs() < 1e-14);
+    assert_abs_diff_eq!(here.duration(), there.duration(), epsilon = 1e-14);
     assert_eq!(there.ended(), &Ended::Stopped);
     assert_eq!(there.events().len(), here.events().len());
 }

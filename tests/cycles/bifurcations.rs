@@ -1,6 +1,7 @@
 //! Bifurcation velocities against 25-digit reference data, and Hopf velocities of laws that are
 //! hard for a search.
 
+use approx::assert_abs_diff_eq;
 use std::ops::Range;
 
 use crate::common::any::Wave;
@@ -337,7 +338,7 @@ fn hopf_is_not_where_the_slope_touches_zero() {
     for depth in [3e-12, 1e-11] {
         let found = dip(depth);
         assert_eq!(found.len(), 2, "{depth}: {found:?}");
-        assert!((found[1] - found[0] - 2.0 * depth.sqrt()).abs() < 1e-8);
+        assert_abs_diff_eq!(found[1] - found[0], 2.0 * depth.sqrt(), epsilon = 1e-8);
     }
     // Nothing changes its sign where friction is constant and there is no damping.
     let flat = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), 0.2).unwrap();
@@ -435,7 +436,7 @@ fn hopf_search_ends_whatever_the_range_and_the_law() {
     let [wide] = hopf_velocities(&system, 0.0..1e10).unwrap()[..] else {
         panic!()
     };
-    assert!((wide - near).abs() < 1e-14);
+    assert_abs_diff_eq!(wide, near, epsilon = 1e-14);
     for end in [1e100, 1e300] {
         assert!(matches!(
             hopf_velocities(&system, 0.0..end),

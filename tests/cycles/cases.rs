@@ -2,6 +2,7 @@
 
 use crate::common::polynomials::Polynomials;
 use crate::common::{Random, paper};
+use approx::assert_abs_diff_eq;
 use stick_slip::analysis::{averaging, coulomb};
 use stick_slip::bifurcation::{grazing_velocities, hopf_velocities};
 use stick_slip::limit_cycle::{self, Attractor, attractor};
@@ -285,7 +286,7 @@ fn motions_between_pure_slip_cycles_end_on_their_neighbours() {
         let peaks = [inner, middle, outer].map(LimitCycle::max_velocity);
         for (peak, square) in std::iter::zip(peaks, [0.1_f64, 0.3, 0.6]) {
             let averaged = square.sqrt() * unit;
-            assert!((peak - averaged).abs() < 1e-3 * averaged);
+            assert_abs_diff_eq!(peak, averaged, epsilon = 1e-3 * averaged);
         }
         let from = |velocity: f64| {
             let displacement = unit * system.law().kinetic(unit - velocity);
@@ -455,8 +456,8 @@ fn cycles_without_static_friction() {
         assert!((end.displacement - cycle.state().displacement).abs() < 1e-12);
     }
     let [a, b] = found.each_ref().map(|cycles| cycles.iter().next().unwrap());
-    assert!((a.period() - b.period()).abs() < 1e-13);
-    assert!((a.amplitude() - b.amplitude()).abs() < 1e-13);
+    assert_abs_diff_eq!(a.period(), b.period(), epsilon = 1e-13);
+    assert_abs_diff_eq!(a.amplitude(), b.amplitude(), epsilon = 1e-13);
     for start in [0.1, 3.0] {
         let end = attractor(&none, State::new(start, 0.0)).unwrap();
         assert_eq!(end, Attractor::Cycle(a.clone()), "{start}");

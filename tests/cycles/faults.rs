@@ -2,6 +2,7 @@
 //! at rest, units in which squares overflow.
 
 use crate::common::{Random, Table, TurnsNan};
+use approx::assert_abs_diff_eq;
 use stick_slip::bifurcation::AttractorKind;
 use stick_slip::limit_cycle::{self, Attractor};
 use stick_slip::{
@@ -171,7 +172,7 @@ fn a_continuum_begins_where_the_belt_passes_a_breakpoint() {
     let [below, beyond] = &ranges[..] else {
         panic!("{ranges:?}")
     };
-    assert!((below.velocities.end - 0.7).abs() < 1e-11);
+    assert_abs_diff_eq!(below.velocities.end, 0.7, epsilon = 1e-11);
     assert_eq!(below.attractors[0], AttractorKind::Equilibrium);
     assert_eq!(beyond.attractors[0], AttractorKind::Continuum);
     for excess in [1e-12, 1e-9, 1e-6, 1e-4, 1e-2, 0.2] {
@@ -204,7 +205,7 @@ fn a_cycle_round_a_continuum_is_kept() {
         (inner.kind(), inner.is_stable()),
         (CycleKind::PureSlip, false)
     );
-    assert!((inner.multiplier() - 1.061_624_813_772_26).abs() < 1e-9);
+    assert_abs_diff_eq!(inner.multiplier(), 1.061_624_813_772_26, epsilon = 1e-9);
     assert_eq!(
         (outer.kind(), outer.is_stable()),
         (CycleKind::StickSlip, true)
@@ -273,7 +274,7 @@ fn energies_beyond_the_largest_number_are_infinite_and_never_nan() {
                 assert!(same, "{unit:e}: {large:e}, {expected:e}");
             }
             let rms = large.rms_velocity() / unit;
-            assert!((rms / one.rms_velocity() - 1.0).abs() < 1e-14);
+            assert_abs_diff_eq!(rms / one.rms_velocity(), 1.0, epsilon = 1e-14);
         }
     }
 }
@@ -286,7 +287,9 @@ fn no_cycle_holds_a_static_coefficient_that_has_turned_nan() {
             continue;
         };
         match limit_cycle::stick_slip(&system) {
-            Ok(cycle) => assert!((cycle.unwrap().period() - 6.985871959728993).abs() < 1e-12),
+            Ok(cycle) => {
+                assert_abs_diff_eq!(cycle.unwrap().period(), 6.985871959728993, epsilon = 1e-12);
+            }
             Err(Error::InvalidParameter { name, value, .. }) => {
                 assert!(name == "static_coefficient" && value.is_nan());
             }

@@ -1,6 +1,7 @@
 //! What motions settle to: against the complete search of one mass, against known motions, and
 //! sweeps with hysteresis.
 
+use approx::assert_abs_diff_eq;
 use std::ops::ControlFlow::{Break, Continue};
 
 use stick_slip::limit_cycle::{self, Attractor as Planar};
@@ -137,7 +138,7 @@ fn chaos_rest_and_what_is_held() {
         .unwrap();
     let found = classify(&level, &State::new(&[0.3], &[0.5])).unwrap();
     assert_eq!(found.kind(), AttractorKind::PureSlip);
-    assert!((found.orbit().unwrap().amplitude(0) - 0.5).abs() < 1e-12);
+    assert_abs_diff_eq!(found.orbit().unwrap().amplitude(0), 0.5, epsilon = 1e-12);
     // Drives without a common period.
     let ramp = block(0.5)
         .unwrap()

@@ -1,6 +1,7 @@
 //! Branches over a parameter: bifurcations known to 25 digits, the belt's own numbers, ends, and
 //! families that misbehave.
 
+use approx::assert_abs_diff_eq;
 use std::cell::Cell;
 
 use serde_json::Value;
@@ -300,7 +301,7 @@ fn a_family_that_jumps_ends_the_branch() {
     let BranchEnd::Lost { parameter, .. } = branch.ends[1] else {
         panic!("{:?}", branch.ends)
     };
-    assert!((parameter - 0.35).abs() < 1e-6);
+    assert_abs_diff_eq!(parameter, 0.35, epsilon = 1e-6);
 }
 
 #[test]
@@ -478,7 +479,7 @@ fn where_a_block_breaks_loose_the_branch_ends_by_a_jump() {
     assert_eq!(events, &[]);
     assert_eq!(beyond[0], (0, EventKind::Release(Direction::Lagging)));
     for point in &branch.points {
-        assert!((place(&point.orbit) - 0.25).abs() < 1e-3);
+        assert_abs_diff_eq!(place(&point.orbit), 0.25, epsilon = 1e-3);
     }
 }
 

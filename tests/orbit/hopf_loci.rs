@@ -1,5 +1,6 @@
 //! Hopf curves of steady sliding in two parameters: closed forms, and points known to 25 digits.
 
+use approx::assert_abs_diff_eq;
 use stick_slip::bifurcation::{Criticality, HopfLocus, hopf_locus};
 use stick_slip::nalgebra::DMatrix;
 use stick_slip::orbit::{LocusEnd, SpecialKind};
@@ -160,7 +161,7 @@ fn bristles_have_the_stability_limit_of_their_eigenvalues() {
                 there.re.abs() < 1e-12 * there.norm().max(1.0),
                 "{v_b}: {there}"
             );
-            assert!((there.im - point.frequency).abs() < 1e-11);
+            assert_abs_diff_eq!(there.im, point.frequency, epsilon = 1e-11);
             assert!(pair(damping + 1e-6).re < 0.0 && pair(damping - 1e-6).re > 0.0);
         }
     }

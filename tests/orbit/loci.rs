@@ -1,5 +1,6 @@
 //! Curves of bifurcations in two parameters, known to 25 digits.
 
+use approx::assert_abs_diff_eq;
 use std::ops::Range;
 
 use serde_json::Value;
@@ -218,7 +219,7 @@ fn tori_of_a_forced_pure_slip_motion() {
     // In between multipliers lie on the unit circle.
     for point in &below.points {
         let product: f64 = point.orbit.multipliers().iter().map(|m| m.norm()).product();
-        assert!((product - 1.0).abs() < 1e-10);
+        assert_abs_diff_eq!(product, 1.0, epsilon = 1e-10);
     }
 }
 

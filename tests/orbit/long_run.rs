@@ -1,5 +1,6 @@
 //! Lyapunov exponents and Poincaré sections.
 
+use approx::assert_abs_diff_eq;
 use stick_slip::orbit::{
     Oscillator, Period, lyapunov, lyapunov_with_spread, section, section_at, settle, shoot,
 };
@@ -255,7 +256,7 @@ fn events_are_a_section_too() {
         .collect();
     let period = limit_cycle::stick_slip(&system).unwrap().unwrap().period();
     for pair in times.windows(2) {
-        assert!((pair[1] - pair[0] - period).abs() < 1e-12);
+        assert_abs_diff_eq!(pair[1] - pair[0], period, epsilon = 1e-12);
     }
     // Ends where the motion ends.
     let rest = MassOnBelt::new(Coulomb::new(0.4, 0.3).unwrap(), 0.0).unwrap();

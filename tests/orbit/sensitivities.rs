@@ -1,6 +1,7 @@
 //! Derivatives of motions, events and orbits by parameters: closed forms, the monodromy matrix, and
 //! neighbouring orbits.
 
+use approx::assert_abs_diff_eq;
 use stick_slip::nalgebra::DMatrix;
 use stick_slip::orbit::{Oscillator, Period, orbit_sensitivities, sensitivities, settle, shoot};
 use stick_slip::structure::State;
@@ -76,8 +77,8 @@ fn stick_release_and_slip_have_the_derivatives_of_their_closed_forms() {
         stuck.row(1).iter().map(|x| x.abs()).sum::<f64>() - stuck[(1, 3)],
         0.0
     );
-    assert!((stuck[(1, 3)] - 1.0).abs() < ACCURACY);
-    assert!((stuck[(0, 3)] - 0.1).abs() < ACCURACY);
+    assert_abs_diff_eq!(stuck[(1, 3)], 1.0, epsilon = ACCURACY);
+    assert_abs_diff_eq!(stuck[(0, 3)], 0.1, epsilon = ACCURACY);
     // A time within rounding of an event belongs to what was before it.
     let time = events[0].time;
     let [before, after] = [time * (1.0 - 1e-9), time * (1.0 + 1e-9)];
@@ -165,7 +166,7 @@ fn orbits_follow_their_parameters() {
     .unwrap();
     let found = orbit_sensitivities(family, &parameters, &orbit).unwrap();
     let expected = -std::f64::consts::TAU / parameters[0].powi(2);
-    assert!((found.period[0] - expected).abs() < 1e-9);
+    assert_abs_diff_eq!(found.period[0], expected, epsilon = 1e-9);
     assert!(found.period[1..].iter().all(|slope| *slope == 0.0));
     let events = found.motion.events();
     assert!(events.len() >= 2);

@@ -1,6 +1,7 @@
 //! Random contacts with bristles, beside an implicit integrator that shares nothing with the
 //! crate's: Radau IIA, steps checked by their halves, one side of r = 0 at a time.
 
+use approx::assert_abs_diff_eq;
 use stick_slip::structure::State;
 use stick_slip::{
     Contact, ContactLaw, Dahl, Error, Exponential, Integrator, LuGre, Motion, Scalar, Segment,
@@ -557,7 +558,7 @@ fn the_bristles_of_table_one_come_to_rest() {
     // Fixed steps of 1e-6 and of 2e-6 by the classical Runge-Kutta method.
     let [q, v, z] = states[0];
     assert!((q + 0.390324710315).abs() < 1e-8 && (v + 0.1).abs() < 1e-10);
-    assert!((z - 1.06108505e-5).abs() < 1e-13);
+    assert_abs_diff_eq!(z, 1.06108505e-5, epsilon = 1e-13);
     assert!((states[1][0] + 0.4137160002756).abs() < 1e-12);
     let seen = compare(&block, &start, times, &states, 1e-12);
     assert!(steps < 700 && crossings == seen, "{steps} {crossings}");
@@ -644,6 +645,6 @@ fn a_limit_that_dips_at_rest_is_met() {
         let expected = 5.0 - 0.15 * (0.3 / (0.6 - carried)).ln().sqrt();
         let released = motion.events()[0].time;
         println!("{released} {expected}");
-        assert!((released - expected).abs() < 1e-12);
+        assert_abs_diff_eq!(released, expected, epsilon = 1e-12);
     }
 }

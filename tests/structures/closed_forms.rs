@@ -1,6 +1,7 @@
 //! Closed formulas against numbers that were derived and checked beforehand, and against each
 //! other.
 
+use approx::assert_abs_diff_eq;
 use std::f64::consts::{PI, TAU};
 
 use proptest::{prop_assert, prop_assume};
@@ -58,7 +59,7 @@ fn no_stop_limits() {
         .iter()
         .find(|case| text(&case["type"]) == "stop_onset");
     let limit = number(&onset.unwrap()["value"]);
-    assert!((no_stop_limit(0.8).unwrap() - limit).abs() < 1e-15);
+    assert_abs_diff_eq!(no_stop_limit(0.8).unwrap(), limit, epsilon = 1e-15);
     // Through resonance, where formulas divide by 0.
     let near = |offset: f64| no_stop_limit(1.0 + offset).unwrap();
     for offset in [1e-3, 1e-6, 1e-9, 1e-12, f64::EPSILON] {
@@ -472,8 +473,8 @@ fn a_load_that_springs_lift_ends_the_motion() -> Result<(), Error> {
         panic!("it separates")
     };
     assert_eq!(contact, 0);
-    assert!((reached.time - TAU / 12.0).abs() < 1e-15);
-    assert!((reached.state.displacements[1] - 1.0).abs() < 1e-15);
+    assert_abs_diff_eq!(reached.time, TAU / 12.0, epsilon = 1e-15);
+    assert_abs_diff_eq!(reached.state.displacements[1], 1.0, epsilon = 1e-15);
     // Up to there it is a motion like any other.
     assert!(structure.simulate(start(), 0.5).is_ok());
     Ok(())

@@ -1,5 +1,6 @@
 //! Contacts in any direction: identities, limits, and what cannot be decided.
 
+use approx::assert_abs_diff_eq;
 use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::structure::State;
 use stick_slip::{
@@ -328,7 +329,7 @@ fn a_heavy_mass_is_a_belt() {
     assert!(one.events().len() > 8);
     assert_eq!(keys(&one), keys(&other));
     for (a, b) in one.events().iter().zip(other.events()) {
-        assert!((a.time - b.time).abs() < 1e-10);
+        assert_abs_diff_eq!(a.time, b.time, epsilon = 1e-10);
     }
 }
 
@@ -376,11 +377,11 @@ fn clutches_in_series_lock_one_after_the_other() {
     };
     // 0 loses 0.6, 1 gains 0.6 − 0.12, 2 gains 0.12; then 0 and 1 lose 0.06 each.
     let lock = 6.0 / 1.08;
-    assert!((first.time - lock).abs() < 1e-14);
+    assert_abs_diff_eq!(first.time, lock, epsilon = 1e-14);
     let rest = (6.0 - 0.72 * lock) / 0.18;
-    assert!((second.time - lock - rest).abs() < 1e-13);
+    assert_abs_diff_eq!(second.time - lock, rest, epsilon = 1e-13);
     for v in motion.last().velocities {
-        assert!((v - 2.0).abs() < 1e-14);
+        assert_abs_diff_eq!(v, 2.0, epsilon = 1e-14);
     }
 }
 
@@ -422,7 +423,7 @@ fn parallel_clutches_that_lock_are_undetermined() {
     };
     assert_eq!(contacts, [1, 2]);
     assert!((reached.time - 1.0).abs() < 1e-15, "{}", reached.time);
-    assert!((reached.state.velocities[0] - 1.5).abs() < 1e-15);
+    assert_abs_diff_eq!(reached.state.velocities[0], 1.5, epsilon = 1e-15);
     // Up to there it is a motion, and where they only slide it goes on.
     assert!(shafts(0.0).simulate(start.clone(), 0.999).is_ok());
     let slides = shafts(4.0).simulate(start.clone(), 5.0).unwrap();
@@ -485,7 +486,7 @@ fn a_joint_slips_the_way_its_motor_turns() {
     let motion = pair.simulate(State::at_rest(2), 5.0).unwrap();
     // r = −1 + t.
     assert_eq!(keys(&motion), [(0, EventKind::Stick)]);
-    assert!((motion.events()[0].time - 1.0).abs() < 1e-15);
+    assert_abs_diff_eq!(motion.events()[0].time, 1.0, epsilon = 1e-15);
     assert_eq!(motion.last().velocities, [0.5, -0.5]);
     let first = motion.steps().first().unwrap();
     assert_eq!(first.modes(), [Mode::Slip(Direction::Lagging)]);

@@ -1,5 +1,6 @@
 //! What contacts at rest do at once: against all patterns of modes, tried one by one.
 
+use approx::assert_abs_diff_eq;
 use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Integrator, Mode, Segment, Structure};
@@ -112,7 +113,7 @@ fn decisions_are_those_of_all_patterns_tried() {
                 0 => assert!(force.abs() <= limit * (1.0 + 1e-12) && pull[c].abs() < 1e-11),
                 side => {
                     let kinetic = f64::from(side) * question.kinetic[c];
-                    assert!((force - kinetic).abs() <= 1e-14 * limit);
+                    assert_abs_diff_eq!(force, kinetic, epsilon = 1e-14 * limit);
                     assert!(f64::from(side) * pull[c] > 0.0);
                 }
             }

@@ -1,5 +1,6 @@
 //! Contacts that remember: static friction that rises at rest, and bristles.
 
+use approx::assert_abs_diff_eq;
 use serde_json::Value;
 use stick_slip::structure::State;
 use stick_slip::{
@@ -105,7 +106,7 @@ fn a_motion_goes_on_from_its_own_clock() {
     };
     let middle = 0.5 * (stick.time + release.time);
     let state = motion.state_at(middle).unwrap();
-    assert!((state.memory[0] - (middle - stick.time)).abs() < 1e-15);
+    assert_abs_diff_eq!(state.memory[0], (middle - stick.time), epsilon = 1e-15);
     let again = block.simulate(state.clone(), 20.0).unwrap();
     assert!((again.events()[0].time + middle - release.time).abs() < 1e-14);
     // Without it the contact would have to begin anew.
@@ -168,7 +169,7 @@ fn a_law_of_ones_own() {
     let motion = block.simulate(start, 100.0).unwrap();
     for (t, state) in motion.sample(50) {
         assert!((state.displacements[0] - 0.05 * (2.0 * t).sin()).abs() < 1e-14);
-        assert!((state.memory[0] - state.displacements[0]).abs() < 1e-14);
+        assert_abs_diff_eq!(state.memory[0], state.displacements[0], epsilon = 1e-14);
     }
 }
 
@@ -531,5 +532,5 @@ fn a_contact_without_load_keeps_its_bristles_and_forgets_its_rest() {
     assert_eq!((open.kind, close.kind), (EventKind::Open, EventKind::Close));
     assert_eq!((open.state.memory[0], close.state.memory[0]), (2.0, 0.0));
     // From there on the clock runs anew.
-    assert!((motion.last().memory[0] - 3.0).abs() < 1e-14);
+    assert_abs_diff_eq!(motion.last().memory[0], 3.0, epsilon = 1e-14);
 }

@@ -1,5 +1,6 @@
 //! Random structures: nothing panics, hangs or is missed.
 
+use approx::assert_abs_diff_eq;
 use stick_slip::structure::State;
 use stick_slip::{
     AnyContactLaw, Contact, Coulomb, Direction, Drive, Dwell, Error, Event, EventKind, FrictionLaw,
@@ -410,7 +411,7 @@ fn a_load_opens_over_a_mass_that_carries_nothing() {
             use EventKind::{Close, Open};
             assert_eq!(kinds, [Open, Close, Open, Close], "{belt}");
             for (event, time) in std::iter::zip(motion.events(), times) {
-                assert!((event.time - time).abs() <= 4.0 * f64::EPSILON * time);
+                assert_abs_diff_eq!(event.time, time, epsilon = 4.0 * f64::EPSILON * time);
                 assert_eq!(event.state.velocities, [belt]);
             }
         }
@@ -503,7 +504,7 @@ fn a_mass_on_nothing_but_bristles_comes_to_rest() {
         let motion = block.simulate(State::new(&[0.0], &[0.0]), 400.0).unwrap();
         assert!(motion.last().velocities[0].abs() < 1e-6 * force.abs());
         let carried = 1.5 * 50.0 * motion.last().memory[0];
-        assert!((carried - force).abs() < 1e-5 * force.abs() + 1e-15);
+        assert_abs_diff_eq!(carried, force, epsilon = 1e-5 * force.abs() + 1e-15);
     }
 }
 

@@ -1,5 +1,6 @@
 //! Steady sliding: displacements, eigenvalues, flutter and Hopf points.
 
+use approx::assert_abs_diff_eq;
 use proptest::{prop_assert, prop_assert_eq};
 use stick_slip::nalgebra::{Complex, DMatrix};
 use stick_slip::structure::NotSliding;
@@ -79,7 +80,7 @@ fn modes_merge_at_the_reference_coefficients() {
         .steady_sliding()
         .unwrap();
     assert!(above.eigenvalues[0].re > 1e-4);
-    assert!((above.eigenvalues[0].im.abs() - omega).abs() < 1e-6);
+    assert_abs_diff_eq!(above.eigenvalues[0].im.abs(), omega, epsilon = 1e-6);
 
     let damped = bifurcations("hopf");
     let [damped] = &damped
@@ -296,7 +297,7 @@ fn bristles_have_an_eigenvalue_of_their_own() {
         let v = f64::abs(speed);
         let (g0, slope) = (g.kinetic(v), g.slope(v));
         let held = load * (g0 + viscous * v) * speed.signum() / spring;
-        assert!((sliding.displacements[0] - held).abs() < 4e-15 * held.abs());
+        assert_abs_diff_eq!(sliding.displacements[0], held, epsilon = 4e-15 * held.abs());
         let (by_velocity, by_z) = (v * slope / g0, -stiffness * v / g0);
         // The matrix [[0, 1, 0], [−k/m, −a, −b], [0, p, q]] by its invariants.
         let a = (ground + load * (damping * by_velocity + viscous)) / mass;
@@ -438,7 +439,7 @@ fn stability_changes_where_the_belt_passes_its_hopf_velocities() {
     for (found, (time, becomes_stable)) in std::iter::zip(found, expected) {
         assert!((found.time - time).abs() < 1e-11, "{found:?} {time}");
         assert_eq!(found.becomes_stable, becomes_stable);
-        assert!((found.frequency - 1.0).abs() < 1e-12);
+        assert_abs_diff_eq!(found.frequency, 1.0, epsilon = 1e-12);
     }
     for (start, end) in [
         (0.0, 0.0),

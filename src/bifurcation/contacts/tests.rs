@@ -3,6 +3,7 @@
 use super::*;
 use crate::friction::{Polynomial, Stribeck};
 use crate::scalar::Scalar;
+use approx::assert_abs_diff_eq;
 
 #[test]
 fn a_range_with_stiff_velocities_has_its_harmless_answer() {
@@ -15,7 +16,7 @@ fn a_range_with_stiff_velocities_has_its_harmless_answer() {
     let [grazing] = found[..] else {
         panic!("{found:?}")
     };
-    assert!((grazing - 0.2904677118946553).abs() < 1e-13);
+    assert_abs_diff_eq!(grazing, 0.2904677118946553, epsilon = 1e-13);
     // A system that is overdamped at every belt velocity down to 0.
     let law = Stribeck::new(0.4, 0.25, 0.05, 1).unwrap();
     let system = MassOnBelt::new(law, 0.2)

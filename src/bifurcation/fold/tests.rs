@@ -1,5 +1,6 @@
 //! Folds of outlines made by hand, and the number of outlines requested.
 
+use approx::assert_abs_diff_eq;
 use std::cell::RefCell;
 
 use super::*;
@@ -156,7 +157,7 @@ fn a_fold_is_where_the_growth_at_a_turning_point_is_zero() {
         // The height changes so steeply that the first pass finds the root without division.
         let (found, asked) = folds(|v_b| hump(sign * (v_b - 0.3)), 16);
         assert_eq!(found.len(), 1);
-        assert!((found[0] - 0.3).abs() < 1e-15);
+        assert_abs_diff_eq!(found[0], 0.3, epsilon = 1e-15);
         assert!(asked.len() <= 60, "{}", asked.len());
     }
     let (found, asked) = folds(|v_b| hump(v_b + 1.0), 16);
@@ -258,7 +259,7 @@ fn turning_points_that_come_or_go_are_followed_to_the_last_division() {
     };
     let (found, asked) = folds(f, 8);
     assert_eq!(found.len(), 1);
-    assert!((found[0] - 0.7).abs() < 1e-15);
+    assert_abs_diff_eq!(found[0], 0.7, epsilon = 1e-15);
     assert!(asked.len() < 70, "{}", asked.len());
     // For a while a dip takes the place of the hump: as many points, in another order.
     let f = |v_b: f64| {
@@ -270,7 +271,7 @@ fn turning_points_that_come_or_go_are_followed_to_the_last_division() {
     };
     let (found, _) = folds(f, 8);
     assert_eq!(found.len(), 1);
-    assert!((found[0] - 0.7).abs() < 1e-15);
+    assert_abs_diff_eq!(found[0], 0.7, epsilon = 1e-15);
 }
 
 #[test]
@@ -293,7 +294,7 @@ fn a_growth_that_jumps_over_zero_is_no_fold() {
     };
     let (found, _) = folds(two, 6);
     assert_eq!(found.len(), 1);
-    assert!((found[0] - 0.7).abs() < 1e-15);
+    assert_abs_diff_eq!(found[0], 0.7, epsilon = 1e-15);
 }
 
 #[test]
@@ -311,7 +312,7 @@ fn folds_of_a_system_lie_in_the_range_asked_for() {
     let fold = 1.457_823_592_457_963_272;
     let found = fold_velocities(&system, 1.45..1.46).unwrap();
     assert_eq!(found.len(), 1);
-    assert!((found[0] - fold).abs() < 1e-13);
+    assert_abs_diff_eq!(found[0], fold, epsilon = 1e-13);
     // The range need not be a multiple of its parts, nor the fold inside a narrow one.
     let found = fold_velocities(&system, fold - 1e-5..fold + 3e-6).unwrap();
     assert_eq!(found.len(), 1);

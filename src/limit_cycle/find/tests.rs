@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::friction::{Coulomb, Polynomial, Stribeck};
+use approx::assert_abs_diff_eq;
 
 #[test]
 fn a_leading_slip_that_cannot_begin_at_the_end_of_the_stick_band_is_not_followed() {
@@ -53,8 +54,8 @@ fn a_pure_slip_cycle_is_whole() {
     // The motion closes after a period.
     let motion = system.simulate(cycle.state(), cycle.period()).unwrap();
     let (start, end) = (cycle.state(), motion.last());
-    assert!((end.displacement - start.displacement).abs() < 1e-13);
-    assert!((end.velocity - start.velocity).abs() < 1e-13);
+    assert_abs_diff_eq!(end.displacement, start.displacement, epsilon = 1e-13);
+    assert_abs_diff_eq!(end.velocity, start.velocity, epsilon = 1e-13);
 }
 
 #[test]

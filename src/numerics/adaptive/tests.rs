@@ -1,3 +1,4 @@
+use approx::assert_abs_diff_eq;
 use std::cell::Cell;
 
 use super::*;
@@ -28,9 +29,9 @@ fn counted_trapezoid(f: impl Fn(f64) -> [f64; 2]) -> (Option<Integral<2>>, usize
 #[test]
 fn kinks_and_narrow_features_are_resolved() {
     let kink = gauss(|x| Ok([(x - 0.3).abs(), 0.0]), &[0.0, 1.0], 0.0).unwrap();
-    assert!((kink.parts[0] - 0.29).abs() < 1e-12);
+    assert_abs_diff_eq!(kink.parts[0], 0.29, epsilon = 1e-12);
     let narrow = gauss(|x| Ok([(-x / 1e-5).exp(), 0.0]), &graded(0.0, 1.0), 0.0).unwrap();
-    assert!((narrow.parts[0] - 1e-5).abs() < 1e-19);
+    assert_abs_diff_eq!(narrow.parts[0], 1e-5, epsilon = 1e-19);
 }
 
 #[test]
@@ -38,7 +39,7 @@ fn trapezoid_meets_bessel_functions() {
     // ∫₀^π e^{x cos ψ} dψ = π I_0(x)
     let integral = trapezoid(|psi| Ok([(10.0 * psi.cos()).exp(), 0.0])).unwrap();
     let i0 = 2_815.716_628_466_254;
-    assert!((integral.unwrap().parts[0] / (PI * i0) - 1.0).abs() < 1e-14);
+    assert_abs_diff_eq!(integral.unwrap().parts[0] / (PI * i0), 1.0, epsilon = 1e-14);
     assert!(trapezoid(|psi| Ok([psi * psi, 0.0])).unwrap().is_none());
 }
 
@@ -49,7 +50,7 @@ fn both_integrals_their_size_and_their_peak_are_those_of_the_interval() {
         for (part, expected) in integral.parts.into_iter().zip(expected) {
             assert!((part - expected).abs() < 1e-14 * length, "{integral:?}");
         }
-        assert!((integral.size - 5.0 * length).abs() < 1e-14 * length);
+        assert_abs_diff_eq!(integral.size, 5.0 * length, epsilon = 1e-14 * length);
         assert_eq!(integral.peak, 5.0);
     };
     let constant = |_| [-2.0, 3.0];
@@ -60,7 +61,7 @@ fn both_integrals_their_size_and_their_peak_are_those_of_the_interval() {
     // |−x| + x has its peak at the end, on the last of several panels or on the first.
     for [a, b] in [[0.0, 1.0], [-1.0, 0.0]] {
         let (integral, _) = counted(|x| [-x, x], &graded(a, b));
-        assert!((integral.size - 1.0).abs() < 1e-15);
+        assert_abs_diff_eq!(integral.size, 1.0, epsilon = 1e-15);
         assert!(integral.peak > 1.99 && integral.peak <= 2.0);
     }
 }
@@ -71,8 +72,8 @@ fn smooth_integrands_take_one_comparison() {
     let polynomial = |x: f64| [x.powi(31), x.powi(8)];
     for (mesh, panels) in [(vec![0.0, 1.0], 1), (vec![0.0, 0.1, 0.5, 1.0], 3)] {
         let (integral, looks) = counted(polynomial, &mesh);
-        assert!((integral.parts[0] - 1.0 / 32.0).abs() < 1e-16);
-        assert!((integral.parts[1] - 1.0 / 9.0).abs() < 1e-16);
+        assert_abs_diff_eq!(integral.parts[0], 1.0 / 32.0, epsilon = 1e-16);
+        assert_abs_diff_eq!(integral.parts[1], 1.0 / 9.0, epsilon = 1e-16);
         assert_eq!(looks, panels * (16 + 2 * 16));
     }
     // 0 agrees with 0.
@@ -97,8 +98,8 @@ fn rules_are_refined_until_both_integrals_agree() {
                 if swapped { [other, one] } else { [one, other] }
             });
             let parts = integral.unwrap().parts;
-            assert!((parts[usize::from(swapped)] - PI).abs() < 1e-12);
-            assert!((parts[usize::from(!swapped)] - 0.5 * PI).abs() < 1e-12);
+            assert_abs_diff_eq!(parts[usize::from(swapped)], PI, epsilon = 1e-12);
+            assert_abs_diff_eq!(parts[usize::from(!swapped)], 0.5 * PI, epsilon = 1e-12);
             assert_eq!(taken, looks);
         }
     }
@@ -114,8 +115,8 @@ fn rules_are_refined_until_both_integrals_agree() {
         };
         let (integral, looks) = counted(kinked, &[0.0, 1.0]);
         let exact = 0.5 * (0.375_f64.powi(2) + 0.625_f64.powi(2));
-        assert!((integral.parts[usize::from(swapped)] - exact).abs() < 1e-15);
-        assert!((integral.parts[usize::from(!swapped)] - 0.5).abs() < 1e-15);
+        assert_abs_diff_eq!(integral.parts[usize::from(swapped)], exact, epsilon = 1e-15);
+        assert_abs_diff_eq!(integral.parts[usize::from(!swapped)], 0.5, epsilon = 1e-15);
         assert_eq!(looks, 16 + 7 * 32);
     }
 }
@@ -128,7 +129,7 @@ fn integrands_that_are_not_resolved_end() {
     // Each halving makes two more panels, 256 at most; even then the whole interval is covered.
     let (integral, looks) = counted(|x| [rough(x), 1.0], &[0.0, 3.0]);
     assert_eq!(looks, 16 + (1 + 256) * 32);
-    assert!((integral.parts[1] - 3.0).abs() < 1e-12);
+    assert_abs_diff_eq!(integral.parts[1], 3.0, epsilon = 1e-12);
     // An undeclared kink takes two panels at each halving, until its panel is shorter than the
     // tolerance.
     let (_, looks) = counted(|x| [(x - 1.0 / 3.0).abs(), 0.0], &[0.0, 1.0]);

@@ -1,6 +1,7 @@
 //! Roots of functions that are known in closed form, and the number of evaluations.
 
 use super::*;
+use approx::assert_abs_diff_eq;
 
 /// The root between a and b, and the number of evaluations.
 fn between(f: impl Fn(f64) -> Option<f64>, a: f64, b: f64) -> (Option<SignChange>, usize) {
@@ -94,7 +95,7 @@ fn an_end_may_be_the_root() {
         let end = 1.0 + f64::from(k) / 201.0;
         let last = end.ln() * (1.0 - f64::EPSILON);
         let (found, evaluations) = root(|x| x.ln() - last, end, 0.5);
-        assert!((found - end).abs() <= 2.0 * f64::EPSILON * end);
+        assert_abs_diff_eq!(found, end, epsilon = 2.0 * f64::EPSILON * end);
         assert!(evaluations <= 12, "{end}: {evaluations}");
     }
 }

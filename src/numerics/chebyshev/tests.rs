@@ -1,3 +1,4 @@
+use approx::assert_abs_diff_eq;
 use std::cell::RefCell;
 
 use super::*;
@@ -68,7 +69,7 @@ fn all_roots_are_found() {
     let found = roots(|x| (50.0 * x).sin());
     assert_eq!(found.len(), expected.len(), "{found:?}");
     for (found, expected) in found.iter().zip(expected) {
-        assert!((found - expected).abs() < 4e-16 * expected.max(1.0));
+        assert_abs_diff_eq!(*found, expected, epsilon = 4e-16 * expected.max(1.0));
     }
 }
 
@@ -77,7 +78,7 @@ fn close_pairs_are_split_and_flat_functions_have_no_root() {
     let gap = 1e-7;
     let found = roots(|x| (x - 1.1) * (x - 1.1 - gap));
     assert_eq!(found.len(), 2);
-    assert!((found[1] - found[0] - gap).abs() < 1e-15);
+    assert_abs_diff_eq!(found[1] - found[0], gap, epsilon = 1e-15);
     assert!(roots(|x| 1e-16 * (40.0 * x).sin()).is_empty());
     assert!(roots(|x| (x - 1.1).powi(2)).is_empty());
     assert_eq!(roots(|x| (x - 1.1).powi(3)).len(), 1);

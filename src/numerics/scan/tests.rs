@@ -1,6 +1,7 @@
 //! Sign changes of functions that are known in closed form, and the number of evaluations.
 
 use super::*;
+use approx::assert_abs_diff_eq;
 
 /// A place a third of the way into one of the 64 intervals, and so a third or two thirds of the way
 /// into each of its halves.
@@ -47,7 +48,7 @@ fn sign_changes_are_found_to_the_last_bit() {
     let (roots, _) = scan(0.0..10.0, |x| Some(x.sin()));
     assert_eq!(roots.len(), 4);
     for (k, root) in std::iter::zip(0_u8.., roots) {
-        assert!((root - std::f64::consts::PI * f64::from(k)).abs() <= 4e-15);
+        assert_abs_diff_eq!(root, std::f64::consts::PI * f64::from(k), epsilon = 4e-15);
     }
 }
 
@@ -72,7 +73,7 @@ fn two_roots_within_one_part_are_found() {
             });
             assert_eq!(roots.len(), 2, "{width}");
             assert!((roots[0] - MIDDLE + width).abs() < 1e-11);
-            assert!((roots[1] - MIDDLE - width).abs() < 1e-11);
+            assert_abs_diff_eq!(roots[1] - MIDDLE, width, epsilon = 1e-11);
             assert!(asked.len() < 220, "{}", asked.len());
         }
     }
@@ -90,7 +91,7 @@ fn two_roots_in_the_middle_of_one_part_are_found() {
             });
             assert_eq!(roots.len(), 2, "{place} {width}");
             assert!((roots[0] - middle + width).abs() < 1e-11);
-            assert!((roots[1] - middle - width).abs() < 1e-11);
+            assert_abs_diff_eq!(roots[1] - middle, width, epsilon = 1e-11);
             assert!(asked.len() < 120, "{}", asked.len());
         }
     }

@@ -1,3 +1,4 @@
+use approx::assert_abs_diff_eq;
 use std::cell::Cell;
 use std::f64::consts::{PI, SQRT_2};
 
@@ -215,8 +216,8 @@ fn the_lowest_point_of_a_cubic_is_found() {
     }
     // Parabolas, and a cubic that never turns.
     let parabola = |x: f64| sample(x, (x - 1.0) * (x - 1.0) + 0.25, 2.0 * (x - 1.0));
-    assert!((lowest(parabola(0.0), parabola(3.0)) - 0.25).abs() < 1e-15);
-    assert!((lowest(parabola(-1.0), parabola(1.5)) - 0.25).abs() < 1e-15);
+    assert_abs_diff_eq!(lowest(parabola(0.0), parabola(3.0)), 0.25, epsilon = 1e-15);
+    assert_abs_diff_eq!(lowest(parabola(-1.0), parabola(1.5)), 0.25, epsilon = 1e-15);
     let rising = |x: f64| sample(x, 5.0 + x.powi(3) + x, 3.0 * x * x + 1.0);
     assert_eq!(lowest(rising(-1.0), rising(0.8)), f64::INFINITY);
 }
@@ -264,7 +265,7 @@ fn simple_roots_are_found_in_few_evaluations() {
 
     let square = Counted::new(|x: f64| sample(x, 2.0 - x * x, -2.0 * x));
     let (found, calls) = square.roots(1.0, 2.0);
-    assert!((found.roots[0] - SQRT_2).abs() <= 3e-16);
+    assert_abs_diff_eq!(found.roots[0], SQRT_2, epsilon = 3e-16);
     assert!(calls <= 5, "{calls}");
 
     // A root in the middle of an interval is found to the bit.
