@@ -14,7 +14,7 @@
 // | `along.rs` | a law as a chain of power series over a range of speeds: sign changes and least value of its slope |
 // | `check.rs` | checks of a law before it is used; whether it is constant |
 // | `iwan.rs` | Segalman's distribution of springs and sliders |
-// | `inspect.rs` | `check_law`: faults of a law over a range of speeds |
+// | `inspect.rs`, `fault.rs` | `check_law`: faults of a law over a range of speeds, and their texts |
 // | `read.rs` | how laws are read (feature `serde`) |
 
 mod along;
@@ -23,6 +23,7 @@ pub(crate) mod check;
 mod coulomb;
 mod expansion;
 mod exponential;
+mod fault;
 mod inspect;
 mod iwan;
 mod law;
@@ -39,7 +40,8 @@ mod tabulated;
 pub use any::AnyLaw;
 pub use coulomb::Coulomb;
 pub use exponential::Exponential;
-pub use inspect::{LawFault, check_law};
+pub use fault::LawFault;
+pub use inspect::check_law;
 pub use iwan::Iwan4;
 #[doc(hidden)]
 pub use law::LawRef;

@@ -103,6 +103,7 @@ mod elastic;
 mod energy;
 pub(crate) mod engine;
 mod flow;
+mod matrices;
 mod passage;
 #[cfg(feature = "serde")]
 mod read;

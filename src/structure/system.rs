@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 
 use super::contact::Contact;
 use super::engine::model::{Mass, Model};
+use super::matrices::{add, add_between, add_matrix, check_definite, check_masses};
 use crate::belt::MassOnBelt;
 use crate::drive::{self, Drive};
 use crate::error::{Element, Error};
@@ -439,109 +440,4 @@ where
             contacts: vec![contact],
         }
     }
-}
-
-/// Checks the masses of a structure.
-fn check_masses(masses: &[f64], element: impl Fn(usize) -> Element) -> Result<(), Error> {
-    let n = masses.len();
-    Error::check(
-        "Structure",
-        "masses",
-        n as f64,
-        n > 0,
-        "at least one: their number",
-    )?;
-    for (i, &mass) in masses.iter().enumerate() {
-        Error::check("Structure", "mass", mass, mass > 0.0, "mass > 0")
-            .map_err(|error| error.of_element(element(i)))?;
-    }
-    Ok(())
-}
-
-/// Checks that a symmetric matrix is positive definite, by Cholesky's factorisation.
-fn check_definite(mass: &DMatrix<f64>) -> Result<(), Error> {
-    let n = mass.nrows();
-    let mut rest = mass.clone();
-    for row in 0..n {
-        let pivot = rest[(row, row)];
-        if pivot <= n as f64 * f64::EPSILON * mass[(row, row)] {
-            return Err(Error::NotPositiveDefinite { row });
-        }
-        for i in row + 1..n {
-            let factor = rest[(i, row)] / pivot;
-            for j in row + 1..=i {
-                rest[(i, j)] -= factor * rest[(j, row)];
-            }
-        }
-    }
-    Ok(())
-}
-
-/// Adds a value at one place of a matrix of a structure.
-fn add(
-    matrix: &mut DMatrix<f64>,
-    element: Element,
-    (i, j): (usize, usize),
-    value: f64,
-) -> Result<(), Error> {
-    let count = matrix.nrows();
-    for coordinate in [i, j] {
-        if coordinate >= count {
-            return Err(Error::NoSuchCoordinate {
-                element,
-                coordinate,
-                count,
-            });
-        }
-    }
-    let sum = matrix[(i, j)] + value;
-    Error::check("Structure", "value", value, sum.is_finite(), "a finite sum")
-        .map_err(|error| error.of_element(element))?;
-    matrix[(i, j)] = sum;
-    Ok(())
-}
-
-/// Adds a spring or damper between two coordinates.
-fn add_between(
-    matrix: &mut DMatrix<f64>,
-    element: Element,
-    (i, j): (usize, usize),
-    value: f64,
-) -> Result<(), Error> {
-    if i == j {
-        return Err(Error::BadElement {
-            element,
-            value,
-            allowed: "between two different coordinates; there is another method for the ground",
-        });
-    }
-    for (row, column, sign) in [(i, i, 1.0), (j, j, 1.0), (i, j, -1.0), (j, i, -1.0)] {
-        add(matrix, element, (row, column), sign * value)?;
-    }
-    Ok(())
-}
-
-/// Adds a whole matrix.
-fn add_matrix(
-    matrix: &mut DMatrix<f64>,
-    added: &DMatrix<f64>,
-    [rows, columns]: [&'static str; 2],
-    element: impl Fn(usize, usize) -> Element,
-) -> Result<(), Error> {
-    let expected = matrix.nrows();
-    for (name, found) in [(rows, added.nrows()), (columns, added.ncols())] {
-        if found != expected {
-            return Err(Error::WrongSize {
-                name,
-                found,
-                expected,
-            });
-        }
-    }
-    for i in 0..expected {
-        for j in 0..expected {
-            add(matrix, element(i, j), (i, j), added[(i, j)])?;
-        }
-    }
-    Ok(())
 }
