@@ -286,6 +286,17 @@ pub enum Error {
     )]
     NotSmooth,
 
+    /// A branch was asked for at a bifurcation at which no other branch of periodic motions crosses
+    /// ([`Bifurcation::switch`](crate::orbit::Bifurcation::switch)).
+    #[error(
+        "no other branch of periodic motions crosses at a bifurcation of the kind {kind}; switch at \
+         a flip or a pitchfork"
+    )]
+    NoSwitch {
+        /// The kind of the bifurcation.
+        kind: &'static str,
+    },
+
     /// No Hopf point of steady sliding is near: no pair of eigenvalues crosses the imaginary axis.
     #[error("no Hopf point is near: no pair of eigenvalues crosses the imaginary axis")]
     NoHopfPoint,

@@ -5,6 +5,7 @@ use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::{AlongSlope, FrictionLaw};
 use crate::numerics::scan::sign_changes;
+use crate::orbit::Criticality;
 
 /// Belt velocities v_b in `range`, ascending and dimensionless, at which the equilibrium loses or
 /// regains stability: h1 changes its sign,
@@ -113,35 +114,6 @@ fn relative_damping(work: &Work<'_, '_>, value: f64) -> Result<Option<f64>, Erro
         Ok(())
     })?;
     Ok(relative)
-}
-
-/// Kind of a Hopf point: whether the pure-slip cycle that is born there is stable.
-///
-/// Source: the averaged equation A' = −½h1 A − (3/8)h3 A³ with h3 = γ² μ̂'''(v_b)/6 (Eq. 12 of
-/// Farshidianfar and Noei Aghaee, for any law).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(rename_all = "snake_case")
-)]
-pub enum Criticality {
-    /// A stable cycle surrounds the unstable equilibrium: μ̂'''(v_b) > 0.
-    Supercritical,
-    /// An unstable cycle surrounds the stable equilibrium: μ̂'''(v_b) < 0.
-    Subcritical,
-    /// The third derivative is zero, so that higher ones decide; or it is not a number.
-    Degenerate,
-}
-
-impl std::fmt::Display for Criticality {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.pad(match self {
-            Self::Supercritical => "supercritical",
-            Self::Subcritical => "subcritical",
-            Self::Degenerate => "degenerate",
-        })
-    }
 }
 
 /// Returns whether a pure-slip cycle born at the Hopf point v_b is stable (supercritical) or

@@ -76,6 +76,7 @@ mod hopf_locus;
 mod ranges;
 mod silence;
 
+pub use crate::orbit::Criticality;
 pub use along::{Along, Progress, along, along_velocities};
 pub use contacts::{
     crossing_velocities, grazing_velocities, overshoot_velocities, touching_velocities,
@@ -84,7 +85,7 @@ pub use contacts::{
 pub use diagram::par_diagram;
 pub use diagram::{DiagramPoint, diagram};
 pub use fold::fold_velocities;
-pub use hopf::{Criticality, criticality, hopf_velocities};
+pub use hopf::{criticality, hopf_velocities};
 pub use hopf_locus::{HopfLocus, HopfPoint, SpecialHopfPoint, hopf_locus};
 pub use ranges::{AttractorKind, VibrationRange, vibration_ranges};
 pub use silence::{silencing_damping, silencing_load};

@@ -124,6 +124,7 @@ impl Error {
             | Self::NoSteadySliding(_)
             | Self::NoHopfPoint
             | Self::NotSmooth
+            | Self::NoSwitch { .. }
             | Self::NoDerivative { .. }
             | Self::Undetermined { .. }
             | Self::LawNotConstant { .. }

@@ -1,6 +1,7 @@
 //! Branches of periodic motions over a parameter: the results of `follow`.
 
 use std::fmt;
+use std::ops::Range;
 
 use super::found::Orbit;
 use crate::error::Error;
@@ -36,6 +37,8 @@ pub struct Bifurcation<S: System> {
     pub kind: BifurcationKind,
     /// The motion there; at a change of its event sequence, that on the smoother side.
     pub orbit: Orbit<S>,
+    /// The range of the parameter in which the branch was followed.
+    pub(super) range: Range<f64>,
 }
 
 /// The kind of a [`Bifurcation`].
@@ -45,11 +48,18 @@ pub struct Bifurcation<S: System> {
 /// Systems*, chapters 7 and 8 (grazing and sliding).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum BifurcationKind {
-    /// A multiplier is +1: two motions meet and vanish, and the branch turns back. In a symmetric
-    /// system the branch may continue instead, crossed by another one.
+    /// A multiplier is +1: two motions meet and vanish, and the branch turns back. A branch of
+    /// motions that were born at a flip or a pitchfork does the same where it returns there.
     Fold,
-    /// A multiplier is −1: a motion of twice the period is born.
+    /// A multiplier is −1: a motion of twice the period is born. [`Bifurcation::switch`] finds it.
     Flip,
+    /// A multiplier of a symmetric motion is +1, but the branch continues: a pair of motions without
+    /// the symmetry is born, mirror images of each other. [`Bifurcation::switch`] finds them.
+    ///
+    /// A motion is symmetric if x(t + T/2) = c − x(t) with constant c: see
+    /// [`Orbit::is_symmetric`]. The map over half a period, followed by that reflection, has the
+    /// multiplier −1. (A symmetric motion has no flips: its multiplier −1 would be the square of ±i.)
+    Pitchfork,
     /// A pair of multipliers lies on the unit circle: motions on a torus are born.
     NeimarkSacker,
     /// A slipping contact reaches relative velocity 0 tangentially, or a sticking one reaches its
@@ -60,14 +70,52 @@ pub enum BifurcationKind {
     Sequence,
 }
 
-impl fmt::Display for BifurcationKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
+impl BifurcationKind {
+    pub(super) fn name(self) -> &'static str {
+        match self {
             Self::Fold => "fold",
             Self::Flip => "flip",
+            Self::Pitchfork => "pitchfork",
             Self::NeimarkSacker => "Neimark-Sacker",
             Self::Grazing => "grazing",
             Self::Sequence => "change of events",
+        }
+    }
+}
+
+impl fmt::Display for BifurcationKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// On which side of a bifurcation the motions exist that are born there: at a Hopf point, a flip or a
+/// pitchfork.
+///
+/// For a mass on a belt it is the sign of μ̂'''(v_b), from the averaged equation A' = −½h1 A −
+/// (3/8)h3 A³ with h3 = γ² μ̂'''(v_b)/6 (Eq. 12 of Farshidianfar and Noei Aghaee, for any law); for
+/// structures that of the first Lyapunov coefficient.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
+pub enum Criticality {
+    /// Stable motions, where the old one has lost its stability: μ̂'''(v_b) > 0.
+    Supercritical,
+    /// Unstable motions, beside the old one, which is still stable: μ̂'''(v_b) < 0.
+    Subcritical,
+    /// Neither: the deciding coefficient is zero, so that higher ones decide; or it is not a number.
+    Degenerate,
+}
+
+impl fmt::Display for Criticality {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Supercritical => "supercritical",
+            Self::Subcritical => "subcritical",
+            Self::Degenerate => "degenerate",
         })
     }
 }
@@ -148,8 +196,11 @@ impl<S: System> Clone for BranchPoint<S> {
 
 impl<S: System> Clone for Bifurcation<S> {
     fn clone(&self) -> Self {
-        let orbit = self.orbit.clone();
-        Self { orbit, ..*self }
+        Self {
+            orbit: self.orbit.clone(),
+            range: self.range.clone(),
+            ..*self
+        }
     }
 }
 

@@ -246,15 +246,26 @@ impl View<'_, '_> {
                 continue;
             }
             let bracket = Bracket::new((from.distance, before), (to.distance, *sign));
+            let turned = found[first..]
+                .iter()
+                .any(|found| found.kind == BifurcationKind::Fold);
+            if test == 1
+                && !turned
+                && let Some(place) = self.pitchfork(from, to)
+            {
+                found.push(Found {
+                    distance: place.distance,
+                    kind: BifurcationKind::Pitchfork,
+                    solved: place.solved,
+                });
+                continue;
+            }
             let place = self.sign_change(from, to, bracket, test)?;
             let multipliers = &place.solved.multipliers;
             let near = |to: f64| multipliers.iter().any(|m| (m - to).norm() < MULTIPLIER);
             let on_circle = |m: &Complex<f64>| m.im != 0.0 && (m.norm() - 1.0).abs() < MULTIPLIER;
             let last = self.curve.unknowns() - 1;
             let turns = place.solved.tangent[last].abs() < MULTIPLIER.sqrt();
-            let turned = found[first..]
-                .iter()
-                .any(|found| found.kind == BifurcationKind::Fold);
             let kind = match test {
                 0 if turns => BifurcationKind::Fold,
                 1 if near(1.0) && !turned => BifurcationKind::Fold,

@@ -454,7 +454,7 @@ pub(super) fn sharpest(map: &PeriodMap) -> Option<Turn> {
 const SINGULAR: f64 = 1e-8;
 
 /// The minimum-norm solution of a linear system.
-fn solution(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
+pub(super) fn solution(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
     let (mut matrix, mut right) = (matrix.clone(), right.clone());
     for (mut row, right) in matrix.row_iter_mut().zip(right.iter_mut()) {
         let size = row.amax();

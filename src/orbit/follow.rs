@@ -108,13 +108,28 @@ impl Search<'_> {
         from: &Orbit<S>,
         range: Range<f64>,
     ) -> Result<Branch<S>, Error> {
+        let start = (S::general(&from.state()), from.period());
+        let found = self.over(&family, from.kind(), range.clone(), |curve| {
+            search(curve, parameter, start)
+        })?;
+        branch(family, from.kind(), range, found)
+    }
+
+    /// Uses the curve of the periodic motions of a family.
+    pub(super) fn over<S: Oscillator, T>(
+        &self,
+        family: impl Fn(f64) -> Result<S, Error>,
+        kind: Period,
+        range: Range<f64>,
+        using: impl FnOnce(Curve<'_>) -> Result<T, Error>,
+    ) -> Result<T, Error> {
         let members = |parameter: f64| -> Result<Box<dyn Member + '_>, Error> {
             Ok(Box::new(family(parameter)?))
         };
         let watched = self.watch("parameter");
-        let curve = Curve {
+        using(Curve {
             family: &members,
-            kind: from.kind(),
+            kind,
             range,
             n: 0,
             order: 0,
@@ -123,10 +138,7 @@ impl Search<'_> {
             steps: Cell::new(0),
             most: self.of_branch(),
             watched: &watched,
-        };
-        let start = (S::general(&from.state()), from.period());
-        let found = search(curve, parameter, start)?;
-        branch(family, from.kind(), found)
+        })
     }
 }
 
@@ -134,6 +146,7 @@ impl Search<'_> {
 fn branch<S: Oscillator>(
     family: impl Fn(f64) -> Result<S, Error>,
     kind: Period,
+    range: Range<f64>,
     found: Results,
 ) -> Result<Branch<S>, Error> {
     let orbit = |parameter: f64, trial: Trial| -> Result<Orbit<S>, Error> {
@@ -151,6 +164,7 @@ fn branch<S: Oscillator>(
             parameter,
             kind,
             orbit,
+            range: range.clone(),
         })
     });
     Ok(Branch {
@@ -182,15 +196,7 @@ fn search(
     Error::check(name, "range.end", high, high > low, "start < end")?;
     let inside = (low..=high).contains(&parameter);
     Error::check(name, "parameter", parameter, inside, "inside the range")?;
-    let at = |error: Error| error.at("parameter", parameter);
-    let system = (curve.family)(parameter).map_err(at)?;
-    let form = system.form();
-    (curve.n, curve.order) = (form.len(), form.order());
-    if let Period::Free(_) = curve.kind {
-        let map = form.period_map(&start, period).map_err(at)?;
-        let turn = sharpest(&map).ok_or(Error::AtRest)?;
-        (curve.turning, start) = (Some(turn.coordinate), turn.state);
-    }
+    start = anchor(&mut curve, parameter, start, period)?;
     let (points, changes, ends) = walks(&mut curve, &start, period, parameter)?;
     let of = |solved: Solved| (curve.parameter(&solved.y), solved.trial);
     let changes = changes.into_iter().map(|(kind, solved)| {
@@ -202,6 +208,27 @@ fn search(
         points: points.into_iter().map(of).collect(),
         ends,
     })
+}
+
+/// Sets the sizes and the phase condition of a curve to those of a motion, given by its start and
+/// its period; returns its start there.
+pub(super) fn anchor(
+    curve: &mut Curve<'_>,
+    parameter: f64,
+    start: State,
+    period: f64,
+) -> Result<State, Error> {
+    let at = |error: Error| error.at("parameter", parameter);
+    let system = (curve.family)(parameter).map_err(at)?;
+    let form = system.form();
+    (curve.n, curve.order) = (form.len(), form.order());
+    if let Period::Free(_) = curve.kind {
+        let map = form.period_map(&start, period).map_err(at)?;
+        let turn = sharpest(&map).ok_or(Error::AtRest)?;
+        curve.turning = Some(turn.coordinate);
+        return Ok(turn.state);
+    }
+    Ok(start)
 }
 
 type Parts = (Vec<Solved>, Vec<(BifurcationKind, Solved)>, [BranchEnd; 2]);

@@ -7,6 +7,7 @@ use super::map;
 use super::measures::Measures;
 use super::oscillator::Oscillator;
 use super::period::Period;
+use super::symmetry::HalfMap;
 use super::trial::Trial;
 use crate::error::Error;
 use crate::motion::{Event, Segment, System, SystemState, Trajectory};
@@ -40,6 +41,7 @@ pub struct Orbit<S: System> {
     pub(super) measures: Measures,
     multipliers: Vec<Complex<f64>>,
     unslipped: Vec<usize>,
+    is_symmetric: bool,
 }
 
 impl<S: Oscillator> Orbit<S> {
@@ -52,6 +54,8 @@ impl<S: Oscillator> Orbit<S> {
         let facts = Facts::of(form, &found, kind)?;
         let energy = system.energy_budget(&found.map);
         let Trial { period, map, .. } = found;
+        let state_at = |time: f64| map.vector_at(time);
+        let symmetric = HalfMap::of_symmetric(state_at, period, (form.len(), &map.sizes()));
         let measures = Measures::of(form, &map.steps, period, energy);
         let events = facts.events.into_iter().map(|event| Event {
             time: event.time,
@@ -70,6 +74,7 @@ impl<S: Oscillator> Orbit<S> {
             measures,
             multipliers: facts.multipliers,
             unslipped: map.unslipped(),
+            is_symmetric: symmetric.is_some(),
             trajectory: system.trajectory(map, period)?,
         })
     }
@@ -153,6 +158,14 @@ impl<S: System> Orbit<S> {
         &self.unslipped
     }
 
+    /// Returns true if the motion is its own mirror image half a period later: x_i(t + T/2) = c_i −
+    /// x_i(t) for each displacement and each direction-dependent memory variable, c_i constant.
+    ///
+    /// Checked at 12 times, to 10⁻⁷ of each size.
+    pub fn is_symmetric(&self) -> bool {
+        self.is_symmetric
+    }
+
     /// Returns true if all multipliers lie inside the unit circle: small perturbations decay.
     pub fn is_stable(&self) -> bool {
         self.multipliers.iter().all(|m| m.norm() < 1.0)
@@ -170,6 +183,7 @@ impl<S: System> Clone for Orbit<S> {
             measures: self.measures.clone(),
             multipliers: self.multipliers.clone(),
             unslipped: self.unslipped.clone(),
+            is_symmetric: self.is_symmetric,
         }
     }
 }

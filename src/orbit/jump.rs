@@ -3,9 +3,8 @@
 
 use super::branch::BranchEnd;
 use super::changes::{JUMP, View};
-use super::map::{PeriodMap, vector};
+use super::map::PeriodMap;
 use crate::motion::{EventKind, Segment};
-use crate::state::structure::State;
 
 /// Distances beyond the last motion at which the border is searched, in units of the shortest step.
 const AWAY: [f64; 8] = [1.0, 4.0, 16.0, 64.0, 256.0, 1024.0, 4096.0, 16384.0];
@@ -111,16 +110,10 @@ impl Side {
         events.map(|&(_, contact, kind)| (contact, kind)).collect()
     }
 
-    fn at(&self, time: f64) -> Option<State> {
-        let mut steps = self.map.steps.iter();
-        let step = steps.find(|step| time <= step.end_time())?;
-        Some(step.state_at(step.since_start(time)))
-    }
-
     /// The distance of another motion at a time, in units of the sizes.
     fn apart(&self, other: &Self, time: f64) -> Option<f64> {
         let sizes = self.map.sizes();
-        let [a, b] = [self.at(time)?, other.at(time)?].map(|state| vector(&state, sizes.len()));
+        let [a, b] = [self.map.vector_at(time)?, other.map.vector_at(time)?];
         let n = 2 * self.map.start.displacements.len();
         let apart = (a - b).component_div(&sizes);
         Some(apart.rows(0, n).amax())

@@ -87,6 +87,12 @@ impl PeriodMap {
         residual
     }
 
+    /// Returns false for a memory variable on which nothing depends.
+    pub(super) fn depends_on(&self, row: usize) -> bool {
+        let first = self.order() - self.depends.len();
+        row.checked_sub(first).is_none_or(|j| self.depends[j])
+    }
+
     /// The largest residual, each number in units of its size.
     pub(super) fn miss(&self) -> f64 {
         self.residual().component_div(&self.sizes()).amax()
@@ -113,6 +119,13 @@ impl PeriodMap {
     /// for a closed motion.
     pub(super) fn is_nearly_closed(&self) -> bool {
         self.miss() <= CLOSED.sqrt() * self.growth()
+    }
+
+    /// The state at a time, as a vector; `None` outside the motion.
+    pub(super) fn vector_at(&self, time: f64) -> Option<DVector<f64>> {
+        let step = self.steps.iter().find(|step| time <= step.end_time())?;
+        let state = step.state_at(step.since_start(time));
+        Some(vector(&state, self.order()))
     }
 
     /// The modes of the contacts at the start.

@@ -45,6 +45,7 @@
 //! | any system: the attractor that a start reaches, and its kind | [`classify`] | the attractor of that start |
 //! | any system: attractors as a parameter rises and falls, with hysteresis | [`sweep`] | the attractors reached, each from the last |
 //! | any system: a branch of motions over a parameter, its bifurcations and its ends | [`follow`] | the connected branch; two bifurcations of one kind within a step can be missed |
+//! | any system: the branch that is born at a flip or a pitchfork | [`Bifurcation::switch`] | one motion on it |
 //! | any system: the curve of a bifurcation over two parameters | [`locus`] | the connected curve; two special points of one kind within a step can be missed |
 //! | any system: derivatives of a motion by parameters, to fit them | [`sensitivities`], [`orbit_sensitivities`] | about 1e-11 of the largest derivative, or a typed error |
 //! | any system: Poincaré sections | [`section`], [`section_at`] | a picture |
@@ -117,6 +118,8 @@
 // | `walk.rs` | steps along the curve, and its ends |
 // | `changes.rs` | bifurcations between two points of the curve: folds, flips, tori, changes of the event sequence |
 // | `corner.rs` | branches that turn back at a change of the event sequence |
+// | `symmetry.rs` | symmetric motions: the half-period map, pitchforks |
+// | `switch.rs` | `Bifurcation::switch`: the branch that crosses at a flip or a pitchfork |
 // | `jump.rs` | motions that jump at a change of the event sequence, which ends the branch |
 // | `locus` | curves of bifurcations in two parameters: the search (`mod.rs`), the motions (`motions.rs`), folds, flips and tori (`smooth.rs`), their scalars (`bordered.rs`), the results (`found.rs`) |
 // | `sequence.rs` | the events of a period as a cyclic sequence |
@@ -150,13 +153,15 @@ mod sequence;
 mod shoot;
 mod springs;
 mod sweep;
+mod switch;
+mod symmetry;
 mod tangent;
 mod trial;
 mod walk;
 #[cfg(feature = "serde")]
 mod written;
 
-pub use branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
+pub use branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint, Criticality};
 pub use classify::{Attractor, AttractorKind, classify};
 pub use follow::follow;
 pub use found::Orbit;

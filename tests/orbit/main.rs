@@ -27,3 +27,4 @@ mod opening;
 mod references;
 mod seam;
 mod sensitivities;
+mod switching;

@@ -7,11 +7,10 @@ use std::ops::Range;
 use nalgebra::{Complex, DVector};
 
 use self::equations::{Bordered, HopfPoints};
-use super::hopf::Criticality;
 use crate::error::Error;
 use crate::numerics::eigenvalues::eigenvalues;
 use crate::numerics::trace::{End, Equations, Plane, Point, check_ranges, solve, trace};
-use crate::orbit::{LocusEnd, Oscillator, SpecialKind};
+use crate::orbit::{Criticality, LocusEnd, Oscillator, SpecialKind};
 
 /// A curve of Hopf points of steady sliding in two parameters; returned by [`hopf_locus`].
 #[derive(Debug, Clone, PartialEq)]

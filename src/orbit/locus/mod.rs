@@ -120,7 +120,7 @@ pub fn locus<S: Oscillator>(
         BifurcationKind::Fold => (LocusKind::Fold, Smooth::Fold),
         BifurcationKind::Flip => (LocusKind::Flip, Smooth::Flip),
         BifurcationKind::NeimarkSacker => (LocusKind::NeimarkSacker, Smooth::Torus),
-        BifurcationKind::Grazing | BifurcationKind::Sequence => {
+        BifurcationKind::Pitchfork | BifurcationKind::Grazing | BifurcationKind::Sequence => {
             return Err(Error::NotSmooth);
         }
     };

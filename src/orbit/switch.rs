@@ -1,0 +1,229 @@
+//! Branch switching: from a flip to the motions of twice the period, from a pitchfork to those
+//! without the symmetry.
+
+use nalgebra::DVector;
+
+use super::branch::{Bifurcation, BifurcationKind, BranchPoint, Criticality};
+use super::changes::View;
+use super::curve::{Curve, Plane, Solved};
+use super::follow::anchor;
+use super::found::Orbit;
+use super::map::vector;
+use super::oscillator::Oscillator;
+use super::period::Period;
+use super::search::Search;
+use super::symmetry::HalfMap;
+use super::trial::Trial;
+use super::walk::natural_scale;
+use crate::error::Error;
+use crate::state::structure::State;
+
+/// Distances from the bifurcation at which the other branch is met, in units of the sizes. The
+/// equations are conditioned like their reciprocals.
+const AWAY: [f64; 3] = [1e-2, 3e-3, 3e-2];
+
+/// Distances in the parameter between motions that give the tangent, in units of the range.
+const BESIDE: [f64; 2] = [1e-3, 1e-4];
+
+/// The least part of its distance by which a motion found differs from its image under the map over
+/// half the period.
+const APART: f64 = 0.5;
+
+impl<S: Oscillator> Bifurcation<S> {
+    /// The branch that is born at a flip or a pitchfork: a motion on it near the bifurcation, from
+    /// which [`follow`](super::follow()) continues.
+    ///
+    /// At a flip the motion has twice the period; at a pitchfork it lacks the symmetry, and its
+    /// mirror image is another one. `family` is the one that was followed. With the map G over half
+    /// of the new motion's period (for a pitchfork followed by the reflection) and G'w = −w, the
+    /// start is searched near x0 + εw, ε = 10⁻² of the sizes, 3·10⁻³ or 3·10⁻², on a plane that the
+    /// old branch does not cross: there
+    ///
+    /// ```text
+    /// G(G(x)) = x,    wᵀ(x − G(x))/wᵀw ≈ 2ε.
+    /// ```
+    ///
+    /// The parameter differs from that of the bifurcation by about p2·ε².
+    /// [`criticality`](Self::criticality) tells on which side the new motions exist.
+    ///
+    /// The new branch turns back at the bifurcation, onto itself or to the mirror images of its
+    /// motions: [`follow`](super::follow()) reports a [`BifurcationKind::Fold`] there.
+    ///
+    /// Source: Kuznetsov, *Elements of Applied Bifurcation Theory*, section 10.2 (branch switching);
+    /// J. W. Swift, K. Wiesenfeld, *Phys. Rev. Lett.* 52 (1984) 705 (symmetric motions).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoSwitch`] for other kinds of bifurcation; [`Error::At`], with the parameter, if the
+    /// family has no system there, or no motion of the other branch is found.
+    ///
+    /// ```
+    /// use stick_slip::orbit::{self, BifurcationKind, Criticality, Period};
+    /// use stick_slip::{Contact, Coulomb, Drive, Error, Structure, structure::State};
+    ///
+    /// // A mass on a belt under a harmonic force, over the amplitude of the force.
+    /// let family = |force: f64| -> Result<Structure, Error> {
+    ///     Structure::new(&[1.0])?
+    ///         .with_ground_spring(0, 1.0)?
+    ///         .with_ground_damper(0, 0.02)?
+    ///         .with_force(0, Drive::harmonic(force, 0.72, 0.0)?)?
+    ///         .with_contact(Contact::new(0, Coulomb::new(0.5, 0.3)?, 1.5)?.on_belt(0.1))
+    /// };
+    /// let start = State::new(&[0.3], &[0.0]);
+    /// let orbit = orbit::settle(&family(0.3)?, &start, 400.0, Period::Driven(1))?;
+    /// let branch = orbit::follow(family, 0.3, &orbit, 0.28..0.4)?;
+    /// let mut found = branch.bifurcations.iter();
+    /// let flip = found.find(|found| found.kind == BifurcationKind::Flip).unwrap();
+    ///
+    /// // The doubled motion exists below the flip, beside the stable one: it is unstable.
+    /// let doubled = flip.switch(family)?;
+    /// assert_eq!(doubled.orbit.kind(), Period::Driven(2));
+    /// assert!(doubled.parameter < flip.parameter && !doubled.orbit.is_stable());
+    /// assert_eq!(flip.criticality(&doubled), Criticality::Subcritical);
+    /// let branch = orbit::follow(family, doubled.parameter, &doubled.orbit, 0.28..0.4)?;
+    /// assert!(branch.points.len() > 10);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    #[doc(alias = "period doubling")]
+    #[doc(alias = "branch point")]
+    pub fn switch(
+        &self,
+        family: impl Fn(f64) -> Result<S, Error>,
+    ) -> Result<BranchPoint<S>, Error> {
+        let (is_symmetric, kind) = match (self.kind, self.orbit.kind()) {
+            (BifurcationKind::Pitchfork, kind) => (true, kind),
+            (BifurcationKind::Flip, Period::Driven(count)) => (false, Period::Driven(2 * count)),
+            (BifurcationKind::Flip, Period::Free(period)) => (false, Period::Free(2.0 * period)),
+            (kind, _) => return Err(Error::NoSwitch { kind: kind.name() }),
+        };
+        let period = self.orbit.period() * if is_symmetric { 1.0 } else { 2.0 };
+        let start = S::general(&self.orbit.state());
+        let (parameter, trial) =
+            Search::new().over(&family, kind, self.range.clone(), |curve| {
+                other_branch(curve, &start, (period, self.parameter), is_symmetric)
+            })?;
+        let find = || {
+            let system = family(parameter)?;
+            Orbit::new(&system, &system.form(), trial, kind)
+        };
+        let orbit = find().map_err(|error| error.at("parameter", parameter))?;
+        Ok(BranchPoint { parameter, orbit })
+    }
+
+    /// Returns on which side of the bifurcation the motions exist that are born there, from one of
+    /// them, as [`switch`](Self::switch) finds it: supercritical, where the old motion has lost its
+    /// stability, or subcritical, beside the stable one.
+    ///
+    /// It is degenerate if the multipliers do not decide, as when others are near the unit circle.
+    pub fn criticality(&self, born: &BranchPoint<S>) -> Criticality {
+        let to = match self.kind {
+            BifurcationKind::Flip => -1.0,
+            _ => 1.0,
+        };
+        let unstable = |orbit: &Orbit<S>| {
+            let multipliers = orbit.multipliers().iter();
+            multipliers.filter(|m| m.norm() > 1.0).count()
+        };
+        let own = self.orbit.multipliers().iter();
+        let own = own.min_by(|a, b| (*a - to).norm().total_cmp(&(*b - to).norm()));
+        let own = own.is_some_and(|own| own.norm() > 1.0);
+        let others = unstable(&self.orbit) - usize::from(own);
+        match unstable(&born.orbit).checked_sub(others) {
+            Some(0) => Criticality::Supercritical,
+            Some(1) => Criticality::Subcritical,
+            _ => Criticality::Degenerate,
+        }
+    }
+}
+
+/// A motion on the branch that crosses at a bifurcation, and its parameter. The motion there is
+/// given by its start, and by its period on the other branch.
+fn other_branch(
+    mut curve: Curve<'_>,
+    start: &State,
+    (period, parameter): (f64, f64),
+    is_symmetric: bool,
+) -> Result<(f64, Trial), Error> {
+    let start = anchor(&mut curve, parameter, start.clone(), period)?;
+    let mut here = curve.guess(&start, period, parameter)?;
+    let lost = |here: &Solved| curve.lost(&here.y, &here.trial);
+    let (map, order, last) = (&here.trial.map, curve.order, curve.unknowns() - 1);
+    let sizes = map.sizes();
+    let (half, _) = curve.motion(&here.y, map.end_modes(), 0.5)?;
+    let symmetric = |time: f64| map.vector_at(time);
+    let half_map = if is_symmetric {
+        let found = HalfMap::of_symmetric(symmetric, here.trial.period, (curve.n, &sizes));
+        found.ok_or_else(|| lost(&here))?
+    } else {
+        HalfMap::of_doubled(order)
+    };
+    let inverted = half_map.inverted(&half, &sizes);
+    let inverted = inverted.ok_or_else(|| lost(&here))?;
+    let mut across = DVector::zeros(last + 1);
+    across.rows_mut(0, order).copy_from(&inverted);
+    if let Some(turning) = curve.turning {
+        // On the section: less a shift along the motion.
+        let (row, flow) = (curve.n + turning, &map.flow[0]);
+        across
+            .rows_mut(0, order)
+            .axpy(-inverted[row] / flow[row], flow, 1.0);
+    }
+    let scale = natural_scale(&curve, &here);
+    let scaled = |y: &DVector<f64>| y.component_div(&scale);
+    here.tangent = DVector::from_fn(last + 1, |i, _| if i == last { 1.0 } else { 0.001 });
+    let tangent = tangent(&curve, &here, &scale).ok_or_else(|| lost(&here))?;
+    let direction = scaled(&across);
+    let normal = &direction - &tangent * tangent.dot(&direction);
+    let slope = normal.dot(&direction);
+    let origin = normal.dot(&scaled(&here.y));
+    let mut failure = lost(&here);
+    for away in AWAY.iter().flat_map(|away| [*away, -away]) {
+        let plane = Plane {
+            scale: &scale,
+            normal: &normal / slope,
+            value: origin / slope + away,
+            along: &direction,
+        };
+        let found = match curve.solve(&(&here.y + &across * away), &here, &plane) {
+            Ok(found) => found,
+            Err(error) => {
+                failure = error;
+                continue;
+            }
+        };
+        let (half, _) = curve.motion(&found.y, found.trial.map.end_modes(), 0.5)?;
+        let image = half_map.image(&vector(&half.end, order));
+        let missed = (vector(&half.start, order) - image).component_div(&sizes);
+        let weights = inverted.component_div(&sizes);
+        let missed = missed.dot(&weights) / weights.norm_squared();
+        if missed.abs() >= APART * 2.0 * away.abs() {
+            return Ok((curve.parameter(&found.y), found.trial));
+        }
+    }
+    Err(failure)
+}
+
+/// The tangent of the old branch at a point, in units of the scales: at the bifurcation itself its
+/// equations are singular.
+fn tangent(curve: &Curve<'_>, here: &Solved, scale: &DVector<f64>) -> Option<DVector<f64>> {
+    let view = View {
+        curve,
+        base: here,
+        scale,
+    };
+    let parameter = curve.parameter(&here.y);
+    let mut tangents = BESIDE.iter().filter_map(|beside| {
+        let change = beside * curve.width();
+        let at =
+            |parameter: f64| Some(view.with_parameter(parameter, &here.y, here).ok()?.solved.y);
+        let (low, high) = (at(parameter - change), at(parameter + change));
+        let way = match (low, high) {
+            (Some(low), Some(high)) => high - low,
+            (Some(low), None) => &here.y - low,
+            (None, Some(high)) => high - &here.y,
+            (None, None) => return None,
+        };
+        Some(way.component_div(scale).normalize())
+    });
+    tangents.next()
+}

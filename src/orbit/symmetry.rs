@@ -1,0 +1,215 @@
+//! Motions of symmetric systems: the half-period map, and pitchforks.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::changes::{Place, View};
+use super::curve::solution;
+use super::map::{CLOSED, PeriodMap, state, vector};
+use crate::numerics::bracket::Bracket;
+
+/// The map G over half of a period, of which a motion is a fixed point: G(x) = S P(x) + c with
+/// diagonal S and constant c. For a motion that takes twice its own period S is the identity; for a
+/// symmetric one S is −1 but for variables that do not know the direction, as the time in stick.
+#[derive(Clone)]
+pub(super) struct HalfMap {
+    signs: DVector<f64>,
+    shift: DVector<f64>,
+}
+
+/// Places in half a period at which a symmetry is checked.
+const PLACES: usize = 12;
+
+/// Largest violation of a symmetry, in units of the sizes.
+const SYMMETRIC: f64 = 1e-7;
+
+/// Limit of Newton steps; three or four are usual.
+const MOST_STEPS: usize = 12;
+
+/// A direction that the half-period map inverts is changed by less than this besides.
+const INVERTED: f64 = 1e-4;
+
+impl HalfMap {
+    /// The map of motions that take twice their own period.
+    pub(super) fn of_doubled(order: usize) -> Self {
+        Self {
+            signs: DVector::from_element(order, 1.0),
+            shift: DVector::zeros(order),
+        }
+    }
+
+    /// The map of a symmetric motion, given by its states at times in [0, T], with n coordinates;
+    /// `None` if the motion is not symmetric.
+    pub(super) fn of_symmetric(
+        state_at: impl Fn(f64) -> Option<DVector<f64>>,
+        period: f64,
+        (n, sizes): (usize, &DVector<f64>),
+    ) -> Option<Self> {
+        let pairs = (0..PLACES).map(|k| {
+            let time = 0.5 * period * (k as f64 + 0.37) / PLACES as f64;
+            Some([state_at(time)?, state_at(time + 0.5 * period)?])
+        });
+        let pairs: Vec<[DVector<f64>; 2]> = pairs.collect::<Option<_>>()?;
+        let [first, second] = pairs.first()?;
+        let sums = first + second;
+        let (mut signs, mut shift) = (DVector::zeros(sums.len()), DVector::zeros(sums.len()));
+        for i in 0..sums.len() {
+            let is_small = |x: f64| x.abs() <= SYMMETRIC * sizes[i];
+            // A velocity has no mean value.
+            let is_velocity = (n..2 * n).contains(&i);
+            let is_odd = pairs.iter().all(|[a, b]| is_small(a[i] + b[i] - sums[i]))
+                && (!is_velocity || is_small(sums[i]));
+            let is_even = i >= 2 * n && pairs.iter().all(|[a, b]| is_small(a[i] - b[i]));
+            signs[i] = match (is_odd, is_even) {
+                (true, _) => -1.0,
+                (false, true) => 1.0,
+                (false, false) => return None,
+            };
+            // A centre that is 0 to rounding is 0.
+            if is_odd && !is_small(sums[i]) {
+                shift[i] = sums[i];
+            }
+        }
+        Some(Self { signs, shift })
+    }
+
+    /// G(x), from the motion over half a period.
+    pub(super) fn image(&self, end: &DVector<f64>) -> DVector<f64> {
+        end.component_mul(&self.signs) + &self.shift
+    }
+
+    /// G', in units of the sizes, from the motion over half a period.
+    fn derivative(&self, half: &PeriodMap, sizes: &DVector<f64>) -> DMatrix<f64> {
+        let order = half.order();
+        DMatrix::from_fn(order, order, |i, j| {
+            self.signs[i] * half.monodromy[(i, j)] * (sizes[j] / sizes[i])
+        })
+    }
+
+    /// The direction w with G'w = −w, of size 1 in units of the sizes; `None` if there is none.
+    pub(super) fn inverted(&self, half: &PeriodMap, sizes: &DVector<f64>) -> Option<DVector<f64>> {
+        let order = half.order();
+        let matrix = self.derivative(half, sizes) + DMatrix::identity(order, order);
+        let svd = matrix.try_svd(false, true, f64::EPSILON, 1000 * order)?;
+        let values = &svd.singular_values;
+        let (least, value) = values.argmin();
+        let vector = svd.v_t?.row(least).transpose();
+        (value <= INVERTED * values.max().max(1.0))
+            .then(|| (&vector / vector.amax()).component_mul(sizes))
+    }
+}
+
+impl View<'_, '_> {
+    /// The pitchfork between two symmetric motions whose multipliers pass 1, if there is one.
+    ///
+    /// The equations of `follow` are singular there, those of the half-period map are not: a
+    /// symmetric motion is a fixed point of it, and det(G' + 1) changes its sign at a pitchfork.
+    pub(super) fn pitchfork(&self, from: &Place, to: &Place) -> Option<Place> {
+        let ends = [from, to].map(|place| {
+            let (map, period) = (&place.solved.trial.map, place.solved.trial.period);
+            let state_at = |time: f64| map.vector_at(time);
+            let symmetric = HalfMap::of_symmetric(state_at, period, (self.curve.n, &map.sizes()));
+            let motion = self.symmetric(&symmetric?, &place.solved.y, from)?;
+            let parameter = self.curve.parameter(&motion.y);
+            Some((parameter, motion))
+        });
+        let [Some(mut low), Some(mut high)] = ends else {
+            return None;
+        };
+        if low.0 > high.0 {
+            std::mem::swap(&mut low, &mut high);
+        }
+        let values = [&low, &high].map(|end| (end.0, end.1.determinant));
+        if !(values[0].0 < values[1].0 && values[0].1 * values[1].1 < 0.0) {
+            return None;
+        }
+        let symmetric = low.1.half_map.clone();
+        let mut bracket = Bracket::new(values[0], values[1]);
+        let mut best = low.1.clone();
+        while let Some(parameter) = bracket.next_place() {
+            let part = (parameter - low.0) / (high.0 - low.0);
+            let mut guess = &low.1.y * (1.0 - part) + &high.1.y * part;
+            guess[self.curve.unknowns() - 1] = parameter;
+            best = self.symmetric(&symmetric, &guess, from)?;
+            bracket.narrow(parameter, best.determinant);
+            if best.determinant == 0.0 {
+                break;
+            }
+        }
+        let curve = self.curve;
+        let start = state(&best.y.rows(0, curve.order).into_owned(), curve.n);
+        let solved = curve
+            .guess(&start, best.period, curve.parameter(&best.y))
+            .ok()?;
+        let moved = self.scaled(&solved) - self.scaled(self.base);
+        Some(Place {
+            distance: self.base.tangent.dot(&moved),
+            solved,
+        })
+    }
+
+    /// The symmetric motion with the parameter of a guess.
+    fn symmetric(
+        &self,
+        half_map: &HalfMap,
+        guess: &DVector<f64>,
+        near: &Place,
+    ) -> Option<Symmetric> {
+        let (curve, mut y) = (self.curve, guess.clone());
+        let (order, modes) = (curve.order, near.solved.trial.map.end_modes());
+        let own = curve.unknowns() - 1;
+        let mut before = f64::INFINITY;
+        for _ in 0..MOST_STEPS {
+            let (half, period) = curve.motion(&y, modes, 0.5).ok()?;
+            let start = vector(&half.start, order);
+            y.rows_mut(0, order).copy_from(&start);
+            let sizes = half.sizes();
+            let derivative = half_map.derivative(&half, &sizes);
+            let mut right =
+                (start - half_map.image(&vector(&half.end, order))).component_div(&sizes);
+            right.resize_vertically_mut(own, 0.0);
+            let mut matrix = derivative.resize(own, own, 0.0);
+            for i in 0..order {
+                matrix[(i, i)] -= 1.0;
+                if !half.depends_on(i) {
+                    right[i] = 0.0;
+                }
+            }
+            if let Some(turning) = curve.turning {
+                let late = half_map
+                    .signs
+                    .component_mul(&half.flow[1])
+                    .component_div(&sizes);
+                matrix
+                    .view_mut((0, order), (order, 1))
+                    .copy_from(&(late * (0.5 * period)));
+                matrix[(order, curve.n + turning)] = 1.0;
+            }
+            let change = solution(&matrix, &right)?;
+            let size = change.amax();
+            if size <= f64::EPSILON || (size <= CLOSED.sqrt() && size >= 0.5 * before) {
+                let inverts = half_map.derivative(&half, &sizes) + DMatrix::identity(order, order);
+                return Some(Symmetric {
+                    half_map: half_map.clone(),
+                    determinant: inverts.determinant(),
+                    period,
+                    y,
+                });
+            }
+            before = size;
+            for (i, change) in change.iter().enumerate() {
+                y[i] += change * if i < order { sizes[i] } else { period };
+            }
+        }
+        None
+    }
+}
+
+/// A symmetric motion: a point of the curve.
+#[derive(Clone)]
+struct Symmetric {
+    half_map: HalfMap,
+    y: DVector<f64>,
+    period: f64,
+    /// det(G' + 1).
+    determinant: f64,
+}
