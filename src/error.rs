@@ -228,6 +228,15 @@ pub enum Error {
         expected: usize,
     },
 
+    /// Not returned: a coordinate may have several contacts.
+    #[error("coordinate {coordinate} has contact {contact} already")]
+    CoordinateTaken {
+        /// The coordinate, from 0.
+        coordinate: usize,
+        /// The contact that the coordinate has already, from 0.
+        contact: usize,
+    },
+
     /// A mass matrix is not symmetric:
     /// [`Structure::with_mass_matrix`](crate::Structure::with_mass_matrix).
     #[error(
