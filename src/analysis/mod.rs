@@ -23,9 +23,10 @@
 //!
 //! Nothing here integrates the equations of motion, so the formulas are independent of the exact
 //! motions in the rest of the crate. An error O(εⁿ) means the order as friction and damping become
-//! weak compared with the spring, (γ², β) → (εγ², εβ). "Eq. n" is an equation of A. Farshidianfar and N.
-//! Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and Stability Analysis*. "Eq.
-//! n, corrected" is one that they print wrongly; the table below lists the corrections.
+//! weak compared with the spring, (γ², β) → (εγ², εβ). "Eq. n" is an equation of A. Farshidianfar
+//! and N. Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and Stability
+//! Analysis*. "Eq. n, corrected" is one that they print wrongly; the table below lists the
+//! corrections.
 //!
 //! | Question | Answer |
 //! |---|---|

@@ -352,10 +352,10 @@ impl Cubic {
 /// | `return_angle`, whose tangent is the duration of stick | 3/2 | 2 |
 /// | the extreme of v along the belt, v_b | exact | exact |
 ///
-/// Range of validity: 0 < |v_b| < v_b0 with a margin (W1 > 0), W1 small compared with 1, and |v_b|·stick ≤
-/// 2γ²μ_s, so that the mass sticks where it meets the belt. The last condition fails as ε → 0 at
-/// fixed μ_s. If μ_s and μ_m are raised by the same constant, the stick band widens and u − ū stays
-/// as it is.
+/// Range of validity: 0 < |v_b| < v_b0 with a margin (W1 > 0), W1 small compared with 1, and
+/// |v_b|·stick ≤ 2γ²μ_s, so that the mass sticks where it meets the belt. The last condition fails
+/// as ε → 0 at fixed μ_s. If μ_s and μ_m are raised by the same constant, the stick band widens and
+/// u − ū stays as it is.
 ///
 /// As |v_b| → v_b0 stick shrinks like √δ, δ = 1 − |v_b|/v_b0. But it ends at
 /// [`grazing_velocity`](super::PureSlip::grazing_velocity), a little above v_b0: the duration of

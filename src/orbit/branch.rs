@@ -53,12 +53,13 @@ pub enum BifurcationKind {
     Fold,
     /// A multiplier is −1: a motion of twice the period is born. [`Bifurcation::switch`] finds it.
     Flip,
-    /// A multiplier of a symmetric motion is +1, but the branch continues: a pair of motions without
-    /// the symmetry is born, mirror images of each other. [`Bifurcation::switch`] finds them.
+    /// A multiplier of a symmetric motion is +1, but the branch continues: a pair of motions
+    /// without the symmetry is born, mirror images of each other. [`Bifurcation::switch`] finds
+    /// them.
     ///
-    /// A motion is symmetric if x(t + T/2) = c − x(t) with constant c: see
-    /// [`Orbit::is_symmetric`]. The map over half a period, followed by that reflection, has the
-    /// multiplier −1. (A symmetric motion has no flips: its multiplier −1 would be the square of ±i.)
+    /// A motion is symmetric if x(t + T/2) = c − x(t) with constant c: see [`Orbit::is_symmetric`].
+    /// The map over half a period, followed by that reflection, has the multiplier −1. (A symmetric
+    /// motion has no flips: its multiplier −1 would be the square of ±i.)
     Pitchfork,
     /// A pair of multipliers lies on the unit circle: motions on a torus are born.
     NeimarkSacker,
@@ -89,8 +90,8 @@ impl fmt::Display for BifurcationKind {
     }
 }
 
-/// On which side of a bifurcation the motions exist that are born there: at a Hopf point, a flip or a
-/// pitchfork.
+/// On which side of a bifurcation the motions exist that are born there: at a Hopf point, a flip or
+/// a pitchfork.
 ///
 /// For a mass on a belt it is the sign of μ̂'''(v_b), from the averaged equation A' = −½h1 A −
 /// (3/8)h3 A³ with h3 = γ² μ̂'''(v_b)/6 (Eq. 12 of Farshidianfar and Noei Aghaee, for any law); for
@@ -106,7 +107,8 @@ pub enum Criticality {
     Supercritical,
     /// Unstable motions, beside the old one, which is still stable: μ̂'''(v_b) < 0.
     Subcritical,
-    /// Neither: the deciding coefficient is zero, so that higher ones decide; or it is not a number.
+    /// Neither: the deciding coefficient is zero, so that higher ones decide; or it is not a
+    /// number.
     Degenerate,
 }
 

@@ -49,13 +49,14 @@ impl<S: Oscillator> Bifurcation<S> {
     /// The new branch turns back at the bifurcation, onto itself or to the mirror images of its
     /// motions: [`follow`](super::follow()) reports a [`BifurcationKind::Fold`] there.
     ///
-    /// Source: Kuznetsov, *Elements of Applied Bifurcation Theory*, section 10.2 (branch switching);
-    /// J. W. Swift, K. Wiesenfeld, *Phys. Rev. Lett.* 52 (1984) 705 (symmetric motions).
+    /// Source: Kuznetsov, *Elements of Applied Bifurcation Theory*, section 10.2 (branch
+    /// switching); J. W. Swift, K. Wiesenfeld, *Phys. Rev. Lett.* 52 (1984) 705 (symmetric
+    /// motions).
     ///
     /// # Errors
     ///
-    /// [`Error::NoSwitch`] for other kinds of bifurcation; [`Error::At`], with the parameter, if the
-    /// family has no system there, or no motion of the other branch is found.
+    /// [`Error::NoSwitch`] for other kinds of bifurcation; [`Error::At`], with the parameter, if
+    /// the family has no system there, or no motion of the other branch is found.
     ///
     /// ```
     /// use stick_slip::orbit::{self, BifurcationKind, Criticality, Period};

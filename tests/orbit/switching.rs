@@ -34,7 +34,7 @@ fn branch(case: &Value, point: &Value) -> Branch<Structure> {
     follow(family, begin, &orbit, low..high).unwrap()
 }
 
-fn only<'b>(branch: &'b Branch<Structure>, kind: BifurcationKind) -> &'b Bifurcation<Structure> {
+fn only(branch: &Branch<Structure>, kind: BifurcationKind) -> &Bifurcation<Structure> {
     let [found] = &branch.bifurcations[..] else {
         panic!("{:?}", branch.bifurcations)
     };
@@ -186,7 +186,7 @@ fn other_kinds_are_refused() {
     let law = Exponential::new(0.6, 0.3, 0.4).unwrap();
     let family = |velocity: f64| MassOnBelt::new(law, velocity)?.with_damping(0.01);
     let system = family(1.0).unwrap();
-    let orbit = shoot(&system, &(0.3, 0.6).into(), Period::Free(6.28)).unwrap();
+    let orbit = shoot(&system, &(0.3, 0.6).into(), Period::Free(6.3)).unwrap();
     let branch = follow(family, 1.0, &orbit, 0.3..6.0).unwrap();
     assert!(!branch.bifurcations.is_empty());
     for found in &branch.bifurcations {
