@@ -12,7 +12,8 @@ use crate::motion::{EventKind, System};
 pub struct Branch<S: System> {
     /// The motions, from one end of the branch to the other.
     pub points: Vec<BranchPoint<S>>,
-    /// The bifurcations between them, in the same order.
+    /// The bifurcations between them, in the same order; that of a grazing end is the first or the
+    /// last.
     pub bifurcations: Vec<Bifurcation<S>>,
     /// Why the branch ends before its first point, and after its last one.
     pub ends: [BranchEnd; 2],
@@ -137,7 +138,9 @@ pub enum BranchEnd {
     /// An event of the motion became tangential, and no motion near it continues: the contact
     /// reaches relative velocity 0 only tangentially there, and not at all beyond.
     Grazing {
-        /// The parameter there, by extrapolation: good to about 1e-8 of the range.
+        /// The parameter there, to rounding. The motion there is that of the first or the last of
+        /// [`Branch::bifurcations`]; the derivative of its map is unbounded, its first multiplier
+        /// infinite, and the others are NaN.
         parameter: f64,
     },
     /// The motion itself jumps there, and no motion near it continues. At one instant a contact has

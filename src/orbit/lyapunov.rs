@@ -176,7 +176,7 @@ fn growths(
         }
     };
     let tangents = DMatrix::from_fn(order, 1, change);
-    let mut flow = TangentFlow::new(form, Integrator::new(), start, tangents)?;
+    let mut flow = TangentFlow::new(form, Integrator::new(), (0.0, start), &[], tangents)?;
     flow.logarithm = Some(0.0);
     let mut parts = Parts {
         growths: [Growth::default(); PARTS],

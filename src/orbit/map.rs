@@ -3,6 +3,7 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::form::Form;
+use super::hold::{HeldFlow, Hold, Touch};
 use super::multipliers::multipliers;
 use super::tangent::{TangentFlow, flow_of};
 use crate::error::{Error, Reached};
@@ -34,6 +35,8 @@ pub struct PeriodMap {
     held: Vec<DVector<f64>>,
     /// Elastic contacts whose sliders never move: δT = k_t b·δq all along.
     unslipped: Vec<Unslipped>,
+    /// The touches past which contacts are held.
+    pub(super) touches: Vec<Touch>,
 }
 
 /// An elastic contact whose slider keeps its place.
@@ -91,6 +94,23 @@ impl PeriodMap {
     pub(super) fn depends_on(&self, row: usize) -> bool {
         let first = self.order() - self.depends.len();
         row.checked_sub(first).is_none_or(|j| self.depends[j])
+    }
+
+    /// The times of events and touches, in order.
+    pub(super) fn times(&self) -> Vec<f64> {
+        let events = self.steps.iter().flat_map(Segment::events);
+        let begins = self.steps.first().map_or(0.0, Segment::start_time);
+        let touches = self.touches.iter();
+        let touches = touches.map(|touch| begins + touch.hold.since);
+        let mut times: Vec<f64> = events.map(|event| event.time).chain(touches).collect();
+        times.sort_by(f64::total_cmp);
+        times
+    }
+
+    /// The holds of the motion from a later start.
+    pub(super) fn holds_later(&self, by: f64, period: f64) -> Vec<Hold> {
+        let touches = self.touches.iter();
+        touches.map(|touch| touch.hold.later(by, period)).collect()
     }
 
     /// The largest residual, each number in units of its size.
@@ -240,9 +260,16 @@ impl PeriodMap {
 
     /// The multipliers of a closed motion, by falling modulus; those of an autonomous one without
     /// the 1 of a shift along itself, and without the 1 of the place of each slider that never
-    /// moves. `None` if they do not converge.
+    /// moves. `None` if they do not converge. At the tangential end of a branch the first is
+    /// infinite, and the others are NaN.
     pub(super) fn multipliers(&self, is_free: bool) -> Option<Vec<Complex<f64>>> {
         let (matrix, flow) = &self.cycle;
+        if self.touches.iter().any(|touch| touch.is_unbounded) {
+            let count = self.order() - usize::from(is_free);
+            let first = std::iter::once(Complex::from(f64::INFINITY));
+            let others = std::iter::repeat(Complex::from(f64::NAN));
+            return Some(first.chain(others).take(count).collect());
+        }
         if self.unslipped.is_empty() {
             return multipliers(matrix, is_free.then_some(flow), &self.held, &self.sizes());
         }
@@ -295,13 +322,21 @@ pub(super) fn period_map(
     start: &State,
     duration: f64,
 ) -> Result<PeriodMap, Error> {
+    held_period_map(form, (time, start), duration, &[])
+}
+
+/// The same with contacts held past touches.
+pub(super) fn held_period_map(
+    form: &Form<'_>,
+    (time, start): (f64, &State),
+    duration: f64,
+    holds: &[Hold],
+) -> Result<PeriodMap, Error> {
     let (n, order) = (form.len(), form.order());
-    let settings = Integrator::new()
-        .with_max_steps(form.most_of_a_period())?
-        .with_start_time(time)?;
+    let settings = Integrator::new().with_max_steps(form.most_of_a_period())?;
     let end_time = time + duration;
     let identity = DMatrix::identity(order, order);
-    let mut flow = TangentFlow::new(form, settings, start, identity)?;
+    let mut flow = TangentFlow::new(form, settings, (time, start), holds, identity)?;
     let mut steps: Vec<Step> = Vec::new();
     let mut first_flow = None;
     // From the start to the cut, behind which `flow.tangents` begin anew; and the flow there.
@@ -349,6 +384,7 @@ pub(super) fn period_map(
     let unslipped = unslipped(form, &steps);
     Ok(PeriodMap {
         unslipped,
+        touches: flow.touches().to_vec(),
         start: start.clone(),
         end_modes,
         monodromy,
@@ -383,14 +419,14 @@ pub(super) fn begun_apart(
     };
     let mut state = step.state_at(step.since_start(time));
     form.put_in_modes(&mut state, time, |c| Some(step.modes()[c]));
-    period_map(form, time, &state, period).map(Some)
+    let holds = map.holds_later(time, period);
+    held_period_map(form, (time, &state), period, &holds).map(Some)
 }
 
-/// The middle of the longest time without an event between two times.
+/// The middle of the longest time without an event or a touch between two times.
 pub(super) fn longest_pause(map: &PeriodMap, from: f64, to: f64) -> f64 {
-    let events = map.steps.iter().flat_map(Segment::events);
-    let times = events.map(|event| event.time).chain([to]);
     let mut last = from;
+    let times = map.times().into_iter().chain([to]);
     let gaps = times.map(|time| (std::mem::replace(&mut last, time), time));
     let gap = gaps.max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)));
     gap.map_or(from, |(from, to)| 0.5 * (from + to))
@@ -422,6 +458,32 @@ pub(super) fn reach(
         }
     }
     reached.ok_or(Error::InvalidDuration { value: duration })
+}
+
+/// The steps of a motion over a duration, and its touches.
+pub(super) type Course = (Vec<Step>, Vec<Touch>);
+
+/// The motion over a duration from a state at a time, with contacts held.
+pub(super) fn held_course(
+    form: &Form<'_>,
+    (time, start): (f64, &State),
+    duration: f64,
+    holds: &[Hold],
+) -> Result<Course, Error> {
+    let settings = Integrator::new().with_max_steps(form.most_of_a_period())?;
+    let end_time = time + duration;
+    let mut steps: Vec<Step> = Vec::new();
+    let mut flow = HeldFlow::new(form, settings, time, start, holds)?;
+    while let Some(step) = flow.next() {
+        let step = step?;
+        form.count(|| Reached::new(step.start_time(), step.state().clone()))?;
+        if step.end_time() >= end_time {
+            steps.push(step.until(end_time));
+            return Ok((steps, flow.touches));
+        }
+        steps.push(step);
+    }
+    Err(Error::InvalidDuration { value: duration })
 }
 
 /// The end of a motion, and its events: contact and kind.

@@ -120,6 +120,7 @@
 // | `corner.rs` | branches that turn back at a change of the event sequence |
 // | `symmetry.rs` | symmetric motions: the half-period map, pitchforks |
 // | `switch.rs` | `Bifurcation::switch`: the branch that crosses at a flip or a pitchfork |
+// | `hold.rs` | motions with a contact held past a touch, which are smooth there |
 // | `jump.rs` | motions that jump at a change of the event sequence, which ends the branch |
 // | `locus` | curves of bifurcations in two parameters: the search (`mod.rs`), the motions (`motions.rs`), folds, flips and tori (`smooth.rs`), their scalars (`bordered.rs`), the results (`found.rs`) |
 // | `sequence.rs` | the events of a period as a cyclic sequence |
@@ -136,6 +137,7 @@ mod curve;
 mod follow;
 mod form;
 mod found;
+mod hold;
 mod jump;
 mod linear;
 mod locus;

@@ -21,6 +21,7 @@ use crate::error::Error;
 /// | [`settle`](Self::settle) | the transient, then [`shoot`](Self::shoot) |
 /// | [`shoot`](Self::shoot) | five to ten motions over a period, each with its derivative |
 /// | [`lyapunov_with_spread`](Self::lyapunov_with_spread) | the motion with one perturbation: about three times the motion alone |
+/// | [`locus`](Self::locus) | about ten motions with derivatives for each step of Newton's method, of which a point takes three to five; for loci of events as many motions as they have unknowns, without derivatives |
 /// | [`follow`](Self::follow) | three to five motions with derivatives for each point, at least 65 points over the range, and some tens of motions for each bifurcation; a hundred for each change of the events |
 ///
 /// A branch of one mass therefore takes a fraction of a second. One of a drill string of 20
@@ -73,6 +74,8 @@ pub struct Progress {
     /// Value of the parameter at hand; in a search on one system the time that the
     /// motion at hand has reached.
     pub value: f64,
+    /// Value of the second parameter at hand in a search over two, [`locus`](Search::locus).
+    pub second: Option<f64>,
     /// Number of motions found so far, except for the first; 0 in a search on one system.
     pub points: usize,
     /// Steps taken so far.
@@ -84,7 +87,10 @@ impl<'w> Search<'w> {
     pub const DEFAULT_MAX_STEPS: usize = MOST_STEPS;
     /// The default bound of the work of [`follow`](Self::follow) in each direction, in steps.
     pub const DEFAULT_MAX_BRANCH_STEPS: usize = 10 * MOST_STEPS;
-    /// The default bound of the points of [`follow`](Self::follow) in each direction.
+    /// The default bound of the work of [`locus`](Self::locus) in each direction, in steps.
+    pub const DEFAULT_MAX_LOCUS_STEPS: usize = 20 * MOST_STEPS;
+    /// The default bound of the points of [`follow`](Self::follow) and [`locus`](Self::locus) in
+    /// each direction.
     pub const DEFAULT_MAX_POINTS: usize = 2048;
 
     /// A search with the default bounds, not watched.
@@ -93,10 +99,12 @@ impl<'w> Search<'w> {
     }
 
     /// Bounds the steps of each search. On one system it then returns
-    /// [`Error::TooManySteps`]; a branch ends with [`BranchEnd::Work`](super::BranchEnd::Work).
+    /// [`Error::TooManySteps`]; a branch ends with [`BranchEnd::Work`](super::BranchEnd::Work), a
+    /// locus with [`LocusEnd::Work`](super::LocusEnd::Work).
     ///
-    /// The defaults are [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) and, for a branch in each
-    /// direction, [`DEFAULT_MAX_BRANCH_STEPS`](Self::DEFAULT_MAX_BRANCH_STEPS). One motion over a
+    /// The defaults are [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) and, in each direction,
+    /// [`DEFAULT_MAX_BRANCH_STEPS`](Self::DEFAULT_MAX_BRANCH_STEPS) for a branch and
+    /// [`DEFAULT_MAX_LOCUS_STEPS`](Self::DEFAULT_MAX_LOCUS_STEPS) for a locus. One motion over a
     /// period may take a tenth of it, at least 10⁵.
     ///
     /// # Errors
@@ -107,7 +115,7 @@ impl<'w> Search<'w> {
         Ok(Self { max_steps, ..self })
     }
 
-    /// Bounds the points of a branch in each direction.
+    /// Bounds the points of a branch or a locus in each direction.
     ///
     /// # Errors
     ///
@@ -121,8 +129,9 @@ impl<'w> Search<'w> {
     /// and every 1000 steps: it can show the progress, and stop the search with
     /// [`ControlFlow::Break`].
     ///
-    /// A branch that is stopped keeps what was found, with
-    /// [`BranchEnd::Stopped`](super::BranchEnd::Stopped) as its end; any other search returns
+    /// A branch or a locus that is stopped keeps what was found, with
+    /// [`BranchEnd::Stopped`](super::BranchEnd::Stopped) or
+    /// [`LocusEnd::Stopped`](super::LocusEnd::Stopped) as its end; any other search returns
     /// [`Error::Stopped`].
     pub fn watched(self, watch: impl Fn(&Progress) -> ControlFlow<()> + 'w) -> Self {
         Self {
@@ -144,12 +153,21 @@ impl<'w> Search<'w> {
         )
     }
 
+    /// The bounds of a curve in two parameters in each direction: steps and points.
+    pub(super) fn of_locus(&self) -> (usize, usize) {
+        (
+            self.max_steps.unwrap_or(Self::DEFAULT_MAX_LOCUS_STEPS),
+            self.max_points.unwrap_or(Self::DEFAULT_MAX_POINTS),
+        )
+    }
+
     /// The watch over one search: on one system with the parameter `time`.
     pub(super) fn watch(&self, parameter: &'static str) -> Watched<'_> {
         Watched {
             watch: self.watch.as_deref(),
             parameter,
             value: Cell::new(None),
+            second: Cell::new(None),
             points: Cell::new(0),
             steps: Cell::new(0),
             stopped: Cell::new(None),
@@ -178,6 +196,7 @@ pub(super) struct Watched<'w> {
     parameter: &'static str,
     /// The value of the parameter at hand; on one system `None`.
     value: Cell<Option<f64>>,
+    second: Cell<Option<f64>>,
     points: Cell<usize>,
     /// Steps of the motions before the one at hand.
     steps: Cell<usize>,
@@ -189,6 +208,12 @@ impl Watched<'_> {
     /// Another value of the parameter is at hand.
     pub(super) fn at(&self, value: f64) {
         self.value.set(Some(value));
+    }
+
+    /// Other values of two parameters are at hand.
+    pub(super) fn at_pair(&self, first: f64, second: f64) {
+        self.value.set(Some(first));
+        self.second.set(Some(second));
     }
 
     /// One more motion was found, at a value of the parameter.
@@ -211,6 +236,7 @@ impl Watched<'_> {
     pub(super) fn look(&self, time: f64, steps: usize) {
         let progress = Progress {
             value: self.value.get().unwrap_or(time),
+            second: self.second.get(),
             points: self.points.get(),
             steps: self.steps.get() + steps,
         };

@@ -2,7 +2,8 @@
 
 use super::branch::BifurcationKind;
 use super::map::PeriodMap;
-use crate::motion::{EventKind, Mode};
+use crate::motion::{Event, EventKind, Mode};
+use crate::state::structure::State;
 
 /// The events of a period, from any start: contact, kind, and the mode of the contact afterwards.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,8 +16,18 @@ const TOGETHER: f64 = 1e-11;
 impl Sequence {
     /// The events of a closed motion whose start is not near an event.
     pub(super) fn of(map: &PeriodMap, period: f64) -> Self {
+        Self::except(map, period, |_| false)
+    }
+
+    /// The same without some.
+    pub(super) fn except(
+        map: &PeriodMap,
+        period: f64,
+        is_left_out: impl Fn(&Event<State>) -> bool,
+    ) -> Self {
         let events = map.events();
         let mut events: Vec<_> = events
+            .filter(|(event, _)| !is_left_out(event))
             .map(|(event, after)| (event.time, (event.contact, event.kind, after)))
             .collect();
         // From behind the longest pause, so that none is torn apart at the end of the period.

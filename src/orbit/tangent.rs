@@ -17,6 +17,7 @@ use std::borrow::Cow;
 use nalgebra::{DMatrix, DVector};
 
 use super::form::Form;
+use super::hold::{HeldFlow, Hold, Touch};
 use super::linear::Linear;
 use crate::error::{Error, Reached};
 use crate::motion::step_control::reach;
@@ -24,15 +25,15 @@ use crate::motion::{Integrator, Mode, Segment};
 use crate::scalar::jet::Tape;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 use crate::state::structure::State;
+use crate::structure::Step;
 use crate::structure::engine::factor::Holding;
 use crate::structure::engine::model::Model;
-use crate::structure::{Flow, Step};
 
 /// A trajectory with perturbations of it.
 #[derive(Debug)]
 pub(super) struct TangentFlow<'s> {
     pub(super) form: &'s Form<'s>,
-    flow: Flow<'s>,
+    flow: HeldFlow<'s>,
     /// The perturbations, one in each column.
     pub(super) tangents: DMatrix<f64>,
     /// For each memory variable: true if anything has depended on it so far.
@@ -49,16 +50,18 @@ pub(super) struct TangentFlow<'s> {
 }
 
 impl<'s> TangentFlow<'s> {
-    /// Perturbations of a start, to be carried along the trajectory from there.
+    /// Perturbations of a start at a time, to be carried along the trajectory from there, with
+    /// contacts held.
     pub(super) fn new(
         form: &'s Form<'s>,
         settings: Integrator,
-        start: &State,
+        (time, start): (f64, &State),
+        holds: &[Hold],
         tangents: DMatrix<f64>,
     ) -> Result<Self, Error> {
         Ok(Self {
             form,
-            flow: Flow::new(settings, form.model.clone(), start)?,
+            flow: HeldFlow::new(form, settings, time, start, holds)?,
             work: vec![PowerSeries::ZERO; tangents.nrows()],
             tangents,
             depends: vec![false; form.model.remembered()],
@@ -125,6 +128,11 @@ impl<'s> TangentFlow<'s> {
             self.pass(step, linear.as_ref());
         }
         Ok(())
+    }
+
+    /// The touches passed so far.
+    pub(super) fn touches(&self) -> &[Touch] {
+        &self.flow.touches
     }
 
     /// Replaces the tangents, and returns the old ones.

@@ -2,10 +2,11 @@
 
 use nalgebra::DVector;
 
-use super::branch::BranchEnd;
+use super::branch::{BifurcationKind, BranchEnd};
 use super::changes::{Found, Place, Signs, View};
 use super::curve::{Curve, Plane, Solved, sharpest};
 use super::jump::LARGE;
+use super::locus::end::tangential_end;
 use crate::error::Error;
 use crate::motion::{Mode, Segment};
 use crate::numerics::trace::at_zero;
@@ -43,10 +44,10 @@ pub(super) const BLUNT: f64 = 0.3;
 /// Sizes, as parts of a shrinking motion, from which the Hopf point is extrapolated.
 const HOPF_PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 
-/// The number of points from which a grazing point is extrapolated, and the growth of perturbations
-/// from which on an arrival counts as grazing.
-const GRAZING_POINTS: usize = 5;
+/// The growth of perturbations from which on an arrival may be tangential, and its part at an
+/// earlier point.
 const GRAZING_GROWTH: f64 = 1e3;
+const GRAZING_RISE: f64 = 0.3;
 
 /// An autonomous motion whose acceleration at the start falls below this part of its former value
 /// has stopped.
@@ -57,6 +58,7 @@ enum Outcome {
     Next(Place, Vec<Found>),
     Last(Place, Vec<Found>),
     End(BranchEnd),
+    Grazing(f64, Box<Found>),
 }
 
 impl Walk<'_, '_> {
@@ -99,6 +101,10 @@ impl Walk<'_, '_> {
                     return BranchEnd::Range;
                 }
                 Outcome::End(end) => return end,
+                Outcome::Grazing(parameter, found) => {
+                    self.found.push(*found);
+                    return BranchEnd::Grazing { parameter };
+                }
             };
             step = next_step;
             if self.came_back(first, &base, &place.solved) {
@@ -156,8 +162,8 @@ impl Walk<'_, '_> {
                     return self.behind(&view, &here, shortest, signs, error);
                 }
                 Err(_) if self.curve.is_at_limit() => {
-                    let end = self.grazing(base).unwrap_or(BranchEnd::Work);
-                    return (Outcome::End(end), length);
+                    let end = self.grazing(base);
+                    return (end.unwrap_or(Outcome::End(BranchEnd::Work)), length);
                 }
                 Err(_) => length *= 0.5,
             }
@@ -180,7 +186,7 @@ impl Walk<'_, '_> {
             if size > LARGE {
                 return (Outcome::End(jump), shortest);
             }
-            end = Some(jump);
+            end = Some(Outcome::End(jump));
         }
         if let Some((place, found)) = view.corner() {
             *signs = [0.0; 4];
@@ -188,8 +194,8 @@ impl Walk<'_, '_> {
             return (Outcome::Next(place, vec![found]), length.min(LONGEST));
         }
         let parameter = self.curve.parameter(&view.base.y);
-        let lost = BranchEnd::Lost { parameter, error };
-        (Outcome::End(end.unwrap_or(lost)), shortest)
+        let lost = Outcome::End(BranchEnd::Lost { parameter, error });
+        (end.unwrap_or(lost), shortest)
     }
 
     fn tried(
@@ -280,25 +286,25 @@ impl Walk<'_, '_> {
     /// The grazing point at which the curve ends behind a point, if there is one.
     ///
     /// As an arrival at the belt becomes tangential, the derivative of the map grows like 1/ρ, ρ
-    /// the rate of the relative velocity at arrival, and all numbers of the motion are smooth
-    /// functions of ρ: their values at the end are those of a polynomial in 1/|derivative| at 0.
-    fn grazing(&self, base: &Solved) -> Option<BranchEnd> {
+    /// the rate of the relative velocity at arrival.
+    fn grazing(&self, base: &Solved) -> Option<Outcome> {
         let growth = |solved: &Solved| solved.trial.map.monodromy.norm();
-        let mut known: Vec<[f64; 2]> = Vec::new();
-        for solved in self.points.iter().rev() {
-            let place = growth(solved).recip();
-            if known.last().is_none_or(|last| place >= 1.5 * last[0]) {
-                known.push([place, self.curve.parameter(&solved.y)]);
-            }
-            if known.len() == GRAZING_POINTS {
-                break;
-            }
+        let last = growth(base);
+        let mut before = self.points.iter().rev().map(growth);
+        if last < GRAZING_GROWTH || !before.any(|before| before < GRAZING_RISE * last) {
+            return None;
         }
-        let grows = known.len() == GRAZING_POINTS && known[0][0] * GRAZING_GROWTH < 1.0;
-        let grows = grows && growth(base) * known[GRAZING_POINTS - 1][0] > 3.0;
-        grows.then(|| BranchEnd::Grazing {
-            parameter: at_zero(&mut known),
-        })
+        let (parameter, trial) = tangential_end(self.curve, base)?;
+        let mut solved = base.clone();
+        solved.trial = trial;
+        let last = self.curve.unknowns() - 1;
+        solved.y[last] = parameter;
+        let found = Found {
+            distance: 0.0,
+            kind: BifurcationKind::Grazing,
+            solved,
+        };
+        Some(Outcome::Grazing(parameter, Box::new(found)))
     }
 
     /// Returns true if the curve has returned to its first point.

@@ -1,7 +1,7 @@
 use crate::clock::Clock;
 use crate::error::Error;
 use crate::motion::sealed::Sealed;
-use crate::motion::{self, Event, Mode, Segment, Steps, Stop, SystemState, Trajectory};
+use crate::motion::{self, Event, EventKind, Mode, Segment, Steps, Stop, SystemState, Trajectory};
 use crate::series::PowerSeries;
 use crate::state::Direction;
 use crate::state::structure::State;
@@ -86,6 +86,33 @@ impl Step {
     /// The clock at its start.
     pub(crate) fn clock(&self) -> Clock {
         self.start
+    }
+
+    /// The same step over another duration, shorter or longer, by its power series, without events.
+    pub(crate) fn lasting(self, duration: f64) -> Self {
+        Self {
+            end_state: self.state_at(duration),
+            end: self.start.after(duration),
+            duration,
+            events: Vec::new(),
+            after: After::default(),
+            ..self
+        }
+    }
+
+    /// The same step with a contact that comes to rest at its end, in a state there.
+    pub(crate) fn coming_to_rest(self, contact: usize, state: State) -> Self {
+        let event = Event {
+            time: self.end.time,
+            contact,
+            kind: EventKind::Stick,
+            state: state.clone(),
+        };
+        Self {
+            events: vec![event],
+            end_state: state,
+            ..self
+        }
     }
 
     /// Power series of the velocities in the time since the start, then of the memory variables;

@@ -3,7 +3,9 @@
 use std::cell::{Cell, RefCell};
 use std::ops::ControlFlow::{Break, Continue};
 
-use stick_slip::orbit::{BranchEnd, Orbit, Period, Progress, Search, follow, settle, shoot};
+use stick_slip::orbit::{
+    BranchEnd, Locus, LocusEnd, Orbit, Period, Progress, Search, follow, locus, settle, shoot,
+};
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Drive, Error, Structure};
 
@@ -169,4 +171,57 @@ fn a_branch_keeps_what_was_found() {
     let part = short.follow(driven, 0.78, &orbit, range).unwrap();
     assert_eq!(part.ends, [BranchEnd::Work, BranchEnd::Work]);
     assert!(part.points.len() > 3 && part.points.len() < whole.points.len());
+}
+
+/// A curve in two parameters within bounds: it is the begin of the whole one.
+#[test]
+fn a_locus_is_bounded_and_watched() {
+    let family = |frequency: f64, force: f64| -> Result<Structure, Error> {
+        let contact = Contact::new(0, Coulomb::new(0.5, 0.3)?, 1.5)?.on_belt(0.1);
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, 0.02)?
+            .with_force(0, Drive::harmonic(force, frequency, 0.0)?)?
+            .with_contact(contact)
+    };
+    let branch = follow(driven, 0.78, &motion(), 0.7..0.8).unwrap();
+    let flip = &branch.bifurcations[0];
+    let ranges = [0.72..0.9, 0.1..0.5];
+    let whole = locus(family, flip, 0.3, ranges.clone()).unwrap();
+    let places = |locus: &Locus<Structure>| -> Vec<[f64; 2]> {
+        locus.points.iter().map(|point| point.parameters).collect()
+    };
+    let all = places(&whole);
+    let is_part = |part: &Locus<Structure>| {
+        let part = places(part);
+        all.windows(part.len()).any(|window| window == part)
+    };
+    let three = Search::new().with_max_points(3).unwrap();
+    let part = three.locus(family, flip, 0.3, ranges.clone()).unwrap();
+    assert_eq!(part.ends, [LocusEnd::Work, LocusEnd::Work]);
+    assert!(part.points.len() == 7 && is_part(&part));
+    let short = Search::new().with_max_steps(2000).unwrap();
+    let part = short.locus(family, flip, 0.3, ranges.clone()).unwrap();
+    assert!(part.ends.contains(&LocusEnd::Work), "{:?}", part.ends);
+    assert!(part.points.len() > 1 && is_part(&part));
+    // A watcher sees both parameters, and can stop the search.
+    let seen = Cell::new(0);
+    let search = Search::new().watched(|progress| {
+        // Those of differences lie a little outside the rectangle.
+        assert!((0.719..0.901).contains(&progress.value));
+        assert!((0.099..0.501).contains(&progress.second.unwrap()));
+        seen.set(progress.points);
+        if progress.points < 5 {
+            Continue(())
+        } else {
+            Break(())
+        }
+    });
+    let part = search.locus(family, flip, 0.3, ranges.clone()).unwrap();
+    assert!(part.points.len() == 6 && is_part(&part) && seen.get() == 5);
+    let stopped = |end: &LocusEnd| matches!(end, LocusEnd::Stopped { .. });
+    assert!(part.ends.iter().all(stopped), "{:?}", part.ends);
+    let never = Search::new().watched(|_| Break(()));
+    let error = never.locus(family, flip, 0.3, ranges).unwrap_err();
+    assert!(error.to_string().contains("stopped"), "{error}");
 }

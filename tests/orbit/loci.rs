@@ -71,13 +71,13 @@ fn bifurcation(
     found
 }
 
-fn parameters(point: &Value) -> [f64; 2] {
+pub(crate) fn parameters(point: &Value) -> [f64; 2] {
     ["PARAM1", "PARAM2"].map(|name| number(&point[name]))
 }
 
 /// Follows the curve up to points of the reference, at each of which one parameter is a side of the
 /// rectangle; returns the largest error.
-fn compare(
+pub(crate) fn compare(
     case: &Value,
     points: &[Value],
     which: usize,
@@ -124,7 +124,12 @@ fn special(locus: &Locus<Structure>) -> Vec<(SpecialKind, [f64; 2])> {
 }
 
 /// A special point of a kind has the parameters and the period of the reference.
-fn has_special(locus: &Locus<Structure>, kind: SpecialKind, known: &Value, accuracy: f64) {
+pub(crate) fn has_special(
+    locus: &Locus<Structure>,
+    kind: SpecialKind,
+    known: &Value,
+    accuracy: f64,
+) {
     let found = locus.special.iter().find(|point| point.kind == kind);
     let found = found.unwrap_or_else(|| panic!("{kind}: {:?}", special(locus)));
     let expected = parameters(known)
@@ -289,6 +294,7 @@ fn folds_of_cycles_on_a_belt() {
     let last = [0, locus.points.len() - 1][jumps.unwrap()];
     let grazing = &list(&case["codimension_two"])[0];
     assert!(near(locus.points[last].parameters, grazing, 1e-8));
+    has_special(&locus, SpecialKind::FoldGrazing, grazing, ACCURACY);
 }
 
 #[test]

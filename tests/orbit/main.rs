@@ -16,6 +16,7 @@ mod classify;
 mod derivatives;
 mod dwell;
 mod elastic;
+mod event_loci;
 mod follow;
 mod formulas;
 mod hopf_loci;

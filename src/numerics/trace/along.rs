@@ -34,9 +34,6 @@ pub(crate) enum End {
     Lost(Error),
 }
 
-/// Limit of points in one direction.
-const MOST_POINTS: usize = 2048;
-
 /// The longest and the shortest step, in units of the scales.
 const LONGEST: f64 = 1.0 / 64.0;
 
@@ -275,7 +272,7 @@ pub(crate) fn trace<E: Equations>(equations: &E, first: &Point<E::Value>) -> Hal
         half.end = End::Ranges;
         return half;
     }
-    while half.points.len() < MOST_POINTS && !equations.is_at_limit() {
+    while half.points.len() < equations.most_points() && !equations.is_at_limit() {
         let view = View {
             equations,
             base: &base,
@@ -299,11 +296,11 @@ pub(crate) fn trace<E: Equations>(equations: &E, first: &Point<E::Value>) -> Hal
                     half.end = End::Vanishes(parameters);
                     return half;
                 }
+                Err(_) if equations.is_at_limit() => return half,
                 Err(error) if length <= SHORTEST => {
                     half.end = End::Lost(error);
                     return half;
                 }
-                Err(_) if equations.is_at_limit() => return half,
                 Err(_) => length *= 0.5,
             }
         };
@@ -329,6 +326,7 @@ pub(crate) fn trace<E: Equations>(equations: &E, first: &Point<E::Value>) -> Hal
             return half;
         }
         half.points.push(place.point.clone());
+        equations.found(&place.point);
         if is_last {
             half.end = End::Ranges;
             return half;

@@ -74,6 +74,14 @@ pub(crate) trait Equations {
     /// Returns true if the work allowed is done.
     fn is_at_limit(&self) -> bool;
 
+    /// Limit of points in one direction.
+    fn most_points(&self) -> usize {
+        2048
+    }
+
+    /// Called with each point that is found, but for the first.
+    fn found(&self, _: &Point<Self::Value>) {}
+
     /// The error if no solution was found near here.
     fn lost(&self, y: &DVector<f64>, value: &Self::Value) -> Error;
 }

@@ -52,6 +52,22 @@ pub enum LocusKind {
     Flip,
     /// A pair of multipliers lies on the unit circle.
     NeimarkSacker,
+    /// A contact that slips reaches relative velocity 0 tangentially.
+    Grazing {
+        /// The contact.
+        contact: usize,
+    },
+    /// A contact that crosses relative velocity 0 carries there its largest static force: beyond,
+    /// it stops.
+    StopOnset {
+        /// The contact.
+        contact: usize,
+    },
+    /// Two contacts have an event at the same time: beyond, in the other order.
+    Order {
+        /// The contacts, the one that comes first in numbers first.
+        contacts: [usize; 2],
+    },
 }
 
 impl fmt::Display for LocusKind {
@@ -60,6 +76,9 @@ impl fmt::Display for LocusKind {
             Self::Fold => "fold",
             Self::Flip => "flip",
             Self::NeimarkSacker => "Neimark-Sacker",
+            Self::Grazing { .. } => "grazing",
+            Self::StopOnset { .. } => "onset of stops",
+            Self::Order { .. } => "order of events",
         })
     }
 }
@@ -140,6 +159,11 @@ pub enum SpecialKind {
     FlipNeimarkSacker,
     /// Two pairs on the unit circle.
     DoubleNeimarkSacker,
+    /// A multiplier +1, and a contact that slips reaches relative velocity 0 tangentially.
+    FoldGrazing,
+    /// Two contacts, or one at two instants, reach relative velocity 0 tangentially; or one does,
+    /// and another condition on the events holds.
+    DoubleGrazing,
     /// Hopf points change between super- and subcritical: a curve of folds of cycles begins.
     Bautin,
     /// A second pair of eigenvalues is imaginary.
@@ -160,6 +184,8 @@ impl fmt::Display for SpecialKind {
             Self::FoldNeimarkSacker => f.pad("fold-Neimark-Sacker"),
             Self::FlipNeimarkSacker => f.pad("flip-Neimark-Sacker"),
             Self::DoubleNeimarkSacker => f.pad("double Neimark-Sacker"),
+            Self::FoldGrazing => f.pad("fold-grazing"),
+            Self::DoubleGrazing => f.pad("double grazing"),
             Self::Bautin => f.pad("Bautin"),
             Self::DoubleHopf => f.pad("double Hopf"),
             Self::ZeroHopf => f.pad("zero-Hopf"),
@@ -187,8 +213,14 @@ pub enum LocusEnd {
         /// The parameters there.
         parameters: [f64; 2],
     },
-    /// The limit of work was reached.
+    /// The limit of work was reached: 2048 points in one direction, or 2·10⁷ steps, unless
+    /// [`Search`](crate::orbit::Search) sets others, or 2·10⁵ motions tried.
     Work,
+    /// The watcher stopped the search.
+    Stopped {
+        /// The parameters of the last point.
+        parameters: [f64; 2],
+    },
     /// The curve was lost: the family has no system there, or Newton's method does not converge
     /// however short the step.
     Lost {

@@ -1,23 +1,34 @@
 //! Curves of bifurcations in two parameters.
 
 mod bordered;
+mod change;
+pub(super) mod end;
+mod events;
 pub(super) mod found;
 mod motions;
 mod smooth;
 
+use std::cell::Cell;
 use std::ops::Range;
 
 use nalgebra::DVector;
 
+use self::change::{Change, arrivals, sequence, touch};
+use self::events::EventCurve;
 use self::found::{Locus, LocusEnd, LocusKind, LocusPoint, SpecialKind, SpecialPoint};
-use self::motions::Motions;
-use self::smooth::{Motion, Smooth, SmoothCurve};
+use self::motions::{Begin, Motions};
+use self::smooth::{Smooth, SmoothCurve};
 use super::branch::{Bifurcation, BifurcationKind};
 use super::curve::Member;
 use super::found::Orbit;
+use super::hold::Touch;
 use super::map::vector;
 use super::oscillator::Oscillator;
+use super::period::Period;
+use super::search::Search;
+use super::trial::Trial;
 use crate::error::Error;
+use crate::motion::EventKind;
 use crate::numerics::trace::{self, Equations, Plane, Point, check_ranges, trace};
 
 /// The curve through a bifurcation, in two parameters of the system.
@@ -105,59 +116,173 @@ pub fn locus<S: Oscillator>(
     second: f64,
     ranges: [Range<f64>; 2],
 ) -> Result<Locus<S>, Error> {
-    let of = "orbit::locus";
-    check_ranges(of, &ranges)?;
-    let inside = "inside its range";
-    let values = [(at.parameter, "at.parameter"), (second, "second")];
-    for ((value, name), range) in values.into_iter().zip(&ranges) {
-        let is_inside = (range.start..=range.end).contains(&value);
-        Error::check(of, name, value, is_inside, inside)?;
-    }
-    let members = |first: f64, second: f64| -> Result<Box<dyn Member + '_>, Error> {
-        Ok(Box::new(family(first, second)?))
-    };
-    let (kind, smooth) = match at.kind {
-        BifurcationKind::Fold => (LocusKind::Fold, Smooth::Fold),
-        BifurcationKind::Flip => (LocusKind::Flip, Smooth::Flip),
-        BifurcationKind::NeimarkSacker => (LocusKind::NeimarkSacker, Smooth::Torus),
-        BifurcationKind::Pitchfork | BifurcationKind::Grazing | BifurcationKind::Sequence => {
-            return Err(Error::NotSmooth);
-        }
-    };
-    let system = family(at.parameter, second)?;
-    let form = system.form();
-    let widths = [0, 1].map(|i: usize| ranges[i].end - ranges[i].start);
-    let start = vector(&S::general(&at.orbit.state()), form.order());
-    let curve = SmoothCurve {
-        motions: Motions::new(&members, at.orbit.kind(), widths, &form),
-        kind: smooth,
-        ranges,
-    };
-    let parameters = [at.parameter, second];
-    let multipliers = at.orbit.multipliers();
-    let (y, near) = curve.begin(&start, at.orbit.period(), parameters, multipliers)?;
-    let first = first_point(&curve, &y, &near)?;
-    let (points, special, ends) = both_ways(&curve, &first);
+    Search::new().locus(family, at, second, ranges)
+}
 
-    let orbit = |point: &Point<Motion>| {
-        let [first, second] = curve.motions.parameters(&point.y);
-        let find = || {
-            let value = &point.value;
-            let trial = curve
-                .motions
-                .since_zero(&point.y, &value.trial, &value.begin)?;
-            let system = family(first, second)?;
-            Orbit::new(&system, &system.form(), trial, at.orbit.kind())
+impl Search<'_> {
+    /// The curve through a bifurcation in two parameters: [`locus`], within the bounds of this
+    /// search.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`locus`]; [`Error::Stopped`] if the watcher stops it before the first point.
+    pub fn locus<S: Oscillator>(
+        &self,
+        family: impl Fn(f64, f64) -> Result<S, Error>,
+        at: &Bifurcation<S>,
+        second: f64,
+        ranges: [Range<f64>; 2],
+    ) -> Result<Locus<S>, Error> {
+        let of = "orbit::locus";
+        check_ranges(of, &ranges)?;
+        let inside = "inside its range";
+        let values = [(at.parameter, "at.parameter"), (second, "second")];
+        for ((value, name), range) in values.into_iter().zip(&ranges) {
+            let is_inside = (range.start..=range.end).contains(&value);
+            Error::check(of, name, value, is_inside, inside)?;
+        }
+        let members = |first: f64, second: f64| -> Result<Box<dyn Member + '_>, Error> {
+            Ok(Box::new(family(first, second)?))
         };
-        find().map_err(|error: Error| {
-            error
-                .at("second parameter", second)
-                .at("first parameter", first)
+        let place = |error: Error| located(error, [at.parameter, second]);
+        let system = family(at.parameter, second).map_err(place)?;
+        let form = system.form();
+        let watched = self.watch("parameter");
+        let start = vector(&S::general(&at.orbit.state()), form.order());
+        let motions = Motions::new(
+            &members,
+            at.orbit.kind(),
+            [0, 1].map(|i: usize| ranges[i].end - ranges[i].start),
+            [form.len(), form.order()],
+            (self.of_locus(), &watched),
+        );
+        let period = at.orbit.period();
+        let smooth = match at.kind {
+            BifurcationKind::Fold => Smooth::Fold,
+            BifurcationKind::Flip => Smooth::Flip,
+            BifurcationKind::NeimarkSacker => Smooth::Torus,
+            BifurcationKind::Pitchfork => return Err(place(Error::NotSmooth)),
+            BifurcationKind::Grazing | BifurcationKind::Sequence => {
+                let events = at.orbit.events().iter();
+                let events: Vec<_> = events.map(|e| (e.time, e.contact, e.kind)).collect();
+                let y = motions.at(&start, period, [at.parameter, second]);
+                let change = changing(&motions, &y, at.kind, &events)?;
+                let curve = EventCurve {
+                    motions,
+                    kind: change.kind,
+                    ranges,
+                    growth: Cell::new(1.0),
+                };
+                let begin = Begin {
+                    holds: change.holds,
+                    marks: change.marks,
+                    ..Begin::at_zero()
+                };
+                let (y, near) = curve.begin(&y, &begin)?;
+                return found(&family, at.orbit.kind(), change.kind, &curve, (&y, &near));
+            }
+        };
+        let kind = match smooth {
+            Smooth::Fold => LocusKind::Fold,
+            Smooth::Flip => LocusKind::Flip,
+            Smooth::Torus => LocusKind::NeimarkSacker,
+        };
+        let curve = SmoothCurve {
+            motions,
+            kind: smooth,
+            ranges,
+        };
+        let parameters = [at.parameter, second];
+        let multipliers = at.orbit.multipliers();
+        let (y, near) = curve.begin(&start, period, parameters, multipliers)?;
+        found(&family, at.orbit.kind(), kind, &curve, (&y, &near))
+    }
+}
+
+/// An error with both parameters.
+fn located(error: Error, [first, second]: [f64; 2]) -> Error {
+    error
+        .at("second parameter", second)
+        .at("first parameter", first)
+}
+
+/// The change of events at a motion, with its own events: time, contact and kind.
+fn changing(
+    motions: &Motions<'_>,
+    y: &DVector<f64>,
+    kind: BifurcationKind,
+    events: &[(f64, usize, EventKind)],
+) -> Result<Change, Error> {
+    /// How near the motion has to be, in units of its sizes.
+    const NEAR: f64 = 1e-4;
+    let parameters = motions.parameters(y);
+    let at = |error: Error| located(error, parameters);
+    let search = |trial: &Trial, sticks: Option<bool>| {
+        motions.with(parameters, |form| {
+            Ok(match kind {
+                BifurcationKind::Sequence => sequence(form, &trial.map, trial.period),
+                _ => touch(form, &trial.map, trial.period, sticks),
+            })
         })
+    };
+    let trial = motions.trial(y, &Begin::at_zero())?;
+    if kind == BifurcationKind::Grazing {
+        // At the end of a branch the motion is caught where rounding may let it pass.
+        for hold in motions.with(parameters, |form| Ok(arrivals(form, &trial, events)))? {
+            let begin = Begin {
+                holds: vec![hold],
+                ..Begin::at_zero()
+            };
+            let caught = motions.trial(y, &begin)?;
+            let Some(Touch { hold, speed, .. }) = caught.map.touches.first().copied() else {
+                continue;
+            };
+            let size = motions.with(parameters, |form| {
+                let contact = &form.model.contacts[hold.contact];
+                let sizes = caught.map.sizes();
+                Ok(contact.size_along(|j| sizes[motions.n + j]))
+            })?;
+            if speed.abs() <= NEAR * size && caught.residual <= NEAR {
+                let contact = hold.contact;
+                return Ok(Change {
+                    kind: LocusKind::Grazing { contact },
+                    holds: vec![hold],
+                    marks: Vec::new(),
+                    size: speed.abs() / size,
+                });
+            }
+        }
+    }
+    let change = search(&trial, Some(false))?;
+    change
+        .filter(|change| change.size <= NEAR)
+        .ok_or_else(|| at(Error::NotSmooth))
+}
+
+/// The curve with its motions, from a guess.
+fn found<'f, S: Oscillator, E: CurveOfMotions<'f>>(
+    family: &impl Fn(f64, f64) -> Result<S, Error>,
+    period: Period,
+    kind: LocusKind,
+    curve: &E,
+    (y, near): (&DVector<f64>, &E::Value),
+) -> Result<Locus<S>, Error> {
+    let motions = curve.motions();
+    let first = first_point(curve, y, near)?;
+    let (points, special, ends) = both_ways(curve, &first);
+    let orbit = |point: &Point<E::Value>| {
+        let parameters = motions.parameters(&point.y);
+        let find = || {
+            let (trial, begin) = E::motion(&point.value);
+            let trial = motions.since_zero(&point.y, trial, begin)?;
+            let system = family(parameters[0], parameters[1])?;
+            Orbit::new(&system, &system.form(), trial, period)
+        };
+        find().map_err(|error: Error| located(error, parameters))
     };
     let points = points.iter().map(|point| {
         Ok(LocusPoint {
-            parameters: curve.motions.parameters(&point.y),
+            parameters: motions.parameters(&point.y),
             orbit: orbit(point)?,
         })
     });
@@ -165,7 +290,7 @@ pub fn locus<S: Oscillator>(
     let special = special.iter().map(|(kind, point)| {
         Ok(SpecialPoint {
             kind: *kind,
-            parameters: curve.motions.parameters(&point.y),
+            parameters: motions.parameters(&point.y),
             orbit: orbit(point)?,
         })
     });
@@ -177,13 +302,33 @@ pub fn locus<S: Oscillator>(
     })
 }
 
+/// The equations of a curve of motions.
+trait CurveOfMotions<'f>: Equations {
+    fn motions(&self) -> &Motions<'f>;
+
+    /// The motion of a value, and where it begins.
+    fn motion(value: &Self::Value) -> (&Trial, &Begin);
+
+    /// The kind of special point at a zero of a test.
+    fn special(&self, test: usize, point: &Point<Self::Value>) -> Option<SpecialKind>;
+
+    /// Returns true if the events of the motion are others just behind a point.
+    fn jumps_behind(&self, point: &Point<Self::Value>) -> bool;
+
+    /// The value with another change of events held.
+    fn holding(&self, value: &Self::Value, change: &Change) -> Self::Value;
+
+    /// The kind of special point at which another change of events happens.
+    fn kind_with(&self, change: &Change) -> Option<SpecialKind>;
+}
+
 /// The first point, with the second parameter as given; at a turn of the curve, with the tangent
 /// across it.
-fn first_point(
-    curve: &SmoothCurve<'_>,
+fn first_point<E: Equations>(
+    curve: &E,
     y: &DVector<f64>,
-    near: &Motion,
-) -> Result<Point<Motion>, Error> {
+    near: &E::Value,
+) -> Result<Point<E::Value>, Error> {
     let scale = curve.scale(y, near);
     let [first, second] = curve.parameters();
     let mut normal = DVector::zeros(y.len());
@@ -202,24 +347,75 @@ fn first_point(
     Ok(point)
 }
 
-type Parts = (
-    Vec<Point<Motion>>,
-    Vec<(SpecialKind, Point<Motion>)>,
-    [LocusEnd; 2],
-);
+type Parts<V> = (Vec<Point<V>>, Vec<(SpecialKind, Point<V>)>, [LocusEnd; 2]);
+
+/// The point just behind the last one of a curve at which another change of events happens: both
+/// conditions hold, with the contacts held.
+fn meets<'f, E: CurveOfMotions<'f>>(
+    curve: &E,
+    last: &Point<E::Value>,
+) -> Option<(SpecialKind, Point<E::Value>)> {
+    /// Limit of steps of the secant method, and the farthest point.
+    const MOST_STEPS: usize = 12;
+    const FAR: f64 = 1e-4;
+    let motions = curve.motions();
+    let (trial, begin) = E::motion(&last.value);
+    let change = motions.with(motions.parameters(&last.y), |form| {
+        let (map, period) = (&trial.map, trial.period);
+        let touch = touch(form, map, period, Some(false));
+        let touch = touch.filter(|touch| touch.is_other(begin) && touch.size <= FAR);
+        let arrival =
+            || sequence(form, map, period).filter(|own| own.is_other(begin) && own.size <= FAR);
+        Ok(touch.or_else(arrival))
+    });
+    let change = change.ok()??;
+    let kind = curve.kind_with(&change)?;
+    let near = curve.holding(&last.value, &change);
+    let at = |distance: f64| {
+        let guess = &last.y + last.tangent.component_mul(&last.scale) * distance;
+        let plane = Plane {
+            scale: &last.scale,
+            value: last.tangent.dot(&last.y.component_div(&last.scale)) + distance,
+            normal: last.tangent.clone(),
+            along: &last.tangent,
+        };
+        let point = trace::solve(curve, &guess, &near, &plane).ok()?;
+        let trial = E::motion(&point.value).0;
+        let size = motions.with(motions.parameters(&point.y), |form| {
+            Ok(change.value(form, &trial.map, begin.holds.len()))
+        });
+        Some((distance, size.ok()??, point))
+    };
+    let mut before = at(0.0)?;
+    let mut now = at(change.size.clamp(1e-10, FAR))?;
+    for _ in 0..MOST_STEPS {
+        let next = now.0 - now.1 * (now.0 - before.0) / (now.1 - before.1);
+        if !(next.is_finite() && next.abs() <= FAR) || (next - now.0).abs() <= f64::EPSILON {
+            break;
+        }
+        before = std::mem::replace(&mut now, at(next)?);
+    }
+    (now.1.abs() <= ZERO).then_some((kind, now.2))
+}
+
+/// A second condition holds if it is 0 to rounding.
+const ZERO: f64 = 1e-12;
 
 /// The curve in both directions from a point.
-fn both_ways(curve: &SmoothCurve<'_>, first: &Point<Motion>) -> Parts {
-    let walk = |first: &Point<Motion>| {
-        curve.motions.begin_again();
+fn both_ways<'f, E: CurveOfMotions<'f>>(curve: &E, first: &Point<E::Value>) -> Parts<E::Value> {
+    let motions = curve.motions();
+    let walk = |first: &Point<E::Value>| {
+        motions.begin_again();
         trace(curve, first)
     };
-    let end = |half: &trace::Half<Motion>| {
+    let end = |half: &trace::Half<E::Value>| {
         let last = half.points.last().unwrap_or(first);
-        if let (trace::End::Lost(_), true) = (&half.end, curve.jumps_behind(last)) {
-            return LocusEnd::Jump;
+        let parameters = motions.parameters(&last.y);
+        match half.end {
+            trace::End::Work if motions.watched.is_stopped() => LocusEnd::Stopped { parameters },
+            trace::End::Lost(_) if curve.jumps_behind(last) => LocusEnd::Jump,
+            _ => LocusEnd::of(half.end.clone(), parameters),
         }
-        LocusEnd::of(half.end.clone(), curve.motions.parameters(&last.y))
     };
     let up = walk(first);
     let mut back = first.clone();
@@ -234,10 +430,14 @@ fn both_ways(curve: &SmoothCurve<'_>, first: &Point<Motion>) -> Parts {
         walk(&back)
     };
     let ends = [end(&down), end(&up)];
+    let [before, after] = std::array::from_fn(|side| {
+        let last = [&down, &up][side].points.last().unwrap_or(first);
+        (ends[side] == LocusEnd::Jump).then(|| meets(curve, last))?
+    });
     let special = down.special.into_iter().rev().chain(up.special);
     let special =
         special.filter_map(|(test, _, point)| Some((curve.special(test, &point)?, point)));
-    let special = special.collect();
+    let special = before.into_iter().chain(special).chain(after).collect();
     let mut points = down.points;
     points.reverse();
     points.push(first.clone());

@@ -9,12 +9,15 @@ use std::cell::Cell;
 use nalgebra::{DMatrix, DVector};
 
 use super::super::curve::{Member, sharpest};
-use super::super::form::Form;
-use super::super::map::{self, PeriodMap, period_map, state, vector};
+use super::super::form::{Form, MOST_STEPS as MOST_STEPS_OF_A_MOTION};
+use super::super::hold::Hold;
+use super::super::map::{self, Course, PeriodMap, held_course, held_period_map, state, vector};
 use super::super::period::Period;
+use super::super::search::Watched;
 use super::super::sequence::Sequence;
 use super::super::trial::Trial;
 use super::super::walk::BLUNT;
+use super::change::Change;
 use crate::error::Error;
 use crate::motion::{EventKind, Mode, Segment};
 use crate::state::structure::State;
@@ -31,19 +34,36 @@ pub(super) struct Motions<'f> {
     /// Number of motions tried, and of their steps.
     tried: Cell<usize>,
     steps: Cell<usize>,
+    /// Limits of steps and of points in one direction.
+    pub(super) most: (usize, usize),
+    pub(super) watched: &'f Watched<'f>,
 }
 
 /// Where motions begin: what stays as it is while Newton's method runs.
 #[derive(Debug, Clone)]
 pub(super) struct Begin {
     /// The start of a forced motion, as a part of its period.
-    phase: f64,
+    pub(super) phase: f64,
     /// The modes of the contacts at the start.
-    modes: Vec<Mode>,
+    pub(super) modes: Vec<Mode>,
     /// The phase condition of an autonomous motion.
     pub(super) section: Option<Section>,
     /// The sizes of the start, and the period.
     pub(super) sizes: DVector<f64>,
+    /// Contacts held past touches, and events that are watched.
+    pub(super) holds: Vec<Hold>,
+    pub(super) marks: Vec<Mark>,
+}
+
+/// An event that is watched.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Mark {
+    pub(super) contact: usize,
+    /// Its kind; `None` for an arrival, which may become a stop or a crossing.
+    pub(super) kind: Option<EventKind>,
+    /// When, about, since the start of the motion, and at most how far from there.
+    pub(super) since: f64,
+    pub(super) within: f64,
 }
 
 /// The phase condition of an autonomous motion: a plane.
@@ -63,9 +83,8 @@ pub(super) struct Beside {
     pub(super) residual: DVector<f64>,
 }
 
-/// Limits of the work in one direction: motions tried, and their steps.
+/// Limit of the motions tried in one direction.
 const MOST_TRIALS: usize = 200_000;
-const MOST_STEPS: usize = 20_000_000;
 
 /// Increments for differences, in units of the sizes: about the third root of ε, and shorter ones
 /// near a change of the events.
@@ -83,7 +102,27 @@ impl Begin {
             modes: Vec::new(),
             section: None,
             sizes: DVector::zeros(0),
+            holds: Vec::new(),
+            marks: Vec::new(),
         }
+    }
+
+    /// Holds and watches another change of events.
+    pub(super) fn add(&mut self, change: &Change) {
+        let first = self.holds.len();
+        let holds = change.holds.iter().map(|hold| Hold {
+            number: first + hold.number,
+            ..*hold
+        });
+        self.holds.extend(holds);
+        self.marks.extend(&change.marks);
+    }
+}
+
+impl Section {
+    /// The residual of the phase condition, in units in which the normal is of size 1.
+    pub(super) fn at(&self, start: &DVector<f64>) -> f64 {
+        self.normal.dot(&(start - &self.point))
     }
 }
 
@@ -92,20 +131,23 @@ impl<'f> Motions<'f> {
         family: &'f Family<'f>,
         kind: Period,
         widths: [f64; 2],
-        form: &Form<'_>,
+        [n, order]: [usize; 2],
+        (most, watched): ((usize, usize), &'f Watched<'f>),
     ) -> Self {
         Self {
             family,
             kind,
             widths,
-            n: form.len(),
-            order: form.order(),
+            n,
+            order,
             tried: Cell::new(0),
             steps: Cell::new(0),
+            most,
+            watched,
         }
     }
 
-    fn is_free(&self) -> bool {
+    pub(super) fn is_free(&self) -> bool {
         matches!(self.kind, Period::Free(_))
     }
 
@@ -114,9 +156,33 @@ impl<'f> Motions<'f> {
         self.order + usize::from(self.is_free())
     }
 
+    /// The unknowns of a motion.
+    pub(super) fn at(
+        &self,
+        start: &DVector<f64>,
+        period: f64,
+        parameters: [f64; 2],
+    ) -> DVector<f64> {
+        let own = self.own();
+        let mut y = DVector::zeros(own + 2);
+        y.rows_mut(0, self.order).copy_from(start);
+        if self.is_free() {
+            y[self.order] = period;
+        }
+        y.rows_mut(own, 2).copy_from_slice(&parameters);
+        y
+    }
+
     /// The parameters in y.
     pub(super) fn parameters(&self, y: &DVector<f64>) -> [f64; 2] {
         [y[self.own()], y[self.own() + 1]]
+    }
+
+    /// A point of a curve was found.
+    pub(super) fn found(&self, y: &DVector<f64>) {
+        let [first, second] = self.parameters(y);
+        self.watched.at_pair(first, second);
+        self.watched.found(first);
     }
 
     pub(super) fn begin_again(&self) {
@@ -125,7 +191,8 @@ impl<'f> Motions<'f> {
     }
 
     pub(super) fn is_at_limit(&self) -> bool {
-        self.tried.get() > MOST_TRIALS || self.steps.get() > MOST_STEPS
+        let is_done = self.tried.get() > MOST_TRIALS || self.steps.get() > self.most.0;
+        is_done || self.watched.is_stopped()
     }
 
     /// Something of the system with these parameters.
@@ -139,9 +206,11 @@ impl<'f> Motions<'f> {
                 Error::check("orbit::locus", "parameter", value, true, "a number")?;
             }
             let member = (self.family)(first, second)?;
-            let form = member.form();
+            self.watched.at_pair(first, second);
+            let form = member.form().within(MOST_STEPS_OF_A_MOTION, self.watched);
             let found = take(&form);
             self.steps.set(self.steps.get() + form.taken());
+            self.watched.add(form.taken());
             found
         };
         find().map_err(|error: Error| {
@@ -167,7 +236,26 @@ impl<'f> Motions<'f> {
             let time = begin.phase * period;
             let mut start = state(&y.rows(0, self.order).into_owned(), self.n);
             form.put_in_modes(&mut start, time, |c| begin.modes.get(c).copied());
-            Ok(Trial::new(period_map(form, time, &start, period)?, period))
+            let map = held_period_map(form, (time, &start), period, &begin.holds)?;
+            Ok(Trial::new(map, period))
+        })
+    }
+
+    /// The same without derivatives, and something of it: the start, the steps and the period.
+    pub(super) fn course<T>(
+        &self,
+        y: &DVector<f64>,
+        begin: &Begin,
+        take: impl FnOnce(&Form<'_>, State, Course, f64) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        self.tried.set(self.tried.get() + 1);
+        self.with(self.parameters(y), |form| {
+            let period = self.period(form, y)?;
+            let time = begin.phase * period;
+            let mut start = state(&y.rows(0, self.order).into_owned(), self.n);
+            form.put_in_modes(&mut start, time, |c| begin.modes.get(c).copied());
+            let course = held_course(form, (time, &start), period, &begin.holds)?;
+            take(form, start, course, period)
         })
     }
 
@@ -238,10 +326,10 @@ impl<'f> Motions<'f> {
         &self,
         y: &DVector<f64>,
         trial: &Trial,
-        phase: f64,
+        old: &Begin,
     ) -> Result<(DVector<f64>, Begin), Error> {
         let (map, period) = (&trial.map, trial.period);
-        let begins = phase * period;
+        let begins = old.phase * period;
         let turn = sharpest(map).filter(|_| self.is_free());
         let turn = turn.filter(|turn| !near_events(map, turn.time, period, NEAR));
         let (time, state, modes) = match &turn {
@@ -262,7 +350,12 @@ impl<'f> Motions<'f> {
                 normal: DVector::zeros(self.order),
             }),
             sizes: DVector::zeros(0),
+            holds: map.holds_later(time - begins, period),
+            marks: old.marks.clone(),
         };
+        for mark in &mut begin.marks {
+            mark.since = (mark.since + begins - time).rem_euclid(period);
+        }
         let mut y = y.clone();
         y.rows_mut(0, self.order)
             .copy_from(&vector(&state, self.order));
@@ -278,8 +371,8 @@ impl<'f> Motions<'f> {
         let start = y.rows(0, self.order);
         let mut residual = trial.map.residual();
         residual.component_div_assign(&begin.sizes.rows(0, self.order));
-        if let Some(Section { point, normal, .. }) = &begin.section {
-            residual = residual.insert_row(self.order, normal.dot(&(start - point)));
+        if let Some(section) = &begin.section {
+            residual = residual.insert_row(self.order, section.at(&start.into_owned()));
         }
         residual
     }
@@ -369,7 +462,7 @@ impl<'f> Motions<'f> {
             let sharpness = trial.map.flow[0][self.n + i].abs() / begin.sizes[self.n + i];
             sharpest(&trial.map).is_some_and(|turn| sharpness < BLUNT * turn.sharpness)
         });
-        (is_near || is_blunt).then(|| self.begun(y, trial, begin.phase).ok())?
+        (is_near || is_blunt).then(|| self.begun(y, trial, begin).ok())?
     }
 
     /// The motion from time 0 of the drives.
@@ -390,7 +483,9 @@ impl<'f> Motions<'f> {
         self.with(self.parameters(y), |form| {
             let mut start = step.state_at(step.since_start(period));
             form.put_in_modes(&mut start, 0.0, |c| Some(step.modes()[c]));
-            Ok(Trial::new(period_map(form, 0.0, &start, period)?, period))
+            let holds = trial.map.holds_later((1.0 - begin.phase) * period, period);
+            let map = held_period_map(form, (0.0, &start), period, &holds)?;
+            Ok(Trial::new(map, period))
         })
     }
 
@@ -407,11 +502,11 @@ pub(super) fn events_of(map: &PeriodMap) -> Vec<(usize, EventKind)> {
     events.map(|event| (event.contact, event.kind)).collect()
 }
 
-/// Returns true if an event lies within a part of the period from a time of a closed motion.
+/// Returns true if an event or a touch lies within a part of the period from a time of a closed
+/// motion.
 fn near_events(map: &PeriodMap, time: f64, period: f64, part: f64) -> bool {
-    let mut events = map.steps.iter().flat_map(Segment::events);
-    events.any(|event| {
-        let since = (event.time - time).rem_euclid(period);
+    map.times().into_iter().any(|event| {
+        let since = (event - time).rem_euclid(period);
         since < part * period || since > (1.0 - part) * period
     })
 }

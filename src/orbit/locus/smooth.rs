@@ -17,8 +17,10 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::super::map::{CLOSED, vector};
 use super::super::sequence::Sequence;
 use super::super::trial::Trial;
+use super::CurveOfMotions;
 use super::bordered::Bordered;
-use super::found::SpecialKind;
+use super::change::Change;
+use super::found::{LocusKind, SpecialKind};
 use super::motions::{Begin, Motions, Section, events_of};
 use crate::error::Error;
 use crate::numerics::trace::{Equations, Point};
@@ -82,13 +84,8 @@ impl<'f> SmoothCurve<'f> {
         multipliers: &[Complex<f64>],
     ) -> Result<(DVector<f64>, Motion), Error> {
         let (motions, own) = (&self.motions, self.motions.own());
-        let mut y = DVector::zeros(self.unknowns());
-        y.rows_mut(0, motions.order).copy_from(start);
-        if own > motions.order {
-            y[motions.order] = period;
-        }
-        y[own] = parameters[0];
-        y[own + 1] = parameters[1];
+        let y = motions.at(start, period, parameters);
+        let mut y = y.resize_vertically(self.unknowns(), 0.0);
         let begin = Begin::at_zero();
         let trial = motions.trial(&y, &begin)?;
         if self.kind == Smooth::Torus {
@@ -98,7 +95,7 @@ impl<'f> SmoothCurve<'f> {
             let nearest = nearest.ok_or_else(|| motions.lost(&y, &trial))?;
             y[own + 2] = nearest.re / nearest.norm();
         }
-        let (y, begin) = motions.begun(&y, &trial, 0.0)?;
+        let (y, begin) = motions.begun(&y, &trial, &begin)?;
         let trial = motions.trial(&y, &begin)?;
         let bordered = Bordered::begin(&self.matrix(&y, &trial, &begin), self.count());
         let bordered = bordered.ok_or_else(|| motions.lost(&y, &trial))?;
@@ -246,9 +243,16 @@ impl<'f> SmoothCurve<'f> {
     }
 }
 
-impl SmoothCurve<'_> {
-    /// Returns true if the events of the motion are others just behind a point.
-    pub(super) fn jumps_behind(&self, point: &Point<Motion>) -> bool {
+impl<'f> CurveOfMotions<'f> for SmoothCurve<'f> {
+    fn motions(&self) -> &Motions<'f> {
+        &self.motions
+    }
+
+    fn motion(value: &Motion) -> (&Trial, &Begin) {
+        (&value.trial, &value.begin)
+    }
+
+    fn jumps_behind(&self, point: &Point<Motion>) -> bool {
         /// Distances behind it, in units of the scales.
         const AWAY: [f64; 4] = [1e-9, 1e-8, 1e-7, 1e-6];
         let value = &point.value;
@@ -259,8 +263,21 @@ impl SmoothCurve<'_> {
         })
     }
 
-    /// The kind of special point at a zero of a test; `None` for two real multipliers of product 1.
-    pub(super) fn special(&self, test: usize, point: &Point<Motion>) -> Option<SpecialKind> {
+    fn holding(&self, motion: &Motion, change: &Change) -> Motion {
+        let mut motion = motion.clone();
+        motion.begin.add(change);
+        motion
+    }
+
+    fn kind_with(&self, change: &Change) -> Option<SpecialKind> {
+        match (self.kind, change.kind) {
+            (Smooth::Fold, LocusKind::Grazing { .. }) => Some(SpecialKind::FoldGrazing),
+            _ => None,
+        }
+    }
+
+    /// `None` for two real multipliers of product 1.
+    fn special(&self, test: usize, point: &Point<Motion>) -> Option<SpecialKind> {
         let others = self.others(&point.y, &point.value);
         let with_pair = |kind| others.iter().any(|m| m.im != 0.0).then_some(kind);
         match (self.kind, test) {
@@ -463,6 +480,14 @@ impl Equations for SmoothCurve<'_> {
 
     fn is_at_limit(&self) -> bool {
         self.motions.is_at_limit()
+    }
+
+    fn most_points(&self) -> usize {
+        self.motions.most.1
+    }
+
+    fn found(&self, point: &Point<Motion>) {
+        self.motions.found(&point.y);
     }
 
     fn lost(&self, y: &DVector<f64>, value: &Motion) -> Error {

@@ -1,0 +1,344 @@
+//! Motions with a contact held past a touch: the sliding speed s of a contact that slips has a
+//! local minimum near 0, at a time t*.
+//!
+//! The motion is smooth in g = s(t*) if the contact is held: past a touch it goes on slipping,
+//! whatever the sign of g, on the series of its step, which continue its law to small negative
+//! speeds; at the tangential end of a branch it sticks from t* on. As a function of the time of
+//! arrival, the root of s, the motion goes like √|g|. Held motions are the real ones at g = 0, and
+//! for the touch also at g > 0.
+
+use super::form::Form;
+use crate::clock::Clock;
+use crate::error::Error;
+use crate::friction::memory::Slip;
+use crate::motion::step_control::reach;
+use crate::motion::{EventKind, Integrator, Mode, Segment};
+use crate::series::{PowerSeries, TERMS};
+use crate::state::Direction;
+use crate::state::structure::State;
+use crate::structure::engine::model::ContactData;
+use crate::structure::{Flow, Step};
+
+use std::ops::ControlFlow;
+
+/// A contact to be held where its sliding speed has a minimum.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Hold {
+    /// Its place among those of one motion.
+    pub(super) number: usize,
+    pub(super) contact: usize,
+    /// The direction in which it slips.
+    pub(super) side: Direction,
+    /// When, about, since the start of the motion, and at most how far from there.
+    pub(super) since: f64,
+    pub(super) within: f64,
+    /// True if it sticks from there on.
+    pub(super) sticks: bool,
+}
+
+/// A touch of a motion.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Touch {
+    pub(super) hold: Hold,
+    /// The sliding speed g, below 0 beyond the touch.
+    pub(super) speed: f64,
+    /// True if the derivative of the real motion is unbounded there.
+    pub(super) is_unbounded: bool,
+}
+
+impl Hold {
+    /// The same for a motion over a period that begins later.
+    pub(super) fn later(self, by: f64, period: f64) -> Self {
+        let since = (self.since - by).rem_euclid(period);
+        Self { since, ..self }
+    }
+
+    /// The sliding speed along a step, if the contact slips there in its direction.
+    pub(super) fn speeds(&self, form: &Form<'_>, step: &Step) -> Option<PowerSeries> {
+        let slips = step.modes().get(self.contact) == Some(&Mode::Slip(self.side));
+        slips.then(|| speeds(form, step, self.contact, self.side))
+    }
+}
+
+/// The sliding speed of a contact along a step, in a direction.
+pub(super) fn speeds(form: &Form<'_>, step: &Step, contact: usize, side: Direction) -> PowerSeries {
+    let contact = &form.model.contacts[contact];
+    let (velocities, surface) = (step.series(), contact.belt_velocity.series(step.clock()));
+    let speed = |k: usize| contact.along(|j| velocities[j][k]) - surface[k];
+    PowerSeries::from_fn(|k| side.sign() * speed(k))
+}
+
+/// The time of the minimum of a speed that falls at a time, behind that time.
+pub(super) fn minimum_behind(speeds: &PowerSeries, from: f64) -> Option<f64> {
+    const MOST_STEPS: usize = 40;
+    let slope = speeds.derivative();
+    let mut time = from;
+    for _ in 0..MOST_STEPS {
+        let step = -slope.at(time) / slope.slope_at(time);
+        let next = time + step;
+        if !(next.is_finite() && slope.slope_at(time) > 0.0) {
+            return None;
+        }
+        if next == time || step.abs() <= f64::EPSILON * time {
+            break;
+        }
+        time = next.max(from);
+    }
+    Some(time)
+}
+
+/// The time up to which the series of a step hold to rounding, or nearly so.
+fn reach_of(step: &Step, n: usize) -> f64 {
+    /// A little beyond, rounding grows by two digits.
+    const BEYOND: f64 = 1.2;
+    let ends = [step.state().clone(), step.end_state()];
+    let velocities = ends.iter().flat_map(|state| &state.velocities);
+    let size = velocities.fold(0.0, |size: f64, v| size.max(v.abs()));
+    let series = step.series().iter().enumerate();
+    let reached = series.map(|(i, series)| {
+        let size = if i < n {
+            size
+        } else {
+            series.largest_change(step.duration())
+        };
+        let last = &series.coefficients()[TERMS - 2..];
+        if last.iter().all(|c| *c == 0.0) {
+            return f64::INFINITY;
+        }
+        reach(f64::EPSILON * size, series, TERMS - 1)
+    });
+    BEYOND * reached.fold(f64::INFINITY, f64::min)
+}
+
+/// The steps of a motion with contacts held.
+#[derive(Debug)]
+pub(super) struct HeldFlow<'s> {
+    form: &'s Form<'s>,
+    settings: Integrator,
+    flow: Flow<'s>,
+    start_time: f64,
+    /// Those to come, each with the slope of its speed at the end of the last step.
+    holds: Vec<(Hold, f64)>,
+    pub(super) touches: Vec<Touch>,
+    /// How often a step was begun anew.
+    renewed: usize,
+}
+
+/// Limit of steps begun anew, nearer to a touch, in one motion.
+const MOST_RENEWED: usize = 16;
+
+impl<'s> HeldFlow<'s> {
+    pub(super) fn new(
+        form: &'s Form<'s>,
+        settings: Integrator,
+        start_time: f64,
+        start: &State,
+        holds: &[Hold],
+    ) -> Result<Self, Error> {
+        let settings = settings.with_start_time(start_time)?;
+        Ok(Self {
+            form,
+            settings,
+            flow: Flow::new(settings, form.model.clone(), start)?,
+            start_time,
+            holds: holds.iter().map(|hold| (*hold, 0.0)).collect(),
+            touches: Vec::new(),
+            renewed: 0,
+        })
+    }
+
+    /// Begins anew at the end of a step, with the modes of its contacts, of which one sticks.
+    fn begin_at_end(&mut self, step: &Step, sticks: Option<Hold>) -> Result<State, Error> {
+        let (time, mut state) = (step.end_time(), step.end_state());
+        let rests = |c: usize| sticks.is_some_and(|hold| hold.contact == c);
+        let mode = |c: usize| {
+            if rests(c) {
+                Mode::Stick
+            } else {
+                step.modes()[c]
+            }
+        };
+        self.form.put_in_modes(&mut state, time, |c| Some(mode(c)));
+        if let Some(hold) = sticks {
+            self.put_on_limit(&mut state, time, hold);
+        }
+        let mut start = state.clone();
+        if let Some(hold) = sticks {
+            let memory = self.form.model.memory(hold.contact);
+            let law = self.form.model.contacts[hold.contact].law;
+            law.caught(&mut start.memory[memory]);
+        }
+        let settings = self.settings.with_start_time(time)?;
+        self.flow = Flow::new(settings, self.form.model.clone(), &start)?;
+        Ok(state)
+    }
+
+    /// Notes a touch at a time of a step.
+    fn note(&mut self, place: usize, time: f64, speed: f64) -> Hold {
+        let (hold, _) = self.holds.remove(place);
+        let since = time - self.start_time;
+        let hold = Hold { since, ..hold };
+        let model = &self.form.model;
+        let remembers = !model.memory(hold.contact).is_empty();
+        let is_unbounded = hold.sticks && (remembers || model.owner_of(hold.contact).is_none());
+        self.touches.push(Touch {
+            hold,
+            speed,
+            is_unbounded,
+        });
+        hold
+    }
+
+    /// The step, past the touches within it and at its end.
+    fn held(&mut self, mut step: Step) -> Result<Step, Error> {
+        let mut place = 0;
+        while place < self.holds.len() {
+            let (hold, falling) = self.holds[place];
+            let Some(speeds) = hold.speeds(self.form, &step) else {
+                self.holds[place].1 = 0.0;
+                place += 1;
+                continue;
+            };
+            self.holds[place].1 = speeds.slope_at(step.duration());
+            let near = |t: f64| {
+                let since = step.start_time() + t - self.start_time;
+                (since - hold.since).abs() <= hold.within
+            };
+            let mut found = (falling < 0.0 && speeds[1] >= 0.0 && near(0.0)).then_some(0.0);
+            if found.is_none() {
+                let _ = speeds
+                    .derivative()
+                    .sign_changes(step.duration(), &mut |t, rises| {
+                        if rises && near(t) {
+                            found = Some(t);
+                            return ControlFlow::Break(());
+                        }
+                        ControlFlow::Continue(())
+                    });
+            }
+            if let Some(t) = found {
+                let hold = self.note(place, step.start_time() + t, speeds.at(t));
+                if hold.sticks {
+                    return self.caught(step.lasting(t), hold);
+                }
+                continue;
+            }
+            let mut events = step.events().iter();
+            let ends = |kind| matches!(kind, EventKind::Stick | EventKind::Crossing(_));
+            let arrives = events.any(|event| event.contact == hold.contact && ends(event.kind));
+            if arrives
+                && near(step.duration())
+                && let Some(t) = minimum_behind(&speeds, step.duration())
+                && near(t)
+            {
+                let past = if hold.sticks {
+                    t
+                } else {
+                    self.past(&step, &hold, t)
+                };
+                if past > reach_of(&step, self.form.len()) && self.renewed < MOST_RENEWED {
+                    self.renewed += 1;
+                    let back = (2.0 * step.duration() - past).max(0.5 * step.duration());
+                    step = step.lasting(back);
+                    self.begin_at_end(&step, None)?;
+                    self.holds[place].1 = speeds.slope_at(back);
+                    return Ok(step);
+                }
+                let hold = self.note(place, step.start_time() + t, speeds.at(t));
+                if hold.sticks {
+                    return self.caught(step.lasting(t), hold);
+                }
+                step = step.lasting(past);
+                self.begin_at_end(&step, None)?;
+                return Ok(step);
+            }
+            place += 1;
+        }
+        Ok(step)
+    }
+
+    /// The step at whose end a contact sticks.
+    fn caught(&mut self, step: Step, hold: Hold) -> Result<Step, Error> {
+        let state = self.begin_at_end(&step, Some(hold))?;
+        Ok(step.coming_to_rest(hold.contact, state))
+    }
+
+    /// Moves a contact that came to rest onto its limit of stick, if that is the kinetic friction
+    /// at speed 0: the force of the held motion lies about g on either side of it.
+    ///
+    /// From there on the limit rises, or the motion of the real contact would end as well.
+    fn put_on_limit(&self, state: &mut State, time: f64, hold: Hold) {
+        /// Limits are the same up to this part.
+        const SAME: f64 = 1e-9;
+        let model = &self.form.model;
+        let (contact, sign) = (&model.contacts[hold.contact], hold.side.sign());
+        let memory = &state.memory[model.memory(hold.contact)];
+        let slip = Slip {
+            speed: 0.0,
+            direction: sign,
+            piece: 0,
+        };
+        let kinetic = sign * contact.law.coefficient(slip, &|j| memory[j]);
+        let mut caught = memory.to_vec();
+        contact.law.caught(&mut caught);
+        let limit = contact.law.limit(&|j| caught[j]).unwrap_or(f64::NAN);
+        let Some(i) = model.owner_of(hold.contact) else {
+            return;
+        };
+        let stiffness = model.stiffness.row(i).0;
+        let is_same = (limit - kinetic).abs() <= SAME * limit.abs();
+        if !(is_same && stiffness != 0.0) {
+            return;
+        }
+        let load = |contact: &ContactData<'_>| {
+            contact.load.value(time) + contact.displacement_load(|j| state.displacements[j])
+        };
+        let mut terms = vec![
+            model.forces[i].value(time) * contact.compliance,
+            -contact.belt_velocity.series(Clock::at(time))[1],
+            -sign * limit * load(contact) * contact.compliance,
+        ];
+        let rows = [
+            (&model.stiffness, &state.displacements),
+            (&model.damping, &state.velocities),
+        ];
+        for (matrix, numbers) in rows {
+            let (own, beside) = matrix.row(i);
+            terms.push(-own * numbers[i]);
+            terms.extend(beside.iter().map(|&(j, a)| -a * numbers[j]));
+        }
+        for contact in &model.contacts {
+            let own = contact.reaction.iter().filter(|(j, _)| *j == i);
+            terms.extend(own.map(|(_, y)| -y * load(contact)));
+        }
+        let beyond: f64 = terms.iter().sum();
+        state.displacements[i] += beyond / stiffness;
+    }
+
+    /// A time of a step behind a touch at a time of it, when the contact slips again as before.
+    fn past(&self, step: &Step, hold: &Hold, touch: f64) -> f64 {
+        let speeds = speeds(self.form, step, hold.contact, hold.side);
+        let below = touch - step.duration();
+        let times = [2.0, 3.0, 4.0].map(|part| touch + part * below);
+        let mut slips = times.into_iter().filter(|t| speeds.at(*t) > 0.0);
+        slips.next().unwrap_or(times[2])
+    }
+}
+
+impl Iterator for HeldFlow<'_> {
+    type Item = Result<Step, Error>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let step = self.flow.next()?;
+        if self.holds.is_empty() {
+            return Some(step);
+        }
+        Some(step.and_then(|step| {
+            if step.duration() > 0.0 && !step.series().is_empty() {
+                self.held(step)
+            } else {
+                Ok(step)
+            }
+        }))
+    }
+}

@@ -1,0 +1,297 @@
+//! Which events change at a motion: contacts that touch, arrivals at the limit of stick, events at
+//! one time.
+
+use std::ops::ControlFlow;
+
+use super::super::form::Form;
+use super::super::hold::{Hold, minimum_behind, speeds};
+use super::super::map::PeriodMap;
+use super::super::trial::Trial;
+use super::events::margin;
+use super::found::LocusKind;
+use super::motions::{Begin, Mark};
+use crate::motion::{Event, EventKind, Mode, Segment};
+use crate::state::Direction;
+use crate::state::structure::State;
+
+/// A change of the events of a motion.
+#[derive(Debug, Clone)]
+pub(super) struct Change {
+    pub(super) kind: LocusKind,
+    pub(super) holds: Vec<Hold>,
+    pub(super) marks: Vec<Mark>,
+    /// How far from it the motion is, in units of its sizes.
+    pub(super) size: f64,
+}
+
+impl Change {
+    /// Returns true if it is not one that a motion holds or watches already.
+    pub(super) fn is_other(&self, begin: &Begin) -> bool {
+        let of_holds = self.holds.iter().all(|hold| {
+            let mut known = begin.holds.iter();
+            !known.any(|known| known.contact == hold.contact && near(known.since, hold.since))
+        });
+        let of_marks = self.marks.iter().all(|mark| {
+            let mut known = begin.marks.iter();
+            !known.any(|known| known.contact == mark.contact && near(known.since, mark.since))
+        });
+        of_holds && of_marks
+    }
+
+    /// The scalar that is 0 at the change, in a motion with so many holds before its own.
+    pub(super) fn value(&self, form: &Form<'_>, map: &PeriodMap, holds: usize) -> Option<f64> {
+        let sizes = map.sizes();
+        if let LocusKind::Grazing { contact } = self.kind {
+            let touch = map
+                .touches
+                .iter()
+                .find(|touch| touch.hold.number == holds)?;
+            let contact = &form.model.contacts[contact];
+            return Some(touch.speed / contact.size_along(|j| sizes[form.len() + j]));
+        }
+        let found: Option<Vec<_>> = self
+            .marks
+            .iter()
+            .map(|mark| mark.find(&map.steps))
+            .collect();
+        match (self.kind, &found?[..]) {
+            (LocusKind::StopOnset { .. }, [(step, event, _), ..]) => margin(form, step, event),
+            (LocusKind::Order { .. }, [a, b, ..]) => Some(a.2 - b.2),
+            _ => None,
+        }
+    }
+}
+
+/// Returns true if two times are the same but for rounding.
+fn near(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
+}
+
+/// Events are searched at most this part of the period away.
+const WITHIN: f64 = 0.05;
+
+/// A contact stops for good if it sticks for more than this part of the period.
+const LASTS: f64 = 1e-3;
+
+/// Touches of one size belong to one change, as in a symmetric motion.
+const ALIKE: f64 = 1e-6;
+const ROUNDING: f64 = 1e-9;
+
+/// The minimum of a sliding speed.
+#[derive(Debug, Clone, Copy)]
+struct Minimum {
+    contact: usize,
+    side: Direction,
+    since: f64,
+    /// In units of the size of the velocity.
+    speed: f64,
+    /// Whether the contact arrives there and sticks.
+    sticks: bool,
+}
+
+/// The nearest touch of a motion; of those after which a contact sticks if `sticks`.
+pub(super) fn touch(
+    form: &Form<'_>,
+    map: &PeriodMap,
+    period: f64,
+    sticks: Option<bool>,
+) -> Option<Change> {
+    let all = minima(form, map, period);
+    let mut near: Vec<_> = all
+        .iter()
+        .filter(|minimum| sticks.is_none_or(|sticks| minimum.sticks == sticks))
+        .collect();
+    near.sort_by(|a, b| a.speed.abs().total_cmp(&b.speed.abs()));
+    let least = **near.first()?;
+    near.retain(|minimum| {
+        let apart = (minimum.speed - least.speed).abs();
+        minimum.sticks == least.sticks && apart <= ALIKE * least.speed.abs() + ROUNDING
+    });
+    let holds = near.iter().enumerate().map(|(number, minimum)| Hold {
+        number,
+        contact: minimum.contact,
+        side: minimum.side,
+        since: minimum.since,
+        within: within(
+            minimum.since,
+            all.iter()
+                .filter(|other| other.contact == minimum.contact)
+                .map(|other| other.since),
+            period,
+        ),
+        sticks: minimum.sticks,
+    });
+    Some(Change {
+        kind: LocusKind::Grazing {
+            contact: least.contact,
+        },
+        holds: holds.collect(),
+        marks: Vec::new(),
+        size: least.speed.abs(),
+    })
+}
+
+/// How far from a time something is searched, with others of its kind at these times.
+fn within(since: f64, others: impl Iterator<Item = f64>, period: f64) -> f64 {
+    let away = others.map(|other| {
+        let later = (other - since).rem_euclid(period);
+        later.min(period - later)
+    });
+    let away = away.filter(|away| *away > 1e-6 * period);
+    0.4 * away.fold(WITHIN * period / 0.4, f64::min)
+}
+
+/// The minima of all sliding speeds, and those that an arrival cuts off.
+fn minima(form: &Form<'_>, map: &PeriodMap, period: f64) -> Vec<Minimum> {
+    let begins = map.steps.first().map_or(0.0, Segment::start_time);
+    let sizes = map.sizes();
+    let mut minima = Vec::new();
+    for contact in (0..form.contacts()).filter(|&c| form.holds(c)) {
+        let size = form.model.contacts[contact].size_along(|j| sizes[form.len() + j]);
+        let mut falling: Option<Direction> = None;
+        for step in map.steps.iter().filter(|step| !step.series().is_empty()) {
+            let (Mode::Slip(side), true) = (step.modes()[contact], step.duration() > 0.0) else {
+                falling = None;
+                continue;
+            };
+            let speeds = speeds(form, step, contact, side);
+            let mut note = |t: f64, sticks: bool| {
+                minima.push(Minimum {
+                    contact,
+                    side,
+                    since: step.start_time() + t - begins,
+                    speed: speeds.at(t) / size,
+                    sticks,
+                });
+            };
+            if falling == Some(side) && speeds[1] >= 0.0 {
+                note(0.0, false);
+            }
+            let slope = speeds.derivative();
+            let _ = slope.sign_changes(step.duration(), &mut |t, rises| {
+                if rises {
+                    note(t, false);
+                }
+                ControlFlow::Continue(())
+            });
+            falling = (slope.at(step.duration()) < 0.0).then_some(side);
+            let mut own = step
+                .events()
+                .iter()
+                .filter(|event| event.contact == contact);
+            if let Some(event) = own.next()
+                && falling.is_some()
+                && let Some(t) = minimum_behind(&speeds, step.duration())
+                && t - step.duration() <= WITHIN * period
+            {
+                let rests = rest_of(map, event, period);
+                note(t, rests > LASTS * period);
+            }
+        }
+    }
+    minima
+}
+
+/// For how long a contact sticks from an event on.
+fn rest_of(map: &PeriodMap, event: &Event<State>, period: f64) -> f64 {
+    if event.kind != EventKind::Stick {
+        return 0.0;
+    }
+    let others = map.events().map(|(other, _)| other);
+    let others = others.filter(|other| other.contact == event.contact && other.kind != event.kind);
+    let later = others.map(|other| (other.time - event.time).rem_euclid(period));
+    later.fold(period, f64::min)
+}
+
+/// The nearest change of an arrival from a crossing into a stop, or of the order of two events.
+pub(super) fn sequence(form: &Form<'_>, map: &PeriodMap, period: f64) -> Option<Change> {
+    let begins = map.steps.first().map_or(0.0, Segment::start_time);
+    let steps = map.steps.iter();
+    let events = steps.flat_map(|step| step.events().iter().map(move |event| (step, event)));
+    let events: Vec<_> = events.filter(|(_, event)| event.time > begins).collect();
+    let mark = |event: &Event<State>, kind: Option<EventKind>| Mark {
+        contact: event.contact,
+        kind,
+        since: event.time - begins,
+        within: within(
+            event.time,
+            events
+                .iter()
+                .filter(|(_, other)| other.contact == event.contact)
+                .map(|(_, other)| other.time),
+            period,
+        ),
+    };
+    let arrivals = events.iter().filter_map(|(step, event)| {
+        let margin = margin(form, step, event)?;
+        Some((event.contact, margin, mark(event, None)))
+    });
+    let mut arrivals: Vec<_> = arrivals.collect();
+    arrivals.sort_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+    let stops = arrivals.first().copied().map(|(contact, least, _)| {
+        let alike = arrivals.iter().filter(|(_, margin, _)| {
+            (margin.abs() - least.abs()).abs() <= ALIKE * least.abs() + ROUNDING
+        });
+        Change {
+            kind: LocusKind::StopOnset { contact },
+            holds: Vec::new(),
+            marks: alike.map(|arrival| arrival.2).collect(),
+            size: least.abs(),
+        }
+    });
+    let pairs = events.iter().enumerate();
+    let pairs = pairs.flat_map(|(i, (_, a))| events[..i].iter().map(move |(_, b)| (*a, *b)));
+    let orders = pairs.filter(|(a, b)| a.contact != b.contact).map(|(a, b)| {
+        let (a, b) = if a.contact < b.contact {
+            (a, b)
+        } else {
+            (b, a)
+        };
+        Change {
+            kind: LocusKind::Order {
+                contacts: [a.contact, b.contact],
+            },
+            holds: Vec::new(),
+            marks: vec![mark(a, Some(a.kind)), mark(b, Some(b.kind))],
+            size: (a.time - b.time).abs() / period,
+        }
+    });
+    stops
+        .into_iter()
+        .chain(orders)
+        .min_by(|a, b| a.size.total_cmp(&b.size))
+}
+
+/// The arrivals of a motion after which a contact sticks, by its events: time, contact and kind.
+/// They may be missing in the motion from its start.
+pub(super) fn arrivals(
+    form: &Form<'_>,
+    trial: &Trial,
+    events: &[(f64, usize, EventKind)],
+) -> Vec<Hold> {
+    let period = trial.period;
+    let mut holds = Vec::new();
+    for contact in (0..form.contacts()).filter(|&c| form.holds(c)) {
+        let own = events.iter().filter(|event| event.1 == contact);
+        let own: Vec<_> = own.copied().collect();
+        for (i, (time, _, kind)) in own.iter().enumerate() {
+            let [before, after] = [i + own.len() - 1, i + 1].map(|i| own[i % own.len()]);
+            let (EventKind::Stick, EventKind::Release(side) | EventKind::Crossing(side)) =
+                (kind, before.2)
+            else {
+                continue;
+            };
+            if (after.0 - time).rem_euclid(period) > LASTS * period {
+                holds.push(Hold {
+                    number: 0,
+                    contact,
+                    side,
+                    since: *time,
+                    within: within(*time, own.iter().map(|event| event.0), period),
+                    sticks: true,
+                });
+            }
+        }
+    }
+    holds
+}

@@ -1,0 +1,59 @@
+//! The tangential end of a branch: a point on the curve of grazing motions.
+
+use std::cell::Cell;
+
+use nalgebra::DVector;
+
+use super::super::curve::{Curve, Member, Solved};
+use super::super::trial::Trial;
+use super::change::touch;
+use super::events::EventCurve;
+use super::motions::{Begin, Motions};
+use crate::error::Error;
+use crate::numerics::trace::{self, Equations, Plane};
+
+/// The parameter at which an arrival of a motion becomes tangential, after which a contact sticks,
+/// and the motion there: Newton's method from a motion near the end of its branch. `None` if there
+/// is none.
+pub(in crate::orbit) fn tangential_end(curve: &Curve<'_>, base: &Solved) -> Option<(f64, Trial)> {
+    let members =
+        |first: f64, _: f64| -> Result<Box<dyn Member + '_>, Error> { (curve.family)(first) };
+    let bounds = (curve.most, curve.watched);
+    let size = [curve.n, curve.order];
+    let motions = Motions::new(&members, curve.kind, [curve.width(), 1.0], size, bounds);
+    let own = motions.own();
+    let mut y = base.y.clone().insert_row(own + 1, 0.0);
+    let (map, period) = (&base.trial.map, base.trial.period);
+    let found = motions.with(motions.parameters(&y), |form| {
+        Ok(touch(form, map, period, Some(true)))
+    });
+    let change = found.ok()??;
+    let begin = Begin {
+        modes: map.first_modes().unwrap_or_default().to_vec(),
+        holds: change.holds,
+        ..Begin::at_zero()
+    };
+    let events = EventCurve {
+        motions,
+        kind: change.kind,
+        ranges: [curve.range.clone(), -1.0..1.0],
+        growth: Cell::new(1.0),
+    };
+    let (begun, near) = events.begin(&y, &begin).ok()?;
+    y = begun;
+    let scale = events.scale(&y, &near);
+    let unit = |place: usize| DVector::from_fn(own + 2, |i, _| f64::from(u8::from(i == place)));
+    let plane = Plane {
+        scale: &scale,
+        normal: unit(own + 1),
+        value: 0.0,
+        along: &DVector::from_element(own + 2, 1.0),
+    };
+    let point = trace::solve(&events, &y, &near, &plane).ok()?;
+    let value = &point.value;
+    let motions = &events.motions;
+    let trial = motions
+        .since_zero(&point.y, &value.trial, &value.begin)
+        .ok()?;
+    Some((motions.parameters(&point.y)[0], trial))
+}

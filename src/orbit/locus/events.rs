@@ -1,0 +1,440 @@
+//! The equations of events that change: a closed motion, and a scalar g that is 0 where
+//!
+//! | curve | g | which motion |
+//! |---|---|---|
+//! | grazing | r at its extremum | held past the touch, or at the end of a branch stuck from there on (`hold.rs`) |
+//! | onset of a stop | σR − N μ_s at an arrival that becomes a crossing | the real one |
+//! | order | t_a − t_b of two events | the real one |
+//!
+//! The maps are continuous in these motions, and smooth or piecewise smooth, with g = 0 as the
+//! border of the pieces. Derivatives are differences between motions with the same events.
+
+use std::cell::Cell;
+use std::ops::Range;
+
+use nalgebra::{Complex, DMatrix, DVector};
+
+use super::super::form::Form;
+use super::super::hold::{Touch, speeds};
+use super::super::map::{CLOSED, Course, vector};
+use super::super::sequence::Sequence;
+use super::super::trial::Trial;
+use super::CurveOfMotions;
+use super::change::Change;
+use super::found::{LocusKind, SpecialKind};
+use super::motions::{Begin, Mark, Motions};
+use crate::error::Error;
+use crate::friction::memory::Slip;
+use crate::motion::{Event, EventKind, Mode, Segment};
+use crate::numerics::trace::{Equations, Point};
+use crate::state::structure::State;
+use crate::structure::Step;
+
+/// Curves of changes of events.
+pub(super) struct EventCurve<'f> {
+    pub(super) motions: Motions<'f>,
+    pub(super) kind: LocusKind,
+    pub(super) ranges: [Range<f64>; 2],
+    /// How strongly the held motion magnifies perturbations, as last seen.
+    pub(super) growth: Cell<f64>,
+}
+
+/// A motion with its scalar.
+#[derive(Debug, Clone)]
+pub(super) struct Held {
+    pub(super) begin: Begin,
+    start: DVector<f64>,
+    /// End minus start; 0 for variables on which nothing depends.
+    residual: DVector<f64>,
+    scalar: f64,
+    events: Vec<(usize, EventKind)>,
+    /// Of a solution: the motion with its derivative, and its events but for those that change.
+    pub(super) trial: Trial,
+    sequence: Option<Sequence>,
+    multipliers: Vec<Complex<f64>>,
+}
+
+/// What a motion says about the events of a curve.
+struct Seen {
+    scalar: f64,
+    /// Where the watched events are, since the start.
+    marks: Vec<f64>,
+}
+
+/// Increments for differences, in units of the sizes; shorter ones near a change of the events.
+const PARTS: [f64; 3] = [6e-6, 1e-7, 1e-9];
+
+/// The margin of a crossing over the limit of stick, in units of the friction there: −σR/(N μ_s)
+/// less 1, nearly. It is below 0 for a stop.
+pub(super) fn margin(form: &Form<'_>, step: &Step, event: &Event<State>) -> Option<f64> {
+    let Some(Mode::Slip(side)) = step.modes().get(event.contact) else {
+        return None;
+    };
+    form.model.owner_of(event.contact)?;
+    let contact = &form.model.contacts[event.contact];
+    let memory = event.state.memory[form.model.memory(event.contact)].to_vec();
+    let slip = Slip {
+        speed: 0.0,
+        direction: side.sign(),
+        piece: 0,
+    };
+    let kinetic = side.sign() * contact.law.coefficient(slip, &|j| memory[j]);
+    let mut caught = memory.clone();
+    contact.law.caught(&mut caught);
+    let limit = contact.law.limit(&|j| caught[j])?;
+    let h = step.duration();
+    let load = contact.load.series(step.clock()).at(h)
+        + contact.displacement_load(|j| event.state.displacements[j]);
+    let friction = load * contact.compliance * (kinetic + limit);
+    let rate = speeds(form, step, event.contact, *side).slope_at(h);
+    (friction > 0.0).then(|| -rate / friction - 1.0)
+}
+
+impl Mark {
+    fn is(&self, event: &Event<State>) -> bool {
+        let kind = match self.kind {
+            Some(kind) => event.kind == kind,
+            None => matches!(event.kind, EventKind::Stick | EventKind::Crossing(_)),
+        };
+        event.contact == self.contact && kind
+    }
+
+    /// Its event among those of a motion, with the step at whose end it is.
+    pub(super) fn find<'s>(&self, steps: &'s [Step]) -> Option<(&'s Step, &'s Event<State>, f64)> {
+        let begins = steps.first()?.start_time();
+        let events = steps
+            .iter()
+            .flat_map(|step| step.events().iter().map(move |event| (step, event)));
+        let found = events.filter_map(|(step, event)| {
+            let since = event.time - begins;
+            let away = (since - self.since).abs();
+            (self.is(event) && away <= self.within).then_some((step, event, since))
+        });
+        let away = |since: f64| (since - self.since).abs();
+        found.min_by(|a, b| away(a.2).total_cmp(&away(b.2)))
+    }
+
+    /// Returns true if an event is this one, or one of a stop there that lasts no longer than
+    /// rounding.
+    fn covers(&self, event: &Event<State>, begins: f64, period: f64) -> bool {
+        const LASTS: f64 = 1e-6;
+        let near = (event.time - begins - self.since).abs() <= LASTS * period;
+        near && event.contact == self.contact && (self.kind.is_none() || self.is(event))
+    }
+}
+
+impl EventCurve<'_> {
+    fn unknowns(&self) -> usize {
+        self.motions.own() + 2
+    }
+
+    /// The first guess: a motion from a start, with what is held and watched.
+    pub(super) fn begin(
+        &self,
+        y: &DVector<f64>,
+        begin: &Begin,
+    ) -> Result<(DVector<f64>, Held), Error> {
+        let motions = &self.motions;
+        let trial = motions.trial(y, begin)?;
+        let (y, begin) = motions.begun(y, &trial, begin)?;
+        let trial = motions.trial(&y, &begin)?;
+        let held = self.held(&y, &begin, trial)?;
+        Ok((y, held))
+    }
+
+    /// The value of a motion, of which the derivative is known.
+    fn held(&self, y: &DVector<f64>, begin: &Begin, trial: Trial) -> Result<Held, Error> {
+        let map = &trial.map;
+        let (residual, start) = (map.residual(), vector(&map.start, self.motions.order));
+        let events = map.events().map(|(event, _)| (event.contact, event.kind));
+        let seen = self.motions.with(self.motions.parameters(y), |form| {
+            Ok(self.seen(form, (&map.steps, &map.touches), begin))
+        })?;
+        let seen = seen.ok_or_else(|| self.motions.lost(y, &trial))?;
+        Ok(Held {
+            begin: begin.clone(),
+            start,
+            residual,
+            scalar: seen.scalar,
+            events: events.collect(),
+            sequence: None,
+            multipliers: Vec::new(),
+            trial,
+        })
+    }
+
+    /// The scalar of a motion; `None` if the events are not found in it.
+    fn seen(
+        &self,
+        form: &Form<'_>,
+        (steps, touches): (&[Step], &[Touch]),
+        begin: &Begin,
+    ) -> Option<Seen> {
+        let marks: Option<Vec<_>> = begin.marks.iter().map(|mark| mark.find(steps)).collect();
+        let marks = marks?;
+        let scalar = match (self.kind, &marks[..]) {
+            (LocusKind::StopOnset { .. }, [(step, event, _), ..]) => margin(form, step, event)?,
+            (LocusKind::Order { .. }, [a, b, ..]) => (a.2 - b.2) / self.period_of(steps),
+            _ => {
+                if touches.len() < begin.holds.len() {
+                    return None;
+                }
+                let touch = touches.iter().find(|touch| touch.hold.number == 0)?;
+                touch.speed / speed_size(form, touch.hold.contact, begin)
+            }
+        };
+        Some(Seen {
+            scalar,
+            marks: marks.iter().map(|mark| mark.2).collect(),
+        })
+    }
+
+    fn period_of(&self, steps: &[Step]) -> f64 {
+        steps.iter().map(Segment::duration).sum()
+    }
+
+    /// The motion with its residual, without its derivative.
+    fn course(&self, y: &DVector<f64>, near: &Held) -> Result<Held, Error> {
+        let (motions, begin) = (&self.motions, &near.begin);
+        let found = motions.course(y, begin, |form, start, (steps, touches): Course, _| {
+            let Some(seen) = self.seen(form, (&steps, &touches), begin) else {
+                return Ok(None);
+            };
+            let start = vector(&start, motions.order);
+            let end = steps.last().map(Segment::end_state).unwrap_or_default();
+            let mut residual = vector(&end, motions.order) - &start;
+            let depends = &near.trial.map.depends;
+            let first = motions.order - depends.len();
+            for (j, depends) in depends.iter().enumerate() {
+                if !depends {
+                    residual[first + j] = 0.0;
+                }
+            }
+            let events = steps.iter().flat_map(Segment::events);
+            let events = events.map(|event| (event.contact, event.kind)).collect();
+            Ok(Some(Held {
+                start,
+                residual,
+                scalar: seen.scalar,
+                events,
+                ..near.clone()
+            }))
+        });
+        found?.ok_or_else(|| motions.lost(y, &near.trial))
+    }
+
+    /// The residuals: closure, phase condition, and the scalar.
+    fn residual_of(&self, y: &DVector<f64>, held: &Held) -> DVector<f64> {
+        let (order, begin) = (self.motions.order, &held.begin);
+        let mut residual = held.residual.component_div(&begin.sizes.rows(0, order));
+        if let Some(section) = &begin.section {
+            residual = residual.insert_row(order, section.at(&y.rows(0, order).into_owned()));
+        }
+        let rows = residual.len();
+        residual.insert_row(rows, held.scalar)
+    }
+
+    /// The events but for those that are held or watched.
+    fn sequence(&self, trial: &Trial, begin: &Begin) -> Sequence {
+        let begins = trial.map.steps.first().map_or(0.0, Segment::start_time);
+        Sequence::except(&trial.map, trial.period, |event| {
+            let mut marks = begin.marks.iter();
+            marks.any(|mark| mark.covers(event, begins, trial.period))
+        })
+    }
+}
+
+impl<'f> CurveOfMotions<'f> for EventCurve<'f> {
+    fn motions(&self) -> &Motions<'f> {
+        &self.motions
+    }
+
+    fn motion(held: &Held) -> (&Trial, &Begin) {
+        (&held.trial, &held.begin)
+    }
+
+    fn jumps_behind(&self, point: &Point<Held>) -> bool {
+        /// Distances behind it, in units of the scales.
+        const AWAY: [f64; 4] = [1e-9, 1e-8, 1e-7, 1e-6];
+        let held = &point.value;
+        AWAY.iter().any(|away| {
+            let y = &point.y + point.tangent.component_mul(&point.scale) * *away;
+            let beyond = self.motions.trial(&y, &held.begin);
+            beyond.is_ok_and(|beyond| {
+                let sequence = self.sequence(&beyond, &held.begin);
+                held.sequence
+                    .as_ref()
+                    .is_some_and(|own| !own.is_like(&sequence))
+            })
+        })
+    }
+
+    fn holding(&self, held: &Held, change: &Change) -> Held {
+        let mut held = held.clone();
+        held.begin.add(change);
+        held
+    }
+
+    fn kind_with(&self, _: &Change) -> Option<SpecialKind> {
+        Some(SpecialKind::DoubleGrazing)
+    }
+
+    fn special(&self, _: usize, _: &Point<Held>) -> Option<SpecialKind> {
+        Some(SpecialKind::FoldGrazing)
+    }
+}
+
+/// The size of the sliding speed of a contact.
+pub(super) fn speed_size(form: &Form<'_>, contact: usize, begin: &Begin) -> f64 {
+    let n = form.len();
+    form.model.contacts[contact].size_along(|j| begin.sizes[n + j])
+}
+
+impl Equations for EventCurve<'_> {
+    type Value = Held;
+
+    fn parameters(&self) -> [usize; 2] {
+        let own = self.motions.own();
+        [own, own + 1]
+    }
+
+    fn ranges(&self) -> &[Range<f64>; 2] {
+        &self.ranges
+    }
+
+    fn value(&self, y: &mut DVector<f64>, near: &Held) -> Result<Held, Error> {
+        let held = self.course(y, near)?;
+        y.rows_mut(0, self.motions.order).copy_from(&held.start);
+        Ok(held)
+    }
+
+    fn residual(&self, y: &DVector<f64>, held: &Held) -> DVector<f64> {
+        self.residual_of(y, held)
+    }
+
+    fn jacobian(
+        &self,
+        y: &DVector<f64>,
+        held: &Held,
+        scale: &DVector<f64>,
+    ) -> Result<DMatrix<f64>, Error> {
+        let own = self.motions.own();
+        let mut jacobian = DMatrix::zeros(own + 1, self.unknowns());
+        for j in 0..self.unknowns() {
+            let size = match j.checked_sub(own) {
+                None => held.begin.sizes[j],
+                Some(which) => self.motions.widths[which],
+            };
+            let beside = |step: f64| {
+                let mut beside = y.clone();
+                beside[j] += step;
+                let found = self.course(&beside, held).ok()?;
+                let same = found.events == held.events;
+                Some((step, self.residual_of(&beside, &found), same))
+            };
+            let here = || Some((0.0, self.residual_of(y, held), true));
+            let mut slope = None;
+            for part in PARTS {
+                let (low, high) = (beside(-part * size), beside(part * size));
+                let is_same = |side: &Option<(f64, DVector<f64>, bool)>| {
+                    side.as_ref().is_some_and(|side| side.2)
+                };
+                let any = is_same(&low) || is_same(&high);
+                let pair = match (is_same(&low), is_same(&high)) {
+                    (true, false) => (low, here()),
+                    (false, true) => (here(), high),
+                    _ if low.is_none() => (here(), high),
+                    _ if high.is_none() => (low, here()),
+                    _ => (low, high),
+                };
+                if let (Some((a, below, _)), Some((b, above, _))) = pair {
+                    slope = Some((above - below) / (b - a));
+                }
+                if any {
+                    break;
+                }
+            }
+            let slope = slope.ok_or_else(|| self.motions.lost(y, &held.trial))?;
+            jacobian.set_column(j, &(slope * scale[j]));
+        }
+        let growth = jacobian.view((0, 0), (own, own)).amax();
+        self.growth.set(growth.max(1.0));
+        Ok(jacobian)
+    }
+
+    fn rounding(&self, _: &Held) -> f64 {
+        CLOSED * self.growth.get()
+    }
+
+    fn complete(&self, y: &DVector<f64>, mut held: Held) -> Result<Held, Error> {
+        let motions = &self.motions;
+        let trial = motions.trial(y, &held.begin)?;
+        let is_free = held.begin.section.is_some();
+        let seen = motions.with(motions.parameters(y), |form| {
+            let map = &trial.map;
+            Ok(self.seen(form, (&map.steps, &map.touches), &held.begin))
+        })?;
+        let seen = seen.ok_or_else(|| motions.lost(y, &trial))?;
+        for (mark, since) in std::iter::zip(&mut held.begin.marks, seen.marks) {
+            mark.since = since;
+        }
+        let sequence = self.sequence(&trial, &held.begin);
+        let is_other = |own: &Sequence| !own.is_like(&sequence);
+        if held.sequence.as_ref().is_some_and(is_other) || (is_free && !trial.returns(None)) {
+            return Err(motions.lost(y, &trial));
+        }
+        let multipliers = trial.map.multipliers(is_free);
+        held.multipliers = multipliers.ok_or_else(|| motions.lost(y, &trial))?;
+        held.sequence = Some(sequence);
+        held.begin.holds = trial.map.touches.iter().map(|touch| touch.hold).collect();
+        motions.settle(y, &trial, &mut held.begin)?;
+        held.trial = trial;
+        Ok(held)
+    }
+
+    fn scale(&self, y: &DVector<f64>, held: &Held) -> DVector<f64> {
+        let own = self.motions.own();
+        DVector::from_fn(y.len(), |i, _| match i.checked_sub(own) {
+            None => held.begin.sizes[i],
+            Some(which) => self.motions.widths[which],
+        })
+    }
+
+    fn moved(&self, point: &Point<Held>) -> Option<(DVector<f64>, Held)> {
+        let held = &point.value;
+        let (y, begin) = self.motions.moved(&point.y, &held.trial, &held.begin)?;
+        let trial = self.motions.trial(&y, &begin).ok()?;
+        let moved = self.held(&y, &begin, trial).ok()?;
+        let sequence = held.sequence.clone();
+        Some((y, Held { sequence, ..moved }))
+    }
+
+    fn tests(&self, point: &Point<Held>) -> Vec<f64> {
+        let LocusKind::Grazing { .. } = self.kind else {
+            return Vec::new();
+        };
+        let one = Complex::from(1.0);
+        let multipliers = point.value.multipliers.iter();
+        vec![multipliers.map(|m| one - m).product::<Complex<f64>>().re]
+    }
+
+    fn ends_at(&self, _: usize) -> bool {
+        false
+    }
+
+    fn is_at_limit(&self) -> bool {
+        self.motions.is_at_limit()
+    }
+
+    fn most_points(&self) -> usize {
+        self.motions.most.1
+    }
+
+    fn found(&self, point: &Point<Held>) {
+        self.motions.found(&point.y);
+    }
+
+    fn lost(&self, y: &DVector<f64>, held: &Held) -> Error {
+        self.motions.lost(y, &held.trial)
+    }
+}

@@ -1,0 +1,220 @@
+//! Curves of grazing motions, onsets of stops and orders of events in two parameters.
+
+use std::ops::Range;
+
+use serde_json::Value;
+use stick_slip::orbit::{
+    self, Bifurcation, BifurcationKind, LocusEnd, LocusKind, Orbit, Period, SpecialKind, follow,
+    settle, shoot,
+};
+use stick_slip::structure::State;
+use stick_slip::{Contact, Coulomb, Drive, Error, EventKind, Structure};
+
+use crate::common::{list, number, text};
+use crate::loci::{compare, curve, has_special, member, parameters};
+
+/// Relative error promised for parameters, where they are well conditioned.
+const ACCURACY: f64 = 1e-13;
+
+/// The bifurcations of a kind over the first parameter, from a motion at a value of it.
+fn bifurcations(
+    case: &Value,
+    kind: BifurcationKind,
+    [first, second]: [f64; 2],
+    motion: &Orbit<Structure>,
+    range: Range<f64>,
+) -> Vec<Bifurcation<Structure>> {
+    let family = |first: f64| Ok(member(&case["system"], first, second));
+    let branch = follow(family, first, motion, range).unwrap();
+    let mut found = branch.bifurcations;
+    found.retain(|found| found.kind == kind);
+    found
+}
+
+fn driven(case: &Value, [first, second]: [f64; 2]) -> Orbit<Structure> {
+    let system = member(&case["system"], first, second);
+    settle(
+        &system,
+        &State::new(&[0.1], &[0.0]),
+        600.0,
+        Period::Driven(1),
+    )
+    .unwrap()
+}
+
+/// The end of the unstable stick-slip motion with dwell, over belt velocity and the time constant
+/// of dwell: v_graze = γ₂ (μ_s(θ) − μ_k) Λ(β).
+#[test]
+fn grazing_ends_of_stick_slip_with_dwell() {
+    let case = curve("dwg");
+    let (v_b, theta) = (0.15, 1.5);
+    let system = member(&case["system"], v_b, theta);
+    let motion = system.simulate(State::new(&[-0.6], &[0.0]), 300.0).unwrap();
+    let sticks = motion.events().iter().rev();
+    let mut sticks = sticks.filter(|e| e.kind == EventKind::Stick);
+    let period = sticks.next().unwrap().time - sticks.next().unwrap().time;
+    let motion = settle(&system, &motion.last(), 0.0, Period::Free(period)).unwrap();
+    let ends = bifurcations(
+        &case,
+        BifurcationKind::Grazing,
+        [v_b, theta],
+        &motion,
+        0.1..0.4,
+    );
+    let ranges = [0.05..0.6, 0.3..4.0];
+    let worst = compare(&case, list(&case["points"]), 1, (&ends[0], theta), &ranges);
+    println!("{worst:e}");
+    assert!(worst < ACCURACY, "{worst:e}");
+    let family = |first: f64, second: f64| Ok(member(&case["system"], first, second));
+    let locus = orbit::locus(family, &ends[0], theta, ranges).unwrap();
+    assert_eq!(locus.kind, LocusKind::Grazing { contact: 0 });
+    assert_eq!(locus.ends, [LocusEnd::Ranges, LocusEnd::Ranges]);
+    for point in &locus.points {
+        // Slip time and stick time do not depend on the time constant.
+        assert!((point.orbit.period() - 6.322850189905037743).abs() < 1e-13);
+        assert!(!point.orbit.is_stable());
+    }
+}
+
+/// Pure slip under a harmonic force reaches the velocity of the belt:
+/// p = v_b √((1 − Ω²)² + (cΩ)²)/Ω.
+#[test]
+fn grazing_of_forced_pure_slip() {
+    let case = curve("cgr");
+    let motion = driven(&case, [0.6, 0.25]);
+    let kind = BifurcationKind::Grazing;
+    let grazing = bifurcations(&case, kind, [0.6, 0.25], &motion, 0.6..0.8);
+    let ranges = [0.3..3.2, 0.01..1.0];
+    let worst = compare(
+        &case,
+        list(&case["points"]),
+        0,
+        (&grazing[0], 0.25),
+        &ranges,
+    );
+    println!("{worst:e}");
+    assert!(worst < ACCURACY, "{worst:e}");
+}
+
+/// Cycles that touch the belt; where their multiplier is 1 a curve of folds ends.
+#[test]
+fn grazing_of_cycles_on_a_belt() {
+    let case = curve("bel_grazing");
+    let points = list(&case["points"]);
+    let near = &points[4];
+    let [v_b, damping] = parameters(near);
+    let slower = v_b * 0.998;
+    let system = member(&case["system"], slower, damping);
+    let (q, period) = (number(&near["start"]["q"][0]), number(&near["period"]));
+    let cycle = shoot(
+        &system,
+        &State::new(&[0.995 * q], &[0.0]),
+        Period::Free(period),
+    )
+    .unwrap();
+    assert!(cycle.events().is_empty());
+    let range = 0.99 * v_b..1.01 * v_b;
+    let kind = BifurcationKind::Grazing;
+    let grazing = bifurcations(&case, kind, [slower, damping], &cycle, range);
+    let ranges = [0.8..1.9, 0.03..0.1];
+    let worst = compare(&case, points, 1, (&grazing[0], damping), &ranges);
+    println!("{worst:e}");
+    assert!(worst < 10.0 * ACCURACY, "{worst:e}");
+    let family = |first: f64, second: f64| Ok(member(&case["system"], first, second));
+    let locus = orbit::locus(family, &grazing[0], damping, ranges).unwrap();
+    let known = &list(&case["codimension_two"])[0];
+    has_special(&locus, SpecialKind::FoldGrazing, known, 1e-12);
+}
+
+/// Den Hartog's limit of motions without stops: stops begin at the turning points, or between.
+#[test]
+fn stops_begin_at_den_hartogs_limit() {
+    for (id, seeds) in [
+        ("dh_0", vec![([0.7, 0.5], 0.55..0.75, 1..10)]),
+        (
+            "dh_05",
+            vec![
+                ([0.7, 0.45], 0.55..0.75, 3..10),
+                ([0.5, 0.15], 0.4..0.5, 1..3),
+            ],
+        ),
+    ] {
+        let case = curve(id);
+        let points = list(&case["points"]);
+        for (at, range, known) in seeds {
+            let motion = driven(&case, at);
+            let family = |first: f64| Ok(member(&case["system"], first, at[1]));
+            let branch = follow(family, at[0], &motion, range).unwrap();
+            let found = branch.bifurcations.iter().map(|b| (b.kind, b.parameter));
+            println!("{id} {:?}", found.collect::<Vec<_>>());
+            let at_turns = text(&points[known.start]["at"]) == "turning";
+            let kind = [BifurcationKind::Grazing, BifurcationKind::Sequence][usize::from(at_turns)];
+            let mut limits = branch.bifurcations.iter();
+            let limit = limits.find(|found| found.kind == kind).unwrap();
+            let family = |first: f64, second: f64| Ok(member(&case["system"], first, second));
+            let ranges = [0.25..2.1, 0.01..1.0];
+            let locus = orbit::locus(family, limit, at[1], ranges.clone()).unwrap();
+            println!("{:?} {:?}", locus.kind, locus.ends);
+            let last = locus.points.len() - 1;
+            println!(
+                "{:?} {:?}",
+                locus.points[0].parameters, locus.points[last].parameters
+            );
+            for special in &locus.special {
+                println!("{} {:?}", special.kind, special.parameters);
+            }
+            assert_eq!(at_turns, locus.kind == LocusKind::StopOnset { contact: 0 });
+            let worst = compare(&case, &points[known], 0, (limit, at[1]), &ranges);
+            println!("{worst:e}");
+            assert!(worst < ACCURACY, "{id}: {worst:e}");
+        }
+    }
+}
+
+/// Two masses on belts, each under a force, with a spring between them: over the phase of one force
+/// and the amplitude of the other.
+fn pair(coupling: f64, [phase, amplitude]: [f64; 2]) -> Result<Structure, Error> {
+    let contact = |i: usize| Contact::new(i, Coulomb::new(0.5, 0.3)?, 1.5);
+    let mut pair = Structure::new(&[1.0, 1.0])?
+        .with_ground_spring(0, 1.0)?
+        .with_ground_spring(1, 1.3)?
+        .with_ground_damper(0, 0.2)?
+        .with_ground_damper(1, 0.2)?
+        .with_contact(contact(0)?.on_belt(0.1))?
+        .with_contact(contact(1)?.on_belt(0.1))?;
+    pair = pair
+        .with_force(0, Drive::harmonic(amplitude, 0.78, 0.0)?)?
+        .with_force(1, Drive::harmonic(0.4, 0.78, phase)?)?;
+    if coupling > 0.0 {
+        pair = pair.with_spring(0, 1, coupling)?;
+    }
+    Ok(pair)
+}
+
+/// Events of two contacts at one time. Without the spring they are those of single masses.
+#[test]
+fn events_change_their_order() {
+    for coupling in [0.0, 0.05] {
+        let family = |first: f64, second: f64| pair(coupling, [first, second]);
+        let start = State::new(&[0.3, 0.3], &[0.0, 0.0]);
+        let system = family(0.0, 0.4).unwrap();
+        let motion = settle(&system, &start, 600.0, Period::Driven(1)).unwrap();
+        let branch = follow(|first| family(first, 0.4), 0.0, &motion, -1.5..1.5).unwrap();
+        let found = branch.bifurcations.iter().map(|b| (b.kind, b.parameter));
+        println!("{:?} {:?}", found.collect::<Vec<_>>(), branch.ends);
+        let mut orders = branch.bifurcations.iter();
+        let order = orders
+            .find(|found| found.kind == BifurcationKind::Sequence)
+            .unwrap();
+        let locus = orbit::locus(family, order, 0.4, [-1.5..1.5, 0.3..0.5]).unwrap();
+        println!("{:?} {:?} {}", locus.kind, locus.ends, locus.points.len());
+        assert_eq!(locus.kind, LocusKind::Order { contacts: [0, 1] });
+        assert!(locus.points.len() > 10);
+        for point in &locus.points {
+            let events = point.orbit.events();
+            let together = events.windows(2).map(|pair| pair[1].time - pair[0].time);
+            let least = together.fold(f64::INFINITY, f64::min);
+            assert!(least < 1e-13, "{:?}", point.parameters);
+        }
+    }
+}
