@@ -29,7 +29,7 @@ impl Advance {
 
 /// The accepted length of a step.
 #[derive(Debug, Clone, Copy)]
-struct Settled {
+struct AcceptedStep {
     duration: f64,
     /// Sliding speed at the end; at contact and at a breakpoint exact to the bit.
     end_speed: f64,
@@ -250,7 +250,7 @@ impl Stepper {
         time: Time,
         elapsed: f64,
         plan: &Plan,
-    ) -> Result<Settled, Error> {
+    ) -> Result<AcceptedStep, Error> {
         let (series, speed) = (&self.expander.series, &self.expander.series.speed);
         let limits = self.breakpoints.limits(piece);
         let is_long_enough = |h: f64| h > plan.least && h >= f64::MIN_POSITIVE;
@@ -293,7 +293,7 @@ impl Stepper {
                 let reached = Reached::new(elapsed, point.state(system));
                 self.underflow(system, piece, h, reached)
             })?;
-        Ok(Settled {
+        Ok(AcceptedStep {
             duration,
             end_speed,
             longest_next: if h < plan.reach {
@@ -325,7 +325,13 @@ impl Stepper {
 
     /// The accepted step, with the point at its end.
     #[inline(always)]
-    fn land(&self, system: &Belt<'_>, point: &SlipPoint, time: Time, settled: &Settled) -> Advance {
+    fn land(
+        &self,
+        system: &Belt<'_>,
+        point: &SlipPoint,
+        time: Time,
+        settled: &AcceptedStep,
+    ) -> Advance {
         Advance {
             duration: settled.duration,
             end: SlipPoint {

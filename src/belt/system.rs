@@ -199,8 +199,8 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     /// assert_eq!(system.friction_force(State::new(0.1, 0.2)), 0.1); // stick
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
-    pub fn friction_force(&self, state: State) -> f64 {
-        self.belt().friction_force(state)
+    pub fn friction_force(&self, state: impl Into<State>) -> f64 {
+        self.belt().friction_force(state.into())
     }
 
     /// The acceleration u'' of the mass, dimensionless: in slip −2βv − u plus the friction force,
@@ -214,8 +214,8 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     /// assert_eq!(system.acceleration(State::new(0.1, 0.2)), 0.0);
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
-    pub fn acceleration(&self, state: State) -> f64 {
-        self.belt().acceleration(state)
+    pub fn acceleration(&self, state: impl Into<State>) -> f64 {
+        self.belt().acceleration(state.into())
     }
 
     /// Steady sliding, in which the mass stands still on the moving belt. `None` at v_b = 0, where

@@ -200,13 +200,13 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
         }
     }
 
-    /// Runs a search without the type of the law: see [`Search`].
+    /// Runs a search without the type of the law: see [`RangeSearch`].
     pub(super) fn search<T>(
         &self,
-        search: impl FnOnce(&Search<'_>) -> Result<T, Error>,
+        search: impl FnOnce(&RangeSearch<'_>) -> Result<T, Error>,
     ) -> Result<T, Error> {
-        let systems = |value: f64, look: &mut Look<'_>| self.show(value, look);
-        search(&Search {
+        let systems = |value: f64, look: &mut Visit<'_>| self.show(value, look);
+        search(&RangeSearch {
             systems: &systems,
             velocities_of: match &self.family {
                 Family::Velocities(system) => Some(system.belt()),
@@ -219,14 +219,14 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
         })
     }
 
-    /// Searches the parts of the range: see [`Search::over_parts`].
+    /// Searches the parts of the range: see [`RangeSearch::over_parts`].
     #[inline(never)]
     pub(super) fn over_parts(&self, part: &mut SearchPart<'_>) -> Result<Vec<f64>, Error> {
         self.search(|search| search.over_parts(part))
     }
 
     /// Shows the system at a value of the parameter.
-    fn show(&self, value: f64, look: &mut Look<'_>) -> Result<(), Error> {
+    fn show(&self, value: f64, look: &mut Visit<'_>) -> Result<(), Error> {
         match &self.family {
             Family::Velocities(system) => system.belt().with_belt_velocity(value).and_then(look),
             Family::Systems(family) => family(value).and_then(|system| look(system.belt())),
@@ -235,12 +235,12 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
 }
 
 /// A function called with a system.
-pub(super) type Look<'l> = dyn FnMut(Belt<'_>) -> Result<(), Error> + 'l;
+pub(super) type Visit<'l> = dyn FnMut(Belt<'_>) -> Result<(), Error> + 'l;
 
 /// An [`Along`] of any law.
-pub(super) struct Search<'f> {
+pub(super) struct RangeSearch<'f> {
     /// Shows the system at a value of the parameter.
-    systems: &'f dyn Fn(f64, &mut Look<'_>) -> Result<(), Error>,
+    systems: &'f dyn Fn(f64, &mut Visit<'_>) -> Result<(), Error>,
     /// The system, if the parameter is the velocity of its belt.
     pub(super) velocities_of: Option<Belt<'f>>,
     range: Range<f64>,
@@ -249,10 +249,10 @@ pub(super) struct Search<'f> {
     watch: Option<&'f Watch<'f>>,
 }
 
-impl<'f> Search<'f> {
+impl<'f> RangeSearch<'f> {
     /// A search of a family at values of its own choice, with the default bound of the work.
     pub(super) fn of(
-        systems: &'f dyn Fn(f64, &mut Look<'_>) -> Result<(), Error>,
+        systems: &'f dyn Fn(f64, &mut Visit<'_>) -> Result<(), Error>,
         parameter: &'static str,
     ) -> Self {
         Self {
@@ -321,13 +321,13 @@ pub(super) type SearchPart<'s> =
 
 /// The work of a search so far.
 pub(super) struct Work<'a, 'f> {
-    pub(super) search: &'a Search<'f>,
+    pub(super) search: &'a RangeSearch<'f>,
     systems: Cell<usize>,
     steps: Cell<usize>,
 }
 
 impl<'a, 'f> Work<'a, 'f> {
-    pub(super) fn of(search: &'a Search<'f>) -> Self {
+    pub(super) fn of(search: &'a RangeSearch<'f>) -> Self {
         Self {
             search,
             systems: Cell::new(0),
@@ -336,7 +336,7 @@ impl<'a, 'f> Work<'a, 'f> {
     }
 
     /// Calls `look` with the system at a value of the parameter. An error gets the value.
-    pub(super) fn with_system(&self, value: f64, look: &mut Look<'_>) -> Result<(), Error> {
+    pub(super) fn with_system(&self, value: f64, look: &mut Visit<'_>) -> Result<(), Error> {
         self.begin(value)?;
         (self.search.systems)(value, look).map_err(|error| error.at(self.search.parameter, value))
     }

@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::limit_cycle::PeakMap;
 use crate::numerics::bracket::{SignChange, sign_change_between};
-use crate::numerics::scan::{Look, Survey, scan};
+use crate::numerics::scan::{Refinement, Survey, scan};
 use crate::numerics::with_slopes::Sample;
 
 /// Largest |growth| on the two sides of a fold. A larger growth that changes its sign between
@@ -286,14 +286,14 @@ struct Crossed {
 
 impl Folds<'_> {
     /// Requests that an interval be halved, and records it as doubtful if it cannot be.
-    fn halve(&mut self, [low, high]: [f64; 2], halvings: u32) -> Look {
+    fn halve(&mut self, [low, high]: [f64; 2], halvings: u32) -> Refinement {
         if halvings == 0 {
             match self.doubtful.last_mut() {
                 Some(last) if last.end == low => last.end = high,
                 _ => self.doubtful.push(low..high),
             }
         }
-        Look::Halve
+        Refinement::Halve
     }
 
     /// The fold between two values of the parameter at which a turning point passes zero; `None`
@@ -352,24 +352,24 @@ impl Survey for Folds<'_> {
         Ok(middle)
     }
 
-    fn look(
+    fn examine(
         &mut self,
         (low, a): &mut (f64, Outline),
         (high, b): &mut (f64, Outline),
         halvings: u32,
-    ) -> Result<Look, Error> {
+    ) -> Result<Refinement, Error> {
         let ends = [*low, *high];
         if a.is_empty() || b.is_empty() {
             let alike = a.is_empty() && b.is_empty();
             return Ok(if alike {
-                Look::Done
+                Refinement::Done
             } else {
                 self.halve(ends, halvings)
             });
         }
         if a.at_ends() != b.at_ends() && halvings > 0 {
             // The cycle that appears at an end may meet another close by.
-            return Ok(Look::Halve);
+            return Ok(Refinement::Halve);
         }
         let change = a.change(b);
         let reach = REACH * change;
@@ -396,7 +396,7 @@ impl Survey for Folds<'_> {
             may_hide = !(a.may_have_zeros_of(&b) && are_far(&a) && are_far(&b));
         }
         if may_hide && halvings > 0 {
-            return Ok(Look::Halve);
+            return Ok(Refinement::Halve);
         }
         let mut folds = Vec::new();
         for crossed in &crossed {
@@ -405,14 +405,14 @@ impl Survey for Folds<'_> {
         let all = folds.len() == crossed.len();
         if !all && halvings > 0 {
             // The turning points at the two ends are not the same ones after all.
-            return Ok(Look::Halve);
+            return Ok(Refinement::Halve);
         }
         folds.sort_by(f64::total_cmp);
         self.found.extend(folds);
         Ok(if may_hide || !all {
             self.halve(ends, halvings)
         } else {
-            Look::Done
+            Refinement::Done
         })
     }
 }

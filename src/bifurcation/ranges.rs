@@ -1,7 +1,7 @@
 use std::fmt::{self, Display, Formatter};
 use std::ops::Range;
 
-use super::along::{Along, Search, Work, along_velocities};
+use super::along::{Along, RangeSearch, Work, along_velocities};
 use super::contacts::all_changes;
 use super::fold::folds;
 use super::hopf::hopf;
@@ -136,7 +136,7 @@ impl<L: FrictionLaw> Along<'_, L> {
     }
 }
 
-impl Search<'_> {
+impl RangeSearch<'_> {
     fn vibration_ranges(&self) -> Result<Vec<VibrationRange>, Error> {
         let mut ranges = Vec::new();
         self.over_parts(&mut |work, part, found| {

@@ -1,4 +1,4 @@
-use super::along::{Along, Look, Search, Work};
+use super::along::{Along, RangeSearch, Visit, Work};
 use crate::belt::{Belt, MassOnBelt};
 use crate::error::Error;
 use crate::friction::FrictionLaw;
@@ -85,8 +85,8 @@ fn judged<'s>(
     parameter: &'static str,
     search: &dyn Fn(&Vibrates) -> Result<f64, Error>,
 ) -> Result<f64, Error> {
-    let systems = |value: f64, look: &mut Look<'_>| with(value).and_then(look);
-    let family = Search::of(&systems, parameter);
+    let systems = |value: f64, look: &mut Visit<'_>| with(value).and_then(look);
+    let family = RangeSearch::of(&systems, parameter);
     let work = Work::of(&family);
     search(&|value| Ok(work.moving_at(value, &mut has_cycles)?.unwrap_or(false)))
 }
@@ -203,7 +203,7 @@ impl<L: FrictionLaw> Along<'_, L> {
     }
 }
 
-impl Search<'_> {
+impl RangeSearch<'_> {
     fn silence(&self) -> Result<Option<f64>, Error> {
         let whole = self.whole()?;
         let work = Work::of(self);

@@ -230,7 +230,7 @@ fn check(start: State) -> Result<(), Error> {
 
 /// The first point of a motion that decides its attractor.
 #[derive(Debug, Clone, Copy)]
-enum Place {
+enum FirstPoint {
     /// A velocity maximum V < v_b.
     Peak(f64),
     /// The release point.
@@ -243,25 +243,25 @@ enum Place {
 
 impl Tracer<'_> {
     /// The first point of the motion from `start` that decides its attractor.
-    fn first_place(&mut self, start: State) -> Result<Place, Error> {
+    fn first_point(&mut self, start: State) -> Result<FirstPoint, Error> {
         let system = self.system();
         let v_b = system.belt_velocity();
         let mut point = match Start::of(&system, start) {
-            Start::Stick => return Ok(Place::Release),
+            Start::Stick => return Ok(FirstPoint::Release),
             Start::Slip(point) => point,
         };
         loop {
             let arc = self.arc(point, Time::Forward)?;
             let displacement = match arc.arrival {
-                Arrival::Maximum(point) => return Ok(Place::Peak(v_b - point.speed)),
+                Arrival::Maximum(point) => return Ok(FirstPoint::Peak(v_b - point.speed)),
                 Arrival::Contact(displacement) => displacement,
-                Arrival::Equilibrium | Arrival::Far => return Ok(Place::Equilibrium),
-                Arrival::Held => return Ok(Place::Release),
+                Arrival::Equilibrium | Arrival::Far => return Ok(FirstPoint::Equilibrium),
+                Arrival::Held => return Ok(FirstPoint::Release),
             };
             match self.system().slides_at(displacement) {
-                None => return Ok(Place::Release),
+                None => return Ok(FirstPoint::Release),
                 Some(Direction::Lagging) => {
-                    return Ok(Place::Crossing(displacement + system.carried_force()));
+                    return Ok(FirstPoint::Crossing(displacement + system.carried_force()));
                 }
                 // This happens at most once: the leading arc that follows ends in stick or in a
                 // downward crossing.
@@ -346,11 +346,11 @@ impl Nest {
         tracer: &mut Tracer<'_>,
         start: State,
     ) -> Result<Attractor, Error> {
-        match tracer.first_place(start)? {
-            Place::Equilibrium => Ok(Attractor::Equilibrium),
-            Place::Peak(peak) => self.reached_from_peak(bounds, tracer, peak),
-            Place::Release => Ok(self.reached_from_release(bounds)),
-            Place::Crossing(force) => self.reached_from_crossing(bounds, tracer, force),
+        match tracer.first_point(start)? {
+            FirstPoint::Equilibrium => Ok(Attractor::Equilibrium),
+            FirstPoint::Peak(peak) => self.reached_from_peak(bounds, tracer, peak),
+            FirstPoint::Release => Ok(self.reached_from_release(bounds)),
+            FirstPoint::Crossing(force) => self.reached_from_crossing(bounds, tracer, force),
         }
     }
 

@@ -24,7 +24,7 @@ impl<'t, 's> CrossingMap<'t, 's> {
     /// The two arcs, first with v < v_b, then with v > v_b, of a motion that crosses the belt
     /// velocity downwards at a force F, and the force at which the second one returns to the belt.
     /// `None` if the motion sticks or moves inwards after the first arc.
-    fn turn(&mut self, force: f64) -> Result<Option<([Arc; 2], f64)>, Error> {
+    fn one_period(&mut self, force: f64) -> Result<Option<([Arc; 2], f64)>, Error> {
         let system = self.tracer.system();
         let carried = system.carried_force();
         let lagging = self
@@ -47,7 +47,7 @@ impl<'t, 's> CrossingMap<'t, 's> {
     /// crossing, or F_s, the force at release, if the motion does not cross again.
     pub(super) fn growth(&mut self, force: f64) -> Result<Sample, Error> {
         let release = self.tracer.system().largest_friction();
-        Ok(match self.turn(force)? {
+        Ok(match self.one_period(force)? {
             Some((arcs, next)) if next >= release => {
                 let rates = [&arcs[0], &arcs[1]].map(|arc| arc.end_rate);
                 self.growth_to(force, next, self.stretch(&arcs), rates)
@@ -141,7 +141,7 @@ impl<'t, 's> CrossingMap<'t, 's> {
         let start = match fate {
             // Without static friction F = 0 at release, and relative growth has no meaning. The
             // search begins at the next crossing, because no cycle lies between the two.
-            ReleaseFate::Outward if release == 0.0 => match self.turn(release)? {
+            ReleaseFate::Outward if release == 0.0 => match self.one_period(release)? {
                 Some((_, next)) if next > 0.0 => Some(self.growth(next)?),
                 _ => None,
             },
@@ -176,7 +176,7 @@ impl<'t, 's> CrossingMap<'t, 's> {
 
     /// The periodic motion that crosses the belt velocity downwards at a force F.
     pub(super) fn cycle(&mut self, force: f64) -> Result<Option<LimitCycle>, Error> {
-        Ok(self.turn(force)?.map(|(arcs, _)| {
+        Ok(self.one_period(force)?.map(|(arcs, _)| {
             let multiplier = self.stretch(&arcs);
             let system = self.tracer.system();
             LimitCycle::join(&system, arcs.into(), CycleKind::Crossing, multiplier)

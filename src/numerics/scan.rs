@@ -33,17 +33,17 @@ pub(crate) trait Survey {
     /// Searches the interval between two neighbouring places, each given with its sample, to which
     /// it may add: records what lies there, or requests that the interval be halved, if `halvings`
     /// are left.
-    fn look(
+    fn examine(
         &mut self,
         left: &mut (f64, Self::Sample),
         right: &mut (f64, Self::Sample),
         halvings: u32,
-    ) -> Result<Look, Error>;
+    ) -> Result<Refinement, Error>;
 }
 
 /// Result of the search of an interval.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Look {
+pub(crate) enum Refinement {
     Done,
     Halve,
 }
@@ -61,7 +61,7 @@ pub(crate) fn scan<S: Survey>(survey: &mut S, range: &Range<f64>) -> Result<(), 
         };
         let mut right = (x, survey.sample(x)?);
         if let Some(left) = &mut left {
-            look_between(survey, left, &mut right, S::HALVINGS)?;
+            refine(survey, left, &mut right, S::HALVINGS)?;
         }
         left = Some(right);
     }
@@ -69,17 +69,17 @@ pub(crate) fn scan<S: Survey>(survey: &mut S, range: &Range<f64>) -> Result<(), 
 }
 
 /// Searches one interval, and its halves if the survey requests it.
-pub(crate) fn look_between<S: Survey>(
+pub(crate) fn refine<S: Survey>(
     survey: &mut S,
     left: &mut (f64, S::Sample),
     right: &mut (f64, S::Sample),
     halvings: u32,
 ) -> Result<(), Error> {
-    if survey.look(left, right, halvings)? == Look::Halve && halvings > 0 {
+    if survey.examine(left, right, halvings)? == Refinement::Halve && halvings > 0 {
         let x = 0.5 * (left.0 + right.0);
         let mut middle = (x, survey.middle(x, &mut left.1, &mut right.1)?);
-        look_between(survey, left, &mut middle, halvings - 1)?;
-        look_between(survey, &mut middle, right, halvings - 1)?;
+        refine(survey, left, &mut middle, halvings - 1)?;
+        refine(survey, &mut middle, right, halvings - 1)?;
     }
     Ok(())
 }
@@ -130,12 +130,12 @@ impl Survey for SignChanges<'_> {
         (self.f)(x)
     }
 
-    fn look(
+    fn examine(
         &mut self,
         a: &mut (f64, Option<f64>),
         b: &mut (f64, Option<f64>),
         halvings: u32,
-    ) -> Result<Look, Error> {
+    ) -> Result<Refinement, Error> {
         let may_hide = match (a.1, b.1) {
             (None, None) => false,
             // Such a function is zero throughout, as for a motion that returns to the belt
@@ -159,10 +159,10 @@ impl Survey for SignChanges<'_> {
             _ => true,
         };
         if may_hide && halvings > 0 {
-            return Ok(Look::Halve);
+            return Ok(Refinement::Halve);
         }
         self.before = a.1.map(|value| (a.0, value));
-        Ok(Look::Done)
+        Ok(Refinement::Done)
     }
 }
 

@@ -86,7 +86,7 @@ pub(crate) fn roots_between(
 
 /// A point at which a function turns, or an end of its range.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Turn {
+pub(crate) struct TurningPoint {
     pub(crate) x: f64,
     pub(crate) value: f64,
     /// Size of the rounding error of `value`.
@@ -115,7 +115,7 @@ pub(crate) fn outline_between(
     a: Sample,
     b: Sample,
     reach: f64,
-) -> Result<Vec<Turn>, Error> {
+) -> Result<Vec<TurningPoint>, Error> {
     let mut samples = vec![a];
     let mut intervals = vec![(b, 0)];
     let mut work = 0;
@@ -135,7 +135,7 @@ pub(crate) fn outline_between(
             intervals.extend([(right, depth + 1), (middle, depth + 1)]);
         }
     }
-    let mut outline = vec![Turn::from(a)];
+    let mut outline = vec![TurningPoint::from(a)];
     for pair in samples.windows(2) {
         let [left, right] = [pair[0], pair[1]];
         if (left.slope > 0.0) != (right.slope > 0.0) {
@@ -211,9 +211,10 @@ pub(crate) fn turn(
 }
 
 /// Removes turning points that are rounding.
-fn smooth(outline: &mut Vec<Turn>) {
-    let hidden =
-        |pair: &[Turn]| (pair[0].value - pair[1].value).abs() <= pair[0].noise.max(pair[1].noise);
+fn smooth(outline: &mut Vec<TurningPoint>) {
+    let hidden = |pair: &[TurningPoint]| {
+        (pair[0].value - pair[1].value).abs() <= pair[0].noise.max(pair[1].noise)
+    };
     while outline.len() > 2
         && let Some(i) = outline.windows(2).position(hidden)
     {
@@ -353,7 +354,7 @@ fn lowest(a: Sample, b: Sample) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-impl From<Sample> for Turn {
+impl From<Sample> for TurningPoint {
     fn from(sample: Sample) -> Self {
         Self {
             x: sample.x,

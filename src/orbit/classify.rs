@@ -217,7 +217,7 @@ pub(super) fn settled<S: Oscillator>(
     let (mut turning, mut number) = (0, 1);
     let mut last = start.clone();
     for look in 0..LOOKS {
-        let mut seen = Seen::new(form.len(), turning);
+        let mut seen = Recurrence::new(form.len(), turning);
         for _ in 0..FIRST_STEPS << look {
             let Some(step) = flow.next().transpose()? else {
                 break;
@@ -297,7 +297,7 @@ fn accepted<S: Oscillator>(
     form: &Form<'_>,
     found: Trial,
     period: Period,
-    (seen, guess, missed): (&Seen, &State, f64),
+    (seen, guess, missed): (&Recurrence, &State, f64),
 ) -> Result<Option<Orbit<S>>, Error> {
     if seen.apart(&found.map.start, guess) > NEAR {
         return Ok(None);
@@ -307,7 +307,7 @@ fn accepted<S: Oscillator>(
 }
 
 /// The number of returns after which a motion repeats itself, and its distance from itself then.
-fn repeats(seen: &Seen, returns: &Returns) -> Option<(usize, f64)> {
+fn repeats(seen: &Recurrence, returns: &Returns) -> Option<(usize, f64)> {
     let last = returns.len() - 1;
     let most = MOST_RETURNS.min(last / 2);
     let misses = (1..=most).map(|count| {
@@ -333,7 +333,7 @@ fn keep(returns: &mut Returns, time: f64, state: State) {
 }
 
 /// The part of a motion since the last test.
-struct Seen {
+struct Recurrence {
     /// Least and largest of each displacement, then of each velocity.
     ranges: Vec<(f64, f64)>,
     modes: Vec<Mode>,
@@ -347,7 +347,7 @@ struct Seen {
     latest: Option<(f64, State)>,
 }
 
-impl Seen {
+impl Recurrence {
     fn new(n: usize, turning: usize) -> Self {
         Self {
             ranges: vec![(f64::INFINITY, f64::NEG_INFINITY); 2 * n],

@@ -51,13 +51,13 @@ impl<S: Oscillator> Orbit<S> {
         found: Trial,
         kind: Period,
     ) -> Result<Self, Error> {
-        let facts = Facts::of(form, &found, kind)?;
+        let properties = Properties::of(form, &found, kind)?;
         let energy = system.energy_budget(&found.map);
         let Trial { period, map, .. } = found;
         let state_at = |time: f64| map.vector_at(time);
         let symmetric = HalfMap::of_symmetric(state_at, period, (form.len(), &map.sizes()));
         let measures = Measures::of(form, &map.steps, period, energy);
-        let events = facts.events.into_iter().map(|event| Event {
+        let events = properties.events.into_iter().map(|event| Event {
             time: event.time,
             contact: event.contact,
             kind: event.kind,
@@ -72,7 +72,7 @@ impl<S: Oscillator> Orbit<S> {
             state: S::own(&map.start),
             events: events.collect(),
             measures,
-            multipliers: facts.multipliers,
+            multipliers: properties.multipliers,
             unslipped: map.unslipped(),
             is_symmetric: symmetric.is_some(),
             trajectory: system.trajectory(map, period)?,
@@ -81,12 +81,12 @@ impl<S: Oscillator> Orbit<S> {
 }
 
 /// Properties of a closed motion.
-struct Facts {
+struct Properties {
     events: Vec<Event<State>>,
     multipliers: Vec<Complex<f64>>,
 }
 
-impl Facts {
+impl Properties {
     fn of(form: &Form<'_>, found: &Trial, kind: Period) -> Result<Self, Error> {
         let (map, period) = (&found.map, found.period);
         let apart = map::begun_apart(form, map, period)?;

@@ -22,7 +22,7 @@ pub struct LyapunovExponent {
     pub spread: f64,
 }
 
-/// Parts of the duration that are compared.
+/// GrowthParts of the duration that are compared.
 const PARTS: usize = 16;
 
 /// The rest of a perturbation after the part along the motion is removed is rounding if it is below
@@ -178,7 +178,7 @@ fn growths(
     let tangents = DMatrix::from_fn(order, 1, change);
     let mut flow = TangentFlow::new(form, Integrator::new(), (0.0, start), &[], tangents)?;
     flow.logarithm = Some(0.0);
-    let mut parts = Parts {
+    let mut parts = GrowthParts {
         growths: [Growth::default(); PARTS],
         transient,
         duration,
@@ -195,7 +195,7 @@ fn growths(
         let along = is_free.then_some(along.as_slice());
         let alive = parts.add(begins, normalise(&mut flow, along, &step)?);
         if !alive {
-            return Ok(Parts::gone(duration));
+            return Ok(GrowthParts::gone(duration));
         }
         if begins >= parts.end() {
             break;
@@ -215,7 +215,7 @@ fn growths(
             flow.carry(&step.clone().until(begins + (next - time)))?;
             time = next;
             if !parts.add(time, normalise(&mut flow, along, &step)?) {
-                return Ok(Parts::gone(duration));
+                return Ok(GrowthParts::gone(duration));
             }
         }
         break;
@@ -224,7 +224,7 @@ fn growths(
 }
 
 /// The growth so far.
-struct Parts {
+struct GrowthParts {
     growths: [Growth; PARTS],
     transient: f64,
     duration: f64,
@@ -232,7 +232,7 @@ struct Parts {
     since: f64,
 }
 
-impl Parts {
+impl GrowthParts {
     /// Growth rate of a perturbation that has decayed to zero: −∞.
     fn gone(duration: f64) -> Vec<Growth> {
         vec![Growth {

@@ -5,7 +5,7 @@ use std::cell::RefCell;
 
 use super::*;
 use crate::friction::Exponential;
-use crate::numerics::scan::look_between;
+use crate::numerics::scan::refine;
 
 /// An outline that is known to any reach.
 fn outline(points: &[(f64, f64)]) -> Outline {
@@ -61,7 +61,7 @@ fn folds(f: impl Fn(f64) -> Outline, halvings: u32) -> (Vec<f64>, Vec<f64>) {
         found: Vec::new(),
         doubtful: Vec::new(),
     };
-    look_between(&mut folds, &mut low, &mut high, halvings).unwrap();
+    refine(&mut folds, &mut low, &mut high, halvings).unwrap();
     let found = folds.found;
     (found, made.asked.into_inner())
 }

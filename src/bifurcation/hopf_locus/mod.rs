@@ -153,7 +153,7 @@ pub fn hopf_locus<S: Oscillator>(
         family: &family,
         ranges,
     };
-    let mut search = Search {
+    let mut search = GridSearch {
         points,
         curves: Vec::new(),
     };
@@ -170,7 +170,7 @@ struct Curve {
     ends: [LocusEnd; 2],
 }
 
-struct Search<'f, S, F: Fn(f64, f64) -> Result<S, Error>> {
+struct GridSearch<'f, S, F: Fn(f64, f64) -> Result<S, Error>> {
     points: HopfPoints<'f, S, F>,
     curves: Vec<Curve>,
 }
@@ -178,7 +178,7 @@ struct Search<'f, S, F: Fn(f64, f64) -> Result<S, Error>> {
 /// A node of the grid: the number of unstable eigenvalues.
 type Node = Result<usize, Error>;
 
-impl<S: Oscillator, F: Fn(f64, f64) -> Result<S, Error>> Search<'_, S, F> {
+impl<S: Oscillator, F: Fn(f64, f64) -> Result<S, Error>> GridSearch<'_, S, F> {
     fn run(&mut self) -> Result<(), Error> {
         let value = |which: usize, i: usize| {
             let (range, part) = (&self.points.ranges[which], i as f64 / INTERVALS as f64);

@@ -14,7 +14,7 @@ const fn of_law(memory: usize) -> &'static str {
 }
 
 /// The values by which the rules are checked, all with a memory of zeros.
-struct Facts<'l> {
+struct LawValues<'l> {
     kind: &'static str,
     limit: Option<f64>,
     coefficient: &'l dyn Fn(Slip<f64>) -> f64,
@@ -29,7 +29,7 @@ struct Facts<'l> {
 pub(crate) fn validate<L: ContactLaw>(law: &L) -> Result<(), Error> {
     let fresh = L::Memory::<f64>::from_fn(|_| 0.0);
     let rates_in_stick = law.rates(Motion::Stick, fresh);
-    let facts = Facts {
+    let values = LawValues {
         kind: of_law(L::Memory::<f64>::COUNT),
         limit: law.limit(0.0, fresh),
         coefficient: &|slip| law.coefficient(slip, fresh),
@@ -37,10 +37,10 @@ pub(crate) fn validate<L: ContactLaw>(law: &L) -> Result<(), Error> {
         rates_in_stick: rates_in_stick.as_ref(),
         breakpoints: &mut law.breakpoints(),
     };
-    facts.check()
+    values.check()
 }
 
-impl Facts<'_> {
+impl LawValues<'_> {
     fn check(self) -> Result<(), Error> {
         if let Some(limit) = self.limit {
             let allowed = "static_coefficient ≥ 0";

@@ -46,14 +46,14 @@ use crate::scalar::Scalar;
 )]
 pub struct Dwell<L> {
     pub(super) law: L,
-    pub(super) form: Form,
+    pub(super) form: Rise,
     /// The time θ_c.
     pub(super) time: f64,
 }
 
 /// The form of the rise, with μ_∞ or B.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Form {
+pub(super) enum Rise {
     Exponential(f64),
     Hyperbolic(f64),
     Logarithmic(f64),
@@ -68,7 +68,7 @@ impl<L: FrictionLaw> Dwell<L> {
     /// and θ_c is positive and finite.
     pub fn exponential(law: L, limit: f64, time: f64) -> Result<Self, Error> {
         check_limit(&law, limit)?;
-        Self::new(law, Form::Exponential(limit), time)
+        Self::new(law, Rise::Exponential(limit), time)
     }
 
     /// Rises to the limit μ_∞, half of it after θ_c.
@@ -78,7 +78,7 @@ impl<L: FrictionLaw> Dwell<L> {
     /// As for [`exponential`](Self::exponential).
     pub fn hyperbolic(law: L, limit: f64, time: f64) -> Result<Self, Error> {
         check_limit(&law, limit)?;
-        Self::new(law, Form::Hyperbolic(limit), time)
+        Self::new(law, Rise::Hyperbolic(limit), time)
     }
 
     /// Rises by B for each factor e of time, without bound.
@@ -88,10 +88,10 @@ impl<L: FrictionLaw> Dwell<L> {
     /// [`Error::InvalidParameter`] unless B ≥ 0 and θ_c > 0, both finite.
     pub fn logarithmic(law: L, rate: f64, time: f64) -> Result<Self, Error> {
         Error::check("Dwell", "rate", rate, rate >= 0.0, "rate ≥ 0")?;
-        Self::new(law, Form::Logarithmic(rate), time)
+        Self::new(law, Rise::Logarithmic(rate), time)
     }
 
-    fn new(law: L, form: Form, time: f64) -> Result<Self, Error> {
+    fn new(law: L, form: Rise, time: f64) -> Result<Self, Error> {
         Error::check("Dwell", "time", time, time > 0.0, "time > 0")?;
         Ok(Self { law, form, time })
     }
@@ -133,15 +133,15 @@ impl<L: FrictionLaw> Dwell<L> {
     pub(crate) fn rise(&self, rest: f64) -> [f64; 2] {
         let theta = rest / self.time;
         let [rise, slope] = match self.form {
-            Form::Exponential(limit) => {
+            Rise::Exponential(limit) => {
                 let largest = limit - self.law.static_coefficient();
                 [-(-theta).exp_m1() * largest, (-theta).exp() * largest]
             }
-            Form::Hyperbolic(limit) => {
+            Rise::Hyperbolic(limit) => {
                 let part = (limit - self.law.static_coefficient()) / (theta + 1.0);
                 [theta * part, part / (theta + 1.0)]
             }
-            Form::Logarithmic(rate) => [theta.ln_1p() * rate, rate / (theta + 1.0)],
+            Rise::Logarithmic(rate) => [theta.ln_1p() * rate, rate / (theta + 1.0)],
         };
         [rise, slope / self.time]
     }
@@ -166,9 +166,9 @@ impl<L: FrictionLaw> ContactLaw for Dwell<L> {
         let theta = rest / self.time;
         let first = self.law.static_coefficient();
         let risen = match self.form {
-            Form::Exponential(limit) => ((-theta).exp() - 1.0) * (first - limit),
-            Form::Hyperbolic(limit) => theta / (theta + 1.0) * (limit - first),
-            Form::Logarithmic(rate) => (theta + 1.0).ln() * rate,
+            Rise::Exponential(limit) => ((-theta).exp() - 1.0) * (first - limit),
+            Rise::Hyperbolic(limit) => theta / (theta + 1.0) * (limit - first),
+            Rise::Logarithmic(rate) => (theta + 1.0).ln() * rate,
         };
         Some(risen + first)
     }

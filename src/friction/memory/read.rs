@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::dwell::Form;
+use super::dwell::Rise;
 use crate::error::Error;
 use crate::friction::FrictionLaw;
 
@@ -34,9 +34,9 @@ pub(super) struct Unlimited<L> {
 impl<L> From<super::Dwell<L>> for Dwell<L> {
     fn from(super::Dwell { law, form, time }: super::Dwell<L>) -> Self {
         match form {
-            Form::Exponential(limit) => Self::Exponential(Limited { law, limit, time }),
-            Form::Hyperbolic(limit) => Self::Hyperbolic(Limited { law, limit, time }),
-            Form::Logarithmic(rate) => Self::Logarithmic(Unlimited { law, rate, time }),
+            Rise::Exponential(limit) => Self::Exponential(Limited { law, limit, time }),
+            Rise::Hyperbolic(limit) => Self::Hyperbolic(Limited { law, limit, time }),
+            Rise::Logarithmic(rate) => Self::Logarithmic(Unlimited { law, rate, time }),
         }
     }
 }

@@ -176,7 +176,7 @@ fn an_arc_stretches_the_same_followed_forward_and_backward() {
     let system = system(0.4, [0.2, 0.1, 0.02], 0.5, 0.05);
     traced(&system, |tracer| {
         let offset = tracer.system().carried_force();
-        let ([lagging, leading], _) = CrossingMap::of(tracer).turn(3.0)?.unwrap();
+        let ([lagging, leading], _) = CrossingMap::of(tracer).one_period(3.0)?.unwrap();
         let mut start = 3.0 - offset;
         for (arc, direction) in [(lagging, Direction::Lagging), (leading, Direction::Leading)] {
             let Arrival::Contact(end) = arc.arrival else {
@@ -219,7 +219,7 @@ fn the_multiplier_of_a_crossing_cycle_is_how_far_a_shift_comes_back() {
         let force = found.roots[0];
         let multiplier = CrossingMap::of(tracer).cycle(force)?.unwrap().multiplier();
         let mut next = |force: f64| -> Result<f64, Error> {
-            Ok(CrossingMap::of(tracer).turn(force)?.unwrap().1)
+            Ok(CrossingMap::of(tracer).one_period(force)?.unwrap().1)
         };
         assert_close(next(force)?, force, 1e-13);
         let difference = (next(force + 1e-5)? - next(force - 1e-5)?) / 2e-5;

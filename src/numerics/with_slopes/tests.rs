@@ -85,11 +85,11 @@ impl<F: Fn(f64) -> Sample> Counted<F> {
         (found, self.calls.get())
     }
 
-    fn outline(&self, a: f64, b: f64) -> (Vec<Turn>, usize) {
+    fn outline(&self, a: f64, b: f64) -> (Vec<TurningPoint>, usize) {
         self.outline_within(a, b, f64::INFINITY)
     }
 
-    fn outline_within(&self, a: f64, b: f64, reach: f64) -> (Vec<Turn>, usize) {
+    fn outline_within(&self, a: f64, b: f64, reach: f64) -> (Vec<TurningPoint>, usize) {
         let mut f = |x| {
             self.calls.set(self.calls.get() + 1);
             Ok((self.f)(x))
@@ -448,7 +448,7 @@ fn turns_beyond_reach_cost_little() {
     let (all, full) = Counted::new(waves).outline(-6.0, 6.0);
     let (within, few) = Counted::new(waves).outline_within(-6.0, 6.0, 0.5);
     assert!(all.len() > 140 && 4 * few < full, "{few} {full}");
-    let near = |turns: &[Turn]| -> Vec<f64> {
+    let near = |turns: &[TurningPoint]| -> Vec<f64> {
         let near = turns.iter().filter(|turn| turn.value.abs() <= 0.5);
         near.map(|turn| turn.value).collect()
     };
@@ -488,13 +488,13 @@ fn eighths_are_at_equal_distances() {
 
 #[test]
 fn turns_that_rounding_makes_are_none() {
-    let turn = |x: f64, value: f64| Turn {
+    let turn = |x: f64, value: f64| TurningPoint {
         x,
         value,
         noise: 0.1,
     };
     let smoothed = |values: &[f64]| {
-        let mut outline: Vec<Turn> = (values.iter().enumerate())
+        let mut outline: Vec<TurningPoint> = (values.iter().enumerate())
             .map(|(i, &value)| turn(i as f64, value))
             .collect();
         smooth(&mut outline);
