@@ -27,6 +27,14 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 /// };
 /// let motion = oscillator.without_stops().unwrap();
 /// assert!((motion.amplitude() - 2.346871967422).abs() < 1e-12);
+/// assert!((motion.period() - std::f64::consts::TAU / 0.8).abs() < 1e-15);
+/// // From one turning point to the other in half a period.
+/// let (x, v) = motion.at(0.0);
+/// assert!((x - motion.amplitude()).abs() < 1e-14 && v.abs() < 1e-14);
+/// let (x, _) = motion.at(0.5 * motion.period());
+/// assert!((x + motion.amplitude()).abs() < 1e-14);
+/// // Below resonance the force leads the displacement by less than a quarter of a period.
+/// assert!(motion.phase() > 0.0 && motion.phase() < std::f64::consts::FRAC_PI_2);
 ///
 /// // With more friction the mass stops for a while at each end.
 /// let rough = ForcedOscillator { kinetic_friction: 0.9, static_friction: 0.9, ..oscillator };
@@ -78,20 +86,6 @@ impl ForcedOscillator {
     /// `None` if there is no such motion: the root is not real, the mass would turn back in
     /// between, or the force at the turning point does not exceed F_s, so that the mass stops
     /// there. Also `None` if a field is out of its range, and at resonance without damping.
-    ///
-    /// ```
-    /// # use stick_slip::analysis::forced::ForcedOscillator;
-    /// # let oscillator = ForcedOscillator {
-    /// #     damping: 0.05,
-    /// #     angular_frequency: 0.8,
-    /// #     kinetic_friction: 0.3,
-    /// #     static_friction: 0.3,
-    /// #     force: 1.0,
-    /// # };
-    /// # let motion = oscillator.without_stops().unwrap();
-    /// assert!((motion.amplitude() - 2.346871967422).abs() < 1e-12);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn without_stops(&self) -> Option<WithoutStops> {
         let &Self {
             damping: zeta,
@@ -141,83 +135,23 @@ impl ForcedOscillator {
 
 impl WithoutStops {
     /// Largest displacement A, in the unit of force divided by k.
-    ///
-    /// ```
-    /// # use stick_slip::analysis::forced::ForcedOscillator;
-    /// # let oscillator = ForcedOscillator {
-    /// #     damping: 0.05,
-    /// #     angular_frequency: 0.8,
-    /// #     kinetic_friction: 0.3,
-    /// #     static_friction: 0.3,
-    /// #     force: 1.0,
-    /// # };
-    /// # let motion = oscillator.without_stops().unwrap();
-    /// assert!((motion.amplitude() - 2.346871967422).abs() < 1e-12);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn amplitude(&self) -> f64 {
         self.amplitude
     }
 
     /// Phase θ of the force at the largest displacement, in radians: the force is p cos(Ωt + θ),
     /// with t counted from there.
-    ///
-    /// ```
-    /// # use stick_slip::analysis::forced::ForcedOscillator;
-    /// # let oscillator = ForcedOscillator {
-    /// #     damping: 0.05,
-    /// #     angular_frequency: 0.8,
-    /// #     kinetic_friction: 0.3,
-    /// #     static_friction: 0.3,
-    /// #     force: 1.0,
-    /// # };
-    /// # let motion = oscillator.without_stops().unwrap();
-    /// // Below resonance the force leads the displacement by less than a quarter of a turn.
-    /// assert!(motion.phase() > 0.0 && motion.phase() < std::f64::consts::FRAC_PI_2);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn phase(&self) -> f64 {
         self.phase
     }
 
     /// Period 2π/Ω, in units of 1/ω0.
-    ///
-    /// ```
-    /// # use stick_slip::analysis::forced::ForcedOscillator;
-    /// # let oscillator = ForcedOscillator {
-    /// #     damping: 0.05,
-    /// #     angular_frequency: 0.8,
-    /// #     kinetic_friction: 0.3,
-    /// #     static_friction: 0.3,
-    /// #     force: 1.0,
-    /// # };
-    /// # let motion = oscillator.without_stops().unwrap();
-    /// assert!((motion.period() - std::f64::consts::TAU / 0.8).abs() < 1e-15);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn period(&self) -> f64 {
         2.0 * self.half_period()
     }
 
     /// Displacement and velocity at a finite time after the largest displacement, in
     /// [`ForcedOscillator`]'s units.
-    ///
-    /// ```
-    /// # use stick_slip::analysis::forced::ForcedOscillator;
-    /// # let oscillator = ForcedOscillator {
-    /// #     damping: 0.05,
-    /// #     angular_frequency: 0.8,
-    /// #     kinetic_friction: 0.3,
-    /// #     static_friction: 0.3,
-    /// #     force: 1.0,
-    /// # };
-    /// # let motion = oscillator.without_stops().unwrap();
-    /// let (x, v) = motion.at(0.0);
-    /// assert!((x - motion.amplitude()).abs() < 1e-14 && v.abs() < 1e-14);
-    /// let (x, _) = motion.at(0.5 * motion.period());
-    /// assert!((x + motion.amplitude()).abs() < 1e-14);
-    /// # Ok::<(), stick_slip::Error>(())
-    /// ```
     pub fn at(&self, time: f64) -> (f64, f64) {
         let half = self.half_period();
         let halves = (time / half).floor();
