@@ -287,20 +287,20 @@ pub enum Error {
     },
 
     /// A curve was asked of a pitchfork, or of a change of events that no curve can follow
-    /// ([`orbit::locus`](crate::orbit::locus) follows touches of a slipping contact, onsets of stops
-    /// and changes of the order of events of two contacts).
+    /// ([`orbit::locus`](crate::orbit::locus) follows touches of a slipping contact, onsets of
+    /// stops and changes of the order of events of two contacts).
     #[error(
-        "no curve of this bifurcation can be followed: it is a pitchfork, or no touch of a slipping \
-         contact, no onset of a stop and no two events at one time are near; give a bifurcation of \
-         one of these kinds, a fold, a flip or a Neimark-Sacker bifurcation"
+        "no curve of this bifurcation can be followed: it is a pitchfork, or no touch of a \
+         slipping contact, no onset of a stop and no two events at one time are near; give a \
+         bifurcation of one of these kinds, a fold, a flip or a Neimark-Sacker bifurcation"
     )]
     NotSmooth,
 
     /// A branch was asked for at a bifurcation at which no other branch of periodic motions crosses
     /// ([`Bifurcation::switch`](crate::orbit::Bifurcation::switch)).
     #[error(
-        "no other branch of periodic motions crosses at a bifurcation of the kind {kind}; switch at \
-         a flip or a pitchfork"
+        "no other branch of periodic motions crosses at a bifurcation of the kind {kind}; switch \
+         at a flip or a pitchfork"
     )]
     NoSwitch {
         /// The kind of the bifurcation.
