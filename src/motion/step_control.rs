@@ -133,7 +133,7 @@ pub(crate) fn reach(error: f64, c: &PowerSeries, n: usize) -> f64 {
 /// (x/y)^(1/n) to 6 %, from the bits of x and y: exponent and mantissa together are nearly a
 /// logarithm.
 #[inline(always)]
-fn root_of_ratio(x: f64, y: f64, n: usize) -> f64 {
+pub(crate) fn root_of_ratio(x: f64, y: f64, n: usize) -> f64 {
     const ONE: i64 = 1.0_f64.to_bits() as i64;
     f64::from_bits((ONE + (x.to_bits() as i64 - y.to_bits() as i64) / n as i64) as u64)
 }

@@ -35,12 +35,49 @@ impl Holding {
         }
     }
 
-    /// Projects out the velocities that move a sticking contact.
-    pub(super) fn project(&self, model: &Model<'_>, velocities: &mut [f64]) {
-        let along = |c: usize| model.contacts[c].along(|j| velocities[j]);
-        for (j, correction) in model.corrections(self, along) {
-            velocities[j] -= correction;
+    /// Projects out the velocities that move a sticking contact: coefficient k of several
+    /// perturbations.
+    pub(super) fn project<const W: usize, const T: usize>(
+        &self,
+        model: &Model<'_>,
+        velocities: &mut [[[f64; W]; T]],
+        k: usize,
+    ) {
+        let contact = |c: &usize| (&model.contacts[*c], model.contacts[*c].compliance.sqrt());
+        let parts = self.contacts.iter().map(contact).map(|(contact, root)| {
+            let mut part = [0.0; W];
+            for &(j, b) in contact.direction.iter() {
+                for (part, velocity) in std::iter::zip(&mut part, velocities[j][k]) {
+                    *part += b / root * velocity;
+                }
+            }
+            part
+        });
+        let mut parts: Vec<_> = parts.collect();
+        self.factor.solve_all(&mut parts);
+        for ((contact, root), part) in self.contacts.iter().map(contact).zip(parts) {
+            for &(j, x) in contact.responses() {
+                for (velocity, part) in std::iter::zip(&mut velocities[j][k], part) {
+                    *velocity -= x * root * part;
+                }
+            }
         }
+    }
+}
+
+/// A coefficient of the variational equations.
+#[derive(Debug, Clone)]
+pub(super) struct Coefficient {
+    pub(super) series: PowerSeries,
+    /// Number of terms up to the last that is not 0.
+    pub(super) terms: usize,
+}
+
+impl From<PowerSeries> for Coefficient {
+    fn from(series: PowerSeries) -> Self {
+        let last = series.coefficients().iter().rposition(|c| *c != 0.0);
+        let terms = last.map_or(0, |last| last + 1);
+        Self { series, terms }
     }
 }
 
@@ -50,30 +87,32 @@ pub(super) struct Joint {
     pub(super) is_stuck: bool,
     /// Whether its normal spring acts.
     pub(super) is_closed: bool,
+    /// Whether anything depends on r.
+    pub(super) takes_slip: bool,
     /// ∂(Nμ)/∂r, then ∂(Nμ)/∂z_j, multiplied by G_cc; none unless it slips.
-    pub(super) friction: Vec<PowerSeries>,
-    /// μ multiplied by G_cc, and the gradient of the load; none unless it slips under a load that
-    /// follows displacements.
-    pub(super) by_load: Option<(PowerSeries, Vec<(usize, f64)>)>,
+    pub(super) friction: Vec<Coefficient>,
+    /// μ multiplied by G_cc; none unless it slips under a load that follows displacements.
+    pub(super) by_load: Option<Coefficient>,
     /// ∂z_j'/∂r, then ∂z_j'/∂z_l: a row for each j.
-    pub(super) rates: Vec<Vec<PowerSeries>>,
+    pub(super) rates: Vec<Vec<Coefficient>>,
     /// For each memory variable z_j: true if the law depends on it in this mode.
     pub(super) depends: Vec<bool>,
 }
 
 impl Joint {
+    /// Returns true if perturbations change the friction force.
+    pub(super) fn acts(&self) -> bool {
+        !self.friction.is_empty() || self.by_load.is_some()
+    }
+
     /// The same coefficients, as series about a later time.
     pub(super) fn shifted(&self, time: f64) -> Self {
-        let shift = |series: &[PowerSeries]| -> Vec<_> {
-            series.iter().map(|series| series.shifted(time)).collect()
-        };
+        let one = |of: &Coefficient| Coefficient::from(of.series.shifted(time));
+        let all = |row: &Vec<Coefficient>| -> Vec<_> { row.iter().map(one).collect() };
         Self {
-            friction: shift(&self.friction),
-            by_load: self
-                .by_load
-                .as_ref()
-                .map(|(series, gradient)| (series.shifted(time), gradient.clone())),
-            rates: self.rates.iter().map(|row| shift(row)).collect(),
+            friction: all(&self.friction),
+            by_load: self.by_load.as_ref().map(one),
+            rates: self.rates.iter().map(all).collect(),
             depends: self.depends.clone(),
             ..*self
         }
@@ -128,6 +167,7 @@ impl Along<'_> {
         let mut joint = Joint {
             is_stuck: mode == Mode::Stick,
             is_closed: mode != Mode::Open,
+            takes_slip: false,
             friction: Vec::new(),
             by_load: None,
             rates: vec![Vec::new(); count],
@@ -139,23 +179,28 @@ impl Along<'_> {
             Mode::Stick => self.stick(&mut joint),
             Mode::Slip(side) => self.slip(&mut joint, side.sign()),
         }
+        let is_given = |row: &Vec<Coefficient>| row.first().is_some_and(|first| first.terms > 0);
+        joint.takes_slip = is_given(&joint.friction) || joint.rates.iter().any(is_given);
         joint
     }
 
     /// δT' = k_t δr and the force δT; in slip the force σμ n·δq, with which δT goes: see
     /// `TangentFlow::limit_elastic`.
     fn elastic(&self, joint: &mut Joint, mode: Mode) {
-        let constant = |value: f64| PowerSeries::from_fn(|k| if k == 0 { value } else { 0.0 });
+        let constant = |value: f64| {
+            let series = PowerSeries::from_fn(|k| if k == 0 { value } else { 0.0 });
+            Coefficient::from(series)
+        };
         joint.is_stuck = false;
         match mode {
             Mode::Slip(side) => {
                 let coefficient = side.sign() * self.contact.constant_coefficient();
-                joint.by_load = Some((constant(coefficient), self.contact.load_gradient.clone()));
+                joint.by_load = Some(constant(coefficient));
             }
             Mode::Stick | Mode::Open => {
                 let stiffness = self.contact.tangential_stiffness.unwrap_or(0.0);
-                joint.friction = vec![PowerSeries::ZERO, constant(1.0)];
-                joint.rates = vec![vec![constant(stiffness), PowerSeries::ZERO]];
+                joint.friction = vec![constant(0.0), constant(1.0)];
+                joint.rates = vec![vec![constant(stiffness), constant(0.0)]];
                 joint.depends = vec![true];
             }
         }
@@ -176,14 +221,14 @@ impl Along<'_> {
             joint.depends[j] |= derivative.depends;
         }
         for (row, rate) in joint.rates.iter_mut().zip(&derivative.rates) {
-            row.push(*rate);
+            row.push((*rate).into());
         }
         derivative
     }
 
     fn stick(&mut self, joint: &mut Joint) {
         for row in &mut joint.rates {
-            row.push(PowerSeries::ZERO);
+            row.push(PowerSeries::ZERO.into());
         }
         for j in 0..joint.rates.len() {
             self.derivative(joint, Motion::Stick, Some(j));
@@ -207,14 +252,13 @@ impl Along<'_> {
             piece: piece_above(contact.breakpoints.iter().copied(), middle),
         });
         let by_speed = self.derivative(joint, motion, None);
-        joint.friction.push(product(&load, &by_speed.slope));
+        joint.friction.push(product(&load, &by_speed.slope).into());
         if !contact.load_gradient.is_empty() {
-            let gradient = contact.load_gradient.to_vec();
-            joint.by_load = Some((by_speed.coefficient.scaled(contact.compliance), gradient));
+            joint.by_load = Some(by_speed.coefficient.scaled(contact.compliance).into());
         }
         for j in 0..joint.rates.len() {
             let by_memory = self.derivative(joint, motion, Some(j));
-            joint.friction.push(product(&load, &by_memory.slope));
+            joint.friction.push(product(&load, &by_memory.slope).into());
         }
     }
 

@@ -103,6 +103,7 @@
 // | `oscillator.rs` | `Oscillator`: the systems that the searches take |
 // | `period.rs`, `trial.rs` | `Period`; one trial of a search |
 // | `linear.rs` | coefficients of the variational equations along one step, as power series |
+// | `lanes.rs` | power series of several perturbations, side by side |
 // | `tangent.rs` | the tangent flow: the variational equations along a trajectory |
 // | `saltation.rs` | saltation matrices of events: one formula for all |
 // | `map.rs` | the period map with its derivative, the monodromy matrix |
@@ -139,6 +140,7 @@ mod form;
 mod found;
 mod hold;
 mod jump;
+mod lanes;
 mod linear;
 mod locus;
 mod lyapunov;

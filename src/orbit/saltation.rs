@@ -414,12 +414,12 @@ impl TangentFlow<'_> {
             let slip = direction.fold(self.row(0) * 0.0, |sum, &(j, b)| sum + self.row(n + j) * b);
             let inputs = std::iter::once(slip).chain(self.memory_rows(c).map(|row| self.row(row)));
             let mut force = self.row(0) * 0.0;
-            for (series, input) in std::iter::zip(&joint.friction, inputs) {
-                force += input * series.at(h);
+            for (coefficient, input) in std::iter::zip(&joint.friction, inputs) {
+                force += input * coefficient.series.at(h);
             }
-            if let Some((by_load, gradient)) = &joint.by_load {
-                for &(j, a) in gradient {
-                    force += self.row(j) * (a * by_load.at(h));
+            if let Some(by_load) = &joint.by_load {
+                for &(j, a) in &contact.load_gradient {
+                    force += self.row(j) * (a * by_load.series.at(h));
                 }
             }
             for &(j, x) in contact.responses() {

@@ -29,6 +29,9 @@ const MOST_STEPS: usize = 60;
 /// The smallest damping factor of a Newton step.
 const LEAST_PART: f64 = 1.0 / 1024.0;
 
+/// A residual below this is none: a memory variable that decays may come nearer to 0 for ever.
+const ZERO: f64 = f64::EPSILON * f64::EPSILON;
+
 /// Singular values below this part of the largest count as 0: the motion belongs to a continuous
 /// family, and the nearest one is taken.
 pub(super) const SINGULAR: f64 = 1e-11;
@@ -106,7 +109,7 @@ impl<'s> Problem<'s> {
     fn solve(&self, first: Trial) -> Result<Trial, Error> {
         let mut best = first;
         for _ in 0..MOST_STEPS {
-            if best.residual == 0.0 {
+            if best.residual <= ZERO {
                 return self.returned(best, None);
             }
             let Some((change, longer, size)) = self.step(&best) else {

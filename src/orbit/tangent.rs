@@ -18,16 +18,19 @@ use nalgebra::{DMatrix, DVector};
 
 use super::form::Form;
 use super::hold::{HeldFlow, Hold, Touch};
+use super::lanes::Equations;
 use super::linear::Linear;
 use crate::error::{Error, Reached};
-use crate::motion::step_control::reach;
 use crate::motion::{Integrator, Mode, Segment};
 use crate::scalar::jet::Tape;
-use crate::series::{INTEGRAL, PowerSeries, TERMS};
+use crate::series::TERMS;
 use crate::state::structure::State;
 use crate::structure::Step;
 use crate::structure::engine::factor::Holding;
-use crate::structure::engine::model::Model;
+
+/// Numbers of perturbations that are carried side by side.
+const FEW: usize = 4;
+const MANY: usize = 8;
 
 /// A trajectory with perturbations of it.
 #[derive(Debug)]
@@ -46,7 +49,7 @@ pub(super) struct TangentFlow<'s> {
     has_begun: bool,
     pub(super) start: State,
     tape: Tape,
-    work: Vec<PowerSeries>,
+    work: Vec<f64>,
 }
 
 impl<'s> TangentFlow<'s> {
@@ -62,7 +65,7 @@ impl<'s> TangentFlow<'s> {
         Ok(Self {
             form,
             flow: HeldFlow::new(form, settings, time, start, holds)?,
-            work: vec![PowerSeries::ZERO; tangents.nrows()],
+            work: Vec::new(),
             tangents,
             depends: vec![false; form.model.remembered()],
             logarithm: None,
@@ -94,7 +97,10 @@ impl<'s> TangentFlow<'s> {
             let holding = Holding::of(model, step.modes());
             if !holding.contacts.is_empty() {
                 for mut column in self.tangents.column_iter_mut() {
-                    holding.project(model, column.rows_mut(n, n).as_mut_slice());
+                    let mut velocities = column.rows_mut(n, n);
+                    let velocities = velocities.as_mut_slice().as_chunks_mut::<1>().0;
+                    let velocities = velocities.as_chunks_mut::<1>().0;
+                    holding.project(model, velocities, 0);
                 }
             }
         }
@@ -116,11 +122,25 @@ impl<'s> TangentFlow<'s> {
                 *ever |= now;
             }
             let rows = self.tangents.nrows();
-            for column in self.tangents.as_mut_slice().chunks_mut(rows) {
-                if column.iter().any(|x| *x != 0.0) {
-                    let logarithm = self.logarithm.as_mut();
-                    advance(self.form, step, linear, column, (&mut self.work, logarithm))?;
-                }
+            let columns = self.tangents.as_mut_slice().chunks_mut(rows);
+            let mut columns: Vec<_> = columns
+                .filter(|column| column.iter().any(|x| *x != 0.0))
+                .collect();
+            let width = if columns.len() <= FEW { FEW } else { MANY };
+            for columns in columns.chunks_mut(width) {
+                let advance = if width == FEW {
+                    advance::<FEW>
+                } else {
+                    advance::<MANY>
+                };
+                let logarithm = self.logarithm.as_mut();
+                advance(
+                    self.form,
+                    step,
+                    linear,
+                    columns,
+                    (&mut self.work, logarithm),
+                )?;
             }
             self.limit_elastic(step);
         }
@@ -148,40 +168,45 @@ pub(super) fn flow_of(step: &Step, n: usize) -> DVector<f64> {
     DVector::from_iterator(n + step.series().len(), velocities.chain(rates))
 }
 
-/// Carries one perturbation over a step of length h. If its own series converges over less than h,
-/// as on a steady motion of any length, the step is taken in parts, each counted as a step.
-fn advance(
+/// Carries perturbations, each in a slice, over a step of length h. If their own series converge
+/// over less than h, as on a steady motion of any length, the step is taken in parts, each counted
+/// as a step.
+fn advance<const W: usize>(
     form: &Form<'_>,
     step: &Step,
     linear: &Linear,
-    column: &mut [f64],
-    (work, mut logarithm): (&mut [PowerSeries], Option<&mut f64>),
+    columns: &mut [&mut [f64]],
+    (work, mut logarithm): (&mut Vec<f64>, Option<&mut f64>),
 ) -> Result<(), Error> {
     /// The shortest part of a step.
     const SHORTEST: f64 = 1e-9;
-    let (model, h) = (&form.model, step.duration());
+    let h = step.duration();
     let mut linear = Cow::Borrowed(linear);
     let mut left = h;
+    work.resize(Equations::new(form, &linear).rows() * TERMS * W, 0.0);
+    let rows = work.as_chunks_mut::<W>().0.as_chunks_mut::<TERMS>().0;
+    for (i, row) in rows[..form.order()].iter_mut().enumerate() {
+        row[0] = std::array::from_fn(|lane| columns.get(lane).map_or(0.0, |column| column[i]));
+    }
     loop {
-        expand(model, &linear, column, work);
-        let n = model.len();
-        let part = reach_of(work, n, left);
+        let equations = Equations::new(form, &linear);
+        equations.expand(rows);
+        let part = equations.reach(rows, left);
         if part.is_nan() {
-            column.fill(f64::NAN);
+            columns.iter_mut().for_each(|column| column.fill(f64::NAN));
             return Ok(());
         }
-        for (x, series) in column.iter_mut().zip(work.iter()) {
-            *x = series.at(part);
-        }
+        equations.go_to(rows, part);
         if let Some(logarithm) = logarithm.as_deref_mut() {
-            let size = column.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+            let now = &mut rows[..form.order()];
+            let size = now.iter().fold(0.0, |m: f64, x| m.max(x[0][0].abs()));
             if size > 0.0 && !(1e-100..1e100).contains(&size) {
-                column.iter_mut().for_each(|x| *x /= size);
+                now.iter_mut().for_each(|x| x[0][0] /= size);
                 *logarithm += size.ln();
             }
         }
         if part >= left {
-            return Ok(());
+            break;
         }
         left -= part;
         let reached = || Reached::new(step.start_time() + (h - left), step.state_at(h - left));
@@ -191,112 +216,10 @@ fn advance(
         form.count(reached)?;
         linear = Cow::Owned(linear.shifted(part));
     }
-}
-
-/// The time over which the series of a perturbation are exact to rounding, at most `h`.
-fn reach_of(work: &[PowerSeries], n: usize, h: f64) -> f64 {
-    let largest = |series: &[PowerSeries]| series.iter().fold(0.0, |m: f64, c| m.max(c[0].abs()));
-    let size = largest(&work[..n]).max(h * largest(&work[n..2 * n]));
-    let mut reached = h;
-    for (i, series) in work.iter().enumerate() {
-        const LAST: usize = TERMS - 1;
-        if series[LAST] == 0.0 && series[LAST - 1] == 0.0 {
-            continue;
-        }
-        let scale = if i < n {
-            size
-        } else if i < 2 * n {
-            size / h
-        } else {
-            series[0].abs().max(h * series[1].abs())
-        };
-        if scale > 0.0 {
-            reached = reached.min(reach(f64::EPSILON * scale, series, LAST));
-        } else if !series[LAST].is_finite() {
-            return f64::NAN;
+    for (lane, column) in columns.iter_mut().enumerate() {
+        for (x, row) in std::iter::zip(&mut **column, &*rows) {
+            *x = row[0][lane];
         }
     }
-    reached
-}
-
-/// The series of a perturbation, order by order.
-fn expand(model: &Model<'_>, linear: &Linear, column: &[f64], work: &mut [PowerSeries]) {
-    for (series, x) in work.iter_mut().zip(column) {
-        series[0] = *x;
-    }
-    let n = model.len();
-    let (q, rest) = work.split_at_mut(n);
-    let (v, z) = rest.split_at_mut(n);
-    let mut slips = vec![PowerSeries::ZERO; linear.joints.len()];
-    for k in 0..TERMS - 1 {
-        let rows = model.stiffness.rows().zip(model.damping.rows());
-        for (i, (springs, dampers)) in rows.enumerate() {
-            let mut rate = -springs.0 * q[i][k] - dampers.0 * v[i][k];
-            for &(j, a) in springs.1 {
-                rate -= a * q[j][k];
-            }
-            for &(j, a) in dampers.1 {
-                rate -= a * v[j][k];
-            }
-            v[i][k + 1] = rate;
-        }
-        for (c, joint) in linear.joints.iter().enumerate() {
-            let contact = &model.contacts[c];
-            let z = &mut z[model.memory(c)];
-            slips[c][k] = contact.along(|j| v[j][k]);
-            let slip = &slips[c];
-            let inputs = |row: &[PowerSeries], z: &[PowerSeries]| -> f64 {
-                let inputs = std::iter::once(slip).chain(z);
-                let terms = row.iter().zip(inputs);
-                terms.map(|(a, x)| convolution(a, x, k)).sum()
-            };
-            if !joint.is_stuck {
-                let friction = inputs(&joint.friction, z);
-                for &(j, x) in contact.responses() {
-                    v[j][k + 1] -= x * friction;
-                }
-            }
-            if let Some((by_load, gradient)) = &joint.by_load {
-                for &(l, a) in gradient {
-                    let friction = a * convolution(by_load, &q[l], k);
-                    for &(j, x) in contact.responses() {
-                        v[j][k + 1] -= x * friction;
-                    }
-                }
-            }
-            if joint.is_closed && !contact.reaction.is_empty() {
-                let load = contact.displacement_load(|l| q[l][k]);
-                for &(j, y) in &contact.reaction {
-                    v[j][k + 1] -= y * load;
-                }
-            }
-            for j in 0..z.len() {
-                z[j][k + 1] = inputs(&joint.rates[j], z) * INTEGRAL[k];
-            }
-        }
-        for (i, owner) in model.owner.iter().enumerate() {
-            if owner.is_some_and(|c| linear.joints[c].is_stuck) {
-                v[i][k + 1] = 0.0;
-            }
-        }
-        if !linear.holding.contacts.is_empty() {
-            let along = |c: usize| model.contacts[c].along(|j| v[j][k + 1]);
-            for (j, correction) in model.corrections(&linear.holding, along) {
-                v[j][k + 1] -= correction;
-            }
-        }
-        for (q, v) in q.iter_mut().zip(v.iter_mut()) {
-            q[k + 1] = v[k] * INTEGRAL[k];
-            v[k + 1] *= INTEGRAL[k];
-        }
-    }
-}
-
-/// Coefficient k of a product, in two independent sums, which the processor computes in parallel.
-fn convolution(a: &PowerSeries, b: &PowerSeries, k: usize) -> f64 {
-    let mut sums = [0.0; 2];
-    for l in 0..=k {
-        sums[l % 2] += a[l] * b[k - l];
-    }
-    sums[0] + sums[1]
+    Ok(())
 }

@@ -90,14 +90,31 @@ impl Factor {
 
     /// Solves in place.
     pub(crate) fn solve(&self, x: &mut [f64]) {
+        self.solve_all(x.as_chunks_mut::<1>().0);
+    }
+
+    /// The same for several right-hand sides, side by side.
+    pub(crate) fn solve_all<const W: usize>(&self, x: &mut [[f64; W]]) {
         for (i, row) in self.rows.iter().enumerate() {
-            let products = (row.first..i).map(|j| row.entry(j) * x[j]);
-            x[i] = (x[i] - products.sum::<f64>()) / row.entry(i);
+            let mut sum = [0.0; W];
+            for j in row.first..i {
+                for (sum, x) in std::iter::zip(&mut sum, x[j]) {
+                    *sum += row.entry(j) * x;
+                }
+            }
+            for (x, sum) in std::iter::zip(&mut x[i], sum) {
+                *x = (*x - sum) / row.entry(i);
+            }
         }
         for (i, row) in self.rows.iter().enumerate().rev() {
-            x[i] /= row.entry(i);
+            for x in &mut x[i] {
+                *x /= row.entry(i);
+            }
+            let solved = x[i];
             for j in row.first..i {
-                x[j] -= row.entry(j) * x[i];
+                for (x, solved) in std::iter::zip(&mut x[j], solved) {
+                    *x -= row.entry(j) * solved;
+                }
             }
         }
     }
