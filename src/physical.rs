@@ -439,8 +439,8 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     }
 }
 
-/// The mass on its belt as a structure, in SI units: for [`orbit`](crate::orbit), energies of
-/// motions, forces, and whatever else structures have.
+/// The mass on its belt as a structure, in SI units, for [`orbit`](crate::orbit) and the other
+/// functions of structures: energies of motions, forces.
 ///
 /// ```
 /// use stick_slip::{Coulomb, Physical, PhysicalMassOnBelt, Structure, structure::State};
@@ -466,7 +466,7 @@ where
     /// # Errors
     ///
     /// Those of [`Structure`]'s constructors; parameters that a [`PhysicalMassOnBelt`] has pass
-    /// their checks, but for numbers at the limits of f64.
+    /// their checks, except numbers at the limits of `f64`.
     fn try_from(brake: &PhysicalMassOnBelt<L>) -> Result<Self, Error> {
         let physical = brake.physical();
         let law = brake.dimensionless().law().law().clone();

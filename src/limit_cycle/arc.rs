@@ -180,6 +180,7 @@ impl<'s> Tracer<'s> {
                 None
             };
             if let Some(arrival) = arrival {
+                debug_assert!(!steps.is_empty());
                 return Ok(Arc {
                     arrival,
                     start_rate: steps.first().map_or(0.0, |step| step.speed[1]),

@@ -122,6 +122,8 @@ impl LimitCycle {
                 steps.append(&mut arc.steps);
             }
         }
+        // Start, period and belt velocity are those of steps.
+        debug_assert!(!steps.is_empty());
         let mut clock = Clock::default();
         for step in &mut steps {
             *step = step.starting_at(clock);

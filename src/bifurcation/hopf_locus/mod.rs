@@ -49,7 +49,7 @@ pub struct HopfPoint {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct SpecialHopfPoint {
-    /// What is special.
+    /// The second condition that holds there.
     pub kind: SpecialKind,
     /// The Hopf point.
     pub point: HopfPoint,

@@ -34,7 +34,7 @@ pub struct LocusPoint<S: System> {
 /// A special point of a [`Locus`].
 #[non_exhaustive]
 pub struct SpecialPoint<S: System> {
-    /// What is special.
+    /// The second condition that holds there.
     pub kind: SpecialKind,
     /// The two parameters, in their own units.
     pub parameters: [f64; 2],
@@ -57,15 +57,15 @@ pub enum LocusKind {
         /// The contact.
         contact: usize,
     },
-    /// A contact that crosses relative velocity 0 carries there its largest static force: beyond,
-    /// it stops.
+    /// A contact crosses relative velocity 0 with exactly its largest static force; beyond the
+    /// curve it sticks.
     StopOnset {
         /// The contact.
         contact: usize,
     },
-    /// Two contacts have an event at the same time: beyond, in the other order.
+    /// Two contacts have events at the same time; beyond the curve their order is reversed.
     Order {
-        /// The contacts, the one that comes first in numbers first.
+        /// The two contacts, in ascending order.
         contacts: [usize; 2],
     },
 }
@@ -148,8 +148,8 @@ impl<S: System> fmt::Debug for SpecialPoint<S> {
 pub enum SpecialKind {
     /// Two curves of folds meet tangentially: between them there are three motions.
     Cusp,
-    /// The multipliers of the curve are both 1 (1), both −1 (2), exp(±2πi/3) (3) or ±i (4): strong
-    /// resonance. A curve of tori begins or ends at the first two.
+    /// Strong resonance: the multipliers of the curve are both 1 (number 1), both −1 (2),
+    /// exp(±2πi/3) (3) or ±i (4). A curve of tori begins or ends at the first two.
     Resonance(u8),
     /// The multipliers +1 and −1.
     FoldFlip,
