@@ -91,8 +91,8 @@ impl fmt::Display for BifurcationKind {
     }
 }
 
-/// The side of a bifurcation on which the motions that are born there exist: of a Hopf point, a flip
-/// or a pitchfork.
+/// The side of a bifurcation on which the motions that are born there exist: of a Hopf point, a
+/// flip or a pitchfork.
 ///
 /// For a mass on a belt it is the sign of μ̂'''(v_b), from the averaged equation A' = −½h1 A −
 /// (3/8)h3 A³ with h3 = γ² μ̂'''(v_b)/6 (Eq. 12 of Farshidianfar and Noei Aghaee, for any law); for
