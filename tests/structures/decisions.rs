@@ -3,7 +3,7 @@
 use approx::assert_abs_diff_eq;
 use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::structure::State;
-use stick_slip::{Contact, Coulomb, Integrator, Mode, Segment, Structure};
+use stick_slip::{Contact, Coulomb, Error, Integrator, Mode, Segment, Structure};
 
 use crate::common::Random;
 use crate::naive::{Pattern, Question, is_definite};
@@ -13,9 +13,12 @@ fn count(usual: usize) -> usize {
     std::env::var("STRUCTURES").map_or(usual, |text| text.parse().unwrap())
 }
 
-/// A structure at rest with k contacts under constant forces, and what it has to decide.
-fn drawn(random: &mut Random, k: usize, falls: bool) -> (Structure, Question) {
-    let n = k + (random.bits() % 2) as usize;
+/// A structure of n masses at rest with k contacts under constant forces, and what it has to decide.
+fn drawn(
+    random: &mut Random,
+    [n, k]: [usize; 2],
+    [falls, are_alike]: [bool; 2],
+) -> (Structure, Question) {
     let part = DMatrix::from_fn(n, n, |_, _| random.uniform(-0.7, 0.7));
     let masses = DMatrix::from_fn(n, n, |i, j| {
         if i == j {
@@ -34,7 +37,9 @@ fn drawn(random: &mut Random, k: usize, falls: bool) -> (Structure, Question) {
     let mut rows = DMatrix::zeros(k, n);
     let (mut limits, mut kinetic) = (vec![], vec![]);
     for c in 0..k {
-        let direction: Vec<(usize, f64)> = if random.bits().is_multiple_of(2) && n > 1 {
+        let direction: Vec<(usize, f64)> = if are_alike {
+            (0..n).map(|j| (j, random.uniform(0.2, 1.2))).collect()
+        } else if random.bits().is_multiple_of(2) && n > 1 {
             let i = (random.bits() % n as u64) as usize;
             vec![(i, 1.0), ((i + 1) % n, -1.0)]
         } else {
@@ -49,7 +54,11 @@ fn drawn(random: &mut Random, k: usize, falls: bool) -> (Structure, Question) {
         } else {
             limit
         };
-        let load = random.uniform(0.3, 2.0);
+        let load = if are_alike {
+            random.logarithmic(0.01, 1.0)
+        } else {
+            random.uniform(0.3, 2.0)
+        };
         limits.push(load * limit);
         kinetic.push(load * start);
         let contact = Contact::along(&direction, Coulomb::new(limit, start).unwrap(), load);
@@ -85,7 +94,8 @@ fn decisions_are_those_of_all_patterns_tried() {
     while tried < count(300) {
         let k = 2 + (random.bits() % 4) as usize;
         let falls = random.bits().is_multiple_of(2);
-        let (structure, question) = drawn(&mut random, k, falls);
+        let n = k + (random.bits() % 2) as usize;
+        let (structure, question) = drawn(&mut random, [n, k], [falls, false]);
         if !is_definite(&question.compliance) {
             continue;
         }
@@ -122,4 +132,36 @@ fn decisions_are_those_of_all_patterns_tried() {
     }
     println!("{tried} decisions, {several} with several answers, {unclear} too close to call");
     assert!(several * 20 > tried && unclear * 100 < tried);
+}
+
+/// Two to three times as many contacts as masses, in directions that are much alike, for which
+/// pivoting takes many rounds: each force is at its limit against the acceleration of its contact,
+/// or there is none.
+#[test]
+fn more_contacts_than_masses_come_to_a_decision() {
+    let mut random = Random::new(28);
+    let (mut decided, mut undetermined) = (0, 0);
+    for _ in 0..count(5000) {
+        let n = 3 + (random.bits() % 5) as usize;
+        let k = 2 * n + (random.bits() % n as u64) as usize;
+        let (structure, question) = drawn(&mut random, [n, k], [false, true]);
+        let state = State::at_rest(n);
+        let carried = match structure.carried(0.0, &state) {
+            Err(Error::Undetermined { .. }) => {
+                undetermined += 1;
+                continue;
+            }
+            carried => DVector::from_vec(carried.unwrap()),
+        };
+        let pull = &question.free - &question.compliance * &carried;
+        for c in 0..k {
+            let (force, limit) = (carried[c], question.limits[c]);
+            assert!(force.abs() <= limit * (1.0 + 1e-12), "{structure:?}");
+            let works = pull[c].abs() <= 1e-10 || (force - limit * pull[c].signum()).abs() < 1e-12;
+            assert!(works, "{force} {limit} {}: {structure:?}", pull[c]);
+        }
+        decided += 1;
+    }
+    println!("{decided} decided, {undetermined} undetermined");
+    assert!(decided > undetermined);
 }
