@@ -7,7 +7,7 @@ mod structure;
 mod units;
 
 use numbers::instead;
-pub(crate) use numbers::{Digits, Plain};
+pub(crate) use numbers::{Coefficients, Digits, Plain};
 pub use reached::Reached;
 use reached::during;
 pub use structure::{Element, NotSliding};
@@ -330,16 +330,15 @@ pub enum Error {
     /// starts is not determined:
     /// [`Contact::with_tangential_stiffness`](crate::Contact::with_tangential_stiffness).
     #[error(
-        "an elastic contact needs one coefficient of friction at all speeds, and this law has \
-         μ_s = {static_coefficient} and μ̂(0) = {kinetic_coefficient}, or changes; give \
+        "an elastic contact needs one coefficient of friction at all speeds, and this law {}; give \
          `Coulomb::new(μ, μ)`, or give the slider a mass: a coordinate of its own, with a spring \
-         of stiffness k_t to the structure and a rigid contact with this law"
+         of stiffness k_t to the structure and a rigid contact with this law",
+        Coefficients(*coefficients)
     )]
     LawNotConstant {
-        /// μ_s, dimensionless.
-        static_coefficient: f64,
-        /// μ̂(0), dimensionless.
-        kinetic_coefficient: f64,
+        /// μ_s and μ̂(0), dimensionless; `None` for a law that never sticks, as that of bristles,
+        /// whose friction at rest is what its memory says.
+        coefficients: Option<[f64; 2]>,
     },
 
     /// An elastic contact carries more at the start than its slider can hold.

@@ -32,3 +32,22 @@ pub(super) fn instead(value: f64, allowed: &str) -> String {
         format!("; give a finite number: {allowed}")
     }
 }
+
+/// What keeps a law from being one constant: its μ_s and μ̂(0), or none.
+pub(crate) struct Coefficients(pub(crate) Option<[f64; 2]>);
+
+impl std::fmt::Display for Coefficients {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.0 {
+            Some([limit, kinetic]) => {
+                write!(
+                    f,
+                    "has μ_s = {} and μ̂(0) = {}, or changes",
+                    Plain(limit),
+                    Plain(kinetic)
+                )
+            }
+            None => f.write_str("never sticks: its friction at rest is what its memory says"),
+        }
+    }
+}

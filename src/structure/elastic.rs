@@ -63,10 +63,10 @@ impl Contact {
             "tangential_stiffness > 0",
         )?;
         if self.law().constant().is_none() {
-            let (static_coefficient, kinetic_coefficient) = self.coefficients_at_rest();
+            let (limit, kinetic) = self.coefficients_at_rest();
+            let sticks = self.law().limit(&|_| 0.0).is_some();
             return Err(Error::LawNotConstant {
-                static_coefficient,
-                kinetic_coefficient,
+                coefficients: sticks.then_some([limit, kinetic]),
             });
         }
         self.tangential_stiffness = Some(tangential_stiffness);

@@ -467,24 +467,29 @@ fn bad_elastic_contacts_are_refused() {
     }
     // Not one constant: static friction, a law that falls, a memory.
     let falls = Exponential::new(0.4, 0.2, 0.1).unwrap();
+    let bristles = LuGre::new(falls, 10.0, 0.1, 0.0).unwrap();
     let refused = [
-        Contact::new(0, Coulomb::new(0.4, 0.3).unwrap(), 1.0),
-        Contact::new(0, falls, 1.0),
-        Contact::new(0, LuGre::new(falls, 10.0, 0.1, 0.0).unwrap(), 1.0),
+        (
+            Contact::new(0, Coulomb::new(0.4, 0.3).unwrap(), 1.0),
+            Some([0.4, 0.3]),
+            "has μ_s = 0.4 and μ̂(0) = 0.3, or changes",
+        ),
+        (
+            Contact::new(0, falls, 1.0),
+            Some([0.4, 0.4]),
+            "has μ_s = 0.4 and μ̂(0) = 0.4, or changes",
+        ),
+        (
+            Contact::new(0, bristles, 1.0),
+            None,
+            "never sticks: its friction at rest is what its memory says",
+        ),
     ];
-    for contact in refused {
+    for (contact, expected, says) in refused {
         let error = contact.unwrap().with_tangential_stiffness(1.0).unwrap_err();
-        let Error::LawNotConstant {
-            static_coefficient, ..
-        } = error
-        else {
-            panic!("{error}")
-        };
-        // Bristles that are not bent carry nothing.
-        assert!(
-            static_coefficient == 0.4 || error.to_string().contains("μ_s = 0 "),
-            "{error}"
-        );
+        let coefficients = expected;
+        assert_eq!(error, Error::LawNotConstant { coefficients });
+        assert!(error.to_string().contains(says), "{error}");
         assert_form(&error.to_string());
     }
     let elastic = contact().with_tangential_stiffness(5.0).unwrap();
