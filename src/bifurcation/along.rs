@@ -74,8 +74,8 @@ pub fn along_velocities<L: FrictionLaw>(system: &MassOnBelt<L>, range: Range<f64
 /// [`vibration_ranges`](Self::vibration_ranges) costs all six searches.
 ///
 /// For example, folds over a table of n points of wide scatter take about 200 n² steps: 60 points a
-/// second, 400 points a minute or two, and a law with thousands of waves much longer. A million
-/// steps take one to two seconds.
+/// second, 400 points, which need a larger bound, a minute or two, and a law with thousands of
+/// waves much longer. A million steps take one to two seconds.
 ///
 /// A search stops after [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS), or the bound of
 /// [`with_max_steps`](Self::with_max_steps), or at the request of a closure that
@@ -90,7 +90,7 @@ pub struct Along<'f, L> {
     watch: Option<Box<Watch<'f>>>,
 }
 
-const DEFAULT_MAX_STEPS: usize = 10_000_000;
+const DEFAULT_MAX_STEPS: usize = 5_000_000;
 
 type Watch<'f> = dyn Fn(&Progress) -> ControlFlow<()> + 'f;
 
@@ -114,7 +114,7 @@ pub struct Progress {
 }
 
 impl<'f, L: FrictionLaw> Along<'f, L> {
-    /// The default bound of the work of a search, in steps of slip phases: some ten seconds. The
+    /// The default bound of the work of a search, in steps of slip phases: five to ten seconds. The
     /// functions of [`bifurcation`](super) that search a range, and those that search for silence,
     /// have this bound, too.
     pub const DEFAULT_MAX_STEPS: usize = DEFAULT_MAX_STEPS;
