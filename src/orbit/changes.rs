@@ -92,12 +92,12 @@ impl View<'_, '_> {
         guess: &DVector<f64>,
         near: &Solved,
     ) -> Result<Place, Error> {
-        let origin = self.base.tangent.dot(&self.scaled(self.base));
+        let normal = self.curve.measured(&self.base.tangent);
         let plane = Plane {
             scale: self.scale,
-            normal: self.base.tangent.clone(),
-            value: origin + distance,
+            value: normal.dot(&self.scaled(self.base)) + distance,
             along: &self.base.tangent,
+            normal,
         };
         let solved = self.curve.solve(guess, near, &plane)?;
         Ok(Place { distance, solved })
@@ -131,7 +131,7 @@ impl View<'_, '_> {
     }
 
     pub(super) fn scaled(&self, solved: &Solved) -> DVector<f64> {
-        solved.y.component_div(self.scale)
+        self.curve.scaled(solved, self.scale)
     }
 
     /// The distance between two points, in units of the scales.

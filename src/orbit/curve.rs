@@ -44,6 +44,9 @@ pub(super) struct Curve<'f> {
     pub(super) range: Range<f64>,
     pub(super) n: usize,
     pub(super) order: usize,
+    /// For each unknown: 0 for a memory that events set anew, which jumps as one of them passes the
+    /// start; otherwise 1. Distances and planes leave it out.
+    pub(super) weights: DVector<f64>,
     /// The coordinate of the phase condition of an autonomous motion.
     pub(super) turning: Option<usize>,
     /// Number of motions tried.
@@ -62,7 +65,8 @@ pub(super) struct Solved {
     pub(super) trial: Trial,
     pub(super) sequence: Sequence,
     pub(super) multipliers: Vec<Complex<f64>>,
-    /// The unit tangent of the curve, in units of the scales with which it was found.
+    /// The unit tangent of the curve, in units of the scales with which it was found; a memory that
+    /// events set anew does not count for its length.
     pub(super) tangent: DVector<f64>,
     /// Number of Newton steps.
     pub(super) steps: usize,
@@ -99,6 +103,21 @@ impl Curve<'_> {
     /// Number of unknowns.
     pub(super) fn unknowns(&self) -> usize {
         self.order + usize::from(self.turning.is_some()) + 1
+    }
+
+    /// What of a vector, in units of scales, counts for distances and directions.
+    pub(super) fn measured(&self, vector: &DVector<f64>) -> DVector<f64> {
+        vector.component_mul(&self.weights)
+    }
+
+    /// A tangent of length 1, as far as it counts.
+    pub(super) fn unit(&self, tangent: &DVector<f64>) -> DVector<f64> {
+        tangent / self.measured(tangent).norm()
+    }
+
+    /// The point of the curve of a motion in units of scales, as far as it counts.
+    pub(super) fn scaled(&self, solved: &Solved, scale: &DVector<f64>) -> DVector<f64> {
+        self.measured(&solved.y.component_div(scale))
     }
 
     pub(super) fn width(&self) -> f64 {
@@ -302,7 +321,8 @@ impl Curve<'_> {
             }
             steps += 1;
             let falls = steps <= 2 || size <= 2.0 * before;
-            if !(size <= 1.0 && falls && steps < MOST_STEPS) {
+            let is_near = size.is_finite() && self.measured(&change).amax() <= 1.0;
+            if !(is_near && falls && steps < MOST_STEPS) {
                 return Err(self.lost(&y, &trial));
             }
             before = size;
@@ -330,7 +350,8 @@ impl Curve<'_> {
         plane: &Plane<'_>,
     ) -> Result<Solved, Error> {
         let last = self.unknowns() - 1;
-        matrix.row_mut(last).copy_from(&plane.along.transpose());
+        let along = self.measured(plane.along);
+        matrix.row_mut(last).copy_from(&along.transpose());
         let mut right = DVector::zeros(self.unknowns());
         right[last] = 1.0;
         let is_free = self.turning.is_some();
@@ -341,7 +362,7 @@ impl Curve<'_> {
         }
         let sequence = Sequence::of(begun, trial.period);
         let found = (
-            solution(&matrix, &right).filter(|tangent| tangent.norm() > 0.0),
+            solution(&matrix, &right).filter(|tangent| self.measured(tangent).norm() > 0.0),
             begun.multipliers(is_free),
         );
         let (Some(tangent), Some(multipliers)) = found else {
@@ -352,7 +373,7 @@ impl Curve<'_> {
             y,
             trial,
             multipliers,
-            tangent: tangent.normalize(),
+            tangent: self.unit(&tangent),
             steps,
             modes,
         })

@@ -133,6 +133,7 @@ impl Search<'_> {
             range,
             n: 0,
             order: 0,
+            weights: DVector::zeros(0),
             turning: None,
             tried: Cell::new(0),
             steps: Cell::new(0),
@@ -222,11 +223,16 @@ pub(super) fn anchor(
     let system = (curve.family)(parameter).map_err(at)?;
     let form = system.form();
     (curve.n, curve.order) = (form.len(), form.order());
+    let mut start = start;
     if let Period::Free(_) = curve.kind {
         let map = form.period_map(&start, period).map_err(at)?;
         let turn = sharpest(&map).ok_or(Error::AtRest)?;
-        curve.turning = Some(turn.coordinate);
-        return Ok(turn.state);
+        (curve.turning, start) = (Some(turn.coordinate), turn.state);
+    }
+    let reset = form.are_reset();
+    curve.weights = DVector::from_element(curve.unknowns(), 1.0);
+    for (weight, reset) in curve.weights.iter_mut().skip(2 * form.len()).zip(reset) {
+        *weight = if reset { 0.0 } else { 1.0 };
     }
     Ok(start)
 }

@@ -131,6 +131,35 @@ impl<'s> Form<'s> {
         2 * self.len() + self.model.memory(contact).start
     }
 
+    /// For each memory variable: the change that changes a coefficient of friction by 1; infinite
+    /// if none does, and for what an elastic contact carries.
+    pub(super) fn memory_units(&self) -> Vec<f64> {
+        let units = self.model.contacts.iter().flat_map(|contact| {
+            (0..contact.memory()).map(|j| match contact.is_elastic() {
+                true => f64::INFINITY,
+                false => contact.law.memory_unit(j),
+            })
+        });
+        units.collect()
+    }
+
+    /// For each memory variable: true if its law sets it anew where the contact sticks or slips.
+    pub(super) fn are_reset(&self) -> Vec<bool> {
+        let reset = self.model.contacts.iter().flat_map(|contact| {
+            let count = contact.memory();
+            let mut reset = vec![false; count];
+            for probe in [0.0, 1.0].into_iter().filter(|_| !contact.is_elastic()) {
+                let mut memory = vec![probe; count];
+                contact.law.caught(&mut memory);
+                for (reset, value) in reset.iter_mut().zip(memory) {
+                    *reset |= value != probe;
+                }
+            }
+            reset
+        });
+        reset.collect()
+    }
+
     /// Number of contacts.
     pub(super) fn contacts(&self) -> usize {
         self.model.contacts.len()

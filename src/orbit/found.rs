@@ -149,11 +149,11 @@ impl<S: System> Orbit<S> {
         &self.multipliers
     }
 
-    /// Elastic contacts whose sliders never move in the period, by their numbers.
+    /// Contacts that never slip in the period, by their numbers.
     ///
-    /// Each of them makes the motion one of a family, whose parameter is the position of its
-    /// slider, that is the residual force in a joint. The position is that of the guess. The
-    /// multiplier 1 of the family is left out.
+    /// Each of them makes the motion one of a family, whose parameter is the position where it
+    /// sticks, or that of the slider of an elastic one: the residual force in a joint. The position
+    /// is that of the guess. The multiplier 1 of the family is left out.
     pub fn unslipped(&self) -> &[usize] {
         &self.unslipped
     }

@@ -6,6 +6,7 @@ use super::form::Form;
 use super::hold::{HeldFlow, Hold, Touch};
 use super::multipliers::multipliers;
 use super::tangent::{TangentFlow, flow_of};
+use super::unslipped::{Unslipped, unslipped};
 use crate::error::{Error, Reached};
 use crate::motion::{Event, EventKind, Integrator, Mode, Segment};
 use crate::state::structure::State;
@@ -26,6 +27,9 @@ pub struct PeriodMap {
     pub(super) flow: [DVector<f64>; 2],
     /// For each memory variable: true if anything depended on it.
     pub(super) depends: Vec<bool>,
+    /// For each memory variable: the change that changes a coefficient of friction by 1; infinite
+    /// if none does.
+    memory_units: Vec<f64>,
     /// The modes of the contacts after the end.
     end_modes: Vec<Mode>,
     /// The monodromy matrix of a closed motion, started where most contacts stick, and the flow
@@ -33,20 +37,10 @@ pub struct PeriodMap {
     cycle: (DMatrix<f64>, DVector<f64>),
     /// The directions of sticking contacts that share coordinates there.
     held: Vec<DVector<f64>>,
-    /// Elastic contacts whose sliders never move: δT = k_t b·δq all along.
+    /// Contacts that never slip.
     unslipped: Vec<Unslipped>,
     /// The touches past which contacts are held.
     pub(super) touches: Vec<Touch>,
-}
-
-/// An elastic contact whose slider keeps its place.
-#[derive(Debug, Clone)]
-pub(super) struct Unslipped {
-    pub(super) contact: usize,
-    /// Where its T stands in a state.
-    row: usize,
-    /// k_t b.
-    stiffness: Vec<(usize, f64)>,
 }
 
 /// Largest residual of a closed motion, in units of the sizes of its numbers and of the
@@ -56,6 +50,9 @@ pub(super) const CLOSED: f64 = 1e-11;
 /// The least velocity, in displacements per period, that is not rounding of the displacement, with
 /// a margin for the 1e-11 to which a motion is closed.
 const LEAST_VELOCITY: f64 = 1e-3;
+
+/// Displacements below this part of the largest one are rounding of 0, and so are velocities.
+const NODE: f64 = 64.0 * f64::EPSILON;
 
 impl PeriodMap {
     /// The state at the end of the period.
@@ -189,28 +186,43 @@ impl PeriodMap {
             }
             right[i] = -residual[i] / sizes[i];
         }
-        // A slider that never moves keeps its place; any other would do as well.
-        for Unslipped { row, stiffness, .. } in &self.unslipped {
-            matrix.row_mut(*row).fill(0.0);
-            matrix[(*row, *row)] = scale[*row] / sizes[*row];
-            for &(j, k) in stiffness {
+        for row in self.kept() {
+            matrix.row_mut(row).fill(0.0);
+            matrix[(row, row)] = scale[row] / sizes[row];
+            right[row] = 0.0;
+        }
+        for Unslipped { row, slopes, .. } in &self.unslipped {
+            for &(j, k) in slopes {
                 matrix[(*row, j)] -= k * (scale[j] / sizes[*row]);
             }
-            right[*row] = 0.0;
         }
         (matrix, right)
     }
 
-    /// Elastic contacts whose sliders never move.
+    /// Numbers of the state that closure leaves free, and which are kept: memory on which nothing
+    /// depends, and the places of contacts that never slip.
+    pub(super) fn kept(&self) -> Vec<usize> {
+        let first = self.order() - self.depends.len();
+        let idle = self.depends.iter().enumerate();
+        let idle = idle.filter(|(_, depends)| !**depends);
+        let unslipped = self.unslipped.iter().map(|unslipped| unslipped.row);
+        idle.map(|(j, _)| first + j).chain(unslipped).collect()
+    }
+
+    /// Contacts that never slip, by their numbers.
     pub(super) fn unslipped(&self) -> Vec<usize> {
         let contacts = self.unslipped.iter();
-        contacts.map(|unslipped| unslipped.contact).collect()
+        let mut contacts: Vec<_> = contacts.map(|unslipped| unslipped.contact).collect();
+        contacts.sort_unstable();
+        contacts
     }
 
     /// The largest size of each number of the state at the ends of steps; for a velocity at least
     /// [`LEAST_VELOCITY`] of its displacement over the period, because the velocity of a mass that
-    /// slides steadily is rounding only. A number that is 0 gets the size of the largest of its
-    /// kind.
+    /// slides steadily is rounding only. A memory that is too small to change a coefficient of
+    /// friction by rounding, because it has decayed, or is not used, gets the size that changes it
+    /// by 1. Any other number that is 0, or a displacement or velocity that is rounding of
+    /// 0, as of a mass at a node, gets the size of the largest of its kind.
     pub(super) fn sizes(&self) -> DVector<f64> {
         let mut sizes = DVector::zeros(self.order());
         let ends = self.steps.iter().map(Segment::end_state);
@@ -224,13 +236,20 @@ impl PeriodMap {
         for i in 0..n {
             sizes[n + i] = sizes[n + i].max(LEAST_VELOCITY * sizes[i] / period);
         }
+        let memory = sizes.iter_mut().skip(2 * n);
+        for (size, unit) in memory.zip(&self.memory_units) {
+            if unit.is_finite() && *size <= f64::EPSILON * unit {
+                *size = *unit;
+            }
+        }
         let mut first = 0;
         for length in [n, n, self.order() - 2 * n] {
             let mut part = sizes.rows_mut(first, length);
             let largest = part.amax();
             let least = if largest > 0.0 { largest } else { 1.0 };
+            let rounding = if first < 2 * n { NODE * largest } else { 0.0 };
             part.iter_mut()
-                .filter(|x| **x == 0.0)
+                .filter(|x| **x <= rounding)
                 .for_each(|x| *x = least);
             first += length;
         }
@@ -259,13 +278,13 @@ impl PeriodMap {
     }
 
     /// The multipliers of a closed motion, by falling modulus; those of an autonomous one without
-    /// the 1 of a shift along itself, and without the 1 of the place of each slider that never
-    /// moves. `None` if they do not converge. At the tangential end of a branch the first is
+    /// the 1 of a shift along itself, and without the 1 of the place of each contact that
+    /// never slips. `None` if they do not converge. At the tangential end of a branch the first is
     /// infinite, and the others are NaN.
     pub(super) fn multipliers(&self, is_free: bool) -> Option<Vec<Complex<f64>>> {
         let (matrix, flow) = &self.cycle;
         if self.touches.iter().any(|touch| touch.is_unbounded) {
-            let count = self.order() - usize::from(is_free);
+            let count = self.order() - self.unslipped.len() - usize::from(is_free);
             let first = std::iter::once(Complex::from(f64::INFINITY));
             let others = std::iter::repeat(Complex::from(f64::NAN));
             return Some(first.chain(others).take(count).collect());
@@ -273,11 +292,10 @@ impl PeriodMap {
         if self.unslipped.is_empty() {
             return multipliers(matrix, is_free.then_some(flow), &self.held, &self.sizes());
         }
-        // With these sliders at rest, T follows from the displacements.
         let mut basis = DMatrix::identity(self.order(), self.order());
-        for Unslipped { row, stiffness, .. } in &self.unslipped {
-            for &(j, k) in stiffness {
-                basis[(*row, j)] = k;
+        for Unslipped { row, slopes, .. } in &self.unslipped {
+            for &(j, k) in slopes {
+                basis[(*row, j)] += k;
             }
         }
         let rows: Vec<usize> = self
@@ -381,7 +399,7 @@ pub(super) fn held_period_map(
         }
     }
     let end_modes = modes_after(last, || flow.fetch(f64::INFINITY))?;
-    let unslipped = unslipped(form, &steps);
+    let unslipped = unslipped(form, &steps, [start, &end]);
     Ok(PeriodMap {
         unslipped,
         touches: flow.touches().to_vec(),
@@ -390,6 +408,7 @@ pub(super) fn held_period_map(
         monodromy,
         flow: [first_flow.unwrap_or_else(|| last_flow.clone()), last_flow],
         depends: flow.depends.clone(),
+        memory_units: form.memory_units(),
         cycle: (cycle, head.1),
         held,
         end,
@@ -544,24 +563,6 @@ fn held_by(form: &Form<'_>, modes: &[Mode]) -> Vec<DVector<f64>> {
 fn forgetting(form: &Form<'_>, modes: &[Mode]) -> usize {
     let elastic = (0..form.contacts()).filter(|&c| !form.holds(c));
     elastic.filter(|&c| modes[c] != Mode::Stick).count()
-}
-
-/// Elastic contacts whose sliders do not move in any of these steps.
-fn unslipped(form: &Form<'_>, steps: &[Step]) -> Vec<Unslipped> {
-    let contacts = form.model.contacts.iter().enumerate();
-    let unslipped = contacts.filter_map(|(c, contact)| {
-        let stiffness = contact.tangential_stiffness?;
-        let mut lasting = steps.iter().filter(|step| step.duration() > 0.0);
-        let direction = contact.direction.iter();
-        let unslipped = Unslipped {
-            contact: c,
-            row: form.carried_row(c),
-            stiffness: direction.map(|&(j, b)| (j, stiffness * b)).collect(),
-        };
-        let never_slips = lasting.all(|step| step.modes()[c] == Mode::Stick);
-        never_slips.then_some(unslipped)
-    });
-    unslipped.collect()
 }
 
 /// For each row: true if it is all zero, so that perturbations of this coordinate have vanished.

@@ -88,8 +88,9 @@
 //!   sticking, so a motion with such a contact may have no multiplier 0.
 //! * An autonomous motion has the multiplier 1, of a shift along itself. It is left out.
 //! * Memory variables that influence nothing have the multiplier 0.
-//! * In a continuous family of motions another multiplier is 1, and the motion nearest the guess is
-//!   found.
+//! * A contact that never slips makes the motion one of a family: [`Orbit::unslipped`] names it, and
+//!   its multiplier 1 is left out. In any other continuous family another multiplier is 1. The
+//!   motion nearest the guess is found.
 //!
 //! The map has no derivative at grazing, and if several events happen at one instant; the matrix is
 //! then that of the events in the order of the contacts.
@@ -107,6 +108,7 @@
 // | `tangent.rs` | the tangent flow: the variational equations along a trajectory |
 // | `saltation.rs` | saltation matrices of events: one formula for all |
 // | `map.rs` | the period map with its derivative, the monodromy matrix |
+// | `unslipped.rs` | contacts that never slip, which make a motion one of a family |
 // | `multipliers.rs` | the eigenvalues of the monodromy matrix |
 // | `shoot.rs` | `shoot`, `settle`: Newton's method for the fixed points of the map |
 // | `written.rs` | serialization of the results (feature `serde`) |
@@ -161,6 +163,7 @@ mod switch;
 mod symmetry;
 mod tangent;
 mod trial;
+mod unslipped;
 mod walk;
 #[cfg(feature = "serde")]
 mod written;

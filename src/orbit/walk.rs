@@ -116,7 +116,7 @@ impl Walk<'_, '_> {
             let tangent = place.solved.tangent.component_mul(&scale);
             base = place.solved;
             scale = self.scale(&base);
-            base.tangent = tangent.component_div(&scale).normalize();
+            base.tangent = self.curve.unit(&tangent.component_div(&scale));
             if let Some((moved, moved_scale)) = self.started_elsewhere(&base, &tangent) {
                 (base, scale) = (moved, moved_scale);
             }
@@ -234,9 +234,10 @@ impl Walk<'_, '_> {
             return Err(Error::AtRest.at("parameter", parameter));
         }
         let same = place.solved.sequence.is_like(&base.sequence);
-        let moved = (&place.solved.y - &base.y).component_div(view.scale);
-        let sideways = &moved - &base.tangent * place.distance;
-        let straight = place.solved.tangent.dot(&base.tangent) >= STRAIGHT
+        let moved = view.scaled(&place.solved) - view.scaled(base);
+        let direction = curve.measured(&base.tangent);
+        let sideways = &moved - &direction * place.distance;
+        let straight = place.solved.tangent.dot(&direction) >= STRAIGHT
             && sideways.norm() <= 0.5 * place.distance;
         // A curve may turn sharply where the events change, or one of them passes the start.
         let same = same && starts(base) == starts(&place.solved);
@@ -312,7 +313,7 @@ impl Walk<'_, '_> {
         if self.points.len() < 3 {
             return false;
         }
-        let scaled = |solved: &Solved| solved.y.component_div(&self.first_scale);
+        let scaled = |solved: &Solved| self.curve.scaled(solved, &self.first_scale);
         let (first, base, next) = (scaled(first), scaled(base), scaled(next));
         let step = &next - &base;
         let along = step.norm_squared();

@@ -253,39 +253,76 @@ fn work_is_bounded() {
 }
 
 /// What sticks for ever keeps the displacement at which it came to rest: the motion is one of a
-/// continuum, and no isolated one.
+/// family, and says so.
 #[test]
-fn a_joint_that_sticks_for_ever_gives_a_family() {
-    let stuck = |joint: Contact| {
-        Structure::new(&[1.0, 1.5])
+fn contacts_that_never_slip_give_a_family_that_is_named() {
+    let stuck = |joints: Vec<Contact>| {
+        let structure = Structure::new(&[1.0, 1.5, 0.8])
             .and_then(|s| s.with_ground_spring(0, 1.0)?.with_ground_damper(0, 0.2))
             .and_then(|s| s.with_ground_spring(1, 0.6)?.with_ground_damper(1, 0.1))
-            .and_then(|s| s.with_force(0, sine(1.3))?.with_contact(joint))
-            .unwrap()
+            .and_then(|s| s.with_spring(1, 2, 0.7)?.with_ground_damper(2, 0.1))
+            .and_then(|s| s.with_force(0, sine(1.3)));
+        let mut joints = joints.into_iter();
+        let structure = joints.try_fold(structure.unwrap(), |s, joint| s.with_contact(joint));
+        structure.unwrap()
     };
-    let law = || Coulomb::new(0.5, 0.4).unwrap();
-    for joint in [
-        Contact::between(0, 1, law(), 20.0).unwrap(),
-        Contact::new(1, law(), 20.0).unwrap(),
-    ] {
-        let system = stuck(joint);
-        let start = State::new(&[0.1, 0.05], &[0.0, 0.0]);
-        for found in [
-            shoot(&system, &start, Period::Driven(1)),
-            settle(&system, &start, 200.0, Period::Driven(1)),
-        ] {
-            // Closed to rounding, and the multiplier of the family is exactly 1.
-            let orbit = found.unwrap();
-            let motion = orbit.trajectory();
-            let [from, to] = [orbit.state(), motion.last()];
-            let pairs = |a: &[f64], b: &[f64]| -> f64 {
-                let apart = a.iter().zip(b).map(|(a, b)| (a - b).abs());
-                apart.fold(0.0, f64::max)
+    let law = || Coulomb::new(0.5, 0.5).unwrap();
+    let between = |i: usize, j: usize| Contact::between(i, j, law(), 20.0).unwrap();
+    let ground = |i: usize| Contact::new(i, law(), 20.0).unwrap();
+    let elastic = |i: usize, j: usize| between(i, j).with_tangential_stiffness(3.0).unwrap();
+    let slips = || Contact::new(0, law(), 0.1).unwrap();
+    type Joints = Vec<Contact>;
+    let cases: [(Joints, &[usize]); 8] = [
+        (vec![between(0, 1)], &[0]),
+        (vec![ground(1)], &[0]),
+        (vec![slips(), ground(1)], &[1]),
+        (vec![between(0, 1), between(1, 2)], &[0, 1]),
+        (vec![between(0, 2), slips(), between(1, 2)], &[0, 2]),
+        (vec![elastic(0, 1), between(0, 2)], &[0, 1]),
+        (vec![elastic(0, 1), ground(2), elastic(1, 2)], &[0, 1, 2]),
+        (vec![slips(), elastic(1, 2)], &[1]),
+    ];
+    for (joints, expected) in cases {
+        let count = joints
+            .iter()
+            .filter(|joint| joint.tangential_stiffness().is_some())
+            .count();
+        let system = stuck(joints);
+        let start = State::new(&[0.1, 0.05, -0.2], &[0.0, 0.0, 0.0]);
+        let start = start.with_memory(&vec![0.1; count]);
+        let shot = shoot(&system, &start, Period::Driven(1)).unwrap();
+        let settled = settle(&system, &start, 200.0, Period::Driven(1)).unwrap();
+        for orbit in [shot, settled] {
+            assert_eq!(orbit.unslipped(), expected);
+            let [from, to] = [orbit.state(), orbit.trajectory().last()];
+            let numbers = |state: &State| -> Vec<f64> {
+                let numbers = state.displacements.iter().chain(&state.velocities);
+                numbers.chain(&state.memory).copied().collect()
             };
-            assert!(pairs(&from.displacements, &to.displacements) < 1e-13);
-            assert!(pairs(&from.velocities, &to.velocities) < 1e-13);
-            assert!(orbit.multipliers().iter().any(|m| (m - 1.0).norm() < 1e-13));
-            assert!(!orbit.is_stable());
+            for (a, b) in numbers(&from).iter().zip(numbers(&to)) {
+                assert!((a - b).abs() < 1e-13, "{expected:?}: {a} {b}");
+            }
+            // The places at which they stick are no multipliers: what is left decays.
+            assert_eq!(orbit.multipliers().len(), 6 + count - expected.len());
+            assert!(orbit.is_stable(), "{expected:?}: {:?}", orbit.multipliers());
+        }
+    }
+}
+
+/// The place was that of the guess.
+#[test]
+fn a_contact_that_never_slips_keeps_the_place_of_the_guess() {
+    let system = Structure::new(&[1.0, 1.0])
+        .and_then(|s| s.with_ground_spring(0, 1.0)?.with_ground_damper(0, 0.2))
+        .and_then(|s| s.with_ground_spring(1, 1.0)?.with_force(0, sine(0.5)))
+        .and_then(|s| s.with_contact(Contact::between(0, 1, Coulomb::new(0.5, 0.4)?, 20.0)?))
+        .unwrap();
+    for apart in [0.0, 0.3, -1.5] {
+        let start = State::new(&[apart, 0.0], &[0.0, 0.0]);
+        let orbit = shoot(&system, &start, Period::Driven(1)).unwrap();
+        for state in [orbit.state(), orbit.trajectory().last()] {
+            let found = state.displacements[0] - state.displacements[1];
+            assert!((found - apart).abs() < 1e-14, "{found} {apart}");
         }
     }
 }

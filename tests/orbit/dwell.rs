@@ -1,10 +1,10 @@
 //! Cycles with static friction that rises at rest, over belt velocities up to where they die.
 
 use stick_slip::analysis::dwell::{DwellOscillator, ExactCycle};
-use stick_slip::orbit::{Orbit, Period, shoot};
+use stick_slip::orbit::{BranchEnd, Orbit, Period, follow, settle, shoot};
 use stick_slip::structure::State;
 use stick_slip::{
-    AnyLaw, Contact, Coulomb, Dwell, Error, EventKind, Exponential, FrictionLaw, MassOnBelt,
+    AnyLaw, Contact, Coulomb, Drive, Dwell, Error, EventKind, Exponential, FrictionLaw, MassOnBelt,
     Polynomial, Structure, bifurcation,
 };
 
@@ -194,5 +194,66 @@ fn with_falling_friction_cycles_end_where_they_touch_the_belt() {
             last.time > 2900.0
         };
         assert!(sticks(0.995 * v) && !sticks(1.005 * v));
+    }
+}
+
+/// A mass on a belt under a harmonic force, begun at a phase of it.
+fn forced(amplitude: f64, phase: f64) -> Result<Structure, Error> {
+    let law = Dwell::exponential(Coulomb::new(0.4, 0.3)?, 0.6, 1.5)?;
+    Structure::new(&[1.0])?
+        .with_ground_spring(0, 1.0)?
+        .with_ground_damper(0, 0.1)?
+        .with_force(0, Drive::harmonic(amplitude, 0.6, phase)?)?
+        .with_contact(Contact::new(0, law, 1.0)?.on_belt(0.1))
+}
+
+fn sticks(orbit: &Orbit<Structure>) -> bool {
+    let mut events = orbit.events().iter();
+    events.any(|event| event.kind == EventKind::Stick)
+}
+
+/// As stick or release passes the start of the period, the time in stick jumps there; the motion is
+/// the same.
+#[test]
+fn the_phase_at_which_a_period_begins_does_not_matter() {
+    let start = State::new(&[0.1], &[0.0]).with_memory(&[0.0]);
+    let family = |phase: f64| forced(0.6, phase);
+    let orbit = settle(&family(0.0).unwrap(), &start, 300.0, Period::Driven(1)).unwrap();
+    assert!(sticks(&orbit));
+    let branch = follow(family, 0.0, &orbit, -3.2..3.2).unwrap();
+    assert_eq!(branch.ends, [BranchEnd::Range, BranchEnd::Range]);
+    assert!(branch.bifurcations.is_empty(), "{:?}", branch.bifurcations);
+    for point in &branch.points {
+        let pairs = orbit.multipliers().iter().zip(point.orbit.multipliers());
+        for (here, there) in pairs {
+            // Both are as exact as the closure of the motion, some 1e-13, times its magnification.
+            assert!((here - there).norm() < 1e-10, "{here} {there}");
+        }
+        assert_eq!(point.orbit.events().len(), orbit.events().len());
+    }
+}
+
+/// A motion that always slips does not know how long it has stuck, whatever the start says; then it
+/// begins to stick.
+#[test]
+fn a_branch_enters_stick_from_a_motion_that_only_slips() {
+    for rest in [0.0, 1e-30, 0.3, 1e9] {
+        let start = State::new(&[0.1], &[0.0]).with_memory(&[0.0]);
+        let family = |amplitude: f64| forced(amplitude, 1.0);
+        let slips = settle(&family(1.5).unwrap(), &start, 300.0, Period::Driven(1)).unwrap();
+        assert!(!sticks(&slips));
+        let guess = slips.state().with_memory(&[rest]);
+        let slips = shoot(&family(1.5).unwrap(), &guess, Period::Driven(1)).unwrap();
+        let branch = follow(family, 1.5, &slips, 0.6..1.6).unwrap();
+        assert_eq!(branch.ends, [BranchEnd::Range, BranchEnd::Range], "{rest}");
+        let count = branch
+            .points
+            .iter()
+            .filter(|point| sticks(&point.orbit))
+            .count();
+        assert!(
+            count > 10 && count < branch.points.len() - 5,
+            "{rest}: {count}"
+        );
     }
 }

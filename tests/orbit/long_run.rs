@@ -1,6 +1,7 @@
 //! Lyapunov exponents and Poincaré sections.
 
 use approx::assert_abs_diff_eq;
+use stick_slip::nalgebra::Complex;
 use stick_slip::orbit::{
     Oscillator, Period, lyapunov, lyapunov_with_spread, section, section_at, settle, shoot,
 };
@@ -94,14 +95,18 @@ fn exponents_of_a_belt() {
     let found = lyapunov_with_spread(&paper(0.2), &(0.0, 0.0).into(), 0.0, 100.0).unwrap();
     assert_eq!((found.value, found.spread), (f64::NEG_INFINITY, 0.0));
     // At rest for ever: another displacement in the band stays another one. So says the formula,
-    // and so the multiplier 1 of the same mass under a force that does not move it.
+    // and so the family of the same mass under a force that does not move it.
     let rest = MassOnBelt::new(Coulomb::new(0.4, 0.3).unwrap(), 0.0).unwrap();
     let found = lyapunov_with_spread(&rest, &(0.1, 0.0).into(), 0.0, 10.0).unwrap();
     assert_eq!((found.value, found.spread), (0.0, 0.0));
     let held = Structure::from(&rest).with_force(0, Drive::sine(0.1, 1.0).unwrap());
     let (held, start) = (held.unwrap(), State::new(&[0.1], &[0.0]));
-    let multipliers = shoot(&held, &start, Period::Driven(1)).unwrap();
-    assert_eq!(multipliers.multipliers()[0].re, 1.0);
+    let rests = shoot(&held, &start, Period::Driven(1)).unwrap();
+    assert_eq!(
+        (rests.unslipped(), rests.state()),
+        (&[0][..], start.clone())
+    );
+    assert_eq!(rests.multipliers(), [Complex::new(0.0, 0.0)]);
     let found = lyapunov_with_spread(&held, &start, 0.0, 10.0).unwrap();
     assert_eq!((found.value, found.spread), (0.0, 0.0));
     // Exactly on steady sliding: eigenvalues −β ± i√(1 − β²).

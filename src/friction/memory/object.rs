@@ -30,6 +30,9 @@ pub(crate) trait LawObject {
     fn limit(&self, memory: Memory<'_>) -> Option<f64>;
     /// ∂μ_s/∂z_j; NaN for a law that never sticks.
     fn limit_slope(&self, memory: &[f64], by: usize) -> f64;
+    /// The change of variable j, from a memory of zeros, that changes μ_s or μ at r = 0 by 1;
+    /// infinite if none does.
+    fn memory_unit(&self, by: usize) -> f64;
     /// dz/dt: the number of each variable, and its rate.
     fn rates(&self, motion: Motion<f64>, memory: Memory<'_>, take: &mut dyn FnMut(usize, f64));
     /// The memory after slip has ended in stick, or stick in slip.
@@ -126,15 +129,21 @@ impl<L: ContactLaw> LawObject for L {
     }
 
     fn limit_slope(&self, memory: &[f64], by: usize) -> f64 {
-        let inputs = Variables::from_fn(|j| {
-            let component = if j == by { 1.0 } else { 0.0 };
-            Dual::along(memory[j], component)
-        });
+        let inputs = along::<L>(|j| memory[j], by);
         let limit = ContactLaw::limit(self, Dual::along(0.0, 0.0), inputs);
-        match limit.map(|limit| limit.tangent) {
-            Some(Tangent::Constant(slope) | Tangent::Varying(slope)) => slope,
-            None => f64::NAN,
-        }
+        limit.map_or(f64::NAN, slope)
+    }
+
+    fn memory_unit(&self, by: usize) -> f64 {
+        let inputs = along::<L>(|_| 0.0, by);
+        let limit = ContactLaw::limit(self, Dual::along(0.0, 0.0), inputs).map_or(0.0, slope);
+        let slip = Slip {
+            speed: Dual::along(0.0, 0.0),
+            direction: 1.0,
+            piece: 0,
+        };
+        let coefficient = slope(ContactLaw::coefficient(self, slip, inputs));
+        limit.abs().max(coefficient.abs()).recip()
     }
 
     fn rates(&self, motion: Motion<f64>, memory: Memory<'_>, take: &mut dyn FnMut(usize, f64)) {
@@ -251,7 +260,18 @@ impl<L: ContactLaw> LawObject for L {
     }
 }
 
-/// The memory as inputs of a law, with the tangent 1 for variable `by`.
+/// A memory as the inputs of a law, with the tangent 1 for variable `by`.
+fn along<L: ContactLaw>(memory: impl Fn(usize) -> f64, by: usize) -> L::Memory<Dual<f64>> {
+    Variables::from_fn(|j| Dual::along(memory(j), if j == by { 1.0 } else { 0.0 }))
+}
+
+fn slope(number: Dual<f64>) -> f64 {
+    match number.tangent {
+        Tangent::Constant(slope) | Tangent::Varying(slope) => slope,
+    }
+}
+
+/// The series of a memory as inputs of a law, with the tangent 1 for variable `by`.
 #[inline(always)]
 fn duals<'r, L: ContactLaw>(
     run: &'r Run<'_>,

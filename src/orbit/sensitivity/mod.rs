@@ -333,15 +333,11 @@ impl Sensitivities {
             }
         }
         let count = self.here.events.len();
-        let idle = (order - map.depends.len()..order).zip(&map.depends);
-        let idle: Vec<usize> = idle
-            .filter(|(_, depends)| !*depends)
-            .map(|(i, _)| i)
-            .collect();
+        let kept = map.kept();
         let mut periods = Vec::new();
         for (number, by) in self.variations.iter().enumerate() {
             let mut missed = by.derivative(|run| run.missed(count))?;
-            idle.iter().for_each(|&i| missed[i] = 0.0);
+            kept.iter().for_each(|&i| missed[i] = 0.0);
             let right = -missed
                 .component_div(&sizes)
                 .resize_vertically(unknowns, 0.0);

@@ -1,0 +1,90 @@
+//! Contacts that never slip: each makes a periodic motion one of a family.
+
+use nalgebra::DVector;
+
+use super::form::Form;
+use crate::motion::{Mode, Segment};
+use crate::state::structure::State;
+use crate::structure::Step;
+
+/// A contact that keeps its place all along: b·δq = 0, of an elastic one δT = k_t b·δq. So one
+/// number of a perturbation follows from displacements, by which none of these contacts is known.
+#[derive(Debug, Clone)]
+pub(super) struct Unslipped {
+    pub(super) contact: usize,
+    /// The number that follows: a displacement, or T.
+    pub(super) row: usize,
+    /// Its derivatives by the displacements.
+    pub(super) slopes: Vec<(usize, f64)>,
+}
+
+/// Contacts that stick in all of these steps, to surfaces that come back to where they were. Of
+/// those that hold their coordinates, each gives one displacement, that with the largest share;
+/// elastic ones come last, because they give none.
+pub(super) fn unslipped(
+    form: &Form<'_>,
+    steps: &[Step],
+    [start, end]: [&State; 2],
+) -> Vec<Unslipped> {
+    /// How far a surface that comes back may seem to have moved, in parts of the displacements.
+    const ROUNDING: f64 = 1e-9;
+    let lasting = || steps.iter().filter(|step| step.duration() > 0.0);
+    let never_slips = |c: &usize| lasting().all(|step| step.modes()[*c] == Mode::Stick);
+    let comes_back = |c: &usize| {
+        let contact = &form.model.contacts[*c];
+        let [from, to] = [start, end].map(|state| &state.displacements);
+        let size = contact.size_along(|j| from[j].abs().max(to[j].abs()));
+        contact.along(|j| to[j] - from[j]).abs() <= ROUNDING * size
+    };
+    let (held, elastic): (Vec<usize>, Vec<usize>) = (0..form.contacts())
+        .filter(never_slips)
+        .partition(|&c| form.holds(c));
+    let held = held.into_iter().filter(comes_back);
+    let mut unslipped: Vec<Unslipped> = Vec::new();
+    let along = |contact: usize, unslipped: &[Unslipped]| {
+        let mut row = DVector::zeros(form.len());
+        for &(j, b) in form.model.contacts[contact].direction.iter() {
+            row[j] = b;
+        }
+        for known in unslipped {
+            let share = std::mem::replace(&mut row[known.row], 0.0);
+            known.slopes.iter().for_each(|&(j, k)| row[j] += share * k);
+        }
+        row
+    };
+    let entries = |row: &DVector<f64>, factor: f64| -> Vec<(usize, f64)> {
+        let row = row.iter().enumerate().filter(|(_, x)| **x != 0.0);
+        row.map(|(j, x)| (j, factor * x)).collect()
+    };
+    for contact in held {
+        let mut direction = along(contact, &unslipped);
+        let row = direction.icamax();
+        let share = std::mem::replace(&mut direction[row], 0.0);
+        if share == 0.0 {
+            continue;
+        }
+        for known in &mut unslipped {
+            let place = known.slopes.iter().position(|&(j, _)| j == row);
+            if let Some((_, k)) = place.map(|place| known.slopes.swap_remove(place)) {
+                known.slopes.extend(entries(&direction, -k / share));
+            }
+        }
+        let slopes = entries(&direction, -1.0 / share);
+        unslipped.push(Unslipped {
+            contact,
+            row,
+            slopes,
+        });
+    }
+    let carried = elastic.into_iter().filter_map(|contact| {
+        let stiffness = form.model.contacts[contact].tangential_stiffness?;
+        Some(Unslipped {
+            contact,
+            row: form.carried_row(contact),
+            slopes: entries(&along(contact, &unslipped), stiffness),
+        })
+    });
+    let carried: Vec<_> = carried.collect();
+    unslipped.extend(carried);
+    unslipped
+}
