@@ -60,7 +60,10 @@ impl Edge {
     pub(super) fn leaving(self, series: &ContactSeries, side: Direction) -> (Self, f64) {
         let mut distance = self.distance(series, side);
         distance[0] = 0.0;
-        leaving(&distance, series.bound[0], Some(side))
+        let (edge, sign) = leaving(&distance, series.bound[0], Some(side));
+        // Asked again, with a rate of 0 by now.
+        let is_touched = matches!(self, Self::Touched(_)) && self.is_at(side);
+        (if is_touched { self } else { edge }, sign)
     }
 }
 

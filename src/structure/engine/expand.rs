@@ -100,18 +100,44 @@ pub(super) fn expand(
     series: &mut Series,
     orders: usize,
 ) -> Result<(), LawFault> {
-    let n = model.len();
+    if orders < ALL {
+        // What is not computed is not that of the step before.
+        for of in &mut series.contacts {
+            (of.speeds, of.carried, of.bound) =
+                (PowerSeries::ZERO, PowerSeries::ZERO, PowerSeries::ZERO);
+            if of.load_varies {
+                of.load = PowerSeries::ZERO;
+            }
+        }
+    }
     start(model, situation, series);
+    all_orders(model, situation, series, 0..orders);
+    law_fault(situation, series).map_or(Ok(()), Err)
+}
+
+/// All orders that come after the first ones, which [`expand`] has found.
+pub(super) fn expand_further(
+    model: &Model<'_>,
+    situation: &Situation,
+    series: &mut Series,
+    first: usize,
+) {
+    all_orders(model, situation, series, first..ALL);
+}
+
+fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, orders: Range<usize>) {
+    let n = model.len();
     if model.shared.is_empty() && model.springs.is_empty() {
         let shift = model.bandwidth;
         if n <= AT_A_TIME {
-            for k in 0..orders {
+            for k in orders {
                 order(model, series, k, 0..n);
             }
         } else {
-            for start in (0..n + orders * shift).step_by(AT_A_TIME) {
-                for k in 0..orders {
-                    let place = |i: usize| i.saturating_sub(k * shift).min(n);
+            for start in (0..n + orders.len() * shift).step_by(AT_A_TIME) {
+                for k in orders.clone() {
+                    let behind = (k - orders.start) * shift;
+                    let place = |i: usize| i.saturating_sub(behind).min(n);
                     let coordinates = place(start)..place(start + AT_A_TIME);
                     order(model, series, k, coordinates);
                 }
@@ -119,7 +145,7 @@ pub(super) fn expand(
         }
     } else {
         let is_delicate = is_delicate(model, situation);
-        for k in 0..orders {
+        for k in orders {
             if k > 0 {
                 spring_order(model, series, k);
             }
@@ -127,7 +153,6 @@ pub(super) fn expand(
             shared_order(model, situation, series, k, is_delicate);
         }
     }
-    law_fault(situation, series).map_or(Ok(()), Err)
 }
 
 /// How many masses of a long chain are brought from order to order together.
@@ -187,6 +212,9 @@ fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
 /// Order k + 1 of the velocities of some coordinates, without what shared contacts do to them.
 #[inline(always)]
 fn order(model: &Model<'_>, series: &mut Series, k: usize, range: Range<usize>) {
+    if k >= ALL {
+        return; // Tells the compiler which coefficients there are.
+    }
     let n = model.len();
     let Series {
         coordinates,

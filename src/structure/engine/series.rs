@@ -80,22 +80,24 @@ pub(super) struct Course([f64; TERMS + 1]);
 impl Course {
     pub(super) const ZERO: Self = Self([0.0; TERMS + 1]);
 
+    /// What number k is multiplied with in the displacement: 1/k, and 1 for its value.
+    const WEIGHTS: [f64; TERMS + 1] = {
+        let mut weights = [1.0; TERMS + 1];
+        let mut k = 1;
+        while k <= TERMS {
+            weights[k] = INTEGRAL[k - 1];
+            k += 1;
+        }
+        weights
+    };
+
     pub(super) fn start(&mut self, displacement: f64, velocity: f64) {
         [self.0[0], self.0[1]] = [displacement, velocity];
     }
 
     #[inline(always)]
     pub(super) fn displacement(&self, k: usize) -> f64 {
-        const WEIGHTS: [f64; TERMS + 1] = {
-            let mut weights = [1.0; TERMS + 1];
-            let mut k = 1;
-            while k <= TERMS {
-                weights[k] = INTEGRAL[k - 1];
-                k += 1;
-            }
-            weights
-        };
-        self.0[k] * WEIGHTS[k]
+        self.0[k] * Self::WEIGHTS[k]
     }
 
     #[inline(always)]
