@@ -51,8 +51,7 @@ pub(crate) trait LawObject {
         tape: &mut Tape,
         k: usize,
         slip: Slip<f64>,
-        memory: &[PowerSeries],
-        rates: &mut [f64],
+        memory: &mut MemoryOrder<'_>,
     ) -> (f64, f64);
     /// Coefficient k of μ_s in stick, 0 for a law that never sticks, and of the rates.
     fn stick_order(
@@ -71,6 +70,23 @@ pub(crate) trait LawObject {
         by: Option<usize>,
         tape: &mut Tape,
     ) -> Derivative;
+}
+
+/// The series of a contact's memory, of which the law is given one order, and room for that order of
+/// their rates.
+pub(crate) struct MemoryOrder<'a> {
+    pub(crate) series: &'a [PowerSeries],
+    pub(crate) rates: &'a mut [f64],
+}
+
+impl MemoryOrder<'_> {
+    /// That of a law without memory.
+    pub(crate) fn none() -> Self {
+        Self {
+            series: &[],
+            rates: &mut [],
+        }
+    }
 }
 
 /// Series of a law, and of its derivative by one input.
@@ -175,19 +191,19 @@ impl<L: ContactLaw> LawObject for L {
         tape: &mut Tape,
         k: usize,
         slip: Slip<f64>,
-        memory: &[PowerSeries],
-        rates: &mut [f64],
+        memory: &mut MemoryOrder<'_>,
     ) -> (f64, f64) {
+        let MemoryOrder { series, rates } = memory;
         tape.run(k, |run| {
             let slip = Slip {
                 speed: run.variable(slip.speed),
                 direction: slip.direction,
                 piece: slip.piece,
             };
-            let memory: L::Memory<Jet<'_>> = Variables::from_fn(|j| run.input(memory[j][k]));
+            let memory: L::Memory<Jet<'_>> = Variables::from_fn(|j| run.input(series[j][k]));
             let coefficient = ContactLaw::coefficient(self, slip, memory) * slip.direction;
             let found = ContactLaw::rates(self, Motion::Slip(slip), memory);
-            for (rate, found) in std::iter::zip(&mut *rates, found.as_ref()) {
+            for (rate, found) in std::iter::zip(&mut **rates, found.as_ref()) {
                 *rate = found.coefficient();
             }
             (coefficient.coefficient(), coefficient.derivative())

@@ -18,6 +18,17 @@ const INVERSE: [f64; LONGEST] = {
     inverse
 };
 
+/// k, which is quicker to look up than to convert.
+const ORDER: [f64; LONGEST] = {
+    let mut order = [0.0; LONGEST];
+    let mut k = 0;
+    while k < LONGEST {
+        order[k] = k as f64;
+        k += 1;
+    }
+    order
+};
+
 impl<'r> Jet<'r> {
     /// A row of k·c_k, the coefficients that the recurrences of y' = f(y)·a' multiply with.
     #[inline(always)]
@@ -30,7 +41,8 @@ impl<'r> Jet<'r> {
     #[inline(always)]
     fn write_weighted(self, row: &Line) {
         if self.order() > 0 {
-            self.run.set(row, self.order() as f64 * self.newest());
+            self.run
+                .set(row, ORDER[self.order() % LONGEST] * self.newest());
         }
     }
 

@@ -83,50 +83,56 @@ impl ContactStep<'_> {
         let Some(slip) = self.state.slip(()) else {
             return true;
         };
-        let speeds = &self.series.speeds;
         let times = quarters(self.h);
-        let at_times = speeds.at_four(times);
-        let at_quarters = self.defect(slip, times, at_times);
+        let speeds = &self.series.speeds;
+        let (at_quarters, at_times) = self.defect(slip, &times);
         let mut at_minima = 0.0;
         speeds.about_minima(self.h, at_times, &mut |times| {
-            at_minima += self.defect(slip, times, speeds.at_four(times));
+            at_minima += self.defect(slip, &times).0;
         });
         let mut between = 0.0;
         in_between(self.h, self.unit, &mut |times| {
-            between += self.defect(slip, times, speeds.at_four(times));
+            between += self.defect(slip, &times).0;
         });
         self.allowance
             .accepts([at_quarters, at_minima, between], self.h)
     }
 
-    /// Largest |μ(s(t)) − μ(t)| at four times, where s(t) has the values `speeds`, times the
-    /// largest N there: the defect of the series, up to terms as small as its last. A load that
-    /// vanishes at one of them hides nothing of what is missing before.
-    fn defect(&self, slip: Slip<()>, times: [f64; 4], speeds: [f64; 4]) -> f64 {
+    /// Largest |μ(s(t)) − μ(t)| at four times, where s(t) is the sliding speed, times the largest N
+    /// there: the defect of the series, up to terms as small as its last. A load that vanishes at
+    /// one of them hides nothing of what is missing before. Beside it the speeds.
+    fn defect(&self, slip: Slip<()>, times: &[f64; 4]) -> (f64, [f64; 4]) {
         let Self {
             contact, series, ..
         } = self;
-        let friction = series.friction.at_four(times);
+        let speeds = series.speeds.at_four(*times);
+        let friction = series.friction.at_four(*times);
         let slip = Slip {
-            speed: speeds.map(|speed| speed.max(0.0)),
+            // As f64::max, which costs more.
+            speed: speeds.map(|speed| if speed > 0.0 { speed } else { 0.0 }),
             direction: slip.direction,
             piece: slip.piece,
         };
         let memory = &|i: usize, j: usize| series.memories[j].at(times[i]);
         let values = contact.law.at_four(slip, memory);
-        let mut largest = 0.0;
+        let (mut largest, mut nothing) = (0.0, 0.0);
         for i in 0..4 {
-            let value = values[i] * slip.direction;
-            let difference = (value - friction[i]).abs();
-            // Not f64::max, which would drop a NaN.
-            largest = if largest >= difference {
-                largest
+            let difference = (values[i] * slip.direction - friction[i]).abs();
+            largest = if difference > largest {
+                difference
             } else {
-                difference + 0.0 * largest
+                largest
             };
+            // What is not finite is not dropped.
+            nothing += 0.0 * difference;
         }
-        let loads = self.loads_at(times).map(f64::abs);
-        loads.into_iter().fold(0.0, f64::max) * largest
+        let load = if series.load_varies {
+            let loads = series.load.at_some(*times).map(f64::abs);
+            loads.into_iter().fold(0.0, f64::max)
+        } else {
+            series.load[0].abs()
+        };
+        (load * (largest + nothing), speeds)
     }
 
     /// Whether the step leaves out no more of the memory than it may, in the same places, and in

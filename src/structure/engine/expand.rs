@@ -5,11 +5,12 @@ use std::ops::Range;
 use super::edge::Edge;
 use super::factor::Holding;
 use super::model::{ContactData, Model, Target};
-use super::series::{ContactCourse, ContactSeries, CoordinateSeries, Series};
+use super::series::{ContactCourse, ContactSeries, CoordinateSeries, Course, Role, Series};
 use super::springs::spring_order;
 use super::state::{Phase, Situation};
 use crate::error::{Error, Reached};
 use crate::friction::memory::Slip;
+use crate::friction::memory::object::MemoryOrder;
 use crate::scalar::mul_add;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 
@@ -130,16 +131,14 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
     if model.shared.is_empty() && model.springs.is_empty() {
         let shift = model.bandwidth;
         if n <= AT_A_TIME {
-            for k in orders {
-                order(model, series, k, 0..n);
-            }
+            all_of(model, series, orders, 0..n);
         } else {
             for start in (0..n + orders.len() * shift).step_by(AT_A_TIME) {
                 for k in orders.clone() {
                     let behind = (k - orders.start) * shift;
                     let place = |i: usize| i.saturating_sub(behind).min(n);
                     let coordinates = place(start)..place(start + AT_A_TIME);
-                    order(model, series, k, coordinates);
+                    all_of(model, series, k..k + 1, coordinates);
                 }
             }
         }
@@ -149,14 +148,14 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
             if k > 0 {
                 spring_order(model, series, k);
             }
-            order(model, series, k, 0..n);
+            all_of(model, series, k..k + 1, 0..n);
             shared_order(model, situation, series, k, is_delicate);
         }
     }
 }
 
 /// How many masses of a long chain are brought from order to order together.
-const AT_A_TIME: usize = 32;
+const AT_A_TIME: usize = 16;
 
 /// All orders that a step has.
 pub(super) const ALL: usize = TERMS - 1;
@@ -183,7 +182,16 @@ fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
     for i in 0..model.len() {
         let velocity = situation.velocity(model, series, i);
         let displacement = situation.coordinates[i].displacement;
-        series.coordinates[i].course.start(displacement, velocity);
+        let role = role(model, situation, series, i);
+        let coordinate = &mut series.coordinates[i];
+        if let (Role::Held(c), true) = (role, role != coordinate.role) {
+            // What is not computed again.
+            coordinate.course = Course::ZERO;
+            let of = &mut series.contacts[c];
+            (of.speeds, of.bound) = (PowerSeries::ZERO, PowerSeries::ZERO);
+        }
+        coordinate.role = role;
+        coordinate.course.start(displacement, velocity);
     }
     for (of, state) in std::iter::zip(&mut series.contacts, &situation.contacts) {
         (of.rate, of.limit) = (None, state.static_coefficient());
@@ -209,79 +217,90 @@ fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
     spring_order(model, series, 0);
 }
 
-/// Order k + 1 of the velocities of some coordinates, without what shared contacts do to them.
-#[inline(always)]
-fn order(model: &Model<'_>, series: &mut Series, k: usize, range: Range<usize>) {
-    if k >= ALL {
-        return; // Tells the compiler which coefficients there are.
+/// Whether all that a coordinate does from now on is simple.
+fn role(model: &Model<'_>, situation: &Situation, series: &Series, i: usize) -> Role {
+    let Some(c) = model.owner[i] else {
+        return Role::Other;
+    };
+    let of = &series.contacts[c];
+    let is_simple = of.memories.is_empty() && !of.load_varies && !model.is_driven[i];
+    match situation.contacts[c].phase {
+        Phase::Stick { .. } if is_simple => Role::Held(c),
+        Phase::Slip { .. } if is_simple => Role::Slips(c),
+        _ => Role::Other,
     }
-    let n = model.len();
+}
+
+/// Orders k + 1 of the velocities of some coordinates, without what shared contacts do to them.
+fn all_of(model: &Model<'_>, series: &mut Series, orders: Range<usize>, range: Range<usize>) {
+    let nothing = &mut MemoryOrder::none();
+    // Tells the compiler which coefficients there are.
+    for k in orders.start..orders.end.min(ALL) {
+        for i in range.clone() {
+            let (coordinates, contacts) = (&mut series.coordinates[..], &mut series.contacts);
+            let rate = free_rate(model, coordinates, i, k);
+            let coordinate = &mut coordinates[i];
+            match coordinate.role {
+                Role::Held(c) if k > 0 => contacts[c].carried[k] = rate,
+                Role::Slips(c) if k > 0 => {
+                    let of = &mut contacts[c];
+                    of.carried[k] = rate;
+                    let friction = of.load[0] * of.law_order(&model.contacts[c], k, nothing);
+                    let speed = (of.side * rate - friction) * INTEGRAL[k];
+                    of.speeds[k + 1] = speed;
+                    coordinate.course.set_velocity(k + 1, of.side * speed);
+                }
+                _ => order(model, series, k, i, rate),
+            }
+        }
+    }
+}
+
+/// The same for a coordinate that may do anything.
+#[inline(never)]
+fn order(model: &Model<'_>, series: &mut Series, k: usize, i: usize, rate: f64) {
     let Series {
         coordinates,
         contacts,
         rates,
         ..
     } = series;
-    let (coordinates, owner) = (&mut coordinates[..n], &model.owner[..n]);
-    let (is_driven, rates) = (&model.is_driven[..n], &mut rates[..n]);
-    for i in range {
-        let Some(c) = owner[i] else {
-            let mut rate = free_rate(model, coordinates, i, k);
-            if is_driven[i] || k == 0 {
-                rate += coordinates[i].force[k];
-            }
-            rates[i] = rate;
-            coordinates[i]
-                .course
-                .set_velocity(k + 1, rate * INTEGRAL[k]);
-            continue;
-        };
-        let (contact, of) = (&model.contacts[c], &mut contacts[c]);
-        if of.load_varies {
-            of.load_order(contact, coordinates, k);
+    let is_driven = model.is_driven[i];
+    let given = if is_driven || k == 0 {
+        coordinates[i].force[k]
+    } else {
+        0.0
+    };
+    let velocity = match model.owner[i] {
+        None => {
+            rates[i] = rate + given;
+            rates[i] * INTEGRAL[k]
         }
-        let friction = match of.course {
-            ContactCourse::Slip => of.slip_order(contact, k),
-            ContactCourse::Stick => {
-                of.stick_order(contact, k);
+        Some(c) => {
+            let (contact, of) = (&model.contacts[c], &mut contacts[c]);
+            if of.load_varies {
+                of.load_order(contact, coordinates, k);
+            }
+            let surface = if is_driven && of.course != ContactCourse::Open {
+                of.surface[k + 1]
+            } else {
                 0.0
-            }
-            ContactCourse::Open => 0.0,
-        };
-        let mut carried = free_rate(model, coordinates, i, k);
-        let mut surface = 0.0;
-        if is_driven[i] {
-            if of.course != ContactCourse::Open {
-                surface = of.surface[k + 1];
-            }
-            carried += coordinates[i].force[k] - (k + 1) as f64 * surface;
-        } else if k == 0 {
-            carried += coordinates[i].force[0];
+            };
+            of.carried[k] = rate + (given - (k + 1) as f64 * surface);
+            of.order(contact, k, surface)
         }
-        of.carried[k] = carried;
-        let mut speed = (of.side * carried - friction) * INTEGRAL[k];
-        if k == 0 {
-            speed = of.rate.unwrap_or(speed);
-        }
-        of.speeds[k + 1] = speed;
-        let velocity = mul_add(of.side, speed, surface);
-        coordinates[i].course.set_velocity(k + 1, velocity);
-    }
+    };
+    coordinates[i].course.set_velocity(k + 1, velocity);
 }
 
-/// (−M⁻¹K q − M⁻¹C v)_i of order k.
+/// (−M⁻¹K q − M⁻¹C v)_i of order k, the newest of the coordinate.
 #[inline(always)]
 fn free_rate(model: &Model<'_>, coordinates: &[CoordinateSeries], i: usize, k: usize) -> f64 {
-    let own = &coordinates[i].course;
-    let ((spring, springs), (damper, dampers)) = (model.stiffness.row(i), model.damping.row(i));
-    let mut rate = -damper * own.velocity(k) - spring * own.displacement(k);
-    for &(j, a) in springs {
-        rate -= a * coordinates[j].course.displacement(k);
-    }
-    for &(j, a) in dampers {
-        rate -= a * coordinates[j].course.velocity(k);
-    }
-    rate
+    let course = |j: usize| &coordinates[j].course;
+    let own = [course(i).displacement(k), course(i).newest_velocity()];
+    let displacement = |j: usize| course(j).displacement(k);
+    let velocity = |j: usize| course(j).velocity(k);
+    model.linear.minus_products(i, own, displacement, velocity)
 }
 
 /// What shared contacts do to order k + 1 of the velocities: friction of those that slip, then what
@@ -468,6 +487,26 @@ impl Series {
 }
 
 impl ContactSeries {
+    /// Order k of a contact with a coordinate to itself, from that of all else that accelerates it
+    /// against the surface, and k + 1 of the sliding speed. Returns that of the coordinate's
+    /// velocity.
+    fn order(&mut self, contact: &ContactData<'_>, k: usize, surface: f64) -> f64 {
+        let friction = match self.course {
+            ContactCourse::Open => 0.0,
+            ContactCourse::Stick => {
+                self.stick_order(contact, k);
+                0.0
+            }
+            ContactCourse::Slip => self.slip_order(contact, k),
+        };
+        let mut speed = (self.side * self.carried[k] - friction) * INTEGRAL[k];
+        if k == 0 {
+            speed = self.rate.unwrap_or(speed);
+        }
+        self.speeds[k + 1] = speed;
+        mul_add(self.side, speed, surface)
+    }
+
     /// Coefficient k of the load.
     #[inline(always)]
     pub(super) fn load_order(
@@ -485,19 +524,12 @@ impl ContactSeries {
 
     /// Coefficient k of Nσμ in slip, and k + 1 of the memory; on the slow manifold k of the memory,
     /// from k + 1 of the pass before.
-    #[inline(always)]
     fn slip_order(&mut self, contact: &ContactData<'_>, k: usize) -> f64 {
-        let slip = Slip {
-            speed: self.speeds[k],
-            direction: self.side,
-            piece: self.piece,
-        };
         let coefficient = if self.memories.is_empty() {
-            self.run_law(contact, slip, k)
+            self.law_order(contact, k, &mut MemoryOrder::none())
         } else {
-            self.with_memory(contact, slip, k)
+            self.with_memory(contact, k)
         };
-        self.friction[k] = coefficient;
         if self.load_varies {
             (0..=k).map(|l| self.load[l] * self.friction[k - l]).sum()
         } else {
@@ -506,10 +538,10 @@ impl ContactSeries {
     }
 
     /// Coefficient k of σμ, and k + 1 of the memory, or k.
-    fn with_memory(&mut self, contact: &ContactData<'_>, slip: Slip<f64>, k: usize) -> f64 {
+    fn with_memory(&mut self, contact: &ContactData<'_>, k: usize) -> f64 {
         if self.relaxation > 0.0 {
             // The law runs twice: for the memory, then with it.
-            self.run_law(contact, slip, k);
+            self.with_rates(contact, k);
             for (series, rate) in std::iter::zip(&mut self.memories, &self.rates) {
                 let correction = (rate - (k + 1) as f64 * series[k + 1]) / self.relaxation;
                 // What rounds to and fro would change the later coefficients for ever.
@@ -517,21 +549,41 @@ impl ContactSeries {
                     series[k] += correction;
                 }
             }
-            return self.run_law(contact, slip, k);
+            return self.with_rates(contact, k);
         }
-        let coefficient = self.run_law(contact, slip, k);
+        let coefficient = self.with_rates(contact, k);
         self.set_memories(k);
         coefficient
     }
 
-    /// Coefficient k of σμ; notes the slope and coefficient k of the rates of the memory.
+    /// Coefficient k of σμ; notes that of the rates of the memory.
+    fn with_rates(&mut self, contact: &ContactData<'_>, k: usize) -> f64 {
+        let memories = std::mem::take(&mut self.memories);
+        let mut rates = std::mem::take(&mut self.rates);
+        let mut memory = MemoryOrder {
+            series: &memories,
+            rates: &mut rates,
+        };
+        let coefficient = self.law_order(contact, k, &mut memory);
+        (self.memories, self.rates) = (memories, rates);
+        coefficient
+    }
+
+    /// The same with the memory apart.
     #[inline(always)]
-    fn run_law(&mut self, contact: &ContactData<'_>, slip: Slip<f64>, k: usize) -> f64 {
-        let (memories, rates) = (&self.memories, &mut self.rates);
-        let (coefficient, slope) = contact
-            .law
-            .slip_order(&mut self.tape, k, slip, memories, rates);
-        self.slope = slope;
+    fn law_order(
+        &mut self,
+        contact: &ContactData<'_>,
+        k: usize,
+        memory: &mut MemoryOrder<'_>,
+    ) -> f64 {
+        let slip = Slip {
+            speed: self.speeds[k],
+            direction: self.side,
+            piece: self.piece,
+        };
+        let (coefficient, slope) = contact.law.slip_order(&mut self.tape, k, slip, memory);
+        (self.friction[k], self.slope) = (coefficient, slope);
         coefficient
     }
 

@@ -6,7 +6,7 @@ use std::ops::Range;
 use nalgebra::DMatrix;
 
 use super::factor::{Factor, Holding};
-use super::sparse::Sparse;
+use super::sparse::{Sparse, SparsePair};
 use crate::belt::MassOnBelt;
 use crate::drive::Drive;
 use crate::error::{Element, Error};
@@ -31,6 +31,8 @@ pub(crate) struct Model<'s> {
     pub(crate) stiffness: Sparse,
     /// M⁻¹C.
     pub(crate) damping: Sparse,
+    /// Both, M⁻¹K beside M⁻¹C.
+    pub(super) linear: SparsePair,
     /// M⁻¹.
     pub(crate) inverse_mass: Sparse,
     pub(crate) forces: Cow<'s, [Drive]>,
@@ -237,6 +239,7 @@ impl<'s> Model<'s> {
         let damping = inverse_mass.times(damping);
         let mut model = Self {
             inverse_mass,
+            linear: SparsePair::new([&stiffness, &damping]),
             stiffness,
             damping,
             forces,

@@ -1,7 +1,7 @@
 //! How far the series of a step are used, and what errors are allowed in it.
 
 use super::model::{ContactData, Model};
-use super::series::Series;
+use super::series::{Course, Series};
 use super::springs::spring_size;
 use super::state::{Phase, Situation};
 use crate::motion::step_control::{Allowance, FARTHEST, reach};
@@ -93,20 +93,22 @@ pub(super) fn is_linear(model: &Model<'_>, situation: &Situation, series: &Serie
 /// Whether all series could be computed to their ends.
 pub(super) fn is_finite(situation: &Situation, series: &Series) -> bool {
     const LAST: usize = TERMS - 1;
-    let coordinates = series.coordinates.iter().flat_map(|coordinate| {
-        let velocity = |k: usize| coordinate.course.velocity(k);
-        [velocity(LAST), velocity(LAST - 1)]
-    });
-    let contacts = std::iter::zip(&situation.contacts, &series.contacts);
-    let contacts = contacts.flat_map(|(state, series)| {
-        let memories = series.memories.iter().map(|series| series[LAST]);
-        let carried = [LAST - 1, LAST - 2].map(|k| series.carried[k]);
-        let carried = carried.map(|c| if state.sticks() { c } else { 0.0 });
-        memories
-            .chain([series.bound[LAST - 1], series.load[LAST - 1]])
-            .chain(carried)
-    });
-    coordinates.chain(contacts).all(f64::is_finite)
+    // 0 times what is not finite is no number.
+    let mut sum = 0.0;
+    for coordinate in &series.coordinates {
+        let velocity = |k: usize| 0.0 * coordinate.course.velocity(k);
+        sum += velocity(LAST) + velocity(LAST - 1);
+    }
+    for (state, of) in std::iter::zip(&situation.contacts, &series.contacts) {
+        sum += 0.0 * of.bound[LAST - 1] + 0.0 * of.load[LAST - 1];
+        if state.sticks() {
+            sum += 0.0 * of.carried[LAST - 1] + 0.0 * of.carried[LAST - 2];
+        }
+        for memory in &of.memories {
+            sum += 0.0 * memory[LAST];
+        }
+    }
+    sum == 0.0
 }
 
 /// Sum of the sizes of all terms of the acceleration of a coordinate.
@@ -354,7 +356,7 @@ pub(super) fn plan_memory(
 
 /// The velocity of a coordinate as it is integrated: v = w + σy with a contact of its own.
 enum CoordinateMotion<'a> {
-    Free(PowerSeries),
+    Free(&'a Course),
     Slips(&'a PowerSeries, &'a PowerSeries),
     Sticks(&'a PowerSeries),
 }
@@ -369,7 +371,7 @@ fn motion<'a>(
     match owner {
         Some((Phase::Slip { .. }, of)) => CoordinateMotion::Slips(&of.speeds, &of.surface),
         Some((Phase::Stick { .. }, of)) => CoordinateMotion::Sticks(&of.surface),
-        Some((Phase::Open, _)) | None => CoordinateMotion::Free(series.velocities(i)),
+        Some((Phase::Open, _)) | None => CoordinateMotion::Free(&series.coordinates[i].course),
     }
 }
 
@@ -377,7 +379,7 @@ impl CoordinateMotion<'_> {
     /// Coefficient k of y, or of v.
     fn speed(&self, k: usize) -> f64 {
         match self {
-            Self::Free(speeds) => speeds[k],
+            Self::Free(course) => course.velocity(k),
             Self::Slips(speeds, _) => speeds[k],
             Self::Sticks(_) => 0.0,
         }
@@ -393,7 +395,7 @@ impl CoordinateMotion<'_> {
 
     fn largest_change(&self, time: f64) -> f64 {
         match self {
-            Self::Free(speeds) => speeds.largest_change(time),
+            Self::Free(course) => course.velocities().largest_change(time),
             Self::Slips(speeds, _) => speeds.largest_change(time),
             Self::Sticks(_) => 0.0,
         }
@@ -402,7 +404,7 @@ impl CoordinateMotion<'_> {
     fn reach(&self, error: f64) -> f64 {
         let of = |series| reach_of(error, series, TERMS - 1);
         match self {
-            Self::Free(speeds) => of(speeds),
+            Self::Free(course) => of(&course.velocities()),
             Self::Slips(speeds, surface) => of(speeds).min(of(surface)),
             Self::Sticks(surface) => of(surface),
         }

@@ -75,10 +75,18 @@ pub(super) struct ContactSeries {
 /// The series of one displacement q: its value, then the coefficients of the velocity v = q', so
 /// that number k is q_0 or k q_k.
 #[derive(Debug, Clone)]
-pub(super) struct Course([f64; TERMS + 1]);
+pub(super) struct Course {
+    numbers: [f64; TERMS + 1],
+    /// The coefficient of the velocity that was set last, apart: beside the one before it, both
+    /// would be loaded at once, and that has to wait for what was just stored.
+    newest: f64,
+}
 
 impl Course {
-    pub(super) const ZERO: Self = Self([0.0; TERMS + 1]);
+    pub(super) const ZERO: Self = Self {
+        numbers: [0.0; TERMS + 1],
+        newest: 0.0,
+    };
 
     /// What number k is multiplied with in the displacement: 1/k, and 1 for its value.
     const WEIGHTS: [f64; TERMS + 1] = {
@@ -92,22 +100,30 @@ impl Course {
     };
 
     pub(super) fn start(&mut self, displacement: f64, velocity: f64) {
-        [self.0[0], self.0[1]] = [displacement, velocity];
+        [self.numbers[0], self.numbers[1]] = [displacement, velocity];
+        self.newest = velocity;
     }
 
     #[inline(always)]
     pub(super) fn displacement(&self, k: usize) -> f64 {
-        self.0[k] * Self::WEIGHTS[k]
+        self.numbers[k] * Self::WEIGHTS[k]
     }
 
     #[inline(always)]
     pub(super) fn velocity(&self, k: usize) -> f64 {
-        self.0[k + 1]
+        self.numbers[k + 1]
+    }
+
+    /// That of the highest order so far.
+    #[inline(always)]
+    pub(super) fn newest_velocity(&self) -> f64 {
+        self.newest
     }
 
     #[inline(always)]
     pub(super) fn set_velocity(&mut self, k: usize, coefficient: f64) {
-        self.0[k + 1] = coefficient;
+        self.numbers[k + 1] = coefficient;
+        self.newest = coefficient;
     }
 
     /// v(t).
@@ -117,7 +133,7 @@ impl Course {
 
     /// Whether v is constant.
     pub(super) fn is_straight(&self) -> bool {
-        self.0[2..].iter().all(|&c| c == 0.0)
+        self.numbers[2..].iter().all(|&c| c == 0.0)
     }
 
     /// The series of v.
@@ -132,6 +148,19 @@ pub(super) struct CoordinateSeries {
     pub(super) course: Course,
     /// (M⁻¹f)_i.
     pub(super) force: PowerSeries,
+    /// How later orders of its velocity come about in the step.
+    pub(super) role: Role,
+}
+
+/// What a coordinate does in a step, where that is simple.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Role {
+    /// It is held by this contact, which has a constant bound and a constant velocity.
+    Held(usize),
+    /// It slips in this contact, which has no memory, with a constant load on a constant belt.
+    Slips(usize),
+    /// Something else.
+    Other,
 }
 
 impl CoordinateSeries {
@@ -139,6 +168,7 @@ impl CoordinateSeries {
         Self {
             course: Course::ZERO,
             force,
+            role: Role::Other,
         }
     }
 }

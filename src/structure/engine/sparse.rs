@@ -103,6 +103,66 @@ impl Sparse {
     }
 }
 
+/// Two matrices, each row of the one beside that of the other.
+#[derive(Debug, Clone)]
+pub(super) struct SparsePair {
+    rows: Vec<PairRow>,
+    entries: Vec<(usize, f64)>,
+}
+
+#[derive(Debug, Clone)]
+struct PairRow {
+    diagonal: [f64; 2],
+    /// Where it begins in the entries, where those of the second matrix do, and where it ends.
+    start: usize,
+    middle: usize,
+    end: usize,
+}
+
+impl SparsePair {
+    pub(super) fn new(of: [&Sparse; 2]) -> Self {
+        let mut entries = Vec::new();
+        let rows = (0..of[0].rows.len()).map(|i| {
+            let [(first, beside_first), (second, beside_second)] = of.map(|matrix| matrix.row(i));
+            let start = entries.len();
+            entries.extend(beside_first.iter().chain(beside_second));
+            PairRow {
+                diagonal: [first, second],
+                start,
+                middle: start + beside_first.len(),
+                end: entries.len(),
+            }
+        });
+        Self {
+            rows: rows.collect(),
+            entries,
+        }
+    }
+
+    /// −(A x + B y)_i; `own` are x_i and y_i.
+    #[inline(always)]
+    pub(super) fn minus_products(
+        &self,
+        i: usize,
+        own: [f64; 2],
+        x: impl Fn(usize) -> f64,
+        y: impl Fn(usize) -> f64,
+    ) -> f64 {
+        let row = &self.rows[i];
+        let mut sum = -row.diagonal[1] * own[1] - row.diagonal[0] * own[0];
+        for &(j, a) in &self.entries[row.start..row.middle] {
+            sum -= a * x(j);
+        }
+        // Mostly not.
+        if row.middle < row.end {
+            for &(j, b) in &self.entries[row.middle..row.end] {
+                sum -= b * y(j);
+            }
+        }
+        sum
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -123,6 +183,23 @@ mod tests {
         assert_eq!(sparse.row(4), (6.0, &[(3, -4.0)][..]));
         assert_eq!(sparse.rows().count(), 5);
         assert_eq!(sparse.bandwidth(), 1);
+    }
+
+    #[test]
+    fn products_of_a_pair_are_those_of_both() {
+        let of = [dense(4), DMatrix::identity(4, 4)];
+        let x = nalgebra::DVector::from_row_slice(&[1.0, -2.0, 0.5, 4.0]);
+        let y = nalgebra::DVector::from_row_slice(&[-0.25, 3.0, 8.0, 1.0]);
+        for [a, b] in [[0, 1], [1, 0], [0, 0]] {
+            let pair = SparsePair::new([&Sparse::new(&of[a]), &Sparse::new(&of[b])]);
+            let expected = -(&of[a] * &x + &of[b] * &y);
+            for i in 0..4 {
+                assert_eq!(
+                    pair.minus_products(i, [x[i], y[i]], |j| x[j], |j| y[j]),
+                    expected[i]
+                );
+            }
+        }
     }
 
     #[test]

@@ -259,20 +259,25 @@ fn revise_stick(
     may_jump: bool,
 ) -> bool {
     let (contact, of) = (&model.contacts[c], &series.contacts[c]);
-    let force = model.acceleration_by(i, |j| model.forces[j].size()).abs();
-    let load_terms = load_terms(contact, situation);
-    let terms = terms(model, situation, series, i) + force;
-    let state = &mut situation.contacts[c];
+    let state = &situation.contacts[c];
     let (carried, bound) = (of.carried[0], of.bound[0]);
-    // Not of the load itself, which may have just come back from 0.
-    let terms = terms + load_terms * state.static_coefficient();
-    let rounding = EDGE_ROUNDING * f64::EPSILON * terms;
     let is_known = state.edge != Edge::Away;
     let is_fresh = state.has_arrived();
     let side = match state.edge {
         Edge::On(Some(side)) | Edge::Touched(Some(side)) => side,
         _ => side_of(carried),
     };
+    let beyond = side.sign() * carried - bound;
+    if !(is_fresh || is_known || beyond >= 0.0) {
+        return false;
+    }
+    let force = model.acceleration_by(i, |j| model.forces[j].size()).abs();
+    let load_terms = load_terms(contact, situation);
+    let terms = terms(model, situation, series, i) + force;
+    let state = &mut situation.contacts[c];
+    // Not of the load itself, which may have just come back from 0.
+    let terms = terms + load_terms * state.static_coefficient();
+    let rounding = EDGE_ROUNDING * f64::EPSILON * terms;
     let mut release = None;
     if is_fresh && bound.max(carried.abs()) <= rounding {
         // No band yet, for the load begins: on both of its bounds.
@@ -281,7 +286,6 @@ fn revise_stick(
         let out = rates.into_iter().find(|(_, sign)| *sign < 0.0);
         release = out.map(|(side, _)| (side, 0.0));
     } else {
-        let beyond = side.sign() * carried - bound;
         // One that goes on sticking has passed its bound within the errors of the last step.
         if beyond > rounding && !is_known && (is_fresh || may_jump) {
             release = Some((side, beyond));
