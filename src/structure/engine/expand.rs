@@ -217,7 +217,7 @@ fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
     spring_order(model, series, 0);
 }
 
-/// Whether all that a coordinate does from now on is simple.
+/// The role of a coordinate in the step that begins.
 fn role(model: &Model<'_>, situation: &Situation, series: &Series, i: usize) -> Role {
     let Some(c) = model.owner[i] else {
         return Role::Other;
@@ -235,6 +235,7 @@ fn role(model: &Model<'_>, situation: &Situation, series: &Series, i: usize) -> 
 fn all_of(model: &Model<'_>, series: &mut Series, orders: Range<usize>, range: Range<usize>) {
     let nothing = &mut MemoryOrder::none();
     // Tells the compiler which coefficients there are.
+    #[expect(clippy::needless_range_loop, reason = "k is the order of all series")]
     for k in orders.start..orders.end.min(ALL) {
         for i in range.clone() {
             let (coordinates, contacts) = (&mut series.coordinates[..], &mut series.contacts);
