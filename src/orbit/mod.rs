@@ -88,8 +88,8 @@
 //!   sticking, so a motion with such a contact may have no multiplier 0.
 //! * An autonomous motion has the multiplier 1, of a shift along itself. It is left out.
 //! * Memory variables that influence nothing have the multiplier 0.
-//! * A contact that never slips makes the motion one of a family: [`Orbit::unslipped`] names it, and
-//!   its multiplier 1 is left out. In any other continuous family another multiplier is 1. The
+//! * A contact that never slips makes the motion one of a family: [`Orbit::unslipped`] names it,
+//!   and its multiplier 1 is left out. In any other continuous family another multiplier is 1. The
 //!   motion nearest the guess is found.
 //!
 //! The map has no derivative at grazing, and if several events happen at one instant; the matrix is

@@ -13,7 +13,8 @@ fn count(usual: usize) -> usize {
     std::env::var("STRUCTURES").map_or(usual, |text| text.parse().unwrap())
 }
 
-/// A structure of n masses at rest with k contacts under constant forces, and what it has to decide.
+/// A structure of n masses at rest with k contacts under constant forces, and what it has to
+/// decide.
 fn drawn(
     random: &mut Random,
     [n, k]: [usize; 2],

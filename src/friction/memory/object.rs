@@ -72,8 +72,8 @@ pub(crate) trait LawObject {
     ) -> Derivative;
 }
 
-/// The series of a contact's memory, of which the law is given one order, and room for that order of
-/// their rates.
+/// The series of a contact's memory, of which the law is given one order, and room for that order
+/// of their rates.
 pub(crate) struct MemoryOrder<'a> {
     pub(crate) series: &'a [PowerSeries],
     pub(crate) rates: &'a mut [f64],
