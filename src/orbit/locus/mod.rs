@@ -44,42 +44,59 @@ use crate::numerics::trace::{self, Equations, Plane, Point, check_ranges, trace}
 /// P(x, T; p, q) − x = 0,    g(x, T; p, q) = 0,
 /// ```
 ///
-/// P the period map, g a scalar that is 0 exactly where a multiplier is 1 (fold), −1 (flip), or a
-/// pair is exp(±iθ) (Neimark-Sacker): that of a bordered matrix. The curve is followed by
-/// pseudo-arclength continuation, also through cusps. The monodromy matrix is exact; its
-/// derivatives are differences between motions with the same events. They determine the steps of
-/// Newton's method, not its result: parameters are exact to the rounding of the map, which it
-/// magnifies near events that become tangential.
+/// P the period map, g a scalar that is 0 exactly at the bifurcation:
+///
+/// | [`BifurcationKind`] | [`LocusKind`] | g |
+/// |---|---|---|
+/// | fold, flip, Neimark-Sacker | the same | that of a bordered matrix, 0 where a multiplier is 1, −1, or a pair is exp(±iθ) |
+/// | grazing, also the [end of a branch](super::BranchEnd::Grazing) | [`Grazing`](LocusKind::Grazing) | the relative velocity at its extremum, in a motion in which the contact slips on, or sticks from there on |
+/// | change of events | [`StopOnset`](LocusKind::StopOnset) | \|R\| − N μ_s where the relative velocity is 0, R the force that stick would need |
+/// | change of events | [`Order`](LocusKind::Order) | the time between events of two contacts |
+///
+/// The curve is followed by pseudo-arclength continuation, also through cusps. The monodromy matrix
+/// is exact; derivatives of g and by parameters are differences between motions with the same
+/// events. They determine the steps of Newton's method, not its result: parameters are exact to the
+/// rounding of the map, which it magnifies near events that become tangential.
 ///
 /// Special points are zeros of test functions along the curve:
 ///
 /// | curve | special points |
 /// |---|---|
-/// | fold | [`Cusp`](SpecialKind::Cusp), 1:1 resonance, fold-flip, fold-Neimark-Sacker |
+/// | fold | [`Cusp`](SpecialKind::Cusp), 1:1 resonance, fold-flip, fold-Neimark-Sacker; at its end [`FoldGrazing`](SpecialKind::FoldGrazing) |
 /// | flip | 1:2 resonance, fold-flip, flip-Neimark-Sacker |
 /// | Neimark-Sacker | resonances 1:1 and 1:2, at which the curve ends, 1:3 and 1:4; fold-, flip- and double Neimark-Sacker |
+/// | grazing | fold-grazing |
+/// | grazing, onset of stops, order | at its end [`DoubleGrazing`](SpecialKind::DoubleGrazing) |
 ///
 /// Two zeros of one test within a step (1/64 of the ranges at most) can be missed. The coefficients
 /// of normal forms (generalised flip, Chenciner) are not computed.
 ///
 /// A curve keeps the kind of its bifurcation only while the events of the motion stay the same, or
-/// the map stays smooth where they change. Elsewhere it ends with [`LocusEnd::Jump`]. A curve of an
-/// autonomous motion that shrinks to a point ends with [`LocusEnd::Hopf`], good to about 1e-8 of
-/// the ranges, by extrapolation.
+/// the map stays smooth where they change. Elsewhere it ends with [`LocusEnd::Jump`]; a curve of
+/// events always does. Where a touch falls onto another event of its contact, steps become ever
+/// shorter, up to the limit of points. A curve of an autonomous motion that shrinks to a point ends
+/// with [`LocusEnd::Hopf`], good to about 1e-8 of the ranges, by extrapolation.
+///
+/// Other changes of events have no curve here: a contact that sticks and reaches its limit
+/// tangentially, loads that open, drives that jump; onsets of stops of contacts that share
+/// coordinates.
+///
+/// At the tangential end of a branch the derivative of the map is unbounded: the first multiplier
+/// is infinite, and the others are NaN.
 ///
 /// Work: about ten motions for each step of Newton's method; at most 2048 points, 2·10⁵ motions and
-/// 2·10⁷ of their steps in each direction.
+/// 2·10⁷ of their steps in each direction. [`Search`] sets other limits and watches.
 ///
 /// Sources: Govaerts, *Numerical Methods for Bifurcations of Dynamical Equilibria*, chapters 3 and
-/// 4; Kuznetsov, *Elements of Applied Bifurcation Theory*, chapters 9 and 10.
+/// 4; Kuznetsov, *Elements of Applied Bifurcation Theory*, chapters 9 and 10; di Bernardo, Budd,
+/// Champneys and Kowalczyk, *Piecewise-smooth Dynamical Systems*, chapters 8 and 9 (events).
 ///
 /// # Errors
 ///
 /// [`Error::InvalidParameter`] unless the ranges are finite and not empty and hold the two values;
-/// [`Error::NotSmooth`] for a change of events ([`BifurcationKind::Grazing`],
-/// [`BifurcationKind::Sequence`]); [`Error::At`], with the parameters, if the family has no system
-/// there, or no such bifurcation is found there (as for a fold that is a pitchfork of a symmetric
-/// system).
+/// [`Error::At`], with the parameters, if the family has no system there, if no such bifurcation is
+/// found there, or with [`Error::NotSmooth`] for a pitchfork and for a change of events of another
+/// kind.
 ///
 /// ```
 /// use stick_slip::orbit::{self, BifurcationKind, LocusEnd, Period};
@@ -106,6 +123,34 @@ use crate::numerics::trace::{self, Equations, Plane, Point, check_ranges, trace}
 /// }
 /// let end = locus.points.iter().find(|point| point.parameters[0] == 0.72).unwrap();
 /// assert!((end.parameters[1] - 0.3444628189675873).abs() < 1e-13);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+///
+/// Where does pure slip under a force first touch the belt? At v_b √((1 − Ω²)² + (cΩ)²)/Ω:
+///
+/// ```
+/// use stick_slip::orbit::{self, LocusKind, Period};
+/// use stick_slip::{Contact, Coulomb, Drive, Error, Structure, structure::State};
+///
+/// let family = |frequency: f64, force: f64| -> Result<Structure, Error> {
+///     Structure::new(&[1.0])?
+///         .with_ground_spring(0, 1.0)?
+///         .with_ground_damper(0, 0.06)?
+///         .with_force(0, Drive::harmonic(force, frequency, 0.0)?)?
+///         .with_contact(Contact::new(0, Coulomb::new(0.4, 0.4)?, 1.0)?.on_belt(0.35))
+/// };
+/// let system = family(0.6, 0.25)?;
+/// let motion = orbit::settle(&system, &State::at_rest(1), 600.0, Period::Driven(1))?;
+/// let branch = orbit::follow(|frequency| family(frequency, 0.25), 0.6, &motion, 0.6..0.8)?;
+/// let touch = &branch.bifurcations[0];
+/// let locus = orbit::locus(family, touch, 0.25, [0.5..2.0, 0.01..0.6])?;
+/// assert_eq!(locus.kind, LocusKind::Grazing { contact: 0 });
+/// for point in &locus.points {
+///     let [frequency, force] = point.parameters;
+///     let detuning = 1.0 - frequency * frequency;
+///     let known = 0.35 * detuning.hypot(0.06 * frequency) / frequency;
+///     assert!((force - known).abs() < 1e-13);
+/// }
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[doc(alias = "continuation")]

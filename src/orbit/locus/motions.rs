@@ -201,17 +201,28 @@ impl<'f> Motions<'f> {
         [first, second]: [f64; 2],
         take: impl FnOnce(&Form<'_>) -> Result<T, Error>,
     ) -> Result<T, Error> {
+        self.with_form([first, second], |form| {
+            self.watched.at_pair(first, second);
+            let form = form.within(MOST_STEPS_OF_A_MOTION, self.watched);
+            let found = take(&form);
+            self.steps.set(self.steps.get() + form.taken());
+            self.watched.add(form.taken());
+            found
+        })
+    }
+
+    /// The same, not watched and not counted: what was found is kept if the search is stopped.
+    fn with_form<T>(
+        &self,
+        [first, second]: [f64; 2],
+        take: impl FnOnce(Form<'_>) -> Result<T, Error>,
+    ) -> Result<T, Error> {
         let find = || {
             for value in [first, second] {
                 Error::check("orbit::locus", "parameter", value, true, "a number")?;
             }
             let member = (self.family)(first, second)?;
-            self.watched.at_pair(first, second);
-            let form = member.form().within(MOST_STEPS_OF_A_MOTION, self.watched);
-            let found = take(&form);
-            self.steps.set(self.steps.get() + form.taken());
-            self.watched.add(form.taken());
-            found
+            take(member.form())
         };
         find().map_err(|error: Error| {
             error
@@ -480,11 +491,11 @@ impl<'f> Motions<'f> {
         let Some(step) = step else {
             return Ok(trial.clone());
         };
-        self.with(self.parameters(y), |form| {
+        self.with_form(self.parameters(y), |form| {
             let mut start = step.state_at(step.since_start(period));
             form.put_in_modes(&mut start, 0.0, |c| Some(step.modes()[c]));
             let holds = trial.map.holds_later((1.0 - begin.phase) * period, period);
-            let map = held_period_map(form, (0.0, &start), period, &holds)?;
+            let map = held_period_map(&form, (0.0, &start), period, &holds)?;
             Ok(Trial::new(map, period))
         })
     }
