@@ -12,18 +12,22 @@ use crate::structure::engine::model::{Entries, Model};
 pub(super) type Lanes<const W: usize> = [f64; W];
 
 /// The series of one number of W perturbations.
-pub(super) type Row<const W: usize> = [Lanes<W>; TERMS];
+pub(super) type Row<const W: usize> = [Lanes<W>; LONG];
 
 /// The series of W perturbations: displacements, velocities and memory variables, then the sliding
 /// velocities of all contacts and their loads.
 pub(super) type Rows<const W: usize> = [Row<W>];
 
-/// Bound of the last terms of a series. What is left out is about a quarter of that, because steps
-/// are about a quarter of the radius of convergence.
+/// Number of coefficients: one more than the series of the motion have, which give it.
+pub(super) const LONG: usize = TERMS + 1;
+
+/// Bound of the last two terms but one. What is left out is about a tenth of that, because steps
+/// are about a third of the radius of convergence.
 ///
 /// The series of derivatives have the radius of convergence of the motion, but larger coefficients,
-/// by about their order: with the bound ε most steps of a motion would be taken in two parts.
-const LAST_TERM: f64 = 16.0 * f64::EPSILON;
+/// by about their order: with the bound ε, which motions have, most of their steps would be taken
+/// in two parts.
+const LAST_TERM: f64 = 64.0 * f64::EPSILON;
 
 /// The variational equations along one step.
 #[derive(Clone, Copy)]
@@ -78,7 +82,7 @@ impl<'e> Equations<'e> {
         let (q, rest) = states.split_at_mut(n);
         let (v, memories) = rest.split_at_mut(n);
         let (slips, loads) = derived.split_at_mut(contacts);
-        for k in 0..TERMS - 1 {
+        for k in 0..LONG - 1 {
             // −(k + 1) v_{k+1}
             for i in 0..n {
                 let mut sum = [0.0; W];
@@ -141,8 +145,8 @@ impl<'e> Equations<'e> {
     #[inline(always)]
     fn sum_by<const W: usize, const FUSED: bool>(&self, rows: &mut Rows<W>, time: f64) {
         for row in &mut rows[..self.order] {
-            let mut sum = row[TERMS - 1];
-            for k in (0..TERMS - 1).rev() {
+            let mut sum = row[LONG - 1];
+            for k in (0..LONG - 1).rev() {
                 let mut next = row[k];
                 add::<W, FUSED>(&mut next, time, &sum);
                 sum = next;
@@ -154,36 +158,49 @@ impl<'e> Equations<'e> {
     /// The time over which the series are exact to rounding, at most `h`; NaN if they are not
     /// finite.
     pub(super) fn reach<const W: usize>(&self, rows: &Rows<W>, h: f64) -> f64 {
+        fused::compute(
+            &(self, h),
+            &mut &*rows,
+            #[inline(always)]
+            |(equations, h), rows| equations.reach_by(rows, *h),
+            |(equations, h), rows| equations.reach_by(rows, *h),
+        )
+    }
+
+    #[inline(always)]
+    fn reach_by<const W: usize>(&self, rows: &Rows<W>, h: f64) -> f64 {
         const LAST: [usize; 2] = [TERMS - 1, TERMS - 2];
         let n = self.model.len();
-        let largest = |rows: &Rows<W>| {
-            rows.iter().fold([0.0; W], |most: Lanes<W>, row| {
-                std::array::from_fn(|lane| most[lane].max(row[0][lane].abs()))
-            })
-        };
-        let (q, v) = (largest(&rows[..n]), largest(&rows[n..2 * n]));
-        let sizes: Lanes<W> = std::array::from_fn(|lane| q[lane].max(h * v[lane]));
-        // The largest of the last two coefficients, in units of what they may be off by.
-        let mut most = [0.0_f64; 2];
-        let mut finite = 0.0;
+        let units = (0..2 * n).map(|i| if i < n { 1.0 } else { h });
+        let mut sizes = [0.0; W];
+        for (row, unit) in std::iter::zip(&rows[..2 * n], units) {
+            for lane in 0..W {
+                sizes[lane] = f64::max(sizes[lane], unit * row[0][lane].abs());
+            }
+        }
+        // The largest of the last two coefficients, in units of the sizes.
+        let mut most = [[0.0; W]; 2];
+        let mut finite = [0.0; W];
         for (i, row) in rows[..self.order].iter().enumerate() {
-            let scales: Lanes<W> = match i {
-                _ if i < n => sizes,
-                _ if i < 2 * n => sizes.map(|size| size / h),
-                _ => std::array::from_fn(|lane| row[0][lane].abs().max(h * row[1][lane].abs())),
-            };
-            for (most, k) in std::iter::zip(&mut most, LAST) {
-                for (last, scale) in std::iter::zip(row[k], scales) {
-                    finite += 0.0 * last;
-                    let ratio = if scale > 0.0 { last.abs() / scale } else { 0.0 };
-                    *most = most.max(ratio);
+            for lane in 0..W {
+                let scale = match i {
+                    _ if i < n => sizes[lane],
+                    _ if i < 2 * n => sizes[lane] / h,
+                    _ => f64::max(row[0][lane].abs(), h * row[1][lane].abs()),
+                };
+                let is_given = scale >= f64::MIN_POSITIVE;
+                let unit = if is_given { scale.recip() } else { 0.0 };
+                for (most, k) in std::iter::zip(&mut most, LAST) {
+                    finite[lane] += 0.0 * row[k][lane];
+                    most[lane] = f64::max(most[lane], unit * row[k][lane].abs());
                 }
             }
         }
-        if finite != 0.0 {
+        if finite.iter().any(|finite| *finite != 0.0) {
             return f64::NAN;
         }
         std::iter::zip(most, LAST).fold(h, |reached, (most, k)| {
+            let most = most.into_iter().fold(0.0, f64::max);
             reached.min(root_of_ratio(LAST_TERM, most, k))
         })
     }
@@ -239,7 +256,8 @@ fn convolve_all<const W: usize, const FUSED: bool>(
     }
 }
 
-/// Adds coefficient k of a product, the newest term last, because it is known last.
+/// Adds coefficient k of a product, the newest terms last, because they are known last. Four sums
+/// at a time: one would wait for each of its terms.
 #[inline(always)]
 fn convolve<const W: usize, const FUSED: bool>(
     sum: &mut Lanes<W>,
@@ -247,11 +265,23 @@ fn convolve<const W: usize, const FUSED: bool>(
     row: &Row<W>,
     k: usize,
 ) {
-    let mut total = *sum;
     let terms = coefficient.terms.min(k + 1);
-    let coefficients = coefficient.series.coefficients()[..terms].iter();
-    for (a, x) in std::iter::zip(coefficients.rev(), &row[k + 1 - terms..=k]) {
-        add::<W, FUSED>(&mut total, *a, x);
+    if terms == 0 {
+        return;
     }
-    *sum = total;
+    let (fours, others) = coefficient.series.coefficients()[..terms].as_chunks::<4>();
+    let (oldest, newest) = row[k + 1 - terms..=k].as_rchunks::<4>();
+    let mut sums = [[0.0; W]; 4];
+    for (a, x) in std::iter::zip(others.iter().rev(), oldest) {
+        add::<W, FUSED>(&mut sums[0], *a, x);
+    }
+    for (a, x) in std::iter::zip(fours.iter().rev(), newest) {
+        add::<W, FUSED>(&mut sums[0], a[3], &x[0]);
+        add::<W, FUSED>(&mut sums[1], a[2], &x[1]);
+        add::<W, FUSED>(&mut sums[2], a[1], &x[2]);
+        add::<W, FUSED>(&mut sums[3], a[0], &x[3]);
+    }
+    for lane in 0..W {
+        sum[lane] += (sums[0][lane] + sums[1][lane]) + (sums[2][lane] + sums[3][lane]);
+    }
 }

@@ -18,12 +18,11 @@ use nalgebra::{DMatrix, DVector};
 
 use super::form::Form;
 use super::hold::{HeldFlow, Hold, Touch};
-use super::lanes::Equations;
+use super::lanes::{Equations, LONG};
 use super::linear::Linear;
 use crate::error::{Error, Reached};
 use crate::motion::{Integrator, Mode, Segment};
 use crate::scalar::jet::Tape;
-use crate::series::TERMS;
 use crate::state::structure::State;
 use crate::structure::Step;
 use crate::structure::engine::factor::Holding;
@@ -178,13 +177,22 @@ fn advance<const W: usize>(
     columns: &mut [&mut [f64]],
     (work, mut logarithm): (&mut Vec<f64>, Option<&mut f64>),
 ) -> Result<(), Error> {
+    /// Numbers in a line of the cache.
+    const LINE: usize = 8;
     /// The shortest part of a step.
     const SHORTEST: f64 = 1e-9;
     let h = step.duration();
     let mut linear = Cow::Borrowed(linear);
     let mut left = h;
-    work.resize(Equations::new(form, &linear).rows() * TERMS * W, 0.0);
-    let rows = work.as_chunks_mut::<W>().0.as_chunks_mut::<TERMS>().0;
+    // At the start of a line of the cache: registers as long as a line are loaded at once from there.
+    let length = Equations::new(form, &linear).rows() * LONG * W;
+    work.resize(length + LINE, 0.0);
+    let begin = work
+        .as_ptr()
+        .align_offset(LINE * size_of::<f64>())
+        .min(LINE);
+    let rows = work[begin..begin + length].as_chunks_mut::<W>().0;
+    let rows = rows.as_chunks_mut::<LONG>().0;
     for (i, row) in rows[..form.order()].iter_mut().enumerate() {
         row[0] = std::array::from_fn(|lane| columns.get(lane).map_or(0.0, |column| column[i]));
     }
