@@ -24,6 +24,15 @@ pub(super) const LARGE: f64 = 1e-3;
 /// An event whose time changes by more than this part of the period has become another one.
 const ALIKE: f64 = 1e-3;
 
+/// A jump of the motion.
+pub(super) struct Discontinuity {
+    /// How far it is behind the last point of the curve.
+    pub(super) distance: f64,
+    /// In units of the sizes.
+    pub(super) size: f64,
+    pub(super) end: BranchEnd,
+}
+
 /// A motion over three periods, and the events of the first two.
 #[derive(Clone)]
 struct Side {
@@ -35,15 +44,20 @@ struct Side {
 
 impl View<'_, '_> {
     /// The discontinuity at which the curve ends behind its last point, if there is one within some
-    /// of the shortest steps; and its size, in units of the sizes.
-    pub(super) fn discontinuity(&self, shortest: f64) -> Option<(f64, BranchEnd)> {
+    /// of the shortest steps; with its distance, and its size in units of the sizes.
+    pub(super) fn discontinuity(&self, shortest: f64) -> Option<Discontinuity> {
         let mut low = (0.0, self.side(0.0)?);
         for away in AWAY {
             let high = (away * shortest, self.side(away * shortest)?);
             if !high.1.is_like(&low.1, ALIKE) {
                 let (below, above) = self.border(low, high.clone())?;
-                if let Some(jump) = below.jump_to(&above) {
-                    return Some(jump);
+                if let Some((size, end)) = below.1.jump_to(&above) {
+                    let distance = below.0;
+                    return Some(Discontinuity {
+                        distance,
+                        size,
+                        end,
+                    });
                 }
             }
             low = high;
@@ -68,8 +82,8 @@ impl View<'_, '_> {
         })
     }
 
-    /// The two sides of the change of the event sequence.
-    fn border(&self, mut low: (f64, Side), mut high: (f64, Side)) -> Option<(Side, Side)> {
+    /// The two sides of the change of the event sequence; the first with its distance.
+    fn border(&self, mut low: (f64, Side), mut high: (f64, Side)) -> Option<((f64, Side), Side)> {
         for _ in 0..MOST_HALVINGS {
             let middle = 0.5 * (low.0 + high.0);
             if middle <= low.0 || middle >= high.0 {
@@ -82,7 +96,7 @@ impl View<'_, '_> {
                 high = (middle, side);
             }
         }
-        Some((low.1, high.1))
+        Some((low, high.1))
     }
 }
 

@@ -49,6 +49,9 @@ const HOPF_PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 const GRAZING_GROWTH: f64 = 1e3;
 const GRAZING_RISE: f64 = 0.3;
 
+/// Place of the last motion before a jump, as a part of the distance of the jump.
+const BESIDE: f64 = 0.99;
+
 /// An autonomous motion whose acceleration at the start falls below this part of its former value
 /// has stopped.
 const AT_REST: f64 = 1e-6;
@@ -57,6 +60,7 @@ const AT_REST: f64 = 1e-6;
 enum Outcome {
     Next(Place, Vec<Found>),
     Last(Place, Vec<Found>),
+    Jump(Place, Vec<Found>, BranchEnd),
     End(BranchEnd),
     Grazing(f64, Box<Found>),
 }
@@ -99,6 +103,11 @@ impl Walk<'_, '_> {
                     self.points.push(place.solved);
                     self.curve.watched.found(parameter);
                     return BranchEnd::Range;
+                }
+                Outcome::Jump(place, found, end) => {
+                    self.found.extend(found);
+                    self.points.push(place.solved);
+                    return end;
                 }
                 Outcome::End(end) => return end,
                 Outcome::Grazing(parameter, found) => {
@@ -181,12 +190,18 @@ impl Walk<'_, '_> {
     ) -> (Outcome, f64) {
         let mut end = self.grazing(view.base);
         if end.is_none()
-            && let Some((size, jump)) = view.discontinuity(shortest)
+            && let Some(jump) = view.discontinuity(shortest)
         {
-            if size > LARGE {
-                return (Outcome::End(jump), shortest);
+            if jump.size > LARGE {
+                // The last motion lies nearer to the jump than the shortest step.
+                let last = self.tried(view, here, BESIDE * jump.distance, signs);
+                let outcome = match last {
+                    Ok(Outcome::Next(place, found)) => Outcome::Jump(place, found, jump.end),
+                    _ => Outcome::End(jump.end),
+                };
+                return (outcome, shortest);
             }
-            end = Some(Outcome::End(jump));
+            end = Some(Outcome::End(jump.end));
         }
         if let Some((place, found)) = view.corner() {
             *signs = [0.0; 4];
