@@ -183,8 +183,8 @@ impl<'s> Tracer<'s> {
                 debug_assert!(!steps.is_empty());
                 return Ok(Arc {
                     arrival,
-                    start_rate: steps.first().map_or(0.0, |step| step.speed[1]),
-                    end_rate: steps.last().map_or(0.0, rate_at_end),
+                    start_rate: steps[0].speed[1],
+                    end_rate: rate_at_end(&steps[steps.len() - 1]),
                     steps,
                 });
             }
