@@ -286,7 +286,7 @@ pub enum Error {
         parameter: usize,
     },
 
-    /// A curve was asked of a pitchfork, or of a change of events that no curve can follow
+    /// A curve was requested of a pitchfork, or of a change of events that no curve can follow
     /// ([`orbit::locus`](crate::orbit::locus) follows touches of a slipping contact, onsets of
     /// stops and changes of the order of events of two contacts).
     #[error(
@@ -296,7 +296,7 @@ pub enum Error {
     )]
     NotSmooth,
 
-    /// A branch was asked for at a bifurcation at which no other branch of periodic motions crosses
+    /// A branch was requested at a bifurcation at which no other branch of periodic motions crosses
     /// ([`Bifurcation::switch`](crate::orbit::Bifurcation::switch)).
     #[error(
         "no other branch of periodic motions crosses at a bifurcation of the kind {kind}; switch \
