@@ -56,6 +56,8 @@
 //! | steady sliding of several masses, its stability, flutter | [`Structure::steady_sliding`] |
 //! | a periodic motion of any system, with its multipliers | [`orbit::shoot`], [`orbit::settle`] |
 //! | how a periodic motion changes over any parameter | [`orbit::follow`] |
+//! | the load or the speed at which a structure begins and ceases to vibrate, with hysteresis | [`orbit::vibration_ranges`] |
+//! | the motion that is born where steady sliding becomes unstable | [`orbit::begin`] |
 //! | the motions that are born where a period doubles, or a symmetric motion loses its symmetry | [`orbit::Bifurcation::switch`] |
 //! | the attractor of any system from a start, or as a parameter rises and falls | [`orbit::classify`], [`orbit::sweep`] |
 //! | where steady sliding becomes unstable along a speed profile | [`Structure::stability_changes`] |

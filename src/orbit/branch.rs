@@ -38,6 +38,8 @@ pub struct Bifurcation<S: System> {
     pub kind: BifurcationKind,
     /// The motion there; at a change of its event sequence, that on the smoother side.
     pub orbit: Orbit<S>,
+    /// The number of the last point of the branch before it.
+    pub(super) behind: usize,
     /// The range of the parameter in which the branch was followed.
     pub(super) range: Range<f64>,
 }

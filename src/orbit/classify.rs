@@ -36,7 +36,7 @@ pub enum Attractor<S: System> {
 }
 
 /// A kind of [`Attractor`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize),
@@ -283,11 +283,19 @@ fn at_rest<S: System>(modes: &[Mode]) -> Attractor<S> {
 
 /// A periodic motion as an attractor, with stick or without.
 fn named<S: System>(orbit: Orbit<S>) -> Attractor<S> {
+    match kind_of(&orbit) {
+        AttractorKind::StickSlip => Attractor::StickSlip(Box::new(orbit)),
+        _ => Attractor::PureSlip(Box::new(orbit)),
+    }
+}
+
+/// The kind of a periodic motion.
+pub(super) fn kind_of<S: System>(orbit: &Orbit<S>) -> AttractorKind {
     let mut events = orbit.events().iter();
     if events.any(|event| event.kind == EventKind::Stick) {
-        Attractor::StickSlip(Box::new(orbit))
+        AttractorKind::StickSlip
     } else {
-        Attractor::PureSlip(Box::new(orbit))
+        AttractorKind::PureSlip
     }
 }
 

@@ -159,15 +159,19 @@ fn branch<S: Oscillator>(
         Ok(BranchPoint { parameter, orbit })
     });
     let points = points.collect::<Result<_, Error>>()?;
-    let bifurcations = found.changes.into_iter().map(|(kind, parameter, trial)| {
-        let orbit = orbit(parameter, trial)?;
-        Ok(Bifurcation {
-            parameter,
-            kind,
-            orbit,
-            range: range.clone(),
-        })
-    });
+    let bifurcations = found
+        .changes
+        .into_iter()
+        .map(|(behind, kind, (parameter, trial))| {
+            let orbit = orbit(parameter, trial)?;
+            Ok(Bifurcation {
+                parameter,
+                kind,
+                orbit,
+                behind,
+                range: range.clone(),
+            })
+        });
     Ok(Branch {
         bifurcations: bifurcations.collect::<Result<_, Error>>()?,
         points,
@@ -178,7 +182,8 @@ fn branch<S: Oscillator>(
 /// The results with their parameters.
 struct Results {
     points: Vec<(f64, Trial)>,
-    changes: Vec<(BifurcationKind, f64, Trial)>,
+    /// Each with the number of the last point before it.
+    changes: Vec<(usize, BifurcationKind, (f64, Trial))>,
     ends: [BranchEnd; 2],
 }
 
@@ -200,10 +205,8 @@ fn search(
     start = anchor(&mut curve, parameter, start, period)?;
     let (points, changes, ends) = walks(&mut curve, &start, period, parameter)?;
     let of = |solved: Solved| (curve.parameter(&solved.y), solved.trial);
-    let changes = changes.into_iter().map(|(kind, solved)| {
-        let (parameter, trial) = of(solved);
-        (kind, parameter, trial)
-    });
+    let changes = changes.into_iter();
+    let changes = changes.map(|(behind, kind, solved)| (behind, kind, of(solved)));
     Ok(Results {
         changes: changes.collect(),
         points: points.into_iter().map(of).collect(),
@@ -237,7 +240,9 @@ pub(super) fn anchor(
     Ok(start)
 }
 
-type Parts = (Vec<Solved>, Vec<(BifurcationKind, Solved)>, [BranchEnd; 2]);
+type Changes = Vec<(usize, BifurcationKind, Solved)>;
+
+type Parts = (Vec<Solved>, Changes, [BranchEnd; 2]);
 
 /// Continuation in both directions from a start.
 fn walks(
@@ -262,7 +267,10 @@ fn walks(
         let mut first = first.clone();
         first.tangent *= direction;
         let end = walk.run(&first);
-        let found: Vec<_> = walk.found.into_iter().map(|f| (f.kind, f.solved)).collect();
+        let found = walk.found.into_iter();
+        let found: Changes = found
+            .map(|(before, found)| (before, found.kind, found.solved))
+            .collect();
         (walk.points, found, end)
     };
     let (up, found_up, end_up) = walk(1.0, curve);
@@ -273,9 +281,14 @@ fn walks(
     };
     points.reverse();
     found.reverse();
+    let below = points.len();
+    for found in &mut found {
+        found.0 = below.saturating_sub(found.0 + 1);
+    }
     points.push(first);
     points.extend(up);
-    found.extend(found_up);
+    let found_up = found_up.into_iter();
+    found.extend(found_up.map(|(before, kind, solved)| (below + before, kind, solved)));
     Ok((points, found, [end_down, end_up]))
 }
 

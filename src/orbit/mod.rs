@@ -45,6 +45,8 @@
 //! | any system: the attractor that a start reaches, and its kind | [`classify`] | the attractor of that start |
 //! | any system: attractors as a parameter rises and falls, with hysteresis | [`sweep`] | the attractors reached, each from the last |
 //! | any system: a branch of motions over a parameter, its bifurcations and its ends | [`follow`] | the connected branch; two bifurcations of one kind within a step can be missed |
+//! | any system: the attractors over a range, with the critical values between them | [`vibration_ranges`] | those connected with what a sweep or a Hopf point meets |
+//! | any system: the motion that is born at a Hopf point of steady sliding | [`begin`] | one small motion |
 //! | any system: the branch that is born at a flip or a pitchfork | [`Bifurcation::switch`] | one motion on it |
 //! | any system: the curve of a bifurcation over two parameters | [`locus`] | the connected curve; two special points of one kind within a step can be missed |
 //! | any system: derivatives of a motion by parameters, to fit them | [`sensitivities`], [`orbit_sensitivities`] | about 1e-11 of the largest derivative, or a typed error |
@@ -113,6 +115,7 @@
 // | `shoot.rs` | `shoot`, `settle`: Newton's method for the fixed points of the map |
 // | `written.rs` | serialization of the results (feature `serde`) |
 // | `classify.rs`, `sweep.rs` | what a motion settles to; the same as a parameter rises and falls |
+// | `ranges.rs` | `vibration_ranges`: the attractors over a range of a parameter |
 // | `found.rs` | `Orbit`: a periodic motion with its events, extremes and multipliers |
 // | `measures.rs` | extremes, means, harmonics and energies of an `Orbit` |
 // | `follow.rs` | `follow`: continuation of a motion over a parameter |
@@ -124,6 +127,7 @@
 // | `symmetry.rs` | symmetric motions: the half-period map, pitchforks |
 // | `switch.rs` | `Bifurcation::switch`: the branch that crosses at a flip or a pitchfork |
 // | `hold.rs` | motions with a contact held past a touch, which are smooth there |
+// | `hopf.rs` | steady sliding along a parameter; `begin`: the motions born at a Hopf point |
 // | `jump.rs` | motions that jump at a change of the event sequence, which ends the branch |
 // | `locus` | curves of bifurcations in two parameters: the search (`mod.rs`), the motions (`motions.rs`), folds, flips and tori (`smooth.rs`), their scalars (`bordered.rs`), changes of events (`events.rs`, which one: `change.rs`), the tangential end of a branch (`end.rs`), the results (`found.rs`) |
 // | `sequence.rs` | the events of a period as a cyclic sequence |
@@ -141,6 +145,7 @@ mod follow;
 mod form;
 mod found;
 mod hold;
+mod hopf;
 mod jump;
 mod lanes;
 mod linear;
@@ -151,6 +156,7 @@ mod measures;
 mod multipliers;
 mod oscillator;
 mod period;
+mod ranges;
 mod saltation;
 mod search;
 mod section;
@@ -172,11 +178,13 @@ pub use branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint, C
 pub use classify::{Attractor, AttractorKind, classify};
 pub use follow::follow;
 pub use found::Orbit;
+pub use hopf::begin;
 pub use locus::found::{Locus, LocusEnd, LocusKind, LocusPoint, SpecialKind, SpecialPoint};
 pub use locus::locus;
 pub use lyapunov::{LyapunovExponent, lyapunov, lyapunov_with_spread};
 pub use oscillator::Oscillator;
 pub use period::Period;
+pub use ranges::{Border, VibrationRange, VibrationRanges, vibration_ranges};
 pub use search::{Progress, Search};
 pub use section::{EventSection, Section, section, section_at};
 pub use sensitivity::{

@@ -18,7 +18,8 @@ pub(super) struct Walk<'v, 'f> {
     /// Scales of the unknowns of the first motion.
     pub(super) first_scale: DVector<f64>,
     pub(super) points: Vec<Solved>,
-    pub(super) found: Vec<Found>,
+    /// Bifurcations, each with the number of points before it, but for the first.
+    pub(super) found: Vec<(usize, Found)>,
 }
 
 /// The longest step, in units of the range and of the sizes of the motion.
@@ -94,11 +95,11 @@ impl Walk<'_, '_> {
             let (outcome, next_step) = self.step(&base, &scale, step, &mut signs);
             let place = match outcome {
                 Outcome::Next(place, found) => {
-                    self.found.extend(found);
+                    self.add(found);
                     place
                 }
                 Outcome::Last(place, found) => {
-                    self.found.extend(found);
+                    self.add(found);
                     let parameter = self.curve.parameter(&place.solved.y);
                     self.points.push(place.solved);
                     self.curve.watched.found(parameter);
@@ -131,6 +132,12 @@ impl Walk<'_, '_> {
             }
         }
         self.curve.end_at_limit(&base)
+    }
+
+    fn add(&mut self, found: Vec<Found>) {
+        let before = self.points.len();
+        self.found
+            .extend(found.into_iter().map(|found| (before, found)));
     }
 
     /// One step, shortened until it succeeds, and the length of the next one.
@@ -275,9 +282,11 @@ impl Walk<'_, '_> {
     fn hopf(&self, view: &View<'_, '_>, here: &Place, beyond: &Place) -> Option<Outcome> {
         let curve = view.curve;
         let turn = |place: &Place| curve.turn(&place.solved);
+        // Not that of the sizes, which do not fall below rounding of the displacements.
         let speed = |place: &Place| {
-            let sizes = place.solved.trial.map.sizes();
-            Some(sizes[curve.n + curve.turning?])
+            let i = curve.turning?;
+            let ends = place.solved.trial.map.steps.iter().map(Segment::end_state);
+            Some(ends.map(|end| end.velocities[i].abs()).fold(0.0, f64::max))
         };
         let whole = turn(here);
         let mut near = here.clone();

@@ -10,6 +10,7 @@ use crate::friction::memory::{Motion, Sliding, Slip};
 use crate::friction::piece_above;
 use crate::scalar::jet::Tape;
 use crate::series::{PowerSeries, TERMS};
+use crate::state::structure::State;
 
 /// The field x' = F(x) near steady sliding, x the displacements, velocities and memory variables.
 #[derive(Debug)]
@@ -92,6 +93,24 @@ impl<'m, 's> SlidingField<'m, 's> {
             displacements: displacements.as_slice().to_vec(),
             contacts,
         })
+    }
+
+    /// Steady sliding as a state. Elastic contacts carry their limit.
+    pub(crate) fn state(&self) -> State {
+        let mut memory = vec![0.0; self.model.remembered()];
+        for (number, (contact, slides)) in
+            std::iter::zip(&self.model.contacts, &self.contacts).enumerate()
+        {
+            let sliding = &slides.sliding;
+            let place = &mut memory[self.model.memory(number)];
+            if contact.is_elastic() {
+                place.fill(slides.direction * slides.load * sliding.coefficient);
+            } else {
+                place.copy_from_slice(&sliding.memory);
+            }
+        }
+        let zeros = vec![0.0; self.model.len()];
+        State::new(&self.displacements, &zeros).with_memory(&memory)
     }
 
     /// Length of a state vector.

@@ -11,6 +11,7 @@ mod reading;
 
 mod bad_input;
 mod belt;
+mod births;
 mod bounds;
 mod classify;
 mod derivatives;
@@ -25,6 +26,7 @@ mod loci;
 mod long_run;
 mod measures;
 mod opening;
+mod ranges;
 mod references;
 mod seam;
 mod sensitivities;

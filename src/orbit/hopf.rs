@@ -1,0 +1,424 @@
+//! Steady sliding along a parameter: where it changes its stability, and the periodic motions that
+//! are born there.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+use std::ops::Range;
+
+use nalgebra::linalg::balancing::balance_parlett_reinsch;
+use nalgebra::{Complex, DMatrix, DVector};
+
+use super::branch::BranchPoint;
+use super::curve::{Curve, Plane};
+use super::form::Form;
+use super::found::Orbit;
+use super::map::{state, vector};
+use super::oscillator::Oscillator;
+use super::period::Period;
+use super::search::Search;
+use super::trial::Trial;
+use super::walk::natural_scale;
+use crate::error::Error;
+use crate::numerics::bracket::Bracket;
+use crate::numerics::eigenvalues::eigenvalues;
+use crate::state::structure::State;
+use crate::structure::sliding_field::SlidingField;
+
+/// Real parts below this part of the largest eigenvalue count as 0.
+const ROUNDING: f64 = 1e-10;
+
+/// The largest growth rate, in units of the frequency, of a pair near a Hopf point.
+const NEAR: f64 = 0.2;
+
+/// First increment of a parameter, as a part of its size.
+const INCREMENT: f64 = 1e-6;
+
+/// Limit of steps of the secant method; five or six are usual.
+const MOST_STEPS: usize = 40;
+
+/// Amplitudes of the first motion, in units of the sliding velocities (and of the memory variables).
+const AMPLITUDES: [f64; 4] = [0.3, 0.1, 0.03, 0.01];
+
+/// Its largest amplitude in units of the displacements in steady sliding.
+const DISPLACED: f64 = 0.1;
+
+/// The eigenvalues of steady sliding, by falling real part.
+fn spectrum(form: &Form<'_>) -> Result<Vec<Complex<f64>>, Error> {
+    let mut matrix = SlidingField::of(form.model())?.jacobian();
+    if !matrix.iter().all(|entry| entry.is_finite()) {
+        return Err(Error::NoHopfPoint);
+    }
+    let _ = balance_parlett_reinsch(&mut matrix);
+    let mut values = eigenvalues(matrix).ok_or(Error::NoHopfPoint)?;
+    values.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+    Ok(values)
+}
+
+/// The eigenvalues at a value of the parameter.
+fn spectrum_at<S: Oscillator>(
+    family: &impl Fn(f64) -> Result<S, Error>,
+    parameter: f64,
+) -> Result<Vec<Complex<f64>>, Error> {
+    let of = "orbit::begin";
+    let checked = Error::check(of, "parameter", parameter, true, "a number")?;
+    let find = || spectrum(&family(checked)?.form());
+    find().map_err(|error| error.at("parameter", parameter))
+}
+
+/// The number of eigenvalues in the right half plane.
+fn unstable(values: &[Complex<f64>]) -> usize {
+    let largest = values.iter().map(|value| value.norm()).fold(0.0, f64::max);
+    let unstable = values.iter().filter(|value| value.re > ROUNDING * largest);
+    unstable.count()
+}
+
+/// A value of the parameter at which steady sliding changes its stability.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Crossing {
+    pub(super) parameter: f64,
+    /// The angular frequency of the eigenvalue there: 0 at a static instability.
+    pub(super) frequency: f64,
+}
+
+/// Steady sliding along a range of a parameter.
+#[derive(Debug, Default)]
+pub(super) struct SteadyAlong {
+    pub(super) crossings: Vec<Crossing>,
+    /// Ranges in which it is stable.
+    pub(super) stable: Vec<Range<f64>>,
+}
+
+/// The stability of steady sliding along a range, from its values at places and refined between
+/// them. Where there is no steady sliding, it is not stable.
+pub(super) fn steady_along<S: Oscillator>(
+    family: &impl Fn(f64) -> Result<S, Error>,
+    places: &[f64],
+) -> SteadyAlong {
+    let mut along = SteadyAlong::default();
+    let at = |parameter: f64| spectrum_at(family, parameter).ok();
+    let mut add = |from: f64, to: f64, count: Option<usize>| {
+        if count == Some(0) && from < to {
+            match along.stable.last_mut() {
+                Some(last) if last.end == from => last.end = to,
+                _ => along.stable.push(from..to),
+            }
+        }
+    };
+    let known = places
+        .iter()
+        .map(|&place| (place, at(place).as_deref().map(unstable)));
+    let known: Vec<(f64, Option<usize>)> = known.collect();
+    for pair in known.windows(2) {
+        let [mut low, high] = [pair[0], pair[1]];
+        // One eigenvalue, or pair of them, after the other.
+        while low.1 != high.1 {
+            let found = match (low.1, high.1) {
+                (Some(a), Some(b)) => sign_change(&at, (low.0, high.0), (a, b)),
+                _ => border(&at, low, high).map(|place| (place, high.1, None)),
+            };
+            let Some((parameter, count, crossing)) = found else {
+                break;
+            };
+            add(low.0, parameter, low.1);
+            along.crossings.extend(crossing);
+            low = (parameter, count);
+        }
+        add(low.0, high.0, low.1);
+    }
+    along
+}
+
+type Spectrum<'s> = dyn Fn(f64) -> Option<Vec<Complex<f64>>> + 's;
+
+/// The place at which one more or one less eigenvalue is unstable, the number of unstable ones
+/// behind it, and the crossing.
+fn sign_change(
+    at: &Spectrum<'_>,
+    (low, high): (f64, f64),
+    (from, to): (usize, usize),
+) -> Option<(f64, Option<usize>, Option<Crossing>)> {
+    // The real part of the eigenvalue of this rank changes its sign.
+    let rank = if from < to { from } else { from - 1 };
+    let real = |parameter: f64| Some(at(parameter)?.get(rank)?.re);
+    let mut bracket = Bracket::new((low, real(low)?), (high, real(high)?));
+    let mut parameter = high;
+    while let Some(place) = bracket.next_place() {
+        parameter = place;
+        let value = real(place)?;
+        bracket.narrow(place, value);
+        if value == 0.0 {
+            break;
+        }
+    }
+    let frequency = at(parameter)?.get(rank)?.im.abs();
+    let step = if frequency > 0.0 { 2 } else { 1 };
+    let behind = if from < to {
+        (from + step).min(to)
+    } else {
+        from.saturating_sub(step).max(to)
+    };
+    let crossing = Crossing {
+        parameter,
+        frequency,
+    };
+    Some((parameter, Some(behind), Some(crossing)))
+}
+
+/// The place at which steady sliding begins or ends to exist.
+fn border(
+    at: &Spectrum<'_>,
+    mut low: (f64, Option<usize>),
+    mut high: (f64, Option<usize>),
+) -> Option<f64> {
+    loop {
+        let middle = 0.5 * low.0 + 0.5 * high.0;
+        if !(low.0 < middle && middle < high.0) {
+            return Some(high.0);
+        }
+        let count = at(middle).as_deref().map(unstable);
+        if count.is_some() == low.1.is_some() {
+            low = (middle, count);
+        } else {
+            high = (middle, count);
+        }
+    }
+}
+
+/// The periodic motion that is born at a Hopf point of steady sliding: a small one, from which
+/// [`follow`](super::follow()) continues, on one side down to the Hopf point and on the other up to
+/// stick-slip.
+///
+/// `near` is a value of the parameter near the Hopf point: there a pair of eigenvalues is near the
+/// imaginary axis. The Hopf point itself, p0 with eigenvalues ±iω, is refined first. With Aq = iωq,
+/// Aᵀu = −iωu and ūᵀq = 1 the motion is searched near
+///
+/// ```text
+/// x(0) = x̄ + 2ε Re(q e^{iφ}),    T = 2π/ω,    on the plane Re(u e^{iφ})ᵀ(x − x̄) = ε,
+/// ```
+///
+/// by Newton's method with the parameter free: Re s(p) + ω l1 ε² ≈ 0, s the eigenvalue at p, l1 the
+/// first Lyapunov coefficient. The phase φ is that of a turning point; ε is such that the relative
+/// velocity of no contact varies by more than 0.3 of the sliding velocity, and no displacement by
+/// more than a tenth of the largest one in steady sliding, or smaller.
+///
+/// The motion is stable if l1 < 0 and no other eigenvalue is in the right half plane
+/// ([`HopfPoint`](crate::bifurcation::HopfPoint) gives l1). Where friction is linear up to stick
+/// (Coulomb), a continuum of motions exists at p0 alone, and one of them is found; the branch
+/// begins with the one that touches the belt velocity.
+///
+/// Source: Kuznetsov, *Elements of Applied Bifurcation Theory*, sections 3.4, 5.4 and 10.2.
+///
+/// # Errors
+///
+/// [`Error::At`], with the parameter, for the error of the family, [`Error::NoSteadySliding`], and
+/// if no periodic motion is found; [`Error::NoHopfPoint`] if no pair of eigenvalues is near the
+/// axis (|Re s| ≤ 0.2 |Im s|), or none crosses it near there; [`Error::InvalidParameter`] unless the
+/// value is finite.
+///
+/// ```
+/// use stick_slip::orbit::{self, AttractorKind, BranchEnd};
+/// use stick_slip::{Contact, Error, Exponential, Structure};
+///
+/// // A mass on a belt: steady sliding is neutral at 2β = −dμ̂/ds, near v_b = 0.74.
+/// let mass = |velocity: f64| -> Result<Structure, Error> {
+///     let law = Exponential::new(0.4, 0.25, 0.5)?;
+///     Structure::new(&[1.0])?
+///         .with_ground_spring(0, 1.0)?
+///         .with_ground_damper(0, 0.1)?
+///         .with_contact(Contact::new(0, law, 1.0)?.on_belt(velocity))
+/// };
+/// let born = orbit::begin(mass, 0.74)?;
+/// // Above √(3/2)·0.5 the bifurcation is subcritical: an unstable motion beside steady sliding.
+/// assert!(born.parameter > 0.738553461542470176 && !born.orbit.is_stable());
+///
+/// let branch = orbit::follow(mass, born.parameter, &born.orbit, 0.5..1.0)?;
+/// let hopf = branch.ends.iter().find_map(|end| match end {
+///     BranchEnd::Hopf { parameter } => Some(*parameter),
+///     _ => None,
+/// });
+/// assert!((hopf.unwrap() - 0.738553461542470176).abs() < 1e-10);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[doc(alias = "Hopf")]
+#[doc(alias = "flutter")]
+pub fn begin<S: Oscillator>(
+    family: impl Fn(f64) -> Result<S, Error>,
+    near: f64,
+) -> Result<BranchPoint<S>, Error> {
+    Search::new().begin(family, near)
+}
+
+impl Search<'_> {
+    /// The periodic motion that is born at a Hopf point: [`begin`], within the bounds of this search.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`begin`].
+    pub fn begin<S: Oscillator>(
+        &self,
+        family: impl Fn(f64) -> Result<S, Error>,
+        near: f64,
+    ) -> Result<BranchPoint<S>, Error> {
+        let unit = if near == 0.0 { 1.0 } else { near.abs() };
+        let (parameter, frequency) = hopf_point(&family, near, unit)?;
+        let system = family(parameter).map_err(|error| error.at("parameter", parameter))?;
+        let form = system.form();
+        let born = Born::of(&form, frequency).map_err(|error| error.at("parameter", parameter))?;
+        let range = parameter - 0.1 * unit..parameter + 0.1 * unit;
+        let kind = Period::Free(TAU / frequency);
+        let (parameter, trial) =
+            self.over(&family, kind, range, |curve| born.motion(curve, parameter))?;
+        let find = || {
+            let system = family(parameter)?;
+            Orbit::new(&system, &system.form(), trial, kind)
+        };
+        let orbit = find().map_err(|error| error.at("parameter", parameter))?;
+        Ok(BranchPoint { parameter, orbit })
+    }
+}
+
+/// The Hopf point near a value of the parameter, with its frequency.
+fn hopf_point<S: Oscillator>(
+    family: &impl Fn(f64) -> Result<S, Error>,
+    near: f64,
+    unit: f64,
+) -> Result<(f64, f64), Error> {
+    let none = || Error::NoHopfPoint.at("parameter", near);
+    // The eigenvalue nearest another one.
+    let nearest = |parameter: f64, to: Option<Complex<f64>>| {
+        let values = spectrum_at(family, parameter)?;
+        let off = |value: &Complex<f64>| match to {
+            Some(to) => (value - to).norm(),
+            None => (value.re / value.im).abs(),
+        };
+        let oscillating = values.into_iter().filter(|value| value.im > 0.0);
+        let nearest = oscillating.min_by(|a, b| off(a).total_cmp(&off(b)));
+        nearest.ok_or_else(none)
+    };
+    let first = nearest(near, None)?;
+    if first.re.abs() > NEAR * first.im {
+        return Err(none());
+    }
+    let mut last = (near, first);
+    let mut next = near + INCREMENT * unit;
+    for _ in 0..MOST_STEPS {
+        let value = nearest(next, Some(last.1))?;
+        let step = -value.re * (next - last.0) / (value.re - last.1.re);
+        let is_done =
+            value.re.abs() <= f64::EPSILON * value.im || step.abs() <= f64::EPSILON * next.abs();
+        if is_done && value.re.abs() <= ROUNDING * value.im {
+            return Ok((next, value.im));
+        }
+        if !(step.is_finite() && (next + step - near).abs() <= unit) {
+            break;
+        }
+        last = (next, value);
+        next += step;
+    }
+    Err(none())
+}
+
+/// A motion that is born at a Hopf point, to first order.
+struct Born {
+    steady: State,
+    /// The coordinate that turns at the start.
+    turning: usize,
+    /// 2 Re(q e^{iφ}) and Re(u e^{iφ}).
+    way: DVector<f64>,
+    normal: DVector<f64>,
+    /// The largest distance ε for an amplitude of 1 in units of the sliding velocities, and its
+    /// limit from the displacements.
+    reach: f64,
+    most: f64,
+    frequency: f64,
+}
+
+impl Born {
+    fn of(form: &Form<'_>, frequency: f64) -> Result<Self, Error> {
+        let field = SlidingField::of(form.model())?;
+        let mut matrix = field.jacobian();
+        let units = balance_parlett_reinsch(&mut matrix);
+        let (n, order) = (form.len(), form.order());
+        let shifted = DMatrix::from_fn(order, order, |i, j| {
+            let shift = if i == j { frequency } else { 0.0 };
+            Complex::new(matrix[(i, j)], -shift)
+        });
+        let svd = shifted.try_svd(true, true, f64::EPSILON, 1000 * order);
+        let svd = svd.ok_or(Error::NoHopfPoint)?;
+        let least = svd.singular_values.argmin().0;
+        let (Some(left), Some(right)) = (&svd.u, &svd.v_t) else {
+            return Err(Error::NoHopfPoint);
+        };
+        let q = DVector::from_fn(order, |i, _| right[(least, i)].conj() * units[i]);
+        let u = DVector::from_fn(order, |i, _| left[(i, least)] / units[i]);
+        let u = &u / u.dotc(&q).conj();
+        let turning = q.rows(n, n).map(|v| v.norm()).argmax().0;
+        let turn = Complex::cis(FRAC_PI_2 - q[n + turning].arg());
+        let steady = field.state();
+        let model = form.model();
+        let slides = model.contacts.iter().map(|contact| {
+            let varies = contact.direction.iter().map(|&(j, b)| q[n + j] * b);
+            let velocity = contact.belt_velocity.value(0.0).abs();
+            velocity / (2.0 * varies.sum::<Complex<f64>>().norm())
+        });
+        let remembered = steady.memory.iter().enumerate();
+        let remembered = remembered.filter(|(_, z)| **z != 0.0);
+        let remembered = remembered.map(|(j, z)| z.abs() / (2.0 * q[2 * n + j].norm()));
+        let reach = slides.chain(remembered).fold(f64::INFINITY, f64::min);
+        let displaced = steady.displacements.iter().map(|x| x.abs());
+        let displaced = displaced.fold(0.0, f64::max);
+        let moves = q.rows(0, n).map(|x| x.norm()).max();
+        let most = if displaced > 0.0 {
+            DISPLACED * displaced / (2.0 * moves)
+        } else {
+            f64::INFINITY
+        };
+        Ok(Self {
+            steady,
+            turning,
+            way: q.map(|x| 2.0 * (x * turn).re),
+            normal: u.map(|x| (x * turn).re),
+            reach,
+            most,
+            frequency,
+        })
+    }
+
+    /// A small motion, and its parameter.
+    fn motion(&self, mut curve: Curve<'_>, parameter: f64) -> Result<(f64, Trial), Error> {
+        (curve.n, curve.order) = (self.steady.displacements.len(), self.way.len());
+        curve.turning = Some(self.turning);
+        let (order, last) = (curve.order, curve.unknowns() - 1);
+        let steady = vector(&self.steady, order);
+        let mut failure = Error::NoHopfPoint.at("parameter", parameter);
+        for amplitude in AMPLITUDES {
+            let away = (amplitude * self.reach).min(self.most);
+            if !away.is_finite() {
+                break;
+            }
+            let start = &steady + &self.way * away;
+            let start = state(&start, curve.n);
+            let solve = || {
+                let near = curve.guess(&start, TAU / self.frequency, parameter)?;
+                let scale = natural_scale(&curve, &near);
+                let mut normal = DVector::zeros(last + 1);
+                let mut along = normal.clone();
+                normal.rows_mut(0, order).copy_from(&self.normal);
+                normal.component_mul_assign(&scale);
+                along.rows_mut(0, order).copy_from(&self.way);
+                along.component_div_assign(&scale);
+                let plane = Plane {
+                    value: self.normal.dot(&steady) + away,
+                    scale: &scale,
+                    normal,
+                    along: &along,
+                };
+                curve.solve(&near.y, &near, &plane)
+            };
+            match solve() {
+                Ok(found) => return Ok((curve.parameter(&found.y), found.trial)),
+                Err(error) => failure = error,
+            }
+        }
+        Err(failure)
+    }
+}

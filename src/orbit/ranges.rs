@@ -1,0 +1,465 @@
+//! The attractors over a range of a parameter, with the bifurcations between them.
+
+use std::fmt;
+use std::ops::Range;
+
+use super::branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
+use super::classify::{Attractor, AttractorKind, kind_of};
+use super::found::Orbit;
+use super::hopf::{SteadyAlong, steady_along};
+use super::oscillator::Oscillator;
+use super::search::Search;
+use super::sweep::Sweep;
+use crate::error::Error;
+use crate::motion::System;
+use crate::state::structure::State;
+
+/// The attractors of a system over a range of a parameter: see [`vibration_ranges`].
+#[non_exhaustive]
+pub struct VibrationRanges<S: System> {
+    /// The ranges, in ascending order; together they cover the range that was searched.
+    pub ranges: Vec<VibrationRange>,
+    /// The branches of periodic motions that were followed.
+    pub branches: Vec<Branch<S>>,
+    /// What the system settled to at equidistant values.
+    pub sweep: Sweep<S>,
+}
+
+/// A range of a parameter with the same attractors throughout.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct VibrationRange {
+    /// The values of the parameter, in its own units.
+    pub parameters: Range<f64>,
+    /// All attractors that were found: one entry for each. Two or more mean hysteresis: which one is
+    /// reached depends on the start.
+    pub attractors: Vec<AttractorKind>,
+    /// Why the attractors change at the two ends of the range.
+    pub borders: [Border; 2],
+}
+
+/// Why the attractors change at an end of a [`VibrationRange`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(rename_all = "snake_case")
+)]
+#[non_exhaustive]
+pub enum Border {
+    /// The range that was searched ends there.
+    Range,
+    /// Steady sliding changes its stability, and a periodic motion is born.
+    Hopf,
+    /// A real eigenvalue of steady sliding is 0: the equilibrium is pushed away.
+    Divergence,
+    /// Steady sliding begins or ceases to exist.
+    NoSteadySliding,
+    /// A periodic motion passes a fold: it meets an unstable one, and vanishes.
+    Fold,
+    /// A multiplier of a periodic motion is −1: see [`BifurcationKind::Flip`].
+    Flip,
+    /// A symmetric motion becomes unstable: see [`BifurcationKind::Pitchfork`].
+    Pitchfork,
+    /// A pair of multipliers of a periodic motion passes the unit circle.
+    NeimarkSacker,
+    /// An event of a periodic motion becomes tangential: with another motion, with which it vanishes,
+    /// or the motion changes its kind or its stability.
+    Grazing,
+    /// The events of a periodic motion change, and with them its kind or its stability.
+    Sequence,
+    /// A periodic motion jumps: see [`BranchEnd::Discontinuity`].
+    Discontinuity,
+    /// A branch could not be followed beyond: [`VibrationRanges::branches`] has the reason.
+    Unknown,
+}
+
+impl fmt::Display for Border {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Range => "end of the range",
+            Self::Hopf => "Hopf",
+            Self::Divergence => "divergence",
+            Self::NoSteadySliding => "no steady sliding",
+            Self::Fold => "fold",
+            Self::Flip => "flip",
+            Self::Pitchfork => "pitchfork",
+            Self::NeimarkSacker => "Neimark-Sacker",
+            Self::Grazing => "grazing",
+            Self::Sequence => "change of events",
+            Self::Discontinuity => "discontinuity",
+            Self::Unknown => "unknown",
+        })
+    }
+}
+
+impl From<BifurcationKind> for Border {
+    fn from(kind: BifurcationKind) -> Self {
+        match kind {
+            BifurcationKind::Fold => Self::Fold,
+            BifurcationKind::Flip => Self::Flip,
+            BifurcationKind::Pitchfork => Self::Pitchfork,
+            BifurcationKind::NeimarkSacker => Self::NeimarkSacker,
+            BifurcationKind::Grazing => Self::Grazing,
+            BifurcationKind::Sequence => Self::Sequence,
+        }
+    }
+}
+
+/// Intervals of the range at whose ends the system is swept.
+const SWEPT: usize = 16;
+
+/// Intervals into which the range is divided in the search for changes of stability of steady
+/// sliding.
+const INTERVALS: usize = 256;
+
+/// Borders that lie closer together, in parts of the range, are one.
+const SAME: f64 = 1e-9;
+
+/// A Hopf point at which a branch ends, found by extrapolation, is this near the exact one, in parts
+/// of the range.
+const HOPF: f64 = 1e-6;
+
+/// The largest distance of a motion from a branch to which it belongs, as a part of its extent.
+const ON_BRANCH: f64 = 1e-2;
+
+/// The attractors of a system over a range of a parameter: where it slides steadily, where it
+/// vibrates, and where it depends on the past which of both it does, with the critical values
+/// between these ranges.
+///
+/// `family` returns the system for a value of the parameter. Two searches lead to the periodic
+/// motions: a [`sweep`](super::sweep()) upward and downward over 17 equidistant values, from rest;
+/// and the Hopf points of steady sliding, at which motions are [born](super::begin()). Each motion
+/// that is on no branch yet is [followed](super::follow()) in both directions, through folds, to the
+/// ends of its branch. So the end of stick-slip is the fold or grazing itself, not the last value at
+/// which some simulation stuck, and motions that no simulation from steady sliding reaches are
+/// found, if they are connected with those.
+///
+/// Critical values are as exact as those of [`follow`](super::follow()): Hopf points to rounding,
+/// bifurcations to about 1e-10 of the range. Attractors on a branch of their own that the sweep does
+/// not meet are missed; where a sweep finds no periodic motion but chaos, the range has
+/// [`AttractorKind::Irregular`].
+///
+/// Work: a sweep of 34 values, and one [`follow`](super::follow()) for each branch: seconds for a few
+/// masses. [`Search::vibration_ranges`] bounds and watches it. For a mass on a belt of constant
+/// velocity, [`bifurcation::vibration_ranges`](crate::bifurcation::vibration_ranges) is faster, and
+/// complete.
+///
+/// # Errors
+///
+/// [`Error::InvalidParameter`] unless the range is finite and not empty; [`Error::At`], with the
+/// parameter, if the family has no system at its start.
+///
+/// ```
+/// use stick_slip::orbit::{self, AttractorKind, Border};
+/// use stick_slip::{Contact, Error, Exponential, Structure};
+///
+/// // A mass on a belt, over the velocity of the belt.
+/// let mass = |velocity: f64| -> Result<Structure, Error> {
+///     Structure::new(&[1.0])?
+///         .with_ground_spring(0, 1.0)?
+///         .with_ground_damper(0, 0.1)?
+///         .with_contact(Contact::new(0, Exponential::new(0.4, 0.25, 0.5)?, 1.0)?.on_belt(velocity))
+/// };
+/// let found = orbit::vibration_ranges(mass, 0.2..1.0)?;
+/// let [vibrates, both, slides] = &found.ranges[..] else { panic!() };
+/// assert_eq!(vibrates.attractors, [AttractorKind::StickSlip]);
+/// assert_eq!(both.attractors, [AttractorKind::SteadySliding, AttractorKind::StickSlip]);
+/// assert_eq!(slides.attractors, [AttractorKind::SteadySliding]);
+/// // Hysteresis between the Hopf point and the grazing at which stick-slip ends.
+/// assert_eq!(both.borders, [Border::Hopf, Border::Grazing]);
+/// assert!((both.parameters.start - 0.738553461542470176).abs() < 1e-14);
+/// # Ok::<(), stick_slip::Error>(())
+/// ```
+#[doc(alias = "critical value")]
+#[doc(alias = "hysteresis")]
+pub fn vibration_ranges<S: Oscillator>(
+    family: impl Fn(f64) -> Result<S, Error>,
+    range: Range<f64>,
+) -> Result<VibrationRanges<S>, Error> {
+    Search::new().vibration_ranges(family, range)
+}
+
+impl Search<'_> {
+    /// The attractors over a range of a parameter: [`vibration_ranges`], within the bounds of this
+    /// search. A search that is stopped gives the ranges known so far.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`vibration_ranges`].
+    pub fn vibration_ranges<S: Oscillator>(
+        &self,
+        family: impl Fn(f64) -> Result<S, Error>,
+        range: Range<f64>,
+    ) -> Result<VibrationRanges<S>, Error> {
+        let Range { start, end } = range;
+        let of = "orbit::vibration_ranges";
+        Error::check(of, "range.start", start, true, "start < end")?;
+        Error::check(of, "range.end", end, end > start, "start < end")?;
+        let places = |count: usize| -> Vec<f64> {
+            let parts = (0..=count).map(|i| i as f64 / count as f64);
+            parts
+                .map(|part| start * (1.0 - part) + end * part)
+                .collect()
+        };
+        let first = family(start).map_err(|error| error.at("parameter", start))?;
+        let rest = S::own(&State::at_rest(first.form().len()));
+        let sweep = self.sweep(&family, &places(SWEPT), &rest)?;
+        let steady = steady_along(&family, &places(INTERVALS));
+        let mut branches: Vec<Branch<S>> = Vec::new();
+        let swept = sweep.up.iter().chain(&sweep.down);
+        let swept = swept.filter_map(|point| {
+            let orbit = point.attractor.as_ref().ok().and_then(Attractor::orbit)?;
+            Some((point.parameter, orbit))
+        });
+        let mut follow = |parameter: f64, orbit: &Orbit<S>| {
+            if !branches
+                .iter()
+                .any(|branch| is_on(branch, parameter, orbit))
+                && let Ok(branch) = self.follow(&family, parameter, orbit, start..end)
+                && !branches.iter().any(|known| is_same(known, &branch))
+            {
+                branches.push(branch);
+            }
+        };
+        for (parameter, orbit) in swept {
+            follow(parameter, orbit);
+        }
+        for crossing in steady.crossings.iter().filter(|at| at.frequency > 0.0) {
+            if let Ok(born) = self.begin(&family, crossing.parameter)
+                && (start..=end).contains(&born.parameter)
+            {
+                follow(born.parameter, &born.orbit);
+            }
+        }
+        let mut stretches = steady_stretches(&steady, start..end);
+        for branch in &branches {
+            let width = end - start;
+            self.add_stretches(&family, branch, (&steady, width), &mut stretches);
+        }
+        Ok(VibrationRanges {
+            ranges: ranges(&stretches, &sweep, start..end),
+            branches,
+            sweep,
+        })
+    }
+
+    /// Adds the parts of a branch on which its motions are attractors.
+    fn add_stretches<S: Oscillator>(
+        &self,
+        family: &impl Fn(f64) -> Result<S, Error>,
+        branch: &Branch<S>,
+        (steady, width): (&SteadyAlong, f64),
+        stretches: &mut Vec<Stretch>,
+    ) {
+        let points = &branch.points;
+        let (Some(first), Some(last)) = (points.first(), points.last()) else {
+            return;
+        };
+        let end = |end: &BranchEnd, last: f64| match end {
+            BranchEnd::Range | BranchEnd::Closed => (last, Border::Range),
+            BranchEnd::Hopf { parameter } => {
+                let near = |at: f64| (at - parameter).abs() <= HOPF * width;
+                let mut exact = steady.crossings.iter().map(|crossing| crossing.parameter);
+                (
+                    exact.find(|at| near(*at)).unwrap_or(*parameter),
+                    Border::Hopf,
+                )
+            }
+            BranchEnd::Grazing { parameter } => (*parameter, Border::Grazing),
+            BranchEnd::Discontinuity { parameter, .. } => (*parameter, Border::Discontinuity),
+            _ => (last, Border::Unknown),
+        };
+        // The first number of a piece is that of its first point.
+        let mut cuts = vec![(0, end(&branch.ends[0], first.parameter), None)];
+        let between = branch.bifurcations.iter();
+        cuts.extend(between.map(|found| {
+            let border = (found.parameter, Border::from(found.kind));
+            (found.behind + 1, border, Some(found))
+        }));
+        cuts.push((points.len(), end(&branch.ends[1], last.parameter), None));
+        for pair in cuts.windows(2) {
+            let [(from, low, found), (to, high, _)] = &pair else {
+                continue;
+            };
+            let inside = &points[*from..*to];
+            let middle = 0.5 * (low.0 + high.0);
+            let attractor = match (inside.get(inside.len() / 2), found) {
+                (Some(point), _) => attracts(&point.orbit),
+                // Two bifurcations between neighbouring points.
+                (None, Some(found)) => self.between(family, found, middle),
+                (None, None) => None,
+            };
+            let Some(kind) = attractor else {
+                continue;
+            };
+            let (low, high) = if low.0 <= high.0 {
+                (low, high)
+            } else {
+                (high, low)
+            };
+            stretches.push(Stretch {
+                kind,
+                parameters: low.0..high.0,
+                borders: [low.1, high.1],
+            });
+        }
+    }
+
+    /// The attractor near a bifurcation, at another value of the parameter.
+    fn between<S: Oscillator>(
+        &self,
+        family: &impl Fn(f64) -> Result<S, Error>,
+        found: &Bifurcation<S>,
+        parameter: f64,
+    ) -> Option<AttractorKind> {
+        let system = family(parameter).ok()?;
+        let orbit = self.shoot(&system, &found.orbit.state(), found.orbit.kind());
+        attracts(&orbit.ok()?)
+    }
+}
+
+/// A range in which one attractor exists.
+#[derive(Debug)]
+struct Stretch {
+    kind: AttractorKind,
+    parameters: Range<f64>,
+    borders: [Border; 2],
+}
+
+fn attracts<S: System>(orbit: &Orbit<S>) -> Option<AttractorKind> {
+    orbit.is_stable().then(|| kind_of(orbit))
+}
+
+/// The ranges in which steady sliding is stable.
+fn steady_stretches(steady: &SteadyAlong, range: Range<f64>) -> Vec<Stretch> {
+    let border = |at: f64| {
+        let mut crossings = steady.crossings.iter();
+        match crossings.find(|crossing| crossing.parameter == at) {
+            Some(crossing) if crossing.frequency > 0.0 => Border::Hopf,
+            Some(_) => Border::Divergence,
+            None if at == range.start || at == range.end => Border::Range,
+            None => Border::NoSteadySliding,
+        }
+    };
+    let stable = steady.stable.iter();
+    let stretches = stable.map(|stable| Stretch {
+        kind: AttractorKind::SteadySliding,
+        parameters: stable.clone(),
+        borders: [border(stable.start), border(stable.end)],
+    });
+    stretches.collect()
+}
+
+/// Returns true if a motion belongs to a branch: its numbers lie between those of neighbouring
+/// points.
+fn is_on<S: Oscillator>(branch: &Branch<S>, parameter: f64, orbit: &Orbit<S>) -> bool {
+    let count = S::general(&orbit.state()).displacements.len();
+    let numbers = |orbit: &Orbit<S>| -> Vec<f64> {
+        let extremes = (0..count).map(|i| orbit.extremes(i));
+        let extremes = extremes.flat_map(|(least, largest)| [least, largest]);
+        extremes.collect()
+    };
+    // The same motion may have been found over several of its periods.
+    let fits = |other: f64| {
+        let ratio = (orbit.period() / other).max(other / orbit.period());
+        (ratio - ratio.round()).abs() <= ON_BRANCH
+    };
+    let own = numbers(orbit);
+    let extents = (0..count).map(|i| orbit.extremes(i).1 - orbit.extremes(i).0);
+    let extent = extents.fold(0.0, f64::max);
+    branch.points.windows(2).any(|pair| {
+        let [a, b] = [0, 1].map(|i: usize| &pair[i] as &BranchPoint<S>);
+        let part = (parameter - a.parameter) / (b.parameter - a.parameter);
+        (0.0..=1.0).contains(&part)
+            && fits(a.orbit.period() * (1.0 - part) + b.orbit.period() * part)
+            && {
+                let pairs = std::iter::zip(numbers(&a.orbit), numbers(&b.orbit));
+                pairs.zip(&own).all(|((a, b), own)| {
+                    let apart = (a * (1.0 - part) + b * part - own).abs();
+                    apart <= ON_BRANCH * extent + 0.1 * (a - b).abs()
+                })
+            }
+    })
+}
+
+/// Returns true if most of some motions of a branch belong to another one.
+fn is_same<S: Oscillator>(known: &Branch<S>, branch: &Branch<S>) -> bool {
+    const TRIED: usize = 9;
+    let count = branch.points.len();
+    let tried = (0..TRIED).filter_map(|i| branch.points.get(count * (i + 1) / (TRIED + 1)));
+    let same = tried.filter(|point| is_on(known, point.parameter, &point.orbit));
+    2 * same.count() > TRIED
+}
+
+/// The ranges between all borders, those with the same attractors as one.
+fn ranges<S: System>(
+    stretches: &[Stretch],
+    sweep: &Sweep<S>,
+    range: Range<f64>,
+) -> Vec<VibrationRange> {
+    let width = range.end - range.start;
+    let borders = stretches.iter().flat_map(|stretch| {
+        let Range { start, end } = stretch.parameters;
+        [(start, stretch.borders[0]), (end, stretch.borders[1])]
+    });
+    let inside = |at: f64| range.start + SAME * width < at && at < range.end - SAME * width;
+    let mut borders: Vec<(f64, Border)> = borders.filter(|border| inside(border.0)).collect();
+    borders.push((range.start, Border::Range));
+    borders.push((range.end, Border::Range));
+    borders.sort_by(|a, b| a.0.total_cmp(&b.0));
+    borders.dedup_by(|a, b| a.0 - b.0 <= SAME * width);
+    let mut found: Vec<VibrationRange> = Vec::new();
+    for pair in borders.windows(2) {
+        let (start, end) = (pair[0].0, pair[1].0);
+        let middle = 0.5 * (start + end);
+        let there = stretches.iter().filter(|stretch| {
+            let Range { start, end } = stretch.parameters;
+            start < middle && middle < end
+        });
+        let mut attractors: Vec<AttractorKind> = there.map(|stretch| stretch.kind).collect();
+        // What the sweep saw and no branch explains.
+        for point in sweep.up.iter().chain(&sweep.down) {
+            let is_new = |kind: &AttractorKind| !attractors.contains(kind);
+            if (start..=end).contains(&point.parameter)
+                && (attractors.is_empty() || point.kind() == Some(AttractorKind::Irregular))
+                && let Some(kind) = point.kind().filter(is_new)
+            {
+                attractors.push(kind);
+            }
+        }
+        attractors.sort();
+        match found.last_mut() {
+            Some(last) if last.attractors == attractors => {
+                last.parameters.end = end;
+                last.borders[1] = pair[1].1;
+            }
+            _ => found.push(VibrationRange {
+                parameters: start..end,
+                attractors,
+                borders: [pair[0].1, pair[1].1],
+            }),
+        }
+    }
+    found
+}
+
+impl<S: System> Clone for VibrationRanges<S> {
+    fn clone(&self) -> Self {
+        Self {
+            ranges: self.ranges.clone(),
+            branches: self.branches.clone(),
+            sweep: self.sweep.clone(),
+        }
+    }
+}
+
+impl<S: System> fmt::Debug for VibrationRanges<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("VibrationRanges")
+            .field("ranges", &self.ranges)
+            .field("branches", &self.branches)
+            .finish_non_exhaustive()
+    }
+}

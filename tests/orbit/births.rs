@@ -1,0 +1,214 @@
+//! Motions that are born at Hopf points of steady sliding: amplitudes of the normal form.
+
+use stick_slip::nalgebra::{Complex, DMatrix, DVector};
+use stick_slip::orbit::{self, BifurcationKind, BranchEnd, begin, follow};
+use stick_slip::{
+    Contact, Coulomb, Drive, Error, Exponential, LuGre, MassOnBelt, Structure, bifurcation,
+};
+
+use crate::common::{list, number, text};
+use crate::loci::{curve, member};
+
+/// A mass on a belt with the exponential law: A' = aA + cA³ with a = −(2β + μ̂'(v_b))/2, so that A²
+/// = −a/c near the Hopf point.
+#[test]
+fn amplitudes_are_those_of_the_averaged_equation() {
+    let case = curve("hbe");
+    for point in list(&case["points"]) {
+        let [velocity, damping] = ["PARAM1", "PARAM2"].map(|name| number(&point[name]));
+        let family = |damping: f64| Ok(member(&case["system"], velocity, damping));
+        let born = begin(family, 1.01 * damping).unwrap();
+        let cubic = number(&point["cubic_coefficient"]);
+        let stable = text(&point["criticality"]) == "supercritical";
+        assert_eq!(born.orbit.is_stable(), stable, "{velocity}");
+        assert!(born.orbit.events().is_empty());
+        // On one side smaller and smaller, on the other up to stick.
+        let range = 0.5 * damping..2.0 * damping;
+        let branch = follow(family, born.parameter, &born.orbit, range).unwrap();
+        let hopf = branch.ends.iter().find_map(|end| match end {
+            BranchEnd::Hopf { parameter } => Some(*parameter),
+            _ => None,
+        });
+        println!("{velocity}: {:?}", branch.ends);
+        let error = hopf.unwrap() - damping;
+        assert!(error.abs() < 1e-9, "{velocity}: {error:e}");
+        let all = branch.points.iter().map(|point| {
+            let amplitude = point.orbit.amplitude(0);
+            let growth = -0.5 * (point.parameter - damping);
+            (amplitude, -growth / (cubic * amplitude * amplitude))
+        });
+        let smallest = all
+            .filter(|point| point.0 > 1e-4)
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .unwrap();
+        println!("{velocity}: {smallest:?}");
+        assert!((smallest.1 - 1.0).abs() < 0.02, "{velocity}: {smallest:?}");
+    }
+}
+
+/// A drill string of two inertias: Re s + ω l1 ε² = 0, with the coefficient of the reference.
+#[test]
+fn amplitudes_of_a_drill_string_are_those_of_the_normal_form() {
+    let case = curve("hds");
+    for point in list(&case["points"]) {
+        let [speed, load] = ["PARAM1", "PARAM2"].map(|name| number(&point[name]));
+        let family = |load: f64| Ok(member(&case["system"], speed, load));
+        let born = begin(family, 0.99 * load).unwrap();
+        let frequency = number(&point["omega"]);
+        let lyapunov = number(&point["first_lyapunov_coefficient"]);
+        // (K + iωC − ω²M) q = 0 in its second row, without a contact.
+        let system = family(load).unwrap();
+        let (stiffness, damping) = (system.stiffness(), system.damping());
+        let entry =
+            |i: usize, j: usize| Complex::new(stiffness[(i, j)], frequency * damping[(i, j)]);
+        let own = entry(1, 1) - Complex::from(frequency * frequency * system.masses()[1]);
+        let q = [-own / entry(1, 0), Complex::from(1.0)];
+        let length = q.iter().map(|q| q.norm_sqr()).sum::<f64>().sqrt();
+        let length = length * (1.0 + frequency * frequency).sqrt();
+        let branch = follow(family, born.parameter, &born.orbit, 0.8 * load..1.3 * load).unwrap();
+        let ratios = branch.points.iter().map(|point| {
+            let orbit = &point.orbit;
+            let distance = orbit.amplitude(0) * length / (2.0 * q[0].norm());
+            let steady = family(point.parameter).unwrap().steady_sliding().unwrap();
+            let growth = steady.eigenvalues[0].re;
+            (
+                distance,
+                -growth / (frequency * lyapunov * distance * distance),
+            )
+        });
+        let smallest = ratios
+            .filter(|point| point.0 > 1e-4)
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .unwrap();
+        println!("{speed}: {smallest:?}");
+        assert!((smallest.1 - 1.0).abs() < 0.02, "{speed}: {smallest:?}");
+        // Up to the belt: the motion touches it, and sticks.
+        let grazes = |found: &orbit::Bifurcation<Structure>| found.kind == BifurcationKind::Grazing;
+        assert!(
+            branch.bifurcations.iter().any(grazes),
+            "{speed}: {:?}",
+            branch.ends
+        );
+    }
+}
+
+/// A belt by itself and as a structure begin with the same motion, on either side of 0.
+#[test]
+fn a_belt_is_a_structure() {
+    let belt = |velocity: f64| {
+        MassOnBelt::new(Exponential::new(0.4, 0.25, 0.5)?, velocity)?.with_damping(0.05)
+    };
+    let structure = |velocity: f64| Ok(Structure::from(&belt(velocity)?));
+    let exact = bifurcation::hopf_velocities(&belt(0.2).unwrap(), 0.0..2.0).unwrap();
+    assert_eq!(exact.len(), 2);
+    for hopf in exact {
+        let near = 1.001 * hopf;
+        let [a, b] = [
+            begin(belt, near).unwrap().parameter,
+            begin(structure, near).unwrap().parameter,
+        ];
+        assert_eq!(a, b);
+        assert!((a - hopf).abs() < 0.05 * hopf, "{a} {hopf}");
+    }
+}
+
+/// Bristles: the motion has the frequency of the critical pair.
+#[test]
+fn bristles_begin_to_vibrate() {
+    let family = |damping: f64| {
+        let law = LuGre::new(Exponential::new(0.4, 0.25, 0.1)?, 100.0, 0.5, 0.1)?;
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, damping)?
+            .with_contact(Contact::new(0, law, 1.0)?.on_belt(0.1))
+    };
+    let loci = bifurcation::hopf_locus(
+        |p, q| {
+            let law = LuGre::new(Exponential::new(0.4, 0.25, 0.1)?, 100.0, 0.5, 0.1)?;
+            Structure::new(&[1.0])?
+                .with_ground_spring(0, 1.0)?
+                .with_ground_damper(0, q)?
+                .with_contact(Contact::new(0, law, 1.0)?.on_belt(p))
+        },
+        [0.1..0.2, 0.0..1.5],
+    )
+    .unwrap();
+    let mut points = loci.iter().flat_map(|locus| &locus.points);
+    let there = points.find(|point| point.parameters[0] == 0.1).unwrap();
+    let hopf = there.parameters[1];
+    let born = begin(family, hopf).unwrap();
+    assert!(
+        (born.parameter - hopf).abs() < 0.1 * hopf,
+        "{} {hopf}",
+        born.parameter
+    );
+    let frequency = std::f64::consts::TAU / born.orbit.period();
+    assert!((frequency - there.frequency).abs() < 0.05 * there.frequency);
+    let stable = there.first_lyapunov_coefficient < 0.0;
+    assert_eq!(born.orbit.is_stable(), stable);
+}
+
+/// Where friction is linear up to stick all motions exist at the Hopf point alone, up to that which
+/// touches the belt.
+#[test]
+fn a_continuum_is_named_by_its_parameter() {
+    // Flutter by mode coupling at μ = 0.7575.
+    let brake = |coefficient: f64| {
+        Structure::new(&[1.0, 1.0])?
+            .with_stiffness(DMatrix::from_row_slice(2, 2, &[2.0, 1.0, 1.0, 2.0]))?
+            .with_damping(DMatrix::from_diagonal(&DVector::from_column_slice(&[
+                0.1, 0.05,
+            ])))?
+            .with_contact(
+                Contact::new(0, Coulomb::new(coefficient, coefficient)?, 10.0)?
+                    .with_load_gradient(1, 4.0 / 3.0)?
+                    .on_belt(1.0),
+            )
+    };
+    let born = begin(brake, 0.75).unwrap();
+    println!("{} {:?}", born.parameter, born.orbit.multipliers());
+    assert!((born.parameter - 0.7575).abs() < 1e-12);
+    assert!((born.orbit.multipliers()[0].re - 1.0).abs() < 1e-9);
+    let branch = follow(brake, born.parameter, &born.orbit, 0.7..0.8).unwrap();
+    // All of the same period, at one value.
+    assert!(branch.points.len() > 2);
+    for point in &branch.points {
+        assert!(
+            (point.parameter - 0.7575).abs() < 1e-9,
+            "{}",
+            point.parameter
+        );
+        assert!((point.orbit.period() / born.orbit.period() - 1.0).abs() < 1e-8);
+    }
+}
+
+#[test]
+fn what_has_no_hopf_point_is_refused() {
+    let family = |velocity: f64| {
+        MassOnBelt::new(Exponential::new(0.4, 0.25, 0.5)?, velocity)?.with_damping(0.05)
+    };
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let error = begin(family, bad).unwrap_err();
+        assert!(matches!(error, Error::InvalidParameter { .. }), "{error}");
+    }
+    // A belt at rest, and far from any Hopf point.
+    assert!(matches!(begin(family, 0.0).unwrap_err(), Error::At { .. }));
+    let overdamped = |velocity: f64| {
+        MassOnBelt::new(Exponential::new(0.4, 0.25, 0.5)?, velocity)?.with_damping(0.9)
+    };
+    let error = begin(overdamped, 0.5).unwrap_err();
+    assert!(error.to_string().contains("no Hopf point"), "{error}");
+    // A force that varies: nothing slides steadily.
+    let driven = |force: f64| {
+        Structure::from(&family(0.5)?).with_force(0, Drive::harmonic(force, 1.0, 0.0)?)
+    };
+    let error = begin(driven, 0.1).unwrap_err();
+    assert!(error.to_string().contains("steady sliding"), "{error}");
+    let refuses = |_: f64| -> Result<Structure, Error> { Err(Error::NotFree) };
+    assert!(
+        begin(refuses, 0.1)
+            .unwrap_err()
+            .to_string()
+            .contains("parameter")
+    );
+}

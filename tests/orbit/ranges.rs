@@ -1,0 +1,223 @@
+//! Attractors over a range of a parameter: against the complete search of the belt, and simulation.
+
+use stick_slip::bifurcation::{self, AttractorKind as OfBelt};
+use stick_slip::orbit::{
+    self, AttractorKind, Border, Search, VibrationRanges, classify, vibration_ranges,
+};
+use stick_slip::structure::State;
+use stick_slip::{
+    Contact, CycleKind, Drive, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Structure,
+    System,
+};
+
+fn show<S: System>(found: &VibrationRanges<S>) {
+    for range in &found.ranges {
+        let kinds: Vec<String> = range.attractors.iter().map(ToString::to_string).collect();
+        println!("{:?} {kinds:?} {:?}", range.parameters, range.borders);
+    }
+}
+
+/// What the belt's own search finds, in the words of structures.
+fn of_belt<L: FrictionLaw>(
+    system: &MassOnBelt<L>,
+    range: std::ops::Range<f64>,
+) -> Vec<(f64, Vec<AttractorKind>)> {
+    let ranges = bifurcation::vibration_ranges(system, range).unwrap();
+    let mut found: Vec<(f64, Vec<AttractorKind>)> = Vec::new();
+    for range in ranges {
+        let kinds = range.attractors.iter().map(|kind| match kind {
+            OfBelt::Equilibrium => AttractorKind::SteadySliding,
+            OfBelt::Cycle(CycleKind::PureSlip | CycleKind::Crossing) => AttractorKind::PureSlip,
+            OfBelt::Cycle(_) => AttractorKind::StickSlip,
+            other => panic!("{other:?}"),
+        });
+        let mut kinds: Vec<_> = kinds.collect();
+        kinds.sort();
+        if found.last().is_none_or(|last| last.1 != kinds) {
+            found.push((range.velocities.start, kinds));
+        }
+    }
+    found
+}
+
+/// A belt made a structure has the ranges that the complete search finds.
+#[test]
+fn a_belt_as_a_structure_has_the_ranges_of_the_belt() {
+    let compare = |name: &str,
+                   family: &dyn Fn(f64) -> Result<Structure, Error>,
+                   expected: Vec<(f64, Vec<AttractorKind>)>,
+                   range: std::ops::Range<f64>| {
+        println!("{name} {expected:?}");
+        let found = vibration_ranges(family, range.clone()).unwrap();
+        show(&found);
+        for branch in &found.branches {
+            println!(
+                "  {} {:?} {:?}",
+                branch.points.len(),
+                branch.ends,
+                branch
+                    .bifurcations
+                    .iter()
+                    .map(|b| (b.kind, b.parameter))
+                    .collect::<Vec<_>>()
+            );
+        }
+        let kinds: Vec<_> = found
+            .ranges
+            .iter()
+            .map(|range| range.attractors.clone())
+            .collect();
+        let known: Vec<_> = expected.iter().map(|range| range.1.clone()).collect();
+        assert_eq!(kinds, known, "{name}");
+        let width = range.end - range.start;
+        for (range, (start, _)) in std::iter::zip(&found.ranges, &expected) {
+            let error = (range.parameters.start - start).abs();
+            println!("{name} {:?}: {error:.1e}", range.borders[0]);
+            assert!(error <= 1e-9 * width, "{name}: {error:e}");
+        }
+        assert_eq!(found.ranges[0].parameters.start, range.start);
+        assert_eq!(
+            found.ranges[found.ranges.len() - 1].parameters.end,
+            range.end
+        );
+    };
+    let polynomial = Polynomial::new(0.4, 0.25, 0.5).unwrap();
+    let belt = |velocity: f64| MassOnBelt::new(polynomial, velocity)?.with_damping(0.05);
+    let family = |velocity: f64| Ok(Structure::from(&belt(velocity)?));
+    let range = 0.05..0.6;
+    compare(
+        "polynomial",
+        &family,
+        of_belt(&belt(0.2).unwrap(), range.clone()),
+        range,
+    );
+    for (law, damping, range) in [
+        (Exponential::new(0.6, 0.3, 0.4).unwrap(), 0.01, 0.2..6.0),
+        (Exponential::new(0.4, 0.25, 0.5).unwrap(), 0.05, 0.03..1.2),
+    ] {
+        let belt = |velocity: f64| MassOnBelt::new(law, velocity)?.with_damping(damping);
+        let family = |velocity: f64| Ok(Structure::from(&belt(velocity)?));
+        let expected = of_belt(&belt(0.2).unwrap(), range.clone());
+        compare("exponential", &family, expected, range);
+    }
+}
+
+/// A drill string of three inertias over its load: stick-slip lasts far below the load at which a
+/// bisection over simulations from near steady sliding loses it.
+#[test]
+fn hysteresis_of_a_drill_string_is_reported() {
+    const INERTIAS: usize = 3;
+    let string = |load: f64| -> Result<Structure, Error> {
+        // Bit first; the drive turns the ground of the other end, in a frame that turns with it.
+        let mut string = Structure::new(&[1.0; INERTIAS])?;
+        for i in 1..INERTIAS {
+            string = string
+                .with_spring(i - 1, i, 20.0)?
+                .with_damper(i - 1, i, 0.5)?;
+        }
+        let law = Exponential::new(0.6, 0.35, 1.0)?;
+        string
+            .with_ground_spring(INERTIAS - 1, 20.0)?
+            .with_ground_damper(INERTIAS - 1, 0.5)?
+            .with_ground_damper(0, 0.3)?
+            .with_contact(Contact::new(0, law, load)?.on_belt(-2.0))
+    };
+    let range = 2.0..30.0;
+    let found = vibration_ranges(string, range).unwrap();
+    show(&found);
+    for branch in &found.branches {
+        println!(
+            "  {} {:?} {:?}",
+            branch.points.len(),
+            branch.ends,
+            branch
+                .bifurcations
+                .iter()
+                .map(|b| (b.kind, b.parameter))
+                .collect::<Vec<_>>()
+        );
+    }
+    let both = found
+        .ranges
+        .iter()
+        .find(|range| range.attractors.len() > 1)
+        .unwrap();
+    assert_eq!(
+        both.attractors,
+        [AttractorKind::SteadySliding, AttractorKind::StickSlip]
+    );
+    assert_eq!(both.borders[1], Border::Hopf);
+    // The limit of steady sliding, from its eigenvalues.
+    let limit = both.parameters.end;
+    let growth = |load: f64| string(load).unwrap().steady_sliding().unwrap().eigenvalues[0].re;
+    assert!(growth(limit * (1.0 - 1e-9)) < 0.0 && growth(limit * (1.0 + 1e-9)) > 0.0);
+    // Stick-slip goes on from above down to its own end, and not beyond.
+    let end = both.parameters.start;
+    let sweep = orbit::sweep(
+        string,
+        &[end * 0.98, end * 1.02, limit * 1.05],
+        &State::at_rest(INERTIAS),
+    )
+    .unwrap();
+    let kinds: Vec<_> = sweep.down.iter().map(|point| point.kind()).collect();
+    println!("{kinds:?}");
+    use AttractorKind::{SteadySliding, StickSlip};
+    assert_eq!(kinds, [StickSlip, StickSlip, SteadySliding].map(Some));
+    // Near steady sliding nothing is seen of it.
+    let system = string(1.02 * end).unwrap();
+    let steady = system.steady_sliding().unwrap();
+    let start = State::new(&steady.displacements, &[1e-3; INERTIAS]);
+    assert_eq!(classify(&system, &start).unwrap().kind(), SteadySliding);
+}
+
+/// A forced mass has no steady sliding; its ranges are those of its periodic motions.
+#[test]
+fn forced_motions_have_ranges_too() {
+    let family = |force: f64| -> Result<Structure, Error> {
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, 0.1)?
+            .with_force(0, Drive::harmonic(force, 0.8, 0.0)?)?
+            .with_contact(Contact::new(0, Polynomial::new(0.4, 0.25, 0.5)?, 1.0)?.on_belt(0.2))
+    };
+    let found = vibration_ranges(family, 0.1..0.3).unwrap();
+    show(&found);
+    assert!(
+        found
+            .ranges
+            .iter()
+            .all(|range| !range.attractors.is_empty())
+    );
+    assert!(
+        found
+            .ranges
+            .iter()
+            .any(|range| range.attractors.contains(&AttractorKind::StickSlip))
+    );
+}
+
+#[test]
+fn what_cannot_be_searched_is_refused() {
+    let family = |velocity: f64| {
+        MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, velocity)?.with_damping(0.05)
+    };
+    for range in [f64::NAN..1.0, 0.0..f64::INFINITY, 1.0..1.0, 2.0..1.0] {
+        let error = vibration_ranges(family, range).unwrap_err();
+        assert!(matches!(error, Error::InvalidParameter { .. }), "{error}");
+    }
+    let refuses = |_: f64| -> Result<Structure, Error> { Err(Error::NotFree) };
+    assert!(
+        vibration_ranges(refuses, 0.0..1.0)
+            .unwrap_err()
+            .to_string()
+            .contains("parameter")
+    );
+    // A search that is stopped at once knows steady sliding only.
+    let search = Search::new().watched(|_| std::ops::ControlFlow::Break(()));
+    let found = search.vibration_ranges(family, 0.05..0.6).unwrap();
+    assert!(found.branches.is_empty() && found.sweep.stopped.is_some());
+    assert_eq!(
+        found.ranges.last().unwrap().attractors,
+        [AttractorKind::SteadySliding]
+    );
+}
