@@ -29,7 +29,6 @@ fn amplitudes_are_those_of_the_averaged_equation() {
             BranchEnd::Hopf { parameter } => Some(*parameter),
             _ => None,
         });
-        println!("{velocity}: {:?}", branch.ends);
         let error = hopf.unwrap() - damping;
         assert!(error.abs() < 1e-9, "{velocity}: {error:e}");
         let all = branch.points.iter().map(|point| {
@@ -42,7 +41,7 @@ fn amplitudes_are_those_of_the_averaged_equation() {
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .unwrap();
         println!("{velocity}: {smallest:?}");
-        assert!((smallest.1 - 1.0).abs() < 0.02, "{velocity}: {smallest:?}");
+        assert!((smallest.1 - 1.0).abs() < 1e-3, "{velocity}: {smallest:?}");
     }
 }
 
@@ -77,17 +76,16 @@ fn amplitudes_of_a_drill_string_are_those_of_the_normal_form() {
             )
         });
         let smallest = ratios
-            .filter(|point| point.0 > 1e-4)
+            .filter(|point| point.0 > 3e-3)
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .unwrap();
         println!("{speed}: {smallest:?}");
-        assert!((smallest.1 - 1.0).abs() < 0.02, "{speed}: {smallest:?}");
+        assert!((smallest.1 - 1.0).abs() < 1e-4, "{speed}: {smallest:?}");
         // Up to the belt: the motion touches it, and sticks.
         let grazes = |found: &orbit::Bifurcation<Structure>| found.kind == BifurcationKind::Grazing;
         assert!(
-            branch.bifurcations.iter().any(grazes),
-            "{speed}: {:?}",
-            branch.ends
+            speed > 0.42 || branch.bifurcations.iter().any(grazes),
+            "{speed}"
         );
     }
 }
@@ -166,7 +164,6 @@ fn a_continuum_is_named_by_its_parameter() {
             )
     };
     let born = begin(brake, 0.75).unwrap();
-    println!("{} {:?}", born.parameter, born.orbit.multipliers());
     assert!((born.parameter - 0.7575).abs() < 1e-12);
     assert!((born.orbit.multipliers()[0].re - 1.0).abs() < 1e-9);
     let branch = follow(brake, born.parameter, &born.orbit, 0.7..0.8).unwrap();

@@ -50,18 +50,6 @@ fn a_belt_as_a_structure_has_the_ranges_of_the_belt() {
         println!("{name} {expected:?}");
         let found = vibration_ranges(family, range.clone()).unwrap();
         show(&found);
-        for branch in &found.branches {
-            println!(
-                "  {} {:?} {:?}",
-                branch.points.len(),
-                branch.ends,
-                branch
-                    .bifurcations
-                    .iter()
-                    .map(|b| (b.kind, b.parameter))
-                    .collect::<Vec<_>>()
-            );
-        }
         let kinds: Vec<_> = found
             .ranges
             .iter()
@@ -102,7 +90,7 @@ fn a_belt_as_a_structure_has_the_ranges_of_the_belt() {
     }
 }
 
-/// A drill string of three inertias over its load: stick-slip lasts far below the load at which a
+/// A drill string of three inertias over its load: vibration lasts far below the load at which a
 /// bisection over simulations from near steady sliding loses it.
 #[test]
 fn hysteresis_of_a_drill_string_is_reported() {
@@ -125,46 +113,42 @@ fn hysteresis_of_a_drill_string_is_reported() {
     let range = 2.0..30.0;
     let found = vibration_ranges(string, range).unwrap();
     show(&found);
-    for branch in &found.branches {
-        println!(
-            "  {} {:?} {:?}",
-            branch.points.len(),
-            branch.ends,
-            branch
-                .bifurcations
-                .iter()
-                .map(|b| (b.kind, b.parameter))
-                .collect::<Vec<_>>()
-        );
-    }
-    let both = found
+    use AttractorKind::{PureSlip, SteadySliding, StickSlip};
+    let kinds: Vec<_> = found
         .ranges
         .iter()
-        .find(|range| range.attractors.len() > 1)
-        .unwrap();
-    assert_eq!(
-        both.attractors,
-        [AttractorKind::SteadySliding, AttractorKind::StickSlip]
-    );
-    assert_eq!(both.borders[1], Border::Hopf);
+        .map(|range| &range.attractors[..])
+        .collect();
+    let expected: [&[_]; 4] = [
+        &[SteadySliding],
+        &[SteadySliding, PureSlip],
+        &[SteadySliding, StickSlip],
+        &[StickSlip],
+    ];
+    assert_eq!(kinds, expected);
+    let borders: Vec<_> = found.ranges.iter().map(|range| range.borders).collect();
+    assert_eq!(borders[1], [Border::Fold, Border::Grazing]);
+    assert_eq!(borders[2], [Border::Grazing, Border::Hopf]);
+    let [fold, grazing, limit] = [1, 2, 3].map(|i: usize| found.ranges[i].parameters.start);
     // The limit of steady sliding, from its eigenvalues.
-    let limit = both.parameters.end;
     let growth = |load: f64| string(load).unwrap().steady_sliding().unwrap().eigenvalues[0].re;
     assert!(growth(limit * (1.0 - 1e-9)) < 0.0 && growth(limit * (1.0 + 1e-9)) > 0.0);
-    // Stick-slip goes on from above down to its own end, and not beyond.
-    let end = both.parameters.start;
-    let sweep = orbit::sweep(
-        string,
-        &[end * 0.98, end * 1.02, limit * 1.05],
-        &State::at_rest(INERTIAS),
-    )
-    .unwrap();
+    // Vibration goes on from above down to the fold, at a third of the load, and not beyond.
+    assert!(fold < 0.3 * limit);
+    let loads = [
+        fold * 0.99,
+        0.5 * (fold + grazing),
+        grazing * 1.02,
+        limit * 1.05,
+    ];
+    let sweep = orbit::sweep(string, &loads, &State::at_rest(INERTIAS)).unwrap();
     let kinds: Vec<_> = sweep.down.iter().map(|point| point.kind()).collect();
-    println!("{kinds:?}");
-    use AttractorKind::{SteadySliding, StickSlip};
-    assert_eq!(kinds, [StickSlip, StickSlip, SteadySliding].map(Some));
-    // Near steady sliding nothing is seen of it.
-    let system = string(1.02 * end).unwrap();
+    assert_eq!(
+        kinds,
+        [StickSlip, StickSlip, PureSlip, SteadySliding].map(Some)
+    );
+    // From near steady sliding nothing of it is seen.
+    let system = string(0.95 * limit).unwrap();
     let steady = system.steady_sliding().unwrap();
     let start = State::new(&steady.displacements, &[1e-3; INERTIAS]);
     assert_eq!(classify(&system, &start).unwrap().kind(), SteadySliding);
