@@ -135,18 +135,14 @@ fn hysteresis_of_a_drill_string_is_reported() {
     assert!(growth(limit * (1.0 - 1e-9)) < 0.0 && growth(limit * (1.0 + 1e-9)) > 0.0);
     // Vibration goes on from above down to the fold, at a third of the load, and not beyond.
     assert!(fold < 0.3 * limit);
-    let loads = [
-        fold * 0.99,
-        0.5 * (fold + grazing),
-        grazing * 1.02,
-        limit * 1.05,
-    ];
+    let mut loads = vec![0.99 * fold, 1.1 * grazing];
+    while loads[loads.len() - 1] < limit {
+        loads.push(1.05 * loads[loads.len() - 1]);
+    }
     let sweep = orbit::sweep(string, &loads, &State::at_rest(INERTIAS)).unwrap();
-    let kinds: Vec<_> = sweep.down.iter().map(|point| point.kind()).collect();
-    assert_eq!(
-        kinds,
-        [StickSlip, StickSlip, PureSlip, SteadySliding].map(Some)
-    );
+    let mut kinds: Vec<_> = sweep.down.iter().filter_map(|point| point.kind()).collect();
+    assert_eq!(kinds.pop(), Some(SteadySliding));
+    assert!(kinds.iter().all(|kind| *kind == StickSlip), "{kinds:?}");
     // From near steady sliding nothing of it is seen.
     let system = string(0.95 * limit).unwrap();
     let steady = system.steady_sliding().unwrap();
