@@ -112,7 +112,7 @@ impl Walk<'_, '_> {
                 }
                 Outcome::End(end) => return end,
                 Outcome::Grazing(parameter, found) => {
-                    self.found.push(*found);
+                    self.add(vec![*found]);
                     return BranchEnd::Grazing { parameter };
                 }
             };
