@@ -35,7 +35,8 @@ const INCREMENT: f64 = 1e-6;
 /// Limit of steps of the secant method; five or six are usual.
 const MOST_STEPS: usize = 40;
 
-/// Amplitudes of the first motion, in units of the sliding velocities (and of the memory variables).
+/// Amplitudes of the first motion, in units of the sliding velocities (and of the memory
+/// variables).
 const AMPLITUDES: [f64; 4] = [0.3, 0.1, 0.03, 0.01];
 
 /// Its largest amplitude in units of the displacements in steady sliding.
@@ -211,8 +212,8 @@ fn border(
 ///
 /// [`Error::At`], with the parameter, for the error of the family, [`Error::NoSteadySliding`], and
 /// if no periodic motion is found; [`Error::NoHopfPoint`] if no pair of eigenvalues is near the
-/// axis (|Re s| ≤ 0.2 |Im s|), or none crosses it near there; [`Error::InvalidParameter`] unless the
-/// value is finite.
+/// axis (|Re s| ≤ 0.2 |Im s|), or none crosses it near there; [`Error::InvalidParameter`] unless
+/// the value is finite.
 ///
 /// ```
 /// use stick_slip::orbit::{self, AttractorKind, BranchEnd};
@@ -248,7 +249,8 @@ pub fn begin<S: Oscillator>(
 }
 
 impl Search<'_> {
-    /// The periodic motion that is born at a Hopf point: [`begin`], within the bounds of this search.
+    /// The periodic motion that is born at a Hopf point: [`begin`], within the bounds of this
+    /// search.
     ///
     /// # Errors
     ///

@@ -32,8 +32,8 @@ pub struct VibrationRanges<S: System> {
 pub struct VibrationRange {
     /// The values of the parameter, in its own units.
     pub parameters: Range<f64>,
-    /// All attractors that were found: one entry for each. Two or more mean hysteresis: which one is
-    /// reached depends on the start.
+    /// All attractors that were found: one entry for each. Two or more mean hysteresis: which one
+    /// is reached depends on the start.
     pub attractors: Vec<AttractorKind>,
     /// Why the attractors change at the two ends of the range.
     pub borders: [Border; 2],
@@ -64,8 +64,8 @@ pub enum Border {
     Pitchfork,
     /// A pair of multipliers of a periodic motion passes the unit circle.
     NeimarkSacker,
-    /// An event of a periodic motion becomes tangential: with another motion, with which it vanishes,
-    /// or the motion changes its kind or its stability.
+    /// An event of a periodic motion becomes tangential: with another motion, with which it
+    /// vanishes, or the motion changes its kind or its stability.
     Grazing,
     /// The events of a periodic motion change, and with them its kind or its stability.
     Sequence,
@@ -117,8 +117,8 @@ const INTERVALS: usize = 256;
 /// Borders that lie closer together, in parts of the range, are one.
 const SAME: f64 = 1e-9;
 
-/// A Hopf point at which a branch ends, found by extrapolation, is this near the exact one, in parts
-/// of the range.
+/// A Hopf point at which a branch ends, found by extrapolation, is this near the exact one, in
+/// parts of the range.
 const HOPF: f64 = 1e-6;
 
 /// The largest distance of a motion from a branch to which it belongs, as a part of its extent.
@@ -131,18 +131,18 @@ const ON_BRANCH: f64 = 1e-2;
 /// `family` returns the system for a value of the parameter. Two searches lead to the periodic
 /// motions: a [`sweep`](super::sweep()) upward and downward over 17 equidistant values, from rest;
 /// and the Hopf points of steady sliding, at which motions are [born](super::begin()). Each motion
-/// that is on no branch yet is [followed](super::follow()) in both directions, through folds, to the
-/// ends of its branch. So the end of stick-slip is the fold or grazing itself, not the last value at
-/// which some simulation stuck, and motions that no simulation from steady sliding reaches are
-/// found, if they are connected with those.
+/// that is on no branch yet is [followed](super::follow()) in both directions, through folds, to
+/// the ends of its branch. So the end of stick-slip is the fold or grazing itself, not the last
+/// value at which some simulation stuck, and motions that no simulation from steady sliding reaches
+/// are found, if they are connected with those.
 ///
 /// Critical values are as exact as those of [`follow`](super::follow()): Hopf points to rounding,
-/// bifurcations to about 1e-10 of the range. Attractors on a branch of their own that the sweep does
-/// not meet are missed; where a sweep finds no periodic motion but chaos, the range has
+/// bifurcations to about 1e-10 of the range. Attractors on a branch of their own that the sweep
+/// does not meet are missed; where a sweep finds no periodic motion but chaos, the range has
 /// [`AttractorKind::Irregular`].
 ///
-/// Work: a sweep of 34 values, and one [`follow`](super::follow()) for each branch: seconds for a few
-/// masses. [`Search::vibration_ranges`] bounds and watches it. For a mass on a belt of constant
+/// Work: a sweep of 34 values, and one [`follow`](super::follow()) for each branch: seconds for a
+/// few masses. [`Search::vibration_ranges`] bounds and watches it. For a mass on a belt of constant
 /// velocity, [`bifurcation::vibration_ranges`](crate::bifurcation::vibration_ranges) is faster, and
 /// complete.
 ///

@@ -184,7 +184,8 @@ fn advance<const W: usize>(
     let h = step.duration();
     let mut linear = Cow::Borrowed(linear);
     let mut left = h;
-    // At the start of a line of the cache: registers as long as a line are loaded at once from there.
+    // At the start of a line of the cache: registers as long as a line are loaded at once from
+    // there.
     let length = Equations::new(form, &linear).rows() * LONG * W;
     work.resize(length + LINE, 0.0);
     let begin = work

@@ -106,7 +106,7 @@ impl Walk<'_, '_> {
                     return BranchEnd::Range;
                 }
                 Outcome::Jump(place, found, end) => {
-                    self.found.extend(found);
+                    self.add(found);
                     self.points.push(place.solved);
                     return end;
                 }
