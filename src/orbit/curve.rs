@@ -105,6 +105,15 @@ impl Curve<'_> {
         self.order + usize::from(self.turning.is_some()) + 1
     }
 
+    /// Sets the weights, for systems of a form.
+    pub(super) fn weigh(&mut self, form: &Form<'_>) {
+        self.weights = DVector::from_element(self.unknowns(), 1.0);
+        let reset = form.are_reset();
+        for (weight, reset) in self.weights.iter_mut().skip(2 * form.len()).zip(reset) {
+            *weight = if reset { 0.0 } else { 1.0 };
+        }
+    }
+
     /// What of a vector, in units of scales, counts for distances and directions.
     pub(super) fn measured(&self, vector: &DVector<f64>) -> DVector<f64> {
         vector.component_mul(&self.weights)

@@ -232,11 +232,7 @@ pub(super) fn anchor(
         let turn = sharpest(&map).ok_or(Error::AtRest)?;
         (curve.turning, start) = (Some(turn.coordinate), turn.state);
     }
-    let reset = form.are_reset();
-    curve.weights = DVector::from_element(curve.unknowns(), 1.0);
-    for (weight, reset) in curve.weights.iter_mut().skip(2 * form.len()).zip(reset) {
-        *weight = if reset { 0.0 } else { 1.0 };
-    }
+    curve.weigh(&form);
     Ok(start)
 }
 

@@ -267,8 +267,9 @@ impl Search<'_> {
         let born = Born::of(&form, frequency).map_err(|error| error.at("parameter", parameter))?;
         let range = parameter - 0.1 * unit..parameter + 0.1 * unit;
         let kind = Period::Free(TAU / frequency);
-        let (parameter, trial) =
-            self.over(&family, kind, range, |curve| born.motion(curve, parameter))?;
+        let (parameter, trial) = self.over(&family, kind, range, |curve| {
+            born.motion(&form, curve, parameter)
+        })?;
         let find = || {
             let system = family(parameter)?;
             Orbit::new(&system, &system.form(), trial, kind)
@@ -386,9 +387,15 @@ impl Born {
     }
 
     /// A small motion, and its parameter.
-    fn motion(&self, mut curve: Curve<'_>, parameter: f64) -> Result<(f64, Trial), Error> {
+    fn motion(
+        &self,
+        form: &Form<'_>,
+        mut curve: Curve<'_>,
+        parameter: f64,
+    ) -> Result<(f64, Trial), Error> {
         (curve.n, curve.order) = (self.steady.displacements.len(), self.way.len());
         curve.turning = Some(self.turning);
+        curve.weigh(form);
         let (order, last) = (curve.order, curve.unknowns() - 1);
         let steady = vector(&self.steady, order);
         let mut failure = Error::NoHopfPoint.at("parameter", parameter);
