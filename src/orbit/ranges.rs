@@ -156,11 +156,12 @@ const ON_BRANCH: f64 = 1e-2;
 /// use stick_slip::{Contact, Error, Exponential, Structure};
 ///
 /// // A mass on a belt, over the velocity of the belt.
+/// let law = Exponential::new(0.4, 0.25, 0.5)?;
 /// let mass = |velocity: f64| -> Result<Structure, Error> {
 ///     Structure::new(&[1.0])?
 ///         .with_ground_spring(0, 1.0)?
 ///         .with_ground_damper(0, 0.1)?
-///         .with_contact(Contact::new(0, Exponential::new(0.4, 0.25, 0.5)?, 1.0)?.on_belt(velocity))
+///         .with_contact(Contact::new(0, law, 1.0)?.on_belt(velocity))
 /// };
 /// let found = orbit::vibration_ranges(mass, 0.2..1.0)?;
 /// let [vibrates, both, slides] = &found.ranges[..] else { panic!() };

@@ -1,18 +1,17 @@
-//! The decision of contacts that share coordinates: at r = 0 what one carries depends on what the
-//! others do, so all of them decide together, at every event of one.
+//! The decision of contacts that share coordinates. At r = 0 the force in one depends on the
+//! others, so the modes of all are decided together, at every event of one.
 //!
-//! With limits B_c, ask for forces λ with |λ_c| ≤ B_c where a_c = r_c' = 0, and λ_c = B_c sgn a_c
-//! elsewhere, a = a⁰ − G λ: a convex programme, of which a is unique. It is solved by pivoting:
-//! from a choice of which contacts stick, those that break their condition are changed until none
+//! With limits B_c, find forces λ with |λ_c| ≤ B_c where a_c = r_c' = 0, and λ_c = B_c sgn a_c
+//! elsewhere, a = a⁰ − G λ: a convex programme whose a is unique. It is solved by pivoting: from a
+//! choice of the contacts that stick, those that violate their condition are changed until none
 //! does.
 //!
-//! The limits are the static ones at first. As long as contacts slip that have a smaller kinetic
-//! limit, the one with the largest |a_c|/(G_cc B_c) takes it, and the programme is solved again:
-//! *the fastest yields first*. Where both coefficients are equal the answer is that of the first
-//! programme.
+//! The limits are the static ones at first. While contacts slip that have a smaller kinetic limit,
+//! the one with the largest |a_c|/(G_cc B_c) takes it, and the programme is solved again: *the
+//! fastest yields first*. If both coefficients are equal the answer is that of the first programme.
 //!
 //! A contact on the edge of its band, λ_c = B_c and a_c = 0, is taken to stick, and the sign of the
-//! first derivative of its distance from the edge that is not 0 decides, as for one contact.
+//! first nonzero derivative of its distance from the edge decides, as for one contact.
 
 use super::edge::{EDGE_ROUNDING, Edge, side_of};
 use super::expand::{free_accelerations, unless_rounding};
@@ -28,11 +27,11 @@ use crate::state::Direction;
 #[derive(Debug)]
 pub(super) struct Decision {
     candidates: Vec<Candidate>,
-    /// Of contacts that came to the edge of their band: what they carry beyond it by rounding.
+    /// Rounding excess of the force of contacts that reached the edge of their band.
     beyond: Vec<(usize, f64)>,
-    /// How many contacts on an edge broke their condition in the last round.
+    /// Number of contacts on an edge that violated their condition in the last round.
     broken: usize,
-    /// Whether the candidates are to be gathered anew.
+    /// True if the candidates must be gathered again.
     is_stale: bool,
 }
 
@@ -67,7 +66,7 @@ enum Choice {
 }
 
 impl Decision {
-    /// Before arrivals: what contacts at the edge of their bands carry beyond it is rounding.
+    /// Called before arrivals: the excess of contacts at the edge of their bands is rounding.
     pub(super) fn new(model: &Model<'_>, situation: &Situation, series: &mut Series) -> Self {
         let mut beyond = Vec::new();
         let at_edge = |&c: &usize| {
@@ -96,7 +95,7 @@ impl Decision {
         }
     }
 
-    /// Another contact has opened or closed: all is asked again.
+    /// Restarts the decision after another contact has opened or closed.
     pub(super) fn restart(&mut self) {
         self.is_stale = true;
     }
@@ -242,8 +241,8 @@ impl Decision {
         Err(situation.undecided(model, series))
     }
 
-    /// The contacts that stick, with the factor that holds them. Dependent ones are taken to give
-    /// way a little: they share what they carry, and far too much if they cannot all stick.
+    /// The contacts that stick, with their factor. Dependent ones get a small compliance: they
+    /// share the force, and exceed their limits by far if they cannot all stick.
     fn hold(&self, model: &Model<'_>) -> Holding {
         let sticking = self.candidates.iter();
         let sticking = sticking.filter(|candidate| candidate.choice == Choice::Stick);
@@ -324,8 +323,8 @@ impl Decision {
         changed
     }
 
-    /// The contacts that are at rest together though their directions are dependent, if any: what
-    /// each of them carries is not determined.
+    /// The contacts that are at rest together with dependent directions, if any: the force in each
+    /// of them is not determined.
     fn undetermined(&self, model: &Model<'_>) -> Option<Vec<usize>> {
         let rests = |candidate: &&Candidate| {
             let sticks = candidate.choice == Choice::Stick;
@@ -358,8 +357,8 @@ impl Decision {
         }
     }
 
-    /// After an expansion: contacts on an edge that leave it, or come back to it, and those whose
-    /// law never sticks that go on in the other direction. Returns true if there are any.
+    /// After an expansion: contacts on an edge that leave it or return to it, and contacts whose
+    /// law never sticks that continue in the other direction. Returns true if there are any.
     pub(super) fn revise(
         &mut self,
         model: &Model<'_>,
@@ -438,13 +437,13 @@ impl Candidate {
         }
     }
 
-    /// Whether friction falls where slip begins in a direction.
+    /// Returns true if friction is smaller in slip than in stick, where slip begins in a direction.
     fn falls(&self, side: Direction) -> bool {
         let kinetic = self.kinetic[usize::from(side == Direction::Leading)];
         self.limit - kinetic > 4.0 * f64::EPSILON * self.limit
     }
 
-    /// How far it carries more than it can; in stick.
+    /// Excess of the force in stick over its limit.
     fn excess(&self) -> f64 {
         self.force.abs() - self.most(side_of(self.force))
     }
@@ -458,7 +457,7 @@ impl Candidate {
         }
     }
 
-    /// Makes good the condition that it breaks.
+    /// Changes the mode that violates its condition.
     fn change(&mut self) {
         self.choice = match self.choice {
             Choice::Stick => Choice::Slip(side_of(self.force)),
@@ -481,7 +480,7 @@ impl Candidate {
         }
     }
 
-    /// What is known of it at the bound of its band, in stick.
+    /// The edge of its band at which it is, in stick.
     fn edge(&self) -> Edge {
         let excess = self.excess();
         let has_arrived = self.resting.has_arrived();
@@ -500,9 +499,9 @@ impl Candidate {
     }
 }
 
-/// Sets the velocities of shared coordinates to the relative velocities of their contacts, which
-/// are numbers of their own, and the displacements to where contacts that stick have been carried:
-/// by the least change in kinetic energy, so that rounding errors do not add up to a drift.
+/// Sets the velocities of shared coordinates from the relative velocities of their contacts, which
+/// are numbers of their own, and the displacements from those of contacts that stick, by the least
+/// change in kinetic energy, so that rounding errors do not accumulate.
 pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &Series) {
     let closed = situation.closed.take();
     let has_arrived = |&c: &usize| situation.contacts[c].has_arrived();
@@ -560,9 +559,9 @@ pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &S
 
 /// The shared contacts that are closed.
 ///
-/// Only those that stick are met to the bit. Others give way: where their directions nearly depend
-/// on others', that would magnify rounding errors into velocities that nothing gives them. One that
-/// arrives does so a little, for it may stick from now on.
+/// Only those that stick are met to the bit. Others get a small compliance: where their directions
+/// nearly depend on others', rounding errors would otherwise be magnified into velocities. So does
+/// one that arrives, because it may stick from now on.
 fn closed_contacts(model: &Model<'_>, situation: &Situation) -> Closed {
     const SLIDING: f64 = 1.0 / 64.0;
     const ARRIVING: f64 = 1.0 / 4096.0;

@@ -1,5 +1,5 @@
-//! Whether the series of a step hold between their coefficients: what is missing in the equations
-//! of motion.
+//! The defect of the series of a step: the residuals of the equations of motion between their
+//! coefficients.
 
 use super::model::{ContactData, Model};
 use super::plan::Plan;
@@ -10,19 +10,19 @@ use crate::friction::memory::{Motion, Slip};
 use crate::motion::step_control::{Allowance, LONG, MOST_FOURS};
 use crate::series::quarters;
 
-/// Ratio of the distances from the place where a contact is slowest at which it is looked at.
+/// Ratio of the successive distances, from the place where a contact is slowest, at which the
+/// defect is checked.
 ///
-/// A law that changes about some slow speed has still the values of rest at a quarter of it, or,
+/// A law that changes near some slow speed still has the values of speed 0 at a quarter of it, or,
 /// where the speed falls like the square of the distance, at a sixteenth.
 const NEARER: f64 = 0.25;
 
 /// The first of these distances, in parts of the step.
 const FIRST: f64 = 0.0625;
 
-/// Whether a step of length h leaves out no more than it may, at every contact: at its quarters,
-/// about the places where the sliding speed is least, and, in a long step, at least every quarter
-/// of a radian. Coefficients alone miss what lies hidden behind an underflow, such as the flank of
-/// a narrow Gaussian.
+/// Returns true if the defect of a step of length h is accepted at every contact: at its quarters,
+/// near the least sliding speeds and, in a long step, at least every quarter of a radian.
+/// Coefficients alone miss terms that underflow, such as the flank of a narrow Gaussian.
 pub(super) fn is_accepted(
     model: &Model<'_>,
     situation: &Situation,
@@ -78,7 +78,7 @@ struct ContactStep<'a> {
 }
 
 impl ContactStep<'_> {
-    /// Whether the series of friction in slip leave out no more than they may.
+    /// Returns true if the defect of friction in slip is accepted.
     fn friction_is_accepted(&self) -> bool {
         let Some(slip) = self.state.slip(()) else {
             return true;
@@ -135,8 +135,8 @@ impl ContactStep<'_> {
         (load * (largest + nothing), speeds)
     }
 
-    /// Whether the step leaves out no more of the memory than it may, in the same places, and in
-    /// slip in others that close in on those where the contact is slowest.
+    /// Returns true if the defect of the memory is accepted at the same places, and in slip at
+    /// others that approach those where the contact is slowest.
     fn memory_is_accepted(&self) -> bool {
         if self.series.memories.is_empty() || self.state.phase_is_open() {
             return true;
@@ -160,12 +160,12 @@ impl ContactStep<'_> {
         accepted
     }
 
-    /// Whether the series of a contact that slips hold closer and closer to a place where it is
-    /// slowest.
+    /// Returns true if the series of a contact that slips hold at places that approach the one
+    /// where it is slowest.
     ///
-    /// A memory mostly changes in proportion to the sliding speed. So the very place where that is
-    /// 0 shows nothing of what the law does at slow speeds, nor does a place where it is far above
-    /// them; what is missed in between stays in the memory.
+    /// A memory mostly changes in proportion to the sliding speed. So the place where the speed is
+    /// 0 shows nothing of the law at slow speeds, nor does a place with a much larger speed; an
+    /// error in between remains in the memory.
     fn holds_towards(&self, slowest: f64) -> bool {
         let (speeds, h) = (&self.series.speeds, self.h);
         let least = speeds.at(slowest);
@@ -191,8 +191,8 @@ impl ContactStep<'_> {
         true
     }
 
-    /// Whether the series of the memory, and of the limit of the stick band, leave out no more than
-    /// they may at four times, each of which stands for what lasts so long.
+    /// Returns true if the defects of the memory, and of the limit of the stick band, are accepted
+    /// at four times, each of which represents an interval of this duration.
     fn memory_holds(&self, times: [f64; 4], lasting: [f64; 4]) -> bool {
         let (series, law) = (self.series, self.contact.law);
         let motions = self.motions_at(times);
@@ -245,10 +245,10 @@ impl ContactStep<'_> {
         })
     }
 
-    /// Whether more could be missing than may be from a time on towards the place where the contact
-    /// is slowest, if all is missing that depends on its speed.
+    /// Returns true if the largest possible defect that depends on the speed could be rejected
+    /// between a time and the place where the contact is slowest.
     ///
-    /// Where a memory has come to rest its rate is 0 at any speed; with twice the memory it is not.
+    /// In a stationary memory the rate is 0 at any speed; with twice the memory it is not.
     fn counts(&self, slowest: f64, time: f64, lasting: f64) -> bool {
         let (series, law) = (self.series, self.contact.law);
         let motions = self.motions_at([time, slowest, slowest, slowest]);
@@ -270,7 +270,7 @@ impl ContactStep<'_> {
         counts
     }
 
-    /// What it does at four times.
+    /// Its motion at four times.
     fn motions_at(&self, times: [f64; 4]) -> [Motion<f64>; 4] {
         let speeds = self.series.speeds.at_some(times);
         speeds.map(|speed| match self.state.slip(speed.max(0.0)) {

@@ -1,20 +1,20 @@
-//! Contacts on the edge of their stick band, or of their load: what is known there, and which way
-//! they go from there.
+//! Contacts on the edge of their stick band, or at load 0: the known coefficients there, and the
+//! side to which they leave.
 
 use super::series::ContactSeries;
 use crate::series::PowerSeries;
 use crate::state::Direction;
 
-/// Rounding error of what a contact carries, in units of ε times the sum of its terms: so near is
-/// on the edge, at a start or on arrival.
+/// Rounding error of the force in a contact, in units of ε times the sum of its terms, within which
+/// it is on the edge at a start or on arrival.
 pub(super) const EDGE_ROUNDING: f64 = 4.0;
 
-/// Height above its bound, in units of ε times that bound, up to which a load carried has only
-/// touched it; and that above or below 0, in units of ε times the sum of the sizes of its terms, up
-/// to which a normal load has only touched 0.
+/// Height above its bound, in units of ε times that bound, up to which the force has only touched
+/// it; and height above or below 0, in units of ε times the sum of the sizes of its terms, up to
+/// which a normal load has only touched 0.
 const TOUCH_ROUNDING: f64 = 8.0;
 
-/// What is known of a contact at the bound of its stick band, or of its load.
+/// Position of a contact relative to the bound of its stick band, or of its load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Edge {
     /// Away from it, as far as is known.
@@ -27,7 +27,7 @@ pub(super) enum Edge {
 }
 
 impl Edge {
-    /// How many coefficients of the distance from the bound are 0.
+    /// Number of coefficients of the distance from the bound that are 0.
     pub(super) fn known(self) -> usize {
         match self {
             Self::Away => 0,
@@ -36,7 +36,7 @@ impl Edge {
         }
     }
 
-    /// Whether it is at the bound on this side.
+    /// Returns true if it is at the bound on this side.
     fn is_at(self, side: Direction) -> bool {
         match self {
             Self::On(at) | Self::Touched(at) => at.is_none_or(|at| at == side),
@@ -56,7 +56,7 @@ impl Edge {
         distance
     }
 
-    /// Which way the load carried goes at its bound on a side, and what is known of it then.
+    /// The direction in which the force leaves its bound on a side, and its position afterwards.
     pub(super) fn leaving(self, series: &ContactSeries, side: Direction) -> (Self, f64) {
         let mut distance = self.distance(series, side);
         distance[0] = 0.0;
@@ -76,12 +76,12 @@ pub(super) fn side_of(sign: f64) -> Direction {
     }
 }
 
-/// Which way a distance goes that is 0: +1 where it grows, −1 where it becomes negative, 0 if it
-/// stays; and what is known of it then.
+/// The sign with which a distance leaves 0: +1 where it grows, −1 where it becomes negative, 0 if
+/// it stays; and the position afterwards.
 ///
-/// A rate so small that the distance turns back within rounding of 0, on either side, is none: the
-/// bound was only touched. Rounding is measured by the size of the terms, so that no unit of force
-/// or of time changes what counts as a touch.
+/// A rate so small that the distance turns back within rounding of 0, on either side, counts as 0:
+/// the bound was only touched. Rounding is measured by the size of the terms, so that units of
+/// force and time do not matter.
 pub(super) fn leaving(distance: &PowerSeries, bound: f64, side: Option<Direction>) -> (Edge, f64) {
     let (first, second) = (distance[1], distance[2]);
     let height = first * first / (4.0 * second.abs());

@@ -1,4 +1,4 @@
-//! What ends a step: the first times at which sliding speeds, stick bands and loads come to 0.
+//! Events that end a step: the first times at which sliding speeds, stick bands and loads reach 0.
 
 use super::edge::Edge;
 use super::model::Model;
@@ -8,16 +8,15 @@ use super::state::{ContactState, Firing, Phase, Situation};
 use crate::series::{PowerSeries, TooCurved, Watch, quarters};
 use crate::state::Direction;
 
-/// Ulps of the time by which events of several contacts may lie apart that end a step together:
-/// rounding alone can part those of mirrored masses so far.
+/// Largest distance, in ulps of the time, between events of several contacts that end a step
+/// together: rounding separates those of mirrored masses by so much.
 const TOGETHER: f64 = 4.0;
 
-/// When and why each contact ends the step, if it does.
+/// Time and reason with which each contact ends the step, if it does.
 pub(super) type Firings = Vec<Option<(f64, Firing)>>;
 
-/// The first time in (0, h] at which something happens at a contact, or h; which contacts it is is
-/// noted. Within rounding of a break of a drive it is that: what a contact comes to where pieces of
-/// a drive meet, the later piece decides on.
+/// The first time in (0, h] of an event, or h; notes its contacts. An event within rounding of a
+/// break of a drive is attributed to the break: the following piece of the drive decides it.
 pub(super) fn first_firings(
     model: &Model<'_>,
     situation: &Situation,
@@ -47,7 +46,7 @@ pub(super) fn first_firings(
     Ok(end)
 }
 
-/// The first time in (0, h] at which something happens at a contact, and what.
+/// The first event of a contact in (0, h], and its time.
 fn first_firing(
     state: &ContactState,
     series: &ContactSeries,
@@ -66,7 +65,7 @@ fn first_firing(
     })
 }
 
-/// The normal load falls to 0, or comes back.
+/// The normal load falls to 0, or rises above it again.
 fn load_firing(
     state: &ContactState,
     series: &ContactSeries,
@@ -87,7 +86,7 @@ fn load_firing(
     first(&load, h, Firing::Load)
 }
 
-/// What a sticking contact carries comes to one of its limits.
+/// The force in a sticking contact reaches one of its limits.
 fn bound_firing(
     series: &ContactSeries,
     edge: Edge,
@@ -107,7 +106,7 @@ fn bound_firing(
     Ok(found)
 }
 
-/// The sliding speed comes to 0, or to a breakpoint of the law.
+/// The sliding speed reaches 0, or a breakpoint of the law.
 fn speed_firing(
     speeds: &PowerSeries,
     breakpoints: &[f64],
@@ -137,7 +136,7 @@ fn speed_firing(
     Ok(first(&distance, h, Firing::Breakpoint(piece, true))?.or(low))
 }
 
-/// When a distance is 0 first.
+/// The first time at which a distance is 0.
 fn first(
     distance: &PowerSeries,
     h: f64,
@@ -149,11 +148,11 @@ fn first(
     Ok(watch.first_zero(h)?.map(|time| (time, firing)))
 }
 
-/// Whether sliding speeds that come to 0, or to a breakpoint of a law, go on beyond it by the
+/// Returns true if sliding speeds that reach 0, or a breakpoint of a law, continue beyond it by the
 /// equation of motion.
 ///
-/// Where a tolerance is large beside the changes of a speed, a series may have a root that the
-/// motion has not, and would come back to where the step began for ever.
+/// If the tolerance is large compared with the changes of a speed, a series may have a root that
+/// the motion has not, and the step would return to its start for ever.
 pub(super) fn go_through(
     model: &Model<'_>,
     situation: &Situation,

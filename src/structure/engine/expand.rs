@@ -14,7 +14,7 @@ use crate::friction::memory::object::MemoryOrder;
 use crate::scalar::mul_add;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 
-/// A law that gives no number, or no series.
+/// A law that returns NaN, an infinity or no series.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum LawFault {
     NonFinite { speed: f64, value: f64 },
@@ -85,12 +85,11 @@ pub(super) fn expand_drives(model: &Model<'_>, situation: &Situation, series: &m
 /// coordinate: first the law of its contact, from the sliding speed of that order; then the forces,
 /// which give the velocity of the next.
 ///
-/// Order k of a coordinate needs order k of those that act on it, no more. So where masses act
-/// on near ones alone, some masses are brought to the last order before the next ones are
-/// begun: all that one reads and writes lies in the processor's nearest memory. With every
-/// order the masses in work are shifted, to those of which all neighbours are ready. Contacts that
-/// share coordinates hold each other at once, so with them each order is that of all masses, and so
-/// it is with springs of contacts.
+/// Order k of a coordinate needs only order k of the coordinates that act on it. Where masses act
+/// on near ones alone, a group of masses is therefore expanded to the last order before the next
+/// group is begun: the data of a group stay in the processor's nearest memory. With every order the
+/// group is shifted to masses whose neighbours are complete. Contacts that share coordinates, and
+/// springs of contacts, couple all masses: each order is then computed for all masses at once.
 ///
 /// # Errors
 ///
@@ -154,7 +153,7 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
     }
 }
 
-/// How many masses of a long chain are brought from order to order together.
+/// Number of masses of a long chain in a group.
 const AT_A_TIME: usize = 16;
 
 /// All orders that a step has.
@@ -177,7 +176,7 @@ fn law_fault(situation: &Situation, series: &Series) -> Option<LawFault> {
     })
 }
 
-/// Order 0 of what is integrated, and what every contact does.
+/// Order 0 of the unknowns, and the mode of every contact.
 fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
     for i in 0..model.len() {
         let velocity = situation.velocity(model, series, i);
@@ -304,8 +303,8 @@ fn free_rate(model: &Model<'_>, coordinates: &[CoordinateSeries], i: usize, k: u
     model.linear.minus_products(i, own, displacement, velocity)
 }
 
-/// What shared contacts do to order k + 1 of the velocities: friction of those that slip, then what
-/// those that stick carry, G_SS λ = B_S a − w'.
+/// Contribution of shared contacts to order k + 1 of the velocities: friction of those that slip,
+/// then the forces of those that stick, G_SS λ = B_S a − w'.
 fn shared_order(
     model: &Model<'_>,
     situation: &Situation,
@@ -363,8 +362,8 @@ fn shared_order(
     }
 }
 
-/// Whether a contact stands on an edge or on a breakpoint of its law, or slip begins without an
-/// acceleration: the sign of the first coefficient that is not 0 decides what it does next.
+/// Returns true if a contact is on an edge or on a breakpoint of its law, or slip begins without an
+/// acceleration: the sign of the first nonzero coefficient then decides.
 fn is_delicate(model: &Model<'_>, situation: &Situation) -> bool {
     model.shared.iter().any(|&c| {
         let state = &situation.contacts[c];
@@ -378,8 +377,8 @@ fn is_delicate(model: &Model<'_>, situation: &Situation) -> bool {
     })
 }
 
-/// Notes how far rounding may have moved order k of the accelerations, and takes what contacts on
-/// an edge carry for 0 if it is but that.
+/// Notes the bound of rounding of order k of the accelerations, and sets forces of contacts on an
+/// edge to 0 if they are rounding.
 fn note_rounding(model: &Model<'_>, situation: &Situation, series: &mut Series, k: usize) {
     let mut sizes = std::mem::take(&mut series.rounding);
     for &j in &model.shared_coordinates {
@@ -437,8 +436,8 @@ fn free_size(model: &Model<'_>, coordinates: &[CoordinateSeries], i: usize, k: u
 /// The rounding error of a sum, in parts of the sizes of its terms.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// A difference, or 0 if it is but the rounding of the number that something was taken away from:
-/// what is held is at rest to the bit, and nothing is measured by how little it moves.
+/// A difference, or 0 if it is the rounding of the minuend: held coordinates are at rest to the
+/// bit, and their motion is no measure of anything.
 pub(super) fn unless_rounding(difference: f64, from: f64) -> f64 {
     if difference.abs() <= ROUNDING * from.abs() {
         0.0
@@ -452,8 +451,8 @@ fn pull(contact: &ContactData<'_>, series: &Series, c: usize, k: usize) -> f64 {
     contact.along(|j| series.rates[j]) - (k + 1) as f64 * series.contacts[c].surface[k + 1]
 }
 
-/// Notes b·a⁰ − w' of each shared contact at the start: its relative acceleration if none of those
-/// that stick carried anything. Those that slip have their friction.
+/// Notes b·a⁰ − w' of each shared contact at the start: its relative acceleration without the
+/// forces of those that stick. Those that slip have their friction.
 pub(super) fn free_accelerations(model: &Model<'_>, situation: &Situation, series: &mut Series) {
     start(model, situation, series);
     for &j in &model.shared_coordinates {
@@ -469,8 +468,8 @@ pub(super) fn free_accelerations(model: &Model<'_>, situation: &Situation, serie
 }
 
 impl Series {
-    /// Order k of the law of a contact that shares coordinates, and what its friction in slip does
-    /// to them.
+    /// Order k of the law of a contact that shares coordinates, and the contribution of its
+    /// friction in slip.
     fn friction_order(&mut self, model: &Model<'_>, c: usize, k: usize) {
         let (contact, of) = (&model.contacts[c], &mut self.contacts[c]);
         of.load_order(contact, &self.coordinates, k);

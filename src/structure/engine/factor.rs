@@ -1,5 +1,5 @@
-//! The forces that hold several sticking contacts at once: G λ = b, G the compliance of the masses
-//! as the contacts feel it.
+//! The forces in several sticking contacts at once: G λ = b, with the compliance G of the masses at
+//! the contacts.
 
 /// The Cholesky factor of a symmetric positive definite matrix with a unit diagonal, row by row
 /// from each row's first entry that is not 0: a chain of contacts costs as much as it is long.

@@ -11,14 +11,14 @@ use crate::state::Direction;
 use crate::state::structure::State;
 use crate::structure::Step;
 
-/// What acts during a step of positive length.
+/// Forces during a step of positive length.
 pub(crate) struct Forces<'a, 's> {
     model: &'a Model<'s>,
     step: &'a Step,
     holding: Holding,
 }
 
-/// What acts at one time.
+/// Forces and accelerations at one time.
 #[derive(Debug, Clone)]
 pub(crate) struct Instant {
     pub(crate) state: State,
@@ -29,7 +29,7 @@ pub(crate) struct Instant {
     pub(crate) contacts: Vec<AtContact>,
 }
 
-/// What acts at one contact: all is 0 while it is open, except for velocities.
+/// Forces at one contact: 0 while it is open, except for velocities.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct AtContact {
     /// N.
@@ -54,13 +54,13 @@ impl<'a, 's> Forces<'a, 's> {
         }
     }
 
-    /// What acts at a time t after the start of the step.
+    /// Forces at a time t after the start of the step.
     pub(crate) fn at(&self, t: f64) -> Instant {
         let clock = self.step.clock().after(t);
         self.with(t, &|drive| drive.at(clock))
     }
 
-    /// What acts at a time t after the start of the step by the drives of this step, which may jump
+    /// Forces at a time t after the start of the step with the drives of this step, which may jump
     /// at its end.
     pub(crate) fn before(&self, t: f64) -> Instant {
         let clock = self.step.clock();
@@ -70,7 +70,7 @@ impl<'a, 's> Forces<'a, 's> {
         })
     }
 
-    /// What acts at a time, with value and slope of each drive.
+    /// Forces at a time, with value and slope of each drive.
     fn with(&self, t: f64, drive: &dyn Fn(&Drive) -> [f64; 2]) -> Instant {
         let (model, step) = (self.model, self.step);
         let state = step.state_at(t);
@@ -123,7 +123,7 @@ impl<'a, 's> Forces<'a, 's> {
         }
     }
 
-    /// Adds what rigid contacts carry in stick: as much as keeps r' at 0.
+    /// Adds the forces of rigid contacts in stick, which keep r' at 0.
     fn hold(&self, accelerations: &mut [f64], contacts: &mut [AtContact]) {
         let model = self.model;
         for (c, contact) in model.contacts.iter().enumerate() {

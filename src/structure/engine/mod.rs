@@ -9,19 +9,19 @@
 //!
 //! | file | what is in it |
 //! |---|---|
-//! | `model.rs`, `sparse.rs` | what is constant in a motion |
-//! | `state.rs`, `edge.rs` | what changes at events |
-//! | `series.rs` | what lives for a step |
+//! | `model.rs`, `sparse.rs` | data that are constant in a motion |
+//! | `state.rs`, `edge.rs` | the situation: data that change at events |
+//! | `series.rs` | the data of one step |
 //! | `expand.rs` | the power series of all coordinates, order by order |
-//! | `factor.rs` | what holds several contacts at once |
+//! | `factor.rs` | the forces in several sticking contacts at once |
 //! | `forces.rs` | forces and accelerations at any time within a step |
-//! | `plan.rs` | how far the series are used, which errors a step may have |
+//! | `plan.rs` | the reach of the series, the errors allowed in a step |
 //! | `springs.rs` | elastic contacts, and normal springs |
 //! | `slow.rs` | the slow manifold of stiff bristles |
 //! | `events.rs` | the first events of a step |
-//! | `defect.rs` | whether the series hold between their coefficients |
-//! | `transitions.rs` | what contacts do after an event, one by one |
-//! | `decision.rs` | what contacts that share coordinates do, together |
+//! | `defect.rs` | the defect of the series |
+//! | `transitions.rs` | the modes of contacts after an event, one by one |
+//! | `decision.rs` | the modes of contacts that share coordinates, together |
 
 mod decision;
 mod defect;
@@ -68,11 +68,11 @@ pub(super) struct Engine<'s> {
     firings: Firings,
     /// Steps of no length, one after the other.
     idle: usize,
-    /// Why the motion cannot go on.
+    /// The error that ends the motion.
     ending: Option<Error>,
 }
 
-/// How far the series are used.
+/// The accepted length of a step.
 #[derive(Debug, Clone, Copy)]
 struct Settled {
     duration: f64,
@@ -136,7 +136,7 @@ impl<'s> Engine<'s> {
         Ok((engine, first))
     }
 
-    /// One step; afterwards the structure stands at its end.
+    /// One step; afterwards the engine is at its end.
     pub(super) fn step(&mut self) -> Result<Step, Error> {
         if let Some(error) = self.ending.take() {
             return Err(error);
@@ -187,7 +187,7 @@ impl<'s> Engine<'s> {
         Ok(Step::new(start, span, modes, from, series, events, end).followed_by(after))
     }
 
-    /// The step's duration, up to the first thing that happens at a contact.
+    /// The step's duration, up to the first event of a contact.
     fn settle(&mut self) -> Result<Settled, Error> {
         let (break_time, to_break) = self.next_break();
         let Self {
@@ -248,9 +248,8 @@ impl<'s> Engine<'s> {
         Ok(settled(duration))
     }
 
-    /// The same where all velocities are constant and all loads straight lines: no series limits
-    /// the step, but the memory of contacts goes on, and may show more of their laws. Returns the
-    /// duration.
+    /// The same if all velocities are constant and all loads linear in time: no series limits the
+    /// step, but memories change, and may reach other parts of their laws. Returns the duration.
     fn settle_linear(&mut self, to_break: f64) -> Result<f64, Error> {
         let Self {
             model,
@@ -282,7 +281,7 @@ impl<'s> Engine<'s> {
             .map_err(|h| self.underflow(h))
     }
 
-    /// Where pieces of a drive meet next, as a time and as a duration from now.
+    /// The next time at which pieces of a drive meet, as a time and as a duration from now.
     fn next_break(&self) -> (Option<f64>, f64) {
         let clock = self.situation.clock;
         let drives = self.model.varying.iter();
@@ -292,8 +291,8 @@ impl<'s> Engine<'s> {
         (time, duration)
     }
 
-    /// Where the series lead after the step's duration, and what its end says to the bit. Returns
-    /// true if anything happened there.
+    /// Moves the state to the end of the step, and sets the numbers that reached zero to the bit.
+    /// Returns true if there was an event.
     fn land(&mut self, settled: Settled) -> bool {
         let h = settled.duration;
         let Self {
@@ -381,7 +380,7 @@ impl<'s> Engine<'s> {
         })
     }
 
-    /// What the tangent flow has to know of the events.
+    /// Data about the events for the tangent flow.
     fn after(&self, events: &[Event<State>], trigger: Option<Trigger>) -> After {
         let is_shared = |event: &Event<State>| self.model.is_shared(event.contact);
         let is_forced = |event: &Event<State>| {
@@ -421,7 +420,7 @@ impl<'s> Engine<'s> {
         self.situation.clock
     }
 
-    /// What each contact carries, in units of force: λ_c, 0 where open.
+    /// The force in each contact, in units of force: λ_c, 0 where open.
     pub(super) fn carried(&self) -> Vec<f64> {
         let contacts = std::iter::zip(&self.situation.contacts, &self.series.contacts);
         let forces = contacts.map(|(state, of)| match state.phase {
@@ -456,7 +455,7 @@ impl<'s> Engine<'s> {
         series
     }
 
-    /// The law's own failure if it gave no number where the motion goes, else a step too short.
+    /// The error of the law if it returned no number on the motion, otherwise a step underflow.
     #[cold]
     fn underflow(&self, step: f64) -> Error {
         let reached = self.situation.reached(&self.model, &self.series);
@@ -482,7 +481,7 @@ impl<'s> Engine<'s> {
     }
 }
 
-/// What has happened between the modes before and those of now, in the order of the contacts.
+/// The events that lead from the modes before to those of now, in the order of the contacts.
 fn events(before: &[Mode], situation: &Situation, state: &State) -> Vec<Event<State>> {
     let contacts = std::iter::zip(before, &situation.contacts).enumerate();
     let kinds = contacts
@@ -563,7 +562,7 @@ pub(super) fn check_start(model: &Model<'_>, time: f64, start: &State) -> Result
     Ok(())
 }
 
-/// Whether an elastic contact can carry a force at a start.
+/// Checks that an elastic contact can carry its force at a start.
 fn check_carried(
     c: usize,
     contact: &ContactData<'_>,

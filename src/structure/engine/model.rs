@@ -1,4 +1,4 @@
-//! A structure as its engine needs it: solved for the accelerations, without zeros.
+//! The structure for the engine: solved for the accelerations, without zeros.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -48,9 +48,9 @@ pub(crate) struct Model<'s> {
     pub(super) springs: Vec<usize>,
     /// The coordinates that these springs accelerate, ascending.
     pub(super) sprung: Vec<usize>,
-    /// What the drives that are not constant act on.
+    /// The targets of the drives that vary.
     pub(super) varying: Vec<Target>,
-    /// Whether the force on a coordinate varies, or the surface under its own contact.
+    /// True if the force on a coordinate varies, or the surface under its own contact.
     pub(super) is_driven: Vec<bool>,
     /// Largest |i − j| of coordinates of which one acts on the other.
     pub(super) bandwidth: usize,
@@ -67,7 +67,7 @@ pub(crate) enum Mass<'m> {
     Full(&'m DMatrix<f64>),
 }
 
-/// What a drive acts on.
+/// The target of a drive.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Target {
     /// The force on a coordinate.
@@ -108,7 +108,7 @@ pub(crate) struct ContactData<'s> {
 pub(crate) enum Site {
     /// It has a coordinate to itself: r = v_i − w.
     Own(usize),
-    /// It gives way: what it carries is a state, and it holds no coordinate.
+    /// Elastic: its force is a state variable, and it holds no coordinate.
     Elastic {
         /// M⁻¹b.
         response: Vec<(usize, f64)>,
@@ -160,8 +160,8 @@ impl<'s> ContactData<'s> {
         self.load_gradient.iter().map(|&(j, n)| n * x(j)).sum()
     }
 
-    /// The sliding velocity, and whether it is 0: for several coordinates also within the rounding
-    /// of their difference.
+    /// The sliding velocity; 0 for several coordinates also within the rounding of their
+    /// difference.
     pub(crate) fn sliding_velocity(&self, v: impl Fn(usize) -> f64, surface: f64) -> f64 {
         /// 0.1 + 0.2 and 0.3 are the same speed.
         const ROUNDING: f64 = 4.0 * f64::EPSILON;
@@ -174,7 +174,7 @@ impl<'s> ContactData<'s> {
         }
     }
 
-    /// Number of memory variables: those of its law, or what an elastic contact carries.
+    /// Number of memory variables: those of its law, or the force of an elastic contact.
     pub(crate) fn memory(&self) -> usize {
         match self.tangential_stiffness {
             Some(_) => 1,
@@ -483,7 +483,7 @@ impl<'s> Model<'s> {
         }
     }
 
-    /// Whether a rigid contact shares coordinates with others, or has several.
+    /// Returns true if a rigid contact shares coordinates with others, or has several.
     pub(crate) fn is_shared(&self, contact: usize) -> bool {
         matches!(self.contacts[contact].site, Site::Shared { .. })
     }
@@ -512,8 +512,8 @@ impl<'s> Model<'s> {
         }
     }
 
-    /// What has to be taken away from the coordinates so that these contacts have none of `apart`
-    /// any more, by the least change in the norm of M.
+    /// The least change of the coordinates, in the norm of M, that sets the relative motion `apart`
+    /// of these contacts to 0.
     pub(crate) fn corrections(
         &self,
         holding: &Holding,
@@ -583,7 +583,7 @@ impl<'s> Model<'s> {
         Factor::new(self.couplings(among))
     }
 
-    /// The same if each of them gave way by itself, by so much in parts of its own compliance.
+    /// The same with a compliance of its own for each contact, in parts of its compliance.
     ///
     /// # Errors
     ///
@@ -596,8 +596,8 @@ impl<'s> Model<'s> {
         Factor::with_diagonal(|i| 1.0 + softness(among[i]), self.couplings(among))
     }
 
-    /// The same if each of them gave way a little by itself, so that dependent ones share what they
-    /// carry.
+    /// The same with a small compliance of its own for each contact, so that dependent ones share
+    /// the force.
     pub(super) fn soft_factor(&self, among: &[usize]) -> Factor {
         const SOFTEST: f64 = 1.0;
         let mut softness = 1e-8;
@@ -724,7 +724,7 @@ fn largest(numbers: impl Iterator<Item = f64>) -> f64 {
     numbers.fold(0.0, f64::max)
 }
 
-/// Whether a contact may be number `number` of a structure with `count` coordinates.
+/// Checks that a contact may be number `number` of a structure with `count` coordinates.
 pub(crate) fn check_contact(
     number: usize,
     count: usize,

@@ -1,4 +1,4 @@
-//! How far the series of a step are used, and what errors are allowed in it.
+//! The reach of the series of a step, and the errors allowed in it.
 
 use super::model::{ContactData, Model};
 use super::series::{Course, Series};
@@ -7,19 +7,19 @@ use super::state::{Phase, Situation};
 use crate::motion::step_control::{Allowance, FARTHEST, reach};
 use crate::series::{PowerSeries, TERMS};
 
-/// Lengths of a step in which their changes measure velocities, at most.
+/// Largest time, in lengths of a step, over which changes measure velocities.
 ///
-/// Where springs are soft beside friction, or there are none, a velocity would change by far more
-/// within the unit of time than it does before friction stops it: an error that is small beside
-/// that may be as large as the velocity itself.
+/// If springs are soft compared with friction, or absent, a velocity would change within the time
+/// unit by far more than before friction stops it: an error that is small compared with that change
+/// may be as large as the velocity itself.
 const BEYOND: f64 = 16.0;
 
 /// What controls the lengths of steps, from one to the next.
 #[derive(Debug, Clone)]
 pub(super) struct Control {
     pub(super) tolerance: f64,
-    /// Limit of the next step: twice the last one, if that had to be cut below what its
-    /// coefficients promised; else none.
+    /// Limit of the next step: twice the last one, if that had to be shorter than its coefficients
+    /// allowed; otherwise infinite.
     pub(super) longest: f64,
     /// Steps until the slow manifold of stiff memories is tried again, and how many they were the
     /// last time that it was not worth it.
@@ -47,7 +47,7 @@ pub(super) struct Plan {
     pub(super) contacts: Vec<Allowance>,
     /// The size of the terms of the equation of each contact's relative velocity.
     pub(super) sizes: Vec<f64>,
-    /// Rate at which a deviation of each velocity dies out.
+    /// Rate at which a perturbation of each velocity decays.
     closings: Vec<f64>,
     /// Scale of each velocity, and the size of the terms of its equation.
     scales: Vec<(f64, f64)>,
@@ -67,8 +67,8 @@ impl Control {
     }
 }
 
-/// Whether every velocity is constant, and every distance from a limit linear in time: no series
-/// limits the step.
+/// Returns true if every velocity is constant, and every distance from a limit linear in time: no
+/// series limits the step.
 pub(super) fn is_linear(model: &Model<'_>, situation: &Situation, series: &Series) -> bool {
     let coordinates = 0..model.len();
     let contacts = std::iter::zip(&situation.contacts, &series.contacts);
@@ -90,7 +90,7 @@ pub(super) fn is_linear(model: &Model<'_>, situation: &Situation, series: &Serie
             })
 }
 
-/// Whether all series could be computed to their ends.
+/// Returns true if all coefficients of all series are finite.
 pub(super) fn is_finite(situation: &Situation, series: &Series) -> bool {
     const LAST: usize = TERMS - 1;
     // 0 times what is not finite is no number.
@@ -155,8 +155,8 @@ pub(super) fn load_terms(contact: &ContactData<'_>, situation: &Situation) -> f6
     size * contact.compliance
 }
 
-/// How far the last coefficients of all series stay below the error allowed; what each coordinate
-/// and contact is allowed is noted in the plan.
+/// The time up to which the last terms of all series stay below the error allowed; notes the error
+/// allowed for each coordinate and contact in the plan.
 pub(super) fn plan_reach(
     model: &Model<'_>,
     situation: &Situation,
@@ -198,8 +198,8 @@ pub(super) fn plan_reach(
     }
 }
 
-/// Allows no more than a step of this length may have; returns true if the series still reach so
-/// far. Events may end a step long before anything else would.
+/// Limits the allowed errors to those of a step of this length; returns true if the series still
+/// reach so far. Events may end a step long before the series do.
 pub(super) fn reaches(
     model: &Model<'_>,
     situation: &Situation,
@@ -212,8 +212,7 @@ pub(super) fn reaches(
     within >= plan.within || plan_within(model, situation, series, tolerance, within, plan) >= h
 }
 
-/// How far the series may be used if velocities are measured by how they change in the time
-/// `within`.
+/// The reach of the series if velocities are measured by their change in the time `within`.
 fn plan_within(
     model: &Model<'_>,
     situation: &Situation,
@@ -327,9 +326,9 @@ fn plan_within(
     farthest
 }
 
-/// How long a step may be in which nothing but the memory of contacts changes: until it has changed
-/// by its own size, and longer where the structure's own times are. The errors allowed in it are
-/// noted in the plan.
+/// The length of a step in which only the memory of contacts changes: until it has changed by its
+/// own size, and longer if the structure's own times are longer. Notes the errors allowed in the
+/// plan.
 pub(super) fn plan_memory(
     model: &Model<'_>,
     situation: &Situation,
@@ -482,7 +481,7 @@ fn time_unit(
 /// Ulps of the clock below which no time is a unit.
 const TOLD: f64 = 1024.0;
 
-/// The rates at which deviations of the velocities of coordinates die out by damping and friction;
+/// The rates at which perturbations of the velocities of coordinates decay by damping and friction;
 /// 0 unless a contact of the coordinate slips.
 fn closings(model: &Model<'_>, situation: &Situation, series: &Series, closings: &mut Vec<f64>) {
     closings.clear();
@@ -507,8 +506,8 @@ fn closings(model: &Model<'_>, situation: &Situation, series: &Series, closings:
     }
 }
 
-/// How far a series may be used; as far as one likes where it ends before its last terms, even if
-/// no error is allowed because nothing moves.
+/// The reach of a series; infinite if it ends before its last terms, even if no error is allowed
+/// because nothing moves.
 fn reach_of(error: f64, c: &PowerSeries, n: usize) -> f64 {
     if c[n] == 0.0 && c[n - 1] == 0.0 {
         f64::INFINITY

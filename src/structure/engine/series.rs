@@ -1,4 +1,4 @@
-//! What lives for a step: the power series of all coordinates and contacts.
+//! The data of one step: the power series of all coordinates and contacts.
 
 use super::model::Model;
 use crate::scalar::jet::Tape;
@@ -9,7 +9,7 @@ use crate::series::{INTEGRAL, PowerSeries, TERMS};
 pub(super) struct Series {
     pub(super) coordinates: Vec<CoordinateSeries>,
     pub(super) contacts: Vec<ContactSeries>,
-    /// The forces that are given on coordinates with springs of contacts, divided by the mass.
+    /// The given forces on coordinates with springs of contacts, divided by the mass.
     pub(super) given: Vec<PowerSeries>,
     /// The sizes of the forces of springs on these coordinates at the start.
     pub(super) spring_sizes: Vec<f64>,
@@ -17,11 +17,11 @@ pub(super) struct Series {
     pub(super) rates: Vec<f64>,
     pub(super) unheld: Vec<f64>,
     pub(super) held: Vec<f64>,
-    /// How far rounding may have moved that order of the shared coordinates, where that counts.
+    /// Bound of rounding of that order of the shared coordinates, where it counts.
     pub(super) rounding: Vec<f64>,
 }
 
-/// What a contact does in a step, as the series need it.
+/// The mode of a contact in a step, for its series.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum ContactCourse {
     Open,
@@ -32,7 +32,7 @@ pub(super) enum ContactCourse {
 /// The series at one contact. All forces are accelerations of r: multiplied by G_cc.
 #[derive(Debug, Clone)]
 pub(super) struct ContactSeries {
-    /// What the contact does in the step.
+    /// The mode of the contact in the step.
     pub(super) course: ContactCourse,
     /// σ in slip; 0 in stick, and 1 for one that is open.
     pub(super) side: f64,
@@ -46,7 +46,8 @@ pub(super) struct ContactSeries {
     pub(super) speeds: PowerSeries,
     /// w.
     pub(super) surface: PowerSeries,
-    /// What the contact carries in stick. One with a coordinate to itself: in slip what it would.
+    /// The force in stick. For a contact with a coordinate to itself also in slip: the force that
+    /// it would carry.
     pub(super) carried: PowerSeries,
     /// N μ_s; without terms beyond the first for a constant load and a law without memory.
     pub(super) bound: PowerSeries,
@@ -54,7 +55,7 @@ pub(super) struct ContactSeries {
     pub(super) load: PowerSeries,
     /// Its part that is given in time.
     pub(super) drive_load: PowerSeries,
-    /// Whether N is not the same at all times.
+    /// True if N varies.
     pub(super) load_varies: bool,
     /// r' at the start of the step if none of the shared contacts at r = 0 carried anything.
     pub(super) free: f64,
@@ -67,7 +68,8 @@ pub(super) struct ContactSeries {
     pub(super) memories: Vec<PowerSeries>,
     /// One order of the rates of the memory.
     pub(super) rates: Vec<f64>,
-    /// D, at which the memory relaxes, where its series is that of the slow manifold; else 0.
+    /// D, the rate at which the memory relaxes, if its series is that of the slow manifold;
+    /// otherwise 0.
     pub(super) relaxation: f64,
     pub(super) tape: Tape,
 }
@@ -131,7 +133,7 @@ impl Course {
         self.velocities().at(t)
     }
 
-    /// Whether v is constant.
+    /// Returns true if v is constant.
     pub(super) fn is_straight(&self) -> bool {
         self.numbers[2..].iter().all(|&c| c == 0.0)
     }
@@ -231,7 +233,7 @@ impl Series {
 }
 
 impl ContactSeries {
-    /// The memory stays as it is.
+    /// Keeps the memory constant.
     pub(super) fn hold_memory(&mut self, memory: &[f64]) {
         for (series, memory) in std::iter::zip(&mut self.memories, memory) {
             *series = PowerSeries::ZERO;

@@ -11,18 +11,18 @@
 //! z_k ← z_k + [rate_k(z_0 … z_k) − (k + 1) z_{k+1}]/D,    z_{k+1} of the pass before
 //! ```
 //!
-//! Each pass brings in one more term of the expansion in 1/D: at order k it leaves (k + 1)/(D·R) of
-//! the error, R the radius of convergence. So five to ten passes do where explicit steps are short,
-//! and they are quicker than Newton's method on all coefficients at once: no matrix, and masses,
-//! other contacts and drives are expanded as always. The coefficient z_26 is taken to be 0.
+//! Each pass adds one more term of the expansion in 1/D: at order k it leaves (k + 1)/(D·R) of the
+//! error, R the radius of convergence. So five to ten passes suffice where explicit steps are
+//! short, and they are faster than Newton's method on all coefficients at once: no matrix, and
+//! masses, other contacts and drives are expanded as always. The coefficient z_26 is taken to be 0.
 //!
 //! Measured: LuGre's bristles on a mass that slides over a belt, 8 units of time, σ0 from 1e3 to
 //! 1e12: 20 to 26 steps; explicitly 1421 for 1e3, 142365 for 1e5, 1411886 for 1e6, and 4e-12 of
 //! rounding errors there. Both methods agree within 1.1e-14 where explicit steps are still some
 //! thousands.
 //!
-//! In near-stick it is another matter: there z and r swing together at √(Nσ0/m), until that is
-//! damped. Both are followed explicitly, by about √(Nσ0/m)/10 steps per unit of time.
+//! Near stick z and r vibrate together at √(Nσ0/m) until the vibration has decayed. Both are
+//! followed explicitly, by about √(Nσ0/m)/10 steps per unit of time.
 
 use super::expand::{ALL, expand};
 use super::model::Model;
@@ -34,28 +34,28 @@ use crate::friction::memory::{Motion, Slip};
 use crate::motion::step_control::SETTLING;
 use crate::series::{PowerSeries, TERMS};
 
-/// Passes after which the slow motion is given up.
+/// Limit of passes.
 const MOST_PASSES: usize = 12;
 
-/// Distance from the slow motion, and change in the last pass, in errors of a step, that count as
+/// Distance from the slow manifold, and change in the last pass, in errors of a step, that count as
 /// none.
 const CLOSE: f64 = 8.0;
 
 /// Part of the reach within which changes count.
 const INNER: f64 = 0.8;
 
-/// How many times further than the explicit step the slow one has to go to be worth its passes.
+/// Least ratio of the reach of the slow series to the explicit one that is worth its passes.
 const WORTH: f64 = 10.0;
 
 /// The same for one memory, where others may be next.
 const LONGER: f64 = 1.5;
 
-/// Most steps that are made before the slow motion is tried again.
+/// Most steps before the slow manifold is tried again.
 const LONGEST_PAUSE: u32 = 256;
 
 /// The series of the slow manifold in place of the explicit ones, if a memory is stiff, the motion
-/// has come to that manifold, and it can be used further than `explicit`; the reach of whichever it
-/// is.
+/// has reached that manifold, and the series reach further than `explicit`. Returns the reach of
+/// the series in use.
 pub(super) fn relax(
     model: &Model<'_>,
     situation: &Situation,
@@ -142,7 +142,7 @@ impl Slow<'_, '_> {
         (best, is_tried)
     }
 
-    /// Begins to treat as slow the memories that relax well within `reach`; whether there are any.
+    /// Marks the memories that relax well within `reach` as slow; returns true if there are any.
     fn begin(&mut self, reach: f64) -> bool {
         self.control.begun.clear();
         for (c, contact) in self.series.contacts.iter_mut().enumerate() {

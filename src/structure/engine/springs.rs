@@ -1,8 +1,8 @@
 //! The springs of contacts: elastic contacts, and normal springs that open.
 //!
-//! What a spring carries is a state, so it acts on the structure as a known force, order by order
-//! before the coordinates: T of an elastic contact, and the reaction −d N of a normal spring. An
-//! elastic contact holds nothing and is never among those that decide together.
+//! The force of a spring is a state variable, so it acts on the structure as a known force, order
+//! by order before the coordinates: T of an elastic contact, and the reaction −d N of a normal
+//! spring. An elastic contact holds nothing and takes no part in common decisions.
 //!
 //! ```text
 //! stick:  T' = k_t r           watched: h_σ = μN − σT, both σ
@@ -142,8 +142,8 @@ pub(super) fn force_at_limit(
     side.sign() * (load * contact.constant_coefficient())
 }
 
-/// An elastic contact that has to ask again what its slider does: at a start, where it closes,
-/// where the slider came to rest, and where a drive breaks.
+/// Restarts the decision of an elastic contact: at a start, where it closes, where its slider
+/// stopped, and at a break of a drive.
 pub(super) fn ask_again(situation: &mut Situation, c: usize) {
     let (since, state) = (situation.clock, &mut situation.contacts[c]);
     state.entry = match (state.phase, state.entry) {
@@ -161,7 +161,7 @@ struct Start {
     speed: f64,
 }
 
-/// Starts the sliders of elastic contacts that cannot hold; returns true if there are any.
+/// Starts the sliders of elastic contacts beyond their limits; returns true if there are any.
 pub(super) fn revise_elastic(
     model: &Model<'_>,
     situation: &mut Situation,
@@ -226,7 +226,7 @@ pub(super) fn revise_elastic(
     changed
 }
 
-/// Finds out whether an elastic contact that sticks is on an edge of its band.
+/// Finds the edge of its band on which an elastic contact that sticks is, if any.
 fn find_edge(model: &Model<'_>, situation: &mut Situation, series: &Series, c: usize) {
     let of = &series.contacts[c];
     let (bound, carried) = (of.bound[0], of.carried[0]);
@@ -250,8 +250,8 @@ fn find_edge(model: &Model<'_>, situation: &mut Situation, series: &Series, c: u
     };
 }
 
-/// What elastic contacts carry at the end of a step, to the bit where they are at their limit.
-/// Where a drive breaks the limit may jump, and they ask again.
+/// Sets the forces of elastic contacts at the end of a step, to the bit where they are at their
+/// limit. At a break of a drive the limit may jump, and they are decided again.
 pub(super) fn land_springs(
     model: &Model<'_>,
     situation: &mut Situation,
@@ -280,7 +280,7 @@ pub(super) fn land_springs(
     }
 }
 
-/// Loads that have jumped cut what elastic contacts carry, before anything is decided by it.
+/// Limits the forces of elastic contacts after their loads have jumped, before any decision.
 pub(super) fn cut(model: &Model<'_>, situation: &mut Situation, series: &Series) {
     for &c in &model.springs {
         let contact = &model.contacts[c];

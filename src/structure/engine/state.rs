@@ -1,4 +1,4 @@
-//! What changes at events.
+//! The situation: data that change at events.
 
 use super::edge::Edge;
 use super::factor::Holding;
@@ -28,7 +28,7 @@ pub(super) struct Situation {
 /// The shared contacts that are closed.
 #[derive(Debug, Clone)]
 pub(super) struct Closed {
-    /// Those that do not stick give way a little.
+    /// Contacts that do not stick have a small compliance.
     pub(super) holding: Holding,
     /// Contacts at rest with a coordinate each that none before has: see [`Model::pivots`].
     pub(super) pivots: Vec<(usize, usize)>,
@@ -46,21 +46,21 @@ pub(super) struct Coordinate {
 #[derive(Debug, Clone)]
 pub(super) struct ContactState {
     pub(super) phase: Phase,
-    /// Of the stick band; after a release still that from which the contact was released.
+    /// The edge of the stick band; after a release that from which the contact was released.
     pub(super) edge: Edge,
-    /// Of the normal load.
+    /// The edge of the normal load.
     pub(super) load_edge: Edge,
     pub(super) entry: Entry,
     pub(super) memory: Vec<f64>,
-    /// The memory as slip came to r = 0.
+    /// The memory when slip reached r = 0.
     pub(super) arrival_memory: Vec<f64>,
     /// μ_s at the start of the step; `None` for a law that never sticks.
     pub(super) limit: Option<f64>,
-    /// Whether an elastic contact carried more than its limit after a jump of the load.
+    /// True if the force of an elastic contact exceeded its limit after a jump of the load.
     pub(super) was_cut: bool,
 }
 
-/// What a contact does, with what belongs to it.
+/// The phase of a contact, with its data.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Phase {
     /// No load, no friction.
@@ -70,36 +70,36 @@ pub(super) enum Phase {
     /// r = σy.
     Slip {
         direction: Direction,
-        /// y ≥ 0: what is integrated, so that contact is exact however fast the surface moves.
+        /// y ≥ 0, the integrated variable, so that contact is exact at any speed of the surface.
         speed: f64,
-        /// dy/dt at the start of the step, where it is known better than the equation of motion
-        /// gives it: where slip begins.
+        /// dy/dt at the start of the step, if it is known more accurately than from the equation of
+        /// motion: where slip begins.
         rate: Option<f64>,
         /// Which piece of the law holds.
         piece: usize,
     },
 }
 
-/// How a contact came to what it does at the start of a step.
+/// How the phase of a contact at the start of a step came about.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Entry {
     /// As before.
     Held,
-    /// It has come to r = 0, from slip in a direction or by closing: on the edge of its band within
-    /// rounding counts as on it.
+    /// It has reached r = 0, from slip in a direction or by closing. Within rounding of the edge of
+    /// its band it counts as on it.
     Arrived(Option<Direction>),
-    /// It stands on a breakpoint of its law, and the piece is decided.
+    /// It is on a breakpoint of its law, and the piece is decided.
     OnBreakpoint,
 }
 
-/// Why a contact ends a step.
+/// The reason why a contact ends a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Firing {
     /// The sliding speed is 0.
     Arrival,
     /// The sliding speed is at a breakpoint of the law, of this number, and rising or not.
     Breakpoint(usize, bool),
-    /// The load carried is the largest, in this direction.
+    /// The force has reached its limit in this direction.
     Bound(Direction),
     /// The normal load is 0.
     Load,
@@ -225,7 +225,7 @@ impl ContactState {
         matches!(self.phase, Phase::Stick { .. })
     }
 
-    /// Whether r = 0: in stick, or where slip begins or turns.
+    /// Returns true if r = 0: in stick, or where slip begins or turns.
     pub(super) fn rests(&self) -> bool {
         match self.phase {
             Phase::Stick { .. } => true,
@@ -238,7 +238,7 @@ impl ContactState {
         matches!(self.phase, Phase::Open)
     }
 
-    /// What its law is given in slip, with another speed.
+    /// The argument of its law in slip, with another speed.
     pub(super) fn slip<S>(&self, speed: S) -> Option<Slip<S>> {
         match self.phase {
             Phase::Slip {
@@ -271,7 +271,7 @@ impl ContactState {
         law.coefficient(slip, &|j| self.memory[j])
     }
 
-    /// A contact whose law never sticks goes on through r = 0.
+    /// A contact whose law never sticks passes through r = 0.
     pub(super) fn pass_through(&mut self, direction: Direction) {
         if let Entry::Arrived(Some(_)) = self.entry {
             self.memory.clone_from(&self.arrival_memory);

@@ -1,10 +1,10 @@
-//! What every contact does from an instant on.
+//! The modes of contacts after an event.
 //!
-//! What a contact with a coordinate to itself carries is a function of q, v and t alone, so such
-//! contacts decide one by one. Contacts that share coordinates decide together: `decision.rs`. Only
-//! at the very edge of its band does a contact need rates, which may depend on the modes of others:
-//! it is then taken to stick, all is expanded, and the sign of the first derivative that is not 0
-//! decides. That is repeated until nothing changes.
+//! The force in a contact with a coordinate to itself is a function of q, v and t alone, so such
+//! contacts are decided one by one. Contacts that share coordinates are decided together:
+//! `decision.rs`. Only exactly on the edge of its band does a contact need rates, which may depend
+//! on the modes of others: it is then taken to stick, everything is expanded, and the sign of the
+//! first nonzero derivative decides. This is repeated until nothing changes.
 
 use super::decision::Decision;
 use super::edge::{EDGE_ROUNDING, Edge, leaving, side_of};
@@ -19,9 +19,9 @@ use crate::motion::Mode;
 use crate::series::PowerSeries;
 use crate::state::Direction;
 
-/// Decides the modes, and expands the motion that follows. Shared contacts are asked only if
-/// something happened to one of them, or a drive broke: `is_disturbed`. What contacts carry is as
-/// before unless the motion begins, or a drive broke: `may_jump`.
+/// Decides the modes, and expands the motion that follows. Shared contacts are decided again only
+/// after an event of one of them, or a break of a drive: `is_disturbed`. Forces are continuous
+/// except at the start of the motion and at a break of a drive: `may_jump`.
 pub(super) fn decide(
     model: &Model<'_>,
     situation: &mut Situation,
@@ -95,7 +95,7 @@ fn revise(
     Ok(changed)
 }
 
-/// A contact that has come to r = 0 is taken to stick, until what it carries says otherwise.
+/// A contact that has reached r = 0 is taken to stick, until its force shows otherwise.
 fn arrive(model: &Model<'_>, situation: &mut Situation, c: usize) {
     let contact = &model.contacts[c];
     let displacement = situation.displacement_along(contact);
@@ -121,7 +121,7 @@ fn arrive(model: &Model<'_>, situation: &mut Situation, c: usize) {
     state.limit = contact.law.limit(&|j| state.memory[j]);
 }
 
-/// A contact without friction so far meets its surface: slip if there is a relative velocity.
+/// An open contact closes: it slips if there is a relative velocity.
 pub(super) fn close(model: &Model<'_>, situation: &mut Situation, series: &mut Series, c: usize) {
     let contact = &model.contacts[c];
     let drive = &contact.belt_velocity;
@@ -173,7 +173,7 @@ fn open(model: &Model<'_>, situation: &mut Situation, series: &mut Series, c: us
     state.entry = Entry::Held;
 }
 
-/// Opens or closes a contact as its load says; returns true if that has changed anything.
+/// Opens or closes a contact according to its load; returns true if anything has changed.
 fn revise_load(
     model: &Model<'_>,
     situation: &mut Situation,
@@ -219,7 +219,7 @@ fn revise_load(
 }
 
 /// Releases a contact that cannot stick, and puts one that slides onto its piece of the law;
-/// returns true if that has changed anything.
+/// returns true if anything has changed.
 fn revise_mode(
     model: &Model<'_>,
     situation: &mut Situation,
@@ -249,8 +249,8 @@ fn revise_mode(
     }
 }
 
-/// Releases a contact that has a coordinate to itself and carries more than it can; returns true if
-/// it does.
+/// Releases a contact with a coordinate to itself whose force exceeds its limit; returns true if it
+/// does.
 fn revise_stick(
     model: &Model<'_>,
     situation: &mut Situation,
@@ -315,7 +315,7 @@ impl ContactState {
         }
     }
 
-    /// At a breakpoint the motion decides on the piece: by its first derivative that is not 0.
+    /// The first nonzero derivative of the motion decides on the piece at a breakpoint.
     fn revise_piece(&mut self, breakpoints: &[f64], speeds: &PowerSeries) -> bool {
         let Phase::Slip { piece, .. } = &mut self.phase else {
             return false;
