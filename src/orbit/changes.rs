@@ -10,20 +10,20 @@ use crate::numerics::bracket::Bracket;
 
 /// A point of the curve, and its distance along the tangent of the last one.
 #[derive(Clone)]
-pub(super) struct Place {
+pub(super) struct CurvePoint {
     pub(super) distance: f64,
     pub(super) solved: Solved,
 }
 
 /// A bifurcation.
-pub(super) struct Found {
+pub(super) struct FoundBifurcation {
     pub(super) distance: f64,
     pub(super) kind: BifurcationKind,
     pub(super) solved: Solved,
 }
 
 /// The curve near its last point, by planes across the tangent there.
-pub(super) struct View<'v, 'f> {
+pub(super) struct CurveView<'v, 'f> {
     pub(super) curve: &'v Curve<'f>,
     pub(super) base: &'v Solved,
     pub(super) scale: &'v DVector<f64>,
@@ -54,19 +54,19 @@ const MULTIPLIER: f64 = 1e-6;
 pub(super) type Signs = [f64; 4];
 
 /// How strongly the motion at a place magnifies perturbations.
-fn growth(place: &Place) -> f64 {
+fn growth(place: &CurvePoint) -> f64 {
     place.solved.trial.map.growth()
 }
 
 /// Returns true if rounding of the motions cannot tell two places apart. In a symmetric motion, or
 /// one of equal masses, several events change at one place.
-fn is_same(low: &Place, high: &Place) -> bool {
+fn is_same(low: &CurvePoint, high: &CurvePoint) -> bool {
     high.distance - low.distance <= CLOSED * growth(low).max(growth(high))
 }
 
 /// The change of events between its two sides, with the motion on the smoother one; `None` if the
 /// events are the same after all.
-fn change(low: &Place, high: &Place) -> Option<Found> {
+fn change(low: &CurvePoint, high: &CurvePoint) -> Option<FoundBifurcation> {
     let [before, after] = [low, high].map(|place| &place.solved.sequence);
     if before.is_like(after) {
         return None;
@@ -77,21 +77,21 @@ fn change(low: &Place, high: &Place) -> Option<Found> {
     } else {
         low
     };
-    Some(Found {
+    Some(FoundBifurcation {
         distance: smoother.distance,
         kind,
         solved: smoother.solved.clone(),
     })
 }
 
-impl View<'_, '_> {
+impl CurveView<'_, '_> {
     /// The point of the curve on the plane at a distance.
     pub(super) fn at(
         &self,
         distance: f64,
         guess: &DVector<f64>,
         near: &Solved,
-    ) -> Result<Place, Error> {
+    ) -> Result<CurvePoint, Error> {
         let normal = self.curve.measured(&self.base.tangent);
         let plane = Plane {
             scale: self.scale,
@@ -100,7 +100,7 @@ impl View<'_, '_> {
             normal,
         };
         let solved = self.curve.solve(guess, near, &plane)?;
-        Ok(Place { distance, solved })
+        Ok(CurvePoint { distance, solved })
     }
 
     /// The point at which the parameter has a value.
@@ -109,7 +109,7 @@ impl View<'_, '_> {
         parameter: f64,
         guess: &DVector<f64>,
         near: &Solved,
-    ) -> Result<Place, Error> {
+    ) -> Result<CurvePoint, Error> {
         let last = self.curve.unknowns() - 1;
         let mut normal = DVector::zeros(last + 1);
         normal[last] = 1.0;
@@ -124,7 +124,7 @@ impl View<'_, '_> {
         let mut solved = self.curve.solve(&guess, near, &plane)?;
         solved.y[last] = parameter;
         let moved = self.scaled(&solved) - self.scaled(self.base);
-        Ok(Place {
+        Ok(CurvePoint {
             distance: self.base.tangent.dot(&moved),
             solved,
         })
@@ -135,12 +135,17 @@ impl View<'_, '_> {
     }
 
     /// The distance between two points, in units of the scales.
-    pub(super) fn apart(&self, a: &Place, b: &Place) -> f64 {
+    pub(super) fn apart(&self, a: &CurvePoint, b: &CurvePoint) -> f64 {
         (self.scaled(&a.solved) - self.scaled(&b.solved)).amax()
     }
 
     /// The point at a distance between two others.
-    pub(super) fn between(&self, low: &Place, high: &Place, distance: f64) -> Result<Place, Error> {
+    pub(super) fn between(
+        &self,
+        low: &CurvePoint,
+        high: &CurvePoint,
+        distance: f64,
+    ) -> Result<CurvePoint, Error> {
         let part = (distance - low.distance) / (high.distance - low.distance);
         let guess = &low.solved.y * (1.0 - part) + &high.solved.y * part;
         let near = if part < 0.5 { low } else { high };
@@ -152,14 +157,14 @@ impl View<'_, '_> {
     /// Returns an error if no connection between the two points is found.
     pub(super) fn changes(
         &self,
-        first: &Place,
-        last: &Place,
+        first: &CurvePoint,
+        last: &CurvePoint,
         signs: &mut Signs,
-    ) -> Result<Vec<Found>, Error> {
+    ) -> Result<Vec<FoundBifurcation>, Error> {
         let mut found = Vec::new();
         let mut from = first.clone();
         // The two sides of the last change of events, which may be one with the next.
-        let mut sides: Option<(Place, Place)> = None;
+        let mut sides: Option<(CurvePoint, CurvePoint)> = None;
         for _ in 0..MOST_CHANGES {
             if from.solved.sequence.is_like(&last.solved.sequence) {
                 found.extend(sides.and_then(|(low, high)| change(&low, &high)));
@@ -181,12 +186,16 @@ impl View<'_, '_> {
         Err(self.lost(last))
     }
 
-    fn lost(&self, place: &Place) -> Error {
+    fn lost(&self, place: &CurvePoint) -> Error {
         self.curve.lost(&place.solved.y, &place.solved.trial)
     }
 
     /// The two sides of the first change of the event sequence between two points.
-    fn change_of_events(&self, first: &Place, last: &Place) -> Result<(Place, Place), Error> {
+    fn change_of_events(
+        &self,
+        first: &CurvePoint,
+        last: &CurvePoint,
+    ) -> Result<(CurvePoint, CurvePoint), Error> {
         /// Distances to try if nothing is found in the middle.
         const PARTS: [f64; 5] = [0.5, 0.25, 0.75, 0.0625, 0.9375];
         let (mut low, mut high) = (first.clone(), last.clone());
@@ -225,10 +234,10 @@ impl View<'_, '_> {
     /// Folds, flips and tori between two points with the same events.
     fn smooth(
         &self,
-        from: &Place,
-        to: &Place,
+        from: &CurvePoint,
+        to: &CurvePoint,
         signs: &mut Signs,
-        found: &mut Vec<Found>,
+        found: &mut Vec<FoundBifurcation>,
     ) -> Result<(), Error> {
         let (begin, end) = (self.values(&from.solved), self.values(&to.solved));
         let first = found.len();
@@ -253,7 +262,7 @@ impl View<'_, '_> {
                 && !turned
                 && let Some(place) = self.pitchfork(from, to)
             {
-                found.push(Found {
+                found.push(FoundBifurcation {
                     distance: place.distance,
                     kind: BifurcationKind::Pitchfork,
                     solved: place.solved,
@@ -273,7 +282,7 @@ impl View<'_, '_> {
                 3 if multipliers.iter().any(on_circle) => BifurcationKind::NeimarkSacker,
                 _ => continue,
             };
-            found.push(Found {
+            found.push(FoundBifurcation {
                 distance: place.distance,
                 kind,
                 solved: place.solved,
@@ -286,14 +295,14 @@ impl View<'_, '_> {
     /// The zero of a test function between two places.
     fn sign_change(
         &self,
-        from: &Place,
-        to: &Place,
+        from: &CurvePoint,
+        to: &CurvePoint,
         mut bracket: Bracket,
         test: usize,
-    ) -> Result<Place, Error> {
+    ) -> Result<CurvePoint, Error> {
         let (mut low, mut high) = (from.clone(), to.clone());
         let rises = bracket.sign_change().values[1] > 0.0;
-        let mut best: Option<(f64, Place)> = None;
+        let mut best: Option<(f64, CurvePoint)> = None;
         for _ in 0..MOST_HALVINGS {
             let Some(distance) = bracket.next_place() else {
                 break;

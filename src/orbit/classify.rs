@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 
 use nalgebra::DVector;
 
-use super::form::{Form, Rhythm};
+use super::form::{GeneralForm, Rhythm};
 use super::found::Orbit;
 use super::oscillator::Oscillator;
 use super::period::Period;
@@ -204,7 +204,7 @@ const CLOSED: f64 = 1e-9;
 /// drives.
 pub(super) fn settled<S: Oscillator>(
     system: &S,
-    form: &Form<'_>,
+    form: &GeneralForm<'_>,
     start: &State,
 ) -> Result<(Attractor<S>, State), Error> {
     let period = match form.rhythm() {
@@ -266,7 +266,7 @@ pub(super) fn settled<S: Oscillator>(
 }
 
 /// The largest velocity of a surface.
-fn fastest_surface(form: &Form<'_>) -> f64 {
+fn fastest_surface(form: &GeneralForm<'_>) -> f64 {
     let contacts = form.model.contacts.iter();
     let surfaces = contacts.map(|contact| contact.belt_velocity.size());
     surfaces.fold(0.0, f64::max)
@@ -302,7 +302,7 @@ pub(super) fn kind_of<S: System>(orbit: &Orbit<S>) -> AttractorKind {
 /// The motion that was found, if it attracts and lies near the guess.
 fn accepted<S: Oscillator>(
     system: &S,
-    form: &Form<'_>,
+    form: &GeneralForm<'_>,
     found: Trial,
     period: Period,
     (seen, guess, missed): (&Recurrence, &State, f64),
@@ -369,7 +369,7 @@ impl Recurrence {
     }
 
     /// Adds a step. `number` counts the periods of the drives.
-    fn add(&mut self, form: &Form<'_>, step: &Step, period: Option<f64>, number: &mut u64) {
+    fn add(&mut self, form: &GeneralForm<'_>, step: &Step, period: Option<f64>, number: &mut u64) {
         for state in [step.state(), &step.end_state()] {
             let numbers = state.displacements.iter().chain(&state.velocities);
             for ((least, largest), x) in std::iter::zip(&mut self.ranges, numbers) {

@@ -3,7 +3,7 @@
 
 use nalgebra::DVector;
 
-use super::changes::{Found, Place, View};
+use super::changes::{CurvePoint, CurveView, FoundBifurcation};
 
 /// Distances from the corner, in parts of the range, at which a motion on the other piece is
 /// searched.
@@ -16,10 +16,10 @@ const PARTS: [f64; 7] = [-1.0, 0.0, -4.0, 4.0, -16.0, 16.0, 1.0];
 /// Largest ratio of the change of the state to that of the parameter.
 const STEEP: f64 = 64.0;
 
-impl View<'_, '_> {
+impl CurveView<'_, '_> {
     /// A motion on the other piece of the curve, which begins at the last motion, and the corner.
-    pub(super) fn corner(&self) -> Option<(Place, Found)> {
-        let here = Place {
+    pub(super) fn corner(&self) -> Option<(CurvePoint, FoundBifurcation)> {
+        let here = CurvePoint {
             distance: 0.0,
             solved: self.base.clone(),
         };
@@ -47,7 +47,7 @@ impl View<'_, '_> {
     }
 
     /// The motion at a parameter near that of the last one, in units of the range.
-    fn beside(&self, change: f64, guess: &DVector<f64>) -> Option<Place> {
+    fn beside(&self, change: f64, guess: &DVector<f64>) -> Option<CurvePoint> {
         let curve = self.curve;
         let parameter = curve.parameter(&self.base.y) + change * curve.width();
         let inside = (curve.range.start..=curve.range.end).contains(&parameter);
@@ -57,7 +57,12 @@ impl View<'_, '_> {
 
     /// Returns true if a motion has other events than the last one, and tends to it as the
     /// parameter returns.
-    fn is_other_piece(&self, here: &Place, place: &Place, (change, away): (f64, f64)) -> bool {
+    fn is_other_piece(
+        &self,
+        here: &CurvePoint,
+        place: &CurvePoint,
+        (change, away): (f64, f64),
+    ) -> bool {
         let apart = self.apart(here, place);
         if place.solved.sequence.is_like(&self.base.sequence) || apart > STEEP * away {
             return false;
@@ -71,7 +76,7 @@ impl View<'_, '_> {
     }
 
     /// The place with the tangent that leads away from the corner.
-    fn away_from(&self, here: &Place, mut place: Place) -> Place {
+    fn away_from(&self, here: &CurvePoint, mut place: CurvePoint) -> CurvePoint {
         let moved = self.scaled(&place.solved) - self.scaled(&here.solved);
         if place.solved.tangent.dot(&moved) < 0.0 {
             place.solved.tangent.neg_mut();
@@ -79,8 +84,8 @@ impl View<'_, '_> {
         place
     }
 
-    fn found(&self, place: &Place) -> Found {
-        Found {
+    fn found(&self, place: &CurvePoint) -> FoundBifurcation {
+        FoundBifurcation {
             distance: 0.0,
             kind: self.base.sequence.change(&place.solved.sequence),
             solved: self.base.clone(),

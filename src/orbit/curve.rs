@@ -11,7 +11,7 @@ use std::ops::{ControlFlow, Range};
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::branch::BranchEnd;
-use super::form::{Form, MOST_STEPS as MOST_STEPS_OF_A_MOTION};
+use super::form::{GeneralForm, MOST_STEPS as MOST_STEPS_OF_A_MOTION};
 use super::map::{self, CLOSED, PeriodMap, state, vector};
 use super::oscillator::Oscillator;
 use super::period::Period;
@@ -24,18 +24,18 @@ use crate::motion::{Mode, Segment};
 use crate::state::structure::State;
 
 /// One system of a family.
-pub(super) trait Member {
+pub(super) trait FamilyMember {
     /// The system without the type of its laws.
-    fn form(&self) -> Form<'_>;
+    fn form(&self) -> GeneralForm<'_>;
 }
 
-impl<S: Oscillator> Member for S {
-    fn form(&self) -> Form<'_> {
+impl<S: Oscillator> FamilyMember for S {
+    fn form(&self) -> GeneralForm<'_> {
         Oscillator::form(self)
     }
 }
 
-pub(super) type Family<'f> = dyn Fn(f64) -> Result<Box<dyn Member + 'f>, Error> + 'f;
+pub(super) type Family<'f> = dyn Fn(f64) -> Result<Box<dyn FamilyMember + 'f>, Error> + 'f;
 
 /// The equations of the periodic motions of a family.
 pub(super) struct Curve<'f> {
@@ -106,7 +106,7 @@ impl Curve<'_> {
     }
 
     /// Sets the weights, for systems of a form.
-    pub(super) fn weigh(&mut self, form: &Form<'_>) {
+    pub(super) fn weigh(&mut self, form: &GeneralForm<'_>) {
         self.weights = DVector::from_element(self.unknowns(), 1.0);
         let reset = form.are_reset();
         for (weight, reset) in self.weights.iter_mut().skip(2 * form.len()).zip(reset) {
@@ -137,14 +137,14 @@ impl Curve<'_> {
         y[self.unknowns() - 1]
     }
 
-    fn member(&self, parameter: f64) -> Result<Box<dyn Member + '_>, Error> {
+    fn member(&self, parameter: f64) -> Result<Box<dyn FamilyMember + '_>, Error> {
         let checked = Error::check("orbit::follow", "parameter", parameter, true, "a number");
         checked.and_then(|parameter| (self.family)(parameter))
     }
 
     /// The start for one system: contacts that stick have the velocity of their belts, elastic ones
     /// that slip their limit.
-    fn start(&self, form: &Form<'_>, y: &DVector<f64>, modes: &[Mode]) -> State {
+    fn start(&self, form: &GeneralForm<'_>, y: &DVector<f64>, modes: &[Mode]) -> State {
         let mut start = state(&y.rows(0, self.order).into_owned(), self.n);
         form.put_in_modes(&mut start, 0.0, |c| modes.get(c).copied());
         if let Some(i) = self.turning {
@@ -153,7 +153,7 @@ impl Curve<'_> {
         start
     }
 
-    fn period(&self, form: &Form<'_>, y: &DVector<f64>) -> Result<f64, Error> {
+    fn period(&self, form: &GeneralForm<'_>, y: &DVector<f64>) -> Result<f64, Error> {
         let kind = match self.kind {
             Period::Free(_) => Period::Free(y[self.order]),
             driven @ Period::Driven(_) => driven,
@@ -167,13 +167,13 @@ impl Curve<'_> {
     }
 
     /// A system of the family, watched.
-    fn form<'m>(&'m self, member: &'m dyn Member, parameter: f64) -> Form<'m> {
+    fn form<'m>(&'m self, member: &'m dyn FamilyMember, parameter: f64) -> GeneralForm<'m> {
         self.watched.at(parameter);
         member.form().within(MOST_STEPS_OF_A_MOTION, self.watched)
     }
 
     /// Counts the steps of a motion.
-    fn count(&self, form: &Form<'_>) {
+    fn count(&self, form: &GeneralForm<'_>) {
         self.steps.set(self.steps.get() + form.taken());
         self.watched.add(form.taken());
     }
@@ -437,7 +437,7 @@ impl Curve<'_> {
 }
 
 /// A turning point of a coordinate of an autonomous motion.
-pub(super) struct Turn {
+pub(super) struct TurningPoint {
     /// Its acceleration in units of its largest velocity.
     pub(super) sharpness: f64,
     pub(super) coordinate: usize,
@@ -448,9 +448,9 @@ pub(super) struct Turn {
 }
 
 /// The sharpest turning point of an autonomous motion.
-pub(super) fn sharpest(map: &PeriodMap) -> Option<Turn> {
+pub(super) fn sharpest(map: &PeriodMap) -> Option<TurningPoint> {
     let n = map.start.displacements.len();
-    let mut sharpest: Option<Turn> = None;
+    let mut sharpest: Option<TurningPoint> = None;
     let speeds = map.sizes();
     for step in &map.steps {
         for coordinate in 0..n {
@@ -464,7 +464,7 @@ pub(super) fn sharpest(map: &PeriodMap) -> Option<Turn> {
                 if sharpness > most {
                     let mut state = step.state_at(t);
                     state.velocities[coordinate] = 0.0;
-                    sharpest = Some(Turn {
+                    sharpest = Some(TurningPoint {
                         sharpness,
                         coordinate,
                         time: step.start_time() + t,

@@ -6,7 +6,7 @@ use std::ops::Range;
 use nalgebra::DVector;
 
 use super::branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
-use super::curve::{Curve, Member, Plane, Solved, sharpest};
+use super::curve::{Curve, FamilyMember, Plane, Solved, sharpest};
 use super::found::Orbit;
 use super::oscillator::Oscillator;
 use super::period::Period;
@@ -123,7 +123,7 @@ impl Search<'_> {
         range: Range<f64>,
         using: impl FnOnce(Curve<'_>) -> Result<T, Error>,
     ) -> Result<T, Error> {
-        let members = |parameter: f64| -> Result<Box<dyn Member + '_>, Error> {
+        let members = |parameter: f64| -> Result<Box<dyn FamilyMember + '_>, Error> {
             Ok(Box::new(family(parameter)?))
         };
         let watched = self.watch("parameter");
@@ -238,7 +238,7 @@ pub(super) fn anchor(
 
 type Changes = Vec<(usize, BifurcationKind, Solved)>;
 
-type Parts = (Vec<Solved>, Changes, [BranchEnd; 2]);
+type BothDirections = (Vec<Solved>, Changes, [BranchEnd; 2]);
 
 /// Continuation in both directions from a start.
 fn walks(
@@ -246,7 +246,7 @@ fn walks(
     start: &State,
     period: f64,
     parameter: f64,
-) -> Result<Parts, Error> {
+) -> Result<BothDirections, Error> {
     let first = first(curve, start, period, parameter)?;
     let first_scale = natural_scale(curve, &first);
     let turning = curve.turning;

@@ -12,7 +12,7 @@ use crate::structure::engine::model::Model;
 /// A system without the type of its laws, on which all searches work, so that they are compiled
 /// once.
 #[derive(Debug)]
-pub struct Form<'s> {
+pub struct GeneralForm<'s> {
     pub(super) model: Model<'s>,
     /// Steps taken so far, and their limit.
     taken: Cell<usize>,
@@ -37,7 +37,7 @@ pub(super) enum Rhythm {
     Aperiodic,
 }
 
-impl<'s> Form<'s> {
+impl<'s> GeneralForm<'s> {
     pub(super) fn new(model: Model<'s>) -> Self {
         Self {
             model,

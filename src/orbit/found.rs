@@ -2,7 +2,7 @@ use std::fmt;
 
 use nalgebra::Complex;
 
-use super::form::Form;
+use super::form::GeneralForm;
 use super::map;
 use super::measures::Measures;
 use super::oscillator::Oscillator;
@@ -47,7 +47,7 @@ pub struct Orbit<S: System> {
 impl<S: Oscillator> Orbit<S> {
     pub(super) fn new(
         system: &S,
-        form: &Form<'_>,
+        form: &GeneralForm<'_>,
         found: Trial,
         kind: Period,
     ) -> Result<Self, Error> {
@@ -87,7 +87,7 @@ struct Properties {
 }
 
 impl Properties {
-    fn of(form: &Form<'_>, found: &Trial, kind: Period) -> Result<Self, Error> {
+    fn of(form: &GeneralForm<'_>, found: &Trial, kind: Period) -> Result<Self, Error> {
         let (map, period) = (&found.map, found.period);
         let apart = map::begun_apart(form, map, period)?;
         let begun = apart.as_ref().unwrap_or(map);

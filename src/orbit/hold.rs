@@ -7,7 +7,7 @@
 //! arrival, the root of s, the motion goes like √|g|. Held motions are the real ones at g = 0, and
 //! for the touch also at g > 0.
 
-use super::form::Form;
+use super::form::GeneralForm;
 use crate::clock::Clock;
 use crate::error::Error;
 use crate::friction::memory::Slip;
@@ -54,14 +54,19 @@ impl Hold {
     }
 
     /// The sliding speed along a step, if the contact slips there in its direction.
-    pub(super) fn speeds(&self, form: &Form<'_>, step: &Step) -> Option<PowerSeries> {
+    pub(super) fn speeds(&self, form: &GeneralForm<'_>, step: &Step) -> Option<PowerSeries> {
         let slips = step.modes().get(self.contact) == Some(&Mode::Slip(self.side));
         slips.then(|| speeds(form, step, self.contact, self.side))
     }
 }
 
 /// The sliding speed of a contact along a step, in a direction.
-pub(super) fn speeds(form: &Form<'_>, step: &Step, contact: usize, side: Direction) -> PowerSeries {
+pub(super) fn speeds(
+    form: &GeneralForm<'_>,
+    step: &Step,
+    contact: usize,
+    side: Direction,
+) -> PowerSeries {
     let contact = &form.model.contacts[contact];
     let (velocities, surface) = (step.series(), contact.belt_velocity.series(step.clock()));
     let speed = |k: usize| contact.along(|j| velocities[j][k]) - surface[k];
@@ -113,7 +118,7 @@ fn reach_of(step: &Step, n: usize) -> f64 {
 /// The steps of a motion with contacts held.
 #[derive(Debug)]
 pub(super) struct HeldFlow<'s> {
-    form: &'s Form<'s>,
+    form: &'s GeneralForm<'s>,
     settings: Integrator,
     flow: Flow<'s>,
     start_time: f64,
@@ -129,7 +134,7 @@ const MOST_RENEWED: usize = 16;
 
 impl<'s> HeldFlow<'s> {
     pub(super) fn new(
-        form: &'s Form<'s>,
+        form: &'s GeneralForm<'s>,
         settings: Integrator,
         start_time: f64,
         start: &State,

@@ -9,7 +9,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use super::branch::BranchPoint;
 use super::curve::{Curve, Plane};
-use super::form::Form;
+use super::form::GeneralForm;
 use super::found::Orbit;
 use super::map::{state, vector};
 use super::oscillator::Oscillator;
@@ -43,7 +43,7 @@ const AMPLITUDES: [f64; 4] = [0.3, 0.1, 0.03, 0.01];
 const DISPLACED: f64 = 0.1;
 
 /// The eigenvalues of steady sliding, by falling real part.
-fn spectrum(form: &Form<'_>) -> Result<Vec<Complex<f64>>, Error> {
+fn spectrum(form: &GeneralForm<'_>) -> Result<Vec<Complex<f64>>, Error> {
     let mut matrix = SlidingField::of(form.model())?.jacobian();
     if !matrix.iter().all(|entry| entry.is_finite()) {
         return Err(Error::NoHopfPoint);
@@ -336,7 +336,7 @@ struct Born {
 }
 
 impl Born {
-    fn of(form: &Form<'_>, frequency: f64) -> Result<Self, Error> {
+    fn of(form: &GeneralForm<'_>, frequency: f64) -> Result<Self, Error> {
         let field = SlidingField::of(form.model())?;
         let mut matrix = field.jacobian();
         let units = balance_parlett_reinsch(&mut matrix);
@@ -389,7 +389,7 @@ impl Born {
     /// A small motion, and its parameter.
     fn motion(
         &self,
-        form: &Form<'_>,
+        form: &GeneralForm<'_>,
         mut curve: Curve<'_>,
         parameter: f64,
     ) -> Result<(f64, Trial), Error> {

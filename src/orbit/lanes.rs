@@ -1,7 +1,7 @@
 //! The power series of several perturbations, side by side: each sum of the variational equations
 //! is made for all of them at once, in vector registers.
 
-use super::form::Form;
+use super::form::GeneralForm;
 use super::linear::{Coefficient, Linear};
 use crate::motion::step_control::root_of_ratio;
 use crate::scalar::{self, fused};
@@ -39,7 +39,7 @@ pub(super) struct Equations<'e> {
 }
 
 impl<'e> Equations<'e> {
-    pub(super) fn new(form: &'e Form<'e>, linear: &'e Linear) -> Self {
+    pub(super) fn new(form: &'e GeneralForm<'e>, linear: &'e Linear) -> Self {
         Self {
             model: &form.model,
             linear,
@@ -93,7 +93,7 @@ impl<'e> Equations<'e> {
                 }
                 v[i][k + 1] = sum;
             }
-            for (c, joint) in linear.joints.iter().enumerate() {
+            for (c, joint) in linear.contacts.iter().enumerate() {
                 let contact = &model.contacts[c];
                 let z = &mut memories[model.memory(c)];
                 let (slip, load) = (&mut slips[c], &mut loads[c]);
@@ -128,7 +128,7 @@ impl<'e> Equations<'e> {
                 }
             }
             for (i, owner) in model.owner.iter().enumerate() {
-                if owner.is_some_and(|c| linear.joints[c].is_stuck) {
+                if owner.is_some_and(|c| linear.contacts[c].is_stuck) {
                     v[i][k + 1] = [0.0; W];
                 }
             }

@@ -17,7 +17,7 @@ use crate::structure::engine::model::{ContactData, Model};
 #[derive(Debug, Clone)]
 pub(super) struct Linear {
     /// The derivatives, by the number of the contact.
-    pub(super) joints: Vec<Joint>,
+    pub(super) contacts: Vec<ContactDerivatives>,
     pub(super) holding: Holding,
 }
 
@@ -83,7 +83,7 @@ impl From<PowerSeries> for Coefficient {
 
 /// The derivatives at one contact.
 #[derive(Debug, Clone)]
-pub(super) struct Joint {
+pub(super) struct ContactDerivatives {
     pub(super) is_stuck: bool,
     /// Whether its normal spring acts.
     pub(super) is_closed: bool,
@@ -99,7 +99,7 @@ pub(super) struct Joint {
     pub(super) depends: Vec<bool>,
 }
 
-impl Joint {
+impl ContactDerivatives {
     /// Returns true if perturbations change the friction force.
     pub(super) fn acts(&self) -> bool {
         !self.friction.is_empty() || self.by_load.is_some()
@@ -123,10 +123,10 @@ impl Linear {
     /// The coefficients along a step of positive length.
     pub(super) fn of(model: &Model<'_>, step: &Step, tape: &mut Tape) -> Self {
         let contacts = model.contacts.iter().enumerate();
-        let joints = contacts.map(|(number, contact)| {
+        let contacts = contacts.map(|(number, contact)| {
             let variables = model.memory(number);
             let variables = model.len() + variables.start..model.len() + variables.end;
-            let along = Along {
+            let along = ContactAlong {
                 contact,
                 step,
                 memories: step.series().get(variables).unwrap_or(&[]),
@@ -135,7 +135,7 @@ impl Linear {
             along.joint(step.modes()[number])
         });
         Self {
-            joints: joints.collect(),
+            contacts: contacts.collect(),
             holding: Holding::of(model, step.modes()),
         }
     }
@@ -143,8 +143,8 @@ impl Linear {
     /// The same coefficients, as series about a later time.
     pub(super) fn shifted(&self, time: f64) -> Self {
         Self {
-            joints: self
-                .joints
+            contacts: self
+                .contacts
                 .iter()
                 .map(|joint| joint.shifted(time))
                 .collect(),
@@ -154,17 +154,17 @@ impl Linear {
 }
 
 /// A contact along a step.
-struct Along<'a> {
+struct ContactAlong<'a> {
     contact: &'a ContactData<'a>,
     step: &'a Step,
     memories: &'a [PowerSeries],
     tape: &'a mut Tape,
 }
 
-impl Along<'_> {
-    fn joint(mut self, mode: Mode) -> Joint {
+impl ContactAlong<'_> {
+    fn joint(mut self, mode: Mode) -> ContactDerivatives {
         let count = self.contact.memory();
-        let mut joint = Joint {
+        let mut joint = ContactDerivatives {
             is_stuck: mode == Mode::Stick,
             is_closed: mode != Mode::Open,
             takes_slip: false,
@@ -186,7 +186,7 @@ impl Along<'_> {
 
     /// δT' = k_t δr and the force δT; in slip the force σμ n·δq, with which δT goes: see
     /// `TangentFlow::limit_elastic`.
-    fn elastic(&self, joint: &mut Joint, mode: Mode) {
+    fn elastic(&self, joint: &mut ContactDerivatives, mode: Mode) {
         let constant = |value: f64| {
             let series = PowerSeries::from_fn(|k| if k == 0 { value } else { 0.0 });
             Coefficient::from(series)
@@ -209,7 +209,7 @@ impl Along<'_> {
     /// The derivative by one input; the derivatives of the rates are stored.
     fn derivative(
         &mut self,
-        joint: &mut Joint,
+        joint: &mut ContactDerivatives,
         motion: Motion<&PowerSeries>,
         by: Option<usize>,
     ) -> Derivative {
@@ -226,7 +226,7 @@ impl Along<'_> {
         derivative
     }
 
-    fn stick(&mut self, joint: &mut Joint) {
+    fn stick(&mut self, joint: &mut ContactDerivatives) {
         for row in &mut joint.rates {
             row.push(PowerSeries::ZERO.into());
         }
@@ -235,7 +235,7 @@ impl Along<'_> {
         }
     }
 
-    fn slip(&mut self, joint: &mut Joint, direction: f64) {
+    fn slip(&mut self, joint: &mut ContactDerivatives, direction: f64) {
         let (step, contact) = (self.step, self.contact);
         let velocities = step.series();
         if velocities.is_empty() {

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::form::Form;
+use super::form::GeneralForm;
 use super::oscillator::Oscillator;
 use super::search::Search;
 use super::tangent::{TangentFlow, flow_of};
@@ -129,7 +129,7 @@ impl Search<'_> {
 }
 
 fn exponent(
-    form: &Form<'_>,
+    form: &GeneralForm<'_>,
     start: &State,
     transient: f64,
     duration: f64,
@@ -160,7 +160,7 @@ fn exponent(
 
 /// The growth of a perturbation in parts of the duration after a transient.
 fn growths(
-    form: &Form<'_>,
+    form: &GeneralForm<'_>,
     start: &State,
     transient: f64,
     duration: f64,

@@ -2,7 +2,7 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::form::Form;
+use super::form::GeneralForm;
 use super::hold::{HeldFlow, Hold, Touch};
 use super::multipliers::multipliers;
 use super::tangent::{TangentFlow, flow_of};
@@ -325,7 +325,7 @@ pub(super) fn state(vector: &DVector<f64>, n: usize) -> State {
     State::new(&numbers[..n], &numbers[n..2 * n]).with_memory(&numbers[2 * n..])
 }
 
-impl Form<'_> {
+impl GeneralForm<'_> {
     /// The motion from a state at time 0 over a duration, with its derivative with respect to that
     /// state.
     pub fn period_map(&self, start: &State, duration: f64) -> Result<PeriodMap, Error> {
@@ -335,7 +335,7 @@ impl Form<'_> {
 
 /// The period map over a duration from a state at a time.
 pub(super) fn period_map(
-    form: &Form<'_>,
+    form: &GeneralForm<'_>,
     time: f64,
     start: &State,
     duration: f64,
@@ -345,7 +345,7 @@ pub(super) fn period_map(
 
 /// The same with contacts held past touches.
 pub(super) fn held_period_map(
-    form: &Form<'_>,
+    form: &GeneralForm<'_>,
     (time, start): (f64, &State),
     duration: f64,
     holds: &[Hold],
@@ -419,7 +419,7 @@ pub(super) fn held_period_map(
 /// The period map of the same closed motion with another start, if its start lies so near to an
 /// event that rounding decides on which side of it the end lies; otherwise `None`.
 pub(super) fn begun_apart(
-    form: &Form<'_>,
+    form: &GeneralForm<'_>,
     map: &PeriodMap,
     period: f64,
 ) -> Result<Option<PeriodMap>, Error> {
@@ -453,7 +453,7 @@ pub(super) fn longest_pause(map: &PeriodMap, from: f64, to: f64) -> f64 {
 
 /// The state after a duration, and the modes of the contacts afterwards.
 pub(super) fn reach(
-    form: &Form<'_>,
+    form: &GeneralForm<'_>,
     start: &State,
     duration: f64,
 ) -> Result<(State, Vec<Mode>), Error> {
@@ -484,7 +484,7 @@ pub(super) type Course = (Vec<Step>, Vec<Touch>);
 
 /// The motion over a duration from a state at a time, with contacts held.
 pub(super) fn held_course(
-    form: &Form<'_>,
+    form: &GeneralForm<'_>,
     (time, start): (f64, &State),
     duration: f64,
     holds: &[Hold],
@@ -509,7 +509,11 @@ pub(super) fn held_course(
 type Passage = (State, Vec<(usize, EventKind)>);
 
 /// The state after a duration, and the events on the way.
-pub(super) fn passage(form: &Form<'_>, start: &State, duration: f64) -> Result<Passage, Error> {
+pub(super) fn passage(
+    form: &GeneralForm<'_>,
+    start: &State,
+    duration: f64,
+) -> Result<Passage, Error> {
     let mut events = Vec::new();
     let settings = Integrator::new().with_max_steps(form.most_of_a_period())?;
     for step in Flow::new(settings, form.model.clone(), start)? {
@@ -546,7 +550,7 @@ fn modes_after(
 }
 
 /// The directions of sticking contacts that share coordinates, as rows for states.
-fn held_by(form: &Form<'_>, modes: &[Mode]) -> Vec<DVector<f64>> {
+fn held_by(form: &GeneralForm<'_>, modes: &[Mode]) -> Vec<DVector<f64>> {
     let model = &form.model;
     let sticking = model.shared.iter().filter(|&&c| modes[c] == Mode::Stick);
     let rows = sticking.map(|&c| {
@@ -560,7 +564,7 @@ fn held_by(form: &Form<'_>, modes: &[Mode]) -> Vec<DVector<f64>> {
 }
 
 /// The number of elastic contacts that forget what they carry: all that do not stick.
-fn forgetting(form: &Form<'_>, modes: &[Mode]) -> usize {
+fn forgetting(form: &GeneralForm<'_>, modes: &[Mode]) -> usize {
     let elastic = (0..form.contacts()).filter(|&c| !form.holds(c));
     elastic.filter(|&c| modes[c] != Mode::Stick).count()
 }

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use nalgebra::Complex;
 
-use super::form::Form;
+use super::form::GeneralForm;
 use super::found::Orbit;
 use super::oscillator::Oscillator;
 use crate::clock::Clock;
@@ -39,7 +39,12 @@ struct Contact {
 
 impl Measures {
     /// Those of a motion of these steps over a period.
-    pub(super) fn of(form: &Form<'_>, steps: &[Step], period: f64, energy: EnergyBudget) -> Self {
+    pub(super) fn of(
+        form: &GeneralForm<'_>,
+        steps: &[Step],
+        period: f64,
+        energy: EnergyBudget,
+    ) -> Self {
         let coordinates = (0..form.len()).map(|i| Coordinate::of(steps, i, period));
         Self {
             coordinates: coordinates.collect(),
@@ -86,7 +91,7 @@ impl Coordinate {
 }
 
 impl Contact {
-    fn of(form: &Form<'_>, steps: &[Step], number: usize) -> Self {
+    fn of(form: &GeneralForm<'_>, steps: &[Step], number: usize) -> Self {
         let contact = &form.model.contacts[number];
         let mut clock = Clock::default();
         let mut max_sliding_speed = 0.0_f64;

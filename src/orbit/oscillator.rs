@@ -1,6 +1,6 @@
 //! The systems whose periodic motions can be found.
 
-use super::form::Form;
+use super::form::GeneralForm;
 use super::map::PeriodMap;
 use crate::belt::MassOnBelt;
 use crate::error::Error;
@@ -25,7 +25,7 @@ pub trait Oscillator: System {
     fn own(state: &State) -> Self::State;
     /// The system without the type of its laws.
     #[doc(hidden)]
-    fn form(&self) -> Form<'_>;
+    fn form(&self) -> GeneralForm<'_>;
     /// The motion over one period in the system's own form.
     #[doc(hidden)]
     fn trajectory(&self, map: PeriodMap, period: f64) -> Result<Trajectory<Self::State>, Error>;
@@ -43,8 +43,8 @@ impl Oscillator for Structure {
         state.clone()
     }
 
-    fn form(&self) -> Form<'_> {
-        Form::new(self.model())
+    fn form(&self) -> GeneralForm<'_> {
+        GeneralForm::new(self.model())
     }
 
     fn trajectory(&self, map: PeriodMap, period: f64) -> Result<Trajectory<State>, Error> {
@@ -70,8 +70,8 @@ impl<L: FrictionLaw> Oscillator for MassOnBelt<L> {
         }
     }
 
-    fn form(&self) -> Form<'_> {
-        Form::new(Model::of_belt(self))
+    fn form(&self) -> GeneralForm<'_> {
+        GeneralForm::new(Model::of_belt(self))
     }
 
     fn trajectory(&self, map: PeriodMap, period: f64) -> Result<Trajectory, Error> {

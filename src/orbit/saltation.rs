@@ -405,7 +405,7 @@ impl TangentFlow<'_> {
                 rate + self.by_springs(step, i)
             })
             .collect();
-        for (c, joint) in linear.joints.iter().enumerate() {
+        for (c, joint) in linear.contacts.iter().enumerate() {
             let contact = &model.contacts[c];
             if joint.friction.is_empty() || contact.is_elastic() {
                 continue;

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, SVD};
 
-use super::form::{Form, Rhythm};
+use super::form::{GeneralForm, Rhythm};
 use super::found::Orbit;
 use super::map::{self, CLOSED, state, vector};
 use super::oscillator::Oscillator;
@@ -16,7 +16,7 @@ use crate::state::structure::State;
 /// The problem of shooting: x(T) = x(0).
 #[derive(Debug)]
 struct Problem<'s> {
-    form: &'s Form<'s>,
+    form: &'s GeneralForm<'s>,
     /// The phase condition of an autonomous motion: a point of the plane, and its normal.
     section: Option<[DVector<f64>; 2]>,
     /// The given period or estimate.
@@ -38,7 +38,11 @@ pub(super) const SINGULAR: f64 = 1e-11;
 
 impl<'s> Problem<'s> {
     /// The problem for a guess, with the first trial.
-    fn new(form: &'s Form<'s>, guess: &State, period: Period) -> Result<(Self, Trial), Error> {
+    fn new(
+        form: &'s GeneralForm<'s>,
+        guess: &State,
+        period: Period,
+    ) -> Result<(Self, Trial), Error> {
         let duration = period.duration(form.rhythm())?;
         let mut problem = Self {
             form,
@@ -278,7 +282,7 @@ impl Search<'_> {
         &self,
         system: &S,
         period: Period,
-        search: impl FnOnce(&Form<'_>) -> Result<Trial, Error>,
+        search: impl FnOnce(&GeneralForm<'_>) -> Result<Trial, Error>,
     ) -> Result<Orbit<S>, Error> {
         let watched = self.watch("time");
         let form = system.form().within(self.steps(), &watched);
@@ -289,7 +293,11 @@ impl Search<'_> {
 }
 
 /// A closed motion near a guess; if the guess lies at an event, the search starts between events.
-pub(super) fn search(form: &Form<'_>, guess: &State, period: Period) -> Result<Trial, Error> {
+pub(super) fn search(
+    form: &GeneralForm<'_>,
+    guess: &State,
+    period: Period,
+) -> Result<Trial, Error> {
     let mut guess = guess.clone();
     // A guess may carry more than an elastic contact can.
     form.put_in_modes(&mut guess, 0.0, |_| None);
@@ -310,7 +318,7 @@ pub(super) fn search(form: &Form<'_>, guess: &State, period: Period) -> Result<T
 }
 
 /// A closed motion near a guess.
-fn find(form: &Form<'_>, guess: &State, period: Period) -> Result<Trial, Error> {
+fn find(form: &GeneralForm<'_>, guess: &State, period: Period) -> Result<Trial, Error> {
     let (problem, first) = Problem::new(form, guess, period)?;
     problem.solve(first)
 }
@@ -363,7 +371,7 @@ pub fn settle<S: Oscillator>(
 /// The state after a transient. Contacts that stick there get the velocity of their belts at time
 /// 0.
 fn transient_end(
-    form: &Form<'_>,
+    form: &GeneralForm<'_>,
     start: &State,
     transient: f64,
     period: Period,

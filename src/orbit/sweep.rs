@@ -23,8 +23,8 @@ pub struct Sweep<S: System> {
 pub struct SweepPoint<S: System> {
     /// The parameter, in its own units.
     pub parameter: f64,
-    /// The attractor that the motion reaches, or the error. After an error the sweep continues from
-    /// the last state before it.
+    /// The attractor that the motion reaches, or the error. After an error the sweep continues
+    /// from the last state before it.
     pub attractor: Result<Attractor<S>, Error>,
 }
 

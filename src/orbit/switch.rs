@@ -4,7 +4,7 @@
 use nalgebra::DVector;
 
 use super::branch::{Bifurcation, BifurcationKind, BranchPoint, Criticality};
-use super::changes::View;
+use super::changes::CurveView;
 use super::curve::{Curve, Plane, Solved};
 use super::follow::anchor;
 use super::found::Orbit;
@@ -207,7 +207,7 @@ fn other_branch(
 /// The tangent of the old branch at a point, in units of the scales: at the bifurcation itself its
 /// equations are singular.
 fn tangent(curve: &Curve<'_>, here: &Solved, scale: &DVector<f64>) -> Option<DVector<f64>> {
-    let view = View {
+    let view = CurveView {
         curve,
         base: here,
         scale,

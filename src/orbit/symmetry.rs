@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::changes::{Place, View};
+use super::changes::{CurvePoint, CurveView};
 use super::curve::solution;
 use super::map::{CLOSED, PeriodMap, state, vector};
 use crate::numerics::bracket::Bracket;
@@ -98,12 +98,12 @@ impl HalfMap {
     }
 }
 
-impl View<'_, '_> {
+impl CurveView<'_, '_> {
     /// The pitchfork between two symmetric motions whose multipliers pass 1, if there is one.
     ///
     /// The equations of `follow` are singular there, those of the half-period map are not: a
     /// symmetric motion is a fixed point of it, and det(G' + 1) changes its sign at a pitchfork.
-    pub(super) fn pitchfork(&self, from: &Place, to: &Place) -> Option<Place> {
+    pub(super) fn pitchfork(&self, from: &CurvePoint, to: &CurvePoint) -> Option<CurvePoint> {
         let ends = [from, to].map(|place| {
             let (map, period) = (&place.solved.trial.map, place.solved.trial.period);
             let state_at = |time: f64| map.vector_at(time);
@@ -141,7 +141,7 @@ impl View<'_, '_> {
             .guess(&start, best.period, curve.parameter(&best.y))
             .ok()?;
         let moved = self.scaled(&solved) - self.scaled(self.base);
-        Some(Place {
+        Some(CurvePoint {
             distance: self.base.tangent.dot(&moved),
             solved,
         })
@@ -152,7 +152,7 @@ impl View<'_, '_> {
         &self,
         half_map: &HalfMap,
         guess: &DVector<f64>,
-        near: &Place,
+        near: &CurvePoint,
     ) -> Option<Symmetric> {
         let (curve, mut y) = (self.curve, guess.clone());
         let (order, modes) = (curve.order, near.solved.trial.map.end_modes());

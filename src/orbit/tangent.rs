@@ -16,7 +16,7 @@ use std::borrow::Cow;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::form::Form;
+use super::form::GeneralForm;
 use super::hold::{HeldFlow, Hold, Touch};
 use super::lanes::{Equations, LONG};
 use super::linear::Linear;
@@ -34,7 +34,7 @@ const MANY: usize = 8;
 /// A trajectory with perturbations of it.
 #[derive(Debug)]
 pub(super) struct TangentFlow<'s> {
-    pub(super) form: &'s Form<'s>,
+    pub(super) form: &'s GeneralForm<'s>,
     flow: HeldFlow<'s>,
     /// The perturbations, one in each column.
     pub(super) tangents: DMatrix<f64>,
@@ -55,7 +55,7 @@ impl<'s> TangentFlow<'s> {
     /// Perturbations of a start at a time, to be carried along the trajectory from there, with
     /// contacts held.
     pub(super) fn new(
-        form: &'s Form<'s>,
+        form: &'s GeneralForm<'s>,
         settings: Integrator,
         (time, start): (f64, &State),
         holds: &[Hold],
@@ -116,7 +116,7 @@ impl<'s> TangentFlow<'s> {
                 self.has_begun = true;
             }
             let linear = &*linear.insert(Linear::of(&self.form.model, step, &mut self.tape));
-            let of_memory = linear.joints.iter().flat_map(|joint| &joint.depends);
+            let of_memory = linear.contacts.iter().flat_map(|joint| &joint.depends);
             for (ever, now) in self.depends.iter_mut().zip(of_memory) {
                 *ever |= now;
             }
@@ -171,7 +171,7 @@ pub(super) fn flow_of(step: &Step, n: usize) -> DVector<f64> {
 /// over less than h, as on a steady motion of any length, the step is taken in parts, each counted
 /// as a step.
 fn advance<const W: usize>(
-    form: &Form<'_>,
+    form: &GeneralForm<'_>,
     step: &Step,
     linear: &Linear,
     columns: &mut [&mut [f64]],

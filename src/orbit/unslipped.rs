@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use super::form::Form;
+use super::form::GeneralForm;
 use crate::motion::{Mode, Segment};
 use crate::state::structure::State;
 use crate::structure::Step;
@@ -22,7 +22,7 @@ pub(super) struct Unslipped {
 /// those that hold their coordinates, each gives one displacement, that with the largest share;
 /// elastic ones come last, because they give none.
 pub(super) fn unslipped(
-    form: &Form<'_>,
+    form: &GeneralForm<'_>,
     steps: &[Step],
     [start, end]: [&State; 2],
 ) -> Vec<Unslipped> {

@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use super::branch::{BifurcationKind, BranchEnd};
-use super::changes::{Found, Place, Signs, View};
+use super::changes::{CurvePoint, CurveView, FoundBifurcation, Signs};
 use super::curve::{Curve, Plane, Solved, sharpest};
 use super::jump::LARGE;
 use super::locus::end::tangential_end;
@@ -19,7 +19,7 @@ pub(super) struct Walk<'v, 'f> {
     pub(super) first_scale: DVector<f64>,
     pub(super) points: Vec<Solved>,
     /// Bifurcations, each with the number of points before it, but for the first.
-    pub(super) found: Vec<(usize, Found)>,
+    pub(super) found: Vec<(usize, FoundBifurcation)>,
 }
 
 /// The longest step, in units of the range and of the sizes of the motion.
@@ -59,11 +59,11 @@ const AT_REST: f64 = 1e-6;
 
 /// The outcome of a step.
 enum Outcome {
-    Next(Place, Vec<Found>),
-    Last(Place, Vec<Found>),
-    Jump(Place, Vec<Found>, BranchEnd),
+    Next(CurvePoint, Vec<FoundBifurcation>),
+    Last(CurvePoint, Vec<FoundBifurcation>),
+    Jump(CurvePoint, Vec<FoundBifurcation>, BranchEnd),
     End(BranchEnd),
-    Grazing(f64, Box<Found>),
+    Grazing(f64, Box<FoundBifurcation>),
 }
 
 impl Walk<'_, '_> {
@@ -134,7 +134,7 @@ impl Walk<'_, '_> {
         self.curve.end_at_limit(&base)
     }
 
-    fn add(&mut self, found: Vec<Found>) {
+    fn add(&mut self, found: Vec<FoundBifurcation>) {
         let before = self.points.len();
         self.found
             .extend(found.into_iter().map(|found| (before, found)));
@@ -151,11 +151,11 @@ impl Walk<'_, '_> {
         let mut length = longest;
         // What the map magnifies cannot be told apart as closely.
         let shortest = SHORTEST * base.trial.map.monodromy.norm().max(1.0);
-        let here = Place {
+        let here = CurvePoint {
             distance: 0.0,
             solved: base.clone(),
         };
-        let view = View {
+        let view = CurveView {
             curve: self.curve,
             base,
             scale,
@@ -189,8 +189,8 @@ impl Walk<'_, '_> {
     /// The outcome if no step, however short, succeeds: a corner, or the end and its reason.
     fn behind(
         &self,
-        view: &View<'_, '_>,
-        here: &Place,
+        view: &CurveView<'_, '_>,
+        here: &CurvePoint,
         shortest: f64,
         signs: &mut Signs,
         error: Error,
@@ -222,8 +222,8 @@ impl Walk<'_, '_> {
 
     fn tried(
         &self,
-        view: &View<'_, '_>,
-        here: &Place,
+        view: &CurveView<'_, '_>,
+        here: &CurvePoint,
         length: f64,
         signs: &mut Signs,
     ) -> Result<Outcome, Error> {
@@ -279,11 +279,16 @@ impl Walk<'_, '_> {
     ///
     /// The parameter is an even analytic function of the acceleration at the start: its value at 0
     /// is that of the polynomial through four smaller motions.
-    fn hopf(&self, view: &View<'_, '_>, here: &Place, beyond: &Place) -> Option<Outcome> {
+    fn hopf(
+        &self,
+        view: &CurveView<'_, '_>,
+        here: &CurvePoint,
+        beyond: &CurvePoint,
+    ) -> Option<Outcome> {
         let curve = view.curve;
-        let turn = |place: &Place| curve.turn(&place.solved);
+        let turn = |place: &CurvePoint| curve.turn(&place.solved);
         // Not that of the sizes, which do not fall below rounding of the displacements.
-        let speed = |place: &Place| {
+        let speed = |place: &CurvePoint| {
             let i = curve.turning?;
             let ends = place.solved.trial.map.steps.iter().map(Segment::end_state);
             Some(ends.map(|end| end.velocities[i].abs()).fold(0.0, f64::max))
@@ -324,7 +329,7 @@ impl Walk<'_, '_> {
         solved.trial = trial;
         let last = self.curve.unknowns() - 1;
         solved.y[last] = parameter;
-        let found = Found {
+        let found = FoundBifurcation {
             distance: 0.0,
             kind: BifurcationKind::Grazing,
             solved,

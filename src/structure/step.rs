@@ -20,13 +20,13 @@ pub struct Step {
     /// Series of the velocities, then of the memory variables; none for a step of duration 0.
     series: Vec<PowerSeries>,
     events: Vec<Event<State>>,
-    after: After,
+    after: EventData,
     end_state: State,
 }
 
 /// Data for the tangent flow about the events at the end of a step.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct After {
+pub(crate) struct EventData {
     /// Contacts with a coordinate to themselves, released by a jump of a drive.
     pub(crate) forced: Vec<usize>,
     /// v' just after, if a contact that shares coordinates has an event.
@@ -68,18 +68,18 @@ impl Step {
             state,
             series,
             events,
-            after: After::default(),
+            after: EventData::default(),
             end_state,
         }
     }
 
     /// The same step, with the data about the events at its end.
-    pub(super) fn followed_by(self, after: After) -> Self {
+    pub(super) fn followed_by(self, after: EventData) -> Self {
         Self { after, ..self }
     }
 
     /// The data about the events at its end.
-    pub(crate) fn after(&self) -> &After {
+    pub(crate) fn after(&self) -> &EventData {
         &self.after
     }
 
@@ -95,7 +95,7 @@ impl Step {
             end: self.start.after(duration),
             duration,
             events: Vec::new(),
-            after: After::default(),
+            after: EventData::default(),
             ..self
         }
     }
@@ -203,7 +203,7 @@ impl Segment for Step {
             end: Clock::at(time),
             duration,
             events: Vec::new(),
-            after: After::default(),
+            after: EventData::default(),
             ..self
         }
     }

@@ -58,27 +58,27 @@ const ZERO: f64 = 1e-6;
 const MOST_HALVINGS: usize = 100;
 
 /// The points of a curve near one of them, by planes across the tangent there.
-struct View<'v, E: Equations> {
+struct TraceView<'v, E: Equations> {
     equations: &'v E,
     base: &'v Point<E::Value>,
 }
 
 /// A point, and its distance along the tangent of the last one.
-struct Place<V> {
+struct TracePoint<V> {
     distance: f64,
     point: Point<V>,
 }
 
-impl<V: Clone> Clone for Place<V> {
+impl<V: Clone> Clone for TracePoint<V> {
     fn clone(&self) -> Self {
         let point = self.point.clone();
         Self { point, ..*self }
     }
 }
 
-impl<E: Equations> View<'_, E> {
-    fn here(&self) -> Place<E::Value> {
-        Place {
+impl<E: Equations> TraceView<'_, E> {
+    fn here(&self) -> TracePoint<E::Value> {
+        TracePoint {
             distance: 0.0,
             point: self.base.clone(),
         }
@@ -89,7 +89,7 @@ impl<E: Equations> View<'_, E> {
         distance: f64,
         guess: &DVector<f64>,
         near: &E::Value,
-    ) -> Result<Place<E::Value>, Error> {
+    ) -> Result<TracePoint<E::Value>, Error> {
         let base = self.base;
         let plane = Plane {
             scale: &base.scale,
@@ -98,15 +98,15 @@ impl<E: Equations> View<'_, E> {
             along: &base.tangent,
         };
         let point = solve(self.equations, guess, near, &plane)?;
-        Ok(Place { distance, point })
+        Ok(TracePoint { distance, point })
     }
 
     fn between(
         &self,
-        low: &Place<E::Value>,
-        high: &Place<E::Value>,
+        low: &TracePoint<E::Value>,
+        high: &TracePoint<E::Value>,
         distance: f64,
-    ) -> Result<Place<E::Value>, Error> {
+    ) -> Result<TracePoint<E::Value>, Error> {
         let part = (distance - low.distance) / (high.distance - low.distance);
         let guess = &low.point.y * (1.0 - part) + &high.point.y * part;
         let near = if part < 0.5 { low } else { high };
@@ -120,7 +120,7 @@ impl<E: Equations> View<'_, E> {
         value: f64,
         guess: &DVector<f64>,
         near: &E::Value,
-    ) -> Result<Place<E::Value>, Error> {
+    ) -> Result<TracePoint<E::Value>, Error> {
         let (base, place) = (self.base, self.equations.parameters()[which]);
         let mut normal = DVector::zeros(guess.len());
         normal[place] = 1.0;
@@ -135,7 +135,7 @@ impl<E: Equations> View<'_, E> {
         let mut point = solve(self.equations, &guess, near, &plane)?;
         point.y[place] = value;
         let moved = (&point.y - &base.y).component_div(&base.scale);
-        Ok(Place {
+        Ok(TracePoint {
             distance: base.tangent.dot(&moved),
             point,
         })
@@ -154,7 +154,7 @@ impl<E: Equations> View<'_, E> {
     }
 
     /// The next point at about a distance, and whether it lies on a side of the rectangle.
-    fn next(&self, length: f64) -> Result<(Place<E::Value>, bool), Error> {
+    fn next(&self, length: f64) -> Result<(TracePoint<E::Value>, bool), Error> {
         let base = self.base;
         let guess = &base.y + base.tangent.component_mul(&base.scale) * length;
         let mut place = None;
@@ -195,7 +195,11 @@ impl<E: Equations> View<'_, E> {
 
     /// Encloses a change of the form of the equations; an error unless the curve is connected
     /// there.
-    fn connect(&self, mut low: Place<E::Value>, mut high: Place<E::Value>) -> Result<(), Error> {
+    fn connect(
+        &self,
+        mut low: TracePoint<E::Value>,
+        mut high: TracePoint<E::Value>,
+    ) -> Result<(), Error> {
         let first = low.point.value.clone();
         while high.distance - low.distance > GAP {
             let middle = 0.5 * (low.distance + high.distance);
@@ -217,14 +221,14 @@ impl<E: Equations> View<'_, E> {
     /// The zero of a test between two places; `None` if it changes its sign without one.
     fn sign_change(
         &self,
-        from: &Place<E::Value>,
-        to: &Place<E::Value>,
+        from: &TracePoint<E::Value>,
+        to: &TracePoint<E::Value>,
         test: usize,
         values: [f64; 2],
-    ) -> Result<Option<Place<E::Value>>, Error> {
+    ) -> Result<Option<TracePoint<E::Value>>, Error> {
         let (mut low, mut high) = (from.clone(), to.clone());
         let mut bracket = Bracket::new((from.distance, values[0]), (to.distance, values[1]));
-        let mut best: Option<(f64, Place<E::Value>)> = None;
+        let mut best: Option<(f64, TracePoint<E::Value>)> = None;
         for _ in 0..MOST_HALVINGS {
             let Some(distance) = bracket.next_place() else {
                 break;
@@ -254,7 +258,7 @@ impl<E: Equations> View<'_, E> {
 /// The outcome of a step: the next point, whether it is the last one, and the special points on the
 /// way; or the parameters at which the solution vanishes.
 enum Step<V> {
-    Next(Place<V>, bool, Vec<Special<V>>),
+    Next(TracePoint<V>, bool, Vec<Special<V>>),
     Vanishes([f64; 2]),
 }
 
@@ -273,7 +277,7 @@ pub(crate) fn trace<E: Equations>(equations: &E, first: &Point<E::Value>) -> Hal
         return half;
     }
     while half.points.len() < equations.most_points() && !equations.is_at_limit() {
-        let view = View {
+        let view = TraceView {
             equations,
             base: &base,
         };
@@ -364,12 +368,12 @@ fn moved<E: Equations>(equations: &E, point: &Point<E::Value>) -> Option<Point<E
 }
 
 /// A test and the place of its zero.
-type Special<V> = (usize, Place<V>);
+type Special<V> = (usize, TracePoint<V>);
 
 /// The special points between the last point and the next one, in order.
 fn special_points<E: Equations>(
-    view: &View<'_, E>,
-    to: &Place<E::Value>,
+    view: &TraceView<'_, E>,
+    to: &TracePoint<E::Value>,
     before: &[f64],
 ) -> Result<Vec<Special<E::Value>>, Error> {
     let from = view.here();

@@ -3,13 +3,13 @@
 
 use std::ops::ControlFlow;
 
-use super::super::form::Form;
+use super::super::form::GeneralForm;
 use super::super::hold::{Hold, minimum_behind, speeds};
 use super::super::map::PeriodMap;
 use super::super::trial::Trial;
 use super::events::margin;
 use super::found::LocusKind;
-use super::motions::{Begin, Mark};
+use super::motions::{FrozenStart, Mark};
 use crate::motion::{Event, EventKind, Mode, Segment};
 use crate::state::Direction;
 use crate::state::structure::State;
@@ -26,7 +26,7 @@ pub(super) struct Change {
 
 impl Change {
     /// Returns true if it is not one that a motion holds or watches already.
-    pub(super) fn is_other(&self, begin: &Begin) -> bool {
+    pub(super) fn is_other(&self, begin: &FrozenStart) -> bool {
         let of_holds = self.holds.iter().all(|hold| {
             let mut known = begin.holds.iter();
             !known.any(|known| known.contact == hold.contact && near(known.since, hold.since))
@@ -39,7 +39,12 @@ impl Change {
     }
 
     /// The scalar that is 0 at the change, in a motion with so many holds before its own.
-    pub(super) fn value(&self, form: &Form<'_>, map: &PeriodMap, holds: usize) -> Option<f64> {
+    pub(super) fn value(
+        &self,
+        form: &GeneralForm<'_>,
+        map: &PeriodMap,
+        holds: usize,
+    ) -> Option<f64> {
         let sizes = map.sizes();
         if let LocusKind::Grazing { contact } = self.kind {
             let touch = map
@@ -91,7 +96,7 @@ struct Minimum {
 
 /// The nearest touch of a motion; of those after which a contact sticks if `sticks`.
 pub(super) fn touch(
-    form: &Form<'_>,
+    form: &GeneralForm<'_>,
     map: &PeriodMap,
     period: f64,
     sticks: Option<bool>,
@@ -142,7 +147,7 @@ fn within(since: f64, others: impl Iterator<Item = f64>, period: f64) -> f64 {
 }
 
 /// The minima of all sliding speeds, and those that an arrival cuts off.
-fn minima(form: &Form<'_>, map: &PeriodMap, period: f64) -> Vec<Minimum> {
+fn minima(form: &GeneralForm<'_>, map: &PeriodMap, period: f64) -> Vec<Minimum> {
     let begins = map.steps.first().map_or(0.0, Segment::start_time);
     let sizes = map.sizes();
     let mut minima = Vec::new();
@@ -204,7 +209,7 @@ fn rest_of(map: &PeriodMap, event: &Event<State>, period: f64) -> f64 {
 }
 
 /// The nearest change of an arrival from a crossing into a stop, or of the order of two events.
-pub(super) fn sequence(form: &Form<'_>, map: &PeriodMap, period: f64) -> Option<Change> {
+pub(super) fn sequence(form: &GeneralForm<'_>, map: &PeriodMap, period: f64) -> Option<Change> {
     let begins = map.steps.first().map_or(0.0, Segment::start_time);
     let steps = map.steps.iter();
     let events = steps.flat_map(|step| step.events().iter().map(move |event| (step, event)));
@@ -265,7 +270,7 @@ pub(super) fn sequence(form: &Form<'_>, map: &PeriodMap, period: f64) -> Option<
 /// The arrivals of a motion after which a contact sticks, by its events: time, contact and kind.
 /// They may be missing in the motion from its start.
 pub(super) fn arrivals(
-    form: &Form<'_>,
+    form: &GeneralForm<'_>,
     trial: &Trial,
     events: &[(f64, usize, EventKind)],
 ) -> Vec<Hold> {

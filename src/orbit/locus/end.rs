@@ -4,11 +4,11 @@ use std::cell::Cell;
 
 use nalgebra::DVector;
 
-use super::super::curve::{Curve, Member, Solved};
+use super::super::curve::{Curve, FamilyMember, Solved};
 use super::super::trial::Trial;
 use super::change::touch;
 use super::events::EventCurve;
-use super::motions::{Begin, Motions};
+use super::motions::{FrozenStart, Motions};
 use crate::error::Error;
 use crate::numerics::trace::{self, Equations, Plane};
 
@@ -17,7 +17,7 @@ use crate::numerics::trace::{self, Equations, Plane};
 /// is none.
 pub(in crate::orbit) fn tangential_end(curve: &Curve<'_>, base: &Solved) -> Option<(f64, Trial)> {
     let members =
-        |first: f64, _: f64| -> Result<Box<dyn Member + '_>, Error> { (curve.family)(first) };
+        |first: f64, _: f64| -> Result<Box<dyn FamilyMember + '_>, Error> { (curve.family)(first) };
     let bounds = (curve.most, curve.watched);
     let size = [curve.n, curve.order];
     let motions = Motions::new(&members, curve.kind, [curve.width(), 1.0], size, bounds);
@@ -28,10 +28,10 @@ pub(in crate::orbit) fn tangential_end(curve: &Curve<'_>, base: &Solved) -> Opti
         Ok(touch(form, map, period, Some(true)))
     });
     let change = found.ok()??;
-    let begin = Begin {
+    let begin = FrozenStart {
         modes: map.first_modes().unwrap_or_default().to_vec(),
         holds: change.holds,
-        ..Begin::at_zero()
+        ..FrozenStart::at_zero()
     };
     let events = EventCurve {
         motions,

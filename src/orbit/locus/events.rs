@@ -14,7 +14,7 @@ use std::ops::Range;
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::super::form::Form;
+use super::super::form::GeneralForm;
 use super::super::hold::{Touch, speeds};
 use super::super::map::{CLOSED, Course, vector};
 use super::super::sequence::Sequence;
@@ -22,7 +22,7 @@ use super::super::trial::Trial;
 use super::CurveOfMotions;
 use super::change::Change;
 use super::found::{LocusKind, SpecialKind};
-use super::motions::{Begin, Mark, Motions};
+use super::motions::{FrozenStart, Mark, Motions};
 use crate::error::Error;
 use crate::friction::memory::Slip;
 use crate::motion::{Event, EventKind, Mode, Segment};
@@ -42,7 +42,7 @@ pub(super) struct EventCurve<'f> {
 /// A motion with its scalar.
 #[derive(Debug, Clone)]
 pub(super) struct Held {
-    pub(super) begin: Begin,
+    pub(super) begin: FrozenStart,
     start: DVector<f64>,
     /// End minus start; 0 for variables on which nothing depends.
     residual: DVector<f64>,
@@ -67,7 +67,7 @@ const PARTS: [f64; 2] = [1e-7, 1e-9];
 
 /// The margin of a crossing over the limit of stick, in units of the friction there: −σR/(N μ_s)
 /// less 1, nearly. It is below 0 for a stop.
-pub(super) fn margin(form: &Form<'_>, step: &Step, event: &Event<State>) -> Option<f64> {
+pub(super) fn margin(form: &GeneralForm<'_>, step: &Step, event: &Event<State>) -> Option<f64> {
     let Some(Mode::Slip(side)) = step.modes().get(event.contact) else {
         return None;
     };
@@ -133,7 +133,7 @@ impl EventCurve<'_> {
     pub(super) fn begin(
         &self,
         y: &DVector<f64>,
-        begin: &Begin,
+        begin: &FrozenStart,
     ) -> Result<(DVector<f64>, Held), Error> {
         let motions = &self.motions;
         let trial = motions.trial(y, begin)?;
@@ -144,7 +144,7 @@ impl EventCurve<'_> {
     }
 
     /// The value of a motion, of which the derivative is known.
-    fn held(&self, y: &DVector<f64>, begin: &Begin, trial: Trial) -> Result<Held, Error> {
+    fn held(&self, y: &DVector<f64>, begin: &FrozenStart, trial: Trial) -> Result<Held, Error> {
         let map = &trial.map;
         let (residual, start) = (map.residual(), vector(&map.start, self.motions.order));
         let events = map.events().map(|(event, _)| (event.contact, event.kind));
@@ -167,9 +167,9 @@ impl EventCurve<'_> {
     /// The scalar of a motion; `None` if the events are not found in it.
     fn seen(
         &self,
-        form: &Form<'_>,
+        form: &GeneralForm<'_>,
         (steps, touches): (&[Step], &[Touch]),
-        begin: &Begin,
+        begin: &FrozenStart,
     ) -> Option<Seen> {
         let marks: Option<Vec<_>> = begin.marks.iter().map(|mark| mark.find(steps)).collect();
         let marks = marks?;
@@ -236,7 +236,7 @@ impl EventCurve<'_> {
     }
 
     /// The events but for those that are held or watched.
-    fn sequence(&self, trial: &Trial, begin: &Begin) -> Sequence {
+    fn sequence(&self, trial: &Trial, begin: &FrozenStart) -> Sequence {
         let begins = trial.map.steps.first().map_or(0.0, Segment::start_time);
         Sequence::except(&trial.map, trial.period, |event| {
             let mut marks = begin.marks.iter();
@@ -250,7 +250,7 @@ impl<'f> CurveOfMotions<'f> for EventCurve<'f> {
         &self.motions
     }
 
-    fn motion(held: &Held) -> (&Trial, &Begin) {
+    fn motion(held: &Held) -> (&Trial, &FrozenStart) {
         (&held.trial, &held.begin)
     }
 
@@ -286,7 +286,7 @@ impl<'f> CurveOfMotions<'f> for EventCurve<'f> {
 }
 
 /// The size of the sliding speed of a contact.
-pub(super) fn speed_size(form: &Form<'_>, contact: usize, begin: &Begin) -> f64 {
+pub(super) fn speed_size(form: &GeneralForm<'_>, contact: usize, begin: &FrozenStart) -> f64 {
     let n = form.len();
     form.model.contacts[contact].size_along(|j| begin.sizes[n + j])
 }

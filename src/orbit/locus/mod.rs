@@ -16,10 +16,10 @@ use nalgebra::DVector;
 use self::change::{Change, arrivals, sequence, touch};
 use self::events::EventCurve;
 use self::found::{Locus, LocusEnd, LocusKind, LocusPoint, SpecialKind, SpecialPoint};
-use self::motions::{Begin, Motions};
+use self::motions::{FrozenStart, Motions};
 use self::smooth::{Smooth, SmoothCurve};
 use super::branch::{Bifurcation, BifurcationKind};
-use super::curve::Member;
+use super::curve::FamilyMember;
 use super::found::Orbit;
 use super::hold::Touch;
 use super::map::vector;
@@ -186,7 +186,7 @@ impl Search<'_> {
             let is_inside = (range.start..=range.end).contains(&value);
             Error::check(of, name, value, is_inside, inside)?;
         }
-        let members = |first: f64, second: f64| -> Result<Box<dyn Member + '_>, Error> {
+        let members = |first: f64, second: f64| -> Result<Box<dyn FamilyMember + '_>, Error> {
             Ok(Box::new(family(first, second)?))
         };
         let place = |error: Error| located(error, [at.parameter, second]);
@@ -218,10 +218,10 @@ impl Search<'_> {
                     ranges,
                     growth: Cell::new(1.0),
                 };
-                let begin = Begin {
+                let begin = FrozenStart {
                     holds: change.holds,
                     marks: change.marks,
-                    ..Begin::at_zero()
+                    ..FrozenStart::at_zero()
                 };
                 let (y, near) = curve.begin(&y, &begin)?;
                 return found(&family, at.orbit.kind(), change.kind, &curve, (&y, &near));
@@ -270,13 +270,13 @@ fn changing(
             })
         })
     };
-    let trial = motions.trial(y, &Begin::at_zero())?;
+    let trial = motions.trial(y, &FrozenStart::at_zero())?;
     if kind == BifurcationKind::Grazing {
         // At the end of a branch the motion is caught where rounding may let it pass.
         for hold in motions.with(parameters, |form| Ok(arrivals(form, &trial, events)))? {
-            let begin = Begin {
+            let begin = FrozenStart {
                 holds: vec![hold],
-                ..Begin::at_zero()
+                ..FrozenStart::at_zero()
             };
             let caught = motions.trial(y, &begin)?;
             let Some(Touch { hold, speed, .. }) = caught.map.touches.first().copied() else {
@@ -352,7 +352,7 @@ trait CurveOfMotions<'f>: Equations {
     fn motions(&self) -> &Motions<'f>;
 
     /// The motion of a value, and where it begins.
-    fn motion(value: &Self::Value) -> (&Trial, &Begin);
+    fn motion(value: &Self::Value) -> (&Trial, &FrozenStart);
 
     /// The kind of special point at a zero of a test.
     fn special(&self, test: usize, point: &Point<Self::Value>) -> Option<SpecialKind>;
@@ -392,7 +392,7 @@ fn first_point<E: Equations>(
     Ok(point)
 }
 
-type Parts<V> = (Vec<Point<V>>, Vec<(SpecialKind, Point<V>)>, [LocusEnd; 2]);
+type BothDirections<V> = (Vec<Point<V>>, Vec<(SpecialKind, Point<V>)>, [LocusEnd; 2]);
 
 /// The point just behind the last one of a curve at which another change of events happens: both
 /// conditions hold, with the contacts held.
@@ -447,7 +447,10 @@ fn meets<'f, E: CurveOfMotions<'f>>(
 const ZERO: f64 = 1e-12;
 
 /// The curve in both directions from a point.
-fn both_ways<'f, E: CurveOfMotions<'f>>(curve: &E, first: &Point<E::Value>) -> Parts<E::Value> {
+fn both_ways<'f, E: CurveOfMotions<'f>>(
+    curve: &E,
+    first: &Point<E::Value>,
+) -> BothDirections<E::Value> {
     let motions = curve.motions();
     let walk = |first: &Point<E::Value>| {
         motions.begin_again();

@@ -8,8 +8,8 @@ use std::cell::Cell;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::super::curve::{Member, sharpest};
-use super::super::form::{Form, MOST_STEPS as MOST_STEPS_OF_A_MOTION};
+use super::super::curve::{FamilyMember, sharpest};
+use super::super::form::{GeneralForm, MOST_STEPS as MOST_STEPS_OF_A_MOTION};
 use super::super::hold::Hold;
 use super::super::map::{self, Course, PeriodMap, held_course, held_period_map, state, vector};
 use super::super::period::Period;
@@ -22,7 +22,7 @@ use crate::error::Error;
 use crate::motion::{EventKind, Mode, Segment};
 use crate::state::structure::State;
 
-pub(super) type Family<'f> = dyn Fn(f64, f64) -> Result<Box<dyn Member + 'f>, Error> + 'f;
+pub(super) type Family<'f> = dyn Fn(f64, f64) -> Result<Box<dyn FamilyMember + 'f>, Error> + 'f;
 
 /// The motions of a family.
 pub(super) struct Motions<'f> {
@@ -41,7 +41,7 @@ pub(super) struct Motions<'f> {
 
 /// Where motions begin: what stays as it is while Newton's method runs.
 #[derive(Debug, Clone)]
-pub(super) struct Begin {
+pub(super) struct FrozenStart {
     /// The start of a forced motion, as a part of its period.
     pub(super) phase: f64,
     /// The modes of the contacts at the start.
@@ -78,7 +78,7 @@ pub(super) struct Section {
 }
 
 /// The derivatives of a motion by start and period, and its residual.
-pub(super) struct Beside {
+pub(super) struct MotionDerivatives {
     pub(super) by_start: DMatrix<f64>,
     pub(super) residual: DVector<f64>,
 }
@@ -94,7 +94,7 @@ const PARTS: [f64; 3] = [6e-6, 1e-7, 1e-9];
 const FAR: f64 = 0.02;
 const NEAR: f64 = 0.005;
 
-impl Begin {
+impl FrozenStart {
     /// The start at time 0, with no contact known to stick.
     pub(super) fn at_zero() -> Self {
         Self {
@@ -199,7 +199,7 @@ impl<'f> Motions<'f> {
     pub(super) fn with<T>(
         &self,
         [first, second]: [f64; 2],
-        take: impl FnOnce(&Form<'_>) -> Result<T, Error>,
+        take: impl FnOnce(&GeneralForm<'_>) -> Result<T, Error>,
     ) -> Result<T, Error> {
         self.with_form([first, second], |form| {
             self.watched.at_pair(first, second);
@@ -215,7 +215,7 @@ impl<'f> Motions<'f> {
     fn with_form<T>(
         &self,
         [first, second]: [f64; 2],
-        take: impl FnOnce(Form<'_>) -> Result<T, Error>,
+        take: impl FnOnce(GeneralForm<'_>) -> Result<T, Error>,
     ) -> Result<T, Error> {
         let find = || {
             for value in [first, second] {
@@ -231,7 +231,7 @@ impl<'f> Motions<'f> {
         })
     }
 
-    fn period(&self, form: &Form<'_>, y: &DVector<f64>) -> Result<f64, Error> {
+    fn period(&self, form: &GeneralForm<'_>, y: &DVector<f64>) -> Result<f64, Error> {
         let kind = match self.kind {
             Period::Free(_) => Period::Free(y[self.order]),
             driven @ Period::Driven(_) => driven,
@@ -240,7 +240,7 @@ impl<'f> Motions<'f> {
     }
 
     /// The motion over one period from the start in y.
-    pub(super) fn trial(&self, y: &DVector<f64>, begin: &Begin) -> Result<Trial, Error> {
+    pub(super) fn trial(&self, y: &DVector<f64>, begin: &FrozenStart) -> Result<Trial, Error> {
         self.tried.set(self.tried.get() + 1);
         self.with(self.parameters(y), |form| {
             let period = self.period(form, y)?;
@@ -256,8 +256,8 @@ impl<'f> Motions<'f> {
     pub(super) fn course<T>(
         &self,
         y: &DVector<f64>,
-        begin: &Begin,
-        take: impl FnOnce(&Form<'_>, State, Course, f64) -> Result<T, Error>,
+        begin: &FrozenStart,
+        take: impl FnOnce(&GeneralForm<'_>, State, Course, f64) -> Result<T, Error>,
     ) -> Result<T, Error> {
         self.tried.set(self.tried.get() + 1);
         self.with(self.parameters(y), |form| {
@@ -286,8 +286,8 @@ impl<'f> Motions<'f> {
         &self,
         y: &DVector<f64>,
         direction: &DVector<f64>,
-        (trial, begin): (&Trial, &Begin),
-    ) -> Option<Beside> {
+        (trial, begin): (&Trial, &FrozenStart),
+    ) -> Option<MotionDerivatives> {
         let own = self.own();
         let growth = trial.map.growth();
         let size = |i: usize| match i.checked_sub(own) {
@@ -297,7 +297,7 @@ impl<'f> Motions<'f> {
         let length = (0..own + 2).map(|i| (direction[i] / size(i)).abs());
         let length = length.fold(0.0, f64::max);
         if length == 0.0 {
-            return Some(Beside {
+            return Some(MotionDerivatives {
                 by_start: DMatrix::zeros(self.order, own),
                 residual: DVector::zeros(self.order),
             });
@@ -305,13 +305,13 @@ impl<'f> Motions<'f> {
         let events = events_of(&trial.map);
         let beside = |step: f64| {
             let beside = self.trial(&(y + direction * step), begin).ok()?;
-            (events_of(&beside.map) == events).then(|| Beside {
+            (events_of(&beside.map) == events).then(|| MotionDerivatives {
                 by_start: self.by_start(&beside.map),
                 residual: beside.map.residual(),
             })
         };
         let here = || {
-            Some(Beside {
+            Some(MotionDerivatives {
                 by_start: self.by_start(&trial.map),
                 residual: trial.map.residual(),
             })
@@ -325,7 +325,7 @@ impl<'f> Motions<'f> {
                 (low, high) => ((-step, low), (step, high)),
             };
             let (below, above, width) = (low.1?, high.1?, high.0 - low.0);
-            Some(Beside {
+            Some(MotionDerivatives {
                 by_start: (above.by_start - below.by_start) / width,
                 residual: (above.residual - below.residual) / width,
             })
@@ -337,8 +337,8 @@ impl<'f> Motions<'f> {
         &self,
         y: &DVector<f64>,
         trial: &Trial,
-        old: &Begin,
-    ) -> Result<(DVector<f64>, Begin), Error> {
+        old: &FrozenStart,
+    ) -> Result<(DVector<f64>, FrozenStart), Error> {
         let (map, period) = (&trial.map, trial.period);
         let begins = old.phase * period;
         let turn = sharpest(map).filter(|_| self.is_free());
@@ -348,7 +348,7 @@ impl<'f> Motions<'f> {
             None if near_events(map, begins, period, FAR) => middle(map, begins, period),
             None => (begins, map.start.clone(), map.first_modes()),
         };
-        let mut begin = Begin {
+        let mut begin = FrozenStart {
             phase: if self.is_free() {
                 0.0
             } else {
@@ -378,7 +378,12 @@ impl<'f> Motions<'f> {
     }
 
     /// The residual of a closed motion, and that of the phase condition, in units of the sizes.
-    pub(super) fn residual(&self, y: &DVector<f64>, trial: &Trial, begin: &Begin) -> DVector<f64> {
+    pub(super) fn residual(
+        &self,
+        y: &DVector<f64>,
+        trial: &Trial,
+        begin: &FrozenStart,
+    ) -> DVector<f64> {
         let start = y.rows(0, self.order);
         let mut residual = trial.map.residual();
         residual.component_div_assign(&begin.sizes.rows(0, self.order));
@@ -392,7 +397,7 @@ impl<'f> Motions<'f> {
     pub(super) fn closing(
         &self,
         trial: &Trial,
-        begin: &Begin,
+        begin: &FrozenStart,
         scale: &DVector<f64>,
     ) -> DMatrix<f64> {
         let (order, own) = (self.order, self.own());
@@ -429,7 +434,7 @@ impl<'f> Motions<'f> {
         &self,
         y: &DVector<f64>,
         trial: &Trial,
-        begin: &mut Begin,
+        begin: &mut FrozenStart,
     ) -> Result<(), Error> {
         let mut sizes = trial.map.sizes();
         if self.is_free() {
@@ -464,8 +469,8 @@ impl<'f> Motions<'f> {
         &self,
         y: &DVector<f64>,
         trial: &Trial,
-        begin: &Begin,
-    ) -> Option<(DVector<f64>, Begin)> {
+        begin: &FrozenStart,
+    ) -> Option<(DVector<f64>, FrozenStart)> {
         let begins = begin.phase * trial.period;
         let is_near = near_events(&trial.map, begins, trial.period, NEAR);
         let turning = begin.section.as_ref().and_then(|section| section.turning);
@@ -481,7 +486,7 @@ impl<'f> Motions<'f> {
         &self,
         y: &DVector<f64>,
         trial: &Trial,
-        begin: &Begin,
+        begin: &FrozenStart,
     ) -> Result<Trial, Error> {
         if begin.phase == 0.0 {
             return Ok(trial.clone());

@@ -21,7 +21,7 @@ use super::CurveOfMotions;
 use super::bordered::Bordered;
 use super::change::Change;
 use super::found::{LocusKind, SpecialKind};
-use super::motions::{Begin, Motions, Section, events_of};
+use super::motions::{FrozenStart, Motions, Section, events_of};
 use crate::error::Error;
 use crate::numerics::trace::{Equations, Point};
 
@@ -44,7 +44,7 @@ pub(super) struct SmoothCurve<'f> {
 #[derive(Debug, Clone)]
 pub(super) struct Motion {
     pub(super) trial: Trial,
-    pub(super) begin: Begin,
+    pub(super) begin: FrozenStart,
     bordered: Bordered,
     /// Of a solution: its events, its multipliers, and ½ uᵀD²P[w, w].
     sequence: Option<Sequence>,
@@ -86,7 +86,7 @@ impl<'f> SmoothCurve<'f> {
         let (motions, own) = (&self.motions, self.motions.own());
         let y = motions.at(start, period, parameters);
         let mut y = y.resize_vertically(self.unknowns(), 0.0);
-        let begin = Begin::at_zero();
+        let begin = FrozenStart::at_zero();
         let trial = motions.trial(&y, &begin)?;
         if self.kind == Smooth::Torus {
             let pairs = multipliers.iter().filter(|m| m.im != 0.0);
@@ -111,7 +111,7 @@ impl<'f> SmoothCurve<'f> {
     }
 
     /// M, each number in units of its size.
-    fn monodromy(&self, trial: &Trial, begin: &Begin) -> DMatrix<f64> {
+    fn monodromy(&self, trial: &Trial, begin: &FrozenStart) -> DMatrix<f64> {
         let (order, sizes) = (self.motions.order, &begin.sizes);
         DMatrix::from_fn(order, order, |i, j| {
             trial.map.monodromy[(i, j)] * (sizes[j] / sizes[i])
@@ -119,7 +119,7 @@ impl<'f> SmoothCurve<'f> {
     }
 
     /// The matrix A in units of the sizes.
-    fn matrix(&self, y: &DVector<f64>, trial: &Trial, begin: &Begin) -> DMatrix<f64> {
+    fn matrix(&self, y: &DVector<f64>, trial: &Trial, begin: &FrozenStart) -> DMatrix<f64> {
         let order = self.motions.order;
         let matrix = self.monodromy(trial, begin);
         let one = DMatrix::identity(order, order);
@@ -204,7 +204,7 @@ impl<'f> SmoothCurve<'f> {
         y: &DVector<f64>,
         direction: &DVector<f64>,
         value: &Motion,
-    ) -> Result<super::motions::Beside, Error> {
+    ) -> Result<super::motions::MotionDerivatives, Error> {
         let known = (&value.trial, &value.begin);
         let beside = self.motions.difference(y, direction, known);
         beside.ok_or_else(|| self.motions.lost(y, &value.trial))
@@ -248,7 +248,7 @@ impl<'f> CurveOfMotions<'f> for SmoothCurve<'f> {
         &self.motions
     }
 
-    fn motion(value: &Motion) -> (&Trial, &Begin) {
+    fn motion(value: &Motion) -> (&Trial, &FrozenStart) {
         (&value.trial, &value.begin)
     }
 

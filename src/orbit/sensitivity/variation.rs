@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use super::super::form::Form;
+use super::super::form::GeneralForm;
 use super::super::map::vector;
 use crate::error::{Error, Reached};
 use crate::motion::{Event, EventKind, Integrator, Segment};
@@ -28,7 +28,7 @@ impl Run {
     /// The motion from a start at a time over a duration; and beyond, up to as many events as are
     /// expected.
     pub(super) fn of(
-        form: &Form<'_>,
+        form: &GeneralForm<'_>,
         (begin, start): (f64, &State),
         duration: f64,
         expected: usize,

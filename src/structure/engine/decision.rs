@@ -357,8 +357,8 @@ impl Decision {
         }
     }
 
-    /// After an expansion: contacts on an edge that leave it or return to it, and contacts whose
-    /// law never sticks that continue in the other direction. Returns true if there are any.
+    /// After an expansion: contacts on an edge that leave it or return to it, and contacts
+    /// whose law never sticks that continue in the other direction. Returns true if there are any.
     pub(super) fn revise(
         &mut self,
         model: &Model<'_>,

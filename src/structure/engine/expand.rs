@@ -5,7 +5,9 @@ use std::ops::Range;
 use super::edge::Edge;
 use super::factor::Holding;
 use super::model::{ContactData, Model, Target};
-use super::series::{ContactCourse, ContactSeries, CoordinateSeries, Course, Role, Series};
+use super::series::{
+    ContactCourse, ContactSeries, CoordinateSeries, DisplacementSeries, Role, Series,
+};
 use super::springs::spring_order;
 use super::state::{Phase, Situation};
 use crate::error::{Error, Reached};
@@ -185,7 +187,7 @@ fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
         let coordinate = &mut series.coordinates[i];
         if let (Role::Held(c), true) = (role, role != coordinate.role) {
             // What is not computed again.
-            coordinate.course = Course::ZERO;
+            coordinate.course = DisplacementSeries::ZERO;
             let of = &mut series.contacts[c];
             (of.speeds, of.bound) = (PowerSeries::ZERO, PowerSeries::ZERO);
         }

@@ -50,7 +50,7 @@ use springs::land_springs;
 use state::{Entry, Firing, Phase, Situation};
 use transitions::{close, decide};
 
-use super::step::{After, Step, Trigger};
+use super::step::{EventData, Step, Trigger};
 use crate::clock::Clock;
 use crate::error::Error;
 use crate::motion::step_control::{self, Attempt};
@@ -74,7 +74,7 @@ pub(super) struct Engine<'s> {
 
 /// The accepted length of a step.
 #[derive(Debug, Clone, Copy)]
-struct Settled {
+struct AcceptedStep {
     duration: f64,
     /// The time where pieces of a drive meet, if the step ends there.
     at_break: Option<f64>,
@@ -188,7 +188,7 @@ impl<'s> Engine<'s> {
     }
 
     /// The step's duration, up to the first event of a contact.
-    fn settle(&mut self) -> Result<Settled, Error> {
+    fn settle(&mut self) -> Result<AcceptedStep, Error> {
         let (break_time, to_break) = self.next_break();
         let Self {
             model,
@@ -199,7 +199,7 @@ impl<'s> Engine<'s> {
             ..
         } = self;
         let (model, situation) = (&*model, &*situation);
-        let settled = |duration: f64| Settled {
+        let settled = |duration: f64| AcceptedStep {
             duration,
             at_break: break_time.filter(|_| duration >= to_break),
         };
@@ -293,7 +293,7 @@ impl<'s> Engine<'s> {
 
     /// Moves the state to the end of the step, and sets the numbers that reached zero to the bit.
     /// Returns true if there was an event.
-    fn land(&mut self, settled: Settled) -> bool {
+    fn land(&mut self, settled: AcceptedStep) -> bool {
         let h = settled.duration;
         let Self {
             model,
@@ -381,7 +381,7 @@ impl<'s> Engine<'s> {
     }
 
     /// Data about the events for the tangent flow.
-    fn after(&self, events: &[Event<State>], trigger: Option<Trigger>) -> After {
+    fn after(&self, events: &[Event<State>], trigger: Option<Trigger>) -> EventData {
         let is_shared = |event: &Event<State>| self.model.is_shared(event.contact);
         let is_forced = |event: &Event<State>| {
             let is_release = matches!(event.kind, EventKind::Release(_));
@@ -403,7 +403,7 @@ impl<'s> Engine<'s> {
         } else {
             Vec::new()
         };
-        After {
+        EventData {
             forced: forced.map(|event| event.contact).collect(),
             rates,
             trigger,

@@ -1,7 +1,7 @@
 //! The reach of the series of a step, and the errors allowed in it.
 
 use super::model::{ContactData, Model};
-use super::series::{Course, Series};
+use super::series::{DisplacementSeries, Series};
 use super::springs::spring_size;
 use super::state::{Phase, Situation};
 use crate::motion::step_control::{Allowance, FARTHEST, reach};
@@ -355,7 +355,7 @@ pub(super) fn plan_memory(
 
 /// The velocity of a coordinate as it is integrated: v = w + σy with a contact of its own.
 enum CoordinateMotion<'a> {
-    Free(&'a Course),
+    Free(&'a DisplacementSeries),
     Slips(&'a PowerSeries, &'a PowerSeries),
     Sticks(&'a PowerSeries),
 }

@@ -77,14 +77,14 @@ pub(super) struct ContactSeries {
 /// The series of one displacement q: its value, then the coefficients of the velocity v = q', so
 /// that number k is q_0 or k q_k.
 #[derive(Debug, Clone)]
-pub(super) struct Course {
+pub(super) struct DisplacementSeries {
     numbers: [f64; TERMS + 1],
     /// The coefficient of the velocity that was set last, apart: beside the one before it, both
     /// would be loaded at once, and that has to wait for what was just stored.
     newest: f64,
 }
 
-impl Course {
+impl DisplacementSeries {
     pub(super) const ZERO: Self = Self {
         numbers: [0.0; TERMS + 1],
         newest: 0.0,
@@ -147,7 +147,7 @@ impl Course {
 /// The series of one coordinate.
 #[derive(Debug, Clone)]
 pub(super) struct CoordinateSeries {
-    pub(super) course: Course,
+    pub(super) course: DisplacementSeries,
     /// (M⁻¹f)_i.
     pub(super) force: PowerSeries,
     /// How later orders of its velocity come about in the step.
@@ -168,7 +168,7 @@ pub(super) enum Role {
 impl CoordinateSeries {
     pub(super) fn new(force: PowerSeries) -> Self {
         Self {
-            course: Course::ZERO,
+            course: DisplacementSeries::ZERO,
             force,
             role: Role::Other,
         }
