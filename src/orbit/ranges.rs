@@ -164,13 +164,16 @@ const ON_BRANCH: f64 = 1e-2;
 ///         .with_contact(Contact::new(0, law, 1.0)?.on_belt(velocity))
 /// };
 /// let found = orbit::vibration_ranges(mass, 0.2..1.0)?;
-/// let [vibrates, both, slides] = &found.ranges[..] else { panic!() };
+/// let [vibrates, sticks, slips, quiet] = &found.ranges[..] else { panic!() };
 /// assert_eq!(vibrates.attractors, [AttractorKind::StickSlip]);
-/// assert_eq!(both.attractors, [AttractorKind::SteadySliding, AttractorKind::StickSlip]);
-/// assert_eq!(slides.attractors, [AttractorKind::SteadySliding]);
-/// // Hysteresis between the Hopf point and the grazing at which stick-slip ends.
-/// assert_eq!(both.borders, [Border::Hopf, Border::Grazing]);
-/// assert!((both.parameters.start - 0.738553461542470176).abs() < 1e-14);
+/// // Hysteresis from the Hopf point to the fold; on the way stick-slip ends at a grazing.
+/// assert_eq!(sticks.attractors, [AttractorKind::SteadySliding, AttractorKind::StickSlip]);
+/// assert_eq!(slips.attractors, [AttractorKind::SteadySliding, AttractorKind::PureSlip]);
+/// assert_eq!(quiet.attractors, [AttractorKind::SteadySliding]);
+/// assert_eq!(sticks.borders, [Border::Hopf, Border::Grazing]);
+/// assert_eq!(slips.borders, [Border::Grazing, Border::Fold]);
+/// assert!((sticks.parameters.start - 0.738553461542470176).abs() < 1e-14);
+/// assert!((slips.parameters.end - 0.81909955091672).abs() < 1e-12);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 #[doc(alias = "critical value")]

@@ -425,6 +425,15 @@ fn searches() -> Vec<Case> {
                 &(0.0, 0.0).into(),
             )
         }),
+        case("orbit::vibration_ranges", "range.start", &ANY, |x| {
+            orbit::vibration_ranges(|v| belt().with_belt_velocity(v), x..0.3)
+        }),
+        case("orbit::vibration_ranges", "range.end", &[0.1, -1.0], |x| {
+            orbit::vibration_ranges(|v| belt().with_belt_velocity(v), 0.1..x)
+        }),
+        case("orbit::begin", "parameter", &ANY, |x| {
+            orbit::begin(|v| belt().with_belt_velocity(v), x)
+        }),
         case("Structure::stability_changes", "times.start", &ANY, |x| {
             Structure::new(&[1.0])?.stability_changes(x..1.0)
         }),
