@@ -11,11 +11,11 @@ use std::ops::{ControlFlow, Range};
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::branch::BranchEnd;
-use super::form::{GeneralForm, MOST_STEPS as MOST_STEPS_OF_A_MOTION};
+use super::form::GeneralForm;
 use super::map::{self, CLOSED, PeriodMap, state, vector};
 use super::oscillator::Oscillator;
 use super::period::Period;
-use super::search::Watched;
+use super::search::{MOST_STEPS_OF_A_SEARCH, Watched};
 use super::sequence::Sequence;
 use super::shoot::shortest;
 use super::trial::Trial;
@@ -169,7 +169,7 @@ impl Curve<'_> {
     /// A system of the family, watched.
     fn form<'m>(&'m self, member: &'m dyn FamilyMember, parameter: f64) -> GeneralForm<'m> {
         self.watched.at(parameter);
-        member.form().within(MOST_STEPS_OF_A_MOTION, self.watched)
+        member.form().within(MOST_STEPS_OF_A_SEARCH, self.watched)
     }
 
     /// Counts the steps of a motion.

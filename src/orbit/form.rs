@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use super::search::Watched;
+use super::search::{LOOK_EVERY, MOST_STEPS_OF_A_SEARCH, Watched};
 use crate::drive;
 use crate::error::{Error, Reached};
 use crate::motion::{Integrator, Mode};
@@ -20,12 +20,6 @@ pub struct GeneralForm<'s> {
     watched: Option<&'s Watched<'s>>,
 }
 
-/// Limit of steps of all the motions of one search: seconds for a few masses.
-pub(super) const MOST_STEPS: usize = 10 * Integrator::DEFAULT_MAX_STEPS;
-
-/// Steps after which the watcher of a search is called again.
-const LOOK_EVERY: usize = 1000;
-
 /// The time dependence of the drives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Rhythm {
@@ -42,7 +36,7 @@ impl<'s> GeneralForm<'s> {
         Self {
             model,
             taken: Cell::new(0),
-            most: MOST_STEPS,
+            most: MOST_STEPS_OF_A_SEARCH,
             watched: None,
         }
     }

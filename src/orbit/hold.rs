@@ -16,7 +16,7 @@ use crate::motion::{EventKind, Integrator, Mode, Segment};
 use crate::series::{PowerSeries, TERMS};
 use crate::state::Direction;
 use crate::state::structure::State;
-use crate::structure::engine::model::ContactData;
+use crate::structure::engine::contact::ContactData;
 use crate::structure::{Flow, Step};
 
 use std::ops::ControlFlow;

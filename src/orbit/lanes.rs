@@ -6,7 +6,8 @@ use super::linear::{Coefficient, Linear};
 use crate::motion::step_control::root_of_ratio;
 use crate::scalar::{self, fused};
 use crate::series::{INTEGRAL, TERMS};
-use crate::structure::engine::model::{Entries, Model};
+use crate::structure::engine::contact::Entries;
+use crate::structure::engine::model::Model;
 
 /// Numbers of W perturbations.
 pub(super) type Lanes<const W: usize> = [f64; W];

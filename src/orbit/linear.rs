@@ -10,8 +10,9 @@ use crate::scalar::mul_add;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 use crate::state::structure::State;
 use crate::structure::Step;
+use crate::structure::engine::contact::ContactData;
 use crate::structure::engine::factor::Holding;
-use crate::structure::engine::model::{ContactData, Model};
+use crate::structure::engine::model::Model;
 
 /// The coefficients of the variational equations along one step.
 #[derive(Debug, Clone)]

@@ -4,8 +4,14 @@ use std::cell::Cell;
 use std::fmt;
 use std::ops::ControlFlow;
 
-use super::form::MOST_STEPS;
 use crate::error::Error;
+use crate::motion::Integrator;
+
+/// Limit of steps of all the motions of one search: seconds for a few masses.
+pub(super) const MOST_STEPS_OF_A_SEARCH: usize = 10 * Integrator::DEFAULT_MAX_STEPS;
+
+/// Steps after which the watcher of a search is called again.
+pub(super) const LOOK_EVERY: usize = 1000;
 
 /// A search for periodic motions or exponents with a bound of its work and a watcher. Its methods
 /// are the functions of [`orbit`](super).
@@ -85,11 +91,11 @@ pub struct Progress {
 
 impl<'w> Search<'w> {
     /// The default bound of the work on one system, in steps: seconds for a few masses.
-    pub const DEFAULT_MAX_STEPS: usize = MOST_STEPS;
+    pub const DEFAULT_MAX_STEPS: usize = MOST_STEPS_OF_A_SEARCH;
     /// The default bound of the work of [`follow`](Self::follow) in each direction, in steps.
-    pub const DEFAULT_MAX_BRANCH_STEPS: usize = 10 * MOST_STEPS;
+    pub const DEFAULT_MAX_BRANCH_STEPS: usize = 10 * MOST_STEPS_OF_A_SEARCH;
     /// The default bound of the work of [`locus`](Self::locus) in each direction, in steps.
-    pub const DEFAULT_MAX_LOCUS_STEPS: usize = 20 * MOST_STEPS;
+    pub const DEFAULT_MAX_LOCUS_STEPS: usize = 20 * MOST_STEPS_OF_A_SEARCH;
     /// The default bound of the points of [`follow`](Self::follow) and [`locus`](Self::locus) in
     /// each direction.
     pub const DEFAULT_MAX_POINTS: usize = 2048;

@@ -9,7 +9,7 @@ use nalgebra::RowDVector;
 use super::tangent::TangentFlow;
 use crate::motion::{Mode, Segment};
 use crate::structure::Step;
-use crate::structure::engine::model::entry;
+use crate::structure::engine::contact::entry;
 
 impl TangentFlow<'_> {
     /// The forces of elastic contacts that do not stick: δT = σμ n·δq in slip, 0 while open.

@@ -2,7 +2,7 @@ use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
 
-use super::engine::model::{ContactData, check_contact};
+use super::engine::contact::{ContactData, check_contact};
 use crate::belt::MassOnBelt;
 use crate::drive::Drive;
 use crate::error::Error;

@@ -1,7 +1,7 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::contact::Contact;
-use super::engine::model::Entries;
+use super::engine::contact::Entries;
 use super::system::Structure;
 use crate::drive::Drive;
 use crate::error::{Error, NotSliding};

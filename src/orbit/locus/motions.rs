@@ -9,11 +9,11 @@ use std::cell::Cell;
 use nalgebra::{DMatrix, DVector};
 
 use super::super::curve::{FamilyMember, sharpest};
-use super::super::form::{GeneralForm, MOST_STEPS as MOST_STEPS_OF_A_MOTION};
+use super::super::form::GeneralForm;
 use super::super::hold::Hold;
 use super::super::map::{self, Course, PeriodMap, held_course, held_period_map, state, vector};
 use super::super::period::Period;
-use super::super::search::Watched;
+use super::super::search::{MOST_STEPS_OF_A_SEARCH, Watched};
 use super::super::sequence::Sequence;
 use super::super::trial::Trial;
 use super::super::walk::BLUNT;
@@ -203,7 +203,7 @@ impl<'f> Motions<'f> {
     ) -> Result<T, Error> {
         self.with_form([first, second], |form| {
             self.watched.at_pair(first, second);
-            let form = form.within(MOST_STEPS_OF_A_MOTION, self.watched);
+            let form = form.within(MOST_STEPS_OF_A_SEARCH, self.watched);
             let found = take(&form);
             self.steps.set(self.steps.get() + form.taken());
             self.watched.add(form.taken());

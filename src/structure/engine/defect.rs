@@ -1,7 +1,8 @@
 //! The defect of the series of a step: the residuals of the equations of motion between their
 //! coefficients.
 
-use super::model::{ContactData, Model};
+use super::contact::ContactData;
+use super::model::Model;
 use super::plan::Plan;
 use super::series::{ContactSeries, Series};
 use super::slow::relaxation;

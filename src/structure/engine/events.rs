@@ -1,12 +1,15 @@
-//! Events that end a step: the first times at which sliding speeds, stick bands and loads reach 0.
+//! Events that end a step: the first times at which sliding speeds, stick bands and loads reach 0,
+//! and the list of what happened there.
 
 use super::edge::Edge;
 use super::model::Model;
 use super::plan::Plan;
 use super::series::{ContactSeries, Series};
 use super::state::{ContactState, Firing, Phase, Situation};
+use crate::motion::{Event, EventKind, Mode};
 use crate::series::{PowerSeries, TooCurved, Watch, quarters};
 use crate::state::Direction;
+use crate::state::structure::State;
 
 /// Largest distance, in ulps of the time, between events of several contacts that end a step
 /// together: rounding separates those of mirrored masses by so much.
@@ -235,4 +238,35 @@ fn rate_at(
     };
     let pull = contact.along(|j| free(j) - others(j)) - of.surface.slope_at(time);
     slip.direction * pull - own
+}
+
+/// The events that lead from the modes before to those of now, in the order of the contacts.
+pub(super) fn events_between(
+    before: &[Mode],
+    situation: &Situation,
+    state: &State,
+) -> Vec<Event<State>> {
+    let contacts = std::iter::zip(before, &situation.contacts).enumerate();
+    let kinds = contacts
+        .filter_map(|(contact, (&before, now))| Some((contact, kind_of(before, now.mode())?)));
+    let mut events = Vec::with_capacity(kinds.clone().count());
+    events.extend(kinds.map(|(contact, kind)| Event {
+        time: situation.clock.time,
+        contact,
+        kind,
+        state: state.clone(),
+    }));
+    events
+}
+
+/// The event that leads from one mode to another.
+fn kind_of(before: Mode, after: Mode) -> Option<EventKind> {
+    match (before, after) {
+        (Mode::Open, Mode::Open) | (Mode::Stick, Mode::Stick) => None,
+        (_, Mode::Open) => Some(EventKind::Open),
+        (Mode::Open, _) => Some(EventKind::Close),
+        (Mode::Stick, Mode::Slip(side)) => Some(EventKind::Release(side)),
+        (Mode::Slip(_), Mode::Stick) => Some(EventKind::Stick),
+        (Mode::Slip(from), Mode::Slip(to)) => (from != to).then_some(EventKind::Crossing(to)),
+    }
 }

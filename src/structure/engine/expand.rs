@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
+use super::contact::ContactData;
 use super::edge::Edge;
 use super::factor::Holding;
-use super::model::{ContactData, Model, Target};
+use super::model::{Model, Target};
 use super::series::{
     ContactCourse, ContactSeries, CoordinateSeries, DisplacementSeries, Role, Series,
 };

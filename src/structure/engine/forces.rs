@@ -1,7 +1,8 @@
 //! Forces and accelerations at any time within a step, from its series and its modes.
 
+use super::contact::{ContactData, Site};
 use super::factor::Holding;
-use super::model::{ContactData, Model, Site};
+use super::model::Model;
 use crate::clock::Clock;
 use crate::drive::Drive;
 use crate::friction::memory::Slip;

@@ -23,6 +23,7 @@
 //! | `transitions.rs` | the modes of contacts after an event, one by one |
 //! | `decision.rs` | the modes of contacts that share coordinates, together |
 
+pub(crate) mod contact;
 mod decision;
 mod defect;
 mod edge;
@@ -36,17 +37,19 @@ mod series;
 mod slow;
 pub(crate) mod sparse;
 mod springs;
+mod start;
 mod state;
 mod transitions;
 
 use decision::reconcile;
 use edge::{Edge, side_of};
-use events::{Firings, first_firings, go_through};
+use events::{Firings, events_between, first_firings, go_through};
 use expand::expand_drives;
-use model::{ContactData, Model};
+use model::Model;
 use plan::{Control, is_finite, is_linear, plan_memory, plan_reach, reaches};
 use series::Series;
 use springs::land_springs;
+pub(super) use start::check_start;
 use state::{Entry, Firing, Phase, Situation};
 use transitions::{close, decide};
 
@@ -54,7 +57,7 @@ use super::step::{EventData, Step, Trigger};
 use crate::clock::Clock;
 use crate::error::Error;
 use crate::motion::step_control::{self, Attempt};
-use crate::motion::{Event, EventKind, Mode};
+use crate::motion::{Event, EventKind};
 use crate::series::{PowerSeries, quarters};
 use crate::state::structure::State;
 
@@ -115,7 +118,7 @@ impl<'s> Engine<'s> {
         decide(model, situation, series, [true, true])?;
         // A start beyond the band slips at once, without an event; one on its edge, growing, is a
         // release.
-        let mut events = events(&before, situation, &state);
+        let mut events = events_between(&before, situation, &state);
         events.retain(|event| {
             let edge = situation.contacts[event.contact].edge;
             let is_release = matches!(event.kind, EventKind::Release(_));
@@ -175,7 +178,7 @@ impl<'s> Engine<'s> {
             ..
         } = self;
         let events = match decide(model, situation, next, disturbed) {
-            Ok(()) => events(&modes, situation, &end),
+            Ok(()) => events_between(&modes, situation, &end),
             // The step is good; what cannot be followed begins at its end.
             Err(error) => {
                 self.ending = Some(error);
@@ -479,107 +482,4 @@ impl<'s> Engine<'s> {
         }
         Error::StepUnderflow { step, reached }
     }
-}
-
-/// The events that lead from the modes before to those of now, in the order of the contacts.
-fn events(before: &[Mode], situation: &Situation, state: &State) -> Vec<Event<State>> {
-    let contacts = std::iter::zip(before, &situation.contacts).enumerate();
-    let kinds = contacts
-        .filter_map(|(contact, (&before, now))| Some((contact, kind_of(before, now.mode())?)));
-    let mut events = Vec::with_capacity(kinds.clone().count());
-    events.extend(kinds.map(|(contact, kind)| Event {
-        time: situation.clock.time,
-        contact,
-        kind,
-        state: state.clone(),
-    }));
-    events
-}
-
-/// The event that leads from one mode to another.
-fn kind_of(before: Mode, after: Mode) -> Option<EventKind> {
-    match (before, after) {
-        (Mode::Open, Mode::Open) | (Mode::Stick, Mode::Stick) => None,
-        (_, Mode::Open) => Some(EventKind::Open),
-        (Mode::Open, _) => Some(EventKind::Close),
-        (Mode::Stick, Mode::Slip(side)) => Some(EventKind::Release(side)),
-        (Mode::Slip(_), Mode::Stick) => Some(EventKind::Stick),
-        (Mode::Slip(from), Mode::Slip(to)) => (from != to).then_some(EventKind::Crossing(to)),
-    }
-}
-
-/// Checks the sizes and the numbers of a start.
-pub(super) fn check_start(model: &Model<'_>, time: f64, start: &State) -> Result<(), Error> {
-    let n = model.len();
-    let memory = model.remembered();
-    let sizes = [
-        ("displacements", start.displacements.len(), n),
-        ("velocities", start.velocities.len(), n),
-    ];
-    let remembered = start.memory.len();
-    let memory = (remembered > 0).then_some(("memory", remembered, memory));
-    for (name, found, expected) in sizes.into_iter().chain(memory) {
-        if found != expected {
-            return Err(Error::WrongSize {
-                name,
-                found,
-                expected,
-            });
-        }
-    }
-    let coordinates = std::iter::zip(&start.displacements, &start.velocities);
-    for (&displacement, &velocity) in coordinates {
-        if !(displacement.is_finite() && velocity.is_finite()) {
-            return Err(Error::InvalidState {
-                displacement,
-                velocity,
-            });
-        }
-    }
-    for &value in &start.memory {
-        Error::check("Structure", "memory", value, true, "any size")?;
-    }
-    if remembered > 0 {
-        for (c, contact) in model.contacts.iter().enumerate() {
-            if contact.is_elastic() {
-                check_carried(c, contact, time, start, start.memory[model.memory(c).start])?;
-                continue;
-            }
-            let memory = &start.memory[model.memory(c)];
-            if let Some(limit) = contact.law.limit(&|j| memory[j]) {
-                let allowed = "a memory at the start with which static_coefficient ≥ 0";
-                let is_allowed = limit >= 0.0;
-                Error::check(
-                    "Structure",
-                    "static_coefficient",
-                    limit,
-                    is_allowed,
-                    allowed,
-                )?;
-            }
-        }
-    }
-    Ok(())
-}
-
-/// Checks that an elastic contact can carry its force at a start.
-fn check_carried(
-    c: usize,
-    contact: &ContactData<'_>,
-    time: f64,
-    start: &State,
-    carried: f64,
-) -> Result<(), Error> {
-    const ROUNDING: f64 = 4.0 * f64::EPSILON;
-    let displacement = |j: usize| start.displacements[j];
-    let limit = contact.limit_at(time, displacement);
-    let rounding = ROUNDING * contact.constant_coefficient() * contact.load_size(displacement);
-    if carried.abs() <= limit + rounding {
-        return Ok(());
-    }
-    Err(Error::OverLimit {
-        contact: c,
-        carried,
-        limit,
-    })
 }

@@ -5,17 +5,13 @@ use std::ops::Range;
 
 use nalgebra::DMatrix;
 
+use super::contact::{ContactData, Entries, Site, entry};
 use super::factor::{Factor, Holding};
 use super::sparse::{Sparse, SparsePair};
 use crate::belt::MassOnBelt;
 use crate::drive::Drive;
-use crate::error::{Element, Error};
 use crate::friction::FrictionLaw;
-use crate::friction::memory::object::LawObject;
 use crate::motion::Mode;
-
-/// Entries of a vector by their coordinates, without zeros.
-pub(crate) type Entries = [(usize, f64)];
 
 /// What is constant in a motion.
 ///
@@ -76,133 +72,6 @@ pub(super) enum Target {
     Surface(usize),
     /// The load of a contact.
     Load(usize),
-}
-
-/// What is constant at a contact.
-#[derive(Debug, Clone)]
-pub(crate) struct ContactData<'s> {
-    /// b.
-    pub(crate) direction: Cow<'s, Entries>,
-    pub(crate) law: &'s dyn LawObject,
-    pub(crate) load: Cow<'s, Drive>,
-    /// n, that of a normal spring included.
-    pub(crate) load_gradient: Vec<(usize, f64)>,
-    pub(crate) belt_velocity: Cow<'s, Drive>,
-    /// k_t of an elastic contact.
-    pub(crate) tangential_stiffness: Option<f64>,
-    /// The direction d of its normal spring; empty without one.
-    pub(crate) normal: &'s Entries,
-    /// M⁻¹d.
-    pub(crate) reaction: Vec<(usize, f64)>,
-    /// Speeds at which pieces of the law meet.
-    pub(crate) breakpoints: Vec<f64>,
-    /// G_cc; 1 for an elastic contact, whose forces are not divided by a mass.
-    pub(crate) compliance: f64,
-    pub(crate) site: Site,
-    /// Where its variables begin among those of all contacts.
-    first_memory: usize,
-}
-
-/// How a contact acts on the masses.
-#[derive(Debug, Clone)]
-pub(crate) enum Site {
-    /// It has a coordinate to itself: r = v_i − w.
-    Own(usize),
-    /// Elastic: its force is a state variable, and it holds no coordinate.
-    Elastic {
-        /// M⁻¹b.
-        response: Vec<(usize, f64)>,
-    },
-    /// It shares coordinates with other contacts, or has several.
-    Shared {
-        /// M⁻¹b/G_cc.
-        response: Vec<(usize, f64)>,
-        /// G_cd/√(G_cc G_dd) of the other contacts that it is coupled with.
-        coupled: Vec<(usize, f64)>,
-    },
-}
-
-impl<'s> ContactData<'s> {
-    pub(crate) fn new(
-        direction: Cow<'s, Entries>,
-        law: &'s dyn LawObject,
-        [load, belt_velocity]: [Cow<'s, Drive>; 2],
-        load_gradient: Vec<(usize, f64)>,
-    ) -> Self {
-        Self {
-            direction,
-            law,
-            load,
-            load_gradient,
-            belt_velocity,
-            tangential_stiffness: None,
-            normal: &[],
-            reaction: Vec::new(),
-            breakpoints: law.breakpoints(),
-            compliance: 1.0,
-            site: Site::Own(0),
-            first_memory: 0,
-        }
-    }
-
-    /// b·x.
-    pub(crate) fn along(&self, x: impl Fn(usize) -> f64) -> f64 {
-        self.direction.iter().map(|&(j, b)| b * x(j)).sum()
-    }
-
-    /// Σ_j |b_j x_j|.
-    pub(crate) fn size_along(&self, x: impl Fn(usize) -> f64) -> f64 {
-        self.direction.iter().map(|&(j, b)| (b * x(j)).abs()).sum()
-    }
-
-    /// n·x.
-    pub(crate) fn displacement_load(&self, x: impl Fn(usize) -> f64) -> f64 {
-        self.load_gradient.iter().map(|&(j, n)| n * x(j)).sum()
-    }
-
-    /// The sliding velocity; 0 for several coordinates also within the rounding of their
-    /// difference.
-    pub(crate) fn sliding_velocity(&self, v: impl Fn(usize) -> f64, surface: f64) -> f64 {
-        /// 0.1 + 0.2 and 0.3 are the same speed.
-        const ROUNDING: f64 = 4.0 * f64::EPSILON;
-        let velocity = self.along(&v) - surface;
-        let size = self.size_along(v) + surface.abs();
-        if self.direction.len() > 1 && velocity.abs() <= ROUNDING * size {
-            0.0
-        } else {
-            velocity
-        }
-    }
-
-    /// Number of memory variables: those of its law, or the force of an elastic contact.
-    pub(crate) fn memory(&self) -> usize {
-        match self.tangential_stiffness {
-            Some(_) => 1,
-            None => self.law.memory(),
-        }
-    }
-
-    pub(crate) fn is_elastic(&self) -> bool {
-        self.tangential_stiffness.is_some()
-    }
-
-    /// μ of an elastic contact.
-    pub(crate) fn constant_coefficient(&self) -> f64 {
-        self.law.constant().unwrap_or(0.0)
-    }
-
-    /// μN of an elastic contact at a time, 0 where it is open.
-    pub(crate) fn limit_at(&self, time: f64, displacement: impl Fn(usize) -> f64) -> f64 {
-        let load = self.load.value(time) + self.displacement_load(displacement);
-        (self.constant_coefficient() * load).max(0.0)
-    }
-
-    /// Sum of the sizes of all terms of the load.
-    pub(crate) fn load_size(&self, displacement: impl Fn(usize) -> f64) -> f64 {
-        let by_displacements = self.load_gradient.iter();
-        let sizes = by_displacements.map(|&(j, n)| (n * displacement(j)).abs());
-        self.load.size() + sizes.sum::<f64>()
-    }
 }
 
 impl<'s> Model<'s> {
@@ -625,29 +494,6 @@ impl<'s> Model<'s> {
     }
 }
 
-impl ContactData<'_> {
-    /// (M⁻¹b)_j/G_cc of a shared contact.
-    pub(super) fn response(&self, coordinate: usize) -> f64 {
-        entry(self.responses(), coordinate)
-    }
-
-    /// M⁻¹b/G_cc; for one with a coordinate to itself that is b.
-    pub(crate) fn responses(&self) -> &Entries {
-        match &self.site {
-            Site::Own(_) => &self.direction,
-            Site::Elastic { response } | Site::Shared { response, .. } => response,
-        }
-    }
-
-    /// G_cd/√(G_cc G_dd) of the other contacts that it is coupled with.
-    pub(crate) fn coupled(&self) -> &Entries {
-        match &self.site {
-            Site::Own(_) | Site::Elastic { .. } => &[],
-            Site::Shared { coupled, .. } => coupled,
-        }
-    }
-}
-
 /// M⁻¹, by the parts that M couples: the inverse of a number is its reciprocal, to the bit.
 fn inverse(mass: &DMatrix<f64>) -> DMatrix<f64> {
     let n = mass.nrows();
@@ -687,12 +533,6 @@ fn inverse(mass: &DMatrix<f64>) -> DMatrix<f64> {
     inverse
 }
 
-/// The number of a coordinate among entries.
-pub(crate) fn entry(entries: &Entries, coordinate: usize) -> f64 {
-    let place = entries.binary_search_by_key(&coordinate, |&(j, _)| j);
-    place.map_or(0.0, |place| entries[place].1)
-}
-
 /// M⁻¹b.
 fn responses_to(inverse_mass: &Sparse, direction: &Entries) -> Vec<(usize, f64)> {
     let mut response: Vec<(usize, f64)> = Vec::new();
@@ -722,33 +562,4 @@ fn row_sums(matrix: &Sparse) -> impl Iterator<Item = f64> {
 
 fn largest(numbers: impl Iterator<Item = f64>) -> f64 {
     numbers.fold(0.0, f64::max)
-}
-
-/// Checks that a contact may be number `number` of a structure with `count` coordinates.
-pub(crate) fn check_contact(
-    number: usize,
-    count: usize,
-    coordinates: impl Iterator<Item = usize>,
-    (belt_velocity, may_jump): (&Drive, bool),
-) -> Result<(), Error> {
-    let mut first = None;
-    for coordinate in coordinates {
-        first = first.or(Some(coordinate));
-        if coordinate >= count {
-            return Err(Error::NoSuchCoordinate {
-                element: Element::Contact(number),
-                coordinate,
-                count,
-            });
-        }
-    }
-    belt_velocity
-        .check("belt_velocity", "a belt velocity of any size")
-        .map_err(|error| error.of_element(Element::Contact(number)))?;
-    match (belt_velocity.first_jump(), first) {
-        (Some(time), Some(coordinate)) if !may_jump => {
-            Err(Error::BeltVelocityJumps { coordinate, time })
-        }
-        _ => Ok(()),
-    }
 }

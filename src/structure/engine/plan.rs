@@ -1,6 +1,7 @@
 //! The reach of the series of a step, and the errors allowed in it.
 
-use super::model::{ContactData, Model};
+use super::contact::ContactData;
+use super::model::Model;
 use super::series::{DisplacementSeries, Series};
 use super::springs::spring_size;
 use super::state::{Phase, Situation};

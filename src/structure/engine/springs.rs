@@ -13,8 +13,9 @@
 //! is not 0. A wrong mode of another contact changes r only two orders later than the first
 //! derivative that decided on it, so contacts take their modes by ascending order.
 
+use super::contact::ContactData;
 use super::edge::{EDGE_ROUNDING, Edge, side_of};
-use super::model::{ContactData, Model};
+use super::model::Model;
 use super::plan::load_terms;
 use super::series::{ContactCourse, ContactSeries, CoordinateSeries, Series};
 use super::state::{Entry, Phase, Situation};

@@ -1,8 +1,9 @@
 //! The situation: data that change at events.
 
+use super::contact::ContactData;
 use super::edge::Edge;
 use super::factor::Holding;
-use super::model::{ContactData, Model};
+use super::model::Model;
 use super::series::Series;
 use crate::clock::Clock;
 use crate::error::{Error, Reached};

@@ -1,0 +1,86 @@
+//! Which starts are refused.
+
+use super::contact::ContactData;
+use super::model::Model;
+use crate::error::Error;
+use crate::state::structure::State;
+
+/// Checks the sizes and the numbers of a start.
+pub(in crate::structure) fn check_start(
+    model: &Model<'_>,
+    time: f64,
+    start: &State,
+) -> Result<(), Error> {
+    let n = model.len();
+    let memory = model.remembered();
+    let sizes = [
+        ("displacements", start.displacements.len(), n),
+        ("velocities", start.velocities.len(), n),
+    ];
+    let remembered = start.memory.len();
+    let memory = (remembered > 0).then_some(("memory", remembered, memory));
+    for (name, found, expected) in sizes.into_iter().chain(memory) {
+        if found != expected {
+            return Err(Error::WrongSize {
+                name,
+                found,
+                expected,
+            });
+        }
+    }
+    let coordinates = std::iter::zip(&start.displacements, &start.velocities);
+    for (&displacement, &velocity) in coordinates {
+        if !(displacement.is_finite() && velocity.is_finite()) {
+            return Err(Error::InvalidState {
+                displacement,
+                velocity,
+            });
+        }
+    }
+    for &value in &start.memory {
+        Error::check("Structure", "memory", value, true, "any size")?;
+    }
+    if remembered > 0 {
+        for (c, contact) in model.contacts.iter().enumerate() {
+            if contact.is_elastic() {
+                check_carried(c, contact, time, start, start.memory[model.memory(c).start])?;
+                continue;
+            }
+            let memory = &start.memory[model.memory(c)];
+            if let Some(limit) = contact.law.limit(&|j| memory[j]) {
+                let allowed = "a memory at the start with which static_coefficient ≥ 0";
+                let is_allowed = limit >= 0.0;
+                Error::check(
+                    "Structure",
+                    "static_coefficient",
+                    limit,
+                    is_allowed,
+                    allowed,
+                )?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Checks that an elastic contact can carry its force at a start.
+fn check_carried(
+    c: usize,
+    contact: &ContactData<'_>,
+    time: f64,
+    start: &State,
+    carried: f64,
+) -> Result<(), Error> {
+    const ROUNDING: f64 = 4.0 * f64::EPSILON;
+    let displacement = |j: usize| start.displacements[j];
+    let limit = contact.limit_at(time, displacement);
+    let rounding = ROUNDING * contact.constant_coefficient() * contact.load_size(displacement);
+    if carried.abs() <= limit + rounding {
+        return Ok(());
+    }
+    Err(Error::OverLimit {
+        contact: c,
+        carried,
+        limit,
+    })
+}
