@@ -13,7 +13,9 @@
 //! * `orbit::settle` makes two such motions exact, with their multipliers, which tell whether each
 //!   is stable.
 //!
-//! Run it with `cargo run --release --example bolted_beam`; it takes a minute.
+//! Run it with `cargo run --release --example bolted_beam`; it takes a minute. With the name of a
+//! file after `--` it writes sweeps at three forces there instead, in some minutes:
+//! `examples/figures/bolted_beam.csv`, which the package `examples/figures` draws.
 
 use std::f64::consts::{PI, TAU};
 
@@ -31,7 +33,7 @@ const DENSITY: f64 = 7850.0;
 const THICKNESS: [f64; 2] = [0.02, 0.016];
 const BENDING: usize = 14;
 const AXIAL: usize = 6;
-const SHAPES: usize = BENDING + AXIAL;
+pub(crate) const SHAPES: usize = BENDING + AXIAL;
 /// Damping ratio of the second mode without pads.
 const DAMPING: f64 = 0.001;
 
@@ -125,7 +127,7 @@ fn beam(force: f64, frequency: f64) -> Result<Structure, Error> {
 }
 
 /// Frequency and shape of the second mode, with all pads closed and stuck.
-fn second_mode() -> Option<(f64, DVector<f64>)> {
+pub(crate) fn second_mode() -> Option<(f64, DVector<f64>)> {
     let [mass, mut stiffness] = matrices();
     for pad in 0..PADS {
         for (row, k) in rows(pad).into_iter().zip([TANGENTIAL, NORMAL]) {
@@ -154,20 +156,115 @@ fn amplitude(motion: &Trajectory<State>, from: f64) -> f64 {
     0.5 * (high - low)
 }
 
-/// Times and values of the maxima of the second bending shape.
-fn maxima(motion: &Trajectory<State>) -> Vec<(f64, f64)> {
+/// Times and values of the turning points of the second bending shape; whether each is a maximum.
+fn turns(motion: &Trajectory<State>) -> Vec<(f64, f64, bool)> {
     let turns = motion.steps().iter().filter_map(|step| {
         let [before, after] = [step.state(), &step.end_state()].map(|state| state.velocities[1]);
         let time = step.duration() * before / (before - after);
-        let is_maximum = before > 0.0 && after <= 0.0;
-        is_maximum.then(|| {
-            (
-                step.start_time() + time,
-                step.state_at(time).displacements[1],
-            )
+        let turns = (before > 0.0) != (after > 0.0);
+        turns.then(|| {
+            let displacement = step.state_at(time).displacements[1];
+            (step.start_time() + time, displacement, before > 0.0)
         })
     });
     turns.collect()
+}
+
+/// A free decay in the second mode, from where the pads open, over `window` periods at a time:
+/// amplitude, frequency and damping ratio. A window begins `step` periods after the last.
+pub(crate) fn decay(window: usize, step: usize) -> Result<Vec<[f64; 3]>, Error> {
+    let (natural, shape) = second_mode().expect("the mass matrix is positive definite");
+    let start: Vec<f64> = (&shape * 1.2e-4).iter().copied().collect();
+    let start = State::new(&start, &[0.0; SHAPES]);
+    let motion = beam(0.0, natural)?.simulate(start, 240.0 / natural)?;
+    let maxima: Vec<_> = turns(&motion).into_iter().filter(|turn| turn.2).collect();
+    let windows = maxima.windows(window + 1).step_by(step).map(|part| {
+        let (begin, end) = (part[0], part[window]);
+        let frequency = window as f64 / (end.0 - begin.0);
+        let ratio = (begin.1 / end.1).ln() / (window as f64 * TAU);
+        [(begin.1 * end.1).sqrt(), frequency, ratio]
+    });
+    Ok(windows.collect())
+}
+
+/// A frequency of a sweep, and the least and the largest amplitude there: one and the same if the
+/// vibration is periodic.
+pub(crate) type Swept = (f64, [f64; 2]);
+
+/// The amplitudes at frequencies one after the other, each from the motion before. What a start
+/// settles to is made exact if that is a stable motion of the force's period; the amplitudes of
+/// another are those of the last 40 periods.
+pub(crate) fn swept(
+    force: f64,
+    frequencies: impl Iterator<Item = f64>,
+) -> Result<Vec<Swept>, Error> {
+    let mut state = State::at_rest(SHAPES);
+    let mut found = Vec::new();
+    for frequency in frequencies {
+        let system = beam(force, frequency)?;
+        let motion = system.simulate(state, PERIODS / frequency)?;
+        state = motion.last();
+        let turns = turns(&motion);
+        // A period between two turning points has no amplitude of its own.
+        let late = (1..=40).filter_map(|back| {
+            let from = (PERIODS - f64::from(back)) / frequency;
+            let period = from..from + 1.0 / frequency;
+            let values = turns.iter().filter(|turn| period.contains(&turn.0));
+            let (low, high) = values
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), turn| {
+                    (low.min(turn.1), high.max(turn.1))
+                });
+            (high > low).then_some(0.5 * (high - low))
+        });
+        let mut amplitudes = late.fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], amplitude| {
+            [low.min(amplitude), high.max(amplitude)]
+        });
+        // A motion far away is not the one that the sweep tends to.
+        let near = 0.8 * amplitudes[0]..1.2 * amplitudes[1];
+        match orbit::shoot(&system, &state, Period::Driven(1)) {
+            Ok(orbit) if orbit.is_stable() && near.contains(&orbit.amplitude(1)) => {
+                amplitudes = [orbit.amplitude(1); 2];
+                state = orbit.state();
+            }
+            _ => {}
+        }
+        found.push((frequency, amplitudes));
+    }
+    Ok(found)
+}
+
+/// Forces of the sweeps for the figure.
+pub(crate) const FORCES: [f64; 3] = [15.0, 30.0, 60.0];
+
+/// Frequencies of the sweeps for the figure, upwards.
+pub(crate) fn frequencies(natural: f64) -> impl DoubleEndedIterator<Item = f64> + Clone {
+    (0..=24).map(move |i| natural * (0.97 + 0.0015 * f64::from(i)))
+}
+
+/// Writes the sweeps of the figure, all at one time.
+fn write(file: &str, natural: f64) -> Result<(), Box<dyn std::error::Error>> {
+    let of = frequencies(natural);
+    let sweeps = std::thread::scope(|scope| {
+        let running = FORCES.map(|force| {
+            let (up, down) = (of.clone(), of.clone().rev());
+            [
+                scope.spawn(move || swept(force, up)),
+                scope.spawn(move || swept(force, down)),
+            ]
+        });
+        running.map(|both| both.map(|sweep| sweep.join().expect("no sweep panics")))
+    });
+    let mut text =
+        String::from("force in N,sweep,frequency in Hz,least and,largest amplitude in m\n");
+    for (force, both) in FORCES.into_iter().zip(sweeps) {
+        for (sweep, name) in both.into_iter().zip(["up", "down"]) {
+            for (frequency, [least, largest]) in sweep? {
+                text += &format!("{force},{name},{frequency:.9},{least:.9e},{largest:.9e}\n");
+            }
+        }
+    }
+    std::fs::write(file, text)?;
+    Ok(())
 }
 
 const FORCE: f64 = 60.0;
@@ -177,25 +274,17 @@ const FREQUENCIES: usize = 13;
 /// Periods at each of them.
 const PERIODS: f64 = 150.0;
 
-fn main() -> Result<(), Error> {
-    let (natural, shape) = second_mode().expect("the mass matrix is positive definite");
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let (natural, _) = second_mode().expect("the mass matrix is positive definite");
+    if let Some(file) = std::env::args().nth(1) {
+        return write(&file, natural);
+    }
     println!("second mode, pads closed and stuck: {natural:.2} Hz");
 
-    // A free decay, from where the pads open.
-    let start: Vec<f64> = (&shape * 1.2e-4).iter().copied().collect();
-    let start = State::new(&start, &[0.0; SHAPES]);
-    let decay = beam(0.0, natural)?.simulate(start, 240.0 / natural)?;
     println!("\nfree decay: amplitude in µm, frequency in Hz, damping ratio");
-    let window = 20;
     let mut ratios = Vec::new();
-    for part in maxima(&decay).windows(window + 1).step_by(window) {
-        let (begin, end) = (part[0], part[window]);
-        let frequency = window as f64 / (end.0 - begin.0);
-        let ratio = (begin.1 / end.1).ln() / (window as f64 * TAU);
-        println!(
-            "  {:6.1}   {frequency:8.2}   {ratio:.5}",
-            1e6 * (begin.1 * end.1).sqrt()
-        );
+    for [amplitude, frequency, ratio] in decay(20, 20)? {
+        println!("  {:6.1}   {frequency:8.2}   {ratio:.5}", 1e6 * amplitude);
         ratios.push((frequency, ratio));
     }
     let most = ratios.iter().fold(0.0_f64, |most, point| most.max(point.1));

@@ -74,6 +74,7 @@ impl<'s> Problem<'s> {
         let (order, sizes) = (map.order(), map.sizes());
         let unknowns = order + usize::from(self.section.is_some());
         let (mut matrix, mut right) = map.closing(&sizes, unknowns);
+        let mut unit = 1.0;
         if let Some([point, normal]) = &self.section {
             let start = vector(&map.start, order);
             let largest = normal.component_mul(&sizes).amax();
@@ -82,8 +83,17 @@ impl<'s> Problem<'s> {
                 matrix[(order, i)] = normal[i] * sizes[i] / largest;
             }
             right[order] = -normal.dot(&(start - point)) / largest;
+            // Beside an equilibrium the flow is small, but the period is no less determined.
+            let largest = matrix.column(order).amax();
+            if largest > 0.0 {
+                unit = largest;
+                matrix.column_mut(order).scale_mut(unit.recip());
+            }
         }
-        let solution = shortest(matrix, &right, SINGULAR)?;
+        let mut solution = shortest(matrix, &right, SINGULAR)?;
+        if self.section.is_some() {
+            solution[order] /= unit;
+        }
         let size = solution.amax();
         let change = solution.rows(0, order).component_mul(&sizes);
         let longer = self
@@ -142,7 +152,7 @@ impl<'s> Problem<'s> {
                 None => break,
             }
         }
-        Err(best.not_periodic())
+        Err(self.failure(best))
     }
 
     /// A closed motion, if it leaves its start and returns; `step` is the last Newton step.
@@ -157,13 +167,18 @@ impl<'s> Problem<'s> {
                 _ => Ok(found),
             };
         }
-        let sizes = found.map.sizes();
-        let moved = found.map.flow[0].component_div(&sizes).amax() * self.estimate;
-        Err(if moved <= CLOSED.sqrt() {
+        Err(self.failure(found))
+    }
+
+    /// The error for a trial that is no periodic motion: an autonomous one may be at rest.
+    fn failure(&self, trial: Trial) -> Error {
+        let sizes = trial.map.sizes();
+        let moved = trial.map.flow[0].component_div(&sizes).amax() * self.estimate;
+        if self.section.is_some() && moved <= CLOSED.sqrt() {
             Error::AtRest
         } else {
-            found.not_periodic()
-        })
+            trial.not_periodic()
+        }
     }
 }
 

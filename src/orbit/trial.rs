@@ -8,7 +8,7 @@ use crate::error::Error;
 /// An autonomous motion leaves its start and returns: its residual is at most this part of its own
 /// extent, and no Newton step leads farther. A motion that shrinks to an equilibrium, or to no
 /// duration, has a residual of its whole extent.
-const RETURN: f64 = 1e-2;
+const RETURN: f64 = 1e-4;
 
 /// A residual below this, in units of the sizes, is rounding.
 const LEAST_MISS: f64 = 1e-13;

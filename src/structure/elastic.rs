@@ -164,6 +164,9 @@ impl Contact {
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     pub fn in_parallel(&self, elements: &[(f64, f64)]) -> Result<Vec<Self>, Error> {
+        let count = elements.len();
+        let allowed = "at least one: their number";
+        Error::check("Contact", "elements", count as f64, count > 0, allowed)?;
         let element = |&(tangential_stiffness, share): &(f64, f64)| {
             Error::check("Contact", "share", share, share > 0.0, "share > 0")?;
             let mut element = self

@@ -2,7 +2,7 @@
 
 use stick_slip::orbit::{Orbit, Period, lyapunov, section, settle, shoot};
 use stick_slip::structure::State;
-use stick_slip::{Contact, Coulomb, Drive, Error, MassOnBelt, Structure};
+use stick_slip::{Contact, Coulomb, Drive, Error, MassOnBelt, Stribeck, Structure};
 
 use crate::common::{assert_form, paper};
 
@@ -323,6 +323,43 @@ fn a_contact_that_never_slips_keeps_the_place_of_the_guess() {
         for state in [orbit.state(), orbit.trajectory().last()] {
             let found = state.displacements[0] - state.displacements[1];
             assert!((found - apart).abs() < 1e-14, "{found} {apart}");
+        }
+    }
+}
+
+/// A drill string that shrinks to steady sliding, by 2 % per oscillation: beside an equilibrium the
+/// flow is small, and Newton's method has to see that the equilibrium lies farther than that.
+#[test]
+fn what_shrinks_to_steady_sliding_is_no_periodic_motion() {
+    let n = 12;
+    let mut inertias = vec![60.0; n];
+    (inertias[0], inertias[n - 1]) = (300.0, 2100.0);
+    let bit = Contact::new(0, Stribeck::new(0.8, 0.4, 1.0, 1).unwrap(), 17512.5).unwrap();
+    let string = (0..n - 1)
+        .try_fold(Structure::new(&inertias).unwrap(), |string, i| {
+            string
+                .with_spring(i, i + 1, 473.0 * (n - 1) as f64)?
+                .with_damper(i, i + 1, 60.0)
+        })
+        .and_then(|s| {
+            s.with_ground_spring(n - 1, 4000.0)?
+                .with_ground_damper(n - 1, 425.0)
+        })
+        .and_then(|s| s.with_contact(bit.on_belt(-6.0)))
+        .unwrap();
+    let steady = string.steady_sliding().unwrap();
+    let [slowest, ..] = steady.eigenvalues[..] else {
+        panic!()
+    };
+    assert!((-0.003..-0.002).contains(&slowest.re), "{slowest}");
+    let period = std::f64::consts::TAU / slowest.im.abs();
+    for push in [1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3] {
+        let mut start = State::new(&steady.displacements, &[0.0; 12]);
+        start.velocities[0] = push;
+        for transient in [0.0, 20.0, 200.0] {
+            let found = settle(&string, &start, transient, Period::Free(period));
+            let is_refused = matches!(found, Err(Error::AtRest | Error::NotPeriodic { .. }));
+            assert!(is_refused, "{push:e} {transient}: {found:?}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The figures of the source paper, and ten more, as SVG files and a page that shows them.
+//! The figures of the source paper, and eleven more, as SVG files and a page that shows them.
 //!
 //! What to learn from it:
 //!
@@ -16,6 +16,7 @@
 //!   beside the dry friction that is their limit;
 //! * `joint.rs`: exact resonance curves of a mass on a spring with a slider, beside first-harmonic
 //!   theory;
+//! * `beam.rs`: sweeps that take minutes, read from the file that the example `bolted_beam` writes;
 //! * `laws.rs`: friction laws on both sides of zero;
 //! * `structures.rs`: the events of many contacts over time and place; eigenvalues of steady
 //!   sliding over a parameter;
@@ -26,6 +27,11 @@
 //! `src/figures` of the crate, for its pages: to renew them, draw them and copy them.
 
 mod amplitude;
+mod beam;
+// The model and its sweeps, with what else the example prints.
+#[allow(dead_code)]
+#[path = "../../bolted_beam.rs"]
+mod bolted_beam;
 mod chaos;
 mod clip;
 mod errors;
@@ -52,7 +58,7 @@ use typeset::escape;
 type Draw = fn() -> Result<Figure>;
 
 /// Name of the file, and what draws it.
-const FIGURES: [(&str, Draw); 16] = [
+const FIGURES: [(&str, Draw); 17] = [
     ("fig2_polynomial_law", laws::polynomial),
     ("fig3_exponential_law", laws::exponential),
     ("fig4_pure_slip", motion::fig4),
@@ -65,6 +71,7 @@ const FIGURES: [(&str, Draw); 16] = [
     ("dwell", memory::dwell),
     ("lugre", memory::lugre),
     ("joint", joint::joint),
+    ("bolted_beam", beam::beam),
     ("chain", structures::chain),
     ("mode_coupling", structures::mode_coupling),
     ("resonance", resonance::resonance),

@@ -1,7 +1,7 @@
 //! The figures of README and documentation are those that the example draws today, number by
 //! number.
 
-use super::{FIGURES, Figure, escape};
+use super::{FIGURES, Figure, beam, bolted_beam, escape};
 
 /// Largest difference of two numbers.
 const TOLERANCE: f64 = 1e-6;
@@ -100,32 +100,64 @@ fn caption_has_the_exact_borders() {
     }
 }
 
+/// The kept sweeps of the beam are those that the example computes today: the beginning of each.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes without optimisation")]
+fn sweeps_of_the_beam_are_reproduced() {
+    let kept = beam::sweeps().unwrap();
+    for (force, both) in bolted_beam::FORCES.into_iter().zip(&kept) {
+        for sweep in both {
+            assert_eq!(sweep.len(), 25);
+            let frequencies = sweep.iter().map(|swept| swept.0);
+            let today = bolted_beam::swept(force, frequencies.take(2)).unwrap();
+            for (old, new) in sweep.iter().zip(today) {
+                for (old, new) in old.1.into_iter().zip(new.1) {
+                    assert!(
+                        (new / old - 1.0).abs() < TOLERANCE,
+                        "{force} N: {old}, now {new}"
+                    );
+                }
+            }
+        }
+        // A range with two motions at the largest force.
+        let apart = beam::apart(both);
+        assert!(force < 60.0 || apart.is_some_and(|(low, high)| high - low > 10.0));
+    }
+    // Its lines have few points.
+    assert!(points_in_the_picture(&drawn("bolted_beam").svg) > 200);
+}
+
+/// The number of points of the lines, all of which lie in the picture.
+fn points_in_the_picture(svg: &str) -> usize {
+    let size = svg
+        .split_once("viewBox=\"")
+        .unwrap()
+        .1
+        .split('"')
+        .next()
+        .unwrap();
+    let (_, size) = split(size);
+    let mut points = 0;
+    for list in svg.split(" points=\"").skip(1) {
+        let list = list.split('"').next().unwrap();
+        for point in list.split_whitespace() {
+            let (x, y) = point.split_once(',').unwrap();
+            let (x, y): (f64, f64) = (x.parse().unwrap(), y.parse().unwrap());
+            assert!(
+                (0.0..=size[2]).contains(&x) && (0.0..=size[3]).contains(&y),
+                "{point}"
+            );
+            points += 1;
+        }
+    }
+    points
+}
+
 #[test]
 fn every_coordinate_lies_in_the_picture() {
     let others = ["chain", "mode_coupling", "joint"].map(|name| drawn(name).svg);
     for svg in [AMPLITUDE, REGIMES, &others[0], &others[1], &others[2]] {
-        let size = svg
-            .split_once("viewBox=\"")
-            .unwrap()
-            .1
-            .split('"')
-            .next()
-            .unwrap();
-        let (_, size) = split(size);
-        let mut points = 0;
-        for list in svg.split(" points=\"").skip(1) {
-            let list = list.split('"').next().unwrap();
-            for point in list.split_whitespace() {
-                let (x, y) = point.split_once(',').unwrap();
-                let (x, y): (f64, f64) = (x.parse().unwrap(), y.parse().unwrap());
-                assert!(
-                    (0.0..=size[2]).contains(&x) && (0.0..=size[3]).contains(&y),
-                    "{point}"
-                );
-                points += 1;
-            }
-        }
-        assert!(points > 500);
+        assert!(points_in_the_picture(svg) > 500);
     }
 }
 
