@@ -61,7 +61,7 @@
 //! | [`orbit::Attractor`](crate::orbit::Attractor) | `kind`, `orbit`: nothing unless it is periodic | no |
 //! | [`orbit::AttractorKind`](crate::orbit::AttractorKind) | `rest`, `steady_sliding`, `pure_slip`, `stick_slip`, `irregular` | no |
 //! | [`orbit::VibrationRange`](crate::orbit::VibrationRange) | `parameters` as `start` and `end`, `attractors`, `borders` | no |
-//! | [`Border`](crate::orbit::Border) | `range`, `hopf`, `divergence`, `no_steady_sliding`, `fold`, `flip`, `pitchfork`, `neimark_sacker`, `grazing`, `sequence`, `discontinuity`, `unknown` | no |
+//! | [`Border`](crate::orbit::Border) | `range`, `hopf`, `divergence`, `no_steady_sliding`, `no_system`, `fold`, `flip`, `pitchfork`, `neimark_sacker`, `grazing`, `sequence`, `discontinuity`, `unknown` | no |
 //! | [`Sweep`](crate::orbit::Sweep) | `up`, `down`: maps `parameter`, `attractor`, `error` (in words); `stopped` | no |
 //! | [`orbit::Change`](crate::orbit::Change) | `between`: two values, `from`, `to` | no |
 //! | [`DiagramPoint`](crate::bifurcation::DiagramPoint) | `belt_velocity`, `equilibrium`, `cycles` | no |

@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
 use super::classify::{Attractor, AttractorKind, kind_of};
 use super::found::Orbit;
-use super::hopf::{SteadyAlong, steady_along};
+use super::hopf::{Crossing, SteadyAlong, steady_along};
 use super::oscillator::Oscillator;
 use super::search::Search;
 use super::sweep::Sweep;
@@ -17,7 +17,8 @@ use crate::state::structure::State;
 /// The attractors of a system over a range of a parameter: see [`vibration_ranges`].
 #[non_exhaustive]
 pub struct VibrationRanges<S: System> {
-    /// The ranges, in ascending order; together they cover the range that was searched.
+    /// The ranges, in ascending order; together they cover the range that was searched, except
+    /// where the family has no system.
     pub ranges: Vec<VibrationRange>,
     /// The branches of periodic motions that were followed.
     pub branches: Vec<Branch<S>>,
@@ -56,6 +57,8 @@ pub enum Border {
     Divergence,
     /// Steady sliding begins or ceases to exist.
     NoSteadySliding,
+    /// The family returns an error beyond: no system exists there.
+    NoSystem,
     /// A periodic motion passes a fold: it meets an unstable one, and vanishes.
     Fold,
     /// A multiplier of a periodic motion is −1: see [`BifurcationKind::Flip`].
@@ -82,6 +85,7 @@ impl fmt::Display for Border {
             Self::Hopf => "Hopf",
             Self::Divergence => "divergence",
             Self::NoSteadySliding => "no steady sliding",
+            Self::NoSystem => "no system",
             Self::Fold => "fold",
             Self::Flip => "flip",
             Self::Pitchfork => "pitchfork",
@@ -117,9 +121,16 @@ const INTERVALS: usize = 256;
 /// Borders that lie closer together, in parts of the range, are one.
 const SAME: f64 = 1e-9;
 
-/// A Hopf point at which a branch ends, found by extrapolation, is this near the exact one, in
-/// parts of the range.
-const HOPF: f64 = 1e-6;
+/// The end of a branch is this near the exact Hopf point, or the border of the systems, at which
+/// it ends, in parts of the range.
+const NEAR: f64 = 1e-6;
+
+/// Motions below this part of the largest extent on a branch are the Hopf point near them: a fold
+/// of such a motion lies A⁴ ~ 1e-12 of the range from it, less than rounding of the small motion.
+const SMALL: f64 = 1e-3;
+
+/// The largest difference of the periods and extremes of one motion that was found twice.
+const ONE: f64 = 1e-6;
 
 /// The largest distance of a motion from a branch to which it belongs, as a part of its extent.
 const ON_BRANCH: f64 = 1e-2;
@@ -136,13 +147,16 @@ const ON_BRANCH: f64 = 1e-2;
 /// value at which some simulation stuck, and motions that no simulation from steady sliding reaches
 /// are found, if they are connected with those.
 ///
-/// Critical values are as exact as those of [`follow`](super::follow()): Hopf points to rounding,
-/// bifurcations to about 1e-10 of the range. Attractors on a branch of their own that the sweep
+/// A motion that lies on two branches counts once. Bifurcations are exact to about 1e-10 of the
+/// range, as those of [`follow`](super::follow()). Hopf points are exact to rounding in
+/// [`VibrationRange::parameters`], from the eigenvalues of steady sliding;
+/// [`BranchEnd::Hopf`] of a branch is extrapolated from its motions. Where the family returns an
+/// error, there is no range: those beside end with [`Border::NoSystem`]. Attractors on a branch of their own that the sweep
 /// does not meet are missed; where a sweep finds no periodic motion but chaos, the range has
 /// [`AttractorKind::Irregular`].
 ///
 /// Work: a sweep of 34 values, and one [`follow`](super::follow()) for each branch: seconds for a
-/// few masses. [`Search::vibration_ranges`] bounds and watches it. For a mass on a belt of constant
+/// few masses, tens of seconds for a dozen. [`Search::vibration_ranges`] bounds and watches it. For a mass on a belt of constant
 /// velocity, [`bifurcation::vibration_ranges`](crate::bifurcation::vibration_ranges) is faster, and
 /// complete.
 ///
@@ -211,6 +225,7 @@ impl Search<'_> {
         let rest = S::own(&State::at_rest(first.form().len()));
         let sweep = self.sweep(&family, &places(SWEPT), &rest)?;
         let steady = steady_along(&family, &places(INTERVALS));
+        let systems = systems(&family, &places(INTERVALS));
         let mut branches: Vec<Branch<S>> = Vec::new();
         let swept = sweep.up.iter().chain(&sweep.down);
         let swept = swept.filter_map(|point| {
@@ -238,24 +253,31 @@ impl Search<'_> {
             }
         }
         let mut stretches = steady_stretches(&steady, start..end);
+        let known = Known {
+            crossings: &steady.crossings,
+            systems: &systems,
+            near: NEAR * (end - start),
+        };
         for branch in &branches {
-            let width = end - start;
-            self.add_stretches(&family, branch, (&steady, width), &mut stretches);
+            self.add_stretches(&family, branch, &known, &mut stretches);
         }
+        let differ = |parameter: f64, stretches: Vec<&Stretch<'_, S>>| {
+            self.different(&family, parameter, stretches)
+        };
         Ok(VibrationRanges {
-            ranges: ranges(&stretches, &sweep, start..end),
+            ranges: ranges(&stretches, &sweep, &systems, start..end, differ),
             branches,
             sweep,
         })
     }
 
     /// Adds the parts of a branch on which its motions are attractors.
-    fn add_stretches<S: Oscillator>(
+    fn add_stretches<'b, S: Oscillator>(
         &self,
         family: &impl Fn(f64) -> Result<S, Error>,
-        branch: &Branch<S>,
-        (steady, width): (&SteadyAlong, f64),
-        stretches: &mut Vec<Stretch>,
+        branch: &'b Branch<S>,
+        known: &Known<'_>,
+        stretches: &mut Vec<Stretch<'b, S>>,
     ) {
         let points = &branch.points;
         let (Some(first), Some(last)) = (points.first(), points.last()) else {
@@ -264,22 +286,27 @@ impl Search<'_> {
         let end = |end: &BranchEnd, last: f64| match end {
             BranchEnd::Range | BranchEnd::Closed => (last, Border::Range),
             BranchEnd::Hopf { parameter } => {
-                let near = |at: f64| (at - parameter).abs() <= HOPF * width;
-                let mut exact = steady.crossings.iter().map(|crossing| crossing.parameter);
-                (
-                    exact.find(|at| near(*at)).unwrap_or(*parameter),
-                    Border::Hopf,
-                )
+                (known.hopf(*parameter).unwrap_or(*parameter), Border::Hopf)
             }
             BranchEnd::Grazing { parameter } => (*parameter, Border::Grazing),
             BranchEnd::Discontinuity { parameter, .. } => (*parameter, Border::Discontinuity),
+            BranchEnd::Lost { parameter, .. } => match known.end_of_systems(*parameter) {
+                Some(border) => (border, Border::NoSystem),
+                None => (last, Border::Unknown),
+            },
             _ => (last, Border::Unknown),
         };
+        let extents = points.iter().map(|point| extent(&point.orbit));
+        let largest = extents.fold(0.0, f64::max);
         // The first number of a piece is that of its first point.
         let mut cuts = vec![(0, end(&branch.ends[0], first.parameter), None)];
         let between = branch.bifurcations.iter();
         cuts.extend(between.map(|found| {
-            let border = (found.parameter, Border::from(found.kind));
+            let hopf = known.hopf(found.parameter);
+            let border = match hopf.filter(|_| extent(&found.orbit) <= SMALL * largest) {
+                Some(hopf) => (hopf, Border::Hopf),
+                None => (found.parameter, Border::from(found.kind)),
+            };
             (found.behind + 1, border, Some(found))
         }));
         cuts.push((points.len(), end(&branch.ends[1], last.parameter), None));
@@ -303,10 +330,15 @@ impl Search<'_> {
             } else {
                 (high, low)
             };
+            let mut motions: Vec<_> = inside.iter().map(|p| (p.parameter, &p.orbit)).collect();
+            if let (true, Some(found)) = (motions.is_empty(), found) {
+                motions.push((found.parameter, &found.orbit));
+            }
             stretches.push(Stretch {
                 kind,
                 parameters: low.0..high.0,
                 borders: [low.1, high.1],
+                motions,
             });
         }
     }
@@ -322,14 +354,145 @@ impl Search<'_> {
         let orbit = self.shoot(&system, &found.orbit.state(), found.orbit.kind());
         attracts(&orbit.ok()?)
     }
+
+    /// Those of some stretches whose motions differ at a value of the parameter: branches that were
+    /// found from different starts may overlap.
+    fn different<S: Oscillator>(
+        &self,
+        family: &impl Fn(f64) -> Result<S, Error>,
+        parameter: f64,
+        stretches: Vec<&Stretch<'_, S>>,
+    ) -> Vec<AttractorKind> {
+        let periodic = stretches.iter().filter(|found| !found.motions.is_empty());
+        let system = match periodic.count() {
+            0 | 1 => None,
+            _ => family(parameter).ok(),
+        };
+        let motion = |stretch: &Stretch<'_, S>| {
+            let off = |motion: &&(f64, &Orbit<S>)| (motion.0 - parameter).abs();
+            let motions = stretch.motions.iter();
+            let (_, nearest) = motions.min_by(|a, b| off(a).total_cmp(&off(b)))?;
+            let found = self.shoot(system.as_ref()?, &nearest.state(), nearest.kind());
+            found
+                .ok()
+                .filter(|found| attracts(found) == Some(stretch.kind))
+        };
+        let mut motions: Vec<Orbit<S>> = Vec::new();
+        let mut kinds = Vec::new();
+        for stretch in stretches {
+            let found = motion(stretch);
+            let is_known = |found: &Orbit<S>| motions.iter().any(|known| is_one(known, found));
+            if !found.as_ref().is_some_and(is_known) {
+                motions.extend(found);
+                kinds.push(stretch.kind);
+            }
+        }
+        kinds
+    }
+}
+
+/// What is known exactly, whatever the branches.
+struct Known<'k> {
+    crossings: &'k [Crossing],
+    systems: &'k [Range<f64>],
+    /// What is as near as this belongs together.
+    near: f64,
+}
+
+impl Known<'_> {
+    /// The Hopf point near a value.
+    fn hopf(&self, near: f64) -> Option<f64> {
+        let hopf = self.crossings.iter().filter(|at| at.frequency > 0.0);
+        let mut places = hopf.map(|at| at.parameter);
+        places.find(|at| (at - near).abs() <= self.near)
+    }
+
+    /// The border of the systems near a value.
+    fn end_of_systems(&self, near: f64) -> Option<f64> {
+        let mut places = self
+            .systems
+            .iter()
+            .flat_map(|range| [range.start, range.end]);
+        places.find(|at| (at - near).abs() <= self.near)
+    }
+}
+
+/// The ranges in which a family has systems, from its values at places and bisection between them.
+fn systems<S>(family: &impl Fn(f64) -> Result<S, Error>, places: &[f64]) -> Vec<Range<f64>> {
+    let mut found: Vec<Range<f64>> = Vec::new();
+    let mut start = None;
+    let known = places.iter().map(|&place| (place, family(place).is_ok()));
+    let known: Vec<(f64, bool)> = known.collect();
+    for pair in known.windows(2) {
+        let [(mut low, is_low), (mut high, is_high)] = [pair[0], pair[1]];
+        if is_low {
+            start.get_or_insert(low);
+        }
+        if is_low == is_high {
+            continue;
+        }
+        loop {
+            let middle = 0.5 * low + 0.5 * high;
+            if !(low < middle && middle < high) {
+                break;
+            }
+            if family(middle).is_ok() == is_low {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        match start.take() {
+            Some(start) => found.push(start..high),
+            None => start = Some(high),
+        }
+    }
+    if let (Some(start), Some(&last)) = (start, places.last())
+        && start < last
+    {
+        found.push(start..last);
+    }
+    found
 }
 
 /// A range in which one attractor exists.
-#[derive(Debug)]
-struct Stretch {
+struct Stretch<'b, S: System> {
     kind: AttractorKind,
     parameters: Range<f64>,
     borders: [Border; 2],
+    /// Periodic motions, with their parameters.
+    motions: Vec<(f64, &'b Orbit<S>)>,
+}
+
+/// The least and the largest displacements of a motion.
+fn extremes<S: Oscillator>(orbit: &Orbit<S>) -> Vec<(f64, f64)> {
+    let count = S::general(&orbit.state()).displacements.len();
+    (0..count).map(|i| orbit.extremes(i)).collect()
+}
+
+/// The largest extent of a motion.
+fn extent<S: Oscillator>(orbit: &Orbit<S>) -> f64 {
+    let extents = extremes(orbit).into_iter();
+    extents
+        .map(|(least, most)| most - least)
+        .fold(0.0, f64::max)
+}
+
+/// Returns true if a period is another one or a multiple of it, or the other way round: the same
+/// motion may be found over several of its periods.
+fn fits(period: f64, other: f64, error: f64) -> bool {
+    let ratio = (period / other).max(other / period);
+    (ratio - ratio.round()).abs() <= error
+}
+
+/// Returns true if two motions of one system are the same.
+fn is_one<S: Oscillator>(a: &Orbit<S>, b: &Orbit<S>) -> bool {
+    let most = ONE * extent(a).max(extent(b));
+    let pairs = std::iter::zip(extremes(a), extremes(b));
+    fits(a.period(), b.period(), ONE)
+        && pairs
+            .into_iter()
+            .all(|(a, b)| (a.0 - b.0).abs() <= most && (a.1 - b.1).abs() <= most)
 }
 
 fn attracts<S: System>(orbit: &Orbit<S>) -> Option<AttractorKind> {
@@ -337,7 +500,7 @@ fn attracts<S: System>(orbit: &Orbit<S>) -> Option<AttractorKind> {
 }
 
 /// The ranges in which steady sliding is stable.
-fn steady_stretches(steady: &SteadyAlong, range: Range<f64>) -> Vec<Stretch> {
+fn steady_stretches<'b, S: System>(steady: &SteadyAlong, range: Range<f64>) -> Vec<Stretch<'b, S>> {
     let border = |at: f64| {
         let mut crossings = steady.crossings.iter();
         match crossings.find(|crossing| crossing.parameter == at) {
@@ -352,6 +515,7 @@ fn steady_stretches(steady: &SteadyAlong, range: Range<f64>) -> Vec<Stretch> {
         kind: AttractorKind::SteadySliding,
         parameters: stable.clone(),
         borders: [border(stable.start), border(stable.end)],
+        motions: Vec::new(),
     });
     stretches.collect()
 }
@@ -359,25 +523,19 @@ fn steady_stretches(steady: &SteadyAlong, range: Range<f64>) -> Vec<Stretch> {
 /// Returns true if a motion belongs to a branch: its numbers lie between those of neighbouring
 /// points.
 fn is_on<S: Oscillator>(branch: &Branch<S>, parameter: f64, orbit: &Orbit<S>) -> bool {
-    let count = S::general(&orbit.state()).displacements.len();
     let numbers = |orbit: &Orbit<S>| -> Vec<f64> {
-        let extremes = (0..count).map(|i| orbit.extremes(i));
-        let extremes = extremes.flat_map(|(least, largest)| [least, largest]);
-        extremes.collect()
+        let extremes = extremes(orbit).into_iter();
+        extremes.flat_map(|(least, most)| [least, most]).collect()
     };
-    // The same motion may have been found over several of its periods.
-    let fits = |other: f64| {
-        let ratio = (orbit.period() / other).max(other / orbit.period());
-        (ratio - ratio.round()).abs() <= ON_BRANCH
-    };
-    let own = numbers(orbit);
-    let extents = (0..count).map(|i| orbit.extremes(i).1 - orbit.extremes(i).0);
-    let extent = extents.fold(0.0, f64::max);
+    let (own, extent) = (numbers(orbit), extent(orbit));
     branch.points.windows(2).any(|pair| {
         let [a, b] = [0, 1].map(|i: usize| &pair[i] as &BranchPoint<S>);
         let part = (parameter - a.parameter) / (b.parameter - a.parameter);
         (0.0..=1.0).contains(&part)
-            && fits(a.orbit.period() * (1.0 - part) + b.orbit.period() * part)
+            && {
+                let period = a.orbit.period() * (1.0 - part) + b.orbit.period() * part;
+                fits(orbit.period(), period, ON_BRANCH)
+            }
             && {
                 let pairs = std::iter::zip(numbers(&a.orbit), numbers(&b.orbit));
                 pairs.zip(&own).all(|((a, b), own)| {
@@ -398,31 +556,52 @@ fn is_same<S: Oscillator>(known: &Branch<S>, branch: &Branch<S>) -> bool {
 }
 
 /// The ranges between all borders, those with the same attractors as one.
-fn ranges<S: System>(
-    stretches: &[Stretch],
+fn ranges<'b, S: System>(
+    stretches: &[Stretch<'b, S>],
     sweep: &Sweep<S>,
+    systems: &[Range<f64>],
     range: Range<f64>,
+    different: impl Fn(f64, Vec<&Stretch<'b, S>>) -> Vec<AttractorKind>,
 ) -> Vec<VibrationRange> {
     let width = range.end - range.start;
     let borders = stretches.iter().flat_map(|stretch| {
         let Range { start, end } = stretch.parameters;
         [(start, stretch.borders[0]), (end, stretch.borders[1])]
     });
+    let ends = systems.iter().flat_map(|part| [part.start, part.end]);
+    let borders = borders.chain(ends.map(|end| (end, Border::NoSystem)));
     let inside = |at: f64| range.start + SAME * width < at && at < range.end - SAME * width;
     let mut borders: Vec<(f64, Border)> = borders.filter(|border| inside(border.0)).collect();
     borders.push((range.start, Border::Range));
     borders.push((range.end, Border::Range));
     borders.sort_by(|a, b| a.0.total_cmp(&b.0));
-    borders.dedup_by(|a, b| a.0 - b.0 <= SAME * width);
+    // What is known exactly, whatever the branches, comes first.
+    let rank = |border: Border| match border {
+        Border::Range => 3,
+        Border::NoSystem => 2,
+        Border::Hopf => 1,
+        _ => 0,
+    };
+    borders.dedup_by(|a, b| {
+        let is_same = a.0 - b.0 <= SAME * width;
+        if is_same && rank(a.1) > rank(b.1) {
+            *b = *a;
+        }
+        is_same
+    });
     let mut found: Vec<VibrationRange> = Vec::new();
     for pair in borders.windows(2) {
         let (start, end) = (pair[0].0, pair[1].0);
         let middle = 0.5 * (start + end);
+        let exists = |part: &Range<f64>| part.start <= middle && middle < part.end;
+        if !systems.iter().any(exists) {
+            continue;
+        }
         let there = stretches.iter().filter(|stretch| {
             let Range { start, end } = stretch.parameters;
             start < middle && middle < end
         });
-        let mut attractors: Vec<AttractorKind> = there.map(|stretch| stretch.kind).collect();
+        let mut attractors = different(middle, there.collect());
         // What the sweep saw and no branch explains.
         for point in sweep.up.iter().chain(&sweep.down) {
             let is_new = |kind: &AttractorKind| !attractors.contains(kind);
@@ -435,7 +614,7 @@ fn ranges<S: System>(
         }
         attractors.sort();
         match found.last_mut() {
-            Some(last) if last.attractors == attractors => {
+            Some(last) if last.attractors == attractors && last.parameters.end == start => {
                 last.parameters.end = end;
                 last.borders[1] = pair[1].1;
             }

@@ -6,8 +6,8 @@ use stick_slip::orbit::{
 };
 use stick_slip::structure::State;
 use stick_slip::{
-    Contact, CycleKind, Drive, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Structure,
-    System,
+    Contact, CycleKind, Drive, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Stribeck,
+    Structure, System,
 };
 
 fn show<S: System>(found: &VibrationRanges<S>) {
@@ -200,4 +200,85 @@ fn what_cannot_be_searched_is_refused() {
         found.ranges.last().unwrap().attractors,
         [AttractorKind::SteadySliding]
     );
+}
+
+/// A motion that several searches find is one attractor, and a branch that shrinks to steady
+/// sliding ends at the Hopf point itself, however wide the range.
+#[test]
+fn each_motion_counts_once_in_ranges_of_all_widths() {
+    let mass = |load: f64| -> Result<Structure, Error> {
+        let law = Stribeck::new(0.45, 0.35, 0.05, 1)?;
+        Structure::new(&[0.5])?
+            .with_ground_spring(0, 2e6)?
+            .with_ground_damper(0, 20.0)?
+            .with_contact(Contact::new(0, law, load)?.on_belt(0.05))
+    };
+    // c = P (0.45 − 0.35)/0.05 e^(−1) at the Hopf point.
+    let hopf = 10.0 * std::f64::consts::E;
+    let mut wrong = Vec::new();
+    for i in 1..=20 {
+        let end = 100.0 * f64::from(i);
+        let found = vibration_ranges(mass, 1.0..end).unwrap();
+        let vibrates = found.ranges.last().unwrap();
+        let start = vibrates.parameters.start;
+        let is_right = vibrates.attractors == [AttractorKind::StickSlip]
+            && vibrates.borders == [Border::Hopf, Border::Range]
+            && (start / hopf - 1.0).abs() < 1e-12
+            && found.ranges.iter().all(|range| {
+                let mut kinds = range.attractors.clone();
+                kinds.dedup();
+                kinds.len() == range.attractors.len()
+            });
+        if !is_right {
+            show(&found);
+            wrong.push(end);
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:?}");
+}
+
+/// Where the family returns an error there is no range, neither before, between nor behind others.
+#[test]
+fn ranges_end_where_the_family_has_no_system() {
+    let forced = |frequency: f64| -> Result<Structure, Error> {
+        if frequency > 0.7 {
+            return Err(Error::NotFree);
+        }
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, 0.06)?
+            .with_force(0, Drive::harmonic(0.1, frequency, 0.0)?)?
+            .with_contact(Contact::new(0, Polynomial::new(0.55, 0.3, 0.7)?, 0.9)?.on_belt(0.25))
+    };
+    let found = vibration_ranges(forced, 0.5..1.0).unwrap();
+    show(&found);
+    let last = found.ranges.last().unwrap();
+    assert!((last.parameters.end - 0.7).abs() < 1e-15);
+    assert_eq!(last.borders[1], Border::NoSystem);
+    // A gap, in a range of stick-slip and in one of steady sliding.
+    let belt = |velocity: f64| {
+        if (0.1..0.2).contains(&velocity) || (0.5..0.55).contains(&velocity) {
+            return Err(Error::NotFree);
+        }
+        MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, velocity)?.with_damping(0.05)
+    };
+    let found = vibration_ranges(belt, 0.05..0.6).unwrap();
+    show(&found);
+    let is_in_a_gap = |at: f64| (0.1..0.2).contains(&at) || (0.5..0.55).contains(&at);
+    for range in &found.ranges {
+        let middle = 0.5 * (range.parameters.start + range.parameters.end);
+        assert!(!is_in_a_gap(middle) && !range.attractors.is_empty());
+        assert!(!range.borders.contains(&Border::Unknown));
+    }
+    let ends = found.ranges.iter().flat_map(|range| {
+        let ends = [range.parameters.start, range.parameters.end];
+        std::iter::zip(ends, range.borders)
+    });
+    let ends = ends.filter(|end| end.1 == Border::NoSystem);
+    let ends: Vec<f64> = ends.map(|end| end.0).collect();
+    assert_eq!(ends.len(), 4);
+    for (end, known) in std::iter::zip(ends, [0.1, 0.2, 0.5, 0.55]) {
+        assert!((end - known).abs() < 1e-15, "{end}");
+    }
+    assert_eq!(Border::NoSystem.to_string(), "no system");
 }
