@@ -149,16 +149,16 @@ const ON_BRANCH: f64 = 1e-2;
 ///
 /// A motion that lies on two branches counts once. Bifurcations are exact to about 1e-10 of the
 /// range, as those of [`follow`](super::follow()). Hopf points are exact to rounding in
-/// [`VibrationRange::parameters`], from the eigenvalues of steady sliding;
-/// [`BranchEnd::Hopf`] of a branch is extrapolated from its motions. Where the family returns an
-/// error, there is no range: those beside end with [`Border::NoSystem`]. Attractors on a branch of their own that the sweep
+/// [`VibrationRange::parameters`], from the eigenvalues of steady sliding; [`BranchEnd::Hopf`] of a
+/// branch is extrapolated from its motions. Where the family returns an error, there is no range:
+/// those beside end with [`Border::NoSystem`]. Attractors on a branch of their own that the sweep
 /// does not meet are missed; where a sweep finds no periodic motion but chaos, the range has
 /// [`AttractorKind::Irregular`].
 ///
 /// Work: a sweep of 34 values, and one [`follow`](super::follow()) for each branch: seconds for a
-/// few masses, tens of seconds for a dozen. [`Search::vibration_ranges`] bounds and watches it. For a mass on a belt of constant
-/// velocity, [`bifurcation::vibration_ranges`](crate::bifurcation::vibration_ranges) is faster, and
-/// complete.
+/// few masses, tens of seconds for a dozen. [`Search::vibration_ranges`] bounds and watches it. For
+/// a mass on a belt of constant velocity,
+/// [`bifurcation::vibration_ranges`](crate::bifurcation::vibration_ranges) is faster, and complete.
 ///
 /// # Errors
 ///
