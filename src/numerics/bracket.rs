@@ -56,6 +56,22 @@ impl SignChange {
     }
 }
 
+/// The two neighbouring numbers between which a property changes that `low` has and `high` has not,
+/// by bisection.
+pub(crate) fn border(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> [f64; 2] {
+    loop {
+        let middle = 0.5 * low + 0.5 * high;
+        if !(low < middle && middle < high) {
+            return [low, high];
+        }
+        if holds(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+}
+
 impl Bracket {
     /// The bracket between two places, the lower first, with the values of different sign there.
     pub(crate) fn new((low, low_value): (f64, f64), (high, high_value): (f64, f64)) -> Self {

@@ -4,6 +4,9 @@ use std::fmt;
 use std::ops::Range;
 
 use super::found::Orbit;
+use super::oscillator::Oscillator;
+use super::period::Period;
+use super::trial::Trial;
 use crate::error::Error;
 use crate::motion::{EventKind, System};
 
@@ -191,6 +194,23 @@ impl<S: System> Clone for Branch<S> {
             bifurcations: self.bifurcations.clone(),
             ends: self.ends.clone(),
         }
+    }
+}
+
+impl<S: Oscillator> BranchPoint<S> {
+    /// The motion of a trial, with the parameter at which it was found.
+    pub(super) fn of(
+        family: impl Fn(f64) -> Result<S, Error>,
+        parameter: f64,
+        trial: Trial,
+        kind: Period,
+    ) -> Result<Self, Error> {
+        let find = || {
+            let system = family(parameter)?;
+            Orbit::new(&system, &system.form(), trial, kind)
+        };
+        let orbit = find().map_err(|error: Error| error.at("parameter", parameter))?;
+        Ok(Self { parameter, orbit })
     }
 }
 

@@ -10,7 +10,6 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::branch::BranchPoint;
 use super::curve::{Curve, Plane};
 use super::form::GeneralForm;
-use super::found::Orbit;
 use super::map::{state, vector};
 use super::oscillator::Oscillator;
 use super::period::Period;
@@ -18,7 +17,7 @@ use super::search::Search;
 use super::trial::Trial;
 use super::walk::natural_scale;
 use crate::error::Error;
-use crate::numerics::bracket::Bracket;
+use crate::numerics::bracket::{Bracket, border};
 use crate::numerics::eigenvalues::eigenvalues;
 use crate::state::structure::State;
 use crate::structure::sliding_field::SlidingField;
@@ -114,7 +113,11 @@ pub(super) fn steady_along<S: Oscillator>(
         while low.1 != high.1 {
             let found = match (low.1, high.1) {
                 (Some(a), Some(b)) => sign_change(&at, (low.0, high.0), (a, b)),
-                _ => border(&at, low, high).map(|place| (place, high.1, None)),
+                _ => {
+                    // Steady sliding begins or ends to exist.
+                    let holds = |place: f64| at(place).is_some() == low.1.is_some();
+                    Some((border(low.0, high.0, holds)[1], high.1, None))
+                }
             };
             let Some((parameter, count, crossing)) = found else {
                 break;
@@ -162,26 +165,6 @@ fn sign_change(
         frequency,
     };
     Some((parameter, Some(behind), Some(crossing)))
-}
-
-/// The place at which steady sliding begins or ends to exist.
-fn border(
-    at: &Spectrum<'_>,
-    mut low: (f64, Option<usize>),
-    mut high: (f64, Option<usize>),
-) -> Option<f64> {
-    loop {
-        let middle = 0.5 * low.0 + 0.5 * high.0;
-        if !(low.0 < middle && middle < high.0) {
-            return Some(high.0);
-        }
-        let count = at(middle).as_deref().map(unstable);
-        if count.is_some() == low.1.is_some() {
-            low = (middle, count);
-        } else {
-            high = (middle, count);
-        }
-    }
 }
 
 /// The periodic motion that is born at a Hopf point of steady sliding: a small one, from which
@@ -270,12 +253,7 @@ impl Search<'_> {
         let (parameter, trial) = self.over(&family, kind, range, |curve| {
             born.motion(&form, curve, parameter)
         })?;
-        let find = || {
-            let system = family(parameter)?;
-            Orbit::new(&system, &system.form(), trial, kind)
-        };
-        let orbit = find().map_err(|error| error.at("parameter", parameter))?;
-        Ok(BranchPoint { parameter, orbit })
+        BranchPoint::of(family, parameter, trial, kind)
     }
 }
 

@@ -12,6 +12,7 @@ use super::search::Search;
 use super::sweep::Sweep;
 use crate::error::Error;
 use crate::motion::System;
+use crate::numerics::bracket::border;
 use crate::state::structure::State;
 
 /// The attractors of a system over a range of a parameter: see [`vibration_ranges`].
@@ -424,24 +425,14 @@ fn systems<S>(family: &impl Fn(f64) -> Result<S, Error>, places: &[f64]) -> Vec<
     let known = places.iter().map(|&place| (place, family(place).is_ok()));
     let known: Vec<(f64, bool)> = known.collect();
     for pair in known.windows(2) {
-        let [(mut low, is_low), (mut high, is_high)] = [pair[0], pair[1]];
+        let [(low, is_low), (high, is_high)] = [pair[0], pair[1]];
         if is_low {
             start.get_or_insert(low);
         }
         if is_low == is_high {
             continue;
         }
-        loop {
-            let middle = 0.5 * low + 0.5 * high;
-            if !(low < middle && middle < high) {
-                break;
-            }
-            if family(middle).is_ok() == is_low {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
+        let [_, high] = border(low, high, |place| family(place).is_ok() == is_low);
         match start.take() {
             Some(start) => found.push(start..high),
             None => start = Some(high),

@@ -103,12 +103,7 @@ impl<S: Oscillator> Bifurcation<S> {
             Search::new().over(&family, kind, self.range.clone(), |curve| {
                 other_branch(curve, &start, (period, self.parameter), is_symmetric)
             })?;
-        let find = || {
-            let system = family(parameter)?;
-            Orbit::new(&system, &system.form(), trial, kind)
-        };
-        let orbit = find().map_err(|error| error.at("parameter", parameter))?;
-        Ok(BranchPoint { parameter, orbit })
+        BranchPoint::of(family, parameter, trial, kind)
     }
 
     /// Returns on which side of the bifurcation the motions exist that are born there, from one of
