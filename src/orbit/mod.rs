@@ -115,7 +115,7 @@
 // | `shoot.rs` | `shoot`, `settle`: Newton's method for the fixed points of the map |
 // | `written.rs` | serialization of the results (feature `serde`) |
 // | `classify.rs`, `sweep.rs` | what a motion settles to; the same as a parameter rises and falls |
-// | `ranges.rs` | `vibration_ranges`: the attractors over a range of a parameter |
+// | `ranges` | `vibration_ranges`: the attractors over a range of a parameter: the search (`mod.rs`), whether motions are the same (`motions.rs`), the results (`found.rs`) |
 // | `found.rs` | `Orbit`: a periodic motion with its events, extremes and multipliers |
 // | `measures.rs` | extremes, means, harmonics and energies of an `Orbit` |
 // | `follow.rs` | `follow`: continuation of a motion over a parameter |

@@ -1,9 +1,13 @@
 //! The attractors over a range of a parameter, with the bifurcations between them.
 
-use std::fmt;
+mod found;
+mod motions;
+
 use std::ops::Range;
 
-use super::branch::{Bifurcation, BifurcationKind, Branch, BranchEnd, BranchPoint};
+pub use self::found::{Border, VibrationRange, VibrationRanges};
+use self::motions::{extent, is_on, is_one, is_same};
+use super::branch::{Bifurcation, Branch, BranchEnd};
 use super::classify::{Attractor, AttractorKind, kind_of};
 use super::found::Orbit;
 use super::hopf::{Crossing, SteadyAlong, steady_along};
@@ -14,103 +18,6 @@ use crate::error::Error;
 use crate::motion::System;
 use crate::numerics::bracket::border;
 use crate::state::structure::State;
-
-/// The attractors of a system over a range of a parameter: see [`vibration_ranges`].
-#[non_exhaustive]
-pub struct VibrationRanges<S: System> {
-    /// The ranges, in ascending order; together they cover the range that was searched, except
-    /// where the family has no system.
-    pub ranges: Vec<VibrationRange>,
-    /// The branches of periodic motions that were followed.
-    pub branches: Vec<Branch<S>>,
-    /// What the system settled to at equidistant values.
-    pub sweep: Sweep<S>,
-}
-
-/// A range of a parameter with the same attractors throughout.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[non_exhaustive]
-pub struct VibrationRange {
-    /// The values of the parameter, in its own units.
-    pub parameters: Range<f64>,
-    /// All attractors that were found: one entry for each. Two or more mean hysteresis: which one
-    /// is reached depends on the start.
-    pub attractors: Vec<AttractorKind>,
-    /// Why the attractors change at the two ends of the range.
-    pub borders: [Border; 2],
-}
-
-/// Why the attractors change at an end of a [`VibrationRange`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize),
-    serde(rename_all = "snake_case")
-)]
-#[non_exhaustive]
-pub enum Border {
-    /// The range that was searched ends there.
-    Range,
-    /// Steady sliding changes its stability, and a periodic motion is born.
-    Hopf,
-    /// A real eigenvalue of steady sliding is 0: the equilibrium is pushed away.
-    Divergence,
-    /// Steady sliding begins or ceases to exist.
-    NoSteadySliding,
-    /// The family returns an error beyond: no system exists there.
-    NoSystem,
-    /// A periodic motion passes a fold: it meets an unstable one, and vanishes.
-    Fold,
-    /// A multiplier of a periodic motion is −1: see [`BifurcationKind::Flip`].
-    Flip,
-    /// A symmetric motion becomes unstable: see [`BifurcationKind::Pitchfork`].
-    Pitchfork,
-    /// A pair of multipliers of a periodic motion passes the unit circle.
-    NeimarkSacker,
-    /// An event of a periodic motion becomes tangential: with another motion, with which it
-    /// vanishes, or the motion changes its kind or its stability.
-    Grazing,
-    /// The events of a periodic motion change, and with them its kind or its stability.
-    Sequence,
-    /// A periodic motion jumps: see [`BranchEnd::Discontinuity`].
-    Discontinuity,
-    /// A branch could not be followed beyond: [`VibrationRanges::branches`] has the reason.
-    Unknown,
-}
-
-impl fmt::Display for Border {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::Range => "end of the range",
-            Self::Hopf => "Hopf",
-            Self::Divergence => "divergence",
-            Self::NoSteadySliding => "no steady sliding",
-            Self::NoSystem => "no system",
-            Self::Fold => "fold",
-            Self::Flip => "flip",
-            Self::Pitchfork => "pitchfork",
-            Self::NeimarkSacker => "Neimark-Sacker",
-            Self::Grazing => "grazing",
-            Self::Sequence => "change of events",
-            Self::Discontinuity => "discontinuity",
-            Self::Unknown => "unknown",
-        })
-    }
-}
-
-impl From<BifurcationKind> for Border {
-    fn from(kind: BifurcationKind) -> Self {
-        match kind {
-            BifurcationKind::Fold => Self::Fold,
-            BifurcationKind::Flip => Self::Flip,
-            BifurcationKind::Pitchfork => Self::Pitchfork,
-            BifurcationKind::NeimarkSacker => Self::NeimarkSacker,
-            BifurcationKind::Grazing => Self::Grazing,
-            BifurcationKind::Sequence => Self::Sequence,
-        }
-    }
-}
 
 /// Intervals of the range at whose ends the system is swept.
 const SWEPT: usize = 16;
@@ -129,12 +36,6 @@ const NEAR: f64 = 1e-6;
 /// Motions below this part of the largest extent on a branch are the Hopf point near them: a fold
 /// of such a motion lies A⁴ ~ 1e-12 of the range from it, less than rounding of the small motion.
 const SMALL: f64 = 1e-3;
-
-/// The largest difference of the periods and extremes of one motion that was found twice.
-const ONE: f64 = 1e-6;
-
-/// The largest distance of a motion from a branch to which it belongs, as a part of its extent.
-const ON_BRANCH: f64 = 1e-2;
 
 /// The attractors of a system over a range of a parameter: where it slides steadily, where it
 /// vibrates, and where it depends on the past which of both it does, with the critical values
@@ -455,37 +356,6 @@ struct Stretch<'b, S: System> {
     motions: Vec<(f64, &'b Orbit<S>)>,
 }
 
-/// The least and the largest displacements of a motion.
-fn extremes<S: Oscillator>(orbit: &Orbit<S>) -> Vec<(f64, f64)> {
-    let count = S::general(&orbit.state()).displacements.len();
-    (0..count).map(|i| orbit.extremes(i)).collect()
-}
-
-/// The largest extent of a motion.
-fn extent<S: Oscillator>(orbit: &Orbit<S>) -> f64 {
-    let extents = extremes(orbit).into_iter();
-    extents
-        .map(|(least, most)| most - least)
-        .fold(0.0, f64::max)
-}
-
-/// Returns true if a period is another one or a multiple of it, or the other way round: the same
-/// motion may be found over several of its periods.
-fn fits(period: f64, other: f64, error: f64) -> bool {
-    let ratio = (period / other).max(other / period);
-    (ratio - ratio.round()).abs() <= error
-}
-
-/// Returns true if two motions of one system are the same.
-fn is_one<S: Oscillator>(a: &Orbit<S>, b: &Orbit<S>) -> bool {
-    let most = ONE * extent(a).max(extent(b));
-    let pairs = std::iter::zip(extremes(a), extremes(b));
-    fits(a.period(), b.period(), ONE)
-        && pairs
-            .into_iter()
-            .all(|(a, b)| (a.0 - b.0).abs() <= most && (a.1 - b.1).abs() <= most)
-}
-
 fn attracts<S: System>(orbit: &Orbit<S>) -> Option<AttractorKind> {
     orbit.is_stable().then(|| kind_of(orbit))
 }
@@ -509,41 +379,6 @@ fn steady_stretches<'b, S: System>(steady: &SteadyAlong, range: Range<f64>) -> V
         motions: Vec::new(),
     });
     stretches.collect()
-}
-
-/// Returns true if a motion belongs to a branch: its numbers lie between those of neighbouring
-/// points.
-fn is_on<S: Oscillator>(branch: &Branch<S>, parameter: f64, orbit: &Orbit<S>) -> bool {
-    let numbers = |orbit: &Orbit<S>| -> Vec<f64> {
-        let extremes = extremes(orbit).into_iter();
-        extremes.flat_map(|(least, most)| [least, most]).collect()
-    };
-    let (own, extent) = (numbers(orbit), extent(orbit));
-    branch.points.windows(2).any(|pair| {
-        let [a, b] = [0, 1].map(|i: usize| &pair[i] as &BranchPoint<S>);
-        let part = (parameter - a.parameter) / (b.parameter - a.parameter);
-        (0.0..=1.0).contains(&part)
-            && {
-                let period = a.orbit.period() * (1.0 - part) + b.orbit.period() * part;
-                fits(orbit.period(), period, ON_BRANCH)
-            }
-            && {
-                let pairs = std::iter::zip(numbers(&a.orbit), numbers(&b.orbit));
-                pairs.zip(&own).all(|((a, b), own)| {
-                    let apart = (a * (1.0 - part) + b * part - own).abs();
-                    apart <= ON_BRANCH * extent + 0.1 * (a - b).abs()
-                })
-            }
-    })
-}
-
-/// Returns true if most of some motions of a branch belong to another one.
-fn is_same<S: Oscillator>(known: &Branch<S>, branch: &Branch<S>) -> bool {
-    const TRIED: usize = 9;
-    let count = branch.points.len();
-    let tried = (0..TRIED).filter_map(|i| branch.points.get(count * (i + 1) / (TRIED + 1)));
-    let same = tried.filter(|point| is_on(known, point.parameter, &point.orbit));
-    2 * same.count() > TRIED
 }
 
 /// The ranges between all borders, those with the same attractors as one.
@@ -617,23 +452,4 @@ fn ranges<'b, S: System>(
         }
     }
     found
-}
-
-impl<S: System> Clone for VibrationRanges<S> {
-    fn clone(&self) -> Self {
-        Self {
-            ranges: self.ranges.clone(),
-            branches: self.branches.clone(),
-            sweep: self.sweep.clone(),
-        }
-    }
-}
-
-impl<S: System> fmt::Debug for VibrationRanges<S> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("VibrationRanges")
-            .field("ranges", &self.ranges)
-            .field("branches", &self.branches)
-            .finish_non_exhaustive()
-    }
 }

@@ -1,0 +1,125 @@
+//! The attractors over a range of a parameter: the results of `vibration_ranges`.
+
+use std::fmt;
+use std::ops::Range;
+
+use super::super::branch::{BifurcationKind, Branch};
+use super::super::classify::AttractorKind;
+use super::super::sweep::Sweep;
+use crate::motion::System;
+
+/// The attractors of a system over a range of a parameter: see [`vibration_ranges`](super::vibration_ranges()).
+#[non_exhaustive]
+pub struct VibrationRanges<S: System> {
+    /// The ranges, in ascending order; together they cover the range that was searched, except
+    /// where the family has no system.
+    pub ranges: Vec<VibrationRange>,
+    /// The branches of periodic motions that were followed.
+    pub branches: Vec<Branch<S>>,
+    /// What the system settled to at equidistant values.
+    pub sweep: Sweep<S>,
+}
+
+/// A range of a parameter with the same attractors throughout.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct VibrationRange {
+    /// The values of the parameter, in its own units.
+    pub parameters: Range<f64>,
+    /// All attractors that were found: one entry for each. Two or more mean hysteresis: which one
+    /// is reached depends on the start.
+    pub attractors: Vec<AttractorKind>,
+    /// Why the attractors change at the two ends of the range.
+    pub borders: [Border; 2],
+}
+
+/// Why the attractors change at an end of a [`VibrationRange`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(rename_all = "snake_case")
+)]
+#[non_exhaustive]
+pub enum Border {
+    /// The range that was searched ends there.
+    Range,
+    /// Steady sliding changes its stability, and a periodic motion is born.
+    Hopf,
+    /// A real eigenvalue of steady sliding is 0: the equilibrium is pushed away.
+    Divergence,
+    /// Steady sliding begins or ceases to exist.
+    NoSteadySliding,
+    /// The family returns an error beyond: no system exists there.
+    NoSystem,
+    /// A periodic motion passes a fold: it meets an unstable one, and vanishes.
+    Fold,
+    /// A multiplier of a periodic motion is −1: see [`BifurcationKind::Flip`].
+    Flip,
+    /// A symmetric motion becomes unstable: see [`BifurcationKind::Pitchfork`].
+    Pitchfork,
+    /// A pair of multipliers of a periodic motion passes the unit circle.
+    NeimarkSacker,
+    /// An event of a periodic motion becomes tangential: with another motion, with which it
+    /// vanishes, or the motion changes its kind or its stability.
+    Grazing,
+    /// The events of a periodic motion change, and with them its kind or its stability.
+    Sequence,
+    /// A periodic motion jumps: see [`BranchEnd::Discontinuity`](super::super::BranchEnd::Discontinuity).
+    Discontinuity,
+    /// A branch could not be followed beyond: [`VibrationRanges::branches`] has the reason.
+    Unknown,
+}
+
+impl fmt::Display for Border {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Range => "end of the range",
+            Self::Hopf => "Hopf",
+            Self::Divergence => "divergence",
+            Self::NoSteadySliding => "no steady sliding",
+            Self::NoSystem => "no system",
+            Self::Fold => "fold",
+            Self::Flip => "flip",
+            Self::Pitchfork => "pitchfork",
+            Self::NeimarkSacker => "Neimark-Sacker",
+            Self::Grazing => "grazing",
+            Self::Sequence => "change of events",
+            Self::Discontinuity => "discontinuity",
+            Self::Unknown => "unknown",
+        })
+    }
+}
+
+impl From<BifurcationKind> for Border {
+    fn from(kind: BifurcationKind) -> Self {
+        match kind {
+            BifurcationKind::Fold => Self::Fold,
+            BifurcationKind::Flip => Self::Flip,
+            BifurcationKind::Pitchfork => Self::Pitchfork,
+            BifurcationKind::NeimarkSacker => Self::NeimarkSacker,
+            BifurcationKind::Grazing => Self::Grazing,
+            BifurcationKind::Sequence => Self::Sequence,
+        }
+    }
+}
+
+impl<S: System> Clone for VibrationRanges<S> {
+    fn clone(&self) -> Self {
+        Self {
+            ranges: self.ranges.clone(),
+            branches: self.branches.clone(),
+            sweep: self.sweep.clone(),
+        }
+    }
+}
+
+impl<S: System> fmt::Debug for VibrationRanges<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("VibrationRanges")
+            .field("ranges", &self.ranges)
+            .field("branches", &self.branches)
+            .finish_non_exhaustive()
+    }
+}
