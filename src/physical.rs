@@ -289,8 +289,10 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
     pub fn basins(&self) -> Result<Basins<'_, Scaled<L>>, Error> {
-        let basins = limit_cycle::basins_in(&self.system, self.scaling.units());
-        basins.map_err(|error| self.in_si(error))
+        match limit_cycle::basins(&self.system) {
+            Ok(basins) => Ok(basins.in_units(self.scaling.units())),
+            Err(error) => Err(self.in_si(error)),
+        }
     }
 
     /// The belt velocities, in m/s, found by a search of [`bifurcation`] in a range of m/s. Pass

@@ -142,21 +142,10 @@ pub fn attractor<L: FrictionLaw>(
 #[doc(alias = "brute force")]
 #[doc(alias = "basin of attraction")]
 pub fn basins<L: FrictionLaw>(system: &MassOnBelt<L>) -> Result<Basins<'_, L>, Error> {
-    basins_in(system, Units::DIMENSIONLESS)
-}
-
-/// The basins of a dimensionless system, for starts and with results in other units.
-pub(crate) fn basins_in<L: FrictionLaw>(
-    system: &MassOnBelt<L>,
-    units: Units,
-) -> Result<Basins<'_, L>, Error> {
-    let nest = Nest::of(system.belt())?;
-    let cycles = nest.cycles.clone().in_units(units);
     Ok(Basins {
         system,
-        nest,
-        cycles,
-        units,
+        nest: Nest::of(system.belt())?,
+        measured: None,
     })
 }
 
@@ -199,9 +188,8 @@ struct Nest {
 pub struct Basins<'s, L> {
     system: &'s MassOnBelt<L>,
     nest: Nest,
-    /// Those of the nest, in the units.
-    cycles: CycleSet,
-    units: Units,
+    /// The units of starts and results if they have any, and the cycles in them.
+    measured: Option<(Units, CycleSet)>,
 }
 
 /// The boundaries of the basins on a belt that moves forward.
@@ -276,7 +264,10 @@ impl Tracer<'_> {
 impl<L: FrictionLaw> Basins<'_, L> {
     /// The periodic motions of the system, as returned by [`find`](super::find).
     pub fn cycles(&self) -> &CycleSet {
-        &self.cycles
+        match &self.measured {
+            Some((_, cycles)) => cycles,
+            None => &self.nest.cycles,
+        }
     }
 
     /// The attractor that the motion from `start` reaches, decided as in [`attractor`], by a few
@@ -290,11 +281,21 @@ impl<L: FrictionLaw> Basins<'_, L> {
     pub fn attractor(&self, start: impl Into<State>) -> Result<Attractor, Error> {
         let start = start.into();
         check(start)?;
-        let attractor = self
-            .nest
-            .attractor(self.system.belt(), self.units.dimensionless(start));
-        let attractor = attractor.map_err(|error| error.in_units(self.units))?;
-        Ok(attractor.in_units(self.units))
+        let belt = self.system.belt();
+        let Some((units, _)) = self.measured else {
+            return self.nest.attractor(belt, start);
+        };
+        match self.nest.attractor(belt, units.dimensionless(start)) {
+            Ok(attractor) => Ok(attractor.in_units(units)),
+            Err(error) => Err(error.in_units(units)),
+        }
+    }
+
+    /// The basins of a dimensionless system, for starts and with results in other units.
+    pub(crate) fn in_units(self, units: Units) -> Self {
+        let cycles = self.nest.cycles.clone().in_units(units);
+        let measured = Some((units, cycles));
+        Self { measured, ..self }
     }
 }
 

@@ -109,7 +109,6 @@ mod testing;
 mod written;
 
 pub(crate) use arc::Tracer;
-pub(crate) use basin::basins_in;
 pub use basin::{Attractor, Basins, attractor, basins};
 pub use continuum::Continuum;
 pub(crate) use continuum::is_frictionless;

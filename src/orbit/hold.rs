@@ -10,7 +10,6 @@
 use super::form::GeneralForm;
 use crate::clock::Clock;
 use crate::error::Error;
-use crate::friction::memory::Slip;
 use crate::motion::step_control::reach;
 use crate::motion::{EventKind, Integrator, Mode, Segment};
 use crate::series::{PowerSeries, TERMS};
@@ -278,15 +277,8 @@ impl<'s> HeldFlow<'s> {
         let model = &self.form.model;
         let (contact, sign) = (&model.contacts[hold.contact], hold.side.sign());
         let memory = &state.memory[model.memory(hold.contact)];
-        let slip = Slip {
-            speed: 0.0,
-            direction: sign,
-            piece: 0,
-        };
-        let kinetic = sign * contact.law.coefficient(slip, &|j| memory[j]);
-        let mut caught = memory.to_vec();
-        contact.law.caught(&mut caught);
-        let limit = contact.law.limit(&|j| caught[j]).unwrap_or(f64::NAN);
+        let (kinetic, limit) = contact.coefficients_at_rest(hold.side, memory);
+        let limit = limit.unwrap_or(f64::NAN);
         let Some(i) = model.owner_of(hold.contact) else {
             return;
         };
@@ -295,9 +287,7 @@ impl<'s> HeldFlow<'s> {
         if !(is_same && stiffness != 0.0) {
             return;
         }
-        let load = |contact: &ContactData<'_>| {
-            contact.load.value(time) + contact.displacement_load(|j| state.displacements[j])
-        };
+        let load = |contact: &ContactData<'_>| contact.load_at(time, |j| state.displacements[j]);
         let mut terms = vec![
             model.forces[i].value(time) * contact.compliance,
             -contact.belt_velocity.series(Clock::at(time))[1],

@@ -3,7 +3,6 @@
 
 use crate::friction::memory::object::Derivative;
 use crate::friction::memory::{Motion, Slip};
-use crate::friction::piece_above;
 use crate::motion::{Mode, Segment};
 use crate::scalar::jet::Tape;
 use crate::scalar::mul_add;
@@ -23,19 +22,6 @@ pub(super) struct Linear {
 }
 
 impl Holding {
-    /// The holding contacts for these modes. (Contacts that stick together are independent.)
-    pub(super) fn of(model: &Model<'_>, modes: &[Mode]) -> Self {
-        let shared = model.shared.iter().copied();
-        let contacts: Vec<usize> = shared.filter(|&c| modes[c] == Mode::Stick).collect();
-        match model.factor(&contacts) {
-            Ok(factor) => Self { contacts, factor },
-            Err(_) => {
-                debug_assert!(false, "contacts that stick together are independent");
-                Self::default()
-            }
-        }
-    }
-
     /// Projects out the velocities that move a sticking contact: coefficient k of several
     /// perturbations.
     pub(super) fn project<const W: usize, const T: usize>(
@@ -137,7 +123,7 @@ impl Linear {
         });
         Self {
             contacts: contacts.collect(),
-            holding: Holding::of(model, step.modes()),
+            holding: model.holding(|c| step.modes()[c] == Mode::Stick),
         }
     }
 
@@ -250,7 +236,7 @@ impl ContactAlong<'_> {
         let motion = Motion::Slip(Slip {
             speed: &speeds,
             direction,
-            piece: piece_above(contact.breakpoints.iter().copied(), middle),
+            piece: contact.piece_above(middle),
         });
         let by_speed = self.derivative(joint, motion, None);
         joint.friction.push(product(&load, &by_speed.slope).into());

@@ -26,7 +26,6 @@ use super::linear::Linear;
 use super::tangent::TangentFlow;
 use crate::friction::memory::object::LawObject;
 use crate::friction::memory::{Motion, Slip};
-use crate::friction::piece_above;
 use crate::motion::{Event, EventKind, Mode, Segment};
 use crate::series::PowerSeries;
 use crate::state::Direction;
@@ -282,7 +281,7 @@ impl TangentFlow<'_> {
             Some(direction) => Motion::Slip(Slip {
                 speed: velocity.abs(),
                 direction: direction.sign(),
-                piece: piece_above(data.breakpoints.iter().copied(), velocity.abs()),
+                piece: data.piece_above(velocity.abs()),
             }),
         };
         *rates = law.rates(motion, memory);

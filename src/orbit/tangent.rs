@@ -25,7 +25,6 @@ use crate::motion::{Integrator, Mode, Segment};
 use crate::scalar::jet::Tape;
 use crate::state::structure::State;
 use crate::structure::Step;
-use crate::structure::engine::factor::Holding;
 
 /// Numbers of perturbations that are carried side by side.
 const FEW: usize = 4;
@@ -93,7 +92,7 @@ impl<'s> TangentFlow<'s> {
                     self.tangents.row_mut(n + i).fill(0.0);
                 }
             }
-            let holding = Holding::of(model, step.modes());
+            let holding = model.holding(|c| step.modes()[c] == Mode::Stick);
             if !holding.contacts.is_empty() {
                 for mut column in self.tangents.column_iter_mut() {
                     let mut velocities = column.rows_mut(n, n);

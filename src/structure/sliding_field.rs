@@ -7,7 +7,6 @@ use super::engine::model::Model;
 use super::steady::{sliding_of, solve};
 use crate::error::{Error, NotSliding};
 use crate::friction::memory::{Motion, Sliding, Slip};
-use crate::friction::piece_above;
 use crate::scalar::jet::Tape;
 use crate::series::{PowerSeries, TERMS};
 use crate::state::structure::State;
@@ -75,7 +74,7 @@ impl<'m, 's> SlidingField<'m, 's> {
         let slides = contacts.into_iter().enumerate();
         let slides = slides.map(|(number, (sliding, direction))| {
             let contact = &model.contacts[number];
-            let load = contact.load.value(0.0) + contact.displacement_load(|j| displacements[j]);
+            let load = contact.load_at(0.0, |j| displacements[j]);
             if load > 0.0 {
                 Ok(Slides {
                     sliding,
@@ -189,7 +188,7 @@ impl<'m, 's> SlidingField<'m, 's> {
             let motion = Motion::Slip(Slip {
                 speed: &speeds,
                 direction: slides.direction,
-                piece: piece_above(contact.breakpoints.iter().copied(), speed),
+                piece: contact.piece_above(speed),
             });
             let along = |by: Option<usize>| (by, by.map_or(slip, |j: usize| line[first + j]));
             let mut coefficient = PowerSeries::ZERO;

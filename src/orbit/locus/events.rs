@@ -24,7 +24,6 @@ use super::change::Change;
 use super::found::{LocusKind, SpecialKind};
 use super::motions::{FrozenStart, Mark, Motions};
 use crate::error::Error;
-use crate::friction::memory::Slip;
 use crate::motion::{Event, EventKind, Mode, Segment};
 use crate::numerics::trace::{Equations, Point};
 use crate::state::structure::State;
@@ -73,16 +72,9 @@ pub(super) fn margin(form: &GeneralForm<'_>, step: &Step, event: &Event<State>) 
     };
     form.model.owner_of(event.contact)?;
     let contact = &form.model.contacts[event.contact];
-    let memory = event.state.memory[form.model.memory(event.contact)].to_vec();
-    let slip = Slip {
-        speed: 0.0,
-        direction: side.sign(),
-        piece: 0,
-    };
-    let kinetic = side.sign() * contact.law.coefficient(slip, &|j| memory[j]);
-    let mut caught = memory.clone();
-    contact.law.caught(&mut caught);
-    let limit = contact.law.limit(&|j| caught[j])?;
+    let memory = &event.state.memory[form.model.memory(event.contact)];
+    let (kinetic, limit) = contact.coefficients_at_rest(*side, memory);
+    let limit = limit?;
     let h = step.duration();
     let load = contact.load.series(step.clock()).at(h)
         + contact.displacement_load(|j| event.state.displacements[j]);

@@ -239,14 +239,25 @@ impl<'f> Motions<'f> {
         kind.duration(form.rhythm())
     }
 
+    /// The time of the start in y, the start in its modes, and the period.
+    fn start(
+        &self,
+        form: &GeneralForm<'_>,
+        y: &DVector<f64>,
+        begin: &FrozenStart,
+    ) -> Result<(f64, State, f64), Error> {
+        let period = self.period(form, y)?;
+        let time = begin.phase * period;
+        let mut start = state(&y.rows(0, self.order).into_owned(), self.n);
+        form.put_in_modes(&mut start, time, |c| begin.modes.get(c).copied());
+        Ok((time, start, period))
+    }
+
     /// The motion over one period from the start in y.
     pub(super) fn trial(&self, y: &DVector<f64>, begin: &FrozenStart) -> Result<Trial, Error> {
         self.tried.set(self.tried.get() + 1);
         self.with(self.parameters(y), |form| {
-            let period = self.period(form, y)?;
-            let time = begin.phase * period;
-            let mut start = state(&y.rows(0, self.order).into_owned(), self.n);
-            form.put_in_modes(&mut start, time, |c| begin.modes.get(c).copied());
+            let (time, start, period) = self.start(form, y, begin)?;
             let map = held_period_map(form, (time, &start), period, &begin.holds)?;
             Ok(Trial::new(map, period))
         })
@@ -261,10 +272,7 @@ impl<'f> Motions<'f> {
     ) -> Result<T, Error> {
         self.tried.set(self.tried.get() + 1);
         self.with(self.parameters(y), |form| {
-            let period = self.period(form, y)?;
-            let time = begin.phase * period;
-            let mut start = state(&y.rows(0, self.order).into_owned(), self.n);
-            form.put_in_modes(&mut start, time, |c| begin.modes.get(c).copied());
+            let (time, start, period) = self.start(form, y, begin)?;
             let course = held_course(form, (time, &start), period, &begin.holds)?;
             take(form, start, course, period)
         })

@@ -2,7 +2,9 @@
 
 use crate::drive::Drive;
 use crate::error::{Element, Error};
+use crate::friction::memory::Slip;
 use crate::friction::memory::object::LawObject;
+use crate::state::Direction;
 use std::borrow::Cow;
 
 /// Entries of a vector by their coordinates, without zeros.
@@ -104,6 +106,34 @@ impl<'s> ContactData<'s> {
         }
     }
 
+    /// N at a time, below 0 where it is open.
+    pub(crate) fn load_at(&self, time: f64, displacement: impl Fn(usize) -> f64) -> f64 {
+        self.load.value(time) + self.displacement_load(displacement)
+    }
+
+    /// The kinetic coefficient at speed 0, slipping in a direction, and the static one with which
+    /// it would be caught there, given its memory; `None` if it never sticks.
+    pub(crate) fn coefficients_at_rest(
+        &self,
+        direction: Direction,
+        memory: &[f64],
+    ) -> (f64, Option<f64>) {
+        let slip = Slip {
+            speed: 0.0,
+            direction: direction.sign(),
+            piece: 0,
+        };
+        let kinetic = direction.sign() * self.law.coefficient(slip, &|j| memory[j]);
+        let mut caught = memory.to_vec();
+        self.law.caught(&mut caught);
+        (kinetic, self.law.limit(&|j| caught[j]))
+    }
+
+    /// The piece of its law just above a sliding speed.
+    pub(crate) fn piece_above(&self, speed: f64) -> usize {
+        self.breakpoints.partition_point(|&b| b <= speed)
+    }
+
     /// Number of memory variables: those of its law, or the force of an elastic contact.
     pub(crate) fn memory(&self) -> usize {
         match self.tangential_stiffness {
@@ -123,8 +153,7 @@ impl<'s> ContactData<'s> {
 
     /// μN of an elastic contact at a time, 0 where it is open.
     pub(crate) fn limit_at(&self, time: f64, displacement: impl Fn(usize) -> f64) -> f64 {
-        let load = self.load.value(time) + self.displacement_load(displacement);
-        (self.constant_coefficient() * load).max(0.0)
+        (self.constant_coefficient() * self.load_at(time, displacement)).max(0.0)
     }
 
     /// Sum of the sizes of all terms of the load.

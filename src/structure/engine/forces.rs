@@ -6,7 +6,6 @@ use super::model::Model;
 use crate::clock::Clock;
 use crate::drive::Drive;
 use crate::friction::memory::Slip;
-use crate::friction::piece_above;
 use crate::motion::{Mode, Segment};
 use crate::state::Direction;
 use crate::state::structure::State;
@@ -46,10 +45,8 @@ pub(crate) struct AtContact {
 
 impl<'a, 's> Forces<'a, 's> {
     pub(crate) fn of(model: &'a Model<'s>, step: &'a Step) -> Self {
-        let shared = model.shared.iter().copied();
-        let sticking = shared.filter(|&c| step.modes()[c] == Mode::Stick);
         Self {
-            holding: model.independent(sticking.collect(), |_| 0.0),
+            holding: model.holding(|c| step.modes()[c] == Mode::Stick),
             model,
             step,
         }
@@ -177,7 +174,7 @@ fn friction(
     let slip = Slip {
         speed,
         direction,
-        piece: piece_above(contact.breakpoints.iter().copied(), speed),
+        piece: contact.piece_above(speed),
     };
     contact.law.coefficient(slip, memory)
 }

@@ -370,8 +370,7 @@ impl<'s> Model<'s> {
                 velocities[*i] = contact.belt_velocity.value(time);
             }
         }
-        let shared = self.shared.iter().copied();
-        let holding = self.independent(shared.filter(|&c| rests(c)).collect(), |_| 0.0);
+        let holding = self.holding(rests);
         let relative = |c: usize| {
             let contact = &self.contacts[c];
             contact.along(|j| velocities[j]) - contact.belt_velocity.value(time)
@@ -379,6 +378,12 @@ impl<'s> Model<'s> {
         for (j, correction) in self.corrections(&holding, relative) {
             velocities[j] -= correction;
         }
+    }
+
+    /// What the shared contacts that stick hold, by those with independent directions.
+    pub(crate) fn holding(&self, sticks: impl Fn(usize) -> bool) -> Holding {
+        let shared = self.shared.iter().copied();
+        self.independent(shared.filter(|&c| sticks(c)).collect(), |_| 0.0)
     }
 
     /// The least change of the coordinates, in the norm of M, that sets the relative motion `apart`

@@ -6,6 +6,7 @@
 //! on the modes of others: it is then taken to stick, everything is expanded, and the sign of the
 //! first nonzero derivative decides. This is repeated until nothing changes.
 
+use super::contact::ContactData;
 use super::decision::Decision;
 use super::edge::{EDGE_ROUNDING, Edge, leaving, side_of};
 use super::expand::{ALL, expand, expand_further};
@@ -149,7 +150,7 @@ pub(super) fn close(model: &Model<'_>, situation: &mut Situation, series: &mut S
                 direction,
                 speed,
                 rate: None,
-                piece: piece_above(&contact.breakpoints, speed),
+                piece: contact.piece_above(speed),
             };
             (Entry::Held, slip)
         }
@@ -231,7 +232,7 @@ fn revise_mode(
     let state = &mut situation.contacts[c];
     match state.phase {
         Phase::Open => false,
-        Phase::Slip { .. } => state.revise_piece(&contact.breakpoints, &of.speeds),
+        Phase::Slip { .. } => state.revise_piece(contact, &of.speeds),
         Phase::Stick { .. } => {
             let Some(i) = model.owner_of(c) else {
                 return false;
@@ -316,12 +317,12 @@ impl ContactState {
     }
 
     /// The first nonzero derivative of the motion decides on the piece at a breakpoint.
-    fn revise_piece(&mut self, breakpoints: &[f64], speeds: &PowerSeries) -> bool {
+    fn revise_piece(&mut self, contact: &ContactData<'_>, speeds: &PowerSeries) -> bool {
         let Phase::Slip { piece, .. } = &mut self.phase else {
             return false;
         };
-        let above = piece_above(breakpoints, speeds[0]);
-        if above == 0 || breakpoints[above - 1] != speeds[0] {
+        let above = contact.piece_above(speeds[0]);
+        if above == 0 || contact.breakpoints[above - 1] != speeds[0] {
             let changed = *piece != above;
             *piece = above;
             return changed;
@@ -337,9 +338,4 @@ impl ContactState {
         }
         changed
     }
-}
-
-/// The piece of a law just above a sliding speed.
-pub(super) fn piece_above(breakpoints: &[f64], speed: f64) -> usize {
-    breakpoints.partition_point(|&b| b <= speed)
 }
