@@ -8,7 +8,8 @@ use super::super::classify::AttractorKind;
 use super::super::sweep::Sweep;
 use crate::motion::System;
 
-/// The attractors of a system over a range of a parameter: see [`vibration_ranges`](super::vibration_ranges()).
+/// The attractors of a system over a range of a parameter: see
+/// [`vibration_ranges`](super::vibration_ranges()).
 #[non_exhaustive]
 pub struct VibrationRanges<S: System> {
     /// The ranges, in ascending order; together they cover the range that was searched, except
@@ -66,7 +67,8 @@ pub enum Border {
     Grazing,
     /// The events of a periodic motion change, and with them its kind or its stability.
     Sequence,
-    /// A periodic motion jumps: see [`BranchEnd::Discontinuity`](super::super::BranchEnd::Discontinuity).
+    /// A periodic motion jumps: see
+    /// [`BranchEnd::Discontinuity`](super::super::BranchEnd::Discontinuity).
     Discontinuity,
     /// A branch could not be followed beyond: [`VibrationRanges::branches`] has the reason.
     Unknown,
