@@ -40,7 +40,8 @@ const pause = (time) => new Promise((done) => setTimeout(done, time));
 async function settled() {
   for (let i = 0; i < 600; i++) {
     await pause(50);
-    if (await value("document.documentElement.dataset.state === 'ready'")) {
+    // While the browser goes to the page, there is no element yet.
+    if (await value("document.documentElement?.dataset.state === 'ready'")) {
       const frame = "requestAnimationFrame";
       return value(`new Promise((drawn) => ${frame}(() => ${frame}(() => drawn())))`);
     }
