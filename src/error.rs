@@ -72,7 +72,7 @@ pub enum Error {
         of: &'static str,
         /// Position of the point, from 0.
         index: usize,
-        /// Which of its two numbers: `speed` or `coefficient`, `time` or `value`.
+        /// The number at fault: `speed` or `coefficient` of a table, `time` or `value` of a drive.
         name: &'static str,
         /// The number that was given.
         value: f64,
@@ -153,13 +153,13 @@ pub enum Error {
     NonFiniteFriction {
         /// Sliding speed s ≥ 0.
         speed: f64,
-        /// What the law returned there.
+        /// The coefficient that the law returned there.
         value: f64,
-        /// Where the integration stood; `None` if nothing was integrated, as when a system is made.
+        /// The time and state reached; `None` if nothing was integrated, as when a system is made.
         reached: Option<Reached>,
     },
 
-    /// The law has a value but no power series at a speed, as √s at s = 0.
+    /// The law has a value but no power series at a speed, like √s at s = 0.
     #[error(
         "the friction law is not analytic at sliding speed {}{}; use integral powers of the \
          speed there, or name the speed as a breakpoint and give the pieces",
@@ -169,7 +169,7 @@ pub enum Error {
     NotAnalytic {
         /// Sliding speed s ≥ 0.
         speed: f64,
-        /// Where the integration stood; `None` if nothing was integrated, as when a system is made.
+        /// The time and state reached; `None` if nothing was integrated, as when a system is made.
         reached: Option<Reached>,
     },
 
@@ -220,11 +220,11 @@ pub enum Error {
     /// A matrix or a start does not have the size of the structure.
     #[error("{name}: {found} given; {expected} are needed, as many as the structure has")]
     WrongSize {
-        /// What was counted, for example `rows of the stiffness matrix`.
+        /// The things counted, for example `rows of the stiffness matrix`.
         name: &'static str,
-        /// How many were given.
+        /// The number of them that was given.
         found: usize,
-        /// How many are needed.
+        /// The number that is needed.
         expected: usize,
     },
 
@@ -311,9 +311,9 @@ pub enum Error {
     #[error("no Hopf point is near: no pair of eigenvalues crosses the imaginary axis")]
     NoHopfPoint,
 
-    /// Contacts whose directions are linearly dependent came to rest together, as two clutches side
-    /// by side. The distribution of the force among them is not determined, nor when each of them
-    /// slips again.
+    /// Contacts whose directions are linearly dependent came to rest together, such as two clutches
+    /// side by side. The distribution of the force among them is not determined, nor when each of
+    /// them slips again.
     #[error(
         "contacts {contacts:?} stick together {reached}, but their directions are dependent: what \
          each of them carries is not determined; put one contact in their place, with the sum of \
@@ -322,7 +322,7 @@ pub enum Error {
     Undetermined {
         /// The contacts that stick there, by their numbers.
         contacts: Vec<usize>,
-        /// Where the integration stood.
+        /// The time and state reached.
         reached: Reached,
     },
 
@@ -336,8 +336,8 @@ pub enum Error {
         Coefficients(*coefficients)
     )]
     LawNotConstant {
-        /// μ_s and μ̂(0), dimensionless; `None` for a law that never sticks, as that of bristles,
-        /// whose friction at rest is what its memory says.
+        /// μ_s and μ̂(0), dimensionless; `None` for a law that never sticks, such as that of
+        /// bristles, whose friction at rest depends on its memory alone.
         coefficients: Option<[f64; 2]>,
     },
 
@@ -388,7 +388,7 @@ pub enum Error {
     StepUnderflow {
         /// Length of the last step tried.
         step: f64,
-        /// Where the integration stood.
+        /// The time and state reached.
         reached: Reached,
     },
 
@@ -401,11 +401,11 @@ pub enum Error {
     TooManySteps {
         /// The limit in force.
         limit: usize,
-        /// Where the integration stood.
+        /// The time and state reached.
         reached: Reached,
     },
 
-    /// The normal load of a contact fell to 0, where the load depends on displacements.
+    /// The normal load of a contact, which depends on displacements, fell to 0.
     ///
     /// The surfaces separate, and the stiffness matrix, which contains the normal spring, no longer
     /// holds. (A load that depends on time alone may fall to 0:
@@ -417,7 +417,7 @@ pub enum Error {
     Separation {
         /// Number of the contact.
         contact: usize,
-        /// Where the integration stood.
+        /// The time and state reached.
         reached: Reached,
     },
 
@@ -429,7 +429,7 @@ pub enum Error {
     TooManyEvents {
         /// The limit in force.
         limit: usize,
-        /// Where the integration stood.
+        /// The time and state reached.
         reached: Reached,
     },
 
@@ -475,8 +475,8 @@ pub enum Error {
 
     /// A search along a parameter was stopped, by its watcher or by its bound of the work:
     /// [`Along::DEFAULT_MAX_STEPS`](crate::bifurcation::Along::DEFAULT_MAX_STEPS), unless
-    /// [`Along::with_max_steps`](crate::bifurcation::Along::with_max_steps) gives another. A search
-    /// of [`orbit`](crate::orbit) on one system was stopped by its watcher: along `time`.
+    /// [`Along::with_max_steps`](crate::bifurcation::Along::with_max_steps) gives another. If the
+    /// watcher stopped a search of [`orbit`](crate::orbit) on one system, `parameter` is `time`.
     #[error(
         "the search along {parameter} was stopped at {} after {steps} steps, with {} values \
          found; raise the limit with `with_max_steps`, or go on from there",
@@ -490,7 +490,7 @@ pub enum Error {
         value: f64,
         /// Steps of slip phases that were taken.
         steps: usize,
-        /// What was found up to there, in ascending order.
+        /// The results up to there, in ascending order.
         found: Vec<f64>,
     },
 

@@ -23,10 +23,10 @@
 //!    Tests: `belt::integrator::promise_1_hidden_terms_are_not_missed`,
 //!    `belt::integrator::promise_1_features_passed_in_a_long_step_are_seen`,
 //!    `belt::hostile::a_narrow_feature_is_not_missed_wherever_in_a_step_it_lies`.
-//! 2. **Contact** (v_r = 0) is a root of the polynomial of the sliding speed. Roots are isolated so
-//!    that none is skipped, and refined to the last bit. Grazing contacts that begin and end within
-//!    one step are found.
-//!    Tests: `belt::integrator::promise_2_shallow_grazing_contacts_are_found`,
+//! 2. **Zeros of v_r** are roots of the polynomial of the sliding speed. They are isolated, so that
+//!    none is skipped, and refined to the last bit. A shallow passage through v_r = 0 and back
+//!    within one step is found. Tests:
+//!    `belt::integrator::promise_2_shallow_grazing_contacts_are_found`,
 //!    `belt::integrator::promise_2_shallow_contacts_of_a_circle`,
 //!    `belt::independent::a_simple_integrator_sees_the_same_events`.
 //! 3. **Start of slip.** v_r has a known root there, simple or double, which is divided out. There
@@ -40,10 +40,10 @@
 //!    on the same kind of processor.
 //!    Tests: `belt::integrator::promise_5_motion_is_continuous_and_ordered_and_repeatable`,
 //!    `contract::api::the_same_bits_again_and_in_threads`.
-//! 6. **Large numbers.** The integrated variable is v_r, not v, so contact is exact for large v_b.
-//!    Time is summed with its rounding errors: after 10⁵ cycles an event lies at its multiple of
-//!    the period within 4 ulps of the time.
-//!    Tests: `belt::integrator::promise_6_contact_is_exact_for_large_belt_velocities`,
+//! 6. **Large numbers.** The integrated variable is v_r, not v, so the zeros of v_r are exact for
+//!    large v_b. Time is summed with its rounding errors: after 10⁵ cycles an event lies at its
+//!    multiple of the period within 4 ulps of the time. Tests:
+//!    `belt::integrator::promise_6_contact_is_exact_for_large_belt_velocities`,
 //!    `belt::integrator::promise_6_time_does_not_drift_over_a_hundred_thousand_cycles`.
 //! 7. **Tolerance** is the error of a step relative to the scale of the motion, max(|u − ū|, |v|,
 //!    |v_b|), with ū the displacement of steady sliding. A change of units therefore only scales
@@ -104,9 +104,9 @@
 //! # Structures
 //!
 //! A [`Structure`](crate::Structure) is followed by the same method: Taylor series of order 26 with
-//! a checked defect, every contact an isolated root of its own sliding speed, known roots at the
-//! start of slip divided out, typed errors. Only contacts with stiff memory, as bristles, are
-//! followed on the slow manifold; other stiffness shortens the (explicit) steps.
+//! a checked defect, every event an isolated root of a polynomial, known roots at the start of slip
+//! divided out, typed errors. Only contacts with stiff memory, such as bristles, are followed on
+//! the slow manifold; other stiffness shortens the (explicit) steps.
 //!
 //! * **Equation of motion, energy and events** agree with those of independent integrators:
 //!   `structures::random::motions_obey_the_law`, `structures::identities::energy_balances`,
@@ -117,18 +117,19 @@
 //!   `structures::trajectories::motions_have_the_reference_events_and_states`,
 //!   `structures::memory::motions_have_the_reference_events_and_states`.
 //! * **Contacts that share masses** decide together at r = 0, by the rule on the page of
-//!   [`Structure`](crate::Structure#contacts-that-share-masses): all have their static limits, and
-//!   the fastest yields first. If contacts with linearly dependent directions would stick together,
-//!   the run returns [`Error::Undetermined`](crate::Error::Undetermined). The reference motions
-//!   above include contacts that share masses.
+//!   [`Structure`](crate::Structure#contacts-that-share-masses): at first each has its static
+//!   limit, and the contact that would accelerate most slips first. If contacts with linearly
+//!   dependent directions would stick together, the run returns
+//!   [`Error::Undetermined`](crate::Error::Undetermined). The reference motions above include
+//!   contacts that share masses.
 //! * **Loads.** A load that depends on time alone opens and closes its contact; one that only
 //!   touches 0 causes no event; one that depends on displacements ends the motion at 0:
 //!   `structures::closed_forms::a_load_that_falls_to_zero_opens_the_contact`,
 //!   `structures::random::a_load_that_touches_zero_does_not_open_or_close`,
 //!   `structures::closed_forms::a_load_that_springs_lift_ends_the_motion`.
-//! * **Elastic contacts** are at their limit to the bit in slip, for any stiffness from 1e-2 to
-//!   1e12: `structures::elastic::any_stiffness_has_every_event`. Two motions of a structure with
-//!   loads in time never come further apart, and energies balance:
+//! * **Elastic contacts** carry their limit force to the bit while they slip, for any stiffness
+//!   from 1e-2 to 1e12: `structures::elastic::any_stiffness_has_every_event`. If loads depend on
+//!   time alone, the distance between two motions never grows, and energies balance:
 //!   `structures::elastic_identities::two_motions_never_come_apart`,
 //!   `structures::elastic_identities::energy_is_what_forces_and_sliders_leave`. A scheme without
 //!   modes and events comes to the same states:
@@ -136,7 +137,7 @@
 //! * **Symmetry.** Mirror images agree to the bit, equal masses in equal states stay together to
 //!   the bit: `structures::identities::mirror_images_agree_to_the_bit`,
 //!   `structures::identities::clones_stay_together_to_the_bit`.
-//! * **Phase.** A drive has the phase of the exact time after any number of periods:
+//! * **Phase.** The phase of a drive stays exact after any number of periods:
 //!   `structures::identities::a_million_periods_lose_no_phase`.
 //! * **One mass on a belt** moves the same in both engines:
 //!   `structures::two_engines::reference_motions_of_the_belt`,

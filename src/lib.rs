@@ -118,8 +118,8 @@
 //!
 //! # What is guaranteed
 //!
-//! * **Events** are never missed and never fire twice: a contact is an isolated root of the
-//!   polynomial of the sliding speed, refined to the last bit.
+//! * **Events** are never missed and never fire twice: each time at which v_r reaches 0 is an
+//!   isolated root of a polynomial in time, refined to the last bit.
 //! * **Stick** has closed formulas, and the velocity is v_b to the bit.
 //! * **Uniqueness.** From every state with v_r = 0 exactly one motion follows. In stick the contact
 //!   carries F = u + 2βv_b, and for v_b > 0 the mass sticks while −γ²μ_s ≤ F < γ²μ_s.
@@ -128,8 +128,8 @@
 //! * **Repeatability.** The same call gives the same bits on the same kind of processor.
 //! * **Errors.** A run that cannot continue returns a typed [`Error`] with the time and state
 //!   reached. It does not panic or hang.
-//! * **Completeness.** [`limit_cycle::stick_slip`] misses no cycle, [`limit_cycle::find`] only
-//!   pairs of cycles [very close together](limit_cycle#what-is-guaranteed). Each function of
+//! * **Completeness.** [`limit_cycle::stick_slip`] misses no cycle; [`limit_cycle::find`] can miss
+//!   only pairs of cycles [very close together](limit_cycle#what-is-guaranteed). Each function of
 //!   [`bifurcation`] says how densely it searches.
 //!
 //! The page [`guarantees`] states each promise exactly, with the test that holds it, and the
@@ -148,9 +148,9 @@
 //!   [by a rule](Structure#contacts-that-share-masses). Contacts with linearly dependent directions
 //!   must not come to rest together ([`Error::Undetermined`]).
 //! * **Stiffness.** Stiffness of a mass on a belt (large β or γ²·dμ̂/ds, as for the cubic law far
-//!   above its minimum) costs no steps, up to D = 2β + γ²·dμ̂/ds of about 1e20. In
-//!   structures only stiff memory of one variable, as of bristles, is treated this way (tried up to
-//!   σ0 = 1e12); other stiffness shortens the explicit steps, and at its extreme the run returns
+//!   above its minimum) costs no steps, up to D = 2β + γ²·dμ̂/ds of about 1e20. In structures only
+//!   stiff memory of one variable, such as bristles, is treated this way (tried up to σ0 = 1e12);
+//!   other stiffness shortens the explicit steps, and at its extreme the run returns
 //!   [`Error::StepUnderflow`] or [`Error::TooManySteps`].
 //! * **Analytic laws.** A law is analytic, at s = 0 too, or piecewise analytic with
 //!   [breakpoints](FrictionLaw::breakpoints) where the pieces meet.

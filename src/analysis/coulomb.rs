@@ -199,9 +199,9 @@ fn force_jump(system: &MassOnBelt<Coulomb>) -> f64 {
 /// Undamped free vibration on a belt at rest: the amplitude falls by 4γ²μ_k in each cycle, until
 /// static friction holds the mass.
 ///
-/// Between turning points the mass swings for half a period about ∓γ²μ_k. So each turning point
-/// lies on the other side, and 2γ²μ_k nearer to 0, than the last. The mass comes to rest at the
-/// first turning point with |u| ≤ γ²μ_s. Dimensionless, exact.
+/// Between turning points the mass swings for half a period about ∓γ²μ_k. Successive turning points
+/// lie on opposite sides of 0, each 2γ²μ_k nearer to it. The mass comes to rest at the first
+/// turning point with |u| ≤ γ²μ_s. Dimensionless, exact.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::FreeVibration;

@@ -12,9 +12,9 @@
 //! release       z* = v θ*/2 beyond F_k/k;   amplitude √(z*² + v²/ω²)
 //! ```
 //!
-//! F_s being concave, there is at most one such cycle, and it is stable. If static friction begins
-//! at F_s(0) = F_k, it exists for F_s'(0) > kv/2 (Gao's criterion), that is below
-//! **v_c = 2 F_s'(0)/k**. With ΔF = N(μ_∞ − μ_0), F_0 = N(μ_0 − μ_k) and B that of the law:
+//! Because F_s is concave, there is at most one such cycle, and it is stable. If static friction
+//! begins at F_s(0) = F_k, it exists for F_s'(0) > kv/2 (Gao's criterion), that is below **v_c = 2
+//! F_s'(0)/k**. With ΔF = N(μ_∞ − μ_0), F_0 = N(μ_0 − μ_k) and B the rate of the logarithmic law:
 //!
 //! | form | v_c for F_0 = 0 | θ* |
 //! |---|---|---|
@@ -109,10 +109,9 @@ impl DwellOscillator {
     ///
     /// `None` if there is none: at v = 0; where |v| is
     /// [`critical_velocity`](Self::critical_velocity) or more without damping, or above the
-    /// [`fold`](Self::fold) with damping; for c ≥ 2√(km); and where static friction rises so far
-    /// above the kinetic one that the mass overtakes the belt at the contact, which then would have
-    /// to carry more than N μ_s(0) in the other direction. Also `None` if a field is out of its
-    /// range.
+    /// [`fold`](Self::fold) with damping; for c ≥ 2√(km); and if static friction rises so far that
+    /// the mass comes back to the belt where stick would need more than N μ_s(0) in the other
+    /// direction: it then overtakes the belt. Also `None` if a field is out of its range.
     pub fn stick_slip(&self, velocity: f64) -> Option<ExactCycle> {
         let of = self.oscillator()?;
         let least = match self.fold_arc(&of) {
@@ -214,13 +213,13 @@ impl DwellOscillator {
         self.risen(of, &arc)[0] / arc.start * of.frequency / of.stiffness
     }
 
-    /// By how much friction has risen at the release, less what the spring of an arc needs.
+    /// The rise of friction at the release, minus the force that the spring of an arc needs.
     fn excess(&self, of: &Oscillator, velocity: f64, p: f64) -> f64 {
         let arc = SlipArc::new(of.damping, p);
         self.risen(of, &arc)[0] * of.frequency - of.stiffness * velocity * arc.start
     }
 
-    /// Where along the arcs the belt velocity is largest, if not at their end.
+    /// The arc with the largest belt velocity, if it is not at the end of the arcs.
     ///
     /// F_s is concave in θ, and θ in the force at the release, so the belt velocity, their
     /// quotient, has one maximum at most.

@@ -87,9 +87,9 @@ pub fn hopf_velocities(system: &MassOnBelt<Exponential>) -> Option<[HopfPoint; 2
 /// friction falls most steeply at the speed v_s/√2. Dimensionless. The system's own v_b and β are
 /// ignored.
 ///
-/// Exact: with more damping 2βy + γ²μ rises with y, and every motion loses energy. There is no
-/// vibration at this damping ratio itself either, unless μ_s = μ_k: then the ratio is 0, friction
-/// is constant, and every small vibration lasts.
+/// Exact: with more damping the force 2βv + γ²μ(v − v_b) rises with v, and every motion loses
+/// energy. There is no vibration at this damping ratio itself either, unless μ_s = μ_k: then the
+/// ratio is 0, friction is constant, and every small vibration lasts.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 6 and 14.
 ///

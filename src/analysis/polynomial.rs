@@ -8,9 +8,9 @@ use crate::friction::{FrictionLaw, Polynomial};
 /// Damping ratio η/2 above which there is no vibration at any belt velocity; friction falls most
 /// steeply at the sliding speed 0. Dimensionless. The system's own v_b and β are ignored.
 ///
-/// Exact: with more damping 2βy + γ²μ rises with y, and every motion loses energy. There is no
-/// vibration at η/2 itself either, unless μ_s = μ_m: then η = 0, friction is constant, and every
-/// small vibration lasts.
+/// Exact: with more damping the force 2βv + γ²μ(v − v_b) rises with v, and every motion loses
+/// energy. There is no vibration at η/2 itself either, unless μ_s = μ_m: then η = 0, friction is
+/// constant, and every small vibration lasts.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 10a and 14.
 ///
@@ -33,8 +33,8 @@ pub fn silencing_damping_everywhere(system: &MassOnBelt<Polynomial>) -> f64 {
 /// ∞ for constant friction (μ_s = μ_m) without damping, because small vibrations then last at every
 /// belt velocity. `None` if a coefficient overflows. The system's own v_b is ignored.
 ///
-/// The velocity above which steady sliding is stable is exact. That no other motion lasts above it
-/// holds while friction is weak compared with the spring.
+/// The velocity above which steady sliding is stable is exact. No vibration lasts above it either,
+/// as long as friction is weak compared with the spring.
 ///
 /// Source: Farshidianfar and Noei Aghaee, after Eq. 15.
 ///

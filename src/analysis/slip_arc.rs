@@ -9,8 +9,8 @@ pub(super) const SMALL: f64 = 1e-17;
 
 /// A stick-slip cycle under constant kinetic friction, in closed form except for one number.
 ///
-/// About the displacement where kinetic friction balances the spring the slip phase is a damped
-/// free vibration, which starts and ends with the belt's velocity. Units are those of the system
+/// The slip phase is a damped free vibration about the displacement at which kinetic friction
+/// balances the spring. It starts and ends with the belt's velocity. Units are those of the system
 /// from which the cycle was made. On a belt that moves backward, displacements have the other sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
@@ -23,7 +23,7 @@ pub struct ExactCycle {
     pub slip_duration: f64,
     /// Displacement at the release, where slip begins.
     pub release_displacement: f64,
-    /// Displacement at the contact, where slip ends.
+    /// Displacement at which the mass comes back to the belt and slip ends.
     pub contact_displacement: f64,
     /// Half the distance between the largest and the least displacement.
     pub amplitude: f64,

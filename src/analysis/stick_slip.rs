@@ -70,8 +70,8 @@ struct Cubic {
 }
 
 impl StickSlip {
-    /// The formulas for a system. `None` at v_b = 0, if κ ≤ 0 (kinetic friction at the belt
-    /// velocity falls short of static friction by no more than the damper's force), and if κ is not
+    /// The formulas for a system. `None` at v_b = 0, if κ ≤ 0 (the damper's force at the belt
+    /// velocity is at least the difference between static and kinetic friction), and if κ is not
     /// finite.
     ///
     /// A system with κ ≤ 0 may still have a stick-slip cycle, but these formulas do not describe
@@ -358,10 +358,10 @@ impl Cubic {
 /// u − ū stays as it is.
 ///
 /// As |v_b| → v_b0 stick shrinks like √δ, δ = 1 − |v_b|/v_b0. But it ends at
-/// [`grazing_velocity`](super::PureSlip::grazing_velocity), a little above v_b0: the duration of
-/// the second order is too short by the part (3461/153600) q²/δ, q of that velocity, as long as
-/// this is small. So keep δ above q², or find the cycle. The errors of the extremes and of the
-/// period do not grow.
+/// [`grazing_velocity`](super::PureSlip::grazing_velocity), a little above v_b0: so the duration of
+/// the second order is too short by the fraction (3461/153600) q²/δ of itself, with the q of that
+/// function, as long as this fraction is small. Keep δ above q², or compute the exact cycle. The
+/// errors of the extremes and of the period do not grow.
 ///
 /// Source: expansion of the slip arc out of the release point, which replaces Eqs. 16-18.
 ///

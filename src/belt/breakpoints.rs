@@ -31,7 +31,7 @@ impl Breakpoints {
         }
     }
 
-    /// As [`piece`](Self::piece), for a law of several pieces.
+    /// [`piece`](Self::piece) for a law of several pieces.
     ///
     /// At a breakpoint the sign of the rate ds/dt decides between the two pieces. The series then
     /// starts with this rate.

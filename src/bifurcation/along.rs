@@ -66,16 +66,16 @@ pub fn along_velocities<L: FrictionLaw>(system: &MassOnBelt<L>, range: Range<f64
 ///
 /// The unit of work is a step of a slip phase, about a microsecond; where friction is so stiff that
 /// a step takes several series, it counts for as many. An oscillation takes about ten steps, and
-/// two more for each breakpoint of the law that it passes. One system costs
-/// [`hopf`](Self::hopf) no steps; [`grazing`](Self::grazing), [`touching`](Self::touching) and
-/// [`overshoot`](Self::overshoot) one slip arc; [`crossing`](Self::crossing) two;
-/// [`folds`](Self::folds) some ten oscillations for a smooth law, and up to a hundred for a table
-/// of scattered points. A range takes 65 systems, and some tens more for each value that is found.
-/// [`vibration_ranges`](Self::vibration_ranges) costs all six searches.
+/// two more for each breakpoint of the law that it passes. For one system [`hopf`](Self::hopf)
+/// takes no steps; [`grazing`](Self::grazing), [`touching`](Self::touching) and
+/// [`overshoot`](Self::overshoot) take one slip arc, [`crossing`](Self::crossing) two;
+/// [`folds`](Self::folds) takes some ten oscillations for a smooth law, and up to a hundred for a
+/// table of scattered points. A range takes 65 systems, and some tens more for each value that is
+/// found. [`vibration_ranges`](Self::vibration_ranges) costs all six searches.
 ///
-/// For example, folds over a table of n points of wide scatter take about 200 n² steps: 60 points a
-/// second, 400 points, which need a larger bound, a minute or two, and a law with thousands of
-/// waves much longer. A million steps take one to two seconds.
+/// A million steps take one to two seconds. For example, folds for a table of n widely scattered
+/// points take about 200 n² steps: a second for 60 points; a minute or two, and a larger bound, for
+/// 400.
 ///
 /// A search stops after [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS), or the bound of
 /// [`with_max_steps`](Self::with_max_steps), or at the request of a closure that

@@ -20,12 +20,12 @@ use crate::state::Direction;
 /// [`touching_velocities`].
 ///
 /// The velocities are the roots of a function of v_b that is smooth through them: w²/(2v_b²) if the
-/// motion meets the belt, where w is the rate of the relative velocity at contact; V/v_b − 1 if it
-/// has a velocity maximum V below v_b. Negative velocities give the mirror image, −v_b. The range
-/// is divided into 64 intervals, and each in which a root may hide into up to 2¹⁰ parts. If the
-/// range is a thousand times wider than the part in which the system vibrates, a root may be
-/// missed: take a narrower range. Velocities below 64 ε γ²μ_s, with ε = 2⁻⁵², are not searched:
-/// there, a motion of size v_b is lost in the rounding of u.
+/// motion meets the belt, where w is the rate of the relative velocity when it comes back to 0;
+/// V/v_b − 1 if it has a velocity maximum V below v_b. Negative velocities give the mirror image,
+/// −v_b. The range is divided into 64 intervals, and an interval that may hold a root into up to
+/// 2¹⁰ parts. If the range is a thousand times wider than the part in which the system vibrates, a
+/// root may be missed: take a narrower range. Velocities below 64 ε γ²μ_s, with ε = 2⁻⁵², are not
+/// searched: there, a motion of size v_b is lost in the rounding of u.
 ///
 /// Source: sliding bifurcations, di Bernardo, Budd, Champneys and Kowalczyk, *Piecewise-smooth
 /// Dynamical Systems* (Springer 2008), chapter 8.
@@ -54,7 +54,8 @@ pub fn grazing_velocities<L: FrictionLaw>(
 }
 
 /// Belt velocities in `range`, ascending and dimensionless, at which plain stick-slip changes into
-/// overshoot or back: the first contact after release lies at the far end of the stick band.
+/// overshoot or back: after release the mass first comes back to the belt at the far end of the
+/// stick band.
 ///
 /// The range is searched as densely as by [`grazing_velocities`].
 ///
@@ -119,8 +120,8 @@ pub fn crossing_velocities<L: FrictionLaw>(
 /// there.
 ///
 /// The velocities are the roots of the function that [`grazing_velocities`] describes, for the
-/// motion from the velocity maximum v_b instead of the release point. The range is searched as
-/// densely.
+/// motion from the velocity maximum v_b instead of the release point. The range is divided into as
+/// many intervals.
 ///
 /// Source: grazing bifurcations of limit cycles, di Bernardo, Budd, Champneys and Kowalczyk,
 /// *Piecewise-smooth Dynamical Systems* (Springer 2008), chapters 7 and 8.

@@ -42,9 +42,9 @@ const LEAST_BEND: f64 = 0.25;
 /// the cycle is 1. The range is divided into 64 intervals. In each, turning points are followed if
 /// their growth is nearer to zero than twice its change across the interval, measured at nine
 /// points. An interval is divided further, into up to 2¹⁶ parts, if turning points appear,
-/// disappear or move far in it, or come so near to zero that the growth may reach it unless it is a
-/// straight line in v_b. Each turning point is followed into the fold from both sides, so that
-/// cycles meet at every velocity returned.
+/// disappear or move far in it, or if their growth comes so near to zero that it may reach zero
+/// between the two ends. Each turning point is followed into the fold from both sides. This ensures
+/// that two cycles meet at every velocity returned.
 ///
 /// Source: saddle-node bifurcations of maps, Guckenheimer and Holmes, *Nonlinear Oscillations,
 /// Dynamical Systems, and Bifurcations of Vector Fields* (Springer 1983), section 3.5.

@@ -54,9 +54,9 @@ pub fn hopf_velocities<L: FrictionLaw>(
 impl<L: FrictionLaw> Along<'_, L> {
     /// Values of the parameter, ascending, at which the equilibrium loses or regains stability.
     ///
-    /// Belt velocities are found as by [`hopf_velocities`]. Along another parameter h1 is known
-    /// from values alone: the range is divided into 64 intervals, and each in which a root may hide
-    /// into up to 2¹⁰ parts. A value at which h1 jumps over zero is reported.
+    /// Over belt velocities the search is that of [`hopf_velocities`]. Over another parameter h1 is
+    /// only sampled: the range is divided into 64 intervals, and an interval that may hold a root
+    /// into up to 2¹⁰ parts. A value at which h1 jumps over zero is reported too.
     ///
     /// # Errors
     ///

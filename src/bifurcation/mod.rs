@@ -45,8 +45,8 @@
 //!
 //! Every velocity is a root of an exact function of the belt velocity, bracketed and refined to
 //! round-off. The documentation of each function says how densely it searches a range; a narrower
-//! range is searched more closely. Negative velocities are searched as they are: they give the
-//! mirror image.
+//! range is searched more closely. Negative velocities are searched too: motions there are the
+//! mirror images.
 //!
 //! [`along`] makes the same searches over any other parameter: a load, a damping, a coefficient of
 //! the law. Its methods, and those of [`along_velocities`], accept a bound of work and a watcher;

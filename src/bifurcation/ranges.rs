@@ -19,8 +19,9 @@ use crate::numerics::scan::INTERVALS;
 /// [`find`](crate::limit_cycle::find) is called at three velocities; if they disagree (folds of
 /// crossing cycles have no search of their own) the border is found by bisection, to 10⁻¹² of the
 /// velocity. Borders that are closer to each other than that are merged. v_b = 0 is a border, too:
-/// there the mass comes to rest. From a supercritical Hopf velocity on the new cycle is at first
-/// smaller than `find` detects; this interval is reported with the attractors beyond it.
+/// there the mass comes to rest. Just beyond a supercritical Hopf velocity the new cycle is smaller
+/// than `find` detects; these velocities are reported with the attractors of the larger ones next
+/// to them.
 ///
 /// The cost is that of the six searches, and three searches by `find` for each interval; intervals
 /// narrower than a 64th of the range are searched for changes of contact once more. To bound it or
@@ -56,8 +57,11 @@ pub fn vibration_ranges<L: FrictionLaw>(
     along_velocities(system, range).vibration_ranges()
 }
 
-/// An interval of belt velocities in which the mass can settle to the same motions. See
-/// [`vibration_ranges`].
+/// An interval of belt velocities in which a mass on a belt can settle to the same motions;
+/// returned by [`vibration_ranges`], which finds every attractor at each velocity that it tries.
+/// For any other system, [`orbit::VibrationRange`](crate::orbit::VibrationRange) is the similar
+/// type, with the kinds of attractors of structures and the reason for each border; its search can
+/// miss attractors.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]

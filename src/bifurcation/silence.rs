@@ -95,16 +95,17 @@ fn judged<'s>(
 /// velocity and damping. The system's own γ² is ignored.
 ///
 /// Steady sliding becomes unstable at the border (γ² = −2β/(dμ̂/ds(|v_b|))), or two cycles appear,
-/// or stick-slip does. No load silences an undamped mass whose steady sliding is unstable or
-/// surrounded by a [`Continuum`](crate::limit_cycle::Continuum): the result is 0, as it is if the
-/// mass vibrates under the least load tried, 10⁻⁶ of (1 + β)|v_b|/μ_s. If it does not vibrate under
-/// 10⁶ times (1 + β)|v_b|/μ_s, the result is the load that makes steady sliding unstable, infinite
-/// if there is none. It is infinite at v_b = 0, too.
+/// or stick-slip does. Three cases have no such border. No load silences an undamped mass whose
+/// steady sliding is unstable or surrounded by a [`Continuum`](crate::limit_cycle::Continuum): the
+/// result is 0. It is also 0 if the mass vibrates under the least load tried, 10⁻⁶ of (1 +
+/// β)|v_b|/μ_s. If it does not vibrate under 10⁶ times (1 + β)|v_b|/μ_s, the result is the load
+/// that makes steady sliding unstable, or infinite if there is none. At v_b = 0 it is infinite.
 ///
 /// The border is enclosed by doubling or halving γ², from (1 + β)|v_b|/μ_s on, and narrowed to
-/// neighbouring numbers; [`find`](crate::limit_cycle::find) judges as for [`silencing_damping`].
-/// More damping always silences, but the same is not proved of less load. If the loads that vibrate
-/// are not one interval, the result is one of their borders; [`Along::vibration_ranges`] lists all.
+/// neighbouring numbers; [`find`](crate::limit_cycle::find) decides whether the mass vibrates, as
+/// for [`silencing_damping`]. More damping always silences; that less load does is not proved. If
+/// the loads that vibrate are not one interval, the result is one of their borders;
+/// [`Along::vibration_ranges`] lists all.
 ///
 /// It takes up to 130 searches by `find`. To bound or to watch them, use [`Along::silence`].
 ///

@@ -32,8 +32,8 @@ use crate::series::PowerSeries;
 /// system; phases in radians. A plain number is accepted as a constant drive: `0.3`.
 ///
 /// Phases are computed from the exact product Ωt, so a harmonic is as accurate after 10⁹ periods as
-/// in the first. At a kink [`slope`](Self::slope) is that of the following piece; at a jump
-/// [`value`](Self::value) and slope are.
+/// in the first. At a kink the [`slope`](Self::slope), and at a jump both [`value`](Self::value)
+/// and slope, are those of the piece that follows.
 ///
 /// ```
 /// use stick_slip::Drive;
@@ -100,8 +100,8 @@ impl Drive {
     /// Straight lines through points (time, value); constant before the first point and after the
     /// last.
     ///
-    /// Times do not descend. Two points at one time are a jump, whose later value holds from that
-    /// time on: a force may jump, and so may a load, but not the velocity of a belt.
+    /// Times must not descend. Two points at one time are a jump, and the second value holds from
+    /// that time on: a force may jump, and so may a load, but not the velocity of a belt.
     ///
     /// # Errors
     ///

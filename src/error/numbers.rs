@@ -1,4 +1,4 @@
-//! How numbers are written in messages.
+//! The text of numbers in messages.
 
 /// A number as one would write it: with its power of ten only below 1e-4 and from 1e6 on.
 pub(crate) struct Plain(pub(crate) f64);
@@ -24,7 +24,7 @@ impl std::fmt::Display for Digits {
     }
 }
 
-/// What to give instead of a number that is not allowed, for a message.
+/// The remedy in a message, for a number that is not allowed.
 pub(super) fn instead(value: f64, allowed: &str) -> String {
     if value.is_finite() {
         format!(": {allowed}")
@@ -33,7 +33,7 @@ pub(super) fn instead(value: f64, allowed: &str) -> String {
     }
 }
 
-/// What keeps a law from being one constant: its μ_s and μ̂(0), or none.
+/// The part of a message that says why a law is not one constant: its μ_s and μ̂(0), or none.
 pub(crate) struct Coefficients(pub(crate) Option<[f64; 2]>);
 
 impl std::fmt::Display for Coefficients {

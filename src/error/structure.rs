@@ -46,7 +46,7 @@ pub enum NotSliding {
         /// Number of the contact.
         contact: usize,
     },
-    /// The normal load of a contact is not positive there.
+    /// The normal load of a contact is not positive in steady sliding.
     NoLoad {
         /// Number of the contact.
         contact: usize,
@@ -59,7 +59,7 @@ pub enum NotSliding {
         /// Number of the contact.
         contact: usize,
     },
-    /// The memory of a contact has no state in which it stays.
+    /// The memory variables of a contact have no constant values.
     NoSteadyMemory {
         /// Number of the contact.
         contact: usize,

@@ -9,7 +9,7 @@ use crate::scalar::Scalar;
 /// [`FrictionLaw`] is generic and has no trait objects. This enum is a law itself and returns the
 /// same numbers as the law inside, to the bit. To choose among laws of your own, write such an
 /// enum: two functions with a `match`, and `breakpoints` and `kinetic_on` if a law is piecewise.
-/// Contacts of one [`Structure`](crate::Structure) may have different laws without it.
+/// Contacts of one [`Structure`](crate::Structure) may have different laws without this enum.
 ///
 /// ```
 /// use stick_slip::{AnyLaw, Coulomb, FrictionLaw, MassOnBelt, Polynomial, Rational, State};

@@ -33,7 +33,7 @@ pub enum LawFault {
     },
     /// The law returns NaN or ±∞.
     NotFinite {
-        /// The lowest sliding speed of the interval on which it does.
+        /// The lowest sliding speed of the interval with such values.
         speed: f64,
         /// The value of the law there.
         value: f64,

@@ -15,13 +15,13 @@ use crate::series::{PowerSeries, TERMS};
 /// [`LimitCycle::max_sliding_speed`](crate::LimitCycle::max_sliding_speed) of its cycle.
 ///
 /// Power series of the law are chained from one end of the range to the other, each within its
-/// radius of convergence, and compared with the law's values at 4096 points over the range and at
-/// others. Features narrower than the distance of these points can be missed. Narrow features are
-/// searched from nine points over the range in both directions, so that each is far from one of
-/// them; a feature at an end of the range is visible in the series that begins there, and does not
-/// count. A feature counts as narrow if the integrator's own checks could lie on both sides of it
-/// in a motion whose velocity amplitude is half the range: for a bump exp(−(s/w)²) if w is less
-/// than about 1/85 of the range.
+/// radius of convergence, and compared with the law's values at 4096 points over the range, and at
+/// 16 at least in each series. Features narrower than the distance of these points can be missed.
+/// Narrow features are searched from nine points over the range in both directions, so that each is
+/// far from one of them; a feature at an end of the range is visible in the series that begins
+/// there, and does not count. A feature counts as narrow if the integrator's own checks could lie
+/// on both sides of it in a motion whose velocity amplitude is half the range: for a bump
+/// exp(−(s/w)²) if w is less than about 1/85 of the range.
 ///
 /// # Errors
 ///

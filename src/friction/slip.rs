@@ -57,7 +57,7 @@ impl SlipSeries {
 #[derive(Debug, Clone)]
 pub(crate) struct Expander {
     pub(crate) series: SlipSeries,
-    /// How many series the last step took: one, and more on a slow manifold.
+    /// Number of series that the last step took: one, or more on a slow manifold.
     pub(crate) passes: usize,
     workspace: Workspace<TERMS>,
 }

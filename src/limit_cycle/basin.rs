@@ -31,8 +31,8 @@ pub enum Attractor {
     /// The start lies on an unstable periodic motion, to rounding: an arbitrarily small
     /// perturbation decides.
     Separatrix(LimitCycle),
-    /// A [continuum](super::Continuum): the start lies in it, so that its motion is periodic, or
-    /// the motion shrinks until it is one of the continuum.
+    /// A [continuum](super::Continuum): the motion from the start belongs to it, or shrinks until
+    /// it does.
     Continuum,
     /// The motion grows beyond every periodic motion that was found.
     Unbounded,
@@ -86,7 +86,7 @@ const HIDDEN_BY_CYCLE: f64 = 1e-6;
 /// | start | decided at | attractor |
 /// |---|---|---|
 /// | v_b = 0 | | [`Rest`](Attractor::Rest); without damping and kinetic friction [`Continuum`](Attractor::Continuum), outside the stick band |
-/// | in stick, or slip that ends in stick | the release point | the cycle through that point; if the motion from there moves inwards or outwards, as below |
+/// | in stick, or slip that ends in stick | the release point | the cycle through that point; if there is none, as below for the motion from that point |
 /// | slip slower than the belt, equilibrium a focus | a velocity maximum V | if the motion grows over one period: the next cycle outside; otherwise the next one inside, or the equilibrium if there is none |
 /// | slip into a node without encircling it, or the equilibrium itself, stable or not | | [`Equilibrium`](Attractor::Equilibrium) |
 /// | far out, or above the belt velocity | a crossing beyond the release point | if the motion grows over one period: the next crossing cycle outside; otherwise the next one inside, or as from the release point if there is none |

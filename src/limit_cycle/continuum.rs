@@ -10,8 +10,8 @@ use crate::friction::{Values, has_no_kinetic_friction, is_constant_near, is_cons
 
 /// A family of periodic motions that fills a disc round the equilibrium. It exists without damping
 /// where friction does not depend on the speed (Coulomb, or μ_s = μ_m), because such friction
-/// neither feeds nor damps a motion in slip. On a belt at rest the family needs that there is no
-/// kinetic friction; if there is static friction, it lies outside the stick band.
+/// neither feeds nor damps a motion in slip. On a belt at rest it exists only without kinetic
+/// friction; static friction, if any, leaves the stick band out of it.
 ///
 /// ```
 /// use stick_slip::{Coulomb, MassOnBelt, limit_cycle};

@@ -18,7 +18,7 @@ pub enum CycleKind {
     /// The mass never reaches the belt velocity.
     PureSlip,
     /// Slip slower than the belt alternates with stick. [`stick_slip`](super::stick_slip) finds
-    /// such a cycle, or one of the next kind.
+    /// such a cycle, or one of the kind [`Overshoot`](Self::Overshoot).
     StickSlip,
     /// Slip, a crossing of the belt velocity, slip faster than the belt, stick.
     Overshoot,
@@ -73,7 +73,7 @@ impl std::fmt::Display for CycleKind {
 /// ```
 ///
 /// The feature `serde` writes the numbers and events of a cycle, for other programs. They cannot be
-/// read: store the system, which can, and find the cycle again.
+/// read back: store the system instead, and find the cycle again.
 #[derive(Clone, PartialEq)]
 #[cfg_attr(
     feature = "serde",

@@ -64,16 +64,18 @@
 //! those that it distinguishes. [`find`] divides the range of each map until the cubic through
 //! values and slopes fits, and divides further wherever that cubic comes near a fixed point. It
 //! loses a pair of cycles only if their peak velocities differ by less than 10⁻⁹ of the range, or
-//! if the map has two turning points inside an interval in which its cubic fits to 2 %. Pure-slip
-//! cycles with a peak velocity below 10⁻⁴ v_b are not searched, nor crossing cycles with forces
-//! above 16(γ²μ_s + |v_b|). Some cycles repel so strongly that motions from two neighbouring
-//! numbers, one on each side, end far away: double precision cannot resolve these cycles, and their
-//! ranges are reported as [`unresolved`](CycleSet::unresolved).
+//! if the map has two turning points inside an interval in which its cubic fits to 2 %. Two kinds
+//! of cycles are not searched: pure-slip cycles with a peak velocity below 10⁻⁴ v_b, and crossing
+//! cycles with forces above 16(γ²μ_s + |v_b|). Some unstable cycles repel so strongly that even a
+//! start at the floating-point number next to the cycle ends far away after one period. Double
+//! precision cannot resolve these cycles, and their ranges are reported as
+//! [`unresolved`](CycleSet::unresolved).
 //!
 //! One period may change a motion by less than rounding does (weak friction, nearly no damping, a
-//! belt far slower than γ²μ_s). Then its growth is taken from the averaged equation, Eq. 12 for any
-//! law. The sign of this growth is certain if it exceeds the bound of the next orders; otherwise
-//! the range is unresolved too. [`guarantees`](crate::guarantees#completeness) names the tests.
+//! belt far slower than γ²μ_s). The growth of such a motion is taken from the averaged equation,
+//! Eq. 12 for any law. The sign of this growth is certain if it exceeds the bound of the next
+//! orders; otherwise the range is unresolved too. [`guarantees`](crate::guarantees#completeness)
+//! names the tests.
 
 // | file | what is in it |
 // |---|---|

@@ -225,7 +225,7 @@ struct Kink {
 }
 
 impl Kink {
-    /// In the order of their amplitudes.
+    /// All kinks, in the order of their amplitudes.
     fn all(system: &Forward<'_>) -> Vec<Self> {
         let (law, v_b) = (system.law(), system.belt_velocity());
         let breakpoints = law.breakpoints().enumerate();

@@ -9,7 +9,7 @@ pub(crate) type Steps<'s, Step> = &'s mut dyn Iterator<Item = Result<Step, Error
 
 /// Settings of the integrator: tolerance and limits of work.
 ///
-/// Each step of a slip phase is a Taylor series of order 26. Contact is the first root of the
+/// Each step of a slip phase is a Taylor series of order 26. Slip ends at the first root of the
 /// polynomial of the sliding speed. Stick has closed formulas. The page
 /// [`guarantees`](crate::guarantees) states what this method promises.
 ///

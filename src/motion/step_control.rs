@@ -94,8 +94,8 @@ impl Allowance {
         self.reach_of(c, TERMS - 1, FARTHEST)
     }
 
-    /// As [`reach`](Self::reach), for a series that ends with an earlier order, and for the slow
-    /// manifold of a stiff system, with its larger radius of convergence.
+    /// [`reach`](Self::reach) for a series that ends with an earlier order, and for the slow
+    /// manifold of a stiff system, whose radius of convergence is larger.
     #[inline(always)]
     pub(crate) fn reach_of(&self, c: &PowerSeries, order: usize, farthest: f64) -> f64 {
         reach(self.error, c, order).min(farthest)

@@ -4,7 +4,8 @@ use super::{Event, Segment, SystemState};
 use crate::error::Error;
 use crate::state::State;
 
-/// Why a motion ended: see [`Integrator::simulate_until`](crate::Integrator::simulate_until).
+/// The reason why a motion ended: see
+/// [`Integrator::simulate_until`](crate::Integrator::simulate_until).
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Ended {

@@ -18,7 +18,7 @@ pub struct Branch<S: System> {
     /// The bifurcations between them, in the same order; that of a grazing end is the first or the
     /// last.
     pub bifurcations: Vec<Bifurcation<S>>,
-    /// Why the branch ends before its first point, and after its last one.
+    /// The reasons why the branch ends before its first point, and after its last one.
     pub ends: [BranchEnd; 2],
 }
 
@@ -31,8 +31,8 @@ pub struct BranchPoint<S: System> {
     pub orbit: Orbit<S>,
 }
 
-/// A motion of a [`Branch`] at which its event sequence changes, or the stability or number of the
-/// motions near it.
+/// A motion of a [`Branch`] at which the sequence of events changes, or the stability or the number
+/// of the motions near it.
 #[non_exhaustive]
 pub struct Bifurcation<S: System> {
     /// The parameter, in its own units.
@@ -55,7 +55,8 @@ pub struct Bifurcation<S: System> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum BifurcationKind {
     /// A multiplier is +1: two motions meet and vanish, and the branch turns back. A branch of
-    /// motions that were born at a flip or a pitchfork does the same where it returns there.
+    /// motions born at a flip or a pitchfork also turns back there, and that point is reported as a
+    /// fold.
     Fold,
     /// A multiplier is −1: a motion of twice the period is born. [`Bifurcation::switch`] finds it.
     Flip,
@@ -96,12 +97,11 @@ impl fmt::Display for BifurcationKind {
     }
 }
 
-/// The side of a bifurcation on which the motions that are born there exist: of a Hopf point, a
-/// flip or a pitchfork.
+/// The side of a Hopf point, a flip or a pitchfork on which the motions exist that are born there.
 ///
-/// For a mass on a belt it is the sign of μ̂'''(v_b), from the averaged equation A' = −½h1 A −
-/// (3/8)h3 A³ with h3 = γ² μ̂'''(v_b)/6 (Eq. 12 of Farshidianfar and Noei Aghaee, for any law); for
-/// structures that of the first Lyapunov coefficient.
+/// At a Hopf point of a mass on a belt the sign of μ̂'''(v_b) decides, from the averaged equation
+/// A' = −½h1 A − (3/8)h3 A³ with h3 = γ² μ̂'''(v_b)/6 (Eq. 12 of Farshidianfar and Noei Aghaee, for
+/// any law); at one of a structure the sign of the first Lyapunov coefficient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -128,7 +128,7 @@ impl fmt::Display for Criticality {
     }
 }
 
-/// Why a [`Branch`] ends.
+/// The reason why a [`Branch`] ends.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum BranchEnd {
@@ -140,19 +140,19 @@ pub enum BranchEnd {
         /// The parameter there.
         parameter: f64,
     },
-    /// An event of the motion became tangential, and no motion near it continues: the contact
-    /// reaches relative velocity 0 only tangentially there, and not at all beyond.
+    /// An event of the motion became tangential, and the branch cannot continue: the relative
+    /// velocity of a contact reaches 0 only tangentially there, and not at all beyond.
     Grazing {
         /// The parameter there, to rounding. The motion there is that of the first or the last of
         /// [`Branch::bifurcations`]; the derivative of its map is unbounded, its first multiplier
         /// infinite, and the others are NaN.
         parameter: f64,
     },
-    /// The motion itself jumps there, and no motion near it continues. At one instant a contact has
-    /// two possible outcomes: its force is exactly the static limit, at its arrival or in stick,
-    /// and beyond the border it is released, with a jump if static friction is above the kinetic
-    /// one; or the relative velocity just reaches 0, and misses it beyond. The multipliers on this
-    /// side do not indicate it.
+    /// The motion itself jumps there, and the branch cannot continue. At one instant the outcome at
+    /// a contact changes. Either its force in stick, or at the start of stick, just reaches the
+    /// static limit: beyond, the contact slips, with a jump of the force if static friction exceeds
+    /// kinetic friction. Or its relative velocity just reaches 0, and beyond does not reach it. The
+    /// multipliers give no sign of it.
     Discontinuity {
         /// The parameter there.
         parameter: f64,
@@ -169,8 +169,8 @@ pub enum BranchEnd {
     },
     /// The branch returned to its start: it is closed.
     Closed,
-    /// The limit of work was reached: 2048 points in one direction, or 10⁷ steps, unless
-    /// [`Search`](super::Search) sets others, or 50 000 motions tried.
+    /// A limit of work was reached: 2048 points or 10⁷ steps in one direction
+    /// ([`Search`](super::Search) sets other limits), or 50 000 motions tried.
     Work,
     /// The watcher stopped the search.
     Stopped {

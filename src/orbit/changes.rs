@@ -53,7 +53,7 @@ const MULTIPLIER: f64 = 1e-6;
 /// of all 1 − μμ').
 pub(super) type Signs = [f64; 4];
 
-/// How strongly the motion at a place magnifies perturbations.
+/// The factor by which the motion at a place magnifies perturbations.
 fn growth(place: &CurvePoint) -> f64 {
     place.solved.trial.map.growth()
 }

@@ -44,8 +44,8 @@ pub(super) struct Curve<'f> {
     pub(super) range: Range<f64>,
     pub(super) n: usize,
     pub(super) order: usize,
-    /// For each unknown: 0 for a memory that events set anew, which jumps as one of them passes the
-    /// start; otherwise 1. Distances and planes leave it out.
+    /// The weight of each unknown in distances and planes: 0 for a memory that events reset, which
+    /// jumps when one of them passes the start; otherwise 1.
     pub(super) weights: DVector<f64>,
     /// The coordinate of the phase condition of an autonomous motion.
     pub(super) turning: Option<usize>,
@@ -114,7 +114,7 @@ impl Curve<'_> {
         }
     }
 
-    /// What of a vector, in units of scales, counts for distances and directions.
+    /// The part of a vector, in units of scales, that counts for distances and directions.
     pub(super) fn measured(&self, vector: &DVector<f64>) -> DVector<f64> {
         vector.component_mul(&self.weights)
     }

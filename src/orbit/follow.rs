@@ -43,14 +43,13 @@ use crate::state::structure::State;
 /// the range at most) can be missed; a narrower range is followed more closely. In a continuum of
 /// motions one multiplier is always 1, and the nearest motion is taken.
 ///
-/// The phase condition of an autonomous motion is a turning point of one of its coordinates, on the
-/// whole branch.
+/// On the whole branch an autonomous motion starts at a turning point of one of its coordinates.
 ///
 /// The limits in each direction are 2048 points, and 50 000 motions of 10⁷ steps in all; [`Search`]
 /// sets others, watches the search, and says what it costs. If a motion is lost, the branch up to
 /// there is returned: [`Branch::ends`] gives the reason for each end. If the motion itself jumps as
 /// the parameter passes a value, the branch ends with [`BranchEnd::Discontinuity`]; a jump by less
-/// than 1e-3 of its size is passed if a motion is near on the other side.
+/// than 1e-3 of the motion's size is passed if there is a motion close by on the other side.
 ///
 /// Sources: Kuznetsov, *Elements of Applied Bifurcation Theory*, chapter 10 (continuation, test
 /// functions); Dankowicz and Schilder, *Recipes for Continuation*, chapters 9 and 17 (motions in

@@ -125,8 +125,8 @@ impl<'s> GeneralForm<'s> {
         2 * self.len() + self.model.memory(contact).start
     }
 
-    /// For each memory variable: the change that changes a coefficient of friction by 1; infinite
-    /// if none does, and for what an elastic contact carries.
+    /// The unit of each memory variable: the change that changes a coefficient of friction by 1;
+    /// infinite if none does, and for the force of an elastic contact.
     pub(super) fn memory_units(&self) -> Vec<f64> {
         let units = self.model.contacts.iter().flat_map(|contact| {
             (0..contact.memory()).map(|j| match contact.is_elastic() {
@@ -137,7 +137,7 @@ impl<'s> GeneralForm<'s> {
         units.collect()
     }
 
-    /// For each memory variable: true if its law sets it anew where the contact sticks or slips.
+    /// True for each memory variable that its law resets when the contact sticks or slips.
     pub(super) fn are_reset(&self) -> Vec<bool> {
         let reset = self.model.contacts.iter().flat_map(|contact| {
             let count = contact.memory();

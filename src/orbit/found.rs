@@ -151,9 +151,10 @@ impl<S: System> Orbit<S> {
 
     /// Contacts that never slip in the period, by their numbers.
     ///
-    /// Each of them makes the motion one of a family, whose parameter is the position where it
-    /// sticks, or that of the slider of an elastic one: the residual force in a joint. The position
-    /// is that of the guess. The multiplier 1 of the family is left out.
+    /// Each of them makes the motion one of a continuous family: the position at which a rigid
+    /// contact sticks, or the slider of an elastic one (and with it the residual force in a joint),
+    /// is arbitrary. The motion found has the position of the guess. The multiplier 1 of the family
+    /// is left out.
     pub fn unslipped(&self) -> &[usize] {
         &self.unslipped
     }

@@ -124,7 +124,7 @@ pub(super) struct HeldFlow<'s> {
     /// Those to come, each with the slope of its speed at the end of the last step.
     holds: Vec<(Hold, f64)>,
     pub(super) touches: Vec<Touch>,
-    /// How often a step was begun anew.
+    /// Number of steps begun anew.
     renewed: usize,
 }
 

@@ -182,7 +182,8 @@ fn sign_change(
 /// by Newton's method with the parameter free: Re s(p) + ω l1 ε² ≈ 0, s the eigenvalue at p, l1 the
 /// first Lyapunov coefficient. The phase φ is that of a turning point; ε is such that the relative
 /// velocity of no contact varies by more than 0.3 of the sliding velocity, and no displacement by
-/// more than a tenth of the largest one in steady sliding, or smaller.
+/// more than a tenth of the largest one in steady sliding. If no motion is found, smaller ε are
+/// tried.
 ///
 /// The motion is stable if l1 < 0 and no other eigenvalue is in the right half plane
 /// ([`HopfPoint`](crate::bifurcation::HopfPoint) gives l1). Where friction is linear up to stick

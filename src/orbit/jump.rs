@@ -26,9 +26,9 @@ const ALIKE: f64 = 1e-3;
 
 /// A jump of the motion.
 pub(super) struct Discontinuity {
-    /// How far it is behind the last point of the curve.
+    /// Its distance behind the last point of the curve.
     pub(super) distance: f64,
-    /// In units of the sizes.
+    /// The size of the jump, in units of the sizes of the motion.
     pub(super) size: f64,
     pub(super) end: BranchEnd,
 }

@@ -72,9 +72,9 @@ impl From<PowerSeries> for Coefficient {
 #[derive(Debug, Clone)]
 pub(super) struct ContactDerivatives {
     pub(super) is_stuck: bool,
-    /// Whether its normal spring acts.
+    /// True if its normal spring acts.
     pub(super) is_closed: bool,
-    /// Whether anything depends on r.
+    /// True if anything depends on r.
     pub(super) takes_slip: bool,
     /// ∂(Nμ)/∂r, then ∂(Nμ)/∂z_j, multiplied by G_cc; none unless it slips.
     pub(super) friction: Vec<Coefficient>,
@@ -82,7 +82,7 @@ pub(super) struct ContactDerivatives {
     pub(super) by_load: Option<Coefficient>,
     /// ∂z_j'/∂r, then ∂z_j'/∂z_l: a row for each j.
     pub(super) rates: Vec<Vec<Coefficient>>,
-    /// For each memory variable z_j: true if the law depends on it in this mode.
+    /// True for each memory variable z_j on which the law depends in this mode.
     pub(super) depends: Vec<bool>,
 }
 

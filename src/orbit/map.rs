@@ -25,10 +25,10 @@ pub struct PeriodMap {
     pub(super) monodromy: DMatrix<f64>,
     /// The rates of change of the state at its start and at its end.
     pub(super) flow: [DVector<f64>; 2],
-    /// For each memory variable: true if anything depended on it.
+    /// True for each memory variable on which anything depended.
     pub(super) depends: Vec<bool>,
-    /// For each memory variable: the change that changes a coefficient of friction by 1; infinite
-    /// if none does.
+    /// The unit of each memory variable: the change that changes a coefficient of friction by 1;
+    /// infinite if none does.
     memory_units: Vec<f64>,
     /// The modes of the contacts after the end.
     end_modes: Vec<Mode>,
@@ -115,10 +115,10 @@ impl PeriodMap {
         self.residual().component_div(&self.sizes()).amax()
     }
 
-    /// How strongly the motion magnifies perturbations, at least 1: the largest derivative of a
-    /// displacement or velocity at the end, with displacements in units of the largest one,
-    /// velocities likewise, and memory variables in units of their own sizes. So it does not depend
-    /// on the units of the system, nor on a memory that has decayed to nothing.
+    /// The factor by which the motion magnifies perturbations, at least 1: the largest derivative
+    /// of a displacement or velocity at the end. Displacements are measured in units of the largest
+    /// one, velocities too, and memory variables in units of their own sizes, so the factor depends
+    /// neither on the units of the system nor on a memory that has decayed to nothing.
     pub(super) fn growth(&self) -> f64 {
         let n = self.start.displacements.len();
         let mut sizes = self.sizes();
@@ -569,7 +569,7 @@ fn forgetting(form: &GeneralForm<'_>, modes: &[Mode]) -> usize {
     elastic.filter(|&c| modes[c] != Mode::Stick).count()
 }
 
-/// For each row: true if it is all zero, so that perturbations of this coordinate have vanished.
+/// True for each row that is all zero, so that perturbations of this coordinate have vanished.
 fn dead_rows(matrix: &DMatrix<f64>) -> Vec<bool> {
     let rows = matrix.row_iter();
     rows.map(|row| row.iter().all(|x| *x == 0.0)).collect()

@@ -219,7 +219,8 @@ impl<S: System> Orbit<S> {
         largest.max(-least)
     }
 
-    /// Time in stick per period of a contact.
+    /// Time that a contact sticks in each period, in units of time; NaN if there is no such
+    /// contact.
     pub fn stick_duration(&self, contact: usize) -> f64 {
         self.contact(contact, |of| of.stick_duration)
     }

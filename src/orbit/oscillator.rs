@@ -15,7 +15,7 @@ use crate::structure::{Energies, EnergyBudget, Structure};
 /// A system whose periodic motions can be found: [`MassOnBelt`] or [`Structure`]. Sealed, as
 /// [`System`] is.
 ///
-/// A belt is treated as a structure of one mass; its trajectories have its own type.
+/// A belt is treated as a structure of one mass, but its trajectories are those of [`MassOnBelt`].
 pub trait Oscillator: System {
     /// The general form of a state.
     #[doc(hidden)]

@@ -10,7 +10,7 @@ use crate::error::Error;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Period {
     /// This number of periods of the drives of a [`Structure`](crate::Structure), at least 1. The
-    /// state is that at time 0 of the drives.
+    /// state of such a motion is the one at time 0 of the drives.
     Driven(usize),
     /// An autonomous motion, in which no drive varies: an estimate of its period, in units of time.
     ///

@@ -105,14 +105,14 @@ impl<'w> Search<'w> {
         Self::default()
     }
 
-    /// Bounds the steps of each search. On one system it then returns
+    /// Bounds the steps of each search. At the bound a search on one system returns
     /// [`Error::TooManySteps`]; a branch ends with [`BranchEnd::Work`](super::BranchEnd::Work), a
     /// locus with [`LocusEnd::Work`](super::LocusEnd::Work).
     ///
     /// The defaults are [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) and, in each direction,
     /// [`DEFAULT_MAX_BRANCH_STEPS`](Self::DEFAULT_MAX_BRANCH_STEPS) for a branch and
-    /// [`DEFAULT_MAX_LOCUS_STEPS`](Self::DEFAULT_MAX_LOCUS_STEPS) for a locus. One motion over a
-    /// period may take a tenth of it, at least 10⁵.
+    /// [`DEFAULT_MAX_LOCUS_STEPS`](Self::DEFAULT_MAX_LOCUS_STEPS) for a locus. A single motion over
+    /// a period may take a tenth of the bound, or 10⁵ steps if that is more.
     ///
     /// # Errors
     ///
@@ -207,7 +207,7 @@ pub(super) struct Watched<'w> {
     points: Cell<usize>,
     /// Steps of the motions before the one at hand.
     steps: Cell<usize>,
-    /// Where it was stopped.
+    /// The value at which it was stopped.
     stopped: Cell<Option<Progress>>,
 }
 

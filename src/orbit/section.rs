@@ -68,8 +68,8 @@ pub struct Section<'s, S: Oscillator + 's> {
 ///
 /// # Errors
 ///
-/// Items are errors for [`Error::InvalidParameter`], unless T is positive and finite, and for those
-/// of [`Integrator::flow`]; after an error comes `None`.
+/// An item is [`Error::InvalidParameter`] unless T is positive and finite, or an error of
+/// [`Integrator::flow`]. After an error comes `None`.
 ///
 /// ```
 /// use stick_slip::orbit;
@@ -149,9 +149,9 @@ pub struct EventSection<'s, S: Oscillator + 's> {
 ///
 /// # Errors
 ///
-/// Items are errors for [`Error::InvalidParameter`], if there is no such contact, for
-/// [`Error::TooManySteps`], if there is no such event in 10⁵ steps, and for those of
-/// [`Integrator::flow`]; after an error comes `None`.
+/// An item is [`Error::InvalidParameter`] if there is no such contact, [`Error::TooManySteps`] if
+/// there is no such event in 10⁵ steps, or an error of [`Integrator::flow`]. After an error comes
+/// `None`.
 ///
 /// ```
 /// use stick_slip::{EventKind, MassOnBelt, Polynomial, orbit};

@@ -202,15 +202,15 @@ pub(super) fn shortest(
 /// size of each number. Steps that would increase it are shortened. The sequence of events need not
 /// be known beforehand: it may differ from trial to trial. In a continuous family the motion
 /// nearest the guess is found; motions that grow or decay by less than 1e-11 per period count as
-/// one.
+/// members of one.
 ///
 /// An autonomous motion must leave its start and return: the residual is also small relative to the
 /// extent of the motion, however small that is. So neither an equilibrium, periodic with any
 /// period, nor a period near 0 is returned.
 ///
 /// The guess is a state at time 0 of the drives; for an autonomous motion any state near the
-/// motion. Of a guess, a force of an elastic contact beyond its limit counts as that limit. (If an
-/// autonomous guess lies exactly at an event with a jump, and nothing is found from there, the
+/// motion. If the guess has a force of an elastic contact beyond its limit, the limit is used. (If
+/// an autonomous guess lies exactly at an event with a jump, and nothing is found from there, the
 /// search is repeated from a state between events.) An estimate near twice the period gives two
 /// periods of the motion.
 ///
@@ -223,8 +223,8 @@ pub(super) fn shortest(
 /// * [`Error::NotPeriodic`], with the best start tried and its residual;
 /// * [`Error::TooManySteps`], with the time and state reached, if the motion from the guess takes
 ///   more than 10⁵ steps over the period. All motions that are tried together, and the transient of
-///   [`settle`], take at most 10⁶; a search that comes to this end gives the best start so far, as
-///   [`Error::NotPeriodic`];
+///   [`settle`], take at most 10⁶; a search that reaches this bound returns [`Error::NotPeriodic`]
+///   with the best start so far;
 /// * the other errors of [`Integrator::simulate`](crate::Integrator::simulate) for the motion from
 ///   the guess.
 ///

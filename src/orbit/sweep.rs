@@ -107,9 +107,9 @@ impl<S: System> Sweep<S> {
 /// ```
 ///
 /// From steady sliding each motion starts with a push of 10⁻⁶ of the largest velocity, so that it
-/// leaves an unstable one. The cost at each value is that of [`classify`](super::classify);
-/// transients longer than its 1.3·10⁵ steps, as close to a bifurcation, show the change at a later
-/// value.
+/// leaves an unstable one. The cost at each value is that of [`classify`](super::classify); close
+/// to a bifurcation a transient may outlast the 1.3·10⁵ steps of `classify`, and the change then
+/// shows at a later value.
 ///
 /// # Errors
 ///

@@ -36,14 +36,14 @@ impl<S: Oscillator> Bifurcation<S> {
     /// At a flip the motion has twice the period; at a pitchfork it lacks the symmetry, and its
     /// mirror image is another one. `family` is the one that was followed. With the map G over half
     /// of the new motion's period (for a pitchfork followed by the reflection) and G'w = −w, the
-    /// start is searched near x0 + εw, ε = 10⁻² of the sizes, 3·10⁻³ or 3·10⁻², on a plane that the
-    /// old branch does not cross: there
+    /// start is searched near x0 + εw on a plane that the old branch does not cross, for the
+    /// distances ε = 10⁻², 3·10⁻³ and 3·10⁻² in turn, relative to the size of the motion:
     ///
     /// ```text
     /// G(G(x)) = x,    wᵀ(x − G(x))/wᵀw ≈ 2ε.
     /// ```
     ///
-    /// The parameter differs from that of the bifurcation by about p2·ε².
+    /// The parameter differs from that of the bifurcation by an amount of order ε².
     /// [`criticality`](Self::criticality) tells on which side the new motions exist.
     ///
     /// The new branch turns back at the bifurcation, onto itself or to the mirror images of its
@@ -110,7 +110,8 @@ impl<S: Oscillator> Bifurcation<S> {
     /// them, as [`switch`](Self::switch) finds it: supercritical, where the old motion has lost its
     /// stability, or subcritical, beside the stable one.
     ///
-    /// It is degenerate if the multipliers do not decide, as when others are near the unit circle.
+    /// The result is degenerate if the multipliers do not decide, for example if others lie near
+    /// the unit circle.
     pub fn criticality(&self, born: &BranchPoint<S>) -> Criticality {
         let to = match self.kind {
             BifurcationKind::Flip => -1.0,

@@ -37,7 +37,7 @@ pub(super) struct TangentFlow<'s> {
     flow: HeldFlow<'s>,
     /// The perturbations, one in each column.
     pub(super) tangents: DMatrix<f64>,
-    /// For each memory variable: true if anything has depended on it so far.
+    /// True for each memory variable on which anything has depended so far.
     pub(super) depends: Vec<bool>,
     /// The logarithm of a factor taken out of the single perturbation, so that it does not
     /// overflow, and underflows only with everything that depends on it; `None` if no factor is

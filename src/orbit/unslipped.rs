@@ -26,7 +26,7 @@ pub(super) fn unslipped(
     steps: &[Step],
     [start, end]: [&State; 2],
 ) -> Vec<Unslipped> {
-    /// How far a surface that comes back may seem to have moved, in parts of the displacements.
+    /// The apparent displacement, in parts of the displacements, of a surface that comes back.
     const ROUNDING: f64 = 1e-9;
     let lasting = || steps.iter().filter(|step| step.duration() > 0.0);
     let never_slips = |c: &usize| lasting().all(|step| step.modes()[*c] == Mode::Stick);

@@ -18,7 +18,7 @@ pub(super) struct Walk<'v, 'f> {
     /// Scales of the unknowns of the first motion.
     pub(super) first_scale: DVector<f64>,
     pub(super) points: Vec<Solved>,
-    /// Bifurcations, each with the number of points before it, but for the first.
+    /// Bifurcations, each with the number of points before it, except the first.
     pub(super) found: Vec<(usize, FoundBifurcation)>,
 }
 

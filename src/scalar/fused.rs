@@ -1,4 +1,4 @@
-//! With which instructions the series of a slip phase are computed.
+//! The choice of instructions for the series of a slip phase.
 //!
 //! A fused multiply-add rounds once, and takes one instruction instead of two. Not every x86-64
 //! processor has it, so a build for all of them asks at run time. It asks in one place,
@@ -37,8 +37,8 @@ pub(crate) fn mul_add(a: f64, b: f64, c: f64) -> f64 {
     }
 }
 
-/// What `kernel` makes of `fixed` and `work`, with the instructions of this processor; what
-/// `otherwise` makes of them, if it is to be asked and has no fused multiply-add.
+/// The result of `kernel` for `fixed` and `work`, with the instructions of this processor. If the
+/// processor has to be asked, and has no fused multiply-add, the result of `otherwise`.
 ///
 /// The kernel and all that it calls has to be `#[inline(always)]`, or is compiled for any
 /// processor. It gets two references and no more, because two are handed over in registers, as

@@ -27,7 +27,7 @@ use super::products::Row;
 use super::taylor::Composed;
 use super::{Function, INLINE_ROWS, LONGEST, mul_add};
 
-/// What one operation has computed so far: its slope at order 0, and its coefficients.
+/// The results of one operation so far: its slope at order 0, and its coefficients.
 #[derive(Debug, Clone)]
 struct Line {
     slope: Cell<f64>,
@@ -43,7 +43,7 @@ impl Line {
     }
 }
 
-/// What the operations of a function have computed so far: one row each, in their sequence.
+/// The results of the operations of a function so far: one row each, in their sequence.
 #[derive(Debug, Clone)]
 pub(crate) struct Tape {
     inline: [Line; INLINE_ROWS],

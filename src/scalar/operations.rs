@@ -1,4 +1,4 @@
-//! What the Taylor coefficient can do: the recurrence of each operation.
+//! The operations of the Taylor coefficient: a recurrence for each.
 //!
 //! Each gives, in run 0, the value and the slope of its result, and in run K ≥ 1 the rest of its
 //! K-th coefficient.

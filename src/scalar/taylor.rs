@@ -252,7 +252,7 @@ impl<'r, const K: usize, const M: usize> Taylor<'r, K, M> {
 pub(crate) struct Composed {
     /// The slope dμ̂/ds at s_0, the same for every k.
     pub(crate) slope: f64,
-    /// For k = 0, m_0 itself; for k ≥ 1 the rest in m_k = slope·s_k + scale·rest.
+    /// The value m_0 for k = 0; for k ≥ 1 the rest in m_k = slope·s_k + scale·rest.
     pub(crate) rest: f64,
     /// The scale in m_k = slope·s_k + scale·rest, the same for every k.
     pub(crate) scale: f64,

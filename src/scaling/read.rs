@@ -1,4 +1,4 @@
-//! How a scaling is read (feature `serde`): through the checks of its constructor.
+//! Deserialisation of a scaling (feature `serde`), through the checks of its constructor.
 
 use serde::Deserialize;
 

@@ -24,7 +24,7 @@ use crate::friction::memory::{ContactLaw, Slip, validate};
 /// | [`Contact::between(i, j, ..)`](Self::between) | e_i − e_j | v_i − v_j − w: a clutch, a damper between blades, a pad on a disc |
 /// | [`Contact::along(&[(i, b_i), ..], ..)`](Self::along) | any | a lever, a gear, a point of a reduced model by its mode shapes |
 ///
-/// Loads in units of force, n_j force per displacement, w in units of velocity, μ and b
+/// Loads are in units of force, n_j in force per displacement, w in units of velocity; μ and b are
 /// dimensionless. A row b twice as large doubles r and the force on the coordinates.
 ///
 /// If the load depends on time alone it may fall to 0 and rise again: the contact is open in
@@ -37,9 +37,10 @@ use crate::friction::memory::{ContactLaw, Slip, validate};
 /// dry slider.
 ///
 /// Touching is no event: neither a load that touches 0, from above or from below, nor a force in
-/// stick that touches its limit. The load touches 0 if it turns back within 8ε of 0, in units of
-/// the sum of the sizes of its terms, or if one piece of a [`Drive`] ends at 0 and the next one
-/// goes back. The force touches its limit if it turns back within 8ε of it.
+/// stick that touches its limit. The load only touches 0 if its minimum or maximum lies within 8ε
+/// Σ|terms of N| of 0 (ε = 2.2e-16), or if one piece of a [`Drive`] ends at 0 and the next piece
+/// turns back. In the same way the force only touches its limit if it turns back within 8ε of the
+/// limit, relative to the terms of both.
 ///
 /// The type of the law is not part of the type of the contact, so a structure may have contacts of
 /// different laws.
@@ -118,8 +119,8 @@ impl Contact {
     ///
     /// # Errors
     ///
-    /// [`Error::BadDirection`] unless there are coordinates, all different, and all b_i are finite,
-    /// one at least not 0; those of [`new`](Self::new).
+    /// [`Error::BadDirection`] unless at least one coordinate is given, all are different, and all
+    /// b_i are finite and not all 0; those of [`new`](Self::new).
     pub fn along<L: ContactLaw + Send + Sync + 'static>(
         direction: &[(usize, f64)],
         law: L,

@@ -92,8 +92,8 @@ impl Contact {
     ///
     /// # Errors
     ///
-    /// * [`Error::BadDirection`] unless there are coordinates, all different, and all d_j are
-    ///   finite, one at least not 0;
+    /// * [`Error::BadDirection`] unless at least one coordinate is given, all are different, and
+    ///   all d_j are finite and not all 0;
     /// * [`Error::InvalidParameter`] unless k_n, and each k_n d_j, is finite and k_n > 0.
     ///
     /// ```
@@ -149,8 +149,9 @@ impl Contact {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] unless each share is positive and finite, and of a load that
-    /// would overflow; those of [`with_tangential_stiffness`](Self::with_tangential_stiffness).
+    /// [`Error::InvalidParameter`] unless each share is positive and finite, and if a share of the
+    /// load would overflow; those of
+    /// [`with_tangential_stiffness`](Self::with_tangential_stiffness).
     ///
     /// ```
     /// use stick_slip::{Contact, Coulomb, Structure};

@@ -27,7 +27,7 @@ use crate::state::structure::State;
 /// motion `stored` is 0.
 ///
 /// λ is the friction force of a contact, called T in an elastic one. It acts on the coordinates
-/// with −b λ, and with λ on the surface that moves with w.
+/// with −b λ, and on the moving surface, of velocity w, with λ.
 ///
 /// ```
 /// use stick_slip::{Contact, Coulomb, Structure, structure::State};
@@ -53,12 +53,14 @@ pub struct EnergyBudget {
     pub stored: f64,
     /// Work of the force on each coordinate, ∫ f_i v_i dt.
     pub force_work: Vec<f64>,
-    /// Work done on the moving surface of each contact, −∫ λ w dt.
+    /// Work of the drive that moves the surface of each contact, −∫ λ w dt: positive if the drive
+    /// pulls against friction.
     pub drive_work: Vec<f64>,
-    /// Work of each contact's friction on the coordinates, −∫ λ b·v dt.
+    /// Work that the friction of each contact does on the coordinates, −∫ λ b·v dt: positive if
+    /// friction carries the masses along.
     pub belt_work: Vec<f64>,
-    /// Heat in each contact, ∫ λ r dt; for an elastic one ∫ μN|z'| dt. For bristles it includes the
-    /// energy that they store.
+    /// Heat in each contact, ∫ λ r dt; in an elastic one ∫ μN|z'| dt, z' its sliding velocity. In a
+    /// contact with bristles it includes the energy that they store.
     pub friction_loss: Vec<f64>,
     /// Work of the load that presses each normal spring, ∫ N (N0' + n·v)/k_n dt; 0 without one.
     pub normal_work: Vec<f64>,

@@ -66,7 +66,7 @@
 //! | a damper c between coordinate i and a part that does not rotate | the damper to the ground, and a force −c Ω(t) |
 //! | a contact with a part that does not rotate, or with a surface of velocity w | a surface of velocity w(t) − (b·e) Ω(t) |
 //! | springs, dampers and contacts between rotating coordinates (b·e = 0) | nothing |
-//! | a spring or damper to the ground | one to the frame |
+//! | a spring or damper between a rotating coordinate and the frame itself | that spring or damper, to the ground |
 //!
 //! ```
 //! use stick_slip::{Contact, Coulomb, Drive, Structure, structure::State};

@@ -1,4 +1,4 @@
-//! Where steady sliding changes its stability while drives vary slowly.
+//! Changes of stability of steady sliding while drives vary slowly.
 
 use std::ops::Range;
 

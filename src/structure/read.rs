@@ -1,5 +1,5 @@
-//! How structures are written and read (feature `serde`): matrices as lists of rows; read through
-//! the checks of the constructors.
+//! Serialisation of structures (feature `serde`): matrices as lists of rows; read through the
+//! checks of the constructors.
 
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize, Serializer};

@@ -19,9 +19,9 @@ use crate::state::Direction;
 /// M δq'' + (C + Σ_c N_c dμ̂_c/ds b_c b_cᵀ) δq' + (K − Σ_c sgn(w_c) μ̂_c b_c n_cᵀ) δq = 0
 /// ```
 ///
-/// Contacts with memory variables, as bristles, have the memory at which z' = 0. Its perturbations
-/// δz add −b_c N_c Σ_j ∂μ_c/∂z_j δz_j on the right, and equations for δz' that are linear in δz and
-/// b_c·δq'.
+/// Contacts with memory variables, such as bristles, have the memory at which z' = 0. Its
+/// perturbations δz add −b_c N_c Σ_j ∂μ_c/∂z_j δz_j on the right, and equations for δz' that are
+/// linear in δz and b_c·δq'.
 ///
 /// A load that depends on displacements makes the stiffness matrix unsymmetric: two modes can merge
 /// and one of them grow (flutter by mode coupling), even if friction does not fall with speed.
@@ -63,9 +63,9 @@ pub struct SteadySliding {
     /// Displacement of each coordinate.
     pub displacements: Vec<f64>,
     /// Eigenvalues of small motions, by falling real part, and for equal ones by falling imaginary
-    /// part; two for each coordinate and one for each memory variable, per unit of time. A memory
-    /// variable that neither changes in slip nor influences anything, as the clock of a
-    /// [`Dwell`](crate::Dwell), and the force of an elastic contact have the eigenvalue −∞.
+    /// part; two for each coordinate and one for each memory variable, per unit of time. The
+    /// eigenvalue is −∞ for the force of an elastic contact, and for a memory variable that neither
+    /// changes in slip nor influences anything, such as the clock of a [`Dwell`](crate::Dwell).
     pub eigenvalues: Vec<Complex<f64>>,
 }
 

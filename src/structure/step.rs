@@ -131,7 +131,8 @@ impl Step {
         &self.modes
     }
 
-    /// State at its start. Memory variables have their values after an event there.
+    /// State at its start. If the step begins at an event, memory variables have their values after
+    /// it.
     pub fn state(&self) -> &State {
         &self.state
     }

@@ -142,8 +142,8 @@ impl Structure {
         })
     }
 
-    /// Free coordinates with a mass matrix M, n × n, symmetric and positive definite, as of a
-    /// reduced finite-element model. A diagonal matrix gives what [`new`](Self::new) gives.
+    /// Free coordinates with a mass matrix M, n × n, symmetric and positive definite, such as that
+    /// of a reduced finite-element model. A diagonal matrix gives what [`new`](Self::new) gives.
     ///
     /// Entries (i, j) and (j, i) may differ by 4ε√(m_ii m_jj), as in ΦᵀMΦ; their mean is taken.
     ///
@@ -312,7 +312,8 @@ impl Structure {
     /// # Errors
     ///
     /// * [`Error::NoSuchCoordinate`] for a coordinate of its direction or of its load;
-    /// * [`Error::BeltVelocityJumps`], and [`Error::BadElement`] if that velocity is not finite.
+    /// * [`Error::BeltVelocityJumps`] if the velocity of its surface jumps, unless it is elastic;
+    ///   [`Error::BadElement`] if that velocity is not finite at all times.
     pub fn with_contact(mut self, contact: Contact) -> Result<Self, Error> {
         contact.check(self.contacts.len(), self.len())?;
         self.contacts.push(contact);
@@ -323,7 +324,7 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// Those of [`with_contact`](Self::with_contact), for the first contact that has one.
+    /// Those of [`with_contact`](Self::with_contact), for the first contact at fault.
     pub fn with_contacts(self, contacts: impl IntoIterator<Item = Contact>) -> Result<Self, Error> {
         contacts.into_iter().try_fold(self, Self::with_contact)
     }

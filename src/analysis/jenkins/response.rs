@@ -244,7 +244,8 @@ impl Forced {
         (matrix, Vector3::new(-2.0 - y[3], -x_end[3], -v_end[3]))
     }
 
-    /// By Cramer's rule: the determinant, and those whose ratios to it are A, a and b.
+    /// The determinants of Cramer's rule: that of the equations, and those whose ratios to it are
+    /// A, a and b.
     fn determinants(&self, elastic_time: f64) -> [Determinant; 4] {
         let (matrix, right) = self.equations(elastic_time);
         std::array::from_fn(|i| {

@@ -172,7 +172,7 @@ fn no_number_is_larger_than_any_defect() {
     }
 }
 
-/// For every place of the minimum in a step, and every shape around it.
+/// Every place of the minimum in a step, with every shape around it.
 #[test]
 fn features_at_the_least_speed_are_seen() {
     for h in [0.3, 1.0, 2.0] {

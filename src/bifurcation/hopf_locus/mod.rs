@@ -20,7 +20,7 @@ pub struct HopfLocus {
     pub points: Vec<HopfPoint>,
     /// The special points between them, in the same order.
     pub special: Vec<SpecialHopfPoint>,
-    /// Why the curve ends before its first point, and after its last one.
+    /// The reasons why the curve ends before its first point, and after its last one.
     pub ends: [LocusEnd; 2],
 }
 
@@ -100,8 +100,8 @@ const SAME: f64 = 1e-7;
 /// (A − iω) w = 0,    A = ∂F/∂x at steady sliding
 /// ```
 ///
-/// are solved by Newton's method with a bordered matrix. Parameters and ω are exact to the rounding
-/// of A, divided by the speed at which the eigenvalue crosses the axis.
+/// are solved by Newton's method with a bordered matrix. The error of parameters and ω is the
+/// rounding error of A, divided by the rate at which the eigenvalue crosses the axis.
 ///
 /// The first Lyapunov coefficient l1 decides whether the motion that is born is stable. It takes
 /// the second and third derivatives of friction by velocities, loads and memory variables, from the

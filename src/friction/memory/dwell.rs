@@ -71,7 +71,7 @@ impl<L: FrictionLaw> Dwell<L> {
         Self::new(law, Rise::Exponential(limit), time)
     }
 
-    /// Rises to the limit μ_∞, half of it after θ_c.
+    /// Rises to the limit μ_∞; half of the rise is reached after θ_c.
     ///
     /// # Errors
     ///

@@ -188,15 +188,15 @@ pub trait ContactLaw: Sized {
     /// `zero.constant(0.4)`.
     fn limit<S: Scalar>(&self, zero: S, memory: Self::Memory<S>) -> Option<S>;
 
-    /// Rates of change dz/dt of the memory.
+    /// Rates of change dz/dt of the memory variables, per unit of time.
     fn rates<S: Scalar>(&self, motion: Motion<S>, memory: Self::Memory<S>) -> Self::Memory<S>;
 
     /// Sliding speeds at which pieces of the law meet: finitely many, ascending, positive. See
     /// [`FrictionLaw::breakpoints`].
     fn breakpoints(&self) -> impl Iterator<Item = f64>;
 
-    /// The memory after a change between slip and stick, given the memory before. The state of the
-    /// event holds the memory before.
+    /// The memory just after the contact sticks or is released, given the memory just before. The
+    /// state recorded in the event holds the memory before.
     fn caught(&self, memory: Self::Memory<f64>) -> Self::Memory<f64>;
 
     /// The law as one of the crate's own, for serialization and comparison; `None` for a user's

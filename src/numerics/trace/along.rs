@@ -17,14 +17,14 @@ pub(crate) struct Half<V> {
     pub(crate) end: End,
 }
 
-/// Why a curve ends.
+/// The reason why a curve ends.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum End {
-    /// At a side of the rectangle.
+    /// It reaches a side of the rectangle.
     Ranges,
     /// It returns to its first point.
     Closed,
-    /// At a special point.
+    /// It ends at a special point.
     Special,
     /// The solution shrinks to nothing at these parameters.
     Vanishes([f64; 2]),

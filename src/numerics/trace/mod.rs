@@ -16,7 +16,7 @@ use crate::error::Error;
 
 /// Equations whose solutions form a curve.
 pub(crate) trait Equations {
-    /// What is computed at one y.
+    /// The result of a computation at one y.
     type Value: Clone;
 
     /// The places of the two parameters among the unknowns.
@@ -79,7 +79,7 @@ pub(crate) trait Equations {
         2048
     }
 
-    /// Called with each point that is found, but for the first.
+    /// Called with each point that is found, except the first.
     fn found(&self, _: &Point<Self::Value>) {}
 
     /// The error if no solution was found near here.

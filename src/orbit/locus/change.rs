@@ -1,5 +1,5 @@
-//! Which events change at a motion: contacts that touch, arrivals at the limit of stick, events at
-//! one time.
+//! The events that change at a motion: contacts that touch, arrivals at the limit of stick, events
+//! at one time.
 
 use std::ops::ControlFlow;
 
@@ -20,7 +20,7 @@ pub(super) struct Change {
     pub(super) kind: LocusKind,
     pub(super) holds: Vec<Hold>,
     pub(super) marks: Vec<Mark>,
-    /// How far from it the motion is, in units of its sizes.
+    /// The distance of the motion from the change, in units of its sizes.
     pub(super) size: f64,
 }
 
@@ -88,9 +88,9 @@ struct Minimum {
     contact: usize,
     side: Direction,
     since: f64,
-    /// In units of the size of the velocity.
+    /// The sliding speed there, in units of the size of the velocity.
     speed: f64,
-    /// Whether the contact arrives there and sticks.
+    /// True if the contact arrives there and sticks.
     sticks: bool,
 }
 
@@ -136,7 +136,8 @@ pub(super) fn touch(
     })
 }
 
-/// How far from a time something is searched, with others of its kind at these times.
+/// The distance from a time within which something is searched, with others of its kind at these
+/// times.
 fn within(since: f64, others: impl Iterator<Item = f64>, period: f64) -> f64 {
     let away = others.map(|other| {
         let later = (other - since).rem_euclid(period);
@@ -197,7 +198,7 @@ fn minima(form: &GeneralForm<'_>, map: &PeriodMap, period: f64) -> Vec<Minimum> 
     minima
 }
 
-/// For how long a contact sticks from an event on.
+/// The time for which a contact sticks from an event on.
 fn rest_of(map: &PeriodMap, event: &Event<State>, period: f64) -> f64 {
     if event.kind != EventKind::Stick {
         return 0.0;

@@ -34,7 +34,7 @@ pub(super) struct EventCurve<'f> {
     pub(super) motions: Motions<'f>,
     pub(super) kind: LocusKind,
     pub(super) ranges: [Range<f64>; 2],
-    /// How strongly the held motion magnifies perturbations, as last seen.
+    /// The factor by which the last held motion magnifies perturbations.
     pub(super) growth: Cell<f64>,
 }
 
@@ -47,16 +47,16 @@ pub(super) struct Held {
     residual: DVector<f64>,
     scalar: f64,
     events: Vec<(usize, EventKind)>,
-    /// Of a solution: the motion with its derivative, and its events but for those that change.
+    /// The motion of a solution with its derivative, and its events except those that change.
     pub(super) trial: Trial,
     sequence: Option<Sequence>,
     multipliers: Vec<Complex<f64>>,
 }
 
-/// What a motion says about the events of a curve.
+/// The condition of a curve at a motion, and the times of its watched events.
 struct Seen {
     scalar: f64,
-    /// Where the watched events are, since the start.
+    /// The times of the watched events since the start.
     marks: Vec<f64>,
 }
 
@@ -227,7 +227,7 @@ impl EventCurve<'_> {
         residual.insert_row(rows, held.scalar)
     }
 
-    /// The events but for those that are held or watched.
+    /// The events except those that are held or watched.
     fn sequence(&self, trial: &Trial, begin: &FrozenStart) -> Sequence {
         let begins = trial.map.steps.first().map_or(0.0, Segment::start_time);
         Sequence::except(&trial.map, trial.period, |event| {

@@ -18,7 +18,7 @@ pub struct Locus<S: System> {
     pub points: Vec<LocusPoint<S>>,
     /// The special points between them, in the same order.
     pub special: Vec<SpecialPoint<S>>,
-    /// Why the curve ends before its first point, and after its last one.
+    /// The reasons why the curve ends before its first point, and after its last one.
     pub ends: [LocusEnd; 2],
 }
 
@@ -151,15 +151,15 @@ pub enum SpecialKind {
     /// Strong resonance: the multipliers of the curve are both 1 (number 1), both −1 (2),
     /// exp(±2πi/3) (3) or ±i (4). A curve of tori begins or ends at the first two.
     Resonance(u8),
-    /// The multipliers +1 and −1.
+    /// One multiplier is +1 and another is −1.
     FoldFlip,
-    /// A multiplier +1 and a pair on the unit circle.
+    /// A multiplier is +1, and a pair lies on the unit circle.
     FoldNeimarkSacker,
-    /// A multiplier −1 and a pair on the unit circle.
+    /// A multiplier is −1, and a pair lies on the unit circle.
     FlipNeimarkSacker,
-    /// Two pairs on the unit circle.
+    /// Two pairs of multipliers lie on the unit circle.
     DoubleNeimarkSacker,
-    /// A multiplier +1, and a contact that slips reaches relative velocity 0 tangentially.
+    /// A multiplier is +1, and a contact that slips reaches relative velocity 0 tangentially.
     FoldGrazing,
     /// Two contacts, or one at two instants, reach relative velocity 0 tangentially; or one does,
     /// and another condition on the events holds.
@@ -194,7 +194,7 @@ impl fmt::Display for SpecialKind {
     }
 }
 
-/// Why a curve in two parameters ends.
+/// The reason why a curve in two parameters ends.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum LocusEnd {
@@ -202,7 +202,8 @@ pub enum LocusEnd {
     Ranges,
     /// It returned to its start.
     Closed,
-    /// The kind of the curve ends at its last special point.
+    /// The curve ends at its last special point, for example a 1:1 resonance: beyond it the
+    /// bifurcation is of another kind.
     Special,
     /// The events of the motion change beyond the last point, and no curve of this kind continues:
     /// the motion or its derivative jumps there.
@@ -213,8 +214,8 @@ pub enum LocusEnd {
         /// The parameters there.
         parameters: [f64; 2],
     },
-    /// The limit of work was reached: 2048 points in one direction, or 2·10⁷ steps, unless
-    /// [`Search`](crate::orbit::Search) sets others, or 2·10⁵ motions tried.
+    /// A limit of work was reached: 2048 points or 2·10⁷ steps in one direction
+    /// ([`Search`](crate::orbit::Search) sets other limits), or 2·10⁵ motions tried.
     Work,
     /// The watcher stopped the search.
     Stopped {

@@ -49,14 +49,14 @@ use crate::numerics::trace::{self, Equations, Plane, Point, check_ranges, trace}
 /// | [`BifurcationKind`] | [`LocusKind`] | g |
 /// |---|---|---|
 /// | fold, flip, Neimark-Sacker | the same | that of a bordered matrix, 0 where a multiplier is 1, −1, or a pair is exp(±iθ) |
-/// | grazing, also the [end of a branch](super::BranchEnd::Grazing) | [`Grazing`](LocusKind::Grazing) | the relative velocity at its extremum, in a motion in which the contact slips on, or sticks from there on |
+/// | grazing, also the [end of a branch](super::BranchEnd::Grazing) | [`Grazing`](LocusKind::Grazing) | the extremum of the relative velocity at the touch; the contact slips before it, and slips or sticks after it |
 /// | change of events | [`StopOnset`](LocusKind::StopOnset) | \|R\| − N μ_s where the relative velocity is 0, R the force that stick would need |
 /// | change of events | [`Order`](LocusKind::Order) | the time between events of two contacts |
 ///
 /// The curve is followed by pseudo-arclength continuation, also through cusps. The monodromy matrix
 /// is exact; derivatives of g and by parameters are differences between motions with the same
-/// events. They determine the steps of Newton's method, not its result: parameters are exact to the
-/// rounding of the map, which it magnifies near events that become tangential.
+/// events. These differences determine the steps of Newton's method, not its result: parameters are
+/// exact to the rounding error of the map. Near events that become tangential that error grows.
 ///
 /// Special points are zeros of test functions along the curve:
 ///
@@ -71,18 +71,20 @@ use crate::numerics::trace::{self, Equations, Plane, Point, check_ranges, trace}
 /// Two zeros of one test within a step (1/64 of the ranges at most) can be missed. The coefficients
 /// of normal forms (generalised flip, Chenciner) are not computed.
 ///
-/// A curve keeps the kind of its bifurcation only while the events of the motion stay the same, or
-/// the map stays smooth where they change. Elsewhere it ends with [`LocusEnd::Jump`]; a curve of
-/// events always does. Where a touch falls onto another event of its contact, steps become ever
-/// shorter, up to the limit of points. A curve of an autonomous motion that shrinks to a point ends
-/// with [`LocusEnd::Hopf`], good to about 1e-8 of the ranges, by extrapolation.
+/// A curve of folds, flips or Neimark-Sacker bifurcations passes a change of the events of its
+/// motion if the map is smooth there, and otherwise ends with [`LocusEnd::Jump`]. A curve of
+/// grazings, onsets of stops or event orders ends with `Jump` at every such change. On a curve of
+/// grazings the touch can approach another event of the same contact, such as a release. Steps then
+/// become ever shorter, and the curve ends at the limit of points, [`LocusEnd::Work`]. A curve of
+/// an autonomous motion that shrinks to a point ends with [`LocusEnd::Hopf`], good to about 1e-8 of
+/// the ranges, by extrapolation.
 ///
-/// Other changes of events have no curve here: a contact that sticks and reaches its limit
-/// tangentially, loads that open, drives that jump; onsets of stops of contacts that share
-/// coordinates.
+/// Four changes of events have no curve here: a sticking contact that reaches its limit
+/// tangentially, a load that opens a contact, a drive that jumps, and the onset of a stop of
+/// contacts that share coordinates.
 ///
-/// At the tangential end of a branch the derivative of the map is unbounded: the first multiplier
-/// is infinite, and the others are NaN.
+/// At a grazing end of a branch the derivative of the map is unbounded: the first multiplier is
+/// infinite, and the others are NaN.
 ///
 /// Work: about ten motions for each step of Newton's method; at most 2048 points, 2·10⁵ motions and
 /// 2·10⁷ of their steps in each direction. [`Search`] sets other limits and watches.
@@ -258,7 +260,7 @@ fn changing(
     kind: BifurcationKind,
     events: &[(f64, usize, EventKind)],
 ) -> Result<Change, Error> {
-    /// How near the motion has to be, in units of its sizes.
+    /// The largest distance of the motion from the change, in units of its sizes.
     const NEAR: f64 = 1e-4;
     let parameters = motions.parameters(y);
     let at = |error: Error| located(error, parameters);

@@ -39,7 +39,7 @@ pub(super) struct Motions<'f> {
     pub(super) watched: &'f Watched<'f>,
 }
 
-/// Where motions begin: what stays as it is while Newton's method runs.
+/// The start of motions, as far as it stays the same while Newton's method runs.
 #[derive(Debug, Clone)]
 pub(super) struct FrozenStart {
     /// The start of a forced motion, as a part of its period.

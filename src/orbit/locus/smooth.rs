@@ -46,7 +46,7 @@ pub(super) struct Motion {
     pub(super) trial: Trial,
     pub(super) begin: FrozenStart,
     bordered: Bordered,
-    /// Of a solution: its events, its multipliers, and ½ uᵀD²P[w, w].
+    /// The events of a solution, its multipliers, and ½ uᵀD²P[w, w].
     sequence: Option<Sequence>,
     pub(super) multipliers: Vec<Complex<f64>>,
     quadratic: f64,

@@ -17,11 +17,15 @@ pub struct VibrationRanges<S: System> {
     pub ranges: Vec<VibrationRange>,
     /// The branches of periodic motions that were followed.
     pub branches: Vec<Branch<S>>,
-    /// What the system settled to at equidistant values.
+    /// The attractors that the system reached at 17 equidistant values, upward and downward.
     pub sweep: Sweep<S>,
 }
 
-/// A range of a parameter with the same attractors throughout.
+/// A range of a parameter of any system with the same attractors throughout; part of
+/// [`VibrationRanges`]. For a mass on a belt,
+/// [`bifurcation::VibrationRange`](crate::bifurcation::VibrationRange) is the similar type: its
+/// search misses no attractor at the velocities that it tries, and it holds no borders, because a
+/// function of [`bifurcation`](crate::bifurcation) finds each kind.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -31,11 +35,11 @@ pub struct VibrationRange {
     /// All attractors that were found: one entry for each. Two or more mean hysteresis: which one
     /// is reached depends on the start.
     pub attractors: Vec<AttractorKind>,
-    /// Why the attractors change at the two ends of the range.
+    /// The reasons why the attractors change at the two ends of the range.
     pub borders: [Border; 2],
 }
 
-/// Why the attractors change at an end of a [`VibrationRange`].
+/// The reason why the attractors change at an end of a [`VibrationRange`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -62,8 +66,8 @@ pub enum Border {
     Pitchfork,
     /// A pair of multipliers of a periodic motion passes the unit circle.
     NeimarkSacker,
-    /// An event of a periodic motion becomes tangential: with another motion, with which it
-    /// vanishes, or the motion changes its kind or its stability.
+    /// An event of a periodic motion becomes tangential: the motion meets another one and both
+    /// vanish, or it changes its kind or its stability.
     Grazing,
     /// The events of a periodic motion change, and with them its kind or its stability.
     Sequence,

@@ -38,29 +38,29 @@ const NEAR: f64 = 1e-6;
 const SMALL: f64 = 1e-3;
 
 /// The attractors of a system over a range of a parameter: where it slides steadily, where it
-/// vibrates, and where it depends on the past which of both it does, with the critical values
-/// between these ranges.
+/// vibrates, where its past decides between the two, and the critical values between these ranges.
 ///
 /// `family` returns the system for a value of the parameter. Two searches lead to the periodic
 /// motions: a [`sweep`](super::sweep()) upward and downward over 17 equidistant values, from rest;
 /// and the Hopf points of steady sliding, at which motions are [born](super::begin()). Each motion
 /// that is on no branch yet is [followed](super::follow()) in both directions, through folds, to
-/// the ends of its branch. So the end of stick-slip is the fold or grazing itself, not the last
-/// value at which some simulation stuck, and motions that no simulation from steady sliding reaches
-/// are found, if they are connected with those.
+/// the ends of its branch. The end of stick-slip is therefore the fold or grazing itself, not the
+/// last value at which a simulation still stuck. Motions that no simulation from steady sliding
+/// reaches are found too, if they lie on a branch of a motion that was met.
 ///
 /// A motion that lies on two branches counts once. Bifurcations are exact to about 1e-10 of the
-/// range, as those of [`follow`](super::follow()). Hopf points are exact to rounding in
+/// range, like those of [`follow`](super::follow()). Hopf points are exact to rounding in
 /// [`VibrationRange::parameters`], from the eigenvalues of steady sliding; [`BranchEnd::Hopf`] of a
-/// branch is extrapolated from its motions. Where the family returns an error, there is no range:
-/// those beside end with [`Border::NoSystem`]. Attractors on a branch of their own that the sweep
-/// does not meet are missed; where a sweep finds no periodic motion but chaos, the range has
-/// [`AttractorKind::Irregular`].
+/// branch is extrapolated from its motions. Parameters at which the family returns an error belong
+/// to no range; the ranges next to them end with [`Border::NoSystem`]. Attractors on a separate
+/// branch that the sweep does not meet are missed; where a sweep finds no periodic motion but
+/// chaos, the range has [`AttractorKind::Irregular`].
 ///
 /// Work: a sweep of 34 values, and one [`follow`](super::follow()) for each branch: seconds for a
 /// few masses, tens of seconds for a dozen. [`Search::vibration_ranges`] bounds and watches it. For
 /// a mass on a belt of constant velocity,
-/// [`bifurcation::vibration_ranges`](crate::bifurcation::vibration_ranges) is faster, and complete.
+/// [`bifurcation::vibration_ranges`](crate::bifurcation::vibration_ranges) is faster, and misses no
+/// attractor at the velocities that it tries.
 ///
 /// # Errors
 ///
@@ -293,11 +293,11 @@ impl Search<'_> {
     }
 }
 
-/// What is known exactly, whatever the branches.
+/// The facts that are known exactly without the branches.
 struct Known<'k> {
     crossings: &'k [Crossing],
     systems: &'k [Range<f64>],
-    /// What is as near as this belongs together.
+    /// Values closer together than this are the same point.
     near: f64,
 }
 

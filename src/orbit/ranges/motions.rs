@@ -1,4 +1,4 @@
-//! Whether motions, and branches of them, are the same.
+//! Comparison of motions, and of branches of them.
 
 use super::super::branch::{Branch, BranchPoint};
 use super::super::found::Orbit;

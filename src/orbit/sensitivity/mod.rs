@@ -33,7 +33,7 @@ pub struct EventSensitivity {
     pub contact: usize,
     /// The kind of event.
     pub kind: EventKind,
-    /// ∂t/∂p of each parameter.
+    /// The derivative ∂t/∂p by each parameter, in units of time per unit of the parameter.
     pub by_parameters: Vec<f64>,
 }
 
@@ -41,7 +41,7 @@ pub struct EventSensitivity {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct OrbitSensitivities {
-    /// ∂T/∂p of each parameter.
+    /// The derivative ∂T/∂p of the period by each parameter.
     pub period: Vec<f64>,
     /// The motion over one period with its derivatives. It begins away from events, at
     /// [`Sensitivities::times`]. An autonomous motion begins where the orbit begins or later, with
@@ -53,7 +53,7 @@ pub struct OrbitSensitivities {
 type Runs<'r> = dyn Fn(&[f64], usize) -> Result<Run, Error> + 'r;
 
 impl Sensitivities {
-    /// The times of begin and end.
+    /// The times at which the motion begins and ends.
     pub fn times(&self) -> [f64; 2] {
         [self.begin, self.here.end]
     }

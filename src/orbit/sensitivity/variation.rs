@@ -126,8 +126,8 @@ impl Run {
         Some(DVector::from_vec(numbers))
     }
 
-    /// How far the power series of this motion have to be continued beyond their steps for the
-    /// times of another one, in units of the steps' lengths.
+    /// The length by which the power series of this motion have to be continued beyond their steps
+    /// for the event times of another one, in units of the steps' lengths.
     fn overhang(&self, other: &Self) -> f64 {
         let ends = other.events.iter().enumerate();
         let overhangs = ends.flat_map(|(i, event)| {

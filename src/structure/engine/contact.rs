@@ -10,7 +10,7 @@ use std::borrow::Cow;
 /// Entries of a vector by their coordinates, without zeros.
 pub(crate) type Entries = [(usize, f64)];
 
-/// What is constant at a contact.
+/// The constant data of a contact.
 #[derive(Debug, Clone)]
 pub(crate) struct ContactData<'s> {
     /// b.
@@ -31,11 +31,11 @@ pub(crate) struct ContactData<'s> {
     /// G_cc; 1 for an elastic contact, whose forces are not divided by a mass.
     pub(crate) compliance: f64,
     pub(crate) site: Site,
-    /// Where its variables begin among those of all contacts.
+    /// Index of its first variable among those of all contacts.
     pub(super) first_memory: usize,
 }
 
-/// How a contact acts on the masses.
+/// The coordinates on which a contact acts.
 #[derive(Debug, Clone)]
 pub(crate) enum Site {
     /// It has a coordinate to itself: r = v_i − w.

@@ -50,8 +50,8 @@ struct Candidate {
     kinetic: [f64; 2],
     has_yielded: bool,
     choice: Choice,
-    /// Of the last solution: λ, a, and how far rounding may have moved the one of them that the
-    /// choice leaves free.
+    /// The last solution: λ, a, and the rounding error of the one of them that the choice leaves
+    /// free.
     force: f64,
     acceleration: f64,
     rounding: f64,

@@ -68,7 +68,7 @@ struct ContactStep<'a> {
     contact: &'a ContactData<'a>,
     state: &'a ContactState,
     series: &'a ContactSeries,
-    /// Of its relative velocity.
+    /// The allowance of its relative velocity.
     allowance: Allowance,
     /// The size of the terms of its equation.
     size: f64,

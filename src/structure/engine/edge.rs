@@ -17,12 +17,12 @@ const TOUCH_ROUNDING: f64 = 8.0;
 /// Position of a contact relative to the bound of its stick band, or of its load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Edge {
-    /// Away from it, as far as is known.
+    /// The contact is away from it, as far as is known.
     #[default]
     Away,
-    /// On it, to the bit.
+    /// The contact is on it, to the bit.
     On(Option<Direction>),
-    /// On it, and its rate is 0: it was touched.
+    /// The contact is on it, and the rate is 0: it was touched.
     Touched(Option<Direction>),
 }
 

@@ -20,7 +20,7 @@ pub(crate) struct Holding {
 struct Row {
     /// Column of the first entry.
     first: usize,
-    /// From there to the diagonal.
+    /// The entries from there to the diagonal.
     entries: Vec<f64>,
 }
 

@@ -13,7 +13,7 @@ use crate::drive::Drive;
 use crate::friction::FrictionLaw;
 use crate::motion::Mode;
 
-/// What is constant in a motion.
+/// The data that are constant in a motion.
 ///
 /// ```text
 /// v' = M⁻¹ f(t) − M⁻¹C v − M⁻¹K q − Σ_c x_c ℓ_c,    x_c = M⁻¹b_c/G_cc,  ℓ_c = G_cc λ_c
@@ -92,7 +92,7 @@ impl<'s> Model<'s> {
         )
     }
 
-    /// From M, K and C.
+    /// The model with these M, K and C.
     pub(crate) fn new(
         mass: Mass<'_>,
         [stiffness, damping]: [&DMatrix<f64>; 2],
@@ -380,7 +380,7 @@ impl<'s> Model<'s> {
         }
     }
 
-    /// What the shared contacts that stick hold, by those with independent directions.
+    /// The constraints of the shared contacts that stick, one for each independent direction.
     pub(crate) fn holding(&self, sticks: impl Fn(usize) -> bool) -> Holding {
         let shared = self.shared.iter().copied();
         self.independent(shared.filter(|&c| sticks(c)).collect(), |_| 0.0)
@@ -485,7 +485,7 @@ impl<'s> Model<'s> {
         }
     }
 
-    /// Of each of these contacts the coupling with those before it.
+    /// The couplings of each of these contacts with those before it.
     fn couplings(&self, among: &[usize]) -> impl Iterator<Item = Vec<(usize, f64)>> {
         let mut places = vec![usize::MAX; self.contacts.len()];
         for (place, &c) in among.iter().enumerate() {

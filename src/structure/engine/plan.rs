@@ -15,7 +15,7 @@ use crate::series::{PowerSeries, TERMS};
 /// may be as large as the velocity itself.
 const BEYOND: f64 = 16.0;
 
-/// What controls the lengths of steps, from one to the next.
+/// The data that control the lengths of steps, from one to the next.
 #[derive(Debug, Clone)]
 pub(super) struct Control {
     pub(super) tolerance: f64,
@@ -30,7 +30,7 @@ pub(super) struct Control {
     pub(super) pass_before: Vec<PowerSeries>,
     /// The contacts whose memory was begun to be treated as slow last.
     pub(super) begun: Vec<usize>,
-    /// Of the step under way.
+    /// The errors of the step under way.
     pub(super) plan: Plan,
 }
 
@@ -43,7 +43,7 @@ pub(super) struct Plan {
     /// The time in which their changes measure velocities: the unit, or less where steps are but a
     /// small part of that.
     within: f64,
-    /// Of each coordinate, and of each contact's relative velocity.
+    /// The allowances of each coordinate, and of each contact's relative velocity.
     pub(super) coordinates: Vec<Allowance>,
     pub(super) contacts: Vec<Allowance>,
     /// The size of the terms of the equation of each contact's relative velocity.

@@ -36,7 +36,7 @@ pub(super) struct ContactSeries {
     pub(super) course: ContactCourse,
     /// σ in slip; 0 in stick, and 1 for one that is open.
     pub(super) side: f64,
-    /// Which piece of the law holds in slip.
+    /// The piece of the law that holds in slip.
     pub(super) piece: usize,
     /// dy/dt at the start, where it is known.
     pub(super) rate: Option<f64>,
@@ -90,7 +90,7 @@ impl DisplacementSeries {
         newest: 0.0,
     };
 
-    /// What number k is multiplied with in the displacement: 1/k, and 1 for its value.
+    /// The factors of coefficient k in the displacement: 1/k, and 1 for its value.
     const WEIGHTS: [f64; TERMS + 1] = {
         let mut weights = [1.0; TERMS + 1];
         let mut k = 1;
@@ -150,11 +150,11 @@ pub(super) struct CoordinateSeries {
     pub(super) course: DisplacementSeries,
     /// (M⁻¹f)_i.
     pub(super) force: PowerSeries,
-    /// How later orders of its velocity come about in the step.
+    /// The rule for the later orders of its velocity in the step.
     pub(super) role: Role,
 }
 
-/// What a coordinate does in a step, where that is simple.
+/// The role of a coordinate in a step, if it is simple.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Role {
     /// It is held by this contact, which has a constant bound and a constant velocity.

@@ -114,7 +114,7 @@ struct Slow<'a, 's> {
 }
 
 impl Slow<'_, '_> {
-    /// How far the series reach that were found, and whether any were tried.
+    /// The time up to which the series found can be used; true if any were tried.
     fn trial(&mut self, explicit: f64) -> (f64, bool) {
         let mut best = explicit;
         let mut is_tried = false;
@@ -219,8 +219,8 @@ impl Slow<'_, '_> {
         None
     }
 
-    /// What is sought, with the error allowed: velocities of coordinates, or their sliding speeds,
-    /// then the memories that relax.
+    /// The unknowns, each with the error allowed: velocities of coordinates, or their sliding
+    /// speeds, then the memories that relax.
     fn unknowns(&self) -> impl Iterator<Item = (PowerSeries, f64)> {
         let velocities = (0..self.model.len()).map(|i| {
             let owner = self.model.owner[i];
@@ -250,7 +250,7 @@ impl Slow<'_, '_> {
 
 /// D at a memory of one variable, or 0 where it does not relax by itself.
 pub(super) fn relaxation(law: &dyn LawObject, slip: Slip<f64>, memory: f64) -> f64 {
-    /// Of the memory: a difference so large loses half the digits, as many as are needed.
+    /// The increment as a part of the memory: it loses half the digits, and the rest are enough.
     const PART: f64 = 1.0 / (1 << 26) as f64;
     if memory == 0.0 {
         return 0.0;

@@ -12,7 +12,7 @@ pub(crate) struct Sparse {
 #[derive(Debug, Clone, PartialEq)]
 struct Row {
     diagonal: f64,
-    /// Where it begins and ends in the entries.
+    /// Its begin and its end among the entries.
     start: usize,
     end: usize,
 }
@@ -113,7 +113,7 @@ pub(super) struct SparsePair {
 #[derive(Debug, Clone)]
 struct PairRow {
     diagonal: [f64; 2],
-    /// Where it begins in the entries, where those of the second matrix do, and where it ends.
+    /// Its begin among the entries, the begin of those of the second matrix, and the end.
     start: usize,
     middle: usize,
     end: usize,

@@ -1,4 +1,4 @@
-//! Which starts are refused.
+//! The check of a start.
 
 use super::contact::ContactData;
 use super::model::Model;

@@ -76,15 +76,15 @@ pub(super) enum Phase {
         /// dy/dt at the start of the step, if it is known more accurately than from the equation of
         /// motion: where slip begins.
         rate: Option<f64>,
-        /// Which piece of the law holds.
+        /// The piece of the law that holds.
         piece: usize,
     },
 }
 
-/// How the phase of a contact at the start of a step came about.
+/// The origin of the phase of a contact at the start of a step.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Entry {
-    /// As before.
+    /// The phase is that of the step before.
     Held,
     /// It has reached r = 0, from slip in a direction or by closing. Within rounding of the edge of
     /// its band it counts as on it.
