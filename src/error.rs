@@ -195,7 +195,7 @@ pub enum Error {
         instead(*value, allowed)
     )]
     BadElement {
-        /// Which element of the structure.
+        /// The element of the structure.
         element: Element,
         /// The value that was given.
         value: f64,
@@ -209,7 +209,7 @@ pub enum Error {
          counted from 0"
     )]
     NoSuchCoordinate {
-        /// Which element of the structure.
+        /// The element of the structure.
         element: Element,
         /// The coordinate that was given.
         coordinate: usize,

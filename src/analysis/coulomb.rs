@@ -150,7 +150,8 @@ pub fn quiet_velocity(system: &MassOnBelt<Coulomb>) -> f64 {
     }
 }
 
-/// The stick-slip cycle, with or without damping. Exact; the damping needs one root.
+/// The stick-slip cycle, with or without damping. Exact; with damping one equation is solved
+/// numerically, to rounding.
 ///
 /// Without damping, in dimensionless form with F = γ²(μ_s − μ_k):
 ///

@@ -156,8 +156,8 @@ impl DwellOscillator {
 
     /// The cycle at the largest belt velocity of all, where the stable cycle and the unstable one
     /// meet; its multiplier is 1, to the square root of rounding. The belt velocity is exact. If
-    /// friction has almost reached its limit at the release, the arc returns to the belt
-    /// tangentially to rounding, and the multiplier is not known.
+    /// friction has almost reached its limit at the release, rounding hides the small angle at
+    /// which the arc returns to the belt, and the multiplier is not known.
     ///
     /// `None` without damping, where the stable cycle has no partner; if static friction does not
     /// rise; and for c ≥ 2√(km).

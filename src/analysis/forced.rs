@@ -13,7 +13,7 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 /// ```
 ///
 /// Time is in units of 1/ω0, where ω0 = √(k/m); so Ω is in units of ω0, and ζ = c/(2√(km)). F, F_s
-/// and p are forces in any one unit, and displacements are in that unit divided by k.
+/// and p are forces in any common unit, and displacements are in that unit divided by k.
 ///
 /// ```
 /// use stick_slip::analysis::forced::ForcedOscillator;
@@ -45,15 +45,15 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 /// ASME 53 (1931), APM-53-9, 107-115.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForcedOscillator {
-    /// Damping ratio ζ, 0 ≤ ζ < 1.
+    /// Damping ratio ζ, 0 ≤ ζ < 1, dimensionless.
     pub damping: f64,
     /// Angular frequency Ω > 0 of the force, in units of the natural frequency ω0.
     pub angular_frequency: f64,
-    /// Kinetic friction force F = μ_k N ≥ 0.
+    /// Kinetic friction force F = μ_k N ≥ 0, in the common unit of force.
     pub kinetic_friction: f64,
-    /// Largest static friction force F_s = μ_s N ≥ F.
+    /// Largest static friction force F_s = μ_s N ≥ F, in the common unit of force.
     pub static_friction: f64,
-    /// Amplitude p > 0 of the harmonic force.
+    /// Amplitude p > 0 of the harmonic force, in the common unit of force.
     pub force: f64,
 }
 

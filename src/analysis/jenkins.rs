@@ -44,7 +44,7 @@ pub fn loop_area(tangential_stiffness: f64, limit: f64, amplitude: f64) -> f64 {
 
 /// The first harmonic of the force under x = A cos ωt, as the triple (k_eq, c_eq, D): the stiffness
 /// of a spring and the constant of a damper with this harmonic, and the energy D that one cycle
-/// dissipates ([`loop_area`]).
+/// dissipates ([`loop_area`]), in any consistent units.
 ///
 /// ```text
 /// cos θ = 1 − 2F_s/(k_t A),    D = 4F_s(A − F_s/k_t)
@@ -157,7 +157,8 @@ pub fn backbone(
     })
 }
 
-/// The forces along a history of displacements by Masing's rules, one for each displacement.
+/// The forces along a history of displacements by Masing's rules, one for each displacement, in the
+/// unit of the backbone F.
 ///
 /// The history starts at displacement and force 0 and moves straight from each displacement to the
 /// next. F is the backbone, the force of the first loading; it must be odd. The rules are exact for

@@ -183,7 +183,7 @@ impl Step {
     }
 
     /// Coefficients of the power series of the sliding speed s in the time since the step's start,
-    /// s(t) = Σ c_k t^k, equal to the bit to those of the step; zeros in stick.
+    /// s(t) = Σ c_k t^k, dimensionless, equal to the bit to those of the step; zeros in stick.
     ///
     /// ```
     /// use stick_slip::{Coulomb, MassOnBelt, State};

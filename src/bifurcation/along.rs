@@ -60,7 +60,8 @@ pub fn along_velocities<L: FrictionLaw>(system: &MassOnBelt<L>, range: Range<f64
     Along::of(Family::Velocities(system), range, "belt_velocity")
 }
 
-/// A search along a parameter, made by [`along`] or [`along_velocities`].
+/// A search along a parameter, made by [`along`] or [`along_velocities`]. Values of the parameter
+/// are in its own units.
 ///
 /// # Cost
 ///

@@ -57,7 +57,7 @@ pub fn grazing_velocities<L: FrictionLaw>(
 /// overshoot or back: after release the mass first comes back to the belt at the far end of the
 /// stick band.
 ///
-/// The range is searched as densely as by [`grazing_velocities`].
+/// The range is searched as by [`grazing_velocities`].
 ///
 /// # Errors
 ///
@@ -83,7 +83,7 @@ pub fn overshoot_velocities<L: FrictionLaw>(
 /// crossing or back: after release and a crossing the mass comes back to the belt exactly at the
 /// release point.
 ///
-/// The range is searched as densely as by [`grazing_velocities`].
+/// The range is searched as by [`grazing_velocities`].
 ///
 /// # Errors
 ///
@@ -120,8 +120,8 @@ pub fn crossing_velocities<L: FrictionLaw>(
 /// there.
 ///
 /// The velocities are the roots of the function that [`grazing_velocities`] describes, for the
-/// motion from the velocity maximum v_b instead of the release point. The range is divided into as
-/// many intervals.
+/// motion from the velocity maximum v_b instead of the release point, and the range is searched as
+/// there.
 ///
 /// Source: grazing bifurcations of limit cycles, di Bernardo, Budd, Champneys and Kowalczyk,
 /// *Piecewise-smooth Dynamical Systems* (Springer 2008), chapters 7 and 8.

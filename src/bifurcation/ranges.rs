@@ -24,8 +24,9 @@ use crate::numerics::scan::INTERVALS;
 /// to them.
 ///
 /// The cost is that of the six searches, and three searches by `find` for each interval; intervals
-/// narrower than a 64th of the range are searched for changes of contact once more. To bound it or
-/// to watch it, and for any other parameter, use [`Along::vibration_ranges`].
+/// narrower than a 64th of the range are searched once more for grazing, touching, overshoot and
+/// crossing. To bound it or to watch it, and for any other parameter, use
+/// [`Along::vibration_ranges`].
 ///
 /// # Errors
 ///

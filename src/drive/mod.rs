@@ -207,18 +207,18 @@ impl Drive {
         Ok(self)
     }
 
-    /// f(t) at a finite time.
+    /// The value f(t) at a finite time, in the unit of the driven quantity.
     pub fn value(&self, time: f64) -> f64 {
         self.at(Clock::at(time))[0]
     }
 
-    /// f'(t) at a finite time.
+    /// The slope f'(t) at a finite time, in the unit of the driven quantity per unit of time.
     pub fn slope(&self, time: f64) -> f64 {
         self.at(Clock::at(time))[1]
     }
 
-    /// The least T > 0 with f(t + T) = f(t). `None` for a constant, for a drive with a profile,
-    /// and if the harmonics have no common period.
+    /// The period: the least T > 0 with f(t + T) = f(t), in units of time. `None` for a constant,
+    /// for a drive with a profile, and if the harmonics have no common period.
     ///
     /// Ratios of angular frequencies that are within 4 ulps of p/q with q ≤ 1000 count as
     /// commensurate, since 1.65/0.55 is not 3 in `f64`.

@@ -1,7 +1,7 @@
 //! Faults of a friction law.
 
 /// A fault of a friction law, found by [`check_law`](crate::check_law). Speeds are in the units of
-/// the law.
+/// the law; coefficients are dimensionless.
 ///
 /// To show it with its remedy, print it with `{fault}`.
 #[derive(Debug, Clone, Copy, PartialEq)]

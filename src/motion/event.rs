@@ -13,7 +13,8 @@ pub enum Mode {
     /// The mass slides, in this direction.
     Slip(Direction),
     /// There is no normal load, and no friction. Only a contact of a
-    /// [`Structure`](crate::Structure) whose load varies in time can be open.
+    /// [`Structure`](crate::Structure) can be open, if its load varies in time or comes from [a
+    /// normal spring of its own](crate::Contact::with_normal_spring).
     Open,
 }
 
@@ -44,8 +45,8 @@ pub enum EventKind {
     /// The relative velocity changes its sign, and the mass does not stick: the force in stick
     /// would exceed γ²μ_s.
     Crossing(Direction),
-    /// The normal load, given as a function of time, falls below 0: no friction from now on. A load
-    /// that only touches 0 is no event: see [`Contact`](crate::Contact).
+    /// The normal load falls below 0: no friction from now on. A load that only touches 0 is no
+    /// event: see [`Contact`](crate::Contact).
     Open,
     /// The normal load rises above 0 again: friction acts again.
     Close,

@@ -128,7 +128,7 @@ impl fmt::Display for Criticality {
     }
 }
 
-/// The reason why a [`Branch`] ends.
+/// The reason why a [`Branch`] ends. Parameters are in their own units.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum BranchEnd {

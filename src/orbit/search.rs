@@ -18,17 +18,16 @@ pub(super) const LOOK_EVERY: usize = 1000;
 ///
 /// # Cost
 ///
-/// The unit of work is a step of the motion: some microseconds for a few masses, and n times that
-/// for n masses. An oscillation takes about ten steps, more if many contacts have events. The
-/// derivative of a motion, which every search needs, takes as long as one or two more motions for a
-/// few masses, and as about eight for 20.
+/// The unit of work is a step of the motion: a few microseconds per mass. An oscillation takes
+/// about ten steps, more if many contacts have events. A motion with its derivative, which every
+/// search needs, takes two to three times as long for a few masses, and about nine times for 20.
 ///
 /// | search | work |
 /// |---|---|
 /// | [`settle`](Self::settle) | the transient, then [`shoot`](Self::shoot) |
 /// | [`shoot`](Self::shoot) | five to ten motions over a period, each with its derivative |
 /// | [`lyapunov_with_spread`](Self::lyapunov_with_spread) | the motion with one perturbation: about three times the motion alone |
-/// | [`locus`](Self::locus) | about ten motions with derivatives for each step of Newton's method, of which a point takes three to five; for loci of events as many motions as they have unknowns, without derivatives |
+/// | [`locus`](Self::locus) | for each point three to five steps of Newton's method, of about ten motions with derivatives each; for grazing, onsets of stops and orders of events a step takes one motion without derivative for each unknown |
 /// | [`follow`](Self::follow) | three to five motions with derivatives for each point, at least 65 points over the range, and some tens of motions for each bifurcation; a hundred for each change of the events |
 ///
 /// A branch of one mass therefore takes a fraction of a second. One of a drill string of 20
@@ -78,10 +77,10 @@ type Watch<'w> = dyn Fn(&Progress) -> ControlFlow<()> + 'w;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Progress {
-    /// Value of the parameter at hand; in a search on one system the time that the
-    /// motion at hand has reached.
+    /// Value of the parameter under search, in its own units; in a search on one system the time
+    /// that the present motion has reached, in units of time.
     pub value: f64,
-    /// Value of the second parameter at hand in a search over two, [`locus`](Search::locus).
+    /// Value of the second parameter in a search over two, [`locus`](Search::locus).
     pub second: Option<f64>,
     /// Number of motions found so far, except for the first; 0 in a search on one system.
     pub points: usize,

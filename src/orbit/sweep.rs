@@ -15,7 +15,8 @@ pub struct Sweep<S: System> {
     pub up: Vec<SweepPoint<S>>,
     /// The values on the way down, in descending order.
     pub down: Vec<SweepPoint<S>>,
-    /// The value at which the watcher stopped the sweep.
+    /// The value of the parameter at which the watcher stopped the sweep; `None` if it was not
+    /// stopped.
     pub stopped: Option<f64>,
 }
 
@@ -33,7 +34,8 @@ pub struct SweepPoint<S: System> {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct Change {
-    /// The value before the change, and the one after it: in a sweep downward the larger one first.
+    /// The value of the parameter before the change, and the one after it: in a sweep downward the
+    /// larger one first.
     pub between: [f64; 2],
     /// The attractor before the change.
     pub from: AttractorKind,

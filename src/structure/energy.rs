@@ -49,7 +49,7 @@ use crate::state::structure::State;
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct EnergyBudget {
-    /// E at the end minus E at the start.
+    /// The change of the energy E: its value at the end of the motion minus that at its start.
     pub stored: f64,
     /// Work of the force on each coordinate, ∫ f_i v_i dt.
     pub force_work: Vec<f64>,

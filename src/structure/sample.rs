@@ -18,12 +18,12 @@ pub struct Sample {
     pub state: State,
     /// The mode of each contact; at an event the mode afterwards.
     pub modes: Vec<Mode>,
-    /// v' of each coordinate.
+    /// The acceleration v' of each coordinate, in units of velocity per time.
     pub accelerations: Vec<f64>,
-    /// The friction force of each contact, as of [`Structure::carried`]: λ_c in units of force, or
-    /// T of an elastic contact; 0 where open.
+    /// The friction force of each contact, like that of [`Structure::carried`]: λ_c in units of
+    /// force, or T of an elastic contact; 0 if the contact is open.
     pub friction: Vec<f64>,
-    /// The normal load of each contact, in units of force; 0 where open.
+    /// The normal load of each contact, in units of force; 0 if the contact is open.
     pub loads: Vec<f64>,
 }
 

@@ -60,7 +60,7 @@ use crate::state::Direction;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct SteadySliding {
-    /// Displacement of each coordinate.
+    /// Displacement of each coordinate, in the units of the structure.
     pub displacements: Vec<f64>,
     /// Eigenvalues of small motions, by falling real part, and for equal ones by falling imaginary
     /// part; two for each coordinate and one for each memory variable, per unit of time. The

@@ -40,10 +40,10 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct SymmetricResponse {
-    /// Amplitude A, the largest displacement.
+    /// Amplitude A, the largest displacement, in units of displacement.
     pub amplitude: f64,
-    /// Time τ from a turning point until the slider moves; half a period if it does not move at
-    /// all.
+    /// Time τ from a turning point until the slider moves, in units of time; half a period if it
+    /// does not move at all.
     pub elastic_time: f64,
     /// Phase θ of the force at the turning point at A, in radians: the force is P cos(ωt + θ), with
     /// t counted from there. There x = A, x' = 0, and T = F_s if the slider moves.

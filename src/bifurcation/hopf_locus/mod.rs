@@ -32,7 +32,7 @@ pub struct HopfPoint {
     pub parameters: [f64; 2],
     /// The angular frequency ω, in radians per unit of time.
     pub frequency: f64,
-    /// Displacement of each coordinate in steady sliding.
+    /// Displacement of each coordinate in steady sliding, in the units of the system.
     pub displacements: Vec<f64>,
     /// The first Lyapunov coefficient l1, for an eigenvector of length 1 in the units of the
     /// system: its sign has meaning, its size depends on these units. NaN if 0 or ±2iω is an

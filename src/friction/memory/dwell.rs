@@ -60,7 +60,8 @@ pub(super) enum Rise {
 }
 
 impl<L: FrictionLaw> Dwell<L> {
-    /// Rises to the limit μ_∞ within a few times θ_c.
+    /// A law whose static coefficient rises exponentially to the limit μ_∞, with the time constant
+    /// θ_c.
     ///
     /// # Errors
     ///
@@ -71,7 +72,8 @@ impl<L: FrictionLaw> Dwell<L> {
         Self::new(law, Rise::Exponential(limit), time)
     }
 
-    /// Rises to the limit μ_∞; half of the rise is reached after θ_c.
+    /// A law whose static coefficient rises to the limit μ_∞ along a hyperbola; half of the rise is
+    /// reached after θ_c.
     ///
     /// # Errors
     ///
@@ -81,7 +83,8 @@ impl<L: FrictionLaw> Dwell<L> {
         Self::new(law, Rise::Hyperbolic(limit), time)
     }
 
-    /// Rises by B for each factor e of time, without bound.
+    /// A law whose static coefficient rises without bound: at times far above θ_c by B for each
+    /// factor e of time.
     ///
     /// # Errors
     ///

@@ -191,8 +191,8 @@ pub trait ContactLaw: Sized {
     /// Rates of change dz/dt of the memory variables, per unit of time.
     fn rates<S: Scalar>(&self, motion: Motion<S>, memory: Self::Memory<S>) -> Self::Memory<S>;
 
-    /// Sliding speeds at which pieces of the law meet: finitely many, ascending, positive. See
-    /// [`FrictionLaw::breakpoints`].
+    /// Sliding speeds at which pieces of the law meet, in units of velocity: finitely many,
+    /// ascending, positive. See [`FrictionLaw::breakpoints`].
     fn breakpoints(&self) -> impl Iterator<Item = f64>;
 
     /// The memory just after the contact sticks or is released, given the memory just before. The

@@ -194,7 +194,7 @@ impl fmt::Display for SpecialKind {
     }
 }
 
-/// The reason why a curve in two parameters ends.
+/// The reason why a curve in two parameters ends. Parameters are in their own units.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum LocusEnd {

@@ -43,9 +43,10 @@ pub struct EventSensitivity {
 pub struct OrbitSensitivities {
     /// The derivative ∂T/∂p of the period by each parameter.
     pub period: Vec<f64>,
-    /// The motion over one period with its derivatives. It begins away from events, at
-    /// [`Sensitivities::times`]. An autonomous motion begins where the orbit begins or later, with
-    /// the phase for which the derivative there is normal to the flow.
+    /// The motion over one period with its derivatives. It begins at a time between events, the
+    /// first of [`Sensitivities::times`], which for an autonomous motion may be later than the
+    /// start of the orbit. The derivative at the start of an autonomous motion is normal to the
+    /// flow.
     pub motion: Sensitivities,
 }
 
@@ -53,7 +54,7 @@ pub struct OrbitSensitivities {
 type Runs<'r> = dyn Fn(&[f64], usize) -> Result<Run, Error> + 'r;
 
 impl Sensitivities {
-    /// The times at which the motion begins and ends.
+    /// The times at which the motion begins and ends, in units of time.
     pub fn times(&self) -> [f64; 2] {
         [self.begin, self.here.end]
     }
@@ -65,7 +66,8 @@ impl Sensitivities {
     }
 
     /// The derivatives of the state at a time: a row for each displacement, then each velocity,
-    /// then each memory variable, and a column for each parameter. `None` outside, and for NaN.
+    /// then each memory variable, in their units per unit of the parameter, and a column for each
+    /// parameter. `None` outside, and for NaN.
     ///
     /// The time is fixed. At an event, where velocities have a kink, the derivative is that just
     /// before.
