@@ -246,8 +246,47 @@ fn pages_name_what_exists() {
     assert!(tests > 40 && paths > 60, "{tests} tests, {paths} paths");
 }
 
+/// Names and the file that a page places them in: `a` and `b` in `src/c.rs`, or `a` (`src/c.rs`).
+fn placed(page: &str) -> Vec<(&str, &str)> {
+    let parts: Vec<&str> = page.split('`').collect();
+    let mut found = Vec::new();
+    for at in (1..parts.len()).step_by(2) {
+        let file = parts[at];
+        if !file.ends_with(".rs") || file.contains('<') {
+            continue;
+        }
+        let mut from = at;
+        while from > 2 && [" in ", " and ", ", ", " ("].contains(&parts[from - 1]) {
+            from -= 2;
+            if parts[from].contains(['/', '.', ' ']) {
+                break;
+            }
+            found.push((parts[from], file));
+        }
+    }
+    found
+}
+
+#[test]
+fn places_hold_what_they_decide() {
+    let page = fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
+    // A line of text may break between a name and its file.
+    let page = page.replace("\n   ", "").replace('\n', " ");
+    let placed = placed(&page);
+    assert!(placed.len() > 40, "{placed:#?}");
+    for (name, file) in placed {
+        let code = fs::read_to_string(root().join(file)).unwrap();
+        let last = name.rsplit("::").next().unwrap();
+        assert!(code.contains(last), "ARCHITECTURE.md: no {name} in {file}");
+    }
+}
+
 #[test]
 fn the_guards_see_what_they_shall() {
+    let page = "`f` and `B::g` in `src/a.rs`; `h` (`src/b.rs`), of `x` as `src/c.rs`; `src/d.rs`";
+    let expected = [("B::g", "src/a.rs"), ("f", "src/a.rs"), ("h", "src/b.rs")];
+    assert_eq!(placed(page), expected);
+
     let text = "use crate::{state::State, motion::{Event, Mode}, error};\n\
                 use crate::MassOnBelt; // crate::nothing\n\
                 let a = crate::belt::f(super::super::scaling::g());\n\
