@@ -225,10 +225,38 @@ impl CurveView<'_, '_> {
                 high = place;
             }
         }
-        if self.apart(&low, &high) > JUMP {
+        if self.apart(&low, &high) > JUMP || self.pass_by(&low, &high) {
             return Err(self.lost(&high));
         }
         Ok((low, high))
+    }
+
+    /// Returns true if two close points lie on pieces of the curve that do not meet there: one of
+    /// them goes on beyond the other point.
+    ///
+    /// Where a curve turns back at a change of the events, both of its pieces cross every plane
+    /// before the corner, and Newton's method can come to the far one there.
+    fn pass_by(&self, low: &CurvePoint, high: &CurvePoint) -> bool {
+        /// Part of the distance between the points by which a piece is followed.
+        const BEYOND: f64 = 0.01;
+        let rounding = CLOSED * growth(low).max(growth(high));
+        let apart = self.apart(low, high);
+        if apart <= rounding {
+            return false;
+        }
+        let reach = (2.0 * (high.distance - low.distance)).max(BEYOND * apart);
+        let goes_on = |from: &CurvePoint, reach: f64| {
+            let slope = self.curve.measured(&self.base.tangent);
+            let along = reach / slope.dot(&from.solved.tangent);
+            let guess = &from.solved.y + from.solved.tangent.component_mul(self.scale) * along;
+            let beyond = self.at(from.distance + reach, &guess, &from.solved);
+            beyond.is_ok_and(|beyond| {
+                beyond.solved.sequence.is_like(&from.solved.sequence)
+                    && self.apart(&beyond, from) <= 0.5 * apart
+            })
+        };
+        let reach = reach.max(rounding);
+        goes_on(low, reach) || goes_on(high, -reach)
     }
 
     /// Folds, flips and tori between two points with the same events.

@@ -337,14 +337,19 @@ impl Walk<'_, '_> {
         Some(Outcome::Grazing(parameter, Box::new(found)))
     }
 
-    /// Returns true if the curve has returned to its first point.
+    /// Returns true if the curve has returned to its first point, in the direction in which it
+    /// left.
     fn came_back(&self, first: &Solved, base: &Solved, next: &Solved) -> bool {
         if self.points.len() < 3 {
             return false;
         }
         let scaled = |solved: &Solved| self.curve.scaled(solved, &self.first_scale);
+        let left = self.curve.measured(&first.tangent);
         let (first, base, next) = (scaled(first), scaled(base), scaled(next));
         let step = &next - &base;
+        if step.dot(&left) <= 0.0 {
+            return false;
+        }
         let along = step.norm_squared();
         let part = step.dot(&(&first - &base)) / along;
         let beside = &base + &step * part - &first;

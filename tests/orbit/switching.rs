@@ -6,7 +6,7 @@ use stick_slip::orbit::{
     shoot,
 };
 use stick_slip::structure::State;
-use stick_slip::{Error, EventKind, Exponential, MassOnBelt, Structure};
+use stick_slip::{Contact, Drive, Error, EventKind, Exponential, MassOnBelt, Stribeck, Structure};
 
 use crate::common::{list, number};
 use crate::loci::{curve, member};
@@ -178,6 +178,53 @@ fn the_asymmetric_branch_joins_mirror_images() {
     let [one, other] = ends.map(|end| (end.parameter, end.orbit.extremes(0)));
     assert_eq!(one.0, other.0);
     assert!((one.1.0 + other.1.1).abs() < 1e-10 && (one.1.1 + other.1.0).abs() < 1e-10);
+}
+
+/// A ring of asymmetric motions, each with its mirror image, through two pitchforks. It turns back
+/// sharply at a grazing, near which both pieces cross each plane across the ring.
+#[test]
+fn a_ring_through_two_pitchforks_is_followed_around_its_corners() {
+    let family = |frequency: f64| -> Result<Structure, Error> {
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, 0.05)?
+            .with_force(0, Drive::harmonic(3.0, frequency, 0.0)?)?
+            .with_contact(Contact::new(0, Stribeck::new(1.0, 0.4, 0.3, 1)?, 1.0)?)
+    };
+    let settled = |frequency: f64| {
+        let system = family(frequency).unwrap();
+        settle(&system, &State::at_rest(1), 400.0, Period::Driven(1)).unwrap()
+    };
+    let ring = follow(family, 0.3, &settled(0.3), 0.1..3.0).unwrap();
+    assert_eq!(ring.ends, [BranchEnd::Closed, BranchEnd::Closed]);
+    let all = ring.bifurcations.iter().map(|found| {
+        let (least, largest) = found.orbit.extremes(0);
+        (found.kind, found.parameter, 0.5 * (least + largest))
+    });
+    let all: Vec<_> = all.collect();
+    // Each motion has its mirror image.
+    let (crossings, others): (Vec<_>, Vec<_>) = all.iter().partition(|found| found.2.abs() < 1e-3);
+    assert_eq!(others.len(), 34, "{others:?}");
+    for (kind, parameter, middle) in &others {
+        let mirrored = others.iter().filter(|other| {
+            other.0 == *kind
+                && (other.1 - parameter).abs() < 1e-11
+                && (other.2 + middle).abs() < 1e-5
+        });
+        assert_eq!(mirrored.count(), 1, "{kind} {parameter} {middle}");
+    }
+    // The symmetric motions have their pitchforks where the ring crosses them.
+    let symmetric = follow(family, 1.5, &settled(1.5), 0.1..3.0).unwrap();
+    let pitchforks = symmetric.bifurcations.iter();
+    let pitchforks = pitchforks.filter(|found| found.kind == BifurcationKind::Pitchfork);
+    let pitchforks: Vec<f64> = pitchforks.map(|found| found.parameter).collect();
+    assert_eq!(crossings.len(), 2, "{crossings:?}");
+    for (kind, parameter, _) in crossings {
+        assert_eq!(kind, BifurcationKind::Fold);
+        let apart = pitchforks.iter().map(|known| (known - parameter).abs());
+        let apart = apart.fold(f64::INFINITY, f64::min);
+        assert!(apart < 1e-8, "{parameter} {pitchforks:?}");
+    }
 }
 
 /// Nothing crosses at a fold or a change of events.
