@@ -118,7 +118,6 @@ impl Error {
             | Self::BadElement { .. }
             | Self::NoSuchCoordinate { .. }
             | Self::WrongSize { .. }
-            | Self::CoordinateTaken { .. }
             | Self::NotSymmetric { .. }
             | Self::NotPositiveDefinite { .. }
             | Self::BadDirection { .. }

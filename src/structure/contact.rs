@@ -2,10 +2,10 @@ use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
 
-use super::engine::contact::{ContactData, check_contact};
+use super::engine::contact::ContactData;
 use crate::belt::MassOnBelt;
 use crate::drive::Drive;
-use crate::error::Error;
+use crate::error::{Element, Error};
 use crate::friction::memory::object::LawObject;
 use crate::friction::memory::{ContactLaw, Slip, validate};
 
@@ -275,15 +275,39 @@ impl Contact {
         data
     }
 
-    /// Checks that this may be contact number `number` of a structure with `count` coordinates.
-    pub(super) fn check(&self, number: usize, count: usize) -> Result<(), Error> {
+    /// Checks that this may be contact number `number` of a structure with these masses.
+    pub(super) fn check(&self, number: usize, masses: &[f64]) -> Result<(), Error> {
+        let element = Element::Contact(number);
         let direction = self.direction.iter().map(|&(j, _)| j);
         let gradients = self.whole_gradient().map(|(j, _)| j);
-        let coordinates = std::iter::once(self.coordinate)
+        let mut coordinates = std::iter::once(self.coordinate)
             .chain(direction)
             .chain(gradients);
-        let may_jump = self.tangential_stiffness.is_some();
-        check_contact(number, count, coordinates, (&self.belt_velocity, may_jump))
+        let count = masses.len();
+        if let Some(coordinate) = coordinates.find(|&coordinate| coordinate >= count) {
+            return Err(Error::NoSuchCoordinate {
+                element,
+                coordinate,
+                count,
+            });
+        }
+        // At most bᵀM⁻¹b, by which forces are divided: digits are lost below the normal numbers.
+        let parts = self.direction.iter().map(|&(j, b)| b / masses[j] * b);
+        let compliance = parts.sum();
+        let has_digits = (1e-290..=1e290).contains(&compliance);
+        let allowed = "1e-290 ≤ Σ b_j²/m_j ≤ 1e290; change the unit of mass or of the direction";
+        Error::check("Structure", "direction", compliance, has_digits, allowed)
+            .map_err(|error| error.of_element(element))?;
+        self.belt_velocity
+            .check("belt_velocity", "a belt velocity of any size")
+            .map_err(|error| error.of_element(element))?;
+        match self.belt_velocity.first_jump() {
+            Some(time) if self.tangential_stiffness.is_none() => Err(Error::BeltVelocityJumps {
+                contact: number,
+                time,
+            }),
+            _ => Ok(()),
+        }
     }
 }
 

@@ -30,8 +30,9 @@ pub(super) fn check_definite(mass: &DMatrix<f64>) -> Result<(), Error> {
     let mut rest = mass.clone();
     for row in 0..n {
         let pivot = rest[(row, row)];
-        if pivot <= n as f64 * f64::EPSILON * mass[(row, row)] {
-            return Err(Error::NotPositiveDefinite { row });
+        let is_positive = pivot > n as f64 * f64::EPSILON * mass[(row, row)];
+        if !is_positive {
+            return Err(Error::NotPositiveDefinite { row, pivot });
         }
         for i in row + 1..n {
             let factor = rest[(i, row)] / pivot;

@@ -186,12 +186,17 @@ impl Structure {
                     Error::check("Structure", "mass", value, true, "a finite number")
                         .map_err(|error| error.of_element(Element::MassMatrix(row, column)))?;
                 }
-                let [one, other] = [mass[(i, j)], mass[(j, i)]];
+                let entries = [mass[(j, i)], mass[(i, j)]];
                 let size = diagonal[i].sqrt() * diagonal[j].sqrt();
-                if (one - other).abs() > 4.0 * f64::EPSILON * size {
-                    return Err(Error::NotSymmetric { row: j, column: i });
+                if (entries[0] - entries[1]).abs() > 4.0 * f64::EPSILON * size {
+                    let (row, column) = (j, i);
+                    return Err(Error::NotSymmetric {
+                        row,
+                        column,
+                        entries,
+                    });
                 }
-                let mean = 0.5 * one + 0.5 * other;
+                let mean = 0.5 * entries[0] + 0.5 * entries[1];
                 (mass[(i, j)], mass[(j, i)]) = (mean, mean);
             }
         }
@@ -313,9 +318,10 @@ impl Structure {
     ///
     /// * [`Error::NoSuchCoordinate`] for a coordinate of its direction or of its load;
     /// * [`Error::BeltVelocityJumps`] if the velocity of its surface jumps, unless it is elastic;
-    ///   [`Error::BadElement`] if that velocity is not finite at all times.
+    ///   [`Error::BadElement`] if that velocity is not finite at all times;
+    /// * [`Error::BadElement`] unless 1e-290 ≤ Σ b_j²/m_j ≤ 1e290: forces would lose digits.
     pub fn with_contact(mut self, contact: Contact) -> Result<Self, Error> {
-        contact.check(self.contacts.len(), self.len())?;
+        contact.check(self.contacts.len(), &self.masses)?;
         self.contacts.push(contact);
         Ok(self)
     }

@@ -57,30 +57,42 @@ fn mass_matrices_are_symmetric_and_definite() {
         assert!(matches!(made, Err(Error::WrongSize { .. })), "{rows}");
     }
     let skew = made(2, &[1.0, 0.5, 0.4, 1.0]).unwrap_err();
-    assert_eq!(skew, Error::NotSymmetric { row: 0, column: 1 });
-    message(made(2, &[1.0, 0.5, 0.4, 1.0]), &["symmetric"]);
+    let expected = Error::NotSymmetric {
+        row: 0,
+        column: 1,
+        entries: [0.5, 0.4],
+    };
+    assert_eq!(skew, expected);
+    message(
+        made(2, &[1.0, 0.5, 0.4, 1.0]),
+        &["symmetric", "(0, 1) = 0.5", "(1, 0) = 0.4"],
+    );
     // Rounding of ΦᵀMΦ is not meant.
     let rounded = made(2, &[1.0, 0.1 + 0.2, 0.3, 1.0]).unwrap();
     let mass = rounded.mass_matrix();
     assert_eq!(mass[(0, 1)], mass[(1, 0)]);
     // One coordinate that only moves with others has no mass of its own.
-    for entries in [
-        [1.0, 1.0, 1.0, 1.0],
-        [1.0, 2.0, 2.0, 1.0],
-        [1.0, 1.0, 1.0, 1.0 + 2.0 * f64::EPSILON],
+    let rounding = 2.0 * f64::EPSILON;
+    for (entries, pivot) in [
+        ([1.0, 1.0, 1.0, 1.0], 0.0),
+        ([1.0, 2.0, 2.0, 1.0], -3.0),
+        ([1.0, 1.0, 1.0, 1.0 + rounding], rounding),
     ] {
         let singular = made(2, &entries).unwrap_err();
-        assert_eq!(
-            singular,
-            Error::NotPositiveDefinite { row: 1 },
-            "{entries:?}"
-        );
+        let expected = Error::NotPositiveDefinite { row: 1, pivot };
+        assert_eq!(singular, expected, "{entries:?}");
     }
     message(
-        made(2, &[1.0, 1.0, 1.0, 1.0]),
-        &["coordinate 1", "condensation"],
+        made(2, &[1.0, 2.0, 2.0, 1.0]),
+        &["coordinate 1", "is -3", "condensation"],
     );
     assert!(made(2, &[1e-9, 1.0, 1.0, 2e9]).is_ok());
+    // A row that the factorisation cannot even compute.
+    let tiny = [1e-320, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1e300];
+    let Err(Error::NotPositiveDefinite { row: 2, pivot }) = made(3, &tiny) else {
+        panic!("not definite")
+    };
+    assert!(pivot.is_nan());
 }
 
 #[test]
@@ -126,6 +138,32 @@ fn directions_have_different_coordinates_and_numbers_that_are_not_0() {
                 count: 2,
             })
         );
+    }
+}
+
+/// b may have any unit, but where b²/m is no normal number its digits are lost.
+#[test]
+fn directions_keep_their_digits() {
+    let ends = |b: f64| {
+        let joint = Contact::along(&[(0, b), (1, -b)], law(), 1.0 / b)?;
+        let pair = masses(2).with_ground_spring(0, 1.0)?.with_contact(joint)?;
+        let motion = pair.simulate(State::new(&[1.0, 0.0], &[0.5, 0.0]), 20.0)?;
+        Ok(motion.last().displacements)
+    };
+    let expected = ends(1.0).unwrap();
+    for b in [1e-140, 1e-100, 1e100, 1e140] {
+        for (found, expected) in std::iter::zip(ends(b).unwrap(), &expected) {
+            assert!((found - expected).abs() < 1e-13, "{b:e}: {found}");
+        }
+    }
+    for b in [1e-300, 1e-160, 1e160, 1e300] {
+        assert_eq!(element(ends(b)).0, Element::Contact(0));
+        message(ends(b), &["contact 0", "Σ b_j²/m_j", "unit"]);
+    }
+    for mass in [1e-320, 1e-300] {
+        let contact = Contact::new(0, law(), 1.0).unwrap();
+        let light = Structure::new(&[mass]).unwrap().with_contact(contact);
+        assert_eq!(element(light).0, Element::Contact(0));
     }
 }
 
@@ -272,15 +310,18 @@ fn contacts_have_coordinates_of_the_structure() {
 #[test]
 fn belts_do_not_jump() {
     let on_belt = |belt: Drive| {
-        let contact = Contact::new(1, law(), 1.0).unwrap().on_belt(belt);
-        masses(2).with_contact(contact)
+        let contact = || Contact::new(0, law(), 1.0).unwrap();
+        masses(2)
+            .with_contact(contact())?
+            .with_contact(contact().on_belt(belt))
     };
     let jump = Drive::profile(&[(0.0, 0.0), (3.0, 0.1), (3.0, 0.2), (4.0, 0.2)]).unwrap();
     let expected = Error::BeltVelocityJumps {
-        coordinate: 1,
+        contact: 1,
         time: 3.0,
     };
     assert_eq!(on_belt(jump.clone()), Err(expected));
+    message(on_belt(jump.clone()), &["contact 1", "time 3", "ramp"]);
     // A point given twice is none, and a force may jump.
     let twice = Drive::profile(&[(0.0, 0.0), (3.0, 0.1), (3.0, 0.1), (4.0, 0.2)]).unwrap();
     assert!(on_belt(twice).is_ok());

@@ -1,7 +1,6 @@
 //! The constant data of a contact.
 
 use crate::drive::Drive;
-use crate::error::{Element, Error};
 use crate::friction::memory::Slip;
 use crate::friction::memory::object::LawObject;
 use crate::state::Direction;
@@ -191,33 +190,4 @@ impl ContactData<'_> {
 pub(crate) fn entry(entries: &Entries, coordinate: usize) -> f64 {
     let place = entries.binary_search_by_key(&coordinate, |&(j, _)| j);
     place.map_or(0.0, |place| entries[place].1)
-}
-
-/// Checks that a contact may be number `number` of a structure with `count` coordinates.
-pub(crate) fn check_contact(
-    number: usize,
-    count: usize,
-    coordinates: impl Iterator<Item = usize>,
-    (belt_velocity, may_jump): (&Drive, bool),
-) -> Result<(), Error> {
-    let mut first = None;
-    for coordinate in coordinates {
-        first = first.or(Some(coordinate));
-        if coordinate >= count {
-            return Err(Error::NoSuchCoordinate {
-                element: Element::Contact(number),
-                coordinate,
-                count,
-            });
-        }
-    }
-    belt_velocity
-        .check("belt_velocity", "a belt velocity of any size")
-        .map_err(|error| error.of_element(Element::Contact(number)))?;
-    match (belt_velocity.first_jump(), first) {
-        (Some(time), Some(coordinate)) if !may_jump => {
-            Err(Error::BeltVelocityJumps { coordinate, time })
-        }
-        _ => Ok(()),
-    }
 }
