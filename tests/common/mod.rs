@@ -176,13 +176,15 @@ impl FrictionLaw for Table {
     }
 }
 
-/// Splitmix64: the same numbers on every machine and in every run.
+/// Splitmix64: the same numbers on every machine and in every run, unless the variable `SEED` asks
+/// for others.
 #[derive(Debug, Clone)]
 pub(crate) struct Random(u64);
 
 impl Random {
     pub(crate) fn new(seed: u64) -> Self {
-        Self(seed)
+        let other = std::env::var("SEED").map_or(0, |text| text.parse().expect("a number"));
+        Self(seed.wrapping_add(other))
     }
 
     pub(crate) fn bits(&mut self) -> u64 {

@@ -7,11 +7,7 @@ use stick_slip::{Contact, Coulomb, Error, Integrator, Mode, Segment, Structure};
 
 use crate::common::Random;
 use crate::naive::{Pattern, Question, is_definite};
-
-/// Number of decisions, which the variable `STRUCTURES` may raise.
-fn count(usual: usize) -> usize {
-    std::env::var("STRUCTURES").map_or(usual, |text| text.parse().unwrap())
-}
+use crate::random::count;
 
 /// A structure of n masses at rest with k contacts under constant forces, and what it has to
 /// decide.

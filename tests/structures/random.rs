@@ -11,7 +11,7 @@ use crate::common::Random;
 use crate::plain::{Plain, Seen};
 use crate::reading::Raised;
 
-/// Number of structures, which the variable `STRUCTURES` may raise: to 100000 before a release.
+/// Number of cases, which the variable `STRUCTURES` may raise: to 100000 before a release.
 pub(crate) fn count(usual: usize) -> usize {
     std::env::var("STRUCTURES").map_or(usual, |text| text.parse().unwrap())
 }

@@ -38,7 +38,7 @@ pub(crate) struct Model<'s> {
     /// Contacts that share coordinates or are coupled by the mass matrix, sorted so that those
     /// coupled lie near each other.
     pub(crate) shared: Vec<usize>,
-    /// The coordinates that they accelerate.
+    /// The coordinates of their directions, and those that they accelerate.
     pub(crate) shared_coordinates: Vec<usize>,
     /// Contacts with a spring: elastic ones, and those with a normal spring.
     pub(super) springs: Vec<usize>,
@@ -182,7 +182,10 @@ impl<'s> Model<'s> {
             };
             self.shared.push(number);
         }
-        self.shared_coordinates = (0..n).filter(|&j| !near[j].is_empty()).collect();
+        // A full mass matrix may leave a coordinate of a direction without acceleration.
+        let is_along = |j: usize| uses[j] > 0 && self.owner[j].is_none();
+        let of_shared = (0..n).filter(|&j| is_along(j) || !near[j].is_empty());
+        self.shared_coordinates = of_shared.collect();
         self.shared
             .sort_by_key(|&c| self.contacts[c].direction.iter().map(|&(j, _)| j).min());
         for &c in &self.shared {
