@@ -107,7 +107,11 @@ impl ContactStep<'_> {
             contact, series, ..
         } = self;
         let speeds = series.speeds.at_four(*times);
-        let friction = series.friction.at_four(*times);
+        let friction = if series.friction.is_constant() {
+            [series.friction[0]; 4]
+        } else {
+            series.friction.at_four(*times)
+        };
         let slip = Slip {
             // As f64::max, which costs more.
             speed: speeds.map(|speed| if speed > 0.0 { speed } else { 0.0 }),

@@ -13,17 +13,19 @@
 //! | `state.rs`, `edge.rs` | the situation: data that change at events |
 //! | `series.rs` | the data of one step |
 //! | `expand.rs` | the power series of all coordinates, order by order |
-//! | `factor.rs` | the forces in several sticking contacts at once |
+//! | `coupling.rs`, `factor.rs` | the forces in several sticking contacts at once |
 //! | `forces.rs` | forces and accelerations at any time within a step |
-//! | `plan.rs` | the reach of the series, the errors allowed in a step |
+//! | `plan.rs`, `sizes.rs` | the reach of the series, the errors allowed in a step |
 //! | `springs.rs` | elastic contacts, and normal springs |
 //! | `slow.rs` | the slow manifold of stiff bristles |
 //! | `events.rs` | the first events of a step |
 //! | `defect.rs` | the defect of the series |
 //! | `transitions.rs` | the modes of contacts after an event, one by one |
 //! | `decision.rs` | the modes of contacts that share coordinates, together |
+//! | `reconcile.rs` | shared coordinates at the end of a step, from what contacts hold |
 
 pub(crate) mod contact;
+mod coupling;
 mod decision;
 mod defect;
 mod edge;
@@ -33,7 +35,9 @@ pub(crate) mod factor;
 pub(crate) mod forces;
 pub(crate) mod model;
 mod plan;
+mod reconcile;
 mod series;
+mod sizes;
 mod slow;
 pub(crate) mod sparse;
 mod springs;
@@ -41,12 +45,12 @@ mod start;
 mod state;
 mod transitions;
 
-use decision::reconcile;
 use edge::{Edge, side_of};
 use events::{Firings, events_between, first_firings, go_through};
 use expand::expand_drives;
 use model::Model;
 use plan::{Control, is_finite, is_linear, plan_memory, plan_reach, reaches};
+use reconcile::reconcile;
 use series::Series;
 use springs::land_springs;
 pub(super) use start::check_start;
@@ -449,12 +453,10 @@ impl<'s> Engine<'s> {
     fn emitted(&self) -> Vec<PowerSeries> {
         let mut series = Vec::with_capacity(self.model.len() + self.model.remembered());
         series.extend((0..self.model.len()).map(|i| self.series.velocities(i)));
-        series.extend(
-            self.series
-                .contacts
-                .iter()
-                .flat_map(|contact| &contact.memories),
-        );
+        if self.model.remembered() > 0 {
+            let contacts = self.series.contacts.iter();
+            series.extend(contacts.flat_map(|contact| &contact.memories));
+        }
         series
     }
 

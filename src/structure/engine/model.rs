@@ -6,7 +6,6 @@ use std::ops::Range;
 use nalgebra::DMatrix;
 
 use super::contact::{ContactData, Entries, Site, entry};
-use super::factor::{Factor, Holding};
 use super::sparse::{Sparse, SparsePair};
 use crate::belt::MassOnBelt;
 use crate::drive::Drive;
@@ -31,8 +30,12 @@ pub(crate) struct Model<'s> {
     pub(super) linear: SparsePair,
     /// M⁻¹.
     pub(crate) inverse_mass: Sparse,
+    /// √(M⁻¹)_ii: the velocity of a coordinate with an energy of 1/2.
+    pub(super) mobility: Vec<f64>,
     pub(crate) forces: Cow<'s, [Drive]>,
     pub(crate) contacts: Vec<ContactData<'s>>,
+    /// Number of memory variables of all contacts.
+    remembered: usize,
     /// The number of the contact that a coordinate has to itself.
     pub(crate) owner: Vec<Option<usize>>,
     /// Contacts that share coordinates or are coupled by the mass matrix, sorted so that those
@@ -107,12 +110,14 @@ impl<'s> Model<'s> {
         let stiffness = inverse_mass.times(stiffness);
         let damping = inverse_mass.times(damping);
         let mut model = Self {
+            mobility: inverse_mass.rows().map(|(own, _)| own.sqrt()).collect(),
             inverse_mass,
             linear: SparsePair::new([&stiffness, &damping]),
             stiffness,
             damping,
             forces,
             contacts,
+            remembered: 0,
             owner: vec![None; n],
             shared: Vec::new(),
             shared_coordinates: Vec::new(),
@@ -141,10 +146,9 @@ impl<'s> Model<'s> {
     fn place_contacts(&mut self) {
         let n = self.len();
         let mut uses = vec![0; n];
-        let mut first_memory = 0;
         for contact in &mut self.contacts {
-            contact.first_memory = first_memory;
-            first_memory += contact.memory();
+            contact.first_memory = self.remembered;
+            self.remembered += contact.memory();
             for &(j, _) in contact.direction.iter() {
                 uses[j] += usize::from(!contact.is_elastic());
             }
@@ -315,7 +319,7 @@ impl<'s> Model<'s> {
 
     /// Number of memory variables of all contacts.
     pub(crate) fn remembered(&self) -> usize {
-        self.contacts.iter().map(ContactData::memory).sum()
+        self.remembered
     }
 
     /// The memory variables of a contact among those of all.
@@ -358,147 +362,6 @@ impl<'s> Model<'s> {
     /// Returns true if a rigid contact shares coordinates with others, or has several.
     pub(crate) fn is_shared(&self, contact: usize) -> bool {
         matches!(self.contacts[contact].site, Site::Shared { .. })
-    }
-
-    /// Sets the velocities at a time so that these contacts are at rest: those of contacts that
-    /// share coordinates by the least change in kinetic energy.
-    pub(crate) fn put_at_rest(
-        &self,
-        velocities: &mut [f64],
-        time: f64,
-        rests: impl Fn(usize) -> bool,
-    ) {
-        for (c, contact) in self.contacts.iter().enumerate() {
-            if let (Site::Own(i), true) = (&contact.site, rests(c)) {
-                velocities[*i] = contact.belt_velocity.value(time);
-            }
-        }
-        let holding = self.holding(rests);
-        let relative = |c: usize| {
-            let contact = &self.contacts[c];
-            contact.along(|j| velocities[j]) - contact.belt_velocity.value(time)
-        };
-        for (j, correction) in self.corrections(&holding, relative) {
-            velocities[j] -= correction;
-        }
-    }
-
-    /// The constraints of the shared contacts that stick, one for each independent direction.
-    pub(crate) fn holding(&self, sticks: impl Fn(usize) -> bool) -> Holding {
-        let shared = self.shared.iter().copied();
-        self.independent(shared.filter(|&c| sticks(c)).collect(), |_| 0.0)
-    }
-
-    /// The least change of the coordinates, in the norm of M, that sets the relative motion `apart`
-    /// of these contacts to 0.
-    pub(crate) fn corrections(
-        &self,
-        holding: &Holding,
-        apart: impl Fn(usize) -> f64,
-    ) -> Vec<(usize, f64)> {
-        let Holding { contacts, factor } = holding;
-        let root = |c: usize| self.contacts[c].compliance.sqrt();
-        let mut parts: Vec<f64> = contacts.iter().map(|&c| apart(c) / root(c)).collect();
-        factor.solve(&mut parts);
-        let responses = std::iter::zip(contacts, parts).flat_map(|(&c, part)| {
-            let responses = self.contacts[c].responses().iter();
-            responses.map(move |&(j, x)| (j, x * part * root(c)))
-        });
-        responses.collect()
-    }
-
-    /// The largest set of these shared contacts whose directions are independent, with its factor.
-    /// Each gives way by itself, by so much in parts of its own compliance.
-    pub(crate) fn independent(
-        &self,
-        mut contacts: Vec<usize>,
-        softness: impl Fn(usize) -> f64,
-    ) -> Holding {
-        loop {
-            match self.giving_factor(&contacts, &softness) {
-                Ok(factor) => return Holding { contacts, factor },
-                Err(place) => {
-                    contacts.remove(place);
-                }
-            }
-        }
-    }
-
-    /// Contacts among these with a coordinate each that none of those before has, as far as there
-    /// are: in this order their relative velocities give the velocities of these coordinates.
-    /// Joints and belts have one each, unless they run in a circle.
-    pub(super) fn pivots(&self, contacts: &[usize]) -> Vec<(usize, usize)> {
-        let mut users: Vec<Vec<usize>> = vec![Vec::new(); self.len()];
-        for &c in contacts {
-            for &(j, _) in self.contacts[c].direction.iter() {
-                users[j].push(c);
-            }
-        }
-        // From the ends inward: a coordinate of one contact alone is the last to be set.
-        let mut alone: Vec<usize> = (0..self.len()).filter(|&j| users[j].len() == 1).collect();
-        let mut pivots = Vec::new();
-        while let Some(j) = alone.pop() {
-            let [c] = users[j][..] else { continue };
-            pivots.push((c, j));
-            for &(other, _) in self.contacts[c].direction.iter() {
-                users[other].retain(|&user| user != c);
-                if users[other].len() == 1 {
-                    alone.push(other);
-                }
-            }
-        }
-        pivots.reverse();
-        pivots
-    }
-
-    /// The factor of G for some of the shared contacts, in the order of [`shared`](Self::shared).
-    ///
-    /// # Errors
-    ///
-    /// The place among them of the first one that depends on those before.
-    pub(crate) fn factor(&self, among: &[usize]) -> Result<Factor, usize> {
-        Factor::new(self.couplings(among))
-    }
-
-    /// The same with a compliance of its own for each contact, in parts of its compliance.
-    ///
-    /// # Errors
-    ///
-    /// As for [`factor`](Self::factor).
-    fn giving_factor(
-        &self,
-        among: &[usize],
-        softness: impl Fn(usize) -> f64,
-    ) -> Result<Factor, usize> {
-        Factor::with_diagonal(|i| 1.0 + softness(among[i]), self.couplings(among))
-    }
-
-    /// The same with a small compliance of its own for each contact, so that dependent ones share
-    /// the force.
-    pub(super) fn soft_factor(&self, among: &[usize]) -> Factor {
-        const SOFTEST: f64 = 1.0;
-        let mut softness = 1e-8;
-        loop {
-            match self.giving_factor(among, |_| softness) {
-                Ok(factor) => return factor,
-                // Numbers that are not finite.
-                Err(_) if softness > SOFTEST => return Factor::default(),
-                Err(_) => softness *= 100.0,
-            }
-        }
-    }
-
-    /// The couplings of each of these contacts with those before it.
-    fn couplings(&self, among: &[usize]) -> impl Iterator<Item = Vec<(usize, f64)>> {
-        let mut places = vec![usize::MAX; self.contacts.len()];
-        for (place, &c) in among.iter().enumerate() {
-            places[c] = place;
-        }
-        among.iter().enumerate().map(move |(place, &c)| {
-            let coupled = self.contacts[c].coupled().iter();
-            let before = coupled.map(|&(d, g)| (places[d], g));
-            before.filter(|&(other, _)| other < place).collect()
-        })
     }
 }
 

@@ -1,9 +1,8 @@
 //! The reach of the series of a step, and the errors allowed in it.
 
-use super::contact::ContactData;
 use super::model::Model;
 use super::series::{DisplacementSeries, Series};
-use super::springs::spring_size;
+use super::sizes::{load_terms, terms};
 use super::state::{Phase, Situation};
 use crate::motion::step_control::{Allowance, FARTHEST, reach};
 use crate::series::{PowerSeries, TERMS};
@@ -112,50 +111,6 @@ pub(super) fn is_finite(situation: &Situation, series: &Series) -> bool {
     sum == 0.0
 }
 
-/// Sum of the sizes of all terms of the acceleration of a coordinate.
-pub(super) fn terms(model: &Model<'_>, situation: &Situation, series: &Series, i: usize) -> f64 {
-    let (spring, springs) = model.stiffness.row(i);
-    let (damper, dampers) = model.damping.row(i);
-    let course = |j: usize| &series.coordinates[j].course;
-    let surface = model.owner[i].map_or(0.0, |c| match situation.contacts[c].phase {
-        Phase::Open => 0.0,
-        Phase::Stick { .. } | Phase::Slip { .. } => series.contacts[c].surface[1].abs(),
-    });
-    let mut sum = series.coordinates[i].force[0].abs()
-        + surface
-        + (spring * course(i).displacement(0)).abs()
-        + (damper * course(i).velocity(0)).abs();
-    for &(j, a) in springs {
-        sum += (a * course(j).displacement(0)).abs();
-    }
-    for &(j, a) in dampers {
-        sum += (a * course(j).velocity(0)).abs();
-    }
-    sum + spring_size(model, series, i)
-}
-
-/// The same of a contact's relative acceleration, without the forces of contacts.
-pub(super) fn contact_terms(
-    model: &Model<'_>,
-    situation: &Situation,
-    series: &Series,
-    c: usize,
-) -> f64 {
-    let contact = &model.contacts[c];
-    // That of a contact with a coordinate to itself is among the terms of the coordinate.
-    let of_surface = match model.owner_of(c) {
-        Some(_) => 0.0,
-        None => series.contacts[c].surface[1].abs(),
-    };
-    contact.size_along(|j| terms(model, situation, series, j)) + of_surface
-}
-
-/// Sum of the sizes of all terms of the load of a contact.
-pub(super) fn load_terms(contact: &ContactData<'_>, situation: &Situation) -> f64 {
-    let size = contact.load_size(|j| situation.coordinates[j].displacement);
-    size * contact.compliance
-}
-
 /// The time up to which the last terms of all series stay below the error allowed; notes the error
 /// allowed for each coordinate and contact in the plan.
 pub(super) fn plan_reach(
@@ -179,9 +134,13 @@ pub(super) fn plan_reach(
             // Those of springs are among the terms.
             _ if contact.is_elastic() => continue,
             // Shared contacts act on each other.
-            Phase::Stick { .. } if model.owner_of(c).is_none() => of.carried[0],
+            Phase::Stick { .. } if model.is_shared(c) => of.carried[0],
             Phase::Stick { .. } => continue,
         };
+        if let Some(i) = model.owner_of(c) {
+            scales[i].1 += force.abs();
+            continue;
+        }
         for &(j, x) in contact.responses() {
             scales[j].1 += (x * force).abs();
         }
@@ -238,13 +197,13 @@ fn plan_within(
         let by_rate = if time.is_finite() { time * rate } else { 0.0 };
         let velocity = series.coordinates[i].course.velocity(0);
         *scale = velocity.abs().max(motion.surface(0).abs()).max(by_rate);
-        energy = energy.max(*scale / model.inverse_mass.row(i).0.sqrt());
+        energy = energy.max(*scale / model.mobility[i]);
     }
     let mut farthest = FARTHEST * plan.unit;
     plan.coordinates.clear();
     for (i, &(own, terms)) in scales.iter().enumerate() {
         let motion = motion(model, situation, series, i);
-        let shared = energy * model.inverse_mass.row(i).0.sqrt();
+        let shared = energy * model.mobility[i];
         let scale = if own < shared {
             own.max(shared.min(motion.largest_change(within)))
         } else {
@@ -285,12 +244,16 @@ fn plan_within(
             plan.sizes.push(0.0);
             continue;
         }
-        let mut size = contact.size_along(|j| plan.scales[j].1);
+        let owner = model.owner_of(c);
+        let mut size = match owner {
+            Some(i) => plan.scales[i].1,
+            None => contact.size_along(|j| plan.scales[j].1),
+        };
         if state.sticks() && of.load_varies {
             // Not by the band as it is now, which may just have opened.
             size = size.max(load_terms(contact, situation) * state.static_coefficient());
         }
-        let allowance = match model.owner_of(c) {
+        let allowance = match owner {
             Some(i) => plan.coordinates[i],
             None => {
                 let of_masses = contact.size_along(|j| plan.coordinates[j].error);
@@ -304,7 +267,7 @@ fn plan_within(
                 Allowance::new(of_masses.max(tolerance * scale), size)
             }
         };
-        if let (Phase::Slip { .. }, None) = (state.phase, model.owner_of(c)) {
+        if let (Phase::Slip { .. }, None) = (state.phase, owner) {
             farthest = farthest.min(reach_of(allowance.error, &of.speeds, TERMS - 1));
         }
         if state.sticks() {
@@ -361,6 +324,7 @@ enum CoordinateMotion<'a> {
     Sticks(&'a PowerSeries),
 }
 
+#[inline(always)]
 fn motion<'a>(
     model: &Model<'_>,
     situation: &Situation,
@@ -495,6 +459,10 @@ fn closings(model: &Model<'_>, situation: &Situation, series: &Series, closings:
             continue;
         }
         let slope = series.contacts[c].load[0] * series.contacts[c].slope;
+        if let Some(i) = model.owner_of(c) {
+            closings[i] = model.damping.row(i).0 + slope;
+            continue;
+        }
         let responses = contact.responses();
         for &(j, b) in contact.direction.iter() {
             if closings[j] == 0.0 {

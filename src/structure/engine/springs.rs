@@ -16,8 +16,8 @@
 use super::contact::ContactData;
 use super::edge::{EDGE_ROUNDING, Edge, side_of};
 use super::model::Model;
-use super::plan::load_terms;
 use super::series::{ContactCourse, ContactSeries, CoordinateSeries, Series};
+use super::sizes::load_terms;
 use super::state::{Entry, Phase, Situation};
 use crate::series::INTEGRAL;
 use crate::state::Direction;
@@ -49,13 +49,7 @@ pub(super) fn spring_order(model: &Model<'_>, series: &mut Series, k: usize) {
     }
 }
 
-/// Size of the force of all springs on a coordinate at the start, for rounding errors.
-pub(super) fn spring_size(model: &Model<'_>, series: &Series, coordinate: usize) -> f64 {
-    let place = model.sprung.binary_search(&coordinate);
-    place.map_or(0.0, |place| series.spring_sizes[place])
-}
-
-/// Notes these sizes for all coordinates.
+/// Notes the sizes of the forces of all springs at the start, for rounding errors.
 fn note_sizes(model: &Model<'_>, series: &mut Series) {
     let Series {
         contacts,

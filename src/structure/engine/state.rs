@@ -138,6 +138,7 @@ impl Situation {
     }
 
     /// v_i: that of a surface with a contact of the coordinate's own, w + σy.
+    #[inline]
     pub(super) fn velocity(&self, model: &Model<'_>, series: &Series, i: usize) -> f64 {
         let Some(c) = model.owner[i] else {
             return self.coordinates[i].velocity;
@@ -159,23 +160,18 @@ impl Situation {
         i: usize,
         t: f64,
     ) -> f64 {
-        let Some(c) = model.owner[i] else {
+        let owner = model.owner[i].map(|c| (self.contacts[c].phase, &series.contacts[c]));
+        let Some((phase @ (Phase::Stick { .. } | Phase::Slip { .. }), of)) = owner else {
             return series.velocities(i).mean(t);
         };
-        let of = &series.contacts[c];
-        let surface = || {
-            if model.is_driven[i] {
-                of.surface.mean(t)
-            } else {
-                of.surface[0]
-            }
+        let surface = if model.is_driven[i] {
+            of.surface.mean(t)
+        } else {
+            of.surface[0]
         };
-        match self.contacts[c].phase {
-            Phase::Open => series.velocities(i).mean(t),
-            Phase::Stick { .. } => surface(),
-            Phase::Slip { direction, .. } => {
-                mul_add(direction.sign(), of.speeds.mean(t), surface())
-            }
+        match phase {
+            Phase::Slip { direction, .. } => mul_add(direction.sign(), of.speeds.mean(t), surface),
+            _ => surface,
         }
     }
 
@@ -187,7 +183,9 @@ impl Situation {
     /// The state, with the memory of the contacts.
     pub(super) fn state(&self, model: &Model<'_>, series: &Series) -> State {
         let mut memory = Vec::with_capacity(model.remembered());
-        memory.extend(self.contacts.iter().flat_map(|contact| &contact.memory));
+        if model.remembered() > 0 {
+            memory.extend(self.contacts.iter().flat_map(|contact| &contact.memory));
+        }
         let velocities = 0..self.coordinates.len();
         State {
             displacements: self.coordinates.iter().map(|q| q.displacement).collect(),

@@ -11,8 +11,8 @@ use super::decision::Decision;
 use super::edge::{EDGE_ROUNDING, Edge, leaving, side_of};
 use super::expand::{ALL, expand, expand_further};
 use super::model::Model;
-use super::plan::{load_terms, terms};
 use super::series::Series;
+use super::sizes::{load_terms, terms};
 use super::springs::{ask_again, cut, revise_elastic};
 use super::state::{ContactState, Entry, Phase, Situation};
 use crate::error::Error;
@@ -79,10 +79,10 @@ fn revise(
 ) -> Result<bool, Error> {
     let mut changed = false;
     for c in 0..situation.contacts.len() {
-        let change = revise_load(model, situation, series, c)?;
+        let change = series.contacts[c].load_varies && revise_load(model, situation, series, c)?;
         // A load that jumps takes the force of a spring with it.
-        let is_asked = model.is_shared(c) || model.springs.binary_search(&c).is_ok();
-        if change && is_asked && !model.shared.is_empty() {
+        let is_asked = || model.is_shared(c) || model.springs.binary_search(&c).is_ok();
+        if change && !model.shared.is_empty() && is_asked() {
             situation.closed = None;
             let new = || Decision::new(model, situation, series);
             decision.get_or_insert_with(new).restart();
@@ -98,12 +98,12 @@ fn revise(
 
 /// A contact that has reached r = 0 is taken to stick, until its force shows otherwise.
 fn arrive(model: &Model<'_>, situation: &mut Situation, c: usize) {
+    if !situation.contacts[c].has_arrived() {
+        return;
+    }
     let contact = &model.contacts[c];
     let displacement = situation.displacement_along(contact);
     let (clock, state) = (situation.clock, &mut situation.contacts[c]);
-    if !state.has_arrived() {
-        return;
-    }
     if contact.is_elastic() {
         if !state.sticks() {
             ask_again(situation, c);
@@ -174,7 +174,8 @@ fn open(model: &Model<'_>, situation: &mut Situation, series: &mut Series, c: us
     state.entry = Entry::Held;
 }
 
-/// Opens or closes a contact according to its load; returns true if anything has changed.
+/// Opens or closes a contact according to its load, which varies; returns true if anything has
+/// changed.
 fn revise_load(
     model: &Model<'_>,
     situation: &mut Situation,
@@ -182,9 +183,6 @@ fn revise_load(
     c: usize,
 ) -> Result<bool, Error> {
     let of = &series.contacts[c];
-    if !of.load_varies {
-        return Ok(false);
-    }
     let terms = load_terms(&model.contacts[c], situation);
     let rounding = EDGE_ROUNDING * f64::EPSILON * terms;
     let state = &mut situation.contacts[c];

@@ -1,0 +1,89 @@
+//! After a step, coordinates that contacts share: their relative velocities are numbers of their
+//! own, and the coordinates follow them.
+
+use super::expand::unless_rounding;
+use super::model::Model;
+use super::series::Series;
+use super::state::{Closed, Phase, Situation};
+
+/// Sets the velocities of shared coordinates from the relative velocities of their contacts, which
+/// are numbers of their own, and the displacements from those of contacts that stick, by the least
+/// change in kinetic energy, so that rounding errors do not accumulate.
+pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &Series) {
+    let closed = situation.closed.take();
+    let has_arrived = |&c: &usize| situation.contacts[c].has_arrived();
+    let closed = closed.filter(|_| !model.shared.iter().any(has_arrived));
+    let closed = closed.unwrap_or_else(|| closed_contacts(model, situation));
+    let velocity = |situation: &Situation, c: usize| match situation.contacts[c].phase {
+        Phase::Slip {
+            direction, speed, ..
+        } => series.contacts[c].surface[0] + direction.sign() * speed,
+        Phase::Open | Phase::Stick { .. } => series.contacts[c].surface[0],
+    };
+    let apart = |c: usize| {
+        let along = model.contacts[c].along(|j| situation.coordinates[j].velocity);
+        along - velocity(situation, c)
+    };
+    let carried = |c: usize| match situation.contacts[c].phase {
+        Phase::Stick { since, from } => {
+            let contact = &model.contacts[c];
+            let way = contact.belt_velocity.integral(since, situation.clock);
+            situation.displacement_along(contact) - (from + way)
+        }
+        Phase::Open | Phase::Slip { .. } => 0.0,
+    };
+    let velocities = model.corrections(&closed.holding, apart);
+    let displacements = model.corrections(&situation.holding, carried);
+    let before = |&j: &usize| (j, situation.coordinates[j].velocity);
+    let before: Vec<_> = model.shared_coordinates.iter().map(before).collect();
+    for (j, correction) in velocities {
+        situation.coordinates[j].velocity -= correction;
+    }
+    for (j, before) in before {
+        let velocity = &mut situation.coordinates[j].velocity;
+        *velocity = unless_rounding(*velocity, before);
+    }
+    for (j, correction) in displacements {
+        situation.coordinates[j].displacement -= correction;
+    }
+    // Contacts at rest to the bit, where they do not run in a circle.
+    for &(c, pivot) in &closed.pivots {
+        if situation.contacts[c].rests() {
+            let others = |j: usize| {
+                if j == pivot {
+                    0.0
+                } else {
+                    situation.coordinates[j].velocity
+                }
+            };
+            let rest = velocity(situation, c) - model.contacts[c].along(others);
+            let own = model.contacts[c].along(|j| if j == pivot { 1.0 } else { 0.0 });
+            situation.coordinates[pivot].velocity = rest / own;
+        }
+    }
+    situation.closed = Some(closed);
+}
+
+/// The shared contacts that are closed.
+///
+/// Only those that stick are met to the bit. Others get a small compliance: where their directions
+/// nearly depend on others', rounding errors would otherwise be magnified into velocities. So does
+/// one that arrives, because it may stick from now on.
+fn closed_contacts(model: &Model<'_>, situation: &Situation) -> Closed {
+    const SLIDING: f64 = 1.0 / 64.0;
+    const ARRIVING: f64 = 1.0 / 4096.0;
+    let shared = model.shared.iter().copied();
+    let contacts = shared.filter(|&c| !situation.contacts[c].phase_is_open());
+    let softness = |c: usize| match &situation.contacts[c] {
+        state if state.sticks() => 0.0,
+        state if state.rests() => ARRIVING,
+        _ => SLIDING,
+    };
+    let holding = model.independent(contacts.collect(), softness);
+    // Those that stick first: an arrival that depends on them adds nothing but rounding.
+    let resting = holding.contacts.iter().copied();
+    let mut resting: Vec<usize> = resting.filter(|&c| situation.contacts[c].rests()).collect();
+    resting.sort_by_key(|&c| !situation.contacts[c].sticks());
+    let pivots = model.pivots(&model.independent(resting, |_| 0.0).contacts);
+    Closed { holding, pivots }
+}
