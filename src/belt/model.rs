@@ -128,9 +128,11 @@ impl<'s> Belt<'s> {
     #[inline]
     pub(crate) fn equation(&self, direction: Direction) -> Equation {
         Equation {
+            stiffness: 1.0,
             damping: 2.0 * self.parameters.damping,
             load: self.parameters.load,
             belt: direction.sign() * self.parameters.belt_velocity,
+            drift: 0.0,
         }
     }
 

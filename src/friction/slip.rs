@@ -121,9 +121,11 @@ impl Expander {
         };
         let sigma = from.direction.sign();
         let &Equation {
+            stiffness,
             damping,
             load,
             belt,
+            drift,
         } = equation;
         let Self {
             series, workspace, ..
@@ -149,7 +151,8 @@ impl Expander {
                 if let Some(along) = along {
                     return along[1];
                 }
-                let equation = -(sigma * from.displacement) - damping * (s + belt) - load * m.rest;
+                let spring = stiffness * (sigma * from.displacement);
+                let equation = -spring - damping * (s + belt) - load * m.rest;
                 return from.rate.map_or(equation, |rate| time.sign() * rate);
             }
             friction[k] = mul_add(m.slope, s, m.scale * m.rest);
@@ -158,9 +161,9 @@ impl Expander {
             }
             // x_1 = s_0 + σv_b
             let spring = if k == 1 {
-                weight * older
+                weight * (stiffness * older + drift)
             } else {
-                weight * INTEGRAL[k - 1] * older
+                weight * INTEGRAL[k - 1] * (stiffness * older)
             };
             older = s;
             let next = mul_add(weight * decay, s, spring);
@@ -201,14 +204,18 @@ impl Expander {
     }
 }
 
-/// The constants of the equations of slip.
+/// The constants of the equation of slip of one mass, s' = −κx − ρt − d(s + σw) − Nμ̂(s).
 pub(crate) struct Equation {
-    /// 2β.
+    /// κ; 1 in the units of a mass on a belt.
+    pub(crate) stiffness: f64,
+    /// d; 2β.
     pub(crate) damping: f64,
-    /// γ².
+    /// N; γ².
     pub(crate) load: f64,
-    /// σv_b.
+    /// σw; σv_b.
     pub(crate) belt: f64,
+    /// ρ: how fast neighbours that move steadily pull; 0.
+    pub(crate) drift: f64,
 }
 
 /// The expansion of the motion about a point, as a visitor of the law.

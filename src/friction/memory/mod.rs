@@ -26,7 +26,7 @@ pub(crate) use check::validate;
 pub use dwell::Dwell;
 pub(crate) use sliding::Sliding;
 
-use crate::friction::{AnyLaw, FrictionLaw};
+use crate::friction::{AnyLaw, FrictionLaw, LawRef};
 use crate::scalar::Scalar;
 
 /// Sliding of a contact: the argument of its law in slip.
@@ -212,6 +212,12 @@ pub trait ContactLaw: Sized {
     fn constant(&self) -> Option<f64> {
         None
     }
+
+    /// A law without memory as the engines of one mass take it; `None` for any other.
+    #[doc(hidden)]
+    fn dry(&self) -> Option<LawRef<'_>> {
+        None
+    }
 }
 
 impl<L: FrictionLaw> ContactLaw for L {
@@ -246,5 +252,9 @@ impl<L: FrictionLaw> ContactLaw for L {
 
     fn constant(&self) -> Option<f64> {
         FrictionLaw::constant(self)
+    }
+
+    fn dry(&self) -> Option<LawRef<'_>> {
+        Some(self.erased())
     }
 }

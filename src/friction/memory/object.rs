@@ -8,6 +8,7 @@ use std::fmt;
 
 use super::sliding::Sliding;
 use super::{ContactLaw, Motion, NamedLaw, Slip, Variables};
+use crate::friction::law::{Law, LawRef};
 use crate::scalar::dual::{Dual, Tangent};
 use crate::scalar::jet::{Jet, Run, Tape};
 use crate::series::{PowerSeries, TERMS};
@@ -43,6 +44,8 @@ pub(crate) trait LawObject {
     fn named(&self) -> Option<NamedLaw>;
     /// The one coefficient of a law without memory for which μ_s = μ at every speed.
     fn constant(&self) -> Option<f64>;
+    /// A law without memory, for the series of one mass that slips.
+    fn dry(&self) -> Option<&dyn Law>;
 
     /// Coefficient k of σμ in slip, the slope ∂(σμ)/∂s at the start, and coefficient k of the rates
     /// of the memory. The speed is coefficient k of its series.
@@ -184,6 +187,10 @@ impl<L: ContactLaw> LawObject for L {
 
     fn constant(&self) -> Option<f64> {
         ContactLaw::constant(self)
+    }
+
+    fn dry(&self) -> Option<&dyn Law> {
+        ContactLaw::dry(self).map(LawRef::law)
     }
 
     fn slip_order(

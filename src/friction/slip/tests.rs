@@ -33,9 +33,11 @@ fn every_way<L: FrictionLaw>(law: &L, look: impl Fn([SlipSeries; 3])) {
             (Time::Forward, Some(&slow)),
         ] {
             let equation = Equation {
+                stiffness: 1.25,
                 damping: 0.1,
                 load: 1.0,
                 belt: 0.2 * direction.sign(),
+                drift: 0.125,
             };
             let piece = Piece { law, index: 0 };
             let [mut dispatched, mut unrolled, mut jets] = [used(), used(), used()];
@@ -119,9 +121,11 @@ fn both_ways_refuse_a_law_that_gives_no_number() {
     let (law, index) = (&Broken, 0);
     let piece = Piece { law, index };
     let equation = Equation {
+        stiffness: 1.0,
         damping: 0.0,
         load: 1.0,
         belt: 1.0,
+        drift: 0.0,
     };
     for (speed, is_number) in [(0.5, true), (2.0, false)] {
         let from = SlipPoint {

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::alone::{expand_alone, slips_alone};
 use super::contact::ContactData;
 use super::edge::Edge;
 use super::factor::Holding;
@@ -128,8 +129,22 @@ pub(super) fn expand_further(
     all_orders(model, situation, series, first..ALL);
 }
 
-fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, orders: Range<usize>) {
+fn all_orders(
+    model: &Model<'_>,
+    situation: &Situation,
+    series: &mut Series,
+    mut orders: Range<usize>,
+) {
     let n = model.len();
+    if let (ALL, Some(alone)) = (orders.end, slips_alone(model, series)) {
+        if orders.start == 0 {
+            all_of(model, series, 0..1, 0..n);
+            orders.start = 1;
+        }
+        if expand_alone(model, series, alone) {
+            return;
+        }
+    }
     if model.shared.is_empty() && model.springs.is_empty() {
         let shift = model.bandwidth;
         if n <= AT_A_TIME {

@@ -13,6 +13,7 @@
 //! | `state.rs`, `edge.rs` | the situation: data that change at events |
 //! | `series.rs` | the data of one step |
 //! | `expand.rs` | the power series of all coordinates, order by order |
+//! | `alone.rs` | those of a coordinate that slips while all others are held |
 //! | `coupling.rs`, `factor.rs` | the forces in several sticking contacts at once |
 //! | `forces.rs` | forces and accelerations at any time within a step |
 //! | `plan.rs`, `sizes.rs` | the reach of the series, the errors allowed in a step |
@@ -24,6 +25,7 @@
 //! | `decision.rs` | the modes of contacts that share coordinates, together |
 //! | `reconcile.rs` | shared coordinates at the end of a step, from what contacts hold |
 
+mod alone;
 pub(crate) mod contact;
 mod coupling;
 mod decision;

@@ -1,6 +1,7 @@
 //! The data of one step: the power series of all coordinates and contacts.
 
 use super::model::Model;
+use crate::friction::slip::Expander;
 use crate::scalar::jet::Tape;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 
@@ -19,6 +20,8 @@ pub(super) struct Series {
     pub(super) held: Vec<f64>,
     /// Bound of rounding of that order of the shared coordinates, where it counts.
     pub(super) rounding: Vec<f64>,
+    /// For a coordinate that slips alone.
+    pub(super) expander: Expander,
 }
 
 /// The mode of a contact in a step, for its series.
@@ -223,6 +226,7 @@ impl Series {
             unheld: vec![0.0; model.len()],
             rounding: vec![0.0; model.len()],
             held: Vec::with_capacity(model.shared.len()),
+            expander: Expander::new(),
         }
     }
 

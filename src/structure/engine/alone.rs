@@ -1,0 +1,102 @@
+//! The series of a coordinate that slips alone, all others being held at constant velocities. Its
+//! equation is that of a mass on a belt, whose series is computed in one piece.
+
+use super::expand::ALL;
+use super::model::Model;
+use super::series::{Role, Series};
+use crate::clock::Time;
+use crate::friction::slip::{Equation, Expansion, SlipPoint};
+use crate::state::Direction;
+
+/// All orders after the first, of the coordinate and the contact that slip alone; returns false if
+/// the law has no such series.
+pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usize; 2]) -> bool {
+    let Some(law) = model.contacts[c].law.dry() else {
+        return false;
+    };
+    let Series {
+        coordinates,
+        contacts,
+        expander,
+        ..
+    } = series;
+    let (side, belt) = (contacts[c].side, contacts[c].surface[0]);
+    let (spring, springs) = model.stiffness.row(i);
+    let pulls = springs.iter();
+    let drift = pulls.map(|&(j, a)| a * coordinates[j].course.velocity(0));
+    let equation = Equation {
+        stiffness: spring,
+        damping: model.damping.row(i).0,
+        load: contacts[c].load[0],
+        belt: side * belt,
+        drift: side * drift.sum::<f64>(),
+    };
+    let from = SlipPoint {
+        direction: if side > 0.0 {
+            Direction::Leading
+        } else {
+            Direction::Lagging
+        },
+        displacement: coordinates[i].course.displacement(0),
+        speed: contacts[c].speeds[0],
+        rate: Some(contacts[c].speeds[1]),
+    };
+    let expanded = law.expand_slip(Expansion {
+        expander,
+        piece: contacts[c].piece,
+        equation: &equation,
+        from: &from,
+        time: Time::Forward,
+        along: None,
+    });
+    if expanded.is_err() {
+        // It says at which order.
+        return false;
+    }
+    let of = &mut contacts[c];
+    (of.speeds, of.friction) = (expander.series.speed, expander.series.friction);
+    for k in 1..=ALL {
+        let velocity = side * of.speeds[k];
+        coordinates[i].course.set_velocity(k, velocity);
+    }
+    for j in 0..model.len() {
+        let (Role::Held(c) | Role::Slips(c)) = coordinates[j].role else {
+            continue;
+        };
+        let carried = &mut contacts[c].carried;
+        let entry = |(diagonal, beside): (f64, &[(usize, f64)])| {
+            if i == j {
+                return diagonal;
+            }
+            let place = beside.binary_search_by_key(&i, |&(column, _)| column);
+            place.map_or(0.0, |place| beside[place].1)
+        };
+        let (spring, damper) = (entry(model.stiffness.row(j)), entry(model.damping.row(j)));
+        let course = &coordinates[i].course;
+        for k in 1..ALL {
+            carried[k] = -spring * course.displacement(k) - damper * course.velocity(k);
+        }
+        let (spring, springs) = model.stiffness.row(j);
+        let own = spring * coordinates[j].course.displacement(1);
+        let pulls = springs.iter();
+        let pulls = pulls.map(|&(l, a)| a * coordinates[l].course.displacement(1));
+        carried[1] = -damper * course.velocity(1) - own - pulls.sum::<f64>();
+    }
+    true
+}
+
+/// The coordinate that slips alone, and its contact.
+pub(super) fn slips_alone(model: &Model<'_>, series: &Series) -> Option<[usize; 2]> {
+    if !model.shared.is_empty() || !model.springs.is_empty() {
+        return None;
+    }
+    let mut found = None;
+    for (i, coordinate) in series.coordinates.iter().enumerate() {
+        match coordinate.role {
+            Role::Held(_) => {}
+            Role::Slips(c) if found.is_none() => found = Some([i, c]),
+            _ => return None,
+        }
+    }
+    found
+}
