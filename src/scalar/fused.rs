@@ -1,39 +1,49 @@
-//! The choice of instructions for the series of a slip phase.
+//! The choice of instructions for the series of slip.
 //!
 //! A fused multiply-add rounds once, and takes one instruction instead of two. Not every x86-64
 //! processor has it, so a build for all of them asks at run time. It asks in one place,
-//! [`compute`], for the expansion of a slip phase, which is more than half of all work and nearly
-//! all that these instructions gain.
+//! [`compute`], for the expansion of a slip phase and for that of many masses side by side, which
+//! are more than half of all work and nearly all that these instructions gain.
 //!
-//! | target | a·b + c in `taylor.rs` | in everything else |
+//! | target | a·b + c in `taylor.rs` and `lanes.rs` | in everything else |
 //! |---|---|---|
 //! | x86-64 built with `fma`; 64-bit ARM | fused | fused |
 //! | x86-64 | fused | two roundings |
 //! | others, such as WebAssembly | two roundings | two roundings |
 //!
-//! In the second row a processor without the instruction expands by `jet.rs` instead, with two
-//! roundings. A whole motion then takes up to 1.4 times as long as unrolled without fusing, but a
-//! second copy of the unrolled code would be 14 kB for each law, and of these 0.5 kB.
+//! In the second row a processor without the instruction expands a slip phase by `jet.rs` instead,
+//! with two roundings. A whole motion then takes up to 1.4 times as long as unrolled without
+//! fusing, but a second copy of the unrolled code would be 14 kB for each law, and of these 0.5 kB.
 //!
 //! With AVX-512 the fused code has twice as many registers, which takes 3 to 8 % off a motion on an
 //! AMD EPYC. Processors that have to slow down for it (those before Intel's Ice Lake) are not asked
 //! to use it. All results are the same to the bit.
 //!
 //! The software that stands for the instruction elsewhere is slow. It would be called by code that
-//! is meant for [`compute`] and not inlined into it; `.ci/run` looks for that.
+//! is meant for [`compute`] and not inlined into it, closures included; `.ci/run` looks for that.
 
 use super::FUSED;
 
 /// True if the processor is asked.
 pub(crate) const CHOSEN: bool = cfg!(all(target_arch = "x86_64", not(target_feature = "fma")));
 
-/// The sum a·b + c of `taylor.rs`.
+/// The sum a·b + c of code that is inlined into [`compute`].
 #[inline(always)]
 pub(crate) fn mul_add(a: f64, b: f64, c: f64) -> f64 {
     if FUSED || CHOSEN {
         a.mul_add(b, c)
     } else {
         a * b + c
+    }
+}
+
+/// The sum a·b + c of code within [`compute`] that is its `otherwise` too, there not `CHOSEN`.
+#[inline(always)]
+pub(crate) fn mul_add_in<const CHOSEN: bool>(a: f64, b: f64, c: f64) -> f64 {
+    if CHOSEN {
+        mul_add(a, b, c)
+    } else {
+        super::mul_add(a, b, c)
     }
 }
 

@@ -7,13 +7,16 @@
 // | `taylor.rs`, `operations.rs` | Taylor coefficients whose order is part of the type: the fastest, for one mass on its belt (the order itself: `series::TERMS`) |
 // | `fused.rs` | with which instructions they are computed, where that is chosen at run time |
 // | `dual.rs` | any of the numbers with its derivative along one direction |
+// | `recorded.rs`, `lanes.rs` | notes of what a law does with a number, and the Taylor coefficients of four laws side by side by these notes: code that knows no law, for many masses |
 // | `jet.rs`, `jet/operations.rs`, `products.rs` | Taylor coefficients whose order is chosen at run time: small code, for many coupled series and for cold paths |
 
 pub(crate) mod dual;
 pub(crate) mod fused;
 pub(crate) mod jet;
+pub(crate) mod lanes;
 mod operations;
 mod products;
+pub(crate) mod recorded;
 mod taylor;
 #[cfg(test)]
 mod tests;

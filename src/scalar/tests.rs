@@ -8,6 +8,8 @@ use nalgebra::Complex;
 
 use super::dual::{Dual, Tangent};
 use super::jet::{self, Tape};
+use super::lanes::{self, Chunk};
+use super::recorded::Recorder;
 use super::{LONGEST, Scalar, Workspace, expand};
 use crate::friction::{FrictionLaw, Piece};
 
@@ -48,6 +50,33 @@ fn compose_in(
         &series,
         &compose_by_jets(&mut Tape::new(), law, piece, inner),
     );
+    assert_jets_agree(&series, &compose_recorded(law, piece, inner, series));
+    series
+}
+
+/// The same of the recorded law, in the last lane. In the first it is at another speed, if it has
+/// the same operations there; what is in a lane that is not in use counts for nothing. The value
+/// and the orders beyond are those of `series`.
+fn compose_recorded(
+    law: Expression,
+    piece: usize,
+    inner: &Inner,
+    mut series: [f64; ORDERS],
+) -> [f64; ORDERS] {
+    let mut recorder = Recorder::default();
+    let mut chunk = Chunk::new();
+    for (lane, speed) in [(0, 1.1 * inner[0]), (3, inner[0])] {
+        let output = recorder.run(speed, |speed| law.kinetic_on(piece, speed));
+        if lane == 0 || !chunk.take(lane, &mut recorder, output) {
+            chunk.begin(lane, &mut recorder, output);
+        }
+    }
+    for k in 1..=lanes::LAST {
+        let arguments = [0.9 * inner[k], 0.0, f64::NAN, inner[k]];
+        let found = chunk.order::<false>(k, arguments, [f64::INFINITY; 4]);
+        assert_eq!(found[2], f64::INFINITY);
+        series[k] = found[3];
+    }
     series
 }
 

@@ -9,8 +9,10 @@ use std::fmt;
 use super::sliding::Sliding;
 use super::{ContactLaw, Motion, NamedLaw, Slip, Variables};
 use crate::friction::law::{Law, LawRef};
+use crate::scalar::Scalar;
 use crate::scalar::dual::{Dual, Tangent};
 use crate::scalar::jet::{Jet, Run, Tape};
+use crate::scalar::recorded::{Output, Recorder};
 use crate::series::{PowerSeries, TERMS};
 
 /// Memory variables by their numbers.
@@ -47,6 +49,8 @@ pub(crate) trait LawObject {
     /// A law without memory, for the series of one mass that slips.
     fn dry(&self) -> Option<&dyn Law>;
 
+    /// The operations that give σμ in slip from the sliding speed, of a law without memory.
+    fn record(&self, recorder: &mut Recorder, slip: Slip<f64>) -> Output;
     /// Coefficient k of σμ in slip, the slope ∂(σμ)/∂s at the start, and coefficient k of the rates
     /// of the memory. The speed is coefficient k of its series.
     fn slip_order(
@@ -191,6 +195,18 @@ impl<L: ContactLaw> LawObject for L {
 
     fn dry(&self) -> Option<&dyn Law> {
         ContactLaw::dry(self).map(LawRef::law)
+    }
+
+    fn record(&self, recorder: &mut Recorder, slip: Slip<f64>) -> Output {
+        recorder.run(slip.speed, |speed| {
+            let memory = Variables::from_fn(|_| speed.constant(0.0));
+            let slip = Slip {
+                speed,
+                direction: slip.direction,
+                piece: slip.piece,
+            };
+            ContactLaw::coefficient(self, slip, memory) * slip.direction
+        })
     }
 
     fn slip_order(

@@ -3,7 +3,7 @@
 
 use super::expand::ALL;
 use super::model::Model;
-use super::series::{Role, Series};
+use super::series::{CoordinateSeries, Role, Series};
 use crate::clock::Time;
 use crate::friction::slip::{Equation, Expansion, SlipPoint};
 use crate::state::Direction;
@@ -20,16 +20,20 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
         expander,
         ..
     } = series;
-    let (side, belt) = (contacts[c].side, contacts[c].surface[0]);
+    // Of order 1.
+    let pull = |springs: &[(usize, f64)], coordinates: &[CoordinateSeries]| -> f64 {
+        let terms = springs.iter();
+        let terms = terms.map(|&(j, a)| a * coordinates[j].course.displacement(1));
+        terms.sum()
+    };
+    let side = contacts[c].side;
     let (spring, springs) = model.stiffness.row(i);
-    let pulls = springs.iter();
-    let drift = pulls.map(|&(j, a)| a * coordinates[j].course.velocity(0));
     let equation = Equation {
         stiffness: spring,
         damping: model.damping.row(i).0,
         load: contacts[c].load[0],
-        belt: side * belt,
-        drift: side * drift.sum::<f64>(),
+        belt: side * contacts[c].surface[0],
+        drift: side * pull(springs, coordinates),
     };
     let from = SlipPoint {
         direction: if side > 0.0 {
@@ -50,7 +54,6 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
         along: None,
     });
     if expanded.is_err() {
-        // It says at which order.
         return false;
     }
     let of = &mut contacts[c];
@@ -78,18 +81,13 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
         }
         let (spring, springs) = model.stiffness.row(j);
         let own = spring * coordinates[j].course.displacement(1);
-        let pulls = springs.iter();
-        let pulls = pulls.map(|&(l, a)| a * coordinates[l].course.displacement(1));
-        carried[1] = -damper * course.velocity(1) - own - pulls.sum::<f64>();
+        carried[1] = -damper * course.velocity(1) - own - pull(springs, coordinates);
     }
     true
 }
 
-/// The coordinate that slips alone, and its contact.
-pub(super) fn slips_alone(model: &Model<'_>, series: &Series) -> Option<[usize; 2]> {
-    if !model.shared.is_empty() || !model.springs.is_empty() {
-        return None;
-    }
+/// The coordinate that slips while all others are held, and its contact.
+pub(super) fn slips_alone(series: &Series) -> Option<[usize; 2]> {
     let mut found = None;
     for (i, coordinate) in series.coordinates.iter().enumerate() {
         match coordinate.role {

@@ -6,6 +6,7 @@ use super::alone::{expand_alone, slips_alone};
 use super::contact::ContactData;
 use super::edge::Edge;
 use super::factor::Holding;
+use super::groups::expand_groups;
 use super::model::{Model, Target};
 use super::series::{
     ContactCourse, ContactSeries, CoordinateSeries, DisplacementSeries, Role, Series,
@@ -95,6 +96,9 @@ pub(super) fn expand_drives(model: &Model<'_>, situation: &Situation, series: &m
 /// group is shifted to masses whose neighbours are complete. Contacts that share coordinates, and
 /// springs of contacts, couple all masses: each order is then computed for all masses at once.
 ///
+/// What is simple is computed faster, to rounding the same: a coordinate that slips while all
+/// others are held in `alone.rs`, several in `groups.rs`.
+///
 /// # Errors
 ///
 /// The first law that gave no number, or no slope.
@@ -129,36 +133,22 @@ pub(super) fn expand_further(
     all_orders(model, situation, series, first..ALL);
 }
 
-fn all_orders(
-    model: &Model<'_>,
-    situation: &Situation,
-    series: &mut Series,
-    mut orders: Range<usize>,
-) {
+fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, orders: Range<usize>) {
     let n = model.len();
-    if let (ALL, Some(alone)) = (orders.end, slips_alone(model, series)) {
+    if orders.end == ALL && is_simple(model, series) {
         if orders.start == 0 {
             all_of(model, series, 0..1, 0..n);
-            orders.start = 1;
         }
-        if expand_alone(model, series, alone) {
-            return;
+        let alone = slips_alone(series);
+        if !alone.is_some_and(|alone| expand_alone(model, series, alone)) {
+            expand_groups(model, series);
         }
+        return;
     }
     if model.shared.is_empty() && model.springs.is_empty() {
-        let shift = model.bandwidth;
-        if n <= AT_A_TIME {
-            all_of(model, series, orders, 0..n);
-        } else {
-            for start in (0..n + orders.len() * shift).step_by(AT_A_TIME) {
-                for k in orders.clone() {
-                    let behind = (k - orders.start) * shift;
-                    let place = |i: usize| i.saturating_sub(behind).min(n);
-                    let coordinates = place(start)..place(start + AT_A_TIME);
-                    all_of(model, series, k..k + 1, coordinates);
-                }
-            }
-        }
+        in_waves([n, AT_A_TIME, model.bandwidth], orders, |coordinates, k| {
+            all_of(model, series, k..k + 1, coordinates);
+        });
     } else {
         let is_delicate = is_delicate(model, situation);
         for k in orders {
@@ -171,8 +161,39 @@ fn all_orders(
     }
 }
 
+/// True if no coordinate does anything but to be held, to be free, or to slip on its own contact,
+/// under constant forces and loads.
+fn is_simple(model: &Model<'_>, series: &Series) -> bool {
+    let mut coordinates = series.coordinates.iter();
+    model.shared.is_empty()
+        && model.springs.is_empty()
+        && coordinates.all(|coordinate| coordinate.role != Role::Other)
+}
+
 /// Number of masses of a long chain in a group.
 const AT_A_TIME: usize = 16;
+
+/// Calls `expand` for all places below `count` and all orders: group by group, if there are more
+/// than `at_a_time`. An order of a place needs those before of the places within `shift`.
+#[inline(always)]
+pub(super) fn in_waves(
+    [count, at_a_time, shift]: [usize; 3],
+    orders: Range<usize>,
+    mut expand: impl FnMut(Range<usize>, usize),
+) {
+    let (at_a_time, shift) = if count <= at_a_time {
+        (count.max(1), 0)
+    } else {
+        (at_a_time, shift)
+    };
+    for start in (0..count + orders.len() * shift).step_by(at_a_time) {
+        for k in orders.clone() {
+            let behind = (k - orders.start) * shift;
+            let place = |i: usize| i.saturating_sub(behind).min(count);
+            expand(place(start)..place(start + at_a_time), k);
+        }
+    }
+}
 
 /// All orders that a step has.
 pub(super) const ALL: usize = TERMS - 1;
@@ -195,7 +216,7 @@ fn law_fault(situation: &Situation, series: &Series) -> Option<LawFault> {
 }
 
 /// Order 0 of the unknowns, and the mode of every contact.
-fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
+pub(super) fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
     for i in 0..model.len() {
         let velocity = situation.velocity(model, series, i);
         let displacement = situation.coordinates[i].displacement;
@@ -237,7 +258,11 @@ fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
 /// The role of a coordinate in the step that begins.
 fn role(model: &Model<'_>, situation: &Situation, series: &Series, i: usize) -> Role {
     let Some(c) = model.owner[i] else {
-        return Role::Other;
+        return if model.is_driven[i] {
+            Role::Other
+        } else {
+            Role::Free
+        };
     };
     let of = &series.contacts[c];
     let is_simple = of.memories.is_empty() && !of.load_varies && !model.is_driven[i];
@@ -249,7 +274,12 @@ fn role(model: &Model<'_>, situation: &Situation, series: &Series, i: usize) -> 
 }
 
 /// Orders k + 1 of the velocities of some coordinates, without what shared contacts do to them.
-fn all_of(model: &Model<'_>, series: &mut Series, orders: Range<usize>, range: Range<usize>) {
+pub(super) fn all_of(
+    model: &Model<'_>,
+    series: &mut Series,
+    orders: Range<usize>,
+    range: Range<usize>,
+) {
     let nothing = &mut MemoryOrder::none();
     // Tells the compiler which coefficients there are.
     #[expect(clippy::needless_range_loop, reason = "k is the order of all series")]

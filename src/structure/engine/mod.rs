@@ -13,6 +13,7 @@
 //! | `state.rs`, `edge.rs` | the situation: data that change at events |
 //! | `series.rs` | the data of one step |
 //! | `expand.rs` | the power series of all coordinates, order by order |
+//! | `groups.rs` | those of many simple contacts, four side by side |
 //! | `alone.rs` | those of a coordinate that slips while all others are held |
 //! | `coupling.rs`, `factor.rs` | the forces in several sticking contacts at once |
 //! | `forces.rs` | forces and accelerations at any time within a step |
@@ -35,6 +36,7 @@ mod events;
 mod expand;
 pub(crate) mod factor;
 pub(crate) mod forces;
+mod groups;
 pub(crate) mod model;
 mod plan;
 mod reconcile;

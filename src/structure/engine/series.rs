@@ -1,5 +1,6 @@
 //! The data of one step: the power series of all coordinates and contacts.
 
+use super::groups::Groups;
 use super::model::Model;
 use crate::friction::slip::Expander;
 use crate::scalar::jet::Tape;
@@ -20,6 +21,7 @@ pub(super) struct Series {
     pub(super) held: Vec<f64>,
     /// Bound of rounding of that order of the shared coordinates, where it counts.
     pub(super) rounding: Vec<f64>,
+    pub(super) groups: Groups,
     /// For a coordinate that slips alone.
     pub(super) expander: Expander,
 }
@@ -164,6 +166,8 @@ pub(super) enum Role {
     Held(usize),
     /// It slips in this contact, which has no memory, with a constant load on a constant belt.
     Slips(usize),
+    /// No contact of its own, and no force that varies.
+    Free,
     /// Something else.
     Other,
 }
@@ -226,6 +230,7 @@ impl Series {
             unheld: vec![0.0; model.len()],
             rounding: vec![0.0; model.len()],
             held: Vec::with_capacity(model.shared.len()),
+            groups: Groups::new(model),
             expander: Expander::new(),
         }
     }

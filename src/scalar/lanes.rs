@@ -1,0 +1,236 @@
+//! The power series of up to four recorded functions side by side, order by order.
+//!
+//! Compiled once for all functions: see `recorded.rs`. A row holds the coefficients of four
+//! functions, one in each lane of a vector register, so that sums of products need no shuffling.
+
+use super::LONGEST;
+use super::fused::mul_add_in;
+use super::recorded::{ARGUMENT, FIRST, Operation, Output, Recorder, Sum, Weight};
+
+/// Number of functions side by side.
+pub(crate) const LANES: usize = 4;
+
+/// The highest order.
+pub(crate) const LAST: usize = 26;
+
+/// A number of each function.
+pub(crate) type Lanes = [f64; LANES];
+
+/// The coefficients of one operation; of order 0 none.
+type Row = [Lanes; LONGEST];
+
+/// Functions with the same operations.
+#[derive(Debug, Clone)]
+pub(crate) struct Chunk {
+    operations: Vec<Operation>,
+    /// f, α, β and the slope of each operation.
+    factors: Vec<[Lanes; 4]>,
+    rows: Vec<Row>,
+    /// What each row's newest coefficient is beside slope·s_k.
+    rests: Vec<Lanes>,
+    output: u16,
+    scale: Lanes,
+    /// The lanes in use.
+    used: [bool; LANES],
+}
+
+impl Chunk {
+    pub(crate) fn new() -> Self {
+        Self {
+            operations: Vec::new(),
+            factors: Vec::new(),
+            rows: Vec::new(),
+            rests: Vec::new(),
+            output: 0,
+            scale: [0.0; LANES],
+            used: [false; LANES],
+        }
+    }
+
+    /// Takes the function that was recorded into a lane, after all others are removed.
+    pub(crate) fn begin(&mut self, lane: usize, recorder: &mut Recorder, output: Output) {
+        let notes = recorder.notes();
+        self.operations.clear();
+        self.operations
+            .extend(notes.iter().map(|note| note.operation));
+        self.factors.clear();
+        self.factors.resize(notes.len(), [[0.0; LANES]; 4]);
+        let rows = usize::from(FIRST) + notes.len();
+        if self.rows.len() < rows {
+            self.rows.resize(rows, [[0.0; LANES]; LONGEST]);
+            self.rests.resize(rows, [0.0; LANES]);
+        }
+        self.output = output.row;
+        self.used = [false; LANES];
+        self.put(lane, recorder, output);
+    }
+
+    /// The same beside others, if it has their operations; returns false otherwise.
+    pub(crate) fn take(&mut self, lane: usize, recorder: &mut Recorder, output: Output) -> bool {
+        let notes = recorder.notes();
+        let is_same = self.output == output.row
+            && self.operations.len() == notes.len()
+            && std::iter::zip(&self.operations, notes).all(|(own, note)| *own == note.operation);
+        if is_same {
+            self.put(lane, recorder, output);
+        }
+        is_same
+    }
+
+    fn put(&mut self, lane: usize, recorder: &mut Recorder, output: Output) {
+        for (own, note) in std::iter::zip(&mut self.factors, recorder.notes()) {
+            let [f, alpha, beta] = note.factors;
+            for (own, factor) in std::iter::zip(own, [f, alpha, beta, note.slope]) {
+                own[lane] = factor;
+            }
+        }
+        (self.scale[lane], self.used[lane]) = (output.scale, true);
+    }
+
+    /// Coefficient k of the functions, 0 < k ≤ [`LAST`], from that of their arguments, in place of
+    /// `others` in the lanes in use. Orders 1 to k − 1 come before. `CHOSEN`: see
+    /// [`mul_add_in`].
+    #[inline(always)]
+    pub(crate) fn order<const CHOSEN: bool>(
+        &mut self,
+        k: usize,
+        arguments: Lanes,
+        others: Lanes,
+    ) -> Lanes {
+        debug_assert!(k <= LAST);
+        let k = k % LONGEST;
+        let (rows, rests) = (&mut self.rows[..], &mut self.rests[..]);
+        let first = usize::from(FIRST);
+        let notes = std::iter::zip(&self.operations, &self.factors);
+        for (row, (operation, [f, alpha, beta, _])) in (first..).zip(notes) {
+            let [a, b] = operation.rows.map(|row| rests[usize::from(row)]);
+            let linear = mul_add::<CHOSEN>(*alpha, a, times(*beta, b));
+            rests[row] = match operation.sum {
+                Sum::Nothing | Sum::Weight => linear,
+                Sum::Square(x) => {
+                    let sum = square::<CHOSEN>(k, &rows[usize::from(x)]);
+                    mul_add::<CHOSEN>(*f, sum, linear)
+                }
+                Sum::Product(x, y, weight) => {
+                    let sum = product::<CHOSEN>(k, &rows[usize::from(x)], &rows[usize::from(y)]);
+                    let sum = match weight {
+                        Weight::One => sum,
+                        Weight::Integral => times([INVERSE[k]; LANES], sum),
+                    };
+                    mul_add::<CHOSEN>(*f, sum, linear)
+                }
+            };
+        }
+        rows[usize::from(ARGUMENT)][k] = arguments;
+        let notes = std::iter::zip(&self.operations, &self.factors);
+        for (row, (operation, [.., slope])) in (first..).zip(notes) {
+            let newest = mul_add::<CHOSEN>(*slope, arguments, rests[row]);
+            rows[row][k] = match operation.sum {
+                Sum::Weight => times([k as f64; LANES], newest),
+                _ => newest,
+            };
+        }
+        let found = times(self.scale, rows[usize::from(self.output)][k]);
+        let mut chosen = others;
+        for lane in 0..LANES {
+            if self.used[lane] {
+                chosen[lane] = found[lane];
+            }
+        }
+        chosen
+    }
+}
+
+/// 1/k.
+const INVERSE: [f64; LONGEST] = {
+    let mut inverse = [0.0; LONGEST];
+    let mut k = 1;
+    while k < LONGEST {
+        inverse[k] = 1.0 / k as f64;
+        k += 1;
+    }
+    inverse
+};
+
+// Written out, not with closures or loops: those are not always compiled to one instruction.
+
+/// a·b.
+#[inline(always)]
+pub(crate) fn times(a: Lanes, b: Lanes) -> Lanes {
+    [a[0] * b[0], a[1] * b[1], a[2] * b[2], a[3] * b[3]]
+}
+
+/// a + b.
+#[inline(always)]
+pub(crate) fn plus(a: Lanes, b: Lanes) -> Lanes {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]]
+}
+
+/// a·b + c.
+#[inline(always)]
+pub(crate) fn mul_add<const CHOSEN: bool>(a: Lanes, b: Lanes, c: Lanes) -> Lanes {
+    [
+        mul_add_in::<CHOSEN>(a[0], b[0], c[0]),
+        mul_add_in::<CHOSEN>(a[1], b[1], c[1]),
+        mul_add_in::<CHOSEN>(a[2], b[2], c[2]),
+        mul_add_in::<CHOSEN>(a[3], b[3], c[3]),
+    ]
+}
+
+/// A sum of an order that the compiler knows: loops of run-time length cost as much as their sums.
+macro_rules! by_order {
+    ($sum:ident, $k:expr, $rows:expr) => {
+        by_order!($sum, $k, $rows,
+            2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26)
+    };
+    ($sum:ident, $k:expr, $rows:expr, $($order:literal)*) => {
+        match $k {
+            $($order => $sum::<$order, CHOSEN>($rows),)*
+            _ => [0.0; LANES],
+        }
+    };
+}
+
+/// Σ x_i y_{k−i} for 0 < i < k.
+#[inline(always)]
+fn product<const CHOSEN: bool>(k: usize, x: &Row, y: &Row) -> Lanes {
+    by_order!(product_of, k, (x, y))
+}
+
+/// From the middle outward, so that the newest coefficients come last.
+#[inline(always)]
+fn product_of<const K: usize, const CHOSEN: bool>((x, y): (&Row, &Row)) -> Lanes {
+    let mut sums = [[0.0; LANES]; 2];
+    let mut distance = K % 2;
+    while distance + 1 < K {
+        let (low, high) = ((K - distance) / 2, (K + distance) / 2);
+        sums[0] = mul_add::<CHOSEN>(x[low], y[high], sums[0]);
+        if distance > 0 {
+            sums[1] = mul_add::<CHOSEN>(x[high], y[low], sums[1]);
+        }
+        distance += 2;
+    }
+    plus(sums[0], sums[1])
+}
+
+/// Σ x_i x_{k−i} for 0 < i < k.
+#[inline(always)]
+fn square<const CHOSEN: bool>(k: usize, x: &Row) -> Lanes {
+    by_order!(square_of, k, x)
+}
+
+#[inline(always)]
+fn square_of<const K: usize, const CHOSEN: bool>(x: &Row) -> Lanes {
+    let mut sum = [0.0; LANES];
+    let mut distance = 2 - K % 2;
+    while distance + 1 < K {
+        sum = mul_add::<CHOSEN>(x[(K - distance) / 2], x[(K + distance) / 2], sum);
+        distance += 2;
+    }
+    let twice = plus(sum, sum);
+    if K.is_multiple_of(2) {
+        mul_add::<CHOSEN>(x[K / 2], x[K / 2], twice)
+    } else {
+        twice
+    }
+}

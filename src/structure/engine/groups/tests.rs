@@ -1,0 +1,106 @@
+use super::super::Engine;
+use super::super::expand::{ALL, all_of, start};
+use super::super::series::{Role, Series};
+use crate::clock::Clock;
+use crate::friction::{AnyLaw, Coulomb, Exponential, Polynomial, Rational, Stribeck, Tabulated};
+use crate::state::structure::State;
+use crate::structure::{Contact, Structure};
+
+fn law(number: usize) -> AnyLaw {
+    match number % 6 {
+        0 => Exponential::new(0.4, 0.25, 0.5).unwrap().into(),
+        1 => Polynomial::new(0.4, 0.25, 1.5).unwrap().into(),
+        2 => Coulomb::new(0.4, 0.3).unwrap().into(),
+        3 => Rational::new(0.4, 1.0).unwrap().into(),
+        4 => Stribeck::new(0.5, 0.3, 0.4, 2).unwrap().into(),
+        _ => {
+            let points = [(0.0, 0.4), (0.7, 0.2), (1.5, 0.3)];
+            Tabulated::new(points).unwrap().into()
+        }
+    }
+}
+
+/// Masses on belts, every sixth without one, each sprung and damped against neighbours near and
+/// far. Those named are fast; others have the velocity of their belt, and stick.
+fn structure(n: usize, is_fast: impl Fn(usize) -> bool) -> (Structure, State) {
+    let masses: Vec<f64> = (0..n).map(|i| 1.0 + 0.25 * (i % 3) as f64).collect();
+    let mut structure = Structure::new(&masses).unwrap();
+    let mut velocities = vec![0.0; n];
+    for i in 0..n {
+        let ground = structure.with_ground_spring(i, 1.0 + 0.1 * i as f64);
+        structure = ground.unwrap().with_ground_damper(i, 0.05).unwrap();
+        for j in [i + 1, i + 3].into_iter().filter(|&j| j < n) {
+            let springs = structure.with_spring(i, j, 0.3).unwrap();
+            structure = springs.with_damper(i, j, 0.02).unwrap();
+        }
+        let belt = 0.3 + 0.05 * i as f64;
+        velocities[i] = belt;
+        if is_fast(i) {
+            velocities[i] += [0.6, -0.8][i % 2];
+        }
+        if n < 6 || i % 6 != 5 {
+            let contact = Contact::new(i, law(i), 4.0).unwrap().on_belt(belt);
+            structure = structure.with_contact(contact).unwrap();
+        }
+    }
+    let displacements: Vec<f64> = (0..n).map(|i| 0.2 * (1.7 * i as f64).sin()).collect();
+    (structure, State::new(&displacements, &velocities))
+}
+
+/// Largest difference of two series in a step of length h, in parts of the largest term of either.
+fn difference(a: impl Fn(usize) -> f64, b: impl Fn(usize) -> f64, orders: usize) -> f64 {
+    let h: f64 = 0.3;
+    let (mut difference, mut size) = (0.0_f64, f64::MIN_POSITIVE);
+    for k in 0..orders {
+        let [a, b] = [a(k), b(k)].map(|c| c * h.powi(k as i32));
+        difference = difference.max((a - b).abs());
+        size = size.max(a.abs()).max(b.abs());
+    }
+    difference / size
+}
+
+fn assert_agree(found: &Series, expected: &Series) {
+    let assert_close = |of: &dyn Fn(&Series, usize) -> f64, orders: usize, name: &str| {
+        let difference = difference(|k| of(found, k), |k| of(expected, k), orders);
+        assert!(difference < 1e-14, "{name}: {difference}");
+    };
+    for i in 0..found.coordinates.len() {
+        let role = found.coordinates[i].role;
+        let velocity = |of: &Series, k: usize| of.coordinates[i].course.velocity(k);
+        assert_close(&velocity, ALL + 1, "v");
+        let (Role::Slips(c) | Role::Held(c)) = role else {
+            continue;
+        };
+        assert_close(&|of, k| of.contacts[c].carried[k], ALL, "carried");
+        if let Role::Slips(_) = role {
+            assert_close(&|of, k| of.contacts[c].speeds[k], ALL + 1, "y");
+            assert_close(&|of, k| of.contacts[c].friction[k], ALL, "friction");
+        }
+    }
+}
+
+#[test]
+fn simple_motions_have_the_series_of_the_general_way() {
+    let mut slipping_alone = 0;
+    for n in [1, 2, 3, 4, 5, 9, 16, 17, 40] {
+        for fast in 0..n {
+            for others in [false, true] {
+                let is_fast = |i: usize| i == fast || others && i % 3 != fast % 3;
+                let (structure, start_state) = structure(n, is_fast);
+                let model = structure.model();
+                let clock = Clock::at(0.0);
+                let (engine, _) = Engine::start(model, f64::EPSILON, clock, &start_state).unwrap();
+                let roles = engine.series.coordinates.iter();
+                let slipping = roles.filter(|of| matches!(of.role, Role::Slips(_)));
+                slipping_alone += usize::from(slipping.count() == 1);
+                let mut general = engine.series.clone();
+                start(&engine.model, &engine.situation, &mut general);
+                for k in 0..ALL {
+                    all_of(&engine.model, &mut general, k..k + 1, 0..n);
+                }
+                assert_agree(&engine.series, &general);
+            }
+        }
+    }
+    assert!(slipping_alone > 20, "{slipping_alone}");
+}
