@@ -3,8 +3,8 @@ use crate::error::Error;
 /// Most intervals of [`Iwan4::elements`].
 const MOST_INTERVALS: usize = 100_000;
 
-/// Segalman's four-parameter Iwan model of a bolted joint: springs in series with dry sliders, in
-/// parallel, with break-free displacements φ from 0 up.
+/// Segalman's four-parameter Iwan model of a bolted joint: many springs, each in series with a dry
+/// slider, side by side. Their break-free displacements φ are distributed from 0 up to φ_max.
 ///
 /// ```text
 /// ρ(φ) = R φ^χ on 0 < φ < φ_max, and S δ(φ − φ_max)        T(x) = ∫ ρ(φ) clip(x − z_φ, ±φ) dφ

@@ -133,9 +133,10 @@ const HIGHEST: usize = 30;
 ///
 /// # What a law must not do
 ///
-/// A law must always return the same results for the same speed, the same breakpoints and the same
-/// μ_s, and must not panic. It must not return NaN or ±∞ at a speed that the motion reaches: the
-/// motion then ends in a typed error. It must have 0 ≤ μ̂(0) ≤ μ_s, to a few ulps.
+/// A law must be a pure function: the same result for the same speed, and always the same
+/// breakpoints and μ_s. It must not panic. It must not return NaN or ±∞ at a speed that the motion
+/// reaches; otherwise the motion ends in a typed error. It must have 0 ≤ μ̂(0) ≤ μ_s, to a few
+/// ulps.
 ///
 /// Checks of these rules:
 ///

@@ -37,10 +37,10 @@ use crate::friction::memory::{ContactLaw, Slip, validate};
 /// dry slider.
 ///
 /// Touching is no event: neither a load that touches 0, from above or from below, nor a force in
-/// stick that touches its limit. The load only touches 0 if its minimum or maximum lies within 8ε
-/// Σ|terms of N| of 0 (ε = 2.2e-16), or if one piece of a [`Drive`] ends at 0 and the next piece
-/// turns back. In the same way the force only touches its limit if it turns back within 8ε of the
-/// limit, relative to the terms of both.
+/// stick that touches its limit. The load only touches 0 if it turns back within 8ε of 0 (ε =
+/// 2.2e-16), relative to the sum of the absolute values of its terms, or if one piece of a
+/// [`Drive`] ends at 0 and the next piece turns back. The force only touches its limit if it turns
+/// back within 8ε of it, relative to their terms.
 ///
 /// The type of the law is not part of the type of the contact, so a structure may have contacts of
 /// different laws.

@@ -16,8 +16,7 @@ impl Contact {
     ///
     /// T, in units of force, takes the place of λ: it acts on the structure with −b T, and is a
     /// memory variable of the contact in [`State::memory`](crate::structure::State::memory), after
-    /// memory variable of the contact in [`State::memory`](crate::structure::State::memory), after
-    /// those of contacts before it. Events refer to the slider:
+    /// the variables of the contacts before it. Events refer to the slider:
     /// [`EventKind::Stick`](crate::EventKind::Stick) where it stops,
     /// [`EventKind::Release`](crate::EventKind::Release) where it starts, with the direction of z'.
     /// A [`Mode::Stick`](crate::Mode::Stick) contact may have any r. k_t is a force per
