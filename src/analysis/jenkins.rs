@@ -111,8 +111,8 @@ pub struct Backbone {
     pub damping_ratio: f64,
 }
 
-/// The backbone of a mass m on a damper c and a spring k, beside a Jenkins element of the stiffness
-/// k_t and the limit F_s, at the amplitude A. To first harmonic:
+/// The backbone of a mass m on a damper c, a spring k and, in parallel, a Jenkins element of the
+/// stiffness k_t and the limit F_s, at the amplitude A. To first harmonic:
 ///
 /// ```text
 /// mω² = k + k_eq(A),   ζ = (c + c_eq(A))/(2mω)

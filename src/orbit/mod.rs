@@ -74,8 +74,9 @@
 //! anywhere in a stick phase, but a [`Dwell`](crate::Dwell) contact needs the time since the
 //! beginning of stick in its memory.
 //!
-//! A motion that is periodic up to a translation, as that of a drill string, is periodic in the
-//! frame that moves at its mean velocity: give the ground this velocity and the belts its negative.
+//! A motion that is periodic up to a translation, such as that of a drill string, is periodic in
+//! the frame that moves at its mean velocity: give the ground this velocity and the belts its
+//! negative.
 //!
 //! # Multipliers
 //!

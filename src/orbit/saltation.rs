@@ -271,7 +271,7 @@ impl TangentFlow<'_> {
             EventKind::Close => &mut passage.after,
             _ => return passage,
         };
-        // With the load the memory stops, or goes on.
+        // The memory stops or continues with the load.
         let data = &self.form.model.contacts[contact];
         let velocities = step.end_state().velocities;
         let surface = data.belt_velocity.series(step.clock()).at(step.duration());

@@ -158,7 +158,7 @@ impl<'s> Problem<'s> {
     /// A closed motion, if it leaves its start and returns; `step` is the last Newton step.
     fn returned(&self, found: Trial, step: Option<&DVector<f64>>) -> Result<Trial, Error> {
         if self.section.is_none() || found.returns(step) {
-            // Beside a belt a start can slip although the end sticks: then it does not go on so.
+            // A start with nearly the belt's velocity can slip although the end sticks.
             let apart = map::begun_apart(self.form, &found.map, found.period)?;
             return match apart {
                 Some(apart) if !apart.is_nearly_closed() => {

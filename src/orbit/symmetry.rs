@@ -9,7 +9,8 @@ use crate::numerics::bracket::Bracket;
 
 /// The map G over half of a period, of which a motion is a fixed point: G(x) = S P(x) + c with
 /// diagonal S and constant c. For a motion that takes twice its own period S is the identity; for a
-/// symmetric one S is −1 but for variables that do not know the direction, as the time in stick.
+/// symmetric one S is −1, except for variables that do not depend on the direction, such as the
+/// time in stick.
 #[derive(Clone)]
 pub(super) struct HalfMap {
     signs: DVector<f64>,

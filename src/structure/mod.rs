@@ -55,7 +55,7 @@
 //!
 //! # Frames that move at a varying speed
 //!
-//! Coordinates may be measured from a frame that rotates (or travels) with Ω(t), as those of a
+//! Coordinates may be measured from a frame that rotates (or travels) with Ω(t), such as those of a
 //! drill string from its rotary table; displacements then stay small. Let e_i be 1 for each
 //! coordinate that rotates with the frame and 0 for the others. Coordinates relative to the frame
 //! obey the same equations with these additions:

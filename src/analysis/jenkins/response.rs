@@ -8,8 +8,8 @@ use crate::error::Error;
 use crate::numerics::bracket::root_between;
 use crate::numerics::chebyshev::{Sample, brackets, isolate};
 
-/// The periodic motion of one mass beside a Jenkins element under a harmonic force, with two
-/// turning points a period, at ±A. Exact to rounding.
+/// The periodic motion of one mass on a spring, a damper and a Jenkins element under a harmonic
+/// force, with two turning points a period, at ±A. Exact to rounding.
 ///
 /// ```text
 /// m x'' + c x' + k x + T = P cos ωt,     T: spring k_t in series with a slider of the limit F_s
@@ -55,9 +55,9 @@ pub struct SymmetricResponse {
 }
 
 impl SymmetricResponse {
-    /// The response of a mass m on a damper c and a spring k, beside an element of the stiffness
-    /// k_t and the limit F_s, under a force of the amplitude P and the angular frequency ω. Any
-    /// consistent units.
+    /// The response of a mass m on a damper c, a spring k and, in parallel, an element of the
+    /// stiffness k_t and the limit F_s, under a force of the amplitude P and the angular frequency
+    /// ω. Any consistent units.
     ///
     /// `None` if the motion is another one, with more than two turning points a period: far below
     /// resonance, where the free vibration is superposed on a slow motion. Also `None` unless m,

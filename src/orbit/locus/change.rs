@@ -67,7 +67,7 @@ impl Change {
     }
 }
 
-/// Returns true if two times are the same but for rounding.
+/// Returns true if two times are the same to rounding.
 fn near(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
 }
