@@ -222,7 +222,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         let duration = self.scaling.dimensionless_time(seconds);
         match run(start, duration) {
             Ok(motion) => Ok(motion.in_units(self.scaling.units(), seconds)),
-            // As they were given: in the conversion they may have overflown.
+            // The numbers as they were given: their conversion may have overflowed.
             Err(Error::InvalidState { .. }) => Err(Error::InvalidState {
                 displacement: given.displacement,
                 velocity: given.velocity,

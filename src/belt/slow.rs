@@ -64,7 +64,7 @@ impl SlipSeries {
         // The series of the friction along a given series of the sliding speed.
         let mut compose = |c: &PowerSeries| -> Result<Self, Error> {
             expander.passes += 1;
-            // Not with the last coefficient of the explicit series, which is not written here.
+            // Cleared, because the last coefficient of the explicit series is not overwritten here.
             expander.series = Self::ZERO;
             system.law().expand_slip(Expansion {
                 expander: &mut *expander,
@@ -101,8 +101,8 @@ impl SlipSeries {
                 largest += correction.abs() * inner;
                 inner *= INNER * reach;
             }
-            // Rounding moves s_0 by ε s_0 for ever, and with it the whole motion, by exp(−t/D) of
-            // that near a node: so much more in the sum of all terms.
+            // Rounding displaces s_0 by ε s_0 and, near a node, the whole motion by ε s_0
+            // exp(−t/D). The absolute values of the terms of this exponential sum to exp(t/D).
             let passed_on = (INNER * reach * unit / closing).exp();
             if largest <= close * passed_on {
                 if (c[0] - speed).abs() > 2.0 * close {
@@ -137,7 +137,7 @@ impl SlipSeries {
     /// returns the highest order that remains.
     #[cold]
     pub(super) fn truncate(&mut self) -> usize {
-        // Not all three vanish but in a rest.
+        // All three vanish only at an equilibrium.
         let by_decay = |s: f64, power| (s / self.decay.powi(power)).abs();
         let [a, b, c] = [0, 1, 2].map(|k| by_decay(self.speed[k as usize], k));
         let size = a.max(b).max(c);

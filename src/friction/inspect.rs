@@ -428,7 +428,7 @@ impl Inspection<'_> {
         let all = std::mem::take(&mut self.faults);
         let mut faults: Vec<LawFault> = Vec::new();
         for (i, fault) in all.iter().enumerate() {
-            // What makes a feature narrow may be a jump or a kink, and two stretches may see it.
+            // A narrow feature may be a jump or a kink, and may be found from two stretches.
             let said = |other: &LawFault, near: f64| (place(other) - place(fault)).abs() <= near;
             let repeated = match *fault {
                 LawFault::Narrow { width, .. } => {

@@ -167,7 +167,7 @@ fn add_pure_slip(tracer: &mut Tracer<'_>, set: &mut CycleSet) -> Result<bool, Er
         }
         let max_amplitude = flat_amplitude(&system).min(hidden);
         set.continuum = Some(Continuum { max_amplitude });
-        // Beyond, growth sets in gently, and rounding may give it both signs.
+        // Just outside the continuum growth sets in gently, and rounding may give it both signs.
         for root in std::mem::take(&mut found.roots) {
             let between = 0.5 * (max_amplitude + root);
             if max_amplitude < root && !peaks.growth(between)?.vanishes() {

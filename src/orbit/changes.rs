@@ -232,7 +232,7 @@ impl CurveView<'_, '_> {
     }
 
     /// Returns true if two close points lie on pieces of the curve that do not meet there: one of
-    /// them goes on beyond the other point.
+    /// the pieces continues beyond the other point.
     ///
     /// Where a curve turns back at a change of the events, both of its pieces cross every plane
     /// before the corner, and Newton's method can come to the far one there.
@@ -270,7 +270,8 @@ impl CurveView<'_, '_> {
         let (begin, end) = (self.values(&from.solved), self.values(&to.solved));
         let first = found.len();
         for (test, sign) in signs.iter_mut().enumerate() {
-            // One without a sign takes that of the last one; two in a row have none: a continuum.
+            // A test without a sign takes the last sign. Two in a row without a sign are a
+            // continuum.
             let (carried, before) = match begin[test] {
                 0.0 => (0.0, *sign),
                 value => (value, value),

@@ -445,7 +445,7 @@ impl Recurrence {
         let ranges = self.ranges.iter().map(|range| range.1 - range.0);
         let mut ranges: Vec<f64> = ranges.collect();
         for part in ranges.chunks_mut(n) {
-            // What hardly moves is measured by what moves.
+            // Coordinates that hardly move are measured by those that do.
             let largest = part.iter().copied().fold(0.0, f64::max);
             for range in part {
                 *range = range.max(1e-3 * largest);

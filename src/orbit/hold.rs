@@ -1,7 +1,7 @@
 //! Motions with a contact held past a touch: the sliding speed s of a contact that slips has a
 //! local minimum near 0, at a time t*.
 //!
-//! The motion is smooth in g = s(t*) if the contact is held: past a touch it goes on slipping,
+//! The motion is smooth in g = s(t*) if the contact is held: past a touch it continues to slip,
 //! whatever the sign of g, on the series of its step, which continue its law to small negative
 //! speeds; at the tangential end of a branch it sticks from t* on. As a function of the time of
 //! arrival, the root of s, the motion goes like √|g|. Held motions are the real ones at g = 0, and
@@ -121,7 +121,7 @@ pub(super) struct HeldFlow<'s> {
     settings: Integrator,
     flow: Flow<'s>,
     start_time: f64,
-    /// Those to come, each with the slope of its speed at the end of the last step.
+    /// The holds to come, each with the slope of its speed at the end of the last step.
     holds: Vec<(Hold, f64)>,
     pub(super) touches: Vec<Touch>,
     /// Number of steps begun anew.

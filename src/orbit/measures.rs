@@ -38,7 +38,7 @@ struct Contact {
 }
 
 impl Measures {
-    /// Those of a motion of these steps over a period.
+    /// The measures of a motion of these steps over a period.
     pub(super) fn of(
         form: &GeneralForm<'_>,
         steps: &[Step],

@@ -33,7 +33,7 @@ pub(super) fn multipliers(
     let mut normals: Vec<_> = held
         .iter()
         .map(|row| vector(&|i| row[i] * sizes[i]))
-        // One without a part in what is left is among the rows of zeros.
+        // A row without a part in the rest is among the rows of zeros.
         .filter(|row| row.amax() > 0.0)
         .chain(flow.map(|flow| vector(&|i| flow[i] / sizes[i])))
         .collect();

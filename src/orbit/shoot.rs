@@ -83,7 +83,8 @@ impl<'s> Problem<'s> {
                 matrix[(order, i)] = normal[i] * sizes[i] / largest;
             }
             right[order] = -normal.dot(&(start - point)) / largest;
-            // Beside an equilibrium the flow is small, but the period is no less determined.
+            // Close to an equilibrium the flow is small, but the period is determined as well as
+            // elsewhere.
             let largest = matrix.column(order).amax();
             if largest > 0.0 {
                 unit = largest;

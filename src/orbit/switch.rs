@@ -159,7 +159,7 @@ fn other_branch(
     let mut across = DVector::zeros(last + 1);
     across.rows_mut(0, order).copy_from(&inverted);
     if let Some(turning) = curve.turning {
-        // On the section: less a shift along the motion.
+        // Projected on the section, along the motion.
         let (row, flow) = (curve.n + turning, &map.flow[0]);
         across
             .rows_mut(0, order)

@@ -149,7 +149,7 @@ impl Walk<'_, '_> {
         signs: &mut Signs,
     ) -> (Outcome, f64) {
         let mut length = longest;
-        // What the map magnifies cannot be told apart as closely.
+        // The map magnifies rounding, so points closer together than this cannot be distinguished.
         let shortest = SHORTEST * base.trial.map.monodromy.norm().max(1.0);
         let here = CurvePoint {
             distance: 0.0,
@@ -287,7 +287,8 @@ impl Walk<'_, '_> {
     ) -> Option<Outcome> {
         let curve = view.curve;
         let turn = |place: &CurvePoint| curve.turn(&place.solved);
-        // Not that of the sizes, which do not fall below rounding of the displacements.
+        // The largest velocity itself, because the sizes do not fall below rounding of the
+        // displacements.
         let speed = |place: &CurvePoint| {
             let i = curve.turning?;
             let ends = place.solved.trial.map.steps.iter().map(Segment::end_state);
@@ -302,7 +303,8 @@ impl Walk<'_, '_> {
             if distance > 0.0 {
                 near = view.between(&near, beyond, distance).ok()?;
             }
-            // A motion that shrinks does so in proportion; one that only turns elsewhere does not.
+            // If a motion shrinks, its turning point and its velocity shrink in proportion; if only
+            // the turning point moves, they do not.
             let in_proportion = (turn(&near) / whole / part - 1.0).abs() < 0.3;
             if !(in_proportion && speed(&near)? < 2.0 * part * speed(here)?) {
                 return None;

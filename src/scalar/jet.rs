@@ -123,7 +123,7 @@ pub(crate) fn coefficients(function: impl Function, x: f64, coefficients: &mut [
     order_by_order(function, terms, x, take);
 }
 
-/// What [`expand`](super::expand) does, to `terms` ≤ [`LONGEST`] coefficients, with code that
+/// The work of [`expand`](super::expand) for `terms` ≤ [`LONGEST`] coefficients, with code that
 /// serves every order.
 pub(crate) fn expand(
     function: impl Function,

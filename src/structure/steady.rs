@@ -164,7 +164,7 @@ impl SteadySliding {
             let row = frame.row(contact.direction());
             let memory = Memory::of(sliding, &row, load, *direction);
             idle += sliding.by_memory.len() - memory.matrix.nrows();
-            // What an elastic contact carries follows its limit at once.
+            // The force of an elastic contact follows its limit at once.
             idle += usize::from(contact.tangential_stiffness().is_some());
             memories.push(memory);
         }

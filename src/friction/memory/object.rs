@@ -87,7 +87,7 @@ pub(crate) struct MemoryOrder<'a> {
 }
 
 impl MemoryOrder<'_> {
-    /// That of a law without memory.
+    /// The order of a law without memory.
     pub(crate) fn none() -> Self {
         Self {
             series: &[],

@@ -49,7 +49,7 @@ impl Sliding {
         }
         for _ in 0..MOST_ITERATIONS {
             let (here, rates) = Self::at(law, &memory);
-            // What never changes in slip, as the clock of rest, stays as it is.
+            // Variables that never change in slip, such as the clock of `Dwell`, stay as they are.
             let matrix = DMatrix::from_fn(count, count, |i, j| {
                 let alone = if i == j { 1.0 } else { 0.0 };
                 if here.changes(i) {

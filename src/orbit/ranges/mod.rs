@@ -257,8 +257,8 @@ impl Search<'_> {
         attracts(&orbit.ok()?)
     }
 
-    /// Those of some stretches whose motions differ at a value of the parameter: branches that were
-    /// found from different starts may overlap.
+    /// The attractors of some stretches whose motions differ at a value of the parameter: branches
+    /// that were found from different starts may overlap.
     fn different<S: Oscillator>(
         &self,
         family: &impl Fn(f64) -> Result<S, Error>,
@@ -401,7 +401,7 @@ fn ranges<'b, S: System>(
     borders.push((range.start, Border::Range));
     borders.push((range.end, Border::Range));
     borders.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // What is known exactly, whatever the branches, comes first.
+    // The facts that are known exactly, without the branches, come first.
     let rank = |border: Border| match border {
         Border::Range => 3,
         Border::NoSystem => 2,
@@ -428,7 +428,7 @@ fn ranges<'b, S: System>(
             start < middle && middle < end
         });
         let mut attractors = different(middle, there.collect());
-        // What the sweep saw and no branch explains.
+        // Attractors of the sweep that no branch explains.
         for point in sweep.up.iter().chain(&sweep.down) {
             let is_new = |kind: &AttractorKind| !attractors.contains(kind);
             if (start..=end).contains(&point.parameter)

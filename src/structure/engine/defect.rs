@@ -214,7 +214,7 @@ impl ContactStep<'_> {
         }
         for i in 0..4 {
             let memory = &|j: usize| series.memories[j].at(times[i]);
-            // What is missing on a slow manifold moves it aside by as much divided by D.
+            // A defect on a slow manifold displaces the manifold by the defect divided by D.
             let relaxation = match motions[i] {
                 Motion::Slip(slip) if series.relaxation > 0.0 => {
                     relaxation(law, slip, memory(0)).max(0.0)

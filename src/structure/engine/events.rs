@@ -219,7 +219,7 @@ fn rate_at(
             - (spring * displacement(i) + damper * velocity(i))
             - (by_springs.sum::<f64>() + by_dampers.sum::<f64>())
     };
-    // What the others do to the coordinates of a shared contact.
+    // The accelerations that other contacts cause on the coordinates of a shared contact.
     let others = |j: usize| {
         let others = model.shared.iter().filter(|&&d| d != c);
         let of_others = others.map(|&d| {

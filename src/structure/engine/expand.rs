@@ -109,7 +109,7 @@ pub(super) fn expand(
     orders: usize,
 ) -> Result<(), LawFault> {
     if orders < ALL {
-        // What is not computed is not that of the step before.
+        // Orders that are not computed now must not keep those of the step before.
         for of in &mut series.contacts {
             (of.speeds, of.carried, of.bound) =
                 (PowerSeries::ZERO, PowerSeries::ZERO, PowerSeries::ZERO);
@@ -223,7 +223,7 @@ pub(super) fn start(model: &Model<'_>, situation: &Situation, series: &mut Serie
         let role = role(model, situation, series, i);
         let coordinate = &mut series.coordinates[i];
         if let (Role::Held(c), true) = (role, role != coordinate.role) {
-            // What is not computed again.
+            // These series are not computed again.
             coordinate.course = DisplacementSeries::ZERO;
             let of = &mut series.contacts[c];
             (of.speeds, of.bound) = (PowerSeries::ZERO, PowerSeries::ZERO);
@@ -592,7 +592,8 @@ impl ContactSeries {
             self.with_rates(contact, k);
             for (series, rate) in std::iter::zip(&mut self.memories, &self.rates) {
                 let correction = (rate - (k + 1) as f64 * series[k + 1]) / self.relaxation;
-                // What rounds to and fro would change the later coefficients for ever.
+                // A correction that only rounds to and fro would change the later coefficients for
+                // ever.
                 if correction.abs() > 2.0 * f64::EPSILON * series[k].abs() {
                     series[k] += correction;
                 }

@@ -121,7 +121,7 @@ impl DisplacementSeries {
         self.numbers[k + 1]
     }
 
-    /// That of the highest order so far.
+    /// The velocity coefficient of the highest order so far.
     #[inline(always)]
     pub(super) fn newest_velocity(&self) -> f64 {
         self.newest

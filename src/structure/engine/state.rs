@@ -22,7 +22,7 @@ pub(super) struct Situation {
     pub(super) contacts: Vec<ContactState>,
     /// The shared contacts that stick, in the order of [`Model::shared`], and what holds them.
     pub(super) holding: Holding,
-    /// Those that are closed; none if they are not known.
+    /// The shared contacts that are closed; `None` if they are not known.
     pub(super) closed: Option<Closed>,
 }
 

@@ -38,7 +38,7 @@ pub(super) fn decide(
     for c in 0..situation.contacts.len() {
         arrive(model, situation, c);
     }
-    // Each round but the last changes a contact: its load, its band, or its piece of the law.
+    // Each round except the last changes a contact: its load, its band, or its piece of the law.
     for _ in 0..=4 * situation.contacts.len() {
         if let Some(decision) = &mut decision {
             decision.settle(model, situation, series)?;
@@ -190,7 +190,7 @@ fn revise_load(
     let sign = if is_on_edge {
         let (edge, sign) = leaving(&of.load, terms, None);
         state.load_edge = edge;
-        // One that stays 0 gives no friction.
+        // A load that stays 0 gives no friction.
         if sign == 0.0 { -1.0 } else { sign }
     } else {
         of.load[0]
@@ -238,7 +238,7 @@ fn revise_mode(
             if state.limit.is_some() {
                 return revise_stick(model, situation, series, [c, i], may_jump);
             }
-            // Its own law says what it carries at r = 0: the same on both sides.
+            // Its law alone gives the force at r = 0, the same on both sides.
             let coefficient = state.start_coefficient(contact.law, Direction::Leading);
             let rate = of.carried[0] - of.load[0] * coefficient;
             let direction = side_of(if rate == 0.0 { state.back() } else { rate });
@@ -274,7 +274,7 @@ fn revise_stick(
     let load_terms = load_terms(contact, situation);
     let terms = terms(model, situation, series, i) + force;
     let state = &mut situation.contacts[c];
-    // Not of the load itself, which may have just come back from 0.
+    // The terms of the load count, not the load itself, which may have just come back from 0.
     let terms = terms + load_terms * state.static_coefficient();
     let rounding = EDGE_ROUNDING * f64::EPSILON * terms;
     let mut release = None;
@@ -285,7 +285,7 @@ fn revise_stick(
         let out = rates.into_iter().find(|(_, sign)| *sign < 0.0);
         release = out.map(|(side, _)| (side, 0.0));
     } else {
-        // One that goes on sticking has passed its bound within the errors of the last step.
+        // A contact that stuck before has passed its bound only within the errors of the last step.
         if beyond > rounding && !is_known && (is_fresh || may_jump) {
             release = Some((side, beyond));
         } else if is_known || beyond >= 0.0 || (is_fresh && beyond >= -rounding) {
