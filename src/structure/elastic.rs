@@ -98,7 +98,7 @@ impl Contact {
     /// ```
     /// use stick_slip::{Contact, Coulomb, EventKind, Structure, structure::State};
     ///
-    /// // A ball of mass 1 on a spring of 4, pressed on it by its weight of 1, thrown up with 1.
+    /// // A ball of mass 1 and weight 1 on a spring of stiffness 4, thrown up at the velocity 1.
     /// let spring = Contact::new(0, Coulomb::new(0.3, 0.3)?, 1.0)?
     ///     .with_normal_spring(&[(1, -1.0)], 4.0)?;
     /// let ball = Structure::new(&[1.0, 1.0])?.with_force(1, -1.0)?.with_contact(spring)?;

@@ -38,7 +38,7 @@ use crate::state::structure::State;
 /// let blocks = Structure::new(&[2.0, 2.0])?.with_contact(ground)?.with_contact(belt)?;
 /// let motion = blocks.simulate(State::new(&[0.0, 0.0], &[3.0, 0.0]), 5.0)?;
 /// let energy = blocks.energy_budget(&motion)?;
-/// // ½ 2 · 3² becomes heat. The belt gives as much to the block as to the contact: ½ 2 · 1² each.
+/// // ½·2·3² becomes heat. Of the belt's work half moves the block and half is heat: ½·2·1² each.
 /// assert!((energy.friction_loss[0] - 9.0).abs() < 1e-14);
 /// assert!((energy.belt_work[1] - 1.0).abs() < 1e-15);
 /// assert!((energy.drive_work[1] - 2.0).abs() < 1e-15);

@@ -71,7 +71,7 @@
 //! ```
 //! use stick_slip::{Contact, Coulomb, Drive, Structure, structure::State};
 //!
-//! // A bit of 400 kg m² on a pipe of 800 N m/rad. The table above speeds up from 6 rad/s to
+//! // A bit of 400 kg m² on a pipe of 800 N m/rad. The rotary table speeds up from 6 rad/s to
 //! // 12 rad/s between 10 s and 40 s: Ω' = 0.2 rad/s². The mud around the bit brakes it.
 //! let (inertia, pipe, mud, rock) = (400.0, 800.0, 300.0, 500.0);
 //! let table = |factor: f64| Drive::profile(&[(10.0, factor * 6.0), (40.0, factor * 12.0)]);

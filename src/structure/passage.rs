@@ -83,7 +83,7 @@ impl Structure {
     /// ```
     /// use stick_slip::{Contact, Drive, EventKind, Exponential, Structure, structure::State};
     ///
-    /// // A belt that slows down from 1.2 to 0.4, and what shakes the mass near its own frequency.
+    /// // A belt that slows down from 1.2 to 0.4, and a disturbance near the natural frequency.
     /// let belt = Drive::profile(&[(0.0, 1.2), (4000.0, 0.4)])?;
     /// let slowing = |disturbance: f64| {
     ///     let contact = Contact::new(0, Exponential::new(0.4, 0.25, 0.5)?, 1.0)?;
@@ -96,7 +96,7 @@ impl Structure {
     /// let limit = slowing(0.0)?.stability_changes(0.0..4000.0)?[0];
     /// assert!(!limit.becomes_stable && (limit.frequency - 1.0).abs() < 1e-12);
     ///
-    /// // The first stick, by the size of the disturbance: 10⁻³ of the load, 10⁻⁹, rounding alone.
+    /// // The first stick, for disturbances of 10⁻³ and 10⁻⁹ of the load, and by rounding alone.
     /// let onset = |disturbance: f64| -> Result<f64, stick_slip::Error> {
     ///     let motion = slowing(disturbance)?.simulate(State::new(&[0.26], &[0.0]), 4000.0)?;
     ///     let mut sticks = motion.events().iter().filter(|event| event.kind == EventKind::Stick);

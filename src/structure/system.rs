@@ -88,11 +88,11 @@ use crate::friction::memory::ContactLaw;
 /// let block = Structure::new(&[mass])?
 ///     .with_ground_spring(0, stiffness)?
 ///     .with_contact(Contact::new(0, law, load)?.on_belt(speed))?;
-/// // It goes with the belt up to 0.3 × 19.6 N / (800 N/m) = 7.4 mm, for the first time after:
+/// // It moves with the belt until the spring holds 0.3 × 19.6 N, at 7.4 mm; first after:
 /// let motion = block.simulate(structure::State::new(&[0.0], &[speed]), 1.0)?;
 /// let [release, stick, again, ..] = motion.events() else { panic!() };
 /// assert!((release.time - 0.3 * load / stiffness / speed).abs() < 1e-15); // 0.147 s
-/// // Slip and stick then take as long as theory has it, 0.335 s together.
+/// // One slip and one stick together then take 0.335 s, as theory says.
 /// let (jump, omega) = ((0.3 - 0.2) * load, (stiffness / mass).sqrt());
 /// let slip = 2.0 / omega * (std::f64::consts::PI - (jump * omega / (stiffness * speed)).atan());
 /// assert!((stick.time - release.time - slip).abs() < 1e-14);

@@ -171,7 +171,7 @@ impl Sensitivities {
 /// for (slope, expected) in stop.by_parameters.iter().zip([-time / mu, 0.0, time / speed]) {
 ///     assert!((slope - expected).abs() < 1e-10);
 /// }
-/// // And its way is v0²/(2 μ g).
+/// // It slides over v0²/(2 μ g).
 /// let rest = found.at(1.0).unwrap();
 /// assert!((rest[(0, 0)] + speed * speed / (2.0 * mu * mu * 9.81)).abs() < 1e-10);
 /// assert_eq!(rest[(1, 0)], 0.0);
