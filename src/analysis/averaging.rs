@@ -261,15 +261,16 @@ impl AveragedCycle {
 /// # What "all" means
 ///
 /// Every averaged cycle of a law with μ̂ ≥ 0 has A < 2|v_b|. (Sliding at speed s drives the motion
-/// only while its velocity is |v_b| − s > 0. If A ≥ 2|v_b|, the mass also leads the belt with the
-/// sliding speed s in each cycle, which takes out more.) The whole range is searched. Let A_i be
-/// the amplitudes at which the motion first touches the belt or a breakpoint; between them A'/A is
-/// analytic in √(A² − A_i²). It is interpolated by Chebyshev polynomials to round-off, on pieces
-/// that are cut until each has no root or is monotone. No cycle is missed, except
+/// only while its velocity is |v_b| − s > 0. If A ≥ 2|v_b|, each cycle also has a part in which the
+/// mass leads the belt at the sliding speed s, and friction takes out more energy there.) The whole
+/// range is searched. Let A_i be the amplitudes at which the motion first touches the belt or a
+/// breakpoint; between them A'/A is analytic in √(A² − A_i²). It is interpolated by Chebyshev
+/// polynomials to round-off, on pieces that are cut until each has no root or is monotone. No cycle
+/// is missed, except
 ///
-/// * a pair so close, as at a fold, that A'/A between its amplitudes stays below its rounding
-///   error, 10⁻¹⁴(β + γ²·max abs(dμ̂/ds)): at folds of the exponential law a pair less than some
-///   10⁻⁶|v_b| apart may be lost;
+/// * a pair of cycles so close, as at a fold, that A'/A stays below rounding between their
+///   amplitudes: the rounding error of A'/A is 10⁻¹⁴(β + γ²·max abs(dμ̂/ds)), so at folds of the
+///   exponential law a pair less than some 10⁻⁶|v_b| apart may be lost;
 /// * a cycle caused by a feature of the law's slope that is narrower than some 3·10⁻⁴|v_b| in speed
 ///   (slow speeds are sampled more densely).
 ///

@@ -357,10 +357,10 @@ impl Cubic {
 /// as ε → 0 at fixed μ_s. If μ_s and μ_m are raised by the same constant, the stick band widens and
 /// u − ū stays as it is.
 ///
-/// As |v_b| → v_b0 stick shrinks like √δ, δ = 1 − |v_b|/v_b0. But it ends at
+/// As |v_b| → v_b0 stick shrinks like √d, d = 1 − |v_b|/v_b0. But it ends at
 /// [`grazing_velocity`](super::PureSlip::grazing_velocity), a little above v_b0: so the duration of
-/// the second order is too short by the fraction (3461/153600) q²/δ of itself, with the q of that
-/// function, as long as this fraction is small. Keep δ above q², or compute the exact cycle. The
+/// the second order is too short by the fraction (3461/153600) q²/d of itself, with the q of that
+/// function, as long as this fraction is small. Keep d above q², or compute the exact cycle. The
 /// errors of the extremes and of the period do not grow.
 ///
 /// Source: expansion of the slip arc out of the release point, which replaces Eqs. 16-18.

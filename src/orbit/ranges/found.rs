@@ -24,8 +24,8 @@ pub struct VibrationRanges<S: System> {
 /// A range of a parameter of any system with the same attractors throughout; part of
 /// [`VibrationRanges`]. For a mass on a belt,
 /// [`bifurcation::VibrationRange`](crate::bifurcation::VibrationRange) is the similar type: its
-/// search misses no attractor at the velocities that it tries, and it holds no borders, because a
-/// function of [`bifurcation`](crate::bifurcation) finds each kind.
+/// search misses no attractor at the velocities that it tries, and it holds no borders, because
+/// [`bifurcation`](crate::bifurcation) has a function for each kind of border.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
