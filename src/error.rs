@@ -228,36 +228,36 @@ pub enum Error {
         expected: usize,
     },
 
+    /// Not returned: a coordinate may have several contacts.
+    #[error("coordinate {coordinate} has contact {contact} already")]
+    CoordinateTaken {
+        /// The coordinate, from 0.
+        coordinate: usize,
+        /// The contact that the coordinate has already, from 0.
+        contact: usize,
+    },
+
     /// A mass matrix is not symmetric:
     /// [`Structure::with_mass_matrix`](crate::Structure::with_mass_matrix).
     #[error(
-        "the mass matrix is not symmetric: its entries ({row}, {column}) = {} and \
-         ({column}, {row}) = {} differ by more than rounding; give (M + Mᵀ)/2",
-        Plain(entries[0]),
-        Plain(entries[1])
+        "the mass matrix is not symmetric: its entries ({row}, {column}) and ({column}, {row}) \
+         differ by more than rounding; give (M + Mᵀ)/2"
     )]
     NotSymmetric {
         /// Row of the entry above the diagonal, from 0.
         row: usize,
         /// Its column.
         column: usize,
-        /// That entry, and the one below the diagonal, in units of mass.
-        entries: [f64; 2],
     },
 
     /// A mass matrix is not positive definite: some motion would have no kinetic energy.
     #[error(
         "the mass matrix is not positive definite: coordinate {row} has no mass of its own beside \
-         those before it (the pivot of its row is {}); eliminate massless coordinates first \
-         (static condensation)",
-        Plain(*pivot)
+         those before it; eliminate massless coordinates first (static condensation)"
     )]
     NotPositiveDefinite {
         /// The first row whose pivot in Cholesky's factorisation is not positive, from 0.
         row: usize,
-        /// The pivot, in units of mass, 0 within n ε m_ii or below: what is left of m_ii beside the
-        /// coordinates before; NaN where it is beyond all numbers.
-        pivot: f64,
     },
 
     /// The direction of a contact is not a row of coordinates and finite numbers.
@@ -359,12 +359,13 @@ pub enum Error {
 
     /// The velocity of a belt jumps; a mass that sticks could follow only under an infinite force.
     #[error(
-        "contact {contact}: the velocity of its belt jumps at time {}; make it a steep ramp",
+        "the belt under coordinate {coordinate} changes its velocity by a jump at time {}; make \
+         it a steep ramp",
         Plain(*time)
     )]
     BeltVelocityJumps {
-        /// Number of the contact, from 0.
-        contact: usize,
+        /// The coordinate of the contact, from 0.
+        coordinate: usize,
         /// The first time of a jump.
         time: f64,
     },

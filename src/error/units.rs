@@ -118,6 +118,7 @@ impl Error {
             | Self::BadElement { .. }
             | Self::NoSuchCoordinate { .. }
             | Self::WrongSize { .. }
+            | Self::CoordinateTaken { .. }
             | Self::NotSymmetric { .. }
             | Self::NotPositiveDefinite { .. }
             | Self::BadDirection { .. }

@@ -303,7 +303,7 @@ impl Contact {
             .map_err(|error| error.of_element(element))?;
         match self.belt_velocity.first_jump() {
             Some(time) if self.tangential_stiffness.is_none() => Err(Error::BeltVelocityJumps {
-                contact: number,
+                coordinate: self.coordinate,
                 time,
             }),
             _ => Ok(()),

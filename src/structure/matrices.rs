@@ -32,7 +32,7 @@ pub(super) fn check_definite(mass: &DMatrix<f64>) -> Result<(), Error> {
         let pivot = rest[(row, row)];
         let is_positive = pivot > n as f64 * f64::EPSILON * mass[(row, row)];
         if !is_positive {
-            return Err(Error::NotPositiveDefinite { row, pivot });
+            return Err(Error::NotPositiveDefinite { row });
         }
         for i in row + 1..n {
             let factor = rest[(i, row)] / pivot;

@@ -190,11 +190,7 @@ impl Structure {
                 let size = diagonal[i].sqrt() * diagonal[j].sqrt();
                 if (entries[0] - entries[1]).abs() > 4.0 * f64::EPSILON * size {
                     let (row, column) = (j, i);
-                    return Err(Error::NotSymmetric {
-                        row,
-                        column,
-                        entries,
-                    });
+                    return Err(Error::NotSymmetric { row, column });
                 }
                 let mean = 0.5 * entries[0] + 0.5 * entries[1];
                 (mass[(i, j)], mass[(j, i)]) = (mean, mean);

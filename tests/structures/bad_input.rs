@@ -57,42 +57,33 @@ fn mass_matrices_are_symmetric_and_definite() {
         assert!(matches!(made, Err(Error::WrongSize { .. })), "{rows}");
     }
     let skew = made(2, &[1.0, 0.5, 0.4, 1.0]).unwrap_err();
-    let expected = Error::NotSymmetric {
-        row: 0,
-        column: 1,
-        entries: [0.5, 0.4],
-    };
-    assert_eq!(skew, expected);
+    assert_eq!(skew, Error::NotSymmetric { row: 0, column: 1 });
     message(
         made(2, &[1.0, 0.5, 0.4, 1.0]),
-        &["symmetric", "(0, 1) = 0.5", "(1, 0) = 0.4"],
+        &["symmetric", "(0, 1)", "(1, 0)"],
     );
     // Rounding of ΦᵀMΦ is not meant.
     let rounded = made(2, &[1.0, 0.1 + 0.2, 0.3, 1.0]).unwrap();
     let mass = rounded.mass_matrix();
     assert_eq!(mass[(0, 1)], mass[(1, 0)]);
     // One coordinate that only moves with others has no mass of its own.
-    let rounding = 2.0 * f64::EPSILON;
-    for (entries, pivot) in [
-        ([1.0, 1.0, 1.0, 1.0], 0.0),
-        ([1.0, 2.0, 2.0, 1.0], -3.0),
-        ([1.0, 1.0, 1.0, 1.0 + rounding], rounding),
+    for entries in [
+        [1.0, 1.0, 1.0, 1.0],
+        [1.0, 2.0, 2.0, 1.0],
+        [1.0, 1.0, 1.0, 1.0 + 2.0 * f64::EPSILON],
     ] {
         let singular = made(2, &entries).unwrap_err();
-        let expected = Error::NotPositiveDefinite { row: 1, pivot };
+        let expected = Error::NotPositiveDefinite { row: 1 };
         assert_eq!(singular, expected, "{entries:?}");
     }
     message(
         made(2, &[1.0, 2.0, 2.0, 1.0]),
-        &["coordinate 1", "is -3", "condensation"],
+        &["coordinate 1", "condensation"],
     );
     assert!(made(2, &[1e-9, 1.0, 1.0, 2e9]).is_ok());
     // A row that the factorisation cannot even compute.
     let tiny = [1e-320, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1e300];
-    let Err(Error::NotPositiveDefinite { row: 2, pivot }) = made(3, &tiny) else {
-        panic!("not definite")
-    };
-    assert!(pivot.is_nan());
+    assert_eq!(made(3, &tiny), Err(Error::NotPositiveDefinite { row: 2 }));
 }
 
 #[test]
@@ -310,18 +301,16 @@ fn contacts_have_coordinates_of_the_structure() {
 #[test]
 fn belts_do_not_jump() {
     let on_belt = |belt: Drive| {
-        let contact = || Contact::new(0, law(), 1.0).unwrap();
-        masses(2)
-            .with_contact(contact())?
-            .with_contact(contact().on_belt(belt))
+        let contact = Contact::new(1, law(), 1.0).unwrap().on_belt(belt);
+        masses(2).with_contact(contact)
     };
     let jump = Drive::profile(&[(0.0, 0.0), (3.0, 0.1), (3.0, 0.2), (4.0, 0.2)]).unwrap();
     let expected = Error::BeltVelocityJumps {
-        contact: 1,
+        coordinate: 1,
         time: 3.0,
     };
     assert_eq!(on_belt(jump.clone()), Err(expected));
-    message(on_belt(jump.clone()), &["contact 1", "time 3", "ramp"]);
+    message(on_belt(jump.clone()), &["coordinate 1", "time 3", "ramp"]);
     // A point given twice is none, and a force may jump.
     let twice = Drive::profile(&[(0.0, 0.0), (3.0, 0.1), (3.0, 0.1), (4.0, 0.2)]).unwrap();
     assert!(on_belt(twice).is_ok());
