@@ -372,7 +372,8 @@ pub enum Error {
 
     /// A step became too short to move the clock, or its power series overflows. Causes: a motion
     /// that grows without bound, an undeclared kink or jump of the law, a slope γ²·dμ̂/ds beyond
-    /// about 1e20, or a stiff structure.
+    /// about 1e20, or in a structure a stiffness whose natural frequency is of the order of 1e12
+    /// per unit of time or more.
     #[error(
         "the step fell to {} {reached}: {}",
         Plain(*step),
@@ -382,7 +383,9 @@ pub enum Error {
              `simulate_until`"
         } else {
             "the law has a jump or kink there that is not named as a breakpoint, or the system is \
-             too stiff (γ²·dμ̂/ds beyond about 1e20, or a structure)"
+             too stiff: γ²·dμ̂/ds beyond about 1e20, or in a structure a spring, bristles or the \
+             tangential stiffness of a contact, which can be lowered, or left out for a rigid \
+             contact"
         }
     )]
     StepUnderflow {

@@ -4,20 +4,26 @@
 use nalgebra::DVector;
 
 use super::changes::{CurvePoint, CurveView, FoundBifurcation};
-use super::curve::Solved;
+use super::curve::{Plane, Solved};
+use super::sequence::Sequence;
+use super::trial::Trial;
 
 /// Distances from the corner, in parts of the range, at which a motion on the other piece is
 /// searched.
 const AWAY: [f64; 4] = [1e-4, 1e-3, 1e-5, 1e-2];
 
+/// Distances of motions beside the corner, in units of the scales, some of which have the events of
+/// the other piece.
+const SIDES: [f64; 2] = [1e-6, 1e-4];
+
 /// Guesses, as distances from the corner in units of the distance to the motion on the known piece.
 /// The other piece lies across a border that some of them cross.
 const PARTS: [f64; 7] = [-1.0, 0.0, -4.0, 4.0, -16.0, 16.0, 1.0];
 
-/// Limit of the motions on the way to a corner, each at this part of the distance of the one
-/// before on its piece, down to this part of the range.
+/// Limit of the motions on the way to a corner, and the parts of the way that are tried, down to
+/// this distance.
 const MOST_APPROACHES: usize = 64;
-const NEARER: f64 = 0.125;
+const NEARER: [f64; 2] = [0.875, 0.5];
 const ROUNDING: f64 = 1e-14;
 
 /// Largest ratio of the change of the state to that of the parameter.
@@ -30,6 +36,14 @@ impl CurveView<'_, '_> {
             distance: 0.0,
             solved: self.base.clone(),
         };
+        let place = self.by_parameter(&here);
+        let place = place.or_else(|| self.along_other_tangent(&here))?;
+        let found = self.found(&place);
+        Some((self.away_from(&here, place), found))
+    }
+
+    /// A motion on the other piece at a parameter beside that of the last one.
+    fn by_parameter(&self, here: &CurvePoint) -> Option<CurvePoint> {
         let last = self.curve.unknowns() - 1;
         let along = self.base.tangent[last];
         for away in AWAY {
@@ -45,13 +59,80 @@ impl CurveView<'_, '_> {
                 let Some(place) = self.beside(change, &(&self.base.y + &way * *part)) else {
                     continue;
                 };
-                if self.is_other_piece(&here, &place, (change, away)) {
-                    let found = self.found(&place);
-                    return Some((self.away_from(&here, place), found));
+                let nearer = |guess: &DVector<f64>| self.beside(0.25 * change, guess);
+                if self.is_other_piece(here, &place, away, nearer) {
+                    return Some(place);
                 }
             }
         }
         None
+    }
+
+    /// A motion on the other piece in the direction of its own tangent, which may be nearly normal
+    /// to the parameter: that of the equations linearised at motions beside the last one with other
+    /// events, which are not closed.
+    fn along_other_tangent(&self, here: &CurvePoint) -> Option<CurvePoint> {
+        let unknowns = self.curve.unknowns();
+        let sides = SIDES.iter().flat_map(|size| {
+            (0..unknowns).flat_map(move |i| [(i, size * self.scale[i]), (i, -size * self.scale[i])])
+        });
+        let mut known = vec![self.base.sequence.clone()];
+        for (i, change) in sides {
+            let mut guess = self.base.y.clone();
+            guess[i] += change;
+            let Ok(trial) = self.curve.trial(&guess, &self.base.modes) else {
+                continue;
+            };
+            let sequence = Sequence::of(&trial.map, trial.period);
+            if known.iter().any(|known| known.is_like(&sequence)) {
+                continue;
+            }
+            known.push(sequence);
+            let Some(tangent) = self.tangent_at(&guess, &trial) else {
+                continue;
+            };
+            for away in AWAY {
+                for along in [tangent.clone(), -&tangent] {
+                    let at = |away: f64| self.across(self.base, &along, away);
+                    let Some(place) = at(away) else {
+                        continue;
+                    };
+                    if self.is_other_piece(here, &place, away, |_| at(0.25 * away)) {
+                        return Some(place);
+                    }
+                }
+            }
+        }
+        None
+    }
+
+    /// The tangent of the curve that the equations linearised at a motion have, which is not
+    /// closed.
+    fn tangent_at(&self, y: &DVector<f64>, trial: &Trial) -> Option<DVector<f64>> {
+        let curve = self.curve;
+        let slope = curve.by_parameter(y, trial, &self.base.modes);
+        let (matrix, _) = curve.linearised(y, trial, &slope, self.scale);
+        let svd = matrix.try_svd(false, true, f64::EPSILON, 1000 * curve.unknowns())?;
+        let tangent = svd.v_t?.row(svd.singular_values.argmin().0).transpose();
+        let is_known = curve.measured(&tangent).norm() > 0.0;
+        is_known.then(|| curve.unit(&tangent))
+    }
+
+    /// The motion on the plane across a direction, at a distance from a point.
+    fn across(&self, from: &Solved, along: &DVector<f64>, distance: f64) -> Option<CurvePoint> {
+        let normal = self.curve.measured(along);
+        let plane = Plane {
+            scale: self.scale,
+            value: normal.dot(&self.scaled(from)) + distance,
+            along,
+            normal,
+        };
+        let guess = &from.y + along.component_mul(self.scale) * distance;
+        let solved = self.curve.solve(&guess, from, &plane).ok()?;
+        let range = &self.curve.range;
+        (range.start..=range.end)
+            .contains(&self.curve.parameter(&solved.y))
+            .then_some(CurvePoint { distance, solved })
     }
 
     /// The motion at a parameter near that of the last one, in units of the range.
@@ -63,21 +144,21 @@ impl CurveView<'_, '_> {
         place.ok()
     }
 
-    /// Returns true if a motion has other events than the last one, and tends to it as the
-    /// parameter returns.
+    /// Returns true if a motion at a distance has other events than the last one, and tends to it:
+    /// `nearer` finds the one at a quarter of the distance from a guess.
     fn is_other_piece(
         &self,
         here: &CurvePoint,
         place: &CurvePoint,
-        (change, away): (f64, f64),
+        away: f64,
+        nearer: impl Fn(&DVector<f64>) -> Option<CurvePoint>,
     ) -> bool {
         let apart = self.apart(here, place);
         if place.solved.sequence.is_like(&self.base.sequence) || apart > STEEP * away {
             return false;
         }
         let guess = &self.base.y * 0.75 + &place.solved.y * 0.25;
-        let nearer = self.beside(0.25 * change, &guess);
-        nearer.is_some_and(|nearer| {
+        nearer(&guess).is_some_and(|nearer| {
             nearer.solved.sequence.is_like(&place.solved.sequence)
                 && self.apart(here, &nearer) <= 0.6 * apart
         })
@@ -104,58 +185,46 @@ impl CurveView<'_, '_> {
     ///
     /// Near to it both pieces are nearly straight: the corner is where the tangents to them meet.
     fn at_corner(&self, other: &Solved) -> Solved {
-        let curve = self.curve;
         let mut pieces = [self.base.clone(), other.clone()];
+        let mut distances = [0.0, f64::INFINITY];
         for _ in 0..MOST_APPROACHES {
-            let Some(corner) = self.meeting(&pieces) else {
-                break;
-            };
-            let apart = pieces
-                .each_ref()
-                .map(|piece| curve.parameter(&piece.y) - corner);
-            let farther = usize::from(apart[1].abs() > apart[0].abs());
-            if apart[farther].abs() <= ROUNDING * curve.width() {
+            let ways = self.meeting(&pieces);
+            distances = ways.map(f64::abs);
+            let farther = usize::from(distances[1] > distances[0]);
+            if distances[farther].is_nan() || distances[farther] <= ROUNDING {
                 break;
             }
-            let next = corner + NEARER * apart[farther];
-            match self.on_piece(&pieces[farther], next) {
+            let mut nearer = NEARER
+                .iter()
+                .filter_map(|part| self.on_piece(&pieces[farther], part * ways[farther]));
+            match nearer.next() {
                 Some(nearer) => pieces[farther] = nearer,
                 None => break,
             }
         }
-        let growth = |solved: &Solved| solved.trial.map.growth();
         let [own, other] = pieces;
-        if growth(&other) < growth(&own) {
+        let growth = |solved: &Solved| solved.trial.map.growth();
+        if distances[1] <= distances[0].max(ROUNDING) && growth(&other) < growth(&own) {
             other
         } else {
             own
         }
     }
 
-    /// The derivatives of the unknowns by the parameter along the curve.
-    fn slopes(&self, solved: &Solved) -> DVector<f64> {
-        let slopes = solved.tangent.component_mul(self.scale);
-        &slopes / slopes[slopes.len() - 1]
-    }
-
-    /// The parameter at which the tangents at two points meet, or come nearest to each other.
-    fn meeting(&self, points: &[Solved; 2]) -> Option<f64> {
-        let measured = |y: DVector<f64>| self.curve.measured(&y.component_div(self.scale));
-        let slopes = points.each_ref().map(|point| self.slopes(point));
+    /// The ways along the tangents at two points to where they meet, or come nearest to each other.
+    fn meeting(&self, points: &[Solved; 2]) -> [f64; 2] {
         let [own, other] = points
             .each_ref()
-            .map(|point| self.curve.parameter(&point.y));
-        let apart = &points[1].y + &slopes[1] * (own - other) - &points[0].y;
-        let rate = measured(&slopes[0] - &slopes[1]);
-        let corner = own + rate.dot(&measured(apart)) / rate.norm_squared();
-        corner.is_finite().then_some(corner)
+            .map(|point| self.curve.measured(&point.tangent));
+        let apart = self.scaled(&points[1]) - self.scaled(&points[0]);
+        let cosine = own.dot(&other);
+        let way = (apart.dot(&own) - cosine * apart.dot(&other)) / (1.0 - cosine * cosine);
+        [way, cosine * way - apart.dot(&other)]
     }
 
-    /// The motion at a parameter on the piece of another point.
-    fn on_piece(&self, of: &Solved, parameter: f64) -> Option<Solved> {
-        let change = parameter - self.curve.parameter(&of.y);
-        let guess = &of.y + self.slopes(of) * change;
-        let solved = self.with_parameter(parameter, &guess, of).ok()?.solved;
+    /// The motion on the piece of another point, a way along its tangent.
+    fn on_piece(&self, of: &Solved, way: f64) -> Option<Solved> {
+        let solved = self.across(of, &of.tangent, way)?.solved;
         solved.sequence.is_like(&of.sequence).then_some(solved)
     }
 }

@@ -71,7 +71,7 @@ pub(super) struct Solved {
     /// Number of Newton steps.
     pub(super) steps: usize,
     /// The modes of the contacts at the start.
-    modes: Vec<Mode>,
+    pub(super) modes: Vec<Mode>,
 }
 
 /// A plane: normal·(y/scale) = value.
@@ -161,7 +161,7 @@ impl Curve<'_> {
         kind.duration(form.rhythm())
     }
 
-    fn trial(&self, y: &DVector<f64>, modes: &[Mode]) -> Result<Trial, Error> {
+    pub(super) fn trial(&self, y: &DVector<f64>, modes: &[Mode]) -> Result<Trial, Error> {
         let (map, period) = self.motion(y, modes, 1.0)?;
         Ok(Trial::new(map, period))
     }
@@ -216,7 +216,12 @@ impl Curve<'_> {
 
     /// The derivative of the residual by the parameter, by differences between motions with the
     /// same events: central, or one-sided if one side has no such motion.
-    fn by_parameter(&self, y: &DVector<f64>, trial: &Trial, modes: &[Mode]) -> DVector<f64> {
+    pub(super) fn by_parameter(
+        &self,
+        y: &DVector<f64>,
+        trial: &Trial,
+        modes: &[Mode],
+    ) -> DVector<f64> {
         let last = self.unknowns() - 1;
         let steps = trial.map.steps.iter().flat_map(Segment::events);
         let events: Vec<_> = steps
@@ -271,7 +276,7 @@ impl Curve<'_> {
 
     /// The Jacobian of the equations in units of the scales, with a row of zeros below; and the
     /// right-hand side of Newton's method.
-    fn linearised(
+    pub(super) fn linearised(
         &self,
         y: &DVector<f64>,
         trial: &Trial,

@@ -115,8 +115,9 @@ impl<S: System> Sweep<S> {
 ///
 /// # Errors
 ///
-/// [`Error::InvalidParameter`] unless the values are finite and ascending. An error at a value is
-/// part of the result. To bound or to watch it: [`Search::sweep`].
+/// [`Error::InvalidParameter`] unless there is a value, and the values are finite and ascending;
+/// [`Error::At`], with the parameter, if the first system refuses the start. Any other error at a
+/// value is part of the result. To bound or to watch it: [`Search::sweep`].
 #[doc(alias = "hysteresis")]
 #[doc(alias = "brute force")]
 pub fn sweep<S: Oscillator>(
@@ -140,6 +141,14 @@ impl Search<'_> {
         values: &[f64],
         start: &S::State,
     ) -> Result<Sweep<S>, Error> {
+        let (count, allowed) = (values.len(), "at least one value");
+        Error::check(
+            "orbit::sweep",
+            "values.len()",
+            count as f64,
+            count > 0,
+            allowed,
+        )?;
         let mut last = f64::NEG_INFINITY;
         for &value in values {
             Error::check(
@@ -158,21 +167,31 @@ impl Search<'_> {
             stopped: None,
         };
         let mut start = S::general(start);
+        let mut is_given = true;
         let down = values.iter().rev().map(|&value| (value, false));
         for (parameter, rises) in values.iter().map(|&value| (value, true)).chain(down) {
             watched.at(parameter);
+            let mut refused = None;
             let found = family(parameter).and_then(|system| {
                 let form = system.form().within(self.steps(), &watched);
                 let found = settled(&system, &form, &start);
                 watched.add(form.taken());
+                let error = found.as_ref().err();
+                refused = error
+                    .filter(|error| is_given && is_of_start(error))
+                    .cloned();
                 found
             });
+            if let Some(error) = refused {
+                return Err(error.at("parameter", parameter));
+            }
             if watched.is_stopped() {
                 sweep.stopped = Some(parameter);
                 break;
             }
             let attractor = found.map(|(attractor, state)| {
                 start = pushed(&attractor, state);
+                is_given = false;
                 attractor
             });
             let way = if rises {
@@ -188,6 +207,14 @@ impl Search<'_> {
         }
         Ok(sweep)
     }
+}
+
+/// Returns true if a system has refused the start.
+fn is_of_start(error: &Error) -> bool {
+    matches!(
+        error,
+        Error::WrongSize { .. } | Error::InvalidState { .. } | Error::InvalidParameter { .. }
+    )
 }
 
 /// The start at the next value.

@@ -212,8 +212,8 @@ fn sweeps_are_bounded_watched_and_go_on_behind_errors() {
             "{found:?}"
         );
     }
-    let none = sweep(exponential, &[], &start).unwrap();
-    assert!(none.up.is_empty() && none.changes().next().is_none());
+    let error = sweep(exponential, &[], &start).map(drop).unwrap_err();
+    assert!(error.to_string().contains("at least one value"), "{error}");
     // A family with a hole.
     let family = |velocity: f64| {
         if velocity == 0.3 {
@@ -246,4 +246,42 @@ fn sweeps_are_bounded_watched_and_go_on_behind_errors() {
     let never = Search::new().watched(|_| Break(()));
     let found = never.classify(&paper(0.2), &start).map(drop);
     assert!(matches!(found, Err(Error::Stopped { .. })), "{found:?}");
+}
+
+/// A start that no system can have is no result at a value.
+#[test]
+fn sweeps_refuse_a_start_that_does_not_fit() {
+    let law = Coulomb::new(0.4, 0.3).unwrap();
+    let family = |velocity: f64| {
+        if velocity == 0.1 {
+            return Err(Error::AtRest);
+        }
+        Structure::new(&[1.0, 2.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_spring(0, 1, 1.0)?
+            .with_contact(Contact::new(0, law, 1.0)?.on_belt(velocity))
+    };
+    for (start, words) in [
+        (State::at_rest(1), "1 given; 2 are needed"),
+        (State::at_rest(3), "3 given; 2 are needed"),
+        (State::new(&[0.0, f64::NAN], &[0.0, 0.0]), "NaN"),
+        (State::new(&[0.0, 0.0], &[0.0, f64::INFINITY]), "inf"),
+    ] {
+        let error = sweep(family, &[0.1, 0.2, 0.3], &start)
+            .map(drop)
+            .unwrap_err();
+        assert!(matches!(error, Error::At { value: 0.2, .. }), "{error}");
+        assert!(error.to_string().contains(words), "{error}");
+    }
+    // A family that changes its size stays an error at a value.
+    let changing = |velocity: f64| {
+        if velocity > 0.15 {
+            return family(velocity);
+        }
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_contact(Contact::new(0, law, 1.0)?.on_belt(velocity))
+    };
+    let found = sweep(changing, &[0.12, 0.2], &State::at_rest(1)).unwrap();
+    assert!(found.up[0].attractor.is_ok() && found.up[1].attractor.is_err());
 }

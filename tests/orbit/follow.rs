@@ -622,3 +622,46 @@ fn what_happens_in_both_halves_of_a_motion_is_one_bifurcation() {
         assert_eq!(stops(parameter + 1e-4), Ok(above), "{kind} {parameter}");
     }
 }
+
+/// Behind a fold the branch meets the touch at which its stop vanishes, so near to the fold that
+/// the parameter hardly changes in between; the motions without a stop go on from there.
+#[test]
+fn a_branch_goes_on_where_a_stop_vanishes_beside_a_fold() {
+    use BifurcationKind::{Fold, Grazing};
+    let law = Polynomial::new(0.55, 0.3, 0.7).unwrap();
+    let family = |amplitude: f64, frequency: f64| {
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, 0.06)?
+            .with_force(0, stick_slip::Drive::harmonic(amplitude, frequency, 0.0)?)?
+            .with_contact(Contact::new(0, law, 0.9)?.on_belt(0.25))
+    };
+    for amplitude in [0.124, 0.1245, 0.125, 0.126] {
+        let family = |frequency: f64| family(amplitude, frequency);
+        let start = State::at_rest(1);
+        let orbit = settle(&family(0.9).unwrap(), &start, 400.0, Period::Driven(1)).unwrap();
+        let branch = follow(family, 0.9, &orbit, 0.5..1.3).unwrap();
+        assert_eq!(
+            branch.ends,
+            [BranchEnd::Range, BranchEnd::Range],
+            "{amplitude}"
+        );
+        let kinds: Vec<_> = branch.bifurcations.iter().map(|b| b.kind).collect();
+        assert_eq!(kinds, [Grazing, Fold, Fold, Fold, Grazing], "{amplitude}");
+        // The motion there just touches the velocity of the belt.
+        let touch = &branch.bifurcations[0];
+        let fastest = touch.orbit.velocity_extremes(0).1;
+        println!("{amplitude}: {} {:.1e}", touch.parameter, fastest - 0.25);
+        assert!((fastest - 0.25).abs() < 1e-12, "{fastest}");
+        // From both sides: the same motion starts the branch without stops.
+        let free = &branch.points[0];
+        assert!(free.orbit.events().is_empty());
+        let back = follow(family, free.parameter, &free.orbit, 0.5..0.9).unwrap();
+        let found = nearest(&at(&back, Grazing), touch.parameter);
+        assert!(
+            (found - touch.parameter).abs() < 1e-12,
+            "{found} {}",
+            touch.parameter
+        );
+    }
+}

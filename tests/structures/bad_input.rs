@@ -370,6 +370,19 @@ fn a_motion_that_flies_away_is_said_to() {
     assert!(found.is_ok());
 }
 
+/// A stiffness beside which a step has no length is named among the causes, with the remedy.
+#[test]
+fn a_stiffness_without_bound_is_named() {
+    for stiffness in [1e100, 1e200, 1e300] {
+        let contact = Contact::new(0, Coulomb::new(0.4, 0.4).unwrap(), 1.0).unwrap();
+        let contact = contact.with_tangential_stiffness(stiffness).unwrap();
+        let system = masses(1).with_ground_spring(0, 1.0).unwrap();
+        let system = system.with_contact(contact.on_belt(0.2)).unwrap();
+        let found = system.simulate(State::at_rest(1), 10.0);
+        message(found, &["at time", "stiff", "rigid contact"]);
+    }
+}
+
 #[test]
 fn counts_are_said_in_words_that_fit_them() {
     let bristles = || Contact::new(0, Dahl::new(0.4, 100.0)?, 1.0);
