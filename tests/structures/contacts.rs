@@ -396,6 +396,39 @@ fn a_large_load_makes_a_rigid_pair() {
     }
 }
 
+/// Nothing pulls on any of a thousand joints that stick, and all masses swing as one.
+#[test]
+fn a_thousand_joints_that_stick_are_one_body() {
+    let n = 1001;
+    let mut chain = Structure::new(&vec![1.0; n]).unwrap();
+    for i in 0..n {
+        chain = chain.with_ground_spring(i, 1.0).unwrap();
+        if i > 0 {
+            let joint = Contact::between(i, i - 1, dry(), 1.0).unwrap();
+            chain = chain
+                .with_spring(i - 1, i, 0.5)
+                .and_then(|s| s.with_contact(joint))
+                .unwrap();
+        }
+    }
+    let start = State::new(&vec![0.3; n], &vec![0.0; n]);
+    let motion = chain.simulate(start, 7.0).unwrap();
+    assert_eq!(motion.events(), []);
+    for (t, state) in motion.sample(5) {
+        for q in state.displacements {
+            assert_abs_diff_eq!(q, 0.3 * t.cos(), epsilon = 1e-13);
+        }
+    }
+    // Its ends are pulled apart: joint i carries the force on all before it.
+    let pulled = chain
+        .with_force(0, -0.4)
+        .and_then(|s| s.with_force(n - 1, 0.4))
+        .unwrap();
+    for force in pulled.carried(0.0, &State::at_rest(n)).unwrap() {
+        assert_abs_diff_eq!(force, 0.4, epsilon = 1e-9);
+    }
+}
+
 /// Two clutches in series between three inertias: one pair locks, then all turn with their common
 /// momentum.
 #[test]

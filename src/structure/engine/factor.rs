@@ -77,8 +77,10 @@ impl Factor {
             if square.is_nan() || square <= square_moved {
                 return Err(i);
             }
-            entries[i - first] = square.sqrt();
-            moved[i - first] = square_moved / square.sqrt();
+            let root = square.sqrt();
+            entries[i - first] = root;
+            // Of the root, half as much in proportion: twice that would double along a chain.
+            moved[i - first] = square_moved / (root + (square - square_moved).sqrt());
             factor.rows.push(Row { first, entries });
             errors.push(Row {
                 first,
@@ -180,6 +182,20 @@ mod tests {
         for (bound, exact) in bound.iter().zip(exact) {
             assert!((bound / exact - 1.0).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn long_chains_are_independent() {
+        let g = |i: usize, j: usize| if i.abs_diff(j) == 1 { -0.5 } else { 0.0 };
+        assert!(Factor::new(rows(1000, g).into_iter()).is_ok());
+        // Closed to a ring by one that moves as all of them together.
+        let n = 30;
+        let ring = |i: usize, j: usize| match i - j {
+            1 => -0.5,
+            _ if j == 0 && i == n - 1 => -0.5,
+            _ => 0.0,
+        };
+        assert_eq!(Factor::new(rows(n, ring).into_iter()), Err(n - 1));
     }
 
     #[test]
