@@ -110,7 +110,7 @@ fn growth(structure: &Structure, start: &State, motion: &Trajectory<State>, end:
 fn coordinates_may_be_changed() {
     let mut random = Random::new(31);
     let (mut events, mut compared, mut worst) = (0, 0, 0.0_f64);
-    for i in 0..count(400) {
+    for i in 0..count(500) {
         let mut plain = Plain::shared(&mut random, false);
         let n = plain.len();
         // Forces are changed as sums of drives, which plain numbers do not have.
@@ -131,8 +131,13 @@ fn coordinates_may_be_changed() {
         let mapped = |x: &[f64]| (&t * DVector::from_column_slice(x)).as_slice().to_vec();
         let duration = 8.0;
         let one = plain.structure();
-        let other = changed(&plain, &t).structure();
+        let plain_seen = changed(&plain, &t);
+        let other = plain_seen.structure();
         let start_seen = State::new(&seen(&start.displacements), &seen(&start.velocities));
+        // What is at rest but for rounding slides in one of them.
+        if !(plain.is_clear(&start) && plain_seen.is_clear(&start_seen)) {
+            continue;
+        }
         let (Ok(a), Ok(b)) = (
             one.simulate(start.clone(), duration),
             other.simulate(start_seen, duration),
@@ -146,7 +151,12 @@ fn coordinates_may_be_changed() {
             sorted(events.filter(|event| event.time > 1e-12).collect(), |c| c)
         };
         let (first, second) = (later(&a), later(&b));
-        assert_eq!(first.len(), second.len(), "{}", about());
+        let times = |events: &[Event<State>]| -> Vec<_> {
+            let events = events.iter();
+            events.map(|e| (e.time, e.contact, e.kind)).collect()
+        };
+        let both = [&first, &second].map(|events| times(events));
+        assert_eq!(first.len(), second.len(), "{both:?}\n{}", about());
         let allowed = 1e-13 * condition * growth(&one, &start, &a, duration);
         for (a, b) in first.iter().zip(&second) {
             assert_eq!((a.contact, a.kind), (b.contact, b.kind), "{}", about());
@@ -159,7 +169,7 @@ fn coordinates_may_be_changed() {
     }
     println!("{compared} motions, {events} events, worst {worst:.1e} of what is allowed");
     assert!(
-        2 * compared > count(400) && events > 2 * count(400),
+        3 * compared > count(500) && events > 2 * count(500),
         "{compared} {events}"
     );
 }
