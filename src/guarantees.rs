@@ -118,10 +118,12 @@
 //!   `structures::memory::motions_have_the_reference_events_and_states`.
 //! * **Contacts that share masses** decide together at r = 0, by the rule on the page of
 //!   [`Structure`](crate::Structure#contacts-that-share-masses): at first each has its static
-//!   limit, and the contact that would accelerate most slips first. If contacts with linearly
-//!   dependent directions would stick together, the run returns
-//!   [`Error::Undetermined`](crate::Error::Undetermined). The reference motions above include
-//!   contacts that share masses.
+//!   limit, and the fastest, by the measure given there, slips first. The numbering of contacts
+//!   does not matter. If contacts with linearly dependent directions would stick together, the run
+//!   returns [`Error::Undetermined`](crate::Error::Undetermined):
+//!   `structures::decisions::decisions_are_those_of_all_patterns_tried`,
+//!   `structures::contacts::contacts_may_be_numbered_in_any_order`,
+//!   `structures::contacts::parallel_clutches_that_lock_are_undetermined`.
 //! * **Loads.** A load that depends on time alone opens and closes its contact; one that only
 //!   touches 0 causes no event; one that depends on displacements ends the motion at 0:
 //!   `structures::closed_forms::a_load_that_falls_to_zero_opens_the_contact`,

@@ -212,17 +212,46 @@ fn no_line_is_too_long() {
     assert!(too_long.is_empty(), "over {COLUMNS} columns: {too_long:#?}");
 }
 
-/// The pages that name tests and files, and the programs of tests.
+/// The programs of tests.
+const PROGRAMS: [&str; 6] = [
+    "analysis",
+    "belt",
+    "contract",
+    "cycles",
+    "orbit",
+    "structures",
+];
+
+/// Each promise, an item with a bold head or a row about a search, names a test that holds it.
+#[test]
+fn each_promise_names_a_test() {
+    let page = fs::read_to_string(root().join("src/guarantees.rs")).unwrap();
+    let mut promises: Vec<String> = Vec::new();
+    for line in page.lines().filter_map(|line| line.strip_prefix("//!")) {
+        let text = line.trim();
+        let (head, rest) = text.split_once(' ').unwrap_or((text, ""));
+        let is_item = head == "*" || head.trim_end_matches('.').parse::<u32>().is_ok();
+        let is_row = text.starts_with("| [`") || text.starts_with("| functions");
+        if (is_item && rest.starts_with("**")) || is_row || text.starts_with("**") {
+            promises.push(text.to_owned());
+        } else if text.is_empty() || text.starts_with('#') || is_item {
+            promises.push(String::new());
+        } else if let Some(last) = promises.last_mut().filter(|last| !last.is_empty()) {
+            last.push_str(text);
+        }
+    }
+    promises.retain(|promise| !promise.is_empty());
+    assert!(promises.len() > 25, "{promises:#?}");
+    for promise in promises {
+        let names = PROGRAMS.map(|program| format!("`{program}::"));
+        let is_held = names.iter().any(|name| promise.contains(name));
+        assert!(is_held, "no test: {promise}");
+    }
+}
+
+/// The pages that name tests and files.
 #[test]
 fn pages_name_what_exists() {
-    const PROGRAMS: [&str; 6] = [
-        "analysis",
-        "belt",
-        "contract",
-        "cycles",
-        "orbit",
-        "structures",
-    ];
     let (mut tests, mut paths) = (0, 0);
     for page in ["ARCHITECTURE.md", "CONTRIBUTING.md", "src/guarantees.rs"] {
         let text = fs::read_to_string(root().join(page)).unwrap();
