@@ -194,7 +194,7 @@ impl Decision {
                 rounding: 0.0,
             });
         }
-        // What is beyond an edge by rounding is taken away from what drives the contacts.
+        // The rounding excess beyond an edge is subtracted from the forces that drive the contacts.
         for i in 0..self.candidates.len() {
             let c = self.candidates[i].contact;
             let mut excess = 0.0;
@@ -227,7 +227,7 @@ impl Decision {
             if broken.is_empty() {
                 return Ok(());
             }
-            // All together while their number falls, else the one of least number.
+            // While their number falls, all of them change together; otherwise only the first one.
             let count = if broken.len() < least_broken {
                 broken.len()
             } else {

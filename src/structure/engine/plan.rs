@@ -131,7 +131,7 @@ pub(super) fn plan_reach(
         let force = match situation.contacts[c].phase {
             Phase::Open => continue,
             Phase::Slip { .. } => of.load[0] * of.friction[0],
-            // Those of springs are among the terms.
+            // The forces of springs are among the terms.
             _ if contact.is_elastic() => continue,
             // Shared contacts act on each other.
             Phase::Stick { .. } if model.is_shared(c) => of.carried[0],
@@ -211,7 +211,7 @@ fn plan_within(
         };
         let mut error = tolerance * scale;
         if model.shared_coordinates.binary_search(&i).is_ok() && within.is_finite() {
-            // What holds a coordinate leaves the rounding errors of the forces on it.
+            // Where contacts hold a coordinate, the rounding errors of the forces on it remain.
             error = error.max(f64::EPSILON * within * terms);
         }
         let allowance = Allowance::new(error, terms);
@@ -250,7 +250,7 @@ fn plan_within(
             None => contact.size_along(|j| plan.scales[j].1),
         };
         if state.sticks() && of.load_varies {
-            // Not by the band as it is now, which may just have opened.
+            // Not measured by the present band, which may just have opened.
             size = size.max(load_terms(contact, situation) * state.static_coefficient());
         }
         let allowance = match owner {
@@ -400,7 +400,7 @@ fn time_unit(
         let carried = model.owner[i].map_or(0.0, |c| series.contacts[c].carried[k]);
         moved.abs().max(carried.abs())
     };
-    // Not by what drives and loads happen to be now, which may be about to change their signs.
+    // Measured without the present drives and loads, which may be about to change their signs.
     let mut sizes: Vec<f64> = scales.iter().enumerate().map(size).collect();
     for (c, contact) in model.contacts.iter().enumerate() {
         let coefficient = match situation.contacts[c].phase {
@@ -430,9 +430,9 @@ fn time_unit(
     let stopping = least(&mut sizes.iter().enumerate().map(|(i, size)| {
         let velocity = series.coordinates[i].course.velocity(0).abs();
         match motion(model, situation, series, i) {
-            // What moves with a belt may pass through a velocity of 0.
+            // A mass that moves with a belt may pass through a velocity of 0.
             CoordinateMotion::Sticks(_) => f64::INFINITY,
-            // What is held has no acceleration, and a velocity that may be but rounding.
+            // A held coordinate has no acceleration, and its velocity may be mere rounding.
             free @ CoordinateMotion::Free(_) if model.owner[i].is_none() => {
                 velocity / free.speed(1).abs()
             }

@@ -80,7 +80,7 @@ fn closed_contacts(model: &Model<'_>, situation: &Situation) -> Closed {
         _ => SLIDING,
     };
     let holding = model.independent(contacts.collect(), softness);
-    // Those that stick first: an arrival that depends on them adds nothing but rounding.
+    // Contacts that stick already come first: an arrival that depends on them adds only rounding.
     let resting = holding.contacts.iter().copied();
     let mut resting: Vec<usize> = resting.filter(|&c| situation.contacts[c].rests()).collect();
     resting.sort_by_key(|&c| !situation.contacts[c].sticks());

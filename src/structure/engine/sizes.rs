@@ -35,7 +35,7 @@ pub(super) fn contact_terms(
     c: usize,
 ) -> f64 {
     let contact = &model.contacts[c];
-    // That of a contact with a coordinate to itself is among the terms of the coordinate.
+    // The surface of a contact with a coordinate to itself is among the terms of the coordinate.
     let of_surface = match model.owner_of(c) {
         Some(_) => 0.0,
         None => series.contacts[c].surface[1].abs(),
