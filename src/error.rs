@@ -286,13 +286,13 @@ pub enum Error {
         parameter: usize,
     },
 
-    /// A curve was requested of a pitchfork, or of a change of events that no curve can follow
+    /// A curve was requested of a change of events that no curve can follow
     /// ([`orbit::locus`](crate::orbit::locus) follows touches of a slipping contact, onsets of
     /// stops and changes of the order of events of two contacts).
     #[error(
-        "no curve of this bifurcation can be followed: it is a pitchfork, or no touch of a \
-         slipping contact, no onset of a stop and no two events at one time are near; give a \
-         bifurcation of one of these kinds, a fold, a flip or a Neimark-Sacker bifurcation"
+        "no curve of this bifurcation can be followed: no touch of a slipping contact, no onset of \
+         a stop and no two events at one time are near; give a bifurcation of one of these kinds, \
+         a fold, a flip, a pitchfork or a Neimark-Sacker bifurcation"
     )]
     NotSmooth,
 

@@ -172,10 +172,22 @@ impl Curve<'_> {
         member.form().within(MOST_STEPS_OF_A_SEARCH, self.watched)
     }
 
-    /// Counts the steps of a motion.
-    fn count(&self, form: &GeneralForm<'_>) {
-        self.steps.set(self.steps.get() + form.taken());
-        self.watched.add(form.taken());
+    /// Something of the system with the parameter of y, and of the period.
+    pub(super) fn with<T>(
+        &self,
+        y: &DVector<f64>,
+        take: impl FnOnce(&GeneralForm<'_>, f64) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        let find = || {
+            let member = self.member(self.parameter(y))?;
+            let form = self.form(&*member, self.parameter(y));
+            let period = self.period(&form, y)?;
+            let found = take(&form, period);
+            self.watched.add(form.taken());
+            self.steps.set(self.steps.get() + form.taken());
+            found
+        };
+        find().map_err(|error: Error| error.at("parameter", self.parameter(y)))
     }
 
     /// Returns true if the work allowed in one direction is done, or the search was stopped.
@@ -202,16 +214,10 @@ impl Curve<'_> {
         periods: f64,
     ) -> Result<(PeriodMap, f64), Error> {
         self.tried.set(self.tried.get() + 1);
-        let find = || {
-            let member = self.member(self.parameter(y))?;
-            let form = self.form(&*member, self.parameter(y));
-            let period = self.period(&form, y)?;
-            let start = self.start(&form, y, modes);
-            let map = form.period_map(&start, periods * period);
-            self.count(&form);
-            Ok((map?, period))
-        };
-        find().map_err(|error: Error| error.at("parameter", self.parameter(y)))
+        self.with(y, |form, period| {
+            let start = self.start(form, y, modes);
+            Ok((form.period_map(&start, periods * period)?, period))
+        })
     }
 
     /// The derivative of the residual by the parameter, by differences between motions with the
@@ -231,13 +237,11 @@ impl Curve<'_> {
         let miss = |change: f64| {
             let mut beside = y.clone();
             beside[last] += change;
-            let member = self.member(beside[last]).ok()?;
-            let form = self.form(&*member, beside[last]);
-            let period = self.period(&form, &beside).ok()?;
-            let start = self.start(&form, &beside, modes);
-            let passage = map::passage(&form, &start, period);
-            self.count(&form);
-            let (end, passed) = passage.ok()?;
+            let found = self.with(&beside, |form, period| {
+                let start = self.start(form, &beside, modes);
+                Ok((map::passage(form, &start, period)?, start))
+            });
+            let ((end, passed), start) = found.ok()?;
             let miss = vector(&end, self.order) - vector(&start, self.order);
             Some((beside[last] - y[last], miss, passed == events))
         };
@@ -395,14 +399,9 @@ impl Curve<'_> {
 
     /// The motion of a trial with a start away from events, if its start lies near one.
     fn apart(&self, y: &DVector<f64>, trial: &Trial) -> Result<Option<PeriodMap>, Error> {
-        let find = || {
-            let member = self.member(self.parameter(y))?;
-            let form = self.form(&*member, self.parameter(y));
-            let apart = map::begun_apart(&form, &trial.map, trial.period);
-            self.count(&form);
-            apart
-        };
-        find().map_err(|error| error.at("parameter", self.parameter(y)))
+        self.with(y, |form, _| {
+            map::begun_apart(form, &trial.map, trial.period)
+        })
     }
 
     /// The first point, as a guess for `solve`: the tangent is not known yet.

@@ -87,12 +87,6 @@ impl PeriodMap {
         residual
     }
 
-    /// Returns false for a memory variable on which nothing depends.
-    pub(super) fn depends_on(&self, row: usize) -> bool {
-        let first = self.order() - self.depends.len();
-        row.checked_sub(first).is_none_or(|j| self.depends[j])
-    }
-
     /// The times of events and touches, in order.
     pub(super) fn times(&self) -> Vec<f64> {
         let events = self.steps.iter().flat_map(Segment::events);
@@ -275,6 +269,13 @@ impl PeriodMap {
     pub(super) fn largest(&self, vector: &DVector<f64>) -> [f64; 2] {
         let n = self.start.displacements.len();
         [0, n].map(|first| vector.rows(first, n).amax())
+    }
+
+    /// The eigenvalues of the derivative by the start of a closed motion, without the 1 of a shift
+    /// along an autonomous one.
+    pub(super) fn multipliers_by_start(&self, is_free: bool) -> Option<Vec<Complex<f64>>> {
+        let flow = is_free.then_some(&self.flow[0]);
+        multipliers(&self.monodromy, flow, &[], &self.sizes())
     }
 
     /// The multipliers of a closed motion, by falling modulus; those of an autonomous one without

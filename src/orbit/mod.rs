@@ -130,7 +130,7 @@
 // | `hold.rs` | motions with a contact held past a touch, which are smooth there |
 // | `hopf.rs` | steady sliding along a parameter; `begin`: the motions born at a Hopf point |
 // | `jump.rs` | motions that jump at a change of the event sequence, which ends the branch |
-// | `locus` | curves of bifurcations in two parameters: the search (`mod.rs`), the motions (`motions.rs`), folds, flips and tori (`smooth.rs`), their scalars (`bordered.rs`), changes of events (`events.rs`, which one: `change.rs`), the tangential end of a branch (`end.rs`), the results (`found.rs`) |
+// | `locus` | curves of bifurcations in two parameters: the search (`mod.rs`, `directions.rs`), the motions (`motions.rs`) and their starts (`start.rs`), folds, flips, pitchforks and tori (`smooth.rs`), their scalars (`bordered.rs`) and special points (`special.rs`), changes of events (`events.rs`, which one: `change.rs`), the tangential end of a branch (`end.rs`), the results (`found.rs`) |
 // | `sequence.rs` | the events of a period as a cyclic sequence |
 // | `search.rs` | `Search`: bounds of the work, and a watcher |
 // | `section.rs` | `section`, `section_at`: Poincaré sections |

@@ -4,17 +4,28 @@ use nalgebra::{DMatrix, DVector};
 
 use super::changes::{CurvePoint, CurveView};
 use super::curve::solution;
+use super::form::GeneralForm;
 use super::map::{CLOSED, PeriodMap, state, vector};
+use super::shoot::{SINGULAR, shortest};
+use crate::drive::Drive;
 use crate::numerics::bracket::Bracket;
 
 /// The map G over half of a period, of which a motion is a fixed point: G(x) = S P(x) + c with
 /// diagonal S and constant c. For a motion that takes twice its own period S is the identity; for a
 /// symmetric one S is −1, except for variables that do not depend on the direction, such as the
 /// time in stick.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub(super) struct HalfMap {
     signs: DVector<f64>,
     shift: DVector<f64>,
+}
+
+/// What holds the centre c/2 of a symmetric motion, K c = f(t) + f(t + T/2), with the springs and
+/// the given loads of normal springs; divided by the mass matrix.
+#[derive(Debug, Clone)]
+pub(super) struct Balance {
+    stiffness: DMatrix<f64>,
+    forces: DVector<f64>,
 }
 
 /// Places in half a period at which a symmetry is checked.
@@ -73,29 +84,84 @@ impl HalfMap {
         Some(Self { signs, shift })
     }
 
+    /// The map for another system of the family, in which other forces hold the centre. A force
+    /// that the springs do not balance, as that of a contact which sticks throughout, stays.
+    pub(super) fn moved(&self, from: &Balance, to: &Balance) -> Option<Self> {
+        let n = to.forces.len();
+        let held = (&to.stiffness - &from.stiffness) * self.shift.rows(0, n);
+        let change = &to.forces - &from.forces - held;
+        let mut moved = self.clone();
+        if change.amax() != 0.0 {
+            let mut shift = moved.shift.rows_mut(0, n);
+            shift += shortest(to.stiffness.clone(), &change, SINGULAR)?;
+        }
+        Some(moved)
+    }
+
+    /// G as a map like that over a period, from the motion over half of it: its end is the image of
+    /// the start, with the derivatives by the start and by the whole period.
+    pub(super) fn applied(&self, mut half: PeriodMap) -> PeriodMap {
+        let end = self.image(&vector(&half.end, half.order()));
+        half.end = state(&end, half.start.displacements.len());
+        for (mut row, sign) in half.monodromy.row_iter_mut().zip(&self.signs) {
+            row *= *sign;
+        }
+        half.flow[1].component_mul_assign(&self.signs);
+        half.flow[1] *= 0.5;
+        half
+    }
+
     /// G(x), from the motion over half a period.
     pub(super) fn image(&self, end: &DVector<f64>) -> DVector<f64> {
         end.component_mul(&self.signs) + &self.shift
     }
 
-    /// G', in units of the sizes, from the motion over half a period.
-    fn derivative(&self, half: &PeriodMap, sizes: &DVector<f64>) -> DMatrix<f64> {
-        let order = half.order();
-        DMatrix::from_fn(order, order, |i, j| {
-            self.signs[i] * half.monodromy[(i, j)] * (sizes[j] / sizes[i])
-        })
-    }
-
-    /// The direction w with G'w = −w, of size 1 in units of the sizes; `None` if there is none.
+    /// The direction w with G'w = −w, of size 1 in units of the sizes, from the motion over half a
+    /// period; `None` if there is none.
     pub(super) fn inverted(&self, half: &PeriodMap, sizes: &DVector<f64>) -> Option<DVector<f64>> {
         let order = half.order();
-        let matrix = self.derivative(half, sizes) + DMatrix::identity(order, order);
+        let matrix = inverting(&self.applied(half.clone()), sizes);
         let svd = matrix.try_svd(false, true, f64::EPSILON, 1000 * order)?;
         let values = &svd.singular_values;
         let (least, value) = values.argmin();
         let vector = svd.v_t?.row(least).transpose();
         (value <= INVERTED * values.max().max(1.0))
             .then(|| (&vector / vector.amax()).component_mul(sizes))
+    }
+}
+
+/// G' + 1, in units of the sizes.
+fn inverting(image: &PeriodMap, sizes: &DVector<f64>) -> DMatrix<f64> {
+    let order = image.order();
+    DMatrix::from_fn(order, order, |i, j| {
+        image.monodromy[(i, j)] * (sizes[j] / sizes[i]) + f64::from(u8::from(i == j))
+    })
+}
+
+impl Balance {
+    pub(super) fn of(form: &GeneralForm<'_>, period: f64) -> Self {
+        let (model, n) = (&form.model, form.len());
+        let mut stiffness = DMatrix::zeros(n, n);
+        let mut forces = DVector::zeros(n);
+        let twice = |drive: &Drive| drive.value(0.0) + drive.value(0.5 * period);
+        let rows = std::iter::zip(model.stiffness.rows(), model.inverse_mass.rows());
+        for (i, ((own, beside), (mobility, mobilities))) in rows.enumerate() {
+            for &(j, entry) in beside.iter().chain([&(i, own)]) {
+                stiffness[(i, j)] += entry;
+            }
+            for &(j, entry) in mobilities.iter().chain([&(i, mobility)]) {
+                forces[i] += entry * twice(&model.forces[j]);
+            }
+        }
+        for contact in &model.contacts {
+            for &(i, reaction) in &contact.reaction {
+                forces[i] -= reaction * twice(&contact.load);
+                for &(j, gradient) in &contact.load_gradient {
+                    stiffness[(i, j)] += reaction * gradient;
+                }
+            }
+        }
+        Self { stiffness, forces }
     }
 }
 
@@ -109,9 +175,13 @@ impl CurveView<'_, '_> {
             let (map, period) = (&place.solved.trial.map, place.solved.trial.period);
             let state_at = |time: f64| map.vector_at(time);
             let symmetric = HalfMap::of_symmetric(state_at, period, (self.curve.n, &map.sizes()));
-            let motion = self.symmetric(&symmetric?, &place.solved.y, from)?;
-            let parameter = self.curve.parameter(&motion.y);
-            Some((parameter, motion))
+            let y = &place.solved.y;
+            let balance = self
+                .curve
+                .with(y, |form, period| Ok(Balance::of(form, period)));
+            let held = (symmetric?, balance.ok()?);
+            let motion = self.symmetric(&held, y, from)?;
+            Some((self.curve.parameter(y), motion, held))
         });
         let [Some(mut low), Some(mut high)] = ends else {
             return None;
@@ -123,14 +193,13 @@ impl CurveView<'_, '_> {
         if !(values[0].0 < values[1].0 && values[0].1 * values[1].1 < 0.0) {
             return None;
         }
-        let symmetric = low.1.half_map.clone();
         let mut bracket = Bracket::new(values[0], values[1]);
         let mut best = low.1.clone();
         while let Some(parameter) = bracket.next_place() {
             let part = (parameter - low.0) / (high.0 - low.0);
             let mut guess = &low.1.y * (1.0 - part) + &high.1.y * part;
             guess[self.curve.unknowns() - 1] = parameter;
-            best = self.symmetric(&symmetric, &guess, from)?;
+            best = self.symmetric(&low.2, &guess, from)?;
             bracket.narrow(parameter, best.determinant);
             if best.determinant == 0.0 {
                 break;
@@ -148,10 +217,11 @@ impl CurveView<'_, '_> {
         })
     }
 
-    /// The symmetric motion with the parameter of a guess.
+    /// The symmetric motion with the parameter of a guess, from the half-period map of another one
+    /// and what holds its centre.
     fn symmetric(
         &self,
-        half_map: &HalfMap,
+        (half_map, balance): &(HalfMap, Balance),
         guess: &DVector<f64>,
         near: &CurvePoint,
     ) -> Option<Symmetric> {
@@ -161,37 +231,21 @@ impl CurveView<'_, '_> {
         let mut before = f64::INFINITY;
         for _ in 0..MOST_STEPS {
             let (half, period) = curve.motion(&y, modes, 0.5).ok()?;
-            let start = vector(&half.start, order);
-            y.rows_mut(0, order).copy_from(&start);
-            let sizes = half.sizes();
-            let derivative = half_map.derivative(&half, &sizes);
-            let mut right =
-                (start - half_map.image(&vector(&half.end, order))).component_div(&sizes);
-            right.resize_vertically_mut(own, 0.0);
-            let mut matrix = derivative.resize(own, own, 0.0);
-            for i in 0..order {
-                matrix[(i, i)] -= 1.0;
-                if !half.depends_on(i) {
-                    right[i] = 0.0;
-                }
-            }
+            let here = curve.with(&y, |form, period| Ok(Balance::of(form, period)));
+            let image = half_map.moved(balance, &here.ok()?)?.applied(half);
+            y.rows_mut(0, order).copy_from(&vector(&image.start, order));
+            let sizes = image.sizes();
+            let (mut matrix, right) = image.closing(&sizes, own);
             if let Some(turning) = curve.turning {
-                let late = half_map
-                    .signs
-                    .component_mul(&half.flow[1])
-                    .component_div(&sizes);
-                matrix
-                    .view_mut((0, order), (order, 1))
-                    .copy_from(&(late * (0.5 * period)));
+                let late = image.flow[1].component_div(&sizes) * period;
+                matrix.view_mut((0, order), (order, 1)).copy_from(&late);
                 matrix[(order, curve.n + turning)] = 1.0;
             }
             let change = solution(&matrix, &right)?;
             let size = change.amax();
             if size <= f64::EPSILON || (size <= CLOSED.sqrt() && size >= 0.5 * before) {
-                let inverts = half_map.derivative(&half, &sizes) + DMatrix::identity(order, order);
                 return Some(Symmetric {
-                    half_map: half_map.clone(),
-                    determinant: inverts.determinant(),
+                    determinant: inverting(&image, &sizes).determinant(),
                     period,
                     y,
                 });
@@ -208,7 +262,6 @@ impl CurveView<'_, '_> {
 /// A symmetric motion: a point of the curve.
 #[derive(Clone)]
 struct Symmetric {
-    half_map: HalfMap,
     y: DVector<f64>,
     period: f64,
     /// det(G' + 1).

@@ -9,7 +9,7 @@ use stick_slip::orbit::{
     SpecialKind, follow, settle, shoot,
 };
 use stick_slip::structure::State;
-use stick_slip::{Error, EventKind, Structure};
+use stick_slip::{Contact, Coulomb, Drive, Error, EventKind, Structure};
 
 use crate::common::{list, number, text};
 use crate::reading::{cases, remembering, structure};
@@ -334,4 +334,69 @@ fn what_is_no_curve_is_refused() {
     // A range without width in the other parameter's direction ends at once, at both sides.
     let locus = orbit::locus(family, flip, 0.3, [0.7..0.8, 0.3..0.4]).unwrap();
     assert!(locus.ends.iter().all(|end| *end == LocusEnd::Ranges));
+}
+
+/// The symmetric motion with two stops a period: the multiplier of its half period is −1.
+#[test]
+fn pitchforks_of_symmetric_stick_slip() {
+    let case = curve("pit");
+    let points = list(&case["points"]);
+    let second = 0.9;
+    let system = member(&case["system"], 0.36, second);
+    let motion = settle(&system, &State::at_rest(1), 400.0, Period::Driven(1)).unwrap();
+    let kind = BifurcationKind::Pitchfork;
+    let found = bifurcation(&case, kind, second, (0.36, &motion), 0.36..0.375);
+    let ranges = [0.3..0.65, 0.4..1.2];
+    let worst = compare(&case, points, 0, (&found[0], second), &ranges);
+    println!("{worst:.1e}");
+    assert!(worst < ACCURACY, "{worst:e}");
+    let family = |first: f64, second: f64| Ok(member(&case["system"], first, second));
+    let locus = orbit::locus(family, &found[0], second, ranges).unwrap();
+    println!("{:?} {:?}", special(&locus), locus.ends);
+    assert_eq!(locus.kind, LocusKind::Pitchfork);
+    for point in &locus.points {
+        assert!(point.orbit.is_symmetric());
+        let multiplier = point.orbit.multipliers()[0];
+        assert!((multiplier - 1.0).norm() < 1e-10, "{multiplier}");
+    }
+}
+
+/// A constant force that follows the parameters moves the centre of the motion, and nothing else;
+/// pitchforks found by `follow` at other values of the second parameter lie on the curve.
+#[test]
+fn a_centre_that_moves_does_not_change_pitchforks() {
+    let case = curve("pit");
+    let [first, second] = parameters(&list(&case["points"])[1]);
+    let family = |frequency: f64, stiffness: f64| {
+        let force =
+            Drive::harmonic(second, frequency, 0.0)?.with_constant(2.0 * frequency - 0.3)?;
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, stiffness)?
+            .with_ground_damper(0, 0.02)?
+            .with_force(0, force)?
+            .with_contact(Contact::new(0, Coulomb::new(0.6, 0.3)?, 0.6)?)
+    };
+    let at = |stiffness: f64, around: f64| {
+        let family = |frequency: f64| family(frequency, stiffness);
+        let begin = 0.99 * around;
+        let system = family(begin).unwrap();
+        let motion = settle(&system, &State::at_rest(1), 400.0, Period::Driven(1)).unwrap();
+        let branch = follow(family, begin, &motion, 0.98 * around..1.02 * around).unwrap();
+        let mut found = branch.bifurcations;
+        found.retain(|found| found.kind == BifurcationKind::Pitchfork);
+        found.remove(0)
+    };
+    let pitchfork = at(1.0, first);
+    let error = (pitchfork.parameter - first).abs();
+    assert!(error < 1e-12, "{error:e}");
+    for stiffness in [0.97_f64, 1.04] {
+        let ranges = [0.3..0.5, stiffness.min(1.0)..stiffness.max(1.0)];
+        let locus = orbit::locus(family, &pitchfork, 1.0, ranges).unwrap();
+        let mut ends = locus.points.iter();
+        let end = ends.find(|point| point.parameters[1] == stiffness);
+        let end = end.unwrap_or_else(|| panic!("{:?}", locus.ends));
+        let known = at(stiffness, end.parameters[0]);
+        let error = (end.parameters[0] - known.parameter).abs();
+        assert!(error < 1e-11, "{stiffness}: {error:e}");
+    }
 }

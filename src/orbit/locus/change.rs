@@ -9,7 +9,7 @@ use super::super::map::PeriodMap;
 use super::super::trial::Trial;
 use super::events::margin;
 use super::found::LocusKind;
-use super::motions::{FrozenStart, Mark};
+use super::start::{FrozenStart, Mark};
 use crate::motion::{Event, EventKind, Mode, Segment};
 use crate::state::Direction;
 use crate::state::structure::State;

@@ -8,7 +8,8 @@ use super::super::curve::{Curve, FamilyMember, Solved};
 use super::super::trial::Trial;
 use super::change::touch;
 use super::events::EventCurve;
-use super::motions::{FrozenStart, Motions};
+use super::motions::Motions;
+use super::start::FrozenStart;
 use crate::error::Error;
 use crate::numerics::trace::{self, Equations, Plane};
 

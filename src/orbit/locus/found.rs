@@ -52,6 +52,8 @@ pub enum LocusKind {
     Flip,
     /// A pair of multipliers lies on the unit circle.
     NeimarkSacker,
+    /// A symmetric motion has a multiplier +1 whose direction lacks the symmetry.
+    Pitchfork,
     /// A contact that slips reaches relative velocity 0 tangentially.
     Grazing {
         /// The contact.
@@ -76,6 +78,7 @@ impl fmt::Display for LocusKind {
             Self::Fold => "fold",
             Self::Flip => "flip",
             Self::NeimarkSacker => "Neimark-Sacker",
+            Self::Pitchfork => "pitchfork",
             Self::Grazing { .. } => "grazing",
             Self::StopOnset { .. } => "onset of stops",
             Self::Order { .. } => "order of events",
@@ -155,6 +158,10 @@ pub enum SpecialKind {
     FoldFlip,
     /// A multiplier is +1, and a pair lies on the unit circle.
     FoldNeimarkSacker,
+    /// A symmetric motion is at a pitchfork and at a fold: its multiplier +1 is double.
+    FoldPitchfork,
+    /// A pitchfork with a pair on the unit circle.
+    PitchforkNeimarkSacker,
     /// A multiplier is −1, and a pair lies on the unit circle.
     FlipNeimarkSacker,
     /// Two pairs of multipliers lie on the unit circle.
@@ -182,6 +189,8 @@ impl fmt::Display for SpecialKind {
             Self::Resonance(order) => f.pad(&format!("1:{order} resonance")),
             Self::FoldFlip => f.pad("fold-flip"),
             Self::FoldNeimarkSacker => f.pad("fold-Neimark-Sacker"),
+            Self::FoldPitchfork => f.pad("fold-pitchfork"),
+            Self::PitchforkNeimarkSacker => f.pad("pitchfork-Neimark-Sacker"),
             Self::FlipNeimarkSacker => f.pad("flip-Neimark-Sacker"),
             Self::DoubleNeimarkSacker => f.pad("double Neimark-Sacker"),
             Self::FoldGrazing => f.pad("fold-grazing"),

@@ -2,11 +2,14 @@
 
 mod bordered;
 mod change;
+mod directions;
 pub(super) mod end;
 mod events;
 pub(super) mod found;
 mod motions;
 mod smooth;
+mod special;
+mod start;
 
 use std::cell::Cell;
 use std::ops::Range;
@@ -14,10 +17,12 @@ use std::ops::Range;
 use nalgebra::DVector;
 
 use self::change::{Change, arrivals, sequence, touch};
+use self::directions::{both_ways, first_point};
 use self::events::EventCurve;
-use self::found::{Locus, LocusEnd, LocusKind, LocusPoint, SpecialKind, SpecialPoint};
-use self::motions::{FrozenStart, Motions};
+use self::found::{Locus, LocusKind, LocusPoint, SpecialKind, SpecialPoint};
+use self::motions::Motions;
 use self::smooth::{Smooth, SmoothCurve};
+use self::start::FrozenStart;
 use super::branch::{Bifurcation, BifurcationKind};
 use super::curve::FamilyMember;
 use super::found::Orbit;
@@ -29,7 +34,7 @@ use super::search::Search;
 use super::trial::Trial;
 use crate::error::Error;
 use crate::motion::EventKind;
-use crate::numerics::trace::{self, Equations, Plane, Point, check_ranges, trace};
+use crate::numerics::trace::{Equations, Point, check_ranges};
 
 /// The curve through a bifurcation, in two parameters of the system.
 ///
@@ -50,6 +55,7 @@ use crate::numerics::trace::{self, Equations, Plane, Point, check_ranges, trace}
 /// |---|---|---|
 /// | fold, flip, Neimark-Sacker | the same | that of a bordered matrix, 0 where a multiplier is 1, −1, or a pair is exp(±iθ) |
 /// | grazing, also the [end of a branch](super::BranchEnd::Grazing) | [`Grazing`](LocusKind::Grazing) | the extremum of the relative velocity at the touch; the contact slips before it, and slips or sticks after it |
+/// | pitchfork | the same | that of the half-period map G, 0 where it has a multiplier −1; G(x) = x in place of P(x) = x |
 /// | change of events | [`StopOnset`](LocusKind::StopOnset) | \|R\| − N μ_s where the relative velocity is 0, R the force that stick would need |
 /// | change of events | [`Order`](LocusKind::Order) | the time between events of two contacts |
 ///
@@ -65,11 +71,13 @@ use crate::numerics::trace::{self, Equations, Plane, Point, check_ranges, trace}
 /// | fold | [`Cusp`](SpecialKind::Cusp), 1:1 resonance, fold-flip, fold-Neimark-Sacker; at its end [`FoldGrazing`](SpecialKind::FoldGrazing) |
 /// | flip | 1:2 resonance, fold-flip, flip-Neimark-Sacker |
 /// | Neimark-Sacker | resonances 1:1 and 1:2, at which the curve ends, 1:3 and 1:4; fold-, flip- and double Neimark-Sacker |
+/// | pitchfork | 1:1 resonance, fold-pitchfork, pitchfork-Neimark-Sacker |
 /// | grazing | fold-grazing |
 /// | grazing, onset of stops, order | at its end [`DoubleGrazing`](SpecialKind::DoubleGrazing) |
 ///
 /// Two zeros of one test within a step (1/64 of the ranges at most) can be missed. The coefficients
-/// of normal forms (generalised flip, Chenciner) are not computed.
+/// of normal forms (generalised flip, Chenciner, a pitchfork that turns subcritical) are not
+/// computed.
 ///
 /// A curve of folds, flips or Neimark-Sacker bifurcations passes a change of the events of its
 /// motion if the map is smooth there, and otherwise ends with [`LocusEnd::Jump`]. A curve of
@@ -97,8 +105,7 @@ use crate::numerics::trace::{self, Equations, Plane, Point, check_ranges, trace}
 ///
 /// [`Error::InvalidParameter`] unless the ranges are finite and not empty and hold the two values;
 /// [`Error::At`], with the parameters, if the family has no system there, if no such bifurcation is
-/// found there, or with [`Error::NotSmooth`] for a pitchfork and for a change of events of another
-/// kind.
+/// found there, or with [`Error::NotSmooth`] for a change of events of another kind.
 ///
 /// ```
 /// use stick_slip::orbit::{self, BifurcationKind, LocusEnd, Period};
@@ -196,7 +203,7 @@ impl Search<'_> {
         let form = system.form();
         let watched = self.watch("parameter");
         let start = vector(&S::general(&at.orbit.state()), form.order());
-        let motions = Motions::new(
+        let mut motions = Motions::new(
             &members,
             at.orbit.kind(),
             [0, 1].map(|i: usize| ranges[i].end - ranges[i].start),
@@ -208,7 +215,12 @@ impl Search<'_> {
             BifurcationKind::Fold => Smooth::Fold,
             BifurcationKind::Flip => Smooth::Flip,
             BifurcationKind::NeimarkSacker => Smooth::Torus,
-            BifurcationKind::Pitchfork => return Err(place(Error::NotSmooth)),
+            BifurcationKind::Pitchfork => {
+                let y = motions.at(&start, period, [at.parameter, second]);
+                let trial = motions.trial(&y, &FrozenStart::at_zero())?;
+                motions.close_by_half(&y, &trial)?;
+                Smooth::Flip
+            }
             BifurcationKind::Grazing | BifurcationKind::Sequence => {
                 let events = at.orbit.events().iter();
                 let events: Vec<_> = events.map(|e| (e.time, e.contact, e.kind)).collect();
@@ -231,6 +243,7 @@ impl Search<'_> {
         };
         let kind = match smooth {
             Smooth::Fold => LocusKind::Fold,
+            Smooth::Flip if motions.half.is_some() => LocusKind::Pitchfork,
             Smooth::Flip => LocusKind::Flip,
             Smooth::Torus => LocusKind::NeimarkSacker,
         };
@@ -367,130 +380,4 @@ trait CurveOfMotions<'f>: Equations {
 
     /// The kind of special point at which another change of events happens.
     fn kind_with(&self, change: &Change) -> Option<SpecialKind>;
-}
-
-/// The first point, with the second parameter as given; at a turn of the curve, with the tangent
-/// across it.
-fn first_point<E: Equations>(
-    curve: &E,
-    y: &DVector<f64>,
-    near: &E::Value,
-) -> Result<Point<E::Value>, Error> {
-    let scale = curve.scale(y, near);
-    let [first, second] = curve.parameters();
-    let mut normal = DVector::zeros(y.len());
-    normal[second] = 1.0;
-    let mut along = DVector::from_element(y.len(), 0.001);
-    along[first] = 1.0;
-    along[second] = 1.0;
-    let plane = Plane {
-        scale: &scale,
-        value: y[second] / scale[second],
-        normal,
-        along: &along,
-    };
-    let mut point = trace::solve(curve, y, near, &plane)?;
-    point.y[second] = y[second];
-    Ok(point)
-}
-
-type BothDirections<V> = (Vec<Point<V>>, Vec<(SpecialKind, Point<V>)>, [LocusEnd; 2]);
-
-/// The point just behind the last one of a curve at which another change of events happens: both
-/// conditions hold, with the contacts held.
-fn meets<'f, E: CurveOfMotions<'f>>(
-    curve: &E,
-    last: &Point<E::Value>,
-) -> Option<(SpecialKind, Point<E::Value>)> {
-    /// Limit of steps of the secant method, and the farthest point.
-    const MOST_STEPS: usize = 12;
-    const FAR: f64 = 1e-4;
-    let motions = curve.motions();
-    let (trial, begin) = E::motion(&last.value);
-    let change = motions.with(motions.parameters(&last.y), |form| {
-        let (map, period) = (&trial.map, trial.period);
-        let touch = touch(form, map, period, Some(false));
-        let touch = touch.filter(|touch| touch.is_other(begin) && touch.size <= FAR);
-        let arrival =
-            || sequence(form, map, period).filter(|own| own.is_other(begin) && own.size <= FAR);
-        Ok(touch.or_else(arrival))
-    });
-    let change = change.ok()??;
-    let kind = curve.kind_with(&change)?;
-    let near = curve.holding(&last.value, &change);
-    let at = |distance: f64| {
-        let guess = &last.y + last.tangent.component_mul(&last.scale) * distance;
-        let plane = Plane {
-            scale: &last.scale,
-            value: last.tangent.dot(&last.y.component_div(&last.scale)) + distance,
-            normal: last.tangent.clone(),
-            along: &last.tangent,
-        };
-        let point = trace::solve(curve, &guess, &near, &plane).ok()?;
-        let trial = E::motion(&point.value).0;
-        let size = motions.with(motions.parameters(&point.y), |form| {
-            Ok(change.value(form, &trial.map, begin.holds.len()))
-        });
-        Some((distance, size.ok()??, point))
-    };
-    let mut before = at(0.0)?;
-    let mut now = at(change.size.clamp(1e-10, FAR))?;
-    for _ in 0..MOST_STEPS {
-        let next = now.0 - now.1 * (now.0 - before.0) / (now.1 - before.1);
-        if !(next.is_finite() && next.abs() <= FAR) || (next - now.0).abs() <= f64::EPSILON {
-            break;
-        }
-        before = std::mem::replace(&mut now, at(next)?);
-    }
-    (now.1.abs() <= ZERO).then_some((kind, now.2))
-}
-
-/// A second condition holds if it is 0 to rounding.
-const ZERO: f64 = 1e-12;
-
-/// The curve in both directions from a point.
-fn both_ways<'f, E: CurveOfMotions<'f>>(
-    curve: &E,
-    first: &Point<E::Value>,
-) -> BothDirections<E::Value> {
-    let motions = curve.motions();
-    let walk = |first: &Point<E::Value>| {
-        motions.begin_again();
-        trace(curve, first)
-    };
-    let end = |half: &trace::Half<E::Value>| {
-        let last = half.points.last().unwrap_or(first);
-        let parameters = motions.parameters(&last.y);
-        match half.end {
-            trace::End::Work if motions.watched.is_stopped() => LocusEnd::Stopped { parameters },
-            trace::End::Lost(_) if curve.jumps_behind(last) => LocusEnd::Jump,
-            _ => LocusEnd::of(half.end.clone(), parameters),
-        }
-    };
-    let up = walk(first);
-    let mut back = first.clone();
-    back.tangent.neg_mut();
-    let down = if up.end == trace::End::Closed {
-        trace::Half {
-            points: Vec::new(),
-            special: Vec::new(),
-            end: trace::End::Closed,
-        }
-    } else {
-        walk(&back)
-    };
-    let ends = [end(&down), end(&up)];
-    let [before, after] = std::array::from_fn(|side| {
-        let last = [&down, &up][side].points.last().unwrap_or(first);
-        (ends[side] == LocusEnd::Jump).then(|| meets(curve, last))?
-    });
-    let special = down.special.into_iter().rev().chain(up.special);
-    let special =
-        special.filter_map(|(test, _, point)| Some((curve.special(test, &point)?, point)));
-    let special = before.into_iter().chain(special).chain(after).collect();
-    let mut points = down.points;
-    points.reverse();
-    points.push(first.clone());
-    points.extend(up.points);
-    (points, special, ends)
 }

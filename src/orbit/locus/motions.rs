@@ -8,18 +8,17 @@ use std::cell::Cell;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::super::curve::{FamilyMember, sharpest};
+use super::super::curve::FamilyMember;
 use super::super::form::GeneralForm;
-use super::super::hold::Hold;
-use super::super::map::{self, Course, PeriodMap, held_course, held_period_map, state, vector};
+use super::super::map::{Course, PeriodMap, held_course, held_period_map, state};
 use super::super::period::Period;
 use super::super::search::{MOST_STEPS_OF_A_SEARCH, Watched};
 use super::super::sequence::Sequence;
+use super::super::symmetry::{Balance, HalfMap};
 use super::super::trial::Trial;
-use super::super::walk::BLUNT;
-use super::change::Change;
+use super::start::{FrozenStart, Section};
 use crate::error::Error;
-use crate::motion::{EventKind, Mode, Segment};
+use crate::motion::{EventKind, Segment};
 use crate::state::structure::State;
 
 pub(super) type Family<'f> = dyn Fn(f64, f64) -> Result<Box<dyn FamilyMember + 'f>, Error> + 'f;
@@ -28,6 +27,9 @@ pub(super) type Family<'f> = dyn Fn(f64, f64) -> Result<Box<dyn FamilyMember + '
 pub(super) struct Motions<'f> {
     pub(super) family: &'f Family<'f>,
     pub(super) kind: Period,
+    /// The map over half of a period, and what holds its centre: given for symmetric motions that
+    /// are to be closed by it.
+    pub(super) half: Option<(HalfMap, Balance)>,
     pub(super) widths: [f64; 2],
     pub(super) n: usize,
     pub(super) order: usize,
@@ -37,44 +39,6 @@ pub(super) struct Motions<'f> {
     /// Limits of steps and of points in one direction.
     pub(super) most: (usize, usize),
     pub(super) watched: &'f Watched<'f>,
-}
-
-/// The start of motions, as far as it stays the same while Newton's method runs.
-#[derive(Debug, Clone)]
-pub(super) struct FrozenStart {
-    /// The start of a forced motion, as a part of its period.
-    pub(super) phase: f64,
-    /// The modes of the contacts at the start.
-    pub(super) modes: Vec<Mode>,
-    /// The phase condition of an autonomous motion.
-    pub(super) section: Option<Section>,
-    /// The sizes of the start, and the period.
-    pub(super) sizes: DVector<f64>,
-    /// Contacts held past touches, and events that are watched.
-    pub(super) holds: Vec<Hold>,
-    pub(super) marks: Vec<Mark>,
-}
-
-/// An event that is watched.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Mark {
-    pub(super) contact: usize,
-    /// Its kind; `None` for an arrival, which may become a stop or a crossing.
-    pub(super) kind: Option<EventKind>,
-    /// When, about, since the start of the motion, and at most how far from there.
-    pub(super) since: f64,
-    pub(super) within: f64,
-}
-
-/// The phase condition of an autonomous motion: a plane.
-#[derive(Debug, Clone)]
-pub(super) struct Section {
-    /// The coordinate that turns at the start, v_i = 0: the condition holds however small the
-    /// motion becomes. Otherwise the plane lies across the flow.
-    pub(super) turning: Option<usize>,
-    point: DVector<f64>,
-    /// The normal, in units in which it is of size 1.
-    pub(super) normal: DVector<f64>,
 }
 
 /// The derivatives of a motion by start and period, and its residual.
@@ -90,42 +54,6 @@ const MOST_TRIALS: usize = 200_000;
 /// near a change of the events.
 const PARTS: [f64; 3] = [6e-6, 1e-7, 1e-9];
 
-/// Parts of the period within which an event is near the start, when that is chosen and later.
-const FAR: f64 = 0.02;
-const NEAR: f64 = 0.005;
-
-impl FrozenStart {
-    /// The start at time 0, with no contact known to stick.
-    pub(super) fn at_zero() -> Self {
-        Self {
-            phase: 0.0,
-            modes: Vec::new(),
-            section: None,
-            sizes: DVector::zeros(0),
-            holds: Vec::new(),
-            marks: Vec::new(),
-        }
-    }
-
-    /// Holds and watches another change of events.
-    pub(super) fn add(&mut self, change: &Change) {
-        let first = self.holds.len();
-        let holds = change.holds.iter().map(|hold| Hold {
-            number: first + hold.number,
-            ..*hold
-        });
-        self.holds.extend(holds);
-        self.marks.extend(&change.marks);
-    }
-}
-
-impl Section {
-    /// The residual of the phase condition, in units in which the normal is of size 1.
-    pub(super) fn at(&self, start: &DVector<f64>) -> f64 {
-        self.normal.dot(&(start - &self.point))
-    }
-}
-
 impl<'f> Motions<'f> {
     pub(super) fn new(
         family: &'f Family<'f>,
@@ -137,6 +65,7 @@ impl<'f> Motions<'f> {
         Self {
             family,
             kind,
+            half: None,
             widths,
             n,
             order,
@@ -212,7 +141,7 @@ impl<'f> Motions<'f> {
     }
 
     /// The same, not watched and not counted: what was found is kept if the search is stopped.
-    fn with_form<T>(
+    pub(super) fn with_form<T>(
         &self,
         [first, second]: [f64; 2],
         take: impl FnOnce(GeneralForm<'_>) -> Result<T, Error>,
@@ -263,7 +192,37 @@ impl<'f> Motions<'f> {
         })
     }
 
-    /// The same without derivatives, and something of it: the start, the steps and the period.
+    /// What the equations close: the motion over one period, or its half-period map.
+    pub(super) fn closing_trial(
+        &self,
+        y: &DVector<f64>,
+        begin: &FrozenStart,
+    ) -> Result<Trial, Error> {
+        let Some((half_map, balance)) = &self.half else {
+            return self.trial(y, begin);
+        };
+        self.tried.set(self.tried.get() + 1);
+        self.with(self.parameters(y), |form| {
+            let (time, start, period) = self.start(form, y, begin)?;
+            let half = held_period_map(form, (time, &start), 0.5 * period, &begin.holds)?;
+            let here = half_map.moved(balance, &Balance::of(form, period));
+            let image = here.unwrap_or_else(|| half_map.clone()).applied(half);
+            Ok(Trial::new(image, period))
+        })
+    }
+
+    /// Closes motions that are symmetric, as one is, by their half-period map.
+    pub(super) fn close_by_half(&mut self, y: &DVector<f64>, trial: &Trial) -> Result<(), Error> {
+        let (map, period) = (&trial.map, trial.period);
+        let half = HalfMap::of_symmetric(|t| map.vector_at(t), period, (self.n, &map.sizes()));
+        let balance = self.with(self.parameters(y), |form| Ok(Balance::of(form, period)))?;
+        let half = half.ok_or_else(|| self.lost(y, trial))?;
+        self.half = Some((half, balance));
+        Ok(())
+    }
+
+    /// The motion over one period without derivatives, and something of it: the start, the steps
+    /// and the period.
     pub(super) fn course<T>(
         &self,
         y: &DVector<f64>,
@@ -312,7 +271,7 @@ impl<'f> Motions<'f> {
         }
         let events = events_of(&trial.map);
         let beside = |step: f64| {
-            let beside = self.trial(&(y + direction * step), begin).ok()?;
+            let beside = self.closing_trial(&(y + direction * step), begin).ok()?;
             (events_of(&beside.map) == events).then(|| MotionDerivatives {
                 by_start: self.by_start(&beside.map),
                 residual: beside.map.residual(),
@@ -338,51 +297,6 @@ impl<'f> Motions<'f> {
                 residual: (above.residual - below.residual) / width,
             })
         })
-    }
-
-    /// A start of the motion away from its events: y there, and what stays.
-    pub(super) fn begun(
-        &self,
-        y: &DVector<f64>,
-        trial: &Trial,
-        old: &FrozenStart,
-    ) -> Result<(DVector<f64>, FrozenStart), Error> {
-        let (map, period) = (&trial.map, trial.period);
-        let begins = old.phase * period;
-        let turn = sharpest(map).filter(|_| self.is_free());
-        let turn = turn.filter(|turn| !near_events(map, turn.time, period, NEAR));
-        let (time, state, modes) = match &turn {
-            Some(turn) => (turn.time, turn.state.clone(), Some(&turn.modes[..])),
-            None if near_events(map, begins, period, FAR) => middle(map, begins, period),
-            None => (begins, map.start.clone(), map.first_modes()),
-        };
-        let mut begin = FrozenStart {
-            phase: if self.is_free() {
-                0.0
-            } else {
-                (time / period).fract()
-            },
-            modes: modes.unwrap_or_default().to_vec(),
-            section: turn.map(|turn| Section {
-                turning: Some(turn.coordinate),
-                point: DVector::zeros(self.order),
-                normal: DVector::zeros(self.order),
-            }),
-            sizes: DVector::zeros(0),
-            holds: map.holds_later(time - begins, period),
-            marks: old.marks.clone(),
-        };
-        for mark in &mut begin.marks {
-            mark.since = (mark.since + begins - time).rem_euclid(period);
-        }
-        let mut y = y.clone();
-        y.rows_mut(0, self.order)
-            .copy_from(&vector(&state, self.order));
-        let trial = self.trial(&y, &begin)?;
-        y.rows_mut(0, self.order)
-            .copy_from(&vector(&trial.map.start, self.order));
-        self.settle(&y, &trial, &mut begin)?;
-        Ok((y, begin))
     }
 
     /// The residual of a closed motion, and that of the phase condition, in units of the sizes.
@@ -437,82 +351,6 @@ impl<'f> Motions<'f> {
             .at("first parameter", first)
     }
 
-    /// Sets sizes and phase condition to those of a motion.
-    pub(super) fn settle(
-        &self,
-        y: &DVector<f64>,
-        trial: &Trial,
-        begin: &mut FrozenStart,
-    ) -> Result<(), Error> {
-        let mut sizes = trial.map.sizes();
-        if self.is_free() {
-            sizes = sizes.insert_row(self.order, trial.period);
-            let turning = begin.section.as_ref().and_then(|section| section.turning);
-            let own = sizes.rows(0, self.order);
-            let (point, normal) = if let Some(i) = turning {
-                let mut normal = DVector::zeros(self.order);
-                normal[self.n + i] = own[self.n + i].recip();
-                (DVector::zeros(self.order), normal)
-            } else {
-                let normal = trial.map.flow[0].component_div(&own);
-                if normal.amax() == 0.0 {
-                    return Err(Error::AtRest);
-                }
-                let normal = normal.normalize().component_div(&own);
-                (y.rows(0, self.order).into_owned(), normal)
-            };
-            begin.section = Some(Section {
-                turning,
-                point,
-                normal,
-            });
-        }
-        begin.sizes = sizes;
-        Ok(())
-    }
-
-    /// Another start, if an event has come near this one, or the motion turns more sharply
-    /// elsewhere.
-    pub(super) fn moved(
-        &self,
-        y: &DVector<f64>,
-        trial: &Trial,
-        begin: &FrozenStart,
-    ) -> Option<(DVector<f64>, FrozenStart)> {
-        let begins = begin.phase * trial.period;
-        let is_near = near_events(&trial.map, begins, trial.period, NEAR);
-        let turning = begin.section.as_ref().and_then(|section| section.turning);
-        let is_blunt = turning.is_some_and(|i| {
-            let sharpness = trial.map.flow[0][self.n + i].abs() / begin.sizes[self.n + i];
-            sharpest(&trial.map).is_some_and(|turn| sharpness < BLUNT * turn.sharpness)
-        });
-        (is_near || is_blunt).then(|| self.begun(y, trial, begin).ok())?
-    }
-
-    /// The motion from time 0 of the drives.
-    pub(super) fn since_zero(
-        &self,
-        y: &DVector<f64>,
-        trial: &Trial,
-        begin: &FrozenStart,
-    ) -> Result<Trial, Error> {
-        if begin.phase == 0.0 {
-            return Ok(trial.clone());
-        }
-        let period = trial.period;
-        let step = trial.map.steps.iter().find(|step| step.end_time() > period);
-        let Some(step) = step else {
-            return Ok(trial.clone());
-        };
-        self.with_form(self.parameters(y), |form| {
-            let mut start = step.state_at(step.since_start(period));
-            form.put_in_modes(&mut start, 0.0, |c| Some(step.modes()[c]));
-            let holds = trial.map.holds_later((1.0 - begin.phase) * period, period);
-            let map = held_period_map(&form, (0.0, &start), period, &holds)?;
-            Ok(Trial::new(map, period))
-        })
-    }
-
     pub(super) fn sequence(trial: &Trial) -> Sequence {
         Sequence::of(&trial.map, trial.period)
     }
@@ -524,23 +362,4 @@ pub(super) fn events_of(map: &PeriodMap) -> Vec<(usize, EventKind)> {
     let events = map.steps.iter().flat_map(Segment::events);
     let events = events.filter(|event| event.time > begins);
     events.map(|event| (event.contact, event.kind)).collect()
-}
-
-/// Returns true if an event or a touch lies within a part of the period from a time of a closed
-/// motion.
-fn near_events(map: &PeriodMap, time: f64, period: f64, part: f64) -> bool {
-    map.times().into_iter().any(|event| {
-        let since = (event - time).rem_euclid(period);
-        since < part * period || since > (1.0 - part) * period
-    })
-}
-
-/// The middle of the longest time without an event in a motion: the time, the state and the modes.
-fn middle(map: &PeriodMap, begins: f64, period: f64) -> (f64, State, Option<&[Mode]>) {
-    let time = map::longest_pause(map, begins, begins + period);
-    let step = map.steps.iter().find(|step| step.end_time() > time);
-    step.map_or((begins, map.start.clone(), map.first_modes()), |step| {
-        let state = step.state_at(step.since_start(time));
-        (time, state, Some(step.modes()))
-    })
 }

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | fold | M − 1; for an autonomous motion [M − 1, f(T); phase condition, 0] |
 //! | flip | M + 1 |
+//! | pitchfork | G' + 1, of the half-period map G: a flip of it, which closes the motion in place of P |
 //! | torus | M² − 2κM + 1, κ = cos θ, with two borders |
 //!
 //! Derivatives of A by start and period take one pair of motions for each product: D²P is
@@ -21,7 +22,8 @@ use super::CurveOfMotions;
 use super::bordered::Bordered;
 use super::change::Change;
 use super::found::{LocusKind, SpecialKind};
-use super::motions::{FrozenStart, Motions, Section, events_of};
+use super::motions::{Motions, events_of};
+use super::start::{FrozenStart, Section};
 use crate::error::Error;
 use crate::numerics::trace::{Equations, Point};
 
@@ -43,17 +45,17 @@ pub(super) struct SmoothCurve<'f> {
 /// A motion with its scalars.
 #[derive(Debug, Clone)]
 pub(super) struct Motion {
-    pub(super) trial: Trial,
+    /// What is closed: the motion over a period, or its half-period map.
+    trial: Trial,
+    /// Of a solution that is closed by half: the motion over a period.
+    whole: Option<Trial>,
     pub(super) begin: FrozenStart,
-    bordered: Bordered,
-    /// The events of a solution, its multipliers, and ½ uᵀD²P[w, w].
+    pub(super) bordered: Bordered,
+    /// Of a solution: its events, the multipliers of what is closed, and ½ uᵀD²P[w, w].
     sequence: Option<Sequence>,
     pub(super) multipliers: Vec<Complex<f64>>,
-    quadratic: f64,
+    pub(super) quadratic: f64,
 }
-
-/// Test functions nearer to 0 than this are rounding.
-const ROUNDING: f64 = 1e-11;
 
 /// Special points at which the curve of tori ends: κ = 1 and κ = −1.
 const TORUS_ENDS: [usize; 2] = [0, 1];
@@ -71,7 +73,7 @@ impl<'f> SmoothCurve<'f> {
     }
 
     /// The cosine of the angle of the critical pair of a torus.
-    fn kappa(&self, y: &DVector<f64>) -> f64 {
+    pub(super) fn kappa(&self, y: &DVector<f64>) -> f64 {
         y[self.unknowns() - 1]
     }
 
@@ -96,11 +98,12 @@ impl<'f> SmoothCurve<'f> {
             y[own + 2] = nearest.re / nearest.norm();
         }
         let (y, begin) = motions.begun(&y, &trial, &begin)?;
-        let trial = motions.trial(&y, &begin)?;
+        let trial = motions.closing_trial(&y, &begin)?;
         let bordered = Bordered::begin(&self.matrix(&y, &trial, &begin), self.count());
         let bordered = bordered.ok_or_else(|| motions.lost(&y, &trial))?;
         let motion = Motion {
             trial,
+            whole: None,
             begin,
             bordered,
             sequence: None,
@@ -218,29 +221,6 @@ impl<'f> SmoothCurve<'f> {
         };
         Ok(0.5 * self.second(y, value, product)?.dot(&product[1]))
     }
-
-    /// The multipliers without those that belong to the curve.
-    fn others(&self, y: &DVector<f64>, value: &Motion) -> Vec<Complex<f64>> {
-        let own = match self.kind {
-            Smooth::Fold => vec![Complex::from(1.0)],
-            Smooth::Flip => vec![Complex::from(-1.0)],
-            Smooth::Torus => {
-                let kappa = Complex::from(self.kappa(y));
-                let root = (kappa * kappa - 1.0).sqrt();
-                vec![kappa + root, kappa - root]
-            }
-        };
-        let mut others = value.multipliers.clone();
-        for own in own {
-            let off = |m: &Complex<f64>| (m - own).norm();
-            let places =
-                (0..others.len()).min_by(|&i, &j| off(&others[i]).total_cmp(&off(&others[j])));
-            if let Some(place) = places {
-                others.remove(place);
-            }
-        }
-        others
-    }
 }
 
 impl<'f> CurveOfMotions<'f> for SmoothCurve<'f> {
@@ -249,7 +229,7 @@ impl<'f> CurveOfMotions<'f> for SmoothCurve<'f> {
     }
 
     fn motion(value: &Motion) -> (&Trial, &FrozenStart) {
-        (&value.trial, &value.begin)
+        (value.whole.as_ref().unwrap_or(&value.trial), &value.begin)
     }
 
     fn jumps_behind(&self, point: &Point<Motion>) -> bool {
@@ -258,7 +238,7 @@ impl<'f> CurveOfMotions<'f> for SmoothCurve<'f> {
         let value = &point.value;
         AWAY.iter().any(|away| {
             let y = &point.y + point.tangent.component_mul(&point.scale) * *away;
-            let beyond = self.motions.trial(&y, &value.begin);
+            let beyond = self.motions.closing_trial(&y, &value.begin);
             beyond.is_ok_and(|beyond| events_of(&beyond.map) != events_of(&value.trial.map))
         })
     }
@@ -276,23 +256,8 @@ impl<'f> CurveOfMotions<'f> for SmoothCurve<'f> {
         }
     }
 
-    /// `None` for two real multipliers of product 1.
     fn special(&self, test: usize, point: &Point<Motion>) -> Option<SpecialKind> {
-        let others = self.others(&point.y, &point.value);
-        let with_pair = |kind| others.iter().any(|m| m.im != 0.0).then_some(kind);
-        match (self.kind, test) {
-            (Smooth::Fold, 0) => Some(SpecialKind::Cusp),
-            (Smooth::Fold, 1) | (Smooth::Torus, 0) => Some(SpecialKind::Resonance(1)),
-            (Smooth::Flip, 0) | (Smooth::Torus, 1) => Some(SpecialKind::Resonance(2)),
-            (Smooth::Torus, 2) => Some(SpecialKind::Resonance(3)),
-            (Smooth::Torus, 3) => Some(SpecialKind::Resonance(4)),
-            (Smooth::Fold, 2) | (Smooth::Flip, 1) => Some(SpecialKind::FoldFlip),
-            (Smooth::Fold, _) => with_pair(SpecialKind::FoldNeimarkSacker),
-            (Smooth::Flip, _) => with_pair(SpecialKind::FlipNeimarkSacker),
-            (Smooth::Torus, 4) => Some(SpecialKind::FoldNeimarkSacker),
-            (Smooth::Torus, 5) => Some(SpecialKind::FlipNeimarkSacker),
-            (Smooth::Torus, _) => with_pair(SpecialKind::DoubleNeimarkSacker),
-        }
+        self.special_of(test, &point.y, &point.value)
     }
 }
 
@@ -310,7 +275,7 @@ impl Equations for SmoothCurve<'_> {
 
     fn value(&self, y: &mut DVector<f64>, near: &Motion) -> Result<Motion, Error> {
         let (motions, begin) = (&self.motions, near.begin.clone());
-        let trial = motions.trial(y, &begin)?;
+        let trial = motions.closing_trial(y, &begin)?;
         y.rows_mut(0, motions.order)
             .copy_from(&vector(&trial.map.start, motions.order));
         let bordered = near.bordered.with(&self.matrix(y, &trial, &begin));
@@ -379,14 +344,27 @@ impl Equations for SmoothCurve<'_> {
 
     fn complete(&self, y: &DVector<f64>, mut value: Motion) -> Result<Motion, Error> {
         let motions = &self.motions;
-        let trial = &value.trial;
         let is_free = value.begin.section.is_some();
-        if is_free && !trial.returns(None) {
+        let (map, growth) = (&value.trial.map, value.trial.map.growth());
+        let mut multipliers = None;
+        value.whole = match motions.half {
+            Some(_) => {
+                multipliers = Some(map.multipliers_by_start(is_free));
+                Some(motions.trial(y, &value.begin)?)
+            }
+            None => None,
+        };
+        let trial = value.whole.as_ref().unwrap_or(&value.trial);
+        // What a half-period map closes is closed, if the centre is right.
+        let closes = trial.residual <= CLOSED * (1.0 + growth).powi(2);
+        if !closes || (is_free && !trial.returns(None)) {
             return Err(motions.lost(y, trial));
         }
-        let multipliers = trial.map.multipliers(is_free);
-        value.multipliers = multipliers.ok_or_else(|| motions.lost(y, trial))?;
+        let multipliers = multipliers.unwrap_or_else(|| trial.map.multipliers(is_free));
+        let multipliers = multipliers.ok_or_else(|| motions.lost(y, trial))?;
         value.sequence = Some(Motions::sequence(trial));
+        let trial = trial.clone();
+        value.multipliers = multipliers;
         value.quadratic = match self.kind {
             Smooth::Fold => self.quadratic(y, &value)?,
             Smooth::Flip | Smooth::Torus => f64::NAN,
@@ -394,7 +372,6 @@ impl Equations for SmoothCurve<'_> {
         let renewed = value.bordered.renewed();
         let bordered = renewed.ok_or_else(|| motions.lost(y, &value.trial))?;
         let old = value.begin.sizes.clone();
-        let trial = value.trial.clone();
         motions.settle(y, &trial, &mut value.begin)?;
         value.bordered = bordered.rescaled(&old.component_div(&value.begin.sizes));
         Ok(value)
@@ -418,8 +395,9 @@ impl Equations for SmoothCurve<'_> {
 
     fn moved(&self, point: &Point<Motion>) -> Option<(DVector<f64>, Motion)> {
         let value = &point.value;
-        let (y, begin) = self.motions.moved(&point.y, &value.trial, &value.begin)?;
-        let trial = self.motions.trial(&y, &begin).ok()?;
+        let (trial, begin) = Self::motion(value);
+        let (y, begin) = self.motions.moved(&point.y, trial, begin)?;
+        let trial = self.motions.closing_trial(&y, &begin).ok()?;
         let bordered = Bordered::begin(&self.matrix(&y, &trial, &begin), self.count())?;
         let value = Motion {
             trial,
@@ -437,41 +415,7 @@ impl Equations for SmoothCurve<'_> {
     }
 
     fn tests(&self, point: &Point<Motion>) -> Vec<f64> {
-        let value = &point.value;
-        let others = self.others(&point.y, value);
-        let one = Complex::from(1.0);
-        // 0 where rounding could give any sign.
-        let product = |factors: &mut dyn Iterator<Item = Complex<f64>>| {
-            let factors: Vec<_> = factors.collect();
-            let is_rounding = factors.iter().any(|x| x.norm() < ROUNDING);
-            let product = factors.iter().product::<Complex<f64>>().re;
-            if is_rounding { 0.0 } else { product }
-        };
-        let folds = product(&mut others.iter().map(|m| one - m));
-        let flips = product(&mut others.iter().map(|m| one + m));
-        let pairs = (0..others.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
-        let tori = product(&mut pairs.map(|(i, j)| one - others[i] * others[j]));
-        let order = self.motions.order;
-        let along = {
-            let [left, right] = [&value.bordered.left, &value.bordered.right];
-            left.rows(0, order).dot(&right.rows(0, order))
-        };
-        match self.kind {
-            Smooth::Fold => vec![value.quadratic, along, flips, tori],
-            Smooth::Flip => vec![along, folds, tori],
-            Smooth::Torus => {
-                let kappa = self.kappa(&point.y);
-                vec![
-                    kappa - 1.0,
-                    kappa + 1.0,
-                    kappa + 0.5,
-                    kappa,
-                    folds,
-                    flips,
-                    tori,
-                ]
-            }
-        }
+        self.test_values(&point.y, &point.value)
     }
 
     fn ends_at(&self, test: usize) -> bool {

@@ -1,0 +1,230 @@
+//! Where motions begin: away from events, at a phase condition, with what is held and watched.
+
+use nalgebra::DVector;
+
+use super::super::curve::sharpest;
+use super::super::hold::Hold;
+use super::super::map::{self, PeriodMap, held_period_map, vector};
+use super::super::trial::Trial;
+use super::super::walk::BLUNT;
+use super::change::Change;
+use super::motions::Motions;
+use crate::error::Error;
+use crate::motion::{EventKind, Mode, Segment};
+use crate::state::structure::State;
+
+/// Where motions begin: what stays as it is while Newton's method runs.
+#[derive(Debug, Clone)]
+pub(super) struct FrozenStart {
+    /// The start of a forced motion, as a part of its period.
+    pub(super) phase: f64,
+    /// The modes of the contacts at the start.
+    pub(super) modes: Vec<Mode>,
+    /// The phase condition of an autonomous motion.
+    pub(super) section: Option<Section>,
+    /// The sizes of the start, and the period.
+    pub(super) sizes: DVector<f64>,
+    /// Contacts held past touches, and events that are watched.
+    pub(super) holds: Vec<Hold>,
+    pub(super) marks: Vec<Mark>,
+}
+
+/// An event that is watched.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Mark {
+    pub(super) contact: usize,
+    /// Its kind; `None` for an arrival, which may become a stop or a crossing.
+    pub(super) kind: Option<EventKind>,
+    /// When, about, since the start of the motion, and at most how far from there.
+    pub(super) since: f64,
+    pub(super) within: f64,
+}
+
+/// The phase condition of an autonomous motion: a plane.
+#[derive(Debug, Clone)]
+pub(super) struct Section {
+    /// The coordinate that turns at the start, v_i = 0: the condition holds however small the
+    /// motion becomes. Otherwise the plane lies across the flow.
+    pub(super) turning: Option<usize>,
+    point: DVector<f64>,
+    /// The normal, in units in which it is of size 1.
+    pub(super) normal: DVector<f64>,
+}
+
+/// Parts of the period within which an event is near the start, when that is chosen and later.
+const FAR: f64 = 0.02;
+const NEAR: f64 = 0.005;
+
+impl FrozenStart {
+    /// The start at time 0, with no contact known to stick.
+    pub(super) fn at_zero() -> Self {
+        Self {
+            phase: 0.0,
+            modes: Vec::new(),
+            section: None,
+            sizes: DVector::zeros(0),
+            holds: Vec::new(),
+            marks: Vec::new(),
+        }
+    }
+
+    /// Holds and watches another change of events.
+    pub(super) fn add(&mut self, change: &Change) {
+        let first = self.holds.len();
+        let holds = change.holds.iter().map(|hold| Hold {
+            number: first + hold.number,
+            ..*hold
+        });
+        self.holds.extend(holds);
+        self.marks.extend(&change.marks);
+    }
+}
+
+impl Section {
+    /// The residual of the phase condition, in units in which the normal is of size 1.
+    pub(super) fn at(&self, start: &DVector<f64>) -> f64 {
+        self.normal.dot(&(start - &self.point))
+    }
+}
+
+impl Motions<'_> {
+    /// A start of the motion away from its events: y there, and what stays.
+    pub(super) fn begun(
+        &self,
+        y: &DVector<f64>,
+        trial: &Trial,
+        old: &FrozenStart,
+    ) -> Result<(DVector<f64>, FrozenStart), Error> {
+        let (map, period) = (&trial.map, trial.period);
+        let begins = old.phase * period;
+        let turn = sharpest(map).filter(|_| self.is_free());
+        let turn = turn.filter(|turn| !near_events(map, turn.time, period, NEAR));
+        let (time, state, modes) = match &turn {
+            Some(turn) => (turn.time, turn.state.clone(), Some(&turn.modes[..])),
+            None if near_events(map, begins, period, FAR) => middle(map, begins, period),
+            None => (begins, map.start.clone(), map.first_modes()),
+        };
+        let mut begin = FrozenStart {
+            phase: if self.is_free() {
+                0.0
+            } else {
+                (time / period).fract()
+            },
+            modes: modes.unwrap_or_default().to_vec(),
+            section: turn.map(|turn| Section {
+                turning: Some(turn.coordinate),
+                point: DVector::zeros(self.order),
+                normal: DVector::zeros(self.order),
+            }),
+            sizes: DVector::zeros(0),
+            holds: map.holds_later(time - begins, period),
+            marks: old.marks.clone(),
+        };
+        for mark in &mut begin.marks {
+            mark.since = (mark.since + begins - time).rem_euclid(period);
+        }
+        let mut y = y.clone();
+        y.rows_mut(0, self.order)
+            .copy_from(&vector(&state, self.order));
+        let trial = self.trial(&y, &begin)?;
+        y.rows_mut(0, self.order)
+            .copy_from(&vector(&trial.map.start, self.order));
+        self.settle(&y, &trial, &mut begin)?;
+        Ok((y, begin))
+    }
+
+    /// Sets sizes and phase condition to those of a motion.
+    pub(super) fn settle(
+        &self,
+        y: &DVector<f64>,
+        trial: &Trial,
+        begin: &mut FrozenStart,
+    ) -> Result<(), Error> {
+        let mut sizes = trial.map.sizes();
+        if self.is_free() {
+            sizes = sizes.insert_row(self.order, trial.period);
+            let turning = begin.section.as_ref().and_then(|section| section.turning);
+            let own = sizes.rows(0, self.order);
+            let (point, normal) = if let Some(i) = turning {
+                let mut normal = DVector::zeros(self.order);
+                normal[self.n + i] = own[self.n + i].recip();
+                (DVector::zeros(self.order), normal)
+            } else {
+                let normal = trial.map.flow[0].component_div(&own);
+                if normal.amax() == 0.0 {
+                    return Err(Error::AtRest);
+                }
+                let normal = normal.normalize().component_div(&own);
+                (y.rows(0, self.order).into_owned(), normal)
+            };
+            begin.section = Some(Section {
+                turning,
+                point,
+                normal,
+            });
+        }
+        begin.sizes = sizes;
+        Ok(())
+    }
+
+    /// Another start, if an event has come near this one, or the motion turns more sharply
+    /// elsewhere.
+    pub(super) fn moved(
+        &self,
+        y: &DVector<f64>,
+        trial: &Trial,
+        begin: &FrozenStart,
+    ) -> Option<(DVector<f64>, FrozenStart)> {
+        let begins = begin.phase * trial.period;
+        let is_near = near_events(&trial.map, begins, trial.period, NEAR);
+        let turning = begin.section.as_ref().and_then(|section| section.turning);
+        let is_blunt = turning.is_some_and(|i| {
+            let sharpness = trial.map.flow[0][self.n + i].abs() / begin.sizes[self.n + i];
+            sharpest(&trial.map).is_some_and(|turn| sharpness < BLUNT * turn.sharpness)
+        });
+        (is_near || is_blunt).then(|| self.begun(y, trial, begin).ok())?
+    }
+
+    /// The motion from time 0 of the drives.
+    pub(super) fn since_zero(
+        &self,
+        y: &DVector<f64>,
+        trial: &Trial,
+        begin: &FrozenStart,
+    ) -> Result<Trial, Error> {
+        if begin.phase == 0.0 {
+            return Ok(trial.clone());
+        }
+        let period = trial.period;
+        let step = trial.map.steps.iter().find(|step| step.end_time() > period);
+        let Some(step) = step else {
+            return Ok(trial.clone());
+        };
+        self.with_form(self.parameters(y), |form| {
+            let mut start = step.state_at(step.since_start(period));
+            form.put_in_modes(&mut start, 0.0, |c| Some(step.modes()[c]));
+            let holds = trial.map.holds_later((1.0 - begin.phase) * period, period);
+            let map = held_period_map(&form, (0.0, &start), period, &holds)?;
+            Ok(Trial::new(map, period))
+        })
+    }
+}
+
+/// Returns true if an event or a touch lies within a part of the period from a time of a closed
+/// motion.
+fn near_events(map: &PeriodMap, time: f64, period: f64, part: f64) -> bool {
+    map.times().into_iter().any(|event| {
+        let since = (event - time).rem_euclid(period);
+        since < part * period || since > (1.0 - part) * period
+    })
+}
+
+/// The middle of the longest time without an event in a motion: the time, the state and the modes.
+fn middle(map: &PeriodMap, begins: f64, period: f64) -> (f64, State, Option<&[Mode]>) {
+    let time = map::longest_pause(map, begins, begins + period);
+    let step = map.steps.iter().find(|step| step.end_time() > time);
+    step.map_or((begins, map.start.clone(), map.first_modes()), |step| {
+        let state = step.state_at(step.since_start(time));
+        (time, state, Some(step.modes()))
+    })
+}
