@@ -400,3 +400,29 @@ fn a_centre_that_moves_does_not_change_pitchforks() {
         assert!(error < 1e-11, "{stiffness}: {error:e}");
     }
 }
+
+/// Near a touch that falls onto another event steps become ever shorter: the curve ends soon, and
+/// says so.
+#[test]
+fn a_curve_that_crawls_ends() {
+    let family = |frequency: f64, force: f64| -> Result<Structure, Error> {
+        Structure::new(&[1.0])?
+            .with_ground_spring(0, 1.0)?
+            .with_ground_damper(0, 0.02)?
+            .with_force(0, Drive::harmonic(force, frequency, 0.0)?)?
+            .with_contact(Contact::new(0, Coulomb::new(0.5, 0.3)?, 1.5)?.on_belt(0.1))
+    };
+    let system = family(0.6, 0.3).unwrap();
+    let start = State::new(&[0.3], &[0.0]);
+    let motion = settle(&system, &start, 400.0, Period::Driven(1)).unwrap();
+    let branch = follow(|frequency| family(frequency, 0.3), 0.6, &motion, 0.6..0.8).unwrap();
+    let mut found = branch.bifurcations.iter();
+    let flip = found.find(|found| found.kind == BifurcationKind::Flip);
+    let flip = flip.unwrap_or_else(|| panic!("{branch:?}"));
+    let locus = orbit::locus(family, flip, 0.3, [0.2..2.0, 0.01..1.5]).unwrap();
+    let [LocusEnd::Crawls { parameters }, LocusEnd::Jump] = locus.ends[..] else {
+        panic!("{:?}", locus.ends)
+    };
+    assert_eq!(parameters, locus.points[0].parameters);
+    assert!(locus.points.len() < 400, "{}", locus.points.len());
+}

@@ -30,6 +30,8 @@ pub(crate) enum End {
     Vanishes([f64; 2]),
     /// The work allowed is done.
     Work,
+    /// Steps become ever shorter.
+    Crawls,
     /// Newton's method does not converge, however short the step.
     Lost(Error),
 }
@@ -38,6 +40,11 @@ pub(crate) enum End {
 const LONGEST: f64 = 1.0 / 64.0;
 
 const SHORTEST: f64 = 1e-9;
+
+/// A curve crawls if so many steps together are no longer than this.
+const MANY_POINTS: usize = 128;
+
+const CRAWL: f64 = 1e-3;
 
 /// The least cosine of the angle between the tangents at neighbouring points.
 const STRAIGHT: f64 = 0.97;
@@ -272,6 +279,7 @@ pub(crate) fn trace<E: Equations>(equations: &E, first: &Point<E::Value>) -> Hal
     let mut base = first.clone();
     let mut signs = signs_of(equations, first);
     let mut length = 0.25 * LONGEST;
+    let mut lengths: Vec<f64> = Vec::new();
     if leaves(equations, first) {
         half.end = End::Ranges;
         return half;
@@ -329,10 +337,16 @@ pub(crate) fn trace<E: Equations>(equations: &E, first: &Point<E::Value>) -> Hal
             half.end = End::Closed;
             return half;
         }
+        lengths.push(place.distance);
         half.points.push(place.point.clone());
         equations.found(&place.point);
         if is_last {
             half.end = End::Ranges;
+            return half;
+        }
+        let last = lengths.len().checked_sub(MANY_POINTS);
+        if last.is_some_and(|first| lengths[first..].iter().sum::<f64>() < CRAWL) {
+            half.end = End::Crawls;
             return half;
         }
         base = place.point;

@@ -102,7 +102,7 @@ pub(super) fn both_ways<'f, E: CurveOfMotions<'f>>(
         let parameters = motions.parameters(&last.y);
         match half.end {
             trace::End::Work if motions.watched.is_stopped() => LocusEnd::Stopped { parameters },
-            trace::End::Lost(_) if curve.jumps_behind(last) => LocusEnd::Jump,
+            trace::End::Lost(_) | trace::End::Crawls if curve.jumps_behind(last) => LocusEnd::Jump,
             _ => LocusEnd::of(half.end.clone(), parameters),
         }
     };
@@ -121,7 +121,8 @@ pub(super) fn both_ways<'f, E: CurveOfMotions<'f>>(
     let ends = [end(&down), end(&up)];
     let [before, after] = std::array::from_fn(|side| {
         let last = [&down, &up][side].points.last().unwrap_or(first);
-        (ends[side] == LocusEnd::Jump).then(|| meets(curve, last))?
+        let may_meet = matches!(ends[side], LocusEnd::Jump | LocusEnd::Crawls { .. });
+        may_meet.then(|| meets(curve, last))?
     });
     let special = down.special.into_iter().rev().chain(up.special);
     let special =

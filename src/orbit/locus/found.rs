@@ -223,6 +223,13 @@ pub enum LocusEnd {
         /// The parameters there.
         parameters: [f64; 2],
     },
+    /// The steps become ever shorter: the last 128 together moved by less than 1e-3 of the sizes
+    /// and ranges. Near there the motion has no derivative, for example because a touch falls onto
+    /// another event of its contact.
+    Crawls {
+        /// The parameters of the last point.
+        parameters: [f64; 2],
+    },
     /// A limit of work was reached: 2048 points or 2·10⁷ steps in one direction
     /// ([`Search`](crate::orbit::Search) sets other limits), or 2·10⁵ motions tried.
     Work,
@@ -249,6 +256,7 @@ impl LocusEnd {
             End::Closed => Self::Closed,
             End::Special => Self::Special,
             End::Vanishes(parameters) => Self::Hopf { parameters },
+            End::Crawls => Self::Crawls { parameters },
             End::Work => Self::Work,
             End::Lost(error) => Self::Lost { parameters, error },
         }

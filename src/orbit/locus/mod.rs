@@ -83,9 +83,9 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// motion if the map is smooth there, and otherwise ends with [`LocusEnd::Jump`]. A curve of
 /// grazings, onsets of stops or event orders ends with `Jump` at every such change. On a curve of
 /// grazings the touch can approach another event of the same contact, such as a release. Steps then
-/// become ever shorter, and the curve ends at the limit of points, [`LocusEnd::Work`]. A curve of
-/// an autonomous motion that shrinks to a point ends with [`LocusEnd::Hopf`], good to about 1e-8 of
-/// the ranges, by extrapolation.
+/// become ever shorter, and the curve ends with [`LocusEnd::Crawls`]. A curve of an autonomous
+/// motion that shrinks to a point ends with [`LocusEnd::Hopf`], good to about 1e-8 of the ranges,
+/// by extrapolation.
 ///
 /// Four changes of events have no curve here: a sticking contact that reaches its limit
 /// tangentially, a load that opens a contact, a drive that jumps, and the onset of a stop of
