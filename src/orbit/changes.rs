@@ -3,8 +3,9 @@
 use nalgebra::{Complex, DVector};
 
 use super::branch::BifurcationKind;
-use super::curve::{Curve, Plane, Solved};
+use super::curve::{Curve, FINE, Plane, Solved};
 use super::map::CLOSED;
+use super::sides::Sides;
 use crate::error::Error;
 use crate::numerics::bracket::Bracket;
 
@@ -196,16 +197,21 @@ impl CurveView<'_, '_> {
         first: &CurvePoint,
         last: &CurvePoint,
     ) -> Result<(CurvePoint, CurvePoint), Error> {
-        /// Distances to try if nothing is found in the middle.
+        /// Parts of the interval to try if nothing is found at the first place.
         const PARTS: [f64; 5] = [0.5, 0.25, 0.75, 0.0625, 0.9375];
-        let (mut low, mut high) = (first.clone(), last.clone());
+        let mut sides = Sides::new(first, last);
         for _ in 0..MOST_HALVINGS {
-            let width = high.distance - low.distance;
+            let (low, high) = (sides.low.distance, sides.high.distance);
+            let width = high - low;
+            if width <= FINE {
+                break;
+            }
+            let parts = PARTS.iter().map(|part| low + part * width);
+            let places: Vec<f64> = sides.next_place().into_iter().chain(parts).collect();
             let mut lost = None;
-            let mut tried = PARTS.iter().filter_map(|part| {
-                let distance = low.distance + part * width;
-                let inside = low.distance < distance && distance < high.distance;
-                match inside.then(|| self.between(&low, &high, distance))? {
+            let mut tried = places.into_iter().filter_map(|distance| {
+                let inside = low < distance && distance < high;
+                match inside.then(|| self.between(&sides.low, &sides.high, distance))? {
                     Ok(place) => Some(place),
                     Err(error) => {
                         lost = Some(error);
@@ -219,12 +225,10 @@ impl CurveView<'_, '_> {
                     _ => break,
                 }
             };
-            if place.solved.sequence.is_like(&first.solved.sequence) {
-                low = place;
-            } else {
-                high = place;
-            }
+            let is_low = place.solved.sequence.is_like(&first.solved.sequence);
+            sides.narrow(place, is_low);
         }
+        let Sides { low, high, .. } = sides;
         if self.apart(&low, &high) > JUMP || self.pass_by(&low, &high) {
             return Err(self.lost(&high));
         }

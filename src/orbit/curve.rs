@@ -47,6 +47,9 @@ pub(super) struct Curve<'f> {
     /// The weight of each unknown in distances and planes: 0 for a memory that events reset, which
     /// jumps when one of them passes the start; otherwise 1.
     pub(super) weights: DVector<f64>,
+    /// For each coordinate i √(M⁻¹)_ii, for each memory variable √k_t if it is the force of an
+    /// elastic contact, otherwise 0: by these the numbers of one energy are in proportion.
+    pub(super) mobilities: Vec<f64>,
     /// The coordinate of the phase condition of an autonomous motion.
     pub(super) turning: Option<usize>,
     /// Number of motions tried.
@@ -93,7 +96,11 @@ const MOST_STEPS: usize = 16;
 const COARSE: f64 = 1e-5;
 
 /// Steps below this size are rounding.
-const FINE: f64 = 1e-13;
+pub(super) const FINE: f64 = 1e-13;
+
+/// After a step that falls to this part of the last one Newton's method converges quadratically:
+/// the next would be rounding.
+const FAST: f64 = 1e-3;
 
 /// Increments of the parameter for the derivative, in units of the range: shorter ones near a
 /// change of the event sequence.
@@ -105,8 +112,14 @@ impl Curve<'_> {
         self.order + usize::from(self.turning.is_some()) + 1
     }
 
-    /// Sets the weights, for systems of a form.
+    /// Sets the weights and mobilities, for systems of a form.
     pub(super) fn weigh(&mut self, form: &GeneralForm<'_>) {
+        let masses = form.model.inverse_mass.rows().map(|(own, _)| own);
+        let springs = form.model.contacts.iter().flat_map(|contact| {
+            let stiffness = contact.tangential_stiffness.unwrap_or(0.0);
+            std::iter::repeat_n(stiffness, contact.memory())
+        });
+        self.mobilities = masses.chain(springs).map(f64::sqrt).collect();
         self.weights = DVector::from_element(self.unknowns(), 1.0);
         let reset = form.are_reset();
         for (weight, reset) in self.weights.iter_mut().skip(2 * form.len()).zip(reset) {
@@ -332,9 +345,10 @@ impl Curve<'_> {
             let Some(change) = solution(&matrix, &right) else {
                 return Err(self.lost(&y, &trial));
             };
-            let size = change.amax();
+            let size = self.largest(&change, plane.scale, &trial);
             let closed = trial.residual <= CLOSED * growth && size <= CLOSED.sqrt();
-            if size <= FINE || (closed && size >= 0.5 * before) {
+            let is_rounding = size >= 0.5 * before || size <= (10.0 * FINE).min(FAST * before);
+            if size <= FINE || (closed && is_rounding) {
                 return self.solved(y, trial, (modes, steps), matrix, plane);
             }
             steps += 1;
@@ -347,6 +361,22 @@ impl Curve<'_> {
             modes = trial.map.end_modes().to_vec();
             y += change.component_mul(plane.scale);
         }
+    }
+
+    /// The largest part of a Newton step: each number in units of its scale, or of its size in the
+    /// motion if that is smaller.
+    fn largest(&self, change: &DVector<f64>, scale: &DVector<f64>, trial: &Trial) -> f64 {
+        let sizes = trial.map.sizes();
+        let larger = |i: usize| {
+            sizes
+                .get(i)
+                .map_or(1.0, |size| f64::max(1.0, scale[i] / size))
+        };
+        let parts = change.iter().enumerate();
+        parts.fold(0.0, |most: f64, (i, x)| match x.abs() * larger(i) {
+            part if part.is_nan() => part,
+            part => most.max(part),
+        })
     }
 
     /// The error if no motion was found near here.

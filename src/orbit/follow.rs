@@ -133,6 +133,7 @@ impl Search<'_> {
             n: 0,
             order: 0,
             weights: DVector::zeros(0),
+            mobilities: Vec::new(),
             turning: None,
             tried: Cell::new(0),
             steps: Cell::new(0),

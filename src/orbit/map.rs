@@ -6,7 +6,7 @@ use super::form::GeneralForm;
 use super::hold::{HeldFlow, Hold, Touch};
 use super::multipliers::multipliers;
 use super::tangent::{TangentFlow, flow_of};
-use super::unslipped::{Unslipped, unslipped};
+use super::unslipped::{Unslipped, slip_by_rounding, unslipped};
 use crate::error::{Error, Reached};
 use crate::motion::{Event, EventKind, Integrator, Mode, Segment};
 use crate::state::structure::State;
@@ -39,6 +39,8 @@ pub struct PeriodMap {
     held: Vec<DVector<f64>>,
     /// Contacts that never slip.
     unslipped: Vec<Unslipped>,
+    /// Contacts that slip by rounding only, if the motion is closed.
+    slip_by_rounding: Vec<usize>,
     /// The touches past which contacts are held.
     pub(super) touches: Vec<Touch>,
 }
@@ -209,6 +211,11 @@ impl PeriodMap {
         let mut contacts: Vec<_> = contacts.map(|unslipped| unslipped.contact).collect();
         contacts.sort_unstable();
         contacts
+    }
+
+    /// Returns true if a contact slips by rounding only, in a motion that is closed.
+    pub(super) fn slips_by_rounding(&self, contact: usize) -> bool {
+        self.slip_by_rounding.contains(&contact)
     }
 
     /// The largest size of each number of the state at the ends of steps; for a velocity at least
@@ -403,6 +410,7 @@ pub(super) fn held_period_map(
     let unslipped = unslipped(form, &steps, [start, &end]);
     Ok(PeriodMap {
         unslipped,
+        slip_by_rounding: slip_by_rounding(form, &steps),
         touches: flow.touches().to_vec(),
         start: start.clone(),
         end_modes,

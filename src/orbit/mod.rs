@@ -111,7 +111,7 @@
 // | `tangent.rs` | the tangent flow: the variational equations along a trajectory |
 // | `saltation.rs` | saltation matrices of events: one formula for all |
 // | `map.rs` | the period map with its derivative, the monodromy matrix |
-// | `unslipped.rs` | contacts that never slip, which make a motion one of a family |
+// | `unslipped.rs` | contacts that never slip, or by rounding only, which make a motion one of a family |
 // | `multipliers.rs` | the eigenvalues of the monodromy matrix |
 // | `shoot.rs` | `shoot`, `settle`: Newton's method for the fixed points of the map |
 // | `written.rs` | serialization of the results (feature `serde`) |
@@ -124,6 +124,7 @@
 // | `curve.rs` | the equations with the parameter as one more unknown; Newton's method across the curve |
 // | `walk.rs` | steps along the curve, and its ends |
 // | `changes.rs` | bifurcations between two points of the curve: folds, flips, tori, changes of the event sequence |
+// | `sides.rs` | the two sides of a change of events, brought together in few motions |
 // | `corner.rs` | branches that turn back at a change of the event sequence |
 // | `symmetry.rs` | symmetric motions: the half-period map, pitchforks |
 // | `switch.rs` | `Bifurcation::switch`: the branch that crosses at a flip or a pitchfork |
@@ -164,6 +165,7 @@ mod section;
 mod sensitivity;
 mod sequence;
 mod shoot;
+mod sides;
 mod springs;
 mod sweep;
 mod switch;

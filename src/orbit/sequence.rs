@@ -5,9 +5,26 @@ use super::map::PeriodMap;
 use crate::motion::{Event, EventKind, Mode};
 use crate::state::structure::State;
 
-/// The events of a period, from any start: contact, kind, and the mode of the contact afterwards.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Sequence(Vec<(usize, EventKind, Mode)>);
+/// An event: contact, kind, and the mode of the contact afterwards.
+type Kind = (usize, EventKind, Mode);
+
+/// The events of a period, from any start.
+#[derive(Debug, Clone)]
+pub(super) struct Sequence {
+    kinds: Vec<Kind>,
+    /// Their times, in periods.
+    times: Vec<f64>,
+}
+
+/// How far a motion is from a change of its events.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Nearness {
+    /// Two events change their order: how much later that of the contact with the larger number
+    /// happens. It has different signs on the two sides.
+    Order(f64),
+    /// Two events of a contact vanish, on one side: the time in between.
+    Pair(f64),
+}
 
 /// Events of different contacts closer than this part of the period count as simultaneous: they
 /// are listed by contact.
@@ -27,7 +44,7 @@ impl Sequence {
     ) -> Self {
         let events = map.events();
         let mut events: Vec<_> = events
-            .filter(|(event, _)| !is_left_out(event))
+            .filter(|(event, _)| !map.slips_by_rounding(event.contact) && !is_left_out(event))
             .map(|(event, after)| (event.time, (event.contact, event.kind, after)))
             .collect();
         // From behind the longest pause, so that none is torn apart at the end of the period.
@@ -49,30 +66,88 @@ impl Sequence {
                 first = i;
             }
         }
-        Self(events.into_iter().map(|event| event.1).collect())
+        Self {
+            times: events.iter().map(|event| event.0 / period).collect(),
+            kinds: events.into_iter().map(|event| event.1).collect(),
+        }
+    }
+
+    /// How far the motion is from the change to another sequence; `None` if more than two events
+    /// change at once, or nothing tells.
+    pub(super) fn nearness(&self, other: &Self) -> Option<Nearness> {
+        let count = self.kinds.len();
+        if count == other.kinds.len() {
+            return (0..count).find_map(|turned| self.exchanged(other, turned));
+        }
+        // The other side has no such events.
+        if count < other.kinds.len() {
+            return None;
+        }
+        let last_of = |i: usize| {
+            let before = (1..count).map(|back| (i + count - back) % count);
+            let mut own = before.filter(|&j| self.kinds[j].0 == self.kinds[i].0);
+            own.next()
+        };
+        let pauses = (0..count).filter_map(|i| {
+            let pause = self.times[i] - self.times[last_of(i)?];
+            Some(pause.rem_euclid(1.0))
+        });
+        let least = pauses.min_by(f64::total_cmp)?;
+        Some(Nearness::Pair(least))
+    }
+
+    /// The two neighbours that have another order in another sequence, which begins elsewhere.
+    fn exchanged(&self, other: &Self, turned: usize) -> Option<Nearness> {
+        let count = self.kinds.len();
+        let there = |i: usize| other.kinds[(i + turned) % count];
+        let mut differing = (0..count).filter(|&i| self.kinds[i] != there(i));
+        let (first, last) = (differing.next()?, differing.next()?);
+        let (a, b) = match (first, last) {
+            (0, last) if last > 1 && last + 1 == count => (last, 0),
+            (first, last) if first + 1 == last => (first, last),
+            _ => return None,
+        };
+        let are_swapped = self.kinds[a] == there(b) && self.kinds[b] == there(a);
+        if !are_swapped || differing.next().is_some() {
+            return None;
+        }
+        // Events at one time are listed by contact.
+        let later = (self.times[b] - self.times[a] + 0.5).rem_euclid(1.0) - 0.5;
+        Some(Nearness::Order(
+            if self.kinds[a].0 < self.kinds[b].0 {
+                later
+            } else {
+                -later
+            } + TOGETHER,
+        ))
     }
 
     /// Returns true if the events are the same, in the same cyclic order.
     pub(super) fn is_like(&self, other: &Self) -> bool {
-        is_rotated(&self.0, &other.0)
+        is_rotated(&self.kinds, &other.kinds)
     }
 
     /// The kind of bifurcation between two sequences.
     pub(super) fn change(&self, other: &Self) -> BifurcationKind {
-        let (short, long) = if self.0.len() < other.0.len() {
+        let (short, long) = if self.kinds.len() < other.kinds.len() {
             (self, other)
         } else {
             (other, self)
         };
-        let contacts = long.0.iter().chain(&short.0).map(|event| event.0).max();
+        let contacts = long
+            .kinds
+            .iter()
+            .chain(&short.kinds)
+            .map(|event| event.0)
+            .max();
         let grazes = (0..=contacts.unwrap_or(0)).all(|contact| {
             let of = |sequence: &Self| -> Vec<(EventKind, Mode)> {
-                let own = sequence.0.iter().filter(|event| event.0 == contact);
+                let own = sequence.kinds.iter().filter(|event| event.0 == contact);
                 own.map(|event| (event.1, event.2)).collect()
             };
             has_more_pairs(&of(short), &of(long))
         });
-        if grazes && short.0.len() < long.0.len() {
+        if grazes && short.kinds.len() < long.kinds.len() {
             BifurcationKind::Grazing
         } else {
             BifurcationKind::Sequence

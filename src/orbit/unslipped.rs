@@ -88,3 +88,32 @@ pub(super) fn unslipped(
     unslipped.extend(carried);
     unslipped
 }
+
+/// Elastic contacts that slip, but in one direction only, on surfaces that come back.
+///
+/// A slider has come back after a period, so in a closed motion such a slip has no length: the
+/// force only touches its limit, as it does at the border of the family of motions without slip
+/// (shakedown). Rounding decides whether the events are there.
+pub(super) fn slip_by_rounding(form: &GeneralForm<'_>, steps: &[Step]) -> Vec<usize> {
+    /// How far a surface that comes back may seem to have moved, in parts of its way.
+    const ROUNDING: f64 = 1e-9;
+    let lasting = || steps.iter().filter(|step| step.duration() > 0.0);
+    let slips_one_way = |c: &usize| {
+        let mut slips = lasting()
+            .map(|step| step.modes()[*c])
+            .filter(|mode| *mode != Mode::Stick);
+        let first = slips.next();
+        matches!(first, Some(Mode::Slip(_))) && slips.all(|mode| Some(mode) == first)
+    };
+    let comes_back = |c: &usize| {
+        let surface = &form.model.contacts[*c].belt_velocity;
+        let moved = lasting().map(|step| {
+            let h = step.duration();
+            h * surface.series(step.clock()).mean(h)
+        });
+        let [moved, way] = moved.fold([0.0, 0.0], |[sum, way], x| [sum + x, way + f64::abs(x)]);
+        moved.abs() <= ROUNDING * way
+    };
+    let elastic = (0..form.contacts()).filter(|&c| !form.holds(c));
+    elastic.filter(slips_one_way).filter(comes_back).collect()
+}

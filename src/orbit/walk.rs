@@ -413,17 +413,25 @@ fn starts(solved: &Solved) -> Option<&[Mode]> {
     first.map(|step| step.modes())
 }
 
-/// The scales of the unknowns at a point: those of its state, its period and the range.
+/// The scales of the unknowns at a point: those of its state, its period and the range. In these
+/// units a coordinate counts by its share of the energy: those that hardly move, as the higher
+/// modes of a beam, change much from motion to motion and say little about the distance.
 pub(super) fn natural_scale(curve: &Curve<'_>, solved: &Solved) -> DVector<f64> {
     let sizes = solved.trial.map.sizes();
-    let unknowns = curve.unknowns();
-    DVector::from_fn(unknowns, |i, _| {
-        if i < curve.order {
-            sizes[i]
-        } else if i + 1 < unknowns {
-            solved.trial.period
-        } else {
-            curve.width()
-        }
+    let (n, unknowns, mobilities) = (curve.n, curve.unknowns(), &curve.mobilities);
+    // Displacements, velocities and forces of the energy of the largest one.
+    let of_kind = |first: usize, mobility: f64| {
+        let of = |j: usize| sizes[first + j] * (mobility / mobilities[j]);
+        (0..n).map(of).fold(0.0, f64::max)
+    };
+    DVector::from_fn(unknowns, |i, _| match i {
+        i if i < n => of_kind(0, mobilities[i]),
+        i if i < 2 * n => of_kind(n, mobilities[i - n]),
+        i if i < curve.order => match mobilities[i - n] {
+            0.0 => sizes[i],
+            mobility => sizes[i].max(of_kind(n, mobility)),
+        },
+        i if i + 1 < unknowns => solved.trial.period,
+        _ => curve.width(),
     })
 }
