@@ -80,12 +80,13 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// computed.
 ///
 /// A curve of folds, flips or Neimark-Sacker bifurcations passes a change of the events of its
-/// motion if the map is smooth there, and otherwise ends with [`LocusEnd::Jump`]. A curve of
-/// grazings, onsets of stops or event orders ends with `Jump` at every such change. On a curve of
-/// grazings the touch can approach another event of the same contact, such as a release. Steps then
-/// become ever shorter, and the curve ends with [`LocusEnd::Crawls`]. A curve of an autonomous
-/// motion that shrinks to a point ends with [`LocusEnd::Hopf`], good to about 1e-8 of the ranges,
-/// by extrapolation.
+/// motion if the map is smooth there, and otherwise ends with
+/// [`LocusEnd::Jump`](super::LocusEnd::Jump). A curve of grazings, onsets of stops or event orders
+/// ends with `Jump` at every such change. On a curve of grazings the touch can approach another
+/// event of the same contact, such as a release. Steps then become ever shorter, and the curve ends
+/// with [`LocusEnd::Crawls`](super::LocusEnd::Crawls). A curve of an autonomous motion that shrinks
+/// to a point ends with [`LocusEnd::Hopf`](super::LocusEnd::Hopf), good to about 1e-8 of the
+/// ranges, by extrapolation.
 ///
 /// Four changes of events have no curve here: a sticking contact that reaches its limit
 /// tangentially, a load that opens a contact, a drive that jumps, and the onset of a stop of
