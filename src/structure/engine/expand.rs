@@ -161,13 +161,15 @@ fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, ord
     }
 }
 
-/// True if no coordinate does anything but to be held, to be free, or to slip on its own contact,
-/// under constant forces and loads.
+/// True if all coordinates are held, are free, or slip on contacts of their own, which have
+/// constant loads and laws without memory.
 fn is_simple(model: &Model<'_>, series: &Series) -> bool {
-    let mut coordinates = series.coordinates.iter();
     model.shared.is_empty()
         && model.springs.is_empty()
-        && coordinates.all(|coordinate| coordinate.role != Role::Other)
+        && series
+            .contacts
+            .iter()
+            .all(|of| of.memories.is_empty() && !of.load_varies && of.course != ContactCourse::Open)
 }
 
 /// Number of masses of a long chain in a group.

@@ -1,25 +1,26 @@
 //! The series of coordinates in groups of four, side by side in the lanes of vector registers. For
-//! steps in which every coordinate is held, is free, or slips alone on its own contact by a law
-//! without memory, under constant forces and loads.
+//! steps in which every coordinate is held, is free, or slips on a contact of its own, under a
+//! constant load and by a law without memory.
 //!
 //! The laws are recorded at the start of the step: see `scalar/recorded.rs`. All coordinates of a
 //! group follow one equation, without a branch:
 //!
 //! ```text
-//! a_k = −(M⁻¹K q + M⁻¹C v)_k,    y_{k+1} = (σ a_k − N m_k)/(k + 1),    v_{k+1} = σ y_{k+1}
+//! a_k = (M⁻¹f − M⁻¹K q − M⁻¹C v − w')_k,   y_{k+1} = (σ a_k − N m_k)/(k + 1),
+//! v_{k+1} = σ y_{k+1} + w_{k+1}
 //! ```
 //!
-//! with σ = 0 for those that are held, and σ = 1, N = 0 for those that are free.
+//! with σ = 0 for those that are held, and σ = 1, N = 0, w = 0 for those that are free.
 
 use super::expand::{ALL, in_waves};
 use super::model::Model;
-use super::series::{ContactSeries, Role, Series};
+use super::series::{ContactCourse, ContactSeries, Series};
 use crate::friction::memory::Slip;
 use crate::friction::memory::object::LawObject;
 use crate::scalar::fused;
-use crate::scalar::lanes::{Chunk, LANES, Lanes, mul_add, times};
+use crate::scalar::lanes::{Chunk, LANES, Lanes, mul_add, plus, times};
 use crate::scalar::recorded::Recorder;
-use crate::series::{INTEGRAL, TERMS};
+use crate::series::{INTEGRAL, PowerSeries, TERMS};
 
 /// Number of groups of a long chain that are expanded to the last order before the next are begun:
 /// see [`expand`](super::expand::expand).
@@ -74,6 +75,10 @@ struct Group {
     speeds: [Lanes; TERMS],
     friction: [Lanes; TERMS],
     carried: [Lanes; TERMS],
+    /// True if a force or a surface of the group varies: then M⁻¹f − w', and w.
+    is_driven: bool,
+    given: [Lanes; TERMS],
+    surface: [Lanes; TERMS],
     /// The laws: one chunk for those with the same operations, and how many are in use.
     chunks: Vec<Chunk>,
     used: usize,
@@ -119,6 +124,9 @@ impl Groups {
             speeds: [zero; TERMS],
             friction: [zero; TERMS],
             carried: [zero; TERMS],
+            is_driven: false,
+            given: [zero; TERMS],
+            surface: [zero; TERMS],
             chunks: Vec::new(),
             used: 0,
         };
@@ -143,6 +151,7 @@ pub(super) fn expand_groups(model: &Model<'_>, series: &mut Series) {
     } = series;
     for group in &mut groups.series.groups {
         (group.side, group.load, group.used) = ([0.0; LANES], [0.0; LANES], 0);
+        group.is_driven = false;
     }
     for (i, coordinate) in coordinates.iter().enumerate() {
         let Place { group, lane } = Place::of(i);
@@ -151,17 +160,17 @@ pub(super) fn expand_groups(model: &Model<'_>, series: &mut Series) {
         numbers[1][lane] = coordinate.course.velocity(0);
         numbers[2][lane] = coordinate.course.velocity(1);
         let group = &mut groups.series.groups[group];
-        match coordinate.role {
-            Role::Slips(c) => {
-                group.begin(
-                    lane,
-                    &contacts[c],
-                    model.contacts[c].law,
-                    &mut groups.recorder,
-                );
+        match model.owner[i] {
+            Some(c) if contacts[c].course == ContactCourse::Slip => {
+                let law = model.contacts[c].law;
+                group.begin(lane, &contacts[c], law, &mut groups.recorder);
             }
-            Role::Held(_) | Role::Other => {}
-            Role::Free => group.side[lane] = 1.0,
+            Some(_) => {}
+            None => group.side[lane] = 1.0,
+        }
+        if model.is_driven[i] {
+            let surface = model.owner[i].map(|c| &contacts[c].surface);
+            group.drive(lane, &coordinate.force, surface);
         }
     }
     let shift = model.bandwidth.div_ceil(LANES);
@@ -176,22 +185,17 @@ pub(super) fn expand_groups(model: &Model<'_>, series: &mut Series) {
         let Place { group, lane } = Place::of(i);
         let numbers = &groups.series.courses[group];
         let group = &groups.series.groups[group];
-        match coordinate.role {
-            Role::Held(c) => {
-                for k in 1..ALL {
-                    contacts[c].carried[k] = group.carried[k][lane];
-                }
-                continue;
+        if let Some(c) = model.owner[i] {
+            let of = &mut contacts[c];
+            for k in 1..ALL {
+                of.carried[k] = group.carried[k][lane];
+                of.speeds[k + 1] = group.speeds[k + 1][lane];
             }
-            Role::Slips(c) => {
-                let of = &mut contacts[c];
+            if of.course == ContactCourse::Slip {
                 for k in 1..ALL {
-                    of.carried[k] = group.carried[k][lane];
                     of.friction[k] = group.friction[k][lane];
-                    of.speeds[k + 1] = group.speeds[k + 1][lane];
                 }
             }
-            Role::Free | Role::Other => {}
         }
         for k in 2..=ALL {
             coordinate.course.set_velocity(k, numbers[k + 1][lane]);
@@ -225,6 +229,21 @@ impl Group {
         }
         self.chunks[self.used].begin(lane, recorder, output);
         self.used += 1;
+    }
+}
+
+impl Group {
+    /// Takes a force that varies, and the velocity of the surface, into a lane.
+    fn drive(&mut self, lane: usize, force: &PowerSeries, surface: Option<&PowerSeries>) {
+        if !self.is_driven {
+            (self.given, self.surface) = ([[0.0; LANES]; TERMS], [[0.0; LANES]; TERMS]);
+            self.is_driven = true;
+        }
+        for k in 1..ALL {
+            let next = surface.map_or(0.0, |surface| surface[k + 1]);
+            self.given[k][lane] = force[k] - (k + 1) as f64 * next;
+            self.surface[k + 1][lane] = next;
+        }
     }
 }
 
@@ -265,14 +284,21 @@ impl GroupSeries {
             friction = chunk.order::<CHOSEN>(k, group.speeds[k], friction);
         }
         let minus = [-1.0; LANES];
-        let rate = times(minus, pull);
+        let mut rate = times(minus, pull);
+        if group.is_driven {
+            rate = plus(rate, group.given[k]);
+        }
         group.carried[k] = rate;
         group.friction[k] = friction;
         let braked = times(minus, times(group.load, friction));
         let speed = mul_add::<CHOSEN>(group.side, rate, braked);
         let speed = times([INTEGRAL[k]; LANES], speed);
         group.speeds[k + 1] = speed;
-        self.courses[g][k + 2] = times(group.side, speed);
+        let mut velocity = times(group.side, speed);
+        if group.is_driven {
+            velocity = plus(velocity, group.surface[k + 1]);
+        }
+        self.courses[g][k + 2] = velocity;
     }
 }
 
