@@ -17,10 +17,10 @@
 //!    is small at a quarter, a half and three quarters of the step, at its end, and near the
 //!    minimum of the sliding speed. This also catches terms of the law that underflow at the start
 //!    of the step, as exp(−400) does in a law with a narrow Stribeck velocity. In a step longer
-//!    than one radian the defect is checked at every quarter of a radian. This finds a bump
-//!    exp(−(s/w)²) of the law at any other speed if w is at least 1/40 of the motion's velocity
-//!    amplitude. Declare a [breakpoint](crate::FrictionLaw::breakpoints) at any narrower feature.
-//!    Tests: `belt::integrator::promise_1_hidden_terms_are_not_missed`,
+//!    than one radian the defect is checked at every quarter of a radian. This finds a narrow bump
+//!    exp(−((s − s_0)/w)²) of the law, at whatever sliding speed s_0 it lies, if w is at least 1/40
+//!    of the motion's velocity amplitude. Declare a [breakpoint](crate::FrictionLaw::breakpoints)
+//!    at any narrower feature. Tests: `belt::integrator::promise_1_hidden_terms_are_not_missed`,
 //!    `belt::integrator::promise_1_features_passed_in_a_long_step_are_seen`,
 //!    `belt::hostile::a_narrow_feature_is_not_missed_wherever_in_a_step_it_lies`.
 //! 2. **Zeros of v_r** are roots of the polynomial of the sliding speed. They are isolated, so that
@@ -41,8 +41,8 @@
 //!    Tests: `belt::integrator::promise_5_motion_is_continuous_and_ordered_and_repeatable`,
 //!    `contract::api::the_same_bits_again_and_in_threads`.
 //! 6. **Large numbers.** The integrated variable is v_r, not v, so the zeros of v_r are exact for
-//!    large v_b. Time is summed with its rounding errors: after 10⁵ cycles an event lies at its
-//!    multiple of the period within 4 ulps of the time. Tests:
+//!    large v_b. Time is summed with compensation for rounding errors: after 10⁵ cycles an event
+//!    lies at its multiple of the period within 4 ulps of the time. Tests:
 //!    `belt::integrator::promise_6_contact_is_exact_for_large_belt_velocities`,
 //!    `belt::integrator::promise_6_time_does_not_drift_over_a_hundred_thousand_cycles`.
 //! 7. **Tolerance** is the error of a step relative to the scale of the motion, max(|u − ū|, |v|,
@@ -116,16 +116,17 @@
 //! * **Reference motions** with 25 digits are met:
 //!   `structures::trajectories::motions_have_the_reference_events_and_states`,
 //!   `structures::memory::motions_have_the_reference_events_and_states`.
-//! * **Contacts that share masses** decide together at r = 0, by the rule on the page of
-//!   [`Structure`](crate::Structure#contacts-that-share-masses): at first each has its static
-//!   limit, and the fastest, by the measure given there, slips first. The numbering of contacts
-//!   does not matter. If contacts with linearly dependent directions would stick together, the run
-//!   returns [`Error::Undetermined`](crate::Error::Undetermined):
+//! * **Contacts that share masses** and are at r = 0 decide together which of them stick, by the
+//!   rule on the page of [`Structure`](crate::Structure#contacts-that-share-masses). The numbering
+//!   of contacts does not matter. If contacts with linearly dependent directions would stick at the
+//!   same time, the run returns [`Error::Undetermined`](crate::Error::Undetermined):
 //!   `structures::decisions::decisions_are_those_of_all_patterns_tried`,
 //!   `structures::contacts::contacts_may_be_numbered_in_any_order`,
 //!   `structures::contacts::parallel_clutches_that_lock_are_undetermined`.
-//! * **Loads.** A load that depends on time alone opens and closes its contact; one that only
-//!   touches 0 causes no event; one that depends on displacements ends the motion at 0:
+//! * **Loads.** A load that depends on time alone may fall below 0 and rise again: it opens its
+//!   contact and closes it. A load that only touches 0 causes no event. If a load that depends on
+//!   displacements falls to 0, the motion ends with
+//!   [`Error::Separation`](crate::Error::Separation):
 //!   `structures::closed_forms::a_load_that_falls_to_zero_opens_the_contact`,
 //!   `structures::random::a_load_that_touches_zero_does_not_open_or_close`,
 //!   `structures::closed_forms::a_load_that_springs_lift_ends_the_motion`.
@@ -144,8 +145,8 @@
 //! * **One mass on a belt** moves the same in both engines:
 //!   `structures::two_engines::reference_motions_of_the_belt`,
 //!   `structures::two_engines::random_belts`.
-//! * **Stiff bristles** take as many steps whatever their stiffness (tried up to σ0 = 10¹²):
-//!   `structures::stiff_memory::any_stiffness_takes_as_many_steps`.
+//! * **Stiff bristles.** The number of steps does not grow with the stiffness of the bristles
+//!   (tried up to σ0 = 10¹²): `structures::stiff_memory::any_stiffness_takes_as_many_steps`.
 //! * **Limits of work** hold: `structures::random::limits_of_work_hold`.
 //!
 //! # Completeness
@@ -154,8 +155,8 @@
 //! |---|---|---|
 //! | [`limit_cycle::stick_slip`](crate::limit_cycle::stick_slip) | yes: if a cycle sticks, it is found | `cycles::maps::no_cycle_is_lost_or_invented` |
 //! | [`limit_cycle::find`](crate::limit_cycle::find) | yes, except pairs of cycles [very close together](crate::limit_cycle#what-is-guaranteed); ranges that double precision cannot resolve are [reported](crate::CycleSet::unresolved) | `cycles::maps::no_cycle_is_lost_or_invented`, `cycles::cycles::every_number_of_the_reference`, `cycles::cases::canard_like_growth_is_resolved_or_told` |
-//! | [`limit_cycle::attractor`](crate::limit_cycle::attractor), [`basins`](crate::limit_cycle::basins()) | with the cycles of `find` | `cycles::maps::motions_stay_near_stable_cycles_and_end_on_the_attractor_named` |
-//! | functions of [`bifurcation`](crate::bifurcation) | as dense as each function says | `cycles::bifurcations::every_number_of_the_reference`, `cycles::brute_force::contacts_change_where_brute_force_says` |
+//! | [`limit_cycle::attractor`](crate::limit_cycle::attractor), [`basins`](crate::limit_cycle::basins()) | as complete as `find`, whose cycles they use | `cycles::maps::motions_stay_near_stable_cycles_and_end_on_the_attractor_named` |
+//! | functions of [`bifurcation`](crate::bifurcation) | depends on the function: its page states how densely it searches | `cycles::bifurcations::every_number_of_the_reference`, `cycles::brute_force::contacts_change_where_brute_force_says` |
 //! | [`orbit::shoot`](crate::orbit::shoot), [`settle`](crate::orbit::settle) | no: one motion near the guess, exact to rounding, or a typed error | `orbit::references::orbits_have_the_reference_numbers`, `orbit::bad_input::what_is_not_found_says_how_far_it_is` |
 //! | [`orbit::follow`](crate::orbit::follow) | no: what is connected with the start; two bifurcations of one kind within a step can be missed | `orbit::follow::bifurcations_of_forced_motions_are_those_of_the_reference`, `orbit::follow::both_directions_meet` |
 //!

@@ -74,9 +74,9 @@ pub fn largest_stick_slip_velocity(system: &MassOnBelt<Coulomb>) -> f64 {
 }
 
 /// Damping ratio β from which on there is no stick-slip cycle at the system's belt velocity: the
-/// root of γ²(μ_s − μ_k)Λ(β) = |v_b|. Dimensionless, exact. The result lies in 0 < β < 1; it is 0
-/// for μ_s = μ_k, and if the root is too small for an `f64`. `None` at v_b = 0. The system's own β
-/// is ignored. For any law:
+/// root of γ²(μ_s − μ_k)Λ(β) = |v_b|. Dimensionless, exact. The result lies in 0 < β < 1, except
+/// that it is 0 if μ_s = μ_k or if the root is too small for an `f64`. `None` if v_b = 0. The
+/// system's own β is ignored. For any law:
 /// [`bifurcation::silencing_damping`](crate::bifurcation::silencing_damping).
 ///
 /// ```

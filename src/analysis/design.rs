@@ -56,9 +56,9 @@ pub fn stabilizing_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Option<f64
 /// max(−dμ̂/ds), or 0. Dimensionless, exact to rounding. The system's own v_b and β are ignored.
 ///
 /// The law is expanded in power series from one end of the range to the other. Each series is used
-/// within its radius of convergence and checked in between. The steepest fall is found among the
-/// ends of the series, the breakpoints, and all minima of dμ̂/ds on each series, which are isolated
-/// so that none is skipped.
+/// only within its radius of convergence, and is compared with the law at three points of its
+/// interval. The steepest fall is found among the ends of the series, the breakpoints, and all
+/// minima of dμ̂/ds on each series, which are isolated so that none is skipped.
 ///
 /// # Errors
 ///

@@ -143,10 +143,10 @@ impl DwellOscillator {
     /// The unstable stick-slip cycle on a belt of velocity v, which separates the starts that lead
     /// to the stable one from the others. It exists between
     /// [`grazing_velocity`](Self::grazing_velocity) and the [`fold`](Self::fold), with damping
-    /// only. Exact. `None` as for [`stick_slip`](Self::stick_slip), and where rounding cannot
-    /// separate the cycle from the fold. This can be the whole range, if friction has almost
-    /// reached its limit at the release: with damping ratio 0.77 and ωθ_c = 1 the range is narrower
-    /// than 10⁻⁴⁰ of its velocities.
+    /// only. Exact. `None` for the same reasons as [`stick_slip`](Self::stick_slip), or where
+    /// rounding cannot separate the cycle from the fold. This can be the whole range, if friction
+    /// has almost reached its limit at the release: with damping ratio 0.77 and ωθ_c = 1 the range
+    /// is narrower than 10⁻⁴⁰ of its velocities.
     pub fn unstable_stick_slip(&self, velocity: f64) -> Option<ExactCycle> {
         let of = self.oscillator()?;
         let fold = self.fold_arc(&of)?;
@@ -168,8 +168,8 @@ impl DwellOscillator {
     }
 
     /// Belt velocity N(μ_s(θ) − μ_k)Λω/k, ωθ = 1/Λ, at which an arc comes back to the belt
-    /// tangentially: the unstable cycle begins there. Exact. `None` without damping, for
-    /// c ≥ 2√(km), and if a field is out of its range.
+    /// tangentially: the unstable cycle begins there. Exact. `None` if there is no damping, if
+    /// c ≥ 2√(km), or if a field is out of its range.
     pub fn grazing_velocity(&self) -> Option<f64> {
         let of = self.oscillator().filter(|of| of.damping > 0.0)?;
         Some(self.velocity(&of, tangential(&of)))

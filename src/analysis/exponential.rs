@@ -83,9 +83,9 @@ pub fn hopf_velocities(system: &MassOnBelt<Exponential>) -> Option<[HopfPoint; 2
     }))
 }
 
-/// Damping ratio γ²(μ_s − μ_k)/(v_s √(2e)) above which there is no vibration at any belt velocity;
-/// friction falls most steeply at the speed v_s/√2. Dimensionless. The system's own v_b and β are
-/// ignored.
+/// Damping ratio γ²(μ_s − μ_k)/(v_s √(2e)) above which there is no vibration at any belt velocity.
+/// At this ratio the damper just offsets the steepest fall of friction, which is at the sliding
+/// speed v_s/√2. Dimensionless. The system's own v_b and β are ignored.
 ///
 /// Exact: with more damping the force 2βv + γ²μ(v − v_b) rises with v, and every motion loses
 /// energy. There is no vibration at this damping ratio itself either, unless μ_s = μ_k: then the

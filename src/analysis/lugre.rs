@@ -26,8 +26,8 @@ pub struct SteadyBristles {
     pub rate: f64,
 }
 
-/// Steady sliding at a relative velocity r of either sign. Exact. `None` for r = 0, where any
-/// deflection stays, and if r is not finite.
+/// Steady sliding at a relative velocity r of either sign. Exact. `None` if r = 0, where any
+/// deflection stays, or if r is not finite.
 ///
 /// ```
 /// use stick_slip::analysis::lugre::steady_bristles;

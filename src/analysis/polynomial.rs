@@ -5,8 +5,9 @@ use super::PureSlip;
 use crate::belt::MassOnBelt;
 use crate::friction::{FrictionLaw, Polynomial};
 
-/// Damping ratio η/2 above which there is no vibration at any belt velocity; friction falls most
-/// steeply at the sliding speed 0. Dimensionless. The system's own v_b and β are ignored.
+/// Damping ratio η/2 above which there is no vibration at any belt velocity. At this ratio the
+/// damper just offsets the steepest fall of friction, which is at the sliding speed 0.
+/// Dimensionless. The system's own v_b and β are ignored.
 ///
 /// Exact: with more damping the force 2βv + γ²μ(v − v_b) rises with v, and every motion loses
 /// energy. There is no vibration at η/2 itself either, unless μ_s = μ_m: then η = 0, friction is

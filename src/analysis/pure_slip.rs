@@ -80,7 +80,7 @@ pub struct PureSlip {
 }
 
 impl PureSlip {
-    /// The formulas for a system. `None` at v_b = 0, and if a coefficient overflows.
+    /// The formulas for a system. `None` if v_b = 0, or if a coefficient overflows.
     pub fn new(system: &MassOnBelt<Polynomial>) -> Option<Self> {
         let (law, v_b) = (system.law(), system.belt_velocity());
         let v_m = law.minimum_velocity();

@@ -19,10 +19,10 @@ use crate::scalar::LONGEST;
 ///
 /// In these formulas slip neither gains nor loses energy, so the arc meets the belt at ū − κ|v_b|,
 /// the mirror image of the release point. In truth slip gains energy of order ε, and the mass meets
-/// the belt farther out, by O(√ε). So the formulas are poor: the errors are O(ε) in A1, O(ε^{3/2})
-/// in T (the same order as for T = 2π) and O(ε^{1/2}) in the durations. For a cubic law use
-/// [`first_order`](Self::first_order) and [`second_order`](Self::second_order). Range of validity:
-/// κ > 0, and 0 < |v_b| < v_b0 for the polynomial law.
+/// the belt farther out, by O(√ε). The formulas are therefore poor: the errors are O(ε) in A1,
+/// O(ε^{3/2}) in T (no better in order than T = 2π) and O(ε^{1/2}) in the durations. For a cubic
+/// law use [`first_order`](Self::first_order) and [`second_order`](Self::second_order). Range of
+/// validity: κ > 0, and 0 < |v_b| < v_b0 for the polynomial law.
 ///
 /// Everything is dimensionless and holds for both signs of v_b.
 ///
@@ -70,8 +70,8 @@ struct Cubic {
 }
 
 impl StickSlip {
-    /// The formulas for a system. `None` at v_b = 0, if κ ≤ 0 (the damper's force at the belt
-    /// velocity is at least the difference between static and kinetic friction), and if κ is not
+    /// The formulas for a system. `None` if v_b = 0, if κ ≤ 0 (the damper's force at the belt
+    /// velocity is at least the difference between static and kinetic friction), or if κ is not
     /// finite.
     ///
     /// A system with κ ≤ 0 may still have a stick-slip cycle, but these formulas do not describe
@@ -181,8 +181,9 @@ impl StickSlip {
 
     /// The cycle to second order in ε. For errors and range see [`StickSlipCycle`].
     ///
-    /// `None` if [`first_order`](Self::first_order) is; if W1 + W2 ≤ 0; and if |v_b|·stick >
-    /// 2γ²μ_s, where the mass would meet the belt beyond the stick band and overtake it.
+    /// `None` if [`first_order`](Self::first_order) returns `None`, if W1 + W2 ≤ 0, or if
+    /// |v_b|·stick > 2γ²μ_s: the mass would then meet the belt beyond the stick band and overtake
+    /// it.
     pub fn second_order(&self) -> Option<StickSlipCycle> {
         let cubic = self.cubic?;
         self.on_belt(&cubic, cubic.second_order()?)

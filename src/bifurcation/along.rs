@@ -13,8 +13,9 @@ use crate::limit_cycle::Tracer;
 /// Searches a family of systems along any parameter: a load, a damping, a coefficient of the law, a
 /// belt velocity, or any other number from which the closure makes a system.
 ///
-/// The searches are the methods of [`Along`]. All values of a range are searched as they are, also
-/// below 0. The family should be continuous in the parameter, except at a few values.
+/// The searches are the methods of [`Along`]. Negative values in the range are searched like
+/// positive ones: no symmetry about 0 is assumed. The family should be continuous in the parameter,
+/// except at a few values.
 ///
 /// ```
 /// use stick_slip::{Error, Exponential, MassOnBelt, bifurcation};

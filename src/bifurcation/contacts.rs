@@ -21,11 +21,12 @@ use crate::state::Direction;
 ///
 /// The velocities are the roots of a function of v_b that is smooth through them: w²/(2v_b²) if the
 /// motion meets the belt, where w is the rate of the relative velocity when it comes back to 0;
-/// V/v_b − 1 if it has a velocity maximum V below v_b. Negative velocities give the mirror image,
-/// −v_b. The range is divided into 64 intervals, and an interval that may hold a root into up to
-/// 2¹⁰ parts. If the range is a thousand times wider than the part in which the system vibrates, a
-/// root may be missed: take a narrower range. Velocities below 64 ε γ²μ_s, with ε = 2⁻⁵², are not
-/// searched: there, a motion of size v_b is lost in the rounding of u.
+/// V/v_b − 1 if it has a velocity maximum V below v_b. If v_b is such a velocity, so is −v_b,
+/// because the motions are mirror images: both are returned if both lie in the range. The range is
+/// divided into 64 intervals, and an interval that may hold a root into up to 2¹⁰ parts. If the
+/// range is a thousand times wider than the part in which the system vibrates, a root may be
+/// missed: take a narrower range. Velocities below 64 ε γ²μ_s, with ε = 2⁻⁵², are not searched:
+/// there, a motion of size v_b is lost in the rounding of u.
 ///
 /// Source: sliding bifurcations, di Bernardo, Budd, Champneys and Kowalczyk, *Piecewise-smooth
 /// Dynamical Systems* (Springer 2008), chapter 8.

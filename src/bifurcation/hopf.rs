@@ -15,12 +15,13 @@ use crate::orbit::Criticality;
 /// ```
 ///
 /// The law is expanded in power series from one end of the range to the other. Each series is used
-/// within its radius of convergence and checked in between; its roots are isolated so that none is
-/// skipped. Where h1 touches zero to rounding and keeps its sign, stability does not change, and
-/// nothing is reported. Negative velocities give the mirror image, −v_b. A
-/// [breakpoint](FrictionLaw::breakpoints) at which h1 jumps over zero is reported. Where h1 is zero
-/// over a whole interval, the end of that interval is reported if the signs on its two sides
-/// differ.
+/// only within its radius of convergence, and is compared with the law at three points of its
+/// interval. The roots of the series are isolated so that none is skipped. Where h1 touches zero to
+/// rounding and keeps its sign, stability does not change, and nothing is reported. If v_b is such
+/// a velocity, so is −v_b, because the motions are mirror images: both are returned if both lie in
+/// the range. A [breakpoint](FrictionLaw::breakpoints) at which h1 jumps over zero is reported. If
+/// h1 is zero over a whole interval of velocities and has different signs on its two sides, the end
+/// of the interval with the larger |v_b| is reported.
 ///
 /// For the exponential law there is the closed form
 /// [`analysis::exponential::hopf_velocities`](crate::analysis::exponential::hopf_velocities).

@@ -67,8 +67,8 @@ pub fn vibration_ranges<L: FrictionLaw>(
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct VibrationRange {
-    /// Belt velocities, dimensionless; values of the parameter in a search [`along`](super::along)
-    /// another one.
+    /// Belt velocities, dimensionless. If the search is [`along`](super::along) another parameter,
+    /// these are values of that parameter, in its own units.
     pub velocities: Range<f64>,
     /// The attractors, from the inside outwards. Empty if a motion can grow without bound, or if
     /// double precision cannot decide.
@@ -82,8 +82,9 @@ impl VibrationRange {
         self.attractors.len() > 1
     }
 
-    /// Returns true if a vibration can last: there is an attractor other than steady sliding, or
-    /// none.
+    /// Returns true if a vibration can last: one of the attractors is not steady sliding, or the
+    /// list of attractors is empty (a motion can grow without bound, or double precision cannot
+    /// decide).
     pub fn vibrates(&self) -> bool {
         self.attractors != [AttractorKind::Equilibrium]
     }

@@ -218,7 +218,7 @@ impl Drive {
     }
 
     /// The period: the least T > 0 with f(t + T) = f(t), in units of time. `None` for a constant,
-    /// for a drive with a profile, and if the harmonics have no common period.
+    /// for a drive with a profile, or if the harmonics have no common period.
     ///
     /// Ratios of angular frequencies that are within 4 ulps of p/q with q ≤ 1000 count as
     /// commensurate, since 1.65/0.55 is not 3 in `f64`.

@@ -1,5 +1,6 @@
-//! A law over a range of sliding speeds, as a chain of power series. Each series is used within its
-//! radius of convergence and checked in between, so that no feature of the law is missed.
+//! A law over a range of sliding speeds, as a chain of power series. Each series is used only
+//! within its radius of convergence, and is compared with the law at three points of its interval,
+//! so that no feature of the law is missed.
 
 use std::ops::{ControlFlow, Range};
 
@@ -40,8 +41,8 @@ impl AlongSlope<'_> {
     /// is the function that was called and its name of the range's end, for errors.
     ///
     /// A touch of zero to rounding without a change of sign is not reported. A breakpoint at which
-    /// h jumps over zero is reported. If h is zero over a whole interval, the end of that interval
-    /// is reported, if the signs before and behind the interval differ.
+    /// h jumps over zero is reported. If h is zero over a whole interval of speeds and has
+    /// different signs on its two sides, the upper end of the interval is reported.
     pub(crate) fn sign_changes(
         &self,
         range: &Range<f64>,

@@ -161,7 +161,7 @@ impl Iwan4 {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] unless 0 < grid < 1 and 1 ≤ n ≤ 100 000, and if the first
+    /// [`Error::InvalidParameter`] unless 0 < grid < 1 and 1 ≤ n ≤ 100 000, or if the first
     /// stiffness or limit underflows.
     ///
     /// ```

@@ -15,7 +15,7 @@ use crate::scalar::Scalar;
 ///
 /// The first point must be at s = 0. Every slip phase begins there, and the slope of friction near
 /// rest decides whether the mass sticks. If your measurements do not reach so far down, extrapolate
-/// them, or use the static coefficient.
+/// them to s = 0, or take the static coefficient as the coefficient there.
 ///
 /// Above the last point the coefficient is constant. The slope at the last point is 0, so that it
 /// is continuous there too: between the last two points the law levels off. Measure up to the

@@ -11,7 +11,8 @@ use crate::friction::{Values, has_no_kinetic_friction, is_constant_near, is_cons
 /// A family of periodic motions that fills a disc round the equilibrium. It exists without damping
 /// where friction does not depend on the speed (Coulomb, or μ_s = μ_m), because such friction
 /// neither feeds nor damps a motion in slip. On a belt at rest it exists only without kinetic
-/// friction; static friction, if any, leaves the stick band out of it.
+/// friction. If there is static friction, motions that would turn back inside the stick band do not
+/// belong to the family, because the mass sticks there.
 ///
 /// ```
 /// use stick_slip::{Coulomb, MassOnBelt, limit_cycle};

@@ -111,9 +111,9 @@ impl Integrator {
         Ok(self)
     }
 
-    /// Sets the largest number of events of one run, for both `simulate` and `flow`. A run that
-    /// would continue after more events returns an error. (To end a motion **at** an event, see
-    /// [`simulate_until`](Self::simulate_until).)
+    /// Sets the largest number of events of one run, for both `simulate` and `flow`. A run that has
+    /// had more events than this number, and is not over, returns an error. (To end a motion **at**
+    /// an event, see [`simulate_until`](Self::simulate_until).)
     ///
     /// # Errors
     ///

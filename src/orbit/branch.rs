@@ -15,8 +15,8 @@ use crate::motion::{EventKind, System};
 pub struct Branch<S: System> {
     /// The motions, from one end of the branch to the other.
     pub points: Vec<BranchPoint<S>>,
-    /// The bifurcations between them, in the same order; that of a grazing end is the first or the
-    /// last.
+    /// The bifurcations between them, in the same order. If the branch ends at a grazing, that
+    /// grazing is stored here too, as the first or the last entry.
     pub bifurcations: Vec<Bifurcation<S>>,
     /// The reasons why the branch ends before its first point, and after its last one.
     pub ends: [BranchEnd; 2],
@@ -143,16 +143,17 @@ pub enum BranchEnd {
     /// An event of the motion became tangential, and the branch cannot continue: the relative
     /// velocity of a contact reaches 0 only tangentially there, and not at all beyond.
     Grazing {
-        /// The parameter there, to rounding. The motion there is that of the first or the last of
-        /// [`Branch::bifurcations`]; the derivative of its map is unbounded, its first multiplier
-        /// infinite, and the others are NaN.
+        /// The parameter there, to rounding. The motion there is stored as the first or the last
+        /// entry of [`Branch::bifurcations`]. The derivative of its map is unbounded; its first
+        /// multiplier is infinite, and the others are NaN.
         parameter: f64,
     },
     /// The motion itself jumps there, and the branch cannot continue. At one instant the outcome at
-    /// a contact changes. Either its force in stick, or at the start of stick, just reaches the
-    /// static limit: beyond, the contact slips, with a jump of the force if static friction exceeds
-    /// kinetic friction. Or its relative velocity just reaches 0, and beyond does not reach it. The
-    /// multipliers give no sign of it.
+    /// a contact changes, in one of two ways. In the first, the force of the contact, in stick or
+    /// at the start of stick, just reaches the static limit; beyond that parameter the contact
+    /// slips at this instant, and its force jumps if static friction exceeds kinetic friction. In
+    /// the second, the relative velocity of the contact just reaches 0; beyond that parameter it
+    /// does not reach 0. The multipliers give no sign of the jump.
     Discontinuity {
         /// The parameter there.
         parameter: f64,
@@ -163,8 +164,8 @@ pub enum BranchEnd {
         contact: usize,
         /// The events of the last motion, by contact and kind.
         events: Vec<(usize, EventKind)>,
-        /// The events of the motion from the same start just beyond. If they are of the same kinds,
-        /// the time of one jumps.
+        /// The events of the motion from the same start just beyond. If this list equals `events`,
+        /// the two motions differ in the time of an event at `contact`: that time jumps.
         beyond: Vec<(usize, EventKind)>,
     },
     /// The branch returned to its start: it is closed.

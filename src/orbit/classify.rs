@@ -115,12 +115,15 @@ impl<S: System> fmt::Debug for Attractor<S> {
 ///
 /// The motion is simulated until it stands still, or nearly repeats itself after 1 to 16 returns:
 /// to an event, to a turning point, or to the same phase of the drives. From there [`shoot`] finds
-/// the periodic motion to rounding. It is returned if it is stable and near. So the result is the
-/// attractor of this start; other starts may have others.
+/// the periodic motion to rounding. This motion is returned if it differs from the simulated one by
+/// at most 5 % of the extent, and if it is stable or the simulated motion already repeats itself to
+/// 10⁻⁹ of the extent; otherwise the simulation goes on. So the result is the attractor of this
+/// start; other starts may have others.
 ///
-/// Steady sliding and rest are reached once all velocities stay below 10⁻⁶ of the largest one,
-/// belts included, for many steps without an event. A start exactly on an unstable equilibrium, or
-/// on an unstable periodic motion, stays there: perturb it.
+/// Without varying drives, the motion counts as steady sliding or rest once 256 steps or more pass
+/// without an event and with all velocities at most 10⁻⁶ of the largest velocity so far, those of
+/// the belts included. A start exactly on an unstable equilibrium, or on an unstable periodic
+/// motion, stays there: perturb it.
 ///
 /// The work is at most 1.3·10⁵ steps of the motion, about 10⁴ oscillations, and ten shootings;
 /// beyond, the motion counts as irregular. [`Search::classify`] bounds and watches it. For one mass

@@ -26,9 +26,9 @@ pub(super) const LOOK_EVERY: usize = 1000;
 /// |---|---|
 /// | [`settle`](Self::settle) | the transient, then [`shoot`](Self::shoot) |
 /// | [`shoot`](Self::shoot) | five to ten motions over a period, each with its derivative |
-/// | [`lyapunov_with_spread`](Self::lyapunov_with_spread) | the motion with one perturbation: two to three times the motion alone, about 13 s for the 10⁶ steps at most of three masses |
-/// | [`locus`](Self::locus) | for each point three to five steps of Newton's method, of about ten motions with derivatives each; for grazing, onsets of stops and orders of events a step takes one motion without derivative for each unknown |
-/// | [`follow`](Self::follow) | three to five motions with derivatives for each point, at least 65 points over the range, and some tens of motions for each bifurcation; a hundred for each change of the events |
+/// | [`lyapunov_with_spread`](Self::lyapunov_with_spread) | the motion with one perturbation, which takes two to three times as long as the motion alone: for three masses about 13 s at the limit of 10⁶ steps |
+/// | [`locus`](Self::locus) | each point takes three to five steps of Newton's method, and each step about ten motions with derivatives; on a curve of grazings, onsets of stops or orders of events a step takes one motion without derivative for each unknown instead |
+/// | [`follow`](Self::follow) | three to five motions with derivatives for each point, with at least 65 points over the range; in addition, some tens of motions for each bifurcation, and about a hundred for each change of the events |
 ///
 /// A branch of one mass therefore takes a fraction of a second. One of a drill string of 20
 /// inertias took 7 s for 134 points, with 10⁶ steps in all; narrow ranges with many bifurcations,

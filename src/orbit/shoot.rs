@@ -203,11 +203,12 @@ pub(super) fn shortest(
 /// size of each number. Steps that would increase it are shortened. The sequence of events need not
 /// be known beforehand: it may differ from trial to trial. In a continuous family the motion
 /// nearest the guess is found; motions that grow or decay by less than 1e-11 per period count as
-/// members of one.
+/// members of a continuous family.
 ///
 /// An autonomous motion must leave its start and return: the residual is also small relative to the
-/// extent of the motion, however small that is. So neither an equilibrium, periodic with any
-/// period, nor a period near 0 is returned.
+/// extent of the motion, however small that is. This excludes two false solutions: an equilibrium,
+/// which has every number as a period, and a period near 0, after which every motion has hardly
+/// left its start.
 ///
 /// The guess is a state at time 0 of the drives; for an autonomous motion any state near the
 /// motion. If the guess has a force of an elastic contact beyond its limit, the limit is used. (If
@@ -218,14 +219,15 @@ pub(super) fn shortest(
 /// # Errors
 ///
 /// * [`Error::NoCommonPeriod`], [`Error::NotFree`] if the kind of period does not fit the drives;
-/// * [`Error::InvalidParameter`] for 0 periods, and unless an estimate is positive and finite;
+/// * [`Error::InvalidParameter`] if the number of periods is 0, or if an estimate of the period is
+///   not positive and finite;
 /// * [`Error::AtRest`] if an autonomous guess, or the state that the search or the transient of
 ///   [`settle`] reaches, is an equilibrium;
 /// * [`Error::NotPeriodic`], with the best start tried and its residual;
 /// * [`Error::TooManySteps`], with the time and state reached, if the motion from the guess takes
-///   more than 10⁵ steps over the period. All motions that are tried together, and the transient of
-///   [`settle`], take at most 10⁶; a search that reaches this bound returns [`Error::NotPeriodic`]
-///   with the best start so far;
+///   more than 10⁵ steps over the period. The transient of [`settle`] and all the motions that are
+///   tried take at most 10⁶ steps in total. A search that reaches this bound returns
+///   [`Error::NotPeriodic`] with the best start so far;
 /// * the other errors of [`Integrator::simulate`](crate::Integrator::simulate) for the motion from
 ///   the guess.
 ///

@@ -53,11 +53,12 @@ mod sealed {
 ///
 /// # Rules for a law
 ///
-/// * **Branches.** The sequence of operations may depend only on the **base value**
-///   ([`value`](Self::value)), not on anything that changes from call to call.
+/// * **Branches.** The same **base value** ([`value`](Self::value)) must always give the same
+///   sequence of operations: a branch may depend on the base value, but not on anything that
+///   changes from call to call, such as a counter or a random number. For example,
 ///   `if speed.value() > 5.0 { … } else { … }` is allowed if both branches are the same function up
-///   to rounding, for example if one of them avoids an overflow. If two different functions meet at
-///   a speed, they are pieces of the law, and this speed has to be named as a
+///   to rounding, as where one of them avoids an overflow. If two different functions meet at a
+///   speed, they are pieces of the law, and this speed has to be named as a
 ///   [breakpoint](crate::FrictionLaw::breakpoints).
 /// * **Smoothness.** The law must be analytic (it has a power series) at every speed that a motion
 ///   reaches, s = 0 included, except at its [breakpoints](crate::FrictionLaw::breakpoints).

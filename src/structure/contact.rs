@@ -89,7 +89,7 @@ impl Contact {
     /// # Errors
     ///
     /// * [`Error::InvalidParameter`] if the load is not finite, or a constant ≤ 0, if μ_s is
-    ///   negative or not finite, if friction at speed 0 does not oppose slip, and if a law breaks
+    ///   negative or not finite, if friction at speed 0 does not oppose slip, or if a law breaks
     ///   another of the rules of [`ContactLaw`];
     /// * the errors of [`MassOnBelt::new`](crate::MassOnBelt::new) that a law can cause.
     pub fn new<L: ContactLaw + Send + Sync + 'static>(

@@ -148,9 +148,8 @@ impl Contact {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] unless each share is positive and finite, and if a share of the
-    /// load would overflow; those of
-    /// [`with_tangential_stiffness`](Self::with_tangential_stiffness).
+    /// [`Error::InvalidParameter`] if a share is not positive and finite, or if a share of the load
+    /// would overflow; those of [`with_tangential_stiffness`](Self::with_tangential_stiffness).
     ///
     /// ```
     /// use stick_slip::{Contact, Coulomb, Structure};

@@ -226,8 +226,8 @@ impl SystemState for State {
 }
 
 impl Trajectory<State> {
-    /// The mode of a contact at a time of the motion; at an event the mode afterwards. `None`
-    /// outside, for NaN, and if there is no such contact.
+    /// The mode of a contact at a time of the motion; at an event the mode afterwards. `None` if
+    /// the time lies outside the motion or is NaN, or if there is no such contact.
     pub fn mode_at(&self, contact: usize, time: f64) -> Option<Mode> {
         self.step_at(time)?.modes().get(contact).copied()
     }

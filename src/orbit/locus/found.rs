@@ -168,8 +168,8 @@ pub enum SpecialKind {
     DoubleNeimarkSacker,
     /// A multiplier is +1, and a contact that slips reaches relative velocity 0 tangentially.
     FoldGrazing,
-    /// Two contacts, or one at two instants, reach relative velocity 0 tangentially; or one does,
-    /// and another condition on the events holds.
+    /// Two conditions on the events hold at once. For example, two contacts reach relative velocity
+    /// 0 tangentially, or one contact does so at two instants of the period.
     DoubleGrazing,
     /// Hopf points change between super- and subcritical: a curve of folds of cycles begins.
     Bautin,
@@ -177,8 +177,8 @@ pub enum SpecialKind {
     DoubleHopf,
     /// Another eigenvalue is 0.
     ZeroHopf,
-    /// The curve turns back in one of the two parameters, numbered from 0: the value is the largest
-    /// or the least near this point.
+    /// One of the two parameters has a local maximum or minimum along the curve. The number tells
+    /// which parameter: 0 for the first, 1 for the second.
     Turn(usize),
 }
 
