@@ -257,8 +257,8 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         }
     }
 
-    /// The attractor that the motion from a start in m and m/s reaches, in SI units:
-    /// [`limit_cycle::attractor`].
+    /// The attractor that the motion from a given start reaches: see [`limit_cycle::attractor`].
+    /// The start is given in m and m/s, and the attractor is returned in SI units.
     ///
     /// # Errors
     ///

@@ -43,11 +43,12 @@ pub fn mean_coefficient(law: &Coulomb, velocity: f64, amplitude: f64) -> f64 {
     }
 }
 
-/// Belt velocity v above which steady sliding is stable, for the cubic law under a fast relative
-/// velocity of amplitude w ≥ 0: v² = v_m²(1 − 2β/η) − w²/2. Dimensionless, the limit for Ω → ∞.
+/// Belt velocity v above which steady sliding is stable, for the cubic law when a fast vibration of
+/// velocity amplitude w ≥ 0 is added to the relative velocity: v² = v_m²(1 − 2β/η) − w²/2.
+/// Dimensionless, the limit for Ω → ∞.
 ///
-/// `None` if v ≤ w, where the formula does not hold, or if sliding is stable at every such
-/// velocity. The system's own v_b is ignored. For w = 0 the result is
+/// `None` if v ≤ w, where the formula does not hold, or if steady sliding is stable at every belt
+/// velocity above w. The system's own v_b is ignored. For w = 0 the result is
 /// [`PureSlip::onset_velocity`](super::PureSlip::onset_velocity).
 ///
 /// ```

@@ -100,8 +100,8 @@ fn angle_without_sine(x: f64) -> f64 {
     x * square / 6.0 * sum
 }
 
-/// A point of a backbone curve: the free vibration at one amplitude, with the first harmonic in the
-/// place of the element.
+/// A point of a backbone curve: the free vibration at one amplitude, where the force of the element
+/// is replaced by its first harmonic.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Backbone {

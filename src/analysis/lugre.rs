@@ -21,8 +21,9 @@ pub struct SteadyBristles {
     pub deflection: f64,
     /// Friction coefficient μ, dimensionless.
     pub coefficient: f64,
-    /// Rate σ0|r|/g at which a perturbation of z decays, per unit of time. Compared with the other
-    /// rates of a system it measures stiffness.
+    /// Rate σ0|r|/g at which a perturbation of z decays, per unit of time. The larger it is
+    /// compared with the other rates of a system, the stiffer, in the numerical sense, are the
+    /// equations of motion.
     pub rate: f64,
 }
 
@@ -105,8 +106,9 @@ pub fn contact_vibration<L: FrictionLaw>(
     (in_range && is_finite).then_some(vibration)
 }
 
-/// Least viscous friction σ2 with which bristles are passive up to a sliding speed: they return at
-/// most the energy N·σ0 z²/2 stored in them. In the unit of σ1.
+/// The smallest viscous coefficient σ2 that makes the bristles passive at all sliding speeds up to
+/// `max_speed`: they give back no more than the energy N·σ0 z²/2 that is stored in them. In the
+/// unit of σ1.
 ///
 /// ```text
 /// σ2 ≥ σ1 (g_max − g_min)/g_min,   g_max and g_min over sliding speeds from 0 to the largest

@@ -37,8 +37,9 @@ pub struct ModeCoupling {
     /// Stiffness matrix [[k11, k12], [k21, k22]] without friction.
     pub stiffness: [[f64; 2]; 2],
     /// Stiffness k3 of the normal spring, by which the load on the first coordinate grows per
-    /// displacement of the second. In a [`Structure`](crate::Structure) this is a contact of
-    /// coordinate 0 with the load gradient k3 for coordinate 1, on a belt that moves forward.
+    /// displacement of the second. To build the same model as a [`Structure`](crate::Structure),
+    /// add a contact of coordinate 0 on a belt that moves forward, and give it the load gradient k3
+    /// for coordinate 1.
     pub normal_stiffness: f64,
     /// Damping constants c1, c2 ≥ 0.
     pub damping: [f64; 2],

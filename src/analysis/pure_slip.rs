@@ -168,9 +168,10 @@ impl PureSlip {
     /// Amplitude A0 = √(−(4/3) h1/h3) = 2√(v_b1² − v_b²) of the averaged cycle, dimensionless.
     /// `None` if h1 ≥ 0.
     ///
-    /// A0 has the error O(ε²) if taken for half the range of u or for the largest velocity, and
-    /// O(ε) if taken for u_max − ū, because the cycle is not centred on ū. Below v_b0 the formula
-    /// still gives a number, but this describes no motion: see [`is_valid`](Self::is_valid).
+    /// As an approximation of half the range of u, or of the largest velocity, A0 has an error
+    /// O(ε²). As an approximation of u_max − ū its error is O(ε), because the cycle is not centred
+    /// on ū. Below v_b0 the formula still gives a number, but this describes no motion: see
+    /// [`is_valid`](Self::is_valid).
     ///
     /// Source: Eq. 13, corrected (the printed 3/4 is 4/3), and Eq. 15.
     pub fn amplitude(&self) -> Option<f64> {
@@ -178,7 +179,8 @@ impl PureSlip {
     }
 
     /// Returns true if the averaged cycle exists and slips all the time: A0 < |v_b|, which is the
-    /// same as v_b0 < |v_b| < v_b1. Error O(ε²) in the belt velocity.
+    /// same as v_b0 < |v_b| < v_b1. The limit v_b1 is exact, and the limit v_b0 has a relative
+    /// error O(ε²).
     ///
     /// Source: section 4.1.1, corrected: the paper asks for ż < 0, the velocity of the mass, but
     /// means v_r < 0.

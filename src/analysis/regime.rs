@@ -9,8 +9,9 @@ pub enum Regime {
     Rest,
     /// Steady sliding: |v_b| ≥ v_b1.
     Equilibrium,
-    /// Vibration that slips all the time: v_b0 < |v_b| < v_b1. Also constant friction (μ_s = μ_m)
-    /// without damping, for which every vibration with an amplitude up to |v_b| lasts.
+    /// Vibration that slips all the time: v_b0 < |v_b| < v_b1. Constant friction (μ_s = μ_m)
+    /// without damping also counts as pure slip: every vibration with an amplitude up to |v_b| then
+    /// goes on for ever.
     PureSlip,
     /// Vibration that sticks, or overtakes the belt: 0 < |v_b| ≤ v_b0.
     StickSlip,

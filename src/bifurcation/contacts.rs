@@ -12,21 +12,23 @@ use crate::numerics::scan::sign_changes;
 use crate::state::Direction;
 
 /// Belt velocities v_b in `range`, ascending and dimensionless, at which stick-slip appears or
-/// disappears: the motion from the release point comes back to the belt tangentially.
+/// disappears: after release, the velocity of the mass just touches the belt velocity again,
+/// without crossing it.
 ///
 /// For a law with μ̂(0) = μ_s a pure-slip cycle touches the belt velocity at this v_b and becomes
 /// stick-slip. For a law with μ̂(0) < μ_s (Coulomb) the stick-slip cycle disappears, and no
 /// pure-slip cycle takes its place; pure-slip cycles touch the belt velocity elsewhere, at the
 /// [`touching_velocities`].
 ///
-/// The velocities are the roots of a function of v_b that is smooth through them: w²/(2v_b²) if the
-/// motion meets the belt, where w is the rate of the relative velocity when it comes back to 0;
-/// V/v_b − 1 if it has a velocity maximum V below v_b. If v_b is such a velocity, so is −v_b,
-/// because the motions are mirror images: both are returned if both lie in the range. The range is
-/// divided into 64 intervals, and an interval that may hold a root into up to 2¹⁰ parts. If the
-/// range is a thousand times wider than the part in which the system vibrates, a root may be
-/// missed: take a narrower range. Velocities below 64 ε γ²μ_s, with ε = 2⁻⁵², are not searched:
-/// there, a motion of size v_b is lost in the rounding of u.
+/// The velocities are the roots of a function of v_b that is smooth at each root. If the velocity
+/// of the mass reaches that of the belt, the function is w²/(2v_b²), where w is the rate of change
+/// of the relative velocity at the instant when it is 0 again. If the velocity of the mass has a
+/// maximum V below v_b, the function is V/v_b − 1. If v_b is such a velocity, so is −v_b, because
+/// the motions are mirror images: both are returned if both lie in the range. The range is divided
+/// into 64 intervals, and each interval that may hold a root is divided further, into up to 2¹⁰
+/// parts. If the range is a thousand times wider than the part in which the system vibrates, a root
+/// may be missed: take a narrower range. Velocities below 64 ε γ²μ_s, with ε = 2⁻⁵², are not
+/// searched: there, a motion of size v_b is lost in the rounding of u.
 ///
 /// Source: sliding bifurcations, di Bernardo, Budd, Champneys and Kowalczyk, *Piecewise-smooth
 /// Dynamical Systems* (Springer 2008), chapter 8.
@@ -55,8 +57,9 @@ pub fn grazing_velocities<L: FrictionLaw>(
 }
 
 /// Belt velocities in `range`, ascending and dimensionless, at which plain stick-slip changes into
-/// overshoot or back: after release the mass first comes back to the belt at the far end of the
-/// stick band.
+/// overshoot, or overshoot into plain stick-slip. There, when the mass first reaches the belt
+/// velocity again after release, its displacement is that of the other end of the stick band,
+/// opposite to the release point.
 ///
 /// The range is searched as by [`grazing_velocities`].
 ///

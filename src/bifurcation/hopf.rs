@@ -56,8 +56,9 @@ impl<L: FrictionLaw> Along<'_, L> {
     /// Values of the parameter, ascending, at which the equilibrium loses or regains stability.
     ///
     /// Over belt velocities the search is that of [`hopf_velocities`]. Over another parameter h1 is
-    /// only sampled: the range is divided into 64 intervals, and an interval that may hold a root
-    /// into up to 2¹⁰ parts. A value at which h1 jumps over zero is reported too.
+    /// only sampled: the range is divided into 64 intervals, and each interval that may hold a root
+    /// is divided further, into up to 2¹⁰ parts. A value at which h1 jumps over zero is reported
+    /// too.
     ///
     /// # Errors
     ///

@@ -41,7 +41,7 @@ impl std::fmt::Display for Element {
 pub enum NotSliding {
     /// A drive varies in time.
     Driven,
-    /// The surfaces of a contact are at rest on each other when all masses are.
+    /// The surfaces of a contact do not move relative to each other when all masses are at rest.
     NoSpeed {
         /// Number of the contact.
         contact: usize,
@@ -53,8 +53,9 @@ pub enum NotSliding {
         /// Its load, in units of force.
         load: f64,
     },
-    /// An elastic contact is at rest when all masses are: any force up to its limit holds it, and
-    /// equilibria are a continuum.
+    /// The surfaces of an elastic contact do not move relative to each other when all masses are at
+    /// rest. The contact can then carry any force up to its limit, and the equilibria form a
+    /// continuum.
     Continuum {
         /// Number of the contact.
         contact: usize,

@@ -119,8 +119,8 @@ const HIGHEST: usize = 30;
 /// ```
 ///
 /// Mark `kinetic` as `#[inline]`. The compiler then puts it into the code of its power series, and
-/// your law runs as fast as one of the crate's. Without the attribute, every order of every series
-/// may cost a function call, and a step about 1.5 times the time.
+/// your law runs as fast as one of the crate's. Without the attribute, the program may call a
+/// function for every order of every series, and a step may take about 1.5 times as long.
 ///
 /// # Piecewise laws
 ///
@@ -146,8 +146,8 @@ const HIGHEST: usize = 30;
 /// | breakpoints that do not ascend; a jump at a breakpoint | [`MassOnBelt::new`](crate::MassOnBelt::new) |
 /// | μ_s that turns NaN later | the next phase of stick, as an error |
 /// | NaN, ±∞ or an infinite slope at a speed at which a step evaluates the law | the step, as an error |
-/// | a jump or kink that is not declared | steps, usually: they shorten until the law fits its series on both sides, which costs time, or return an error; a jump between the points of evaluation is missed, and causes an error of its own size |
-/// | a feature narrower than the distance of these points (four in a step, up to a radian), NaN included | [`check_law`] only |
+/// | a jump or kink that is not declared | usually the step: it is shortened until its series fits the law on both sides, which costs time, or it returns an error. A jump between two speeds at which steps evaluate the law is missed, and causes an error of the size of the jump |
+/// | a feature, NaN included, that is narrower than the distance between the speeds at which a step evaluates the law (four in a step, which may be up to a radian long) | [`check_law`] only |
 /// | μ̂ < 0 at a speed above 0 | [`check_law`] only: motions follow the law as it is, and friction drives the mass |
 /// | breakpoints that change | nothing: the motion follows one of the laws, or ends in an error |
 ///

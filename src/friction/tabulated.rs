@@ -24,8 +24,8 @@ use crate::scalar::Scalar;
 /// μ_s is μ̂(0), unless set by [`with_static_coefficient`](Self::with_static_coefficient).
 ///
 /// All points but the first are [breakpoints](FrictionLaw::breakpoints), and the integrator ends a
-/// step at each one that the motion passes. A few dozen points are plenty: average scattered
-/// measurements, and thin out thousands of points, first.
+/// step at each one that the motion passes. A few dozen points are plenty. Average scattered
+/// measurements before you make a table of them, and reduce thousands of points to a few dozen.
 ///
 /// Source: Fritsch and Carlson, *SIAM J. Numer. Anal.* 17 (1980) 238-246; slopes of Fritsch and
 /// Butland, *SIAM J. Sci. Stat. Comput.* 5 (1984) 300-304, with the end formula of Moler,

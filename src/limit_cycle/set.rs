@@ -97,8 +97,9 @@ impl CycleSet {
     /// double precision cannot resolve the number of cycles. There are two sorts. In a narrow
     /// range, the motion from one end decays strongly and that from the other end grows strongly,
     /// so that the range holds one unstable cycle, or an odd number. In a wide range, one period
-    /// changes a motion by no more than rounding does, and averaging shows neither that every
-    /// motion decays nor that every motion grows and leaves the range.
+    /// changes a motion by no more than rounding errors do, so that growth and decay cannot be told
+    /// apart in this way. Averaging does not decide either: it shows neither that every motion in
+    /// the range decays, nor that every motion grows and leaves the range.
     pub fn unresolved(&self) -> &[Range<f64>] {
         &self.unresolved
     }

@@ -63,8 +63,10 @@ impl Integrator {
     /// Sets the relative tolerance: the error of a step in units of the scale of the motion, max(|u
     /// − ū|, |v|, |v_b|).
     ///
-    /// In stiff systems the scale is max(|v|, |v_b|, |v'|/D) and the tolerance at most 1e-12, which
-    /// costs little: see [`guarantees`](crate::guarantees#one-mass-on-a-belt).
+    /// In a stiff slip phase of a [`MassOnBelt`](crate::MassOnBelt), where D = 2β + γ²·dμ̂/ds, the
+    /// effective damping, is large, the scale is max(|v|, |v_b|, |v'|/|D|), and a tolerance above
+    /// 1e-12 is replaced by 1e-12, which costs little: see
+    /// [`guarantees`](crate::guarantees#one-mass-on-a-belt).
     ///
     /// # Errors
     ///
@@ -142,9 +144,9 @@ impl Integrator {
     /// * if the integration fails on the way, [`Error::NonFiniteFriction`], [`Error::NotAnalytic`],
     ///   [`Error::StepUnderflow`], [`Error::TooManySteps`] or [`Error::TooManyEvents`], with the
     ///   time and state reached;
-    /// * for a [`Structure`](crate::Structure) also [`Error::WrongSize`], if `start` does not have
-    ///   its size; [`Error::InvalidParameter`], if a number of its memory is not finite or makes a
-    ///   static coefficient negative; and [`Error::Separation`].
+    /// * for a [`Structure`](crate::Structure) also [`Error::WrongSize`] if `start` does not have
+    ///   the size of the structure, [`Error::InvalidParameter`] if a memory variable of `start` is
+    ///   not finite or makes a static coefficient negative, and [`Error::Separation`].
     #[doc(alias = "integrate")]
     #[doc(alias = "solve")]
     pub fn simulate<S: System>(

@@ -183,7 +183,8 @@ pub enum BranchEnd {
     Lost {
         /// The last parameter at which a motion was found.
         parameter: f64,
-        /// The error beyond, with the parameter there.
+        /// The error that ended the branch just beyond the last motion, with the parameter at which
+        /// it occurred.
         error: Error,
     },
 }

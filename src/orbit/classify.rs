@@ -26,9 +26,9 @@ pub enum Attractor<S: System> {
     Rest,
     /// Every mass is at rest, and contacts slide steadily.
     SteadySliding,
-    /// A periodic motion in which no contact sticks and slips in turn.
+    /// A periodic motion in which no contact alternates between stick and slip.
     PureSlip(Box<Orbit<S>>),
-    /// A periodic motion in which contacts stick and slip in turn.
+    /// A periodic motion in which at least one contact alternates between stick and slip.
     StickSlip(Box<Orbit<S>>),
     /// Not periodic within 16 returns, after 1.3·10⁵ steps: chaotic or quasi-periodic, or a
     /// transient that decays very slowly. [`lyapunov`](super::lyapunov()) tells chaos.

@@ -172,32 +172,35 @@ fn sign_change(
 /// stick-slip.
 ///
 /// `near` is a value of the parameter near the Hopf point: there a pair of eigenvalues is near the
-/// imaginary axis. The Hopf point itself, p0 with eigenvalues ±iω, is refined first. With Aq = iωq,
-/// Aᵀu = −iωu and ūᵀq = 1 the motion is searched near
+/// imaginary axis. The Hopf point itself, p0 with eigenvalues ±iω, is refined first. Let A be the
+/// Jacobian matrix of steady sliding x̄ at p0, and let q and u be its right and left eigenvectors,
+/// with Aq = iωq, Aᵀu = −iωu and ūᵀq = 1. The motion is searched near
 ///
 /// ```text
 /// x(0) = x̄ + 2ε Re(q e^{iφ}),    T = 2π/ω,    on the plane Re(u e^{iφ})ᵀ(x − x̄) = ε,
 /// ```
 ///
-/// by Newton's method with the parameter free: Re s(p) + ω l1 ε² ≈ 0, s the eigenvalue at p, l1 the
-/// first Lyapunov coefficient. The phase φ is that of a turning point; ε is such that the relative
-/// velocity of no contact varies by more than 0.3 of the sliding velocity, and no displacement by
-/// more than a tenth of the largest one in steady sliding. If no motion is found, smaller ε are
-/// tried.
+/// by Newton's method, which also adjusts the parameter p. For the p that it finds, Re s(p) + ω l1
+/// ε² ≈ 0, where s(p) is the eigenvalue at p and l1 the first Lyapunov coefficient. The phase φ is
+/// chosen so that one coordinate is at a turning point at time 0. The distance ε is chosen so that
+/// the relative velocity of each contact varies by at most 0.3 of its sliding velocity, and each
+/// displacement by at most a tenth of the largest displacement in steady sliding. If no motion is
+/// found, smaller values of ε are tried.
 ///
 /// The motion is stable if l1 < 0 and no other eigenvalue is in the right half plane
-/// ([`HopfPoint`](crate::bifurcation::HopfPoint) gives l1). Where friction is linear up to stick
-/// (Coulomb), a continuum of motions exists at p0 alone, and one of them is found; the branch
-/// begins with the one that touches the belt velocity.
+/// ([`HopfPoint`](crate::bifurcation::HopfPoint) gives l1). If friction is linear in the sliding
+/// speed until a contact sticks (Coulomb), small periodic motions exist at p0 only, where they form
+/// a continuum. One of these motions is returned. The branch of motions at other parameters begins
+/// with the motion that touches the belt velocity.
 ///
 /// Source: Kuznetsov, *Elements of Applied Bifurcation Theory*, sections 3.4, 5.4 and 10.2.
 ///
 /// # Errors
 ///
-/// [`Error::At`], with the parameter, for the error of the family, [`Error::NoSteadySliding`], and
-/// if no periodic motion is found; [`Error::NoHopfPoint`] if no pair of eigenvalues is near the
-/// axis (|Re s| ≤ 0.2 |Im s|), or none crosses it near there; [`Error::InvalidParameter`] unless
-/// the value is finite.
+/// [`Error::At`], with the value of the parameter, if the family returns an error, if there is no
+/// steady sliding ([`Error::NoSteadySliding`]), or if no periodic motion is found;
+/// [`Error::NoHopfPoint`] if no pair of eigenvalues is near the axis (|Re s| ≤ 0.2 |Im s|), or none
+/// crosses it near there; [`Error::InvalidParameter`] unless the value is finite.
 ///
 /// ```
 /// use stick_slip::orbit::{self, AttractorKind, BranchEnd};

@@ -77,10 +77,12 @@ type Watch<'w> = dyn Fn(&Progress) -> ControlFlow<()> + 'w;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Progress {
-    /// Value of the parameter under search, in its own units; in a search on one system the time
-    /// that the present motion has reached, in units of time.
+    /// In a search along a parameter: the value of the parameter that is being tried, in its own
+    /// units. In a search on one system, which has no parameter: the time that the motion being
+    /// computed has reached, in units of time.
     pub value: f64,
-    /// Value of the second parameter in a search over two, [`locus`](Search::locus).
+    /// In a search over two parameters ([`locus`](Search::locus)): the value of the second one.
+    /// Otherwise `None`.
     pub second: Option<f64>,
     /// Number of motions found so far, except for the first; 0 in a search on one system.
     pub points: usize,

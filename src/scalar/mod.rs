@@ -100,9 +100,9 @@ pub trait Scalar:
     fn constant(self, c: f64) -> Self;
     /// The base value: of an `f64` the number itself, of a series the coefficient of order 0.
     ///
-    /// A law may branch on the base value, and on nothing else. There is one base value because a
-    /// number belongs to one motion: a law that asks for it is evaluated for one motion at a time,
-    /// even where other laws could be evaluated for several motions at once.
+    /// A law may branch on the base value, and on nothing else. A law that calls `value` is
+    /// evaluated for one motion at a time; laws that do not call it may be evaluated for several
+    /// motions at once.
     fn value(self) -> f64;
     /// The reciprocal 1/x.
     fn recip(self) -> Self;

@@ -87,7 +87,7 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// Those of [`simulate`](Self::simulate) about the start.
+    /// The errors that [`simulate`](Self::simulate) returns if its start is not valid.
     pub fn kinetic_energy(&self, state: &State) -> Result<f64, Error> {
         let moving = State::new(&state.displacements, &state.velocities);
         check_start(&self.model(), 0.0, &moving)?;
@@ -99,8 +99,8 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// Those of [`simulate`](Self::simulate) about the start; [`Error::InvalidParameter`] if the
-    /// time is not finite.
+    /// The errors that [`simulate`](Self::simulate) returns if its start is not valid;
+    /// [`Error::InvalidParameter`] if the time is not finite.
     ///
     /// ```
     /// use stick_slip::{Structure, structure::State};

@@ -98,13 +98,13 @@ impl Structure {
         Integrator::new().simulate(self, start, duration)
     }
 
-    /// The friction force of each contact at a time in a state: λ_c in units of force, with the
-    /// sign of the relative velocity that it opposes, after the decision of contacts at r = 0; 0
-    /// for an open contact.
+    /// The friction force λ_c of each contact at the given time in the given state, in units of
+    /// force. It has the sign of the relative velocity that it opposes. Contacts at r = 0 are first
+    /// decided, as at the start of a motion. The force of an open contact is 0.
     ///
     /// # Errors
     ///
-    /// Those of [`simulate`](Self::simulate) about the start;
+    /// The errors that [`simulate`](Self::simulate) returns if its start is not valid;
     /// [`Error::InvalidParameter`] if the time is not finite.
     ///
     /// ```
@@ -122,8 +122,8 @@ impl Structure {
         Ok(self.at(time, state)?.carried())
     }
 
-    /// The acceleration v' of each coordinate at a time in a state, after the decision of contacts
-    /// at r = 0; in units of velocity per time.
+    /// The acceleration v' of each coordinate at the given time in the given state, in units of
+    /// velocity per time. Contacts at r = 0 are first decided, as at the start of a motion.
     ///
     /// # Errors
     ///

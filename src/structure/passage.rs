@@ -6,7 +6,8 @@ use super::system::Structure;
 use crate::drive::Drive;
 use crate::error::Error;
 
-/// A change of stability along the drives: see [`Structure::stability_changes`].
+/// A time at which steady sliding becomes unstable, or stable again, while the drives vary slowly:
+/// see [`Structure::stability_changes`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -63,22 +64,23 @@ impl Structure {
     /// or stable again, in ascending order: the borders of vibration along a slow speed profile, or
     /// a load that rises.
     ///
-    /// Stability is computed at 257 times over the range and wherever pieces of a profile meet, and
-    /// each change is refined by bisection to neighbouring numbers. Two changes between two of
-    /// these times can be missed; a narrower range is searched more closely. Where there is no
-    /// steady sliding (a belt at rest, no load), nothing is reported.
+    /// Stability is computed at 257 equally spaced instants of the range, and at each instant at
+    /// which pieces of a profile meet. Each change is refined by bisection to neighbouring numbers.
+    /// Two changes between two of these instants can be missed; a narrower range is searched more
+    /// closely. Where there is no steady sliding (a belt at rest, no load), nothing is reported.
     ///
     /// # Delayed loss of stability
     ///
     /// A motion that passes such a time slowly does not vibrate at once. While sliding was stable,
     /// a perturbation decayed as exp ∫Re s dt, with the leading eigenvalue s, and it has to grow by
-    /// the same factor before vibration is visible. For slow drives the delay depends on the
-    /// smallest disturbance alone. In exact arithmetic it is as long as the decay before the border
-    /// lasted; in floating point rounding limits the decay to 10⁻¹⁶; in a machine roughness, noise
-    /// or vibration from elsewhere limit it much earlier. The onset in a simulation without a
-    /// disturbance is therefore a property of the arithmetic. Add the disturbance that the machine
-    /// has, near the frequency of the change: other frequencies have little effect. (A kink of a
-    /// profile is a disturbance, too.)
+    /// the same factor before vibration is visible. If the drives are slow, only the level to which
+    /// the perturbation decays sets the delay. In exact arithmetic the decay is not limited, and
+    /// the delay is as long as the decay before the border lasted. In floating-point arithmetic,
+    /// rounding limits the decay to 10⁻¹⁶. In a real machine, roughness, noise or vibration from
+    /// elsewhere limit the decay much earlier. The onset in a simulation without a disturbance is
+    /// therefore a property of the arithmetic. Add the disturbance that the machine has, near the
+    /// frequency of the change: other frequencies have little effect. (A kink of a profile is a
+    /// disturbance, too.)
     ///
     /// ```
     /// use stick_slip::{Contact, Drive, EventKind, Exponential, Structure, structure::State};

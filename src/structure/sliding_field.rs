@@ -94,7 +94,7 @@ impl<'m, 's> SlidingField<'m, 's> {
         })
     }
 
-    /// Steady sliding as a state. Elastic contacts carry their limit.
+    /// Steady sliding as a state. Each elastic contact carries its limit force.
     pub(crate) fn state(&self) -> State {
         let mut memory = vec![0.0; self.model.remembered()];
         for (number, (contact, slides)) in

@@ -73,8 +73,9 @@ impl Structure {
     /// Steady sliding: every mass stands still, every contact slips, and memory variables are
     /// constant.
     ///
-    /// Elastic contacts carry their limit. One whose surface does not move has equilibria with any
-    /// force up to that limit: [`NotSliding::Continuum`].
+    /// Each elastic contact carries its limit force. An elastic contact whose surface does not move
+    /// can be in equilibrium with any force up to that limit, and is an error:
+    /// [`NotSliding::Continuum`].
     ///
     /// See [`SteadySliding`] for formulas and an example.
     ///
@@ -82,9 +83,9 @@ impl Structure {
     ///
     /// [`Error::NoSteadySliding`] unless all drives are constant, every contact has a sliding
     /// velocity w ≠ 0, every load is positive there, and K, with the terms that friction adds to
-    /// it, is not singular: restrain the rigid-body modes. For example, describe a drill string
-    /// that is turned at a given speed in the rotating frame, where the drive is a spring to the
-    /// ground.
+    /// it, is not singular: restrain the rigid-body modes. For example, if a drill string is turned
+    /// at a given speed, use coordinates in the frame that rotates at this speed: in that frame the
+    /// drive is a spring to the ground.
     pub fn steady_sliding(&self) -> Result<SteadySliding, Error> {
         SteadySliding::of(self)
     }

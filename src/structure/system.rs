@@ -25,8 +25,8 @@ use crate::friction::memory::ContactLaw;
 /// [`with_mass_matrix`](Self::with_mass_matrix). K and C need not be symmetric: follower forces and
 /// gyroscopic terms are allowed.
 ///
-/// A [`Contact`] has any direction b_c, a coordinate any number of contacts, and every contact may
-/// have another law. The number of a contact is its place in the order of
+/// A [`Contact`] may have any direction b_c. A coordinate may have any number of contacts, and each
+/// contact may have a law of its own. The number of a contact is its place in the order of
 /// [`with_contact`](Self::with_contact).
 ///
 /// # Contacts that share masses
@@ -210,8 +210,8 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchCoordinate`]; [`Error::BadElement`] unless i and j differ, and k and the sum
-    /// with what is there are finite.
+    /// [`Error::NoSuchCoordinate`] if there is no coordinate i or j; [`Error::BadElement`] if i =
+    /// j, or if k is not finite, or if the stiffness is not finite after k is added.
     pub fn with_spring(mut self, i: usize, j: usize, stiffness: f64) -> Result<Self, Error> {
         add_between(
             &mut self.stiffness,
@@ -236,8 +236,8 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchCoordinate`]; [`Error::BadElement`] unless k and the sum with what is there
-    /// are finite.
+    /// [`Error::NoSuchCoordinate`]; [`Error::BadElement`] if k is not finite, or if the stiffness
+    /// is not finite after k is added.
     pub fn with_ground_spring(mut self, i: usize, stiffness: f64) -> Result<Self, Error> {
         add(
             &mut self.stiffness,
@@ -293,8 +293,8 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchCoordinate`]; [`Error::BadElement`] if the force, or its sum with what is
-    /// there, is not finite.
+    /// [`Error::NoSuchCoordinate`]; [`Error::BadElement`] if f_i is not finite, or if the total
+    /// force on the coordinate is not finite after f_i is added.
     pub fn with_force(mut self, i: usize, force: impl Into<Drive>) -> Result<Self, Error> {
         let element = Element::Force(i);
         let count = self.len();

@@ -52,7 +52,7 @@ pub enum LocusKind {
     Flip,
     /// A pair of multipliers lies on the unit circle.
     NeimarkSacker,
-    /// A symmetric motion has a multiplier +1 whose direction lacks the symmetry.
+    /// A symmetric motion has a multiplier +1 whose eigenvector breaks the symmetry.
     Pitchfork,
     /// A contact that slips reaches relative velocity 0 tangentially.
     Grazing {
@@ -223,9 +223,10 @@ pub enum LocusEnd {
         /// The parameters there.
         parameters: [f64; 2],
     },
-    /// The steps become ever shorter: the last 128 together moved by less than 1e-3 of the sizes
-    /// and ranges. Near there the motion has no derivative, for example because a touch falls onto
-    /// another event of its contact.
+    /// The steps become ever shorter: the last 128 steps together moved by less than 1e-3, in units
+    /// of the size of the motion and of the ranges of the parameters. Near the last point the
+    /// motion has no derivative with respect to the parameters, for example because a touch
+    /// coincides with another event of the same contact.
     Crawls {
         /// The parameters of the last point.
         parameters: [f64; 2],
@@ -243,7 +244,8 @@ pub enum LocusEnd {
     Lost {
         /// The parameters of the last point.
         parameters: [f64; 2],
-        /// The error beyond, with the parameters there.
+        /// The error that ended the curve just beyond the last point, with the parameters at which
+        /// it occurred.
         error: Error,
     },
 }
