@@ -107,10 +107,8 @@ pub(super) fn slip_by_rounding(form: &GeneralForm<'_>, steps: &[Step]) -> Vec<us
     };
     let comes_back = |c: &usize| {
         let surface = &form.model.contacts[*c].belt_velocity;
-        let moved = lasting().map(|step| {
-            let h = step.duration();
-            h * surface.series(step.clock()).mean(h)
-        });
+        let moved = lasting()
+            .map(|step| surface.integral(step.clock(), step.clock().after(step.duration())));
         let [moved, way] = moved.fold([0.0, 0.0], |[sum, way], x| [sum + x, way + f64::abs(x)]);
         moved.abs() <= ROUNDING * way
     };

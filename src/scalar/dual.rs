@@ -3,7 +3,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::{Scalar, sealed};
+use super::{Scalar, integral, sealed};
 
 /// A value and its tangent.
 #[derive(Debug, Clone, Copy)]
@@ -119,8 +119,8 @@ impl<S: Scalar> Scalar for Dual<S> {
     }
     #[inline]
     fn powf(self, exponent: f64) -> Self {
-        if exponent.fract() == 0.0 && exponent.abs() <= f64::from(i32::MAX) {
-            return self.powi(exponent as i32);
+        if let Some(exponent) = integral(exponent) {
+            return self.powi(exponent);
         }
         self.with(self.value.powf(exponent), || {
             self.value.powf(exponent - 1.0) * exponent

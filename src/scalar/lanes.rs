@@ -3,9 +3,9 @@
 //! Compiled once for all functions: see `recorded.rs`. A row holds the coefficients of four
 //! functions, one in each lane of a vector register, so that sums of products need no shuffling.
 
-use super::LONGEST;
 use super::fused::mul_add_in;
 use super::recorded::{ARGUMENT, FIRST, Operation, Output, Recorder, Sum, Weight};
+use super::{INVERSE, LONGEST};
 
 /// Number of functions side by side.
 pub(crate) const LANES: usize = 4;
@@ -140,17 +140,6 @@ impl Chunk {
         chosen
     }
 }
-
-/// 1/k.
-const INVERSE: [f64; LONGEST] = {
-    let mut inverse = [0.0; LONGEST];
-    let mut k = 1;
-    while k < LONGEST {
-        inverse[k] = 1.0 / k as f64;
-        k += 1;
-    }
-    inverse
-};
 
 // Written out, not with closures or loops: those are not always compiled to one instruction.
 

@@ -210,3 +210,40 @@ const FUSED: bool = cfg!(any(target_feature = "fma", target_arch = "aarch64"));
 pub(crate) fn mul_add(a: f64, b: f64, c: f64) -> f64 {
     if FUSED { a.mul_add(b, c) } else { a * b + c }
 }
+
+/// 1/k, by which the recurrences of y' = f(y)·a' divide.
+const INVERSE: [f64; LONGEST] = {
+    let mut inverse = [0.0; LONGEST];
+    let mut k = 1;
+    while k < LONGEST {
+        inverse[k] = 1.0 / k as f64;
+        k += 1;
+    }
+    inverse
+};
+
+/// xⁿ by squaring: every step is an operation with a recurrence of its own.
+#[inline(always)]
+fn power_by_squaring<S: Scalar>(x: S, exponent: i32) -> S {
+    // Not the other way round: the recurrence of the reciprocal of a high power loses digits.
+    let base = if exponent < 0 { x.recip() } else { x };
+    let exponent = exponent.unsigned_abs();
+    let Some(top) = exponent.checked_ilog2() else {
+        return x.constant(1.0);
+    };
+    let mut power = base;
+    for bit in (0..top).rev() {
+        power = power.square();
+        if exponent >> bit & 1 == 1 {
+            power = power * base;
+        }
+    }
+    power
+}
+
+/// The exponent as an integer, if it is one for which xᵖ is a product.
+#[inline(always)]
+fn integral(exponent: f64) -> Option<i32> {
+    let is_integral = exponent.fract() == 0.0 && exponent.abs() <= f64::from(i32::MAX);
+    is_integral.then_some(exponent as i32)
+}

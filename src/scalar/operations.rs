@@ -7,7 +7,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::fused::mul_add;
 use super::taylor::{Taylor, inner_product, inner_square};
-use super::{Scalar, sealed};
+use super::{Scalar, integral, power_by_squaring, sealed};
 
 impl<const K: usize, const M: usize> sealed::Sealed for Taylor<'_, K, M> {}
 
@@ -105,21 +105,16 @@ impl<const K: usize, const M: usize> Scalar for Taylor<'_, K, M> {
 
     #[inline(always)]
     fn powi(self, exponent: i32) -> Self {
-        if exponent < 0 {
-            // Not the other way round: the recurrence of the reciprocal of a high power loses
-            // digits.
-            return self.recip().power(exponent.unsigned_abs());
-        }
-        self.power(exponent.unsigned_abs())
+        power_by_squaring(self, exponent)
     }
 
     /// a·y' = p·y·a'.
     #[inline(always)]
     fn powf(self, exponent: f64) -> Self {
-        let p = exponent;
-        if p.fract() == 0.0 && p.abs() <= f64::from(i32::MAX) {
-            return self.powi(p as i32);
+        if let Some(exponent) = integral(exponent) {
+            return self.powi(exponent);
         }
+        let p = exponent;
         let (a, weighted, y) = (self, self.weighted(), self.run.claim());
         self.operation(
             y,
@@ -197,22 +192,6 @@ impl<const K: usize, const M: usize> Scalar for Taylor<'_, K, M> {
 }
 
 impl<const K: usize, const M: usize> Taylor<'_, K, M> {
-    /// aⁿ, by squaring.
-    #[inline(always)]
-    fn power(self, exponent: u32) -> Self {
-        let Some(top) = exponent.checked_ilog2() else {
-            return self.constant(1.0);
-        };
-        let mut power = self;
-        for bit in (0..top).rev() {
-            power = power.square();
-            if exponent >> bit & 1 == 1 {
-                power = power * self;
-            }
-        }
-        power
-    }
-
     /// S' = C·a', C' = −S·a'.
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {

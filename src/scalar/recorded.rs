@@ -16,7 +16,7 @@
 use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::{Scalar, sealed};
+use super::{Scalar, integral, power_by_squaring, sealed};
 
 /// What an operation sums up in order k, of the rows named.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -155,21 +155,6 @@ impl<'r> Recorded<'r> {
         self.note_of(0.0, (0.0, Sum::Weight), 1.0).row
     }
 
-    /// aⁿ, by squaring.
-    fn power(self, exponent: u32) -> Self {
-        let Some(top) = exponent.checked_ilog2() else {
-            return self.constant(1.0);
-        };
-        let mut power = self;
-        for bit in (0..top).rev() {
-            power = power.square();
-            if exponent >> bit & 1 == 1 {
-                power = power * self;
-            }
-        }
-        power
-    }
-
     /// S' = C·a', C' = −S·a'.
     fn sin_cos(self) -> (Self, Self) {
         let (sine, cosine) = self.value.sin_cos();
@@ -253,21 +238,16 @@ impl Scalar for Recorded<'_> {
 
     #[inline]
     fn powi(self, exponent: i32) -> Self {
-        if exponent < 0 {
-            // Not the other way round: the recurrence of the reciprocal of a high power loses
-            // digits.
-            return self.recip().power(exponent.unsigned_abs());
-        }
-        self.power(exponent.unsigned_abs())
+        power_by_squaring(self, exponent)
     }
 
     /// a·y' = p·y·a'.
     #[inline]
     fn powf(self, exponent: f64) -> Self {
-        let (a, p) = (self, exponent);
-        if p.fract() == 0.0 && p.abs() <= f64::from(i32::MAX) {
-            return a.powi(p as i32);
+        if let Some(exponent) = integral(exponent) {
+            return self.powi(exponent);
         }
+        let (a, p) = (self, exponent);
         let value = a.value.powf(p);
         let (weighted, y) = (a.weighted(), a.next_row() + 1);
         let zero = (a.constant(0.0), 0.0);

@@ -5,18 +5,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::{Jet, Line};
 use crate::scalar::products::{inner_product, inner_square};
-use crate::scalar::{LONGEST, Scalar, mul_add, sealed};
-
-/// 1/k, by which the recurrences of y' = f(y)·a' divide.
-const INVERSE: [f64; LONGEST] = {
-    let mut inverse = [0.0; LONGEST];
-    let mut k = 1;
-    while k < LONGEST {
-        inverse[k] = 1.0 / k as f64;
-        k += 1;
-    }
-    inverse
-};
+use crate::scalar::{INVERSE, LONGEST, Scalar, integral, mul_add, power_by_squaring, sealed};
 
 /// k, which is quicker to look up than to convert.
 const ORDER: [f64; LONGEST] = {
@@ -44,22 +33,6 @@ impl<'r> Jet<'r> {
             self.run
                 .set(row, ORDER[self.order() % LONGEST] * self.newest());
         }
-    }
-
-    /// aⁿ, by squaring.
-    #[inline]
-    fn power(self, exponent: u32) -> Self {
-        let Some(top) = exponent.checked_ilog2() else {
-            return self.constant(1.0);
-        };
-        let mut power = self;
-        for bit in (0..top).rev() {
-            power = power.square();
-            if exponent >> bit & 1 == 1 {
-                power = power * self;
-            }
-        }
-        power
     }
 
     /// S' = C·a', C' = −S·a'.
@@ -178,21 +151,16 @@ impl Scalar for Jet<'_> {
 
     #[inline]
     fn powi(self, exponent: i32) -> Self {
-        if exponent < 0 {
-            // Not the other way round: the recurrence of the reciprocal of a high power loses
-            // digits.
-            return self.recip().power(exponent.unsigned_abs());
-        }
-        self.power(exponent.unsigned_abs())
+        power_by_squaring(self, exponent)
     }
 
     /// a·y' = p·y·a'.
     #[inline]
     fn powf(self, exponent: f64) -> Self {
-        let p = exponent;
-        if p.fract() == 0.0 && p.abs() <= f64::from(i32::MAX) {
-            return self.powi(p as i32);
+        if let Some(exponent) = integral(exponent) {
+            return self.powi(exponent);
         }
+        let p = exponent;
         let (a, weighted, y) = (self, self.weighted(), self.run.claim());
         self.operation(
             y,

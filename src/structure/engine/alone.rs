@@ -1,12 +1,12 @@
 //! The series of a coordinate that slips alone, all others being held at constant velocities. Its
 //! equation is that of a mass on a belt, whose series is computed in one piece.
 
-use super::expand::ALL;
+use super::ALL;
+use super::edge::side_of;
 use super::model::Model;
 use super::series::{CoordinateSeries, Role, Series};
 use crate::clock::Time;
 use crate::friction::slip::{Equation, Expansion, SlipPoint};
-use crate::state::Direction;
 
 /// All orders after the first, of the coordinate and the contact that slip alone; returns false if
 /// the law has no such series.
@@ -36,11 +36,7 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
         drift: side * pull(springs, coordinates),
     };
     let from = SlipPoint {
-        direction: if side > 0.0 {
-            Direction::Leading
-        } else {
-            Direction::Lagging
-        },
+        direction: side_of(side),
         displacement: coordinates[i].course.displacement(0),
         speed: contacts[c].speeds[0],
         rate: Some(contacts[c].speeds[1]),

@@ -12,9 +12,11 @@
 //!
 //! with σ = 0 for those that are held, and σ = 1, N = 0, w = 0 for those that are free.
 
-use super::expand::{ALL, in_waves};
+use std::ops::Range;
+
+use super::ALL;
 use super::model::Model;
-use super::series::{ContactCourse, ContactSeries, Series};
+use super::sparse::Sparse;
 use crate::friction::memory::Slip;
 use crate::friction::memory::object::LawObject;
 use crate::scalar::fused;
@@ -23,7 +25,7 @@ use crate::scalar::recorded::Recorder;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 
 /// Number of groups of a long chain that are expanded to the last order before the next are begun:
-/// see [`expand`](super::expand::expand).
+/// see [`in_waves`].
 const AT_A_TIME: usize = 4;
 
 /// All groups.
@@ -32,6 +34,8 @@ pub(super) struct Groups {
     rows: Vec<Rows>,
     series: GroupSeries,
     recorder: Recorder,
+    /// Number of groups between those of which one acts on the other.
+    shift: usize,
 }
 
 /// The rows of M⁻¹K and M⁻¹C of a group.
@@ -61,8 +65,7 @@ impl Place {
 /// The series of all groups.
 #[derive(Debug, Clone)]
 struct GroupSeries {
-    /// The displacements, then the coefficients of the velocities, as in
-    /// [`DisplacementSeries`](super::series::DisplacementSeries).
+    /// The displacements, then the coefficients of the velocities: number k is q_0 or k q_k.
     courses: Vec<[Lanes; TERMS + 1]>,
     groups: Vec<Group>,
 }
@@ -84,165 +87,195 @@ struct Group {
     used: usize,
 }
 
+/// The series of one coordinate, from order 1 on.
+pub(super) struct Member<'g> {
+    course: &'g [Lanes; TERMS + 1],
+    group: &'g Group,
+    lane: usize,
+}
+
 impl Groups {
     pub(super) fn new(model: &Model<'_>) -> Self {
-        let n = model.len();
-        let count = n.div_ceil(LANES);
-        let zero = [0.0; LANES];
-        let mut rows = vec![
-            Rows {
-                diagonal: [zero; 2],
-                beside: [Vec::new(), Vec::new()],
-            };
-            count
-        ];
-        for (kind, matrix) in [&model.stiffness, &model.damping].into_iter().enumerate() {
-            for (i, (diagonal, beside)) in matrix.rows().enumerate() {
-                let Place { group, lane } = Place::of(i);
-                let rows = &mut rows[group];
-                rows.diagonal[kind][lane] = diagonal;
-                for &(j, a) in beside {
-                    let columns = &mut rows.beside[kind];
-                    let column = Place::of(j);
-                    let is_same = |(place, _): &&mut (Place, Lanes)| {
-                        (place.group, place.lane) == (column.group, column.lane)
-                    };
-                    match columns.iter_mut().find(is_same) {
-                        Some((_, entries)) => entries[lane] = a,
-                        None => {
-                            let mut entries = zero;
-                            entries[lane] = a;
-                            columns.push((column, entries));
-                        }
-                    }
-                }
-            }
-        }
+        let count = model.len().div_ceil(LANES);
+        let [springs, dampers] = [&model.stiffness, &model.damping].map(rows_of);
+        let rows = std::iter::zip(springs, dampers).map(|(springs, dampers)| Rows {
+            diagonal: [springs.0, dampers.0],
+            beside: [springs.1, dampers.1],
+        });
+        let zero = [[0.0; LANES]; TERMS];
         let group = Group {
-            side: zero,
-            load: zero,
-            speeds: [zero; TERMS],
-            friction: [zero; TERMS],
-            carried: [zero; TERMS],
+            side: [0.0; LANES],
+            load: [0.0; LANES],
+            speeds: zero,
+            friction: zero,
+            carried: zero,
             is_driven: false,
-            given: [zero; TERMS],
-            surface: [zero; TERMS],
+            given: zero,
+            surface: zero,
             chunks: Vec::new(),
             used: 0,
         };
         Self {
-            rows,
+            rows: rows.collect(),
             series: GroupSeries {
-                courses: vec![[zero; TERMS + 1]; count],
+                courses: vec![[[0.0; LANES]; TERMS + 1]; count],
                 groups: vec![group; count],
             },
             recorder: Recorder::default(),
+            shift: model.bandwidth.div_ceil(LANES),
         }
     }
-}
 
-/// All orders after the first.
-pub(super) fn expand_groups(model: &Model<'_>, series: &mut Series) {
-    let Series {
-        coordinates,
-        contacts,
-        groups,
-        ..
-    } = series;
-    for group in &mut groups.series.groups {
-        (group.side, group.load, group.used) = ([0.0; LANES], [0.0; LANES], 0);
-        group.is_driven = false;
-    }
-    for (i, coordinate) in coordinates.iter().enumerate() {
-        let Place { group, lane } = Place::of(i);
-        let numbers = &mut groups.series.courses[group];
-        numbers[0][lane] = coordinate.course.displacement(0);
-        numbers[1][lane] = coordinate.course.velocity(0);
-        numbers[2][lane] = coordinate.course.velocity(1);
-        let group = &mut groups.series.groups[group];
-        match model.owner[i] {
-            Some(c) if contacts[c].course == ContactCourse::Slip => {
-                let law = model.contacts[c].law;
-                group.begin(lane, &contacts[c], law, &mut groups.recorder);
-            }
-            Some(_) => {}
-            None => group.side[lane] = 1.0,
-        }
-        if model.is_driven[i] {
-            let surface = model.owner[i].map(|c| &contacts[c].surface);
-            group.drive(lane, &coordinate.force, surface);
+    /// Begins a step: nothing moves, and nothing is driven.
+    pub(super) fn clear(&mut self) {
+        for group in &mut self.series.groups {
+            (group.side, group.load, group.used) = ([0.0; LANES], [0.0; LANES], 0);
+            group.is_driven = false;
         }
     }
-    let shift = model.bandwidth.div_ceil(LANES);
-    fused::compute(
-        &groups.rows,
-        &mut (&mut groups.series, shift),
-        #[inline(always)]
-        |rows, (series, shift)| series.all_orders::<true>(rows, *shift),
-        |rows, (series, shift)| series.all_orders::<false>(rows, *shift),
-    );
-    for (i, coordinate) in coordinates.iter_mut().enumerate() {
-        let Place { group, lane } = Place::of(i);
-        let numbers = &groups.series.courses[group];
-        let group = &groups.series.groups[group];
-        if let Some(c) = model.owner[i] {
-            let of = &mut contacts[c];
-            for k in 1..ALL {
-                of.carried[k] = group.carried[k][lane];
-                of.speeds[k + 1] = group.speeds[k + 1][lane];
-            }
-            if of.course == ContactCourse::Slip {
-                for k in 1..ALL {
-                    of.friction[k] = group.friction[k][lane];
-                }
-            }
-        }
-        for k in 2..=ALL {
-            coordinate.course.set_velocity(k, numbers[k + 1][lane]);
-        }
-    }
-}
 
-impl Group {
-    /// Takes a contact that slips into a lane.
-    fn begin(
+    /// Sets displacement, velocity, and coefficient 1 of the velocity of a coordinate.
+    pub(super) fn start(&mut self, coordinate: usize, numbers: [f64; 3]) {
+        let Place { group, lane } = Place::of(coordinate);
+        let course = &mut self.series.courses[group];
+        for (own, number) in std::iter::zip(course, numbers) {
+            own[lane] = number;
+        }
+    }
+
+    /// Takes a coordinate as free.
+    pub(super) fn free(&mut self, coordinate: usize) {
+        let Place { group, lane } = Place::of(coordinate);
+        self.series.groups[group].side[lane] = 1.0;
+    }
+
+    /// Takes a coordinate that slips, with the load and coefficient 1 of the sliding speed.
+    pub(super) fn slip(
         &mut self,
-        lane: usize,
-        of: &ContactSeries,
+        coordinate: usize,
         law: &dyn LawObject,
-        recorder: &mut Recorder,
+        slip: Slip<f64>,
+        [load, rate]: [f64; 2],
     ) {
-        (self.side[lane], self.load[lane]) = (of.side, of.load[0]);
-        self.speeds[1][lane] = of.speeds[1];
-        let slip = Slip {
-            speed: of.speeds[0],
-            direction: of.side,
-            piece: of.piece,
-        };
-        let output = law.record(recorder, slip);
-        let mut open = self.chunks[..self.used].iter_mut();
-        if open.any(|chunk| chunk.take(lane, recorder, output)) {
+        let Place { group, lane } = Place::of(coordinate);
+        let group = &mut self.series.groups[group];
+        (group.side[lane], group.load[lane]) = (slip.direction, load);
+        group.speeds[1][lane] = rate;
+        let output = law.record(&mut self.recorder, slip);
+        let mut open = group.chunks[..group.used].iter_mut();
+        if open.any(|chunk| chunk.take(lane, &mut self.recorder, output)) {
             return;
         }
-        if self.used == self.chunks.len() {
-            self.chunks.push(Chunk::new());
+        if group.used == group.chunks.len() {
+            group.chunks.push(Chunk::new());
         }
-        self.chunks[self.used].begin(lane, recorder, output);
-        self.used += 1;
+        group.chunks[group.used].begin(lane, &mut self.recorder, output);
+        group.used += 1;
     }
-}
 
-impl Group {
-    /// Takes a force that varies, and the velocity of the surface, into a lane.
-    fn drive(&mut self, lane: usize, force: &PowerSeries, surface: Option<&PowerSeries>) {
-        if !self.is_driven {
-            (self.given, self.surface) = ([[0.0; LANES]; TERMS], [[0.0; LANES]; TERMS]);
-            self.is_driven = true;
+    /// Takes a force that varies, and the velocity of the surface.
+    pub(super) fn drive(
+        &mut self,
+        coordinate: usize,
+        force: &PowerSeries,
+        surface: Option<&PowerSeries>,
+    ) {
+        let Place { group, lane } = Place::of(coordinate);
+        let group = &mut self.series.groups[group];
+        if !group.is_driven {
+            (group.given, group.surface) = ([[0.0; LANES]; TERMS], [[0.0; LANES]; TERMS]);
+            group.is_driven = true;
         }
         for k in 1..ALL {
             let next = surface.map_or(0.0, |surface| surface[k + 1]);
-            self.given[k][lane] = force[k] - (k + 1) as f64 * next;
-            self.surface[k + 1][lane] = next;
+            group.given[k][lane] = force[k] - (k + 1) as f64 * next;
+            group.surface[k + 1][lane] = next;
+        }
+    }
+
+    /// All orders after the first.
+    pub(super) fn expand(&mut self) {
+        fused::compute(
+            &self.rows,
+            &mut (&mut self.series, self.shift),
+            #[inline(always)]
+            |rows, (series, shift)| series.all_orders::<true>(rows, *shift),
+            |rows, (series, shift)| series.all_orders::<false>(rows, *shift),
+        );
+    }
+
+    pub(super) fn member(&self, coordinate: usize) -> Member<'_> {
+        let Place { group, lane } = Place::of(coordinate);
+        Member {
+            course: &self.series.courses[group],
+            group: &self.series.groups[group],
+            lane,
+        }
+    }
+}
+
+impl Member<'_> {
+    pub(super) fn velocity(&self, k: usize) -> f64 {
+        self.course[k + 1][self.lane]
+    }
+
+    pub(super) fn speed(&self, k: usize) -> f64 {
+        self.group.speeds[k][self.lane]
+    }
+
+    pub(super) fn friction(&self, k: usize) -> f64 {
+        self.group.friction[k][self.lane]
+    }
+
+    pub(super) fn carried(&self, k: usize) -> f64 {
+        self.group.carried[k][self.lane]
+    }
+}
+
+/// The diagonal of each group's rows of a matrix, and the columns beside it.
+fn rows_of(matrix: &Sparse) -> Vec<(Lanes, Vec<(Place, Lanes)>)> {
+    let rows: Vec<_> = matrix.rows().collect();
+    // Where the column of a coordinate is in the group under way.
+    let mut places = vec![usize::MAX; rows.len()];
+    let groups = rows.chunks(LANES).map(|rows| {
+        let mut diagonal = [0.0; LANES];
+        let mut columns: Vec<(Place, Lanes)> = Vec::new();
+        for (lane, &(own, beside)) in rows.iter().enumerate() {
+            diagonal[lane] = own;
+            for &(j, a) in beside {
+                if places[j] == usize::MAX {
+                    places[j] = columns.len();
+                    columns.push((Place::of(j), [0.0; LANES]));
+                }
+                columns[places[j]].1[lane] = a;
+            }
+        }
+        for &(j, _) in rows.iter().flat_map(|&(_, beside)| beside) {
+            places[j] = usize::MAX;
+        }
+        (diagonal, columns)
+    });
+    groups.collect()
+}
+
+/// Calls `expand` for all places below `count` and all orders: group by group, if there are more
+/// than `at_a_time`. An order of a place needs those before of the places within `shift`.
+#[inline(always)]
+pub(super) fn in_waves(
+    [count, at_a_time, shift]: [usize; 3],
+    orders: Range<usize>,
+    mut expand: impl FnMut(Range<usize>, usize),
+) {
+    let (at_a_time, shift) = if count <= at_a_time {
+        (count.max(1), 0)
+    } else {
+        (at_a_time, shift)
+    };
+    for start in (0..count + orders.len() * shift).step_by(at_a_time) {
+        for k in orders.clone() {
+            let behind = (k - orders.start) * shift;
+            let place = |i: usize| i.saturating_sub(behind).min(count);
+            expand(place(start)..place(start + at_a_time), k);
         }
     }
 }
@@ -301,6 +334,3 @@ impl GroupSeries {
         self.courses[g][k + 2] = velocity;
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -13,6 +13,7 @@
 //! | `state.rs`, `edge.rs` | the situation: data that change at events |
 //! | `series.rs` | the data of one step |
 //! | `expand.rs` | the power series of all coordinates, order by order |
+//! | `law_order.rs`, `shared.rs` | an order of one contact, and of contacts that share coordinates |
 //! | `groups.rs` | those of many simple contacts, four side by side |
 //! | `alone.rs` | those of a coordinate that slips while all others are held |
 //! | `coupling.rs`, `factor.rs` | the forces in several sticking contacts at once |
@@ -37,10 +38,12 @@ mod expand;
 pub(crate) mod factor;
 pub(crate) mod forces;
 mod groups;
+mod law_order;
 pub(crate) mod model;
 mod plan;
 mod reconcile;
 mod series;
+mod shared;
 mod sizes;
 mod slow;
 pub(crate) mod sparse;
@@ -66,7 +69,7 @@ use crate::clock::Clock;
 use crate::error::Error;
 use crate::motion::step_control::{self, Attempt};
 use crate::motion::{Event, EventKind};
-use crate::series::{PowerSeries, quarters};
+use crate::series::{PowerSeries, TERMS, quarters};
 use crate::state::structure::State;
 
 /// A structure in motion.
@@ -90,6 +93,9 @@ struct AcceptedStep {
     /// The time where pieces of a drive meet, if the step ends there.
     at_break: Option<f64>,
 }
+
+/// All orders that a step has.
+const ALL: usize = TERMS - 1;
 
 /// A number that can be halved; in any unit.
 const LONGEST_STEP: f64 = 4294967296.0;

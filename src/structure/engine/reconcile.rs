@@ -1,9 +1,9 @@
 //! After a step, coordinates that contacts share: their relative velocities are numbers of their
 //! own, and the coordinates follow them.
 
-use super::expand::unless_rounding;
 use super::model::Model;
 use super::series::Series;
+use super::shared::unless_rounding;
 use super::state::{Closed, Phase, Situation};
 
 /// Sets the velocities of shared coordinates from the relative velocities of their contacts, which

@@ -21,7 +21,9 @@ pub(super) struct Series {
     pub(super) held: Vec<f64>,
     /// Bound of rounding of that order of the shared coordinates, where it counts.
     pub(super) rounding: Vec<f64>,
-    pub(super) groups: Groups,
+    /// Of a structure whose contacts each have a coordinate to themselves, a constant load, and a
+    /// law without memory: such contacts never open.
+    pub(super) groups: Option<Groups>,
     /// For a coordinate that slips alone.
     pub(super) expander: Expander,
 }
@@ -166,8 +168,6 @@ pub(super) enum Role {
     Held(usize),
     /// It slips in this contact, which has no memory, with a constant load on a constant belt.
     Slips(usize),
-    /// No contact of its own, and no force that varies.
-    Free,
     /// Something else.
     Other,
 }
@@ -215,6 +215,10 @@ impl Series {
                 tape: Tape::new(),
             }
         });
+        let contacts: Vec<ContactSeries> = contacts.collect();
+        let is_plain = |of: &ContactSeries| of.memories.is_empty() && !of.load_varies;
+        let is_simple =
+            model.shared.is_empty() && model.springs.is_empty() && contacts.iter().all(is_plain);
         let coordinates = (0..model.len()).map(|i| {
             let force = model.acceleration_by(i, |j| model.forces[j].value(time));
             CoordinateSeries::new(constant(force))
@@ -225,12 +229,12 @@ impl Series {
             given: given.collect(),
             spring_sizes: vec![0.0; model.sprung.len()],
             coordinates,
-            contacts: contacts.collect(),
+            contacts,
             rates: vec![0.0; model.len()],
             unheld: vec![0.0; model.len()],
             rounding: vec![0.0; model.len()],
             held: Vec::with_capacity(model.shared.len()),
-            groups: Groups::new(model),
+            groups: is_simple.then(|| Groups::new(model)),
             expander: Expander::new(),
         }
     }

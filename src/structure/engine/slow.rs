@@ -24,7 +24,8 @@
 //! Near stick z and r vibrate together at √(Nσ0/m) until the vibration has decayed. Both are
 //! followed explicitly, by about √(Nσ0/m)/10 steps per unit of time.
 
-use super::expand::{ALL, expand};
+use super::ALL;
+use super::expand::expand;
 use super::model::Model;
 use super::plan::{Control, plan_reach};
 use super::series::Series;

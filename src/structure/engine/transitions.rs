@@ -6,10 +6,11 @@
 //! on the modes of others: it is then taken to stick, everything is expanded, and the sign of the
 //! first nonzero derivative decides. This is repeated until nothing changes.
 
+use super::ALL;
 use super::contact::ContactData;
 use super::decision::Decision;
 use super::edge::{EDGE_ROUNDING, Edge, leaving, side_of};
-use super::expand::{ALL, expand, expand_further};
+use super::expand::{expand, expand_further};
 use super::model::Model;
 use super::series::Series;
 use super::sizes::{load_terms, terms};

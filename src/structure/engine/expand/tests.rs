@@ -1,7 +1,5 @@
-use super::super::Engine;
-use super::super::expand::{ALL, all_of, start};
-use super::super::model::Model;
-use super::super::series::{ContactCourse, Role, Series};
+use super::super::{ALL, Engine};
+use super::{ContactCourse, Model, Role, Series, all_of, start};
 use crate::clock::Clock;
 use crate::drive::Drive;
 use crate::friction::{AnyLaw, Coulomb, Exponential, Polynomial, Rational, Stribeck, Tabulated};
@@ -107,7 +105,7 @@ fn simple_motions_have_the_series_of_the_general_way() {
                 let mut general = engine.series.clone();
                 start(&engine.model, &engine.situation, &mut general);
                 for k in 0..ALL {
-                    all_of(&engine.model, &mut general, k..k + 1, 0..n);
+                    all_of(&engine.model, &mut general, k, 0..n);
                 }
                 assert_agree(&engine.model, &engine.series, &general);
             }

@@ -1,0 +1,142 @@
+//! One order of a contact: its load, its law, and its memory.
+
+use super::contact::ContactData;
+use super::series::{ContactCourse, ContactSeries, CoordinateSeries};
+use crate::friction::memory::Slip;
+use crate::friction::memory::object::MemoryOrder;
+use crate::scalar::mul_add;
+use crate::series::INTEGRAL;
+
+impl ContactSeries {
+    /// Order k of a contact with a coordinate to itself, from that of all else that accelerates it
+    /// against the surface, and k + 1 of the sliding speed. Returns that of the coordinate's
+    /// velocity.
+    pub(super) fn order(&mut self, contact: &ContactData<'_>, k: usize, surface: f64) -> f64 {
+        let friction = match self.course {
+            ContactCourse::Open => 0.0,
+            ContactCourse::Stick => {
+                self.stick_order(contact, k);
+                0.0
+            }
+            ContactCourse::Slip => self.slip_order(contact, k),
+        };
+        let mut speed = (self.side * self.carried[k] - friction) * INTEGRAL[k];
+        if k == 0 {
+            speed = self.rate.unwrap_or(speed);
+        }
+        self.speeds[k + 1] = speed;
+        mul_add(self.side, speed, surface)
+    }
+
+    /// Coefficient k of the load.
+    #[inline(always)]
+    pub(super) fn load_order(
+        &mut self,
+        contact: &ContactData<'_>,
+        coordinates: &[CoordinateSeries],
+        k: usize,
+    ) {
+        if self.load_varies {
+            let by_displacements =
+                contact.displacement_load(|j| coordinates[j].course.displacement(k));
+            self.load[k] = self.drive_load[k] + by_displacements * contact.compliance;
+        }
+    }
+
+    /// Coefficient k of Nσμ in slip, and k + 1 of the memory; on the slow manifold k of the memory,
+    /// from k + 1 of the pass before.
+    pub(super) fn slip_order(&mut self, contact: &ContactData<'_>, k: usize) -> f64 {
+        let coefficient = if self.memories.is_empty() {
+            self.law_order(contact, k, &mut MemoryOrder::none())
+        } else {
+            self.with_memory(contact, k)
+        };
+        if self.load_varies {
+            (0..=k).map(|l| self.load[l] * self.friction[k - l]).sum()
+        } else {
+            self.load[0] * coefficient
+        }
+    }
+
+    /// Coefficient k of σμ, and k + 1 of the memory, or k.
+    fn with_memory(&mut self, contact: &ContactData<'_>, k: usize) -> f64 {
+        if self.relaxation > 0.0 {
+            // The law runs twice: for the memory, then with it.
+            self.with_rates(contact, k);
+            for (series, rate) in std::iter::zip(&mut self.memories, &self.rates) {
+                let correction = (rate - (k + 1) as f64 * series[k + 1]) / self.relaxation;
+                // A correction that only rounds to and fro would change the later coefficients for
+                // ever.
+                if correction.abs() > 2.0 * f64::EPSILON * series[k].abs() {
+                    series[k] += correction;
+                }
+            }
+            return self.with_rates(contact, k);
+        }
+        let coefficient = self.with_rates(contact, k);
+        self.set_memories(k);
+        coefficient
+    }
+
+    /// Coefficient k of σμ; notes that of the rates of the memory.
+    fn with_rates(&mut self, contact: &ContactData<'_>, k: usize) -> f64 {
+        let memories = std::mem::take(&mut self.memories);
+        let mut rates = std::mem::take(&mut self.rates);
+        let mut memory = MemoryOrder {
+            series: &memories,
+            rates: &mut rates,
+        };
+        let coefficient = self.law_order(contact, k, &mut memory);
+        (self.memories, self.rates) = (memories, rates);
+        coefficient
+    }
+
+    /// The argument of its law, with coefficient k of the sliding speed.
+    #[inline(always)]
+    pub(super) fn slip(&self, k: usize) -> Slip<f64> {
+        Slip {
+            speed: self.speeds[k],
+            direction: self.side,
+            piece: self.piece,
+        }
+    }
+
+    /// The same with the memory apart.
+    #[inline(always)]
+    pub(super) fn law_order(
+        &mut self,
+        contact: &ContactData<'_>,
+        k: usize,
+        memory: &mut MemoryOrder<'_>,
+    ) -> f64 {
+        let slip = self.slip(k);
+        let (coefficient, slope) = contact.law.slip_order(&mut self.tape, k, slip, memory);
+        (self.friction[k], self.slope) = (coefficient, slope);
+        coefficient
+    }
+
+    /// Coefficient k of the bound N μ_s in stick, and k + 1 of the memory.
+    #[inline]
+    pub(super) fn stick_order(&mut self, contact: &ContactData<'_>, k: usize) {
+        if self.memories.is_empty() {
+            // μ_s is a constant.
+            self.bound[k] = if k == 0 || self.load_varies {
+                self.load[k] * self.limit
+            } else {
+                0.0
+            };
+            return;
+        }
+        let (memories, rates) = (&self.memories, &mut self.rates);
+        self.limits[k] = contact.law.stick_order(&mut self.tape, k, memories, rates);
+        self.bound[k] = (0..=k).map(|l| self.load[l] * self.limits[k - l]).sum();
+        self.set_memories(k);
+    }
+
+    #[inline(always)]
+    fn set_memories(&mut self, k: usize) {
+        for (series, rate) in std::iter::zip(&mut self.memories, &self.rates) {
+            series[k + 1] = rate * INTEGRAL[k];
+        }
+    }
+}
