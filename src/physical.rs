@@ -99,7 +99,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// Those of [`Scaling::new`] and [`Scaling::system`]; speeds of the law in m/s.
+    /// The errors of [`Scaling::new`] and [`Scaling::system`]; speeds of the law in m/s.
     pub fn new(physical: Physical, law: L) -> Result<Self, Error> {
         let scaling = Scaling::new(physical)?;
         let system = scaling.system(law);
@@ -137,7 +137,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// Those of [`Integrator::simulate`]; numbers in SI units.
+    /// The errors of [`Integrator::simulate`]; numbers in SI units.
     #[doc(alias = "integrate")]
     pub fn simulate(&self, start: impl Into<State>, seconds: f64) -> Result<Trajectory, Error> {
         self.simulate_with(Integrator::new(), start, seconds)
@@ -148,7 +148,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// Those of [`Integrator::simulate`]; numbers in SI units.
+    /// The errors of [`Integrator::simulate`]; numbers in SI units.
     pub fn simulate_with(
         &self,
         integrator: Integrator,
@@ -167,7 +167,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// Those of [`Integrator::simulate_until`]; numbers in SI units.
+    /// The errors of [`Integrator::simulate_until`]; numbers in SI units.
     ///
     /// ```
     /// use stick_slip::{Ended, Integrator, Physical, PhysicalMassOnBelt, Segment, Stribeck};
@@ -236,7 +236,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// Those of [`limit_cycle::find`]; numbers in SI units.
+    /// The errors of [`limit_cycle::find`]; numbers in SI units.
     #[doc(alias = "find")]
     pub fn cycles(&self) -> Result<CycleSet, Error> {
         match limit_cycle::find(&self.system) {
@@ -249,7 +249,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// Those of [`limit_cycle::stick_slip`]; numbers in SI units.
+    /// The errors of [`limit_cycle::stick_slip`]; numbers in SI units.
     pub fn stick_slip(&self) -> Result<Option<LimitCycle>, Error> {
         match limit_cycle::stick_slip(&self.system) {
             Ok(cycle) => Ok(cycle.map(|cycle| cycle.in_units(self.scaling.units()))),
@@ -262,7 +262,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// Those of [`limit_cycle::attractor`].
+    /// The errors of [`limit_cycle::attractor`].
     pub fn attractor(&self, start: impl Into<State>) -> Result<Attractor, Error> {
         self.basins()?.attractor(start.into())
     }
@@ -272,7 +272,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// Those of [`limit_cycle::basins`].
+    /// The errors of [`limit_cycle::basins`].
     ///
     /// ```
     /// use stick_slip::{Attractor, Exponential, Physical, PhysicalMassOnBelt};
@@ -318,7 +318,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// Those of [`bifurcation::vibration_ranges`]; numbers in SI units.
+    /// The errors of [`bifurcation::vibration_ranges`]; numbers in SI units.
     #[doc(alias = "sweep")]
     pub fn vibration_ranges(&self, range: Range<f64>) -> Result<Vec<VibrationRange>, Error> {
         let search = |range| bifurcation::vibration_ranges(&self.system, range);
@@ -335,7 +335,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// Those of [`bifurcation::silencing_damping`]; numbers in SI units.
+    /// The errors of [`bifurcation::silencing_damping`]; numbers in SI units.
     ///
     /// ```
     /// # use stick_slip::{Physical, PhysicalMassOnBelt, Stribeck};
@@ -365,7 +365,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// Those of [`bifurcation::silencing_load`]; numbers in SI units.
+    /// The errors of [`bifurcation::silencing_load`]; numbers in SI units.
     #[doc(alias = "squeal")]
     pub fn silencing_load(&self) -> Result<f64, Error> {
         let load = bifurcation::silencing_load(&self.system);
@@ -467,8 +467,8 @@ where
 
     /// # Errors
     ///
-    /// Those of [`Structure`]'s constructors; parameters that a [`PhysicalMassOnBelt`] has pass
-    /// their checks, except numbers at the limits of `f64`.
+    /// The errors of [`Structure`]'s constructors; parameters that a [`PhysicalMassOnBelt`] has
+    /// pass their checks, except numbers at the limits of `f64`.
     fn try_from(brake: &PhysicalMassOnBelt<L>) -> Result<Self, Error> {
         let physical = brake.physical();
         let law = brake.dimensionless().law().law().clone();

@@ -68,7 +68,7 @@ pub fn drift<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64) -> Result<f
 ///
 /// # Errors
 ///
-/// Those of [`drift`].
+/// The errors of [`drift`].
 ///
 /// ```
 /// use stick_slip::analysis::averaging::drift_slope;

@@ -252,7 +252,7 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// Those of [`Integrator::simulate`].
+    /// The errors of [`Integrator::simulate`].
     ///
     /// ```
     /// use stick_slip::{EventKind, MassOnBelt, Polynomial, State};

@@ -65,7 +65,7 @@ pub fn grazing_velocities<L: FrictionLaw>(
 ///
 /// # Errors
 ///
-/// Those of [`grazing_velocities`].
+/// The errors of [`grazing_velocities`].
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, bifurcation};
@@ -91,7 +91,7 @@ pub fn overshoot_velocities<L: FrictionLaw>(
 ///
 /// # Errors
 ///
-/// Those of [`grazing_velocities`].
+/// The errors of [`grazing_velocities`].
 ///
 /// ```
 /// use stick_slip::{CycleKind, MassOnBelt, Polynomial, bifurcation, limit_cycle};
@@ -132,7 +132,7 @@ pub fn crossing_velocities<L: FrictionLaw>(
 ///
 /// # Errors
 ///
-/// Those of [`grazing_velocities`].
+/// The errors of [`grazing_velocities`].
 ///
 /// ```
 /// use stick_slip::{CycleKind, MassOnBelt, Tabulated, bifurcation, limit_cycle};
@@ -168,7 +168,7 @@ impl<L: FrictionLaw> Along<'_, L> {
     ///
     /// # Errors
     ///
-    /// Those of [`grazing_velocities`], and [`Error::Stopped`].
+    /// The errors of [`grazing_velocities`], and [`Error::Stopped`].
     pub fn grazing(&self) -> Result<Vec<f64>, Error> {
         self.over_parts(&mut |work, part, found| changes(work, part, overshoot, found))
     }
@@ -178,7 +178,7 @@ impl<L: FrictionLaw> Along<'_, L> {
     ///
     /// # Errors
     ///
-    /// Those of [`grazing`](Self::grazing).
+    /// The errors of [`grazing`](Self::grazing).
     pub fn touching(&self) -> Result<Vec<f64>, Error> {
         self.over_parts(&mut |work, part, found| changes(work, part, touching, found))
     }
@@ -188,7 +188,7 @@ impl<L: FrictionLaw> Along<'_, L> {
     ///
     /// # Errors
     ///
-    /// Those of [`grazing`](Self::grazing).
+    /// The errors of [`grazing`](Self::grazing).
     pub fn overshoot(&self) -> Result<Vec<f64>, Error> {
         self.over_parts(&mut |work, part, found| changes(work, part, beyond_low, found))
     }
@@ -198,7 +198,7 @@ impl<L: FrictionLaw> Along<'_, L> {
     ///
     /// # Errors
     ///
-    /// Those of [`grazing`](Self::grazing).
+    /// The errors of [`grazing`](Self::grazing).
     pub fn crossing(&self) -> Result<Vec<f64>, Error> {
         self.over_parts(&mut |work, part, found| changes(work, part, beyond_high, found))
     }

@@ -52,7 +52,7 @@ const LEAST_BEND: f64 = 0.25;
 ///
 /// # Errors
 ///
-/// Those of [`grazing_velocities`](super::grazing_velocities).
+/// The errors of [`grazing_velocities`](super::grazing_velocities).
 ///
 /// ```
 /// use stick_slip::{Exponential, MassOnBelt, bifurcation};
@@ -78,7 +78,7 @@ impl<L: FrictionLaw> Along<'_, L> {
     ///
     /// # Errors
     ///
-    /// Those of [`grazing`](Self::grazing).
+    /// The errors of [`grazing`](Self::grazing).
     pub fn folds(&self) -> Result<Vec<f64>, Error> {
         self.over_parts(&mut |work, part, found| folds(work, part, found).map(drop))
     }

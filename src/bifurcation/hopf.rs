@@ -62,7 +62,7 @@ impl<L: FrictionLaw> Along<'_, L> {
     ///
     /// # Errors
     ///
-    /// Those of [`hopf_velocities`] along the belt velocity, otherwise those of
+    /// The errors of [`hopf_velocities`] along the belt velocity, otherwise the errors of
     /// [`grazing`](Self::grazing).
     pub fn hopf(&self) -> Result<Vec<f64>, Error> {
         self.over_parts(&mut hopf)

@@ -30,7 +30,7 @@ use crate::numerics::scan::INTERVALS;
 ///
 /// # Errors
 ///
-/// Those of [`hopf_velocities`](super::hopf_velocities) and
+/// The errors of [`hopf_velocities`](super::hopf_velocities) and
 /// [`grazing_velocities`](super::grazing_velocities).
 ///
 /// ```
@@ -122,8 +122,8 @@ impl<L: FrictionLaw> Along<'_, L> {
     ///
     /// # Errors
     ///
-    /// Those of [`hopf`](Self::hopf) and [`grazing`](Self::grazing). [`Error::Stopped`] holds the
-    /// borders that were found.
+    /// The errors of [`hopf`](Self::hopf) and [`grazing`](Self::grazing). [`Error::Stopped`] holds
+    /// the borders that were found.
     ///
     /// ```
     /// use stick_slip::{Exponential, MassOnBelt, bifurcation};

@@ -134,7 +134,7 @@ impl Drive {
     ///
     /// # Errors
     ///
-    /// As for [`harmonic`](Self::harmonic).
+    /// The errors of [`harmonic`](Self::harmonic).
     pub fn with_harmonic(
         self,
         amplitude: f64,
@@ -151,7 +151,7 @@ impl Drive {
     ///
     /// # Errors
     ///
-    /// As for [`sine`](Self::sine).
+    /// The errors of [`sine`](Self::sine).
     pub fn with_sine(self, amplitude: f64, angular_frequency: f64) -> Result<Self, Error> {
         Error::check("Drive", "amplitude", amplitude, true, "any size")?;
         self.with_waves(angular_frequency, 0.0, amplitude)
@@ -161,7 +161,7 @@ impl Drive {
     ///
     /// # Errors
     ///
-    /// As for [`profile`](Self::profile).
+    /// The errors of [`profile`](Self::profile).
     pub fn with_profile(mut self, points: &[(f64, f64)]) -> Result<Self, Error> {
         let profile = Profile::new(points)?;
         match profile.as_constant() {

@@ -25,7 +25,7 @@ use crate::series::{PowerSeries, TERMS};
 ///
 /// # Errors
 ///
-/// * Those of [`MassOnBelt::new`](crate::MassOnBelt::new) that concern the law, which is then
+/// * The errors of [`MassOnBelt::new`](crate::MassOnBelt::new) that concern the law, which is then
 ///   refused as a whole;
 /// * [`Error::InvalidParameter`] unless 0 ≤ start < end, both finite, or if more than 10 000 power
 ///   series do not reach the end of the range.

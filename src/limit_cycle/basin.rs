@@ -95,7 +95,7 @@ const HIDDEN_BY_CYCLE: f64 = 1e-6;
 ///
 /// # Errors
 ///
-/// Those of [`find`](super::find), and [`Error::InvalidState`] unless `start` is finite.
+/// The errors of [`find`](super::find), and [`Error::InvalidState`] unless `start` is finite.
 ///
 /// ```
 /// use stick_slip::limit_cycle::{Attractor, attractor};
@@ -122,7 +122,7 @@ pub fn attractor<L: FrictionLaw>(
 ///
 /// # Errors
 ///
-/// Those of [`find`](super::find).
+/// The errors of [`find`](super::find).
 ///
 /// ```
 /// use stick_slip::limit_cycle::{Attractor, basins};
@@ -275,7 +275,7 @@ impl<L: FrictionLaw> Basins<'_, L> {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidState`] unless `start` is finite; otherwise those of
+    /// [`Error::InvalidState`] unless `start` is finite; otherwise the errors of
     /// [`Integrator::simulate`](crate::Integrator::simulate) that concern the law or the length of
     /// steps.
     pub fn attractor(&self, start: impl Into<State>) -> Result<Attractor, Error> {

@@ -19,7 +19,7 @@ use crate::friction::{FrictionLaw, has_no_kinetic_friction};
 ///
 /// # Errors
 ///
-/// Those of [`Integrator::simulate`](crate::Integrator::simulate) that concern the law or the
+/// The errors of [`Integrator::simulate`](crate::Integrator::simulate) that concern the law or the
 /// length of steps.
 ///
 /// ```
@@ -60,7 +60,7 @@ fn stick_slip_of(system: Belt<'_>) -> Result<Option<LimitCycle>, Error> {
 ///
 /// # Errors
 ///
-/// Those of [`Integrator::simulate`](crate::Integrator::simulate) that concern the law or the
+/// The errors of [`Integrator::simulate`](crate::Integrator::simulate) that concern the law or the
 /// length of steps.
 ///
 /// ```

@@ -131,7 +131,7 @@ impl<S: System> fmt::Debug for Attractor<S> {
 ///
 /// # Errors
 ///
-/// [`Error::NoCommonPeriod`] if the drives vary without a common period; those of
+/// [`Error::NoCommonPeriod`] if the drives vary without a common period; the errors of
 /// [`Integrator::simulate`].
 ///
 /// ```
@@ -167,7 +167,7 @@ impl Search<'_> {
     ///
     /// # Errors
     ///
-    /// Those of [`classify`]; [`Error::TooManySteps`] at the bound; [`Error::Stopped`] if the
+    /// The errors of [`classify`]; [`Error::TooManySteps`] at the bound; [`Error::Stopped`] if the
     /// watcher stops it.
     pub fn classify<S: Oscillator>(
         &self,

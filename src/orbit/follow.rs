@@ -99,7 +99,8 @@ impl Search<'_> {
     ///
     /// # Errors
     ///
-    /// Those of [`follow`]; [`Error::Stopped`] if the watcher stops it before the first motion.
+    /// The errors of [`follow`]; [`Error::Stopped`] if the watcher stops it before the first
+    /// motion.
     pub fn follow<S: Oscillator>(
         &self,
         family: impl Fn(f64) -> Result<S, Error>,

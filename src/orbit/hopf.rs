@@ -241,7 +241,7 @@ impl Search<'_> {
     ///
     /// # Errors
     ///
-    /// Those of [`begin`].
+    /// The errors of [`begin`].
     pub fn begin<S: Oscillator>(
         &self,
         family: impl Fn(f64) -> Result<S, Error>,

@@ -42,7 +42,7 @@ struct Growth {
 ///
 /// # Errors
 ///
-/// Those of [`lyapunov_with_spread`].
+/// The errors of [`lyapunov_with_spread`].
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, orbit};
@@ -119,7 +119,7 @@ impl Search<'_> {
     ///
     /// # Errors
     ///
-    /// Those of [`lyapunov_with_spread`]; [`Error::Stopped`] if the watcher stops it.
+    /// The errors of [`lyapunov_with_spread`]; [`Error::Stopped`] if the watcher stops it.
     pub fn lyapunov_with_spread<S: Oscillator>(
         &self,
         system: &S,

@@ -265,7 +265,7 @@ impl Search<'_> {
     ///
     /// # Errors
     ///
-    /// Those of [`shoot`]; [`Error::Stopped`] if the watcher stops it.
+    /// The errors of [`shoot`]; [`Error::Stopped`] if the watcher stops it.
     pub fn shoot<S: Oscillator>(
         &self,
         system: &S,
@@ -281,7 +281,7 @@ impl Search<'_> {
     ///
     /// # Errors
     ///
-    /// Those of [`settle`]; [`Error::Stopped`] if the watcher stops it.
+    /// The errors of [`settle`]; [`Error::Stopped`] if the watcher stops it.
     pub fn settle<S: Oscillator>(
         &self,
         system: &S,
@@ -351,7 +351,7 @@ fn find(form: &GeneralForm<'_>, guess: &State, period: Period) -> Result<Trial, 
 ///
 /// [`Error::InvalidDuration`] unless the transient is finite and ≥ 0; [`Error::TooManySteps`], with
 /// the time and state reached, if the transient takes more than 10⁶ steps (about 10⁵ oscillations):
-/// continue from that state; those of [`shoot`]; those of
+/// continue from that state; the errors of [`shoot`]; the errors of
 /// [`Integrator::simulate`](crate::Integrator::simulate).
 ///
 /// ```

@@ -134,7 +134,7 @@ impl Search<'_> {
     ///
     /// # Errors
     ///
-    /// Those of [`sweep`].
+    /// The errors of [`sweep`].
     pub fn sweep<S: Oscillator>(
         &self,
         family: impl Fn(f64) -> Result<S, Error>,

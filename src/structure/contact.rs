@@ -104,7 +104,7 @@ impl Contact {
     ///
     /// # Errors
     ///
-    /// [`Error::BadDirection`] if i = j; those of [`new`](Self::new).
+    /// [`Error::BadDirection`] if i = j; the errors of [`new`](Self::new).
     pub fn between<L: ContactLaw + Send + Sync + 'static>(
         i: usize,
         j: usize,
@@ -120,7 +120,7 @@ impl Contact {
     /// # Errors
     ///
     /// [`Error::BadDirection`] unless at least one coordinate is given, all are different, and all
-    /// b_i are finite and not all 0; those of [`new`](Self::new).
+    /// b_i are finite and not all 0; the errors of [`new`](Self::new).
     pub fn along<L: ContactLaw + Send + Sync + 'static>(
         direction: &[(usize, f64)],
         law: L,

@@ -149,7 +149,8 @@ impl Contact {
     /// # Errors
     ///
     /// [`Error::InvalidParameter`] if a share is not positive and finite, or if a share of the load
-    /// would overflow; those of [`with_tangential_stiffness`](Self::with_tangential_stiffness).
+    /// would overflow; the errors of
+    /// [`with_tangential_stiffness`](Self::with_tangential_stiffness).
     ///
     /// ```
     /// use stick_slip::{Contact, Coulomb, Structure};

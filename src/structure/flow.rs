@@ -87,7 +87,7 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// Those of [`Integrator::simulate`](crate::Integrator::simulate).
+    /// The errors of [`Integrator::simulate`](crate::Integrator::simulate).
     #[doc(alias = "integrate")]
     #[doc(alias = "solve")]
     pub fn simulate(
@@ -127,7 +127,7 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// As for [`carried`](Self::carried).
+    /// The errors of [`carried`](Self::carried).
     pub fn acceleration(&self, time: f64, state: &State) -> Result<Vec<f64>, Error> {
         Ok(self.at(time, state)?.acceleration())
     }

@@ -226,7 +226,7 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// As for [`with_spring`](Self::with_spring).
+    /// The errors of [`with_spring`](Self::with_spring).
     pub fn with_damper(mut self, i: usize, j: usize, damping: f64) -> Result<Self, Error> {
         add_between(&mut self.damping, Element::Damping(i, j), (i, j), damping)?;
         Ok(self)
@@ -252,7 +252,7 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// As for [`with_ground_spring`](Self::with_ground_spring).
+    /// The errors of [`with_ground_spring`](Self::with_ground_spring).
     pub fn with_ground_damper(mut self, i: usize, damping: f64) -> Result<Self, Error> {
         add(&mut self.damping, Element::Damping(i, i), (i, i), damping)?;
         Ok(self)
@@ -278,7 +278,7 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// As for [`with_stiffness`](Self::with_stiffness).
+    /// The errors of [`with_stiffness`](Self::with_stiffness).
     #[allow(clippy::needless_pass_by_value)]
     pub fn with_damping(mut self, damping: DMatrix<f64>) -> Result<Self, Error> {
         let names = [
@@ -326,7 +326,7 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// Those of [`with_contact`](Self::with_contact), for the first contact at fault.
+    /// The errors of [`with_contact`](Self::with_contact), for the first contact at fault.
     pub fn with_contacts(self, contacts: impl IntoIterator<Item = Contact>) -> Result<Self, Error> {
         contacts.into_iter().try_fold(self, Self::with_contact)
     }

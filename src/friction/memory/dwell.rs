@@ -77,7 +77,7 @@ impl<L: FrictionLaw> Dwell<L> {
     ///
     /// # Errors
     ///
-    /// As for [`exponential`](Self::exponential).
+    /// The errors of [`exponential`](Self::exponential).
     pub fn hyperbolic(law: L, limit: f64, time: f64) -> Result<Self, Error> {
         check_limit(&law, limit)?;
         Self::new(law, Rise::Hyperbolic(limit), time)

@@ -180,7 +180,7 @@ impl Search<'_> {
     ///
     /// # Errors
     ///
-    /// Those of [`locus`]; [`Error::Stopped`] if the watcher stops it before the first point.
+    /// The errors of [`locus`]; [`Error::Stopped`] if the watcher stops it before the first point.
     pub fn locus<S: Oscillator>(
         &self,
         family: impl Fn(f64, f64) -> Result<S, Error>,

@@ -107,7 +107,7 @@ impl Search<'_> {
     ///
     /// # Errors
     ///
-    /// Those of [`vibration_ranges`].
+    /// The errors of [`vibration_ranges`].
     pub fn vibration_ranges<S: Oscillator>(
         &self,
         family: impl Fn(f64) -> Result<S, Error>,

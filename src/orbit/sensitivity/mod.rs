@@ -148,7 +148,7 @@ impl Sensitivities {
 /// [`Error::InvalidDuration`] unless the duration is positive and finite;
 /// [`Error::InvalidParameter`] unless all parameters are finite; [`Error::NoDerivative`], with the
 /// number of the parameter, if the events change with it however little it changes, as at grazing;
-/// those of the family; those of [`Integrator::simulate`](crate::Integrator::simulate).
+/// the errors of the family; the errors of [`Integrator::simulate`](crate::Integrator::simulate).
 ///
 /// ```
 /// use stick_slip::orbit::sensitivities;
@@ -217,7 +217,7 @@ pub fn sensitivities<S: Oscillator>(
 ///
 /// # Errors
 ///
-/// Those of [`sensitivities`]; [`Error::NotPeriodic`] if the orbit is no motion of the family.
+/// The errors of [`sensitivities`]; [`Error::NotPeriodic`] if the orbit is no motion of the family.
 ///
 /// ```
 /// use stick_slip::orbit::{self, Period};

@@ -110,7 +110,7 @@ impl Model<'_> {
     ///
     /// # Errors
     ///
-    /// As for [`factor`](Self::factor).
+    /// The errors of [`factor`](Self::factor).
     fn giving_factor(
         &self,
         among: &[usize],

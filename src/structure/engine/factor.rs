@@ -38,7 +38,7 @@ impl Factor {
     ///
     /// # Errors
     ///
-    /// As for [`new`](Self::new).
+    /// The errors of [`new`](Self::new).
     pub(crate) fn with_diagonal(
         diagonal: impl Fn(usize) -> f64,
         rows: impl Iterator<Item = Vec<(usize, f64)>>,
