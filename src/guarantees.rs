@@ -9,15 +9,15 @@
 //!
 //! # One mass on a belt
 //!
-//! The numbers are those of [`MassOnBelt`](crate::MassOnBelt) in the notation of the
-//! [crate page](crate#the-mass-on-its-belt); D = 2β + γ²·dμ̂/ds is the effective damping.
+//! The promises concern a [`MassOnBelt`](crate::MassOnBelt); the notation is that of the [crate
+//! page](crate#the-mass-on-its-belt); D = 2β + γ²·dμ̂/ds is the effective damping.
 //!
 //! 1. **Steps.** Each step of a slip phase is a Taylor series of order 26. Its defect is the
-//!    residual of the equation of motion with the series put in. A step is accepted if the defect
+//!    residual that the series leaves in the equation of motion. A step is accepted if the defect
 //!    is small at a quarter, a half and three quarters of the step, at its end, and near the
 //!    minimum of the sliding speed. This also catches terms of the law that underflow at the start
-//!    of the step, as exp(−400) does in a law with a narrow Stribeck velocity. In a step longer
-//!    than one radian the defect is checked at every quarter of a radian. This finds a narrow bump
+//!    of the step, such as exp(−400) in a law with a small Stribeck velocity. In a step longer than
+//!    one radian the defect is checked at every quarter of a radian. This finds a narrow bump
 //!    exp(−((s − s_0)/w)²) of the law, at whatever sliding speed s_0 it lies, if w is at least 1/40
 //!    of the motion's velocity amplitude. Declare a [breakpoint](crate::FrictionLaw::breakpoints)
 //!    at any narrower feature. Tests: `belt::integrator::promise_1_hidden_terms_are_not_missed`,
@@ -29,20 +29,21 @@
 //!    `belt::integrator::promise_2_shallow_grazing_contacts_are_found`,
 //!    `belt::integrator::promise_2_shallow_contacts_of_a_circle`,
 //!    `belt::independent::a_simple_integrator_sees_the_same_events`.
-//! 3. **Start of slip.** v_r has a known root there, simple or double, which is divided out. There
-//!    is no epsilon, no cooldown and no minimum duration: no event fires twice.
-//!    Test: `belt::integrator::promise_3_phase_starts_need_no_epsilon`.
-//! 4. **Stick** has closed formulas, and v equals v_b to the bit.
-//!    Tests: `belt::integrator::promise_4_stick_is_closed_form`,
+//! 3. **Start of slip.** v_r is 0 at the start of slip. This known root, simple or double, is
+//!    divided out of the polynomial. There is no epsilon, no cooldown and no minimum duration: no
+//!    event fires twice. Test: `belt::integrator::promise_3_phase_starts_need_no_epsilon`.
+//! 4. **Stick** is computed by closed formulas, and v equals v_b in every bit. Tests:
+//!    `belt::integrator::promise_4_stick_is_closed_form`,
 //!    `belt::hostile::it_sticks_in_the_band_and_slips_outside`.
 //! 5. **Order.** States are continuous. Event times never decrease; they increase strictly if the
-//!    phase between two events is longer than an ulp of the time. The same call gives the same bits
-//!    on the same kind of processor.
-//!    Tests: `belt::integrator::promise_5_motion_is_continuous_and_ordered_and_repeatable`,
+//!    phase between two events is longer than an ulp of the time (the distance between two
+//!    neighbouring numbers of type `f64`). The same call gives the same bits on the same kind of
+//!    processor. Tests:
+//!    `belt::integrator::promise_5_motion_is_continuous_and_ordered_and_repeatable`,
 //!    `contract::api::the_same_bits_again_and_in_threads`.
 //! 6. **Large numbers.** The integrated variable is v_r, not v, so the zeros of v_r are exact for
-//!    large v_b. Time is summed with compensation for rounding errors: after 10⁵ cycles an event
-//!    lies at its multiple of the period within 4 ulps of the time. Tests:
+//!    large v_b. Time is summed with compensation for rounding errors: after 10⁵ cycles, the time
+//!    of an event differs from the exact multiple of the period by at most 4 ulps. Tests:
 //!    `belt::integrator::promise_6_contact_is_exact_for_large_belt_velocities`,
 //!    `belt::integrator::promise_6_time_does_not_drift_over_a_hundred_thousand_cycles`.
 //! 7. **Tolerance** is the error of a step relative to the scale of the motion, max(|u − ū|, |v|,
@@ -58,20 +59,20 @@
 //!    `belt::hostile::every_run_ends_with_a_result_or_a_typed_error`.
 //! 9. **Stiff phases.** Where friction or the damper rises so steeply with the sliding speed that
 //!    the motion creeps, a step is the power series of the slow manifold, and the number of steps
-//!    does not grow with D, up to D of about 10²⁰. Two such steps may disagree by up to 8 step
-//!    errors where they meet.
-//!    Tests: `belt::stiff::work_does_not_grow_with_the_stiffness`,
+//!    does not grow with D, up to D of about 10²⁰. Two such steps may disagree by up to 8
+//!    tolerances where they meet. Tests: `belt::stiff::work_does_not_grow_with_the_stiffness`,
 //!    `belt::stiff::stiff_motions_are_those_of_an_implicit_method`.
 //!
-//! **Accuracy.** Another method computed 22 motions with 25 digits; their events and states are met
-//! within 1e-13·max(1, |value|). Double precision with ε = 2.2e-16 sets two limits: the time of a
-//! contact near grazing is known to about ε/|v_r'|, and motions with v_b below 2e-5·γ²μ_s to about
-//! ε·γ²μ_s/v_b. Test: `belt::reference::trajectories_have_the_reference_events_and_states`.
+//! **Accuracy.** Another method computed 22 reference motions with 25 digits; events and states
+//! agree with them within 1e-13·max(1, |value|). Double precision with ε = 2.2e-16 sets two limits:
+//! the time of a contact near grazing is known to about ε/|v_r'|, and motions with v_b below
+//! 2e-5·γ²μ_s to about ε·γ²μ_s/v_b. Test:
+//! `belt::reference::trajectories_have_the_reference_events_and_states`.
 //!
 //! # Conventions at zero relative velocity
 //!
 //! In stick the contact carries the force F = u + 2βv_b, and at most F_s = γ²μ_s. The band of
-//! forces in which the mass sticks is half open, so that exactly one thing follows from every
+//! forces in which the mass sticks is half open, so that exactly one motion follows from every
 //! state:
 //!
 //! * v_b > 0: −F_s ≤ F < F_s. At F = F_s the mass is released.
@@ -90,8 +91,8 @@
 //! | start with v_r = 0, F outside the band | the mass slips at once, with the sign of −F; no event at time 0 |
 //! | start at the release point, within 4 ulps of the largest term of its formula | `Release` at time 0, reported |
 //!
-//! A row that names the sign of v_r but not of v_b is for v_b > 0; for v_b < 0 that sign is
-//! reversed. An ulp is the distance between two neighbouring numbers of type `f64`.
+//! Rows that give a sign of v_r, but no sign of v_b, apply to v_b > 0. For v_b < 0 the sign of v_r
+//! is reversed.
 //!
 //! [`stick_limits`](crate::MassOnBelt::stick_limits) returns the ends of the band as displacements
 //! u; every decision uses these two numbers.
@@ -103,23 +104,24 @@
 //!
 //! # Structures
 //!
-//! A [`Structure`](crate::Structure) is followed by the same method: Taylor series of order 26 with
-//! a checked defect, every event an isolated root of a polynomial, known roots at the start of slip
-//! divided out, typed errors. Only contacts with stiff memory, such as bristles, are followed on
-//! the slow manifold; other stiffness shortens the (explicit) steps.
+//! A [`Structure`](crate::Structure) is followed by the same method: Taylor series of order 26 have
+//! a checked defect, every event is an isolated root of a polynomial, known roots at the start of
+//! slip are divided out, and errors are typed. Only contacts with stiff memory, such as bristles,
+//! are followed on the slow manifold; other stiffness shortens the (explicit) steps.
 //!
 //! * **Equation of motion, energy and events** agree with those of independent integrators:
 //!   `structures::random::motions_obey_the_law`, `structures::identities::energy_balances`,
 //!   `structures::random::a_simple_integrator_sees_the_same_events`.
-//! * **Stick.** A mass that sticks moves with its belt to the bit, however the belt's velocity
+//! * **Stick.** A mass that sticks has the velocity of its belt in every bit, however this velocity
 //!   varies: `structures::identities::a_stuck_mass_is_carried_exactly`.
-//! * **Reference motions** with 25 digits are met:
+//! * **Reference motions** computed with 25 digits agree with those of the crate:
 //!   `structures::trajectories::motions_have_the_reference_events_and_states`,
 //!   `structures::memory::motions_have_the_reference_events_and_states`.
-//! * **Contacts that share masses** and are at r = 0 decide together which of them stick, by the
-//!   rule on the page of [`Structure`](crate::Structure#contacts-that-share-masses). The numbering
-//!   of contacts does not matter. If contacts with linearly dependent directions would stick at the
-//!   same time, the run returns [`Error::Undetermined`](crate::Error::Undetermined):
+//! * **Contacts that share masses** and have the relative velocity r = 0 are decided together,
+//!   stick or slip, by the rule on the page of
+//!   [`Structure`](crate::Structure#contacts-that-share-masses). The numbering of contacts does not
+//!   matter. If contacts with linearly dependent directions would stick at the same time, the run
+//!   returns [`Error::Undetermined`](crate::Error::Undetermined):
 //!   `structures::decisions::decisions_are_those_of_all_patterns_tried`,
 //!   `structures::contacts::contacts_may_be_numbered_in_any_order`,
 //!   `structures::contacts::parallel_clutches_that_lock_are_undetermined`.
@@ -130,24 +132,25 @@
 //!   `structures::closed_forms::a_load_that_falls_to_zero_opens_the_contact`,
 //!   `structures::random::a_load_that_touches_zero_does_not_open_or_close`,
 //!   `structures::closed_forms::a_load_that_springs_lift_ends_the_motion`.
-//! * **Elastic contacts** carry their limit force to the bit while they slip, for any stiffness
+//! * **Elastic contacts** transmit exactly their limit force while they slip, for any stiffness
 //!   from 1e-2 to 1e12: `structures::elastic::any_stiffness_has_every_event`. If loads depend on
 //!   time alone, the distance between two motions never grows, and energies balance:
 //!   `structures::elastic_identities::two_motions_never_come_apart`,
-//!   `structures::elastic_identities::energy_is_what_forces_and_sliders_leave`. A scheme without
-//!   modes and events comes to the same states:
+//!   `structures::elastic_identities::energy_is_what_forces_and_sliders_leave`. A time-stepping
+//!   scheme without modes and events reaches the same states:
 //!   `structures::elastic::a_scheme_without_events_comes_to_the_same_states`.
-//! * **Symmetry.** Mirror images agree to the bit, equal masses in equal states stay together to
-//!   the bit: `structures::identities::mirror_images_agree_to_the_bit`,
+//! * **Symmetry.** Mirror images agree in every bit, and equal masses with equal states keep equal
+//!   states in every bit: `structures::identities::mirror_images_agree_to_the_bit`,
 //!   `structures::identities::clones_stay_together_to_the_bit`.
 //! * **Phase.** The phase of a drive stays exact after any number of periods:
 //!   `structures::identities::a_million_periods_lose_no_phase`.
-//! * **One mass on a belt** moves the same in both engines:
-//!   `structures::two_engines::reference_motions_of_the_belt`,
+//! * **One mass on a belt** has the same motion as a `MassOnBelt` and as a `Structure`, two
+//!   separate engines: `structures::two_engines::reference_motions_of_the_belt`,
 //!   `structures::two_engines::random_belts`.
 //! * **Stiff bristles.** The number of steps does not grow with the stiffness of the bristles
 //!   (tried up to σ0 = 10¹²): `structures::stiff_memory::any_stiffness_takes_as_many_steps`.
-//! * **Limits of work** hold: `structures::random::limits_of_work_hold`.
+//! * **Limits of work** (numbers of steps and events) are kept:
+//!   `structures::random::limits_of_work_hold`.
 //!
 //! # Completeness
 //!
@@ -155,10 +158,10 @@
 //! |---|---|---|
 //! | [`limit_cycle::stick_slip`](crate::limit_cycle::stick_slip) | yes: if a cycle sticks, it is found | `cycles::maps::no_cycle_is_lost_or_invented` |
 //! | [`limit_cycle::find`](crate::limit_cycle::find) | yes, except pairs of cycles [very close together](crate::limit_cycle#what-is-guaranteed); ranges that double precision cannot resolve are [reported](crate::CycleSet::unresolved) | `cycles::maps::no_cycle_is_lost_or_invented`, `cycles::cycles::every_number_of_the_reference`, `cycles::cases::canard_like_growth_is_resolved_or_told` |
-//! | [`limit_cycle::attractor`](crate::limit_cycle::attractor), [`basins`](crate::limit_cycle::basins()) | as complete as `find`, whose cycles they use | `cycles::maps::motions_stay_near_stable_cycles_and_end_on_the_attractor_named` |
+//! | [`limit_cycle::attractor`](crate::limit_cycle::attractor), [`basins`](crate::limit_cycle::basins()) | as complete as `find`, since they use its cycles | `cycles::maps::motions_stay_near_stable_cycles_and_end_on_the_attractor_named` |
 //! | functions of [`bifurcation`](crate::bifurcation) | depends on the function: its page states how densely it searches | `cycles::bifurcations::every_number_of_the_reference`, `cycles::brute_force::contacts_change_where_brute_force_says` |
 //! | [`orbit::shoot`](crate::orbit::shoot), [`settle`](crate::orbit::settle) | no: one motion near the guess, exact to rounding, or a typed error | `orbit::references::orbits_have_the_reference_numbers`, `orbit::bad_input::what_is_not_found_says_how_far_it_is` |
-//! | [`orbit::follow`](crate::orbit::follow) | no: what is connected with the start; two bifurcations of one kind within a step can be missed | `orbit::follow::bifurcations_of_forced_motions_are_those_of_the_reference`, `orbit::follow::both_directions_meet` |
+//! | [`orbit::follow`](crate::orbit::follow) | no: only the branch connected with the start; two bifurcations of one kind within a step can be missed | `orbit::follow::bifurcations_of_forced_motions_are_those_of_the_reference`, `orbit::follow::both_directions_meet` |
 //!
 //! Motions of one mass on a belt of constant velocity lie in a plane and cannot cross each other,
 //! so a search for its limit cycles can be complete. With a force, a second mass or a memory they

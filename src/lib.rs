@@ -3,9 +3,9 @@
 //! For a mass on a moving belt the crate finds every stick (slip ends, the mass moves with the
 //! belt), every release (slip onset), every crossing (the relative velocity changes its sign
 //! without stick), every limit cycle, and the belt velocities at which cycles appear. The friction
-//! law can be any that you can write as a function. The motion of several masses, with friction on
-//! belts and between the masses, under forces and on belts that vary in time, is computed as
-//! exactly, and their [periodic motions](orbit) are found from a guess.
+//! law can be any analytic or piecewise analytic function. The motion of several masses is computed
+//! with the same accuracy: friction acts on belts and between masses, forces and belt velocities
+//! may vary in time. The [periodic motions](orbit) of several masses are found from a guess.
 //!
 //! ```
 //! use stick_slip::{MassOnBelt, Polynomial, State, limit_cycle};
@@ -97,8 +97,8 @@
 //!
 //! All quantities are dimensionless: u displacement, v = u' velocity, τ time, β ≥ 0 damping ratio,
 //! γ² > 0 friction load, v_b belt velocity of either sign or zero, v_r = v − v_b relative velocity,
-//! s = |v_r| sliding speed. [`PhysicalMassOnBelt`] takes and gives kilograms, metres and newtons;
-//! [`Scaling`] converts them.
+//! s = |v_r| sliding speed. [`PhysicalMassOnBelt`] takes and returns numbers in kilograms, metres
+//! and newtons; [`Scaling`] converts them.
 //!
 //! A [`FrictionLaw`] consists of a static coefficient μ_s and a function μ̂(s) for s ≥ 0, the
 //! kinetic coefficient. μ̂(0) is its limit for s → 0, and at most μ_s. The law is odd in the
@@ -123,8 +123,9 @@
 //! * **Stick** has closed formulas, and the velocity is v_b to the bit.
 //! * **Uniqueness.** From every state with v_r = 0 exactly one motion follows. In stick the contact
 //!   carries F = u + 2βv_b, and for v_b > 0 the mass sticks while −γ²μ_s ≤ F < γ²μ_s.
-//! * **Accuracy.** The tolerance is relative to the scale of the motion, by default round-off. 22
-//!   motions computed with 25 digits are met within 1e-13·max(1, |value|).
+//! * **Accuracy.** The tolerance is relative to the scale of the motion, by default round-off. The
+//!   results agree with 22 reference motions, computed with 25 digits, within
+//!   1e-13·max(1, |value|).
 //! * **Repeatability.** The same call gives the same bits on the same kind of processor.
 //! * **Errors.** A run that cannot continue returns a typed [`Error`] with the time and state
 //!   reached. It does not panic or hang.
@@ -137,21 +138,21 @@
 //!
 //! # Limits
 //!
-//! * **All cycles of one mass only.** Completeness is guaranteed for a single mass on a belt of
+//! * **Completeness for one mass only.** Completeness is guaranteed for a single mass on a belt of
 //!   constant velocity, because its motions lie in a plane and cannot cross each other. Periodic
 //!   motions of a [`Structure`] are found from a guess: see [`orbit`].
 //! * **Memory in structures only.** The law of a [`MassOnBelt`] depends on the relative velocity
 //!   alone. A contact of a [`Structure`] may have memory variables ([`Dwell`], [`Dahl`], [`LuGre`],
 //!   or a [`ContactLaw`] of your own), and a belt becomes a structure by `Structure::from`.
-//! * **Contacts that share masses.** Which of them stick is decided for all together: uniquely if
-//!   static and kinetic coefficients are equal, otherwise
-//!   [by a rule](Structure#contacts-that-share-masses). Contacts with linearly dependent directions
-//!   must not come to rest together ([`Error::Undetermined`]).
+//! * **Contacts that share masses.** Stick or slip is decided for all of them together. The
+//!   decision is unique if static and kinetic coefficients are equal; otherwise it follows [a
+//!   rule](Structure#contacts-that-share-masses). Contacts with linearly dependent directions must
+//!   not come to rest at one time ([`Error::Undetermined`]).
 //! * **Stiffness.** Stiffness of a mass on a belt (large β or γ²·dμ̂/ds, as for the cubic law far
-//!   above its minimum) costs no steps, up to D = 2β + γ²·dμ̂/ds of about 1e20. In structures only
-//!   stiff memory of one variable, such as bristles, is treated this way (tried up to σ0 = 1e12);
-//!   other stiffness shortens the explicit steps, and at its extreme the run returns
-//!   [`Error::StepUnderflow`] or [`Error::TooManySteps`].
+//!   above its minimum) does not increase the number of steps, up to D = 2β + γ²·dμ̂/ds of about
+//!   1e20. In structures only stiff memory of one variable, such as bristles, is treated this way
+//!   (tried up to σ0 = 1e12); other stiffness shortens the explicit steps, and if it is extreme the
+//!   run returns [`Error::StepUnderflow`] or [`Error::TooManySteps`].
 //! * **Analytic laws.** A law is analytic, at s = 0 too, or piecewise analytic with
 //!   [breakpoints](FrictionLaw::breakpoints) where the pieces meet.
 //! * **Narrow features.** Declare a breakpoint at any feature of a law narrower than 1/40 of the
@@ -161,8 +162,8 @@
 //!
 //! No feature is on by default.
 //!
-//! * `serde`: writes and reads laws, systems, structures, scalings, states and events; writes
-//!   equilibria, cycles and diagrams, which follow from a system. `schema` lists the names.
+//! * `serde`: writes and reads laws, systems, structures, scalings, states and events; writes, but
+//!   does not read, equilibria, cycles and diagrams. `schema` lists the names.
 //! * `rayon`: adds `bifurcation::par_diagram`, which computes the [diagram](bifurcation::diagram)
 //!   on all cores, with the same results bit for bit.
 #![forbid(unsafe_code)]

@@ -4,8 +4,8 @@ use super::State as OneMass;
 /// contacts.
 ///
 /// All numbers are in the units of the system: the structure's own, or dimensionless for a
-/// [`MassOnBelt`](crate::MassOnBelt). An [`Error`](crate::Error) holds a state of this type for
-/// both systems, the last state reached.
+/// [`MassOnBelt`](crate::MassOnBelt). An [`Error`](crate::Error) holds the last state reached as a
+/// value of this type, for both kinds of system.
 ///
 /// ```
 /// use stick_slip::{State, structure};
@@ -32,7 +32,7 @@ pub struct State {
 }
 
 impl State {
-    /// The state with these displacements and velocities, without memory variables.
+    /// Creates a state with the given displacements and velocities, without memory variables.
     pub fn new(displacements: &[f64], velocities: &[f64]) -> Self {
         Self {
             displacements: displacements.to_vec(),
@@ -41,7 +41,7 @@ impl State {
         }
     }
 
-    /// The state of n masses at rest, with no spring stretched.
+    /// Creates the state of n masses at rest with all displacements 0.
     ///
     /// ```
     /// assert_eq!(stick_slip::structure::State::at_rest(2).velocities, [0.0, 0.0]);
@@ -50,7 +50,7 @@ impl State {
         Self::new(&vec![0.0; n], &vec![0.0; n])
     }
 
-    /// The same state with memory variables, in the order of the contacts.
+    /// Sets the memory variables, in the order of the contacts.
     pub fn with_memory(mut self, memory: &[f64]) -> Self {
         self.memory = memory.to_vec();
         self

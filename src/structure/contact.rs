@@ -22,25 +22,25 @@ use crate::friction::memory::{ContactLaw, Slip, validate};
 /// |---|---|---|
 /// | [`Contact::new(i, ..)`](Self::new) | e_i | v_i − w: mass i on a belt or on the ground |
 /// | [`Contact::between(i, j, ..)`](Self::between) | e_i − e_j | v_i − v_j − w: a clutch, a damper between blades, a pad on a disc |
-/// | [`Contact::along(&[(i, b_i), ..], ..)`](Self::along) | any | a lever, a gear, a point of a reduced model by its mode shapes |
+/// | [`Contact::along(&[(i, b_i), ..], ..)`](Self::along) | any | Σ b_i v_i − w: a lever, a gear, a point of a reduced model by its mode shapes |
 ///
 /// Loads are in units of force, n_j in force per displacement, w in units of velocity; μ and b are
-/// dimensionless. A row b twice as large doubles r and the force on the coordinates.
+/// dimensionless. Doubling b doubles r and the force on the coordinates.
 ///
-/// If the load depends on time alone it may fall to 0 and rise again: the contact is open in
-/// between and transmits no friction. A load gradient describes a normal spring that is part of the
-/// stiffness matrix. That spring would pull for N < 0, so the motion ends with an error where N
-/// reaches 0. For a contact that opens and closes use [a normal spring of its
+/// If the load depends on time alone it may fall to 0 and rise again: between these times the
+/// contact is open and transmits no friction. A load gradient describes a normal spring that is
+/// part of the stiffness matrix. That spring would pull for N < 0, so the motion ends with an error
+/// where N reaches 0. For a contact that opens and closes use [a normal spring of its
 /// own](Self::with_normal_spring).
 ///
 /// A contact is rigid, or [elastic](Self::with_tangential_stiffness): a spring in series with a
 /// dry slider.
 ///
-/// Touching is no event: neither a load that touches 0, from above or from below, nor a force in
-/// stick that touches its limit. The load only touches 0 if it turns back within 8ε of 0 (ε =
-/// 2.2e-16), relative to the sum of the absolute values of its terms, or if one piece of a
-/// [`Drive`] ends at 0 and the next piece turns back. The force only touches its limit if it turns
-/// back within 8ε of it, relative to their terms.
+/// A touch is no event. A load that touches 0, from above or from below, does not open or close its
+/// contact, and a stick force that touches its limit does not end stick. The load only touches 0 if
+/// it turns back within 8ε of 0 (ε = 2.2e-16), relative to the sum of the absolute values of its
+/// terms, or if one piece of a [`Drive`] ends at 0 and the next piece turns back. The force only
+/// touches its limit if it turns back within 8ε of the limit, relative to the terms of both.
 ///
 /// The type of the law is not part of the type of the contact, so a structure may have contacts of
 /// different laws.
@@ -84,11 +84,12 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// A contact of one coordinate, on a surface at rest, with a law and a normal load N0(t).
+    /// Creates a contact between one coordinate and a surface at rest, with a law and a normal load
+    /// N0(t).
     ///
     /// # Errors
     ///
-    /// * [`Error::InvalidParameter`] if the load is not finite, or a constant ≤ 0, if μ_s is
+    /// * [`Error::InvalidParameter`] if the load is not finite or is a constant ≤ 0, if μ_s is
     ///   negative or not finite, if friction at speed 0 does not oppose slip, or if a law breaks
     ///   another of the rules of [`ContactLaw`];
     /// * the errors of [`MassOnBelt::new`](crate::MassOnBelt::new) that a law can cause.
@@ -100,7 +101,8 @@ impl Contact {
         Self::along(&[(coordinate, 1.0)], law, load)
     }
 
-    /// A contact between two coordinates, with a law and a normal load N0(t): r = v_i − v_j.
+    /// Creates a contact between two coordinates, r = v_i − v_j, with a law and a normal load
+    /// N0(t).
     ///
     /// # Errors
     ///
@@ -114,8 +116,8 @@ impl Contact {
         Self::along(&[(i, 1.0), (j, -1.0)], law, load)
     }
 
-    /// A contact with the relative velocity r = Σ b_i v_i of these coordinates, with a law and a
-    /// normal load N0(t).
+    /// Creates a contact with the relative velocity r = Σ b_i v_i of the given coordinates, with a
+    /// law and a normal load N0(t).
     ///
     /// # Errors
     ///
@@ -157,8 +159,8 @@ impl Contact {
         }
     }
 
-    /// The same contact on a surface of velocity w(t), as a belt. In a contact between two
-    /// coordinates w(t) is subtracted from their relative velocity.
+    /// Sets the velocity w(t) of the surface, such as a belt, on which the contact slides. In a
+    /// contact between two coordinates, w(t) is subtracted from their relative velocity.
     ///
     /// The velocity must not jump, except at an elastic contact;
     /// [`Structure::with_contact`](crate::Structure::with_contact) checks it.
@@ -167,13 +169,13 @@ impl Contact {
         self
     }
 
-    /// The same contact with n·q added to its load: q is the displacement of a coordinate, n a
-    /// force per displacement.
+    /// Adds n·q to the normal load of the contact. q is the displacement of a coordinate, and n is
+    /// a force per displacement.
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] unless n, and its sum with the gradient already set for that
-    /// coordinate, is finite.
+    /// [`Error::InvalidParameter`] unless n is finite, and its sum with the gradient already set
+    /// for that coordinate is finite.
     pub fn with_load_gradient(mut self, coordinate: usize, gradient: f64) -> Result<Self, Error> {
         let place = self
             .load_gradient
@@ -198,13 +200,14 @@ impl Contact {
         Ok(self)
     }
 
-    /// The first of the coordinates that were given, from 0. [`direction`](Self::direction) lists
-    /// all of them.
+    /// The first of the coordinates that were given, counted from 0. [`direction`](Self::direction)
+    /// lists all of them.
     pub fn coordinate(&self) -> usize {
         self.coordinate
     }
 
-    /// Coordinates i, ascending, with the b_i ≠ 0 of its relative velocity, dimensionless.
+    /// The direction b: pairs of a coordinate i and its coefficient b_i ≠ 0 (dimensionless), by
+    /// ascending i.
     pub fn direction(&self) -> &[(usize, f64)] {
         &self.direction
     }
@@ -214,8 +217,8 @@ impl Contact {
         &self.load
     }
 
-    /// Coordinates j, ascending, with the n_j ≠ 0 of the normal load, in units of force per
-    /// displacement.
+    /// The load gradient: pairs of a coordinate j and its n_j ≠ 0, in units of force per
+    /// displacement, by ascending j.
     pub fn load_gradient(&self) -> &[(usize, f64)] {
         &self.load_gradient
     }
@@ -225,9 +228,8 @@ impl Contact {
         &self.belt_velocity
     }
 
-    /// Normal load N = N0(t) + Σ n_j q_j + k_n d·q at a time, in units of force; NaN where a
-    /// displacement is missing. It may be negative: the contact is open then, or the motion has
-    /// ended.
+    /// Normal load N = N0(t) + Σ n_j q_j + k_n d·q at a time, in units of force; NaN if a
+    /// displacement is missing. If it is negative, the contact is open, or the motion has ended.
     pub fn load_at(&self, time: f64, displacements: &[f64]) -> f64 {
         let terms = self
             .whole_gradient()

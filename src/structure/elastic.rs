@@ -1,12 +1,13 @@
-//! Elastic contacts, and contacts with a normal spring of their own.
+//! Elastic contacts, and contacts with their own normal spring.
 
 use super::contact::Contact;
 use crate::error::Error;
 
 /// Elastic contacts and normal springs.
 impl Contact {
-    /// The same contact with a spring of stiffness k_t > 0 in series: a Jenkins element, the model
-    /// of a bolted joint or a blade root. It acts as a spring until its slider slips.
+    /// Makes the contact elastic: its friction slider gets a spring of stiffness k_t > 0 in series.
+    /// This is a Jenkins element, the model of a bolted joint or a blade root. It acts as a spring
+    /// until its slider slips.
     ///
     /// ```text
     /// stick:  T' = k_t r         while |T| ≤ μ N
@@ -14,20 +15,22 @@ impl Contact {
     /// open:   T = 0              N ≤ 0
     /// ```
     ///
-    /// T, in units of force, takes the place of λ: it acts on the structure with −b T, and is a
-    /// memory variable of the contact in [`State::memory`](crate::structure::State::memory), after
-    /// the variables of the contacts before it. Events refer to the slider:
+    /// T, in units of force, takes the place of λ: the force on the structure is −b T. T is a
+    /// memory variable of the contact. In [`State::memory`](crate::structure::State::memory) it
+    /// follows the variables of the contacts before this one. Events refer to the slider:
     /// [`EventKind::Stick`](crate::EventKind::Stick) where it stops,
     /// [`EventKind::Release`](crate::EventKind::Release) where it starts, with the direction of z'.
     /// A [`Mode::Stick`](crate::Mode::Stick) contact may have any r. k_t is a force per
-    /// displacement b·q; μ is dimensionless. The velocity of its surface may jump.
+    /// displacement b·q; μ is dimensionless. The velocity of the contact's surface may jump.
     ///
-    /// Elastic contacts need no common decision with others, so any number of them may have
-    /// linearly dependent directions. For k_t → ∞ the motion tends to that of the rigid contact,
-    /// with a difference of order 1/√k_t; the number of steps grows as √k_t.
+    /// The mode of an elastic contact does not depend on other contacts at the same instant. Any
+    /// number of elastic contacts may therefore have linearly dependent directions. For k_t → ∞ the
+    /// motion tends to that of the rigid contact, with a difference of order 1/√k_t; the number of
+    /// steps grows as √k_t.
     ///
     /// Source: G. M. Jenkins, *J. Appl. Phys.* 33 (1962); W. D. Iwan, *J. Appl. Mech.* 33 (1966)
-    /// 893-900. In Moreau's terms it is the sweeping process, the *stop* of hysteresis theory.
+    /// 893-900. The model is Moreau's sweeping process, called the *stop* operator in hysteresis
+    /// theory.
     ///
     /// # Errors
     ///
@@ -72,13 +75,13 @@ impl Contact {
         Ok(self)
     }
 
-    /// Stiffness k_t of the spring in series, in units of force per displacement; `None` for a
-    /// rigid contact.
+    /// Stiffness k_t of the spring in series, in units of force per displacement; `None` if the
+    /// contact is rigid.
     pub fn tangential_stiffness(&self) -> Option<f64> {
         self.tangential_stiffness
     }
 
-    /// The same contact with a normal spring of its own, which opens and closes:
+    /// Adds a normal spring to the contact, which opens and closes:
     ///
     /// ```text
     /// N = max(0, N0(t) + k_n d·q)
@@ -132,19 +135,21 @@ impl Contact {
         Ok(self)
     }
 
-    /// Direction d of its normal spring, by ascending coordinate, and stiffness k_n, in units of
-    /// force per displacement; `None` without one.
+    /// The normal spring of the contact: its direction d, by ascending coordinate, and its
+    /// stiffness k_n, in units of force per displacement. `None` if the contact has no normal
+    /// spring.
     pub fn normal_spring(&self) -> Option<(&[(usize, f64)], f64)> {
         let (direction, stiffness) = self.normal_spring.as_ref()?;
         Some((direction, *stiffness))
     }
 
-    /// Elastic contacts in parallel that replace this one. Each has its stiffness k_t and its share
-    /// of the load, of the load gradient and of the stiffness of the normal spring.
+    /// Returns elastic contacts in parallel that replace this contact. Each element is a pair of a
+    /// stiffness k_t and a share of the load, of the load gradient and of the stiffness of the
+    /// normal spring.
     ///
     /// Shares are positive and dimensionless; their sum need not be 1. A load that varies acts on
-    /// all elements. The elements of an [`Iwan4`](crate::Iwan4) model are pairs of k_t and limit
-    /// force: use them with a contact of μ = 1 and N = 1.
+    /// all elements, each with its share. The elements of an [`Iwan4`](crate::Iwan4) model are
+    /// pairs of k_t and limit force: use them with a contact of μ = 1 and N = 1.
     ///
     /// # Errors
     ///

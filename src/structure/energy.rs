@@ -22,12 +22,12 @@ use crate::state::structure::State;
 /// drive_work = belt_work + friction_loss + Δ[T²/(2k_t)]        T of an elastic contact
 /// ```
 ///
-/// `stored` is the difference between the two ends of the motion; the other terms are integrals
-/// over its power series. Both balances close to rounding ([`defect`](Self::defect)). In a periodic
+/// `stored` is E at the end of the motion minus E at its start; the other terms are integrals over
+/// its power series. Both balances hold up to rounding ([`defect`](Self::defect)). In a periodic
 /// motion `stored` is 0.
 ///
-/// λ is the friction force of a contact, called T in an elastic one. It acts on the coordinates
-/// with −b λ, and on the moving surface, of velocity w, with λ.
+/// λ is the friction force of a contact, called T in an elastic contact. The force on the
+/// coordinates is −b λ, and the force on the moving surface, whose velocity is w, is λ.
 ///
 /// ```
 /// use stick_slip::{Contact, Coulomb, Structure, structure::State};
@@ -59,10 +59,11 @@ pub struct EnergyBudget {
     /// Work that the friction of each contact does on the coordinates, −∫ λ b·v dt: positive if
     /// friction carries the masses along.
     pub belt_work: Vec<f64>,
-    /// Heat in each contact, ∫ λ r dt; in an elastic one ∫ μN|z'| dt, z' its sliding velocity. In a
-    /// contact with bristles it includes the energy that they store.
+    /// Heat in each contact, ∫ λ r dt; in an elastic contact ∫ μN|z'| dt, with the velocity z' of
+    /// its slider. In a contact with bristles it includes the energy stored in the bristles.
     pub friction_loss: Vec<f64>,
-    /// Work of the load that presses each normal spring, ∫ N (N0' + n·v)/k_n dt; 0 without one.
+    /// Work of the load that presses each normal spring, ∫ N (N0' + n·v)/k_n dt; 0 for a contact
+    /// without such a spring.
     pub normal_work: Vec<f64>,
     /// Heat in all dampers, ∫ vᵀCv dt.
     pub damper_loss: f64,
@@ -71,8 +72,9 @@ pub struct EnergyBudget {
 }
 
 impl EnergyBudget {
-    /// Residual of the energy balance: `stored` minus all work, plus all losses. It is rounding
-    /// error; with a looser tolerance it estimates the error of the motion.
+    /// Residual of the energy balance: `stored` minus all work, plus all losses. It consists of
+    /// rounding errors; if the motion was computed with a looser tolerance, it estimates the error
+    /// of the motion.
     pub fn defect(&self) -> f64 {
         let work = [&self.force_work, &self.drive_work, &self.normal_work];
         let work = work.into_iter().flatten().sum::<f64>() + self.circulation;
@@ -94,8 +96,8 @@ impl Structure {
         Ok(self.energies(&self.model()).kinetic(&state.velocities))
     }
 
-    /// Elastic energy ½ qᵀKq + Σ T²/(2k_t) + Σ N²/(2k_n) of a state at a time: of the stiffness
-    /// matrix, of elastic contacts, and of normal springs that press at that time.
+    /// Elastic energy ½ qᵀKq + Σ T²/(2k_t) + Σ N²/(2k_n) of a state at a time: the energy of the
+    /// stiffness matrix, of elastic contacts, and of normal springs that are closed at that time.
     ///
     /// # Errors
     ///
@@ -130,7 +132,7 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// [`Error::WrongSize`] if the motion is one of another structure.
+    /// [`Error::WrongSize`] if the motion belongs to another structure.
     pub fn energy_budget(&self, motion: &Trajectory<State>) -> Result<EnergyBudget, Error> {
         let model = self.model();
         check_motion(&model, motion)?;

@@ -13,9 +13,9 @@ use crate::state::structure::State;
 /// The motion of a [`Structure`] from a start state: an unbounded iterator of [`Step`]s in constant
 /// memory.
 ///
-/// Returned by [`Integrator::flow`]. After an error comes `None`. If no velocity changes any more
-/// and no contact has another event, the last step has an infinite duration. A flow cannot be sent
-/// to another thread; a structure may be shared by threads.
+/// Returned by [`Integrator::flow`]. After an error the iterator returns `None`. If no velocity
+/// changes any more and no contact has another event, the last step has an infinite duration. A
+/// flow cannot be sent to another thread; a structure may be shared by threads.
 #[derive(Debug, Clone)]
 pub struct Flow<'s> {
     engine: Engine<'s>,
@@ -82,8 +82,8 @@ impl System for Structure {
 }
 
 impl Structure {
-    /// The motion from `start` over `duration`, to round-off:
-    /// [`Integrator::simulate`](crate::Integrator::simulate) with its defaults.
+    /// Computes the motion from `start` over `duration`, accurate to round-off:
+    /// [`Integrator::simulate`](crate::Integrator::simulate) with its default settings.
     ///
     /// # Errors
     ///
@@ -99,8 +99,9 @@ impl Structure {
     }
 
     /// The friction force λ_c of each contact at the given time in the given state, in units of
-    /// force. It has the sign of the relative velocity that it opposes. Contacts at r = 0 are first
-    /// decided, as at the start of a motion. The force of an open contact is 0.
+    /// force. It has the sign of the relative velocity that it opposes. For contacts at r = 0,
+    /// stick or slip is decided first, as at the start of a motion. The force of an open contact
+    /// is 0.
     ///
     /// # Errors
     ///
@@ -110,7 +111,7 @@ impl Structure {
     /// ```
     /// use stick_slip::{Contact, Coulomb, Structure, structure::State};
     ///
-    /// // A locked clutch carries what accelerates the other shaft.
+    /// // The torque in a locked clutch accelerates the other shaft.
     /// let clutch = Contact::between(0, 1, Coulomb::new(0.4, 0.3)?, 10.0)?;
     /// let shafts = Structure::new(&[1.0, 3.0])?.with_force(0, 2.0)?.with_contact(clutch)?;
     /// let state = State::at_rest(2);
@@ -123,7 +124,8 @@ impl Structure {
     }
 
     /// The acceleration v' of each coordinate at the given time in the given state, in units of
-    /// velocity per time. Contacts at r = 0 are first decided, as at the start of a motion.
+    /// velocity per time. For contacts at r = 0, stick or slip is decided first, as at the start of
+    /// a motion.
     ///
     /// # Errors
     ///

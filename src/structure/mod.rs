@@ -1,4 +1,4 @@
-//! Several masses on springs and dampers, driven in time, with friction on belts and between them.
+//! Several masses with springs, dampers and forces, and with friction on belts and between masses.
 //!
 //! ```
 //! use stick_slip::orbit::{self, Period};
@@ -36,13 +36,13 @@
 #![doc = include_str!("../figures/mode_coupling.svg")]
 //!
 //! *Small motions about steady sliding of a brake, by [`Structure::steady_sliding`], over the
-//! friction coefficient: two modes merge at μ = 0.75, and one of them grows; with dampers growth
-//! begins at 0.7575.*
+//! friction coefficient: two modes merge at μ = 0.75, and above it one of them grows; with dampers
+//! the growth begins at μ = 0.7575.*
 //!
 //! | question | answer |
 //! |---|---|
 //! | which masses, springs, dampers and forces | [`Structure`], its methods `with_…`; full matrices by [`with_mass_matrix`](Structure::with_mass_matrix), [`with_stiffness`](Structure::with_stiffness), [`with_damping`](Structure::with_damping) |
-//! | where friction acts, with which law and load | [`Contact`]: on a belt or the ground, between two coordinates, along any direction |
+//! | where friction acts, with which friction law and normal load | [`Contact`]: on a belt or the ground, between two coordinates, along any direction |
 //! | elastic joints, normal springs that open | [`Contact::with_tangential_stiffness`], [`Contact::with_normal_spring`] |
 //! | a force, load or belt velocity that varies in time | [`Drive`](crate::Drive) |
 //! | the motion from a start, with all events | [`Structure::simulate`] |
@@ -55,10 +55,10 @@
 //!
 //! # Frames that move at a varying speed
 //!
-//! Coordinates may be measured from a frame that rotates (or travels) with Ω(t), such as those of a
-//! drill string from its rotary table; displacements then stay small. Let e_i be 1 for each
-//! coordinate that rotates with the frame and 0 for the others. Coordinates relative to the frame
-//! obey the same equations with these additions:
+//! Coordinates may be measured in a frame that rotates (or travels) with the velocity Ω(t): for a
+//! drill string, in the frame of its rotary table. Displacements then stay small. Let e_i be 1 for
+//! each coordinate that rotates with the frame and 0 for the others. Coordinates relative to the
+//! frame obey the same equations with these additions:
 //!
 //! | in the frame | add |
 //! |---|---|
@@ -96,7 +96,7 @@
 //! ```
 //!
 //! States and steps of a structure are [`State`] and [`Step`] of this module; those of one mass on
-//! a belt are [`crate::State`] and [`crate::Step`]. Any consistent units will do.
+//! a belt are [`crate::State`] and [`crate::Step`]. Any consistent units may be used.
 
 mod contact;
 mod elastic;

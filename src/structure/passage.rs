@@ -14,7 +14,7 @@ use crate::error::Error;
 pub struct StabilityChange {
     /// The time, in the units of the structure.
     pub time: f64,
-    /// True if steady sliding is stable after it.
+    /// True if steady sliding is stable after this time.
     pub becomes_stable: bool,
     /// Angular frequency of the small motion that neither grows nor decays there, per unit of time.
     pub frequency: f64,
@@ -25,7 +25,7 @@ const PARTS: usize = 256;
 
 /// Drives that vary slowly.
 impl Structure {
-    /// This structure with every drive held at its value at a time.
+    /// Returns this structure with every drive held constant at its value at the given time.
     ///
     /// # Errors
     ///
@@ -61,26 +61,26 @@ impl Structure {
     }
 
     /// The times at which steady sliding of the [frozen](Self::frozen) structure becomes unstable
-    /// or stable again, in ascending order: the borders of vibration along a slow speed profile, or
-    /// a load that rises.
+    /// or stable again, in ascending order: these times bound the vibration during a slow change of
+    /// speed or load.
     ///
     /// Stability is computed at 257 equally spaced instants of the range, and at each instant at
     /// which pieces of a profile meet. Each change is refined by bisection to neighbouring numbers.
     /// Two changes between two of these instants can be missed; a narrower range is searched more
-    /// closely. Where there is no steady sliding (a belt at rest, no load), nothing is reported.
+    /// closely. Nothing is reported while there is no steady sliding (a belt at rest, no load).
     ///
     /// # Delayed loss of stability
     ///
     /// A motion that passes such a time slowly does not vibrate at once. While sliding was stable,
     /// a perturbation decayed as exp ∫Re s dt, with the leading eigenvalue s, and it has to grow by
     /// the same factor before vibration is visible. If the drives are slow, only the level to which
-    /// the perturbation decays sets the delay. In exact arithmetic the decay is not limited, and
-    /// the delay is as long as the decay before the border lasted. In floating-point arithmetic,
-    /// rounding limits the decay to 10⁻¹⁶. In a real machine, roughness, noise or vibration from
-    /// elsewhere limit the decay much earlier. The onset in a simulation without a disturbance is
-    /// therefore a property of the arithmetic. Add the disturbance that the machine has, near the
-    /// frequency of the change: other frequencies have little effect. (A kink of a profile is a
-    /// disturbance, too.)
+    /// the perturbation decays determines the delay. In exact arithmetic the decay is not limited,
+    /// and the delay is as long as the decay before the border lasted. In floating-point
+    /// arithmetic, rounding limits the decay to 10⁻¹⁶. In a real machine, roughness, noise or
+    /// external vibration limit the decay much earlier. The onset in a simulation without a
+    /// disturbance is therefore a property of the arithmetic. Add the disturbance that the machine
+    /// has, near the frequency of the change: other frequencies have little effect. (A kink of a
+    /// profile is a disturbance, too.)
     ///
     /// ```
     /// use stick_slip::{Contact, Drive, EventKind, Exponential, Structure, structure::State};
@@ -98,7 +98,7 @@ impl Structure {
     /// let limit = slowing(0.0)?.stability_changes(0.0..4000.0)?[0];
     /// assert!(!limit.becomes_stable && (limit.frequency - 1.0).abs() < 1e-12);
     ///
-    /// // The first stick, for disturbances of 10⁻³ and 10⁻⁹ of the load, and by rounding alone.
+    /// // Time of the first stick: disturbances of 10⁻³ and 10⁻⁹ of the load, then none.
     /// let onset = |disturbance: f64| -> Result<f64, stick_slip::Error> {
     ///     let motion = slowing(disturbance)?.simulate(State::new(&[0.26], &[0.0]), 4000.0)?;
     ///     let mut sticks = motion.events().iter().filter(|event| event.kind == EventKind::Stick);

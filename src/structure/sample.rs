@@ -16,7 +16,7 @@ pub struct Sample {
     pub time: f64,
     /// Displacements, velocities and memory variables.
     pub state: State,
-    /// The mode of each contact; at an event the mode afterwards.
+    /// The mode of each contact; at the time of an event, the mode after it.
     pub modes: Vec<Mode>,
     /// The acceleration v' of each coordinate, in units of velocity per time.
     pub accelerations: Vec<f64>,
@@ -28,9 +28,10 @@ pub struct Sample {
 }
 
 impl Structure {
-    /// A motion of this structure sampled at equal intervals from its start on, with the
-    /// accelerations, and the friction force, load and mode of each contact. The last sample is the
-    /// last one that fits. [`Trajectory::sample_every`] gives states and modes alone, in less time.
+    /// Samples of a motion of this structure at equal intervals, from its start to the last
+    /// sampling time within the motion: the state, the accelerations, and the friction force, load
+    /// and mode of each contact. [`Trajectory::sample_every`] gives states and modes alone, in less
+    /// time.
     ///
     /// # Errors
     ///

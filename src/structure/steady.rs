@@ -11,25 +11,26 @@ use crate::friction::piece_above;
 use crate::numerics::eigenvalues::eigenvalues as eigenvalues_of;
 use crate::state::Direction;
 
-/// Steady sliding of a [`Structure`]: every mass stands still while the belts move; and the
-/// eigenvalues of small motions about it.
+/// Steady sliding of a [`Structure`], in which every mass stands still while the belts move, and
+/// the eigenvalues of small motions about it.
 ///
 /// ```text
 /// K q = f + Σ_c b_c N_c sgn(w_c) μ̂_c(|w_c|),    N_c = N0_c + n_c·q
 /// M δq'' + (C + Σ_c N_c dμ̂_c/ds b_c b_cᵀ) δq' + (K − Σ_c sgn(w_c) μ̂_c b_c n_cᵀ) δq = 0
 /// ```
 ///
-/// Contacts with memory variables, such as bristles, have the memory at which z' = 0. Its
-/// perturbations δz add −b_c N_c Σ_j ∂μ_c/∂z_j δz_j on the right, and equations for δz' that are
-/// linear in δz and b_c·δq'.
+/// The memory variables z of a contact, such as bristles, have the values at which z' = 0. Their
+/// perturbations δz add −b_c N_c Σ_j ∂μ_c/∂z_j δz_j to the right side of the second equation, and
+/// they obey equations for δz' that are linear in δz and b_c·δq'.
 ///
-/// A load that depends on displacements makes the stiffness matrix unsymmetric: two modes can merge
-/// and one of them grow (flutter by mode coupling), even if friction does not fall with speed.
+/// A load that depends on displacements makes the stiffness matrix unsymmetric. Two modes can then
+/// merge, and one of them can grow (flutter by mode coupling), even if friction does not fall with
+/// speed.
 ///
 /// Eigenvalues come from the Schur form of the 2n × 2n matrix of the scaled system. Their error is
-/// about nε times the largest eigenvalue, or the square root of nε times it where two of them
-/// nearly coincide. Each memory variable adds a row. Work grows as n³: a second for n = 100,
-/// minutes for 1000.
+/// about nε times the largest eigenvalue; it is √(nε) times the largest eigenvalue if two
+/// eigenvalues nearly coincide. Each memory variable adds a row to the matrix. Work grows as n³: a
+/// second for n = 100, minutes for 1000.
 ///
 /// ```
 /// use stick_slip::nalgebra::DMatrix;
@@ -62,10 +63,11 @@ use crate::state::Direction;
 pub struct SteadySliding {
     /// Displacement of each coordinate, in the units of the structure.
     pub displacements: Vec<f64>,
-    /// Eigenvalues of small motions, by falling real part, and for equal ones by falling imaginary
-    /// part; two for each coordinate and one for each memory variable, per unit of time. The
-    /// eigenvalue is −∞ for the force of an elastic contact, and for a memory variable that neither
-    /// changes in slip nor influences anything, such as the clock of a [`Dwell`](crate::Dwell).
+    /// Eigenvalues of small motions, in units of 1/time: two for each coordinate and one for each
+    /// memory variable. They are sorted by falling real part, and by falling imaginary part if real
+    /// parts are equal. The eigenvalue is −∞ for the force of an elastic contact, and for a memory
+    /// variable that neither changes in slip nor influences anything, such as the clock of a
+    /// [`Dwell`](crate::Dwell).
     pub eigenvalues: Vec<Complex<f64>>,
 }
 
@@ -74,7 +76,7 @@ impl Structure {
     /// constant.
     ///
     /// Each elastic contact carries its limit force. An elastic contact whose surface does not move
-    /// can be in equilibrium with any force up to that limit, and is an error:
+    /// can be in equilibrium with any force up to that limit; the result is then the error
     /// [`NotSliding::Continuum`].
     ///
     /// See [`SteadySliding`] for formulas and an example.
@@ -82,10 +84,10 @@ impl Structure {
     /// # Errors
     ///
     /// [`Error::NoSteadySliding`] unless all drives are constant, every contact has a sliding
-    /// velocity w ≠ 0, every load is positive there, and K, with the terms that friction adds to
-    /// it, is not singular: restrain the rigid-body modes. For example, if a drill string is turned
-    /// at a given speed, use coordinates in the frame that rotates at this speed: in that frame the
-    /// drive is a spring to the ground.
+    /// velocity w ≠ 0, every load is positive in the equilibrium, and K with the terms that
+    /// friction adds to it is not singular. To make K regular, restrain the rigid-body modes. For a
+    /// drill string that is turned at a given speed, use coordinates in the frame that rotates at
+    /// this speed: in this frame the drive is a spring to the ground.
     pub fn steady_sliding(&self) -> Result<SteadySliding, Error> {
         SteadySliding::of(self)
     }

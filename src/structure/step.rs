@@ -131,8 +131,8 @@ impl Step {
         &self.modes
     }
 
-    /// State at its start. If the step begins at an event, memory variables have their values after
-    /// it.
+    /// State at the start of the step. If the step begins at an event, the memory variables have
+    /// their values after the event.
     pub fn state(&self) -> &State {
         &self.state
     }
@@ -226,14 +226,14 @@ impl SystemState for State {
 }
 
 impl Trajectory<State> {
-    /// The mode of a contact at a time of the motion; at an event the mode afterwards. `None` if
-    /// the time lies outside the motion or is NaN, or if there is no such contact.
+    /// The mode of a contact at a time of the motion; at the time of an event, the mode after it.
+    /// `None` if the time lies outside the motion or is NaN, or if there is no such contact.
     pub fn mode_at(&self, contact: usize, time: f64) -> Option<Mode> {
         self.step_at(time)?.modes().get(contact).copied()
     }
 
-    /// The motion sampled at equal intervals from its start on: time, state, and the mode of each
-    /// contact. The last sample is the last one that fits.
+    /// Samples of the motion at equal intervals, from its start to the last sampling time within
+    /// the motion: time, state, and the mode of each contact.
     ///
     /// # Errors
     ///

@@ -10,8 +10,8 @@ use crate::drive::{self, Drive};
 use crate::error::{Element, Error};
 use crate::friction::memory::ContactLaw;
 
-/// Several masses on springs and dampers, driven in time, with friction contacts between them and
-/// with surfaces that move.
+/// Several masses with springs, dampers and forces that vary in time, and with friction contacts
+/// between masses or on moving surfaces.
 ///
 /// ```text
 /// M v' = f(t) − C v − K q − Σ_c b_c λ_c,   v = q',   r_c = b_c·v − w_c(t)
@@ -34,15 +34,15 @@ use crate::friction::memory::ContactLaw;
 /// The force in a sticking contact depends on the other contacts on the same masses. Their modes at
 /// r = 0 are therefore decided together:
 ///
-/// * if static and kinetic coefficients are equal, exactly one answer is consistent, and it is
-///   taken;
-/// * otherwise the *fastest yields first*: all contacts start with their static limits. Of those
-///   that cannot hold, the one with the largest |r'|/(G_cc N μ_s), where G_cc = bᵀM⁻¹b, drops to
-///   its kinetic friction, and the decision is repeated for the others. This is the limit of
-///   friction that falls from its static to its kinetic value within a very small sliding speed.
+/// * if static and kinetic coefficients are equal, exactly one combination of modes satisfies the
+///   equations, and it is taken;
+/// * otherwise the *fastest yields first*: all contacts start with their static limits. Among the
+///   contacts that cannot stick, the one with the largest |r'|/(G_cc N μ_s), where G_cc = bᵀM⁻¹b,
+///   drops to its kinetic friction, and the decision is repeated for the others. This is the limit
+///   of friction that falls from its static to its kinetic value within a very small sliding speed.
 ///
-/// The answer does not depend on the numbering of contacts. Contacts whose directions are linearly
-/// dependent (parallel clutches) may slide; if they come to rest together the motion ends with
+/// The result does not depend on the numbering of contacts. Contacts whose directions are linearly
+/// dependent (parallel clutches) may slide; if they come to rest at one time, the motion ends with
 /// [`Error::Undetermined`].
 ///
 /// ```
@@ -76,8 +76,8 @@ use crate::friction::memory::ContactLaw;
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
-/// Any consistent units will do, SI or dimensionless: nothing in the crate depends on them.
-/// Kilograms, newtons and metres give seconds; a coordinate that turns has kg·m², N·m and radians.
+/// Any consistent units may be used, SI or dimensionless. Kilograms, newtons and metres give
+/// seconds; a coordinate that turns has kg·m², N·m and radians.
 ///
 /// ```
 /// use stick_slip::{Contact, Coulomb, Structure, structure};
@@ -88,7 +88,7 @@ use crate::friction::memory::ContactLaw;
 /// let block = Structure::new(&[mass])?
 ///     .with_ground_spring(0, stiffness)?
 ///     .with_contact(Contact::new(0, law, load)?.on_belt(speed))?;
-/// // It moves with the belt until the spring holds 0.3 × 19.6 N, at 7.4 mm; first after:
+/// // It moves with the belt until the spring force is 0.3 × 19.6 N, at 7.4 mm: first release.
 /// let motion = block.simulate(structure::State::new(&[0.0], &[speed]), 1.0)?;
 /// let [release, stick, again, ..] = motion.events() else { panic!() };
 /// assert!((release.time - 0.3 * load / stiffness / speed).abs() < 1e-15); // 0.147 s
@@ -123,12 +123,13 @@ pub struct Structure {
 }
 
 impl Structure {
-    /// Free masses m_i > 0, one for each coordinate: no springs, dampers, forces or contacts yet.
+    /// Creates a structure of free masses m_i > 0, one for each coordinate, without springs,
+    /// dampers, forces or contacts.
     ///
     /// # Errors
     ///
     /// [`Error::BadElement`] with the first mass that is not positive and finite;
-    /// [`Error::InvalidParameter`] if there is none.
+    /// [`Error::InvalidParameter`] if the list is empty.
     pub fn new(masses: &[f64]) -> Result<Self, Error> {
         check_masses(masses, Element::Mass)?;
         let n = masses.len();
@@ -142,17 +143,20 @@ impl Structure {
         })
     }
 
-    /// Free coordinates with a mass matrix M, n × n, symmetric and positive definite, such as that
-    /// of a reduced finite-element model. A diagonal matrix gives what [`new`](Self::new) gives.
+    /// Creates a structure of free coordinates with an n × n mass matrix M, symmetric and positive
+    /// definite, such as that of a reduced finite-element model. A diagonal matrix gives the same
+    /// structure as [`new`](Self::new).
     ///
-    /// Entries (i, j) and (j, i) may differ by 4ε√(m_ii m_jj), as in ΦᵀMΦ; their mean is taken.
+    /// Entries (i, j) and (j, i) may differ by 4ε√(m_ii m_jj), the rounding error of a product
+    /// ΦᵀMΦ; their mean is taken.
     ///
     /// # Errors
     ///
-    /// * [`Error::InvalidParameter`] if it is empty, [`Error::WrongSize`] if it is not square;
+    /// * [`Error::InvalidParameter`] if the matrix is empty, [`Error::WrongSize`] if it is not
+    ///   square;
     /// * [`Error::BadElement`] with the first entry that is not finite, or not positive on the
     ///   diagonal;
-    /// * [`Error::NotSymmetric`], [`Error::NotPositiveDefinite`].
+    /// * [`Error::NotSymmetric`] or [`Error::NotPositiveDefinite`].
     ///
     /// ```
     /// use stick_slip::nalgebra::DMatrix;
@@ -308,21 +312,22 @@ impl Structure {
         Ok(self)
     }
 
-    /// Adds a contact, with the next number.
+    /// Adds a contact. Its number is the next one, beginning with 0.
     ///
     /// # Errors
     ///
-    /// * [`Error::NoSuchCoordinate`] for a coordinate of its direction or of its load;
+    /// * [`Error::NoSuchCoordinate`] if its direction or its load names a coordinate that does not
+    ///   exist;
     /// * [`Error::BeltVelocityJumps`] if the velocity of its surface jumps, unless it is elastic;
     ///   [`Error::BadElement`] if that velocity is not finite at all times;
-    /// * [`Error::BadElement`] unless 1e-290 ≤ Σ b_j²/m_j ≤ 1e290: forces would lose digits.
+    /// * [`Error::BadElement`] unless 1e-290 ≤ Σ b_j²/m_j ≤ 1e290, as forces would lose digits.
     pub fn with_contact(mut self, contact: Contact) -> Result<Self, Error> {
         contact.check(self.contacts.len(), &self.masses)?;
         self.contacts.push(contact);
         Ok(self)
     }
 
-    /// Adds contacts, with the next numbers: [`with_contact`](Self::with_contact) for each.
+    /// Adds several contacts, one after the other, by [`with_contact`](Self::with_contact).
     ///
     /// # Errors
     ///
