@@ -10,7 +10,7 @@ use super::trial::Trial;
 use crate::error::Error;
 use crate::motion::{EventKind, System};
 
-/// Periodic motions over a parameter, followed in both directions from one of them.
+/// A branch: periodic motions over a parameter, followed in both directions from one motion.
 #[non_exhaustive]
 pub struct Branch<S: System> {
     /// The motions, from one end of the branch to the other.
@@ -31,15 +31,16 @@ pub struct BranchPoint<S: System> {
     pub orbit: Orbit<S>,
 }
 
-/// A motion of a [`Branch`] at which the sequence of events changes, or the stability or the number
-/// of the motions near it.
+/// A motion of a [`Branch`] at which the sequence of events, the stability, or the number of
+/// neighbouring motions changes.
 #[non_exhaustive]
 pub struct Bifurcation<S: System> {
     /// The parameter, in its own units.
     pub parameter: f64,
     /// The kind of bifurcation.
     pub kind: BifurcationKind,
-    /// The motion there; at a change of its event sequence, that on the smoother side.
+    /// The motion at the bifurcation; at a change of the event sequence, the motion on the smoother
+    /// side.
     pub orbit: Orbit<S>,
     /// The number of the last point of the branch before it.
     pub(super) behind: usize,
@@ -54,19 +55,20 @@ pub struct Bifurcation<S: System> {
 /// Systems*, chapters 7 and 8 (grazing and sliding).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum BifurcationKind {
-    /// A multiplier is +1: two motions meet and vanish, and the branch turns back. A branch of
-    /// motions born at a flip or a pitchfork also turns back there, and that point is reported as a
-    /// fold.
+    /// A multiplier is +1: two motions meet and vanish, and the branch turns back. A branch that is
+    /// born at a flip or a pitchfork of another branch also turns back at that bifurcation, and
+    /// this point is reported as a fold, too.
     Fold,
     /// A multiplier is −1: a motion of twice the period is born. [`Bifurcation::switch`] finds it.
     Flip,
-    /// A multiplier of a symmetric motion is +1, but the branch continues: a pair of motions
-    /// without the symmetry is born, mirror images of each other. [`Bifurcation::switch`] finds
+    /// A multiplier of a symmetric motion is +1, but the branch continues. Two motions without the
+    /// symmetry are born, which are mirror images of each other. [`Bifurcation::switch`] finds
     /// them.
     ///
     /// A motion is symmetric if x(t + T/2) = c − x(t) with constant c: see [`Orbit::is_symmetric`].
-    /// The map over half a period, followed by that reflection, has the multiplier −1. (A symmetric
-    /// motion has no flips: its multiplier −1 would be the square of ±i.)
+    /// At a pitchfork, the map over half a period followed by the reflection x → c − x has the
+    /// multiplier −1. (A symmetric motion has no flips: its multiplier −1 would be the square of
+    /// ±i.)
     Pitchfork,
     /// A pair of multipliers lies on the unit circle: motions on a torus are born.
     NeimarkSacker,
@@ -97,11 +99,11 @@ impl fmt::Display for BifurcationKind {
     }
 }
 
-/// The side of a Hopf point, a flip or a pitchfork on which the motions exist that are born there.
+/// The side of a Hopf point, a flip or a pitchfork on which the new motions exist.
 ///
-/// At a Hopf point of a mass on a belt the sign of μ̂'''(v_b) decides, from the averaged equation
+/// For a Hopf point of a mass on a belt, the sign of μ̂'''(v_b) decides, by the averaged equation
 /// A' = −½h1 A − (3/8)h3 A³ with h3 = γ² μ̂'''(v_b)/6 (Eq. 12 of Farshidianfar and Noei Aghaee, for
-/// any law); at one of a structure the sign of the first Lyapunov coefficient.
+/// any law). For a Hopf point of a structure, the sign of the first Lyapunov coefficient decides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -109,11 +111,11 @@ impl fmt::Display for BifurcationKind {
     serde(rename_all = "snake_case")
 )]
 pub enum Criticality {
-    /// Stable motions, where the old one has lost its stability: μ̂'''(v_b) > 0.
+    /// The new motions are stable and exist where the old motion is unstable: μ̂'''(v_b) > 0.
     Supercritical,
-    /// Unstable motions, beside the old one, which is still stable: μ̂'''(v_b) < 0.
+    /// The new motions are unstable and exist where the old motion is still stable: μ̂'''(v_b) < 0.
     Subcritical,
-    /// Neither: the deciding coefficient is zero, so that higher ones decide; or it is not a
+    /// Not decided: the coefficient is zero, so that higher-order terms decide, or it is not a
     /// number.
     Degenerate,
 }
@@ -134,33 +136,34 @@ impl fmt::Display for Criticality {
 pub enum BranchEnd {
     /// The parameter reached an end of the range.
     Range,
-    /// The motion shrank to a point, where an equilibrium changes its stability: a Hopf
-    /// bifurcation.
+    /// The motion shrank to an equilibrium that changes its stability there: a Hopf bifurcation.
     Hopf {
         /// The parameter there.
         parameter: f64,
     },
-    /// An event of the motion became tangential, and the branch cannot continue: the relative
-    /// velocity of a contact reaches 0 only tangentially there, and not at all beyond.
+    /// An event of the motion became tangential, and the branch cannot continue: at the end of the
+    /// branch the relative velocity of a contact reaches 0 tangentially, and beyond the end it does
+    /// not reach 0.
     Grazing {
         /// The parameter there, to rounding. The motion there is stored as the first or the last
         /// entry of [`Branch::bifurcations`]. The derivative of its map is unbounded; its first
         /// multiplier is infinite, and the others are NaN.
         parameter: f64,
     },
-    /// The motion itself jumps there, and the branch cannot continue. At one instant the outcome at
-    /// a contact changes, in one of two ways. In the first, the force of the contact, in stick or
-    /// at the start of stick, just reaches the static limit; beyond that parameter the contact
-    /// slips at this instant, and its force jumps if static friction exceeds kinetic friction. In
-    /// the second, the relative velocity of the contact just reaches 0; beyond that parameter it
-    /// does not reach 0. The multipliers give no sign of the jump.
+    /// The motion itself jumps as the parameter passes this value, and the branch cannot continue.
+    /// At one instant the mode of a contact changes from one motion to the next, in one of two
+    /// ways. In the first, the force of the contact, in stick or at the start of stick, just
+    /// reaches the static limit; beyond that parameter the contact slips at this instant, and its
+    /// force jumps if static friction exceeds kinetic friction. In the second, the relative
+    /// velocity of the contact just reaches 0; beyond that parameter it does not reach 0. The
+    /// multipliers do not show the jump in advance.
     Discontinuity {
         /// The parameter there.
         parameter: f64,
-        /// The time at which the motions on the two sides part, in units of time since the start of
-        /// the period.
+        /// The time at which the motions on the two sides of the jump separate, since the start of
+        /// the period, in units of time.
         time: f64,
-        /// The contact at which they part.
+        /// The contact at which they separate.
         contact: usize,
         /// The events of the last motion, by contact and kind.
         events: Vec<(usize, EventKind)>,
@@ -168,7 +171,7 @@ pub enum BranchEnd {
         /// the two motions differ in the time of an event at `contact`: that time jumps.
         beyond: Vec<(usize, EventKind)>,
     },
-    /// The branch returned to its start: it is closed.
+    /// The branch is a closed curve: it returned to its start.
     Closed,
     /// A limit of work was reached: 2048 points or 10⁷ steps in one direction
     /// ([`Search`](super::Search) sets other limits), or 50 000 motions tried.
@@ -179,7 +182,7 @@ pub enum BranchEnd {
         parameter: f64,
     },
     /// The motion was lost: the family has no system there, or Newton's method does not converge
-    /// however short the step.
+    /// even with the shortest step.
     Lost {
         /// The last parameter at which a motion was found.
         parameter: f64,

@@ -30,8 +30,8 @@ pub enum Attractor<S: System> {
     PureSlip(Box<Orbit<S>>),
     /// A periodic motion in which at least one contact alternates between stick and slip.
     StickSlip(Box<Orbit<S>>),
-    /// Not periodic within 16 returns, after 1.3·10⁵ steps: chaotic or quasi-periodic, or a
-    /// transient that decays very slowly. [`lyapunov`](super::lyapunov()) tells chaos.
+    /// Not periodic within 16 returns, after 1.3·10⁵ steps: a chaotic or quasi-periodic motion, or
+    /// a transient that decays very slowly. [`lyapunov`](super::lyapunov()) identifies chaos.
     Irregular,
 }
 
@@ -113,21 +113,23 @@ impl<S: System> fmt::Debug for Attractor<S> {
 /// The attractor that the motion from a start at time 0 reaches: rest, steady sliding, a periodic
 /// motion with or without stick, or none of these.
 ///
-/// The motion is simulated until it stands still, or nearly repeats itself after 1 to 16 returns:
-/// to an event, to a turning point, or to the same phase of the drives. From there [`shoot`] finds
-/// the periodic motion to rounding. This motion is returned if it differs from the simulated one by
-/// at most 5 % of the extent, and if it is stable or the simulated motion already repeats itself to
-/// 10⁻⁹ of the extent; otherwise the simulation goes on. So the result is the attractor of this
-/// start; other starts may have others.
+/// The motion is simulated until it stands still, or until it nearly repeats itself after 1 to 16
+/// returns to an event, to a turning point, or to the same phase of the drives. From this state
+/// [`shoot`] finds the periodic motion to rounding. The periodic motion is returned if two
+/// conditions hold: it differs from the simulated motion by at most 5 % of the extent, and it is
+/// stable or the simulated motion already repeats itself to 10⁻⁹ of the extent. Otherwise the
+/// simulation continues. The result is therefore the attractor of this start; other starts may
+/// reach other attractors.
 ///
-/// Without varying drives, the motion counts as steady sliding or rest once 256 steps or more pass
-/// without an event and with all velocities at most 10⁻⁶ of the largest velocity so far, those of
-/// the belts included. A start exactly on an unstable equilibrium, or on an unstable periodic
-/// motion, stays there: perturb it.
+/// If no drive varies, the motion counts as steady sliding or rest after at least 256 steps without
+/// an event in which all velocities are at most 10⁻⁶ of the largest velocity so far (of masses or
+/// belts). A start exactly on an unstable equilibrium, or on an unstable periodic motion, stays
+/// there: perturb it.
 ///
-/// The work is at most 1.3·10⁵ steps of the motion, about 10⁴ oscillations, and ten shootings;
-/// beyond, the motion counts as irregular. [`Search::classify`] bounds and watches it. For one mass
-/// on a belt [`limit_cycle::attractor`](crate::limit_cycle::attractor) decides without simulation.
+/// The work is at most 1.3·10⁵ steps of the motion (about 10⁴ oscillations) and ten searches by
+/// [`shoot`]; a motion that needs more counts as irregular. [`Search::classify`] sets another bound
+/// and takes a watcher. For one mass on a belt
+/// [`limit_cycle::attractor`](crate::limit_cycle::attractor) decides without simulation.
 ///
 /// # Errors
 ///
@@ -167,8 +169,8 @@ impl Search<'_> {
     ///
     /// # Errors
     ///
-    /// The errors of [`classify`]; [`Error::TooManySteps`] at the bound; [`Error::Stopped`] if the
-    /// watcher stops it.
+    /// The errors of [`classify`]; [`Error::TooManySteps`] if the bound is reached;
+    /// [`Error::Stopped`] if the watcher stops the search.
     pub fn classify<S: Oscillator>(
         &self,
         system: &S,

@@ -16,16 +16,16 @@ use super::walk::{Walk, natural_scale};
 use crate::error::Error;
 use crate::state::structure::State;
 
-/// Follows a periodic motion over a parameter, in both directions and through folds, until it ends
-/// or the parameter leaves a range.
+/// Follows a periodic motion over a parameter, in both directions and through folds, until the
+/// branch ends or the parameter leaves the range.
 ///
 /// `family` returns the system for a value of the parameter, which may be anything that a closure
 /// can set: a belt velocity, a load, a damper, a coefficient of a law, the frequency of a force.
-/// `parameter` is the value at which `from` is a motion of the family, inside the range or at one
-/// of its ends. Both ends belong to the range.
+/// `from` is a motion of the family at the value `parameter`, which lies in the range. Both ends
+/// belong to the range.
 ///
-/// The start x(0), the period T of an autonomous motion, and the parameter p are points of the
-/// curve
+/// The start x(0), the period T of an autonomous motion, and the parameter p are the unknowns of a
+/// curve of solutions of
 ///
 /// ```text
 /// x(T; x(0), p) − x(0) = 0,
@@ -39,17 +39,18 @@ use crate::state::structure::State;
 ///
 /// A fold is a sign change of dp/ds or of Π(1 − μ); a flip, of Π(1 + μ); a Neimark-Sacker
 /// bifurcation, of Π(1 − μ_i μ_j) with a complex pair on the unit circle. Each is refined along the
-/// arclength, with the motion corrected at every trial. Two of one kind within one step (1/64 of
-/// the range at most) can be missed; a narrower range is followed more closely. In a continuum of
-/// motions one multiplier is always 1, and the nearest motion is taken.
+/// arclength, with the motion corrected at every trial. Two bifurcations of one kind within one
+/// step (at most 1/64 of the range) can be missed; in a narrower range the steps are shorter. In a
+/// continuum of motions one multiplier is always 1, and the nearest motion is taken.
 ///
-/// On the whole branch an autonomous motion starts at a turning point of one of its coordinates.
+/// The start of each autonomous motion of the branch is a turning point of one coordinate.
 ///
 /// The limits in each direction are 2048 points, and 50 000 motions of 10⁷ steps in all; [`Search`]
-/// sets others, watches the search, and says what it costs. If a motion is lost, the branch up to
-/// there is returned: [`Branch::ends`] gives the reason for each end. If the motion itself jumps as
-/// the parameter passes a value, the branch ends with [`BranchEnd::Discontinuity`]; a jump by less
-/// than 1e-3 of the motion's size is passed if there is a motion close by on the other side.
+/// sets other limits and takes a watcher; its page states the cost. If a motion is lost, the branch
+/// up to this motion is returned: [`Branch::ends`] gives the reason for each end. If the motion
+/// itself jumps as the parameter passes a value, the branch ends with [`BranchEnd::Discontinuity`];
+/// if the jump is less than 1e-3 of the motion's size, the branch continues with the neighbouring
+/// motion on the other side, if one is found.
 ///
 /// Sources: Kuznetsov, *Elements of Applied Bifurcation Theory*, chapter 10 (continuation, test
 /// functions); Dankowicz and Schilder, *Recipes for Continuation*, chapters 9 and 17 (motions in
@@ -58,8 +59,8 @@ use crate::state::structure::State;
 /// # Errors
 ///
 /// [`Error::InvalidParameter`] unless the range is finite and not empty and holds the parameter;
-/// [`Error::At`], with the parameter, if the family has no system there, or `from` is no motion of
-/// that system, or a system refuses a motion that was found.
+/// [`Error::At`], with the parameter, if the family has no system at this parameter, if `from` is
+/// not a motion of that system, or if a system refuses a motion that was found.
 ///
 /// ```
 /// use stick_slip::orbit::{self, BifurcationKind, Period};

@@ -112,8 +112,8 @@ impl Properties {
 }
 
 impl<S: System> Orbit<S> {
-    /// The kind of the motion: forced, over a number of periods of the drives, or autonomous, with
-    /// its period.
+    /// The kind of the motion: [`Period::Driven`] with the number of periods of the drives, or
+    /// [`Period::Free`] with the period.
     pub fn kind(&self) -> Period {
         self.kind
     }
@@ -123,7 +123,7 @@ impl<S: System> Orbit<S> {
         self.period
     }
 
-    /// The state at the start of the period, equal to that at its end.
+    /// The state at the start of the period, which is also the state at its end.
     pub fn state(&self) -> S::State {
         self.state.clone()
     }
@@ -139,11 +139,10 @@ impl<S: System> Orbit<S> {
     }
 
     /// The Floquet multipliers, by falling modulus, dimensionless: two for each coordinate and one
-    /// for each memory variable. Those of an autonomous motion do not include the 1 of a shift
-    /// along itself.
+    /// for each memory variable. The multiplier 1 that every autonomous motion has is left out.
     ///
-    /// A small perturbation of the motion is multiplied by them in each period. Those caused by
-    /// stick are 0 to the bit: see [the page of this module](super#multipliers).
+    /// A small perturbation of the motion is multiplied by them in each period. Multipliers that
+    /// are 0 because of stick are exactly 0: see [the page of this module](super#multipliers).
     #[doc(alias = "Floquet")]
     pub fn multipliers(&self) -> &[Complex<f64>] {
         &self.multipliers
@@ -151,18 +150,19 @@ impl<S: System> Orbit<S> {
 
     /// Contacts that never slip in the period, by their numbers.
     ///
-    /// Each of them makes the motion one of a continuous family: the position at which a rigid
-    /// contact sticks, or the slider of an elastic one (and with it the residual force in a joint),
-    /// is arbitrary. The motion found has the position of the guess. The multiplier 1 of the family
-    /// is left out.
+    /// If there are such contacts, the motion belongs to a continuous family. The position at which
+    /// a rigid contact sticks is arbitrary, and so is the position of the slider of an elastic
+    /// contact (and with it the residual force in a joint). The motion found has the positions of
+    /// the guess. The multipliers 1 of the family are left out.
     pub fn unslipped(&self) -> &[usize] {
         &self.unslipped
     }
 
     /// Returns true if the motion is its own mirror image half a period later: x_i(t + T/2) = c_i −
-    /// x_i(t) for each displacement and each direction-dependent memory variable, c_i constant.
+    /// x_i(t) with a constant c_i, for each displacement and each direction-dependent memory
+    /// variable.
     ///
-    /// Checked at 12 times, to 10⁻⁷ of each size.
+    /// The condition is checked at 12 times, with a tolerance of 10⁻⁷ of the size of each variable.
     pub fn is_symmetric(&self) -> bool {
         self.is_symmetric
     }

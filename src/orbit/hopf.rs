@@ -167,21 +167,21 @@ fn sign_change(
     Some((parameter, Some(behind), Some(crossing)))
 }
 
-/// The periodic motion that is born at a Hopf point of steady sliding: a small one, from which
-/// [`follow`](super::follow()) continues, on one side down to the Hopf point and on the other up to
-/// stick-slip.
+/// A small periodic motion near a Hopf point of steady sliding. From this motion
+/// [`follow`](super::follow()) follows the branch in both directions: down to the Hopf point, and
+/// up to stick-slip.
 ///
-/// `near` is a value of the parameter near the Hopf point: there a pair of eigenvalues is near the
-/// imaginary axis. The Hopf point itself, p0 with eigenvalues ±iω, is refined first. Let A be the
-/// Jacobian matrix of steady sliding x̄ at p0, and let q and u be its right and left eigenvectors,
-/// with Aq = iωq, Aᵀu = −iωu and ūᵀq = 1. The motion is searched near
+/// `near` is a value of the parameter near the Hopf point, at which a pair of eigenvalues is near
+/// the imaginary axis. First the Hopf point itself is computed: the parameter p0, with eigenvalues
+/// ±iω. Let A be the Jacobian matrix of steady sliding x̄ at p0, and let q and u be its right and
+/// left eigenvectors, with Aq = iωq, Aᵀu = −iωu and ūᵀq = 1. The motion is searched near
 ///
 /// ```text
 /// x(0) = x̄ + 2ε Re(q e^{iφ}),    T = 2π/ω,    on the plane Re(u e^{iφ})ᵀ(x − x̄) = ε,
 /// ```
 ///
-/// by Newton's method, which also adjusts the parameter p. For the p that it finds, Re s(p) + ω l1
-/// ε² ≈ 0, where s(p) is the eigenvalue at p and l1 the first Lyapunov coefficient. The phase φ is
+/// by Newton's method, which also adjusts the parameter p. The result satisfies Re s(p) + ω l1 ε² ≈
+/// 0, where s(p) is the eigenvalue at p, and l1 is the first Lyapunov coefficient. The phase φ is
 /// chosen so that one coordinate is at a turning point at time 0. The distance ε is chosen so that
 /// the relative velocity of each contact varies by at most 0.3 of its sliding velocity, and each
 /// displacement by at most a tenth of the largest displacement in steady sliding. If no motion is
@@ -191,7 +191,7 @@ fn sign_change(
 /// ([`HopfPoint`](crate::bifurcation::HopfPoint) gives l1). If friction is linear in the sliding
 /// speed until a contact sticks (Coulomb), small periodic motions exist at p0 only, where they form
 /// a continuum. One of these motions is returned. The branch of motions at other parameters begins
-/// with the motion that touches the belt velocity.
+/// with the motion whose largest velocity equals the belt velocity.
 ///
 /// Source: Kuznetsov, *Elements of Applied Bifurcation Theory*, sections 3.4, 5.4 and 10.2.
 ///
@@ -199,8 +199,9 @@ fn sign_change(
 ///
 /// [`Error::At`], with the value of the parameter, if the family returns an error, if there is no
 /// steady sliding ([`Error::NoSteadySliding`]), or if no periodic motion is found;
-/// [`Error::NoHopfPoint`] if no pair of eigenvalues is near the axis (|Re s| ≤ 0.2 |Im s|), or none
-/// crosses it near there; [`Error::InvalidParameter`] unless the value is finite.
+/// [`Error::NoHopfPoint`] if no pair of eigenvalues is near the imaginary axis (|Re s| ≤ 0.2 |Im
+/// s|), or if no pair crosses it near this value; [`Error::InvalidParameter`] unless the value is
+/// finite.
 ///
 /// ```
 /// use stick_slip::orbit::{self, AttractorKind, BranchEnd};

@@ -22,7 +22,7 @@ pub struct LyapunovExponent {
     pub spread: f64,
 }
 
-/// GrowthParts of the duration that are compared.
+/// Number of parts of the duration whose growth rates are compared.
 const PARTS: usize = 16;
 
 /// The rest of a perturbation after the part along the motion is removed is rounding if it is below
@@ -70,22 +70,22 @@ pub fn lyapunov<S: Oscillator>(
 /// ```
 ///
 /// A positive exponent means chaos. For a stable periodic motion it is ln|μ|/T, with the largest
-/// multiplier μ. For an autonomous motion the exponent 0 of a shift along itself is left out, as
-/// the multiplier 1 is. The exponent is −∞ if every perturbation decays to zero. It is 0 if all
+/// multiplier μ. For an autonomous motion the exponent 0 of a shift along the orbit is left out,
+/// like the multiplier 1. The exponent is −∞ if every perturbation decays to zero. It is 0 if all
 /// masses stick for ever to surfaces at rest, because a perturbation of the displacement then
 /// remains. The perturbation is a solution of the variational equations, not a difference of
 /// motions, so no digits cancel; memory use is constant.
 ///
-/// The duration decides the cost and the standard error, which falls at least as 1/√duration: three
-/// masses take about 0.15 ms for each unit of time with natural frequencies of order 1, so that
-/// 10 000 units take 1.5 s. A duration that exhausts the bound of 10⁶ steps takes 10 to 20 s with
-/// three masses; [`Search::with_max_steps`] lowers it.
+/// The duration determines the cost and the standard error, which falls at least as 1/√duration.
+/// Three masses with natural frequencies of order 1 take about 0.15 ms for each unit of time, so 10
+/// 000 units take 1.5 s. A run up to the bound of 10⁶ steps takes 10 to 20 s for three masses;
+/// [`Search::with_max_steps`] lowers this bound.
 ///
 /// # Errors
 ///
 /// [`Error::InvalidDuration`] unless both times are finite, the transient not negative and the
 /// duration positive; [`Error::TooManySteps`], with the time and state reached, after 10⁶ steps
-/// (about 10⁵ oscillations); the others of [`Integrator::simulate`].
+/// (about 10⁵ oscillations); the other errors of [`Integrator::simulate`].
 ///
 /// Source: G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, *Meccanica* 15 (1980) 9-30; for
 /// events, P. C. Müller, *Chaos, Solitons & Fractals* 5 (1995) 1671-1681.

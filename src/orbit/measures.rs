@@ -157,8 +157,8 @@ impl<S: System> Orbit<S> {
         self.range(coordinate, 1)
     }
 
-    /// Least and largest acceleration of a coordinate, the values on both sides of each event
-    /// included.
+    /// Least and largest acceleration of a coordinate, including the values on both sides of each
+    /// event.
     pub fn acceleration_extremes(&self, coordinate: usize) -> (f64, f64) {
         self.range(coordinate, 2)
     }
@@ -213,7 +213,7 @@ impl<S: System> Orbit<S> {
         found.unwrap_or(f64::NAN)
     }
 
-    /// Largest |v'| of a coordinate, the values on both sides of each event included.
+    /// Largest |v'| of a coordinate, including the values on both sides of each event.
     pub fn peak_acceleration(&self, coordinate: usize) -> f64 {
         let (least, largest) = self.acceleration_extremes(coordinate);
         largest.max(-least)
@@ -225,8 +225,8 @@ impl<S: System> Orbit<S> {
         self.contact(contact, |of| of.stick_duration)
     }
 
-    /// Largest sliding speed |r| of a contact while it slips, up to which the law must be known; 0
-    /// if the contact never slips.
+    /// Largest sliding speed |r| of a contact while it slips; 0 if the contact never slips. The
+    /// friction law must be known up to this speed.
     pub fn max_sliding_speed(&self, contact: usize) -> f64 {
         self.contact(contact, |of| of.max_sliding_speed)
     }
@@ -240,10 +240,11 @@ impl<S: System> Orbit<S> {
 }
 
 impl<S: Oscillator> Orbit<S> {
-    /// Complex amplitudes of the first n harmonics of a coordinate's displacement:
-    /// (2/T)∮q e^(−ikωt) dt for k = 1, …, n, with ω = 2π/T and the time counted from
-    /// [`state`](Self::state). The modulus is the amplitude of the harmonic. Each harmonic has a
-    /// quadrature of its own, so the cost grows with n². Empty if there is no such coordinate.
+    /// Complex amplitudes of the first n harmonics of a coordinate's displacement: (2/T)∮q
+    /// e^(−ikωt) dt for k = 1, …, n, with ω = 2π/T and the time counted from
+    /// [`state`](Self::state). The modulus is the amplitude of the harmonic. Each harmonic is
+    /// computed by a separate quadrature, so the cost grows with n². The list is empty if there is
+    /// no such coordinate.
     #[doc(alias = "spectrum")]
     #[doc(alias = "fft")]
     pub fn harmonics(&self, coordinate: usize, n: usize) -> Vec<Complex<f64>> {
@@ -287,7 +288,7 @@ impl<S: Oscillator> Orbit<S> {
     }
 
     /// Complex amplitudes of the first n harmonics of a coordinate's acceleration: (ikω)² times
-    /// those of its displacement. Where the acceleration jumps at events they fall off only as 1/k.
+    /// those of its displacement. If the acceleration jumps at events, they fall off only as 1/k.
     #[doc(alias = "spectrum")]
     #[doc(alias = "fft")]
     pub fn acceleration_harmonics(&self, coordinate: usize, n: usize) -> Vec<Complex<f64>> {

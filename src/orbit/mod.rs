@@ -1,5 +1,6 @@
-//! Periodic motions of any system, exact to rounding: found from a guess, with all their Floquet
-//! multipliers; branches over a parameter; Poincaré sections; the largest Lyapunov exponent.
+//! Periodic motions of any system, exact to rounding, found from a guess, with all their Floquet
+//! multipliers. Also branches of periodic motions over a parameter, Poincaré sections, and the
+//! largest Lyapunov exponent.
 //!
 //! ```
 //! use stick_slip::orbit::{self, Period};
@@ -30,8 +31,8 @@
 //!
 #![doc = include_str!("../figures/resonance.svg")]
 //!
-//! *Amplitude over the frequency of the force for such a mass, by [`follow`]: dashed motions are
-//! unstable, rings are folds.*
+//! *Amplitude of a mass on a belt over the frequency of the force, by [`follow`]. Dashed lines are
+//! unstable motions, rings are folds.*
 //!
 //! # Which search for which system
 //!
@@ -45,7 +46,7 @@
 //! | any system: the attractor that a start reaches, and its kind | [`classify`] | the attractor of that start |
 //! | any system: attractors as a parameter rises and falls, with hysteresis | [`sweep`] | the attractors reached, each from the last |
 //! | any system: a branch of motions over a parameter, its bifurcations and its ends | [`follow`] | the connected branch; two bifurcations of one kind within a step can be missed |
-//! | any system: the attractors over a range, with the critical values between them | [`vibration_ranges`] | those connected with what a sweep or a Hopf point meets |
+//! | any system: the attractors over a range, with the critical values between them | [`vibration_ranges`] | the attractors on branches that a sweep or a Hopf point reaches |
 //! | any system: the motion that is born at a Hopf point of steady sliding | [`begin`] | one small motion |
 //! | any system: the branch that is born at a flip or a pitchfork | [`Bifurcation::switch`] | one motion on it |
 //! | any system: the curve of a bifurcation over two parameters | [`locus`] | the connected curve; two special points of one kind within a step can be missed |
@@ -56,27 +57,29 @@
 //! The motions of one mass on a belt of constant velocity lie in a plane and cannot cross each
 //! other, so a search can be complete. With a force, a second mass or a memory they can cross, and
 //! a search returns the motion nearest its guess. To explore such a system, start [`settle`] from
-//! many states and plot sections. For a belt both searches give the same numbers.
+//! many states and plot sections. For a mass on a belt, `limit_cycle` and `orbit` give the same
+//! numbers.
 //!
 //! One call of [`shoot`], [`settle`] or [`lyapunov`] takes at most 10⁶ steps in all: about 10⁵
-//! oscillations, seconds for one mass and 10 to 20 s for three. Beyond, it returns
+//! oscillations, seconds for one mass and 10 to 20 s for three. A call that needs more returns
 //! [`Error::TooManySteps`](crate::Error::TooManySteps), with the time and state reached. A branch
-//! has [a bound of its own](follow). [`Search`] sets other bounds and takes a watcher, which can
-//! stop a search; its page says what each search costs.
+//! has [its own bound](follow). [`Search`] sets other bounds and takes a watcher, which can stop a
+//! search; its page says what each search costs.
 //!
 //! # Autonomous and forced motions
 //!
-//! A structure with a drive that varies has motions of n periods of its drives,
-//! [`Period::Driven`]; their state is the one at time 0. If all drives are constant, the system is
-//! autonomous: a motion may begin anywhere on its orbit, and its period is unknown,
-//! [`Period::Free`]. The phase condition is then the plane through the guess, normal to the flow
-//! there. If all masses stick to moving belts, the flow is the motion of the belts. A guess may lie
-//! anywhere in a stick phase, but a [`Dwell`](crate::Dwell) contact needs the time since the
-//! beginning of stick in its memory.
+//! If a drive of a structure varies in time, the motion is forced: its period is n periods of the
+//! drives ([`Period::Driven`]), and its state is given at time 0. If all drives are constant, the
+//! system is autonomous: the motion may begin anywhere on its orbit, and its period is unknown
+//! ([`Period::Free`]). The phase condition of an autonomous motion is the plane through the guess,
+//! normal to the flow at the guess. If all masses stick to moving belts, the flow is the motion of
+//! the belts. A guess may lie anywhere in a stick phase, but a [`Dwell`](crate::Dwell) contact
+//! needs the time since the beginning of stick in its memory.
 //!
-//! A motion that is periodic up to a translation, such as that of a drill string, is periodic in
-//! the frame that moves at its mean velocity: give the ground this velocity and the belts its
-//! negative.
+//! A motion may be periodic except for a translation, such as the motion of a drill string. It is
+//! then periodic in the frame that moves at its mean velocity Ω. In this frame a surface of
+//! velocity w has the velocity w − Ω; the page
+//! [`structure`](crate::structure#frames-that-move-at-a-varying-speed) lists the other terms.
 //!
 //! # Multipliers
 //!
@@ -89,17 +92,18 @@
 //! * In stick the perturbation of the velocity vanishes: at least as many multipliers are 0, to the
 //!   bit, as contacts stick at one time. Static friction that rises in stick depends on the time of
 //!   sticking, so a motion with such a contact may have no multiplier 0.
-//! * An autonomous motion has the multiplier 1, of a shift along itself. It is left out.
-//! * Memory variables that influence nothing have the multiplier 0.
-//! * A contact that never slips makes the motion one of a family: [`Orbit::unslipped`] names it,
-//!   and its multiplier 1 is left out. In any other continuous family another multiplier is 1. The
-//!   motion nearest the guess is found.
+//! * An autonomous motion has a multiplier 1, because a shift of its start along the orbit neither
+//!   grows nor decays. This multiplier is left out.
+//! * A memory variable that does not influence the motion has the multiplier 0.
+//! * If a contact never slips, the motion belongs to a continuous family: [`Orbit::unslipped`]
+//!   lists such contacts, and their multipliers 1 are left out. In any other continuous family
+//!   another multiplier is 1. In each family the motion nearest the guess is found.
 //!
-//! The map has no derivative at grazing, and if several events happen at one instant; the matrix is
-//! then that of the events in the order of the contacts.
+//! The map has no derivative at grazing, nor if several events happen at one instant. In the second
+//! case the matrix is computed with the events in the order of their contacts.
 //!
-//! Source: for saltation, R. I. Leine, H. Nijmeijer, *Dynamics and Bifurcations of Non-Smooth
-//! Mechanical Systems*, Springer 2004, ch. 7.
+//! Source of the saltation matrices: R. I. Leine, H. Nijmeijer, *Dynamics and Bifurcations of
+//! Non-Smooth Mechanical Systems*, Springer 2004, ch. 7.
 
 // | file | what is in it |
 // |---|---|

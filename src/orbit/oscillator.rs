@@ -12,10 +12,11 @@ use crate::structure::engine::model::Model;
 use crate::structure::engine::sparse::Sparse;
 use crate::structure::{Energies, EnergyBudget, Structure};
 
-/// A system whose periodic motions can be found: [`MassOnBelt`] or [`Structure`]. Sealed, as
-/// [`System`] is.
+/// A system whose periodic motions can be found: [`MassOnBelt`] or [`Structure`]. The trait is
+/// sealed, like [`System`].
 ///
-/// A belt is treated as a structure of one mass, but its trajectories are those of [`MassOnBelt`].
+/// The searches treat a belt as a structure of one mass, but the trajectories in their results are
+/// those of [`MassOnBelt`].
 pub trait Oscillator: System {
     /// The general form of a state.
     #[doc(hidden)]

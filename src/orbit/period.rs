@@ -1,7 +1,7 @@
 use super::form::Rhythm;
 use crate::error::Error;
 
-/// The period of the motion searched for.
+/// The period of the motion that is searched.
 ///
 /// ```
 /// use stick_slip::orbit::Period;
@@ -9,12 +9,13 @@ use crate::error::Error;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Period {
-    /// This number of periods of the drives of a [`Structure`](crate::Structure), at least 1. The
-    /// state of such a motion is the one at time 0 of the drives.
+    /// A forced motion: the period is this number (at least 1) of periods of the drives of a
+    /// [`Structure`](crate::Structure). Its state is given at time 0 of the drives.
     Driven(usize),
-    /// An autonomous motion, in which no drive varies: an estimate of its period, in units of time.
+    /// An autonomous motion, in which no drive varies. The number is an estimate of its period, in
+    /// units of time.
     ///
-    /// The phase condition is the plane through the guess, normal to the flow there.
+    /// The phase condition is the plane through the guess, normal to the flow at the guess.
     Free(f64),
 }
 

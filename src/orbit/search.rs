@@ -13,26 +13,28 @@ pub(super) const MOST_STEPS_OF_A_SEARCH: usize = 10 * Integrator::DEFAULT_MAX_ST
 /// Steps after which the watcher of a search is called again.
 pub(super) const LOOK_EVERY: usize = 1000;
 
-/// A search for periodic motions or exponents with a bound of its work and a watcher. Its methods
-/// are the functions of [`orbit`](super).
+/// A search for periodic motions or Lyapunov exponents, with a bound of its work and with a
+/// watcher. Its methods have the names of the functions of [`orbit`](super) and return the same
+/// results.
 ///
 /// # Cost
 ///
 /// The unit of work is a step of the motion: a few microseconds per mass. An oscillation takes
-/// about ten steps, more if many contacts have events. A motion with its derivative, which every
-/// search needs, takes two to three times as long for a few masses, and about nine times for 20.
+/// about ten steps, more if many contacts have events. Every search also needs the derivative of
+/// the motion. With its derivative a motion takes two to three times as long for a few masses, and
+/// about nine times as long for 20.
 ///
 /// | search | work |
 /// |---|---|
 /// | [`settle`](Self::settle) | the transient, then [`shoot`](Self::shoot) |
 /// | [`shoot`](Self::shoot) | five to ten motions over a period, each with its derivative |
-/// | [`lyapunov_with_spread`](Self::lyapunov_with_spread) | the motion with one perturbation, which takes two to three times as long as the motion alone: for three masses about 13 s at the limit of 10⁶ steps |
-/// | [`locus`](Self::locus) | each point takes three to five steps of Newton's method, and each step about ten motions with derivatives; on a curve of grazings, onsets of stops or orders of events a step takes one motion without derivative for each unknown instead |
+/// | [`lyapunov_with_spread`](Self::lyapunov_with_spread) | the motion with one perturbation: two to three times as long as the motion alone, for three masses about 13 s at the limit of 10⁶ steps |
+/// | [`locus`](Self::locus) | each point takes three to five steps of Newton's method, and each step about ten motions with derivatives; on a curve of grazings, onsets of stops or orders of events, a step takes instead one motion without derivative for each unknown |
 /// | [`follow`](Self::follow) | three to five motions with derivatives for each point, with at least 65 points over the range; in addition, some tens of motions for each bifurcation, and about a hundred for each change of the events |
 ///
-/// A branch of one mass therefore takes a fraction of a second. One of a drill string of 20
-/// inertias took 7 s for 134 points, with 10⁶ steps in all; narrow ranges with many bifurcations,
-/// and long periods, take minutes. A watcher shows the progress, and can stop the search:
+/// A branch of one mass therefore takes a fraction of a second. A branch of a drill string of 20
+/// inertias took 7 s for 134 points, with 10⁶ steps in all. Ranges with many bifurcations, and long
+/// periods, take minutes. A watcher shows the progress, and can stop the search:
 ///
 /// ```
 /// use std::ops::ControlFlow::{Break, Continue};
@@ -78,8 +80,8 @@ type Watch<'w> = dyn Fn(&Progress) -> ControlFlow<()> + 'w;
 #[non_exhaustive]
 pub struct Progress {
     /// In a search along a parameter: the value of the parameter that is being tried, in its own
-    /// units. In a search on one system, which has no parameter: the time that the motion being
-    /// computed has reached, in units of time.
+    /// units. In a search on one system, which has no parameter: the time reached by the motion
+    /// that is being computed, in units of time.
     pub value: f64,
     /// In a search over two parameters ([`locus`](Search::locus)): the value of the second one.
     /// Otherwise `None`.
@@ -101,14 +103,14 @@ impl<'w> Search<'w> {
     /// each direction.
     pub const DEFAULT_MAX_POINTS: usize = 2048;
 
-    /// A search with the default bounds, not watched.
+    /// Creates a search with the default bounds and without a watcher.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Bounds the steps of each search. At the bound a search on one system returns
-    /// [`Error::TooManySteps`]; a branch ends with [`BranchEnd::Work`](super::BranchEnd::Work), a
-    /// locus with [`LocusEnd::Work`](super::LocusEnd::Work).
+    /// Bounds the steps of each search. If the bound is reached, a search on one system returns
+    /// [`Error::TooManySteps`], a branch ends with [`BranchEnd::Work`](super::BranchEnd::Work), and
+    /// a locus ends with [`LocusEnd::Work`](super::LocusEnd::Work).
     ///
     /// The defaults are [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) and, in each direction,
     /// [`DEFAULT_MAX_BRANCH_STEPS`](Self::DEFAULT_MAX_BRANCH_STEPS) for a branch and
@@ -133,9 +135,9 @@ impl<'w> Search<'w> {
         Ok(Self { max_points, ..self })
     }
 
-    /// Calls `watch` before each motion that is tried along a parameter, after each that is found,
-    /// and every 1000 steps: it can show the progress, and stop the search with
-    /// [`ControlFlow::Break`].
+    /// Sets the watcher, a function that shows the progress or stops the search by returning
+    /// [`ControlFlow::Break`]. It is called every 1000 steps; in a search along a parameter also
+    /// before each motion that is tried and after each motion that is found.
     ///
     /// A branch or a locus that is stopped keeps what was found, with
     /// [`BranchEnd::Stopped`](super::BranchEnd::Stopped) or

@@ -1,4 +1,4 @@
-//! Poincaré sections: the states of a motion once a period, or at one kind of event.
+//! Poincaré sections: the states of a motion once in each period, or at each event of one kind.
 
 use std::fmt;
 
@@ -50,7 +50,7 @@ impl<'s, S: Oscillator> Steps<'s, S> {
     }
 }
 
-/// The states of a motion once a period; returned by [`section`].
+/// The states of a motion once in each period; returned by [`section`].
 pub struct Section<'s, S: Oscillator + 's> {
     steps: Steps<'s, S>,
     step: Option<<S::State as SystemState>::Step>,
@@ -59,17 +59,17 @@ pub struct Section<'s, S: Oscillator + 's> {
     number: u64,
 }
 
-/// The states of the motion from a start at time 0 at the times T, 2T, 3T, … of a period T: a
-/// Poincaré section, as an unbounded iterator in constant memory.
+/// Poincaré section of the motion that starts at time 0: its states at the times T, 2T, 3T, …, with
+/// a given period T. The iterator is unbounded and takes constant memory.
 ///
-/// The k-th time is the exact product kT, so the phase of a drive is exact after 10⁶ periods too.
+/// The k-th time is the exact product kT, so the phase of a drive is still exact after 10⁶ periods.
 ///
-/// If the period or the start is refused, the only item is that error.
+/// If the period or the start is not valid, the only item is the error.
 ///
 /// # Errors
 ///
 /// An item is [`Error::InvalidParameter`] unless T is positive and finite, or an error of
-/// [`Integrator::flow`]. After an error comes `None`.
+/// [`Integrator::flow`]. After an error it returns `None`.
 ///
 /// ```
 /// use stick_slip::orbit;

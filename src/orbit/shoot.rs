@@ -210,11 +210,11 @@ pub(super) fn shortest(
 /// which has every number as a period, and a period near 0, after which every motion has hardly
 /// left its start.
 ///
-/// The guess is a state at time 0 of the drives; for an autonomous motion any state near the
-/// motion. If the guess has a force of an elastic contact beyond its limit, the limit is used. (If
-/// an autonomous guess lies exactly at an event with a jump, and nothing is found from there, the
-/// search is repeated from a state between events.) An estimate near twice the period gives two
-/// periods of the motion.
+/// The guess is a state at time 0 of the drives; for an autonomous motion it is any state near the
+/// motion. If the guess contains a force of an elastic contact above the limit force, the limit
+/// force is used. (If an autonomous guess lies exactly at an event with a jump, and nothing is
+/// found from there, the search is repeated from a state between events.) If the estimate is near
+/// twice the period, the result is the motion over two periods.
 ///
 /// # Errors
 ///
@@ -223,7 +223,8 @@ pub(super) fn shortest(
 ///   not positive and finite;
 /// * [`Error::AtRest`] if an autonomous guess, or the state that the search or the transient of
 ///   [`settle`] reaches, is an equilibrium;
-/// * [`Error::NotPeriodic`], with the best start tried and its residual;
+/// * [`Error::NotPeriodic`] if Newton's method does not converge, with the best start tried and its
+///   residual;
 /// * [`Error::TooManySteps`], with the time and state reached, if the motion from the guess takes
 ///   more than 10⁵ steps over the period. The transient of [`settle`] and all the motions that are
 ///   tried take at most 10⁶ steps in total. A search that reaches this bound returns
@@ -249,7 +250,7 @@ pub(super) fn shortest(
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
-/// To bound or to watch it: [`Search`].
+/// [`Search`] sets a bound of the work and takes a watcher.
 #[doc(alias = "solve")]
 #[doc(alias = "Newton")]
 pub fn shoot<S: Oscillator>(
@@ -344,14 +345,14 @@ fn find(form: &GeneralForm<'_>, guess: &State, period: Period) -> Result<Trial, 
 /// Simulates a transient from a start at time 0, then finds the periodic motion near the state
 /// reached.
 ///
-/// The transient is in units of time; in a forced motion it is rounded up to whole periods of the
-/// drives. A long transient costs little: if [`shoot`] fails, make it longer.
+/// The length of the transient is in units of time; for a forced motion it is rounded up to whole
+/// periods of the drives. A long transient costs little: if [`shoot`] fails, make it longer.
 ///
 /// # Errors
 ///
 /// [`Error::InvalidDuration`] unless the transient is finite and ≥ 0; [`Error::TooManySteps`], with
 /// the time and state reached, if the transient takes more than 10⁶ steps (about 10⁵ oscillations):
-/// continue from that state; the errors of [`shoot`]; the errors of
+/// in this case continue from that state; the errors of [`shoot`]; the errors of
 /// [`Integrator::simulate`](crate::Integrator::simulate).
 ///
 /// ```

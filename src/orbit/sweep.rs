@@ -1,4 +1,4 @@
-//! A sweep of a parameter up and down: each motion starts from the end of the last.
+//! A sweep of a parameter up and down: each motion starts from the end of the motion before.
 
 use std::fmt;
 
@@ -11,9 +11,9 @@ use crate::state::structure::State;
 
 /// Attractors as a parameter rises and falls: see [`sweep`].
 pub struct Sweep<S: System> {
-    /// The values on the way up, in ascending order.
+    /// The results as the parameter rises, by ascending values.
     pub up: Vec<SweepPoint<S>>,
-    /// The values on the way down, in descending order.
+    /// The results as the parameter falls, by descending values.
     pub down: Vec<SweepPoint<S>>,
     /// The value of the parameter at which the watcher stopped the sweep; `None` if it was not
     /// stopped.
@@ -24,8 +24,8 @@ pub struct Sweep<S: System> {
 pub struct SweepPoint<S: System> {
     /// The parameter, in its own units.
     pub parameter: f64,
-    /// The attractor that the motion reaches, or the error. After an error the sweep continues
-    /// from the last state before it.
+    /// The attractor that the motion reaches, or the error. After an error the sweep continues from
+    /// the last state before this error.
     pub attractor: Result<Attractor<S>, Error>,
 }
 
@@ -34,8 +34,8 @@ pub struct SweepPoint<S: System> {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct Change {
-    /// The value of the parameter before the change, and the one after it: in a sweep downward the
-    /// larger one first.
+    /// The values of the parameter before and after the change; in a sweep downward the larger
+    /// value comes first.
     pub between: [f64; 2],
     /// The attractor before the change.
     pub from: AttractorKind,
@@ -69,14 +69,15 @@ impl<S: System> Sweep<S> {
     }
 }
 
-/// The attractors that a system reaches as a parameter takes ascending values, and then the same
-/// values downward: each motion starts where the last one ended, as in a machine that is started,
-/// loaded and unloaded.
+/// The attractors that a system reaches while a parameter rises through the given values and then
+/// falls through them again. Each motion starts from the last state of the motion before, as in a
+/// machine that is started, loaded and unloaded.
 ///
-/// Where the two directions differ, the system has two attractors, and its past decides between
-/// them (hysteresis). Do not search a critical value by bisection with simulations from one start:
-/// the start may lie in the basin of another attractor at the next value, and vibration that exists
-/// far beyond the value found is missed. Sweep, then follow the motion that was found to its end:
+/// If the results of the two directions differ at a value, the system has two attractors there, and
+/// the past of the motion decides between them (hysteresis). Do not search a critical value by
+/// bisection with simulations from one start. At the next value this start may lie in the basin of
+/// another attractor, and the vibration that exists far beyond the value found would be missed.
+/// Sweep instead, then follow the motion that was found to its end:
 ///
 /// ```
 /// use stick_slip::orbit::{self, AttractorKind};
@@ -108,16 +109,17 @@ impl<S: System> Sweep<S> {
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
-/// From steady sliding each motion starts with a push of 10⁻⁶ of the largest velocity, so that it
-/// leaves an unstable one. The cost at each value is that of [`classify`](super::classify); close
-/// to a bifurcation a transient may outlast the 1.3·10⁵ steps of `classify`, and the change then
-/// shows at a later value.
+/// If the last motion ended in steady sliding, the next motion starts with a perturbation of 10⁻⁶
+/// of the largest velocity, so that it leaves steady sliding that is unstable. Each value costs one
+/// [`classify`](super::classify). Close to a bifurcation the transient may be longer than the
+/// 1.3·10⁵ steps of `classify`; the change is then seen at a later value.
 ///
 /// # Errors
 ///
-/// [`Error::InvalidParameter`] unless there is a value, and the values are finite and ascending;
-/// [`Error::At`], with the parameter, if the first system refuses the start. Any other error at a
-/// value is part of the result. To bound or to watch it: [`Search::sweep`].
+/// [`Error::InvalidParameter`] unless there is at least one value and the values are finite and
+/// ascending; [`Error::At`], with the parameter, if the first system refuses the start. Any other
+/// error at a value is part of the result. [`Search::sweep`] sets a bound of the work and takes a
+/// watcher.
 #[doc(alias = "hysteresis")]
 #[doc(alias = "brute force")]
 pub fn sweep<S: Oscillator>(
@@ -130,7 +132,7 @@ pub fn sweep<S: Oscillator>(
 
 impl Search<'_> {
     /// The attractors as a parameter rises and falls: [`sweep`], with the bound of this search at
-    /// each value. A sweep that is stopped keeps what was found.
+    /// each value. A sweep that is stopped keeps the results found so far.
     ///
     /// # Errors
     ///

@@ -30,24 +30,24 @@ const BESIDE: [f64; 2] = [1e-3, 1e-4];
 const APART: f64 = 0.5;
 
 impl<S: Oscillator> Bifurcation<S> {
-    /// The branch that is born at a flip or a pitchfork: a motion on it near the bifurcation, from
-    /// which [`follow`](super::follow()) continues.
+    /// A motion on the branch that is born at a flip or a pitchfork, near the bifurcation. From
+    /// this motion [`follow`](super::follow()) follows the branch.
     ///
-    /// At a flip the motion has twice the period; at a pitchfork it lacks the symmetry, and its
-    /// mirror image is another one. `family` is the one that was followed. With the map G over half
-    /// of the new motion's period (for a pitchfork followed by the reflection) and G'w = −w, the
-    /// start is searched near x0 + εw on a plane that the old branch does not cross, for the
-    /// distances ε = 10⁻², 3·10⁻³ and 3·10⁻² in turn, relative to the size of the motion:
+    /// At a flip the new motion has twice the period. At a pitchfork it lacks the symmetry, and its
+    /// mirror image is another motion. `family` is the family that was followed. With the map G
+    /// over half of the new motion's period (for a pitchfork followed by the reflection) and G'w =
+    /// −w, the start is searched near x0 + εw on a plane that the old branch does not cross, for
+    /// the distances ε = 10⁻², 3·10⁻³ and 3·10⁻² in turn, relative to the size of the motion:
     ///
     /// ```text
     /// G(G(x)) = x,    wᵀ(x − G(x))/wᵀw ≈ 2ε.
     /// ```
     ///
     /// The parameter differs from that of the bifurcation by an amount of order ε².
-    /// [`criticality`](Self::criticality) tells on which side the new motions exist.
+    /// [`criticality`](Self::criticality) returns the side on which the new motions exist.
     ///
-    /// The new branch turns back at the bifurcation, onto itself or to the mirror images of its
-    /// motions: [`follow`](super::follow()) reports a [`BifurcationKind::Fold`] there.
+    /// At the bifurcation the new branch turns back, onto itself or to the mirror images of its
+    /// motions. [`follow`](super::follow()) reports a [`BifurcationKind::Fold`] at this point.
     ///
     /// Source: Kuznetsov, *Elements of Applied Bifurcation Theory*, section 10.2 (branch
     /// switching); J. W. Swift, K. Wiesenfeld, *Phys. Rev. Lett.* 52 (1984) 705 (symmetric
@@ -56,7 +56,7 @@ impl<S: Oscillator> Bifurcation<S> {
     /// # Errors
     ///
     /// [`Error::NoSwitch`] for other kinds of bifurcation; [`Error::At`], with the parameter, if
-    /// the family has no system there, or no motion of the other branch is found.
+    /// the family has no system at this parameter, or if no motion of the new branch is found.
     ///
     /// ```
     /// use stick_slip::orbit::{self, BifurcationKind, Criticality, Period};
@@ -106,9 +106,9 @@ impl<S: Oscillator> Bifurcation<S> {
         BranchPoint::of(family, parameter, trial, kind)
     }
 
-    /// Returns on which side of the bifurcation the motions exist that are born there, from one of
-    /// them, as [`switch`](Self::switch) finds it: supercritical, where the old motion has lost its
-    /// stability, or subcritical, beside the stable one.
+    /// Returns the side of the bifurcation on which the new motions exist: supercritical if the old
+    /// motion is unstable there, subcritical if it is stable. `born` is one of the new motions,
+    /// found by [`switch`](Self::switch).
     ///
     /// The result is degenerate if the multipliers do not decide, for example if others lie near
     /// the unit circle.

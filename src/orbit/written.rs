@@ -1,5 +1,5 @@
-//! Serialization of periodic motions, branches and sweeps (feature `serde`): written, not read, for
-//! they follow from a system.
+//! Serialization of periodic motions, branches and sweeps (feature `serde`): they are written but
+//! not read, because they can be computed from a system.
 
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};

@@ -59,8 +59,8 @@ pub enum LocusKind {
         /// The contact.
         contact: usize,
     },
-    /// A contact crosses relative velocity 0 with exactly its largest static force; beyond the
-    /// curve it sticks.
+    /// When the relative velocity of a contact passes 0, the force that stick would need is exactly
+    /// the static limit; beyond the curve the contact sticks.
     StopOnset {
         /// The contact.
         contact: usize,
@@ -149,7 +149,7 @@ impl<S: System> fmt::Debug for SpecialPoint<S> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum SpecialKind {
-    /// Two curves of folds meet tangentially: between them there are three motions.
+    /// Two curves of folds meet tangentially; between the curves there are three motions.
     Cusp,
     /// Strong resonance: the multipliers of the curve are both 1 (number 1), both −1 (2),
     /// exp(±2πi/3) (3) or ±i (4). A curve of tori begins or ends at the first two.
@@ -171,14 +171,15 @@ pub enum SpecialKind {
     /// Two conditions on the events hold at once. For example, two contacts reach relative velocity
     /// 0 tangentially, or one contact does so at two instants of the period.
     DoubleGrazing,
-    /// Hopf points change between super- and subcritical: a curve of folds of cycles begins.
+    /// Hopf points change from supercritical to subcritical: a curve of folds of limit cycles
+    /// begins.
     Bautin,
     /// A second pair of eigenvalues is imaginary.
     DoubleHopf,
     /// Another eigenvalue is 0.
     ZeroHopf,
-    /// One of the two parameters has a local maximum or minimum along the curve. The number tells
-    /// which parameter: 0 for the first, 1 for the second.
+    /// One of the two parameters has a local maximum or minimum along the curve. The number is 0
+    /// for the first parameter and 1 for the second.
     Turn(usize),
 }
 
@@ -207,9 +208,9 @@ impl fmt::Display for SpecialKind {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum LocusEnd {
-    /// It reached a side of the rectangle of parameters.
+    /// The curve reached a border of the two ranges of parameters.
     Ranges,
-    /// It returned to its start.
+    /// The curve is closed: it returned to its start.
     Closed,
     /// The curve ends at its last special point, for example a 1:1 resonance: beyond it the
     /// bifurcation is of another kind.
@@ -223,8 +224,8 @@ pub enum LocusEnd {
         /// The parameters there.
         parameters: [f64; 2],
     },
-    /// The steps become ever shorter: the last 128 steps together moved by less than 1e-3, in units
-    /// of the size of the motion and of the ranges of the parameters. Near the last point the
+    /// The steps become shorter and shorter: the sum of the last 128 steps is less than 1e-3, in
+    /// units of the size of the motion and of the ranges of the parameters. Near the last point the
     /// motion has no derivative with respect to the parameters, for example because a touch
     /// coincides with another event of the same contact.
     Crawls {
@@ -240,7 +241,7 @@ pub enum LocusEnd {
         parameters: [f64; 2],
     },
     /// The curve was lost: the family has no system there, or Newton's method does not converge
-    /// however short the step.
+    /// even with the shortest step.
     Lost {
         /// The parameters of the last point.
         parameters: [f64; 2],

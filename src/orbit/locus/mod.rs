@@ -40,8 +40,8 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 ///
 /// `family` returns the system for values of the two parameters, which may be anything that a
 /// closure can set. `at` is a bifurcation over the first parameter, as [`follow`](super::follow)
-/// finds it, and `second` the value of the second parameter at which it was found. Both lie in
-/// their ranges.
+/// finds it, and `second` the value of the second parameter at which it was found. Both values lie
+/// in the given ranges.
 ///
 /// The start x, the period T of an autonomous motion and both parameters p, q satisfy
 ///
@@ -49,20 +49,21 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// P(x, T; p, q) − x = 0,    g(x, T; p, q) = 0,
 /// ```
 ///
-/// P the period map, g a scalar that is 0 exactly at the bifurcation:
+/// where P is the period map, and g is a scalar that is 0 exactly at the bifurcation:
 ///
 /// | [`BifurcationKind`] | [`LocusKind`] | g |
 /// |---|---|---|
-/// | fold, flip, Neimark-Sacker | the same | that of a bordered matrix, 0 where a multiplier is 1, −1, or a pair is exp(±iθ) |
+/// | fold, flip, Neimark-Sacker | of the same name | scalar of a bordered matrix; 0 if a multiplier is 1 or −1, or a pair is exp(±iθ) |
 /// | grazing, also the [end of a branch](super::BranchEnd::Grazing) | [`Grazing`](LocusKind::Grazing) | the extremum of the relative velocity at the touch; the contact slips before it, and slips or sticks after it |
-/// | pitchfork | the same | that of the half-period map G, 0 where it has a multiplier −1; G(x) = x in place of P(x) = x |
-/// | change of events | [`StopOnset`](LocusKind::StopOnset) | \|R\| − N μ_s where the relative velocity is 0, R the force that stick would need |
+/// | pitchfork | of the same name | scalar of the half-period map G; 0 if G has a multiplier −1. The first equation is G(x) = x instead of P(x) = x |
+/// | change of events | [`StopOnset`](LocusKind::StopOnset) | \|R\| − N μ_s at the instant of zero relative velocity, with the force R that stick would need |
 /// | change of events | [`Order`](LocusKind::Order) | the time between events of two contacts |
 ///
 /// The curve is followed by pseudo-arclength continuation, also through cusps. The monodromy matrix
-/// is exact; derivatives of g and by parameters are differences between motions with the same
-/// events. These differences determine the steps of Newton's method, not its result: parameters are
-/// exact to the rounding error of the map. Near events that become tangential that error grows.
+/// is exact. The derivatives of g, and the derivatives with respect to parameters, are differences
+/// between motions with the same events. These differences determine the steps of Newton's method,
+/// not its result: parameters are exact to the rounding error of the map. Near events that become
+/// tangential that error grows.
 ///
 /// Special points are zeros of test functions along the curve:
 ///
@@ -75,9 +76,9 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// | grazing | fold-grazing |
 /// | grazing, onset of stops, order | at its end [`DoubleGrazing`](SpecialKind::DoubleGrazing) |
 ///
-/// Two zeros of one test within a step (1/64 of the ranges at most) can be missed. The coefficients
-/// of normal forms (generalised flip, Chenciner, a pitchfork that turns subcritical) are not
-/// computed.
+/// Two zeros of one test function within a step (at most 1/64 of the ranges) can be missed. The
+/// coefficients of normal forms (generalised flip, Chenciner, a pitchfork that turns subcritical)
+/// are not computed.
 ///
 /// A curve of folds, flips or Neimark-Sacker bifurcations passes a change of the events of its
 /// motion if the map is smooth there, and otherwise ends with
@@ -85,8 +86,8 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// ends with `Jump` at every such change. On a curve of grazings the touch can approach another
 /// event of the same contact, such as a release. Steps then become ever shorter, and the curve ends
 /// with [`LocusEnd::Crawls`](super::LocusEnd::Crawls). A curve of an autonomous motion that shrinks
-/// to a point ends with [`LocusEnd::Hopf`](super::LocusEnd::Hopf), good to about 1e-8 of the
-/// ranges, by extrapolation.
+/// to a point ends with [`LocusEnd::Hopf`](super::LocusEnd::Hopf). Its parameters are extrapolated,
+/// with an error of about 1e-8 of the ranges.
 ///
 /// Four changes of events have no curve here: a sticking contact that reaches its limit
 /// tangentially, a load that opens a contact, a drive that jumps, and the onset of a stop of
@@ -96,7 +97,7 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// infinite, and the others are NaN.
 ///
 /// Work: about ten motions for each step of Newton's method; at most 2048 points, 2·10⁵ motions and
-/// 2·10⁷ of their steps in each direction. [`Search`] sets other limits and watches.
+/// 2·10⁷ steps of motions in each direction. [`Search`] sets other limits and takes a watcher.
 ///
 /// Sources: Govaerts, *Numerical Methods for Bifurcations of Dynamical Equilibria*, chapters 3 and
 /// 4; Kuznetsov, *Elements of Applied Bifurcation Theory*, chapters 9 and 10; di Bernardo, Budd,
@@ -105,8 +106,8 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// # Errors
 ///
 /// [`Error::InvalidParameter`] unless the ranges are finite and not empty and hold the two values;
-/// [`Error::At`], with the parameters, if the family has no system there, if no such bifurcation is
-/// found there, or with [`Error::NotSmooth`] for a change of events of another kind.
+/// [`Error::At`], with the parameters, if the family has no system there or no such bifurcation is
+/// found there; it contains [`Error::NotSmooth`] if the change of events is of another kind.
 ///
 /// ```
 /// use stick_slip::orbit::{self, BifurcationKind, LocusEnd, Period};
@@ -136,7 +137,8 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
-/// Where does pure slip under a force first touch the belt? At v_b √((1 − Ω²)² + (cΩ)²)/Ω:
+/// The pure-slip motion under a harmonic force of frequency Ω first reaches the belt velocity at
+/// the force amplitude v_b √((1 − Ω²)² + (cΩ)²)/Ω, with the damping c:
 ///
 /// ```
 /// use stick_slip::orbit::{self, LocusKind, Period};

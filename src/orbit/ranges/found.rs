@@ -32,8 +32,8 @@ pub struct VibrationRanges<S: System> {
 pub struct VibrationRange {
     /// The values of the parameter, in its own units.
     pub parameters: Range<f64>,
-    /// All attractors that were found: one entry for each. Two or more mean hysteresis: which one
-    /// is reached depends on the start.
+    /// All attractors that were found, one entry for each. If there are two or more, the range has
+    /// hysteresis: the start determines which attractor is reached.
     pub attractors: Vec<AttractorKind>,
     /// The reasons why the attractors change at the two ends of the range.
     pub borders: [Border; 2],
@@ -48,7 +48,7 @@ pub struct VibrationRange {
 )]
 #[non_exhaustive]
 pub enum Border {
-    /// The range that was searched ends there.
+    /// The end of the range that was searched.
     Range,
     /// Steady sliding changes its stability, and a periodic motion is born.
     Hopf,
@@ -56,9 +56,9 @@ pub enum Border {
     Divergence,
     /// Steady sliding begins or ceases to exist.
     NoSteadySliding,
-    /// The family returns an error beyond: no system exists there.
+    /// The family returns an error on the other side: no system exists there.
     NoSystem,
-    /// A periodic motion passes a fold: it meets an unstable one, and vanishes.
+    /// A periodic motion reaches a fold: it meets an unstable motion, and both vanish.
     Fold,
     /// A multiplier of a periodic motion is −1: see [`BifurcationKind::Flip`].
     Flip,
@@ -69,12 +69,13 @@ pub enum Border {
     /// An event of a periodic motion becomes tangential: the motion meets another one and both
     /// vanish, or it changes its kind or its stability.
     Grazing,
-    /// The events of a periodic motion change, and with them its kind or its stability.
+    /// The sequence of events of a periodic motion changes, and with it the kind or the stability
+    /// of the motion.
     Sequence,
     /// A periodic motion jumps: see
     /// [`BranchEnd::Discontinuity`](super::super::BranchEnd::Discontinuity).
     Discontinuity,
-    /// A branch could not be followed beyond: [`VibrationRanges::branches`] has the reason.
+    /// A branch could not be followed further; [`VibrationRanges::branches`] contains the reason.
     Unknown,
 }
 

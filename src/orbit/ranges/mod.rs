@@ -37,28 +37,29 @@ const NEAR: f64 = 1e-6;
 /// of such a motion lies A⁴ ~ 1e-12 of the range from it, less than rounding of the small motion.
 const SMALL: f64 = 1e-3;
 
-/// The attractors of a system over a range of a parameter: where it slides steadily, where it
-/// vibrates, where its past decides between the two, and the critical values between these ranges.
+/// The attractors of a system over a range of a parameter: the ranges of steady sliding, of
+/// vibration, and of hysteresis (in which the past of the motion decides between the two), with the
+/// critical values between them.
 ///
-/// `family` returns the system for a value of the parameter. Two searches lead to the periodic
-/// motions: a [`sweep`](super::sweep()) upward and downward over 17 equidistant values, from rest;
-/// and the Hopf points of steady sliding, at which motions are [born](super::begin()). Each motion
-/// that is on no branch yet is [followed](super::follow()) in both directions, through folds, to
-/// the ends of its branch. The end of stick-slip is therefore the fold or grazing itself, not the
-/// last value at which a simulation still stuck. Motions that no simulation from steady sliding
-/// reaches are found too, if they lie on a branch of a motion that was met.
+/// `family` returns the system for a value of the parameter. Two searches find periodic motions: a
+/// [`sweep`](super::sweep()) from rest over 17 equidistant values, upward and downward, and a
+/// search for the Hopf points of steady sliding, at which motions [begin](super::begin()). Each new
+/// motion that lies on no known branch is [followed](super::follow()) in both directions, through
+/// folds, to the ends of its branch. The end of stick-slip is therefore the fold or grazing itself,
+/// not the last value at which a simulation showed stick. Motions that no simulation from steady
+/// sliding reaches are also found, if they lie on a branch of a motion that was found.
 ///
 /// A motion that lies on two branches counts once. Bifurcations are exact to about 1e-10 of the
 /// range, like those of [`follow`](super::follow()). Hopf points are exact to rounding in
 /// [`VibrationRange::parameters`], from the eigenvalues of steady sliding; [`BranchEnd::Hopf`] of a
 /// branch is extrapolated from its motions. Parameters at which the family returns an error belong
 /// to no range; the ranges next to them end with [`Border::NoSystem`]. Attractors on a separate
-/// branch that the sweep does not meet are missed; where a sweep finds no periodic motion but
-/// chaos, the range has [`AttractorKind::Irregular`].
+/// branch that the sweep does not meet are missed; if the sweep finds chaos instead of a periodic
+/// motion, the range has [`AttractorKind::Irregular`].
 ///
 /// Work: a sweep of 34 values, and one [`follow`](super::follow()) for each branch: seconds for a
-/// few masses, tens of seconds for a dozen. [`Search::vibration_ranges`] bounds and watches it. For
-/// a mass on a belt of constant velocity,
+/// few masses, tens of seconds for a dozen. [`Search::vibration_ranges`] sets a bound of the work
+/// and takes a watcher. For a mass on a belt of constant velocity,
 /// [`bifurcation::vibration_ranges`](crate::bifurcation::vibration_ranges) is faster, and misses no
 /// attractor at the velocities that it tries.
 ///
@@ -103,7 +104,7 @@ pub fn vibration_ranges<S: Oscillator>(
 
 impl Search<'_> {
     /// The attractors over a range of a parameter: [`vibration_ranges`], within the bounds of this
-    /// search. A search that is stopped gives the ranges known so far.
+    /// search. A search that is stopped returns the ranges known so far.
     ///
     /// # Errors
     ///

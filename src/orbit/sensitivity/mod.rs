@@ -43,10 +43,9 @@ pub struct EventSensitivity {
 pub struct OrbitSensitivities {
     /// The derivative ∂T/∂p of the period by each parameter.
     pub period: Vec<f64>,
-    /// The motion over one period with its derivatives. It begins at a time between events, the
-    /// first of [`Sensitivities::times`], which for an autonomous motion may be later than the
-    /// start of the orbit. The derivative at the start of an autonomous motion is normal to the
-    /// flow.
+    /// The motion over one period with its derivatives. It begins between events, at the first of
+    /// [`Sensitivities::times`]; for an autonomous motion this time may be later than the start of
+    /// the orbit. The derivative of an autonomous motion at this start is normal to the flow.
     pub motion: Sensitivities,
 }
 
@@ -59,18 +58,19 @@ impl Sensitivities {
         [self.begin, self.here.end]
     }
 
-    /// The state at a time; `None` outside, and for NaN.
+    /// The state at a time; `None` if the time lies outside the motion or is NaN.
     pub fn state_at(&self, time: f64) -> Option<State> {
         let inside = (self.begin..=self.here.end).contains(&time);
         inside.then(|| self.here.state_at(self.here.passed(time), time))?
     }
 
-    /// The derivatives of the state at a time: a row for each displacement, then each velocity,
-    /// then each memory variable, in their units per unit of the parameter, and a column for each
-    /// parameter. `None` outside, and for NaN.
+    /// The derivatives of the state at a time: a matrix with a row for each displacement, then each
+    /// velocity, then each memory variable, and with a column for each parameter. Units: unit of
+    /// the variable per unit of the parameter. `None` if the time lies outside the motion or is
+    /// NaN.
     ///
-    /// The time is fixed. At an event, where velocities have a kink, the derivative is that just
-    /// before.
+    /// The derivative is taken at a fixed time. At an event, where velocities have a kink, it is
+    /// the derivative just before the event.
     pub fn at(&self, time: f64) -> Option<DMatrix<f64>> {
         if !(self.begin..=self.here.end).contains(&time) {
             return None;
@@ -127,19 +127,20 @@ impl Sensitivities {
     }
 }
 
-/// The motion of a family of systems over a duration, with its derivatives by all parameters: of
-/// the state at any time, and of the times of events.
+/// The motion of a family of systems over a duration, with the derivatives of the state at any
+/// time, and of the times of events, with respect to all parameters.
 ///
 /// `family` returns the system and its start at time 0 for values of the parameters, which may be
 /// anything that a closure can set: coefficients of a law, loads, stiffnesses, belt velocities, the
 /// start itself.
 ///
-/// Derivatives are continued through stick, slip and crossings: neighbouring motions have the same
-/// events at other times, and near an event each is continued by its own power series, so that
-/// nothing jumps. The derivatives are differences of fourth order between motions exact to
-/// rounding. The increment changes the motion by a thousandth of its size, or less if shorter
-/// increments agree better. The error is about 1e-11 of the largest derivative, and below 1e-10 for
-/// all reference motions. If one side has no system or other events, the difference is one-sided.
+/// Derivatives are continued through stick, slip and crossings. Neighbouring motions have the same
+/// events at slightly different times. Near an event each motion is continued by its own power
+/// series, so the difference of two motions has no jump. The derivatives are differences of fourth
+/// order between motions exact to rounding. The increment of the parameter changes the motion by a
+/// thousandth of its size, or by less if smaller increments give derivatives that agree better. The
+/// error is about 1e-11 of the largest derivative, and below 1e-10 for all reference motions. The
+/// difference is one-sided if one side has no system or has other events.
 ///
 /// Work: some twenty motions for each parameter.
 ///
@@ -147,8 +148,9 @@ impl Sensitivities {
 ///
 /// [`Error::InvalidDuration`] unless the duration is positive and finite;
 /// [`Error::InvalidParameter`] unless all parameters are finite; [`Error::NoDerivative`], with the
-/// number of the parameter, if the events change with it however little it changes, as at grazing;
-/// the errors of the family; the errors of [`Integrator::simulate`](crate::Integrator::simulate).
+/// number of the parameter, if every increment of this parameter, however small, changes the
+/// sequence of events, as at grazing; the errors of the family; the errors of
+/// [`Integrator::simulate`](crate::Integrator::simulate).
 ///
 /// ```
 /// use stick_slip::orbit::sensitivities;
@@ -202,18 +204,19 @@ pub fn sensitivities<S: Oscillator>(
     Sensitivities::of(parameters, 0.0, order, &run)
 }
 
-/// A periodic motion of a family of systems with its derivatives by all parameters: of the period,
-/// of the state at any time, and of the times of events.
+/// A periodic motion of a family of systems, with the derivatives of the period, of the state at
+/// any time, and of the times of events, with respect to all parameters.
 ///
 /// `family` returns the system for values of the parameters, and `orbit` is its motion for
-/// `parameters`. With the monodromy matrix M, which is exact,
+/// `parameters`. The derivatives of the start and of the period solve, with the exact monodromy
+/// matrix M,
 ///
 /// ```text
 /// (M − 1) ∂x/∂p + x'(T) ∂T/∂p = −∂P/∂p,
 /// ```
 ///
-/// P the period map. For an autonomous motion ∂x/∂p is normal to the flow at the start. In a
-/// continuum of motions it is the minimum-norm solution.
+/// where P is the period map. For an autonomous motion ∂x/∂p is normal to the flow at the start. In
+/// a continuum of motions the minimum-norm solution is taken.
 ///
 /// # Errors
 ///
