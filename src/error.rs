@@ -116,7 +116,8 @@ pub enum Error {
         max: f64,
     },
 
-    /// A duration is negative, infinite or NaN, or 0 where a mean is taken over it.
+    /// A duration is negative, infinite or NaN, or it is 0 in a function that computes a mean over
+    /// it.
     #[error(
         "duration = {} is not allowed{}; a simulation without an end is `flow`",
         Plain(*value),
@@ -250,7 +251,7 @@ pub enum Error {
         column: usize,
     },
 
-    /// A mass matrix is not positive definite: some motion would have no kinetic energy.
+    /// A mass matrix is not positive definite: a motion without kinetic energy would exist.
     #[error(
         "the mass matrix is not positive definite: coordinate {row} has no mass of its own beside \
          those before it; eliminate massless coordinates first (static condensation)"
@@ -260,7 +261,8 @@ pub enum Error {
         row: usize,
     },
 
-    /// The direction of a contact is not a row of coordinates and finite numbers.
+    /// The direction of a contact is not valid: it needs different coordinates and finite
+    /// coefficients that are not all 0.
     #[error(
         "contact: the direction {direction:?} is not allowed: give pairs (coordinate, b) with \
          different coordinates and finite b ≠ 0, at least one"
@@ -275,8 +277,9 @@ pub enum Error {
     #[error("no steady sliding: {0}")]
     NoSteadySliding(NotSliding),
 
-    /// A motion has no derivative by a parameter: the smallest change of the parameter changes the
-    /// events of the motion, as at grazing, or the family returns no system next to the parameter.
+    /// A motion has no derivative with respect to a parameter: even the smallest change of the
+    /// parameter changes the events of the motion, as at grazing, or the family returns no system
+    /// for neighbouring values.
     #[error(
         "no derivative by parameter {parameter}: the events of the motion change, or the family \
          has no system, however little the parameter changes; take another value or duration"
@@ -286,7 +289,7 @@ pub enum Error {
         parameter: usize,
     },
 
-    /// A curve was requested of a change of events that no curve can follow
+    /// A curve was requested for a change of events of a kind that cannot be followed
     /// ([`orbit::locus`](crate::orbit::locus) follows touches of a slipping contact, onsets of
     /// stops and changes of the order of events of two contacts).
     #[error(
@@ -311,9 +314,9 @@ pub enum Error {
     #[error("no Hopf point is near: no pair of eigenvalues crosses the imaginary axis")]
     NoHopfPoint,
 
-    /// Contacts whose directions are linearly dependent came to rest together, such as two clutches
-    /// side by side. The distribution of the force among them is not determined, nor when each of
-    /// them slips again.
+    /// Contacts whose directions are linearly dependent came to rest at the same time, such as two
+    /// parallel clutches. The distribution of the force among them is not determined, and neither
+    /// is the time at which each of them slips again.
     #[error(
         "contacts {contacts:?} stick together {reached}, but their directions are dependent: what \
          each of them carries is not determined; put one contact in their place, with the sum of \
@@ -326,8 +329,8 @@ pub enum Error {
         reached: Reached,
     },
 
-    /// An elastic contact has a law that is not one constant, so how far its slider moves when it
-    /// starts is not determined:
+    /// An elastic contact has a law that is not constant. The displacement of its slider at the
+    /// start of slip would not be determined:
     /// [`Contact::with_tangential_stiffness`](crate::Contact::with_tangential_stiffness).
     #[error(
         "an elastic contact needs one coefficient of friction at all speeds, and this law {}; give \
@@ -341,7 +344,7 @@ pub enum Error {
         coefficients: Option<[f64; 2]>,
     },
 
-    /// An elastic contact carries more at the start than its slider can hold.
+    /// The force of an elastic contact in the start state exceeds the limit force of its slider.
     #[error(
         "elastic contact {contact} cannot carry {} at the start: its limit μN is {} there; start \
          with a smaller memory",
@@ -357,7 +360,7 @@ pub enum Error {
         limit: f64,
     },
 
-    /// The velocity of a belt jumps; a mass that sticks could follow only under an infinite force.
+    /// The velocity of a belt jumps. A mass that sticks would need an infinite force to follow it.
     #[error(
         "the belt under coordinate {coordinate} changes its velocity by a jump at time {}; make \
          it a steep ramp",
@@ -370,10 +373,10 @@ pub enum Error {
         time: f64,
     },
 
-    /// A step became too short to move the clock, or its power series overflows. Causes: a motion
-    /// that grows without bound, an undeclared kink or jump of the law, a slope γ²·dμ̂/ds beyond
-    /// about 1e20, or in a structure a stiffness whose natural frequency is of the order of 1e12
-    /// per unit of time or more.
+    /// A step became so short that the time no longer changes, or its power series overflows.
+    /// Causes: a motion that grows without bound, an undeclared kink or jump of the law, a slope
+    /// γ²·dμ̂/ds beyond about 1e20, or in a structure a stiffness whose natural frequency is of the
+    /// order of 1e12 per unit of time or more.
     #[error(
         "the step fell to {} {reached}: {}",
         Plain(*step),
@@ -410,8 +413,8 @@ pub enum Error {
 
     /// The normal load of a contact, which depends on displacements, fell to 0.
     ///
-    /// The surfaces separate, and the stiffness matrix, which contains the normal spring, no longer
-    /// holds. (A load that depends on time alone may fall to 0:
+    /// The surfaces separate. The stiffness matrix contains the normal spring, and is no longer
+    /// valid. (A load that depends on time alone may fall to 0:
     /// [`EventKind::Open`](crate::EventKind::Open).)
     #[error(
         "contact {contact} separates {reached}: its normal load falls to 0; end the motion here, \

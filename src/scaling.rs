@@ -42,18 +42,18 @@ pub struct Physical {
 /// β = C/(2√(K M)),   γ² = N/(K L),   v_b = V/(ω0 L)
 /// ```
 ///
-/// The length L is free, and nothing physical depends on it. The default is L = N/K, the length by
-/// which the normal force would stretch the spring. It gives γ² = 1.
+/// The length L can be chosen freely; physical results do not depend on it. The default is L = N/K,
+/// the length by which the normal force would stretch the spring. It gives γ² = 1.
 ///
-/// Each method is named for what it returns: [`seconds`](Self::seconds) takes a dimensionless time,
-/// and [`dimensionless_time`](Self::dimensionless_time) takes seconds. To work in SI units
-/// throughout, and leave the conversion to the crate, see
-/// [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt).
+/// The name of a method says what it returns: [`seconds`](Self::seconds) takes a dimensionless
+/// time, and [`dimensionless_time`](Self::dimensionless_time) takes seconds.
+/// [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt) uses SI units throughout and converts
+/// internally.
 ///
-/// A torsional oscillator is converted in the same way: put the moment of inertia (kg·m²) for the
-/// mass, radians for metres, and N·m for newtons. The normal force becomes the product of normal
-/// force and friction radius, in N·m, and the belt velocity and the speeds of the law become
-/// angular velocities, in rad/s.
+/// A torsional oscillator is converted in the same way. Use the moment of inertia (kg·m²) as the
+/// mass, radians instead of metres, and N·m instead of newtons. The normal force is replaced by the
+/// product of normal force and friction radius, in N·m; the belt velocity and the speeds of the law
+/// are replaced by angular velocities, in rad/s.
 ///
 /// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
 /// Stability Analysis*, Eq. 1; Thomsen and Fidlin, *Int. J. Non-Linear Mech.* 38 (2003) 389-403.

@@ -13,8 +13,8 @@ use crate::state::Units;
 /// ```
 ///
 /// All quantities are dimensionless. If |v_b| is a breakpoint of the law, slope and stability are
-/// those of the piece above, and hold for motions that stay on that side. The stability of motions
-/// that pass the breakpoint depends on both slopes.
+/// those of the piece above it, and hold for motions with sliding speeds above it. The stability of
+/// motions that pass the breakpoint depends on both slopes.
 ///
 /// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
 /// Stability Analysis*.
@@ -42,8 +42,8 @@ pub struct Equilibrium {
     pub displacement: f64,
     /// Jacobian J of the map (u, v) ↦ (u', v'), dimensionless.
     pub jacobian: Matrix2<f64>,
-    /// Eigenvalues λ of J, dimensionless (in units of ω0). The one with the + sign of Eq. 14 is
-    /// first.
+    /// Eigenvalues λ of J, dimensionless (in units of ω0). The eigenvalue with the + sign in Eq. 14
+    /// is the first.
     pub eigenvalues: [Complex<f64>; 2],
     /// The stability that follows from the eigenvalues.
     pub stability: Stability,
@@ -72,7 +72,7 @@ impl Equilibrium {
     }
 
     /// Returns true if small perturbations decay, that is, both eigenvalues have a negative real
-    /// part. `false` for a centre.
+    /// part. For a centre it returns false.
     pub fn is_stable(&self) -> bool {
         matches!(
             self.stability,

@@ -18,9 +18,9 @@ use crate::state::{Direction, State};
 /// The motion of a mass from a start state, as an unbounded iterator of [`Step`]s in constant
 /// memory.
 ///
-/// Returned by [`Integrator::flow`]. Steps follow each other without a gap. After an error comes
-/// `None`. If the motion reaches an equilibrium for ever (in stick at v_b = 0, or exactly on the
-/// equilibrium of sliding), the last step has an infinite duration.
+/// Returned by [`Integrator::flow`]. Steps follow each other without a gap. After an error the
+/// iterator returns `None`. If the motion reaches an equilibrium (stick at v_b = 0, or exactly the
+/// equilibrium of steady sliding), the last step has an infinite duration.
 ///
 /// A motion that settles to steady sliding continues for ever without events. If your program waits
 /// for the next event, set [`Integrator::with_max_steps`].
@@ -247,7 +247,7 @@ impl<L: FrictionLaw> System for MassOnBelt<L> {
 }
 
 impl<L: FrictionLaw> MassOnBelt<L> {
-    /// The motion from `start` over `duration`, both dimensionless, to round-off:
+    /// Computes the motion from `start` over `duration`, both dimensionless, accurate to round-off:
     /// [`Integrator::simulate`] with the default settings.
     ///
     /// # Errors

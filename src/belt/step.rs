@@ -10,8 +10,8 @@ use crate::state::{Direction, State, Units};
 
 /// A step of the motion of a mass on a belt: a stick phase, or one Taylor step of a slip phase.
 ///
-/// Events happen only at the end of a step. A step borrows nothing: it holds the power series of
-/// the motion, which is accurate to the integrator's tolerance over the
+/// Events happen only at the end of a step. A step does not borrow the system: it holds the power
+/// series of the motion, which is accurate to the integrator's tolerance over the
 /// [`duration`](Self::duration) of the step. At the time t since the start of the step
 ///
 /// ```text
@@ -349,8 +349,8 @@ impl SystemState for State {
 }
 
 impl Trajectory {
-    /// The mode of the mass at a time from the start to the end of the motion; at an event the mode
-    /// afterwards. `None` outside, and for NaN.
+    /// The mode of the mass at a time from the start to the end of the motion; at the time of an
+    /// event, the mode after it. `None` for any other time and for NaN.
     pub fn mode_at(&self, time: f64) -> Option<Mode> {
         Some(self.step_at(time)?.mode)
     }
@@ -368,8 +368,8 @@ impl Trajectory {
         Self::new(steps.collect(), 0.0, duration, ended)
     }
 
-    /// The motion sampled at equal intervals from its start on: time, state and mode. The last
-    /// sample is the last one that fits. For a rate in hertz see
+    /// Samples of the motion at equal intervals, from its start to the last sampling time within
+    /// the motion: time, state and mode. To give a sampling rate in hertz, use
     /// [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt).
     ///
     /// # Errors

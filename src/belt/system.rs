@@ -14,12 +14,12 @@ use crate::state::State;
 /// Everything is dimensionless: time τ = ω0 t, displacement u, damping ratio β, friction load γ²,
 /// belt velocity v_b.
 ///
-/// In stick the contact carries the force F = u + 2βv_b. The band of F in which the mass sticks is
-/// half open, so that exactly one thing follows from every state:
+/// In stick the contact transmits the force F = u + 2βv_b. The band of F in which the mass sticks
+/// is half open, so that exactly one motion follows from every state:
 ///
 /// * v_b > 0: −γ²μ_s ≤ F < γ²μ_s. At F = γ²μ_s the mass is released.
 /// * v_b < 0: −γ²μ_s < F ≤ γ²μ_s, the mirror image.
-/// * v_b = 0: −γ²μ_s ≤ F ≤ γ²μ_s. A mass that sticks rests for ever.
+/// * v_b = 0: −γ²μ_s ≤ F ≤ γ²μ_s. A mass that sticks stays at rest for ever.
 ///
 /// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
 /// Stability Analysis*, Eqs. 1 and 2. Eq. 2 is corrected here: the paper prints the stick condition
@@ -51,13 +51,13 @@ pub struct MassOnBelt<L> {
 }
 
 impl<L: FrictionLaw> MassOnBelt<L> {
-    /// An undamped system (β = 0) with friction load γ² = 1, on a belt of velocity v_b
+    /// Creates an undamped system (β = 0) with friction load γ² = 1, on a belt of velocity v_b
     /// (dimensionless), which may be negative or zero.
     ///
     /// # Errors
     ///
     /// * [`Error::InvalidParameter`] if v_b or μ_s is not finite, μ_s < 0 or μ̂(0) < 0
-    ///   ([`check_law`](crate::check_law) finds where else a law is negative);
+    ///   ([`check_law`](crate::check_law) finds other speeds at which a law is negative);
     /// * [`Error::StaticBelowKinetic`] if μ̂(0) exceeds μ_s by more than a few ulps;
     /// * [`Error::NonFiniteFriction`] or [`Error::NotAnalytic`] if the law has no finite value or
     ///   slope at the speeds 0 and |v_b|;
@@ -80,7 +80,7 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         .with_belt_velocity(belt_velocity)
     }
 
-    /// The same system with damping ratio β ≥ 0, dimensionless. The damper's force is 2β u'.
+    /// Sets the damping ratio β ≥ 0, dimensionless. The damper's force is 2β u'.
     ///
     /// # Errors
     ///
@@ -92,7 +92,7 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         Ok(self)
     }
 
-    /// The same system with friction load γ² > 0, dimensionless. The friction force is γ² μ.
+    /// Sets the friction load γ² > 0, dimensionless. The friction force is γ² μ.
     ///
     /// In physical units γ² = N/(K L), for a normal force N, a stiffness K and the unit of length
     /// L.
@@ -106,7 +106,7 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         Ok(self)
     }
 
-    /// The same system on a belt of velocity v_b, dimensionless.
+    /// Sets the belt velocity v_b, dimensionless.
     ///
     /// # Errors
     ///
@@ -180,16 +180,17 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         self.belt().stick_limits()
     }
 
-    /// The state in which a mass in stick is released, dimensionless: u = sgn(v_b)·γ²μ_s − 2βv_b, v
-    /// = v_b. `None` at v_b = 0, where a mass that sticks stays at rest for ever.
+    /// The release point, dimensionless: the state u = sgn(v_b)·γ²μ_s − 2βv_b, v = v_b, in which
+    /// stick ends. `None` if v_b = 0, because a mass that sticks then stays at rest for ever.
     pub fn release_state(&self) -> Option<State> {
         self.belt().release_state()
     }
 
     /// The friction force on the mass, dimensionless (in units of the spring's force at u = 1).
     ///
-    /// The force is −γ²μ(v_r) in slip and the force carried by the contact, u + 2βv_b, in stick. If
-    /// v_r is 0 outside the stick band, it is the force just after slip begins.
+    /// In slip the force is −γ²μ(v_r). In stick it is u + 2βv_b, the force that the contact
+    /// transmits. If v_r is 0 and u lies outside the stick band, it is the force just after slip
+    /// begins.
     ///
     /// ```
     /// use stick_slip::{Coulomb, MassOnBelt, State};
@@ -218,8 +219,8 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         self.belt().acceleration(state.into())
     }
 
-    /// Steady sliding, in which the mass stands still on the moving belt. `None` at v_b = 0, where
-    /// the mass can rest anywhere in the stick band.
+    /// The equilibrium of steady sliding, in which the mass stands still on the moving belt. `None`
+    /// if v_b = 0, because the mass can then rest anywhere in the stick band.
     ///
     /// See [`Equilibrium`] for the formulas and an example.
     pub fn equilibrium(&self) -> Option<Equilibrium> {

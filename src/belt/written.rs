@@ -1,6 +1,6 @@
 //! Serialization of an equilibrium (feature `serde`).
 //!
-//! An equilibrium is written but not read, like a cycle: read its system, and compute it again.
+//! An equilibrium is written but not read. To get it back, read its system and compute it again.
 
 use serde::Serialize;
 

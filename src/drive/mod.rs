@@ -29,11 +29,11 @@ use crate::series::PowerSeries;
 /// ```
 ///
 /// Times, angular frequencies (radians per unit of time) and values are in the units of the driven
-/// system; phases in radians. A plain number is accepted as a constant drive: `0.3`.
+/// system; phases are in radians. A plain number such as `0.3` is accepted as a constant drive.
 ///
 /// Phases are computed from the exact product Ωt, so a harmonic is as accurate after 10⁹ periods as
-/// in the first. At a kink the [`slope`](Self::slope), and at a jump both [`value`](Self::value)
-/// and slope, are those of the piece that follows.
+/// in the first. At a kink the [`slope`](Self::slope) is that of the piece that follows; at a jump,
+/// [`value`](Self::value) and slope are those of the piece that follows.
 ///
 /// ```
 /// use stick_slip::Drive;

@@ -4,12 +4,13 @@ use super::{
 };
 use crate::scalar::Scalar;
 
-/// Any of the crate's friction laws, for a choice at run time.
+/// Any of the crate's friction laws, chosen at run time.
 ///
-/// [`FrictionLaw`] is generic and has no trait objects. This enum is a law itself and returns the
-/// same numbers as the law inside, to the bit. To choose among laws of your own, write such an
-/// enum: two functions with a `match`, and `breakpoints` and `kinetic_on` if a law is piecewise.
-/// Contacts of one [`Structure`](crate::Structure) may have different laws without this enum.
+/// [`FrictionLaw`] is generic and has no trait objects. This enum is a law itself, and returns
+/// exactly the numbers of the law that it contains. To choose among your own laws, write a similar
+/// enum: two functions with a `match`, and also `breakpoints` and `kinetic_on` if a law is
+/// piecewise. Contacts of one [`Structure`](crate::Structure) may have different laws without this
+/// enum.
 ///
 /// ```
 /// use stick_slip::{AnyLaw, Coulomb, FrictionLaw, MassOnBelt, Polynomial, Rational, State};

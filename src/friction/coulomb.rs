@@ -3,14 +3,14 @@ use super::{AnyLaw, FrictionLaw, LawRef};
 use crate::error::Error;
 use crate::scalar::Scalar;
 
-/// Coulomb's law: a constant kinetic coefficient, and a static one that may be larger.
+/// Coulomb's law: a constant kinetic coefficient, and a static coefficient that may be larger.
 ///
 /// ```text
 /// μ̂(s) = μ_k
 /// ```
 ///
 /// Both coefficients are dimensionless. If μ_s > μ_k the friction force jumps at the start of slip,
-/// and that jump alone can keep stick-slip going.
+/// and this jump alone can maintain stick-slip.
 ///
 /// Source: C. A. de Coulomb, *Théorie des machines simples* (1785); Popp and Stelter, *Phil. Trans.
 /// R. Soc. A* 332 (1990) 89-105.
@@ -35,7 +35,7 @@ pub struct Coulomb {
 }
 
 impl Coulomb {
-    /// A law with static coefficient μ_s and kinetic coefficient μ_k, both dimensionless.
+    /// Creates a law with static coefficient μ_s and kinetic coefficient μ_k, both dimensionless.
     ///
     /// # Errors
     ///

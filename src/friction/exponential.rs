@@ -9,8 +9,8 @@ use crate::scalar::Scalar;
 /// μ̂(s) = μ_k + (μ_s − μ_k) exp(−(s/v_s)²)
 /// ```
 ///
-/// All quantities are dimensionless; v_s is the Stribeck velocity. Many papers call another law
-/// "the exponential law": the one with exp(−s/v_s), which is [`Stribeck`](crate::Stribeck) with the
+/// All quantities are dimensionless; v_s is the Stribeck velocity. Many papers use the name
+/// "exponential law" for a law with exp(−s/v_s); this is [`Stribeck`](crate::Stribeck) with the
 /// exponent 1.
 ///
 /// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
@@ -42,8 +42,8 @@ pub struct Exponential {
 }
 
 impl Exponential {
-    /// A law with static coefficient μ_s, kinetic coefficient μ_k and Stribeck velocity v_s, all
-    /// dimensionless.
+    /// Creates a law with static coefficient μ_s, kinetic coefficient μ_k and Stribeck velocity
+    /// v_s, all dimensionless.
     ///
     /// # Errors
     ///

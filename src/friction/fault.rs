@@ -3,7 +3,7 @@
 /// A fault of a friction law, found by [`check_law`](crate::check_law). Speeds are in the units of
 /// the law; coefficients are dimensionless.
 ///
-/// To show it with its remedy, print it with `{fault}`.
+/// Its text (`{fault}`) contains the remedy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum LawFault {
@@ -38,14 +38,14 @@ pub enum LawFault {
         /// The value of the law there.
         value: f64,
     },
-    /// μ̂ is negative: friction drives the mass there instead of opposing its motion.
+    /// μ̂ is negative: friction would drive the motion instead of opposing it.
     Negative {
         /// The speed at which μ̂ falls below 0, or the start of the range.
         from: f64,
         /// The speed at which μ̂ rises above 0 again, or the end of the range.
         to: f64,
     },
-    /// A feature of the law so narrow that a step of a fast motion may miss it.
+    /// A feature of the law, such as a bump, is so narrow that a step of a fast motion may miss it.
     Narrow {
         /// The sliding speed at which the feature is most pronounced.
         speed: f64,

@@ -8,25 +8,26 @@ use super::{FrictionLaw, Values, taylor_coefficients_on, validate};
 use crate::error::Error;
 use crate::series::{PowerSeries, TERMS};
 
-/// Checks a law over the range of sliding speeds of its motions, before it is used. Returns every
-/// fault that makes a motion wrong or ends it; none for a law in order.
+/// Checks a friction law over a range of sliding speeds, before it is used in motions with these
+/// speeds. Returns every fault that would make a motion wrong or end it. The list is empty if the
+/// law has no fault.
 ///
-/// For a motion on a belt of velocity v_b, check from 0 to at least twice |v_b|: up to
-/// [`LimitCycle::max_sliding_speed`](crate::LimitCycle::max_sliding_speed) of its cycle.
+/// For motions on a belt of velocity v_b, check the speeds from 0 to at least 2|v_b|; the largest
+/// speed of a limit cycle is
+/// [`LimitCycle::max_sliding_speed`](crate::LimitCycle::max_sliding_speed).
 ///
-/// Power series of the law are chained from one end of the range to the other, each within its
-/// radius of convergence, and compared with the law's values at 4096 points over the range, and at
-/// 16 at least in each series. Features narrower than the distance of these points can be missed.
-/// Narrow features are searched from nine points over the range in both directions, so that each is
-/// far from one of them; a feature at an end of the range is visible in the series that begins
-/// there, and does not count. A feature counts as narrow if the integrator's own checks could lie
-/// on both sides of it in a motion whose velocity amplitude is half the range: for a bump
-/// exp(−(s/w)²) if w is less than about 1/85 of the range.
+/// The range is covered by a chain of power series of the law, each used within its radius of
+/// convergence. The series are compared with the law's values at 4096 points of the range, and at
+/// 16 or more points of each series. Features narrower than the distance of these points can be
+/// missed. Narrow features are searched from nine points of the range in both directions, so that
+/// each feature is far from one of these points. A feature at an end of the range is not reported,
+/// because the series that begins there contains it. A feature counts as narrow if, in a motion
+/// whose velocity amplitude is half the range, the integrator's own checks could lie on both sides
+/// of it. For a bump exp(−(s/w)²) this means that w is less than about 1/85 of the range.
 ///
 /// # Errors
 ///
-/// * The errors of [`MassOnBelt::new`](crate::MassOnBelt::new) that concern the law, which is then
-///   refused as a whole;
+/// * The errors of [`MassOnBelt::new`](crate::MassOnBelt::new) that concern the law;
 /// * [`Error::InvalidParameter`] unless 0 ≤ start < end, both finite, or if more than 10 000 power
 ///   series do not reach the end of the range.
 ///

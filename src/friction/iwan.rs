@@ -13,7 +13,8 @@ const MOST_INTERVALS: usize = 100_000;
 ///
 /// F_S is the force at which the whole joint slips, K_T its stiffness under small forces, χ the
 /// exponent of the distribution, −1 < χ ≤ 0, and β ≥ 0 the ratio of the two parts of ρ. Small
-/// cycles of amplitude A dissipate an energy proportional to A^{χ+3}. Any consistent units.
+/// cycles of amplitude A dissipate an energy proportional to A^{χ+3}. Any consistent units may be
+/// used.
 ///
 /// [`elements`](Self::elements) divides the model into a few springs and sliders, each of them a
 /// [`Contact`](crate::Contact) with a tangential stiffness.
@@ -49,7 +50,7 @@ pub struct Iwan4 {
 }
 
 impl Iwan4 {
-    /// A joint with the slip force F_S, the stiffness K_T, the exponent χ and the ratio β.
+    /// Creates a joint with the slip force F_S, the stiffness K_T, the exponent χ and the ratio β.
     ///
     /// # Errors
     ///
@@ -97,14 +98,14 @@ impl Iwan4 {
         self.ratio
     }
 
-    /// Largest break-free displacement φ_max, from which on the whole joint slips; in units of
-    /// displacement.
+    /// Largest break-free displacement φ_max, in units of displacement. At larger displacements the
+    /// whole joint slips.
     pub fn largest_break_free(&self) -> f64 {
         self.slip_force / self.stiffness * ((1.0 + self.ratio) / self.scale())
     }
 
     /// Force F of the first loading from the relaxed joint to a displacement u of either sign, in
-    /// units of force. NaN for NaN.
+    /// units of force. The result is NaN if u is NaN.
     ///
     /// ```text
     /// F(u) = K_T u − R u^{χ+2}/((χ+1)(χ+2)) up to φ_max, and F_S from there on;  F(−u) = −F(u)
@@ -126,8 +127,8 @@ impl Iwan4 {
         (self.slip_force * (part * sum / self.scale())).copysign(displacement)
     }
 
-    /// Energy D that one cycle between the displacements −A and A dissipates, A ≥ 0; in units of
-    /// force times displacement. NaN for A < 0 and NaN.
+    /// Energy D dissipated in one cycle between the displacements −A and A, with A ≥ 0; in units of
+    /// force times displacement. The result is NaN if A is negative or NaN.
     ///
     /// ```text
     /// D(A) = 4R A^{χ+3}/((χ+2)(χ+3)) up to φ_max, and D(φ_max) + 4F_S(A − φ_max) from there on
@@ -144,20 +145,21 @@ impl Iwan4 {
         partial + 4.0 * self.slip_force * (amplitude - longest).max(0.0)
     }
 
-    /// The springs and sliders, as pairs of stiffness and limit, that stand for the joint: one for
-    /// each of n intervals between 0 and φ_max, and one for the sliders at φ_max if β > 0.
+    /// Elements that approximate the joint: springs with sliders, as pairs of a stiffness and a
+    /// limit force. There is one element for each of n intervals between 0 and φ_max, and one for
+    /// the sliders at φ_max if β > 0.
     ///
     /// ```text
     /// e_n = φ_max,   e_{i−1} = grid·e_i,   e_0 = 0
     /// k_i = ∫ ρ dφ,   limit_i = ∫ φ ρ dφ    over e_{i−1} … e_i
     /// ```
     ///
-    /// The sum of the stiffnesses is K_T and that of the limits F_S, to rounding. The first loading
-    /// follows tangents of F that touch it at all e_i: it is never below F. Cycles dissipate more
-    /// than D, by a factor that is the same in each interval except the first. Amplitudes below
-    /// limit_1/k_1 dissipate nothing, so e_1 = grid^{n−1} φ_max should lie below the smallest
-    /// amplitude of interest. With an exponent of −0.1 and a grid of 0.5 the factor is 1.068 at the
-    /// e_i.
+    /// The sum of the stiffnesses is K_T, and the sum of the limits is F_S, to rounding. The force
+    /// of the first loading is a polygon of tangents that touch F at all e_i; it is never below F.
+    /// Cycles dissipate more than D, by a factor that is the same in each interval except the
+    /// first. With an exponent of −0.1 and a grid of 0.5 this factor is 1.068 at the e_i.
+    /// Amplitudes below limit_1/k_1 dissipate nothing, so e_1 = grid^{n−1} φ_max should be below
+    /// the smallest amplitude of interest.
     ///
     /// # Errors
     ///

@@ -63,7 +63,7 @@ pub(crate) use law::{Law, Values};
 
 use crate::scalar::Scalar;
 
-/// A function of a law of any type. See [`FrictionLaw::give_to`].
+/// A function that takes a law of any type. See [`FrictionLaw::give_to`].
 #[doc(hidden)]
 pub trait LawVisitor {
     /// The result.
@@ -85,8 +85,8 @@ const HIGHEST: usize = 30;
 /// # What to write
 ///
 /// A law needs two functions, [`static_coefficient`](Self::static_coefficient) and
-/// [`kinetic`](Self::kinetic). `kinetic` is generic over the number type: so the crate computes its
-/// power series along a motion and its exact derivatives, and you write no derivative by hand.
+/// [`kinetic`](Self::kinetic). `kinetic` is generic over the number type, so the crate can compute
+/// its exact derivatives and its power series along a motion. You write no derivative by hand.
 /// [`Scalar`] states the rules for writing it.
 ///
 /// ```
@@ -119,8 +119,8 @@ const HIGHEST: usize = 30;
 /// ```
 ///
 /// Mark `kinetic` as `#[inline]`. The compiler then puts it into the code of its power series, and
-/// your law runs as fast as one of the crate's. Without the attribute, the program may call a
-/// function for every order of every series, and a step may take about 1.5 times as long.
+/// your law is as fast as the crate's laws. Without the attribute, the program may call a function
+/// for every order of every series, and a step may take about 1.5 times as long.
 ///
 /// # Piecewise laws
 ///
@@ -135,8 +135,8 @@ const HIGHEST: usize = 30;
 ///
 /// A law must be a pure function: the same result for the same speed, and always the same
 /// breakpoints and μ_s. It must not panic. It must not return NaN or ±∞ at a speed that the motion
-/// reaches; otherwise the motion ends in a typed error. It must have 0 ≤ μ̂(0) ≤ μ_s, to a few
-/// ulps.
+/// reaches; otherwise the motion ends in a typed error. It must satisfy 0 ≤ μ̂(0) ≤ μ_s, up to a
+/// few ulps.
 ///
 /// Checks of these rules:
 ///
@@ -144,14 +144,14 @@ const HIGHEST: usize = 30;
 /// |---|---|
 /// | μ_s < μ̂(0); μ_s or μ̂(0) negative or not finite; a law that is not finite at s = 0 | [`MassOnBelt::new`](crate::MassOnBelt::new) |
 /// | breakpoints that do not ascend; a jump at a breakpoint | [`MassOnBelt::new`](crate::MassOnBelt::new) |
-/// | μ_s that turns NaN later | the next phase of stick, as an error |
+/// | μ_s that becomes NaN later | the next stick phase, as an error |
 /// | NaN, ±∞ or an infinite slope at a speed at which a step evaluates the law | the step, as an error |
 /// | a jump or kink that is not declared | usually the step: it is shortened until its series fits the law on both sides, which costs time, or it returns an error. A jump between two speeds at which steps evaluate the law is missed, and causes an error of the size of the jump |
 /// | a feature, NaN included, that is narrower than the distance between the speeds at which a step evaluates the law (four in a step, which may be up to a radian long) | [`check_law`] only |
-/// | μ̂ < 0 at a speed above 0 | [`check_law`] only: motions follow the law as it is, and friction drives the mass |
+/// | μ̂ < 0 at a speed above 0 | [`check_law`] only: motions are computed with the negative coefficient, so friction drives the mass |
 /// | breakpoints that change | nothing: the motion follows one of the laws, or ends in an error |
 ///
-/// Steps evaluate the law at some speeds only; [`check_law`] searches a whole range.
+/// Steps evaluate the law at some speeds only; [`check_law`] searches a whole range of speeds.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a friction law",
     label = "no `FrictionLaw`",
@@ -160,7 +160,7 @@ const HIGHEST: usize = 30;
             `kinetic`, or give points to `Tabulated::new`"
 )]
 pub trait FrictionLaw: Sized {
-    /// Static coefficient μ_s, dimensionless: the mass sticks while the contact carries at most
+    /// Static coefficient μ_s, dimensionless: the mass sticks while the contact force is at most
     /// γ²μ_s.
     fn static_coefficient(&self) -> f64;
 
@@ -168,23 +168,24 @@ pub trait FrictionLaw: Sized {
     /// above.
     fn kinetic<S: Scalar>(&self, speed: S) -> S;
 
-    /// Sliding speeds at which the pieces of the law meet: finitely many, ascending, positive. An
-    /// analytic law has none; but if it has a very narrow feature away from s = 0, declare the
-    /// centre and the ends of that feature here, so that no step misses it.
+    /// Sliding speeds at which the pieces of a piecewise law meet: finitely many, ascending,
+    /// positive. An analytic law has no breakpoints. However, if it has a very narrow feature away
+    /// from s = 0, return the centre and the ends of this feature here, so that no step misses it.
     fn breakpoints(&self) -> impl Iterator<Item = f64> {
         std::iter::empty()
     }
 
-    /// Kinetic coefficient on piece number `piece` of the law, dimensionless; each piece is
-    /// continued analytically beyond its ends. An analytic law has one piece.
+    /// Kinetic coefficient of the piece with the number `piece` of the law, dimensionless. The
+    /// formula of each piece must also hold beyond the ends of the piece, by analytic continuation.
+    /// An analytic law has one piece.
     #[inline(always)]
     fn kinetic_on<S: Scalar>(&self, _piece: usize, speed: S) -> S {
         self.kinetic(speed)
     }
 
-    /// Calls a visitor with the law; a choice of laws passes the chosen one, and a reference the
-    /// law that it refers to. [`Scaled`] needs it: otherwise the series of a scaled choice would
-    /// hold all laws in one piece of code.
+    /// Calls a visitor with the law. A choice of laws passes the chosen law, and a reference passes
+    /// the law that it refers to. [`Scaled`] needs it: otherwise the series of a scaled choice
+    /// would hold all laws in one piece of code.
     #[doc(hidden)]
     #[inline(always)]
     fn give_to<V: LawVisitor>(&self, visitor: V) -> V::Output {
@@ -199,15 +200,15 @@ pub trait FrictionLaw: Sized {
         LawRef::of(self)
     }
 
-    /// The law as a value of [`AnyLaw`], by which it is written and compared; `None` for a user's
+    /// The law as a value of [`AnyLaw`], which is used to write and compare it; `None` for a user's
     /// law.
     #[doc(hidden)]
     fn any(&self) -> Option<AnyLaw> {
         None
     }
 
-    /// The coefficient of a law for which μ_s = μ̂(s) at every speed; `None` for any other law, and
-    /// if it is not known.
+    /// The coefficient of a constant law, μ_s = μ̂(s) at every speed; `None` if the law is not
+    /// constant, or if this is not known.
     #[doc(hidden)]
     fn constant(&self) -> Option<f64> {
         None
@@ -232,8 +233,8 @@ pub trait FrictionLaw: Sized {
         }
     }
 
-    /// Slope dμ̂/ds at sliding speed s, dimensionless, exact to rounding; at a breakpoint the slope
-    /// of the piece above.
+    /// Slope dμ̂/ds at sliding speed s, dimensionless, exact to rounding; at a breakpoint, the
+    /// slope of the piece above it.
     ///
     /// ```
     /// use stick_slip::{FrictionLaw, Polynomial};
@@ -248,7 +249,7 @@ pub trait FrictionLaw: Sized {
     }
 
     /// Second derivative d²μ̂/ds² at sliding speed s, dimensionless, exact to rounding; at a
-    /// breakpoint that of the piece above.
+    /// breakpoint, the derivative of the piece above it.
     ///
     /// ```
     /// use stick_slip::{FrictionLaw, Polynomial};
@@ -263,7 +264,7 @@ pub trait FrictionLaw: Sized {
     }
 
     /// Derivative of order n of μ̂ at sliding speed s, dimensionless, exact to rounding; at a
-    /// breakpoint that of the piece above. NaN for n > 30.
+    /// breakpoint, the derivative of the piece above it. NaN for n > 30.
     ///
     /// ```
     /// use stick_slip::{Exponential, FrictionLaw};

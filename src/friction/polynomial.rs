@@ -10,7 +10,7 @@ use crate::scalar::Scalar;
 /// ```
 ///
 /// All quantities are dimensionless. The coefficient falls from μ_s at rest to μ_m at s = v_m, and
-/// rises without bound beyond.
+/// rises without bound at larger speeds.
 ///
 /// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
 /// Stability Analysis*, Eqs. 3-5; Thomsen and Fidlin, *Int. J. Non-Linear Mech.* 38 (2003) 389-403.
@@ -41,7 +41,8 @@ pub struct Polynomial {
 }
 
 impl Polynomial {
-    /// A law with static coefficient μ_s, minimum μ_m and minimum velocity v_m, all dimensionless.
+    /// Creates a law with static coefficient μ_s, least coefficient μ_m, and the sliding speed v_m
+    /// at the minimum, all dimensionless.
     ///
     /// # Errors
     ///

@@ -3,8 +3,8 @@ use super::{AnyLaw, FrictionLaw, LawRef};
 use crate::error::Error;
 use crate::scalar::Scalar;
 
-/// The hyperbolic law of Leine, and its form with an offset and a quadratic term, which is known by
-/// the names of Popp and Stelter.
+/// The hyperbolic law of Leine, and the law of Popp and Stelter, which adds an offset and a
+/// quadratic term.
 ///
 /// ```text
 /// μ̂(s) = μ_s/(1 + δ s)                              (Leine)
@@ -13,7 +13,7 @@ use crate::scalar::Scalar;
 ///
 /// All quantities are dimensionless. Leine's law falls to 0. The other form falls towards the
 /// offset μ_o and, for η > 0, rises again. At s = 0 the slope is −δ(μ_s − μ_o), with μ_o = 0 for
-/// Leine's law. The literature has other symbols for the parameters, too.
+/// Leine's law. The literature also uses other symbols for the parameters.
 ///
 /// Source: Leine, van Campen, de Kraker and van den Steen, *Nonlinear Dynamics* 16 (1998) 41-54;
 /// Popp and Stelter, *Phil. Trans. R. Soc. A* 332 (1990) 89-105.
@@ -43,8 +43,8 @@ pub struct Rational {
 }
 
 impl Rational {
-    /// Leine's law with static coefficient μ_s and decay δ, both dimensionless: no offset and no
-    /// quadratic term.
+    /// Creates Leine's law with static coefficient μ_s and decay δ, both dimensionless, without an
+    /// offset and without a quadratic term.
     ///
     /// # Errors
     ///
@@ -60,7 +60,7 @@ impl Rational {
         })
     }
 
-    /// The same law with the offset μ_o, dimensionless, towards which the hyperbola falls.
+    /// Sets the offset μ_o, dimensionless, to which the hyperbola falls at large speeds.
     ///
     /// # Errors
     ///
@@ -76,7 +76,7 @@ impl Rational {
         Ok(self)
     }
 
-    /// The same law with the coefficient η of the quadratic term, dimensionless.
+    /// Sets the coefficient η of the quadratic term, dimensionless.
     ///
     /// # Errors
     ///

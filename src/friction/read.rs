@@ -1,5 +1,6 @@
-//! Reading of laws (feature `serde`). A law is read from its parameters, as they are written, and
-//! goes through the checks of its constructor. Fields that are not parameters are refused.
+//! Reading of laws (feature `serde`). A law is read from its parameters, under the names under
+//! which they are written, and is checked by its constructor. Fields that are not parameters are
+//! refused.
 
 use serde::Deserialize;
 

@@ -2,13 +2,13 @@ use super::{FrictionLaw, LawVisitor};
 use crate::error::Error;
 use crate::scalar::Scalar;
 
-/// A friction law given over physical speeds, in m/s, made a law over dimensionless speeds.
+/// A friction law of dimensionless speeds, made from a law of physical speeds in m/s.
 ///
 /// ```text
 /// μ̂(s) = μ̂_physical(ω0 L s)
 /// ```
 ///
-/// Breakpoints and pieces are those of the law inside, at speeds divided by ω0 L.
+/// Its breakpoints are the breakpoints of the physical law, divided by ω0 L.
 /// [`Scaling::system`](crate::Scaling::system) and [`Scaling::law`](crate::Scaling::law) make such
 /// laws.
 ///
@@ -38,8 +38,8 @@ pub struct Scaled<L> {
 }
 
 impl<L: FrictionLaw> Scaled<L> {
-    /// A law over physical speeds, made dimensionless by `velocity_unit`: the physical speed ω0 L,
-    /// in m/s, of the dimensionless speed 1.
+    /// Creates a dimensionless law from a law of speeds in m/s. `velocity_unit` is the physical
+    /// speed ω0 L, in m/s, that corresponds to the dimensionless speed 1.
     ///
     /// # Errors
     ///
@@ -62,7 +62,7 @@ impl<L> Scaled<L> {
         Self { law, velocity_unit }
     }
 
-    /// The law inside, over physical speeds.
+    /// The original law, a function of physical speeds.
     pub fn law(&self) -> &L {
         &self.law
     }

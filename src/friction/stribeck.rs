@@ -14,9 +14,10 @@ use crate::scalar::Scalar;
 /// coefficient. δ = 1 gives Tustin's law, which many papers call "the exponential law". δ = 2 gives
 /// the Gaussian of Armstrong-Hélouvry; with k_v = 0 this is [`Exponential`](crate::Exponential).
 ///
-/// The exponent must be a whole number. Bo and Pavelescu found ½ ≤ δ ≤ 1 in their measurements. But
-/// for δ = ½ the slope at s = 0 is infinite, and a law with a fractional δ has no power series at
-/// s = 0, where every slip phase begins. Take [`Tabulated`](crate::Tabulated) for such a curve.
+/// The exponent must be a whole number. Bo and Pavelescu found ½ ≤ δ ≤ 1 in their measurements.
+/// However, a law with a fractional δ has no power series at s = 0, the speed at which every slip
+/// phase begins (for δ = ½ even the slope is infinite there). Use [`Tabulated`](crate::Tabulated)
+/// for such a curve.
 ///
 /// Source: Bo and Pavelescu, *Wear* 82 (1982) 277-289; Armstrong-Hélouvry, Dupont and Canudas de
 /// Wit, *Automatica* 30 (1994) 1083-1138.
@@ -53,8 +54,8 @@ pub struct Stribeck {
 const UNDERFLOW: f64 = 1000.0;
 
 impl Stribeck {
-    /// A law with static coefficient μ_s, Coulomb coefficient μ_c, Stribeck velocity v_s and
-    /// exponent δ, all dimensionless, and no viscous term.
+    /// Creates a law with static coefficient μ_s, Coulomb coefficient μ_c, Stribeck velocity v_s
+    /// and exponent δ, all dimensionless, without a viscous term.
     ///
     /// # Errors
     ///
@@ -99,7 +100,7 @@ impl Stribeck {
         })
     }
 
-    /// The same law with viscous coefficient k_v, dimensionless.
+    /// Sets the viscous coefficient k_v, dimensionless.
     ///
     /// # Errors
     ///

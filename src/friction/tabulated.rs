@@ -9,23 +9,23 @@ use crate::scalar::Scalar;
 /// ```
 ///
 /// Speeds s_i and coefficients μ_i are dimensionless. The law goes through every point, has a
-/// continuous slope, and rises and falls only where the points do: between two points it never
-/// leaves their range. The slope d_i at point i is the weighted harmonic mean of the slopes of the
-/// two chords that meet there, or 0 if those have opposite signs.
+/// continuous slope, and is monotone between two neighbouring points: it never leaves the range
+/// between their coefficients. The slope d_i at point i is the weighted harmonic mean of the slopes
+/// of the two chords that meet there, or 0 if those have opposite signs.
 ///
-/// The first point must be at s = 0. Every slip phase begins there, and the slope of friction near
-/// rest decides whether the mass sticks. If your measurements do not reach so far down, extrapolate
-/// them to s = 0, or take the static coefficient as the coefficient there.
+/// The first point must be at s = 0. Every slip phase begins at s = 0, and the slope of friction
+/// near s = 0 decides whether the mass sticks. If your measurements do not reach such low speeds,
+/// extrapolate them to s = 0, or use the static coefficient as the coefficient at s = 0.
 ///
-/// Above the last point the coefficient is constant. The slope at the last point is 0, so that it
-/// is continuous there too: between the last two points the law levels off. Measure up to the
+/// Above the last point the coefficient is constant. The slope at the last point is 0, so that the
+/// slope is continuous there: between the last two points the law levels off. Measure up to the
 /// largest sliding speed of the motion, which is often twice the belt velocity or more.
 ///
 /// μ_s is μ̂(0), unless set by [`with_static_coefficient`](Self::with_static_coefficient).
 ///
-/// All points but the first are [breakpoints](FrictionLaw::breakpoints), and the integrator ends a
-/// step at each one that the motion passes. A few dozen points are plenty. Average scattered
-/// measurements before you make a table of them, and reduce thousands of points to a few dozen.
+/// All points except the first are [breakpoints](FrictionLaw::breakpoints): the integrator ends a
+/// step at each point that the motion passes. A few dozen points are enough. Average scattered
+/// measurements before you use them as points, and reduce thousands of points to a few dozen.
 ///
 /// Source: Fritsch and Carlson, *SIAM J. Numer. Anal.* 17 (1980) 238-246; slopes of Fritsch and
 /// Butland, *SIAM J. Sci. Stat. Comput.* 5 (1984) 300-304, with the end formula of Moler,
@@ -65,7 +65,8 @@ struct Piece {
 }
 
 impl Tabulated {
-    /// A law through points (s_i, μ_i) of ascending speeds, both dimensionless, from s = 0 on.
+    /// Creates a law through the points (s_i, μ_i), both dimensionless. The speeds s_i ascend and
+    /// begin with 0.
     ///
     /// # Errors
     ///
@@ -121,7 +122,7 @@ impl Tabulated {
         })
     }
 
-    /// The same law with static coefficient μ_s, dimensionless.
+    /// Sets the static coefficient μ_s, dimensionless.
     ///
     /// # Errors
     ///

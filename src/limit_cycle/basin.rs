@@ -28,16 +28,16 @@ pub enum Attractor {
     Equilibrium,
     /// A stable periodic motion.
     Cycle(LimitCycle),
-    /// The start lies on an unstable periodic motion, to rounding: an arbitrarily small
-    /// perturbation decides.
+    /// The start lies on an unstable periodic motion, to rounding. An arbitrarily small
+    /// perturbation decides which attractor is reached.
     Separatrix(LimitCycle),
     /// A [continuum](super::Continuum): the motion from the start belongs to it, or shrinks until
-    /// it does.
+    /// it belongs to it.
     Continuum,
     /// The motion grows beyond every periodic motion that was found.
     Unbounded,
-    /// Not decided: one period changes the motion by less than rounding does, and averaging does
-    /// not show whether it grows or shrinks. The motion starts in a range that is
+    /// Not decided: the motion changes over one period by less than the rounding error, and
+    /// averaging does not show whether it grows or shrinks. The motion starts in a range that is
     /// [unresolved](CycleSet::unresolved), or crosses the belt velocity and changes by less than
     /// 10⁻¹⁴ per period.
     Unresolved,
@@ -78,10 +78,10 @@ const HIDDEN_BY_CYCLE: f64 = 1e-6;
 /// The attractor that the motion from `start` reaches. For many starts of one system use
 /// [`basins`], which searches the cycles only once.
 ///
-/// The geometry of the planar flow decides: cycles are nested, and a motion between two of them
-/// ends on the one towards which it moves. So only a few slip arcs are followed, to the first
-/// velocity maximum, stick, or crossing outside the stick band; no motion is simulated until it
-/// settles.
+/// The decision uses the geometry of the planar flow: cycles are nested, and a motion between two
+/// neighbouring cycles ends on the cycle to which it moves. Therefore only a few slip arcs are
+/// computed, up to the first velocity maximum, the first stick, or the first crossing outside the
+/// stick band. No motion is simulated until it settles.
 ///
 /// | start | decided at | attractor |
 /// |---|---|---|
@@ -117,8 +117,8 @@ pub fn attractor<L: FrictionLaw>(
     basins(system)?.attractor(start)
 }
 
-/// The basins of attraction of a system: its cycles, found once, and the decision to which of them
-/// a motion tends.
+/// The basins of attraction of a system: its cycles, which are found once, and a function that
+/// decides to which cycle a motion tends.
 ///
 /// # Errors
 ///
@@ -159,11 +159,11 @@ struct Nest {
 
 /// Basins of attraction of a system. See [`basins`].
 ///
-/// Starts and cycles are dimensionless; in SI units if
-/// [`PhysicalMassOnBelt::basins`](crate::PhysicalMassOnBelt::basins) has returned it.
+/// Starts and cycles are dimensionless, or in SI units if this value was returned by
+/// [`PhysicalMassOnBelt::basins`](crate::PhysicalMassOnBelt::basins).
 ///
-/// A `Basins` borrows the system and owns the cycles. Queries do not change it, so threads
-/// may share it:
+/// A `Basins` borrows the system and owns the cycles. Threads may share it, because queries do not
+/// change it:
 ///
 /// ```
 /// # use stick_slip::limit_cycle::{Attractor, basins};

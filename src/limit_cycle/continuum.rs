@@ -8,11 +8,11 @@ use crate::belt::Forward;
 use crate::error::Error;
 use crate::friction::{Values, has_no_kinetic_friction, is_constant_near, is_constant_on};
 
-/// A family of periodic motions that fills a disc round the equilibrium. It exists without damping
-/// where friction does not depend on the speed (Coulomb, or μ_s = μ_m), because such friction
-/// neither feeds nor damps a motion in slip. On a belt at rest it exists only without kinetic
-/// friction. If there is static friction, motions that would turn back inside the stick band do not
-/// belong to the family, because the mass sticks there.
+/// A family of periodic motions that fills a disc around the equilibrium. It exists if there is no
+/// damping and friction does not depend on the speed (Coulomb, or μ_s = μ_m): such friction neither
+/// feeds nor damps a motion in slip. On a belt at rest it exists only without kinetic friction. If
+/// there is static friction, motions whose turning point lies inside the stick band do not belong
+/// to the family, because the mass sticks there.
 ///
 /// ```
 /// use stick_slip::{Coulomb, MassOnBelt, limit_cycle};
@@ -25,9 +25,9 @@ use crate::friction::{Values, has_no_kinetic_friction, is_constant_near, is_cons
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Continuum {
-    /// Amplitude of the largest motion of the family, dimensionless: |v_b| if it touches the belt
-    /// velocity; less if friction is constant only up to a breakpoint of the law; infinite without
-    /// friction.
+    /// Amplitude of the largest motion of the family, dimensionless: |v_b| if that motion touches
+    /// the belt velocity; less if friction is constant only up to a breakpoint of the law; infinite
+    /// if there is no friction.
     #[cfg_attr(feature = "serde", serde(serialize_with = "written::infinite_as_none"))]
     pub max_amplitude: f64,
 }

@@ -7,7 +7,7 @@ use crate::state::{Direction, State, Units};
 
 /// Kinds of periodic motion.
 ///
-/// Source: Farshidianfar and Noei Aghaee, sections 4.1.1 and 4.1.2, for the first two.
+/// Source of the first two kinds: Farshidianfar and Noei Aghaee, sections 4.1.1 and 4.1.2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -17,10 +17,12 @@ use crate::state::{Direction, State, Units};
 pub enum CycleKind {
     /// The mass never reaches the belt velocity.
     PureSlip,
-    /// Slip slower than the belt alternates with stick. [`stick_slip`](super::stick_slip) finds
-    /// such a cycle, or one of the kind [`Overshoot`](Self::Overshoot).
+    /// Slip with a velocity below that of the belt alternates with stick.
+    /// [`stick_slip`](super::stick_slip) finds such a cycle, or one of the kind
+    /// [`Overshoot`](Self::Overshoot).
     StickSlip,
-    /// Slip, a crossing of the belt velocity, slip faster than the belt, stick.
+    /// In each period: slip slower than the belt, a crossing of the belt velocity, slip faster than
+    /// the belt, and stick.
     Overshoot,
     /// The mass crosses the belt velocity twice a period and never sticks.
     Crossing,
@@ -72,8 +74,8 @@ impl std::fmt::Display for CycleKind {
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
-/// The feature `serde` writes the numbers and events of a cycle, for other programs. They cannot be
-/// read back: store the system instead, and find the cycle again.
+/// The feature `serde` writes the numbers and events of a cycle, for other programs. A cycle cannot
+/// be read back: store the system instead, and find the cycle again.
 #[derive(Clone, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -159,8 +161,9 @@ impl LimitCycle {
     }
 
     /// The state (u, v) at which [`trajectory`](Self::trajectory) starts, dimensionless: the
-    /// release point if the cycle sticks, the largest velocity in the direction of the belt in pure
-    /// slip, and the downward crossing (v/v_b falls below 1) of a crossing cycle.
+    /// release point of a cycle that sticks, the point of largest velocity in the direction of the
+    /// belt of a pure-slip cycle, and the downward crossing (v/v_b falls below 1) of a crossing
+    /// cycle.
     pub fn state(&self) -> State {
         self.steps
             .first()
@@ -172,8 +175,8 @@ impl LimitCycle {
         self.steps.last().map_or(0.0, Step::end_time)
     }
 
-    /// Angular frequency ω = 2π/T, dimensionless; ω = 1 is that of the undamped mass on its spring.
-    /// [`Scaling::hertz`](crate::Scaling::hertz) converts it to hertz.
+    /// Angular frequency ω = 2π/T, dimensionless; ω = 1 is the natural frequency of the undamped
+    /// mass on its spring. [`Scaling::hertz`](crate::Scaling::hertz) converts it to hertz.
     ///
     /// ```
     /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -246,9 +249,9 @@ impl LimitCycle {
     }
 
     /// Floquet multiplier, dimensionless: the factor by which a small perturbation changes over one
-    /// period; that of a cycle without stick is given on the page of
-    /// [`limit_cycle`](crate::limit_cycle). It is 0 for a cycle that sticks, because every motion
-    /// in stick leaves from the same release point.
+    /// period. The page [`limit_cycle`](crate::limit_cycle) gives the formula for a cycle without
+    /// stick. For a cycle that sticks the multiplier is 0, because every stick phase ends at the
+    /// same release point.
     #[doc(alias = "Floquet")]
     #[doc(alias = "Lyapunov")]
     #[doc(alias = "stability")]
@@ -261,8 +264,8 @@ impl LimitCycle {
         self.multiplier < 1.0
     }
 
-    /// The motion over one period, from [`state`](Self::state) on. A last step of duration 0 holds
-    /// the mode at the time T itself.
+    /// The motion over one period, which begins at [`state`](Self::state). Its last step has the
+    /// duration 0 and holds the mode at the time T itself.
     ///
     /// ```
     /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};

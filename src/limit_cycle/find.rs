@@ -9,13 +9,13 @@ use crate::belt::{Belt, Forward, MassOnBelt};
 use crate::error::Error;
 use crate::friction::{FrictionLaw, has_no_kinetic_friction};
 
-/// The periodic motion through the release point; `None` if the motion from that point never
-/// returns to it, and at v_b = 0.
+/// The periodic motion through the release point. `None` if the motion from the release point never
+/// returns to it, or if v_b = 0.
 ///
 /// Its [`kind`](LimitCycle::kind) is [`CycleKind::StickSlip`] or, if the mass overtakes the belt
-/// before it sticks, [`CycleKind::Overshoot`]. It takes one slip arc for the first and two for the
-/// second. The closed formulas for such motions are
-/// [`analysis::StickSlip`](crate::analysis::StickSlip).
+/// before it sticks, [`CycleKind::Overshoot`]. The search computes one slip arc for the first kind
+/// and two for the second. [`analysis::StickSlip`](crate::analysis::StickSlip) has closed formulas
+/// for such motions.
 ///
 /// # Errors
 ///

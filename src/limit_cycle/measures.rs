@@ -30,9 +30,9 @@ use crate::state::{State, Units};
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
-/// A period ends in the state in which it began, so the work of friction on the mass is dissipated
-/// by the damper, and the drive supplies both losses. Two of the numbers are computed as integrals,
-/// of u and of v², and the other two follow.
+/// A period ends in the state in which it began. Therefore the damper dissipates the work of
+/// friction on the mass, and the drive supplies both losses. Two of the four numbers are computed
+/// from integrals of u and v²; the other two follow from the equations above.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -50,8 +50,8 @@ pub struct EnergyBudget {
 impl LimitCycle {
     /// Complex amplitudes of the first n harmonics of u, dimensionless: (2/T)∮u e^(−ikωτ) dτ for
     /// k = 1, …, n, with ω = 2π/T and time counted from [`state`](Self::state). The modulus is the
-    /// amplitude of the harmonic. Each harmonic has a quadrature of its own, so the cost grows with
-    /// n².
+    /// amplitude of the harmonic. Each harmonic is computed by a separate quadrature, so the cost
+    /// grows with n².
     ///
     /// ```
     /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -96,8 +96,8 @@ impl LimitCycle {
     /// those of u ([`harmonics`](Self::harmonics)), k = 1, …, n. Harmonic k has the frequency k/T;
     /// see [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt) for hertz and metres per second.
     ///
-    /// The velocity of a cycle is continuous, but its acceleration may jump at events, and then the
-    /// amplitudes fall off as 1/k².
+    /// The velocity of a cycle is continuous, but its acceleration may jump at events. In this case
+    /// the amplitudes fall off as 1/k².
     ///
     /// ```
     /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -119,7 +119,7 @@ impl LimitCycle {
     }
 
     /// Complex amplitudes of the first n harmonics of the acceleration, dimensionless: (ikω)² times
-    /// those of u ([`harmonics`](Self::harmonics)), k = 1, …, n. Where the acceleration jumps at
+    /// those of u ([`harmonics`](Self::harmonics)), k = 1, …, n. If the acceleration jumps at
     /// events, they fall off only as 1/k.
     #[doc(alias = "spectrum")]
     #[doc(alias = "fft")]
@@ -135,8 +135,8 @@ impl LimitCycle {
         harmonics
     }
 
-    /// Root mean square of the velocity, √((1/T)∮v² dτ), dimensionless. (Vibration severity is
-    /// measured by it.)
+    /// Root mean square of the velocity, √((1/T)∮v² dτ), dimensionless. (It is the usual measure of
+    /// vibration severity.)
     #[doc(alias = "severity")]
     pub fn rms_velocity(&self) -> f64 {
         let unit = self.unit_of_velocity();
@@ -146,10 +146,11 @@ impl LimitCycle {
     /// Root mean square of the acceleration, √((1/T)∮v'² dτ), dimensionless; in stick the
     /// acceleration is 0.
     ///
-    /// It equals the root mean square of the velocity, and in physical units ω0 times that. The
-    /// reason: differentiate the equation of motion, multiply it by v and integrate it over a
-    /// period. The result is ∮v'² = ∮v² − ∮v df with the friction force f, and ∮v df = ∮v_r df = 0,
-    /// because f depends on v_r alone in slip, and v_r is 0 in stick.
+    /// In dimensionless units it equals the root mean square of the velocity; in physical units it
+    /// is ω0 times the root mean square of the velocity. To show this, differentiate the equation
+    /// of motion, multiply it by v and integrate it over a period. The result is ∮v'² = ∮v² − ∮v df
+    /// with the friction force f, and ∮v df = ∮v_r df = 0, because f depends on v_r alone in slip,
+    /// and v_r is 0 in stick.
     ///
     /// ```
     /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -165,7 +166,7 @@ impl LimitCycle {
         self.units.rate * self.rms_velocity()
     }
 
-    /// Largest |v'|, dimensionless, the values on both sides of each event included.
+    /// Largest |v'|, dimensionless, including the values on both sides of each event.
     pub fn peak_acceleration(&self) -> f64 {
         let mut peak = 0.0_f64;
         for step in &self.steps {
@@ -183,8 +184,8 @@ impl LimitCycle {
         peak
     }
 
-    /// Largest sliding speed |v − v_b|, dimensionless. The law must be known up to there: compare
-    /// it with the end of a [table](crate::Tabulated).
+    /// Largest sliding speed |v − v_b|, dimensionless. The law must be known up to this speed:
+    /// compare it with the last speed of a [table](crate::Tabulated).
     pub fn max_sliding_speed(&self) -> f64 {
         let [min, max] = self.velocities();
         let v_b = self.belt_velocity();

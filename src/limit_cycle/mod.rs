@@ -25,10 +25,10 @@
 //!
 #![doc = include_str!("../figures/bistability.svg")]
 //!
-//! *Cycles of this law over the belt velocity; dashed ones are unstable. (a) Beyond the Hopf point
-//! steady sliding and stick-slip are both stable, with an unstable cycle between them, up to the
-//! grazing at which both cycles end. (b) With more damping stick-slip changes into pure slip, which
-//! ends in a fold.*
+//! *Cycles of this law over the belt velocity; dashed cycles are unstable. (a) At velocities above
+//! the Hopf point, steady sliding and stick-slip are both stable, and an unstable cycle lies
+//! between them, up to the grazing at which both cycles end. (b) With more damping, stick-slip
+//! changes into pure slip, which ends in a fold.*
 //!
 //! | question | answer |
 //! |---|---|
@@ -41,14 +41,14 @@
 //! # Kinds of cycles
 //!
 //! The motion of the mass is a flow in the plane (u, v), and trajectories in a plane cannot cross.
-//! So for v_b > 0 every periodic motion is one of three kinds. (v_b < 0 is the mirror image; at
-//! v_b = 0 only free vibration without friction is periodic.)
+//! For v_b > 0 every periodic motion is therefore of one of three kinds. (v_b < 0 is the mirror
+//! image; at v_b = 0 only free vibration without friction is periodic.)
 //!
-//! * The motion **sticks**. Then it leaves stick at the release point: it is found from the one or
-//!   two slip arcs out of that point, and it attracts with multiplier 0 ([`CycleKind::StickSlip`],
-//!   [`CycleKind::Overshoot`]).
-//! * The motion stays **slower than the belt**. Then it encircles the equilibrium: it is a fixed
-//!   point of the map from one velocity maximum to the next ([`CycleKind::PureSlip`]).
+//! * The motion **sticks**. Stick ends at the release point, so the motion is found from the one or
+//!   two slip arcs that begin at that point. It is stable, with multiplier 0
+//!   ([`CycleKind::StickSlip`], [`CycleKind::Overshoot`]).
+//! * The motion stays **slower than the belt**. It encircles the equilibrium and is a fixed point
+//!   of the map from one velocity maximum to the next ([`CycleKind::PureSlip`]).
 //! * The motion **crosses** the belt velocity twice a period and never sticks: it is a fixed point
 //!   of the map from one downward crossing to the next ([`CycleKind::Crossing`]).
 //!
@@ -60,22 +60,22 @@
 //!
 //! # What is guaranteed
 //!
-//! [`stick_slip`] is complete: because trajectories cannot cross, there are no other cases than
-//! those that it distinguishes. [`find`] divides the range of each map until the cubic through
-//! values and slopes fits, and divides further wherever that cubic comes near a fixed point. It
-//! loses a pair of cycles only if their peak velocities differ by less than 10⁻⁹ of the range, or
-//! if the map has two turning points inside an interval in which its cubic fits to 2 %. Two kinds
-//! of cycles are not searched: pure-slip cycles with a peak velocity below 10⁻⁴ v_b, and crossing
-//! cycles with forces above 16(γ²μ_s + |v_b|). Some unstable cycles repel so strongly that even a
-//! start at the floating-point number next to the cycle ends far away after one period. Double
+//! [`stick_slip`] is complete: because trajectories cannot cross, the cases that it distinguishes
+//! are all possible cases. [`find`] divides the range of each map until the cubic through values
+//! and slopes fits, and divides further wherever that cubic comes near a fixed point. It loses a
+//! pair of cycles only if their peak velocities differ by less than 10⁻⁹ of the range, or if the
+//! map has two turning points inside an interval in which its cubic fits to 2 %. Two kinds of
+//! cycles are not searched: pure-slip cycles with a peak velocity below 10⁻⁴ v_b, and crossing
+//! cycles with forces above 16(γ²μ_s + |v_b|). Some unstable cycles repel so strongly that a motion
+//! from the floating-point number next to the cycle is far from the cycle after one period. Double
 //! precision cannot resolve these cycles, and their ranges are reported as
 //! [`unresolved`](CycleSet::unresolved).
 //!
-//! One period may change a motion by less than rounding does (weak friction, nearly no damping, a
-//! belt far slower than γ²μ_s). The growth of such a motion is taken from the averaged equation,
-//! Eq. 12 for any law. The sign of this growth is certain if it exceeds the bound of the next
-//! orders; otherwise the range is unresolved too. [`guarantees`](crate::guarantees#completeness)
-//! names the tests.
+//! A motion may change over one period by less than the rounding error (weak friction, nearly no
+//! damping, a belt far slower than γ²μ_s). The growth of such a motion is taken from the averaged
+//! equation, Eq. 12 for any law. The sign of this growth is certain if it exceeds the bound of the
+//! next orders; otherwise the range is also unresolved.
+//! [`guarantees`](crate::guarantees#completeness) names the tests.
 
 // | file | what is in it |
 // |---|---|

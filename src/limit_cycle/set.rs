@@ -4,8 +4,8 @@ use super::continuum::Continuum;
 use super::cycle::LimitCycle;
 use crate::state::Units;
 
-/// All periodic motions of a system: isolated cycles by ascending amplitude, a continuous family,
-/// and the unresolved ranges.
+/// All periodic motions of a system: the isolated cycles by ascending amplitude, a continuous
+/// family if there is one, and the unresolved ranges.
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};
@@ -95,11 +95,11 @@ impl CycleSet {
 
     /// Ranges of peak velocities (largest v in the direction of the belt, dimensionless) in which
     /// double precision cannot resolve the number of cycles. There are two sorts. In a narrow
-    /// range, the motion from one end decays strongly and that from the other end grows strongly,
-    /// so that the range holds one unstable cycle, or an odd number. In a wide range, one period
-    /// changes a motion by no more than rounding errors do, so that growth and decay cannot be told
-    /// apart in this way. Averaging does not decide either: it shows neither that every motion in
-    /// the range decays, nor that every motion grows and leaves the range.
+    /// range, the motion from one end decays strongly and the motion from the other end grows
+    /// strongly; the range therefore contains an odd number of unstable cycles, usually one. In a
+    /// wide range, motions change over one period by no more than rounding errors, so growth and
+    /// decay cannot be distinguished. Averaging is not able to decide whether all motions of this
+    /// range decay, or all of them grow and leave the range.
     pub fn unresolved(&self) -> &[Range<f64>] {
         &self.unresolved
     }

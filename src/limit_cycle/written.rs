@@ -1,7 +1,7 @@
 //! Serialization of cycles (feature `serde`).
 //!
 //! Cycles are written but not read. A cycle follows from its system, which can be read, and
-//! computing it again takes less time than reading. Numbers that were read might contradict the
+//! computing it again takes less time than reading. Numbers from a file might also contradict the
 //! law.
 
 use serde::{Serialize, Serializer};

@@ -8,13 +8,13 @@ use crate::state::{Direction, State};
     serde(rename_all = "snake_case")
 )]
 pub enum Mode {
-    /// The mass moves with the belt: v = v_b, to the bit.
+    /// The mass moves with the belt: v = v_b in every bit.
     Stick,
     /// The mass slides, in this direction.
     Slip(Direction),
-    /// There is no normal load, and no friction. Only a contact of a
-    /// [`Structure`](crate::Structure) can be open, if its load varies in time or comes from [a
-    /// normal spring of its own](crate::Contact::with_normal_spring).
+    /// The contact is open: there is no normal load and no friction. Only a contact of a
+    /// [`Structure`](crate::Structure) can open, if its load varies in time or comes from [its own
+    /// normal spring](crate::Contact::with_normal_spring).
     Open,
 }
 
@@ -30,7 +30,7 @@ impl std::fmt::Display for Mode {
 
 /// The kind of an event, at which the relative velocity or the normal load is zero.
 ///
-/// A direction is that of the slip **after** the event.
+/// The direction of an event is the direction of slip **after** the event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -40,23 +40,24 @@ impl std::fmt::Display for Mode {
 pub enum EventKind {
     /// Slip ends: the contact sticks, and the mass moves with the belt.
     Stick,
-    /// Stick ends (slip onset): the force in stick exceeds the largest static friction, γ²μ_s.
+    /// Stick ends (slip onset): the stick force reaches the static limit, γ²μ_s for a mass on a
+    /// belt.
     Release(Direction),
-    /// The relative velocity changes its sign, and the mass does not stick: the force in stick
-    /// would exceed γ²μ_s.
+    /// The relative velocity changes its sign, and the mass does not stick: the force that stick
+    /// needs would exceed the static limit.
     Crossing(Direction),
-    /// The normal load falls below 0: no friction from now on. A load that only touches 0 is no
-    /// event: see [`Contact`](crate::Contact).
+    /// The normal load falls below 0, and the friction force becomes 0. A load that only touches 0
+    /// is no event: see [`Contact`](crate::Contact).
     Open,
-    /// The normal load rises above 0 again: friction acts again.
+    /// The normal load rises above 0 again, and friction acts again.
     Close,
 }
 
 impl EventKind {
     /// The mode of the contact after the event.
     ///
-    /// After a `Close` the contact sticks or slips, by its relative velocity, which is not part of
-    /// the kind of the event. This function then returns `Stick`.
+    /// After a `Close` the contact sticks or slips, depending on its relative velocity. The kind of
+    /// the event does not contain this velocity, so for `Close` this function returns `Stick`.
     ///
     /// ```
     /// use stick_slip::{Direction, EventKind, Mode};
@@ -100,8 +101,8 @@ pub struct Event<S = State> {
     pub contact: usize,
     /// The kind of the event.
     pub kind: EventKind,
-    /// State at the event. If the mass sticks, is released or crosses, the velocity at the contact
-    /// is that of the belt, to the bit; a contact may open or close at any velocity.
+    /// State at the event. At a stick, a release or a crossing, the velocity at the contact equals
+    /// that of the belt in every bit. A contact may open or close at any velocity.
     pub state: S,
 }
 

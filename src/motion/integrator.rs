@@ -10,7 +10,7 @@ pub(crate) type Steps<'s, Step> = &'s mut dyn Iterator<Item = Result<Step, Error
 /// Settings of the integrator: tolerance and limits of work.
 ///
 /// Each step of a slip phase is a Taylor series of order 26. Slip ends at the first root of the
-/// polynomial of the sliding speed. Stick has closed formulas. The page
+/// polynomial of the sliding speed. Stick is computed by closed formulas. The page
 /// [`guarantees`](crate::guarantees) states what this method promises.
 ///
 /// ```
@@ -37,7 +37,7 @@ pub struct Integrator {
 
 impl Integrator {
     /// The default tolerance: 2⁻⁵², the relative rounding error of a number. In a simulation a
-    /// smaller tolerance takes more steps and gains nothing.
+    /// smaller tolerance takes more steps and does not improve the result.
     pub const ROUND_OFF: f64 = f64::EPSILON;
     /// The least tolerance. The searches for limit cycles use it, because a cycle that is almost
     /// neutrally stable magnifies the defect of a step.
@@ -48,8 +48,8 @@ impl Integrator {
     /// oscillation takes about ten steps.
     pub const DEFAULT_MAX_STEPS: usize = 100_000;
 
-    /// The default settings: a tolerance at round-off, and at most
-    /// [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) steps in `simulate`, without a limit in
+    /// Creates the default settings: a tolerance at round-off, at most
+    /// [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) steps in `simulate`, and no limit of steps in
     /// `flow`.
     pub const fn new() -> Self {
         Self {
@@ -63,9 +63,9 @@ impl Integrator {
     /// Sets the relative tolerance: the error of a step in units of the scale of the motion, max(|u
     /// − ū|, |v|, |v_b|).
     ///
-    /// In a stiff slip phase of a [`MassOnBelt`](crate::MassOnBelt), where D = 2β + γ²·dμ̂/ds, the
-    /// effective damping, is large, the scale is max(|v|, |v_b|, |v'|/|D|), and a tolerance above
-    /// 1e-12 is replaced by 1e-12, which costs little: see
+    /// A slip phase of a [`MassOnBelt`](crate::MassOnBelt) is stiff if its effective damping D =
+    /// 2β + γ²·dμ̂/ds is large. The scale is then max(|v|, |v_b|, |v'|/|D|), and a tolerance above
+    /// 1e-12 is replaced by 1e-12, which costs few steps: see
     /// [`guarantees`](crate::guarantees#one-mass-on-a-belt).
     ///
     /// # Errors
@@ -113,9 +113,9 @@ impl Integrator {
         Ok(self)
     }
 
-    /// Sets the largest number of events of one run, for both `simulate` and `flow`. A run that has
-    /// had more events than this number, and is not over, returns an error. (To end a motion **at**
-    /// an event, see [`simulate_until`](Self::simulate_until).)
+    /// Sets the largest number of events of one run, for both `simulate` and `flow`. If a run has
+    /// more events than this number before its end, it returns an error. (To end a motion **at** an
+    /// event, see [`simulate_until`](Self::simulate_until).)
     ///
     /// # Errors
     ///
@@ -141,7 +141,7 @@ impl Integrator {
     /// * [`Error::InvalidState`] unless `start` is finite and, for a
     ///   [`MassOnBelt`](crate::MassOnBelt), the scale of the motion, max(|u − ū|, |v|, |v_b|), is 0
     ///   or from 1e-280 to 1e300;
-    /// * if the integration fails on the way, [`Error::NonFiniteFriction`], [`Error::NotAnalytic`],
+    /// * if the integration fails, [`Error::NonFiniteFriction`], [`Error::NotAnalytic`],
     ///   [`Error::StepUnderflow`], [`Error::TooManySteps`] or [`Error::TooManyEvents`], with the
     ///   time and state reached;
     /// * for a [`Structure`](crate::Structure) also [`Error::WrongSize`] if `start` does not have
@@ -163,13 +163,13 @@ impl Integrator {
     }
 
     /// The motion from `start` until `stop` ends it, until `duration` is over, or until the
-    /// integration fails: [`Trajectory::ended`] gives the reason. The motion up to there is
-    /// returned in any case.
+    /// integration fails. [`Trajectory::ended`] returns the reason for the end. In all three cases
+    /// the motion up to its end is returned.
     ///
     /// `stop` is called with each step, in order, and returns the time in this step at which the
     /// motion shall end, or `None` to continue. A motion that is stopped at the end of a step keeps
-    /// the events at this end. To stop at a condition on the state, return [`Segment::first_zero`];
-    /// to stop after a number of events or of steps, count them:
+    /// the events at this end. To stop at a condition on the state, let `stop` return
+    /// [`Segment::first_zero`]. To stop after a number of events or steps, count them in `stop`:
     ///
     /// ```
     /// use stick_slip::{Ended, Integrator, MassOnBelt, Polynomial, Segment, State};
@@ -205,7 +205,7 @@ impl Integrator {
     ///
     /// [`Error::InvalidDuration`], [`Error::InvalidState`] and [`Error::WrongSize`] as in
     /// [`simulate`](Self::simulate), and the error of a motion that fails in its first step. Any
-    /// later error is part of the result.
+    /// later error is stored in the result.
     #[doc(alias = "event")]
     #[doc(alias = "condition")]
     pub fn simulate_until<S: System>(
@@ -256,7 +256,7 @@ impl Integrator {
     /// # Errors
     ///
     /// [`Error::InvalidState`] and [`Error::WrongSize`] as in [`simulate`](Self::simulate). Errors
-    /// of the integration are items; after an error comes `None`.
+    /// of the integration are items of the iterator; after an error it returns `None`.
     pub fn flow<S: System>(
         self,
         system: &S,

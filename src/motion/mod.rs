@@ -50,7 +50,7 @@ pub trait SystemState: sealed::Sealed + Clone {
     /// The type of the steps of such motions.
     type Step: Segment<State = Self>;
 
-    /// The motion of these steps over a duration, or until it is stopped or fails: compiled once
+    /// Collects steps into a motion over a duration, or until it is stopped or fails. Compiled once
     /// for each type of state.
     #[doc(hidden)]
     fn trajectory(
@@ -85,17 +85,17 @@ pub trait Segment: sealed::Sealed + Clone {
     fn end_state(&self) -> Self::State;
     /// The events that end the step, in the order of the contacts.
     fn events(&self) -> &[Event<Self::State>];
-    /// The step cut short at `time`, without the events at its end.
+    /// Returns the part of the step up to `time`, without the events at the end of the step.
     fn until(self, time: f64) -> Self;
 
-    /// The first time at which a function f of the state is 0 in this step, to the last bit; `None`
-    /// if there is none, and in a step of infinite duration.
+    /// The first time in this step at which a function f of the state is 0, exact to the last bit.
+    /// `None` if f has no zero in this step, or if the step has infinite duration.
     ///
     /// f must be continuous. A zero at the start of the step does not count: it belongs to the step
     /// before. A zero without a change of sign does not count either. f is evaluated at 33 times,
-    /// and every extreme between them is searched too. A pair of zeros between two of these times
-    /// is therefore found; of two pairs there, one may be missed. (Between two events there are
-    /// several steps, each at most about a radian long.)
+    /// and every extreme between two of these times is also searched. A pair of zeros between two
+    /// neighbouring times is therefore found; if there are two pairs, one may be missed. (Between
+    /// two events there are several steps, each at most about a radian long.)
     ///
     /// ```
     /// use stick_slip::{Integrator, MassOnBelt, Polynomial, Segment, State};

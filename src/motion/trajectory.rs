@@ -21,7 +21,7 @@ pub enum Ended {
 ///
 /// Returned by [`MassOnBelt::simulate`](crate::MassOnBelt::simulate) and
 /// [`Structure::simulate`](crate::Structure::simulate). It holds the power series of the motion
-/// between events, so that the state at any time is as accurate as at the ends of steps.
+/// between events, so the state at any time is as accurate as the states at the ends of steps.
 ///
 /// ```
 /// use stick_slip::{EventKind, MassOnBelt, Mode, Polynomial, State};
@@ -59,7 +59,7 @@ impl<S: SystemState> Trajectory<S> {
         }
     }
 
-    /// The reason for the end: [`Ended::Duration`], unless the motion comes from
+    /// The reason for the end of the motion. It is [`Ended::Duration`] unless the motion comes from
     /// [`simulate_until`](crate::Integrator::simulate_until).
     pub fn ended(&self) -> &Ended {
         &self.ended
@@ -67,8 +67,8 @@ impl<S: SystemState> Trajectory<S> {
 
     /// The events in order of time, including an event exactly at the end.
     ///
-    /// A start in stick is no event. A start exactly at the release point is a release at the time
-    /// of the start.
+    /// A start in stick is not an event. A start exactly at the release point is a release event at
+    /// the start time.
     pub fn events(&self) -> &[Event<S>] {
         &self.events
     }
@@ -91,7 +91,8 @@ impl<S: SystemState> Trajectory<S> {
         self.steps[self.steps.len() - 1].end_state()
     }
 
-    /// State at a time from the start to the end of the motion; `None` outside, and for NaN.
+    /// State at a time from the start to the end of the motion; `None` for any other time and for
+    /// NaN.
     ///
     /// The start is at time 0, unless
     /// [`Integrator::with_start_time`](crate::Integrator::with_start_time) sets another.
@@ -100,8 +101,8 @@ impl<S: SystemState> Trajectory<S> {
         Some(step.state_at(step.since_start(time)))
     }
 
-    /// The states at n equidistant times from start to end, each with its time. For n = 0 there is
-    /// none, for n = 1 the start alone.
+    /// The states at n equidistant times from start to end, each with its time. For n = 0 the list
+    /// is empty; for n = 1 it contains the start alone.
     ///
     /// ```
     /// use stick_slip::{Coulomb, MassOnBelt, State};
@@ -125,8 +126,8 @@ impl<S: SystemState> Trajectory<S> {
         })
     }
 
-    /// The states at given times, each with its time. Times outside of the motion, and NaN, are
-    /// left out.
+    /// The states at given times, each with its time. Times outside of the motion, and times that
+    /// are NaN, are skipped.
     ///
     /// ```
     /// use stick_slip::{Coulomb, MassOnBelt, State};

@@ -150,8 +150,8 @@ pub struct EventSection<'s, S: Oscillator + 's> {
 /// # Errors
 ///
 /// An item is [`Error::InvalidParameter`] if there is no such contact, [`Error::TooManySteps`] if
-/// there is no such event in 10⁵ steps, or an error of [`Integrator::flow`]. After an error comes
-/// `None`.
+/// there is no such event in 10⁵ steps, or an error of [`Integrator::flow`]. After an error it
+/// returns `None`.
 ///
 /// ```
 /// use stick_slip::{EventKind, MassOnBelt, Polynomial, orbit};

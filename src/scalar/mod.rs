@@ -33,7 +33,7 @@ mod sealed {
     pub trait Sealed {}
 }
 
-/// A number that a friction law can be evaluated on.
+/// A number type with which a friction law can be evaluated.
 ///
 /// Write a law once with the operations of this trait. The crate then computes from it the law's
 /// values, its derivatives and its power series along a motion. `f64` and the crate's own Taylor
@@ -42,7 +42,7 @@ mod sealed {
 /// The other operand of `+`, `-`, `*` and `/` is a number of the same type, or an `f64` on the
 /// **right**, as in `speed * 3.0 + 1.0`. Rust does not allow an `f64` on the left of a generic
 /// number, so write `speed.recip()` or `speed.constant(1.0) / speed` for 1/s, and `speed * 0.1` for
-/// 0.1·s. The other way round the compiler says "cannot multiply `{float}` by `S`":
+/// 0.1·s. With an `f64` on the left the compiler says "cannot multiply `{float}` by `S`":
 ///
 /// ```compile_fail,E0277
 /// # use stick_slip::Scalar;
@@ -55,15 +55,15 @@ mod sealed {
 ///
 /// * **Branches.** The same **base value** ([`value`](Self::value)) must always give the same
 ///   sequence of operations: a branch may depend on the base value, but not on anything that
-///   changes from call to call, such as a counter or a random number. For example,
-///   `if speed.value() > 5.0 { … } else { … }` is allowed if both branches are the same function up
-///   to rounding, as where one of them avoids an overflow. If two different functions meet at a
-///   speed, they are pieces of the law, and this speed has to be named as a
+///   changes from call to call, such as a counter or a random number. For example, `if
+///   speed.value() > 5.0 { … } else { … }` is allowed if both branches compute the same function up
+///   to rounding, for example if one of them avoids an overflow. If two different functions meet at
+///   a speed, they are pieces of the law, and this speed has to be returned as a
 ///   [breakpoint](crate::FrictionLaw::breakpoints).
 /// * **Smoothness.** The law must be analytic (it has a power series) at every speed that a motion
 ///   reaches, s = 0 included, except at its [breakpoints](crate::FrictionLaw::breakpoints).
 ///   [`sqrt`](Self::sqrt), [`ln`](Self::ln) and a non-integral [`powf`](Self::powf) are not
-///   analytic where their argument is 0. Used there, they end in
+///   analytic if their argument is 0. Their use at such a speed ends in
 ///   [`Error::NotAnalytic`](crate::Error::NotAnalytic) or
 ///   [`Error::NonFiniteFriction`](crate::Error::NonFiniteFriction).
 ///

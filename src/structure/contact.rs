@@ -30,17 +30,18 @@ use crate::friction::memory::{ContactLaw, Slip, validate};
 /// If the load depends on time alone it may fall to 0 and rise again: between these times the
 /// contact is open and transmits no friction. A load gradient describes a normal spring that is
 /// part of the stiffness matrix. That spring would pull for N < 0, so the motion ends with an error
-/// where N reaches 0. For a contact that opens and closes use [a normal spring of its
-/// own](Self::with_normal_spring).
+/// where N reaches 0. For a contact that opens and closes, use [its own normal
+/// spring](Self::with_normal_spring).
 ///
 /// A contact is rigid, or [elastic](Self::with_tangential_stiffness): a spring in series with a
 /// dry slider.
 ///
 /// A touch is no event. A load that touches 0, from above or from below, does not open or close its
-/// contact, and a stick force that touches its limit does not end stick. The load only touches 0 if
-/// it turns back within 8ε of 0 (ε = 2.2e-16), relative to the sum of the absolute values of its
-/// terms, or if one piece of a [`Drive`] ends at 0 and the next piece turns back. The force only
-/// touches its limit if it turns back within 8ε of the limit, relative to the terms of both.
+/// contact, and a stick force that touches its limit does not end stick. A load touches 0 if it
+/// turns back within 8ε of 0 (ε = 2.2e-16), relative to the sum of the absolute values of its
+/// terms, or if one piece of a [`Drive`] ends at 0 and the next piece turns back. A stick force
+/// touches its limit if it turns back within 8ε of the limit, relative to the terms of force and
+/// limit.
 ///
 /// The type of the law is not part of the type of the contact, so a structure may have contacts of
 /// different laws.

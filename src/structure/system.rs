@@ -26,7 +26,7 @@ use crate::friction::memory::ContactLaw;
 /// gyroscopic terms are allowed.
 ///
 /// A [`Contact`] may have any direction b_c. A coordinate may have any number of contacts, and each
-/// contact may have a law of its own. The number of a contact is its place in the order of
+/// contact may have its own law. The number of a contact is its place in the order of
 /// [`with_contact`](Self::with_contact).
 ///
 /// # Contacts that share masses
@@ -76,8 +76,8 @@ use crate::friction::memory::ContactLaw;
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
-/// Any consistent units may be used, SI or dimensionless. Kilograms, newtons and metres give
-/// seconds; a coordinate that turns has kg·m², N·m and radians.
+/// Any consistent units may be used, SI or dimensionless. With kilograms, newtons and metres, times
+/// are in seconds; a rotational coordinate has kg·m², N·m and radians.
 ///
 /// ```
 /// use stick_slip::{Contact, Coulomb, Structure, structure};

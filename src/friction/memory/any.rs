@@ -4,8 +4,8 @@ use crate::scalar::Scalar;
 
 /// Dry friction or one of the crate's laws with memory, as a value chosen at run time.
 ///
-/// It has one memory variable, which a dry law does not use. (The contacts of one structure may
-/// have laws of different types without this enum.)
+/// The enum has one memory variable, which a dry law does not use. (The contacts of one structure
+/// may have laws of different types without this enum.)
 ///
 /// ```
 /// use stick_slip::{AnyContactLaw, AnyLaw, ContactLaw, Coulomb, Dahl, Slip};

@@ -3,7 +3,8 @@ use crate::error::Error;
 use crate::friction::{Coulomb, FrictionLaw};
 use crate::scalar::Scalar;
 
-/// The LuGre model: friction by the mean deflection z of elastic bristles, its one memory variable.
+/// The LuGre model: the friction force depends on the mean deflection z of elastic bristles, the
+/// only memory variable.
 ///
 /// ```text
 /// z' = r − σ0 |r| z/g(|r|),   μ = σ0 z + σ1 z' + σ2 r
@@ -11,13 +12,13 @@ use crate::scalar::Scalar;
 ///
 /// g is the kinetic coefficient μ̂ of any law; in steady sliding μ = sgn(r) g(|r|) + σ2 r. There is
 /// no stick mode: every root of r is a [`Crossing`](crate::EventKind::Crossing). Near stick the
-/// times of crossings are ill-conditioned, states are not. z in units of length, σ0 per length, σ1
-/// and σ2 time per length, g dimensionless.
+/// times of crossings are ill-conditioned, but states are not. Units: z is a length, σ0 is
+/// 1/length, σ1 and σ2 are time/length, and g is dimensionless.
 ///
 /// The deflection z relaxes in slip at the rate σ0|r|/g. The number of steps does not grow with
-/// this rate: on the slow manifold of the bristles a step is the power series of that manifold.
-/// Near stick a mass vibrates on its bristles at √(Nσ0/m), and steps are about 10/√(Nσ0/m) long,
-/// also after that vibration has decayed.
+/// this rate: after the deflection has relaxed, a step is the power series of the slow manifold of
+/// the bristles. Near stick a mass vibrates on its bristles with the frequency √(Nσ0/m). Steps near
+/// stick are about 10/√(Nσ0/m) long, even after this vibration has decayed.
 ///
 /// Source: C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, *IEEE Trans. Automatic
 /// Control* 40 (1995) 419-425.
@@ -51,12 +52,13 @@ pub struct LuGre<L> {
 }
 
 impl<L: FrictionLaw> LuGre<L> {
-    /// Bristles of stiffness σ0 and damping σ1, viscous friction σ2.
+    /// Creates a LuGre law with bristles of stiffness σ0 and damping σ1, and with viscous friction
+    /// σ2.
     ///
-    /// A damping σ1 above the limit set by σ2 lets the contact supply energy to the mass. That is
-    /// not refused;
+    /// If the damping σ1 exceeds a limit that depends on σ2, the contact can supply energy to the
+    /// mass. Such a law is accepted;
     /// [`analysis::lugre::passive_viscosity`](crate::analysis::lugre::passive_viscosity) returns
-    /// the least σ2 at which it cannot.
+    /// the least σ2 at which the contact cannot supply energy.
     ///
     /// # Errors
     ///
@@ -81,7 +83,7 @@ impl<L: FrictionLaw> LuGre<L> {
         })
     }
 
-    /// The law g.
+    /// The law g, the coefficient in steady sliding.
     pub fn law(&self) -> &L {
         &self.law
     }
@@ -186,7 +188,8 @@ impl<L: FrictionLaw> ContactLaw for LuGre<L> {
 pub struct Dahl(LuGre<Coulomb>);
 
 impl Dahl {
-    /// Bristles of stiffness σ0 with the friction coefficient g in steady sliding.
+    /// Creates a Dahl law: bristles of stiffness σ0 with the friction coefficient g in steady
+    /// sliding.
     ///
     /// # Errors
     ///

@@ -11,11 +11,11 @@ use crate::scalar::Scalar;
 /// logarithmic   μ_s(θ) = μ_0 + B ln(1 + θ/θ_c)
 /// ```
 ///
-/// θ is the time since the contact stuck, its one memory variable: 0 in slip and after a
-/// [`Stick`](crate::EventKind::Stick). The state of a release holds its value just before, and a
-/// start in stick may set it. μ_0 is the static coefficient of the law inside, which also gives the
-/// kinetic one. Coefficients are dimensionless, times in the units of the structure.
-/// [`analysis::dwell`](crate::analysis::dwell) has closed forms for one mass on a belt.
+/// θ, the only memory variable, is the time since the beginning of stick. It is 0 in slip and after
+/// a [`Stick`](crate::EventKind::Stick) event. The state of a release event contains the value of θ
+/// just before the release. A start in stick may set θ. A dry law gives the kinetic coefficient;
+/// its static coefficient is μ_0. Coefficients are dimensionless, times in the units of the
+/// structure. [`analysis::dwell`](crate::analysis::dwell) has closed forms for one mass on a belt.
 ///
 /// Source: B. Armstrong-Hélouvry, *Control of Machines with Friction*, Kluwer 1991 (hyperbolic);
 /// J. H. Dieterich, *J. Geophys. Res.* 84 (1979) 2161-2168 (logarithmic).
@@ -60,8 +60,8 @@ pub(super) enum Rise {
 }
 
 impl<L: FrictionLaw> Dwell<L> {
-    /// A law whose static coefficient rises exponentially to the limit μ_∞, with the time constant
-    /// θ_c.
+    /// Creates a law whose static coefficient rises exponentially to the limit μ_∞, with the time
+    /// constant θ_c.
     ///
     /// # Errors
     ///
@@ -72,8 +72,8 @@ impl<L: FrictionLaw> Dwell<L> {
         Self::new(law, Rise::Exponential(limit), time)
     }
 
-    /// A law whose static coefficient rises to the limit μ_∞ along a hyperbola; half of the rise is
-    /// reached after θ_c.
+    /// Creates a law whose static coefficient rises to the limit μ_∞ along a hyperbola; half of the
+    /// rise is reached after the time θ_c.
     ///
     /// # Errors
     ///
@@ -83,8 +83,8 @@ impl<L: FrictionLaw> Dwell<L> {
         Self::new(law, Rise::Hyperbolic(limit), time)
     }
 
-    /// A law whose static coefficient rises without bound: at times far above θ_c by B for each
-    /// factor e of time.
+    /// Creates a law whose static coefficient rises without bound, like the logarithm of the time
+    /// in stick: at times far above θ_c it rises by B when the time grows by the factor e.
     ///
     /// # Errors
     ///
@@ -99,7 +99,7 @@ impl<L: FrictionLaw> Dwell<L> {
         Ok(Self { law, form, time })
     }
 
-    /// The law inside.
+    /// The dry law, which gives μ_0 and the kinetic coefficient.
     pub fn law(&self) -> &L {
         &self.law
     }

@@ -43,8 +43,8 @@ use crate::scalar::Scalar;
 pub struct Slip<S> {
     /// Sliding speed s = |r| ≥ 0, the size of the relative velocity.
     pub speed: S,
-    /// Direction σ of slip, the sign of r: +1 or −1. At s = 0 the direction in which the motion
-    /// continues.
+    /// Direction σ of slip, the sign of r: +1 or −1. At s = 0 it is the direction in which slip
+    /// begins or continues.
     pub direction: f64,
     /// Index of the active piece of the law: the number of
     /// [breakpoints](ContactLaw::breakpoints) below s.
@@ -121,12 +121,12 @@ pub enum NamedLaw {
 /// stick:  |λ| ≤ N·μ_s(z),            z' = rates
 /// ```
 ///
-/// N is the normal load, r = σs the relative velocity, z the memory variables. Positive friction
-/// brakes a positive r. Every [`FrictionLaw`] is a contact law without memory: μ(r) = σμ̂(s), and
-/// μ_s is its static coefficient.
+/// N is the normal load, r = σs the relative velocity, z the memory variables. A positive friction
+/// force brakes a motion with positive r. Every [`FrictionLaw`] is a contact law without memory:
+/// μ(r) = σμ̂(s), and μ_s is its static coefficient.
 ///
-/// The functions are generic over the number type, by the rules of [`Scalar`]; the law may branch
-/// on the direction of slip and on the base values.
+/// The functions are generic over the number type, by the rules of [`Scalar`]. The law may branch
+/// on the direction of slip and on the base values of its arguments.
 ///
 /// [`Contact::new`](crate::Contact::new) checks, in both directions and with a memory of zeros,
 /// that μ_s is not below |μ| at speed 0, that friction opposes slip there, and that the law is
@@ -179,13 +179,12 @@ pub trait ContactLaw: Sized {
     /// The memory variables: `[S; Z]` for Z of them.
     type Memory<S: Scalar>: Variables<S>;
 
-    /// Friction coefficient μ(r, z), dimensionless. The friction force on the mass is −N·μ, so the
-    /// coefficient is positive where that force is negative.
+    /// Friction coefficient μ(r, z), dimensionless. The friction force on the mass is −N·μ: if the
+    /// coefficient is positive, the force is negative.
     fn coefficient<S: Scalar>(&self, slip: Slip<S>, memory: Self::Memory<S>) -> S;
 
-    /// Static coefficient μ_s(z), dimensionless: the contact sticks while it carries at most N·μ_s.
-    /// `None` for a contact that never sticks. `zero` serves to make constants:
-    /// `zero.constant(0.4)`.
+    /// Static coefficient μ_s(z), dimensionless: the contact sticks while its force is at most
+    /// N·μ_s. `None` for a contact that never sticks. To make a constant, use `zero.constant(0.4)`.
     fn limit<S: Scalar>(&self, zero: S, memory: Self::Memory<S>) -> Option<S>;
 
     /// Rates of change dz/dt of the memory variables, per unit of time.
@@ -195,25 +194,26 @@ pub trait ContactLaw: Sized {
     /// ascending, positive. See [`FrictionLaw::breakpoints`].
     fn breakpoints(&self) -> impl Iterator<Item = f64>;
 
-    /// The memory just after the contact sticks or is released, given the memory just before. The
-    /// state recorded in the event holds the memory before.
+    /// The memory just after the contact sticks or is released, as a function of the memory just
+    /// before. The state stored in the event contains the memory just before.
     fn caught(&self, memory: Self::Memory<f64>) -> Self::Memory<f64>;
 
-    /// The law as one of the crate's own, for serialization and comparison; `None` for a user's
-    /// law.
+    /// The law as one of the laws of this crate, for serialization and comparison; `None` for a
+    /// user's law.
     #[doc(hidden)]
     fn named(&self) -> Option<NamedLaw> {
         None
     }
 
-    /// The one coefficient of a law without memory for which μ_s = μ at every speed; `None` for any
-    /// other.
+    /// The coefficient of a constant law without memory, μ_s = μ at every speed; `None` for any
+    /// other law.
     #[doc(hidden)]
     fn constant(&self) -> Option<f64> {
         None
     }
 
-    /// A law without memory as the engines of one mass take it; `None` for any other.
+    /// A law without memory in the form used by the engine of one mass; `None` for a law with
+    /// memory.
     #[doc(hidden)]
     fn dry(&self) -> Option<LawRef<'_>> {
         None
