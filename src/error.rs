@@ -12,14 +12,14 @@ pub use reached::Reached;
 use reached::during;
 pub use structure::{Element, NotSliding};
 
-/// The reason why a law, a system or a start was refused, or why a motion could not be followed
-/// further.
+/// The reason why a law, a system or a start state is not valid, or why a motion or a search could
+/// not continue.
 ///
 /// Every variant carries the numbers that a caller needs to decide what to do, and its message
-/// names the remedy. The numbers are in the units of the type that was called: dimensionless for a
-/// [`MassOnBelt`](crate::MassOnBelt), in SI units for [`Scaling`](crate::Scaling) and
-/// [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt), in its own units for a
-/// [`Structure`](crate::Structure).
+/// names the remedy. The numbers are in the units of the type whose method was called:
+/// dimensionless for a [`MassOnBelt`](crate::MassOnBelt), in SI units for
+/// [`Scaling`](crate::Scaling) and [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt), and in the
+/// structure's own units for a [`Structure`](crate::Structure).
 ///
 /// To show the message, print the error with `{error}`. A `main` that returns `Result<(), Error>`
 /// prints the variant and its fields instead, by `Debug`.
@@ -229,7 +229,7 @@ pub enum Error {
         expected: usize,
     },
 
-    /// Not returned: a coordinate may have several contacts.
+    /// Never returned, because a coordinate may have several contacts.
     #[error("coordinate {coordinate} has contact {contact} already")]
     CoordinateTaken {
         /// The coordinate, from 0.
@@ -272,7 +272,7 @@ pub enum Error {
         direction: Vec<(usize, f64)>,
     },
 
-    /// A structure has no steady sliding, for the reason inside:
+    /// A structure has no steady sliding; the error contains the reason:
     /// [`Structure::steady_sliding`](crate::Structure::steady_sliding).
     #[error("no steady sliding: {0}")]
     NoSteadySliding(NotSliding),
@@ -398,7 +398,7 @@ pub enum Error {
         reached: Reached,
     },
 
-    /// The largest number of steps was reached before the motion was at its end.
+    /// The largest number of steps was reached before the end of the motion.
     #[error(
         "{limit} steps were not enough {reached}; in a simulation raise the limit with \
          `with_max_steps`, shorten the run, or use `flow`. Hundreds of steps in an oscillation \
@@ -427,7 +427,7 @@ pub enum Error {
         reached: Reached,
     },
 
-    /// The largest number of events was reached before the motion was at its end.
+    /// The largest number of events was reached before the end of the motion.
     #[error(
         "{limit} events were not enough {reached}; raise the limit with `with_max_events`, \
          shorten the run, or use `flow`"
@@ -447,8 +447,8 @@ pub enum Error {
     )]
     NoCommonPeriod,
 
-    /// An autonomous motion, [`Period::Free`](crate::orbit::Period::Free), was requested of a
-    /// system with a drive that varies in time.
+    /// An autonomous motion ([`Period::Free`](crate::orbit::Period::Free)) was requested, but a
+    /// drive of the system varies in time.
     #[error("a drive varies in time, so no motion is free; give `Period::Driven`")]
     NotFree,
 
@@ -481,8 +481,9 @@ pub enum Error {
 
     /// A search along a parameter was stopped, by its watcher or by its bound of the work:
     /// [`Along::DEFAULT_MAX_STEPS`](crate::bifurcation::Along::DEFAULT_MAX_STEPS), unless
-    /// [`Along::with_max_steps`](crate::bifurcation::Along::with_max_steps) gives another. If the
-    /// watcher stopped a search of [`orbit`](crate::orbit) on one system, `parameter` is `time`.
+    /// [`Along::with_max_steps`](crate::bifurcation::Along::with_max_steps) sets another bound. If
+    /// the watcher stopped a search of [`orbit`](crate::orbit) on one system, `parameter` is
+    /// `time`.
     #[error(
         "the search along {parameter} was stopped at {} after {steps} steps, with {} values \
          found; raise the limit with `with_max_steps`, or go on from there",
@@ -502,8 +503,8 @@ pub enum Error {
 
     /// A search over a parameter failed at one value of this parameter.
     ///
-    /// The error inside gives the reason and the remedy. A range that leaves the value out can
-    /// still be searched.
+    /// The contained error gives the reason and the remedy. A range without this value can still be
+    /// searched.
     #[error("at {parameter} = {}: {source}", Plain(*value))]
     At {
         /// The parameter, by its name: `belt_velocity`, `damping`, `load`, or the name given to

@@ -20,18 +20,18 @@ use crate::structure::{Contact, Structure};
 /// M X'' + C X' + K X + N μ(X' − V) = 0
 /// ```
 ///
-/// It holds the [dimensionless system](Self::dimensionless) and converts to and from it. The
-/// motions and cycles that it returns are of the same types as those of a [`MassOnBelt`], but all
-/// their numbers are in SI units: times in s, displacements in m, velocities in m/s, angular
-/// frequencies and eigenvalues in rad/s, energies in J. Multipliers have no unit. Converting costs
-/// a few rounding errors in each number.
+/// It contains the [dimensionless system](Self::dimensionless) and converts all numbers to and from
+/// it. The motions and cycles that it returns are of the same types as those of a [`MassOnBelt`],
+/// but all their numbers are in SI units: times in s, displacements in m, velocities in m/s,
+/// angular frequencies and eigenvalues in rad/s, energies in J. Multipliers have no unit.
+/// Converting costs a few rounding errors in each number.
 ///
-/// Errors are in SI units, too, and name parameters after the fields of [`Physical`].
+/// Errors also contain SI units, and use the names of the fields of [`Physical`] for parameters.
 ///
-/// **Torsion.** For a torsional oscillator, give the moment of inertia (kg·m²) for the mass,
-/// N·m/rad for the stiffness, N·m·s/rad for the damping, the product of normal force and friction
-/// radius (N·m) for the normal force, and rad/s for the velocities of belt and law. Displacements
-/// are then in radians.
+/// **Torsion.** For a torsional oscillator, use the moment of inertia (kg·m²) as the mass, a
+/// stiffness in N·m/rad, a damping in N·m·s/rad, the product of normal force and friction radius
+/// (N·m) as the normal force, and velocities of belt and law in rad/s. Displacements are then in
+/// radians.
 ///
 /// ```
 /// use stick_slip::{CycleKind, Physical, PhysicalMassOnBelt, Stribeck, bifurcation};
@@ -67,8 +67,8 @@ use crate::structure::{Contact, Structure};
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
-/// **Any parameter.** A family of such systems is searched by [`bifurcation::along`], in the units
-/// of the family's parameter:
+/// **Any parameter.** [`bifurcation::along`] searches a family of such systems along any parameter,
+/// in the units of this parameter:
 ///
 /// ```
 /// # use stick_slip::{Error, Physical, PhysicalMassOnBelt, Stribeck, bifurcation};
@@ -95,11 +95,11 @@ pub struct PhysicalMassOnBelt<L> {
 }
 
 impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
-    /// The system with these parameters, and with a law whose speeds are in m/s.
+    /// Creates a system from its parameters and a law whose speeds are in m/s.
     ///
     /// # Errors
     ///
-    /// The errors of [`Scaling::new`] and [`Scaling::system`]; speeds of the law in m/s.
+    /// The errors of [`Scaling::new`] and [`Scaling::system`], with speeds of the law in m/s.
     pub fn new(physical: Physical, law: L) -> Result<Self, Error> {
         let scaling = Scaling::new(physical)?;
         let system = scaling.system(law);
@@ -143,8 +143,8 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         self.simulate_with(Integrator::new(), start, seconds)
     }
 
-    /// The motion from a start (m, m/s) over a time in seconds, with other settings of the
-    /// integrator. Their start time is ignored: the motion starts at time 0.
+    /// The motion from a start (m, m/s) over a time in seconds, with the given settings of the
+    /// integrator. A start time in these settings is ignored: the motion starts at time 0.
     ///
     /// # Errors
     ///
@@ -300,7 +300,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     ///
     /// # Errors
     ///
-    /// Those of the search; numbers in SI units.
+    /// The errors of the search, with numbers in SI units.
     #[doc(alias = "sweep")]
     pub fn velocities(
         &self,
@@ -330,7 +330,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         Ok(ranges)
     }
 
-    /// The least damping constant, in N·s/m, from which on no vibration lasts at the system's belt
+    /// The least damping constant, in N·s/m, with which no vibration lasts at the system's belt
     /// velocity: [`bifurcation::silencing_damping`]. The system's own damping is ignored.
     ///
     /// # Errors
@@ -360,7 +360,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         Ok(self.scaling.damping_constant(damping))
     }
 
-    /// The normal force, in N, below which no vibration lasts at the system's belt velocity:
+    /// The largest normal force, in N, with which no vibration lasts at the system's belt velocity:
     /// [`bifurcation::silencing_load`]. The system's own normal force is ignored.
     ///
     /// # Errors
@@ -405,7 +405,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     /// # Errors
     ///
     /// Each item can be an error of [`bifurcation::diagram`], with numbers in SI units; the
-    /// iterator continues after it.
+    /// iterator continues after an error.
     #[doc(alias = "sweep")]
     pub fn diagram(
         &self,
@@ -467,8 +467,8 @@ where
 
     /// # Errors
     ///
-    /// The errors of [`Structure`]'s constructors; parameters that a [`PhysicalMassOnBelt`] has
-    /// pass their checks, except numbers at the limits of `f64`.
+    /// The errors of [`Structure`]'s constructors; they can occur only for numbers near the limits
+    /// of `f64`.
     fn try_from(brake: &PhysicalMassOnBelt<L>) -> Result<Self, Error> {
         let physical = brake.physical();
         let law = brake.dimensionless().law().law().clone();

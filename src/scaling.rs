@@ -102,7 +102,7 @@ pub struct Scaling {
 }
 
 impl Scaling {
-    /// The scaling with the length L = N/K, for which γ² = 1.
+    /// Creates the scaling with the length L = N/K, for which γ² = 1.
     ///
     /// # Errors
     ///
@@ -155,7 +155,7 @@ impl Scaling {
         .with_length(normal_force / stiffness)
     }
 
-    /// The same scaling with another unit of length L > 0, in m.
+    /// Sets another unit of length L > 0, in m.
     ///
     /// # Errors
     ///
@@ -308,8 +308,8 @@ impl Scaling {
         self.units().dimensionless(state.into())
     }
 
-    /// A range of dimensionless velocities, from one in metres per second, as the searches of
-    /// [`bifurcation`](crate::bifurcation) need it.
+    /// A range of dimensionless velocities, from a range in metres per second. The searches of
+    /// [`bifurcation`](crate::bifurcation) need such a range.
     #[doc(alias = "velocities")]
     pub fn dimensionless_velocities(&self, metres_per_second: Range<f64>) -> Range<f64> {
         self.dimensionless_velocity(metres_per_second.start)

@@ -1,20 +1,20 @@
-//! Names of all types that the feature `serde` writes and reads, with JSON as the example.
+//! The written form of all types that the feature `serde` writes and reads, with JSON as the
+//! example.
 //!
 //! Laws, systems with their parts, scalings, states and events are **written and read**. Reading
-//! calls the constructors, with the same checks and error messages. An unknown field is refused as
-//! well.
+//! calls the constructors, with the same checks and error messages. An unknown field is an error.
 //!
 //! Equilibria, cycles, sets of cycles, periodic motions, branches, sweeps, attractors, samples,
 //! energies and points of a diagram are **written only**, for other programs, because they follow
 //! from a system. To get them back, read the system and compute them again.
 //!
-//! A struct is a map from the names of its fields, all in `snake_case`, to their values. An enum is
-//! the name of its variant in `snake_case`, alone or as the only key of a map. Numbers are
-//! dimensionless, except those of [`Physical`](crate::Physical), of a
+//! A struct is written as a map from the names of its fields, all in `snake_case`, to their values.
+//! An enum is written as the name of its variant in `snake_case`, alone or as the only key of a
+//! map. Numbers are dimensionless, except those of [`Physical`](crate::Physical), of a
 //! [`Structure`](crate::Structure) with its parts, and of results of a
-//! [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt), which are in SI units (`damping` of a cycle
-//! is the ratio β everywhere). To write a `PhysicalMassOnBelt`, write its `Physical` and its law.
-//! Fields in brackets may be left out when read.
+//! [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt), which are in SI units (the `damping` of a
+//! cycle is always the ratio β). To write a `PhysicalMassOnBelt`, write its `Physical` and its law.
+//! Fields in brackets are optional when they are read.
 //!
 //! | type | fields | read |
 //! |---|---|---|
@@ -66,11 +66,11 @@
 //! | [`orbit::Change`](crate::orbit::Change) | `between`: two values, `from`, `to` | no |
 //! | [`DiagramPoint`](crate::bifurcation::DiagramPoint) | `belt_velocity`, `equilibrium`, `cycles` | no |
 //!
-//! The law of a contact is written with its name: `coulomb`, `exponential`, `polynomial`,
+//! The law of a contact is written under its name: `coulomb`, `exponential`, `polynomial`,
 //! `rational`, `stribeck`, `tabulated`, `dwell`, `dahl` or `lugre`, or `dry` for an
-//! [`AnyContactLaw`](crate::AnyContactLaw) without memory. A law of your own has no name: writing
-//! its contact is an error. Write its parameters beside the structure, and add the contact after
-//! reading.
+//! [`AnyContactLaw`](crate::AnyContactLaw) without memory. Your own law has no name, so writing its
+//! contact is an error. Write the parameters of the law separately, and add the contact to the
+//! structure after reading.
 //!
 //! ```
 //! use stick_slip::nalgebra::DMatrix;
@@ -111,6 +111,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The feature `float_roundtrip` of `serde_json` gives every number back to the bit. JSON has no ∞
-//! and no NaN. No number that is written here is NaN, and only `max_amplitude` of a
-//! [`Continuum`](crate::limit_cycle::Continuum) can be ∞; it is then written as nothing (`null`).
+//! The feature `float_roundtrip` of `serde_json` reproduces every number exactly. JSON has no ∞ and
+//! no NaN. No written number is NaN. Only `max_amplitude` of a
+//! [`Continuum`](crate::limit_cycle::Continuum) can be ∞; it is then written as `null`.

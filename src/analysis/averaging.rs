@@ -1,5 +1,5 @@
 //! Averaging, for weak friction and any law: the slow growth and decay of a vibration, and the
-//! cycles at which they end.
+//! limit cycles that it approaches.
 //!
 //! Let z = u − ū = A sin ψ and z' = A cos ψ. The amplitude A drifts slowly (Eq. 12, for any law):
 //!
@@ -7,19 +7,19 @@
 //! A' = −(1/2π) ∫₀^2π h(A cos ψ) cos ψ dψ,     h(y) = 2βy + γ²[μ(y − v_b) − μ(−v_b)]
 //! ```
 //!
-//! and the phase does not drift at all: ψ = ψ(0) + τ. The paper says that such integrals "are not
-//! analytically solvable"; here they are computed to round-off. They are integrated by parts, so
-//! that nothing cancels at small A, and mirror symmetry leaves w = |v_b| only:
+//! and the phase has no drift: ψ = ψ(0) + τ. The paper says that such integrals "are not
+//! analytically solvable"; here they are computed to round-off. Integration by parts avoids
+//! cancellation at small A. By mirror symmetry the result depends on v_b only through w = |v_b|:
 //!
 //! ```text
 //! A' = −βA − (γ²A/π) ∫₀^π μ̂'(|w − A cos ψ|) sin²ψ dψ − (2γ²/π) μ̂(0) sin s
 //! dA'/dA = −β − (γ²/π) ∫₀^π μ̂'(|w − A cos ψ|) cos²ψ dψ − (2γ²/π) μ̂(0) w²/(A³ sin s)
 //! ```
 //!
-//! with cos s = w/A. The terms with s come from the jump of the friction force where the mass
-//! overtakes the belt, and exist only for A > w. The trapezoidal rule is used if the integrand is
-//! smooth and periodic, that is for A ≤ w and speeds on one piece of the law; otherwise
-//! Gauss-Legendre panels that end at ψ = s and at the breakpoints.
+//! with cos s = w/A. The terms with s come from the jump of the friction force at the instant at
+//! which the mass overtakes the belt, and exist only for A > w. If A ≤ w and all speeds lie on one
+//! piece of the law, the integrand is smooth and periodic, and the trapezoidal rule is used.
+//! Otherwise Gauss-Legendre quadrature is used on panels that end at ψ = s and at the breakpoints.
 //!
 //! The amplitude A and the period 2π have errors O(ε²). Averaging describes motions that never
 //! stick: see [`AveragedCycle::is_valid`].
@@ -38,14 +38,14 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 /// For Coulomb's law on a belt at rest the drift is −2γ²μ_k/π: the amplitude falls by 4γ²μ_k in
 /// each cycle.
 ///
-/// Source: Farshidianfar and Noei Aghaee, Eq. 12, whose right sides lack the mean over a cycle.
-/// Holds for any law, both signs of v_b, and v_b = 0.
+/// The formula holds for any law, both signs of v_b, and v_b = 0. Source: Farshidianfar and Noei
+/// Aghaee, Eq. 12 (the mean over a cycle is missing in the printed right sides).
 ///
 /// # Errors
 ///
 /// * [`Error::InvalidParameter`] if A is negative or not finite, or |v_b| + A overflows;
-/// * [`Error::NonFiniteFriction`] if the law has no finite value at a speed up to |v_b| + A,
-///   [`Error::NotAnalytic`] if it has no finite slope there.
+/// * [`Error::NonFiniteFriction`] or [`Error::NotAnalytic`] if the law has no finite value or no
+///   finite slope at a speed up to |v_b| + A.
 ///
 /// ```
 /// use stick_slip::analysis::averaging::drift;
@@ -239,43 +239,47 @@ impl AveragedCycle {
         self.drift_slope < 0.0
     }
 
-    /// Time per cycle in which the mass leads the belt, dimensionless: 2s with cos s = |v_b|/A; 0
-    /// for A ≤ |v_b|. Error O(ε²).
+    /// Time per cycle in which the mass is faster than the belt, dimensionless: 2s with cos s
+    /// = |v_b|/A; 0 for A ≤ |v_b|. Error O(ε²).
     pub fn leading_duration(&self) -> f64 {
         2.0 * self.half_leading_duration
     }
 
-    /// Returns true if the motion never sticks, so that averaging describes it: if A ≤ |v_b|, or if
-    /// the mass leads the belt for so long that friction cannot hold it at the end, A sin s >
-    /// γ²(μ_s + μ̂(0)). Otherwise the motion sticks; for its formulas see
-    /// [`StickSlip`](super::StickSlip). Relative error O(ε) in γ².
+    /// Returns true if the motion never sticks, so that averaging describes it. This is the case if
+    /// A ≤ |v_b|. It is also the case if A sin s > γ²(μ_s + μ̂(0)): the mass is faster than the
+    /// belt for so long that friction cannot hold it when the velocities are equal again. Otherwise
+    /// the motion sticks; for its formulas see [`StickSlip`](super::StickSlip). The limit has a
+    /// relative error O(ε) in γ².
     pub fn is_valid(&self) -> bool {
         self.is_valid
     }
 }
 
-/// All cycles of the slow flow, by ascending amplitude: stable and unstable ones, also those that
-/// overtake the belt. Stick-slip that exists only because μ_s > μ̂(0), as for Coulomb's law, is not
-/// among them: the averaged equation does not contain μ_s.
+/// All cycles of the slow flow, by ascending amplitude: stable and unstable cycles, including
+/// cycles in which the mass overtakes the belt. A stick-slip cycle that exists only because μ_s >
+/// μ̂(0), as for Coulomb's law, is not included, because the averaged equation does not contain
+/// μ_s.
 ///
 /// # What "all" means
 ///
 /// Every averaged cycle of a law with μ̂ ≥ 0 has A < 2|v_b|. (Sliding at speed s drives the motion
-/// only while its velocity is |v_b| − s > 0. If A ≥ 2|v_b|, each cycle also has a part in which the
-/// mass leads the belt at the sliding speed s, and friction takes out more energy there.) The whole
-/// range is searched. Let A_i be the amplitudes at which the motion first touches the belt or a
-/// breakpoint; between them A'/A is analytic in √(A² − A_i²). It is interpolated by Chebyshev
-/// polynomials to round-off, on pieces that are cut until each has no root or is monotone. No cycle
-/// is missed, except
+/// only while its velocity is |v_b| − s > 0. If A ≥ 2|v_b|, the mass is also faster than the belt
+/// during a part of each cycle, at the same sliding speeds s, and friction takes out more energy in
+/// this part.) The whole range of A is searched. Let A_i be the amplitudes at which the motion
+/// first touches the belt or a breakpoint; between them A'/A is analytic in √(A² − A_i²). It is
+/// interpolated by Chebyshev polynomials to round-off, on intervals that are divided until each
+/// contains no root or is monotone. No cycle is missed, except
 ///
-/// * a pair of cycles so close, as at a fold, that A'/A stays below rounding between their
-///   amplitudes: the rounding error of A'/A is 10⁻¹⁴(β + γ²·max abs(dμ̂/ds)), so at folds of the
-///   exponential law a pair less than some 10⁻⁶|v_b| apart may be lost;
+/// * a pair of cycles so close to each other, near a fold, that A'/A is smaller than its rounding
+///   error between their amplitudes. The rounding error of A'/A is 10⁻¹⁴(β + γ²·max abs(dμ̂/ds));
+///   near folds of the exponential law a pair whose amplitudes differ by less than some 10⁻⁶|v_b|
+///   may be missed;
 /// * a cycle caused by a feature of the law's slope that is narrower than some 3·10⁻⁴|v_b| in speed
-///   (slow speeds are sampled more densely).
+///   (low speeds are sampled more densely).
 ///
 /// If A' vanishes to rounding on a whole interval (Coulomb's law without damping: every orbit with
-/// A ≤ |v_b|), the cycles there are not isolated and are not listed. At v_b = 0 there are none.
+/// A ≤ |v_b|), the cycles in this interval are not isolated and are not listed. If v_b = 0, the
+/// list is empty.
 ///
 /// The error of an amplitude is the rounding error of A'/A, about 10⁻¹⁶(β + γ²·max abs(dμ̂/ds)),
 /// divided by the slope of A'/A.
@@ -285,8 +289,8 @@ impl AveragedCycle {
 ///
 /// # Errors
 ///
-/// * [`Error::NonFiniteFriction`] if the law has no finite value at a speed up to 3|v_b|,
-///   [`Error::NotAnalytic`] if it has no finite slope there;
+/// * [`Error::NonFiniteFriction`] or [`Error::NotAnalytic`] if the law has no finite value or no
+///   finite slope at a speed up to 3|v_b|;
 /// * [`Error::InvalidParameter`] if 3|v_b| overflows.
 ///
 /// ```

@@ -10,8 +10,9 @@ use crate::friction::{Coulomb, FrictionLaw};
 use crate::numerics::bracket::root_between;
 use crate::state::State;
 
-/// The slip phase of the stick-slip cycle on the fastest belt, which comes back to the belt
-/// tangentially. It depends on β alone and is dimensionless.
+/// The slip phase of the stick-slip cycle at the largest belt velocity at which there is one. At
+/// the end of this slip phase the velocity of the mass reaches the belt velocity tangentially. The
+/// phase depends on β alone and is dimensionless.
 ///
 /// ```text
 /// e^{βs}[cos ω_d s − (β/ω_d) sin ω_d s] = 1,   π < ω_d s < 2π,   ω_d = √(1 − β²)
@@ -28,8 +29,8 @@ pub struct TangentialSlip {
     pub velocity_factor: f64,
 }
 
-/// The slip phase of the stick-slip cycle on the fastest belt, for the damping ratio β. Exact to
-/// rounding. `None` unless 0 < β < 1.
+/// The slip phase of the stick-slip cycle at the largest belt velocity, for the damping ratio β.
+/// Exact to rounding. `None` unless 0 < β < 1.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::tangential_slip;
@@ -49,11 +50,11 @@ pub fn tangential_slip(damping: f64) -> Option<TangentialSlip> {
     })
 }
 
-/// Belt velocity γ²(μ_s − μ_k)Λ(β) up to which there is a stick-slip cycle: one exists for
-/// every |v_b| > 0 below this value. Dimensionless, exact.
+/// Belt velocity γ²(μ_s − μ_k)Λ(β), dimensionless and exact: a stick-slip cycle exists for
+/// every |v_b| > 0 below this value.
 ///
-/// Infinite for β = 0 and μ_s > μ_k; 0 (no such cycle) for β ≥ 1, and for μ_s = μ_k. The system's
-/// own v_b is ignored.
+/// The result is infinite if β = 0 and μ_s > μ_k, and 0 (no stick-slip cycle) if β ≥ 1 or μ_s =
+/// μ_k. The system's own v_b is ignored.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::largest_stick_slip_velocity;
@@ -73,10 +74,10 @@ pub fn largest_stick_slip_velocity(system: &MassOnBelt<Coulomb>) -> f64 {
     tangential_slip(system.damping()).map_or(f64::INFINITY, |slip| jump * slip.velocity_factor)
 }
 
-/// Damping ratio β from which on there is no stick-slip cycle at the system's belt velocity: the
-/// root of γ²(μ_s − μ_k)Λ(β) = |v_b|. Dimensionless, exact. The result lies in 0 < β < 1, except
-/// that it is 0 if μ_s = μ_k or if the root is too small for an `f64`. `None` if v_b = 0. The
-/// system's own β is ignored. For any law:
+/// The least damping ratio β with which there is no stick-slip cycle at the system's belt velocity:
+/// the root of γ²(μ_s − μ_k)Λ(β) = |v_b|. Dimensionless, exact. The result lies in 0 < β < 1; it is
+/// 0 if μ_s = μ_k or if the root is too small for an `f64`. `None` if v_b = 0. The system's own β
+/// is ignored. For other laws see
 /// [`bifurcation::silencing_damping`](crate::bifurcation::silencing_damping).
 ///
 /// ```
@@ -112,9 +113,9 @@ pub fn silencing_damping(system: &MassOnBelt<Coulomb>) -> Option<f64> {
     root_between(&mut residual, 0.0, 1.0).ok()
 }
 
-/// Damping ratio above which there is no vibration at any belt velocity: 1 for μ_s > μ_k, and 0 for
-/// μ_s = μ_k (where small vibrations last without damping only). Dimensionless, exact. The system's
-/// own v_b and β are ignored.
+/// Damping ratio above which there is no vibration at any belt velocity: 1 if μ_s > μ_k, and 0 if
+/// μ_s = μ_k (small vibrations then last only if there is no damping). Dimensionless, exact. The
+/// system's own v_b and β are ignored.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::silencing_damping_everywhere;
@@ -129,9 +130,9 @@ pub fn silencing_damping_everywhere(system: &MassOnBelt<Coulomb>) -> f64 {
     if force_jump(system) > 0.0 { 1.0 } else { 0.0 }
 }
 
-/// Belt velocity above which no vibration lasts: [`largest_stick_slip_velocity`] or, for β = 0, ∞,
-/// because small vibrations then last at every belt velocity. Dimensionless, exact. The system's
-/// own v_b is ignored.
+/// Belt velocity above which no vibration lasts: [`largest_stick_slip_velocity`] if β > 0, and ∞ if
+/// β = 0, because small vibrations then last at every belt velocity. Dimensionless, exact. The
+/// system's own v_b is ignored.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::quiet_velocity;
@@ -150,8 +151,8 @@ pub fn quiet_velocity(system: &MassOnBelt<Coulomb>) -> f64 {
     }
 }
 
-/// The stick-slip cycle, with or without damping. Exact; with damping one equation is solved
-/// numerically, to rounding.
+/// The stick-slip cycle, with or without damping. Exact; if there is damping, one equation is
+/// solved numerically, to rounding.
 ///
 /// Without damping, in dimensionless form with F = γ²(μ_s − μ_k):
 ///
@@ -159,8 +160,8 @@ pub fn quiet_velocity(system: &MassOnBelt<Coulomb>) -> f64 {
 /// stick 2F/v_b,   slip 2(π − atan(F/v_b)),   max |v − v_b| = v_b + √(v_b² + F²)
 /// ```
 ///
-/// `None` if there is none: at v_b = 0, for μ_s = μ_k, for β ≥ 1, and where |v_b| is
-/// [`largest_stick_slip_velocity`] or more. The multiplier is 0.
+/// `None` if there is no stick-slip cycle: if v_b = 0, if μ_s = μ_k, if β ≥ 1, or if |v_b| is at
+/// least [`largest_stick_slip_velocity`]. The multiplier is 0.
 ///
 /// Source: the exact solution of both phases, which are linear for this law.
 ///
@@ -200,8 +201,8 @@ fn force_jump(system: &MassOnBelt<Coulomb>) -> f64 {
 /// Undamped free vibration on a belt at rest: the amplitude falls by 4γ²μ_k in each cycle, until
 /// static friction holds the mass.
 ///
-/// Between turning points the mass swings for half a period about ∓γ²μ_k. Successive turning points
-/// lie on opposite sides of 0, each 2γ²μ_k nearer to it. The mass comes to rest at the first
+/// Between two turning points the mass vibrates for half a period about ∓γ²μ_k. Successive turning
+/// points lie on opposite sides of 0, each 2γ²μ_k nearer to it. The mass comes to rest at the first
 /// turning point with |u| ≤ γ²μ_s. Dimensionless, exact.
 ///
 /// ```
@@ -261,9 +262,9 @@ impl FreeVibration {
         4.0 * self.kinetic
     }
 
-    /// Times and displacements of the turning points, the place of rest last. Dimensionless, exact.
-    /// A start with v = 0 is the first turning point. For μ_k = 0 there is no end, unless the first
-    /// turning point lies in the stick band.
+    /// Times and displacements of the turning points. The last one is the position of rest.
+    /// Dimensionless, exact. A start with v = 0 is the first turning point. If μ_k = 0, the list
+    /// has no end, unless the first turning point lies in the stick band.
     pub fn turning_points(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
         let motion = *self;
         let last = motion.swings();
@@ -278,8 +279,8 @@ impl FreeVibration {
         self.swings().map(|n| self.turn(n))
     }
 
-    /// Time at which the mass comes to rest, dimensionless, exact. `None` as for
-    /// [`rest_position`](Self::rest_position).
+    /// Time at which the mass comes to rest, dimensionless, exact. `None` if
+    /// [`rest_position`](Self::rest_position) is `None`.
     pub fn rest_time(&self) -> Option<f64> {
         self.swings().map(|n| self.time + PI * n as f64)
     }

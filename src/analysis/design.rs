@@ -1,9 +1,9 @@
 //! Design against vibration: the least damping for stable steady sliding, and the belt velocity
-//! above which nothing vibrates.
+//! above which no vibration lasts.
 //!
 //! **Stabilizing** damping makes steady sliding stable. **Silencing** damping leaves no vibration
-//! at all. Stable steady sliding is not always enough: a stick-slip motion may exist beside it, and
-//! last for ever once a disturbance has started it.
+//! at all. Stable steady sliding is not always enough: a stick-slip motion may also exist, and it
+//! lasts for ever after a disturbance has started it.
 //!
 //! | Question | any law | polynomial, exponential, Coulomb |
 //! |---|---|---|
@@ -11,7 +11,7 @@
 //! | least damping that leaves no vibration at one belt velocity | [`silencing_damping`](crate::bifurcation::silencing_damping) | [`coulomb::silencing_damping`] |
 //! | least damping over a range of belt velocities | [`stabilizing_damping_over`] | |
 //! | least damping at every belt velocity | | [`polynomial`], [`exponential`], [`coulomb`]`::silencing_damping_everywhere` |
-//! | belt velocity above which all is quiet | | [`polynomial`], [`exponential`], [`coulomb`]`::quiet_velocity` |
+//! | belt velocity above which no vibration lasts | | [`polynomial`], [`exponential`], [`coulomb`]`::quiet_velocity` |
 //!
 //! [`polynomial`]: super::polynomial
 //! [`exponential`]: super::exponential
@@ -25,13 +25,13 @@ use crate::error::Error;
 use crate::friction::{AlongSlope, FrictionLaw};
 
 /// Damping ratio above which steady sliding at the system's belt velocity is stable: max(0, −½γ²
-/// dμ̂/ds), with the slope at |v_b|. Dimensionless, exact. `None` at v_b = 0. The system's own β is
+/// dμ̂/ds), with the slope at |v_b|. Dimensionless, exact. `None` if v_b = 0. The system's own β is
 /// ignored.
 ///
-/// With more damping small disturbances die out. For the polynomial law large ones die out too, if
-/// friction is weak compared with the spring. For a law that falls more steeply at other speeds
-/// (exponential), or that jumps (Coulomb, μ_s > μ̂(0)), a stick-slip vibration may exist beside the
-/// stable steady sliding.
+/// With more damping, small disturbances decay. For the polynomial law, large disturbances also
+/// decay if friction is weak compared with the spring. If a law falls more steeply at other speeds
+/// (exponential), or jumps (Coulomb, μ_s > μ̂(0)), a stick-slip vibration may exist although steady
+/// sliding is stable.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eq. 14: h1 > 0.
 ///
@@ -57,15 +57,15 @@ pub fn stabilizing_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Option<f64
 ///
 /// The law is expanded in power series from one end of the range to the other. Each series is used
 /// only within its radius of convergence, and is compared with the law at three points of its
-/// interval. The steepest fall is found among the ends of the series, the breakpoints, and all
-/// minima of dμ̂/ds on each series, which are isolated so that none is skipped.
+/// interval. The steepest fall is the least dμ̂/ds at the ends of the series, at the breakpoints,
+/// and at all minima of dμ̂/ds on each series. These minima are isolated, so that none is skipped.
 ///
 /// # Errors
 ///
 /// * [`Error::InvalidParameter`] unless 0 ≤ start < end and both are finite, or if the range is so
 ///   long that the law takes more than 10⁴ power series;
-/// * [`Error::NonFiniteFriction`] if the law has no finite value somewhere in the range,
-///   [`Error::NotAnalytic`] if it has no power series there.
+/// * [`Error::NonFiniteFriction`] or [`Error::NotAnalytic`] if the law has no finite value or no
+///   power series at a speed in the range.
 ///
 /// ```
 /// use stick_slip::analysis::design::stabilizing_damping_over;

@@ -1,4 +1,4 @@
-//! Drill string and bit: two inertias on a shaft, with friction at the lower one.
+//! Drill string and bit: two inertias on a shaft, with friction at the lower inertia.
 
 /// A driven upper inertia, a shaft, and a lower inertia with friction: a drill string with its bit.
 ///
@@ -8,8 +8,8 @@
 /// ```
 ///
 /// J_u and J_l are moments of inertia, k the stiffness of the shaft, b_u the damping of the drive,
-/// T the torque of friction. Units are any consistent ones: kg·m², N·m, N·m·s give radians per
-/// second.
+/// T the torque of friction. Any consistent units may be used: with kg·m², N·m and N·m·s, rates are
+/// in radians per second.
 ///
 /// ```
 /// use stick_slip::analysis::drill_string::TwoInertias;
@@ -47,7 +47,7 @@ impl TwoInertias {
     /// J_u b_u d² + (J_u²k + J_l b_u²) d + J_l² b_u k > 0,   b_u + d > 0,   J_u d + J_l b_u > 0
     /// ```
     ///
-    /// Exact. (The angle of the string as a whole is free, and is left out.)
+    /// Exact. (The rotation of the whole string is a free motion, and is left out.)
     pub fn is_stable(&self, slope: f64) -> bool {
         let [a, b, c] = self.quadratic();
         (a * slope + b) * slope + c > 0.0
@@ -70,8 +70,8 @@ impl TwoInertias {
         critical.is_finite().then_some(critical)
     }
 
-    /// Damping b_u ≈ J_u√(k/J_l) of the drive that allows the steepest fall of friction, to first
-    /// order in d.
+    /// Damping b_u ≈ J_u√(k/J_l) of the drive with which steady rotation is stable for the steepest
+    /// fall of friction, to first order in d.
     pub fn best_damper(&self) -> f64 {
         self.upper * (self.stiffness / self.lower).sqrt()
     }

@@ -1,8 +1,9 @@
-//! Static friction that rises at rest, with constant kinetic friction: stick-slip cycles of one
-//! mass, when they exist, and when they are stable.
+//! Static friction that rises during stick, with constant kinetic friction: stick-slip cycles of
+//! one mass, with the conditions for their existence and stability.
 //!
-//! A mass m on a spring k and a damper c, pressed by N on a belt of velocity v. With
-//! F_s(θ) = N μ_s(θ) and F_k = N μ_k, the return map without damping is
+//! The system is a mass m with a spring k and a damper c, pressed by the load N on a belt of
+//! velocity v. Let F_s(θ) = N μ_s(θ), where θ is the duration of stick, and F_k = N μ_k. Without
+//! damping the return map is
 //!
 //! ```text
 //! k v θ_{n+1} = [F_s(θ_n) − F_k] + [F_s(θ_{n+1}) − F_k]
@@ -13,8 +14,9 @@
 //! ```
 //!
 //! Because F_s is concave, there is at most one such cycle, and it is stable. If static friction
-//! begins at F_s(0) = F_k, it exists for F_s'(0) > kv/2 (Gao's criterion), that is below **v_c = 2
-//! F_s'(0)/k**. With ΔF = N(μ_∞ − μ_0), F_0 = N(μ_0 − μ_k) and B the rate of the logarithmic law:
+//! begins at F_s(0) = F_k, it exists if F_s'(0) > kv/2 (Gao's criterion), that is for belt
+//! velocities below **v_c = 2 F_s'(0)/k**. With ΔF = N(μ_∞ − μ_0), F_0 = N(μ_0 − μ_k) and B the
+//! rate of the logarithmic law:
 //!
 //! | form | v_c for F_0 = 0 | θ* |
 //! |---|---|---|
@@ -24,10 +26,10 @@
 //!
 //! W is Lambert's function. With damping the slip phase is a damped vibration. Each slip arc
 //! belongs to one duration of stick and to one belt velocity, so all cycles lie on a curve that is
-//! known in closed form. Along it the belt velocity has one maximum, the fold, at which a stable
-//! cycle and an unstable one meet. The unstable one exists down to the belt velocity at which its
-//! arc returns to the belt tangentially: N(μ_s(θ) − μ_k)Λω/k, where ωθ = 1/Λ with Λ of
-//! [`coulomb::tangential_slip`](super::coulomb::tangential_slip).
+//! known in closed form. Along this curve the belt velocity has one maximum, the fold, at which a
+//! stable cycle and an unstable cycle meet. The unstable cycle exists down to the belt velocity
+//! N(μ_s(θ) − μ_k)Λω/k, at which its slip arc returns to the belt velocity tangentially. Here ωθ =
+//! 1/Λ, with the Λ of [`coulomb::tangential_slip`](super::coulomb::tangential_slip).
 //!
 //! Source: C. Gao, D. Kuhlmann-Wilsdorf, D. D. Makel, *The dynamic analysis of stick-slip motion*,
 //! Wear 173 (1994) 1-12, for the criterion; the rest follows from the exact solution of both
@@ -41,8 +43,8 @@ use crate::friction::memory::Dwell;
 use crate::friction::{Coulomb, FrictionLaw};
 use crate::numerics::bracket::root_between;
 
-/// A mass on a spring, a damper and a belt, with static friction that rises at rest and constant
-/// kinetic friction. Any consistent units.
+/// A mass with a spring and a damper on a belt, with static friction that rises during stick and
+/// constant kinetic friction. Any consistent units may be used.
 ///
 /// ```
 /// use stick_slip::analysis::dwell::DwellOscillator;
@@ -94,8 +96,8 @@ impl DwellOscillator {
     /// Belt velocity v_c = 2 F_s'(0)/k below which stick-slip exists without damping (Gao's
     /// criterion). Exact.
     ///
-    /// ∞ if μ_s(0) > μ_k. `None` if the oscillator is damped, for which see [`fold`](Self::fold),
-    /// or if a field is out of its range.
+    /// The result is ∞ if μ_s(0) > μ_k. `None` if the oscillator is damped (use
+    /// [`fold`](Self::fold)), or if a field is out of its range.
     pub fn critical_velocity(&self) -> Option<f64> {
         self.oscillator().filter(|of| of.damping == 0.0)?;
         if self.jump() > 0.0 {
@@ -105,13 +107,16 @@ impl DwellOscillator {
         Some(2.0 * self.load * rate / self.stiffness)
     }
 
-    /// The stable stick-slip cycle on a belt of velocity v; v < 0 gives its mirror image. Exact.
+    /// The stable stick-slip cycle at the belt velocity v, exact. If v < 0, the result is the
+    /// mirror image.
     ///
-    /// `None` if there is none: at v = 0; where |v| is
-    /// [`critical_velocity`](Self::critical_velocity) or more without damping, or above the
-    /// [`fold`](Self::fold) with damping; for c ≥ 2√(km); and if static friction rises so far that
-    /// the mass comes back to the belt where stick would need more than N μ_s(0) in the other
-    /// direction: it then overtakes the belt. Also `None` if a field is out of its range.
+    /// `None` in these cases:
+    /// * v = 0, or c ≥ 2√(km);
+    /// * without damping: |v| is [`critical_velocity`](Self::critical_velocity) or more;
+    /// * with damping: |v| is above the [`fold`](Self::fold);
+    /// * the mass overtakes the belt, because static friction has risen so far that stick at the
+    ///   end of slip would need a force above N μ_s(0) in the other direction;
+    /// * a field is out of its range.
     pub fn stick_slip(&self, velocity: f64) -> Option<ExactCycle> {
         let of = self.oscillator()?;
         let least = match self.fold_arc(&of) {
@@ -140,13 +145,13 @@ impl DwellOscillator {
         self.cycle_between(&of, velocity, low, high)
     }
 
-    /// The unstable stick-slip cycle on a belt of velocity v, which separates the starts that lead
-    /// to the stable one from the others. It exists between
-    /// [`grazing_velocity`](Self::grazing_velocity) and the [`fold`](Self::fold), with damping
-    /// only. Exact. `None` for the same reasons as [`stick_slip`](Self::stick_slip), or where
-    /// rounding cannot separate the cycle from the fold. This can be the whole range, if friction
-    /// has almost reached its limit at the release: with damping ratio 0.77 and ωθ_c = 1 the range
-    /// is narrower than 10⁻⁴⁰ of its velocities.
+    /// The unstable stick-slip cycle at the belt velocity v, exact. It separates the starts that
+    /// lead to the stable cycle from the other starts. It exists only with damping, between
+    /// [`grazing_velocity`](Self::grazing_velocity) and the [`fold`](Self::fold). `None` in the
+    /// cases listed at [`stick_slip`](Self::stick_slip), or if rounding cannot separate the cycle
+    /// from the fold. If friction has almost reached its limit at the release, this can be true in
+    /// the whole range: with damping ratio 0.77 and ωθ_c = 1 the range is narrower than 10⁻⁴⁰ of
+    /// its velocities.
     pub fn unstable_stick_slip(&self, velocity: f64) -> Option<ExactCycle> {
         let of = self.oscillator()?;
         let fold = self.fold_arc(&of)?;
@@ -154,22 +159,23 @@ impl DwellOscillator {
         cycle.filter(|cycle| cycle.multiplier > 1.0)
     }
 
-    /// The cycle at the largest belt velocity of all, where the stable cycle and the unstable one
-    /// meet; its multiplier is 1, to the square root of rounding. The belt velocity is exact. If
-    /// friction has almost reached its limit at the release, rounding hides the small angle at
-    /// which the arc returns to the belt, and the multiplier is not known.
+    /// The cycle at the fold, the largest belt velocity, at which the stable cycle and the unstable
+    /// cycle meet. Its multiplier is 1, with an error of the square root of rounding. The belt
+    /// velocity is exact. If friction has almost reached its limit at the release, the slip arc
+    /// returns to the belt velocity at an angle smaller than rounding errors, and the multiplier is
+    /// not known.
     ///
-    /// `None` without damping, where the stable cycle has no partner; if static friction does not
-    /// rise; and for c ≥ 2√(km).
+    /// `None` without damping (there is no unstable cycle), if static friction does not rise, or if
+    /// c ≥ 2√(km).
     pub fn fold(&self) -> Option<ExactCycle> {
         let of = self.oscillator()?;
         let p = self.fold_arc(&of)?;
         self.cycle(&of, self.velocity(&of, p), p)
     }
 
-    /// Belt velocity N(μ_s(θ) − μ_k)Λω/k, ωθ = 1/Λ, at which an arc comes back to the belt
-    /// tangentially: the unstable cycle begins there. Exact. `None` if there is no damping, if
-    /// c ≥ 2√(km), or if a field is out of its range.
+    /// Belt velocity N(μ_s(θ) − μ_k)Λω/k with ωθ = 1/Λ, at which a slip arc returns to the belt
+    /// velocity tangentially. The range of the unstable cycle begins there. Exact. `None` if there
+    /// is no damping, if c ≥ 2√(km), or if a field is out of its range.
     pub fn grazing_velocity(&self) -> Option<f64> {
         let of = self.oscillator().filter(|of| of.damping > 0.0)?;
         Some(self.velocity(&of, tangential(&of)))

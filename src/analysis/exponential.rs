@@ -1,5 +1,5 @@
-//! Closed forms for the exponential law (Gaussian Stribeck), Eq. 6: where steady sliding changes
-//! its stability, and where vibration ends.
+//! Closed forms for the exponential law (Gaussian Stribeck), Eq. 6: the belt velocities at which
+//! steady sliding changes its stability, and the damping with which vibration ends.
 
 use std::f64::consts::{E, FRAC_1_SQRT_2, SQRT_2};
 
@@ -7,10 +7,11 @@ use crate::belt::MassOnBelt;
 use crate::friction::{Exponential, FrictionLaw};
 use crate::numerics::bracket::root_between;
 
-/// A belt velocity at which steady sliding gains or loses stability, and what happens there.
+/// A belt velocity at which steady sliding gains or loses stability, with the type of this
+/// bifurcation.
 ///
 /// Source: 2β + γ²μ̂'(v) = 0, Eq. 14. The sign of the cubic term of the averaged flow,
-/// −γ²μ̂'''(v)A³/16, gives the side on which the cycle lies.
+/// −γ²μ̂'''(v)A³/16, gives the side on which the new cycle exists.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HopfPoint {
     velocity: f64,
@@ -24,8 +25,8 @@ impl HopfPoint {
     }
 
     /// Returns true if the point is supercritical: a small stable cycle is born on the unstable
-    /// side (μ̂''' > 0, that is v < √(3/2) v_s). Otherwise a small unstable cycle lies on the
-    /// stable side, and a disturbance beyond it leads to a large vibration. Exact.
+    /// side (μ̂''' > 0, that is v < √(3/2) v_s). Otherwise a small unstable cycle exists on the
+    /// stable side, and a disturbance larger than this cycle leads to a large vibration. Exact.
     pub fn is_supercritical(&self) -> bool {
         self.is_supercritical
     }
@@ -41,14 +42,14 @@ impl HopfPoint {
 /// ill-conditioned). The system's own v_b is ignored.
 ///
 /// `None` if c ≥ 1/√(2e), because steady sliding is then stable at every belt velocity. `None` also
-/// if β = 0, because it is then unstable at every belt velocity or, for constant friction (μ_s =
-/// μ_k), neither stable nor unstable at any.
+/// if β = 0: steady sliding is then unstable at every belt velocity, or neutral at every belt
+/// velocity if friction is constant (μ_s = μ_k).
 ///
 /// For any law see [`bifurcation::hopf_velocities`](crate::bifurcation::hopf_velocities).
 ///
 /// The Hopf point at v_low is always supercritical. The paper says that this law behaves "almost
-/// similar" to the polynomial one. It does not: it never rises, and on a slow belt steady sliding
-/// is stable.
+/// similar" to the polynomial law. This is wrong: the law never rises, and on a slow belt steady
+/// sliding is stable.
 ///
 /// Source: Eqs. 6 and 14.
 ///
@@ -84,12 +85,12 @@ pub fn hopf_velocities(system: &MassOnBelt<Exponential>) -> Option<[HopfPoint; 2
 }
 
 /// Damping ratio γ²(μ_s − μ_k)/(v_s √(2e)) above which there is no vibration at any belt velocity.
-/// At this ratio the damper just offsets the steepest fall of friction, which is at the sliding
+/// At this ratio the damper exactly balances the steepest fall of friction, which is at the sliding
 /// speed v_s/√2. Dimensionless. The system's own v_b and β are ignored.
 ///
 /// Exact: with more damping the force 2βv + γ²μ(v − v_b) rises with v, and every motion loses
-/// energy. There is no vibration at this damping ratio itself either, unless μ_s = μ_k: then the
-/// ratio is 0, friction is constant, and every small vibration lasts.
+/// energy. Also at exactly this damping ratio there is no vibration, unless μ_s = μ_k: the ratio is
+/// then 0, friction is constant, and every small vibration lasts.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 6 and 14.
 ///
@@ -109,10 +110,10 @@ pub fn silencing_damping_everywhere(system: &MassOnBelt<Exponential>) -> f64 {
     system.load() * drop / law.stribeck_velocity() / (SQRT_2 * E.sqrt())
 }
 
-/// Belt velocity above which no vibration lasts, dimensionless: 0 if β is
-/// [`silencing_damping_everywhere`] or more, ∞ for β = 0. `None` for a β in between, because no
-/// formula is known: above the higher Hopf velocity a stick-slip vibration can exist beside stable
-/// steady sliding. The system's own v_b is ignored.
+/// Belt velocity above which no vibration lasts, dimensionless: 0 if β is at least
+/// [`silencing_damping_everywhere`], and ∞ if β = 0. `None` for values of β between 0 and this
+/// limit, because no formula is known: above the higher Hopf velocity a stick-slip vibration can
+/// exist although steady sliding is stable. The system's own v_b is ignored.
 ///
 /// ```
 /// use stick_slip::analysis::exponential::quiet_velocity;

@@ -1,9 +1,10 @@
-//! Friction under fast vibration along the surface: its mean over a fast period, which acts on the
-//! slow motion.
+//! Friction under a fast vibration along the surface: the mean of friction over a fast period,
+//! which acts on the slow motion.
 //!
-//! A belt that shakes at a frequency Ω far above those of the system adds a fast relative velocity
-//! w cos Ωt to the slow one, v. The slow motion then feels the mean of the friction coefficient
-//! over one fast period. All formulas are limits for Ω → ∞, and dimensionless.
+//! If a belt shakes at a frequency Ω far above the natural frequencies of the system, a fast
+//! relative velocity w cos Ωt is added to the slow relative velocity v. The mean of the friction
+//! coefficient over one fast period then acts on the slow motion. All formulas are limits for Ω →
+//! ∞, and dimensionless.
 //!
 //! ```text
 //! Coulomb:   μ_k (2/π) arcsin(v/w)  for |v| < w        no jump at v = 0, and no stick
@@ -19,9 +20,9 @@ use super::PureSlip;
 use crate::belt::MassOnBelt;
 use crate::friction::{Coulomb, Polynomial};
 
-/// Mean friction coefficient of Coulomb's law at the slow relative velocity v, under a fast one of
-/// amplitude w ≥ 0: μ_k(2/π) arcsin(v/w) for |v| < w, and ±μ_k beyond. Dimensionless, the limit for
-/// Ω → ∞.
+/// Mean friction coefficient of Coulomb's law at the slow relative velocity v, if a fast relative
+/// velocity of amplitude w ≥ 0 is added: μ_k(2/π) arcsin(v/w) for |v| < w, and ±μ_k for |v| ≥ w.
+/// Dimensionless, the limit for Ω → ∞.
 ///
 /// ```
 /// use stick_slip::Coulomb;
@@ -47,8 +48,8 @@ pub fn mean_coefficient(law: &Coulomb, velocity: f64, amplitude: f64) -> f64 {
 /// velocity amplitude w ≥ 0 is added to the relative velocity: v² = v_m²(1 − 2β/η) − w²/2.
 /// Dimensionless, the limit for Ω → ∞.
 ///
-/// `None` if v ≤ w, where the formula does not hold, or if steady sliding is stable at every belt
-/// velocity above w. The system's own v_b is ignored. For w = 0 the result is
+/// `None` if v ≤ w, because the formula does not hold there, or if steady sliding is stable at
+/// every belt velocity above w. The system's own v_b is ignored. For w = 0 the result is
 /// [`PureSlip::onset_velocity`](super::PureSlip::onset_velocity).
 ///
 /// ```

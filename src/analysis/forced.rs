@@ -12,8 +12,8 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 /// x'' + 2ζx' + x = p cos(Ωt + θ) − F sgn x'        m = k = 1
 /// ```
 ///
-/// Time is in units of 1/ω0, where ω0 = √(k/m); so Ω is in units of ω0, and ζ = c/(2√(km)). F, F_s
-/// and p are forces in any common unit, and displacements are in that unit divided by k.
+/// The unit of time is 1/ω0 with ω0 = √(k/m), so Ω is in units of ω0, and ζ = c/(2√(km)). F, F_s
+/// and p are forces in a common unit; the unit of displacement is this unit divided by k.
 ///
 /// ```
 /// use stick_slip::analysis::forced::ForcedOscillator;
@@ -57,7 +57,7 @@ pub struct ForcedOscillator {
     pub force: f64,
 }
 
-/// The periodic motion with two turning points a period, at ±A, and no stop. Exact.
+/// The periodic motion with two turning points in each period, at ±A, and without stops. Exact.
 ///
 /// ```text
 /// x = e^{−ζt}(C cos qt + D sin qt) + F + P cos Ωt − S sin Ωt,    q = √(1 − ζ²)
@@ -76,16 +76,16 @@ pub struct WithoutStops {
 }
 
 impl ForcedOscillator {
-    /// The symmetric motion with two turning points a period and no stop.
+    /// The symmetric motion with two turning points in each period and without stops.
     ///
     /// ```text
     /// A = −GF + √(p²Q² − H²F²),   Q = 1/√((1−Ω²)² + (2ζΩ)²),   q = √(1−ζ²),  a = πζ/Ω,  b = πq/Ω
     /// G = (sinh a − (ζ/q) sin b)/(cosh a + cos b),    H = sin b/(Ωq(cosh a + cos b))
     /// ```
     ///
-    /// `None` if there is no such motion: the root is not real, the mass would turn back in
-    /// between, or the force at the turning point does not exceed F_s, so that the mass stops
-    /// there. Also `None` if a field is out of its range, and at resonance without damping.
+    /// `None` if there is no such motion: the root is not real, the mass would turn back between
+    /// the two turning points, or the force at a turning point does not exceed F_s, so that the
+    /// mass stops. Also `None` if a field is out of its range, and at resonance without damping.
     pub fn without_stops(&self) -> Option<WithoutStops> {
         let &Self {
             damping: zeta,
@@ -140,7 +140,7 @@ impl WithoutStops {
     }
 
     /// Phase θ of the force at the largest displacement, in radians: the force is p cos(Ωt + θ),
-    /// with t counted from there.
+    /// with t counted from the largest displacement.
     pub fn phase(&self) -> f64 {
         self.phase
     }
@@ -205,8 +205,8 @@ impl WithoutStops {
 }
 
 /// Largest F/p with which the undamped oscillator (ζ = 0, F_s = F) moves without stops at the
-/// angular frequency Ω, which is in units of ω0. Dimensionless, exact. `None` unless Ω is positive
-/// and finite.
+/// angular frequency Ω (in units of ω0). Dimensionless, exact. `None` unless Ω is positive and
+/// finite.
 ///
 /// ```text
 /// √(V²/(U² + (S/Ω²)²)),   V = 1/(1 − Ω²),   U = sin(π/Ω)/(Ω(1 + cos(π/Ω)))

@@ -1,14 +1,14 @@
-//! A spring in series with a dry slider (a Jenkins element), the model of an elastic dry contact:
-//! its hysteresis, its first harmonic, and the exact response of one mass on it to a harmonic
-//! force.
+//! The Jenkins element, a spring in series with a dry slider, is the model of an elastic dry
+//! contact. This module has its hysteresis, its first harmonic, and the exact response to a
+//! harmonic force of one mass with such an element.
 //!
 //! ```text
 //! stick:  T' = k_t x'  while |T| ≤ F_s            slip:  T = F_s sgn x'
 //! ```
 //!
-//! k_t is the stiffness of the spring and F_s = μN the limit of the slider. T is the force that the
-//! element carries. Any consistent units. A [`Contact`](crate::Contact) with a tangential stiffness
-//! is such an element; many of them side by side are Segalman's joint [`Iwan4`].
+//! k_t is the stiffness of the spring and F_s = μN the limit of the slider. T is the force of the
+//! element. Any consistent units may be used. A [`Contact`](crate::Contact) with a tangential
+//! stiffness is a Jenkins element; many of them in parallel form Segalman's joint model [`Iwan4`].
 //!
 //! Sources: G. Masing, *Eigenspannungen und Verfestigung beim Messing*, Proc. 2nd Int. Congr. Appl.
 //! Mech. (1926) 332-335; T. K. Caughey, *Sinusoidal excitation of a system with bilinear
@@ -24,9 +24,9 @@ use std::f64::consts::PI;
 pub use crate::friction::Iwan4;
 pub use response::SymmetricResponse;
 
-/// Energy that one cycle between the displacements −A and A dissipates, the area of its loop:
-/// 4F_s(A − F_s/k_t), and 0 for A ≤ F_s/k_t, where the slider never moves. Exact, in units of force
-/// times displacement. NaN unless all three are positive and finite.
+/// Energy dissipated in one cycle between the displacements −A and A, the area of the hysteresis
+/// loop: 4F_s(A − F_s/k_t). It is 0 for A ≤ F_s/k_t, because the slider does not move. Exact, in
+/// units of force times displacement. NaN unless all three arguments are positive and finite.
 ///
 /// ```
 /// use stick_slip::analysis::jenkins::loop_area;
@@ -42,17 +42,18 @@ pub fn loop_area(tangential_stiffness: f64, limit: f64, amplitude: f64) -> f64 {
     4.0 * limit * (amplitude - limit / tangential_stiffness).max(0.0)
 }
 
-/// The first harmonic of the force under x = A cos ωt, as the triple (k_eq, c_eq, D): the stiffness
-/// of a spring and the constant of a damper with this harmonic, and the energy D that one cycle
-/// dissipates ([`loop_area`]), in any consistent units.
+/// The first harmonic of the force for x = A cos ωt, as the triple (k_eq, c_eq, D): the stiffness
+/// of a spring and the constant of a damper that have this first harmonic, and the energy D
+/// dissipated in one cycle ([`loop_area`]). Any consistent units may be used.
 ///
 /// ```text
 /// cos θ = 1 − 2F_s/(k_t A),    D = 4F_s(A − F_s/k_t)
 /// k_eq = (k_t/π)(θ − ½ sin 2θ),    c_eq = D/(πωA²)
 /// ```
 ///
-/// For A ≤ F_s/k_t they are (k_t, 0, 0). Exact; only the use of this harmonic in place of the force
-/// is an approximation. All are NaN unless all four numbers are positive and finite.
+/// For A ≤ F_s/k_t the result is (k_t, 0, 0). The harmonic is exact; it is an approximation only to
+/// use it instead of the force. All three results are NaN unless all four arguments are positive
+/// and finite.
 ///
 /// ```
 /// use std::f64::consts::PI;
@@ -100,8 +101,8 @@ fn angle_without_sine(x: f64) -> f64 {
     x * square / 6.0 * sum
 }
 
-/// A point of a backbone curve: the free vibration at one amplitude, where the force of the element
-/// is replaced by its first harmonic.
+/// A point of a backbone curve: the free vibration at one amplitude, with the force of the element
+/// replaced by its first harmonic.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Backbone {
@@ -111,16 +112,16 @@ pub struct Backbone {
     pub damping_ratio: f64,
 }
 
-/// The backbone of a mass m on a damper c, a spring k and, in parallel, a Jenkins element of the
-/// stiffness k_t and the limit F_s, at the amplitude A. To first harmonic:
+/// The backbone curve, at the amplitude A, of a mass m with a damper c, a spring k and a Jenkins
+/// element (stiffness k_t, limit F_s) in parallel. In the first-harmonic approximation:
 ///
 /// ```text
 /// mω² = k + k_eq(A),   ζ = (c + c_eq(A))/(2mω)
 /// ```
 ///
 /// A negative damping that cancels c + c_eq makes the vibration periodic (extended periodic motion
-/// concept). A force of amplitude ω(c + c_eq)A drives it at phase resonance. `None` unless m, k_t,
-/// F_s and A are positive, c ≥ 0 and k ≥ 0, all finite.
+/// concept). A force of amplitude ω(c + c_eq)A maintains the vibration at phase resonance. `None`
+/// unless m, k_t, F_s and A are positive, c ≥ 0 and k ≥ 0, all finite.
 ///
 /// Source: M. Krack, *Nonlinear modal analysis of nonconservative systems: extension of the
 /// periodic motion concept*, Computers & Structures 154 (2015) 59-71.
@@ -157,21 +158,21 @@ pub fn backbone(
     })
 }
 
-/// The forces along a history of displacements by Masing's rules, one for each displacement, in the
-/// unit of the backbone F.
+/// The forces along a history of displacements, by Masing's rules: one force for each displacement,
+/// in the unit of F. F is the backbone, the force of the first loading, and must be odd.
 ///
-/// The history starts at displacement and force 0 and moves straight from each displacement to the
-/// next. F is the backbone, the force of the first loading; it must be odd. The rules are exact for
-/// any number of springs with dry sliders of constant limits, in parallel:
+/// The history starts at displacement 0 and force 0, and the displacement changes monotonically
+/// from each value to the next. The rules are exact for any number of springs with dry sliders of
+/// constant limits, in parallel:
 ///
 /// ```text
 /// first loading:   T = F(x)
 /// after a reversal at (x_r, T_r):   T = T_r ± 2F(|x − x_r|/2)
 /// ```
 ///
-/// A closed loop has no effect on what follows: the curve that it interrupted continues, the first
-/// loading included. A closed loop between −A and A has the area D = 8∫F dx − 4A F(A), 0 ≤ x ≤ A.
-/// `None` unless all displacements are finite.
+/// After a closed loop, the curve that the loop interrupted continues as if there had been no loop;
+/// this holds also for the first loading. A closed loop between −A and A has the area D = 8∫F dx −
+/// 4A F(A), with the integral over 0 ≤ x ≤ A. `None` unless all displacements are finite.
 ///
 /// ```
 /// use stick_slip::Iwan4;

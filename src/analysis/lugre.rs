@@ -1,4 +1,5 @@
-//! Bristles of [`LuGre`]: steady sliding, the small vibration of a mass on bristles, and passivity.
+//! Bristles of [`LuGre`]: steady sliding, the small vibration of a mass on bristles, and passivity
+//! (the bristles do not supply energy).
 //!
 //! Source: C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, *IEEE Trans. Automatic
 //! Control* 40 (1995) 419-425, Eqs. 1-3; for passivity N. Barahanov, R. Ortega, *IEEE Trans.
@@ -21,14 +22,14 @@ pub struct SteadyBristles {
     pub deflection: f64,
     /// Friction coefficient μ, dimensionless.
     pub coefficient: f64,
-    /// Rate σ0|r|/g at which a perturbation of z decays, per unit of time. The larger it is
-    /// compared with the other rates of a system, the stiffer, in the numerical sense, are the
-    /// equations of motion.
+    /// Rate σ0|r|/g at which a perturbation of z decays, per unit of time. If it is much larger
+    /// than the other rates of the system, the equations of motion are stiff in the numerical
+    /// sense.
     pub rate: f64,
 }
 
-/// Steady sliding at a relative velocity r of either sign. Exact. `None` if r = 0, where any
-/// deflection stays, or if r is not finite.
+/// Steady sliding at a relative velocity r of either sign. Exact. `None` if r = 0, because any
+/// deflection is then in equilibrium, or if r is not finite.
 ///
 /// ```
 /// use stick_slip::analysis::lugre::steady_bristles;
@@ -67,8 +68,9 @@ pub struct ContactVibration {
     pub damping_ratio: f64,
 }
 
-/// The small vibration of a mass m on a spring k and a damper c that is held by bristles under a
-/// load N: the limit of displacements small compared with g/σ0. Any consistent units.
+/// The small vibration of a mass m with a spring k and a damper c, held by bristles under a load N.
+/// The formulas are the limit of displacements small compared with g/σ0. Any consistent units may
+/// be used.
 ///
 /// `None` unless m and N are positive, k ≥ 0 and c ≥ 0, all finite.
 ///
@@ -106,23 +108,24 @@ pub fn contact_vibration<L: FrictionLaw>(
     (in_range && is_finite).then_some(vibration)
 }
 
-/// The smallest viscous coefficient σ2 that makes the bristles passive at all sliding speeds up to
-/// `max_speed`: they give back no more than the energy N·σ0 z²/2 that is stored in them. In the
-/// unit of σ1.
+/// The smallest viscous coefficient σ2, in the unit of σ1, with which the bristles are passive at
+/// all sliding speeds up to `max_speed`: they return no more than the energy N·σ0 z²/2 stored in
+/// them.
 ///
 /// ```text
 /// σ2 ≥ σ1 (g_max − g_min)/g_min,   g_max and g_min over sliding speeds from 0 to the largest
 /// ```
 ///
 /// For a law that falls from μ_s to μ_k this is the condition of Barahanov and Ortega, σ2 ≥ σ1(μ_s
-/// − μ_k)/μ_k; without a limit of the speed it is also necessary. With less, bristles can give
-/// energy to a mass. The law's own σ2 is ignored.
+/// − μ_k)/μ_k; if the speed is not limited, the condition is also necessary. With a smaller σ2,
+/// bristles can supply energy to a mass. The law's own σ2 is ignored.
 ///
 /// # Errors
 ///
-/// [`Error::InvalidParameter`] unless `max_speed` is positive and finite, g is positive up to
-/// there, and the range takes no more than 10⁴ power series; [`Error::NonFiniteFriction`] and
-/// [`Error::NotAnalytic`] if the law fails.
+/// [`Error::InvalidParameter`] unless `max_speed` is positive and finite, g is positive at all
+/// speeds up to `max_speed`, and the range takes at most 10⁴ power series;
+/// [`Error::NonFiniteFriction`] or [`Error::NotAnalytic`] if the law has no finite value or no
+/// power series at such a speed.
 ///
 /// ```
 /// use stick_slip::analysis::lugre::passive_viscosity;

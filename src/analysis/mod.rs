@@ -18,15 +18,15 @@
 //!
 #![doc = include_str!("../figures/errors.svg")]
 //!
-//! *Error of the formulas against the exact cycle, for γ² = ε and β = 0.05ε: the slope of a line is
-//! the order of the error. (a) Cycles without stick. (b) Stick-slip.*
+//! *Difference between the formulas and the exact cycle, for γ² = ε and β = 0.05ε. The slope of a
+//! line is the order of the error. (a) Cycles without stick. (b) Stick-slip.*
 //!
 //! Nothing here integrates the equations of motion, so the formulas are independent of the exact
 //! motions in the rest of the crate. An error O(εⁿ) means the order as friction and damping become
 //! weak compared with the spring, (γ², β) → (εγ², εβ). "Eq. n" is an equation of A. Farshidianfar
 //! and N. Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and Stability
-//! Analysis*. "Eq. n, corrected" is one that they print wrongly; the table below lists the
-//! corrections.
+//! Analysis*. "Eq. n, corrected" is an equation that is printed wrongly in the paper; the table
+//! below lists the corrections.
 //!
 //! | Question | Answer |
 //! |---|---|
@@ -37,19 +37,19 @@
 //! | which motion the mass settles to, polynomial law | [`regime`] |
 //! | how much damping, or which belt velocity, keeps the system quiet | [`design`] |
 //! | closed forms for one law alone | [`coulomb`], [`exponential`], [`polynomial`] |
-//! | a harmonic force on a mass with dry friction: amplitude, and when it stops | [`forced`] |
+//! | a harmonic force on a mass with dry friction: amplitude, and the condition for motion without stops | [`forced`] |
 //! | a spring in series with a dry slider: first harmonic, hysteresis, exact response of one mass | [`jenkins`]; many of them: [`Iwan4`](crate::Iwan4) |
-//! | static friction that rises at rest: cycles, when they exist | [`dwell`] |
-//! | bristles: steady sliding, the vibration of a mass they hold, passivity | [`lugre`] |
+//! | static friction that rises during stick: cycles, and the condition for their existence | [`dwell`] |
+//! | bristles: steady sliding, the vibration of a mass that they hold, passivity | [`lugre`] |
 //! | friction under fast vibration | [`fast_vibration`] |
 //! | flutter by mode coupling | [`mode_coupling`] |
-//! | two inertias on a shaft, with friction at one | [`drill_string`] |
+//! | two inertias on a shaft, with friction at one of them | [`drill_string`] |
 //!
 //! # Where the source paper is wrong
 //!
 //! The paper of Farshidianfar and Noei Aghaee follows J. J. Thomsen and A. Fidlin, *Int. J.
-//! Non-Linear Mech.* 38 (2003) 389-403. The following formulas and statements are printed wrongly
-//! in it; tests show that the printed formulas fail.
+//! Non-Linear Mech.* 38 (2003) 389-403. The following formulas and statements of the paper are
+//! wrong as printed; tests show that the printed formulas fail.
 //!
 //! | where | printed | correct |
 //! |---|---|---|

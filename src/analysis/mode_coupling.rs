@@ -1,14 +1,14 @@
 //! Flutter by mode coupling: friction makes the stiffness matrix unsymmetric, and two modes merge
 //! into one.
 
-/// Two coupled coordinates: the first slides under a normal load that the second one changes.
+/// Two coupled coordinates: the first slides under a normal load that depends on the second.
 ///
 /// ```text
 /// M q'' + C q' + K(μ) q = const,   K(μ) = [[k11, k12 − μk3], [k21, k22]],   C = diag(c1, c2)
 /// ```
 ///
 /// μ is the friction coefficient, which does not depend on speed; k3 is the stiffness of the normal
-/// spring. Units are any consistent ones.
+/// spring. Any consistent units may be used.
 ///
 /// ```
 /// use stick_slip::analysis::mode_coupling::ModeCoupling;
@@ -36,7 +36,7 @@ pub struct ModeCoupling {
     pub masses: [f64; 2],
     /// Stiffness matrix [[k11, k12], [k21, k22]] without friction.
     pub stiffness: [[f64; 2]; 2],
-    /// Stiffness k3 of the normal spring, by which the load on the first coordinate grows per
+    /// Stiffness k3 of the normal spring: the increase of the load on the first coordinate per
     /// displacement of the second. To build the same model as a [`Structure`](crate::Structure),
     /// add a contact of coordinate 0 on a belt that moves forward, and give it the load gradient k3
     /// for coordinate 1.
@@ -57,8 +57,8 @@ pub struct Flutter {
 }
 
 impl ModeCoupling {
-    /// The flutter point: the least μ ≥ 0 beyond which steady sliding flutters, and its frequency.
-    /// Exact.
+    /// The flutter point: the least μ ≥ 0 above which steady sliding flutters, and the frequency of
+    /// this flutter. Exact.
     ///
     /// ```text
     /// undamped:  μ_c = [k12 + (k11 − k22)²/(4k21)]/k3                          (m1 = m2 = 1)

@@ -6,11 +6,11 @@ use crate::belt::MassOnBelt;
 use crate::friction::{FrictionLaw, Polynomial};
 
 /// Damping ratio η/2 above which there is no vibration at any belt velocity. At this ratio the
-/// damper just offsets the steepest fall of friction, which is at the sliding speed 0.
+/// damper exactly balances the steepest fall of friction, which is at the sliding speed 0.
 /// Dimensionless. The system's own v_b and β are ignored.
 ///
 /// Exact: with more damping the force 2βv + γ²μ(v − v_b) rises with v, and every motion loses
-/// energy. There is no vibration at η/2 itself either, unless μ_s = μ_m: then η = 0, friction is
+/// energy. Also at exactly η/2 there is no vibration, unless μ_s = μ_m: then η = 0, friction is
 /// constant, and every small vibration lasts.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 10a and 14.
@@ -30,12 +30,13 @@ pub fn silencing_damping_everywhere(system: &MassOnBelt<Polynomial>) -> f64 {
     0.75 * system.load() * drop / law.minimum_velocity()
 }
 
-/// Belt velocity above which no vibration lasts, dimensionless: v_b1 = v_m√(1 − 2β/η); 0 if 2β ≥ η;
-/// ∞ for constant friction (μ_s = μ_m) without damping, because small vibrations then last at every
-/// belt velocity. `None` if a coefficient overflows. The system's own v_b is ignored.
+/// Belt velocity above which no vibration lasts, dimensionless: v_b1 = v_m√(1 − 2β/η) if 2β < η,
+/// and 0 if 2β ≥ η. Without damping and with constant friction (μ_s = μ_m) it is ∞, because small
+/// vibrations then last at every belt velocity. `None` if a coefficient overflows. The system's own
+/// v_b is ignored.
 ///
-/// The velocity above which steady sliding is stable is exact. No vibration lasts above it either,
-/// as long as friction is weak compared with the spring.
+/// Steady sliding is stable above v_b1; this is exact. That no vibration lasts above v_b1 holds if
+/// friction is weak compared with the spring.
 ///
 /// Source: Farshidianfar and Noei Aghaee, after Eq. 15.
 ///

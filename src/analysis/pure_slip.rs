@@ -18,14 +18,15 @@ use crate::friction::{FrictionLaw, Polynomial};
 /// h3 = η/(3 v_m²)                      (Eq. 10c)
 /// ```
 ///
-/// exactly. Everything is dimensionless and holds for both signs of v_b: the mirror image (u, v,
-/// v_b) → (−u, −v, −v_b) changes the sign of h2 only. Velocities that are returned are magnitudes.
+/// These equations are exact. All quantities are dimensionless, and the formulas hold for both
+/// signs of v_b: the mirror image (u, v, v_b) → (−u, −v, −v_b) changes the sign of h2 only.
+/// Returned velocities are magnitudes.
 ///
 /// | v_b | what happens |
 /// |---|---|
 /// | 0 < abs(v_b) < v_b0 | stick-slip: [`StickSlip`](super::StickSlip) |
 /// | v_b0 < abs(v_b) < v_b1 | pure slip with amplitude A0: this type |
-/// | abs(v_b) > v_b1 | steady sliding (the paper says stick-slip "beyond this range", but means below only) |
+/// | abs(v_b) > v_b1 | steady sliding (the paper says stick-slip "beyond this range", which is true only below v_b0) |
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 9-15; Thomsen and Fidlin, *Int. J. Non-Linear Mech.*
 /// 38 (2003) 389-403.
@@ -80,7 +81,7 @@ pub struct PureSlip {
 }
 
 impl PureSlip {
-    /// The formulas for a system. `None` if v_b = 0, or if a coefficient overflows.
+    /// Computes the coefficients for a system. `None` if v_b = 0, or if a coefficient overflows.
     pub fn new(system: &MassOnBelt<Polynomial>) -> Option<Self> {
         let (law, v_b) = (system.law(), system.belt_velocity());
         let v_m = law.minimum_velocity();
@@ -170,7 +171,7 @@ impl PureSlip {
     ///
     /// As an approximation of half the range of u, or of the largest velocity, A0 has an error
     /// O(ε²). As an approximation of u_max − ū its error is O(ε), because the cycle is not centred
-    /// on ū. Below v_b0 the formula still gives a number, but this describes no motion: see
+    /// on ū. Below v_b0 the formula still gives a number, but there is no such motion: see
     /// [`is_valid`](Self::is_valid).
     ///
     /// Source: Eq. 13, corrected (the printed 3/4 is 4/3), and Eq. 15.
@@ -182,14 +183,15 @@ impl PureSlip {
     /// same as v_b0 < |v_b| < v_b1. The limit v_b1 is exact, and the limit v_b0 has a relative
     /// error O(ε²).
     ///
-    /// Source: section 4.1.1, corrected: the paper asks for ż < 0, the velocity of the mass, but
-    /// means v_r < 0.
+    /// Source: section 4.1.1, corrected: the paper prints the condition ż < 0 (velocity of the
+    /// mass) instead of v_r < 0.
     pub fn is_valid(&self) -> bool {
         self.amplitude()
             .is_some_and(|amplitude| amplitude < self.belt_velocity.abs())
     }
 
-    /// Slow growth or decay from an amplitude A(0) ≥ 0 and a phase ψ(0) of z = A sin ψ.
+    /// Slow growth or decay of the vibration z = A sin ψ from an amplitude A(0) ≥ 0 and a phase
+    /// ψ(0).
     ///
     /// # Errors
     ///
@@ -204,26 +206,26 @@ impl PureSlip {
         Transient::new(coefficients, initial_amplitude, initial_phase)
     }
 
-    /// The cycle with all terms through ε: averaging, with the shift of the motion's centre. `None`
-    /// if h1 ≥ 0. For errors and range see [`PureSlipCycle`].
+    /// The cycle with all terms up to order ε: averaging, and the shift of the motion's centre.
+    /// `None` if h1 ≥ 0. For errors and range see [`PureSlipCycle`].
     pub fn first_order(&self) -> Option<PureSlipCycle> {
         self.cycle(1)
     }
 
-    /// The cycle with all terms through ε². `None` if h1 ≥ 0. For errors and range see
+    /// The cycle with all terms up to order ε². `None` if h1 ≥ 0. For errors and range see
     /// [`PureSlipCycle`].
     pub fn second_order(&self) -> Option<PureSlipCycle> {
         self.cycle(2)
     }
 
-    /// The cycle with the terms through ε³. `None` if h1 ≥ 0. For errors and range see
+    /// The cycle with the terms up to order ε³. `None` if h1 ≥ 0. For errors and range see
     /// [`PureSlipCycle`].
     pub fn third_order(&self) -> Option<PureSlipCycle> {
         self.cycle(3)
     }
 
-    /// The cycle with the terms through ε³, and the frequency through ε⁴. `None` if h1 ≥ 0. For
-    /// errors and range see [`PureSlipCycle`].
+    /// The cycle with the terms up to order ε³, and the frequency up to order ε⁴. `None` if h1 ≥ 0.
+    /// For errors and range see [`PureSlipCycle`].
     pub fn fourth_order(&self) -> Option<PureSlipCycle> {
         self.cycle(4)
     }
@@ -296,8 +298,8 @@ impl PureSlip {
 /// ln(multiplier)       = 2πh1 − πb(81b² + 832a²)/768
 /// ```
 ///
-/// The cycle of order n takes the terms up to εⁿ (for n = 4 in the frequency only). The remaining
-/// error has this order in ε:
+/// The cycle of order n contains the terms up to εⁿ (for n = 4 in the frequency only). The error
+/// that remains has the following order in ε:
 ///
 /// | field | first | second | third | fourth |
 /// |---|---|---|---|---|

@@ -2,7 +2,7 @@ use super::PureSlip;
 use crate::belt::MassOnBelt;
 use crate::friction::Polynomial;
 
-/// The motion that a system with the polynomial law settles to, by Eqs. 14 and 15.
+/// The motion to which a system with the polynomial law settles, by Eqs. 14 and 15.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Regime {
     /// The mass comes to rest on the belt: v_b = 0.
@@ -11,7 +11,7 @@ pub enum Regime {
     Equilibrium,
     /// Vibration that slips all the time: v_b0 < |v_b| < v_b1. Constant friction (μ_s = μ_m)
     /// without damping also counts as pure slip: every vibration with an amplitude up to |v_b| then
-    /// goes on for ever.
+    /// lasts for ever.
     PureSlip,
     /// Vibration that sticks, or overtakes the belt: 0 < |v_b| ≤ v_b0.
     StickSlip,
@@ -28,14 +28,13 @@ impl std::fmt::Display for Regime {
     }
 }
 
-/// Tells what a system with the polynomial law settles to, by closed forms.
+/// Returns the motion to which a system with the polynomial law settles, by closed forms.
 ///
 /// The border v_b1 is exact; v_b0 has a relative error O(ε²), and [`PureSlip::grazing_velocity`] is
-/// more accurate. For other laws there is no such single answer, because several attractors can
-/// exist side by side.
+/// more accurate. For other laws there is no single answer, because several attractors can coexist.
 ///
-/// Source: Farshidianfar and Noei Aghaee, after Eq. 15, corrected: v_b0 = √(4/5) v_b1 for the
-/// printed √(4/3) v_b1, and stick-slip below v_b0 only.
+/// Source: Farshidianfar and Noei Aghaee, after Eq. 15, corrected: v_b0 = √(4/5) v_b1 instead of
+/// the printed √(4/3) v_b1, and stick-slip below v_b0 only.
 ///
 /// ```
 /// use stick_slip::analysis::{Regime, regime};

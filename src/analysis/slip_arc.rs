@@ -1,4 +1,4 @@
-//! The slip phase under constant kinetic friction: a piece of a damped free vibration.
+//! The slip phase under constant kinetic friction: a part of a damped free vibration.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -10,8 +10,9 @@ pub(super) const SMALL: f64 = 1e-17;
 /// A stick-slip cycle under constant kinetic friction, in closed form except for one number.
 ///
 /// The slip phase is a damped free vibration about the displacement at which kinetic friction
-/// balances the spring. It starts and ends with the belt's velocity. Units are those of the system
-/// from which the cycle was made. On a belt that moves backward, displacements have the other sign.
+/// balances the spring. Its velocity at the start and at the end is that of the belt. Units are
+/// those of the system from which the cycle was made. If the belt moves backward, displacements
+/// have the opposite sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ExactCycle {
@@ -23,14 +24,14 @@ pub struct ExactCycle {
     pub slip_duration: f64,
     /// Displacement at the release, where slip begins.
     pub release_displacement: f64,
-    /// Displacement at which the mass comes back to the belt and slip ends.
+    /// Displacement at which the mass reaches the belt velocity again and slip ends.
     pub contact_displacement: f64,
     /// Half the distance between the largest and the least displacement.
     pub amplitude: f64,
     /// Largest sliding speed |v − v_b|.
     pub max_sliding_speed: f64,
-    /// Floquet multiplier of a perturbation of the release displacement; the other one, of a shift
-    /// in time, is 1. Dimensionless.
+    /// Floquet multiplier of a perturbation of the release displacement, dimensionless. The other
+    /// multiplier, of a shift in time, is 1.
     pub multiplier: f64,
 }
 

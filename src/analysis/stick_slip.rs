@@ -17,14 +17,14 @@ use crate::scalar::LONGEST;
 /// stick 2κ,   slip 2π − 2 atan κ,   T = 2π + 2(κ − atan κ),   ω_ss = 2π/T
 /// ```
 ///
-/// In these formulas slip neither gains nor loses energy, so the arc meets the belt at ū − κ|v_b|,
-/// the mirror image of the release point. In truth slip gains energy of order ε, and the mass meets
-/// the belt farther out, by O(√ε). The formulas are therefore poor: the errors are O(ε) in A1,
-/// O(ε^{3/2}) in T (no better in order than T = 2π) and O(ε^{1/2}) in the durations. For a cubic
-/// law use [`first_order`](Self::first_order) and [`second_order`](Self::second_order). Range of
-/// validity: κ > 0, and 0 < |v_b| < v_b0 for the polynomial law.
+/// In these formulas the mass neither gains nor loses energy during slip, so the slip arc ends at ū
+/// − κ|v_b|, the mirror image of the release point. In reality the mass gains energy of order ε,
+/// and the arc ends farther from ū, by O(√ε). The formulas are therefore inaccurate: the errors are
+/// O(ε) in A1, O(ε^{3/2}) in T (the same order as for T = 2π) and O(ε^{1/2}) in the durations. For
+/// a cubic law use [`first_order`](Self::first_order) and [`second_order`](Self::second_order).
+/// Range of validity: κ > 0, and 0 < |v_b| < v_b0 for the polynomial law.
 ///
-/// Everything is dimensionless and holds for both signs of v_b.
+/// All quantities are dimensionless. The formulas hold for both signs of v_b.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 16-18, for any law.
 ///
@@ -70,9 +70,9 @@ struct Cubic {
 }
 
 impl StickSlip {
-    /// The formulas for a system. `None` if v_b = 0, if κ ≤ 0 (the damper's force at the belt
-    /// velocity is at least the difference between static and kinetic friction), or if κ is not
-    /// finite.
+    /// Computes the formulas for a system. `None` if v_b = 0, if κ ≤ 0 (the damper's force at the
+    /// belt velocity is at least the difference between static and kinetic friction), or if κ is
+    /// not finite.
     ///
     /// A system with κ ≤ 0 may still have a stick-slip cycle, but these formulas do not describe
     /// it.
@@ -119,16 +119,16 @@ impl StickSlip {
         self.kappa
     }
 
-    /// Amplitude A1 = |v_b|√(1 + κ²), dimensionless. Error O(ε), whether taken for u_max − ū, for
-    /// ū − u_min or for half the range of u.
+    /// Amplitude A1 = |v_b|√(1 + κ²), dimensionless. Its error is O(ε) as an approximation of u_max
+    /// − ū, of ū − u_min, or of half the range of u.
     ///
     /// Source: Eq. 18.
     pub fn amplitude(&self) -> f64 {
         self.belt_velocity.abs() * self.kappa.hypot(1.0)
     }
 
-    /// Largest speed against the belt's direction, which is A1 too. (In the belt's direction the
-    /// largest speed is |v_b|, exactly.) Dimensionless, error O(ε).
+    /// Largest speed of the mass against the belt's direction, also A1. (In the belt's direction
+    /// the largest speed is exactly |v_b|.) Dimensionless, error O(ε).
     ///
     /// Source: Eq. 17.
     pub fn velocity_amplitude(&self) -> f64 {
@@ -163,8 +163,8 @@ impl StickSlip {
         TAU / self.period()
     }
 
-    /// The cycle to first order in ε, with the energy that slip gains. For errors and range see
-    /// [`StickSlipCycle`].
+    /// The cycle to first order in ε, which includes the energy gained during slip. For errors and
+    /// range see [`StickSlipCycle`].
     ///
     /// `None`
     ///
@@ -324,7 +324,7 @@ impl Cubic {
 ///
 /// Let H1 = h1, H2 = h2 v_b and H3 = h3 v_b², with h1, h2, h3 of [`PureSlip`](super::PureSlip). For
 /// any cubic law H1 = 2β + γ² dμ̂/ds, H2 = −½γ²v_b d²μ̂/ds² and H3 = (1/6)γ²v_b² d³μ̂/ds³, at s =
-/// v_b. To first order, for v_b > 0 (mirrored for v_b < 0):
+/// v_b. To first order, for v_b > 0 (the mirror image for v_b < 0):
 ///
 /// ```text
 /// u_max = ū + v_b[1 − (π/4)H1 − (2/3)H2 − (3π/16)H3]
@@ -358,13 +358,14 @@ impl Cubic {
 /// as ε → 0 at fixed μ_s. If μ_s and μ_m are raised by the same constant, the stick band widens and
 /// u − ū stays as it is.
 ///
-/// As |v_b| → v_b0 stick shrinks like √d, d = 1 − |v_b|/v_b0. But it ends at
-/// [`grazing_velocity`](super::PureSlip::grazing_velocity), a little above v_b0: so the duration of
-/// the second order is too short by the fraction (3461/153600) q²/d of itself, with the q of that
-/// function, as long as this fraction is small. Keep d above q², or compute the exact cycle. The
-/// errors of the extremes and of the period do not grow.
+/// As |v_b| → v_b0, the duration of stick in these formulas goes to zero like √d, with d = 1
+/// − |v_b|/v_b0. In the exact motion it goes to zero at
+/// [`grazing_velocity`](super::PureSlip::grazing_velocity), a little above v_b0. The second-order
+/// duration of stick is therefore too short, by the fraction (3461/153600) q²/d as long as this
+/// fraction is small, with the q of `grazing_velocity`. Keep d above q², or compute the exact
+/// cycle. The errors of the extremes and of the period do not grow.
 ///
-/// Source: expansion of the slip arc out of the release point, which replaces Eqs. 16-18.
+/// Source: expansion of the slip arc that begins at the release point, which replaces Eqs. 16-18.
 ///
 /// ```
 /// use stick_slip::analysis::StickSlip;
@@ -405,7 +406,7 @@ pub struct StickSlipCycle {
     /// along the belt that would follow if friction did not jump at the belt velocity. Slip gains
     /// the energy v_b²(W + W²/2).
     pub growth: f64,
-    /// Return angle δ, in radians, which is q0 to first order: the phase by which the mass meets
-    /// the belt before a full period of free vibration is complete.
+    /// Return angle δ, in radians, which is q0 to first order: the phase by which the slip arc is
+    /// shorter than a full period of free vibration.
     pub return_angle: f64,
 }

@@ -11,7 +11,7 @@ use crate::state::State;
 /// ```
 ///
 /// The first equation is Bernoulli's, linear in 1/A². All quantities are dimensionless. Errors are
-/// O(ε) for times up to O(1/ε), in the range A(τ) ≤ |v_b|.
+/// O(ε) for times up to O(1/ε), as long as A(τ) ≤ |v_b|.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eq. 12, corrected: the right sides must be means over a
 /// cycle, and only A is stationary on a cycle. [`PureSlip::transient`](super::PureSlip::transient)
@@ -67,8 +67,8 @@ impl Transient {
         })
     }
 
-    /// Amplitude A(τ), dimensionless. Backwards in time the amplitude may grow beyond all bounds:
-    /// `None` at and before the time at which the formula gives A = ∞, and for a time that is NaN.
+    /// Amplitude A(τ), dimensionless. Backwards in time the amplitude may grow without bound. The
+    /// result is `None` at and before the time at which A = ∞, and for a time that is NaN.
     pub fn amplitude(&self, time: f64) -> Option<f64> {
         let (a, h1) = (self.initial_amplitude, self.h1);
         if a == 0.0 && !time.is_nan() {
@@ -105,8 +105,8 @@ impl Transient {
         self.initial_phase + time
     }
 
-    /// State (u, v) = (ū + A sin ψ, A cos ψ), dimensionless. `None` where
-    /// [`amplitude`](Self::amplitude) is.
+    /// State (u, v) = (ū + A sin ψ, A cos ψ), dimensionless. `None` if
+    /// [`amplitude`](Self::amplitude) is `None`.
     ///
     /// ```
     /// use stick_slip::analysis::PureSlip;

@@ -13,9 +13,8 @@ use crate::limit_cycle::Tracer;
 /// Searches a family of systems along any parameter: a load, a damping, a coefficient of the law, a
 /// belt velocity, or any other number from which the closure makes a system.
 ///
-/// The searches are the methods of [`Along`]. Negative values in the range are searched like
-/// positive ones: no symmetry about 0 is assumed. The family should be continuous in the parameter,
-/// except at a few values.
+/// The searches are the methods of [`Along`]. The range may contain negative values; no symmetry
+/// about 0 is assumed. The family should be continuous in the parameter, except at a few values.
 ///
 /// ```
 /// use stick_slip::{Error, Exponential, MassOnBelt, bifurcation};
@@ -41,11 +40,12 @@ pub fn along<'f, L: FrictionLaw>(
     Along::of(Family::Systems(Box::new(family)), range, "parameter")
 }
 
-/// Searches one system along its belt velocity: the functions
-/// [`hopf_velocities`](super::hopf_velocities), [`grazing_velocities`](super::grazing_velocities)
-/// and so on, with a bound of the work or a watcher. The system's own v_b is ignored.
+/// Searches one system along its belt velocity. The methods of the result do the same as the
+/// functions [`hopf_velocities`](super::hopf_velocities),
+/// [`grazing_velocities`](super::grazing_velocities) and so on, and accept a bound of the work and
+/// a watcher. The system's own v_b is ignored.
 ///
-/// A range that holds velocities of both signs is searched in two parts, below 0 and above.
+/// A range with velocities of both signs is searched in two parts, below and above 0.
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, bifurcation};
@@ -66,24 +66,24 @@ pub fn along_velocities<L: FrictionLaw>(system: &MassOnBelt<L>, range: Range<f64
 ///
 /// # Cost
 ///
-/// The unit of work is a step of a slip phase, about a microsecond; where friction is so stiff that
-/// a step takes several series, it counts for as many. An oscillation takes about ten steps, and
-/// two more for each breakpoint of the law that it passes. For one system [`hopf`](Self::hopf)
+/// The unit of work is a step of a slip phase, about a microsecond. If friction is so stiff that a
+/// step needs several series, the step counts several times. An oscillation takes about ten steps,
+/// and two more for each breakpoint of the law that it passes. For one system [`hopf`](Self::hopf)
 /// takes no steps; [`grazing`](Self::grazing), [`touching`](Self::touching) and
 /// [`overshoot`](Self::overshoot) take one slip arc, [`crossing`](Self::crossing) two;
 /// [`folds`](Self::folds) takes some ten oscillations for a smooth law, and up to a hundred for a
-/// table of scattered points. A range takes 65 systems, and some tens more for each value that is
-/// found. [`vibration_ranges`](Self::vibration_ranges) costs all six searches.
+/// table of scattered points. A search of a range computes 65 systems, and some tens more for each
+/// value that is found. [`vibration_ranges`](Self::vibration_ranges) makes all six searches.
 ///
-/// A million steps take one to two seconds. For example, folds for a table of n widely scattered
-/// points take about 200 n² steps: a second for 60 points; a minute or two, and a larger bound, for
-/// 400.
+/// A million steps take one to two seconds. For example, the folds for a table of n widely
+/// scattered points take about 200 n² steps: a second for 60 points; for 400 points a minute or
+/// two, with a larger bound.
 ///
-/// A search stops after [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS), or the bound of
-/// [`with_max_steps`](Self::with_max_steps), or at the request of a closure that
-/// [watches](Self::watched) it. Both are checked before each system, and one system takes at most
-/// about 2·10⁵ steps. Nothing is lost: [`Error::Stopped`] holds the value reached and the results
-/// below it. Smooth the table, raise the bound, or search the rest of the range.
+/// A search stops after [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) steps, or after the number
+/// set by [`with_max_steps`](Self::with_max_steps), or if its [watcher](Self::watched) requests it.
+/// The bound and the watcher are checked before each system; one system takes at most about 2·10⁵
+/// steps. [`Error::Stopped`] contains the value reached and the results below it, so no result is
+/// lost. Then smooth the table, raise the bound, or search the rest of the range.
 pub struct Along<'f, L> {
     family: Family<'f, L>,
     range: Range<f64>,
@@ -107,7 +107,7 @@ enum Family<'f, L> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Progress {
-    /// Value of the parameter searched next. On the whole it ascends.
+    /// Value of the parameter that is searched next. It ascends in general, but not in every step.
     pub value: f64,
     /// Number of systems searched so far.
     pub systems: usize,
@@ -116,9 +116,9 @@ pub struct Progress {
 }
 
 impl<'f, L: FrictionLaw> Along<'f, L> {
-    /// The default bound of the work of a search, in steps of slip phases: five to ten seconds. The
-    /// functions of [`bifurcation`](super) that search a range, and those that search for silence,
-    /// have this bound, too.
+    /// The default bound of the work of a search, in steps of slip phases: five to ten seconds. It
+    /// is also the bound of the functions of [`bifurcation`](super) that search a range or a border
+    /// of vibration.
     pub const DEFAULT_MAX_STEPS: usize = DEFAULT_MAX_STEPS;
 
     fn of(family: Family<'f, L>, range: Range<f64>, parameter: &'static str) -> Self {
@@ -170,8 +170,9 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
         Ok(Self { max_steps, ..self })
     }
 
-    /// Calls `watch` before each system of a search: it can show the progress, and stop the search
-    /// with [`ControlFlow::Break`]; the search then returns [`Error::Stopped`].
+    /// Sets the watcher, a function that is called before each system of a search. It can show the
+    /// progress, and it can stop the search by [`ControlFlow::Break`]; the search then returns
+    /// [`Error::Stopped`].
     ///
     /// ```
     /// use std::ops::ControlFlow::{Break, Continue};

@@ -17,18 +17,18 @@ use crate::state::Direction;
 ///
 /// For a law with μ̂(0) = μ_s a pure-slip cycle touches the belt velocity at this v_b and becomes
 /// stick-slip. For a law with μ̂(0) < μ_s (Coulomb) the stick-slip cycle disappears, and no
-/// pure-slip cycle takes its place; pure-slip cycles touch the belt velocity elsewhere, at the
-/// [`touching_velocities`].
+/// pure-slip cycle takes its place; pure-slip cycles touch the belt velocity at other values of
+/// v_b, the [`touching_velocities`].
 ///
 /// The velocities are the roots of a function of v_b that is smooth at each root. If the velocity
 /// of the mass reaches that of the belt, the function is w²/(2v_b²), where w is the rate of change
-/// of the relative velocity at the instant when it is 0 again. If the velocity of the mass has a
-/// maximum V below v_b, the function is V/v_b − 1. If v_b is such a velocity, so is −v_b, because
+/// of the relative velocity at the instant at which it is 0 again. If the velocity of the mass has
+/// a maximum V below v_b, the function is V/v_b − 1. If v_b is such a velocity, so is −v_b, because
 /// the motions are mirror images: both are returned if both lie in the range. The range is divided
 /// into 64 intervals, and each interval that may hold a root is divided further, into up to 2¹⁰
-/// parts. If the range is a thousand times wider than the part in which the system vibrates, a root
-/// may be missed: take a narrower range. Velocities below 64 ε γ²μ_s, with ε = 2⁻⁵², are not
-/// searched: there, a motion of size v_b is lost in the rounding of u.
+/// parts. A root may be missed if the range is a thousand times wider than the part in which the
+/// system vibrates; use a narrower range in this case. Velocities below 64 ε γ²μ_s, with ε = 2⁻⁵²,
+/// are not searched, because a motion of size v_b is then smaller than the rounding errors of u.
 ///
 /// Source: sliding bifurcations, di Bernardo, Budd, Champneys and Kowalczyk, *Piecewise-smooth
 /// Dynamical Systems* (Springer 2008), chapter 8.
@@ -57,9 +57,9 @@ pub fn grazing_velocities<L: FrictionLaw>(
 }
 
 /// Belt velocities in `range`, ascending and dimensionless, at which plain stick-slip changes into
-/// overshoot, or overshoot into plain stick-slip. There, when the mass first reaches the belt
-/// velocity again after release, its displacement is that of the other end of the stick band,
-/// opposite to the release point.
+/// overshoot, or overshoot into plain stick-slip. At such a v_b the mass, when it first reaches the
+/// belt velocity again after release, is exactly at the end of the stick band opposite to the
+/// release point.
 ///
 /// The range is searched as by [`grazing_velocities`].
 ///
@@ -84,8 +84,8 @@ pub fn overshoot_velocities<L: FrictionLaw>(
 }
 
 /// Belt velocities in `range`, ascending and dimensionless, at which overshoot changes into
-/// crossing or back: after release and a crossing the mass comes back to the belt exactly at the
-/// release point.
+/// crossing or back: after release and a crossing, the mass returns to the belt velocity exactly at
+/// the release point.
 ///
 /// The range is searched as by [`grazing_velocities`].
 ///
@@ -116,16 +116,16 @@ pub fn crossing_velocities<L: FrictionLaw>(
 
 /// Belt velocities in `range`, ascending and dimensionless, at which a pure-slip cycle touches the
 /// belt velocity: its velocity maximum is v_b. On one side of such a v_b the cycle, stable or not,
-/// stays slower than the belt; on the other side it does not exist, because it would reach the belt
-/// and stick.
+/// stays slower than the belt. On the other side it does not exist, because the mass would reach
+/// the belt velocity and stick.
 ///
 /// For a law with μ̂(0) = μ_s these are the [`grazing_velocities`]. For a law with μ̂(0) < μ_s the
 /// cycle touches the belt velocity inside the stick band, and the stick-slip cycle does not change
 /// there.
 ///
-/// The velocities are the roots of the function that [`grazing_velocities`] describes, for the
-/// motion from the velocity maximum v_b instead of the release point, and the range is searched as
-/// there.
+/// The velocities are the roots of the function described at [`grazing_velocities`], but for the
+/// motion that starts at the velocity maximum v_b instead of the release point. The range is
+/// searched in the same way.
 ///
 /// Source: grazing bifurcations of limit cycles, di Bernardo, Budd, Champneys and Kowalczyk,
 /// *Piecewise-smooth Dynamical Systems* (Springer 2008), chapters 7 and 8.

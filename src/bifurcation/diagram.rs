@@ -5,7 +5,8 @@ use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::limit_cycle::{CycleSet, find_all};
 
-/// Equilibrium and periodic motions at one belt velocity: all that a system can settle to.
+/// The equilibrium and all periodic motions at one belt velocity: all motions to which a system can
+/// settle.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -18,14 +19,14 @@ pub struct DiagramPoint {
     pub cycles: CycleSet,
 }
 
-/// Equilibrium and periodic motions at each of a list of belt velocities (dimensionless). Each is
-/// computed when the iterator comes to it; the system's own v_b is ignored.
+/// Equilibrium and periodic motions at each of a list of belt velocities (dimensionless). Each item
+/// is computed when the iterator reaches it. The system's own v_b is ignored.
 ///
 /// # Errors
 ///
 /// Each item can be an error of [`MassOnBelt::with_belt_velocity`], or [`Error::At`] with the belt
 /// velocity and one of the errors of [`find`](crate::limit_cycle::find); the iterator continues
-/// after it.
+/// after an error.
 ///
 /// ```
 /// use stick_slip::{CycleKind, MassOnBelt, Polynomial, bifurcation};

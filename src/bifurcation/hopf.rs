@@ -16,14 +16,14 @@ use crate::orbit::Criticality;
 ///
 /// The law is expanded in power series from one end of the range to the other. Each series is used
 /// only within its radius of convergence, and is compared with the law at three points of its
-/// interval. The roots of the series are isolated so that none is skipped. Where h1 touches zero to
-/// rounding and keeps its sign, stability does not change, and nothing is reported. If v_b is such
+/// interval. The roots of the series are isolated so that none is skipped. If h1 touches zero (to
+/// rounding) and keeps its sign, stability does not change, and nothing is reported. If v_b is such
 /// a velocity, so is −v_b, because the motions are mirror images: both are returned if both lie in
 /// the range. A [breakpoint](FrictionLaw::breakpoints) at which h1 jumps over zero is reported. If
 /// h1 is zero over a whole interval of velocities and has different signs on its two sides, the end
 /// of the interval with the larger |v_b| is reported.
 ///
-/// For the exponential law there is the closed form
+/// For the exponential law see the closed form
 /// [`analysis::exponential::hopf_velocities`](crate::analysis::exponential::hopf_velocities).
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 10a and 14, for any law.
@@ -57,13 +57,13 @@ impl<L: FrictionLaw> Along<'_, L> {
     ///
     /// Over belt velocities the search is that of [`hopf_velocities`]. Over another parameter h1 is
     /// only sampled: the range is divided into 64 intervals, and each interval that may hold a root
-    /// is divided further, into up to 2¹⁰ parts. A value at which h1 jumps over zero is reported
-    /// too.
+    /// is divided further, into up to 2¹⁰ parts. A value at which h1 jumps over zero is also
+    /// reported.
     ///
     /// # Errors
     ///
-    /// The errors of [`hopf_velocities`] along the belt velocity, otherwise the errors of
-    /// [`grazing`](Self::grazing).
+    /// In a search over the belt velocity, the errors of [`hopf_velocities`]; in a search over
+    /// another parameter, the errors of [`grazing`](Self::grazing).
     pub fn hopf(&self) -> Result<Vec<f64>, Error> {
         self.over_parts(&mut hopf)
     }
@@ -121,8 +121,9 @@ fn relative_damping(work: &Work<'_, '_>, value: f64) -> Result<Option<f64>, Erro
 /// Returns whether a pure-slip cycle born at the Hopf point v_b is stable (supercritical) or
 /// unstable (subcritical), from the sign of μ̂'''(|v_b|).
 ///
-/// v_b is not checked to be a Hopf point. At a breakpoint of the law, the piece above counts. If h1
-/// jumps over zero at the breakpoint, the third derivative does not decide.
+/// The function does not check that v_b is a Hopf point. If |v_b| is a breakpoint of the law, the
+/// derivative of the piece above it is used; if h1 jumps over zero at this breakpoint, the third
+/// derivative does not decide.
 ///
 /// ```
 /// use stick_slip::bifurcation::{Criticality, criticality, hopf_velocities};

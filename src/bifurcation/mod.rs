@@ -26,35 +26,35 @@
 #![doc = include_str!("../figures/regimes.svg")]
 //!
 //! *Attractors over belt velocity and damping, with computed borders: Hopf points (black), grazing
-//! (blue), overshoot and crossing (purple), folds (green). (a) Polynomial law with μ_s = 0.4,
-//! μ_m = 0.1, v_m = 1, γ² = 0.15. (b) Exponential law with μ_s = 0.6, μ_k = 0.3, v_s = 0.4,
-//! γ² = 1: two motions can be stable side by side.*
+//! (blue), overshoot and crossing (purple), folds (green). (a) Polynomial law with μ_s = 0.4, μ_m =
+//! 0.1, v_m = 1, γ² = 0.15. (b) Exponential law with μ_s = 0.6, μ_k = 0.3, v_s = 0.4, γ² = 1: two
+//! stable motions can coexist.*
 //!
 //! | function | event at the values that it returns |
 //! |---|---|
-//! | [`hopf_velocities`] | the equilibrium loses or regains stability, and a pure-slip cycle is born; [`criticality`] says on which side |
+//! | [`hopf_velocities`] | the equilibrium loses or regains stability, and a pure-slip cycle is born; [`criticality`] returns the side on which it exists |
 //! | [`grazing_velocities`] | stick-slip appears or disappears: the motion from the release point returns to the belt tangentially |
 //! | [`touching_velocities`] | a pure-slip cycle touches the belt velocity, and appears or disappears |
 //! | [`fold_velocities`] | a stable and an unstable pure-slip cycle meet |
 //! | [`overshoot_velocities`] | the mass begins to overtake the belt before it sticks |
 //! | [`crossing_velocities`] | the mass no longer sticks |
-//! | [`vibration_ranges`] | the set of attractors changes; bistable ranges are named |
+//! | [`vibration_ranges`] | the set of attractors changes; bistable ranges are also returned |
 //! | [`silencing_damping`] | with this damping or more no vibration lasts, at one belt velocity |
 //! | [`silencing_load`] | with this load or less no vibration lasts, at one belt velocity |
 //! | [`hopf_locus`] | the equilibrium of any system loses stability: curves in two parameters, with their special points |
 //!
 //! Every velocity is a root of an exact function of the belt velocity, bracketed and refined to
 //! round-off. The documentation of each function says how densely it searches a range; a narrower
-//! range is searched more closely. Negative velocities are searched too: motions there are the
-//! mirror images.
+//! range is searched more densely. Negative velocities are also searched: their motions are mirror
+//! images of those at positive velocities.
 //!
-//! [`along`] makes the same searches over any other parameter: a load, a damping, a coefficient of
-//! the law. Its methods, and those of [`along_velocities`], accept a bound of work and a watcher;
+//! [`along`] makes these searches over any other parameter: a load, a damping, a coefficient of the
+//! law. Its methods, and those of [`along_velocities`], accept a bound of work and a watcher;
 //! [`Along`] states the cost of a search.
 //!
 //! [`diagram`] lists the equilibrium and all cycles for each of a list of belt velocities.
 //! [`analysis`](crate::analysis) has closed forms of some of these velocities for some laws;
-//! [`orbit::follow`](crate::orbit::follow) follows the motions of any system.
+//! [`orbit::follow`](crate::orbit::follow) follows the periodic motions of any system.
 
 // | file | what is in it |
 // |---|---|

@@ -11,22 +11,22 @@ use crate::friction::{FrictionLaw, is_constant_on};
 use crate::limit_cycle::{CycleKind, Tracer, find_moving};
 use crate::numerics::scan::INTERVALS;
 
-/// The attractors over a range of belt velocities: the range is cut into intervals in each of which
-/// the mass can settle to the same motions. Neighbouring intervals differ.
+/// The attractors over a range of belt velocities. The result is a list of intervals. Within one
+/// interval the attractors are the same; in neighbouring intervals they differ.
 ///
 /// The range is cut at all Hopf, grazing, touching, overshoot, crossing and fold velocities, and
 /// where a [continuum](crate::limit_cycle::Continuum) begins. In each interval between two of them,
-/// [`find`](crate::limit_cycle::find) is called at three velocities; if they disagree (folds of
-/// crossing cycles have no search of their own) the border is found by bisection, to 10⁻¹² of the
-/// velocity. Borders that are closer to each other than that are merged. v_b = 0 is a border, too:
-/// there the mass comes to rest. Just beyond a supercritical Hopf velocity the new cycle is smaller
-/// than `find` detects; these velocities are reported with the attractors of the larger ones next
-/// to them.
+/// [`find`](crate::limit_cycle::find) is called at three velocities; if their attractors differ,
+/// the border between them is found by bisection, to 10⁻¹² of the velocity. (This happens at folds
+/// of crossing cycles, for which there is no special search.) Borders that are closer to each other
+/// than 10⁻¹² are merged. v_b = 0 is also a border, because the mass comes to rest there. Just
+/// beyond a supercritical Hopf velocity the new cycle is too small for `find`; at these velocities
+/// the attractors of the neighbouring part of the range are reported, in which the cycle is larger.
 ///
 /// The cost is that of the six searches, and three searches by `find` for each interval; intervals
 /// narrower than a 64th of the range are searched once more for grazing, touching, overshoot and
-/// crossing. To bound it or to watch it, and for any other parameter, use
-/// [`Along::vibration_ranges`].
+/// crossing. [`Along::vibration_ranges`] accepts a bound and a watcher, and searches along any
+/// other parameter.
 ///
 /// # Errors
 ///
@@ -58,7 +58,7 @@ pub fn vibration_ranges<L: FrictionLaw>(
     along_velocities(system, range).vibration_ranges()
 }
 
-/// An interval of belt velocities in which a mass on a belt can settle to the same motions;
+/// An interval of belt velocities with the same attractors throughout, for a mass on a belt;
 /// returned by [`vibration_ranges`], which finds every attractor at each velocity that it tries.
 /// For any other system, [`orbit::VibrationRange`](crate::orbit::VibrationRange) is the similar
 /// type, with the kinds of attractors of structures and the reason for each border; its search can
@@ -76,8 +76,8 @@ pub struct VibrationRange {
 }
 
 impl VibrationRange {
-    /// Returns true if the start decides to which motion the mass settles: there are two attractors
-    /// or more.
+    /// Returns true if there are two or more attractors, so that the start decides to which motion
+    /// the mass settles.
     pub fn is_bistable(&self) -> bool {
         self.attractors.len() > 1
     }
@@ -100,8 +100,8 @@ impl VibrationRange {
 pub enum AttractorKind {
     /// Steady sliding, if it is stable.
     Equilibrium,
-    /// A family of periodic motions about steady sliding, none of which attracts: a motion that
-    /// reaches the family stays on one of them.
+    /// A family of periodic motions about steady sliding. None of them is asymptotically stable: a
+    /// motion that reaches the family remains one of its members.
     Continuum,
     /// A stable cycle of this kind.
     Cycle(CycleKind),

@@ -5,26 +5,28 @@ use crate::friction::FrictionLaw;
 use crate::limit_cycle::{Tracer, find_moving, is_frictionless};
 use crate::numerics::bracket::Bracket;
 
-/// The least damping ratio β, dimensionless, from which on no vibration lasts at the system's belt
-/// velocity: steady sliding is stable, and there is no periodic motion. With less damping there is
-/// a periodic motion, or steady sliding is unstable. The system's own β is ignored; 0 at v_b = 0.
+/// The least damping ratio β, dimensionless, at which no vibration lasts at the system's belt
+/// velocity. With this damping or more, steady sliding is stable, and there is no periodic motion.
+/// With less damping there is a periodic motion, or steady sliding is unstable. The system's own β
+/// is ignored. The result is 0 if v_b = 0.
 ///
-/// Such a border exists because more damping turns the velocity field inwards at every state. Take
-/// a cycle at one β. With less damping, every motion that starts outside this curve stays outside
-/// it and never reaches steady sliding. A system that vibrates at one β can therefore vibrate at
-/// every smaller one.
+/// Such a border exists because more damping rotates the vector field inwards at every state.
+/// Consider a cycle at one value of β, as a closed curve. With less damping, every motion that
+/// starts outside this curve stays outside it and never reaches steady sliding. A system that can
+/// vibrate at one β can therefore vibrate at every smaller β.
 ///
-/// Steady sliding becomes stable at the border (β = −½γ²dμ̂/ds(|v_b|)), or the last two cycles
-/// meet, or stick-slip grazes the belt. The border is enclosed by doubling β and narrowed to
-/// neighbouring numbers. [`find`](crate::limit_cycle::find) decides whether a system vibrates, so
-/// the result is as complete as that search; a range that [cannot be
+/// One of three changes happens at the border: steady sliding becomes stable (β =
+/// −½γ²dμ̂/ds(|v_b|)), the last two cycles meet, or the stick-slip cycle grazes the belt velocity.
+/// The border is enclosed by doubling β and narrowed to neighbouring numbers.
+/// [`find`](crate::limit_cycle::find) decides whether a system vibrates, so the result is as
+/// complete as that search; a range that [cannot be
 /// resolved](crate::limit_cycle::CycleSet::unresolved) counts as a vibration. On very slow belts
-/// and near steady sliding, one period may change a motion by less than rounding does; `find` then
-/// decides by averaging. If steady sliding becomes stable and vibration ends within a relative 10⁻⁸
-/// of the same β, the two are not distinguished.
+/// and near steady sliding, a motion may change over one period by less than the rounding error;
+/// `find` then decides by averaging. If steady sliding becomes stable and vibration ends within a
+/// relative 10⁻⁸ of the same β, the two are not distinguished.
 ///
-/// It takes one search by `find` if the vibration ends with the instability of steady sliding,
-/// otherwise 60 to 130. To bound or to watch them, use [`Along::silence`].
+/// The function calls `find` once if the vibration ends where steady sliding becomes stable,
+/// otherwise 60 to 130 times. [`Along::silence`] accepts a bound of the work and a watcher.
 ///
 /// Source: cycles of rotated vector fields, Duff, *Ann. Math.* 57 (1953) 15-31.
 ///
@@ -91,23 +93,28 @@ fn judged<'s>(
     search(&|value| Ok(work.moving_at(value, &mut has_cycles)?.unwrap_or(false)))
 }
 
-/// The largest friction load γ², dimensionless, up to which no vibration lasts at the system's belt
+/// The largest friction load γ², dimensionless, with which no vibration lasts at the system's belt
 /// velocity and damping. The system's own γ² is ignored.
 ///
-/// Steady sliding becomes unstable at the border (γ² = −2β/(dμ̂/ds(|v_b|))), or two cycles appear,
-/// or stick-slip does. Three cases have no such border. No load silences an undamped mass whose
-/// steady sliding is unstable or surrounded by a [`Continuum`](crate::limit_cycle::Continuum): the
-/// result is 0. It is also 0 if the mass vibrates under the least load tried, 10⁻⁶ of (1 +
-/// β)|v_b|/μ_s. If it does not vibrate under 10⁶ times (1 + β)|v_b|/μ_s, the result is the load
-/// that makes steady sliding unstable, or infinite if there is none. At v_b = 0 it is infinite.
+/// One of three changes happens at the border: steady sliding becomes unstable (γ² =
+/// −2β/(dμ̂/ds(|v_b|))), two cycles appear, or a stick-slip cycle appears. Let γ_1² = (1 +
+/// β)|v_b|/μ_s. Without a border the result is one of these:
+/// * 0 if the mass is undamped and its steady sliding is unstable or surrounded by a
+///   [`Continuum`](crate::limit_cycle::Continuum): no load silences it;
+/// * 0 if the mass vibrates under the least load tried, 10⁻⁶γ_1²;
+/// * the load at which steady sliding becomes unstable if the mass does not vibrate under 10⁶γ_1²,
+///   or ∞ if there is no such load;
+/// * ∞ if v_b = 0.
 ///
-/// The border is enclosed by doubling or halving γ², from (1 + β)|v_b|/μ_s on, and narrowed to
+/// The border is enclosed by doubling or halving γ², beginning with γ_1², and narrowed to
 /// neighbouring numbers; [`find`](crate::limit_cycle::find) decides whether the mass vibrates, as
-/// for [`silencing_damping`]. More damping always silences; that less load does is not proved. If
-/// the loads that vibrate are not one interval, the result is one of their borders;
-/// [`Along::vibration_ranges`] lists all.
+/// for [`silencing_damping`]. It is proved that a system without vibration has none with more
+/// damping. For smaller loads there is no such proof: the loads with vibration may form several
+/// intervals, and the result is then a border of one of them. [`Along::vibration_ranges`] lists all
+/// borders.
 ///
-/// It takes up to 130 searches by `find`. To bound or to watch them, use [`Along::silence`].
+/// The function calls `find` up to 130 times. [`Along::silence`] accepts a bound of the work and a
+/// watcher.
 ///
 /// # Errors
 ///
@@ -175,15 +182,14 @@ fn largest_load(system: Belt<'_>) -> Result<f64, Error> {
 }
 
 impl<L: FrictionLaw> Along<'_, L> {
-    /// The value of the parameter at which vibration ends or begins between the ends of the range:
-    /// on one side of it the mass can vibrate, on the other side it cannot. `None` if the mass can
-    /// vibrate at both ends, or at neither.
+    /// A value of the parameter within the range at which vibration begins or ends: on one side of
+    /// this value the mass can vibrate, on the other side it cannot. `None` if the mass can vibrate
+    /// at both ends of the range, or at neither end.
     ///
-    /// The mass can vibrate if steady sliding is unstable, or if
-    /// [`find`](crate::limit_cycle::find) finds a cycle, a continuum or an unresolved range. The
-    /// result is the lower of two neighbouring numbers between which this changes. If it changes
-    /// more often, one of the changes is found; [`vibration_ranges`](Self::vibration_ranges) lists
-    /// all.
+    /// The mass can vibrate if steady sliding is unstable, or if [`find`](crate::limit_cycle::find)
+    /// finds a cycle, a continuum or an unresolved range. The result is the lower of two
+    /// neighbouring numbers between which this changes. If there are several such changes, one of
+    /// them is found; [`vibration_ranges`](Self::vibration_ranges) lists all.
     ///
     /// # Errors
     ///

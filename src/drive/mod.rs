@@ -1,6 +1,7 @@
 //! Functions of time, as data.
 //!
-//! A time inside the crate is a [`Clock`]: after 10⁹ periods the phase is that of the exact time.
+//! A time inside the crate is a [`Clock`]: even after 10⁹ periods the phase has no accumulated
+//! error.
 
 // | file | what is in it |
 // |---|---|
@@ -65,7 +66,8 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// The constant c. A value that is not finite is refused by the function that uses the drive.
+    /// Creates the constant drive c. If c is not finite, the function that uses the drive returns
+    /// an error.
     pub const fn constant(value: f64) -> Self {
         Self {
             constant: value,
@@ -74,7 +76,7 @@ impl Drive {
         }
     }
 
-    /// A·cos(Ωt + φ).
+    /// Creates the drive A·cos(Ωt + φ).
     ///
     /// # Errors
     ///
@@ -83,7 +85,7 @@ impl Drive {
         Self::constant(0.0).with_harmonic(amplitude, angular_frequency, phase)
     }
 
-    /// A·sin(Ωt): exactly 0 at t = 0.
+    /// Creates the drive A·sin(Ωt), which is exactly 0 at t = 0.
     ///
     /// # Errors
     ///
@@ -97,22 +99,22 @@ impl Drive {
         Self::constant(0.0).with_sine(amplitude, angular_frequency)
     }
 
-    /// Straight lines through points (time, value); constant before the first point and after the
-    /// last.
+    /// Creates a drive of straight lines through points (time, value). It is constant before the
+    /// first point and after the last point.
     ///
-    /// Times must not descend. Two points at one time are a jump, and the second value holds from
-    /// that time on: a force may jump, and so may a load, but not the velocity of a belt.
+    /// Times must not descend. Two points at one time describe a jump; from this time on the second
+    /// value holds. A force or a load may jump, but the velocity of a belt must not.
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] if there is no point. [`Error::BadPoint`], with the first point
+    /// [`Error::InvalidParameter`] if the list is empty. [`Error::BadPoint`], with the first point
     /// at fault, unless all numbers are finite, the times do not descend, no three points share a
     /// time, and no slope overflows.
     pub fn profile(points: &[(f64, f64)]) -> Result<Self, Error> {
         Self::constant(0.0).with_profile(points)
     }
 
-    /// The same drive plus a constant c.
+    /// Adds a constant c.
     ///
     /// # Errors
     ///
@@ -130,7 +132,7 @@ impl Drive {
         Ok(self)
     }
 
-    /// The same drive plus A·cos(Ωt + φ).
+    /// Adds A·cos(Ωt + φ).
     ///
     /// # Errors
     ///
@@ -147,7 +149,7 @@ impl Drive {
         self.with_waves(angular_frequency, amplitude * cosine, -amplitude * sine)
     }
 
-    /// The same drive plus A·sin(Ωt).
+    /// Adds A·sin(Ωt).
     ///
     /// # Errors
     ///
@@ -157,7 +159,7 @@ impl Drive {
         self.with_waves(angular_frequency, 0.0, amplitude)
     }
 
-    /// The same drive plus straight lines through points.
+    /// Adds straight lines through points.
     ///
     /// # Errors
     ///
@@ -221,7 +223,7 @@ impl Drive {
     /// for a drive with a profile, or if the harmonics have no common period.
     ///
     /// Ratios of angular frequencies that are within 4 ulps of p/q with q ≤ 1000 count as
-    /// commensurate, since 1.65/0.55 is not 3 in `f64`.
+    /// commensurate, because in `f64` even 1.65/0.55 is not exactly 3.
     ///
     /// ```
     /// use stick_slip::Drive;

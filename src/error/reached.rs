@@ -1,7 +1,7 @@
 use super::numbers::Plain;
 use crate::state::structure::State;
 
-/// The time and the state that an integration had reached when it could not continue.
+/// The time and the state at which an integration could not continue.
 ///
 /// ```
 /// use stick_slip::{Error, Integrator, MassOnBelt, Polynomial, State};

@@ -54,7 +54,7 @@ pub enum NotSliding {
         load: f64,
     },
     /// The surfaces of an elastic contact do not move relative to each other when all masses are at
-    /// rest. The contact can then carry any force up to its limit, and the equilibria form a
+    /// rest. The contact can then transmit any force up to its limit, so the equilibria form a
     /// continuum.
     Continuum {
         /// Number of the contact.
@@ -65,7 +65,7 @@ pub enum NotSliding {
         /// Number of the contact.
         contact: usize,
     },
-    /// The stiffness matrix, with what friction adds to it, is singular.
+    /// The stiffness matrix, including the terms that friction adds to it, is singular.
     Singular,
     /// The eigenvalues could not be computed.
     Eigenvalues,

@@ -96,9 +96,9 @@ pub trait Scalar:
     + Mul<f64, Output = Self>
     + Div<f64, Output = Self>
 {
-    /// The constant c as a number of this type. The value of `self` is not used, only its type.
+    /// The constant c as a number of this type. Only the type of `self` is used, not its value.
     fn constant(self, c: f64) -> Self;
-    /// The base value: of an `f64` the number itself, of a series the coefficient of order 0.
+    /// The base value: for an `f64` the number itself, for a series the coefficient of order 0.
     ///
     /// A law may branch on the base value, and on nothing else. A law that calls `value` is
     /// evaluated for one motion at a time; laws that do not call it may be evaluated for several
@@ -114,7 +114,8 @@ pub trait Scalar:
     fn ln(self) -> Self;
     /// The square root √x; analytic for x > 0.
     fn sqrt(self) -> Self;
-    /// The power xⁿ for an integer n, by repeated products. Its power series is exact at x = 0 too.
+    /// The power xⁿ for an integer n, by repeated products. Its power series is also exact at x
+    /// = 0.
     fn powi(self, exponent: i32) -> Self;
     /// The power xᵖ. For an integral p it is [`powi`](Self::powi); any other power is analytic for
     /// x > 0.
@@ -129,7 +130,7 @@ pub trait Scalar:
     fn cos(self) -> Self;
     /// The absolute value |x|, by the sign of the base value. If the base value is 0, it is x.
     ///
-    /// A kink at a speed c > 0, as in `(speed - c).abs()`, must be named as a
+    /// A kink at a speed c > 0, as in `(speed - c).abs()`, must be returned as a
     /// [breakpoint](crate::FrictionLaw::breakpoints).
     fn abs(self) -> Self;
 }

@@ -8,17 +8,17 @@ use crate::error::Error;
 use crate::numerics::bracket::root_between;
 use crate::numerics::chebyshev::{Sample, brackets, isolate};
 
-/// The periodic motion of one mass on a spring, a damper and a Jenkins element under a harmonic
-/// force, with two turning points a period, at ±A. Exact to rounding.
+/// The periodic motion of one mass with a spring, a damper and a Jenkins element under a harmonic
+/// force, with two turning points in each period, at ±A. Exact to rounding.
 ///
 /// ```text
 /// m x'' + c x' + k x + T = P cos ωt,     T: spring k_t in series with a slider of the limit F_s
 /// ```
 ///
-/// If the slider moves, the motion consists of four linear arcs: from the turning point at A the
-/// spring unloads and loads the other way for a time τ, then the slider moves until the turning
-/// point at −A, and the other half of the period is the mirror image. The fields follow from one
-/// scalar equation for τ. If the slider does not move, the response is that of the linear
+/// If the slider moves, the motion consists of four linear arcs. From the turning point at A, the
+/// spring is unloaded and loaded in the other direction for a time τ; then the slider moves until
+/// the turning point at −A. The second half of the period is the mirror image. The fields follow
+/// from one scalar equation for τ. If the slider does not move, the response is that of the linear
 /// oscillator with the stiffness k + k_t.
 ///
 /// ```
@@ -46,24 +46,26 @@ pub struct SymmetricResponse {
     /// does not move at all.
     pub elastic_time: f64,
     /// Phase θ of the force at the turning point at A, in radians: the force is P cos(ωt + θ), with
-    /// t counted from there. There x = A, x' = 0, and T = F_s if the slider moves.
+    /// t counted from this turning point. At this point x = A, x' = 0, and T = F_s if the slider
+    /// moves.
     pub phase: f64,
     /// Floquet multipliers of the map of (x, x', T) over one period, by falling modulus.
-    /// Dimensionless. One of them is 0 if the slider moves. If it does not, one is 1: that of the
-    /// residual force in the spring, which does not influence the rest of the motion.
+    /// Dimensionless. If the slider moves, one multiplier is 0. If the slider does not move, one
+    /// multiplier is 1: it belongs to the residual force in the spring, which does not influence
+    /// the vibration.
     pub multipliers: [Complex<f64>; 3],
 }
 
 impl SymmetricResponse {
-    /// The response of a mass m on a damper c, a spring k and, in parallel, an element of the
-    /// stiffness k_t and the limit F_s, under a force of the amplitude P and the angular frequency
-    /// ω. Any consistent units.
+    /// The response of a mass m with a damper c, a spring k and, in parallel, a Jenkins element
+    /// (stiffness k_t, limit F_s), under a force of amplitude P and angular frequency ω. Any
+    /// consistent units may be used.
     ///
-    /// `None` if the motion is another one, with more than two turning points a period: far below
-    /// resonance, where the free vibration is superposed on a slow motion. Also `None` unless m,
-    /// k_t, F_s, P and ω are positive, c ≥ 0 and k ≥ 0, all finite; if ratios of them overflow; if
-    /// the free vibration in stick is more than 5000 times as fast as the force; and if there is no
-    /// bounded motion (c = 0, mω² = k and πP ≥ 4F_s).
+    /// `None` if the periodic motion has more than two turning points in each period; this happens
+    /// far below resonance, where the free vibration is superposed on a slow motion. Also `None`
+    /// unless m, k_t, F_s, P and ω are positive, c ≥ 0 and k ≥ 0, all finite; if ratios of them
+    /// overflow; if the free vibration in stick is more than 5000 times as fast as the force; and
+    /// if there is no bounded motion (c = 0, mω² = k and πP ≥ 4F_s).
     ///
     /// ```
     /// use stick_slip::analysis::jenkins::SymmetricResponse;

@@ -35,8 +35,7 @@ pub struct HopfPoint {
     /// Displacement of each coordinate in steady sliding, in the units of the system.
     pub displacements: Vec<f64>,
     /// The first Lyapunov coefficient l1, for an eigenvector of length 1 in the units of the
-    /// system: its sign has meaning, its size depends on these units. NaN if 0 or ±2iω is an
-    /// eigenvalue.
+    /// system: only its sign is independent of these units. NaN if 0 or ±2iω is an eigenvalue.
     pub first_lyapunov_coefficient: f64,
     /// The largest real part of the other eigenvalues, per unit of time; −∞ if there are none. If
     /// it is positive, steady sliding is unstable on both sides of the curve.
@@ -56,9 +55,9 @@ pub struct SpecialHopfPoint {
 }
 
 impl HopfPoint {
-    /// Returns whether the motion born there is stable (if no other eigenvalue is in the right half
-    /// plane): the sign of the first Lyapunov coefficient. Where friction is linear up to stick
-    /// (Coulomb), the point is degenerate.
+    /// Returns whether the motion that is born at this point is stable (if no other eigenvalue is
+    /// in the right half plane), from the sign of the first Lyapunov coefficient. If friction is
+    /// linear until a contact sticks (Coulomb), the point is degenerate.
     pub fn criticality(&self) -> Criticality {
         let value = self.first_lyapunov_coefficient;
         if value < -self.rounding {
@@ -89,12 +88,12 @@ const SAME: f64 = 1e-7;
 /// born.
 ///
 /// `family` returns the system for values of the two parameters, which may be anything that a
-/// closure can set. Where it returns an error, or the system has no steady sliding, there is no
-/// curve.
+/// closure can set. There is no curve at values for which `family` returns an error or the system
+/// has no steady sliding.
 ///
-/// Every curve that separates two neighbouring nodes of a grid of 65 × 65 values is found, whatever
-/// the number of masses; a closed curve inside one cell, or two curves between the same nodes, can
-/// be missed. Each is then followed by pseudo-arclength continuation: the equations
+/// Every curve that separates two neighbouring nodes of a grid of 65 × 65 values is found, for any
+/// number of masses. A closed curve inside one cell, or two curves between the same nodes, can be
+/// missed. Each curve is followed by pseudo-arclength continuation: the equations
 ///
 /// ```text
 /// (A − iω) w = 0,    A = ∂F/∂x at steady sliding
@@ -103,13 +102,14 @@ const SAME: f64 = 1e-7;
 /// are solved by Newton's method with a bordered matrix. The error of parameters and ω is the
 /// rounding error of A, divided by the rate at which the eigenvalue crosses the axis.
 ///
-/// The first Lyapunov coefficient l1 decides whether the motion that is born is stable. It takes
-/// the second and third derivatives of friction by velocities, loads and memory variables, from the
-/// power series of the laws. Special points: l1 = 0 ([`SpecialKind::Bautin`]), other eigenvalues on
-/// the axis ([`SpecialKind::DoubleHopf`], [`SpecialKind::ZeroHopf`]), and the largest and least
-/// values of each parameter along the curve ([`SpecialKind::Turn`]).
+/// The first Lyapunov coefficient l1 decides whether the motion that is born is stable. It is
+/// computed from the second and third derivatives of friction with respect to velocities, loads and
+/// memory variables, which the power series of the laws give. Special points are: l1 = 0
+/// ([`SpecialKind::Bautin`]), other eigenvalues on the axis ([`SpecialKind::DoubleHopf`],
+/// [`SpecialKind::ZeroHopf`]), and the largest and least values of each parameter along the curve
+/// ([`SpecialKind::Turn`]).
 ///
-/// Work: some 10⁴ eigenvalue problems of order 2n, n the number of coordinates.
+/// Work: some 10⁴ eigenvalue problems of order 2n, where n is the number of coordinates.
 ///
 /// Sources: Kuznetsov, *Elements of Applied Bifurcation Theory*, section 5.4 (l1) and chapter 8;
 /// Govaerts, *Numerical Methods for Bifurcations of Dynamical Equilibria*, chapters 3 and 4
@@ -117,8 +117,8 @@ const SAME: f64 = 1e-7;
 ///
 /// # Errors
 ///
-/// [`Error::InvalidParameter`] unless both ranges are finite and not empty; the error at the first
-/// node if no node of the grid has steady sliding.
+/// [`Error::InvalidParameter`] unless both ranges are finite and not empty; if no node of the grid
+/// has steady sliding, the error at the first node.
 ///
 /// ```
 /// use stick_slip::bifurcation::{self, Criticality};
