@@ -2,12 +2,12 @@
 //!
 //! What to learn from it:
 //!
-//! * `basins` finds the cycles once; each start then costs a few slip arcs, and nothing is
+//! * `basins` finds the cycles once; each start then takes a few slip arcs only, and no motion is
 //!   simulated until it settles;
 //! * the unstable cycle is the border between the two basins.
 //!
-//! The picture is a PGM file, which most viewers of images know. Run it with
-//! `cargo run --release --example basin > basin.pgm`.
+//! The picture is a PGM file, which most image viewers can show. Run it with `cargo run --release
+//! --example basin > basin.pgm`.
 
 use stick_slip::limit_cycle::{Attractor, basins};
 use stick_slip::{Error, MassOnBelt, State, Stribeck};

@@ -1,15 +1,14 @@
-//! Steady sliding and stick-slip side by side: the same machine is silent or vibrates, depending on
-//! how it was started.
+//! Steady sliding and stick-slip coexist: the same machine is silent or vibrates, depending on its
+//! start.
 //!
 //! What to learn from it:
 //!
-//! * for a general law "what does the system do" has a set of answers: `limit_cycle::find` gives
-//!   them all, the unstable cycle between them included, and `limit_cycle::attractor` says which
-//!   one a start leads to, without simulating until it settles;
-//! * a simulation alone shows one of them, and near the unstable cycle it takes long to show even
-//!   that;
-//! * `bifurcation` gives the belt velocities between which this happens, `bifurcation::diagram` the
-//!   picture over the belt velocity.
+//! * a system with a general law can have several attractors. `limit_cycle::find` returns all
+//!   cycles, including the unstable cycle between the attractors. `limit_cycle::attractor` returns
+//!   the attractor of a start, without a simulation until the motion settles;
+//! * a simulation shows only one attractor, and it takes long if it starts near the unstable cycle;
+//! * `bifurcation` gives the range of belt velocities in which both attractors exist, and
+//!   `bifurcation::diagram` gives all cycles over the belt velocity.
 //!
 //! Run it with `cargo run --release --example bistability`.
 

@@ -1,22 +1,24 @@
-//! Two blades with a friction damper between them: the resonance over the damper's load, which has
-//! an optimum.
+//! Two blades with a friction damper between them: the resonance peak over the damper's load, which
+//! has an optimum.
 //!
 //! What to learn from it:
 //!
-//! * the damper is a contact between the two coordinates. It acts because the blades differ: a
-//!   stiffness of 1 and one of 1.3;
-//! * a light damper slides and takes up little, a heavy one locks the blades together and takes up
-//!   nothing: both limits are linear resonances. Between them the peak is four times lower;
+//! * the damper is a contact between the two coordinates. It slips because the blades differ: their
+//!   stiffnesses are 1 and 1.3;
+//! * a damper with a small load slides and dissipates little; a damper with a large load locks the
+//!   blades together and dissipates nothing. Both limits are linear resonances. Between them the
+//!   peak is four times lower;
 //! * `orbit::settle` finds one forced motion, and `orbit::follow` the whole resonance curve,
 //!   through all changes of stick and slip;
-//! * `carried` gives the force in the locked damper, and so the load from which it never slips.
+//! * `carried` gives the force in the locked damper; from this force follows the load above which
+//!   the damper never slips.
 //!
 //! ```text
 //! q_i'' + 0.02 q_i' + k_i q_i = cos Ωt ∓ λ,   k = 1, 1.3,   |λ| ≤ μN
 //! ```
 //!
-//! The optimum is that of J. H. Griffin, *J. Eng. Power* 102 (1980) 329-333, who has a blade and a
-//! damper to the ground.
+//! Such an optimum was found by J. H. Griffin, *J. Eng. Power* 102 (1980) 329-333, for one blade
+//! with a damper to the ground.
 //!
 //! Run it with `cargo run --release --example blade_damper`.
 
@@ -78,7 +80,8 @@ fn linear(stiffness: f64) -> (f64, f64) {
 }
 
 fn main() -> Result<(), Error> {
-    // Without a damper the softer blade moves most; locked, both are one of the mean stiffness.
+    // Without a damper the softer blade moves most. With a locked damper both blades move as one
+    // blade with the mean stiffness.
     let free = linear(STIFFNESS[0]);
     let locked = linear(0.5 * (STIFFNESS[0] + STIFFNESS[1]));
     println!("  load     frequency   amplitude");
@@ -103,8 +106,8 @@ fn main() -> Result<(), Error> {
     assert!(heights[..=turn].is_sorted_by(|a, b| a > b) && heights[turn..].is_sorted());
     assert!(4.0 * heights[turn] < free.1.min(locked.1));
 
-    // Locked at resonance: both move as a + ib, and the damper carries what their stiffness
-    // differs by.
+    // Locked at resonance, both blades have the complex amplitude a + ib, and the force in the
+    // damper comes from the difference of their stiffnesses.
     let (frequency, height) = locked;
     let [detuned, damped] = [0.5 * DAMPING * DAMPING, DAMPING * frequency];
     let norm = detuned * detuned + damped * damped;

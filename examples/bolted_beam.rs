@@ -1,21 +1,22 @@
-//! A beam on six elastic pads, pressed on them by springs: its second resonance, where the pads
-//! slip and open, swept upwards and downwards, and damping over amplitude from a free decay.
+//! A beam that springs press on six elastic pads. The second resonance, at which the pads slip and
+//! open, is swept upwards and downwards; a free decay gives the damping over the amplitude.
 //!
 //! What to learn from it:
 //!
-//! * a reduced model enters by its matrices: here 14 bending and 6 axial shapes of a beam whose
-//!   thickness steps, so that M and K are full. A contact is two rows of shape functions: the
-//!   displacement of the surface along the pad, and that into it;
+//! * a reduced model is given by its matrices: here 14 bending and 6 axial shapes of a beam with a
+//!   step in its thickness, so that M and K are full. A contact is given by two rows of shape
+//!   functions: the displacement of the surface along the pad, and the displacement into the pad;
 //! * each pad is an elastic contact with a normal spring. Below the onset of slip the joint is
-//!   linear; then it damps; where pads open, the resonance leans to lower frequencies;
-//! * so there is a range of frequencies with two motions: sweeps downwards and upwards come to
+//!   linear. Above it the joint damps the vibration. When pads open, the resonance peak bends to
+//!   lower frequencies;
+//! * two motions therefore exist in a range of frequencies: sweeps downwards and upwards reach
 //!   different amplitudes;
-//! * `orbit::settle` makes two such motions exact, with their multipliers, which tell whether each
-//!   is stable.
+//! * `orbit::settle` computes two such motions exactly, with their multipliers, which show whether
+//!   they are stable.
 //!
-//! Run it with `cargo run --release --example bolted_beam`; it takes a minute. With the name of a
-//! file after `--` it writes sweeps at three forces there instead, in some minutes:
-//! `examples/figures/bolted_beam.csv`, which the package `examples/figures` draws.
+//! Run it with `cargo run --release --example bolted_beam`; it takes a minute. If a file name
+//! follows after `--`, it writes sweeps at three forces to this file instead, in some minutes. The
+//! package `examples/figures` draws such a file, `examples/figures/bolted_beam.csv`.
 
 use std::f64::consts::{PI, TAU};
 
@@ -170,8 +171,9 @@ fn turns(motion: &Trajectory<State>) -> Vec<(f64, f64, bool)> {
     turns.collect()
 }
 
-/// A free decay in the second mode, from where the pads open, over `window` periods at a time:
-/// amplitude, frequency and damping ratio. A window begins `step` periods after the last.
+/// A free decay in the second mode, from an amplitude at which the pads open: amplitude, frequency
+/// and damping ratio of windows of `window` periods. Each window begins `step` periods after the
+/// window before.
 pub(crate) fn decay(window: usize, step: usize) -> Result<Vec<[f64; 3]>, Error> {
     let (natural, shape) = second_mode().expect("the mass matrix is positive definite");
     let start: Vec<f64> = (&shape * 1.2e-4).iter().copied().collect();
@@ -191,9 +193,9 @@ pub(crate) fn decay(window: usize, step: usize) -> Result<Vec<[f64; 3]>, Error> 
 /// vibration is periodic.
 pub(crate) type Swept = (f64, [f64; 2]);
 
-/// The amplitudes at frequencies one after the other, each from the motion before. What a start
-/// settles to is made exact if that is a stable motion of the force's period; the amplitudes of
-/// another are those of the last 40 periods.
+/// The amplitudes at frequencies one after the other; each run starts from the last state of the
+/// run before. If the motion settles to a stable motion of the force's period, this motion is
+/// computed exactly. Otherwise the amplitudes of the last 40 periods are returned.
 pub(crate) fn swept(
     force: f64,
     frequencies: impl Iterator<Item = f64>,
@@ -289,7 +291,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let most = ratios.iter().fold(0.0_f64, |most, point| most.max(point.1));
     let last = ratios[ratios.len() - 1];
-    // At last the pads stick; before, they damp, and soften where they open.
+    // At the end of the decay the pads stick; before, they damp the vibration, and lower its
+    // frequency when they open.
     assert!((last.0 / natural - 1.0).abs() < 5e-3 && ratios[0].0 < 0.995 * natural);
     assert!(most > 1.5 * last.1);
 
@@ -317,8 +320,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         apart.push((one / other, i));
     }
 
-    // Two motions at one frequency, both exact: where the sweeps differ most, unless the vibration
-    // there is not periodic.
+    // Two exact motions at one frequency: the frequency at which the sweeps differ most among those
+    // with periodic vibrations.
     apart.sort_by(|a, b| b.0.total_cmp(&a.0));
     let exact = |i: usize| -> Result<[orbit::Orbit<Structure>; 2], Error> {
         let system = beam(FORCE, at(i))?;

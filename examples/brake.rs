@@ -1,15 +1,15 @@
-//! Creep groan of a vehicle's disc brake, in SI units throughout: kilograms, newtons per metre,
-//! newtons in; hertz, millimetres, watts out.
+//! Creep groan of a vehicle's disc brake, in SI units throughout: the input is in kilograms,
+//! newtons per metre and newtons; the results are in hertz, millimetres and watts.
 //!
 //! What to learn from it:
 //!
-//! * `PhysicalMassOnBelt` takes physical parameters, and a law given in m/s; all its results are in
-//!   SI units, too;
+//! * `PhysicalMassOnBelt` takes physical parameters, and a law given in m/s; all its results are
+//!   also in SI units;
 //! * the damping at which steady sliding becomes stable is not the damping that silences the brake:
-//!   in between a knock starts a groan that goes on for ever. The first comes from the slope of the
-//!   law, the second from the limit cycles;
-//! * the same with the speed: `hopf_velocities` says where steady sliding becomes stable, the
-//!   stick-slip motion lasts longer.
+//!   with a damping between the two, a disturbance starts a groan that lasts for ever. The first
+//!   damping follows from the slope of the law, the second from the limit cycles;
+//! * the speed also has two limits: `hopf_velocities` gives the speed at which steady sliding
+//!   becomes stable, but the stick-slip motion exists up to a higher speed.
 //!
 //! The model is one mass: the pad with its caliper on the elastic suspension, pressed on a disc
 //! that creeps.
@@ -50,7 +50,8 @@ fn main() -> Result<(), Error> {
         describe(cycle);
     }
 
-    // Damping. Steady sliding becomes stable at C1, and the stick-slip motion dies at C2 only.
+    // Damping. Steady sliding becomes stable at C1, but the stick-slip motion disappears only at
+    // C2.
     let stable = stabilizing_damping(system).unwrap_or(0.0);
     let stable = brake.scaling().damping_constant(stable);
     let silent = brake.silencing_damping()?;
@@ -75,7 +76,7 @@ fn main() -> Result<(), Error> {
         println!("  with {what:<21}  {sounds}");
     }
 
-    // Speed. The same two limits, with the damping that the brake has.
+    // Speed. The two limits for the brake's own damping.
     println!("\ndisc speed above which, with its own damping,");
     for velocity in brake.velocities(bifurcation::hopf_velocities, 0.0..2.0)? {
         println!("  steady sliding is stable    {velocity:8.4} m/s");

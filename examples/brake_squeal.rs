@@ -1,17 +1,17 @@
-//! Squeal of a pad on a disc that turns, both elastic: where steady sliding begins to flutter, and
-//! the limit cycle beyond, in SI units.
+//! Squeal of an elastic pad on an elastic rotating disc, in SI units: the threshold at which steady
+//! sliding begins to flutter, and the limit cycle above this threshold.
 //!
 //! What to learn from it:
 //!
 //! * the pad is a rigid block whose centre of mass lies above its rubbing face. In coordinates of
-//!   the face its mass matrix is full (`with_mass_matrix`), as that of a reduced finite-element
-//!   model would be;
-//! * the contact is between pad and disc; the disc's turning is the velocity put between the two,
-//!   and the load follows the normal spring between them;
+//!   the face its mass matrix is full (`with_mass_matrix`), like the mass matrix of a reduced
+//!   finite-element model;
+//! * the contact is between pad and disc. The rotation of the disc enters as the belt velocity of
+//!   the contact, and the load depends on the normal spring between pad and disc;
 //! * friction makes the stiffness matrix nonsymmetric. Two modes merge, and above a threshold of
 //!   the coefficient one of them grows, although the coefficient does not fall with speed;
-//! * the growth ends in stick-slip. The cycle's frequency is that of the eigenvalue at the
-//!   threshold, and departs from it beyond.
+//! * the growth ends in stick-slip. Near the threshold the frequency of the cycle equals that of
+//!   the eigenvalue; farther above the threshold the two frequencies differ.
 //!
 //! ```text
 //!            ▒▒▒ back plate, stiffness k_y on each side            y, z   normal, towards the disc
@@ -21,8 +21,8 @@
 //!     ═══════╧════════ disc ──▶ V        N = N0 + k_n (y − z)
 //! ```
 //!
-//! The mechanism is that of N. Hoffmann et al., *Mech. Res. Commun.* 29 (2002) 197-205; the numbers
-//! are ordinary ones.
+//! Source of the mechanism: N. Hoffmann et al., *Mech. Res. Commun.* 29 (2002) 197-205. The numbers
+//! are typical values.
 //!
 //! Run it with `cargo run --release --example brake_squeal`.
 
@@ -33,8 +33,8 @@ use stick_slip::orbit::{self, Period};
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Error, EventKind, Structure};
 
-/// The pad: mass in kg, moment of inertia in kg·m²; its centre of mass stands so far above the face
-/// and behind the middle of the springs, in metres.
+/// The pad: mass in kg, moment of inertia in kg·m², and the distances in metres of its centre of
+/// mass above the face and behind the middle of the springs.
 const PAD: f64 = 0.4;
 const INERTIA: f64 = 1e-4;
 const HEIGHT: f64 = 0.008;
@@ -43,12 +43,12 @@ const BEHIND: f64 = 0.003;
 const ALONG: f64 = 1e8;
 const BACK: f64 = 2e7;
 const SIDE: f64 = 0.02;
-/// The lining, as a normal spring and as one that resists tilting.
+/// The lining, as a normal spring and a spring against tilting.
 const LINING: f64 = 5e7;
 /// The disc's two modes: modal masses in kg and angular frequencies in rad/s, in its plane and
 /// across.
 const DISC: [(f64, f64); 2] = [(1.2, 2.0e4), (0.8, 1.2e4)];
-/// Damping matrix over stiffness matrix, s: ratios near 1 %.
+/// Damping matrix divided by stiffness matrix, in s; damping ratios are near 1 %.
 const DAMPING: f64 = 1e-6;
 /// Clamp force in newtons and speed of the disc in m/s.
 const CLAMP: f64 = 3000.0;
@@ -122,7 +122,7 @@ fn main() -> Result<(), Error> {
             println!("     silent");
             continue;
         }
-        // A small push from steady sliding, and time to grow.
+        // A small perturbation of steady sliding, and time to grow.
         let mut start = State::new(&steady.displacements, &[0.0; 5]);
         start.velocities[Y] = 1e-3 * SPEED;
         let squeal = orbit::settle(&brake, &start, 0.4, Period::Free(1.0 / frequency))?;
@@ -141,7 +141,7 @@ fn main() -> Result<(), Error> {
         assert_eq!(kinds.filter(|&kind| kind == EventKind::Stick).count(), 1);
         apart.push((heard / frequency - 1.0).abs());
     }
-    // The nearer to the threshold, the nearer is the cycle to the eigenvector that it grows from.
+    // Near the threshold the cycle is close to the unstable eigenvector.
     assert!(apart.is_sorted() && apart[0] < 1e-4 && apart[apart.len() - 1] < 1e-2);
     Ok(())
 }

@@ -3,16 +3,16 @@
 //!
 //! What to learn from it:
 //!
-//! * period and amplitude alone do not settle two parameters: here two quite different laws have
-//!   both in common, to the last digit. The time in stick tells them apart, and it is as easy to
-//!   measure;
-//! * a limit cycle costs about ten microseconds and is exact to rounding. So sensitivities are
-//!   differences of cycles, good to nine digits, Newton's method converges as it does in textbooks,
-//!   and hundreds of starts show every law that fits;
-//! * from the errors of the measurement follow those of the parameters.
+//! * period and amplitude alone do not determine two parameters: here two quite different laws give
+//!   the same period and amplitude, to the last digit. The time in stick distinguishes them, and is
+//!   as easy to measure;
+//! * the computation of a limit cycle takes about ten microseconds and is exact to rounding.
+//!   Sensitivities can therefore be computed as differences of cycles, to nine digits; Newton's
+//!   method converges quadratically; and hundreds of starts show every law that fits;
+//! * the errors of the measurement determine the errors of the parameters.
 //!
-//! Here all quantities are dimensionless. For measurements in SI units take `PhysicalMassOnBelt`
-//! instead of `MassOnBelt`: nothing else changes.
+//! Here all quantities are dimensionless. For measurements in SI units, replace `MassOnBelt` by
+//! `PhysicalMassOnBelt`; nothing else changes.
 //!
 //! Run it with `cargo run --release --example calibration`.
 
@@ -29,8 +29,8 @@ const MEASURED: [f64; 3] = [6.91946, 0.29968, 1.787];
 const ERRORS: [f64; 3] = [1e-3, 1e-4, 5e-3];
 const NAMES: [&str; 3] = ["period T", "amplitude", "stick time"];
 
-/// Half the difference over which a sensitivity is taken, relative to the parameter. Its error is
-/// about the square of this, beside 1e-14 divided by it.
+/// Half the difference of the parameter in a sensitivity, relative to the parameter. The error of
+/// the sensitivity is about its square, plus 1e-14 divided by it.
 const STEP: f64 = 1e-5;
 
 type Parameters = Vector2<f64>;
@@ -150,8 +150,8 @@ fn sensitivities(parameters: Parameters) -> Result<Option<Matrix3x2<f64>>, Error
     Ok(Some(jacobian))
 }
 
-/// The parameters with the measured period and amplitude to which Newton's method leads from a
-/// start; `None` if it does not converge.
+/// Parameters that give the measured period and amplitude, by Newton's method from a start; `None`
+/// if it does not converge.
 fn with_period_and_amplitude(
     measured: Vector3<f64>,
     start: Parameters,
@@ -166,7 +166,7 @@ fn with_period_and_amplitude(
         let Some(step) = rates.lu().solve(&missing) else {
             return Ok(None);
         };
-        // No step leaves the region in which the law makes sense.
+        // Steps are limited to the region in which the law is valid.
         law += step * (0.3 * law.norm() / step.norm()).min(1.0);
         if step.norm() < 1e-12 {
             return Ok(Some(law));

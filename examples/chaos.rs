@@ -1,14 +1,15 @@
-//! From a regular to a chaotic motion: a forced stick-slip oscillator, looked at once a period of
-//! the force, with the largest Lyapunov exponent.
+//! From a regular to a chaotic motion: the Poincaré section of a forced stick-slip oscillator, once
+//! in each period of the force, with the largest Lyapunov exponent.
 //!
 //! What to learn from it:
 //!
-//! * `orbit::section` is an iterator without an end: the motion takes no memory, however long it is
-//!   followed;
-//! * the exponent is that of the equations, not of two simulations side by side: it tells a long
-//!   period (below 0) from chaos (above 0 by more than its spread) and from a torus (0). Where it
-//!   is `−∞` small changes die out altogether: the mass sticks;
-//! * systems are values and can be given to threads: here one thread for each part of the range.
+//! * `orbit::section` is an unbounded iterator: memory use does not grow with the length of the
+//!   motion;
+//! * the exponent is computed from the variational equations, not from two simulations. It
+//!   distinguishes a long period (below 0) from chaos (above 0 by more than its spread) and from a
+//!   torus (0). If it is `−∞`, perturbations decay to zero: the mass sticks;
+//! * systems are values, so threads can share them: here one thread computes each part of the
+//!   range.
 //!
 //! Run it with `cargo run --release --example chaos`.
 

@@ -1,14 +1,14 @@
-//! Two shafts and a clutch whose load rises: when it locks up, and how much heat that costs, in SI
-//! units.
+//! Two shafts and a clutch whose load rises, in SI units: the time of lock-up and the heat.
 //!
 //! What to learn from it:
 //!
-//! * a clutch is a contact between two coordinates. With the mean radius as its direction the
-//!   contact has a sliding speed in m/s, a load in newtons, and acts as a torque;
-//! * the load is a profile: it rises from 0, where the clutch is open, to the full clamp force;
+//! * a clutch is a contact between two coordinates. With the mean radius as the coefficient of its
+//!   direction, the contact has a sliding speed in m/s and a load in newtons, and acts on the
+//!   shafts as a torque;
+//! * the load is a profile: it rises from 0 (open clutch) to the full clamp force;
 //! * lock-up is an event, exact to rounding, and so is the slip that begins again when the engine
 //!   pulls too hard;
-//! * `carried` says what the locked clutch transmits at any instant.
+//! * `carried` returns the force that the locked clutch transmits at any instant.
 //!
 //! ```text
 //! J_1 ω_1' = T_e − T,   J_2 ω_2' = T − T_l,   T = μ n N(t) R   while it slips
@@ -19,9 +19,9 @@
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Direction, Drive, Error, EventKind, Structure};
 
-/// Moments of inertia of the engine and of the car, seen at the clutch, kg·m².
+/// Moments of inertia of the engine and of the car, reduced to the clutch, kg·m².
 const INERTIAS: [f64; 2] = [0.25, 1.5];
-/// What drives the engine's shaft and what holds back the car's, N·m.
+/// Driving torque on the engine's shaft and resisting torque on the car's shaft, N·m.
 const ENGINE: f64 = 120.0;
 const ROAD: f64 = 30.0;
 /// Speeds when the clutch begins to close, rad/s.
@@ -33,7 +33,8 @@ const FACES: f64 = 2.0;
 const CLAMP: f64 = 4000.0;
 const FRICTION: [f64; 2] = [0.36, 0.3];
 
-/// The clutch closes in so many seconds. At 3 s the engine pulls four times as hard for 0.1 s.
+/// The clutch closes within the given number of seconds. At 3 s the engine torque is four times as
+/// large for 0.1 s.
 fn shafts(closing: f64) -> Result<Structure, Error> {
     let load = Drive::profile(&[(0.0, 0.0), (closing, FACES * CLAMP)])?;
     let law = Coulomb::new(FRICTION[0], FRICTION[1])?;
@@ -51,8 +52,8 @@ fn shafts(closing: f64) -> Result<Structure, Error> {
         .with_contact(clutch)
 }
 
-/// Lock-up time and heat of a constant coefficient: the difference of speeds is a quadratic
-/// polynomial of time while the clutch closes, then a straight line.
+/// Lock-up time and heat for a constant coefficient: the difference of speeds is a quadratic
+/// polynomial of time while the clutch closes, and then linear in time.
 fn closed_form(closing: f64) -> (f64, f64) {
     let softness = 1.0 / INERTIAS[0] + 1.0 / INERTIAS[1];
     let gain = ENGINE / INERTIAS[0] + ROAD / INERTIAS[1];
@@ -74,7 +75,7 @@ fn closed_form(closing: f64) -> (f64, f64) {
     (closing + rest, heat(closing) + torque * left * rest / 2.0)
 }
 
-/// Kinetic energy, and what the two outer torques have put in since time 0.
+/// Kinetic energy, and the work of the two outer torques since time 0.
 fn energy(state: &State) -> [f64; 2] {
     let kinetic = |i: usize| 0.5 * INERTIAS[i] * state.velocities[i].powi(2);
     let [engine, car] = [0, 1].map(|i| state.displacements[i]);
@@ -90,7 +91,7 @@ fn main() -> Result<(), Error> {
         let Some(lock_up) = sticks.clone().find(|event| event.kind == EventKind::Stick) else {
             continue;
         };
-        // What was there, and what came in, is either motion still or heat.
+        // The initial energy plus the work is the kinetic energy plus the heat.
         let ([before, _], [after, work]) = (energy(&start), energy(&lock_up.state));
         let heat = before + work - after;
         let (time, warmth) = closed_form(closing);
@@ -101,7 +102,7 @@ fn main() -> Result<(), Error> {
         );
         assert!((lock_up.time - time).abs() < 1e-13);
         assert!((heat - warmth).abs() < 1e-11 * warmth);
-        // The momentum of both is what it was, and what the outer torques have added.
+        // The total momentum is its initial value plus the impulse of the outer torques.
         let momentum =
             |state: &State| INERTIAS[0] * state.velocities[0] + INERTIAS[1] * state.velocities[1];
         let given = (ENGINE - ROAD) * lock_up.time;
@@ -120,7 +121,7 @@ fn main() -> Result<(), Error> {
             event.kind.to_string()
         );
     }
-    // Locked, both accelerate together: the clutch carries what the car needs.
+    // The locked shafts accelerate together: the clutch transmits the torque that the car needs.
     let both = (ENGINE - ROAD) / (INERTIAS[0] + INERTIAS[1]);
     let needed = ROAD + INERTIAS[1] * both;
     let locked = motion.state_at(2.5).unwrap_or_else(|| motion.last());

@@ -1,14 +1,15 @@
-//! A contact law of your own, with memory: elasto-plastic bristles, which do not creep.
+//! Your own contact law with memory: elasto-plastic bristles, which do not creep.
 //!
 //! What to learn from it:
 //!
-//! * a contact law with memory variables is a `ContactLaw`: friction, what it can hold in
-//!   stick, and how the memory changes. It never sticks if its `limit` is `None`;
-//! * LuGre's bristles let a mass creep under any load that swings, however small. The law of
-//!   Dupont et al. bends its bristles elastically up to a break-away deflection, and lets them flow
-//!   in the direction of their deflection only: the mass stays where it is;
-//! * a law may branch on the value of its memory. This one is only C¹ where bristles begin to flow;
-//!   steps are short there, and as exact as any other.
+//! * a contact law with memory variables is a `ContactLaw`. It gives the friction coefficient, the
+//!   static limit, and the rates of the memory variables. The contact never sticks if its `limit`
+//!   is `None`;
+//! * with LuGre's bristles a mass creeps under any oscillating force, however small. In the law of
+//!   Dupont et al. bristles are elastic up to a break-away deflection, and flow only if slip
+//!   increases their deflection: the mass does not creep;
+//! * a law may branch on the value of its memory. This law is only C¹ at the deflection at which
+//!   bristles begin to flow. Steps are short there, but as accurate as others.
 //!
 //! Run it with `cargo run --release --example custom_contact_law`.
 
@@ -40,7 +41,7 @@ impl ContactLaw for ElastoPlastic {
         let Motion::Slip(slip) = motion else {
             return [z.constant(0.0)];
         };
-        // Negative where slip unbends the bristles: they do not flow then.
+        // Negative if slip reduces the deflection: bristles do not flow then.
         let bent = z * (slip.direction * self.stiffness / self.kinetic);
         let flow = if bent.value() <= self.elastic {
             z.constant(0.0)
@@ -60,7 +61,7 @@ impl ContactLaw for ElastoPlastic {
     }
 }
 
-/// A mass of 1 on a table, under a force that swings about 0.3 with a period of π.
+/// A mass of 1 on a table, under a force that oscillates about 0.3 with the period π.
 fn pushed<L>(law: L, amplitude: f64) -> Result<Structure, Error>
 where
     L: ContactLaw + Send + Sync + 'static,
@@ -100,7 +101,7 @@ fn main() -> Result<(), Error> {
             "{amplitude:6.2}  {:9.6}   {:9.6}   {:9.6}   {:9.6}",
             own[0], own[1], lugre[0], lugre[1]
         );
-        // LuGre creeps under any force that swings; ours only beyond 0.42.
+        // LuGre creeps under any oscillating force, this law only under forces above 0.42.
         assert!(lugre[1] - lugre[0] > 1e-6);
         assert_eq!((own[1] - own[0]).abs() > 1e-6, 0.3 + amplitude > 0.42);
     }

@@ -1,14 +1,13 @@
-//! A friction law of your own: two functions, and the whole crate works with it.
+//! Your own friction law: with two functions, the whole crate works with it.
 //!
 //! What to learn from it:
 //!
-//! * `kinetic` is written once, generic over the number type; the crate takes its exact slopes and
-//!   its power series along a motion from that function, so there is nothing to differentiate by
-//!   hand;
-//! * constants stand on the right of an operator (`speed / s0 + 1.0`), because Rust has no `f64` on
-//!   the left of a generic number;
-//! * everything that is offered for the built-in laws is offered for yours: events, limit cycles,
-//!   bifurcation velocities.
+//! * `kinetic` is written once, generic over the number type. From it the crate computes exact
+//!   slopes and power series along a motion, so you differentiate nothing by hand;
+//! * constants stand on the right of an operator (`speed / s0 + 1.0`), because Rust does not allow
+//!   an `f64` on the left of a generic number;
+//! * your law has the same functions as a built-in law: events, limit cycles, bifurcation
+//!   velocities.
 //!
 //! Run it with `cargo run --release --example custom_law`.
 

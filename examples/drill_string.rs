@@ -1,13 +1,13 @@
-//! Stick-slip of a drill string, in SI units: kilograms, newtons, metres and seconds in and out.
+//! Stick-slip of a drill string, in SI units: kilograms, newtons, metres and seconds.
 //!
 //! What to learn from it:
 //!
 //! * a structure takes any consistent units. Here coordinates are angles in radians, "masses" are
 //!   moments of inertia in kg·m², stiffnesses are N·m per radian, and friction is a torque: the
-//!   normal load of the contact times the lever of the bit;
-//! * the coordinates turn with the rotary table: the rock is then a belt that moves backwards;
-//! * `steady_sliding` says at which speeds the string turns smoothly; below, the bit stops and
-//!   breaks free again, several times faster than the table.
+//!   normal load of the contact times the lever arm of the bit;
+//! * the coordinates rotate with the rotary table, so the rock is a belt that moves backwards;
+//! * `steady_sliding` shows the speeds at which the string can rotate steadily. At lower speeds the
+//!   bit stops and breaks free again, and then rotates several times faster than the table.
 //!
 //! Run it with `cargo run --release --example drill_string`.
 
@@ -23,10 +23,10 @@ const TABLE: f64 = 2122.0;
 /// The pipe, N·m per radian, and its damping, N·m·s.
 const PIPE: f64 = 473.0;
 const PIPE_DAMPING: f64 = 23.2;
-/// The drive holds the table by this, N·m per radian and N·m·s.
+/// Stiffness and damping with which the drive holds the table, N·m per radian and N·m·s.
 const DRIVE: f64 = 4000.0;
 const DRIVE_DAMPING: f64 = 425.0;
-/// Weight on bit in newtons times the radius at which the rock acts, in metres.
+/// Weight on bit in newtons, times the radius in metres at which the rock force acts.
 const WEIGHT: f64 = 120e3;
 const RADIUS: f64 = 0.1;
 
@@ -35,8 +35,8 @@ fn rock() -> Result<Stribeck, Error> {
     Stribeck::new(0.8, 0.4, 1.0, 1)
 }
 
-/// The string, as seen from a table that turns at a speed in rad/s. Coordinate 0 is the bit, 1 the
-/// table.
+/// The string in the frame of a table that rotates at a speed in rad/s. Coordinate 0 is the bit,
+/// coordinate 1 the table.
 fn string(speed: f64) -> Result<Structure, Error> {
     let contact = Contact::new(0, rock()?, WEIGHT * RADIUS)?.on_belt(-speed);
     Structure::new(&[BIT, TABLE])?
@@ -64,12 +64,12 @@ fn main() -> Result<(), Error> {
             }
             Err(_) => ("none", f64::NAN),
         };
-        // A knock: everything turns with the table, and the bit is at rest on the rock.
+        // A disturbance: all parts rotate with the table, but the bit is at rest on the rock.
         let start = State::new(&[0.0, 0.0], &[-speed, 0.0]);
         let motion = string.simulate(start, 120.0)?;
         let late = motion.events().iter().filter(|event| event.time > 60.0);
         let stops = late.filter(|event| event.kind == EventKind::Stick).count();
-        // In the laboratory: the speed of the table added.
+        // In the fixed frame: the speed of the table is added.
         let speeds = motion.sample(6000).skip(3000);
         let fastest = speeds.map(|(_, state)| speed + state.velocities[0]);
         let fastest = fastest.fold(0.0, f64::max);
@@ -88,7 +88,8 @@ fn main() -> Result<(), Error> {
         );
     }
 
-    // Two inertias alone, without the spring of the drive and the damping of the pipe: a formula.
+    // The formula for two inertias alone, without the spring of the drive and the damping of the
+    // pipe.
     let inertias = TwoInertias {
         upper: TABLE,
         lower: BIT,

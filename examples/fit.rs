@@ -3,17 +3,17 @@
 //!
 //! What to learn from it:
 //!
-//! * `orbit::sensitivities` gives the derivatives of a motion by any parameters, through stick and
-//!   release, so that a least-squares method of your choice converges in a few steps: here that of
-//!   Levenberg and Marquardt, from the crate `levenberg-marquardt`;
-//! * the same derivatives J give the standard errors: the covariance is σ² (JᵀJ)⁻¹, σ² the mean
-//!   square of what is left. They agree with the errors that were made here;
-//! * over a long time a wrong law loses count of the cycles, and the sum of squares has many
-//!   minima: fit a short stretch first, then a longer one from there;
-//! * a sensor of the velocity would not do: it does not see by how much friction stretches the
-//!   spring, so that μ_s and μ_k could rise together;
-//! * the start is a parameter like any other. What is not known has to be fitted too, or it ends up
-//!   in the coefficients.
+//! * `orbit::sensitivities` gives the derivatives of a motion with respect to any parameters,
+//!   through stick and release. With them a least-squares method converges in a few steps; here it
+//!   is the method of Levenberg and Marquardt, from the crate `levenberg-marquardt`;
+//! * the same derivatives J give the standard errors: the covariance is σ² (JᵀJ)⁻¹, with the mean
+//!   square σ² of the residuals. The standard errors agree with the true errors of this fit;
+//! * over a long time a wrong law gives a wrong number of cycles, and the sum of squares has many
+//!   minima. Fit a short time first, and start the fit of a longer time from its result;
+//! * a velocity sensor is not sufficient: it does not measure the mean stretch of the spring by
+//!   friction, so μ_s and μ_k could rise together;
+//! * the start is a parameter like any other. Every unknown quantity has to be fitted; otherwise
+//!   its error changes the coefficients.
 //!
 //! Run it with `cargo run --release --example fit`.
 
@@ -37,7 +37,7 @@ const NAMES: [&str; 4] = ["mu_s", "mu_k", "v_s [m/s]", "q(0) [m]"];
 
 // The measurement.
 const DURATION: f64 = 2.0;
-/// The stretches that are fitted one after another.
+/// The durations that are fitted one after another.
 const STRETCHES: [f64; 3] = [0.1, 0.5, DURATION];
 const RATE: f64 = 5e3;
 const NOISE: f64 = 5e-5;
@@ -82,7 +82,7 @@ struct Fit<'m> {
     duration: f64,
     guess: [f64; 4],
     parameters: DVector<f64>,
-    /// `None` where the brake is refused.
+    /// `None` if the parameters of the brake are not valid.
     motion: Option<Sensitivities>,
 }
 
@@ -109,7 +109,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Fit<'_> {
 
     fn residuals(&self) -> Option<DVector<f64>> {
         let residual = |(time, measured): (f64, &f64)| {
-            // Where the law is refused, a residual so large that the step is shortened.
+            // If the law is not valid, the residual is so large that the step is shortened.
             let state = self
                 .motion
                 .as_ref()

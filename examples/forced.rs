@@ -1,10 +1,10 @@
-//! The resonance curve of an oscillator with dry friction, beside Den Hartog's formula.
+//! The resonance curve of an oscillator with dry friction, compared with Den Hartog's formula.
 //!
 //! What to learn from it:
 //!
 //! * a drive is a function of time: here a harmonic force;
 //! * Den Hartog's formula of 1931 is exact as long as the mass never stops between two turning
-//!   points. Where it does stop the formula has no answer (`None`), and the motion is simulated;
+//!   points. If the mass stops, the formula has no solution (`None`), and the motion is simulated;
 //! * friction alone bounds resonance only if it is more than π/4 of the force.
 //!
 //! Run it with `cargo run --release --example forced`.
@@ -43,7 +43,7 @@ fn main() -> Result<(), Error> {
 
         let system = oscillator(frequency)?;
         let period = system.period().unwrap_or(f64::NAN);
-        // Long enough for the free vibration to die out, and then ten periods.
+        // A time in which the free vibration decays, and then ten periods.
         let transient = 1500.0;
         let motion = system.simulate(State::at_rest(1), transient + 10.0 * period)?;
         let late = || {

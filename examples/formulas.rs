@@ -1,17 +1,18 @@
-//! The paper's amplitude formulas against the exact motion, over the belt velocity of Fig. 6, and
-//! better ones beside them.
+//! The paper's amplitude formulas and more accurate formulas, compared with the exact motion over
+//! the belt velocities of Fig. 6.
 //!
 //! What to learn from it:
 //!
-//! * A0 (Eq. 15), for vibration that never sticks, is good to 2 %, and the fourth-order formulas of
-//!   `PureSlip` to 0.1 %;
-//! * A1 (Eq. 18), for vibration that sticks, is too small by up to 40 %: it leaves out the energy
-//!   that slip gains. The second-order formulas of `StickSlip` are good to 3 %;
-//! * above v_b1 steady sliding is stable and nothing vibrates: where the paper says "beyond this
-//!   range", it means below v_b0 only;
-//! * a formula is worth the order of its error. Halve friction and damping, and the error of A1
-//!   falls by 2, that of A0 by 4, and those of the corrected formulas by 8 with stick-slip and by
-//!   16 without.
+//! * A0 (Eq. 15), for vibration that never sticks, has an error of up to 2 %; the fourth-order
+//!   formulas of `PureSlip` have an error of up to 0.1 %;
+//! * A1 (Eq. 18), for vibration that sticks, is too small by up to 40 %, because it neglects the
+//!   energy that the mass gains during slip. The second-order formulas of `StickSlip` have an error
+//!   of up to 3 %;
+//! * above v_b1 steady sliding is stable and there is no vibration. The paper's "beyond this range"
+//!   is true only below v_b0;
+//! * the order of the error decides the quality of a formula. If friction and damping are halved,
+//!   the error of A1 falls by the factor 2, the error of A0 by 4, and the errors of the corrected
+//!   formulas by 8 with stick and by 16 without stick.
 //!
 //! Run it with `cargo run --release --example formulas`.
 
@@ -26,7 +27,7 @@ fn paper(v_b: f64, epsilon: f64) -> Result<MassOnBelt<Polynomial>, Error> {
         .with_load(epsilon)
 }
 
-/// Half the range of u: by the paper, and corrected.
+/// Half the range of u: by the paper's formula and by the corrected formula.
 fn formulas(system: &MassOnBelt<Polynomial>) -> [Option<f64>; 2] {
     match regime(system) {
         Regime::PureSlip => {

@@ -1,16 +1,18 @@
-//! One mass on a Jenkins element, a spring in series with a dry slider: its resonance curves at
-//! five forces, exact, beside the theory of first harmonics.
+//! One mass on a Jenkins element, a spring in series with a dry slider: exact resonance curves at
+//! five forces, compared with first-harmonic theory.
 //!
 //! What to learn from it:
 //!
-//! * `SymmetricResponse::at` gives the exact steady motion in closed form, up to one scalar
-//!   equation: amplitude, phase and multipliers, at a fraction of a millisecond a point;
-//! * `backbone` gives frequency and damping over amplitude to first harmonic. The peaks lie near
-//!   it: on the flanks of the curves that theory is off by up to some per cent of amplitude;
-//! * friction damps most at about 2.5 times the amplitude of the onset of slip, and nothing below
-//!   it;
-//! * `orbit::follow` finds the same curve from the equations of motion alone, without knowing that
-//!   the motion is symmetric or consists of four arcs.
+//! * `SymmetricResponse::at` gives the exact steady-state motion in closed form, except for one
+//!   scalar equation that is solved numerically: amplitude, phase and multipliers, in a fraction of
+//!   a millisecond for each point;
+//! * `backbone` gives frequency and damping over amplitude by first-harmonic theory. The peaks lie
+//!   near the backbone. On the flanks of the curves the amplitudes of this theory have errors of up
+//!   to some per cent;
+//! * friction damps most at about 2.5 times the amplitude at which slip begins; below this
+//!   amplitude it does not damp;
+//! * `orbit::follow` finds the same curve from the equations of motion alone, without the
+//!   assumptions that the motion is symmetric and consists of four arcs.
 //!
 //! ```text
 //! x'' + 0.02 x' + 0.6 x + T = P cos ωt,    T: spring 0.4, slider 0.3
@@ -39,14 +41,14 @@ fn exact(force: f64, frequency: f64) -> Option<SymmetricResponse> {
     )
 }
 
-/// The force that the first harmonic needs for an amplitude at a frequency.
+/// The force that gives an amplitude at a frequency, by first-harmonic theory.
 fn harmonic_force(amplitude: f64, frequency: f64) -> f64 {
     let (stiffness, damping, _) = first_harmonic(TANGENTIAL, LIMIT, amplitude, frequency);
     let elastic = STIFFNESS + stiffness - MASS * frequency * frequency;
     amplitude * elastic.hypot((DAMPING + damping) * frequency)
 }
 
-/// The amplitude to first harmonic: the force rises with it.
+/// The amplitude by first-harmonic theory: the force rises with the amplitude.
 fn harmonic_amplitude(force: f64, frequency: f64) -> f64 {
     let (mut low, mut high) = (0.0_f64, 1e6_f64);
     for _ in 0..200 {
@@ -110,14 +112,14 @@ fn main() -> Result<(), Error> {
             100.0 * error
         );
         errors.push(error);
-        // The backbone at the peak: to first harmonic ω is that of the conservative system, up to
-        // the square of the damping ratio.
+        // The backbone at the peak: in first-harmonic theory ω is the frequency of the conservative
+        // system, up to the square of the damping ratio.
         let point = backbone(MASS, DAMPING, STIFFNESS, TANGENTIAL, LIMIT, harmonic.1);
         let point = point.expect("positive parameters");
         let shift = (harmonic.0 / point.angular_frequency - 1.0).abs();
         assert!(shift < 2.0 * point.damping_ratio.powi(2).max(1e-8));
     }
-    // Without slip both are the linear response.
+    // Without slip, both theories give the linear response.
     assert!(errors[0] < 1e-12 && errors[1..].iter().all(|error| (1e-4..0.2).contains(error)));
 
     println!("\nbackbone: amplitude, frequency, damping ratio");
@@ -154,7 +156,7 @@ fn main() -> Result<(), Error> {
         };
         let (low, high) = point.orbit.extremes(0);
         worst[0] = worst[0].max((0.5 * (high - low) / found.amplitude - 1.0).abs());
-        // An orbit whose slider never moves leaves the multiplier 1 out.
+        // If the slider never moves, the multiplier 1 is left out.
         let all = found.multipliers.iter();
         let own = all.filter(|multiplier| multiplier.re != 1.0);
         let size = |m: &stick_slip::nalgebra::Complex<f64>| m.norm();

@@ -1,14 +1,17 @@
-//! LuGre bristles in stick-slip: the simulation of Canudas de Wit et al., beside dry friction.
+//! LuGre bristles in stick-slip: the simulation of Canudas de Wit et al., compared with dry
+//! friction.
 //!
 //! What to learn from it:
 //!
-//! * bristles never stick: the mass creeps at a few micrometres a second, and every time at which
-//!   it stands still is a crossing. Such times are ill-conditioned, the states there are not;
-//! * in near-stick the mass is a stiff oscillator (50 Hz here), in slip the bristles follow within
-//!   microseconds: the run takes some hundred steps all the same;
+//! * contacts with bristles never stick: the mass creeps at a few micrometres per second, and every
+//!   instant of zero velocity is a crossing. The times of these crossings are ill-conditioned, but
+//!   the states are not;
+//! * near stick the mass is a stiff oscillator (here 50 Hz), and in slip the bristles relax within
+//!   microseconds. Nevertheless the run takes only some hundred steps;
 //! * dry friction with the same law, which is the limit of stiff bristles, slips at nearly the same
 //!   times;
-//! * this friction is not passive: `analysis::lugre` tells how much viscosity it would need.
+//! * this friction is not passive: `analysis::lugre` gives the viscosity that would make it
+//!   passive.
 //!
 //! Run it with `cargo run --release --example lugre`.
 
@@ -20,7 +23,7 @@ use stick_slip::{
 
 /// C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, IEEE Trans. Automatic Control 40
 /// (1995) 419-425: a mass of 1 kg is pulled over the ground by a spring of 2 N/m, whose end moves
-/// at 0.1 m/s. Seen from that end, the ground moves backward.
+/// at 0.1 m/s. In the frame of this end, the ground moves backward.
 fn pulled<L: ContactLaw + Send + Sync + 'static>(law: L) -> Result<Structure, Error> {
     Structure::new(&[1.0])?
         .with_ground_spring(0, 2.0)?
@@ -69,7 +72,7 @@ fn main() -> Result<(), Error> {
     println!("\n40 s: {steps} steps, {crossings} crossings; up to {fastest:.4} m/s");
     assert!(steps < 2000);
 
-    // The spring has to be stretched by 1.5/2 first, and dry friction lets go there.
+    // With dry friction slip begins when the spring is stretched by 1.5/2.
     let dry = pulled(g)?
         .with_ground_damper(0, 0.4)?
         .with_force(0, -0.04)?;
@@ -81,7 +84,7 @@ fn main() -> Result<(), Error> {
     for (slip, dry) in slips.iter().zip(&released) {
         println!("            {slip:12.3}  {dry:12.3}");
     }
-    // Bristles creep before they let go, and let go earlier.
+    // With bristles the mass creeps before slip begins, and slip begins earlier.
     let [one, other] = [&slips, &released].map(|times| (times[4] - times[1]) / 3.0);
     println!("period      {one:12.3}  {other:12.3}");
     assert!((one - 6.363).abs() < 1e-3 && (other - 6.512).abs() < 1e-3);

@@ -2,17 +2,17 @@
 //!
 //! What to learn from it:
 //!
-//! * `Tabulated` takes points (speed, coefficient), the first at speed 0, and goes through each of
-//!   them without wiggles between;
+//! * `Tabulated` takes points (speed, coefficient), the first at speed 0. The law goes through each
+//!   point and does not oscillate between the points;
 //! * speeds may be physical: `Scaling::system` converts them together with the machine;
-//! * limit cycles are cheap enough to repeat for every run of the measurement, so that the scatter
-//!   of the coefficient is seen in the result: here amplitudes differ by 3 %, and the speed at
-//!   which sliding becomes stable, which hangs on the slope, by 15 %.
+//! * limit cycles take so little time that they can be computed for every run of the measurement.
+//!   The results then show the effect of the scatter of the coefficient: here amplitudes differ by
+//!   3 %, and the speed at which sliding becomes stable differs by 15 %, because it depends on the
+//!   slope of the law.
 //!
-//! Run it with `cargo run --release --example measured_law`, or with a file of your own in the
-//! format of `examples/friction.csv` (lines that begin with # are comments, one line of headings,
-//! then speed in m/s and one column for each run):
-//! `cargo run --release --example measured_law -- my.csv`.
+//! Run it with `cargo run --release --example measured_law`, or with your own file in the format of
+//! `examples/friction.csv` (lines that begin with # are comments, one line of headings, then speed
+//! in m/s and one column for each run): `cargo run --release --example measured_law -- my.csv`.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -43,7 +43,7 @@ fn run() -> Result<(), Box<dyn Error>> {
             format!("{path}, line {line}: {runs} coefficients are needed, as above").into(),
         );
     }
-    // Through which points a law goes; a bad one is named by its line.
+    // The points of a law; an error names the line of a bad point.
     let law = |coefficient: &dyn Fn(&Row) -> f64| {
         let points = table.iter().map(|row| (row.speed, coefficient(row)));
         Tabulated::new(points).map_err(|error| match &error {
@@ -101,7 +101,7 @@ fn show<L: FrictionLaw>(name: &str, scaling: &Scaling, law: L) -> Result<(), Box
             100.0 * cycle.stick_duration() / cycle.period(),
             hopf.join(", ")
         );
-        // Above the last point the table is constant: a guess, no measurement.
+        // Above the last point the table is constant, which is an assumption.
         let sliding = system.belt_velocity() - cycle.min_velocity();
         if sliding > fastest {
             println!("{name:<14} slides faster than was measured");

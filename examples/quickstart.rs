@@ -1,16 +1,16 @@
-//! Three motions of the source paper, from rest until they settle, beside the exact periodic motion
-//! that they settle to.
+//! Three motions of the source paper, from rest until they settle, compared with the exact periodic
+//! motions that they approach.
 //!
 //! What to learn from it:
 //!
 //! * a system is a friction law, a belt velocity and a damping ratio; `simulate` gives its events
 //!   and its state at any time;
 //! * `limit_cycle::find` gives the periodic motions themselves, without a transient: the two
-//!   columns of numbers agree, though one comes from hundreds of oscillations and the other from
-//!   one arc;
+//!   columns of numbers agree, although one comes from a simulation of many oscillations and the
+//!   other from the slip arcs of one period;
 //! * on a fast belt the mass never reaches the velocity of the belt (Fig. 4) and takes tens of
-//!   oscillations to settle; on a slow one it sticks and slips in turn (Figs. 5 and 7), and from
-//!   the first release on the motion is periodic: multiplier 0.
+//!   oscillations to settle; on a slow belt stick and slip alternate (Figs. 5 and 7), and the
+//!   motion is periodic after the first release: its multiplier is 0.
 //!
 //! Run it with `cargo run --example quickstart`.
 
@@ -75,10 +75,10 @@ fn show<L: FrictionLaw>(title: &str, law: L, v_b: f64) -> Result<(), stick_slip:
     Ok(())
 }
 
-/// Name, value in the last oscillation simulated, value on the exact cycle.
+/// Name, value in the last simulated oscillation, value on the exact cycle.
 fn settled(motion: &Trajectory, cycle: &LimitCycle) -> Vec<(&'static str, f64, f64)> {
     let turns = turning_points(motion);
-    // The last three: one side, the other, the first again.
+    // The last three turning points: one side, the other side, and the first side again.
     let [.., (from, a), (_, b), (to, _)] = turns[..] else {
         return Vec::new();
     };
@@ -90,8 +90,8 @@ fn settled(motion: &Trajectory, cycle: &LimitCycle) -> Vec<(&'static str, f64, f
     ]
 }
 
-/// Times and displacements where the mass turns back: zeros of v, bracketed by samples and bisected
-/// in the dense output.
+/// Times and displacements of the turning points: zeros of v, bracketed by samples and bisected in
+/// the power series of the motion.
 fn turning_points(motion: &Trajectory) -> Vec<(f64, f64)> {
     let velocity = |time: f64| {
         motion

@@ -1,13 +1,14 @@
-//! The resonance curve of an oscillator that sticks: its periodic motions followed over the
-//! frequency of the force, through folds, to where simulations do not go.
+//! The resonance curve of an oscillator that sticks: its periodic motions are followed over the
+//! frequency of the force and through folds, to unstable motions that simulations do not reach.
 //!
 //! What to learn from it:
 //!
-//! * `orbit::settle` finds one periodic motion from a simulation, `orbit::follow` all that are
-//!   connected with it. Nobody says in which order the mass sticks and slips: where that changes,
-//!   the change is found, named and passed;
+//! * `orbit::settle` finds one periodic motion from a simulation, and `orbit::follow` finds all
+//!   motions connected with it. The order of stick and slip is not prescribed: if it changes along
+//!   the branch, the change is found, reported and passed;
 //! * between two folds there are several motions at one frequency, and some of them are unstable;
-//! * every fold, flip and change comes with its exact frequency, and a branch says why it ends.
+//! * every fold, flip and change of the events is returned with its exact frequency, and a branch
+//!   contains the reasons for its ends.
 //!
 //! Run it with `cargo run --release --example resonance`.
 

@@ -1,13 +1,14 @@
-//! Static friction that rises while surfaces are at rest: stick-slip dies as the belt gets faster.
+//! Static friction that rises while surfaces are at rest: stick-slip disappears as the belt
+//! velocity increases.
 //!
 //! What to learn from it:
 //!
-//! * `Dwell` makes any friction law one whose static coefficient rises at rest; its one memory
-//!   variable, the time stuck, is in the state of each event;
-//! * without damping the amplitude falls in a straight line (hyperbolic form) or a curve to nothing
-//!   at Gao's critical velocity; there are closed forms for it, and the motion meets them;
-//! * with damping stick-slip dies at a fold, with a finite amplitude. Just below it, it depends on
-//!   the start whether the mass sticks at all.
+//! * `Dwell` adds to any friction law a static coefficient that rises during stick. Its memory
+//!   variable, the time in stick, is part of the state of each event;
+//! * without damping the amplitude falls to zero at Gao's critical velocity, along a straight line
+//!   (hyperbolic form) or a curve. Closed forms exist, and the simulated motions agree with them;
+//! * with damping stick-slip disappears at a fold, with a finite amplitude. Just below the fold the
+//!   start decides whether the mass sticks.
 //!
 //! Run it with `cargo run --release --example rising_static_friction`.
 
@@ -15,7 +16,7 @@ use stick_slip::analysis::dwell::DwellOscillator;
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Dwell, Error, EventKind, Structure};
 
-/// m = k = N = 1, μ_k = 0.3; static friction rises from there.
+/// m = k = N = 1, μ_k = 0.3; static friction rises from this value.
 fn oscillator(law: Dwell<Coulomb>, damping: f64) -> DwellOscillator {
     DwellOscillator {
         law,
@@ -33,7 +34,7 @@ fn block(of: &DwellOscillator, velocity: f64) -> Result<Structure, Error> {
         .with_contact(Contact::new(0, of.law, of.load)?.on_belt(velocity))
 }
 
-/// How long the mass sticks each time, at last; `None` if it does not.
+/// The duration of stick in each cycle after the transient; `None` if the mass does not stick.
 fn stuck(of: &DwellOscillator, velocity: f64, start: f64) -> Result<Option<f64>, Error> {
     let duration = 2000.0;
     let start = State::new(&[start], &[velocity]);
@@ -81,12 +82,14 @@ fn main() -> Result<(), Error> {
         };
         let (velocity, amplitude) = (fold.belt_velocity, fold.amplitude);
         println!("  {name:<12}  {grazing:14.12}    {velocity:14.12}   {amplitude:14.12}");
-        // From a large swing it goes on below the fold, and dies above.
+        // After a large initial displacement, stick-slip lasts below the fold and disappears above
+        // it.
         assert!(stuck(&of, 0.999 * velocity, 1.0)?.is_some());
         assert!(stuck(&of, 1.001 * velocity, 1.0)?.is_none());
     }
 
-    // Both sides of the unstable cycle, at one belt velocity: where the mass is caught decides.
+    // Starts on both sides of the unstable cycle at one belt velocity: the displacement at the
+    // first stick decides.
     let of = oscillator(forms[1].1, 0.05);
     if let Some(cycle) = of.unstable_stick_slip(0.165) {
         let caught = cycle.contact_displacement;

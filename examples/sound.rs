@@ -1,14 +1,14 @@
-//! The sound of a brake: from a motion in SI units to a WAV file, which any player plays.
+//! The sound of a brake: from a motion in SI units to a WAV file for any audio player.
 //!
 //! What to learn from it:
 //!
 //! * `samples` gives a motion at any rate, here 44.1 kHz: each sample is as exact as the motion, so
-//!   nothing has to be filtered but what lies above half the rate;
-//! * what one hears is close to the acceleration of a surface;
+//!   only frequencies above half the rate have to be filtered;
+//! * the audible sound is close to the acceleration of a surface;
 //! * a WAV file is 44 bytes of header and the samples.
 //!
-//! Run it with `cargo run --release --example sound -- groan.wav`; without a name it says what it
-//! would write.
+//! Run it with `cargo run --release --example sound -- groan.wav`; without a file name it prints a
+//! summary of the sound.
 
 use stick_slip::orbit::{self, Period};
 use stick_slip::structure::State;

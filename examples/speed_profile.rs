@@ -1,13 +1,14 @@
-//! A belt that starts, holds its velocity and stops: when the mass begins to squeal.
+//! A belt that starts, holds its velocity and stops: the times at which the mass begins to vibrate.
 //!
 //! What to learn from it:
 //!
-//! * a profile is a list of points (time, value), joined by straight lines and constant outside; a
-//!   ramp's ends are kinks, at which a step ends exactly;
-//! * a mass can be released by a kink: its inertia has to be carried too;
+//! * a profile is a list of points (time, value), joined by straight lines; it is constant before
+//!   the first and after the last point. The ends of a ramp are kinks, at which a step ends
+//!   exactly;
+//! * a kink can end stick: the contact must also transmit the inertial force;
 //! * the same belt velocity gives different motions on the way up and on the way down;
-//! * vibration begins long after steady sliding has become unstable, the later the less disturbs
-//!   it: give a slow simulation the disturbance that the machine has.
+//! * vibration begins long after steady sliding has become unstable, and later if disturbances are
+//!   smaller. In a slow simulation, include the disturbance that the machine has.
 //!
 //! Run it with `cargo run --release --example speed_profile`.
 
@@ -49,7 +50,8 @@ fn main() -> Result<(), Error> {
         );
     }
 
-    // Where steady sliding is stable; it vibrates later than it could, both on the way up and down.
+    // Changes of stability of steady sliding; vibration begins later than these, both on the way up
+    // and on the way down.
     println!("\nsteady sliding, with the belt held at its velocity of each time");
     for change in system.stability_changes(0.0..400.0)? {
         let becomes = if change.becomes_stable {
@@ -61,7 +63,7 @@ fn main() -> Result<(), Error> {
         println!("  {:8.3}  {velocity:6.4}  becomes {becomes}", change.time);
     }
 
-    // How much later, is a matter of what disturbs the mass.
+    // The delay depends on the disturbance.
     println!("\nfirst stick on a belt that slows down from 1.2 to 0.4 within 4000");
     let slow = Drive::profile(&[(0.0, 1.2), (4000.0, 0.4)])?;
     let slowing = |disturbance: f64| {

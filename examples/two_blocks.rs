@@ -1,12 +1,12 @@
-//! Two blocks on a belt, coupled by a spring: every stick and release of either.
+//! Two blocks on a belt, coupled by a spring: every stick and release of each block.
 //!
 //! What to learn from it:
 //!
 //! * masses, springs and contacts are added one by one; a contact's number is its place in the
-//!   order of `with_contact`, and events say at which contact they happen;
-//! * `mode_at` tells what each contact does between events: here the blocks stick together, in
-//!   turn, or not at all;
-//! * this motion is stable: a small change of the start stays small, as is printed at the end.
+//!   order of `with_contact`, and each event contains the number of its contact;
+//! * `mode_at` gives the mode of each contact between events: here both blocks stick, one of them
+//!   sticks, or none;
+//! * this motion is stable: a small perturbation of the start remains small, as printed at the end.
 //!
 //! Run it with `cargo run --release --example two_blocks`.
 

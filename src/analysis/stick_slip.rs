@@ -354,9 +354,9 @@ impl Cubic {
 /// | the extreme of v along the belt, v_b | exact | exact |
 ///
 /// Range of validity: 0 < |v_b| < v_b0 with a margin (W1 > 0), W1 small compared with 1, and
-/// |v_b|·stick ≤ 2γ²μ_s, so that the mass sticks where it meets the belt. The last condition fails
-/// as ε → 0 at fixed μ_s. If μ_s and μ_m are raised by the same constant, the stick band widens and
-/// u − ū stays as it is.
+/// |v_b|·stick ≤ 2γ²μ_s, so that the mass sticks when it reaches the belt velocity. The last
+/// condition fails as ε → 0 at fixed μ_s. If μ_s and μ_m are raised by the same constant, the stick
+/// band becomes wider and u − ū does not change.
 ///
 /// As |v_b| → v_b0, the duration of stick in these formulas goes to zero like √d, with d = 1
 /// − |v_b|/v_b0. In the exact motion it goes to zero at

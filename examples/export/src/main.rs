@@ -1,5 +1,5 @@
-//! A structure, read from JSON, simulated, and written as tables for others: events and samples as
-//! CSV, which Python, MATLAB and spreadsheets read.
+//! Reads a structure from JSON, simulates it, and writes its events and samples as CSV tables,
+//! which Python, MATLAB and spreadsheets can read.
 //!
 //! Run it with `cargo run --release -p stick-slip-export -- examples/export/brake.json events.csv
 //! samples.csv`. The names of fields are those of `stick_slip::schema`.
@@ -35,7 +35,7 @@ impl Task {
     }
 }
 
-/// A row for each event: time, contact, what happened, and the state.
+/// A row for each event: time, contact, kind, and state.
 fn events(n: usize, events: &[Event<State>]) -> Result<String, Failure> {
     let mut table = String::from("time,contact,event");
     columns(&mut table, &[("q", n), ("v", n)])?;

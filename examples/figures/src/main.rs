@@ -1,30 +1,32 @@
-//! The figures of the source paper, and eleven more, as SVG files and a page that shows them.
+//! Draws the figures of the source paper, and eleven more, as SVG files and as a page that shows
+//! them.
 //!
 //! What to learn from it:
 //!
-//! * `motion.rs`: a trajectory drawn from its steps, with stick and slip apart; the exact limit
-//!   cycle over it;
-//! * `amplitude.rs`: branches from `bifurcation::diagram`, with belt velocities that crowd at the
-//!   exact borders, where amplitudes change like square roots; the paper's formulas and better ones
-//!   over them;
-//! * `regimes.rs`: a map whose borders are computed, not sampled: what takes a grid of simulations
-//!   elsewhere is a handful of curves here;
+//! * `motion.rs`: a trajectory drawn from its steps, with stick and slip in different styles, and
+//!   the exact limit cycle;
+//! * `amplitude.rs`: branches from `bifurcation::diagram`, compared with the paper's formulas and
+//!   more accurate formulas. The belt velocities are densest at the exact borders, where amplitudes
+//!   change like square roots;
+//! * `regimes.rs`: a map of attractors whose borders are computed curves, not the result of a grid
+//!   of simulations;
 //! * `resonance.rs`: branches of periodic motions followed through folds by `orbit::follow`;
 //! * `chaos.rs`: a Poincaré section and the largest Lyapunov exponent over a parameter;
-//! * `errors.rs`: a formula is as good as the order of its error, seen as a slope;
-//! * `memory.rs`: closed forms for rising static friction under motions that have settled; bristles
-//!   beside the dry friction that is their limit;
-//! * `joint.rs`: exact resonance curves of a mass on a spring with a slider, beside first-harmonic
-//!   theory;
+//! * `errors.rs`: the order of the error of each formula, visible as a slope;
+//! * `memory.rs`: closed forms for rising static friction, compared with settled motions; bristles,
+//!   compared with dry friction, which is their limit;
+//! * `joint.rs`: exact resonance curves of a mass on a spring with a slider, compared with
+//!   first-harmonic theory;
 //! * `beam.rs`: sweeps that take minutes, read from the file that the example `bolted_beam` writes;
 //! * `laws.rs`: friction laws on both sides of zero;
 //! * `structures.rs`: the events of many contacts over time and place; eigenvalues of steady
 //!   sliding over a parameter;
-//! * `plot.rs` and what it uses: as much of plotters as a figure in print needs.
+//! * `plot.rs` and the files that it uses: the parts of plotters that a printed figure needs.
 //!
-//! Run it with `cargo run --release -p stick-slip-figures`; another folder than `target/figures`
-//! comes after `--`. One of the files is kept in this folder, for the README, and five in
-//! `src/figures` of the crate, for its pages: to renew them, draw them and copy them.
+//! Run it with `cargo run --release -p stick-slip-figures`; to write to another folder than
+//! `target/figures`, add its name after `--`. One of the files is kept in this folder for the
+//! README, and five in `src/figures` of the crate for its pages. To renew them, draw them and copy
+//! them.
 
 mod amplitude;
 mod beam;

@@ -1,10 +1,10 @@
-//! How exact a motion is: the same motion followed twice, with other steps.
+//! The accuracy of a motion, from two integrations with different steps.
 //!
-//! Two integrations of one motion differ by what each of them gets wrong, measured in u, v and the
-//! events' times themselves and in no scale of the integrator's. A difference is an error of the
-//! integrator unless the motion itself magnifies rounding as much. Whether it does is tried: each
-//! number that is rounded is moved by a few ulps in either direction, and the rest of the motion is
-//! followed again. The numbers are
+//! Two integrations of one motion differ by the errors of both. The difference is measured in u, v
+//! and the times of events, not in a scale of the integrator. It is an error of the integrator
+//! unless the motion itself magnifies rounding errors as much. To find this out, each rounded
+//! number is changed by a few ulps in both directions, and the rest of the motion is followed
+//! again. The rounded numbers are
 //!
 //! * the data: load, damping and duration;
 //! * the state at the start of each step of both motions, the first one included, which stands in

@@ -1,15 +1,15 @@
-//! Random systems by the thousand, of parameters over many decades: what comes out, how exactly,
-//! and how long it takes.
+//! Thousands of random systems, with parameters over many decades: results, accuracy and computing
+//! time.
 //!
 //! What to learn from it:
 //!
-//! * what cannot be followed ends in an error that says so; the errors are counted here by kind,
-//!   each with what it says;
+//! * a motion that cannot be followed returns a typed error; errors are counted by kind and by
+//!   message;
 //! * every motion is followed a second time, with half the tolerance and from a state inside its
-//!   first step on, so that all steps start elsewhere: how far the last states and the events are
-//!   apart shows what the integrator itself gets wrong, unless the motion itself magnifies the
-//!   rounding of its own data and states as much;
-//! * the energy of every motion is balanced by a quadrature of the law itself, which knows nothing
+//!   first step, so that all steps differ. The distance between the last states and between the
+//!   events of the two motions is an error of the integrator, unless the motion itself magnifies
+//!   rounding errors of its data and states as much;
+//! * the energy balance of every motion is checked by a quadrature of the law that is independent
 //!   of the integrator;
 //! * systems and laws are plain values, so that any number of threads can work on them.
 //!
