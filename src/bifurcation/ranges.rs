@@ -60,9 +60,9 @@ pub fn vibration_ranges<L: FrictionLaw>(
 
 /// An interval of belt velocities with the same attractors throughout, for a mass on a belt;
 /// returned by [`vibration_ranges`], which finds every attractor at each velocity that it tries.
-/// For any other system, [`orbit::VibrationRange`](crate::orbit::VibrationRange) is the similar
-/// type, with the kinds of attractors of structures and the reason for each border; its search can
-/// miss attractors.
+/// For any other system there is a similar type,
+/// [`orbit::VibrationRange`](crate::orbit::VibrationRange), with the kinds of attractors of
+/// structures and the reason for each border. Its search can miss attractors.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]

@@ -152,7 +152,7 @@ impl<'m, 's> SlidingField<'m, 's> {
                 }
             }
             if contact.is_elastic() {
-                // Its force follows its limit at once.
+                // The force follows the limit without delay.
                 matrix[(first, first)] = -1.0;
             }
             for j in 0..sliding.memory.len() {

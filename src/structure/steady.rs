@@ -46,7 +46,7 @@ use crate::state::Direction;
 ///                 .on_belt(1.0),
 ///         )
 /// };
-/// // The modes merge at μ = 3/4, and beyond one grows.
+/// // The modes merge at μ = 3/4; above it one mode grows.
 /// let growth = |coefficient| {
 ///     let sliding = brake(coefficient)?.steady_sliding()?;
 ///     Ok::<f64, stick_slip::Error>(sliding.eigenvalues[0].re)

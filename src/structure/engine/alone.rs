@@ -1,5 +1,6 @@
-//! The series of a coordinate that slips alone, all others being held at constant velocities. Its
-//! equation is that of a mass on a belt, whose series is computed in one piece.
+//! The series of a coordinate that slips while all other coordinates are held at constant
+//! velocities. Its equation is that of a mass on a belt, so its series is computed by the same
+//! code.
 
 use super::ALL;
 use super::edge::side_of;

@@ -16,7 +16,7 @@ pub(crate) struct ContactData<'s> {
     pub(crate) direction: Cow<'s, Entries>,
     pub(crate) law: &'s dyn LawObject,
     pub(crate) load: Cow<'s, Drive>,
-    /// n, that of a normal spring included.
+    /// n, including the stiffness of a normal spring.
     pub(crate) load_gradient: Vec<(usize, f64)>,
     pub(crate) belt_velocity: Cow<'s, Drive>,
     /// k_t of an elastic contact.
@@ -37,9 +37,9 @@ pub(crate) struct ContactData<'s> {
 /// The coordinates on which a contact acts.
 #[derive(Debug, Clone)]
 pub(crate) enum Site {
-    /// It has a coordinate to itself: r = v_i − w.
+    /// No other contact acts on its only coordinate: r = v_i − w.
     Own(usize),
-    /// Elastic: its force is a state variable, and it holds no coordinate.
+    /// Elastic: its force is a state variable, and it does not constrain a coordinate.
     Elastic {
         /// M⁻¹b.
         response: Vec<(usize, f64)>,
@@ -91,8 +91,8 @@ impl<'s> ContactData<'s> {
         self.load_gradient.iter().map(|&(j, n)| n * x(j)).sum()
     }
 
-    /// The sliding velocity; 0 for several coordinates also within the rounding of their
-    /// difference.
+    /// The sliding velocity. For several coordinates it is 0 if it is within the rounding error of
+    /// their difference.
     pub(crate) fn sliding_velocity(&self, v: impl Fn(usize) -> f64, surface: f64) -> f64 {
         /// 0.1 + 0.2 and 0.3 are the same speed.
         const ROUNDING: f64 = 4.0 * f64::EPSILON;
@@ -105,13 +105,13 @@ impl<'s> ContactData<'s> {
         }
     }
 
-    /// N at a time, below 0 where it is open.
+    /// N at a time, negative if the contact is open.
     pub(crate) fn load_at(&self, time: f64, displacement: impl Fn(usize) -> f64) -> f64 {
         self.load.value(time) + self.displacement_load(displacement)
     }
 
-    /// The kinetic coefficient at speed 0, slipping in a direction, and the static one with which
-    /// it would be caught there, given its memory; `None` if it never sticks.
+    /// The kinetic coefficient at speed 0 for slip in a direction, and the static coefficient if it
+    /// would stick there, for the given memory; `None` if the contact never sticks.
     pub(crate) fn coefficients_at_rest(
         &self,
         direction: Direction,
@@ -150,7 +150,7 @@ impl<'s> ContactData<'s> {
         self.law.constant().unwrap_or(0.0)
     }
 
-    /// μN of an elastic contact at a time, 0 where it is open.
+    /// μN of an elastic contact at a time, 0 if it is open.
     pub(crate) fn limit_at(&self, time: f64, displacement: impl Fn(usize) -> f64) -> f64 {
         (self.constant_coefficient() * self.load_at(time, displacement)).max(0.0)
     }
@@ -169,7 +169,7 @@ impl ContactData<'_> {
         entry(self.responses(), coordinate)
     }
 
-    /// M⁻¹b/G_cc; for one with a coordinate to itself that is b.
+    /// M⁻¹b/G_cc; it is b if no other contact acts on the coordinate.
     pub(crate) fn responses(&self) -> &Entries {
         match &self.site {
             Site::Own(_) => &self.direction,
@@ -186,7 +186,7 @@ impl ContactData<'_> {
     }
 }
 
-/// The number of a coordinate among entries.
+/// The entry of a coordinate; 0 if there is none.
 pub(crate) fn entry(entries: &Entries, coordinate: usize) -> f64 {
     let place = entries.binary_search_by_key(&coordinate, |&(j, _)| j);
     place.map_or(0.0, |place| entries[place].1)

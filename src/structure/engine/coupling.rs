@@ -1,13 +1,13 @@
-//! Shared contacts that stick act on each other through G = B M⁻¹Bᵀ: which of them are independent,
-//! and what holds them.
+//! The coupling G = B M⁻¹Bᵀ of sticking contacts that share coordinates: contacts with independent
+//! directions, and the constraint forces in them.
 
 use super::contact::Site;
 use super::factor::{Factor, Holding};
 use super::model::Model;
 
 impl Model<'_> {
-    /// Sets the velocities at a time so that these contacts are at rest: those of contacts that
-    /// share coordinates by the least change in kinetic energy.
+    /// Sets the velocities at a time so that these contacts are at rest. For contacts that share
+    /// coordinates, the change has the least kinetic energy.
     pub(crate) fn put_at_rest(
         &self,
         velocities: &mut [f64],
@@ -54,7 +54,7 @@ impl Model<'_> {
     }
 
     /// The largest set of these shared contacts whose directions are independent, with its factor.
-    /// Each gives way by itself, by so much in parts of its own compliance.
+    /// `softness` is an additional compliance of each contact, relative to its own compliance.
     pub(crate) fn independent(
         &self,
         mut contacts: Vec<usize>,
@@ -70,9 +70,9 @@ impl Model<'_> {
         }
     }
 
-    /// Contacts among these with a coordinate each that none of those before has, as far as there
-    /// are: in this order their relative velocities give the velocities of these coordinates.
-    /// Joints and belts have one each, unless they run in a circle.
+    /// Contacts, each with a coordinate that no contact before it has, as far as such coordinates
+    /// exist. In this order, their relative velocities determine the velocities of these
+    /// coordinates. Every contact has such a coordinate unless the contacts form a closed loop.
     pub(super) fn pivots(&self, contacts: &[usize]) -> Vec<(usize, usize)> {
         let mut users: Vec<Vec<usize>> = vec![Vec::new(); self.len()];
         for &c in contacts {
@@ -80,7 +80,8 @@ impl Model<'_> {
                 users[j].push(c);
             }
         }
-        // From the ends inward: a coordinate of one contact alone is the last to be set.
+        // From the ends of a chain inwards: a coordinate that belongs to one contact only is set
+        // last.
         let mut alone: Vec<usize> = (0..self.len()).filter(|&j| users[j].len() == 1).collect();
         let mut pivots = Vec::new();
         while let Some(j) = alone.pop() {
@@ -101,12 +102,13 @@ impl Model<'_> {
     ///
     /// # Errors
     ///
-    /// The place among them of the first one that depends on those before.
+    /// The place of the first contact whose direction depends on those before it.
     pub(crate) fn factor(&self, among: &[usize]) -> Result<Factor, usize> {
         Factor::new(self.couplings(among))
     }
 
-    /// The same with a compliance of its own for each contact, in parts of its compliance.
+    /// The factor of G with an additional compliance of each contact, relative to its own
+    /// compliance.
     ///
     /// # Errors
     ///
@@ -119,8 +121,8 @@ impl Model<'_> {
         Factor::with_diagonal(|i| 1.0 + softness(among[i]), self.couplings(among))
     }
 
-    /// The same with a small compliance of its own for each contact, so that dependent ones share
-    /// the force.
+    /// The factor of G with a small additional compliance of each contact, so that contacts with
+    /// dependent directions share the force.
     pub(super) fn soft_factor(&self, among: &[usize]) -> Factor {
         const SOFTEST: f64 = 1.0;
         let mut softness = 1e-8;

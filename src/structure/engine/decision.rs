@@ -1,17 +1,20 @@
-//! The decision of contacts that share coordinates. At r = 0 the force in one depends on the
-//! others, so the modes of all are decided together, at every event of one.
+//! The decision on stick or slip of contacts that share coordinates. At r = 0 the force in one
+//! contact depends on the others, so the modes of all are decided together, at every event of any
+//! of them.
 //!
-//! With limits B_c, find forces λ with |λ_c| ≤ B_c where a_c = r_c' = 0, and λ_c = B_c sgn a_c
-//! elsewhere, a = a⁰ − G λ: a convex programme whose a is unique. It is solved by pivoting: from a
-//! choice of the contacts that stick, those that violate their condition are changed until none
-//! does.
+//! Let B_c be the limits, a_c = r_c', and a = a⁰ − G λ. The forces λ satisfy |λ_c| ≤ B_c for each
+//! contact with a_c = 0, and λ_c = B_c sgn a_c for the others. This is a convex programme with a
+//! unique a. It is solved by pivoting: beginning with a guess of the contacts that stick, the modes
+//! that violate their condition are changed until no condition is violated.
 //!
-//! The limits are the static ones at first. While contacts slip that have a smaller kinetic limit,
-//! the one with the largest |a_c|/(G_cc B_c) takes it, and the programme is solved again: *the
-//! fastest yields first*. If both coefficients are equal the answer is that of the first programme.
+//! At first the limits are the static limits. As long as contacts slip whose kinetic limit is
+//! smaller, the one with the largest |a_c|/(G_cc B_c) gets its kinetic limit, and the programme is
+//! solved again: *the fastest yields first*. If both coefficients are equal, the first solution is
+//! the result.
 //!
-//! A contact on the edge of its band, λ_c = B_c and a_c = 0, is taken to stick, and the sign of the
-//! first nonzero derivative of its distance from the edge decides, as for one contact.
+//! A contact on the edge of its stick band (λ_c = B_c and a_c = 0) is first assumed to stick; then
+//! the sign of the first nonzero derivative of its distance from the edge decides, as for a single
+//! contact.
 
 use super::edge::{EDGE_ROUNDING, Edge, side_of};
 use super::expand::free_accelerations;
@@ -50,8 +53,8 @@ struct Candidate {
     kinetic: [f64; 2],
     has_yielded: bool,
     choice: Choice,
-    /// The last solution: λ, a, and the rounding error of the one of them that the choice leaves
-    /// free.
+    /// The last solution: λ, a, and the rounding error of the unknown of these two (a in slip, λ in
+    /// stick).
     force: f64,
     acceleration: f64,
     rounding: f64,
@@ -66,7 +69,8 @@ enum Choice {
 }
 
 impl Decision {
-    /// Called before arrivals: the excess of contacts at the edge of their bands is rounding.
+    /// Called before contacts that reach r = 0 are processed: until then, an excess of contacts at
+    /// the edge of their bands is a rounding error.
     pub(super) fn new(model: &Model<'_>, situation: &Situation, series: &mut Series) -> Self {
         let mut beyond = Vec::new();
         let at_edge = |&c: &usize| {
@@ -215,8 +219,9 @@ impl Decision {
         situation: &Situation,
         series: &Series,
     ) -> Result<(), Error> {
-        /// Least numbers first end surely, but after up to 2ⁿ changes. The usual number is below n;
-        /// eleven contacts on six coordinates were seen to take 299.
+        /// Changing the contact with the least number first always ends, but it can take 2ⁿ
+        /// changes. The usual number is below n; the largest seen is 299, for eleven contacts on
+        /// six coordinates.
         const MOST_CHANGES: usize = 1 << 14;
         let mut least_broken = usize::MAX;
         for _ in 0..MOST_CHANGES {
@@ -227,7 +232,8 @@ impl Decision {
             if broken.is_empty() {
                 return Ok(());
             }
-            // While their number falls, all of them change together; otherwise only the first one.
+            // While the number of violations falls, all of them are changed together; otherwise
+            // only the first.
             let count = if broken.len() < least_broken {
                 broken.len()
             } else {
@@ -241,8 +247,9 @@ impl Decision {
         Err(situation.undecided(model, series))
     }
 
-    /// The contacts that stick, with their factor. Dependent ones get a small compliance: they
-    /// share the force, and exceed their limits by far if they cannot all stick.
+    /// The contacts that stick, with their factor. Contacts with dependent directions get a small
+    /// compliance: they share the force, and their forces exceed the limits by far if they cannot
+    /// all stick.
     fn hold(&self, model: &Model<'_>) -> Holding {
         let sticking = self.candidates.iter();
         let sticking = sticking.filter(|candidate| candidate.choice == Choice::Stick);
@@ -303,14 +310,14 @@ impl Decision {
         self.candidates.iter().map(sum).collect()
     }
 
-    /// The largest eagerness of those that may still yield.
+    /// The largest `eagerness` of the contacts that may still get their kinetic limit.
     fn fastest(&self) -> Option<f64> {
         let eager = self.candidates.iter().map(Candidate::eagerness);
         eager.filter(|eagerness| *eagerness > 0.0).reduce(f64::max)
     }
 
-    /// Takes contacts that slip with the force of stick and without acceleration to stick on the
-    /// edge of their band; returns true if there are any.
+    /// Sets contacts that would slip with the force of stick and without acceleration to stick on
+    /// the edge of their band; returns true if there are any.
     fn put_on_edges(&mut self) -> bool {
         let mut changed = false;
         for candidate in &mut self.candidates {
@@ -323,8 +330,8 @@ impl Decision {
         changed
     }
 
-    /// The contacts that are at rest together with dependent directions, if any: the force in each
-    /// of them is not determined.
+    /// The contacts with dependent directions that are at rest at the same time, if any: the force
+    /// in each of them is not determined.
     fn undetermined(&self, model: &Model<'_>) -> Option<Vec<usize>> {
         let rests = |candidate: &&Candidate| {
             let sticks = candidate.choice == Choice::Stick;
@@ -437,7 +444,7 @@ impl Candidate {
         }
     }
 
-    /// Returns true if friction is smaller in slip than in stick, where slip begins in a direction.
+    /// Returns true if the kinetic limit is below the static limit for slip in a direction.
     fn falls(&self, side: Direction) -> bool {
         let kinetic = self.kinetic[usize::from(side == Direction::Leading)];
         self.limit - kinetic > 4.0 * f64::EPSILON * self.limit
@@ -465,8 +472,8 @@ impl Candidate {
         };
     }
 
-    /// |a_c|/(G_cc B_c) of a contact that slips with its static limit though its kinetic one is
-    /// smaller; 0 of others.
+    /// |a_c|/(G_cc B_c) of a contact that slips with its static limit although its kinetic limit is
+    /// smaller; 0 for other contacts.
     fn eagerness(&self) -> f64 {
         match self.choice {
             Choice::Slip(side)

@@ -14,8 +14,9 @@ use crate::series::quarters;
 /// Ratio of the successive distances, from the place where a contact is slowest, at which the
 /// defect is checked.
 ///
-/// A law that changes near some slow speed still has the values of speed 0 at a quarter of it, or,
-/// where the speed falls like the square of the distance, at a sixteenth.
+/// The speeds at successive distances then have the ratio 1/4, or 1/16 if the speed falls like the
+/// square of the distance. A law that changes near a low speed still has its values of speed 0 at a
+/// quarter or a sixteenth of this speed.
 const NEARER: f64 = 0.25;
 
 /// The first of these distances, in parts of the step.
@@ -100,8 +101,9 @@ impl ContactStep<'_> {
     }
 
     /// Largest |μ(s(t)) − μ(t)| at four times, where s(t) is the sliding speed, times the largest N
-    /// there: the defect of the series, up to terms as small as its last. A load that vanishes at
-    /// one of them hides nothing of what is missing before. Beside it the speeds.
+    /// there: the defect of the series, up to terms as small as its last. The largest load is used,
+    /// so that a load that is 0 at one of these times does not hide a defect at another. Also
+    /// returns the speeds.
     fn defect(&self, slip: Slip<()>, times: &[f64; 4]) -> (f64, [f64; 4]) {
         let Self {
             contact, series, ..
@@ -113,7 +115,7 @@ impl ContactStep<'_> {
             series.friction.at_four(*times)
         };
         let slip = Slip {
-            // As f64::max, which costs more.
+            // The same as `f64::max`, but faster.
             speed: speeds.map(|speed| if speed > 0.0 { speed } else { 0.0 }),
             direction: slip.direction,
             piece: slip.piece,
@@ -128,7 +130,7 @@ impl ContactStep<'_> {
             } else {
                 largest
             };
-            // What is not finite is not dropped.
+            // Numbers that are not finite are not dropped.
             nothing += 0.0 * difference;
         }
         let load = if series.load_varies {
@@ -168,9 +170,9 @@ impl ContactStep<'_> {
     /// Returns true if the series of a contact that slips hold at places that approach the one
     /// where it is slowest.
     ///
-    /// A memory mostly changes in proportion to the sliding speed. So the place where the speed is
-    /// 0 shows nothing of the law at slow speeds, nor does a place with a much larger speed; an
-    /// error in between remains in the memory.
+    /// The rate of a memory variable is mostly proportional to the sliding speed. A check at speed
+    /// 0, or at a much larger speed, therefore does not detect an error at low speeds; such an
+    /// error would remain in the memory.
     fn holds_towards(&self, slowest: f64) -> bool {
         let (speeds, h) = (&self.series.speeds, self.h);
         let least = speeds.at(slowest);
@@ -186,7 +188,8 @@ impl ContactStep<'_> {
             if !(self.memory_holds(times, lasting) && self.friction_holds(times, lasting)) {
                 return false;
             }
-            // Nearer, it is as fast, or there is no time left to miss anything in.
+            // At smaller distances the speed is the same, or the remaining time is too short for an
+            // error.
             let is_as_fast = speeds.at(times[3]) <= 2.0 * least;
             if is_as_fast || !self.counts(slowest, times[3], lasting[3]) {
                 return true;
@@ -253,7 +256,7 @@ impl ContactStep<'_> {
     /// Returns true if the largest possible defect that depends on the speed could be rejected
     /// between a time and the place where the contact is slowest.
     ///
-    /// In a stationary memory the rate is 0 at any speed; with twice the memory it is not.
+    /// If the memory is stationary, the rate is 0 at any speed; with twice the memory it is not 0.
     fn counts(&self, slowest: f64, time: f64, lasting: f64) -> bool {
         let (series, law) = (self.series, self.contact.law);
         let motions = self.motions_at([time, slowest, slowest, slowest]);

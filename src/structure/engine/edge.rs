@@ -1,5 +1,5 @@
-//! Contacts on the edge of their stick band, or at load 0: the known coefficients there, and the
-//! side to which they leave.
+//! Contacts on the edge of their stick band, or at load 0: the coefficients that are known to be 0
+//! there, and the side to which the contact leaves the edge.
 
 use super::series::ContactSeries;
 use crate::series::PowerSeries;
@@ -17,12 +17,12 @@ const TOUCH_ROUNDING: f64 = 8.0;
 /// Position of a contact relative to the bound of its stick band, or of its load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Edge {
-    /// The contact is away from it, as far as is known.
+    /// The contact is not on the bound, as far as is known.
     #[default]
     Away,
-    /// The contact is on it, to the bit.
+    /// The contact is exactly on the bound.
     On(Option<Direction>),
-    /// The contact is on it, and the rate is 0: it was touched.
+    /// The contact is on the bound, and the rate is 0: it only touches the bound.
     Touched(Option<Direction>),
 }
 
@@ -61,7 +61,7 @@ impl Edge {
         let mut distance = self.distance(series, side);
         distance[0] = 0.0;
         let (edge, sign) = leaving(&distance, series.bound[0], Some(side));
-        // Asked again, with a rate of 0 by now.
+        // This is the second call, after the rate has been set to 0.
         let is_touched = matches!(self, Self::Touched(_)) && self.is_at(side);
         (if is_touched { self } else { edge }, sign)
     }
@@ -76,8 +76,8 @@ pub(super) fn side_of(sign: f64) -> Direction {
     }
 }
 
-/// The sign with which a distance leaves 0: +1 where it grows, −1 where it becomes negative, 0 if
-/// it stays; and the position afterwards.
+/// The sign with which a distance leaves 0: +1 if it grows, −1 if it becomes negative, 0 if it
+/// remains 0. Also returns the position afterwards.
 ///
 /// A rate so small that the distance turns back within rounding of 0, on either side, counts as 0:
 /// the bound was only touched. Rounding is measured by the size of the terms, so that units of

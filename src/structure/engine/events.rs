@@ -1,5 +1,5 @@
 //! Events that end a step: the first times at which sliding speeds, stick bands and loads reach 0,
-//! and the list of what happened there.
+//! and the list of the events there.
 
 use super::edge::Edge;
 use super::model::Model;
@@ -12,14 +12,15 @@ use crate::state::Direction;
 use crate::state::structure::State;
 
 /// Largest distance, in ulps of the time, between events of several contacts that end a step
-/// together: rounding separates those of mirrored masses by so much.
+/// together: rounding can separate the events of mirrored masses by this distance.
 const TOGETHER: f64 = 4.0;
 
 /// Time and reason with which each contact ends the step, if it does.
 pub(super) type Firings = Vec<Option<(f64, Firing)>>;
 
-/// The first time in (0, h] of an event, or h; notes its contacts. An event within rounding of a
-/// break of a drive is attributed to the break: the following piece of the drive decides it.
+/// The first time in (0, h] of an event, or h; stores the contacts of the event. An event within
+/// rounding of a break of a drive is attributed to the break: the next piece of the drive decides
+/// what happens.
 pub(super) fn first_firings(
     model: &Model<'_>,
     situation: &Situation,
@@ -155,7 +156,7 @@ fn first(
 /// equation of motion.
 ///
 /// If the tolerance is large compared with the changes of a speed, a series may have a root that
-/// the motion has not, and the step would return to its start for ever.
+/// the motion does not have. Without this check the step would end at its start again and again.
 pub(super) fn go_through(
     model: &Model<'_>,
     situation: &Situation,

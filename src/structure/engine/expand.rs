@@ -81,18 +81,18 @@ pub(super) fn expand_drives(model: &Model<'_>, situation: &Situation, series: &m
     }
 }
 
-/// The first `orders` orders of all series, [`ALL`] of them or fewer. Order by order, of every
-/// coordinate: first the law of its contact, from the sliding speed of that order; then the forces,
-/// which give the velocity of the next.
+/// Computes the first `orders` orders of all series (at most [`ALL`]). In each order, and for every
+/// coordinate, the law of its contact is evaluated first, from the sliding speed of that order;
+/// then the forces, which give the velocity of the next order.
 ///
-/// Order k of a coordinate needs only order k of the coordinates that act on it. Where masses act
-/// on near ones alone, a group of masses is therefore expanded to the last order before the next
-/// group is begun: the data of a group stay in the processor's nearest memory. With every order the
+/// Order k of a coordinate needs only order k of the coordinates that act on it. If masses act on
+/// near masses only, a group of masses is therefore expanded to the last order before the next
+/// group begins, so that the data of a group stay in the processor's cache. With every order the
 /// group is shifted to masses whose neighbours are complete. Contacts that share coordinates, and
 /// springs of contacts, couple all masses: each order is then computed for all masses at once.
 ///
-/// What is simple is computed faster, to rounding the same: a coordinate that slips while all
-/// others are held in `alone.rs`, several in `groups.rs`.
+/// Simple cases are computed by faster code, with the same result to rounding: `alone.rs` computes
+/// a single coordinate that slips while all others are held, `groups.rs` several coordinates.
 ///
 /// # Errors
 ///
@@ -118,7 +118,7 @@ pub(super) fn expand(
     law_fault(situation, series).map_or(Ok(()), Err)
 }
 
-/// All orders that come after the first ones, which [`expand`] has found.
+/// Computes the remaining orders, after [`expand`] has computed the first.
 pub(super) fn expand_further(
     model: &Model<'_>,
     situation: &Situation,
@@ -308,7 +308,7 @@ fn all_of(model: &Model<'_>, series: &mut Series, k: usize, range: Range<usize>)
     }
 }
 
-/// The same for a coordinate that may do anything.
+/// The same for a coordinate of any kind.
 #[inline(never)]
 fn order(model: &Model<'_>, series: &mut Series, k: usize, i: usize, rate: f64) {
     let Series {
@@ -355,8 +355,8 @@ fn free_rate(model: &Model<'_>, coordinates: &[CoordinateSeries], i: usize, k: u
     model.linear.minus_products(i, own, displacement, velocity)
 }
 
-/// Notes b·a⁰ − w' of each shared contact at the start: its relative acceleration without the
-/// forces of those that stick. Those that slip have their friction.
+/// Stores b·a⁰ − w' of each shared contact at the start: its relative acceleration without the
+/// forces of sticking contacts, but with the friction of slipping contacts.
 pub(super) fn free_accelerations(model: &Model<'_>, situation: &Situation, series: &mut Series) {
     start(model, situation, series);
     for &j in &model.shared_coordinates {

@@ -2,7 +2,8 @@
 //! the contacts.
 
 /// The Cholesky factor of a symmetric positive definite matrix with a unit diagonal, row by row
-/// from each row's first entry that is not 0: a chain of contacts costs as much as it is long.
+/// from each row's first entry that is not 0: the cost of a chain of contacts is proportional to
+/// its length.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Factor {
     rows: Vec<Row>,
@@ -29,7 +30,7 @@ impl Factor {
     ///
     /// # Errors
     ///
-    /// The number of the first row that depends on those before, within rounding.
+    /// The number of the first row that depends on the rows before it, within rounding.
     pub(crate) fn new(rows: impl Iterator<Item = Vec<(usize, f64)>>) -> Result<Self, usize> {
         Self::with_diagonal(|_| 1.0, rows)
     }
@@ -46,7 +47,7 @@ impl Factor {
         /// Rounding of an entry of the matrix.
         const ROUNDING: f64 = 8.0 * f64::EPSILON;
         let mut factor = Self::default();
-        // How far rounding may have moved each entry, to tell a small diagonal from none.
+        // Bounds of the rounding error of each entry, to distinguish a small diagonal from 0.
         let mut errors: Vec<Row> = Vec::new();
         for (i, beside) in rows.enumerate() {
             let first = beside.iter().map(|&(j, _)| j).min().unwrap_or(i);

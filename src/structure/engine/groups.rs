@@ -1,6 +1,6 @@
-//! The series of coordinates in groups of four, side by side in the lanes of vector registers. For
-//! steps in which every coordinate is held, is free, or slips on a contact of its own, under a
-//! constant load and by a law without memory.
+//! The series of coordinates in groups of four, side by side in the lanes of vector registers. Used
+//! for steps in which every coordinate is held, is free, or slips on its own contact, with a
+//! constant load and a law without memory.
 //!
 //! The laws are recorded at the start of the step: see `scalar/recorded.rs`. All coordinates of a
 //! group follow one equation, without a branch:
@@ -34,7 +34,7 @@ pub(super) struct Groups {
     rows: Vec<Rows>,
     series: GroupSeries,
     recorder: Recorder,
-    /// Number of groups between those of which one acts on the other.
+    /// Largest distance between two groups that act on each other, in numbers of groups.
     shift: usize,
 }
 
@@ -143,13 +143,13 @@ impl Groups {
         }
     }
 
-    /// Takes a coordinate as free.
+    /// Sets a coordinate to be free.
     pub(super) fn free(&mut self, coordinate: usize) {
         let Place { group, lane } = Place::of(coordinate);
         self.series.groups[group].side[lane] = 1.0;
     }
 
-    /// Takes a coordinate that slips, with the load and coefficient 1 of the sliding speed.
+    /// Sets a coordinate to slip, with its load and coefficient 1 of its sliding speed.
     pub(super) fn slip(
         &mut self,
         coordinate: usize,
@@ -173,7 +173,7 @@ impl Groups {
         group.used += 1;
     }
 
-    /// Takes a force that varies, and the velocity of the surface.
+    /// Sets a force that varies, and the velocity of the surface.
     pub(super) fn drive(
         &mut self,
         coordinate: usize,

@@ -8,9 +8,9 @@ use crate::scalar::mul_add;
 use crate::series::INTEGRAL;
 
 impl ContactSeries {
-    /// Order k of a contact with a coordinate to itself, from that of all else that accelerates it
-    /// against the surface, and k + 1 of the sliding speed. Returns that of the coordinate's
-    /// velocity.
+    /// Computes order k of a contact with its own coordinate, and order k + 1 of its sliding speed,
+    /// from order k of all other accelerations relative to the surface. Returns order k + 1 of the
+    /// coordinate's velocity.
     pub(super) fn order(&mut self, contact: &ContactData<'_>, k: usize, surface: f64) -> f64 {
         let friction = match self.course {
             ContactCourse::Open => 0.0,
@@ -43,8 +43,8 @@ impl ContactSeries {
         }
     }
 
-    /// Coefficient k of Nσμ in slip, and k + 1 of the memory; on the slow manifold k of the memory,
-    /// from k + 1 of the pass before.
+    /// Coefficient k of Nσμ in slip, and coefficient k + 1 of the memory. On the slow manifold it
+    /// computes coefficient k of the memory instead, from coefficient k + 1 of the pass before.
     pub(super) fn slip_order(&mut self, contact: &ContactData<'_>, k: usize) -> f64 {
         let coefficient = if self.memories.is_empty() {
             self.law_order(contact, k, &mut MemoryOrder::none())
@@ -65,8 +65,8 @@ impl ContactSeries {
             self.with_rates(contact, k);
             for (series, rate) in std::iter::zip(&mut self.memories, &self.rates) {
                 let correction = (rate - (k + 1) as f64 * series[k + 1]) / self.relaxation;
-                // A correction that only rounds to and fro would change the later coefficients for
-                // ever.
+                // A correction that consists of rounding errors only would change the later
+                // coefficients again and again.
                 if correction.abs() > 2.0 * f64::EPSILON * series[k].abs() {
                     series[k] += correction;
                 }

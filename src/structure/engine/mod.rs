@@ -1,11 +1,11 @@
 //! One step of a structure.
 //!
-//! Expand, order by order, first every slipping contact's law, then every drive, then the free
-//! coordinates; take h from the last coefficients of all series; find the first sliding speed,
-//! stick band or load to reach zero within h; check the defect of every slipping contact there and
-//! inside, halve or accept; move the state there and set what came to zero to the bit; decide the
-//! modes of the contacts where something happened; emit the step and its events in the order of the
-//! contacts.
+//! A step is computed as follows. Expand all series order by order. Take the step size h from the
+//! last coefficients of all series. Find the first sliding speed, stick band or load that reaches
+//! zero within h. Check the defect of every slipping contact at this time and inside the step, and
+//! accept or halve the step. Move the state to the end of the step, and set quantities that reach
+//! zero exactly to 0. Decide the modes of the contacts with events. Return the step and its events
+//! in the order of the contacts.
 //!
 //! | file | what is in it |
 //! |---|---|
@@ -101,7 +101,7 @@ const ALL: usize = TERMS - 1;
 const LONGEST_STEP: f64 = 4294967296.0;
 
 impl<'s> Engine<'s> {
-    /// The structure at its start, with the events of that very time.
+    /// The structure at its start, with the events at the start time.
     pub(super) fn start(
         model: Model<'s>,
         tolerance: f64,
@@ -130,13 +130,13 @@ impl<'s> Engine<'s> {
         let state = situation.state(model, series);
         let before = situation.modes();
         decide(model, situation, series, [true, true])?;
-        // A start beyond the band slips at once, without an event; one on its edge, growing, is a
-        // release.
+        // A start beyond the stick band slips at once, without an event. A start on the edge, with
+        // a growing force, is a release.
         let mut events = events_between(&before, situation, &state);
         events.retain(|event| {
             let edge = situation.contacts[event.contact].edge;
             let is_release = matches!(event.kind, EventKind::Release(_));
-            // What an elastic contact carries at the start says whether its slider moves.
+            // The force of an elastic contact at the start determines whether its slider moves.
             is_release && edge != Edge::Away && !model.contacts[event.contact].is_elastic()
         });
         let first = (!events.is_empty()).then(|| {
@@ -193,7 +193,7 @@ impl<'s> Engine<'s> {
         } = self;
         let events = match decide(model, situation, next, disturbed) {
             Ok(()) => events_between(&modes, situation, &end),
-            // The step is good; what cannot be followed begins at its end.
+            // The step is valid; the error concerns the motion after its end.
             Err(error) => {
                 self.ending = Some(error);
                 Vec::new()
@@ -235,7 +235,7 @@ impl<'s> Engine<'s> {
         );
         let reach = slow::relax(model, situation, series, control, explicit);
         let elapsed = situation.clock.time.abs();
-        // A motion that nothing gives a length is a polynomial, and good at any time.
+        // If nothing limits the step, the motion is a polynomial, and valid at any time.
         let cut = reach.min(control.longest).min(LONGEST_STEP);
         let is_long_enough =
             |h| h >= to_break || h > f64::EPSILON * elapsed && h >= f64::MIN_POSITIVE;
@@ -265,8 +265,8 @@ impl<'s> Engine<'s> {
         Ok(settled(duration))
     }
 
-    /// The same if all velocities are constant and all loads linear in time: no series limits the
-    /// step, but memories change, and may reach other parts of their laws. Returns the duration.
+    /// The step's duration if all velocities are constant and all loads linear in time. No series
+    /// limits the step then, but memory variables change, and may reach other parts of their laws.
     fn settle_linear(&mut self, to_break: f64) -> Result<f64, Error> {
         let Self {
             model,
@@ -308,7 +308,7 @@ impl<'s> Engine<'s> {
         (time, duration)
     }
 
-    /// Moves the state to the end of the step, and sets the numbers that reached zero to the bit.
+    /// Moves the state to the end of the step, and sets the numbers that reached zero exactly to 0.
     /// Returns true if there was an event.
     fn land(&mut self, settled: AcceptedStep) -> bool {
         let h = settled.duration;
@@ -336,7 +336,7 @@ impl<'s> Engine<'s> {
             let mut firing = firings[c].take().map(|(_, firing)| firing);
             series.contacts[c].relaxation = 0.0;
             if h == 0.0 && settled.at_break.is_none() && firing.is_none() {
-                // Nothing has changed for this contact since it decided.
+                // Nothing has changed for this contact since its mode was decided.
                 continue;
             }
             let (state, of) = (&mut situation.contacts[c], &mut series.contacts[c]);

@@ -1,4 +1,4 @@
-//! The structure for the engine: solved for the accelerations, without zeros.
+//! The structure in the form used by the engine: solved for the accelerations, as sparse matrices.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -18,15 +18,15 @@ use crate::motion::Mode;
 /// v' = M⁻¹ f(t) − M⁻¹C v − M⁻¹K q − Σ_c x_c ℓ_c,    x_c = M⁻¹b_c/G_cc,  ℓ_c = G_cc λ_c
 /// ```
 ///
-/// G_cc = b_cᵀM⁻¹b_c: all forces are accelerations, those at a contact accelerations of its
-/// relative velocity.
+/// G_cc = b_cᵀM⁻¹b_c: all forces are expressed as accelerations; forces at a contact are
+/// accelerations of its relative velocity.
 #[derive(Debug, Clone)]
 pub(crate) struct Model<'s> {
     /// M⁻¹K.
     pub(crate) stiffness: Sparse,
     /// M⁻¹C.
     pub(crate) damping: Sparse,
-    /// Both, M⁻¹K beside M⁻¹C.
+    /// M⁻¹K and M⁻¹C, row by row.
     pub(super) linear: SparsePair,
     /// M⁻¹.
     pub(crate) inverse_mass: Sparse,
@@ -38,8 +38,8 @@ pub(crate) struct Model<'s> {
     remembered: usize,
     /// The number of the contact that a coordinate has to itself.
     pub(crate) owner: Vec<Option<usize>>,
-    /// Contacts that share coordinates or are coupled by the mass matrix, sorted so that those
-    /// coupled lie near each other.
+    /// Contacts that share coordinates or are coupled by the mass matrix, sorted so that coupled
+    /// contacts are near each other in the list.
     pub(crate) shared: Vec<usize>,
     /// The coordinates of their directions, and those that they accelerate.
     pub(crate) shared_coordinates: Vec<usize>,
@@ -51,11 +51,11 @@ pub(crate) struct Model<'s> {
     pub(super) varying: Vec<Target>,
     /// True if the force on a coordinate varies, or the surface under its own contact.
     pub(super) is_driven: Vec<bool>,
-    /// Largest |i − j| of coordinates of which one acts on the other.
+    /// Largest |i − j| of two coordinates that act on each other.
     pub(super) bandwidth: usize,
     /// 1/√(max_i Σ_j |M⁻¹K|_ij): no free vibration without friction is faster than one radian in
-    /// this time. Where nothing is elastic that of the dampers, and infinite without any. Springs
-    /// of contacts are not among them: see [`time_unit_with`](Self::time_unit_with).
+    /// this time. Without springs it is computed from the dampers; without dampers it is infinite.
+    /// Springs of contacts are not included: see [`time_unit_with`](Self::time_unit_with).
     pub(super) time_unit: f64,
 }
 
@@ -78,7 +78,7 @@ pub(super) enum Target {
 }
 
 impl<'s> Model<'s> {
-    /// A mass on a belt as the structure that it is.
+    /// A mass on a belt as a structure.
     pub(crate) fn of_belt<L: FrictionLaw>(belt: &'s MassOnBelt<L>) -> Self {
         let one = |entry: f64| DMatrix::from_element(1, 1, entry);
         let contact = ContactData::new(

@@ -7,27 +7,27 @@ use super::state::{Phase, Situation};
 use crate::motion::step_control::{Allowance, FARTHEST, reach};
 use crate::series::{PowerSeries, TERMS};
 
-/// Largest time, in lengths of a step, over which changes measure velocities.
+/// Largest time, in lengths of a step, over which the change of a velocity is used as its scale.
 ///
-/// If springs are soft compared with friction, or absent, a velocity would change within the time
-/// unit by far more than before friction stops it: an error that is small compared with that change
-/// may be as large as the velocity itself.
+/// If springs are soft compared with friction, or absent, the change of a velocity extrapolated
+/// over the time unit is far larger than the velocity before friction stops the mass. An error that
+/// is small compared with this change could be as large as the velocity itself.
 const BEYOND: f64 = 16.0;
 
-/// The data that control the lengths of steps, from one to the next.
+/// The data that control the lengths of steps and are passed from step to step.
 #[derive(Debug, Clone)]
 pub(super) struct Control {
     pub(super) tolerance: f64,
     /// Limit of the next step: twice the last one, if that had to be shorter than its coefficients
     /// allowed; otherwise infinite.
     pub(super) longest: f64,
-    /// Steps until the slow manifold of stiff memories is tried again, and how many they were the
-    /// last time that it was not worth it.
+    /// Number of steps until the slow manifold of stiff memories is tried again, and this number at
+    /// the last trial without success.
     pub(super) steps_to_trial: u32,
     pub(super) pause: u32,
     /// The series of the last pass to the slow manifold.
     pub(super) pass_before: Vec<PowerSeries>,
-    /// The contacts whose memory was begun to be treated as slow last.
+    /// The contacts whose memories were set to be slow in the last trial.
     pub(super) begun: Vec<usize>,
     /// The errors of the step under way.
     pub(super) plan: Plan,
@@ -39,8 +39,8 @@ pub(super) struct Plan {
     pub(super) tolerance: f64,
     /// The time unit in which step lengths are measured.
     pub(super) unit: f64,
-    /// The time in which their changes measure velocities: the unit, or less where steps are but a
-    /// small part of that.
+    /// The time over which the changes of velocities are used as their scales: the time unit, or
+    /// less if steps are a small part of it.
     within: f64,
     /// The allowances of each coordinate, and of each contact's relative velocity.
     pub(super) coordinates: Vec<Allowance>,
@@ -183,7 +183,7 @@ fn plan_within(
 ) -> f64 {
     plan.within = within;
     let scales = &mut plan.scales;
-    // A mass that does not move yet is judged by how others will move it.
+    // For a mass at rest, the scale is the velocity that other masses will give it.
     let mut energy = 0.0_f64;
     for (i, (scale, _)) in scales.iter_mut().enumerate() {
         let closing = plan.closings[i];
@@ -232,7 +232,8 @@ fn plan_within(
             let scale = state.memory[0].abs().max(by_motion);
             farthest = farthest.min(reach_of(tolerance * scale, &of.carried, TERMS - 1));
             if let Phase::Slip { .. } = state.phase {
-                // No force depends on the surface's velocity now, but the slider's stop does.
+                // At present no force depends on the surface's velocity, but the stop of the slider
+                // will.
                 let error = tolerance * velocity.max(of.speeds[0].abs());
                 farthest = farthest.min(reach_of(error, &of.speeds, TERMS - 2));
             }
@@ -250,7 +251,7 @@ fn plan_within(
             None => contact.size_along(|j| plan.scales[j].1),
         };
         if state.sticks() && of.load_varies {
-            // Not measured by the present band, which may just have opened.
+            // The present stick band is not used as the scale, because it may have just opened.
             size = size.max(load_terms(contact, situation) * state.static_coefficient());
         }
         let allowance = match owner {
@@ -271,7 +272,7 @@ fn plan_within(
             farthest = farthest.min(reach_of(allowance.error, &of.speeds, TERMS - 1));
         }
         if state.sticks() {
-            // The last coefficient of the force needs that of the velocities, and is not there.
+            // The last coefficient of the force would need one more coefficient of the velocities.
             let error = tolerance * of.bound[0].abs().max(size);
             farthest = farthest.min(reach_of(error, &of.carried, TERMS - 2));
             farthest = farthest.min(reach_of(error, &of.bound, TERMS - 2));
@@ -375,8 +376,9 @@ impl CoordinateMotion<'_> {
     }
 }
 
-/// The model's time unit; where nothing is elastic and nothing damps, the time in which forces
-/// change by their own size, or else would change a velocity so.
+/// The model's time unit. Without springs and dampers it is the time in which forces change by
+/// their own size, or, if forces are constant, the time in which they change a velocity by its
+/// size.
 fn time_unit(
     model: &Model<'_>,
     situation: &Situation,
@@ -439,7 +441,7 @@ fn time_unit(
             slips => velocity.max(slips.surface(0).abs()) / size,
         }
     }));
-    // No time that the clock cannot tell.
+    // Not a time below the resolution of the clock.
     stopping.max(TOLD * f64::EPSILON * situation.clock.time.abs())
 }
 

@@ -1,5 +1,5 @@
-//! After a step, coordinates that contacts share: their relative velocities are numbers of their
-//! own, and the coordinates follow them.
+//! Coordinates that contacts share, after a step: the relative velocities of contacts are
+//! integrated separately, and the velocities of the coordinates are adjusted to them.
 
 use super::model::Model;
 use super::series::Series;
@@ -7,8 +7,8 @@ use super::shared::unless_rounding;
 use super::state::{Closed, Phase, Situation};
 
 /// Sets the velocities of shared coordinates from the relative velocities of their contacts, which
-/// are numbers of their own, and the displacements from those of contacts that stick, by the least
-/// change in kinetic energy, so that rounding errors do not accumulate.
+/// are integrated separately, and the displacements from the positions of contacts that stick. The
+/// changes have the least kinetic energy. Without them rounding errors would accumulate.
 pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &Series) {
     let closed = situation.closed.take();
     let has_arrived = |&c: &usize| situation.contacts[c].has_arrived();
@@ -46,7 +46,7 @@ pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &S
     for (j, correction) in displacements {
         situation.coordinates[j].displacement -= correction;
     }
-    // Contacts at rest to the bit, where they do not run in a circle.
+    // Contacts at rest are set exactly, unless they form a closed loop.
     for &(c, pivot) in &closed.pivots {
         if situation.contacts[c].rests() {
             let others = |j: usize| {
@@ -66,9 +66,9 @@ pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &S
 
 /// The shared contacts that are closed.
 ///
-/// Only those that stick are met to the bit. Others get a small compliance: where their directions
-/// nearly depend on others', rounding errors would otherwise be magnified into velocities. So does
-/// one that arrives, because it may stick from now on.
+/// Only contacts that stick are satisfied exactly. The others get a small compliance, because
+/// rounding errors would be magnified if their directions nearly depend on others. A contact that
+/// reaches r = 0 counts as one that sticks, because it may stick from now on.
 fn closed_contacts(model: &Model<'_>, situation: &Situation) -> Closed {
     const SLIDING: f64 = 1.0 / 64.0;
     const ARRIVING: f64 = 1.0 / 4096.0;

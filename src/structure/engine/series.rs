@@ -21,8 +21,8 @@ pub(super) struct Series {
     pub(super) held: Vec<f64>,
     /// Bound of rounding of that order of the shared coordinates, where it counts.
     pub(super) rounding: Vec<f64>,
-    /// Of a structure whose contacts each have a coordinate to themselves, a constant load, and a
-    /// law without memory: such contacts never open.
+    /// Present if every contact of the structure has its own coordinate, a constant load, and a law
+    /// without memory: such contacts never open.
     pub(super) groups: Option<Groups>,
     /// For a coordinate that slips alone.
     pub(super) expander: Expander,
@@ -53,8 +53,8 @@ pub(super) struct ContactSeries {
     pub(super) speeds: PowerSeries,
     /// w.
     pub(super) surface: PowerSeries,
-    /// The force in stick. For a contact with a coordinate to itself also in slip: the force that
-    /// it would carry.
+    /// The force in stick. For a contact with its own coordinate, also in slip: the force that
+    /// stick would need.
     pub(super) carried: PowerSeries,
     /// N μ_s; without terms beyond the first for a constant load and a law without memory.
     pub(super) bound: PowerSeries,
@@ -64,7 +64,7 @@ pub(super) struct ContactSeries {
     pub(super) drive_load: PowerSeries,
     /// True if N varies.
     pub(super) load_varies: bool,
-    /// r' at the start of the step if none of the shared contacts at r = 0 carried anything.
+    /// r' at the start of the step without the forces of all shared contacts at r = 0.
     pub(super) free: f64,
     /// σμ in slip.
     pub(super) friction: PowerSeries,
@@ -86,8 +86,9 @@ pub(super) struct ContactSeries {
 #[derive(Debug, Clone)]
 pub(super) struct DisplacementSeries {
     numbers: [f64; TERMS + 1],
-    /// The coefficient of the velocity that was set last, apart: beside the one before it, both
-    /// would be loaded at once, and that has to wait for what was just stored.
+    /// The coefficient of the velocity that was set last, stored separately. If it were stored next
+    /// to the one before it, the processor would load both at once, and would have to wait for the
+    /// store.
     newest: f64,
 }
 
@@ -164,7 +165,7 @@ pub(super) struct CoordinateSeries {
 /// The role of a coordinate in a step, if it is simple.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Role {
-    /// It is held by this contact, which has a constant bound and a constant velocity.
+    /// The coordinate sticks in this contact, which has a constant bound and a constant velocity.
     Held(usize),
     /// It slips in this contact, which has no memory, with a constant load on a constant belt.
     Slips(usize),

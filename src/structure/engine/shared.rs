@@ -1,5 +1,5 @@
-//! The orders of contacts that share coordinates: friction of those that slip, and the forces of
-//! those that stick, found together.
+//! The orders of contacts that share coordinates: friction of slipping contacts, and the forces of
+//! sticking contacts, which are solved for together.
 
 use super::contact::ContactData;
 use super::edge::Edge;
@@ -142,8 +142,8 @@ fn free_size(model: &Model<'_>, coordinates: &[CoordinateSeries], i: usize, k: u
 /// The rounding error of a sum, in parts of the sizes of its terms.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// A difference, or 0 if it is the rounding of the minuend: held coordinates are at rest to the
-/// bit, and their motion is no measure of anything.
+/// A difference, or 0 if it is a rounding error of the minuend. (Held coordinates are exactly at
+/// rest, so their motion cannot serve as a scale.)
 pub(super) fn unless_rounding(difference: f64, from: f64) -> f64 {
     if difference.abs() <= ROUNDING * from.abs() {
         0.0

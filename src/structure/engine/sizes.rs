@@ -27,7 +27,8 @@ pub(super) fn terms(model: &Model<'_>, situation: &Situation, series: &Series, i
     sum + spring_size(model, series, i)
 }
 
-/// The same of a contact's relative acceleration, without the forces of contacts.
+/// Sum of the sizes of all terms of a contact's relative acceleration, without the forces of
+/// contacts.
 pub(super) fn contact_terms(
     model: &Model<'_>,
     situation: &Situation,
@@ -35,7 +36,7 @@ pub(super) fn contact_terms(
     c: usize,
 ) -> f64 {
     let contact = &model.contacts[c];
-    // The surface of a contact with a coordinate to itself is among the terms of the coordinate.
+    // If a contact has its own coordinate, the terms of the coordinate already include its surface.
     let of_surface = match model.owner_of(c) {
         Some(_) => 0.0,
         None => series.contacts[c].surface[1].abs(),

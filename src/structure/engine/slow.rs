@@ -1,25 +1,27 @@
 //! The slow manifold of stiff bristles, or of any memory of one variable.
 //!
-//! Where a contact slips far, its memory relaxes at a rate D = −∂z'/∂z far above the rates of the
-//! masses, and an explicit step ends after about 10/D whatever happens there: the recurrence for
-//! the coefficients z_k amplifies a deviation of z_0 by D^k/k!. The slow motion's own coefficients
-//! are those that it does not amplify, its minimal solution: see `belt/slow.rs`, where friction
-//! itself is stiff. Here the equation is read the other way round, order by order with those of
-//! the masses, in passes that begin with z_k = 0 for k > 0:
+//! In sustained slip the memory of a contact relaxes at a rate D = −∂z'/∂z far above the rates of
+//! the masses. The length of an explicit step is then about 10/D, even if the motion is slow,
+//! because the recurrence for the coefficients z_k amplifies a deviation of z_0 by D^k/k!. The
+//! coefficients of the slow manifold are the solution that is not amplified, the minimal solution
+//! of the recurrence (see `belt/slow.rs`, where friction itself is stiff). Here the recurrence is
+//! solved for z_k instead of z_{k+1}, order by order together with the equations of the masses, in
+//! passes that begin with z_k = 0 for k > 0:
 //!
 //! ```text
 //! z_k ← z_k + [rate_k(z_0 … z_k) − (k + 1) z_{k+1}]/D,    z_{k+1} of the pass before
 //! ```
 //!
-//! Each pass adds one more term of the expansion in 1/D: at order k it leaves (k + 1)/(D·R) of the
-//! error, R the radius of convergence. So five to ten passes suffice where explicit steps are
-//! short, and they are faster than Newton's method on all coefficients at once: no matrix, and
-//! masses, other contacts and drives are expanded as always. The coefficient z_26 is taken to be 0.
+//! Each pass adds one more term of the expansion in 1/D: at order k it multiplies the error by (k +
+//! 1)/(D·R), where R is the radius of convergence. If explicit steps are short, five to ten passes
+//! suffice. They are faster than Newton's method for all coefficients at once, because they need no
+//! matrix, and because masses, other contacts and drives are expanded by the usual code. The
+//! coefficient z_26 is taken to be 0.
 //!
-//! Measured: LuGre's bristles on a mass that slides over a belt, 8 units of time, σ0 from 1e3 to
-//! 1e12: 20 to 26 steps; explicitly 1421 for 1e3, 142365 for 1e5, 1411886 for 1e6, and 4e-12 of
-//! rounding errors there. Both methods agree within 1.1e-14 where explicit steps are still some
-//! thousands.
+//! Measured for LuGre's bristles on a mass that slides over a belt, for 8 units of time: 20 to 26
+//! steps for σ0 from 1e3 to 1e12. Explicit integration takes 1421 steps for 1e3, 142365 for 1e5,
+//! and 1411886 for 1e6, with rounding errors of 4e-12. Both methods agree within 1.1e-14 for values
+//! of σ0 with some thousands of explicit steps.
 //!
 //! Near stick z and r vibrate together at √(Nσ0/m) until the vibration has decayed. Both are
 //! followed explicitly, by about √(Nσ0/m)/10 steps per unit of time.
@@ -38,8 +40,8 @@ use crate::series::{PowerSeries, TERMS};
 /// Limit of passes.
 const MOST_PASSES: usize = 12;
 
-/// Distance from the slow manifold, and change in the last pass, in errors of a step, that count as
-/// none.
+/// Distance from the slow manifold, and change in the last pass, in units of the error of a step,
+/// that count as 0.
 const CLOSE: f64 = 8.0;
 
 /// Part of the reach within which changes count.
@@ -48,7 +50,7 @@ const INNER: f64 = 0.8;
 /// Least ratio of the reach of the slow series to the explicit one that is worth its passes.
 const WORTH: f64 = 10.0;
 
-/// The same for one memory, where others may be next.
+/// Least ratio for one group of memories, after which the next group is tried.
 const LONGER: f64 = 1.5;
 
 /// Most steps before the slow manifold is tried again.
@@ -93,7 +95,7 @@ pub(super) fn relax(
         for contact in &mut series.contacts {
             contact.relaxation = 0.0;
         }
-        // As it was, without a fault.
+        // This is the expansion as it was before, so it has no fault.
         let _ = expand(model, situation, series, ALL);
         return plan_reach(
             model,
@@ -119,7 +121,7 @@ impl Slow<'_, '_> {
     fn trial(&mut self, explicit: f64) -> (f64, bool) {
         let mut best = explicit;
         let mut is_tried = false;
-        // Where the stiffest memories do not limit the step any more, the next ones may.
+        // After the stiffest memories, the next stiffest may limit the step.
         while self.begin(best) {
             is_tried = true;
             if let Some(slow) = self.slow_series(best) {
@@ -251,7 +253,7 @@ impl Slow<'_, '_> {
 
 /// D at a memory of one variable, or 0 where it does not relax by itself.
 pub(super) fn relaxation(law: &dyn LawObject, slip: Slip<f64>, memory: f64) -> f64 {
-    /// The increment as a part of the memory: it loses half the digits, and the rest are enough.
+    /// The increment relative to the memory: the difference has half the digits, which is enough.
     const PART: f64 = 1.0 / (1 << 26) as f64;
     if memory == 0.0 {
         return 0.0;

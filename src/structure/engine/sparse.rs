@@ -1,7 +1,7 @@
 use nalgebra::DMatrix;
 
-/// A square matrix row by row, its diagonal apart and without the zeros beside it: a chain of n
-/// masses costs n and not n².
+/// A square matrix stored row by row, with a separate diagonal and without zeros: the cost for a
+/// chain of n masses is proportional to n, not n².
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Sparse {
     rows: Vec<Row>,
@@ -103,7 +103,7 @@ impl Sparse {
     }
 }
 
-/// Two matrices, each row of the one beside that of the other.
+/// Two matrices, stored so that equal rows of both are neighbours.
 #[derive(Debug, Clone)]
 pub(super) struct SparsePair {
     rows: Vec<PairRow>,
@@ -153,7 +153,7 @@ impl SparsePair {
         for &(j, a) in &self.entries[row.start..row.middle] {
             sum -= a * x(j);
         }
-        // Mostly not.
+        // Seldom true.
         if row.middle < row.end {
             for &(j, b) in &self.entries[row.middle..row.end] {
                 sum -= b * y(j);

@@ -2,16 +2,16 @@
 //!
 //! The force of a spring is a state variable, so it acts on the structure as a known force, order
 //! by order before the coordinates: T of an elastic contact, and the reaction −d N of a normal
-//! spring. An elastic contact holds nothing and takes no part in common decisions.
+//! spring. An elastic contact constrains no coordinate and takes no part in common decisions.
 //!
 //! ```text
 //! stick:  T' = k_t r           watched: h_σ = μN − σT, both σ
 //! slip:   T = σ μN             watched: the speed of the slider, ζ_σ = σ r − μN'/k_t
 //! ```
 //!
-//! h_σ' = −k_t ζ_σ: what a contact does at its limit is decided by the first derivative of ζ_σ that
-//! is not 0. A wrong mode of another contact changes r only two orders later than the first
-//! derivative that decided on it, so contacts take their modes by ascending order.
+//! Because h_σ' = −k_t ζ_σ, the first nonzero derivative of ζ_σ decides the mode of a contact at
+//! its limit. A wrong mode of another contact changes r only two orders after the derivative that
+//! decided this mode. Modes are therefore set in ascending order of the deciding derivative.
 
 use super::contact::ContactData;
 use super::edge::{EDGE_ROUNDING, Edge, side_of};
@@ -118,7 +118,7 @@ impl ContactSeries {
     }
 }
 
-/// The force that an elastic contact carries at its limit: σμN, to the bit that of the series which
+/// The force of an elastic contact at its limit, σμN, with exactly the bits of the series that
 /// begins there.
 pub(super) fn force_at_limit(
     model: &Model<'_>,
@@ -233,7 +233,7 @@ fn find_edge(model: &Model<'_>, situation: &mut Situation, series: &Series, c: u
     }
     let beyond = carried.abs() - bound;
     let is_fresh = state.has_arrived();
-    // The load is 0 as far as the tolerance says.
+    // The load is 0 within the tolerance.
     let begins = state.load_edge != Edge::Away;
     state.edge = match state.entry {
         // ζ_σ = 0, where T = σμN.
@@ -245,8 +245,8 @@ fn find_edge(model: &Model<'_>, situation: &mut Situation, series: &Series, c: u
     };
 }
 
-/// Sets the forces of elastic contacts at the end of a step, to the bit where they are at their
-/// limit. At a break of a drive the limit may jump, and they are decided again.
+/// Sets the forces of elastic contacts at the end of a step; forces at their limit are set exactly.
+/// At a break of a drive the limit may jump, so the modes are decided again.
 pub(super) fn land_springs(
     model: &Model<'_>,
     situation: &mut Situation,

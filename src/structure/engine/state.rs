@@ -29,14 +29,14 @@ pub(super) struct Situation {
 /// The shared contacts that are closed.
 #[derive(Debug, Clone)]
 pub(super) struct Closed {
-    /// Contacts that do not stick have a small compliance.
+    /// The factor of these contacts; those that do not stick have a small compliance.
     pub(super) holding: Holding,
     /// Contacts at rest with a coordinate each that none before has: see [`Model::pivots`].
     pub(super) pivots: Vec<(usize, usize)>,
 }
 
-/// Displacement and velocity of a coordinate. While a contact of its own holds it the velocity is
-/// that contact's: see [`Situation::velocity`].
+/// Displacement and velocity of a coordinate. If the coordinate has its own closed contact, its
+/// velocity follows from the contact: see [`Situation::velocity`].
 #[derive(Debug, Clone)]
 pub(super) struct Coordinate {
     pub(super) displacement: f64,
@@ -47,7 +47,7 @@ pub(super) struct Coordinate {
 #[derive(Debug, Clone)]
 pub(super) struct ContactState {
     pub(super) phase: Phase,
-    /// The edge of the stick band; after a release that from which the contact was released.
+    /// The edge of the stick band; after a release, the edge from which the contact was released.
     pub(super) edge: Edge,
     /// The edge of the normal load.
     pub(super) load_edge: Edge,
@@ -71,7 +71,7 @@ pub(super) enum Phase {
     /// r = σy.
     Slip {
         direction: Direction,
-        /// y ≥ 0, the integrated variable, so that contact is exact at any speed of the surface.
+        /// y ≥ 0, the integrated variable. Its zeros are exact at any speed of the surface.
         speed: f64,
         /// dy/dt at the start of the step, if it is known more accurately than from the equation of
         /// motion: where slip begins.
@@ -86,8 +86,8 @@ pub(super) enum Phase {
 pub(super) enum Entry {
     /// The phase is that of the step before.
     Held,
-    /// It has reached r = 0, from slip in a direction or by closing. Within rounding of the edge of
-    /// its band it counts as on it.
+    /// The contact has reached r = 0, from slip in a direction or by closing. If its force is
+    /// within rounding of the edge of its band, it counts as on the edge.
     Arrived(Option<Direction>),
     /// It is on a breakpoint of its law, and the piece is decided.
     OnBreakpoint,
@@ -137,7 +137,7 @@ impl Situation {
         }
     }
 
-    /// v_i: that of a surface with a contact of the coordinate's own, w + σy.
+    /// v_i; it is w + σy if the coordinate has its own contact.
     #[inline]
     pub(super) fn velocity(&self, model: &Model<'_>, series: &Series, i: usize) -> f64 {
         let Some(c) = model.owner[i] else {
@@ -200,7 +200,7 @@ impl Situation {
         self.contacts.iter().map(ContactState::mode).collect()
     }
 
-    /// The error for contacts that do not come to a decision.
+    /// The error if the modes of contacts cannot be decided.
     pub(super) fn undecided(&self, model: &Model<'_>, series: &Series) -> Error {
         let (step, reached) = (0.0, self.reached(model, series));
         Error::StepUnderflow { step, reached }
@@ -224,7 +224,8 @@ impl ContactState {
         matches!(self.phase, Phase::Stick { .. })
     }
 
-    /// Returns true if r = 0: in stick, or where slip begins or turns.
+    /// Returns true if r = 0: in stick, or at an instant at which slip begins or changes its
+    /// direction.
     pub(super) fn rests(&self) -> bool {
         match self.phase {
             Phase::Stick { .. } => true,

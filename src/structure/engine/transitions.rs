@@ -1,10 +1,10 @@
 //! The modes of contacts after an event.
 //!
-//! The force in a contact with a coordinate to itself is a function of q, v and t alone, so such
-//! contacts are decided one by one. Contacts that share coordinates are decided together:
-//! `decision.rs`. Only exactly on the edge of its band does a contact need rates, which may depend
-//! on the modes of others: it is then taken to stick, everything is expanded, and the sign of the
-//! first nonzero derivative decides. This is repeated until nothing changes.
+//! The force in a contact with its own coordinate is a function of q, v and t alone, so such
+//! contacts are decided one by one. Contacts that share coordinates are decided together in
+//! `decision.rs`. A contact exactly on the edge of its band is decided by rates, which may depend
+//! on the modes of other contacts. It is first assumed to stick; all series are expanded, and the
+//! sign of the first nonzero derivative decides. This is repeated until no mode changes.
 
 use super::ALL;
 use super::contact::ContactData;
@@ -66,11 +66,11 @@ pub(super) fn decide(
     }
 }
 
-/// Orders from which contacts that decide one by one are asked first: nearly always the sign of an
-/// early derivative decides, and a contact is released without the series that stick would have.
+/// Number of orders that are computed before contacts are decided one by one. Nearly always the
+/// sign of an early derivative decides, so the whole series of stick is not needed for a release.
 const FEW: usize = 4;
 
-/// Changes what the series say cannot be; returns true if that has changed anything.
+/// Changes the modes that contradict the series; returns true if any mode has changed.
 fn revise(
     model: &Model<'_>,
     situation: &mut Situation,
@@ -81,7 +81,7 @@ fn revise(
     let mut changed = false;
     for c in 0..situation.contacts.len() {
         let change = series.contacts[c].load_varies && revise_load(model, situation, series, c)?;
-        // A load that jumps takes the force of a spring with it.
+        // If a load jumps, the force of a spring jumps with it.
         let is_asked = || model.is_shared(c) || model.springs.binary_search(&c).is_ok();
         if change && !model.shared.is_empty() && is_asked() {
             situation.closed = None;
@@ -97,7 +97,7 @@ fn revise(
     Ok(changed)
 }
 
-/// A contact that has reached r = 0 is taken to stick, until its force shows otherwise.
+/// A contact that has reached r = 0 is assumed to stick until its force shows that it does not.
 fn arrive(model: &Model<'_>, situation: &mut Situation, c: usize) {
     if !situation.contacts[c].has_arrived() {
         return;
@@ -164,7 +164,7 @@ fn open(model: &Model<'_>, situation: &mut Situation, series: &mut Series, c: us
         situation.coordinates[i].velocity = situation.velocity(model, series, i);
     }
     let state = &mut situation.contacts[c];
-    // Stick that ends here has ended; and nothing happens to a contact without load.
+    // The end of stick changes the memory of a law; an elastic contact loses its force.
     if model.contacts[c].is_elastic() {
         state.memory[0] = 0.0;
     } else if state.sticks() {
@@ -275,7 +275,7 @@ fn revise_stick(
     let load_terms = load_terms(contact, situation);
     let terms = terms(model, situation, series, i) + force;
     let state = &mut situation.contacts[c];
-    // The terms of the load count, not the load itself, which may have just come back from 0.
+    // The terms of the load are the scale, not the load itself, which may have just risen from 0.
     let terms = terms + load_terms * state.static_coefficient();
     let rounding = EDGE_ROUNDING * f64::EPSILON * terms;
     let mut release = None;
