@@ -1,15 +1,16 @@
 //! The slow manifold of a stiff slip phase.
 //!
 //! If D = 2β + γ²dμ̂/ds is large, the sliding speed tends within the time 1/D to a slow manifold,
-//! on which friction balances the other forces. The length of an explicit step is then about 10/D
-//! whatever the motion there: the recurrence for the coefficients s_k amplifies a deviation of s_0
-//! by D^k/k!. The coefficients of the slow manifold are those that it does not amplify, its
-//! *minimal solution*. Such solutions are computed not forward from the start, but all at once with
-//! s_26 = 0 at the far end; here by Newton's method, because friction is not linear. The truncation
-//! changes s_0 by about 26!/(D·R)²⁶ of itself, R the radius of convergence: less than its rounding
-//! for D·R > 43. An explicit step of accuracy ε has length R/4 if accuracy limits it, 10/D if
-//! stability does: the same at D·R = 40. So these series become exact at about
-//! the stiffness at which explicit steps become short.
+//! on which friction balances the other forces. The length of an explicit step is then about 10/D,
+//! however slow the motion is, because the recurrence for the coefficients s_k amplifies a
+//! deviation of s_0 by D^k/k!. The coefficients of the slow manifold are the solution that the
+//! recurrence does not amplify, its *minimal solution*. Such a solution is not computed forward
+//! from the start. All coefficients are computed together, with s_26 = 0 at the other end; here by
+//! Newton's method, because friction is not linear. The truncation changes s_0 by about 26!/(D·R)²⁶
+//! of itself, where R is the radius of convergence; this is less than rounding if D·R > 43. An
+//! explicit step of accuracy ε has the length R/4 if accuracy limits it, and 10/D if stability
+//! limits it; both are equal at D·R = 40. The series of the slow manifold are therefore exact from
+//! about the stiffness on at which explicit steps become short.
 //!
 //! Sources: F. W. J. Olver, Numerical solution of second-order linear difference equations, *J.
 //! Res. NBS* 71B (1967) 111-129, doi:10.6028/jres.071B.018; W. Gautschi, Computational aspects of
@@ -42,8 +43,8 @@ const MOST_PASSES: usize = 8;
 /// Size of coefficients, and of factors of them, above which bounds of a series overflow.
 const LARGEST: f64 = 1e280;
 
-/// Part of the step within which corrections count: over the whole step they would be those of the
-/// last coefficients, which hardly matter.
+/// Part of the step within which corrections count. Over the whole step the corrections of the last
+/// coefficients, which hardly matter, would dominate.
 const INNER: f64 = 0.8;
 
 impl SlipSeries {

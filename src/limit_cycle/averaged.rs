@@ -10,8 +10,8 @@
 //!
 //! with h1 = 2β + γ²μ̂'(v_b). This is Eq. 12 of Farshidianfar and Noei Aghaee for any law,
 //! integrated by parts, with the linear part taken out so that nothing cancels. The next order
-//! vanishes, because opposite forces give the same motion in reversed time. So each of the two
-//! parts has a relative error of δ², where δ is the change of a motion within a radian.
+//! vanishes, because opposite forces give the same motion in reversed time. Each of the two parts
+//! therefore has a relative error of δ², where δ is the change of a motion within a radian.
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 use std::ops::Range;

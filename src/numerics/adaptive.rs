@@ -41,10 +41,10 @@ impl<const N: usize> Integral<N> {
         sum
     }
 
-    /// Largest difference between a coarse and a fine rule at which the fine one is good to
-    /// round-off: the rules converge so fast that the fine one's error is smaller than this
-    /// difference by many orders. For a narrow integrand the rounding of its argument counts most,
-    /// and that error is proportional to its peak.
+    /// Largest difference between a coarse and a fine rule at which the fine rule is accurate to
+    /// round-off. The rules converge so fast that the error of the fine rule is smaller than this
+    /// difference by many orders. For a narrow integrand, rounding of the argument is the largest
+    /// error; it is proportional to the peak.
     fn tolerance(&self) -> f64 {
         1e-12 * self.size + 16.0 * f64::EPSILON * self.peak + f64::MIN_POSITIVE
     }

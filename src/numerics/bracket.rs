@@ -5,9 +5,9 @@ use crate::error::Error;
 /// An interval at whose ends a function has different signs (0 counts as negative), and that
 /// shrinks with every value inside.
 ///
-/// The method is false position: the next place is where the chord passes zero. While only one end
-/// moves, its steps double each time, so that the other end soon moves too. If three values have
-/// not halved the interval, bisection does.
+/// The method is false position: the next place is where the chord passes zero. As long as only one
+/// end moves, its steps are doubled each time, so that the other end soon moves, too. If three
+/// values have not halved the interval, it is bisected.
 #[derive(Debug, Clone)]
 pub(crate) struct Bracket {
     low: f64,
@@ -56,8 +56,8 @@ impl SignChange {
     }
 }
 
-/// The two neighbouring numbers between which a property changes that `low` has and `high` has not,
-/// by bisection.
+/// The two neighbouring numbers between which a property changes, by bisection; `low` has the
+/// property and `high` does not.
 pub(crate) fn border(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> [f64; 2] {
     loop {
         let middle = 0.5 * low + 0.5 * high;

@@ -12,9 +12,9 @@ const MOST_REFLECTIONS: usize = 4;
 /// The eigenvalues of a square matrix, by its Schur form; `None` if it holds a number that is not
 /// finite, or if they do not converge.
 ///
-/// The double-shift QR method does not move on orthogonal Hessenberg matrices, as that of a cyclic
-/// permutation, for their shifts are 0. The same matrix in another orthonormal basis, reflected
-/// across some vector, has the same eigenvalues and another Hessenberg form.
+/// The double-shift QR method does not converge for orthogonal Hessenberg matrices, such as that of
+/// a cyclic permutation, because their shifts are 0. The same matrix in another orthonormal basis,
+/// reflected across some vector, has the same eigenvalues and another Hessenberg form.
 pub(crate) fn eigenvalues(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     if !matrix.iter().all(|entry| entry.is_finite()) {
         return None;

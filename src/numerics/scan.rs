@@ -1,4 +1,4 @@
-//! The search of a range over a grid, which is refined where something may hide.
+//! The search of a range over a grid, which is refined wherever a result could be missed.
 
 use std::ops::Range;
 
@@ -89,8 +89,8 @@ pub(crate) fn refine<S: Survey>(
 ///
 /// An interval of the grid is halved, up to 10 times, while f is defined at one end only, or while
 /// f is closer to zero at an end than it changes across the interval or may bend within it. Two
-/// sign changes are lost only if f passes zero and turns back between two points of that refined
-/// grid, and is nearly straight around: a narrower range is searched more closely.
+/// sign changes are lost only if f passes zero and turns back between two points of the refined
+/// grid, and is nearly straight around them. A narrower range has a finer grid.
 pub(crate) fn sign_changes(
     f: &mut dyn FnMut(f64) -> Result<Option<f64>, Error>,
     range: &Range<f64>,

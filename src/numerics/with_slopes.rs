@@ -68,11 +68,11 @@ pub(crate) type KinksBetween<'k> = &'k dyn Fn(f64, f64) -> Option<Kinks>;
 ///
 /// An interval is divided until the cubic through the values and slopes at its ends predicts value
 /// and slope in the middle. Then the cubics of the two halves decide. A half holds a root if the
-/// signs at its ends differ. It may hold two, and is divided further, if its cubic comes closer to
-/// zero than the error of the prediction; and if it comes closer than kinks may have bent the
-/// function, it is divided at them. A pair of roots is lost only if the function has two turning
-/// points within an interval in which its cubic fits and no kink is known, or if the pair is closer
-/// than [`NARROWEST`].
+/// signs at its ends differ. It may hold two roots, and is divided further, if its cubic comes
+/// closer to zero than the error of the prediction. If the cubic comes closer to zero than the
+/// error that kinks can cause, the half is divided at the kinks. A pair of roots is lost only if
+/// the function has two turning points within an interval in which its cubic fits and no kink is
+/// known, or if the pair is closer than [`NARROWEST`].
 pub(crate) fn roots_between(
     f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
     kinks: KinksBetween<'_>,
@@ -107,9 +107,10 @@ const BEYOND: usize = 4;
 /// neighbours, or lower, by more than rounding.
 ///
 /// The interval is divided until the cubics fit and have no more turning points than the slopes at
-/// their ends show, or stay farther from zero than `reach`. Each turning point within reach is then
-/// refined as a root of the slope, until its sign is known and its size to a hundredth; those
-/// beyond have approximate places and sizes, or are left out in pairs.
+/// their ends show, or until they are farther from zero than `reach`. Each turning point within
+/// `reach` is then refined as a root of the slope, until its sign is known, and its size to a
+/// hundredth. Turning points farther from zero have approximate places and sizes, or are left out
+/// in pairs.
 pub(crate) fn outline_between(
     f: &mut dyn FnMut(f64) -> Result<Sample, Error>,
     a: Sample,
@@ -309,9 +310,8 @@ fn is_indivisible(a: f64, b: f64) -> bool {
     !(a < middle && middle < b)
 }
 
-/// Returns true if the cubic surely rises, or surely falls, all the way: both slopes agree with the
-/// sign of the change, neither is so steep that the cubic turns in between, and neither is mere
-/// rounding.
+/// Returns true if the cubic is certainly monotone: both slopes agree with the sign of the change,
+/// neither is so steep that the cubic turns between the ends, and neither is a rounding error.
 fn one_way(a: Sample, b: Sample) -> bool {
     let secant = (b.value - a.value) / (b.x - a.x);
     [a, b].iter().all(|end| {

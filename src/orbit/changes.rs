@@ -23,7 +23,7 @@ pub(super) struct FoundBifurcation {
     pub(super) solved: Solved,
 }
 
-/// The curve near its last point, by planes across the tangent there.
+/// The curve near its last point, as a function of the distance along the tangent at this point.
 pub(super) struct CurveView<'v, 'f> {
     pub(super) curve: &'v Curve<'f>,
     pub(super) base: &'v Solved,
@@ -36,8 +36,8 @@ const MOST_CHANGES: usize = 16;
 /// Halvings of an interval of the curve: down to neighbouring numbers.
 const MOST_HALVINGS: usize = 100;
 
-/// Motions on the two sides of a change of the event sequence lie at most this far apart, in units
-/// of the scales, when the interval in between is closed.
+/// Largest distance, in units of the scales, of the motions on the two sides of a change of the
+/// event sequence when the interval between them is closed.
 pub(super) const JUMP: f64 = 1e-4;
 
 /// An interval that could not be closed counts as closed below this width.
@@ -59,14 +59,14 @@ fn growth(place: &CurvePoint) -> f64 {
     place.solved.trial.map.growth()
 }
 
-/// Returns true if rounding of the motions cannot tell two places apart. In a symmetric motion, or
-/// one of equal masses, several events change at one place.
+/// Returns true if two places differ only by rounding errors of the motions. In a symmetric motion,
+/// or with equal masses, several events change at one place.
 fn is_same(low: &CurvePoint, high: &CurvePoint) -> bool {
     high.distance - low.distance <= CLOSED * growth(low).max(growth(high))
 }
 
-/// The change of events between its two sides, with the motion on the smoother one; `None` if the
-/// events are the same after all.
+/// The change of events between its two sides, with the motion on the smoother side; `None` if the
+/// events of both sides are equal.
 fn change(low: &CurvePoint, high: &CurvePoint) -> Option<FoundBifurcation> {
     let [before, after] = [low, high].map(|place| &place.solved.sequence);
     if before.is_like(after) {
@@ -164,7 +164,7 @@ impl CurveView<'_, '_> {
     ) -> Result<Vec<FoundBifurcation>, Error> {
         let mut found = Vec::new();
         let mut from = first.clone();
-        // The two sides of the last change of events, which may be one with the next.
+        // The two sides of the last change of events, which may be the same change as the next.
         let mut sides: Option<(CurvePoint, CurvePoint)> = None;
         for _ in 0..MOST_CHANGES {
             if from.solved.sequence.is_like(&last.solved.sequence) {
@@ -235,11 +235,11 @@ impl CurveView<'_, '_> {
         Ok((low, high))
     }
 
-    /// Returns true if two close points lie on pieces of the curve that do not meet there: one of
-    /// the pieces continues beyond the other point.
+    /// Returns true if two close points lie on pieces of the curve that do not meet between them,
+    /// because one of the pieces continues beyond the other point.
     ///
-    /// Where a curve turns back at a change of the events, both of its pieces cross every plane
-    /// before the corner, and Newton's method can come to the far one there.
+    /// If a curve turns back at a change of the events, both of its pieces cross every plane before
+    /// the corner, and Newton's method can converge to the wrong piece.
     fn pass_by(&self, low: &CurvePoint, high: &CurvePoint) -> bool {
         /// Part of the distance between the points by which a piece is followed.
         const BEYOND: f64 = 0.01;
@@ -274,8 +274,8 @@ impl CurveView<'_, '_> {
         let (begin, end) = (self.values(&from.solved), self.values(&to.solved));
         let first = found.len();
         for (test, sign) in signs.iter_mut().enumerate() {
-            // A test without a sign takes the last sign. Two in a row without a sign are a
-            // continuum.
+            // A test function without a sign keeps its last sign. Two values without a sign in
+            // succession mean a continuum.
             let (carried, before) = match begin[test] {
                 0.0 => (0.0, *sign),
                 value => (value, value),

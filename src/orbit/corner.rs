@@ -1,5 +1,6 @@
-//! A corner of the branch: at a change of the event sequence it can turn so sharply that Newton's
-//! method does not reach its other piece, or turn back at once, as a fold does smoothly.
+//! Corners of a branch. At a change of the event sequence the branch can turn so sharply that
+//! Newton's method does not reach its other piece. It can also turn back, as at a fold, but not
+//! smoothly.
 
 use nalgebra::DVector;
 
@@ -12,12 +13,12 @@ use super::trial::Trial;
 /// searched.
 const AWAY: [f64; 4] = [1e-4, 1e-3, 1e-5, 1e-2];
 
-/// Distances of motions beside the corner, in units of the scales, some of which have the events of
-/// the other piece.
+/// Distances from the corner, in units of the scales, at which motions are tried; some of them have
+/// the events of the other piece.
 const SIDES: [f64; 2] = [1e-6, 1e-4];
 
 /// Guesses, as distances from the corner in units of the distance to the motion on the known piece.
-/// The other piece lies across a border that some of them cross.
+/// Some of them lie beyond the border to the other piece.
 const PARTS: [f64; 7] = [-1.0, 0.0, -4.0, 4.0, -16.0, 16.0, 1.0];
 
 /// Limit of the motions on the way to a corner, and the parts of the way that are tried, down to
@@ -42,7 +43,7 @@ impl CurveView<'_, '_> {
         Some((self.away_from(&here, place), found))
     }
 
-    /// A motion on the other piece at a parameter beside that of the last one.
+    /// A motion on the other piece at a parameter near that of the last motion.
     fn by_parameter(&self, here: &CurvePoint) -> Option<CurvePoint> {
         let last = self.curve.unknowns() - 1;
         let along = self.base.tangent[last];
@@ -68,9 +69,9 @@ impl CurveView<'_, '_> {
         None
     }
 
-    /// A motion on the other piece in the direction of its own tangent, which may be nearly normal
-    /// to the parameter: that of the equations linearised at motions beside the last one with other
-    /// events, which are not closed.
+    /// A motion on the other piece in the direction of the tangent of that piece, which may be
+    /// nearly normal to the parameter. The tangent is that of the equations linearised at motions
+    /// near the last one that have other events and are not closed.
     fn along_other_tangent(&self, here: &CurvePoint) -> Option<CurvePoint> {
         let unknowns = self.curve.unknowns();
         let sides = SIDES.iter().flat_map(|size| {
@@ -144,8 +145,9 @@ impl CurveView<'_, '_> {
         place.ok()
     }
 
-    /// Returns true if a motion at a distance has other events than the last one, and tends to it:
-    /// `nearer` finds the one at a quarter of the distance from a guess.
+    /// Returns true if a motion at a distance has other events than the last motion, but converges
+    /// to it as the distance decreases. `nearer` finds the motion at a quarter of the distance from
+    /// a guess.
     fn is_other_piece(
         &self,
         here: &CurvePoint,
@@ -183,7 +185,8 @@ impl CurveView<'_, '_> {
 
     /// The motion at the corner, on the smoother piece, given a point on the other one.
     ///
-    /// Near to it both pieces are nearly straight: the corner is where the tangents to them meet.
+    /// Near the corner both pieces are nearly straight, so the corner is the intersection of their
+    /// tangents.
     fn at_corner(&self, other: &Solved) -> Solved {
         let mut pieces = [self.base.clone(), other.clone()];
         let mut distances = [0.0, f64::INFINITY];

@@ -2,8 +2,8 @@
 //! on a plane across the curve.
 //!
 //! The unknowns y are the start, the period of an autonomous motion, and the parameter. The phase
-//! condition of an autonomous motion is a turning point of one coordinate, v_i = 0: it holds
-//! however small the motion becomes.
+//! condition of an autonomous motion is a turning point of one coordinate, v_i = 0: it remains
+//! valid for arbitrarily small motions.
 
 use std::cell::Cell;
 use std::ops::{ControlFlow, Range};
@@ -44,11 +44,11 @@ pub(super) struct Curve<'f> {
     pub(super) range: Range<f64>,
     pub(super) n: usize,
     pub(super) order: usize,
-    /// The weight of each unknown in distances and planes: 0 for a memory that events reset, which
-    /// jumps when one of them passes the start; otherwise 1.
+    /// The weight of each unknown in distances and planes. It is 0 for a memory that events reset,
+    /// because such a memory jumps when one of these events passes the start; otherwise 1.
     pub(super) weights: DVector<f64>,
-    /// For each coordinate i √(M⁻¹)_ii, for each memory variable √k_t if it is the force of an
-    /// elastic contact, otherwise 0: by these the numbers of one energy are in proportion.
+    /// √(M⁻¹)_ii for each coordinate i; for each memory variable √k_t if it is the force of an
+    /// elastic contact, otherwise 0. States of equal energy are in proportion to these numbers.
     pub(super) mobilities: Vec<f64>,
     /// The coordinate of the phase condition of an autonomous motion.
     pub(super) turning: Option<usize>,
@@ -98,8 +98,8 @@ const COARSE: f64 = 1e-5;
 /// Steps below this size are rounding.
 pub(super) const FINE: f64 = 1e-13;
 
-/// After a step that falls to this part of the last one Newton's method converges quadratically:
-/// the next would be rounding.
+/// If a Newton step is smaller than this part of the step before, convergence is quadratic, and the
+/// next step would be rounding.
 const FAST: f64 = 1e-3;
 
 /// Increments of the parameter for the derivative, in units of the range: shorter ones near a
@@ -127,7 +127,8 @@ impl Curve<'_> {
         }
     }
 
-    /// The part of a vector, in units of scales, that counts for distances and directions.
+    /// A vector in units of the scales, times the weights: the part that counts for distances and
+    /// directions.
     pub(super) fn measured(&self, vector: &DVector<f64>) -> DVector<f64> {
         vector.component_mul(&self.weights)
     }
@@ -185,7 +186,7 @@ impl Curve<'_> {
         member.form().within(MOST_STEPS_OF_A_SEARCH, self.watched)
     }
 
-    /// Something of the system with the parameter of y, and of the period.
+    /// The result of a function of the system with the parameter of y and of the period.
     pub(super) fn with<T>(
         &self,
         y: &DVector<f64>,
@@ -209,7 +210,7 @@ impl Curve<'_> {
         is_done || self.watched.is_stopped()
     }
 
-    /// The end of a branch at a limit, behind its last motion.
+    /// The end of a branch at a limit of work, after its last motion.
     pub(super) fn end_at_limit(&self, last: &Solved) -> BranchEnd {
         let parameter = self.parameter(&last.y);
         if self.watched.is_stopped() {
@@ -259,7 +260,7 @@ impl Curve<'_> {
             Some((beside[last] - y[last], miss, passed == events))
         };
         let mut slope = DVector::zeros(self.order);
-        // A map with a large derivative bends as strongly.
+        // A map with a large derivative is also strongly nonlinear.
         let growth = 0.5 * trial.map.growth();
         for part in PARTS {
             let step = part * self.width() / (1.0 + growth * growth);
@@ -493,7 +494,7 @@ pub(super) fn sharpest(map: &PeriodMap) -> Option<TurningPoint> {
             };
             let _ = velocity.sign_changes(step.duration(), &mut |t, _| {
                 let sharpness = velocity.derivative().at(t).abs() / speeds[n + coordinate];
-                // The first of equal ones, whatever rounding says.
+                // The first of several equal ones, in spite of rounding.
                 let most = sharpest.as_ref().map_or(0.0, |most| 1.001 * most.sharpness);
                 if sharpness > most {
                     let mut state = step.state_at(t);

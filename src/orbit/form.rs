@@ -110,8 +110,8 @@ impl<'s> GeneralForm<'s> {
         self.model.drives().all(|drive| drive.is_constant())
     }
 
-    /// Returns true if contacts may hold this entry of a state together: the velocity of a
-    /// coordinate that they share, or the force of an elastic one.
+    /// Returns true if several contacts may determine this entry of a state: the velocity of a
+    /// coordinate that they share, or the force of an elastic contact.
     pub(super) fn is_held(&self, row: usize) -> bool {
         let shared = &self.model.shared_coordinates;
         let is_shared = |j: usize| shared.binary_search(&j).is_ok();
@@ -171,9 +171,9 @@ impl<'s> GeneralForm<'s> {
         !self.model.contacts[contact].is_elastic()
     }
 
-    /// Makes a state at a time fit the modes of its contacts, as far as they are given: contacts
-    /// that stick get no relative velocity; elastic ones carry their limit in slip, nothing while
-    /// they are open, and at most their limit in stick.
+    /// Adjusts a state at a time to the modes of its contacts, if they are given. Contacts that
+    /// stick get the relative velocity 0. Elastic contacts get their limit force in slip, the force
+    /// 0 if they are open, and at most their limit force in stick.
     pub(super) fn put_in_modes(
         &self,
         state: &mut State,

@@ -1,11 +1,12 @@
-//! Motions with a contact held past a touch: the sliding speed s of a contact that slips has a
-//! local minimum near 0, at a time t*.
+//! Held motions. A touch is a local minimum near 0 of the sliding speed s of a slipping contact, at
+//! a time t*. A contact is held if its mode is prescribed past the touch instead of decided by the
+//! sign of s.
 //!
-//! The motion is smooth in g = s(t*) if the contact is held: past a touch it continues to slip,
-//! whatever the sign of g, on the series of its step, which continue its law to small negative
-//! speeds; at the tangential end of a branch it sticks from t* on. As a function of the time of
-//! arrival, the root of s, the motion goes like √|g|. Held motions are the real ones at g = 0, and
-//! for the touch also at g > 0.
+//! A held motion is a smooth function of g = s(t*). Past a touch the held contact continues to slip
+//! for either sign of g, on the series of its step, which continue its law to small negative
+//! speeds. At the tangential end of a branch it sticks from t* on. Without holding, the motion
+//! depends on the time of arrival (the root of s), which varies like √|g|. Held motions are real
+//! motions at g = 0, and past a touch also for g > 0.
 
 use super::form::GeneralForm;
 use crate::clock::Clock;
@@ -20,7 +21,7 @@ use crate::structure::{Flow, Step};
 
 use std::ops::ControlFlow;
 
-/// A contact to be held where its sliding speed has a minimum.
+/// A contact that is held from a minimum of its sliding speed on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Hold {
     /// Its place among those of one motion.
@@ -28,7 +29,7 @@ pub(super) struct Hold {
     pub(super) contact: usize,
     /// The direction in which it slips.
     pub(super) side: Direction,
-    /// When, about, since the start of the motion, and at most how far from there.
+    /// The approximate time since the start of the motion, and the largest distance from this time.
     pub(super) since: f64,
     pub(super) within: f64,
     /// True if it sticks from there on.
@@ -267,10 +268,12 @@ impl<'s> HeldFlow<'s> {
         Ok(step.coming_to_rest(hold.contact, state))
     }
 
-    /// Moves a contact that came to rest onto its limit of stick, if that is the kinetic friction
-    /// at speed 0: the force of the held motion lies about g on either side of it.
+    /// Sets the force of a contact that came to rest to its static limit, if this limit equals the
+    /// kinetic friction at speed 0. The force of the held motion differs from the limit by about g
+    /// in either direction.
     ///
-    /// From there on the limit rises, or the motion of the real contact would end as well.
+    /// After this time the force stays below the limit; otherwise the real contact would not stick
+    /// either.
     fn put_on_limit(&self, state: &mut State, time: f64, hold: Hold) {
         /// Limits are the same up to this part.
         const SAME: f64 = 1e-9;

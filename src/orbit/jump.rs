@@ -1,5 +1,5 @@
-//! Discontinuities: up to one event the motion is the same on both sides of a border, and differs
-//! afterwards.
+//! Discontinuities: up to one event the motions on both sides of a border are the same, and
+//! afterwards they differ.
 
 use super::branch::BranchEnd;
 use super::changes::{CurveView, JUMP};
@@ -21,7 +21,7 @@ const NEAR: f64 = 1e-6;
 /// A jump above this, in units of the sizes, ends the branch; after a smaller one it may continue.
 pub(super) const LARGE: f64 = 1e-3;
 
-/// An event whose time changes by more than this part of the period has become another one.
+/// An event whose time changes by more than this part of the period counts as another event.
 const ALIKE: f64 = 1e-3;
 
 /// A jump of the motion.

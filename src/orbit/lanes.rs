@@ -1,5 +1,5 @@
-//! The power series of several perturbations, side by side: each sum of the variational equations
-//! is made for all of them at once, in vector registers.
+//! The power series of several perturbations, computed together: each sum of the variational
+//! equations is computed for all of them at once, in vector registers.
 
 use super::form::GeneralForm;
 use super::linear::{Coefficient, Linear};
@@ -22,12 +22,12 @@ pub(super) type Rows<const W: usize> = [Row<W>];
 /// Number of coefficients: one more than the series of the motion have, which give it.
 pub(super) const LONG: usize = TERMS + 1;
 
-/// Bound of the last two terms but one. What is left out is about a tenth of that, because steps
-/// are about a third of the radius of convergence.
+/// Bound of the two terms before the last. The truncation error is about a tenth of it, because
+/// steps are about a third of the radius of convergence.
 ///
-/// The series of derivatives have the radius of convergence of the motion, but larger coefficients,
-/// by about their order: with the bound ε, which motions have, most of their steps would be taken
-/// in two parts.
+/// The series of derivatives have the radius of convergence of the motion, but coefficients that
+/// are larger by about the factor k at order k. With the bound ε that is used for motions, most
+/// steps would have to be divided in two parts.
 const LAST_TERM: f64 = 64.0 * f64::EPSILON;
 
 /// The variational equations along one step.
@@ -257,8 +257,8 @@ fn convolve_all<const W: usize, const FUSED: bool>(
     }
 }
 
-/// Adds coefficient k of a product, the newest terms last, because they are known last. Four sums
-/// at a time: one would wait for each of its terms.
+/// Adds coefficient k of a product. The newest terms come last, because they are known last. Four
+/// sums are computed at a time, because a single sum would wait for each of its terms.
 #[inline(always)]
 fn convolve<const W: usize, const FUSED: bool>(
     sum: &mut Lanes<W>,

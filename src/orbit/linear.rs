@@ -171,8 +171,8 @@ impl ContactAlong<'_> {
         joint
     }
 
-    /// δT' = k_t δr and the force δT; in slip the force σμ n·δq, with which δT goes: see
-    /// `TangentFlow::limit_elastic`.
+    /// δT' = k_t δr with the force δT in stick; in slip the force σμ n·δq, to which
+    /// `TangentFlow::limit_elastic` sets δT.
     fn elastic(&self, joint: &mut ContactDerivatives, mode: Mode) {
         let constant = |value: f64| {
             let series = PowerSeries::from_fn(|k| if k == 0 { value } else { 0.0 });

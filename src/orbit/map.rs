@@ -1,4 +1,5 @@
-//! The period map, from the state at the start of a period to that at its end, and its derivative.
+//! The period map, from the state at the start of a period to the state at its end, and its
+//! derivative.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -32,8 +33,8 @@ pub struct PeriodMap {
     memory_units: Vec<f64>,
     /// The modes of the contacts after the end.
     end_modes: Vec<Mode>,
-    /// The monodromy matrix of a closed motion, started where most contacts stick, and the flow
-    /// there.
+    /// The monodromy matrix of a closed motion that starts at a time at which most contacts stick,
+    /// and the flow at this time.
     cycle: (DMatrix<f64>, DVector<f64>),
     /// The directions of sticking contacts that share coordinates there.
     held: Vec<DVector<f64>>,
@@ -49,11 +50,12 @@ pub struct PeriodMap {
 /// magnification by the motion. Rounding alone causes about 1e-15.
 pub(super) const CLOSED: f64 = 1e-11;
 
-/// The least velocity, in displacements per period, that is not rounding of the displacement, with
-/// a margin for the 1e-11 to which a motion is closed.
+/// Velocities below this number, in units of the displacement per period, are rounding errors of
+/// the displacement. There is a margin, because a motion is closed to 1e-11 only.
 const LEAST_VELOCITY: f64 = 1e-3;
 
-/// Displacements below this part of the largest one are rounding of 0, and so are velocities.
+/// Displacements below this part of the largest displacement are rounding errors of 0, and
+/// velocities below this part of the largest velocity.
 const NODE: f64 = 64.0 * f64::EPSILON;
 
 impl PeriodMap {
@@ -114,7 +116,7 @@ impl PeriodMap {
     /// The factor by which the motion magnifies perturbations, at least 1: the largest derivative
     /// of a displacement or velocity at the end. Displacements are measured in units of the largest
     /// one, velocities too, and memory variables in units of their own sizes, so the factor depends
-    /// neither on the units of the system nor on a memory that has decayed to nothing.
+    /// neither on the units of the system nor on a memory that has decayed to 0.
     pub(super) fn growth(&self) -> f64 {
         let n = self.start.displacements.len();
         let mut sizes = self.sizes();
@@ -195,8 +197,8 @@ impl PeriodMap {
         (matrix, right)
     }
 
-    /// Numbers of the state that closure leaves free, and which are kept: memory on which nothing
-    /// depends, and the places of contacts that never slip.
+    /// Entries of the state that closure does not determine, and which are kept: memory variables
+    /// on which nothing depends, and the positions of contacts that never slip.
     pub(super) fn kept(&self) -> Vec<usize> {
         let first = self.order() - self.depends.len();
         let idle = self.depends.iter().enumerate();
@@ -220,10 +222,11 @@ impl PeriodMap {
 
     /// The largest size of each number of the state at the ends of steps; for a velocity at least
     /// [`LEAST_VELOCITY`] of its displacement over the period, because the velocity of a mass that
-    /// slides steadily is rounding only. A memory that is too small to change a coefficient of
-    /// friction by rounding, because it has decayed, or is not used, gets the size that changes it
-    /// by 1. Any other number that is 0, or a displacement or velocity that is rounding of
-    /// 0, as of a mass at a node, gets the size of the largest of its kind.
+    /// slides steadily is rounding only. A memory variable may be so small that it changes a
+    /// friction coefficient by less than rounding, because it has decayed or is not used. Its size
+    /// is the change that changes the coefficient by 1. Any other number that is 0, and a
+    /// displacement or velocity that is a rounding error of 0 (as for a mass at a node), gets the
+    /// size of the largest number of its kind.
     pub(super) fn sizes(&self) -> DVector<f64> {
         let mut sizes = DVector::zeros(self.order());
         let ends = self.steps.iter().map(Segment::end_state);
@@ -278,17 +281,17 @@ impl PeriodMap {
         [0, n].map(|first| vector.rows(first, n).amax())
     }
 
-    /// The eigenvalues of the derivative by the start of a closed motion, without the 1 of a shift
-    /// along an autonomous one.
+    /// The eigenvalues of the derivative of a closed motion with respect to its start, without the
+    /// 1 that belongs to a shift along an autonomous motion.
     pub(super) fn multipliers_by_start(&self, is_free: bool) -> Option<Vec<Complex<f64>>> {
         let flow = is_free.then_some(&self.flow[0]);
         multipliers(&self.monodromy, flow, &[], &self.sizes())
     }
 
-    /// The multipliers of a closed motion, by falling modulus; those of an autonomous one without
-    /// the 1 of a shift along itself, and without the 1 of the place of each contact that
-    /// never slips. `None` if they do not converge. At the tangential end of a branch the first is
-    /// infinite, and the others are NaN.
+    /// The multipliers of a closed motion, by falling modulus. The 1 of a shift along an autonomous
+    /// motion, and the 1 of the position of each contact that never slips, are left out. `None` if
+    /// they do not converge. At the tangential end of a branch the first is infinite, and the
+    /// others are NaN.
     pub(super) fn multipliers(&self, is_free: bool) -> Option<Vec<Complex<f64>>> {
         let (matrix, flow) = &self.cycle;
         if self.touches.iter().any(|touch| touch.is_unbounded) {
@@ -365,7 +368,8 @@ pub(super) fn held_period_map(
     let mut flow = TangentFlow::new(form, settings, (time, start), holds, identity)?;
     let mut steps: Vec<Step> = Vec::new();
     let mut first_flow = None;
-    // From the start to the cut, behind which `flow.tangents` begin anew; and the flow there.
+    // The derivative from the start to the cut, after which `flow.tangents` begin again, and the
+    // flow at the cut.
     let mut head = (DMatrix::identity(order, order), DVector::zeros(order));
     let mut held = Vec::new();
     let mut dead = 0;
@@ -425,8 +429,8 @@ pub(super) fn held_period_map(
     })
 }
 
-/// The period map of the same closed motion with another start, if its start lies so near to an
-/// event that rounding decides on which side of it the end lies; otherwise `None`.
+/// The period map of the same closed motion with another start, if the start is so near to an event
+/// that rounding decides on which side of the event the end lies; otherwise `None`.
 pub(super) fn begun_apart(
     form: &GeneralForm<'_>,
     map: &PeriodMap,
@@ -572,7 +576,7 @@ fn held_by(form: &GeneralForm<'_>, modes: &[Mode]) -> Vec<DVector<f64>> {
     rows.collect()
 }
 
-/// The number of elastic contacts that forget what they carry: all that do not stick.
+/// The number of elastic contacts that do not stick: their forces do not depend on their past.
 fn forgetting(form: &GeneralForm<'_>, modes: &[Mode]) -> usize {
     let elastic = (0..form.contacts()).filter(|&c| !form.holds(c));
     elastic.filter(|&c| modes[c] != Mode::Stick).count()

@@ -7,11 +7,11 @@ use crate::numerics::eigenvalues::{eigenvalues, reflected};
 /// The multipliers by falling modulus, without the 1 that belongs to `flow` if that is given;
 /// `None` if they do not converge.
 ///
-/// Each row or column of zeros gives one multiplier 0 to the bit, and so does each vector of
-/// `held`, to which the image of the matrix is normal. The matrix is scaled by the sizes of the
-/// numbers, so that units do not matter. The eigenvector of the multiplier 1 is known, the flow f:
-/// in an orthonormal basis (f, Q) the matrix M is block triangular, and the others are the
-/// eigenvalues of QᵀMQ.
+/// Each row or column of zeros gives one multiplier that is exactly 0, and so does each vector of
+/// `held`: the image of the matrix is normal to these vectors. The matrix is scaled by the sizes of
+/// the numbers, so that units do not matter. The eigenvector of the multiplier 1 is known, the flow
+/// f: in an orthonormal basis (f, Q) the matrix M is block triangular, and the other multipliers
+/// are the eigenvalues of QᵀMQ.
 pub(super) fn multipliers(
     matrix: &DMatrix<f64>,
     flow: Option<&DVector<f64>>,
@@ -33,7 +33,8 @@ pub(super) fn multipliers(
     let mut normals: Vec<_> = held
         .iter()
         .map(|row| vector(&|i| row[i] * sizes[i]))
-        // A row without a part in the rest is among the rows of zeros.
+        // A vector without a component in the remaining coordinates is covered by the rows of
+        // zeros.
         .filter(|row| row.amax() > 0.0)
         .chain(flow.map(|flow| vector(&|i| flow[i] / sizes[i])))
         .collect();

@@ -15,7 +15,7 @@
 //! | release | σR − N μ_s | what the law makes of its memory |
 //! | a load that opens or closes, a drive that jumps | a time | δt = 0; rest ends with the load |
 //!
-//! The field f jumps at an event only for its own contacts, in v' and z'. Where it does not, the
+//! At an event the field f jumps only in v' and z' of the contacts of this event. All other
 //! perturbations are continuous. Contacts that share coordinates are coupled: the event of one
 //! changes v' of all these coordinates, and perhaps the modes of the others, at the time at which
 //! that contact reached its limit. v' just after the event is that of the next step.
@@ -33,8 +33,7 @@ use crate::state::structure::State;
 use crate::structure::engine::factor::Holding;
 use crate::structure::{Step, Trigger};
 
-/// A contact with a coordinate of its own at the time of an event; all numbers are divided by the
-/// mass.
+/// A contact with its own coordinate at the time of an event; all numbers are divided by the mass.
 struct Instant {
     coordinate: usize,
     /// The load N.
@@ -151,7 +150,7 @@ impl TangentFlow<'_> {
         self.tangents.row(row).into_owned()
     }
 
-    /// Carries the tangents past the start of the motion: the law of a contact that slips from r =
+    /// Transforms the tangents at the start of the motion: the law of a contact that slips from r =
     /// 0, or is open, has reset its memory.
     pub(super) fn begin(&mut self, step: &Step) {
         self.limit_elastic(step);
@@ -183,7 +182,7 @@ impl TangentFlow<'_> {
         }
     }
 
-    /// Carries the tangents past the events at the end of a step.
+    /// Transforms the tangents at the events at the end of a step.
     pub(super) fn pass(&mut self, step: &Step, linear: Option<&Linear>) {
         if step.series().is_empty() {
             return;
@@ -213,7 +212,7 @@ impl TangentFlow<'_> {
         }
     }
 
-    /// The rows of the tangents that change at an event of a contact with a coordinate of its own.
+    /// The rows of the tangents that change at an event of a contact with its own coordinate.
     fn changed(
         &self,
         step: &Step,
@@ -321,8 +320,8 @@ impl TangentFlow<'_> {
         (0..count).map(change).collect()
     }
 
-    /// The rows that change at events of contacts that share coordinates: all these events have
-    /// the time of what triggers them.
+    /// The rows that change at events of contacts that share coordinates: all these events happen
+    /// at the time of the event that triggers them.
     fn changed_together(
         &self,
         step: &Step,
@@ -355,7 +354,7 @@ impl TangentFlow<'_> {
         changes
     }
 
-    /// The delay δt of what triggers events of contacts that share coordinates.
+    /// The delay δt of the event that triggers other events of contacts that share coordinates.
     fn triggered_later(&self, step: &Step, linear: &Linear, trigger: Trigger) -> RowDVector<f64> {
         let (model, n, h) = (&self.form.model, self.form.len(), step.duration());
         match trigger {
@@ -481,7 +480,7 @@ impl TangentFlow<'_> {
         let i = model.owner_of(number).unwrap_or_default();
         let h = step.duration();
         let state = step.end_state();
-        // Just before: the drives go on as they did.
+        // Just before the event, with the drives of the step before.
         let slope = |series: &PowerSeries| series.derivative().at(h);
         let surface = contact.belt_velocity.series(step.clock());
         let force = model.forces[i].series(step.clock());

@@ -16,13 +16,13 @@ pub(super) struct Sequence {
     times: Vec<f64>,
 }
 
-/// How far a motion is from a change of its events.
+/// A measure of the distance of a motion from a change of its events.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Nearness {
-    /// Two events change their order: how much later that of the contact with the larger number
-    /// happens. It has different signs on the two sides.
+    /// Two events change their order: the delay of the event of the contact with the larger number.
+    /// It has different signs on the two sides.
     Order(f64),
-    /// Two events of a contact vanish, on one side: the time in between.
+    /// Two events of a contact vanish on one side: the time between them.
     Pair(f64),
 }
 
@@ -47,7 +47,8 @@ impl Sequence {
             .filter(|(event, _)| !map.slips_by_rounding(event.contact) && !is_left_out(event))
             .map(|(event, after)| (event.time, (event.contact, event.kind, after)))
             .collect();
-        // From behind the longest pause, so that none is torn apart at the end of the period.
+        // The sequence begins after the longest pause, so that simultaneous events are not
+        // separated by the end of the period.
         let count = events.len();
         let pause = |i: usize| match i {
             0 => events[0].0 + period - events[count - 1].0,
@@ -72,8 +73,8 @@ impl Sequence {
         }
     }
 
-    /// How far the motion is from the change to another sequence; `None` if more than two events
-    /// change at once, or nothing tells.
+    /// The distance of the motion from the change to another sequence; `None` if more than two
+    /// events change at once, or if the events do not show the distance.
     pub(super) fn nearness(&self, other: &Self) -> Option<Nearness> {
         let count = self.kinds.len();
         if count == other.kinds.len() {
@@ -96,7 +97,8 @@ impl Sequence {
         Some(Nearness::Pair(least))
     }
 
-    /// The two neighbours that have another order in another sequence, which begins elsewhere.
+    /// The two neighbouring events that have the opposite order in another sequence, which may
+    /// begin with another event.
     fn exchanged(&self, other: &Self, turned: usize) -> Option<Nearness> {
         let count = self.kinds.len();
         let there = |i: usize| other.kinds[(i + turned) % count];
@@ -172,7 +174,7 @@ fn has_more_pairs(short: &[(EventKind, Mode)], long: &[(EventKind, Mode)]) -> bo
     (0..long.len()).any(|i| {
         let at = |j: usize| long[(i + j) % long.len()];
         let before = match (at(0).0, at(1).0) {
-            // Whatever it slid like when it was caught.
+            // Independent of the direction of slip before the stick.
             (EventKind::Stick, EventKind::Release(to)) => {
                 let last = long.len() - 1;
                 long.len() == 2 || at(last).1 == Mode::Slip(to)

@@ -1,4 +1,4 @@
-//! The two sides of a change of events, which come together.
+//! The two sides of a change of events, and their approach to it.
 
 use super::changes::CurvePoint;
 use super::curve::FINE;
@@ -6,14 +6,14 @@ use super::sequence::{Nearness, Sequence};
 
 /// The points on the two sides that are known to be nearest to a change of events.
 ///
-/// Events that change their order, or vanish, tell how far away that is: so few motions suffice,
-/// where bisection takes as many as a number has bits.
+/// Events that change their order or vanish show the distance to the change. With this distance few
+/// motions suffice; bisection would take as many motions as a number has bits.
 pub(super) struct Sides {
     pub(super) low: CurvePoint,
     pub(super) high: CurvePoint,
     /// The last two nearest points of before on each side, the later first: distances and events.
     before: [Vec<(f64, Sequence)>; 2],
-    /// Where the change was expected last.
+    /// The last estimate of the place of the change.
     expected: Option<f64>,
     /// Width when the interval was last halved.
     width: f64,
@@ -21,7 +21,7 @@ pub(super) struct Sides {
     slow: u32,
 }
 
-/// Bisection follows so many motions that have not halved the interval.
+/// Bisection is used after this number of motions that have not halved the interval.
 const MOST_SLOW: u32 = 3;
 
 impl Sides {
@@ -36,7 +36,7 @@ impl Sides {
         }
     }
 
-    /// Where the change is expected, from how far the motions are from it.
+    /// Estimate of the place of the change, from the distances of the motions.
     fn expect(&self) -> Option<f64> {
         let (low, high) = (&self.low, &self.high);
         let nearness = |one: &CurvePoint, other: &CurvePoint| {
@@ -73,8 +73,8 @@ impl Sides {
         nearness.collect()
     }
 
-    /// The next place to try: just beyond the change, as far as that is known, so that the side
-    /// that is farther away comes near; `None` for the middle.
+    /// The next place to try: just beyond the estimated change, so that the farther side moves near
+    /// to it; `None` for the middle.
     pub(super) fn next_place(&mut self) -> Option<f64> {
         let last = self.expected.take();
         if self.slow >= MOST_SLOW {
@@ -121,8 +121,9 @@ fn extrapolated([(a, f), (b, g)]: [(f64, f64); 2]) -> f64 {
 /// The places where a pause may vanish, from that at the nearest point and those before; the
 /// likeliest first.
 ///
-/// A pause vanishes like a power p of the distance: p = 1/2 where something touches its bound and
-/// turns back, 1 where one event overtakes another. Three points tell which; a touch is usual.
+/// A pause vanishes like a power p of the distance: p = 1/2 if a quantity touches its bound and
+/// turns back, p = 1 if one event overtakes another. Three points determine p; usually it is a
+/// touch.
 fn vanishing((c, now): (f64, f64), before: &[(f64, f64)]) -> Vec<f64> {
     const TOUCH: f64 = 0.5;
     let Some(&(b, last)) = before.first() else {

@@ -1,8 +1,9 @@
 //! The springs of contacts in the variational equations: elastic contacts, and normal springs that
 //! open and close.
 //!
-//! On displacements and velocities the events of springs have S = I, for their forces are
-//! continuous. Where a slider starts, opens, or is cut by its load, δT falls on that of its limit.
+//! Saltation matrices of the events of springs are S = I for displacements and velocities, because
+//! the forces of springs are continuous. If a slider starts or opens, or if its load limits its
+//! force, δT becomes the perturbation of the limit force.
 
 use nalgebra::RowDVector;
 

@@ -20,8 +20,8 @@ pub(super) struct HalfMap {
     shift: DVector<f64>,
 }
 
-/// What holds the centre c/2 of a symmetric motion, K c = f(t) + f(t + T/2), with the springs and
-/// the given loads of normal springs; divided by the mass matrix.
+/// The forces that determine the centre c/2 of a symmetric motion, K c = f(t) + f(t + T/2),
+/// including the springs and the given loads of normal springs; divided by the mass matrix.
 #[derive(Debug, Clone)]
 pub(super) struct Balance {
     stiffness: DMatrix<f64>,
@@ -37,7 +37,7 @@ const SYMMETRIC: f64 = 1e-7;
 /// Limit of Newton steps; three or four are usual.
 const MOST_STEPS: usize = 12;
 
-/// A direction that the half-period map inverts is changed by less than this besides.
+/// Tolerance for a direction that the half-period map inverts.
 const INVERTED: f64 = 1e-4;
 
 impl HalfMap {
@@ -84,8 +84,9 @@ impl HalfMap {
         Some(Self { signs, shift })
     }
 
-    /// The map for another system of the family, in which other forces hold the centre. A force
-    /// that the springs do not balance, as that of a contact which sticks throughout, stays.
+    /// The map for another system of the family, with other forces that determine the centre. A
+    /// force that the springs do not balance, such as that of a contact that always sticks, is
+    /// kept.
     pub(super) fn moved(&self, from: &Balance, to: &Balance) -> Option<Self> {
         let n = to.forces.len();
         let held = (&to.stiffness - &from.stiffness) * self.shift.rows(0, n);
@@ -168,8 +169,9 @@ impl Balance {
 impl CurveView<'_, '_> {
     /// The pitchfork between two symmetric motions whose multipliers pass 1, if there is one.
     ///
-    /// The equations of `follow` are singular there, those of the half-period map are not: a
-    /// symmetric motion is a fixed point of it, and det(G' + 1) changes its sign at a pitchfork.
+    /// At a pitchfork the equations of `follow` are singular, but those of the half-period map G
+    /// are not: a symmetric motion is a fixed point of G, and det(G' + 1) changes its sign at a
+    /// pitchfork.
     pub(super) fn pitchfork(&self, from: &CurvePoint, to: &CurvePoint) -> Option<CurvePoint> {
         let ends = [from, to].map(|place| {
             let (map, period) = (&place.solved.trial.map, place.solved.trial.period);
@@ -217,8 +219,8 @@ impl CurveView<'_, '_> {
         })
     }
 
-    /// The symmetric motion with the parameter of a guess, from the half-period map of another one
-    /// and what holds its centre.
+    /// The symmetric motion at the parameter of a guess, from the half-period map of another
+    /// symmetric motion and the forces that determine its centre.
     fn symmetric(
         &self,
         (half_map, balance): &(HalfMap, Balance),

@@ -5,12 +5,12 @@
 //! δz' = ∂z'/∂v δv + ∂z'/∂z δz
 //! ```
 //!
-//! What an elastic contact carries, T, has δT' = k_t b·δv in stick and δT = σμ n·δq in slip; a
+//! The force T of an elastic contact obeys δT' = k_t b·δv in stick and δT = σμ n·δq in slip; a
 //! closed normal spring adds −d n·δq to the forces.
 //!
-//! by power series on the steps of the trajectory. A contact that sticks has δv = 0; events are in
-//! `saltation.rs`. Each column of a matrix is one perturbation: n displacements, n velocities and
-//! the memory variables of the contacts.
+//! The equations are solved by power series on the steps of the trajectory. A contact that sticks
+//! has δv = 0; events are treated in `saltation.rs`. Each column of a matrix is one perturbation: n
+//! displacements, n velocities and the memory variables of the contacts.
 
 use std::borrow::Cow;
 
@@ -26,7 +26,7 @@ use crate::scalar::jet::Tape;
 use crate::state::structure::State;
 use crate::structure::Step;
 
-/// Numbers of perturbations that are carried side by side.
+/// Numbers of perturbations that are computed together.
 const FEW: usize = 4;
 const MANY: usize = 8;
 
@@ -39,9 +39,8 @@ pub(super) struct TangentFlow<'s> {
     pub(super) tangents: DMatrix<f64>,
     /// True for each memory variable on which anything has depended so far.
     pub(super) depends: Vec<bool>,
-    /// The logarithm of a factor taken out of the single perturbation, so that it does not
-    /// overflow, and underflows only with everything that depends on it; `None` if no factor is
-    /// taken out.
+    /// The logarithm of a factor that is taken out of a single perturbation, to avoid overflow and
+    /// underflow; `None` if no factor is taken out.
     pub(super) logarithm: Option<f64>,
     /// True if a step of positive length has been taken.
     has_begun: bool,
@@ -105,8 +104,8 @@ impl<'s> TangentFlow<'s> {
         Some(Ok(step))
     }
 
-    /// Carries the tangents from the start of a step to its end, past its events. Events at the
-    /// start of the trajectory belong to the step before.
+    /// Integrates the tangents from the start of a step to its end, including its events. Events at
+    /// the start of the trajectory belong to the step before.
     pub(super) fn carry(&mut self, step: &Step) -> Result<(), Error> {
         let mut linear = None;
         if step.duration() > 0.0 {
@@ -166,7 +165,7 @@ pub(super) fn flow_of(step: &Step, n: usize) -> DVector<f64> {
     DVector::from_iterator(n + step.series().len(), velocities.chain(rates))
 }
 
-/// Carries perturbations, each in a slice, over a step of length h. If their own series converge
+/// Integrates perturbations, each in a slice, over a step of length h. If their own series converge
 /// over less than h, as on a steady motion of any length, the step is taken in parts, each counted
 /// as a step.
 fn advance<const W: usize>(

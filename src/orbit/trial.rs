@@ -5,9 +5,9 @@ use nalgebra::DVector;
 use super::map::PeriodMap;
 use crate::error::Error;
 
-/// An autonomous motion leaves its start and returns: its residual is at most this part of its own
-/// extent, and no Newton step leads farther. A motion that shrinks to an equilibrium, or to no
-/// duration, has a residual of its whole extent.
+/// An autonomous motion counts as one that leaves its start and returns if its residual and its
+/// last Newton step are at most this part of its extent. If a motion shrinks to an equilibrium, or
+/// to the duration 0, its residual is as large as its extent.
 const RETURN: f64 = 1e-4;
 
 /// A residual below this, in units of the sizes, is rounding.

@@ -1,4 +1,4 @@
-//! Contacts that never slip: each makes a periodic motion one of a family.
+//! Contacts that never slip. Each of them makes a periodic motion a member of a continuous family.
 
 use nalgebra::DVector;
 
@@ -7,8 +7,9 @@ use crate::motion::{Mode, Segment};
 use crate::state::structure::State;
 use crate::structure::Step;
 
-/// A contact that keeps its place all along: b·δq = 0, of an elastic one δT = k_t b·δq. So one
-/// number of a perturbation follows from displacements, by which none of these contacts is known.
+/// A contact that never slips has b·δq = 0, or δT = k_t b·δq if it is elastic. One entry of a
+/// perturbation therefore follows from displacements that do not themselves follow from another
+/// such contact.
 #[derive(Debug, Clone)]
 pub(super) struct Unslipped {
     pub(super) contact: usize,
@@ -18,9 +19,9 @@ pub(super) struct Unslipped {
     pub(super) slopes: Vec<(usize, f64)>,
 }
 
-/// Contacts that stick in all of these steps, to surfaces that come back to where they were. Of
-/// those that hold their coordinates, each gives one displacement, that with the largest share;
-/// elastic ones come last, because they give none.
+/// Contacts that stick in all of these steps to surfaces that return to their positions. Each rigid
+/// contact determines one displacement, the one with the largest coefficient. Elastic contacts come
+/// last, because they determine no displacement.
 pub(super) fn unslipped(
     form: &GeneralForm<'_>,
     steps: &[Step],
@@ -91,11 +92,12 @@ pub(super) fn unslipped(
 
 /// Elastic contacts that slip, but in one direction only, on surfaces that come back.
 ///
-/// A slider has come back after a period, so in a closed motion such a slip has no length: the
-/// force only touches its limit, as it does at the border of the family of motions without slip
-/// (shakedown). Rounding decides whether the events are there.
+/// A slider returns to its position after a period. If it slips in one direction only, the length
+/// of this slip is therefore 0 in a closed motion: the force only touches its limit, as at the
+/// border of the family of motions without slip (shakedown). Rounding decides whether there are
+/// events.
 pub(super) fn slip_by_rounding(form: &GeneralForm<'_>, steps: &[Step]) -> Vec<usize> {
-    /// How far a surface that comes back may seem to have moved, in parts of its way.
+    /// The largest apparent displacement of a surface that returns, in parts of its path.
     const ROUNDING: f64 = 1e-9;
     let lasting = || steps.iter().filter(|step| step.duration() > 0.0);
     let slips_one_way = |c: &usize| {

@@ -45,16 +45,16 @@ pub(super) const BLUNT: f64 = 0.3;
 /// Sizes, as parts of a shrinking motion, from which the Hopf point is extrapolated.
 const HOPF_PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 
-/// The growth of perturbations from which on an arrival may be tangential, and its part at an
-/// earlier point.
+/// The magnification of perturbations above which an arrival may be tangential, and the least ratio
+/// to its value at an earlier point.
 const GRAZING_GROWTH: f64 = 1e3;
 const GRAZING_RISE: f64 = 0.3;
 
 /// Place of the last motion before a jump, as a part of the distance of the jump.
 const BESIDE: f64 = 0.99;
 
-/// An autonomous motion whose acceleration at the start falls below this part of its former value
-/// has stopped.
+/// If the acceleration at the start of an autonomous motion falls below this part of its former
+/// value, the motion has stopped.
 const AT_REST: f64 = 1e-6;
 
 /// The outcome of a step.
@@ -149,7 +149,8 @@ impl Walk<'_, '_> {
         signs: &mut Signs,
     ) -> (Outcome, f64) {
         let mut length = longest;
-        // The map magnifies rounding, so points closer together than this cannot be distinguished.
+        // The map magnifies rounding errors, so points at a smaller distance cannot be
+        // distinguished.
         let shortest = SHORTEST * base.trial.map.monodromy.norm().max(1.0);
         let here = CurvePoint {
             distance: 0.0,
@@ -252,7 +253,7 @@ impl Walk<'_, '_> {
                 .ok_or_else(|| curve.lost(&place.solved.y, &place.solved.trial));
         }
         if turned <= AT_REST {
-            // Newton's method has come to a state of rest, which is periodic with any period.
+            // Newton's method has converged to an equilibrium, which is periodic with any period.
             return Err(Error::AtRest.at("parameter", parameter));
         }
         let same = place.solved.sequence.is_like(&base.sequence);
@@ -414,8 +415,9 @@ fn starts(solved: &Solved) -> Option<&[Mode]> {
 }
 
 /// The scales of the unknowns at a point: those of its state, its period and the range. In these
-/// units a coordinate counts by its share of the energy: those that hardly move, as the higher
-/// modes of a beam, change much from motion to motion and say little about the distance.
+/// units a coordinate counts by its share of the energy. Coordinates that hardly move, such as
+/// higher modes of a beam, change much from motion to motion and are not a good measure of the
+/// distance.
 pub(super) fn natural_scale(curve: &Curve<'_>, solved: &Solved) -> DVector<f64> {
     let sizes = solved.trial.map.sizes();
     let (n, unknowns, mobilities) = (curve.n, curve.unknowns(), &curve.mobilities);

@@ -1,9 +1,9 @@
 //! The choice of instructions for the series of slip.
 //!
 //! A fused multiply-add rounds once, and takes one instruction instead of two. Not every x86-64
-//! processor has it, so a build for all of them asks at run time. It asks in one place,
-//! [`compute`], for the expansion of a slip phase and for that of many masses side by side, which
-//! are more than half of all work and nearly all that these instructions gain.
+//! processor has it, so a build for all of them tests for it at run time. The test is in one place,
+//! [`compute`], and applies to the expansion of a slip phase and of many masses side by side. These
+//! expansions are more than half of all work, and give nearly all of the possible gain.
 //!
 //! | target | a·b + c in `taylor.rs` and `lanes.rs` | in everything else |
 //! |---|---|---|
@@ -19,8 +19,9 @@
 //! AMD EPYC. Processors that have to slow down for it (those before Intel's Ice Lake) are not asked
 //! to use it. All results are the same to the bit.
 //!
-//! The software that stands for the instruction elsewhere is slow. It would be called by code that
-//! is meant for [`compute`] and not inlined into it, closures included; `.ci/run` looks for that.
+//! On other processors the instruction is replaced by slow library code. Code that is meant for
+//! [`compute`] but not inlined into it (including closures) would call this code; `.ci/run` checks
+//! that there is none.
 
 use super::FUSED;
 

@@ -3,12 +3,12 @@
 //!
 //! The recurrences are those of `operations.rs`: one copy of a law serves every order. A function
 //! is run once for every order k; run k computes the coefficients of t^k alone, from the rows that
-//! the runs before left on the [`Tape`]. So equations that are coupled can be advanced one order at
-//! a time, each with a tape of its own.
+//! the runs before left on the [`Tape`]. Coupled equations can therefore be advanced one order at a
+//! time, each with its own tape.
 //!
-//! As there, a coefficient is slope·s_k + rest, s_k that of the one input which comes last, the
-//! [variable](Run::variable): from one order to the next the critical path is then as short as it
-//! can be. Other inputs enter by their rests.
+//! As in `operations.rs`, a coefficient is slope·s_k + rest, where s_k is the coefficient of the
+//! input that is known last, the [variable](Run::variable). The critical path from one order to the
+//! next is then as short as possible. Other inputs are contained in the rests.
 //!
 //! ```text
 //! for k in 0..n {

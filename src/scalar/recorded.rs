@@ -1,17 +1,18 @@
-//! A number that notes what is done with it. A function is run once, at its base value, and its
-//! power series is computed from the notes, by code that knows no function: see `lanes.rs`.
+//! A number that records its operations. A function is run once, at its base value. Its power
+//! series is computed from this record, by code that is the same for all functions: see `lanes.rs`.
 //!
-//! Every operation of a law is, in each order k > 0, a sum of products of what came before, and a
-//! linear part with factors that the base values give:
+//! In each order k > 0, every operation of a law is a sum of products of earlier coefficients plus
+//! a linear part, whose factors depend on the base values:
 //!
 //! ```text
 //! c_k = f·Σ_{0<i<k} x_i y_{k−i} + α a_k + β b_k
 //! ```
 //!
-//! As in `taylor.rs` a coefficient is slope·s_k + rest, s_k that of the function's argument, so
-//! that hardly anything waits for s_k. The recurrences are those of `operations.rs`. Only the
-//! numbers of rows and the kinds of sums depend on the function, so motions of one law, or of
-//! several, that went the same way through their functions are computed side by side.
+//! As in `taylor.rs`, a coefficient is slope·s_k + rest, where s_k is the coefficient of the
+//! function's argument; few operations have to wait for s_k. The recurrences are those of
+//! `operations.rs`. Only the numbers of rows and the kinds of sums depend on the function, so
+//! motions of one law, or of several, that went the same way through their functions are computed
+//! side by side.
 
 use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};

@@ -41,7 +41,7 @@ const LONGEST: f64 = 1.0 / 64.0;
 
 const SHORTEST: f64 = 1e-9;
 
-/// A curve crawls if so many steps together are no longer than this.
+/// A curve crawls if the sum of this number of steps is at most this length.
 const MANY_POINTS: usize = 128;
 
 const CRAWL: f64 = 1e-3;
@@ -420,9 +420,10 @@ fn turns<E: Equations>(equations: &E, from: &Point<E::Value>, to: &Point<E::Valu
     }
 }
 
-/// The parameters at which the solution shrinks to nothing behind the last point: even functions of
-/// its size, extrapolated by the polynomials through earlier points. Rounding grows as the solution
-/// shrinks, and what a polynomial leaves out with its size: those two that agree best decide.
+/// The parameters after the last point at which the solution shrinks to nothing. They are even
+/// functions of its size, extrapolated by polynomials through earlier points. Rounding errors grow
+/// as the solution shrinks; truncation errors grow with its size. The two polynomials that agree
+/// best are used.
 fn vanishes<E: Equations>(
     equations: &E,
     first: &Point<E::Value>,

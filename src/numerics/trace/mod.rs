@@ -25,7 +25,8 @@ pub(crate) trait Equations {
     /// Their ranges.
     fn ranges(&self) -> &[Range<f64>; 2];
 
-    /// The value near that of a point of the curve. Unknowns that have to be exact may be set.
+    /// Computes the value at y, given the value at a near point of the curve. It may set unknowns
+    /// that have to be exact.
     fn value(&self, y: &mut DVector<f64>, near: &Self::Value) -> Result<Self::Value, Error>;
 
     /// The residuals, each in units of its size.

@@ -25,7 +25,7 @@ pub(super) struct Change {
 }
 
 impl Change {
-    /// Returns true if it is not one that a motion holds or watches already.
+    /// Returns true if the motion does not already hold or watch this change.
     pub(super) fn is_other(&self, begin: &FrozenStart) -> bool {
         let of_holds = self.holds.iter().all(|hold| {
             let mut known = begin.holds.iter();
@@ -75,7 +75,7 @@ fn near(a: f64, b: f64) -> bool {
 /// Events are searched at most this part of the period away.
 const WITHIN: f64 = 0.05;
 
-/// A contact stops for good if it sticks for more than this part of the period.
+/// A contact counts as stopped if it sticks for more than this part of the period.
 const LASTS: f64 = 1e-3;
 
 /// Touches of one size belong to one change, as in a symmetric motion.
@@ -136,8 +136,8 @@ pub(super) fn touch(
     })
 }
 
-/// The distance from a time within which something is searched, with others of its kind at these
-/// times.
+/// The distance from a time within which an event is searched, if others of its kind happen at the
+/// given times.
 fn within(since: f64, others: impl Iterator<Item = f64>, period: f64) -> f64 {
     let away = others.map(|other| {
         let later = (other - since).rem_euclid(period);

@@ -35,8 +35,8 @@ pub(super) fn first_point<E: Equations>(
 
 pub(super) type BothDirections<V> = (Vec<Point<V>>, Vec<(SpecialKind, Point<V>)>, [LocusEnd; 2]);
 
-/// The point just behind the last one of a curve at which another change of events happens: both
-/// conditions hold, with the contacts held.
+/// The point just after the last point of a curve at which another change of events happens: there
+/// both conditions hold, in a motion with held contacts.
 fn meets<'f, E: CurveOfMotions<'f>>(
     curve: &E,
     last: &Point<E::Value>,

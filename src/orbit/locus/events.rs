@@ -1,4 +1,4 @@
-//! The equations of events that change: a closed motion, and a scalar g that is 0 where
+//! The equations of changes of events: the motion is closed, and a scalar g is 0:
 //!
 //! | curve | g | which motion |
 //! |---|---|---|
@@ -6,8 +6,8 @@
 //! | onset of a stop | σR − N μ_s at an arrival that becomes a crossing | the real one |
 //! | order | t_a − t_b of two events | the real one |
 //!
-//! The maps are continuous in these motions, and smooth or piecewise smooth, with g = 0 as the
-//! border of the pieces. Derivatives are differences between motions with the same events.
+//! The maps are continuous at these motions. They are smooth, or piecewise smooth with the border
+//! g = 0 between the pieces. Derivatives are differences between motions with the same events.
 
 use std::cell::Cell;
 use std::ops::Range;
@@ -61,12 +61,13 @@ struct Seen {
     marks: Vec<f64>,
 }
 
-/// Increments for differences, in units of the sizes: short ones, because a touch bends where
-/// another change of events is near; they cost Newton's method no step.
+/// Increments for differences, in units of the sizes. They are short, because a touch is strongly
+/// nonlinear near another change of events; Newton's method needs no more steps with short
+/// increments.
 const PARTS: [f64; 2] = [1e-7, 1e-9];
 
-/// The margin of a crossing over the limit of stick, in units of the friction there: −σR/(N μ_s)
-/// less 1, nearly. It is below 0 for a stop.
+/// The margin of a crossing above the static limit, in units of friction: about −σR/(N μ_s) − 1. It
+/// is negative for a stop.
 pub(super) fn margin(form: &GeneralForm<'_>, step: &Step, event: &Event<State>) -> Option<f64> {
     let Some(Mode::Slip(side)) = step.modes().get(event.contact) else {
         return None;

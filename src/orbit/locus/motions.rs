@@ -27,8 +27,8 @@ pub(super) type Family<'f> = dyn Fn(f64, f64) -> Result<Box<dyn FamilyMember + '
 pub(super) struct Motions<'f> {
     pub(super) family: &'f Family<'f>,
     pub(super) kind: Period,
-    /// The map over half of a period, and what holds its centre: given for symmetric motions that
-    /// are to be closed by it.
+    /// The map over half of a period, with the forces that determine its centre, for symmetric
+    /// motions that are closed by this map.
     pub(super) half: Option<(HalfMap, Balance)>,
     pub(super) widths: [f64; 2],
     pub(super) n: usize,
@@ -124,7 +124,7 @@ impl<'f> Motions<'f> {
         is_done || self.watched.is_stopped()
     }
 
-    /// Something of the system with these parameters.
+    /// The result of a function of the system with these parameters.
     pub(super) fn with<T>(
         &self,
         [first, second]: [f64; 2],
@@ -192,7 +192,7 @@ impl<'f> Motions<'f> {
         })
     }
 
-    /// What the equations close: the motion over one period, or its half-period map.
+    /// The map whose fixed point is searched: the motion over one period, or its half-period map.
     pub(super) fn closing_trial(
         &self,
         y: &DVector<f64>,

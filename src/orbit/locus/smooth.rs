@@ -1,5 +1,5 @@
-//! The equations of folds, flips and tori: a closed motion, and scalars that are 0 where a
-//! multiplier is 1, −1, or a pair is exp(±iθ).
+//! The equations of folds, flips and tori: the motion is closed, and scalars are 0 if a multiplier
+//! is 1 or −1, or a pair is exp(±iθ).
 //!
 //! | curve | matrix A |
 //! |---|---|
@@ -47,7 +47,7 @@ pub(super) struct SmoothCurve<'f> {
 pub(super) struct Motion {
     /// What is closed: the motion over a period, or its half-period map.
     trial: Trial,
-    /// Of a solution that is closed by half: the motion over a period.
+    /// The motion over a period, for a solution that is closed by the half-period map.
     whole: Option<Trial>,
     pub(super) begin: FrozenStart,
     pub(super) bordered: Bordered,
@@ -355,7 +355,8 @@ impl Equations for SmoothCurve<'_> {
             None => None,
         };
         let trial = value.whole.as_ref().unwrap_or(&value.trial);
-        // What a half-period map closes is closed, if the centre is right.
+        // A motion closed by the half-period map is also closed over the period, if the centre is
+        // right.
         let closes = trial.residual <= CLOSED * (1.0 + growth).powi(2);
         if !closes || (is_free && !trial.returns(None)) {
             return Err(motions.lost(y, trial));

@@ -1,4 +1,5 @@
-//! Where motions begin: away from events, at a phase condition, with what is held and watched.
+//! The starts of motions: away from events, with a phase condition, held contacts and watched
+//! events.
 
 use nalgebra::DVector;
 
@@ -13,7 +14,7 @@ use crate::error::Error;
 use crate::motion::{EventKind, Mode, Segment};
 use crate::state::structure::State;
 
-/// Where motions begin: what stays as it is while Newton's method runs.
+/// The start of motions: the data that do not change during Newton's method.
 #[derive(Debug, Clone)]
 pub(super) struct FrozenStart {
     /// The start of a forced motion, as a part of its period.
@@ -35,7 +36,7 @@ pub(super) struct Mark {
     pub(super) contact: usize,
     /// Its kind; `None` for an arrival, which may become a stop or a crossing.
     pub(super) kind: Option<EventKind>,
-    /// When, about, since the start of the motion, and at most how far from there.
+    /// The approximate time since the start of the motion, and the largest distance from this time.
     pub(super) since: f64,
     pub(super) within: f64,
 }
