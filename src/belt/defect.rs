@@ -1,6 +1,6 @@
-//! The defect of the series of a slip phase: the residual of the equation of motion with the series
-//! put in. The coefficients fulfil the equation at the start of a step; the defect shows whether
-//! the series fulfils it later in the step.
+//! The defect of the series of a slip phase: the residual that the series leaves in the equation of
+//! motion. The coefficients satisfy the equation at the start of a step; the defect shows whether
+//! the series satisfies it later in the step.
 
 use super::model::Belt;
 use crate::friction::slip::SlipSeries;

@@ -1,4 +1,4 @@
-//! The phase machine: stick and slip in turn, step by step.
+//! The phase machine: alternating stick and slip, step by step.
 
 use std::ops::RangeInclusive;
 
@@ -45,8 +45,8 @@ pub struct Flow<'s, L> {
     machine: Machine,
 }
 
-/// The motion without its system, which is an argument of each step: so a flow holds no trait
-/// object, and can be sent between threads with its law.
+/// The motion without its system, which is an argument of each step. A flow therefore contains no
+/// trait object, and can be sent to another thread with its law.
 #[derive(Debug, Clone)]
 struct Machine {
     stepper: Stepper,
@@ -193,9 +193,9 @@ impl Machine {
     /// Sets the phase of a mass that should slide away, but has returned to the belt before u moved
     /// by an ulp.
     ///
-    /// The force that should accelerate it is lost there in the rounding of the forces, and the
-    /// same short step would be repeated for ever. On a belt at rest the mass stays at rest, at the
-    /// end of the stick band; on a moving belt it moves with the belt, here by one ulp.
+    /// The accelerating force is smaller than the rounding errors of the forces, and the same short
+    /// step would be repeated for ever. On a belt at rest the mass therefore stays at rest, at the
+    /// end of the stick band. On a moving belt it moves with the belt, by one ulp.
     #[cold]
     fn stay(&mut self, system: &Belt<'_>, end: &SlipPoint) -> Option<EventKind> {
         let u = end.displacement;

@@ -54,8 +54,8 @@ impl SlipPoint {
         }
     }
 
-    /// The point on the belt where slip in a direction ends, to be followed backwards in time. The
-    /// equation of motion gives the rate.
+    /// The point on the belt at which slip in a direction ends, from which the motion is followed
+    /// backwards in time. The equation of motion gives the rate.
     pub(crate) fn arriving(displacement: f64, direction: Direction) -> Self {
         Self {
             direction,

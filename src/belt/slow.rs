@@ -27,10 +27,12 @@ use crate::series::{INTEGRAL, PowerSeries, TERMS};
 /// Number of coefficients that are solved for: s_0 … s_25.
 const UNKNOWNS: usize = TERMS - 1;
 
-/// Distance from the slow manifold, in errors of a step, below which a motion has reached it.
+/// Distance from the slow manifold, in units of the error of a step, below which a motion has
+/// reached the manifold.
 ///
-/// The last term of an explicit step is an error to 6 % of its 26th root, so up to 1.06²⁶ = 4.5 of
-/// them, and what such a step leaves of a deviation is 0.4 of its last term.
+/// The 26th root of the last term of an explicit step equals that of the error to 6 %, so the last
+/// term is up to 1.06²⁶ = 4.5 errors. The deviation that remains after such a step is 0.4 of its
+/// last term.
 const CLOSE: f64 = 4.0;
 
 /// Deviation from the slow manifold, in errors of a step, up to which the current series is tried.

@@ -49,14 +49,15 @@ struct Plan {
     memory: f64,
 }
 
-/// Largest ratio of u − ū to the speeds of the motion at which it is still the scale. With H the
-/// mean of D between |v_b| and s, v' is −(u − ū) − Hv: so if neither H nor D is above 32, v or v'
-/// is at least 1/64 of u − ū.
+/// Largest ratio of u − ū to the speeds of the motion at which u − ū is still used as the scale.
+/// Let H be the mean of D between |v_b| and s; then v' = −(u − ū) − Hv. If neither H nor D exceeds
+/// 32, v or v' is therefore at least 1/64 of u − ū.
 const BEYOND: f64 = 64.0;
 
-/// The loosest tolerance of a stiff system: an error is measured in units of v and v_b there, and
-/// has to be small relative to the speeds over which the law bends, for the motion to reach the
-/// slow manifold. It costs little, because a step of either kind grows only like tolerance^(1/26).
+/// The largest tolerance of a stiff system. Its errors are measured in units of v and v_b, and must
+/// be small relative to the speeds over which the law is nonlinear; otherwise the motion does not
+/// reach the slow manifold. A small tolerance costs little, because the length of a step grows only
+/// like tolerance^(1/26).
 const LOOSEST: f64 = 1e-12;
 
 /// Computes Taylor steps within slip phases of one system, which is an argument of each call: see
@@ -274,8 +275,9 @@ impl Stepper {
                 between,
             ];
             if plan.allowance.accepts(defects, end.min(plan.memory)) {
-                // Where a tolerance is large beside the changes of s, a series may have a root that
-                // the motion has not, and would come back to where the step began for ever.
+                // If the tolerance is large compared with the changes of s, a series may have a
+                // root that the motion does not have, and the step would end at its start again and
+                // again.
                 let leaves = exit.is_none_or(|(t, limit)| {
                     let rate = self.rate_after(system, point, piece, time, t, limit);
                     let inwards = if limits.is_low(limit) { rate } else { -rate };

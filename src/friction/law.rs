@@ -1,8 +1,8 @@
 //! A friction law as a trait object, for the engines. Engines and searches are compiled once, for
 //! any law, and each law once, for all of them.
 //!
-//! Values of a law are a trait apart from its series along a motion, which are most of a law's
-//! code.
+//! The values of a law are in a separate trait, because the series along a motion are most of a
+//! law's code.
 
 use super::slip::Expansion;
 use super::{FrictionLaw, Piece, piece_above, value_and_slope};

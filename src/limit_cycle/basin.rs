@@ -86,10 +86,10 @@ const HIDDEN_BY_CYCLE: f64 = 1e-6;
 /// | start | decided at | attractor |
 /// |---|---|---|
 /// | v_b = 0 | | [`Rest`](Attractor::Rest); without damping and kinetic friction [`Continuum`](Attractor::Continuum), outside the stick band |
-/// | in stick, or slip that ends in stick | the release point | the cycle through that point; if there is none, as below for the motion from that point |
-/// | slip slower than the belt, equilibrium a focus | a velocity maximum V | if the motion grows over one period: the next cycle outside; otherwise the next one inside, or the equilibrium if there is none |
+/// | in stick, or slip that ends in stick | the release point | the cycle through the release point; if there is none, the rows below decide for the motion from the release point |
+/// | slip slower than the belt, equilibrium a focus | a velocity maximum V | if the motion grows over one period: the next cycle outside; otherwise the next cycle inside, or the equilibrium if there is none |
 /// | slip into a node without encircling it, or the equilibrium itself, stable or not | | [`Equilibrium`](Attractor::Equilibrium) |
-/// | far out, or above the belt velocity | a crossing beyond the release point | if the motion grows over one period: the next crossing cycle outside; otherwise the next one inside, or as from the release point if there is none |
+/// | far out, or above the belt velocity | a crossing beyond the release point | if the motion grows over one period: the next crossing cycle outside; otherwise the next crossing cycle inside; if there is none, the attractor of the motion from the release point |
 /// | an unstable cycle, to 10⁻¹² | | [`Separatrix`](Attractor::Separatrix) |
 /// | any, if rounding hides the growth over one period, and averaging does not show it | | [`Unresolved`](Attractor::Unresolved) |
 ///
@@ -422,7 +422,7 @@ impl Nest {
         Ok(if grows.unwrap_or(unstable) {
             match cycles.find(|(_, place)| *place > peak) {
                 Some((cycle, _)) => Attractor::Cycle(cycle.clone()),
-                // The motion leaves pure slip for what surrounds it.
+                // The motion leaves the region of pure slip for the next attractor outside.
                 None => self.reached_from_release(bounds),
             }
         } else {
@@ -486,8 +486,8 @@ impl Nest {
             },
             Some(false) => match cycles.rfind(|(_, place)| *place < force) {
                 Some((cycle, _)) => Attractor::Cycle(cycle.clone()),
-                // Inwards there is stick, or the motion passes inwards like the one from the
-                // release point.
+                // Further inwards is the stick-slip cycle, or the motion moves inwards like the
+                // motion from the release point.
                 None => self.reached_from_release(bounds),
             },
         })

@@ -16,8 +16,8 @@ use crate::numerics::with_slopes::{
 /// motion by less than rounding does.
 pub(super) const SMALLEST_PEAK: f64 = 1e-4;
 
-/// A growth, or its change over the range, counts as hidden if it is less than so many times its
-/// rounding error.
+/// A growth, or its change over the range, counts as hidden if it is less than this number of
+/// rounding errors.
 const HIDDEN: f64 = 100.0;
 
 /// The map V → P(V) from one velocity maximum to the next.
@@ -241,8 +241,9 @@ impl Kink {
         kinks
     }
 
-    /// The error with which a cubic may predict the growth between two amplitudes: what changes at
-    /// its upper end, in the value and, at most 4/27 of it times the width, in the slope.
+    /// The error with which a cubic may predict the growth between two amplitudes: the change that
+    /// kinks cause in the value at the upper end, plus at most 4/27 of the change of the slope
+    /// there times the width.
     fn between(kinks: &[Self], a: f64, b: f64) -> Option<Kinks> {
         let start = kinks.partition_point(|kink| kink.amplitude <= a);
         let end = kinks.partition_point(|kink| kink.amplitude < b);

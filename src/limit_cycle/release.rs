@@ -1,5 +1,5 @@
-//! The motion from the release point: the slip arc out of it, with v < v_b, and, if that arc
-//! crosses the belt velocity, the arc with v > v_b that follows.
+//! The motion from the release point: the slip arc with v < v_b that begins there and, if this arc
+//! crosses the belt velocity, the next arc with v > v_b.
 
 use super::arc::{Arc, Arrival, Tracer};
 use super::cycle::{CycleKind, LimitCycle};

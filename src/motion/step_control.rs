@@ -114,7 +114,7 @@ impl Allowance {
 
     /// Returns true if a step of length h may be taken with these defects. NaN is not accepted.
     ///
-    /// A defect is the residual of the equation of motion with the series put in.
+    /// A defect is the residual that the series leaves in the equation of motion.
     #[inline(always)]
     pub(crate) fn accepts(&self, defects: [f64; 3], h: f64) -> bool {
         let accepted = DEFECT_LIMIT * self.error + self.floor * h;

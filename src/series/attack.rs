@@ -3,8 +3,8 @@
 //!
 //! Every coefficient and every time is a whole number times a power of two, so big integers decide
 //! the sign of a value exactly. The sign on a whole interval is decided by coefficients in
-//! Bernstein's basis, rounded down in units of about 2⁻⁴⁰ of the finder's own error bound. What
-//! counts as true is the polynomial with its coefficients as they are after rounding.
+//! Bernstein's basis, rounded down in units of about 2⁻⁴⁰ of the finder's own error bound. The
+//! judge uses the polynomial with its rounded coefficients.
 
 use std::ops::ControlFlow;
 

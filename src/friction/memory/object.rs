@@ -1,8 +1,8 @@
 //! A contact law as a trait object, for the engine of structures. The engine and the searches are
 //! compiled once, for any law, and one structure can have contacts of different laws.
 //!
-//! Functions of numbers get the memory as a function of the variable's number, because it is
-//! computed on demand. A power series is computed one order per call.
+//! Functions that return numbers get the memory as a function of the variable's number, because it
+//! is computed on demand. A power series is computed one order per call.
 
 use std::fmt;
 
