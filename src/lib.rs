@@ -4,7 +4,7 @@
 //! belt), every release (slip onset), every crossing (the relative velocity changes its sign
 //! without stick), every limit cycle, and the belt velocities at which cycles appear. The friction
 //! law can be any analytic or piecewise analytic function. The motion of several masses is computed
-//! with the same accuracy: friction acts on belts and between masses, forces and belt velocities
+//! with the same accuracy. Friction may act on belts and between masses; forces and belt velocities
 //! may vary in time. The [periodic motions](orbit) of several masses are found from a guess.
 //!
 //! ```

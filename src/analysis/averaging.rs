@@ -270,10 +270,9 @@ impl AveragedCycle {
 /// interpolated by Chebyshev polynomials to round-off, on intervals that are divided until each
 /// contains no root or is monotone. No cycle is missed, except
 ///
-/// * a pair of cycles so close to each other, near a fold, that A'/A is smaller than its rounding
-///   error between their amplitudes. The rounding error of A'/A is 10⁻¹⁴(β + γ²·max abs(dμ̂/ds));
-///   near folds of the exponential law a pair whose amplitudes differ by less than some 10⁻⁶|v_b|
-///   may be missed;
+/// * a pair of cycles near a fold, if A'/A between their amplitudes is smaller than its rounding
+///   error. The rounding error of A'/A is 10⁻¹⁴(β + γ²·max abs(dμ̂/ds)); near folds of the
+///   exponential law a pair whose amplitudes differ by less than some 10⁻⁶|v_b| may be missed;
 /// * a cycle caused by a feature of the law's slope that is narrower than some 3·10⁻⁴|v_b| in speed
 ///   (low speeds are sampled more densely).
 ///

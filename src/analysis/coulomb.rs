@@ -10,9 +10,9 @@ use crate::friction::{Coulomb, FrictionLaw};
 use crate::numerics::bracket::root_between;
 use crate::state::State;
 
-/// The slip phase of the stick-slip cycle at the largest belt velocity at which there is one. At
-/// the end of this slip phase the velocity of the mass reaches the belt velocity tangentially. The
-/// phase depends on β alone and is dimensionless.
+/// The slip phase of the stick-slip cycle at the largest belt velocity for which a stick-slip cycle
+/// exists. At the end of this slip phase the velocity of the mass reaches the belt velocity
+/// tangentially. The phase depends on β alone and is dimensionless.
 ///
 /// ```text
 /// e^{βs}[cos ω_d s − (β/ω_d) sin ω_d s] = 1,   π < ω_d s < 2π,   ω_d = √(1 − β²)

@@ -9,8 +9,8 @@
 //! Newton's method, because friction is not linear. The truncation changes s_0 by about 26!/(D·R)²⁶
 //! of itself, where R is the radius of convergence; this is less than rounding if D·R > 43. An
 //! explicit step of accuracy ε has the length R/4 if accuracy limits it, and 10/D if stability
-//! limits it; both are equal at D·R = 40. The series of the slow manifold are therefore exact from
-//! about the stiffness on at which explicit steps become short.
+//! limits it; both are equal at D·R = 40. The series of the slow manifold are therefore exact for
+//! stiffnesses above that at which explicit steps become short.
 //!
 //! Sources: F. W. J. Olver, Numerical solution of second-order linear difference equations, *J.
 //! Res. NBS* 71B (1967) 111-129, doi:10.6028/jres.071B.018; W. Gautschi, Computational aspects of

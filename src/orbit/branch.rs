@@ -151,12 +151,12 @@ pub enum BranchEnd {
         parameter: f64,
     },
     /// The motion itself jumps as the parameter passes this value, and the branch cannot continue.
-    /// At one instant the mode of a contact changes from one motion to the next, in one of two
-    /// ways. In the first, the force of the contact, in stick or at the start of stick, just
-    /// reaches the static limit; beyond that parameter the contact slips at this instant, and its
-    /// force jumps if static friction exceeds kinetic friction. In the second, the relative
-    /// velocity of the contact just reaches 0; beyond that parameter it does not reach 0. The
-    /// multipliers do not show the jump in advance.
+    /// At one instant of the period, the motions on the two sides have different modes at a
+    /// contact. There are two cases. In the first case the force of the contact, in stick or at the
+    /// start of stick, just reaches the static limit; beyond that parameter the contact slips at
+    /// this instant, and its force jumps if static friction exceeds kinetic friction. In the second
+    /// case the relative velocity of the contact just reaches 0; beyond that parameter it does not
+    /// reach 0. The multipliers do not show the jump in advance.
     Discontinuity {
         /// The parameter there.
         parameter: f64,

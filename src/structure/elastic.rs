@@ -20,8 +20,9 @@ impl Contact {
     /// follows the variables of the contacts before this one. Events refer to the slider:
     /// [`EventKind::Stick`](crate::EventKind::Stick) where it stops,
     /// [`EventKind::Release`](crate::EventKind::Release) where it starts, with the direction of z'.
-    /// A [`Mode::Stick`](crate::Mode::Stick) contact may have any r. k_t is a force per
-    /// displacement b·q; μ is dimensionless. The velocity of the contact's surface may jump.
+    /// In [`Mode::Stick`](crate::Mode::Stick) the slider sticks, and r may have any value. k_t is a
+    /// force per displacement b·q; μ is dimensionless. The velocity of the contact's surface may
+    /// jump.
     ///
     /// The mode of an elastic contact does not depend on other contacts at the same instant. Any
     /// number of elastic contacts may therefore have linearly dependent directions. For k_t → ∞ the

@@ -208,8 +208,8 @@ pub fn sensitivities<S: Oscillator>(
 /// any time, and of the times of events, with respect to all parameters.
 ///
 /// `family` returns the system for values of the parameters, and `orbit` is its motion for
-/// `parameters`. The derivatives of the start and of the period solve, with the exact monodromy
-/// matrix M,
+/// `parameters`. The derivatives ∂x/∂p of the start and ∂T/∂p of the period follow from the exact
+/// monodromy matrix M by
 ///
 /// ```text
 /// (M − 1) ∂x/∂p + x'(T) ∂T/∂p = −∂P/∂p,
