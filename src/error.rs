@@ -15,7 +15,7 @@ pub use structure::{Element, NotSliding};
 /// The reason why a law, a system or a start state is not valid, or why a motion or a search could
 /// not continue.
 ///
-/// Every variant carries the numbers that a caller needs to decide what to do, and its message
+/// Every variant contains the numbers that a caller needs to decide what to do, and its message
 /// names the remedy. The numbers are in the units of the type whose method was called:
 /// dimensionless for a [`MassOnBelt`](crate::MassOnBelt), in SI units for
 /// [`Scaling`](crate::Scaling) and [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt), and in the

@@ -71,8 +71,8 @@
 //!
 //! # Conventions at zero relative velocity
 //!
-//! In stick the contact carries the force F = u + 2βv_b, and at most F_s = γ²μ_s. The band of
-//! forces in which the mass sticks is half open, so that exactly one motion follows from every
+//! In stick the contact transmits the force F = u + 2βv_b, and its limit is F_s = γ²μ_s. The band
+//! of forces in which the mass sticks is half open, so that exactly one motion follows from every
 //! state:
 //!
 //! * v_b > 0: −F_s ≤ F < F_s. At F = F_s the mass is released.

@@ -70,7 +70,7 @@
 //! | joints that deform elastically before they slide | [`Contact::with_tangential_stiffness`], [`Contact::in_parallel`] with [`Iwan4`]; formulas in [`analysis::jenkins`] |
 //! | a normal load that varies | a [`Drive`] in time, [`Contact::with_load_gradient`], [`Contact::with_normal_spring`] where surfaces part |
 //! | a law that depends on the direction | a [`ContactLaw`] gets the direction; a [`FrictionLaw`] is odd in the relative velocity |
-//! | an incline, or a constant force | a constant force F shifts the displacement by F/k and changes nothing else; an incline also reduces the normal force. Or [`Structure::with_force`] |
+//! | an incline, or a constant force | a constant force F shifts the displacement by F/k and has no other effect; an incline also reduces the normal force. Or use [`Structure::with_force`] |
 //! | torsion | moments of inertia for masses, radians for metres, N·m for newtons |
 //! | a belt that speeds up, slows down or reverses | [`Contact::on_belt`] with [`Drive::profile`] |
 //! | samples at 48 kHz, with stick or slip | [`Trajectory::sample_every`] |
@@ -122,7 +122,7 @@
 //!   isolated root of a polynomial in time, refined to the last bit.
 //! * **Stick** has closed formulas, and the velocity is v_b to the bit.
 //! * **Uniqueness.** From every state with v_r = 0 exactly one motion follows. In stick the contact
-//!   carries F = u + 2βv_b, and for v_b > 0 the mass sticks while −γ²μ_s ≤ F < γ²μ_s.
+//!   transmits the force F = u + 2βv_b, and for v_b > 0 the mass sticks while −γ²μ_s ≤ F < γ²μ_s.
 //! * **Accuracy.** The tolerance is relative to the scale of the motion, by default round-off. The
 //!   results agree with 22 reference motions, computed with 25 digits, within
 //!   1e-13·max(1, |value|).

@@ -123,8 +123,8 @@ pub fn crossing_velocities<L: FrictionLaw>(
 /// cycle touches the belt velocity inside the stick band, and the stick-slip cycle does not change
 /// there.
 ///
-/// The velocities are the roots of the function described at [`grazing_velocities`], but for the
-/// motion that starts at the velocity maximum v_b instead of the release point. The range is
+/// The velocities are the roots of the function described at [`grazing_velocities`], computed for
+/// the motion that starts at the velocity maximum v_b instead of the release point. The range is
 /// searched in the same way.
 ///
 /// Source: grazing bifurcations of limit cycles, di Bernardo, Budd, Champneys and Kowalczyk,

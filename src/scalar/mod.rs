@@ -55,10 +55,10 @@ mod sealed {
 ///
 /// * **Branches.** The same **base value** ([`value`](Self::value)) must always give the same
 ///   sequence of operations: a branch may depend on the base value, but not on anything that
-///   changes from call to call, such as a counter or a random number. For example, `if
-///   speed.value() > 5.0 { … } else { … }` is allowed if both branches compute the same function up
-///   to rounding, for example if one of them avoids an overflow. If two different functions meet at
-///   a speed, they are pieces of the law, and this speed has to be returned as a
+///   changes from call to call, such as a counter or a random number. For example,
+///   `if speed.value() > 5.0 { … } else { … }` is allowed if both branches compute the same
+///   function up to rounding, for example if one of them avoids an overflow. If two different
+///   functions meet at a speed, they are pieces of the law, and this speed has to be returned as a
 ///   [breakpoint](crate::FrictionLaw::breakpoints).
 /// * **Smoothness.** The law must be analytic (it has a power series) at every speed that a motion
 ///   reaches, s = 0 included, except at its [breakpoints](crate::FrictionLaw::breakpoints).

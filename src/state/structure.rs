@@ -26,7 +26,7 @@ pub struct State {
     /// The velocity of each coordinate.
     pub velocities: Vec<f64>,
     /// The memory variables of the contacts, in the order of the contacts; empty for contacts
-    /// without memory. An elastic contact has one, the force T that it carries.
+    /// without memory. An elastic contact has one, its force T.
     #[cfg_attr(feature = "serde", serde(default))]
     pub memory: Vec<f64>,
 }

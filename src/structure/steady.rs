@@ -75,8 +75,8 @@ impl Structure {
     /// Steady sliding: every mass stands still, every contact slips, and memory variables are
     /// constant.
     ///
-    /// Each elastic contact carries its limit force. An elastic contact whose surface does not move
-    /// can be in equilibrium with any force up to that limit; the result is then the error
+    /// The force of each elastic contact is its limit force. An elastic contact whose surface does
+    /// not move can be in equilibrium with any force up to that limit; the result is then the error
     /// [`NotSliding::Continuum`].
     ///
     /// See [`SteadySliding`] for formulas and an example.
