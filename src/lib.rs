@@ -167,6 +167,8 @@
 //! * `rayon`: adds `bifurcation::par_diagram`, which computes the [diagram](bifurcation::diagram)
 //!   on all cores, with the same results bit for bit.
 #![forbid(unsafe_code)]
+// docs.rs marks the items that a feature adds.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 // The floors, from the ground up. No module imports one above its own.
 //

@@ -12,14 +12,14 @@ use crate::state::State;
 
 /// The slip phase of the stick-slip cycle at the largest belt velocity for which a stick-slip cycle
 /// exists. At the end of this slip phase the velocity of the mass reaches the belt velocity
-/// tangentially. The phase depends on β alone and is dimensionless.
+/// tangentially. Its duration and the factor Λ depend on β alone; both are dimensionless.
 ///
 /// ```text
 /// e^{βs}[cos ω_d s − (β/ω_d) sin ω_d s] = 1,   π < ω_d s < 2π,   ω_d = √(1 − β²)
 /// Λ = ω_d e^{−βs}/(−sin ω_d s)      ≈ 1/√(4πβ) for small β
 /// ```
 ///
-/// Source: the exact solution of the slip phase, which is linear for this law.
+/// Source: the exact solution of the equation of slip, which is linear for Coulomb's law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct TangentialSlip {

@@ -114,8 +114,8 @@ impl DwellOscillator {
     /// * v = 0, or c ≥ 2√(km);
     /// * without damping: |v| is [`critical_velocity`](Self::critical_velocity) or more;
     /// * with damping: |v| is above the [`fold`](Self::fold);
-    /// * the mass overtakes the belt, because static friction has risen so far that stick at the
-    ///   end of slip would need a force above N μ_s(0) in the other direction;
+    /// * the mass overtakes the belt: at the end of slip, stick would need a force above N μ_s(0)
+    ///   in the other direction (this happens if static friction had risen very far);
     /// * a field is out of its range.
     pub fn stick_slip(&self, velocity: f64) -> Option<ExactCycle> {
         let of = self.oscillator()?;
@@ -149,9 +149,9 @@ impl DwellOscillator {
     /// lead to the stable cycle from the other starts. It exists only with damping, between
     /// [`grazing_velocity`](Self::grazing_velocity) and the [`fold`](Self::fold). `None` in the
     /// cases listed at [`stick_slip`](Self::stick_slip), or if rounding cannot separate the cycle
-    /// from the fold. If friction has almost reached its limit at the release, this can be true in
-    /// the whole range: with damping ratio 0.77 and ωθ_c = 1 the range is narrower than 10⁻⁴⁰ of
-    /// its velocities.
+    /// from the fold. If friction has almost reached its limit at the release, the whole range from
+    /// grazing to fold can be narrower than rounding: with damping ratio 0.77 and ωθ_c = 1 its
+    /// width is less than 10⁻⁴⁰ of the belt velocity.
     pub fn unstable_stick_slip(&self, velocity: f64) -> Option<ExactCycle> {
         let of = self.oscillator()?;
         let fold = self.fold_arc(&of)?;
@@ -159,8 +159,8 @@ impl DwellOscillator {
         cycle.filter(|cycle| cycle.multiplier > 1.0)
     }
 
-    /// The cycle at the fold, the largest belt velocity, at which the stable cycle and the unstable
-    /// cycle meet. Its multiplier is 1, with an error of the square root of rounding. The belt
+    /// The cycle at the fold. The fold is at the largest belt velocity with a cycle; there the
+    /// stable and the unstable cycle meet. The multiplier is 1, with an error of about √ε. The belt
     /// velocity is exact. If friction has almost reached its limit at the release, the slip arc
     /// returns to the belt velocity at an angle smaller than rounding errors, and the multiplier is
     /// not known.

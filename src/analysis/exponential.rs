@@ -47,9 +47,10 @@ impl HopfPoint {
 ///
 /// For any law see [`bifurcation::hopf_velocities`](crate::bifurcation::hopf_velocities).
 ///
-/// The Hopf point at v_low is always supercritical. The paper says that this law behaves "almost
-/// similar" to the polynomial law. This is wrong: the law never rises, and on a slow belt steady
-/// sliding is stable.
+/// The Hopf point at v_low is always supercritical. Farshidianfar and Noei Aghaee say that this law
+/// behaves "almost similar" to the polynomial law. This is wrong: the polynomial law rises above
+/// v_m, and this law never rises; on a slow belt steady sliding is stable with this law, and
+/// unstable with the polynomial law.
 ///
 /// Source: Eqs. 6 and 14.
 ///

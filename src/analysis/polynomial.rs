@@ -5,9 +5,9 @@ use super::PureSlip;
 use crate::belt::MassOnBelt;
 use crate::friction::{FrictionLaw, Polynomial};
 
-/// Damping ratio η/2 above which there is no vibration at any belt velocity. At this ratio the
-/// damper exactly balances the steepest fall of friction, which is at the sliding speed 0.
-/// Dimensionless. The system's own v_b and β are ignored.
+/// Damping ratio η/2, with η = (3/2)γ²(μ_s − μ_m)/v_m, above which there is no vibration at any
+/// belt velocity. At this ratio the damper exactly balances the steepest fall of friction, which is
+/// at the sliding speed 0. Dimensionless. The system's own v_b and β are ignored.
 ///
 /// Exact: with more damping the force 2βv + γ²μ(v − v_b) rises with v, and every motion loses
 /// energy. Also at exactly η/2 there is no vibration, unless μ_s = μ_m: then η = 0, friction is

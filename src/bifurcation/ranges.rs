@@ -14,19 +14,23 @@ use crate::numerics::scan::INTERVALS;
 /// The attractors over a range of belt velocities. The result is a list of intervals. Within one
 /// interval the attractors are the same; in neighbouring intervals they differ.
 ///
-/// The range is cut at all Hopf, grazing, touching, overshoot, crossing and fold velocities, and
-/// where a [continuum](crate::limit_cycle::Continuum) begins. In each interval between two of them,
-/// [`find`](crate::limit_cycle::find) is called at three velocities; if their attractors differ,
-/// the border between them is found by bisection, to 10⁻¹² of the velocity. (This happens at folds
-/// of crossing cycles, for which there is no special search.) Borders that are closer to each other
-/// than 10⁻¹² are merged. v_b = 0 is also a border, because the mass comes to rest there. Just
-/// beyond a supercritical Hopf velocity the new cycle is too small for `find`; at these velocities
-/// the attractors of the neighbouring part of the range are reported, in which the cycle is larger.
+/// The range is cut at six kinds of velocities: [Hopf](super::hopf_velocities),
+/// [grazing](super::grazing_velocities), [touching](super::touching_velocities),
+/// [overshoot](super::overshoot_velocities), [crossing](super::crossing_velocities) and
+/// [fold](super::fold_velocities) velocities. It is also cut where a
+/// [continuum](crate::limit_cycle::Continuum) begins. Between two neighbouring cuts,
+/// [`find`](crate::limit_cycle::find) is called at three velocities. If the attractors at these
+/// velocities differ, the border is found by bisection, to 10⁻¹² of the velocity. (This happens at
+/// folds of cycles that cross the belt velocity, which [`fold_velocities`](super::fold_velocities)
+/// does not find.) Borders are merged if their relative distance is less than 10⁻¹².
+/// v_b = 0 is also a border, because the mass comes to rest there. Just beyond a supercritical Hopf
+/// velocity the new cycle is too small for `find`; at these velocities the attractors of the
+/// neighbouring part of the range are reported, in which the cycle is larger.
 ///
-/// The cost is that of the six searches, and three searches by `find` for each interval; intervals
-/// narrower than a 64th of the range are searched once more for grazing, touching, overshoot and
-/// crossing. [`Along::vibration_ranges`] accepts a bound and a watcher, and searches along any
-/// other parameter.
+/// The cost is that of the searches for these six kinds of velocities, and of three calls of `find`
+/// for each interval. Intervals narrower than a 64th of the range are searched once more for
+/// grazing, touching, overshoot and crossing velocities. With [`Along::vibration_ranges`] the work
+/// can be bounded, watched and stopped, and the parameter can be another one.
 ///
 /// # Errors
 ///
@@ -40,7 +44,7 @@ use crate::numerics::scan::INTERVALS;
 /// let system = MassOnBelt::new(Exponential::new(0.6, 0.3, 0.4)?, 1.0)?.with_damping(0.01)?;
 /// let ranges = vibration_ranges(&system, 0.05..4.0)?;
 /// let bistable: Vec<_> = ranges.iter().filter(|range| range.is_bistable()).collect();
-/// // From the upper Hopf velocity to the fold or grazing that ends the vibration.
+/// // Both exist between the upper Hopf velocity and the fold or grazing that ends the vibration.
 /// let stick_slip = AttractorKind::Cycle(CycleKind::StickSlip);
 /// assert_eq!(bistable[0].attractors, [AttractorKind::Equilibrium, stick_slip]);
 /// assert!(bistable[0].velocities.contains(&1.0));

@@ -166,10 +166,11 @@ impl Integrator {
     /// integration fails. [`Trajectory::ended`] returns the reason for the end. In all three cases
     /// the motion up to its end is returned.
     ///
-    /// `stop` is called with each step, in order, and returns the time in this step at which the
-    /// motion shall end, or `None` to continue. A motion that is stopped at the end of a step keeps
-    /// the events at this end. To stop at a condition on the state, let `stop` return
-    /// [`Segment::first_zero`]. To stop after a number of events or steps, count them in `stop`:
+    /// `stop` is called with each step, in order. It returns the time at which the motion shall
+    /// end, between the start and the end time of this step, or `None` to continue. A motion that
+    /// is stopped at the end of a step keeps the events at this end. To stop at a condition on the
+    /// state, let `stop` return [`Segment::first_zero`]. To stop after a number of events or steps,
+    /// count them in `stop`:
     ///
     /// ```
     /// use stick_slip::{Ended, Integrator, MassOnBelt, Polynomial, Segment, State};

@@ -15,8 +15,9 @@ use crate::state::structure::State;
 
 /// A periodic motion, exact to rounding, with its Floquet multipliers.
 ///
-/// Returned by [`shoot`](super::shoot) and [`settle`](super::settle). Extremes are roots of the
-/// power series of one period. All numbers are in the units of the system.
+/// Returned by [`shoot`](super::shoot) and [`settle`](super::settle). Extremes are exact to
+/// rounding too: the displacement and the velocity are power series in each step, and their
+/// extremes lie at the roots of the derivatives. All numbers are in the units of the system.
 ///
 /// ```
 /// use stick_slip::orbit::{self, Period};

@@ -143,15 +143,15 @@ pub struct EventSection<'s, S: Oscillator + 's> {
 }
 
 /// Every event of one kind at one contact of the motion from a start at time 0: a Poincaré section
-/// of autonomous motions, as an unbounded iterator in constant memory.
+/// of autonomous motions, as a lazy iterator in constant memory.
 ///
 /// The iterator ends if the motion comes to an equilibrium for ever.
 ///
 /// # Errors
 ///
 /// An item is [`Error::InvalidParameter`] if there is no such contact, [`Error::TooManySteps`] if
-/// there is no such event in 10⁵ steps, or an error of [`Integrator::flow`]. After an error it
-/// returns `None`.
+/// there is no such event in 10⁵ steps, or an error of [`Integrator::flow`]. After an error the
+/// iterator returns `None`.
 ///
 /// ```
 /// use stick_slip::{EventKind, MassOnBelt, Polynomial, orbit};

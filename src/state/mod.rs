@@ -65,8 +65,8 @@ impl From<[f64; 2]> for State {
 /// The direction in which the mass slides on the belt: the sign of the relative velocity
 /// v_r = v − v_b.
 ///
-/// The names describe a belt that moves forward. On a belt with v_b < 0, a mass that is slower than
-/// the belt has v_r > 0, and its direction is nevertheless called [`Leading`](Self::Leading).
+/// The names describe a belt that moves forward. If v_b < 0, v_r > 0 means that the mass is
+/// slower than the belt (|v| < |v_b|); its direction is [`Leading`](Self::Leading) all the same.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",

@@ -24,6 +24,28 @@ pub(super) fn check_masses(
     Ok(())
 }
 
+/// Takes the mean of the entries (i, j) and (j, i), which may differ by rounding.
+pub(super) fn make_symmetric(mass: &mut DMatrix<f64>) -> Result<(), Error> {
+    for i in 0..mass.nrows() {
+        for j in 0..i {
+            for (row, column) in [(i, j), (j, i)] {
+                let value = mass[(row, column)];
+                Error::check("Structure", "mass", value, true, "a finite number")
+                    .map_err(|error| error.of_element(Element::MassMatrix(row, column)))?;
+            }
+            let entries = [mass[(j, i)], mass[(i, j)]];
+            let size = mass[(i, i)].sqrt() * mass[(j, j)].sqrt();
+            if (entries[0] - entries[1]).abs() > 4.0 * f64::EPSILON * size {
+                let (row, column) = (j, i);
+                return Err(Error::NotSymmetric { row, column });
+            }
+            let mean = 0.5 * entries[0] + 0.5 * entries[1];
+            (mass[(i, j)], mass[(j, i)]) = (mean, mean);
+        }
+    }
+    Ok(())
+}
+
 /// Checks that a symmetric matrix is positive definite, by Cholesky's factorisation.
 pub(super) fn check_definite(mass: &DMatrix<f64>) -> Result<(), Error> {
     let n = mass.nrows();

@@ -65,22 +65,22 @@ impl Structure {
     /// speed or load.
     ///
     /// Stability is computed at 257 equally spaced instants of the range, and at each instant at
-    /// which pieces of a profile meet. Each change is refined by bisection to neighbouring numbers.
+    /// which pieces of a profile meet. Each change is refined by bisection to the last bit.
     /// Two changes between two of these instants can be missed; a narrower range is searched more
     /// closely. Nothing is reported while there is no steady sliding (a belt at rest, no load).
     ///
     /// # Delayed loss of stability
     ///
-    /// A motion that passes such a time slowly does not vibrate at once. While sliding was stable,
-    /// a perturbation decayed as exp ∫Re s dt, with the leading eigenvalue s, and it has to grow by
-    /// the same factor before vibration is visible. If the drives are slow, only the level to which
-    /// the perturbation decays determines the delay. In exact arithmetic the decay is not limited,
-    /// and the delay is as long as the decay before the border lasted. In floating-point
-    /// arithmetic, rounding limits the decay to 10⁻¹⁶. In a real machine, roughness, noise or
-    /// external vibration limit the decay much earlier. The onset in a simulation without a
-    /// disturbance is therefore a property of the arithmetic. Add the disturbance that the machine
-    /// has, near the frequency of the change: other frequencies have little effect. (A kink of a
-    /// profile is a disturbance, too.)
+    /// If the drives vary slowly, the motion does not vibrate at once after such a time. While
+    /// sliding was stable, a perturbation decayed as exp ∫Re s dt, with the leading eigenvalue s,
+    /// and it has to grow by the same factor before vibration is visible. If the drives are slow,
+    /// only the level to which the perturbation decays determines the delay. In exact arithmetic
+    /// the decay is not limited, and the delay is as long as the perturbation decayed before. In
+    /// floating-point arithmetic, rounding limits the decay to 10⁻¹⁶. In a real machine, roughness,
+    /// noise or external vibration limit the decay much earlier. The onset in a simulation without
+    /// a disturbance is therefore a property of the arithmetic. Add the disturbance that the
+    /// machine has at frequencies near [`StabilityChange::frequency`]; other frequencies have
+    /// little effect. (A kink of a profile is a disturbance, too.)
     ///
     /// ```
     /// use stick_slip::{Contact, Drive, EventKind, Exponential, Structure, structure::State};

@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::contact::Contact;
 use super::engine::model::{Mass, Model};
-use super::matrices::{add, add_between, add_matrix, check_definite, check_masses};
+use super::matrices::{add, add_between, add_matrix, check_definite, check_masses, make_symmetric};
 use crate::belt::MassOnBelt;
 use crate::drive::{self, Drive};
 use crate::error::{Element, Error};
@@ -183,23 +183,7 @@ impl Structure {
         let element = |i: usize| Element::MassMatrix(i, i);
         let diagonal: Vec<f64> = mass.diagonal().iter().copied().collect();
         check_masses(&diagonal, element)?;
-        for i in 0..n {
-            for j in 0..i {
-                for (row, column) in [(i, j), (j, i)] {
-                    let value = mass[(row, column)];
-                    Error::check("Structure", "mass", value, true, "a finite number")
-                        .map_err(|error| error.of_element(Element::MassMatrix(row, column)))?;
-                }
-                let entries = [mass[(j, i)], mass[(i, j)]];
-                let size = diagonal[i].sqrt() * diagonal[j].sqrt();
-                if (entries[0] - entries[1]).abs() > 4.0 * f64::EPSILON * size {
-                    let (row, column) = (j, i);
-                    return Err(Error::NotSymmetric { row, column });
-                }
-                let mean = 0.5 * entries[0] + 0.5 * entries[1];
-                (mass[(i, j)], mass[(j, i)]) = (mean, mean);
-            }
-        }
+        make_symmetric(&mut mass)?;
         let mut structure = Self::new(&diagonal)?;
         let beside = (0..n).flat_map(|i| (0..i).map(move |j| (i, j)));
         if beside.clone().any(|(i, j)| mass[(i, j)] != 0.0) {
