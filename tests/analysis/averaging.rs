@@ -5,7 +5,7 @@ use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
 
 use crate::common::property::for_all;
-use crate::common::{Decay, Ends, Leine, Random, Table, paper};
+use crate::common::{Decay, Ends, Leine, Random, Table, on_belt, paper};
 use crate::properties::{RANGES, system};
 use proptest::{prop_assert, prop_assert_eq};
 use stick_slip::analysis::PureSlip;
@@ -29,12 +29,7 @@ fn by_definition<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64, n: u32)
 #[test]
 fn drift_is_its_definition_for_any_law() {
     fn check<L: FrictionLaw>(law: L) {
-        let system = MassOnBelt::new(&law, -0.3)
-            .unwrap()
-            .with_damping(0.03)
-            .unwrap()
-            .with_load(1.7)
-            .unwrap();
+        let system = on_belt(&law, -0.3, 0.03, 1.7);
         let kinked = law.breakpoints().next().is_some();
         for amplitude in [1e-3, 0.05, 0.15, 0.29, 0.31, 0.6, 2.0] {
             let value = drift(&system, amplitude).unwrap();
@@ -75,10 +70,7 @@ fn drift_is_its_definition_for_any_law() {
 #[test]
 fn coulomb_drift_has_a_closed_form() {
     // −βA, and above |v_b| the jump.
-    let system = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), 0.3)
-        .unwrap()
-        .with_damping(0.03)
-        .unwrap();
+    let system = on_belt(Coulomb::new(0.4, 0.25).unwrap(), 0.3, 0.03, 1.0);
     for amplitude in [0.0, 1e-9, 0.1, 0.3] {
         assert_eq!(drift(&system, amplitude).unwrap(), -0.03 * amplitude);
     }
@@ -104,12 +96,7 @@ fn table_drift_has_a_closed_form() {
         points: vec![(0.0, 0.45), (0.1, 0.3), (0.25, 0.28), (1.0, 0.4)],
     };
     let (w, beta, load) = (0.3, 0.02, 0.9);
-    let system = MassOnBelt::new(&law, w)
-        .unwrap()
-        .with_damping(beta)
-        .unwrap()
-        .with_load(load)
-        .unwrap();
+    let system = on_belt(&law, w, beta, load);
     for amplitude in [
         0.02, 0.05, 0.15, 0.2, 0.25, 0.299, 0.301, 0.39, 0.41, 0.56, 0.8,
     ] {
@@ -191,14 +178,7 @@ fn a_fold_is_followed_until_both_cycles_meet() {
     // Exponential law above its upper Hopf velocity: an unstable and a stable cycle that meet at a
     // fold.
     let law = Exponential::new(0.4, 0.3, 1.0).unwrap();
-    let at = |v_b: f64| {
-        MassOnBelt::new(law, v_b)
-            .unwrap()
-            .with_damping(0.01)
-            .unwrap()
-            .with_load(0.5)
-            .unwrap()
-    };
+    let at = |v_b: f64| on_belt(law, v_b, 0.01, 0.5);
     let (mut two, mut none) = (1.45, 1.47);
     while none - two > 1e-13 {
         let middle = 0.5 * (two + none);
@@ -229,7 +209,7 @@ fn pairs_near_folds_are_found_as_close_as_is_promised() {
         (0.2, 2.0, 0.01),
     ] {
         let law = Exponential::new(0.4, mu_k, 1.0).unwrap();
-        let system = MassOnBelt::new(law, v_b).unwrap().with_load(load).unwrap();
+        let system = on_belt(law, v_b, 0.0, load);
         let rate = |amplitude: f64| drift(&system, amplitude).unwrap() / amplitude;
         // The largest on a grid, and the maximum about it.
         let grid = (1..400).map(|i| v_b * 0.0025 * f64::from(i));
@@ -284,10 +264,7 @@ fn many_cycles_are_all_found() {
         }
     }
     for v_b in [0.5, 1.0, 2.0] {
-        let system = MassOnBelt::new(Wavy, v_b)
-            .unwrap()
-            .with_damping(0.001)
-            .unwrap();
+        let system = on_belt(Wavy, v_b, 0.001, 1.0);
         let found = cycles(&system).unwrap();
         assert!(found.len() >= 6);
         assert_eq!(found.len(), scan(&system, 2000));
@@ -321,10 +298,7 @@ fn cycles_of_a_law_with_kinks_are_all_found() {
     let law = saw();
     let mut most = 0;
     for k in [1, 3, 5, 6, 8, 11] {
-        let system = MassOnBelt::new(&law, 0.09 * f64::from(k))
-            .unwrap()
-            .with_damping(0.004)
-            .unwrap();
+        let system = on_belt(&law, 0.09 * f64::from(k), 0.004, 1.0);
         let count = cycles(&system).unwrap().len();
         assert_eq!(count, scan(&system, 300), "{k}");
         most = most.max(count);
@@ -386,10 +360,7 @@ fn amplitudes_do_not_depend_on_the_size_of_the_friction() {
     // weak it is.
     fn check<L: FrictionLaw>(law: L, v_b: f64, damping: f64, count: usize) {
         let found = |factor: f64| {
-            let system = MassOnBelt::new(&law, v_b)
-                .and_then(|system| system.with_damping(factor * damping))
-                .and_then(|system| system.with_load(0.5 * factor))
-                .unwrap();
+            let system = on_belt(&law, v_b, factor * damping, 0.5 * factor);
             let cycles = cycles(&system).unwrap();
             let scaled = |cycle: &AveragedCycle| (cycle.amplitude(), cycle.drift_slope() / factor);
             cycles.iter().map(scaled).collect::<Vec<_>>()
@@ -407,10 +378,7 @@ fn amplitudes_do_not_depend_on_the_size_of_the_friction() {
     for v_b in [0.2, 0.42] {
         let found = |factor: f64| {
             let law = Polynomial::new(0.15 * factor, 0.0, 0.5).unwrap();
-            let system = MassOnBelt::new(law, v_b)
-                .and_then(|system| system.with_damping(0.05))
-                .and_then(|system| system.with_load(1.0 / factor))
-                .unwrap();
+            let system = on_belt(law, v_b, 0.05, 1.0 / factor);
             cycles(&system).unwrap()
         };
         assert_eq!(found(1.0).len(), 1);
@@ -432,10 +400,7 @@ fn a_straight_law_that_the_damper_balances_has_no_isolated_cycle() {
             static_coefficient: 2.0,
             points: vec![(0.0, 2.0), (1.0, 2.0 - slope)],
         };
-        let system = MassOnBelt::new(law, w)
-            .and_then(|system| system.with_load(load))
-            .and_then(|system| system.with_damping(0.5 * load * slope))
-            .unwrap();
+        let system = on_belt(law, w, 0.5 * load * slope, load);
         assert!(drift(&system, w).unwrap().abs() < 1e-15 * load * w);
         assert!(drift(&system, 1.1 * w).unwrap() < -0.1 * load);
         assert!(cycles(&system).unwrap().is_empty(), "{k}");
@@ -491,9 +456,7 @@ fn cycles_of_ordinary_laws_take_few_looks_at_the_law() {
     fn check<L: FrictionLaw>(law: L, v_b: f64, most: u32) {
         let looks = Cell::new(0);
         let counted = Counted { law, looks: &looks };
-        let system = MassOnBelt::new(counted, v_b)
-            .and_then(|system| system.with_damping(0.01))
-            .unwrap();
+        let system = on_belt(counted, v_b, 0.01, 1.0);
         cycles(&system).unwrap();
         assert!(looks.get() < most, "{v_b}: {}", looks.get());
     }

@@ -1,12 +1,12 @@
 //! What the source paper prints wrongly: contradicted by the formulas, and (`numerics_…`) by the
 //! exact motions.
 
-use crate::common::paper;
 use crate::common::polynomials::{Polynomials, coefficients};
+use crate::common::{on_belt, paper};
 use approx::assert_abs_diff_eq;
 use stick_slip::analysis::averaging::{cycles, drift};
 use stick_slip::analysis::{PureSlip, Regime, StickSlip, equilibrium, regime};
-use stick_slip::{CycleKind, EventKind, Exponential, FrictionLaw, MassOnBelt, Polynomial};
+use stick_slip::{CycleKind, EventKind, Exponential, FrictionLaw, Polynomial};
 use stick_slip::{LimitCycle, Stability, State, bifurcation, limit_cycle};
 
 #[test]
@@ -120,10 +120,7 @@ fn misprint_eq_6_never_rises_and_slow_belts_are_quiet() {
     let law = Exponential::new(0.4, 0.25, 0.5).unwrap();
     assert!((1..3000).all(|k| law.slope(1e-3 * f64::from(k)) < 0.0));
     let stability = |v_b: f64| {
-        let system = MassOnBelt::new(law, v_b)
-            .unwrap()
-            .with_damping(0.05)
-            .unwrap();
+        let system = on_belt(law, v_b, 0.05, 1.0);
         equilibrium(&system).unwrap().stability
     };
     assert_eq!(stability(0.05), Stability::StableFocus);
@@ -179,9 +176,7 @@ fn numerics_eq_10b_mean_displacement_tells_h2() {
     // The law whose expansion at v_b has the system's h1 and h3, and the printed h2.
     let mut expansion = coefficients(system.law(), 0.42);
     expansion[2] -= printed_h2 - formulas.h2();
-    let printed = MassOnBelt::new(Polynomials::without_jump(0.42, &expansion), 0.42)
-        .and_then(|system| system.with_damping(0.05))
-        .unwrap();
+    let printed = on_belt(Polynomials::without_jump(0.42, &expansion), 0.42, 0.05, 1.0);
     // Time mean of z, −A h2 A/2 + O(ε³): of the motion itself, and of one that has the printed h2.
     let mean = |cycle: &LimitCycle, rest: f64| cycle.mean_displacement() - rest;
     let rest = equilibrium(&system).unwrap().displacement;
@@ -273,10 +268,12 @@ fn numerics_eqs_16_to_18_amplitude_is_off_by_the_order_of_epsilon() {
     // For weak friction the gap to A1 is W1 v_b/2 in half the range, ε = 1/16, 1/32, 1/64 (μ_s and
     // μ_m raised: plain stick-slip).
     let relative_gap = |epsilon: f64| {
-        let system = MassOnBelt::new(Polynomial::new(100.4, 100.25, 0.5).unwrap(), 0.2)
-            .and_then(|system| system.with_damping(0.05 * epsilon))
-            .and_then(|system| system.with_load(epsilon))
-            .unwrap();
+        let system = on_belt(
+            Polynomial::new(100.4, 100.25, 0.5).unwrap(),
+            0.2,
+            0.05 * epsilon,
+            epsilon,
+        );
         let exact = limit_cycle::stick_slip(&system).unwrap().unwrap();
         let formulas = StickSlip::new(&system).unwrap();
         let growth = formulas.first_order().unwrap().growth;
@@ -293,11 +290,7 @@ fn numerics_eqs_16_to_18_amplitude_is_off_by_the_order_of_epsilon() {
 #[test]
 fn numerics_eq_6_is_not_almost_similar_to_eq_3() {
     let law = Exponential::new(0.4, 0.25, 0.5).unwrap();
-    let system = |v_b: f64| {
-        MassOnBelt::new(law, v_b)
-            .and_then(|system| system.with_damping(0.05))
-            .unwrap()
-    };
+    let system = |v_b: f64| on_belt(law, v_b, 0.05, 1.0);
     // Printed: it "first drops off and then raises". A rise would damp, and without a damper too;
     // but it drives at every speed.
     for v_b in [0.6, 1.0, 1.5] {
@@ -323,9 +316,7 @@ fn numerics_eq_6_is_not_almost_similar_to_eq_3() {
 fn numerics_section_4_2_integrals_are_computed_to_round_off() {
     // Printed: for the exponential law the "integrals are not analytically solvable". They are
     // known to all digits that a double has: here against 10⁶ points of the midpoint rule.
-    let exponential = MassOnBelt::new(Exponential::new(0.4, 0.25, 0.5).unwrap(), 0.4)
-        .and_then(|system| system.with_damping(0.05))
-        .unwrap();
+    let exponential = on_belt(Exponential::new(0.4, 0.25, 0.5).unwrap(), 0.4, 0.05, 1.0);
     let brute = |amplitude: f64| {
         let n = 1_000_000;
         let term = |k: u32| {

@@ -33,6 +33,7 @@ mod exact;
 mod small;
 mod weak;
 
+use crate::common::on_belt;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fmt::{Debug, Formatter};
@@ -183,8 +184,5 @@ fn any_law() -> BoxedStrategy<Any> {
 }
 
 fn system<L: FrictionLaw>(law: L, velocity: f64, damping: f64, load: f64) -> MassOnBelt<L> {
-    MassOnBelt::new(law, velocity)
-        .and_then(|system| system.with_damping(damping))
-        .and_then(|system| system.with_load(load))
-        .unwrap()
+    on_belt(law, velocity, damping, load)
 }

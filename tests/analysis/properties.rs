@@ -1,5 +1,6 @@
 //! Properties of the closed forms over random systems.
 
+use crate::common::on_belt;
 use std::ops::Range;
 
 use proptest::{prop_assert, prop_assert_eq};
@@ -25,10 +26,7 @@ pub(crate) fn system(numbers: [f64; 6]) -> MassOnBelt<Polynomial> {
     ] = numbers;
     let least = static_coefficient * (1.0 - fall);
     let law = Polynomial::new(static_coefficient, least, minimum_velocity).unwrap();
-    MassOnBelt::new(law, ratio * minimum_velocity)
-        .and_then(|system| system.with_damping(damping))
-        .and_then(|system| system.with_load(load))
-        .unwrap()
+    on_belt(law, ratio * minimum_velocity, damping, load)
 }
 
 #[test]

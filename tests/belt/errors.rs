@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use crate::common::polynomials::Polynomials;
-use crate::common::{Random, Table, assert_form, paper};
+use crate::common::{Random, Table, assert_form, on_belt, paper};
 use stick_slip::{
     Coulomb, Error, EventKind, Exponential, FrictionLaw, Integrator, MassOnBelt, Mode, Polynomial,
     Scalar, State,
@@ -94,51 +94,6 @@ const NOT_FINITE: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 // -------------------------------------------------------------------------------------------------
 // Each variant
 // -------------------------------------------------------------------------------------------------
-
-/// Every number that is refused: tests/contract/refusals.rs.
-#[test]
-fn borders_are_allowed() {
-    assert!(Polynomial::new(0.4, 0.4, 0.5).is_ok());
-    assert!(Coulomb::new(0.0, 0.0).is_ok());
-    for tolerance in [Integrator::MIN_TOLERANCE, Integrator::MAX_TOLERANCE, 1e-9] {
-        assert!(Integrator::new().with_tolerance(tolerance).is_ok());
-    }
-}
-
-#[test]
-fn bad_point() {
-    use stick_slip::Tabulated;
-    for (points, index, name, value) in [
-        (vec![(0.1, 0.4), (0.2, 0.3)], 0, "speed", 0.1),
-        (vec![(0.0, 0.4), (0.2, 0.3), (0.2, 0.2)], 2, "speed", 0.2),
-        (vec![(0.0, 0.4), (0.2, -0.3)], 1, "coefficient", -0.3),
-        (
-            vec![(0.0, 0.4), (0.1, 0.3), (0.1f64.next_up(), 1e300)],
-            2,
-            "speed",
-            0.1f64.next_up(),
-        ),
-        (vec![(0.0, 0.4), (1e-200, 0.3)], 1, "speed", 1e-200),
-    ] {
-        let error = Tabulated::new(points).unwrap_err();
-        let Error::BadPoint {
-            of,
-            index: at,
-            name: which,
-            value: found,
-            allowed,
-        } = error
-        else {
-            panic!("{error}")
-        };
-        assert_eq!((of, at, which, found), ("Tabulated", index, name, value));
-        let number = match value.abs() {
-            small if small < 1e-4 && small > 0.0 => format!("{value:e}"),
-            _ => value.to_string(),
-        };
-        assert_message(&error, &[&format!("point {index}"), name, &number, allowed]);
-    }
-}
 
 #[test]
 fn invalid_state() {
@@ -711,10 +666,12 @@ fn hostile_numbers_everywhere_give_an_error_or_a_motion() {
 #[test]
 fn extreme_units_give_the_same_motion() {
     let motion = |length: f64| {
-        let system = MassOnBelt::new(Coulomb::new(0.5, 0.25).unwrap(), 0.125 * length)
-            .and_then(|system| system.with_damping(0.0625))
-            .and_then(|system| system.with_load(length))
-            .unwrap();
+        let system = on_belt(
+            Coulomb::new(0.5, 0.25).unwrap(),
+            0.125 * length,
+            0.0625,
+            length,
+        );
         system.simulate(State::new(1.5 * length, -0.75 * length), 30.0)
     };
     let plain = motion(1.0).unwrap();

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 use crate::common::any::Any;
 use crate::common::orbit::integrate;
-use crate::common::ulp;
+use crate::common::{on_belt, ulp};
 use cases::{Case, check, magnitude, series, sigma, value};
 use proptest::prelude::*;
 use stick_slip::{
@@ -312,10 +312,12 @@ fn other_units_of_length_change_no_bit() {
             }
             let run = |unit: f64| {
                 let law = Scaled::new(system.law(), 1.0 / unit).unwrap();
-                let scaled = MassOnBelt::new(law, unit * system.belt_velocity())
-                    .and_then(|scaled| scaled.with_damping(system.damping()))
-                    .and_then(|scaled| scaled.with_load(unit * system.load()))
-                    .unwrap();
+                let scaled = on_belt(
+                    law,
+                    unit * system.belt_velocity(),
+                    system.damping(),
+                    unit * system.load(),
+                );
                 let start = State::new(unit * start.displacement, unit * start.velocity);
                 let integrator = Integrator::new().with_max_steps(cases::MOST_STEPS).unwrap();
                 integrator.simulate(&scaled, start, *duration)
@@ -455,9 +457,7 @@ fn contact_rate(system: &MassOnBelt<Any>, steps: &[Step], event: &Event) -> f64 
 fn a_narrow_feature_is_not_missed_wherever_in_a_step_it_lies() {
     let law = Exponential::new(0.8, 0.1, 0.05).unwrap();
     let v_b = 150.0;
-    let system = MassOnBelt::new(Any::Crate(law.into()), v_b)
-        .and_then(|system| system.with_load(4e-3))
-        .unwrap();
+    let system = on_belt(Any::Crate(law.into()), v_b, 0.0, 4e-3);
     let centre = 4e-3 * 0.1;
     let mut worst = 0.0_f64;
     for i in 0..400 {

@@ -1,11 +1,11 @@
 //! A simple integrator, written without an idea of the crate's, must see the same events.
 
-use crate::common::Random;
+use crate::common::{Random, on_belt};
 use crate::simple::{Seen, Simple, told};
 use approx::assert_abs_diff_eq;
 use stick_slip::{
-    Coulomb, Direction, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Rational, State,
-    Stribeck, Tabulated,
+    Coulomb, Direction, Error, Exponential, FrictionLaw, Polynomial, Rational, State, Stribeck,
+    Tabulated,
 };
 
 /// How often the two were compared.
@@ -28,9 +28,7 @@ fn compare<L: FrictionLaw>(
         random.uniform(0.0, 0.3),
     );
     let load = random.logarithmic(0.1, 4.0);
-    let system = MassOnBelt::new(law.unwrap(), belt)
-        .and_then(|system| system.with_damping(damping)?.with_load(load))
-        .unwrap();
+    let system = on_belt(law.unwrap(), belt, damping, load);
     let start = [random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0)];
     let simple = Simple {
         friction: &|s| load * friction(s),

@@ -6,7 +6,7 @@
 use approx::assert_abs_diff_eq;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use crate::common::{Decay, Leine, Random, Table, paper, ulp};
+use crate::common::{Decay, Leine, Random, Table, on_belt, paper, ulp};
 use stick_slip::{
     AnyLaw, Coulomb, Direction, Error, Event, EventKind, Exponential, FrictionLaw, Integrator,
     MassOnBelt, Mode, Polynomial, Scalar, State, Step, Trajectory,
@@ -177,10 +177,7 @@ fn promise_1_hidden_terms_are_not_missed() {
             reference.velocity,
         )
         .unwrap();
-        let system = MassOnBelt::new(law, reference.belt)
-            .and_then(|system| system.with_damping(reference.damping))
-            .and_then(|system| system.with_load(reference.load))
-            .unwrap();
+        let system = on_belt(law, reference.belt, reference.damping, reference.load);
         let motion = system.simulate(start, duration).unwrap();
 
         let difference = |(events, last): &(Vec<Event>, State)| {
@@ -449,9 +446,7 @@ fn promise_3_phase_starts_need_no_epsilon() {
         assert_within("-t²/2", relative, -0.5 * t * t, 4.0 * EPS + t * t * t);
     }
     // μ̂(0) < μ_s: v_r = −γ²(μ_s − μ_k) τ + ….
-    let jump = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), 1e-3)
-        .and_then(|system| system.with_load(2.0))
-        .unwrap();
+    let jump = on_belt(Coulomb::new(0.4, 0.25).unwrap(), 1e-3, 0.0, 2.0);
     let [stick, slip] = steps(&jump, jump.release_state().unwrap(), 2)[..] else {
         panic!()
     };
@@ -584,9 +579,7 @@ fn promise_6_contact_is_exact_for_large_belt_velocities() {
         // Coulomb without damping: s = 2v_b sin²(τ/2) + s_0 cos τ + (u_0 − γ²μ_k) sin τ, lagging.
         let v_b = random.logarithmic(1.0, 1e12);
         let friction = v_b * random.uniform(1.0, 10.0);
-        let system = MassOnBelt::new(Coulomb::new(1.0, 1.0).unwrap(), v_b)
-            .and_then(|system| system.with_load(friction))
-            .unwrap();
+        let system = on_belt(Coulomb::new(1.0, 1.0).unwrap(), v_b, 0.0, friction);
         let velocity = v_b - v_b * random.logarithmic(1e-12, 1e-3);
         let speed = v_b - velocity;
         assert!(speed > 0.0);
@@ -667,10 +660,7 @@ fn promise_6_time_does_not_drift_over_a_hundred_thousand_cycles() {
 fn scaled(length: f64, tolerance: f64) -> (Trajectory, Trajectory) {
     let motion = |length: f64| {
         let law = Polynomial::new(0.4, 0.25, 0.5 * length).unwrap();
-        let system = MassOnBelt::new(law, 0.2 * length)
-            .and_then(|system| system.with_damping(0.05))
-            .and_then(|system| system.with_load(length))
-            .unwrap();
+        let system = on_belt(law, 0.2 * length, 0.05, length);
         Integrator::new()
             .with_tolerance(tolerance)
             .and_then(|integrator| {
@@ -875,9 +865,7 @@ fn free_vibration_law_for_random_loads() {
     let mut random = Random::new(12);
     for _ in 0..300 {
         let friction = random.logarithmic(0.05, 2.0);
-        let system = MassOnBelt::new(Coulomb::new(1.0, 1.0).unwrap(), 0.0)
-            .and_then(|system| system.with_load(friction))
-            .unwrap();
+        let system = on_belt(Coulomb::new(1.0, 1.0).unwrap(), 0.0, 0.0, friction);
         let start = random.uniform(1.1, 40.0) * friction;
         let motion = system.simulate(State::new(start, 0.0), 200.0).unwrap();
         let (mut left, mut sign, mut n) = (start, -1.0, 1.0);
@@ -948,9 +936,7 @@ fn error_over_a_period<L: FrictionLaw>(system: &MassOnBelt<L>, tolerance: f64) -
 /// round-off.
 #[test]
 fn requested_tolerance_is_met() {
-    let exponential = MassOnBelt::new(Exponential::new(0.4, 0.25, 0.5).unwrap(), 0.2)
-        .and_then(|system| system.with_damping(0.05))
-        .unwrap();
+    let exponential = on_belt(Exponential::new(0.4, 0.25, 0.5).unwrap(), 0.2, 0.05, 1.0);
     let leine = MassOnBelt::new(
         Leine {
             static_coefficient: 1.0,
@@ -964,9 +950,7 @@ fn requested_tolerance_is_met() {
         kinetic_coefficient: 0.3,
         velocity: 0.1,
     };
-    let decay = MassOnBelt::new(decay, 0.3)
-        .and_then(|system| system.with_damping(0.02))
-        .unwrap();
+    let decay = on_belt(decay, 0.3, 0.02, 1.0);
     println!("tolerance  polynomial  exponential  rational  exp(-s)");
     // The motion compared with is that at 1e-16, which the reference data vouch for.
     for exponent in 4..=15 {
@@ -1223,10 +1207,7 @@ fn table() -> Table {
 }
 
 fn table_system(v_b: f64) -> MassOnBelt<Table> {
-    MassOnBelt::new(table(), v_b)
-        .and_then(|system| system.with_damping(0.03))
-        .and_then(|system| system.with_load(0.75))
-        .unwrap()
+    on_belt(table(), v_b, 0.03, 0.75)
 }
 
 #[test]
@@ -1741,9 +1722,7 @@ fn rest_is_one_last_step_of_infinite_duration() {
 #[test]
 fn forces_in_slip_in_stick_and_just_after_release() {
     for v_b in [0.5, -0.5] {
-        let system = MassOnBelt::new(Coulomb::new(0.5, 0.25).unwrap(), v_b)
-            .and_then(|system| system.with_damping(0.125)?.with_load(4.0))
-            .unwrap();
+        let system = on_belt(Coulomb::new(0.5, 0.25).unwrap(), v_b, 0.125, 4.0);
         // γ²μ_s = 2, γ²μ_k = 1, 2βv_b = ±0.125.
         let on_belt = |displacement| State::new(displacement, v_b);
         let drag = 0.25 * v_b;
@@ -1783,7 +1762,7 @@ fn forces_in_slip_in_stick_and_just_after_release() {
 #[test]
 fn rounding_of_large_terms_is_no_defect() {
     let law = Exponential::new(0.4, 0.25, 0.1).unwrap();
-    let system = MassOnBelt::new(law, 3.0).unwrap().with_load(1e5).unwrap();
+    let system = on_belt(law, 3.0, 0.0, 1e5);
     // Friction is flat so far from the belt: a free oscillation of amplitude 0.5 about ū ≈ 25 000.
     let start = State::new(system.equilibrium().unwrap().displacement + 0.5, 0.0);
     let steps = Integrator::new()
@@ -1806,9 +1785,7 @@ fn starts_beside_the_release_point_are_released_at_once() {
         (250.0, -4.0),
     ] {
         let law = Polynomial::new(0.4, 0.25, 0.5 * v_b.abs() / 0.2).unwrap();
-        let system = MassOnBelt::new(law, v_b)
-            .and_then(|system| system.with_load(load)?.with_damping(0.01))
-            .unwrap();
+        let system = on_belt(law, v_b, 0.01, load);
         let release = system.release_state().unwrap();
         let events = |start| system.simulate(start, 30.0).unwrap().events().to_vec();
         let expected = events(release);

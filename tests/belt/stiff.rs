@@ -1,7 +1,7 @@
 //! Stiff systems: as exact as any other, beside an integrator that shares nothing with the crate's.
 
-use crate::common::Random;
 use crate::common::any::{cubic, rational};
+use crate::common::{Random, on_belt};
 use crate::radau::{Motion, Radau};
 use crate::simple::{Seen, told};
 use stick_slip::{
@@ -139,9 +139,7 @@ fn stiff_motions_are_those_of_an_implicit_method() {
 fn the_residual_acceleration_is_that_of_the_slow_motion() {
     let (v_b, damping) = (1.0, 0.05);
     for (v_m, most) in [(1e-2, 2e-10), (1e-3, 1e-13), (3e-4, 1e-13), (1e-4, 1e-13)] {
-        let system = MassOnBelt::new(Polynomial::new(0.4, 0.2, v_m).unwrap(), v_b)
-            .and_then(|system| system.with_damping(damping))
-            .unwrap();
+        let system = on_belt(Polynomial::new(0.4, 0.2, v_m).unwrap(), v_b, damping, 1.0);
         for time in [5.0, 20.0] {
             let motion = system.simulate(State::new(0.0, 0.0), time).unwrap();
             assert!(
@@ -179,9 +177,7 @@ fn a_creep_far_below_the_forces_is_followed() {
         let law = Stribeck::new(0.4, 0.3, 0.1 * v_b, 2)
             .and_then(|law| law.with_viscous_coefficient(0.1 / v_b))
             .unwrap();
-        let system = MassOnBelt::new(law, v_b)
-            .and_then(|system| system.with_load(10.0))
-            .unwrap();
+        let system = on_belt(law, v_b, 0.0, 10.0);
         let start = State::new(0.0, 0.0);
         let motion = system.simulate(start, 10.0).unwrap();
         let steps = motion.steps().len();
@@ -296,9 +292,7 @@ fn motions_that_were_wrong_are_right() {
     let radau = Radau::new(1e-13);
     let mut wrong = Vec::new();
     for (name, law, [v_b, damping, load], [u, v], duration) in motions {
-        let system = MassOnBelt::new(law, v_b)
-            .and_then(|system| system.with_damping(damping)?.with_load(load))
-            .unwrap();
+        let system = on_belt(law, v_b, damping, load);
         let start = State::new(u, v);
         let Some(witness) = radau.run(&system, start, duration, 20_000) else {
             wrong.push(format!("{name}: no witness"));
@@ -324,9 +318,7 @@ fn a_creep_passes_the_breakpoints_of_a_law() {
             let s = 0.01 * f64::from(i);
             (s, 0.2 + 3.0 * s + 5.0 * s * s)
         });
-        let system = MassOnBelt::new(Tabulated::new(points).unwrap(), v_b)
-            .and_then(|system| system.with_load(load))
-            .unwrap();
+        let system = on_belt(Tabulated::new(points).unwrap(), v_b, 0.0, load);
         // From beyond the equilibrium's speed, and from below it.
         for speed in [0.05, 0.35] {
             let velocity = v_b - speed * v_b.signum();
@@ -351,9 +343,12 @@ fn work_does_not_grow_with_the_stiffness() {
     // From 1e6 on the first steps, from rest, are short of orders: their coefficients overflow.
     for (beyond, most) in [(20.0, 100), (1e3, 100), (1e6, 150), (1e9, 250)] {
         let v_m = 0.01;
-        let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, v_m).unwrap(), beyond * v_m)
-            .and_then(|system| system.with_damping(0.05))
-            .unwrap();
+        let system = on_belt(
+            Polynomial::new(0.4, 0.25, v_m).unwrap(),
+            beyond * v_m,
+            0.05,
+            1.0,
+        );
         let motion = system.simulate(State::new(0.0, 0.0), 50.0).unwrap();
         let steps = motion.steps().len();
         assert!(steps <= most, "{beyond:e}: {steps}");
@@ -382,9 +377,7 @@ fn a_creep_to_a_node_takes_few_steps_to_its_end() {
         ),
     ];
     for (law, v_b, damping, load) in systems {
-        let system = MassOnBelt::new(law, v_b)
-            .and_then(|system| system.with_damping(damping)?.with_load(load))
-            .unwrap();
+        let system = on_belt(law, v_b, damping, load);
         let h1 = 2.0 * damping + load * system.law().slope(v_b.abs());
         let motion = system.simulate(State::new(0.0, 0.0), 30.0 * h1).unwrap();
         let steps = motion.steps().len();
@@ -415,9 +408,7 @@ fn a_start_a_few_ulps_outside_the_stick_band_goes_on() {
     ];
     for (law, damping, load) in systems {
         for v_b in [0.0, 1e-12, 1e-10, 1e-9, -2.5e-9, 1e-8, 1e-7] {
-            let system = MassOnBelt::new(law, v_b)
-                .and_then(|system| system.with_damping(damping)?.with_load(load))
-                .unwrap();
+            let system = on_belt(law, v_b, damping, load);
             let [low, high] = system.stick_limits();
             for (limit, next) in [
                 (low, f64::next_down as fn(f64) -> f64),
@@ -488,9 +479,7 @@ fn a_fall_onto_the_belt_is_as_exact_as_the_speeds_in_it() {
         ),
     ];
     for (law, [v_b, damping, load], start) in motions {
-        let system = MassOnBelt::new(law, v_b)
-            .and_then(|system| system.with_damping(damping)?.with_load(load))
-            .unwrap();
+        let system = on_belt(law, v_b, damping, load);
         let witness = Radau::new(1e-13).run(&system, start, 1e-5, 20_000);
         let [s, u, t] = difference(&system, start, 1e-5, &witness.unwrap()).unwrap();
         println!("{v_b}: {s:e} {u:e} {t:e}");
@@ -535,7 +524,7 @@ fn a_mass_outside_the_stick_band_leaves_the_belt_at_any_tolerance() {
         .unwrap();
     let laws: [(AnyLaw, _, _); 2] = [(law.into(), 1.2e-6, 45.0), (table.into(), 8222.0, 40.86)];
     for (law, load, v_b) in laws {
-        let system = MassOnBelt::new(&law, v_b).unwrap().with_load(load).unwrap();
+        let system = on_belt(&law, v_b, 0.0, load);
         let [low, _] = system.stick_limits();
         let start = State::new(low - 66.0, v_b);
         let exact = system.simulate(start, 0.1).unwrap().last();

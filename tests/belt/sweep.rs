@@ -1,6 +1,7 @@
 //! Stick-slip at 300 belt velocities for each of two laws, shallow sticks and shallow misses among
 //! them, at tolerances from 1e-4 to round-off: every run must show the same events.
 
+use crate::common::on_belt;
 use crate::simple::{Seen, Simple, told};
 use stick_slip::{
     AnyLaw, CycleKind, Exponential, FrictionLaw, Integrator, MassOnBelt, Polynomial, State,
@@ -21,9 +22,7 @@ fn velocities(low: f64, high: f64) -> [f64; 300] {
 }
 
 fn system(law: &AnyLaw, belt_velocity: f64) -> MassOnBelt<&AnyLaw> {
-    MassOnBelt::new(law, belt_velocity)
-        .and_then(|system| system.with_damping(DAMPING))
-        .unwrap()
+    on_belt(law, belt_velocity, DAMPING, 1.0)
 }
 
 fn run(system: &MassOnBelt<&AnyLaw>, tolerance: f64) -> Vec<Seen> {

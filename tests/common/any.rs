@@ -5,7 +5,7 @@ use stick_slip::{
     Rational, Scalar, Stribeck, Tabulated,
 };
 
-use super::{Decay, Leine, Random, Table};
+use super::{Decay, Leine, Random, Table, on_belt};
 
 /// Any law of the crate or of the tests.
 #[derive(Debug, Clone, PartialEq)]
@@ -263,10 +263,7 @@ impl Random {
         } else {
             self.logarithmic(1e-4, 0.4)
         };
-        MassOnBelt::new(law, belt_velocity)
-            .and_then(|system| system.with_damping(damping))
-            .and_then(|system| system.with_load(self.logarithmic(0.01, 5.0)))
-            .unwrap()
+        on_belt(law, belt_velocity, damping, self.logarithmic(0.01, 5.0))
     }
 }
 

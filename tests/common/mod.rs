@@ -78,17 +78,26 @@ pub(crate) fn system_of(case: &Value) -> MassOnBelt<AnyLaw> {
         "coulomb" => AnyLaw::Coulomb(Coulomb::new(parameter("mus"), parameter("muk")).unwrap()),
         other => panic!("unknown law {other}"),
     };
-    MassOnBelt::new(law, number(&case["v_b"]))
-        .and_then(|system| system.with_damping(number(&case["beta"])))
-        .and_then(|system| system.with_load(number(&case["gamma2"])))
+    let [v_b, damping, load] = ["v_b", "beta", "gamma2"].map(|name| number(&case[name]));
+    on_belt(law, v_b, damping, load)
+}
+
+/// A system of which all numbers are right.
+#[track_caller]
+pub(crate) fn on_belt<L: FrictionLaw>(law: L, v_b: f64, damping: f64, load: f64) -> MassOnBelt<L> {
+    MassOnBelt::new(law, v_b)
+        .and_then(|system| system.with_damping(damping)?.with_load(load))
         .unwrap()
 }
 
 /// The set of the source paper's Figs. 4 and 5: polynomial law, β = 0.05, γ² = 1.
 pub(crate) fn paper(belt_velocity: f64) -> MassOnBelt<Polynomial> {
-    MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5).unwrap(), belt_velocity)
-        .and_then(|system| system.with_damping(0.05))
-        .unwrap()
+    on_belt(
+        Polynomial::new(0.4, 0.25, 0.5).unwrap(),
+        belt_velocity,
+        0.05,
+        1.0,
+    )
 }
 
 /// Leine et al., Nonlinear Dynamics 16 (1998) 41-54: μ̂(s) = μ_s/(1 + δ s).
@@ -236,10 +245,7 @@ impl Random {
         let belt_velocity = self.sign() * self.logarithmic(0.03, 2.0);
         let damping = self.uniform(0.0, 0.4);
         let load = self.logarithmic(0.1, 5.0);
-        MassOnBelt::new(law, belt_velocity)
-            .and_then(|system| system.with_damping(damping))
-            .and_then(|system| system.with_load(load))
-            .unwrap()
+        on_belt(law, belt_velocity, damping, load)
     }
 }
 

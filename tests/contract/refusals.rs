@@ -11,7 +11,7 @@ use stick_slip::orbit::{self, Period};
 use stick_slip::{
     Contact, ContactLaw, Coulomb, Dahl, Drive, Dwell, Error, EventKind, Exponential, FrictionLaw,
     Integrator, Iwan4, LuGre, MassOnBelt, Motion, Physical, Polynomial, Rational, Scalar, Scaled,
-    Scaling, Slip, State, Stribeck, Structure, Tabulated, bifurcation, check_law,
+    Scaling, Slip, State, Stribeck, Structure, Tabulated, bifurcation, check_law, structure,
 };
 
 /// A law with the given static coefficient and no friction, of both kinds.
@@ -55,6 +55,10 @@ const BELOW: &[f64] = &[-1.0, -1e-300, -5e-324];
 const NOT_ABOVE: &[f64] = &[-1.0, -1e-300, -5e-324, 0.0, -0.0];
 /// An ulp above the static coefficient of the laws below, or below 0.
 const NO_KINETIC: &[f64] = &[-1.0, -1e-300, 0.4_f64.next_up(), 0.5];
+/// Just above 0.1.
+const CLOSE: &[f64] = &[0.1_f64.next_up()];
+/// Ends of a range that starts at 0.1.
+const EMPTY: &[f64] = &[0.1, -1.0];
 /// Around the tolerances that an integrator takes.
 const NO_TOLERANCE: &[f64] = &[
     0.0,
@@ -66,20 +70,18 @@ const NO_TOLERANCE: &[f64] = &[
 
 /// Who refuses, which number, finite numbers that are refused besides NaN and infinities, and the
 /// call.
-type Case = (
-    &'static str,
-    &'static str,
-    &'static [f64],
-    Box<dyn Fn(f64) -> Option<Error>>,
-);
+type Call = Box<dyn Fn(f64) -> Option<Error>>;
+type Case = (&'static str, &'static str, &'static [f64], Call);
 
-fn case<T>(
-    of: &'static str,
-    name: &'static str,
-    bad: &'static [f64],
-    call: impl Fn(f64) -> Result<T, Error> + 'static,
-) -> Case {
-    (of, name, bad, Box::new(move |x| call(x).err()))
+fn call<T>(call: impl Fn(f64) -> Result<T, Error> + 'static) -> Call {
+    Box::new(move |x| call(x).err())
+}
+
+/// A case in each row.
+macro_rules! cases {
+    ($($of:literal $name:literal $bad:expr, |$x:ident| $call:expr;)*) => {
+        vec![$(($of, $name, $bad as &[f64], call(move |$x| $call)) as Case),*]
+    };
 }
 
 fn law() -> Exponential {
@@ -119,7 +121,7 @@ fn forced(frequency: f64, force: f64) -> Result<Structure, Error> {
 
 /// The curve of a flip.
 fn locus(second: f64, ranges: [Range<f64>; 2]) -> Result<usize, Error> {
-    let start = stick_slip::structure::State::new(&[0.3], &[0.0]);
+    let start = structure::State::new(&[0.3], &[0.0]);
     let motion = orbit::settle(&forced(0.78, 0.3)?, &start, 400.0, Period::Driven(1))?;
     let branch = orbit::follow(|x| forced(x, 0.3), 0.78, &motion, 0.74..0.79)?;
     let locus = orbit::locus(forced, &branch.bifurcations[0], second, ranges)?;
@@ -132,131 +134,65 @@ fn hopf_locus(ranges: [Range<f64>; 2]) -> Result<usize, Error> {
 }
 
 fn laws() -> Vec<Case> {
-    vec![
-        case("Polynomial", "static_coefficient", BELOW, |x| {
-            Polynomial::new(x, 0.2, 0.5)
-        }),
-        case("Polynomial", "minimum_coefficient", NO_KINETIC, |x| {
-            Polynomial::new(0.4, x, 0.5)
-        }),
-        case("Polynomial", "minimum_velocity", NOT_ABOVE, |x| {
-            Polynomial::new(0.4, 0.2, x)
-        }),
+    cases! {
+        "Polynomial" "static_coefficient" BELOW, |x| Polynomial::new(x, 0.2, 0.5);
+        "Polynomial" "minimum_coefficient" NO_KINETIC, |x| Polynomial::new(0.4, x, 0.5);
+        "Polynomial" "minimum_velocity" NOT_ABOVE, |x| Polynomial::new(0.4, 0.2, x);
         // So small that derived numbers overflow.
-        case("Polynomial", "minimum_velocity", &[1e-120], |x| {
-            Polynomial::new(0.4, 0.25, x)
-        }),
-        case("Exponential", "stribeck_velocity", &[1e-160], |x| {
-            Exponential::new(0.4, 0.25, x)
-        }),
-        case("Exponential", "static_coefficient", BELOW, |x| {
-            Exponential::new(x, 0.2, 0.5)
-        }),
-        case("Exponential", "kinetic_coefficient", NO_KINETIC, |x| {
-            Exponential::new(0.4, x, 0.5)
-        }),
-        case("Exponential", "stribeck_velocity", NOT_ABOVE, |x| {
-            Exponential::new(0.4, 0.2, x)
-        }),
-        case("Coulomb", "static_coefficient", BELOW, |x| {
-            Coulomb::new(x, 0.2)
-        }),
-        case("Coulomb", "kinetic_coefficient", NO_KINETIC, |x| {
-            Coulomb::new(0.4, x)
-        }),
-        case("Rational", "static_coefficient", BELOW, |x| {
-            Rational::new(x, 1.0)
-        }),
-        case("Rational", "decay", BELOW, |x| Rational::new(0.4, x)),
-        case("Rational", "offset", &[-1.0, 0.5], |x| {
-            Rational::new(0.4, 1.0)?.with_offset(x)
-        }),
-        case("Rational", "quadratic", BELOW, |x| {
-            Rational::new(0.4, 1.0)?.with_quadratic(x)
-        }),
-        case("Stribeck", "static_coefficient", BELOW, |x| {
-            Stribeck::new(x, 0.2, 0.5, 1)
-        }),
-        case("Stribeck", "coulomb_coefficient", &[0.5], |x| {
-            Stribeck::new(0.4, x, 0.5, 1)
-        }),
-        case("Stribeck", "stribeck_velocity", NOT_ABOVE, |x| {
-            Stribeck::new(0.4, 0.2, x, 1)
-        }),
-        case("Stribeck", "viscous_coefficient", BELOW, |x| {
-            Stribeck::new(0.4, 0.2, 0.5, 1)?.with_viscous_coefficient(x)
-        }),
-        case("Tabulated", "speed", &[1.0, 0.5], |x| {
-            Tabulated::new([(0.0, 0.4), (1.0, 0.3), (x, 0.2)])
-        }),
-        case("Tabulated", "coefficient", BELOW, |x| {
-            Tabulated::new([(0.0, 0.4), (1.0, x)])
-        }),
-        case("Tabulated", "static_coefficient", &[0.3], |x| {
-            Tabulated::new([(0.0, 0.4), (1.0, 0.3)])?.with_static_coefficient(x)
-        }),
-        case("Scaled", "velocity_unit", NOT_ABOVE, |x| {
-            Scaled::new(law(), x)
-        }),
-        case("Iwan4", "slip_force", NOT_ABOVE, |x| {
-            Iwan4::new(x, 2.0, -0.1, 0.1)
-        }),
-        case("Iwan4", "stiffness", NOT_ABOVE, |x| {
-            Iwan4::new(3.0, x, -0.1, 0.1)
-        }),
+        "Polynomial" "minimum_velocity" &[1e-120], |x| Polynomial::new(0.4, 0.25, x);
+        "Exponential" "stribeck_velocity" &[1e-160], |x| Exponential::new(0.4, 0.25, x);
+        "Exponential" "static_coefficient" BELOW, |x| Exponential::new(x, 0.2, 0.5);
+        "Exponential" "kinetic_coefficient" NO_KINETIC, |x| Exponential::new(0.4, x, 0.5);
+        "Exponential" "stribeck_velocity" NOT_ABOVE, |x| Exponential::new(0.4, 0.2, x);
+        "Coulomb" "static_coefficient" BELOW, |x| Coulomb::new(x, 0.2);
+        "Coulomb" "kinetic_coefficient" NO_KINETIC, |x| Coulomb::new(0.4, x);
+        "Rational" "static_coefficient" BELOW, |x| Rational::new(x, 1.0);
+        "Rational" "decay" BELOW, |x| Rational::new(0.4, x);
+        "Rational" "offset" &[-1.0, 0.41, 0.5], |x| Rational::new(0.4, 1.0)?.with_offset(x);
+        "Rational" "quadratic" BELOW, |x| Rational::new(0.4, 1.0)?.with_quadratic(x);
+        "Stribeck" "static_coefficient" BELOW, |x| Stribeck::new(x, 0.2, 0.5, 1);
+        "Stribeck" "coulomb_coefficient" &[-0.1, 0.41, 0.5], |x| Stribeck::new(0.4, x, 0.5, 1);
+        "Stribeck" "stribeck_velocity" NOT_ABOVE, |x| Stribeck::new(0.4, 0.2, x, 1);
+        "Stribeck" "stribeck_velocity" &[1e-320], |x| Stribeck::new(0.4, 0.2, x, 1);
+        "Stribeck" "viscous_coefficient" BELOW,
+            |x| Stribeck::new(0.4, 0.2, 0.5, 1)?.with_viscous_coefficient(x);
+        "Tabulated" "point 0, counted from 0: speed" &[-0.1, 0.1],
+            |x| Tabulated::new([(x, 0.4), (0.2, 0.3)]);
+        "Tabulated" "point 1, counted from 0: speed" &[0.0, 1e-200],
+            |x| Tabulated::new([(0.0, 0.4), (x, 0.3), (1.0, 0.3)]);
+        "Tabulated" "point 2, counted from 0: speed" &[1.0, 0.5],
+            |x| Tabulated::new([(0.0, 0.4), (1.0, 0.3), (x, 0.2)]);
+        // So close that a slope overflows.
+        "Tabulated" "point 2, counted from 0: speed" CLOSE,
+            |x| Tabulated::new([(0.0, 0.4), (0.1, 0.3), (x, 1e300)]);
+        "Tabulated" "point 1, counted from 0: coefficient" BELOW,
+            |x| Tabulated::new([(0.0, 0.4), (1.0, x)]);
+        "Tabulated" "static_coefficient" &[0.3, 0.39],
+            |x| Tabulated::new([(0.0, 0.4), (1.0, 0.3)])?.with_static_coefficient(x);
+        "Scaled" "velocity_unit" NOT_ABOVE, |x| Scaled::new(law(), x);
+        "Iwan4" "slip_force" NOT_ABOVE, |x| Iwan4::new(x, 2.0, -0.1, 0.1);
+        "Iwan4" "stiffness" NOT_ABOVE, |x| Iwan4::new(3.0, x, -0.1, 0.1);
         // So small that the displacement of slip overflows.
-        case("Iwan4", "stiffness", &[5e-324], |x| {
-            Iwan4::new(3.0, x, -0.1, 0.1)
-        }),
-        case("Iwan4", "exponent", &[-1.0, -2.0, 5e-324, 1.0], |x| {
-            Iwan4::new(3.0, 2.0, x, 0.1)
-        }),
-        case("Iwan4", "ratio", BELOW, |x| Iwan4::new(3.0, 2.0, -0.1, x)),
-        case(
-            "Iwan4::elements",
-            "grid",
-            &[0.0, -0.5, 1.0, 2.0, 1e-300],
-            |x| Iwan4::new(3.0, 2.0, -0.1, 0.1)?.elements(3, x),
-        ),
-        case("LuGre", "stiffness", NOT_ABOVE, |x| {
-            LuGre::new(law(), x, 1.0, 0.0)
-        }),
-        case("LuGre", "damping", BELOW, |x| {
-            LuGre::new(law(), 1e3, x, 0.0)
-        }),
-        case("LuGre", "viscous", BELOW, |x| {
-            LuGre::new(law(), 1e3, 1.0, x)
-        }),
-        case("Dahl", "coefficient", NOT_ABOVE, |x| Dahl::new(x, 1e3)),
-        case("Dahl", "stiffness", NOT_ABOVE, |x| Dahl::new(0.4, x)),
-        case("Dwell", "limit", &[0.3], |x| {
-            Dwell::exponential(law(), x, 1.0)
-        }),
-        case("Dwell", "limit", &[0.3], |x| {
-            Dwell::hyperbolic(law(), x, 1.0)
-        }),
-        case("Dwell", "rate", BELOW, |x| {
-            Dwell::logarithmic(law(), x, 1.0)
-        }),
-        case("Dwell", "time", NOT_ABOVE, |x| {
-            Dwell::logarithmic(law(), 0.1, x)
-        }),
-        case("FrictionLaw", "static_coefficient", BELOW, |x| {
-            MassOnBelt::new(Given(x), 0.2)
-        }),
-        case("FrictionLaw", "static_coefficient", BELOW, |x| {
-            Contact::new(0, Given(x), 1.0)
-        }),
-        case("ContactLaw", "rate", &ANY, |x| {
-            Contact::new(0, Remembering(x), 1.0)
-        }),
-        case("check_law", "speeds.start", BELOW, |x| {
-            check_law(&law(), x..1.0)
-        }),
-        case("check_law", "speeds.end", &[0.1, 0.0], |x| {
-            check_law(&law(), 0.1..x)
-        }),
-    ]
+        "Iwan4" "stiffness" &[5e-324], |x| Iwan4::new(3.0, x, -0.1, 0.1);
+        "Iwan4" "exponent" &[-1.0, -2.0, 5e-324, 1.0], |x| Iwan4::new(3.0, 2.0, x, 0.1);
+        "Iwan4" "ratio" BELOW, |x| Iwan4::new(3.0, 2.0, -0.1, x);
+        "Iwan4::elements" "grid" &[0.0, -0.5, 1.0, 2.0, 1e-300],
+            |x| Iwan4::new(3.0, 2.0, -0.1, 0.1)?.elements(3, x);
+        "LuGre" "stiffness" NOT_ABOVE, |x| LuGre::new(law(), x, 1.0, 0.0);
+        "LuGre" "damping" BELOW, |x| LuGre::new(law(), 1e3, x, 0.0);
+        "LuGre" "viscous" BELOW, |x| LuGre::new(law(), 1e3, 1.0, x);
+        "Dahl" "coefficient" NOT_ABOVE, |x| Dahl::new(x, 1e3);
+        "Dahl" "stiffness" NOT_ABOVE, |x| Dahl::new(0.4, x);
+        "Dwell" "limit" &[0.3], |x| Dwell::exponential(law(), x, 1.0);
+        "Dwell" "limit" &[0.3], |x| Dwell::hyperbolic(law(), x, 1.0);
+        "Dwell" "rate" BELOW, |x| Dwell::logarithmic(law(), x, 1.0);
+        "Dwell" "time" NOT_ABOVE, |x| Dwell::logarithmic(law(), 0.1, x);
+        "FrictionLaw" "static_coefficient" BELOW, |x| MassOnBelt::new(Given(x), 0.2);
+        "FrictionLaw" "static_coefficient" BELOW, |x| Contact::new(0, Given(x), 1.0);
+        "ContactLaw" "rate" &ANY, |x| Contact::new(0, Remembering(x), 1.0);
+        "check_law" "speeds.start" BELOW, |x| check_law(&law(), x..1.0);
+        "check_law" "speeds.end" &[0.1, 0.0], |x| check_law(&law(), 0.1..x);
+    }
 }
 
 fn blocks() -> Structure {
@@ -271,238 +207,139 @@ fn systems() -> Vec<Case> {
         normal_force: 20.0,
         belt_velocity: 0.05,
     };
-    vec![
-        case("MassOnBelt", "belt_velocity", &ANY, |x| {
-            MassOnBelt::new(law(), x)
-        }),
-        case("MassOnBelt", "belt_velocity", &ANY, |x| {
-            belt().with_belt_velocity(x)
-        }),
-        case("MassOnBelt", "damping", BELOW, |x| belt().with_damping(x)),
-        case("MassOnBelt", "load", NOT_ABOVE, |x| belt().with_load(x)),
+    cases! {
+        "MassOnBelt" "belt_velocity" &ANY, |x| MassOnBelt::new(law(), x);
+        "MassOnBelt" "belt_velocity" &ANY, |x| belt().with_belt_velocity(x);
+        "MassOnBelt" "damping" BELOW, |x| belt().with_damping(x);
+        "MassOnBelt" "load" NOT_ABOVE, |x| belt().with_load(x);
         // So large that derived numbers overflow.
-        case("MassOnBelt", "load", &[1e300], |x| {
-            MassOnBelt::new(Coulomb::new(1e10, 1e10)?, 1.0)?.with_load(x)
-        }),
-        case("MassOnBelt", "damping", &[1e308], |x| {
-            belt().with_belt_velocity(10.0)?.with_damping(x)
-        }),
-        case("MassOnBelt", "belt_velocity", &[1e308], |x| {
-            belt().with_damping(100.0)?.with_belt_velocity(x)
-        }),
-        case("Scaling", "mass", NOT_ABOVE, |mass| {
-            Scaling::new(Physical { mass, ..PAD })
-        }),
-        case("Scaling", "stiffness", NOT_ABOVE, |stiffness| {
-            Scaling::new(Physical { stiffness, ..PAD })
-        }),
-        case("Scaling", "damping", &[-1.0], |damping| {
-            Scaling::new(Physical { damping, ..PAD })
-        }),
-        case("Scaling", "normal_force", NOT_ABOVE, |normal_force| {
-            Scaling::new(Physical {
-                normal_force,
-                ..PAD
-            })
-        }),
-        case("Scaling", "belt_velocity", &ANY, |belt_velocity| {
-            Scaling::new(Physical {
-                belt_velocity,
-                ..PAD
-            })
-        }),
-        case("Scaling", "length", NOT_ABOVE, |x| {
-            Scaling::new(PAD)?.with_length(x)
-        }),
-        case("Integrator", "tolerance", NO_TOLERANCE, |x| {
-            Integrator::new().with_tolerance(x)
-        }),
-        case("Integrator", "start_time", &ANY, |x| {
-            Integrator::new().with_start_time(x)
-        }),
-        case("Drive", "value", &ANY, |x| {
-            Drive::constant(1.0).with_constant(x)
-        }),
-        case("Drive", "amplitude", &ANY, |x| Drive::sine(x, 1.0)),
-        case("Drive", "angular_frequency", NOT_ABOVE, |x| {
-            Drive::sine(1.0, x)
-        }),
-        case("Drive", "amplitude", &ANY, |x| Drive::harmonic(x, 1.0, 0.0)),
-        case("Drive", "angular_frequency", NOT_ABOVE, |x| {
-            Drive::harmonic(1.0, x, 0.0)
-        }),
-        case("Drive", "phase", &ANY, |x| Drive::harmonic(1.0, 1.0, x)),
-        case("Drive", "time", &[-1.0], |x| {
-            Drive::profile(&[(0.0, 1.0), (x, 2.0)])
-        }),
-        case("Drive", "value", &ANY, |x| {
-            Drive::profile(&[(0.0, 1.0), (1.0, x)])
-        }),
-        case("Contact", "load", NOT_ABOVE, |x| Contact::new(0, law(), x)),
-        case("Contact", "gradient", &ANY, |x| {
-            Contact::new(0, law(), 1.0)?.with_load_gradient(0, x)
-        }),
-        case("Structure", "mass 1", NOT_ABOVE, |x| {
-            Structure::new(&[1.0, x, -2.0])
-        }),
-        case("Structure", "mass matrix (1, 1)", NOT_ABOVE, |x| {
-            Structure::with_mass_matrix(DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 0.0, x]))
-        }),
-        case("Structure", "mass matrix (0, 1)", &ANY, |x| {
-            Structure::with_mass_matrix(DMatrix::from_row_slice(2, 2, &[1.0, x, 0.0, 1.0]))
-        }),
-        case("Structure", "time", &ANY, |x| {
-            blocks().carried(x, &stick_slip::structure::State::at_rest(2))
-        }),
-        case("Structure", "stiffness (0, 0)", &ANY, |x| {
-            blocks().with_ground_spring(0, x)
-        }),
-        case("Structure", "damping (1, 1)", &ANY, |x| {
-            blocks().with_ground_damper(1, x)
-        }),
-        case("Structure", "stiffness (1, 0)", &ANY, |x| {
-            blocks().with_spring(1, 0, x)
-        }),
-        case("Structure", "damping (0, 1)", &ANY, |x| {
-            blocks().with_damper(0, 1, x)
-        }),
-        case("Structure", "stiffness (1, 0)", &ANY, |x| {
-            blocks().with_stiffness(DMatrix::from_row_slice(2, 2, &[0.0, 0.0, x, 0.0]))
-        }),
-        case("Structure", "damping (1, 0)", &ANY, |x| {
-            blocks().with_damping(DMatrix::from_row_slice(2, 2, &[0.0, 0.0, x, 0.0]))
-        }),
-        case("Structure", "force on coordinate 1", &ANY, |x| {
-            blocks().with_force(1, x)
-        }),
-        case("Structure", "contact 0", &ANY, |x| {
-            Structure::new(&[1.0])?.with_contact(Contact::new(0, law(), 1.0)?.on_belt(x))
-        }),
-        case("Structure", "memory", &ANY, |x| {
+        "MassOnBelt" "load" &[1e300],
+            |x| MassOnBelt::new(Coulomb::new(1e10, 1e10)?, 1.0)?.with_load(x);
+        "MassOnBelt" "damping" &[1e308], |x| belt().with_belt_velocity(10.0)?.with_damping(x);
+        "MassOnBelt" "belt_velocity" &[1e308],
+            |x| belt().with_damping(100.0)?.with_belt_velocity(x);
+        "Scaling" "mass" NOT_ABOVE, |mass| Scaling::new(Physical { mass, ..PAD });
+        "Scaling" "stiffness" NOT_ABOVE, |stiffness| Scaling::new(Physical { stiffness, ..PAD });
+        "Scaling" "damping" &[-1.0], |damping| Scaling::new(Physical { damping, ..PAD });
+        "Scaling" "normal_force" NOT_ABOVE,
+            |normal_force| Scaling::new(Physical { normal_force, ..PAD });
+        "Scaling" "belt_velocity" &ANY,
+            |belt_velocity| Scaling::new(Physical { belt_velocity, ..PAD });
+        "Scaling" "stiffness" &[1e300],
+            |stiffness| Scaling::new(Physical { mass: 1e-300, stiffness, ..PAD });
+        "Scaling" "length" NOT_ABOVE, |x| Scaling::new(PAD)?.with_length(x);
+        "Scaling" "length" &[1e-310, 1e306], |x| Scaling::new(PAD)?.with_length(x);
+        // A belt that moves does so in dimensionless numbers too.
+        "Scaling" "length" &[1e30],
+            |x| Scaling::new(Physical { belt_velocity: 1e-300, ..PAD })?.with_length(x);
+        "Integrator" "tolerance" NO_TOLERANCE, |x| Integrator::new().with_tolerance(x);
+        "Integrator" "start_time" &ANY, |x| Integrator::new().with_start_time(x);
+        "Drive" "value" &ANY, |x| Drive::constant(1.0).with_constant(x);
+        "Drive" "amplitude" &ANY, |x| Drive::sine(x, 1.0);
+        "Drive" "angular_frequency" NOT_ABOVE, |x| Drive::sine(1.0, x);
+        "Drive" "amplitude" &ANY, |x| Drive::harmonic(x, 1.0, 0.0);
+        "Drive" "angular_frequency" NOT_ABOVE, |x| Drive::harmonic(1.0, x, 0.0);
+        "Drive" "phase" &ANY, |x| Drive::harmonic(1.0, 1.0, x);
+        "Drive" "time" &[-1.0], |x| Drive::profile(&[(0.0, 1.0), (x, 2.0)]);
+        "Drive" "value" &ANY, |x| Drive::profile(&[(0.0, 1.0), (1.0, x)]);
+        "Contact" "load" NOT_ABOVE, |x| Contact::new(0, law(), x);
+        "Contact" "gradient" &ANY, |x| Contact::new(0, law(), 1.0)?.with_load_gradient(0, x);
+        "Structure" "mass 1" NOT_ABOVE, |x| Structure::new(&[1.0, x, -2.0]);
+        "Structure" "mass matrix (1, 1)" NOT_ABOVE,
+            |x| Structure::with_mass_matrix(DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 0.0, x]));
+        "Structure" "mass matrix (0, 1)" &ANY,
+            |x| Structure::with_mass_matrix(DMatrix::from_row_slice(2, 2, &[1.0, x, 0.0, 1.0]));
+        "Structure" "time" &ANY, |x| blocks().carried(x, &structure::State::at_rest(2));
+        "Structure" "time" &ANY,
+            |x| blocks().acceleration(x, &structure::State::at_rest(2));
+        "Structure" "stiffness (0, 0)" &ANY, |x| blocks().with_ground_spring(0, x);
+        "Structure" "damping (1, 1)" &ANY, |x| blocks().with_ground_damper(1, x);
+        "Structure" "stiffness (1, 0)" &ANY, |x| blocks().with_spring(1, 0, x);
+        "Structure" "damping (0, 1)" &ANY, |x| blocks().with_damper(0, 1, x);
+        "Structure" "stiffness (1, 0)" &ANY,
+            |x| blocks().with_stiffness(DMatrix::from_row_slice(2, 2, &[0.0, 0.0, x, 0.0]));
+        "Structure" "damping (1, 0)" &ANY,
+            |x| blocks().with_damping(DMatrix::from_row_slice(2, 2, &[0.0, 0.0, x, 0.0]));
+        "Structure" "force on coordinate 1" &ANY, |x| blocks().with_force(1, x);
+        "Structure" "contact 0" &ANY,
+            |x| Structure::new(&[1.0])?.with_contact(Contact::new(0, law(), 1.0)?.on_belt(x));
+        "Structure" "memory" &ANY, |x| {
             let brush = Contact::new(0, Dahl::new(0.4, 1e3)?, 1.0)?.on_belt(0.1);
-            let start = stick_slip::structure::State::new(&[0.0], &[0.0]).with_memory(&[x]);
-            Structure::new(&[1.0])?
-                .with_contact(brush)?
-                .simulate(start, 1.0)
-        }),
-    ]
+            let start = structure::State::new(&[0.0], &[0.0]).with_memory(&[x]);
+            Structure::new(&[1.0])?.with_contact(brush)?.simulate(start, 1.0)
+        };
+    }
 }
 
 fn searches() -> Vec<Case> {
     let start = || State::new(0.3, 0.0);
-    vec![
-        case("Trajectory", "interval", NOT_ABOVE, move |x| {
-            belt()
-                .simulate(start(), 1.0)?
-                .sample_every(x)
-                .map(Iterator::count)
-        }),
-        case("bifurcation::along", "range.start", &ANY, |x| {
-            bifurcation::hopf_velocities(&belt(), x..1.0)
-        }),
-        case("bifurcation::along", "range.end", &[0.1, -1.0], |x| {
-            bifurcation::grazing_velocities(&belt(), 0.1..x)
-        }),
-        case("bifurcation::along", "range.end", &[0.1, -1.0], |x| {
-            bifurcation::along(|load| belt().with_load(load), 0.1..x).vibration_ranges()
-        }),
-        case("orbit::section", "period", NOT_ABOVE, move |x| {
-            orbit::section(&belt(), &start(), x).next().transpose()
-        }),
-        case("orbit::Period", "period", NOT_ABOVE, move |x| {
-            orbit::shoot(&belt(), &start(), Period::Free(x))
-        }),
-        case("orbit::follow", "range.start", &ANY, |x| {
-            follow(0.2, x..0.3)
-        }),
-        case("orbit::follow", "range.end", &[0.1, -1.0], |x| {
-            follow(0.2, 0.1..x)
-        }),
-        case("orbit::sweep", "value", &[0.2, 0.1], |x| {
-            orbit::sweep(
-                |v| belt().with_belt_velocity(v),
-                &[0.2, x],
-                &(0.0, 0.0).into(),
-            )
-        }),
-        case("orbit::vibration_ranges", "range.start", &ANY, |x| {
-            orbit::vibration_ranges(|v| belt().with_belt_velocity(v), x..0.3)
-        }),
-        case("orbit::vibration_ranges", "range.end", &[0.1, -1.0], |x| {
-            orbit::vibration_ranges(|v| belt().with_belt_velocity(v), 0.1..x)
-        }),
-        case("orbit::begin", "parameter", &ANY, |x| {
-            orbit::begin(|v| belt().with_belt_velocity(v), x)
-        }),
-        case("Structure::stability_changes", "times.start", &ANY, |x| {
-            Structure::new(&[1.0])?.stability_changes(x..1.0)
-        }),
-        case(
-            "Structure::stability_changes",
-            "times.end",
-            &[0.1, -1.0],
-            |x| Structure::new(&[1.0])?.stability_changes(0.1..x),
-        ),
-        case("Structure", "time", &ANY, |x| {
-            Structure::new(&[1.0])?.frozen(x)
-        }),
-        case("orbit::follow", "parameter", &[0.0, 0.4], |x| {
-            follow(x, 0.1..0.3)
-        }),
-        case("orbit::sensitivities", "parameter", &[], |x| {
+    let loads = |range| bifurcation::along(|load| belt().with_load(load), range);
+    let velocities = [
+        bifurcation::hopf_velocities::<Exponential>,
+        bifurcation::grazing_velocities,
+        bifurcation::touching_velocities,
+        bifurcation::overshoot_velocities,
+        bifurcation::crossing_velocities,
+        bifurcation::fold_velocities,
+    ];
+    let velocities = velocities.into_iter().flat_map(|search| {
+        cases! {
+            "bifurcation::along" "range.start" &ANY, |x| search(&belt(), x..1.0);
+            "bifurcation::along" "range.end" EMPTY, |x| search(&belt(), 0.1..x);
+            "bifurcation::along" "range.end" &[0.0, -0.5], |x| search(&belt(), 0.0..x);
+            "bifurcation::along" "range.end" &[-0.5, -0.2], |x| search(&belt(), -0.2..x);
+        }
+    });
+    let others = cases! {
+        "Trajectory" "interval" NOT_ABOVE,
+            |x| belt().simulate(start(), 1.0)?.sample_every(x).map(Iterator::count);
+        "bifurcation::along" "range.end" EMPTY, |x| loads(0.1..x).vibration_ranges();
+        "bifurcation::along" "range.end" EMPTY, |x| loads(0.1..x).silence();
+        "orbit::section" "period" NOT_ABOVE,
+            |x| orbit::section(&belt(), &start(), x).next().transpose();
+        "orbit::Period" "period" NOT_ABOVE, |x| orbit::shoot(&belt(), &start(), Period::Free(x));
+        "orbit::follow" "range.start" &ANY, |x| follow(0.2, x..0.3);
+        "orbit::follow" "range.end" EMPTY, |x| follow(0.2, 0.1..x);
+        "orbit::sweep" "value" &[0.2, 0.1],
+            |x| orbit::sweep(|v| belt().with_belt_velocity(v), &[0.2, x], &(0.0, 0.0).into());
+        "orbit::vibration_ranges" "range.start" &ANY,
+            |x| orbit::vibration_ranges(|v| belt().with_belt_velocity(v), x..0.3);
+        "orbit::vibration_ranges" "range.end" EMPTY,
+            |x| orbit::vibration_ranges(|v| belt().with_belt_velocity(v), 0.1..x);
+        "orbit::begin" "parameter" &ANY, |x| orbit::begin(|v| belt().with_belt_velocity(v), x);
+        "Structure::stability_changes" "times.start" &ANY,
+            |x| Structure::new(&[1.0])?.stability_changes(x..1.0);
+        "Structure::stability_changes" "times.end" EMPTY,
+            |x| Structure::new(&[1.0])?.stability_changes(0.1..x);
+        "Structure" "time" &ANY, |x| Structure::new(&[1.0])?.frozen(x);
+        "orbit::follow" "parameter" &[0.0, 0.4], |x| follow(x, 0.1..0.3);
+        "orbit::sensitivities" "parameter" &[], |x| {
             let family = |p: &[f64]| {
                 let force = if p[0].is_finite() { p[0] } else { 0.1 };
-                Ok((
-                    forced(0.78, force)?,
-                    stick_slip::structure::State::at_rest(1),
-                ))
+                Ok((forced(0.78, force)?, structure::State::at_rest(1)))
             };
             Ok(orbit::sensitivities(family, &[x], 1.0)?.events().len())
-        }),
-        case("orbit::locus", "ranges[0].start", &[], |x| {
-            locus(0.3, [x..0.75, 0.2..0.4])
-        }),
-        case("orbit::locus", "ranges[1].end", &[0.2, 0.1], |x| {
-            locus(0.3, [0.7..0.75, 0.2..x])
-        }),
-        case("orbit::locus", "second", &[0.1, 0.5], |x| {
-            locus(x, [0.7..0.75, 0.2..0.4])
-        }),
-        case("bifurcation::hopf_locus", "ranges[1].start", &[], |x| {
-            hopf_locus([0.1..0.5, x..0.1])
-        }),
-        case(
-            "bifurcation::hopf_locus",
-            "ranges[0].end",
-            &[0.1, -1.0],
-            |x| hopf_locus([0.1..x, 0.01..0.1]),
-        ),
-        case(
-            "design::stabilizing_damping_over",
-            "velocities.start",
-            &[-1.0],
-            |x| design::stabilizing_damping_over(&belt(), x..1.0),
-        ),
-        case(
-            "design::stabilizing_damping_over",
-            "velocities.end",
-            &[0.1, -1.0],
-            |x| design::stabilizing_damping_over(&belt(), 0.1..x),
-        ),
-        case("lugre::passive_viscosity", "max_speed", NOT_ABOVE, |x| {
-            lugre::passive_viscosity(&LuGre::new(law(), 1e3, 1.0, 0.0)?, x)
-        }),
-        case("averaging", "amplitude", &[-1.0], |x| {
-            averaging::drift(&belt(), x)
-        }),
-        case("PureSlip", "initial_amplitude", &[-1.0], |x| {
-            formulas().transient(x, 0.0)
-        }),
-        case("PureSlip", "initial_phase", &ANY, |x| {
-            formulas().transient(0.1, x)
-        }),
-    ]
+        };
+        "orbit::locus" "ranges[0].start" &[], |x| locus(0.3, [x..0.75, 0.2..0.4]);
+        "orbit::locus" "ranges[1].end" &[0.2, 0.1], |x| locus(0.3, [0.7..0.75, 0.2..x]);
+        "orbit::locus" "second" &[0.1, 0.5], |x| locus(x, [0.7..0.75, 0.2..0.4]);
+        "bifurcation::hopf_locus" "ranges[1].start" &[], |x| hopf_locus([0.1..0.5, x..0.1]);
+        "bifurcation::hopf_locus" "ranges[0].end" EMPTY, |x| hopf_locus([0.1..x, 0.01..0.1]);
+        "design::stabilizing_damping_over" "velocities.start" &[-1.0],
+            |x| design::stabilizing_damping_over(&belt(), x..1.0);
+        "design::stabilizing_damping_over" "velocities.end" EMPTY,
+            |x| design::stabilizing_damping_over(&belt(), 0.1..x);
+        "lugre::passive_viscosity" "max_speed" NOT_ABOVE,
+            |x| lugre::passive_viscosity(&LuGre::new(law(), 1e3, 1.0, 0.0)?, x);
+        "averaging" "amplitude" &[-1.0], |x| averaging::drift(&belt(), x);
+        "PureSlip" "initial_amplitude" &[-1.0], |x| formulas().transient(x, 0.0);
+        "PureSlip" "initial_phase" &ANY, |x| formulas().transient(0.1, x);
+    };
+    velocities.chain(others).collect()
 }
+
+/// One more than the largest power of a speed.
+const MOST: f64 = 2_147_483_648.0;
 
 /// Counts that are refused, and as which number.
 fn counts() -> Vec<(&'static str, &'static str, f64, Error)> {
@@ -510,7 +347,7 @@ fn counts() -> Vec<(&'static str, &'static str, f64, Error)> {
     let forced = forced
         .with_force(0, Drive::sine(1.0, 1.0).unwrap())
         .unwrap();
-    let start = stick_slip::structure::State::new(&[0.0], &[0.0]);
+    let start = structure::State::new(&[0.0], &[0.0]);
     let belt = belt();
     let mut no_contact = orbit::section_at(&belt, &(0.0, 0.0).into(), 3, EventKind::Stick);
     let no_contact_3 = no_contact.next().unwrap().unwrap_err();
@@ -518,31 +355,28 @@ fn counts() -> Vec<(&'static str, &'static str, f64, Error)> {
     let no_search = bifurcation::along_velocities(&belt, 0.1..0.2).with_max_steps(0);
     let no_period = orbit::shoot(&forced, &start, Period::Driven(0));
     let no_steps = Integrator::new().with_max_steps(0);
-    let no_search_steps = orbit::Search::new().with_max_steps(0);
+    let no_orbit = orbit::Search::new().with_max_steps(0);
     let no_events = Integrator::new().with_max_events(0);
     let no_power = Stribeck::new(0.4, 0.2, 0.5, 0);
+    let too_high = Stribeck::new(0.4, 0.2, 0.5, MOST as u32);
+    let no_table = Tabulated::new([]);
     let one_point = Tabulated::new([(0.0, 0.4)]);
     let no_point = Drive::profile(&[]);
     let no_mass = Structure::new(&[]);
+    let no_matrix = Structure::with_mass_matrix(DMatrix::zeros(0, 0));
+    let search = "bifurcation::along";
     vec![
         ("Integrator", "max_steps", 0.0, no_steps.unwrap_err()),
         ("Integrator", "max_events", 0.0, no_events.unwrap_err()),
-        (
-            "bifurcation::along",
-            "max_steps",
-            0.0,
-            no_search.unwrap_err(),
-        ),
-        (
-            "orbit::Search",
-            "max_steps",
-            0.0,
-            no_search_steps.unwrap_err(),
-        ),
+        (search, "max_steps", 0.0, no_search.unwrap_err()),
+        ("orbit::Search", "max_steps", 0.0, no_orbit.unwrap_err()),
         ("Stribeck", "exponent", 0.0, no_power.unwrap_err()),
+        ("Stribeck", "exponent", MOST, too_high.unwrap_err()),
+        ("Tabulated", "points", 0.0, no_table.unwrap_err()),
         ("Tabulated", "points", 1.0, one_point.unwrap_err()),
         ("Drive", "points", 0.0, no_point.unwrap_err()),
         ("Structure", "masses", 0.0, no_mass.unwrap_err()),
+        ("Structure", "masses", 0.0, no_matrix.unwrap_err()),
         ("orbit::Period", "periods", 0.0, no_period.unwrap_err()),
         ("orbit::section_at", "contact", 3.0, no_contact_3),
     ]

@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use crate::common::Random;
+use crate::common::{Random, on_belt};
 use stick_slip::bifurcation::{
     crossing_velocities, fold_velocities, grazing_velocities, hopf_velocities, overshoot_velocities,
 };
@@ -98,10 +98,7 @@ impl Plain {
     }
 
     fn system(&self) -> MassOnBelt<AnyLaw> {
-        MassOnBelt::new(self.formula.law(), self.belt)
-            .and_then(|system| system.with_damping(self.damping))
-            .and_then(|system| system.with_load(self.load))
-            .unwrap()
+        on_belt(self.formula.law(), self.belt, self.damping, self.load)
     }
 
     fn held(&self) -> f64 {

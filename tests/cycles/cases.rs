@@ -1,7 +1,7 @@
 //! Cycles and bifurcations in cases with a known answer, and in hard ones.
 
 use crate::common::polynomials::Polynomials;
-use crate::common::{Random, paper};
+use crate::common::{Random, on_belt, paper};
 use approx::assert_abs_diff_eq;
 use stick_slip::analysis::{averaging, coulomb};
 use stick_slip::bifurcation::{grazing_velocities, hopf_velocities};
@@ -25,9 +25,7 @@ fn stick_slip_takes_one_arc() {
 #[test]
 fn coulomb_ends_where_its_closed_form_says() {
     for beta in [1e-4, 1e-3, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9] {
-        let system = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), 1.0)
-            .and_then(|system| system.with_damping(beta))
-            .unwrap();
+        let system = on_belt(Coulomb::new(0.4, 0.25).unwrap(), 1.0, beta, 1.0);
         let exact = coulomb::largest_stick_slip_velocity(&system);
         let found = grazing_velocities(&system, 0.0..2.0 * exact).unwrap();
         assert_eq!(found.len(), 1, "β = {beta}: {found:?}");
@@ -52,10 +50,12 @@ fn exponential_law_has_no_cycle_below_its_lower_hopf_velocity() {
             random.logarithmic(0.05, 2.0),
         )
         .unwrap();
-        let system = MassOnBelt::new(law, 1.0)
-            .and_then(|system| system.with_damping(random.logarithmic(0.003, 0.3)))
-            .and_then(|system| system.with_load(random.logarithmic(0.1, 5.0)))
-            .unwrap();
+        let system = on_belt(
+            law,
+            1.0,
+            random.logarithmic(0.003, 0.3),
+            random.logarithmic(0.1, 5.0),
+        );
         let Some(low) = hopf_velocities(&system, 0.0..20.0)
             .unwrap()
             .first()
@@ -78,9 +78,7 @@ fn exponential_law_has_no_cycle_below_its_lower_hopf_velocity() {
 #[test]
 fn two_cycles_near_a_fold_are_told_apart() {
     let fold = 1.457_823_592_457_963_3;
-    let system = MassOnBelt::new(Exponential::new(0.4, 0.3, 1.0).unwrap(), 1.0)
-        .and_then(|system| system.with_damping(0.02))
-        .unwrap();
+    let system = on_belt(Exponential::new(0.4, 0.3, 1.0).unwrap(), 1.0, 0.02, 1.0);
     let pair = |distance: f64| {
         let at = system.with_belt_velocity(fold - distance).unwrap();
         limit_cycle::find(&at).unwrap()
@@ -108,9 +106,7 @@ fn two_cycles_near_a_fold_are_told_apart() {
 #[test]
 fn canard_like_growth_is_resolved_or_told() {
     let law = Polynomial::new(1.2, 0.2, 0.1).unwrap();
-    let system = MassOnBelt::new(law, 0.05)
-        .and_then(|system| system.with_damping(0.05))
-        .unwrap();
+    let system = on_belt(law, 0.05, 0.05, 1.0);
     let hopf = hopf_velocities(&system, 0.0..0.2).unwrap()[0];
     let grazing = grazing_velocities(&system, 0.05..hopf * (1.0 + 1e-9)).unwrap();
     assert_eq!(grazing.len(), 1, "{grazing:?}");
@@ -140,9 +136,7 @@ fn hard_parameters_give_an_answer() {
     for v_b in [1e-9, 1e-6, -1e-6, 0.2, -0.2, 1e3] {
         for load in [1e-6, 1e-3, 1.0, 1e3] {
             for (mu_s, mu_k) in [(0.4, 0.25), (0.4, 0.4), (0.0, 0.0)] {
-                let system = MassOnBelt::new(Coulomb::new(mu_s, mu_k).unwrap(), v_b)
-                    .and_then(|system| system.with_load(load))
-                    .unwrap();
+                let system = on_belt(Coulomb::new(mu_s, mu_k).unwrap(), v_b, 0.0, load);
                 let set = limit_cycle::find(&system).unwrap();
                 // Without damping and with constant friction every small motion is periodic.
                 assert!(set.continuum().is_some(), "{v_b} {load} {mu_s}");
@@ -165,9 +159,7 @@ fn basins_follow_their_table() {
     let reached = |system: &MassOnBelt<Exponential>, u: f64, v: f64| {
         attractor(system, State::new(u, v)).unwrap()
     };
-    let bistable = MassOnBelt::new(Exponential::new(0.6, 0.3, 0.4).unwrap(), 1.0)
-        .and_then(|system| system.with_damping(0.01))
-        .unwrap();
+    let bistable = on_belt(Exponential::new(0.6, 0.3, 0.4).unwrap(), 1.0, 0.01, 1.0);
     let centre = bistable.equilibrium().unwrap().displacement;
     let is_stick_slip = |found: Attractor| match found {
         Attractor::Cycle(cycle) => cycle.kind() == CycleKind::StickSlip,
@@ -201,10 +193,7 @@ fn basins_follow_their_table() {
     let still = bistable.with_belt_velocity(0.0).unwrap();
     assert_eq!(reached(&still, 3.0, 1.0), Attractor::Rest);
     // A crossing cycle, from inside and from outside.
-    let crossing = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5).unwrap(), 0.25)
-        .and_then(|system| system.with_damping(0.0004))
-        .and_then(|system| system.with_load(0.01))
-        .unwrap();
+    let crossing = on_belt(Polynomial::new(0.4, 0.25, 0.5).unwrap(), 0.25, 0.0004, 0.01);
     for start in [
         State::new(0.0, 0.25),
         State::new(0.0, 0.0),
@@ -223,9 +212,7 @@ fn basins_follow_their_table() {
 /// A stick phase may last 10³⁰⁰ units of time.
 #[test]
 fn the_slowest_cycles_have_finite_numbers() {
-    let system = MassOnBelt::new(Coulomb::new(0.3, 1e-10).unwrap(), 1e-300)
-        .and_then(|system| system.with_damping(0.02))
-        .unwrap();
+    let system = on_belt(Coulomb::new(0.3, 1e-10).unwrap(), 1e-300, 0.02, 1.0);
     let cycle = limit_cycle::stick_slip(&system).unwrap().unwrap();
     let energy = cycle.energy();
     assert!(cycle.period() > 1e299 && cycle.mean_displacement().is_finite());
@@ -275,9 +262,7 @@ fn motions_inside_and_outside_of_a_cycle_end_on_it() {
 #[test]
 fn motions_between_pure_slip_cycles_end_on_their_neighbours() {
     for unit in [1.0, 1.0 / 16.0] {
-        let system = MassOnBelt::new(nested(unit), unit)
-            .and_then(|system| system.with_load(unit))
-            .unwrap();
+        let system = on_belt(nested(unit), unit, 0.0, unit);
         let cycles = limit_cycle::find(&system).unwrap();
         let [inner, middle, outer] = cycles.iter().collect::<Vec<_>>()[..] else {
             panic!("{} cycles", cycles.len())
@@ -345,9 +330,7 @@ impl FrictionLaw for Bumps {
 #[test]
 fn motions_between_crossing_cycles_end_on_their_neighbours() {
     for (unit, damping) in [(1.0, 0.0), (1.0 / 1024.0, 1e-5)] {
-        let system = MassOnBelt::new(Bumps { unit }, unit)
-            .and_then(|system| system.with_load(0.02 * unit)?.with_damping(damping))
-            .unwrap();
+        let system = on_belt(Bumps { unit }, unit, damping, 0.02 * unit);
         let cycles = limit_cycle::find(&system).unwrap();
         let crossing: Vec<_> = cycles
             .iter()
@@ -378,9 +361,7 @@ fn motions_between_crossing_cycles_end_on_their_neighbours() {
 #[test]
 fn friction_below_rounding_is_unresolved() {
     let law = Polynomial::new(0.4, 0.25, 0.5).unwrap();
-    let system = MassOnBelt::new(law, 0.2)
-        .and_then(|system| system.with_load(1e-20))
-        .unwrap();
+    let system = on_belt(law, 0.2, 0.0, 1e-20);
     let cycles = limit_cycle::find(&system).unwrap();
     assert_eq!(cycles.continuum(), None);
     let [range] = cycles.unresolved() else {
@@ -440,11 +421,8 @@ impl FrictionLaw for Lubricated {
 
 #[test]
 fn cycles_without_static_friction() {
-    let [none, least] = [0.0, 1e-300].map(|static_coefficient| {
-        MassOnBelt::new(Lubricated { static_coefficient }, 1.0)
-            .and_then(|system| system.with_damping(0.002))
-            .unwrap()
-    });
+    let [none, least] = [0.0, 1e-300]
+        .map(|static_coefficient| on_belt(Lubricated { static_coefficient }, 1.0, 0.002, 1.0));
     let found = [&none, &least].map(|system| limit_cycle::find(system).unwrap());
     for cycles in &found {
         assert_eq!(cycles.len(), 1);
@@ -474,9 +452,7 @@ fn cycles_without_static_friction_are_those_that_averaging_finds() {
     let mut count = [0; 3];
     for v_b in [0.1, 0.3, 0.5, 0.6, 0.8, 1.0, 1.5, 3.0] {
         for damping in [0.0, 0.002, 0.02, 0.1, 0.3] {
-            let system = MassOnBelt::new(law, v_b)
-                .and_then(|system| system.with_damping(damping))
-                .unwrap();
+            let system = on_belt(law, v_b, damping, 1.0);
             let averaged = averaging::cycles(&system).unwrap();
             let found = limit_cycle::find(&system).unwrap();
             assert!(found.unresolved().is_empty(), "{v_b} {damping}");

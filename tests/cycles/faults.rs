@@ -1,7 +1,7 @@
 //! Edges at which searches once went wrong: ranges of some ulps, the border of a continuum, a belt
 //! at rest, units in which squares overflow.
 
-use crate::common::{Random, Table, TurnsNan};
+use crate::common::{Random, Table, TurnsNan, on_belt};
 use approx::assert_abs_diff_eq;
 use stick_slip::bifurcation::AttractorKind;
 use stick_slip::limit_cycle::{self, Attractor};
@@ -56,7 +56,7 @@ fn no_cycle_is_made_by_rounding_at_the_border_of_a_continuum() {
             0 => 0.135_889_639_229_022_2,
             _ => 0.02 + 0.5 * (random >> 11) as f64 * 2_f64.powi(-53),
         };
-        let system = MassOnBelt::new(&law, 1.1).unwrap().with_load(load).unwrap();
+        let system = on_belt(&law, 1.1, 0.0, load);
         let cycles = limit_cycle::find(&system).unwrap();
         // Motions are harmonic up to the one that touches the speed 0.4.
         let border = cycles.continuum().unwrap().max_amplitude;
@@ -141,9 +141,7 @@ fn a_continuum_ends_where_friction_begins_to_vary() {
         0.019205374450379963,
         2,
     );
-    let system = MassOnBelt::new(law.unwrap(), 1.2739152266588256)
-        .and_then(|system| system.with_load(0.09003223711963569))
-        .unwrap();
+    let system = on_belt(law.unwrap(), 1.2739152266588256, 0.0, 0.09003223711963569);
     let v_b = system.belt_velocity();
     let border = limit_cycle::find(&system).unwrap().continuum().unwrap();
     let part = border.max_amplitude / v_b;
@@ -167,7 +165,7 @@ fn a_continuum_ends_where_friction_begins_to_vary() {
 #[test]
 fn a_continuum_begins_where_the_belt_passes_a_breakpoint() {
     let law = Tabulated::new([(0.0, 0.5), (0.15, 0.4), (0.3, 0.42), (0.7, 0.45)]).unwrap();
-    let system = MassOnBelt::new(&law, 0.9).unwrap().with_load(3.0).unwrap();
+    let system = on_belt(&law, 0.9, 0.0, 3.0);
     let ranges = bifurcation::vibration_ranges(&system, 0.4..2.0).unwrap();
     let [below, beyond] = &ranges[..] else {
         panic!("{ranges:?}")
@@ -215,7 +213,7 @@ fn a_cycle_round_a_continuum_is_kept() {
 #[test]
 fn no_continuum_about_a_breakpoint_beyond_which_friction_varies() {
     let law = Tabulated::new([(0.0, 0.5), (0.4, 0.4)]).unwrap();
-    let system = MassOnBelt::new(law, 0.4).unwrap().with_load(0.13).unwrap();
+    let system = on_belt(law, 0.4, 0.0, 0.13);
     assert_eq!(limit_cycle::find(&system).unwrap().continuum(), None);
 }
 
@@ -315,9 +313,7 @@ fn a_pair_of_cycles_next_to_a_kink_of_the_law_is_found() {
         static_coefficient: 0.6172773346934612,
         points: points.to_vec(),
     };
-    let system = MassOnBelt::new(law, 0.7354248506634508)
-        .and_then(|system| system.with_damping(0.0004575217668656442))
-        .unwrap();
+    let system = on_belt(law, 0.7354248506634508, 0.0004575217668656442, 1.0);
     let kink = system.belt_velocity() - points[1].0;
     for i in 0..=20 {
         let load = 0.2 + 0.001 * f64::from(i);

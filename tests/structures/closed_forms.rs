@@ -10,12 +10,12 @@ use stick_slip::analysis::fast_vibration::{mean_coefficient, onset_velocity};
 use stick_slip::analysis::forced::{ForcedOscillator, no_stop_limit};
 use stick_slip::analysis::mode_coupling::ModeCoupling;
 use stick_slip::{
-    Contact, ContactLaw, Coulomb, Direction, Drive, Error, EventKind, FrictionLaw, MassOnBelt,
-    Mode, Motion, Polynomial, Scalar, Slip, Structure, structure,
+    Contact, ContactLaw, Coulomb, Direction, Drive, Error, EventKind, FrictionLaw, Mode, Motion,
+    Polynomial, Scalar, Slip, Structure, structure,
 };
 
 use crate::common::property::for_all;
-use crate::common::{number, text};
+use crate::common::{number, on_belt, text};
 use crate::reading::cases;
 
 fn forced(angular_frequency: f64, damping: f64, friction: f64, force: f64) -> ForcedOscillator {
@@ -154,9 +154,7 @@ fn the_limit_is_where_the_mass_begins_to_stop() {
 
 #[test]
 fn fast_vibration_on_the_set_of_the_paper() {
-    let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5).unwrap(), 0.2)
-        .and_then(|system| system.with_damping(0.05))
-        .unwrap();
+    let system = on_belt(Polynomial::new(0.4, 0.25, 0.5).unwrap(), 0.2, 0.05, 1.0);
     for (amplitude, velocity) in [
         (0.1, 0.4352521619),
         (0.2, 0.4176654695),

@@ -1,5 +1,6 @@
 //! Closed formulas against motions.
 
+use crate::common::on_belt;
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
 
 use stick_slip::analysis::drill_string::TwoInertias;
@@ -7,9 +8,7 @@ use stick_slip::analysis::fast_vibration::{mean_coefficient, onset_velocity};
 use stick_slip::analysis::mode_coupling::ModeCoupling;
 use stick_slip::nalgebra::DMatrix;
 use stick_slip::structure::State;
-use stick_slip::{
-    Contact, Coulomb, Drive, FrictionLaw, MassOnBelt, Polynomial, Structure, Trajectory,
-};
+use stick_slip::{Contact, Coulomb, Drive, FrictionLaw, Polynomial, Structure, Trajectory};
 
 /// Largest distance of any coordinate from a place, between two times.
 fn distance(motion: &Trajectory<State>, place: &[f64], from: f64, to: f64) -> f64 {
@@ -157,9 +156,7 @@ fn fast_vibration_makes_dry_friction_viscous() {
 #[test]
 fn fast_vibration_quenches_above_the_onset() {
     let law = Polynomial::new(0.4, 0.25, 0.5).unwrap();
-    let system = MassOnBelt::new(law, 0.2)
-        .and_then(|s| s.with_damping(0.05))
-        .unwrap();
+    let system = on_belt(law, 0.2, 0.05, 1.0);
     let amplitude = 0.2;
     let onset = onset_velocity(&system, amplitude).unwrap();
     for (factor, grows) in [(0.98, true), (1.02, false)] {

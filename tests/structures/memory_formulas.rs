@@ -10,7 +10,7 @@ use stick_slip::{
     LuGre, MassOnBelt, Motion, Polynomial, Slip, Structure, Tabulated, limit_cycle,
 };
 
-use crate::common::{dwelling, list, number, text};
+use crate::common::{dwelling, list, number, on_belt, text};
 use crate::reading::cases;
 
 fn assert_near(what: &str, actual: f64, expected: f64, allowed: f64) {
@@ -326,9 +326,7 @@ fn critical_velocities_are_bracketed_by_motions() {
 fn a_static_coefficient_that_does_not_rise() {
     for damping in [0.0, 0.03, 0.3] {
         for (v, load) in [(0.05, 1.0), (-0.02, 0.7), (0.3, 5.0)] {
-            let belt = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), v)
-                .and_then(|belt| belt.with_damping(damping)?.with_load(load))
-                .unwrap();
+            let belt = on_belt(Coulomb::new(0.4, 0.25).unwrap(), v, damping, load);
             let exact = coulomb::stick_slip(&belt);
             let followed = limit_cycle::stick_slip(&belt).unwrap();
             let (Some(exact), Some(followed)) = (&exact, &followed) else {
@@ -351,9 +349,7 @@ fn a_static_coefficient_that_does_not_rise() {
             assert_near("speed", exact.max_sliding_speed, (extreme - v).abs(), 1e-13);
             assert_eq!(exact.multiplier, 0.0);
         }
-        let belt = MassOnBelt::new(Coulomb::new(0.4, 0.25).unwrap(), 0.1)
-            .and_then(|belt| belt.with_damping(damping))
-            .unwrap();
+        let belt = on_belt(Coulomb::new(0.4, 0.25).unwrap(), 0.1, damping, 1.0);
         let largest = coulomb::largest_stick_slip_velocity(&belt);
         if largest.is_finite() {
             let at = |v: f64| coulomb::stick_slip(&belt.with_belt_velocity(v).unwrap());

@@ -6,11 +6,11 @@ use stick_slip::nalgebra::{Complex, DMatrix};
 use stick_slip::structure::NotSliding;
 use stick_slip::{
     AnyContactLaw, AnyLaw, Contact, Coulomb, Drive, Dwell, Error, Exponential, FrictionLaw, LuGre,
-    MassOnBelt, Polynomial, Structure, structure as structures,
+    Polynomial, Structure, structure as structures,
 };
 
 use crate::common::property::for_all;
-use crate::common::{number, text};
+use crate::common::{number, on_belt, text};
 use crate::reading::{Raised, cases, structure};
 
 fn bifurcations(kind: &str) -> Vec<serde_json::Value> {
@@ -201,10 +201,7 @@ fn one_mass_has_the_equilibrium_of_the_belt() {
                 1 => Exponential::new(0.4, 0.25, 0.5).unwrap().into(),
                 _ => Coulomb::new(0.4, 0.25).unwrap().into(),
             };
-            let belt = MassOnBelt::new(law, belt_velocity)
-                .and_then(|belt| belt.with_damping(damping))
-                .and_then(|belt| belt.with_load(load))
-                .unwrap();
+            let belt = on_belt(law, belt_velocity, damping, load);
             let expected = belt.equilibrium().unwrap();
             let found = Structure::from(&belt).steady_sliding().unwrap();
             prop_assert_eq!(&found.displacements, &[expected.displacement]);

@@ -7,7 +7,7 @@ use stick_slip::{
     Structure, Tabulated, Trajectory,
 };
 
-use crate::common::{Random, number, system_of, text};
+use crate::common::{Random, number, on_belt, system_of, text};
 use crate::reading::cases;
 
 /// Difference allowed in times and states, in units of max(1, |value|).
@@ -142,10 +142,12 @@ fn steep_cubic_laws() {
         let limit = random.uniform(0.2, 0.8);
         let least = limit * random.uniform(0.3, 1.0);
         let law = Polynomial::new(limit, least, random.logarithmic(0.05, 1.5)).unwrap();
-        let belt = MassOnBelt::new(law, random.sign() * random.logarithmic(0.03, 2.0))
-            .and_then(|belt| belt.with_damping(random.uniform(0.0, 0.4)))
-            .and_then(|belt| belt.with_load(random.logarithmic(0.1, 5.0)))
-            .unwrap();
+        let belt = on_belt(
+            law,
+            random.sign() * random.logarithmic(0.03, 2.0),
+            random.uniform(0.0, 0.4),
+            random.logarithmic(0.1, 5.0),
+        );
         let start = State::new(random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0));
         let expected = belt.simulate(start, 10.0).unwrap();
         let found = Structure::from(&belt).simulate(start, 10.0).unwrap();
@@ -202,10 +204,12 @@ fn steep_cubic_laws_in_40_digits() {
         ),
     ] {
         let [limit, least, velocity] = law;
-        let belt = MassOnBelt::new(Polynomial::new(limit, least, velocity).unwrap(), v_b)
-            .and_then(|belt| belt.with_damping(damping))
-            .and_then(|belt| belt.with_load(load))
-            .unwrap();
+        let belt = on_belt(
+            Polynomial::new(limit, least, velocity).unwrap(),
+            v_b,
+            damping,
+            load,
+        );
         let one = belt.simulate(start, time).unwrap().last();
         let structure = Structure::from(&belt);
         let other = structure.simulate(start, time).unwrap().last();
@@ -292,9 +296,7 @@ fn a_mass_outside_the_stick_band_leaves_the_belt_at_any_tolerance() {
         .unwrap();
     let laws: [(AnyLaw, _, _); 2] = [(law.into(), 1.2e-6, 45.0), (table.into(), 8222.0, 40.86)];
     for (law, load, v_b) in laws {
-        let belt = MassOnBelt::new(law.clone(), v_b)
-            .and_then(|belt| belt.with_load(load))
-            .unwrap();
+        let belt = on_belt(law.clone(), v_b, 0.0, load);
         let structure = Structure::from(&belt);
         let start = State::new(belt.stick_limits()[0] - 66.0, v_b);
         let exact = belt.simulate(start, 0.1).unwrap().last();

@@ -1,5 +1,6 @@
 //! Systems, each with its exact motion at ε = 1, 1/2, 1/4, …
 
+use crate::common::on_belt;
 use std::cell::OnceCell;
 
 use stick_slip::nalgebra::Complex;
@@ -121,10 +122,7 @@ impl Point {
         // The polynomial law as a cubic of v_r on both sides of v_r = 0: on a belt that is faster.
         let shift = 8.0 * v_b;
         let law = Polynomials::without_jump(shift, &coefficients(system.law(), 0.0));
-        let continued = MassOnBelt::new(law, v_b + shift)
-            .and_then(|continued| continued.with_damping(system.damping()))
-            .and_then(|continued| continued.with_load(system.load()))
-            .unwrap();
+        let continued = on_belt(law, v_b + shift, system.damping(), system.load());
         let motion = continued.simulate(system.release_state().unwrap(), 8.0);
         let at = |time: f64| motion.as_ref().unwrap().state_at(time).unwrap();
         let (mut rising, mut falling) = (4.8, 8.0);
@@ -144,10 +142,12 @@ pub(crate) fn system(
     [mu_s, mu_m, v_m, load, damping, v_b]: Parameters,
     epsilon: f64,
 ) -> MassOnBelt<Polynomial> {
-    MassOnBelt::new(Polynomial::new(mu_s, mu_m, v_m).unwrap(), v_b)
-        .and_then(|system| system.with_damping(epsilon * damping))
-        .and_then(|system| system.with_load(epsilon * load))
-        .unwrap()
+    on_belt(
+        Polynomial::new(mu_s, mu_m, v_m).unwrap(),
+        v_b,
+        epsilon * damping,
+        epsilon * load,
+    )
 }
 
 /// ε = 1, 1/2, 1/4, …

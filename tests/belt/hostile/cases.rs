@@ -1,6 +1,7 @@
 //! Systems and starts that look for trouble: every law, parameters over many decades, starts on and
 //! an ulp beside every boundary.
 
+use crate::common::on_belt;
 use proptest::prelude::*;
 use proptest::sample::select;
 use proptest::test_runner::{Config, FileFailurePersistence, RngSeed, TestRunner};
@@ -113,12 +114,8 @@ fn system() -> impl Strategy<Value = MassOnBelt<Any>> {
         9 => (decades(1e-9, 1e3), select(vec![1.0, -1.0])).prop_map(|(v_b, sign)| sign * v_b),
     ];
     let damping = prop_oneof![1 => Just(0.0), 6 => decades(1e-6, 10.0)];
-    (law(), belt_velocity, damping, decades(1e-6, 1e4)).prop_map(|(law, v_b, damping, load)| {
-        MassOnBelt::new(law, v_b)
-            .and_then(|system| system.with_damping(damping))
-            .and_then(|system| system.with_load(load))
-            .unwrap()
-    })
+    (law(), belt_velocity, damping, decades(1e-6, 1e4))
+        .prop_map(|(law, v_b, damping, load)| on_belt(law, v_b, damping, load))
 }
 
 /// So many ulps beside x.
