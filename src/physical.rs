@@ -9,6 +9,7 @@ use crate::error::Error;
 use crate::friction::{FrictionLaw, Scaled};
 use crate::limit_cycle::{self, Attractor, Basins, CycleSet, LimitCycle};
 use crate::motion::{Integrator, Trajectory};
+use crate::orbit::Criticality;
 use crate::scaling::{Physical, Scaling};
 use crate::state::State;
 use crate::structure::{Contact, Structure};
@@ -117,9 +118,50 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         &self.scaling
     }
 
-    /// The dimensionless system, for functions that this type does not have.
+    /// The law, with speeds in m/s.
+    pub fn law(&self) -> &L {
+        self.system.law().law()
+    }
+
+    /// The dimensionless system, for functions that this type does not have: [`bifurcation::along`]
+    /// another parameter, and the formulas of [`analysis`](crate::analysis).
     pub fn dimensionless(&self) -> &MassOnBelt<Scaled<L>> {
         &self.system
+    }
+
+    /// The displacements between which the mass can stick, ∓N μ_s/K − C V/K, in m:
+    /// [`MassOnBelt::stick_limits`].
+    pub fn stick_limits(&self) -> [f64; 2] {
+        let limits = self.system.stick_limits();
+        limits.map(|displacement| self.scaling.metres(displacement))
+    }
+
+    /// The friction force on the mass, in N, in a state in m and m/s:
+    /// [`MassOnBelt::friction_force`].
+    ///
+    /// ```
+    /// use stick_slip::{Coulomb, Physical, PhysicalMassOnBelt};
+    ///
+    /// let pad = Physical {
+    ///     mass: 2.0, stiffness: 5000.0, damping: 4.0, normal_force: 20.0, belt_velocity: 0.05,
+    /// };
+    /// let brake = PhysicalMassOnBelt::new(pad, Coulomb::new(0.4, 0.25)?)?;
+    /// assert_eq!(brake.friction_force((0.0, 0.0)), 5.0); // N μ_k
+    /// assert!((brake.friction_force((1e-3, 0.05)) - 5.2).abs() < 1e-14); // stick: K X + C V
+    /// assert_eq!(brake.acceleration((0.0, 0.0)), 2.5); // m/s²
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn friction_force(&self, state: impl Into<State>) -> f64 {
+        let state = self.scaling.dimensionless_state(state);
+        self.scaling.newtons(self.system.friction_force(state))
+    }
+
+    /// The acceleration of the mass, in m/s², in a state in m and m/s:
+    /// [`MassOnBelt::acceleration`].
+    pub fn acceleration(&self, state: impl Into<State>) -> f64 {
+        let state = self.scaling.dimensionless_state(state);
+        let units = self.scaling.units();
+        self.system.acceleration(state) * units.rate * units.velocity()
     }
 
     /// The state in which a mass in stick is released, in m and m/s: [`MassOnBelt::release_state`].
@@ -314,6 +356,27 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         Ok(found)
     }
 
+    /// On which side of a Hopf velocity, in m/s, the cycles exist that are born there:
+    /// [`bifurcation::criticality`].
+    ///
+    /// ```
+    /// # use stick_slip::{Exponential, Physical, PhysicalMassOnBelt};
+    /// use stick_slip::bifurcation::{Criticality, hopf_velocities};
+    ///
+    /// # let pad = Physical {
+    /// #     mass: 2.0, stiffness: 5000.0, damping: 2.0, normal_force: 20.0, belt_velocity: 0.2,
+    /// # };
+    /// let brake = PhysicalMassOnBelt::new(pad, Exponential::new(0.6, 0.3, 0.08)?)?;
+    /// let hopf = brake.velocities(hopf_velocities, 0.0..1.0)?; // m/s
+    /// assert_eq!(brake.criticality(hopf[0]), Criticality::Supercritical);
+    /// assert_eq!(brake.criticality(hopf[1]), Criticality::Subcritical);
+    /// # Ok::<(), stick_slip::Error>(())
+    /// ```
+    pub fn criticality(&self, velocity: f64) -> Criticality {
+        let velocity = self.scaling.dimensionless_velocity(velocity);
+        bifurcation::criticality(&self.system, velocity)
+    }
+
     /// The attractors over a range of belt velocities in m/s: [`bifurcation::vibration_ranges`].
     ///
     /// # Errors
@@ -411,33 +474,44 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         &self,
         velocities: impl IntoIterator<Item = impl Borrow<f64>>,
     ) -> impl Iterator<Item = Result<DiagramPoint, Error>> {
-        let units = self.scaling.units();
-        velocities.into_iter().map(move |velocity| {
-            let velocity = *velocity.borrow();
-            let dimensionless = [self.scaling.dimensionless_velocity(velocity)];
-            let mut points = bifurcation::diagram(&self.system, dimensionless);
-            match points.next() {
-                Some(Err(error)) => {
-                    let mut error = error.in_units(units);
-                    if let Error::InvalidParameter { value, .. } | Error::At { value, .. } =
-                        &mut error
-                    {
-                        *value = velocity;
-                    }
-                    Err(error)
+        let velocities = velocities.into_iter();
+        velocities.map(|velocity| self.point(*velocity.borrow()))
+    }
+
+    /// [`diagram`](Self::diagram) with the belt velocities, in m/s, shared among threads:
+    /// [`bifurcation::par_diagram`].
+    ///
+    /// Needs the feature `rayon`.
+    #[cfg(feature = "rayon")]
+    pub fn par_diagram(&self, velocities: &[f64]) -> Vec<Result<DiagramPoint, Error>>
+    where
+        L: Sync,
+    {
+        use rayon::prelude::*;
+        let velocities = velocities.par_iter();
+        velocities.map(|velocity| self.point(*velocity)).collect()
+    }
+
+    /// Equilibrium and periodic motions at a belt velocity in m/s.
+    fn point(&self, velocity: f64) -> Result<DiagramPoint, Error> {
+        let dimensionless = self.scaling.dimensionless_velocity(velocity);
+        match bifurcation::point(self.system.belt(), dimensionless) {
+            Ok(point) => Ok(DiagramPoint {
+                belt_velocity: velocity,
+                equilibrium: point
+                    .equilibrium
+                    .map(|it| it.in_units(self.scaling.units())),
+                cycles: point.cycles.in_units(self.scaling.units()),
+            }),
+            Err(error) => {
+                let mut error = self.in_si(error);
+                if let Error::InvalidParameter { value, .. } | Error::At { value, .. } = &mut error
+                {
+                    *value = velocity;
                 }
-                Some(Ok(point)) => Ok(DiagramPoint {
-                    belt_velocity: velocity,
-                    equilibrium: point.equilibrium.map(|it| it.in_units(units)),
-                    cycles: point.cycles.in_units(units),
-                }),
-                None => Ok(DiagramPoint {
-                    belt_velocity: velocity,
-                    equilibrium: None,
-                    cycles: CycleSet::default(),
-                }),
+                Err(error)
             }
-        })
+        }
     }
 }
 

@@ -77,7 +77,8 @@ pub fn par_diagram<L: FrictionLaw + Sync>(
         .collect()
 }
 
-fn point(system: Belt<'_>, belt_velocity: f64) -> Result<DiagramPoint, Error> {
+/// Equilibrium and periodic motions at one belt velocity.
+pub(crate) fn point(system: Belt<'_>, belt_velocity: f64) -> Result<DiagramPoint, Error> {
     let system = system.with_belt_velocity(belt_velocity)?;
     Ok(DiagramPoint {
         belt_velocity,

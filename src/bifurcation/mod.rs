@@ -83,6 +83,7 @@ pub use contacts::{
 };
 #[cfg(feature = "rayon")]
 pub use diagram::par_diagram;
+pub(crate) use diagram::point;
 pub use diagram::{DiagramPoint, diagram};
 pub use fold::fold_velocities;
 pub use hopf::{criticality, hopf_velocities};

@@ -4,10 +4,11 @@
 use std::ops::Range;
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
+use stick_slip::bifurcation::Criticality;
 use stick_slip::{
-    Attractor, Ended, Error, Exponential, FrictionLaw, Integrator, Physical, PhysicalMassOnBelt,
-    Scalar, Scaling, Segment, State, Step, Stribeck, Structure, Tabulated, bifurcation,
-    limit_cycle, structure,
+    Attractor, Ended, Error, Exponential, FrictionLaw, Integrator, LimitCycle, Physical,
+    PhysicalMassOnBelt, Scalar, Scaling, Segment, State, Step, Stribeck, Structure, Tabulated,
+    bifurcation, limit_cycle, structure,
 };
 
 const PAD: Physical = Physical {
@@ -52,6 +53,64 @@ fn motions_fulfil_the_equation_in_newtons() {
     assert!(slipped > 50);
 }
 
+enum Unit {
+    Time,
+    Length,
+    Velocity,
+    Acceleration,
+    Energy,
+}
+
+/// The numbers of a cycle that have a unit.
+fn measures(cycle: &LimitCycle) -> Vec<(f64, Unit)> {
+    let energy = cycle.energy();
+    let harmonics = cycle.harmonics(5).into_iter();
+    let harmonics = harmonics.map(|c| (c.norm(), Unit::Length));
+    let others = [
+        (cycle.period(), Unit::Time),
+        (cycle.stick_duration(), Unit::Time),
+        (cycle.amplitude(), Unit::Length),
+        (cycle.mean_displacement(), Unit::Length),
+        (cycle.min_velocity(), Unit::Velocity),
+        (cycle.max_sliding_speed(), Unit::Velocity),
+        (cycle.rms_velocity(), Unit::Velocity),
+        (cycle.rms_acceleration(), Unit::Acceleration),
+        (cycle.peak_acceleration(), Unit::Acceleration),
+        (energy.drive_work, Unit::Energy),
+        (energy.damper_loss, Unit::Energy),
+        (energy.friction_loss, Unit::Energy),
+    ];
+    others.into_iter().chain(harmonics).collect()
+}
+
+/// On both sides of the belt's velocity, in stick, and on the belt where it cannot stick.
+#[test]
+fn forces_and_limits_are_those_of_newton() {
+    let brake = brake();
+    assert_eq!(brake.law(), &law());
+    let [low, high] = brake.stick_limits();
+    let release = brake.release_state().unwrap();
+    assert_eq!(high, release.displacement);
+    assert_relative_eq!(high - low, 2.0 * 20.0 * 0.4 / 5000.0);
+    for velocity in [-0.3, 0.0, 0.049, 0.05, 0.051, 0.4] {
+        for displacement in [-0.01, 0.0, 1e-3, 0.01] {
+            let state = State::new(displacement, velocity);
+            let force = brake.friction_force(state);
+            let spring = PAD.stiffness * displacement + PAD.damping * velocity;
+            let newton = (force - spring) / PAD.mass;
+            assert_abs_diff_eq!(brake.acceleration(state), newton, epsilon = 1e-13);
+            let relative = velocity - PAD.belt_velocity;
+            let sticks = relative == 0.0 && (low..high).contains(&displacement);
+            let expected = match relative {
+                0.0 if sticks => spring,
+                0.0 => PAD.normal_force * law().kinetic(0.0) * displacement.signum(),
+                _ => -PAD.normal_force * law().coefficient(relative),
+            };
+            assert_relative_eq!(force, expected, max_relative = 1e-14);
+        }
+    }
+}
+
 #[test]
 fn cycles_and_events_are_those_of_the_dimensionless_system() {
     let brake = brake();
@@ -61,53 +120,18 @@ fn cycles_and_events_are_those_of_the_dimensionless_system() {
     let (own, bare) = (brake.cycles().unwrap(), limit_cycle::find(system).unwrap());
     assert_eq!(own.len(), bare.len());
     for (si, plain) in own.iter().zip(&bare) {
-        let close = |a: f64, b: f64| assert_relative_eq!(a, b, max_relative = 1e-13);
-        assert_eq!(
-            (si.kind(), si.multiplier()),
-            (plain.kind(), plain.multiplier())
-        );
-        close(si.period(), scaling.seconds(plain.period()));
-        close(si.stick_duration(), scaling.seconds(plain.stick_duration()));
-        close(si.amplitude(), scaling.metres(plain.amplitude()));
-        close(
-            si.mean_displacement(),
-            scaling.metres(plain.mean_displacement()),
-        );
-        close(
-            si.min_velocity(),
-            scaling.metres_per_second(plain.min_velocity()),
-        );
-        close(
-            si.max_sliding_speed(),
-            scaling.metres_per_second(plain.max_sliding_speed()),
-        );
-        close(
-            si.rms_velocity(),
-            scaling.metres_per_second(plain.rms_velocity()),
-        );
-        let acceleration = scaling.angular_frequency().powi(2) * scaling.length();
-        close(
-            si.rms_acceleration(),
-            acceleration * plain.rms_acceleration(),
-        );
-        close(
-            si.peak_acceleration(),
-            acceleration * plain.peak_acceleration(),
-        );
-        close(
-            si.energy().drive_work,
-            scaling.joules(plain.energy().drive_work),
-        );
-        close(
-            si.energy().damper_loss,
-            scaling.joules(plain.energy().damper_loss),
-        );
-        close(
-            si.energy().friction_loss,
-            scaling.joules(plain.energy().friction_loss),
-        );
-        for (a, b) in si.harmonics(5).iter().zip(plain.harmonics(5)) {
-            close(a.norm(), scaling.metres(b.norm()));
+        assert_eq!(si.kind(), plain.kind());
+        assert_eq!(si.multiplier(), plain.multiplier());
+        let pairs = measures(si).into_iter().zip(measures(plain));
+        for ((number, _), (expected, unit)) in pairs {
+            let unit = match unit {
+                Unit::Time => scaling.seconds(1.0),
+                Unit::Length => scaling.metres(1.0),
+                Unit::Velocity => scaling.metres_per_second(1.0),
+                Unit::Acceleration => scaling.angular_frequency().powi(2) * scaling.length(),
+                Unit::Energy => scaling.joules(1.0),
+            };
+            assert_relative_eq!(number, expected * unit, max_relative = 1e-13);
         }
         for (a, b) in si
             .trajectory()
@@ -170,7 +194,17 @@ fn velocities_and_diagrams_are_in_metres_per_second() {
             assert_relative_eq!(*found, scaling.metres_per_second(bare));
         }
     }
+    // μ̂'''(V) = −(μ_s − μ_c) exp(−V/v_s)/v_s³
+    assert_eq!(brake.criticality(-0.3), Criticality::Subcritical);
     let points: Vec<_> = brake.diagram([0.05, 0.1, f64::NAN]).collect();
+    #[cfg(feature = "rayon")]
+    for (shared, point) in brake
+        .par_diagram(&[0.05, 0.1, f64::NAN])
+        .iter()
+        .zip(&points)
+    {
+        assert_eq!(format!("{shared:?}"), format!("{point:?}"));
+    }
     let [Ok(first), Ok(second), Err(_)] = &points[..] else {
         panic!("{points:?}")
     };
