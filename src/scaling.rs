@@ -147,12 +147,13 @@ impl Scaling {
             angular_frequency.is_normal(),
             "stiffness/mass within the range of f64",
         )?;
+        let length = normal_force / stiffness;
         Self {
             physical,
-            length: f64::NAN,
+            length,
             angular_frequency,
         }
-        .with_length(normal_force / stiffness)
+        .with_length(length)
     }
 
     /// Sets another unit of length L > 0, in m.

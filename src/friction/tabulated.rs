@@ -114,9 +114,8 @@ impl Tabulated {
             )
             .map_err(|error| error.at_point(next))?;
         }
-        let static_coefficient = points.first().map_or(f64::NAN, |point| point.1);
         Ok(Self {
-            static_coefficient,
+            static_coefficient: points[0].1,
             points,
             pieces,
         })

@@ -64,11 +64,7 @@ impl<L: FrictionLaw> Oscillator for MassOnBelt<L> {
     }
 
     fn own(state: &State) -> state::State {
-        match (&state.displacements[..], &state.velocities[..]) {
-            ([displacement], [velocity]) => state::State::new(*displacement, *velocity),
-            // One mass has no other state.
-            _ => state::State::new(f64::NAN, f64::NAN),
-        }
+        state::State::new(state.displacements[0], state.velocities[0])
     }
 
     fn form(&self) -> GeneralForm<'_> {

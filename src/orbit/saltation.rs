@@ -194,8 +194,8 @@ impl TangentFlow<'_> {
             let contact = event.contact;
             if model.is_shared(contact) {
                 shared.push(event);
-            } else if self.form.holds(contact) {
-                changes.extend(self.changed(step, contact, event.kind));
+            } else if let Some(owned) = model.owner_of(contact) {
+                changes.extend(self.changed(step, (contact, owned), event.kind));
             } else if event.kind == EventKind::Close {
                 let change = self.closed(step, contact);
                 changes.push((self.form.carried_row(contact), change));
@@ -216,11 +216,11 @@ impl TangentFlow<'_> {
     fn changed(
         &self,
         step: &Step,
-        contact: usize,
+        (contact, owned): (usize, usize),
         kind: EventKind,
     ) -> Vec<(usize, RowDVector<f64>)> {
         let law = self.law(contact);
-        let at = self.instant(step, contact);
+        let at = self.instant(step, (contact, owned));
         let velocity = self.form.len() + at.coordinate;
         let mode = step.modes()[contact];
         let never = self.row(velocity) * 0.0;
@@ -474,10 +474,10 @@ impl TangentFlow<'_> {
         gradient * -rate.recip()
     }
 
-    fn instant(&self, step: &Step, number: usize) -> Instant {
+    /// Just before the event of a contact that owns coordinate i.
+    fn instant(&self, step: &Step, (number, i): (usize, usize)) -> Instant {
         let model = &self.form.model;
         let contact = &model.contacts[number];
-        let i = model.owner_of(number).unwrap_or_default();
         let h = step.duration();
         let state = step.end_state();
         // Just before the event, with the drives of the step before.

@@ -172,7 +172,7 @@ impl Structure {
             }
         }
         let sliding = self.frozen(high)?.steady_sliding()?;
-        let frequency = sliding.eigenvalues.first().map_or(f64::NAN, |s| s.im.abs());
+        let frequency = sliding.eigenvalues[0].im.abs();
         Ok(Some(StabilityChange {
             time: high,
             becomes_stable,

@@ -272,13 +272,13 @@ impl Decision {
             };
         }
         let pulls = self.accelerations(model, &places);
-        let of = |c: usize| places[c].unwrap_or_default();
-        let mut forces: Vec<f64> = contacts.iter().map(|&c| pulls[of(c)].0).collect();
-        let mut rounding: Vec<f64> = contacts.iter().map(|&c| pulls[of(c)].1).collect();
+        let sticking = || contacts.iter().filter_map(|&c| places[c]);
+        let mut forces: Vec<f64> = sticking().map(|i| pulls[i].0).collect();
+        let mut rounding: Vec<f64> = sticking().map(|i| pulls[i].1).collect();
         factor.solve(&mut forces);
         factor.magnify(&mut rounding);
-        for ((&c, force), rounding) in contacts.iter().zip(forces).zip(rounding) {
-            let candidate = &mut self.candidates[of(c)];
+        for ((i, force), rounding) in sticking().zip(forces).zip(rounding) {
+            let candidate = &mut self.candidates[i];
             (candidate.force, candidate.rounding) = (force, rounding);
             candidate.acceleration = 0.0;
         }
