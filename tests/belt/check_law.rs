@@ -288,22 +288,7 @@ fn faults_say_what_to_do() {
 }
 
 #[test]
-fn ranges_and_laws_that_no_system_takes_are_refused() {
-    let law = Coulomb::new(0.4, 0.3).unwrap();
-    for (start, end) in [
-        (-1.0, 1.0),
-        (f64::NAN, 1.0),
-        (0.0, f64::NAN),
-        (0.0, f64::INFINITY),
-        (1.0, 1.0),
-        (2.0, 1.0),
-    ] {
-        let found = check_law(&law, start..end);
-        assert!(
-            matches!(found, Err(Error::InvalidParameter { .. })),
-            "{start}..{end}: {found:?}"
-        );
-    }
+fn a_law_that_no_system_takes_is_refused() {
     let found = check_law(&polynomial(&[0.5]), 0.0..1.0);
     assert!(matches!(found, Err(Error::StaticBelowKinetic { .. })));
 }

@@ -521,33 +521,11 @@ fn too_many_events() {
 // -------------------------------------------------------------------------------------------------
 
 /// Numbers that break things.
+#[rustfmt::skip]
 const HOSTILE: [f64; 26] = [
-    0.0,
-    -0.0,
-    5e-324,
-    f64::MIN_POSITIVE,
-    1e-300,
-    1e-160,
-    1e-100,
-    1e-20,
-    1e-8,
-    0.25,
-    0.4,
-    1.0,
-    3.0,
-    1e3,
-    1e8,
-    1e20,
-    1e100,
-    1e150,
-    1e300,
-    1e305,
-    f64::MAX,
-    f64::NAN,
-    f64::INFINITY,
-    f64::NEG_INFINITY,
-    -1.0,
-    -1e300,
+    0.0, -0.0, 5e-324, f64::MIN_POSITIVE, 1e-300, 1e-160, 1e-100, 1e-20, 1e-8, 0.25, 0.4, 1.0,
+    3.0, 1e3, 1e8, 1e20, 1e100, 1e150, 1e300, 1e305, f64::MAX, f64::NAN, f64::INFINITY,
+    f64::NEG_INFINITY, -1.0, -1e300,
 ];
 
 /// Hostile in one to three places of an ordinary case, or in all of them.

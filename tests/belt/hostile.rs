@@ -291,6 +291,11 @@ fn motion_in_a_mirror_is_the_same_to_the_bit() {
             prop_assert_eq!(state.displacement, -seen.displacement);
             prop_assert_eq!(state.velocity, -seen.velocity);
             prop_assert_eq!(sigma(step), sigma(other).map(|sigma| -sigma));
+            let (seen, found) = (step.event(), other.event());
+            prop_assert_eq!(seen.map(|event| event.time), found.map(|event| event.time));
+            let t = 0.37 * step.duration().min(case.duration);
+            let (state, seen) = (step.state_at(t), other.state_at(t));
+            prop_assert_eq!(state, State::new(-seen.displacement, -seen.velocity));
         }
         Ok(())
     });

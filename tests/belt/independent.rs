@@ -1,7 +1,7 @@
 //! A simple integrator, written without an idea of the crate's, must see the same events.
 
+use crate::common::simple::{Seen, Simple, told};
 use crate::common::{Random, on_belt};
-use crate::simple::{Seen, Simple, told};
 use approx::assert_abs_diff_eq;
 use stick_slip::{
     Coulomb, Direction, Error, Exponential, FrictionLaw, Polynomial, Rational, State, Stribeck,
@@ -41,7 +41,7 @@ fn compare<L: FrictionLaw>(
         .unwrap();
     let has_kinks = system.law().breakpoints().next().is_some();
     let about = format!("belt {belt} damping {damping} load {load} start {start:?}");
-    let [coarse, fine] = [2.0 * STEP, STEP].map(|h| simple.run(start, DURATION, h));
+    let [coarse, fine] = [2.0 * STEP, STEP].map(|h| simple.run(start, DURATION, |_| h).0);
     judge(
         &about,
         &told(motion.events()),
@@ -220,7 +220,7 @@ fn the_simple_integrator_meets_the_known_slip_duration() {
         damping: 0.05,
         belt: 0.2,
     };
-    let seen = simple.run([0.0, 0.0], 8.0, 1e-3);
+    let seen = simple.run([0.0, 0.0], 8.0, |_| 1e-3).0;
     let (release, stick) = (seen[1], seen[2]);
     assert_eq!(
         (release.1, release.2, stick.1),

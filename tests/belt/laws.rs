@@ -423,24 +423,6 @@ fn rational_has_the_values_of_its_formula() {
     }
 }
 
-/// The system of Leine et al., Nonlinear Dynamics 16 (1998) 41-54: M = K = 1, F_s = 1, δ = 3, v_b =
-/// 0.2. The period is that of a classical Runge-Kutta integration of the slip phase with steps of
-/// 1/4000.
-#[test]
-fn leines_law_has_the_period_of_an_independent_integration() {
-    let system = MassOnBelt::new(Rational::new(1.0, 3.0).unwrap(), 0.2).unwrap();
-    let motion = system
-        .simulate(system.release_state().unwrap(), 30.0)
-        .unwrap();
-    let releases: Vec<f64> = motion
-        .events()
-        .iter()
-        .filter(|event| matches!(event.kind, EventKind::Release(_)))
-        .map(|event| event.time)
-        .collect();
-    assert_abs_diff_eq!(releases[1] - releases[0], 12.0010312948, epsilon = 1e-9);
-}
-
 #[test]
 fn table_goes_through_its_points_and_between_them_only_as_they_do() {
     let noisy = [

@@ -14,7 +14,6 @@ mod physical;
 mod radau;
 mod reference;
 mod scaling;
-mod simple;
 mod stiff;
 mod stop;
 mod sweep;

@@ -7,7 +7,7 @@
 use stick_slip::{FrictionLaw, MassOnBelt, State};
 
 use crate::common::radau::{Matrix, STAGES, Stages, solve, weights};
-use crate::simple::Seen;
+use crate::common::simple::Seen;
 
 /// The method, and how exact its steps are.
 #[derive(Debug, Clone)]

@@ -3,7 +3,9 @@
 
 use std::ops::Range;
 
+use crate::common::orbit::integrate;
 use crate::common::property::for_all;
+use crate::common::simple::runge_kutta;
 use proptest::prelude::*;
 use stick_slip::{
     AnyLaw, Coulomb, Error, FrictionLaw, MassOnBelt, Physical, Polynomial, Rational, Scaled,
@@ -233,14 +235,9 @@ fn slip_in_si_units(law: &AnyLaw, start: [f64; 2], seconds: f64) -> [f64; 2] {
     };
     let steps = (seconds / 1e-6).ceil();
     let h = seconds / steps;
-    let moved = |y: [f64; 2], k: [f64; 2], h: f64| [y[0] + h * k[0], y[1] + h * k[1]];
     let mut y = start;
     for _ in 0..steps as usize {
-        let k1 = rate(y);
-        let k2 = rate(moved(y, k1, 0.5 * h));
-        let k3 = rate(moved(y, k2, 0.5 * h));
-        let k4 = rate(moved(y, k3, h));
-        y = std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
+        y = runge_kutta(0.0, y, h, |_, y| rate(y));
     }
     y
 }
@@ -306,23 +303,11 @@ fn energy_balances_in_joules() {
         };
         let mut work = 0.0;
         for step in motion.steps() {
-            // Gauss-Legendre with five points on each of eight parts.
-            let part = step.duration() / 8.0;
-            for (i, (x, w)) in (0..8).flat_map(|i| GAUSS.map(|node| (f64::from(i), node))) {
-                let state = step.state_at(part * (i + 0.5 + 0.5 * x));
-                work += 0.5 * w * scaling.seconds(part) * power(state);
-            }
+            work += integrate(step.duration(), |t| power(step.state_at(t)));
         }
+        let work = scaling.seconds(work);
         let change = energy(motion.last()) - energy(State::new(0.0, 0.0));
         // Joules; the spring holds 0.01 J at release.
         assert!((work - change).abs() < 1e-14, "{law:?}: {work} {change}");
     }
 }
-
-const GAUSS: [(f64, f64); 5] = [
-    (-0.906179845938664, 0.23692688505618908),
-    (-0.5384693101056831, 0.47862867049936647),
-    (0.0, 0.5688888888888889),
-    (0.5384693101056831, 0.47862867049936647),
-    (0.906179845938664, 0.23692688505618908),
-];

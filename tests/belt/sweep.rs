@@ -2,7 +2,7 @@
 //! them, at tolerances from 1e-4 to round-off: every run must show the same events.
 
 use crate::common::on_belt;
-use crate::simple::{Seen, Simple, told};
+use crate::common::simple::{Seen, Simple, told};
 use stick_slip::{
     AnyLaw, CycleKind, Exponential, FrictionLaw, Integrator, MassOnBelt, Polynomial, State,
     limit_cycle,
@@ -108,7 +108,7 @@ fn validate(
         damping: DAMPING,
         belt: system.belt_velocity(),
     };
-    let [coarse, fine] = [8e-3, 4e-3].map(|h| simple.run([0.0, 0.0], DURATION, h));
+    let [coarse, fine] = [8e-3, 4e-3].map(|h| simple.run([0.0, 0.0], DURATION, |_| h).0);
     assert_same(about, truth, &fine, |i| {
         2.0 * coarse
             .get(i)

@@ -7,13 +7,15 @@ pub(crate) mod orbit;
 pub(crate) mod polynomials;
 pub(crate) mod property;
 pub(crate) mod radau;
+pub(crate) mod simple;
 
 use std::cell::Cell;
 
 use serde_json::Value;
 use stick_slip::analysis::dwell::DwellOscillator;
+use stick_slip::analysis::forced::ForcedOscillator;
 use stick_slip::{
-    AnyLaw, Contact, Coulomb, Direction, EventKind, Exponential, FrictionLaw, LimitCycle,
+    AnyLaw, Contact, Coulomb, Direction, Drive, EventKind, Exponential, FrictionLaw, LimitCycle,
     MassOnBelt, Polynomial, Scalar, State, Structure,
 };
 
@@ -318,5 +320,17 @@ pub(crate) fn dwelling(of: &DwellOscillator, velocity: f64) -> Structure {
         .and_then(|s| s.with_ground_spring(0, of.stiffness))
         .and_then(|s| s.with_ground_damper(0, of.damping))
         .and_then(|s| s.with_contact(contact.on_belt(velocity)))
+        .unwrap()
+}
+
+/// The mass of a closed formula on a surface at rest, with the force at this phase.
+pub(crate) fn forced(of: &ForcedOscillator, phase: f64) -> Structure {
+    let law = Coulomb::new(of.static_friction, of.kinetic_friction).unwrap();
+    let force = Drive::harmonic(of.force, of.angular_frequency, phase).unwrap();
+    Structure::new(&[1.0])
+        .and_then(|s| s.with_ground_spring(0, 1.0))
+        .and_then(|s| s.with_ground_damper(0, 2.0 * of.damping))
+        .and_then(|s| s.with_force(0, force))
+        .and_then(|s| s.with_contact(Contact::new(0, law, 1.0)?))
         .unwrap()
 }

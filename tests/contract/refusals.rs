@@ -183,9 +183,11 @@ fn laws() -> Vec<Case> {
         "LuGre" "viscous" BELOW, |x| LuGre::new(law(), 1e3, 1.0, x);
         "Dahl" "coefficient" NOT_ABOVE, |x| Dahl::new(x, 1e3);
         "Dahl" "stiffness" NOT_ABOVE, |x| Dahl::new(0.4, x);
-        "Dwell" "limit" &[0.3], |x| Dwell::exponential(law(), x, 1.0);
-        "Dwell" "limit" &[0.3], |x| Dwell::hyperbolic(law(), x, 1.0);
+        "Dwell" "limit" &[0.3, 0.39], |x| Dwell::exponential(law(), x, 1.0);
+        "Dwell" "limit" &[0.3, 0.39], |x| Dwell::hyperbolic(law(), x, 1.0);
         "Dwell" "rate" BELOW, |x| Dwell::logarithmic(law(), x, 1.0);
+        "Dwell" "time" NOT_ABOVE, |x| Dwell::exponential(law(), 0.5, x);
+        "Dwell" "time" NOT_ABOVE, |x| Dwell::hyperbolic(law(), 0.5, x);
         "Dwell" "time" NOT_ABOVE, |x| Dwell::logarithmic(law(), 0.1, x);
         "FrictionLaw" "static_coefficient" BELOW, |x| MassOnBelt::new(Given(x), 0.2);
         "FrictionLaw" "static_coefficient" BELOW, |x| Contact::new(0, Given(x), 1.0);
@@ -359,6 +361,9 @@ fn counts() -> Vec<(&'static str, &'static str, f64, Error)> {
     let no_events = Integrator::new().with_max_events(0);
     let no_power = Stribeck::new(0.4, 0.2, 0.5, 0);
     let too_high = Stribeck::new(0.4, 0.2, 0.5, MOST as u32);
+    let smooth = Coulomb::new(0.4, 0.0).unwrap();
+    let no_friction = LuGre::new(smooth, 1.0, 0.0, 0.0);
+    let no_points = orbit::Search::new().with_max_points(0);
     let no_table = Tabulated::new([]);
     let one_point = Tabulated::new([(0.0, 0.4)]);
     let no_point = Drive::profile(&[]);
@@ -370,6 +375,8 @@ fn counts() -> Vec<(&'static str, &'static str, f64, Error)> {
         ("Integrator", "max_events", 0.0, no_events.unwrap_err()),
         (search, "max_steps", 0.0, no_search.unwrap_err()),
         ("orbit::Search", "max_steps", 0.0, no_orbit.unwrap_err()),
+        ("orbit::Search", "max_points", 0.0, no_points.unwrap_err()),
+        ("LuGre", "coefficient", 0.0, no_friction.unwrap_err()),
         ("Stribeck", "exponent", 0.0, no_power.unwrap_err()),
         ("Stribeck", "exponent", MOST, too_high.unwrap_err()),
         ("Tabulated", "points", 0.0, no_table.unwrap_err()),

@@ -3,6 +3,7 @@
 
 use std::collections::HashMap;
 
+use crate::common::simple::{bisect, runge_kutta};
 use crate::common::{Random, on_belt};
 use stick_slip::bifurcation::{
     crossing_velocities, fold_velocities, grazing_velocities, hopf_velocities, overshoot_velocities,
@@ -111,28 +112,13 @@ impl Plain {
         -2.0 * self.damping * v - u - side * self.load * self.formula.at(speed)
     }
 
-    fn stepped(&self, side: f64, [u, v]: [f64; 2], h: f64) -> [f64; 2] {
-        let rate = |u: f64, v: f64| [v, self.acceleration(side, u, v)];
-        let a = rate(u, v);
-        let b = rate(u + 0.5 * h * a[0], v + 0.5 * h * a[1]);
-        let c = rate(u + 0.5 * h * b[0], v + 0.5 * h * b[1]);
-        let d = rate(u + h * c[0], v + h * c[1]);
-        let mean = |i: usize| (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]) / 6.0;
-        [u + h * mean(0), v + h * mean(1)]
+    fn stepped(&self, side: f64, from: [f64; 2], h: f64) -> [f64; 2] {
+        runge_kutta(0.0, from, h, |_, [u, v]| [v, self.acceleration(side, u, v)])
     }
 
-    /// The part of a step after which `passed` becomes true, by bisection.
+    /// The part of a step after which `passed` becomes true.
     fn part(&self, side: f64, from: [f64; 2], h: f64, passed: impl Fn([f64; 2]) -> bool) -> f64 {
-        let (mut low, mut high) = (0.0, h);
-        for _ in 0..45 {
-            let middle = 0.5 * (low + high);
-            if passed(self.stepped(side, from, middle)) {
-                high = middle;
-            } else {
-                low = middle;
-            }
-        }
-        high
+        bisect(h, |part| passed(self.stepped(side, from, part)))
     }
 
     fn arc(&self, side: f64, mut now: [f64; 2]) -> End {

@@ -3,7 +3,7 @@
 use crate::common::polynomials::Polynomials;
 use crate::common::{Random, on_belt, paper};
 use approx::assert_abs_diff_eq;
-use stick_slip::analysis::{averaging, coulomb};
+use stick_slip::analysis::averaging;
 use stick_slip::bifurcation::{grazing_velocities, hopf_velocities};
 use stick_slip::limit_cycle::{self, Attractor, attractor};
 use stick_slip::{
@@ -20,21 +20,6 @@ fn stick_slip_takes_one_arc() {
     let steps = trajectory.steps();
     assert_eq!(steps.len(), 9 + 1 + 1);
     assert_eq!((steps[10].duration(), steps[10].event()), (0.0, None));
-}
-
-#[test]
-fn coulomb_ends_where_its_closed_form_says() {
-    for beta in [1e-4, 1e-3, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9] {
-        let system = on_belt(Coulomb::new(0.4, 0.25).unwrap(), 1.0, beta, 1.0);
-        let exact = coulomb::largest_stick_slip_velocity(&system);
-        let found = grazing_velocities(&system, 0.0..2.0 * exact).unwrap();
-        assert_eq!(found.len(), 1, "β = {beta}: {found:?}");
-        assert!(
-            (found[0] - exact).abs() <= 1e-12 * exact.max(1.0),
-            "β = {beta}: {} {exact}",
-            found[0]
-        );
-    }
 }
 
 #[test]

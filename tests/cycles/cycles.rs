@@ -58,15 +58,7 @@ fn of_kind(cycles: &CycleSet, kind: CycleKind) -> Vec<&LimitCycle> {
 fn check<L: FrictionLaw>(case: &Value, system: &MassOnBelt<L>) -> f64 {
     let id = text(&case["id"]);
     let cycles = limit_cycle::find(system).unwrap_or_else(|error| panic!("{id}: {error}"));
-    println!(
-        "{id}: {:?} {:?}",
-        cycles
-            .iter()
-            .map(|c| (c.kind(), c.amplitude(), c.multiplier()))
-            .collect::<Vec<_>>(),
-        cycles.unresolved()
-    );
-    assert_eq!(cycles.unresolved(), [], "{id}");
+    assert_eq!(cycles.unresolved(), [], "{id}: {cycles:?}");
     let pure_slip = of_kind(&cycles, CycleKind::PureSlip);
     let stick_slip = of_kind(&cycles, CycleKind::StickSlip);
     assert_eq!(
@@ -120,15 +112,7 @@ fn overshoot_and_crossing_of_the_reference() {
         let id = text(&case["id"]);
         let system = system_of(case);
         let cycles = limit_cycle::find(&system).unwrap_or_else(|error| panic!("{id}: {error}"));
-        println!(
-            "{id}: {:?} {:?}",
-            cycles
-                .iter()
-                .map(|c| (c.kind(), c.amplitude(), c.multiplier()))
-                .collect::<Vec<_>>(),
-            cycles.unresolved()
-        );
-        assert_eq!(cycles.unresolved(), [], "{id}");
+        assert_eq!(cycles.unresolved(), [], "{id}: {cycles:?}");
         let sticking = limit_cycle::stick_slip(&system).unwrap();
         assert_eq!(sticking.is_some(), !case["stick_cycle"].is_null(), "{id}");
         if let Some(cycle) = sticking {

@@ -399,15 +399,6 @@ fn a_continuum_is_passed() {
     }
 }
 
-#[test]
-fn kinds_have_names() {
-    assert_eq!(BifurcationKind::Fold.to_string(), "fold");
-    assert_eq!(
-        format!("{:>16}", BifurcationKind::NeimarkSacker),
-        "  Neimark-Sacker"
-    );
-}
-
 /// A forced mass beside one that slides steadily on a belt: where the second one begins to vibrate
 /// by itself, a pair of multipliers leaves the unit circle.
 fn forced_beside_sliding(velocity: f64, coupling: f64) -> Result<Structure, Error> {

@@ -3,7 +3,6 @@
 use crate::common::on_belt;
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
 
-use stick_slip::analysis::drill_string::TwoInertias;
 use stick_slip::analysis::fast_vibration::{mean_coefficient, onset_velocity};
 use stick_slip::analysis::mode_coupling::ModeCoupling;
 use stick_slip::nalgebra::DMatrix;
@@ -78,32 +77,6 @@ fn flutter_grows_beyond_the_threshold_of_mode_coupling() {
             );
             assert!((expected - 0.0).abs() < 1e-14 || (factor - 1.0) * expected > 0.0);
         }
-    }
-}
-
-#[test]
-fn drill_strings_begin_to_swing_at_the_critical_slope() {
-    let string = TwoInertias {
-        upper: 5.0,
-        lower: 1.0,
-        stiffness: 2.0,
-        damping: 1.5,
-    };
-    let critical = string.critical_slope().unwrap();
-    let law = Polynomial::new(0.4, 0.25, 2.0).unwrap();
-    let speed = 1.0;
-    for (factor, grows) in [(0.97, false), (1.03, true)] {
-        // The load that gives the friction torque this slope. The table is held by a weak spring.
-        let load = factor * critical / law.slope(speed);
-        let structure = Structure::new(&[5.0, 1.0])
-            .and_then(|s| s.with_spring(0, 1, 2.0)?.with_ground_spring(0, 1e-4))
-            .and_then(|s| s.with_ground_damper(0, 1.5))
-            .and_then(|s| s.with_contact(Contact::new(1, law, load)?.on_belt(-speed)))
-            .unwrap();
-        let found = growth(&structure, 600.0);
-        assert_eq!(found > 0.0, grows, "{factor}: {found}");
-        let expected = structure.steady_sliding().unwrap().eigenvalues[0].re;
-        assert_eq!(expected > 0.0, grows, "{factor}: {expected}");
     }
 }
 

@@ -4,111 +4,15 @@ use approx::assert_abs_diff_eq;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use proptest::{prop_assert, prop_assert_eq};
-use stick_slip::analysis::forced::{ForcedOscillator, no_stop_limit};
+use stick_slip::analysis::forced::ForcedOscillator;
 use stick_slip::structure::State;
 use stick_slip::{
-    Contact, Coulomb, Direction, Drive, EventKind, Exponential, Integrator, Mode, Polynomial,
-    Segment, Structure,
+    Contact, Coulomb, Drive, Exponential, Integrator, Mode, Polynomial, Segment, Structure,
 };
 
+use crate::common::forced;
 use crate::common::property::for_all;
-
-fn forced(oscillator: &ForcedOscillator, phase: f64) -> Structure {
-    let &ForcedOscillator {
-        damping,
-        angular_frequency,
-        kinetic_friction,
-        static_friction,
-        force,
-    } = oscillator;
-    let law = Coulomb::new(static_friction, kinetic_friction).unwrap();
-    let drive = Drive::harmonic(force, angular_frequency, phase).unwrap();
-    Structure::new(&[1.0])
-        .and_then(|structure| structure.with_ground_spring(0, 1.0))
-        .and_then(|structure| structure.with_ground_damper(0, 2.0 * damping))
-        .and_then(|structure| structure.with_force(0, drive))
-        .and_then(|structure| structure.with_contact(Contact::new(0, law, 1.0)?))
-        .unwrap()
-}
-
-#[test]
-fn den_hartogs_motion_is_met() {
-    for (damping, angular_frequency, friction) in [
-        (0.05, 0.8, 0.3),
-        (0.0, 1.5, 0.3),
-        (0.0, 2.0, 0.5),
-        (0.1, 1.0, 0.5),
-        (0.2, 0.6, 0.1),
-        (0.02, 3.0, 0.1),
-    ] {
-        let oscillator = ForcedOscillator {
-            damping,
-            angular_frequency,
-            kinetic_friction: friction,
-            static_friction: 1.01 * friction,
-            force: 1.0,
-        };
-        let orbit = oscillator.without_stops().unwrap();
-        let structure = forced(&oscillator, orbit.phase());
-        let start = State::new(&[orbit.amplitude()], &[0.0]);
-        let motion = structure.simulate(start, 4.25 * orbit.period()).unwrap();
-        assert_eq!(motion.events().len(), 8, "{oscillator:?}");
-        for (k, event) in motion.events().iter().enumerate() {
-            let up = k % 2 == 0;
-            let direction = if up {
-                Direction::Leading
-            } else {
-                Direction::Lagging
-            };
-            assert_eq!(event.kind, EventKind::Crossing(direction), "{oscillator:?}");
-            let time = (k + 1) as f64 * PI / angular_frequency;
-            assert!((event.time - time).abs() < 1e-12, "{oscillator:?}");
-            let turn = if up {
-                -orbit.amplitude()
-            } else {
-                orbit.amplitude()
-            };
-            assert!(
-                (event.state.displacements[0] - turn).abs() < 1e-12,
-                "{oscillator:?}"
-            );
-        }
-        for (time, state) in motion.sample(50) {
-            let (x, v) = orbit.at(time);
-            assert!((state.displacements[0] - x).abs() < 1e-12, "{oscillator:?}");
-            assert!((state.velocities[0] - v).abs() < 1e-12, "{oscillator:?}");
-        }
-    }
-}
-
-#[test]
-fn stops_begin_at_den_hartogs_limit() {
-    for angular_frequency in [0.7, 0.8, 1.5, 2.0] {
-        let limit = no_stop_limit(angular_frequency).unwrap();
-        for (factor, stops) in [(0.999, false), (1.001, true)] {
-            let friction = factor * limit;
-            let oscillator = ForcedOscillator {
-                damping: 0.0,
-                angular_frequency,
-                kinetic_friction: friction,
-                static_friction: friction,
-                force: 1.0,
-            };
-            let structure = forced(&oscillator, 0.3);
-            let motion = structure
-                .simulate(State::new(&[0.4], &[0.0]), 1500.0)
-                .unwrap();
-            // After the transient.
-            let late = motion.events().iter().filter(|event| event.time > 1400.0);
-            let sticks = late
-                .clone()
-                .filter(|event| event.kind == EventKind::Stick)
-                .count();
-            assert!(late.count() > 10);
-            assert_eq!(sticks > 0, stops, "{angular_frequency}, {factor}: {sticks}");
-        }
-    }
-}
+use crate::work::Work;
 
 /// Two blocks on belts that oscillate together, with velocities w̄_i + W', and the same from the
 /// belts' frame, q = y + W: steady belts, the additional forces −(M W'' + C W' + K W), row sums of
@@ -289,76 +193,9 @@ fn clones_stay_together_to_the_bit() {
 #[test]
 fn energy_balances() {
     let (structure, laws) = everything(1.0);
-    let motion = structure
-        .simulate(State::new(&[0.4, -0.1, 0.2], &[0.1, 0.0, -0.3]), 40.0)
-        .unwrap();
-    let n = structure.len();
-    let energy = |state: &State| {
-        let (q, v) = (&state.displacements, &state.velocities);
-        let kinetic: f64 = (0..n).map(|i| structure.masses()[i] * v[i] * v[i]).sum();
-        let elastic: f64 = (0..n)
-            .flat_map(|i| (0..n).map(move |j| (i, j)))
-            .map(|(i, j)| q[i] * structure.stiffness()[(i, j)] * q[j])
-            .sum();
-        0.5 * (kinetic + elastic)
-    };
-    // Power of all that is not elastic. What a contact that sticks carries follows from the law of
-    // motion.
-    let power = |time: f64, state: &State, modes: &[Mode]| -> f64 {
-        let (q, v) = (&state.displacements, &state.velocities);
-        let row = |m: &stick_slip::nalgebra::DMatrix<f64>, i: usize, x: &[f64]| -> f64 {
-            (0..n).map(|j| m[(i, j)] * x[j]).sum()
-        };
-        let mut sum = 0.0;
-        for i in 0..n {
-            let force = structure.forces()[i].value(time) - row(structure.damping(), i, v);
-            sum += v[i] * force;
-        }
-        for ((contact, law), mode) in structure.contacts().iter().zip(&laws).zip(modes) {
-            let i = contact.coordinate();
-            let carried = match mode {
-                Mode::Slip(direction) => {
-                    use stick_slip::FrictionLaw;
-                    let r = v[i] - contact.belt_velocity().value(time);
-                    // At r = 0 the side of the slip counts.
-                    let speed = (direction.sign() * r).max(0.0);
-                    let coefficient = direction.sign() * law.kinetic(speed);
-                    contact.load_at(time, q) * coefficient
-                }
-                Mode::Stick => {
-                    let force = structure.forces()[i].value(time);
-                    force
-                        - row(structure.damping(), i, v)
-                        - row(structure.stiffness(), i, q)
-                        - structure.masses()[i] * contact.belt_velocity().slope(time)
-                }
-                Mode::Open => 0.0,
-            };
-            sum -= v[i] * carried;
-        }
-        sum
-    };
-    let mut work = 0.0;
-    for step in motion.steps() {
-        let (start, duration) = (step.start_time(), step.duration());
-        // 5-point Gauss rule on eight parts.
-        let parts = 8;
-        let h = duration / f64::from(parts);
-        for part in 0..parts {
-            for (x, weight) in [
-                (0.0, 128.0 / 225.0),
-                (0.538_469_310_105_683, 0.478_628_670_499_366_5),
-                (-0.538_469_310_105_683, 0.478_628_670_499_366_5),
-                (0.906_179_845_938_664, 0.236_926_885_056_189_1),
-                (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
-            ] {
-                let t = (f64::from(part) + 0.5 + 0.5 * x) * h;
-                work += 0.5 * h * weight * power(start + t, &step.state_at(t), step.modes());
-            }
-        }
-    }
-    let change = energy(&motion.last()) - energy(&motion.steps()[0].state().clone());
-    assert!((change - work).abs() < 1e-13 * 40.0, "{change} {work}");
+    let start = State::new(&[0.4, -0.1, 0.2], &[0.1, 0.0, -0.3]);
+    let motion = structure.simulate(start, 40.0).unwrap();
+    Work::new(&structure, &laws).balances(&motion, "everything");
 }
 
 /// A motion that is locked to its drive comes at the same phases after 10⁶ and 10⁹ periods.

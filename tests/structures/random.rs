@@ -8,6 +8,7 @@ use stick_slip::{
 };
 
 use crate::common::Random;
+use crate::common::simple::runge_kutta;
 use crate::plain::{Plain, Seen};
 use crate::reading::Raised;
 
@@ -422,18 +423,12 @@ fn a_load_opens_over_a_mass_that_carries_nothing() {
 fn in_slip(start: [f64; 2], duration: f64, mass: f64, force: impl Fn(f64, [f64; 2]) -> f64) -> f64 {
     let n = 20_000;
     let h = duration / f64::from(n);
-    let [mut q, mut v] = start;
+    let mut x = start;
     for i in 0..n {
-        let t = f64::from(i) * h;
-        let rate = |t: f64, q: f64, v: f64| [v, force(t, [q, v]) / mass];
-        let a = rate(t, q, v);
-        let b = rate(t + 0.5 * h, q + 0.5 * h * a[0], v + 0.5 * h * a[1]);
-        let c = rate(t + 0.5 * h, q + 0.5 * h * b[0], v + 0.5 * h * b[1]);
-        let d = rate(t + h, q + h * c[0], v + h * c[1]);
-        q += h * (a[0] + 2.0 * (b[0] + c[0]) + d[0]) / 6.0;
-        v += h * (a[1] + 2.0 * (b[1] + c[1]) + d[1]) / 6.0;
+        let rates = |t: f64, x: [f64; 2]| [x[1], force(t, x) / mass];
+        x = runge_kutta(f64::from(i) * h, x, h, rates);
     }
-    v
+    x[1]
 }
 
 /// Nothing is elastic and nothing damps, and the load begins at 0: what a step may miss is measured

@@ -2,7 +2,9 @@
 
 use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::structure::{State, Step};
-use stick_slip::{AnyLaw, FrictionLaw, Mode, Segment, Structure};
+use stick_slip::{AnyLaw, FrictionLaw, Mode, Segment, Structure, Trajectory};
+
+use crate::common::orbit::integrate;
 
 /// A structure whose contacts have laws of dry friction.
 pub(crate) struct Work<'s> {
@@ -89,32 +91,32 @@ impl<'s> Work<'s> {
     pub(crate) fn over(&self, step: &Step) -> (f64, f64) {
         let skew = (self.structure.stiffness() - self.structure.stiffness().transpose()) * 0.5;
         let (start, duration) = (step.start_time(), step.duration());
-        let (mut work, mut size) = (0.0, 0.0);
-        // 10-point Gauss rule on each half.
-        for half in [0.25, 0.75] {
-            for (x, weight) in GAUSS.into_iter().flat_map(|(x, w)| [(x, w), (-x, w)]) {
-                let t = (half + 0.25 * x) * duration;
-                let state = step.state_at(t);
-                let forces = self.forces(start + t, &state, step.modes());
-                let [q, v] = [&state.displacements, &state.velocities]
-                    .map(|x| DVector::from_column_slice(x));
-                let mut parts = vec![forces.outer.dot(&v), -v.dot(&(&skew * &q))];
-                let along = &self.rows * &v;
-                parts.extend(forces.carried.iter().zip(&along).map(|(f, v)| -f * v));
-                let weight = 0.25 * duration * weight;
-                work += weight * parts.iter().sum::<f64>();
-                size += weight * parts.iter().map(|part| part.abs()).sum::<f64>();
-            }
-        }
+        let parts = |t: f64| {
+            let state = step.state_at(t);
+            let forces = self.forces(start + t, &state, step.modes());
+            let [q, v] =
+                [&state.displacements, &state.velocities].map(|x| DVector::from_column_slice(x));
+            let along = &self.rows * &v;
+            let contacts = forces.carried.iter().zip(&along).map(|(f, v)| -f * v);
+            let outer = [forces.outer.dot(&v), -v.dot(&(&skew * &q))];
+            let parts: Vec<f64> = contacts.chain(outer).collect();
+            parts
+        };
+        let work = integrate(duration, |t| parts(t).iter().sum());
+        let size = integrate(duration, |t| parts(t).iter().map(|part| part.abs()).sum());
         (work, size)
     }
-}
 
-/// Points and weights of the 10-point Gauss rule on [−1, 1], one of each pair.
-const GAUSS: [(f64, f64); 5] = [
-    (0.148_874_338_981_631_21, 0.295_524_224_714_752_87),
-    (0.433_395_394_129_247_19, 0.269_266_719_309_996_35),
-    (0.679_409_568_299_024_41, 0.219_086_362_515_982_04),
-    (0.865_063_366_688_984_51, 0.149_451_349_150_580_59),
-    (0.973_906_528_517_171_72, 0.066_671_344_308_688_138),
-];
+    /// Work is the change of energy over every step, at round-off. Returns the largest part missing.
+    pub(crate) fn balances(&self, motion: &Trajectory<State>, about: &str) -> f64 {
+        let steps = motion.steps().iter().filter(|step| step.duration() > 0.0);
+        let missing = steps.map(|step| {
+            let (done, size) = self.over(step);
+            let [a, b] = [step.state(), &step.end_state()].map(|state| self.energy(state));
+            let apart = (b - a - done).abs() / (size + a.abs() + b.abs());
+            assert!(apart < 1e-13, "{about} at {}: {apart:e}", step.start_time());
+            apart
+        });
+        missing.fold(0.0, f64::max)
+    }
+}

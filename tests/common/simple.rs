@@ -3,6 +3,35 @@
 
 use stick_slip::{Event, EventKind};
 
+/// The classical Runge-Kutta step from x at time t.
+pub(crate) fn runge_kutta<const N: usize>(
+    t: f64,
+    x: [f64; N],
+    h: f64,
+    rates: impl Fn(f64, [f64; N]) -> [f64; N],
+) -> [f64; N] {
+    let moved = |k: [f64; N], h: f64| std::array::from_fn(|i| x[i] + h * k[i]);
+    let a = rates(t, x);
+    let b = rates(t + 0.5 * h, moved(a, 0.5 * h));
+    let c = rates(t + 0.5 * h, moved(b, 0.5 * h));
+    let d = rates(t + h, moved(c, h));
+    std::array::from_fn(|i| x[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]))
+}
+
+/// Where in (0, h] a condition begins to hold that holds at h.
+pub(crate) fn bisect(h: f64, holds: impl Fn(f64) -> bool) -> f64 {
+    let (mut no, mut yes) = (0.0, h);
+    for _ in 0..60 {
+        let middle = 0.5 * (no + yes);
+        if holds(middle) {
+            yes = middle;
+        } else {
+            no = middle;
+        }
+    }
+    yes
+}
+
 /// What happened, as the simple integrator tells it: its time, a letter (s: stick, r: release, c:
 /// crossing), and the sign of v_r afterwards.
 pub(crate) type Seen = (f64, char, f64);
@@ -16,7 +45,7 @@ pub(crate) struct Simple<'a> {
 }
 
 impl Simple<'_> {
-    fn rates(&self, side: f64, [u, v]: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn rates(&self, side: f64, [u, v]: [f64; 2]) -> [f64; 2] {
         let speed = (side * (v - self.belt)).max(0.0);
         [
             v,
@@ -24,28 +53,9 @@ impl Simple<'_> {
         ]
     }
 
-    /// The classical Runge-Kutta step.
-    fn step(&self, side: f64, x: [f64; 2], h: f64) -> [f64; 2] {
-        let moved = |k: [f64; 2], h: f64| [x[0] + h * k[0], x[1] + h * k[1]];
-        let a = self.rates(side, x);
-        let b = self.rates(side, moved(a, 0.5 * h));
-        let c = self.rates(side, moved(b, 0.5 * h));
-        let d = self.rates(side, moved(c, h));
-        std::array::from_fn(|i| x[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]))
-    }
-
-    /// Where in (0, h] a condition begins to hold that holds at h.
-    fn bisect(h: f64, holds: impl Fn(f64) -> bool) -> f64 {
-        let (mut no, mut yes) = (0.0, h);
-        for _ in 0..60 {
-            let middle = 0.5 * (no + yes);
-            if holds(middle) {
-                yes = middle;
-            } else {
-                no = middle;
-            }
-        }
-        yes
+    /// The state a step later.
+    pub(crate) fn step(&self, side: f64, x: [f64; 2], h: f64) -> [f64; 2] {
+        runge_kutta(0.0, x, h, |_, x| self.rates(side, x))
     }
 
     /// The side to which a mass at u leaves the belt, or 0 if it sticks.
@@ -58,7 +68,13 @@ impl Simple<'_> {
         }
     }
 
-    pub(crate) fn run(&self, mut x: [f64; 2], duration: f64, h: f64) -> Vec<Seen> {
+    /// Events before the end and the last state, in steps of a length that may depend on the state.
+    pub(crate) fn run(
+        &self,
+        mut x: [f64; 2],
+        duration: f64,
+        length: impl Fn([f64; 2]) -> f64,
+    ) -> (Vec<Seen>, [f64; 2]) {
         let mut seen = Vec::new();
         let mut time = 0.0;
         let mut side = if x[1] == self.belt {
@@ -70,19 +86,25 @@ impl Simple<'_> {
             if side == 0.0 {
                 let release =
                     self.belt.signum() * self.static_friction - 2.0 * self.damping * self.belt;
-                time += (release - x[0]) / self.belt;
+                let wait = (release - x[0]) / self.belt;
+                if time + wait >= duration {
+                    x[0] += self.belt * (duration - time);
+                    break;
+                }
+                time += wait;
                 x[0] = release;
                 side = -self.belt.signum();
                 seen.push((time, 'r', side));
                 continue;
             }
+            let h = length(x).min(duration - time);
             let next = self.step(side, x, h);
             let speed_at = |x: [f64; 2]| side * (x[1] - self.belt);
             let speed = |t: f64| speed_at(self.step(side, x, t));
             let slows_at = |x: [f64; 2]| side * self.rates(side, x)[1] < 0.0;
             // The lowest speed in this step: at its end, or where the mass no longer slows down.
             let (lowest, least) = if slows_at(x) && !slows_at(next) {
-                let turn = Self::bisect(h, |t| !slows_at(self.step(side, x, t)));
+                let turn = bisect(h, |t| !slows_at(self.step(side, x, t)));
                 (turn, speed(turn))
             } else {
                 (h, speed_at(next))
@@ -93,7 +115,7 @@ impl Simple<'_> {
                 time += h;
                 continue;
             }
-            let contact = Self::bisect(lowest, |t| speed(t) < 0.0);
+            let contact = bisect(lowest, |t| speed(t) < 0.0);
             x = [self.step(side, x, contact)[0], self.belt];
             time += contact;
             let next = self.leaves(x[0]);
@@ -103,7 +125,7 @@ impl Simple<'_> {
             side = next;
         }
         seen.retain(|event| event.0 < duration);
-        seen
+        (seen, x)
     }
 }
 
