@@ -574,3 +574,45 @@ fn parallel_elements_share_what_they_carry() {
     assert_relative_eq!(carried[0], 3.0 * carried[1], max_relative = 1e-13);
     assert_eq!(pair(true).carried(5.0, &motion.last()).unwrap(), *carried);
 }
+
+/// A block that rests is pushed by a force, while a spring beside it is open, or opens because its
+/// load falls: an open spring does not pull, whichever contact is numbered first.
+#[test]
+fn an_open_spring_does_not_pull_what_starts_to_slip() {
+    let (force, mass, friction) = (1.0, 0.8, 0.3);
+    let ground = || Contact::new(0, coulomb(friction), 1.0).unwrap();
+    // The load jumps below 0 at the time 1, or is below it from the beginning.
+    for begin in [0.0, 1.0] {
+        for side in [1.0, -1.0] {
+            let load = Drive::profile(&[(begin, 0.1), (begin, -2.0)]).unwrap();
+            let push = Drive::profile(&[(begin, 0.0), (begin, force)]).unwrap();
+            let spring = Contact::new(1, coulomb(0.2), load)
+                .and_then(|contact| contact.with_normal_spring(&[(0, side)], 0.5))
+                .unwrap();
+            for first in [true, false] {
+                let [a, b] = if first {
+                    [ground(), spring.clone()]
+                } else {
+                    [spring.clone(), ground()]
+                };
+                let block = Structure::new(&[mass, 1.0])
+                    .and_then(|s| {
+                        s.with_force(0, push.clone())?
+                            .with_contact(a)?
+                            .with_contact(b)
+                    })
+                    .unwrap();
+                let motion = block.simulate(State::at_rest(2), begin + 1.0).unwrap();
+                let velocity = (force - friction) / mass;
+                assert_abs_diff_eq!(motion.last().velocities[0], velocity, epsilon = 1e-14);
+                assert_abs_diff_eq!(
+                    motion.last().displacements[0],
+                    0.5 * velocity,
+                    epsilon = 1e-14
+                );
+                let defect = block.energy_budget(&motion).unwrap().defect();
+                assert_abs_diff_eq!(defect, 0.0, epsilon = 1e-14);
+            }
+        }
+    }
+}

@@ -88,7 +88,14 @@ fn revise(
             let new = || Decision::new(model, situation, series);
             decision.get_or_insert_with(new).restart();
         }
-        changed |= change || revise_mode(model, situation, series, c, may_jump);
+        changed |= change;
+    }
+    if changed {
+        // A spring that opens or closes changes the force that others carry.
+        return Ok(true);
+    }
+    for c in 0..situation.contacts.len() {
+        changed |= revise_mode(model, situation, series, c, may_jump);
     }
     if let Some(decision) = decision {
         changed |= decision.revise(model, situation, series);
