@@ -1,4 +1,4 @@
-//! Eigenvalues of any real matrix.
+//! Eigenvalues of any real matrix, and units in which its rows and columns are of one size.
 
 use nalgebra::linalg::Schur;
 use nalgebra::{Complex, DMatrix, DVector};
@@ -38,6 +38,41 @@ pub(crate) fn eigenvalues(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     }
     let values = values?.complex_eigenvalues();
     Some(values.iter().map(|value| value * unit).collect())
+}
+
+/// Changes a matrix M to D⁻¹ M D, where the diagonal of D, the result, holds the powers of two for
+/// which each row is about as large as its column: nothing is rounded. Units that are out of the
+/// range of numbers stay as they are.
+///
+/// Source: E. E. Osborne, *J. ACM* 7 (1960) 338-345; the condition to go on is that of B. N.
+/// Parlett, C. Reinsch, *Numer. Math.* 13 (1969) 293-304.
+pub(crate) fn balance(matrix: &mut DMatrix<f64>) -> DVector<f64> {
+    let order = matrix.nrows();
+    let mut units = DVector::repeat(order, 1.0);
+    for _ in 0..MOST_SWEEPS {
+        let mut changed = false;
+        for i in 0..order {
+            // The largest sizes: a sum of squares could overflow.
+            let others = || (0..order).filter(|j| *j != i);
+            let column = others().fold(0.0_f64, |size, j| size.max(matrix[(j, i)].abs()));
+            let row = others().fold(0.0_f64, |size, j| size.max(matrix[(i, j)].abs()));
+            let unit = (0.5 * (row.log2() - column.log2())).round().exp2();
+            let all = units[i] * unit;
+            if !(all.is_normal() && all.recip().is_normal() && unit.recip().is_normal()) {
+                continue;
+            }
+            if column * unit + row / unit < 0.95 * (column + row) {
+                changed = true;
+                units[i] = all;
+                matrix.column_mut(i).scale_mut(unit);
+                matrix.row_mut(i).unscale_mut(unit);
+            }
+        }
+        if !changed {
+            break;
+        }
+    }
+    units
 }
 
 /// H M H, H = 1 − 2 v vᵀ/(vᵀv): the matrix in the basis that the reflection takes to the axes.
@@ -94,6 +129,47 @@ mod tests {
                     let worst = apart(found, &expected) / size;
                     assert!(worst < 1e-13, "{order}, {sign}: {worst:e}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn rows_and_columns_are_balanced() {
+        // Units from 1 to 1e240 of a matrix of ordinary numbers.
+        let plain = DMatrix::from_fn(4, 4, |i, j| 1.0 + ((3 * i + 5 * j) % 7) as f64);
+        let unit = |i: usize| (200.0 * i as f64).exp2();
+        let mut matrix = DMatrix::from_fn(4, 4, |i, j| plain[(i, j)] * (unit(i) / unit(j)));
+        let scaled = matrix.clone();
+        let units = balance(&mut matrix);
+        for i in 0..4 {
+            for j in 0..4 {
+                assert_eq!(matrix[(i, j)], scaled[(i, j)] / units[i] * units[j]);
+                let ratio = matrix[(i, j)] / plain[(i, j)];
+                assert!((0.1..10.0).contains(&ratio), "{i}, {j}: {ratio:e}");
+            }
+        }
+    }
+
+    /// Numbers whose squares overflow or vanish, rows and columns of zeros, and what is not finite.
+    #[test]
+    fn any_matrix_is_balanced_in_the_end() {
+        let numbers = [
+            0.0,
+            1.0,
+            -1e200,
+            1e308,
+            1e-200,
+            5e-324,
+            f64::INFINITY,
+            f64::NAN,
+        ];
+        for first in 0..512 {
+            for step in 1..8 {
+                let number =
+                    |i: usize, j: usize| numbers[(first / (1 + i) + step * (i + 2 * j)) % 8];
+                let mut matrix = DMatrix::from_fn(3, 3, number);
+                let units = balance(&mut matrix);
+                assert!(units.iter().all(|unit| unit.is_normal()), "{first}, {step}");
             }
         }
     }

@@ -11,7 +11,7 @@
 // | `with_slopes.rs` | all roots of a function known with its slope, and its outline (where it turns); how close two roots may lie |
 // | `gauss.rs` | Gauss-Legendre quadrature on one interval |
 // | `adaptive.rs` | quadrature to round-off: trapezoidal rule, adaptive Gauss-Legendre |
-// | `eigenvalues.rs` | eigenvalues of any real matrix, also where the QR method by itself does not move |
+// | `eigenvalues.rs` | eigenvalues of any real matrix, also where the QR method by itself does not move; units in which a matrix is balanced |
 // | `trace` | curves in two parameters: Newton's method across a curve (`mod.rs`), pseudo-arclength steps along it (`along.rs`) |
 // | `chebyshev.rs` | all roots of a function known from values, by Chebyshev interpolation |
 

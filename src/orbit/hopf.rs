@@ -4,7 +4,6 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::ops::Range;
 
-use nalgebra::linalg::balancing::balance_parlett_reinsch;
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::branch::BranchPoint;
@@ -18,7 +17,7 @@ use super::trial::Trial;
 use super::walk::natural_scale;
 use crate::error::Error;
 use crate::numerics::bracket::{Bracket, border};
-use crate::numerics::eigenvalues::eigenvalues;
+use crate::numerics::eigenvalues::{balance, eigenvalues};
 use crate::state::structure::State;
 use crate::structure::sliding_field::SlidingField;
 
@@ -47,7 +46,7 @@ fn spectrum(form: &GeneralForm<'_>) -> Result<Vec<Complex<f64>>, Error> {
     if !matrix.iter().all(|entry| entry.is_finite()) {
         return Err(Error::NoHopfPoint);
     }
-    let _ = balance_parlett_reinsch(&mut matrix);
+    let _ = balance(&mut matrix);
     let mut values = eigenvalues(matrix).ok_or(Error::NoHopfPoint)?;
     values.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
     Ok(values)
@@ -322,7 +321,7 @@ impl Born {
     fn of(form: &GeneralForm<'_>, frequency: f64) -> Result<Self, Error> {
         let field = SlidingField::of(form.model())?;
         let mut matrix = field.jacobian();
-        let units = balance_parlett_reinsch(&mut matrix);
+        let units = balance(&mut matrix);
         let (n, order) = (form.len(), form.order());
         let shifted = DMatrix::from_fn(order, order, |i, j| {
             let shift = if i == j { frequency } else { 0.0 };

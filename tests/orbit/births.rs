@@ -210,3 +210,28 @@ fn what_has_no_hopf_point_is_refused() {
             .contains("parameter")
     );
 }
+
+/// Springs whose squares overflow, or vanish beside the others: the search ends.
+#[test]
+fn very_stiff_and_very_soft_springs_end_in_an_answer() {
+    for stiffness in [1e200, 1e160, 1e-160, 1e-200, 1e-300] {
+        let family = |damping: f64| {
+            let law = Exponential::new(0.4, 0.25, 0.5)?;
+            Structure::new(&[1.0, 1.0])?
+                .with_ground_spring(0, 1.0)?
+                .with_spring(0, 1, stiffness)?
+                .with_ground_damper(0, damping)?
+                .with_contact(Contact::new(1, law, 1.0)?.on_belt(0.5))
+        };
+        let found = begin(family, 0.1).map(|born| born.parameter);
+        assert!(
+            found.clone().is_ok_and(f64::is_finite) || found.is_err(),
+            "{stiffness:e}"
+        );
+        let ranges = orbit::Search::new()
+            .with_max_steps(1000)
+            .unwrap()
+            .vibration_ranges(family, 0.1..0.2);
+        assert!(ranges.is_ok(), "{stiffness:e}");
+    }
+}

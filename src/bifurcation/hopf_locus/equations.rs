@@ -12,11 +12,10 @@
 
 use std::ops::Range;
 
-use nalgebra::linalg::balancing::balance_parlett_reinsch;
 use nalgebra::{Complex, DMatrix, DVector};
 
 use crate::error::Error;
-use crate::numerics::eigenvalues::eigenvalues;
+use crate::numerics::eigenvalues::{balance, eigenvalues};
 use crate::numerics::trace::{Equations, Point};
 use crate::orbit::Oscillator;
 use crate::scalar::jet::Tape;
@@ -83,7 +82,7 @@ impl<S: Oscillator, F: Fn(f64, f64) -> Result<S, Error>> HopfPoints<'_, S, F> {
         if !matrix.iter().all(|entry| entry.is_finite()) {
             return Err(self.none(parameters));
         }
-        let units = balance_parlett_reinsch(&mut matrix);
+        let units = balance(&mut matrix);
         Ok((matrix, units))
     }
 
