@@ -74,7 +74,7 @@ impl<S: Oscillator> Orbit<S> {
             events: events.collect(),
             measures,
             multipliers: properties.multipliers,
-            unslipped: map.unslipped(),
+            unslipped: properties.unslipped,
             is_symmetric: symmetric.is_some(),
             trajectory: system.trajectory(map, period)?,
         })
@@ -85,6 +85,7 @@ impl<S: Oscillator> Orbit<S> {
 struct Properties {
     events: Vec<Event<State>>,
     multipliers: Vec<Complex<f64>>,
+    unslipped: Vec<usize>,
 }
 
 impl Properties {
@@ -108,6 +109,7 @@ impl Properties {
         Ok(Self {
             events,
             multipliers,
+            unslipped: begun.unslipped(),
         })
     }
 }

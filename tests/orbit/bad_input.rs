@@ -309,6 +309,30 @@ fn contacts_that_never_slip_give_a_family_that_is_named() {
     }
 }
 
+/// A guess whose velocity is rounding of that of the ground: the contact slips for no time at all.
+#[test]
+fn a_contact_that_slips_by_rounding_never_slips() {
+    let law = Coulomb::new(0.4, 0.3).unwrap();
+    let belt = Contact::new(0, law, 0.3).unwrap().on_belt(0.1);
+    let blocks = Structure::new(&[1.0, 1.0])
+        .and_then(|s| s.with_ground_spring(0, 1.0)?.with_ground_spring(1, 1.0))
+        .and_then(|s| s.with_spring(0, 1, 0.1)?.with_ground_damper(0, 0.1))
+        .and_then(|s| s.with_force(0, sine(0.7)))
+        .and_then(|s| {
+            s.with_contact(Contact::new(1, law, 1.0)?)?
+                .with_contact(belt)
+        })
+        .unwrap();
+    let settled = settle(&blocks, &State::at_rest(2), 100.0, Period::Driven(1)).unwrap();
+    for velocity in [0.0, 1e-33, -1e-33, 1e-20] {
+        let mut guess = settled.state();
+        guess.velocities[1] = velocity;
+        let found = shoot(&blocks, &guess, Period::Driven(1)).unwrap();
+        assert_eq!(found.unslipped(), [0], "{velocity:e}");
+        assert_eq!(found.multipliers().len(), 3);
+    }
+}
+
 /// The place was that of the guess.
 #[test]
 fn a_contact_that_never_slips_keeps_the_place_of_the_guess() {
