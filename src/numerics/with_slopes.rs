@@ -380,14 +380,24 @@ impl Roots {
         mut a: Sample,
         mut b: Sample,
     ) -> Result<(), Error> {
+        let rises = b.value > 0.0;
         let mut now = if a.value.abs() < b.value.abs() { a } else { b };
-        let mut closest = now;
+        let mut closest: Option<Sample> = None;
         let mut last = f64::INFINITY;
         loop {
-            let correction = (now.value / now.slope).abs();
+            // A slope of the other sign belongs to another root, close by.
+            let is_of_root = now.slope != 0.0 && (now.slope > 0.0) == rises;
+            if is_of_root && closest.is_none_or(|best| now.value.abs() < best.value.abs()) {
+                closest = Some(now);
+            }
+            let correction = if is_of_root {
+                (now.value / now.slope).abs()
+            } else {
+                f64::INFINITY
+            };
             // Quadratic convergence ends where rounding takes over and corrections no longer
             // shrink.
-            let settled = now.vanishes() && correction >= 0.25 * last;
+            let settled = is_of_root && now.vanishes() && correction >= 0.25 * last;
             if settled || correction <= 0.5 * f64::EPSILON * now.x {
                 break;
             }
@@ -408,10 +418,9 @@ impl Roots {
             } else {
                 b = now;
             }
-            if now.value.abs() < closest.value.abs() {
-                closest = now;
-            }
         }
+        let nearer = if a.value.abs() < b.value.abs() { a } else { b };
+        let closest = closest.unwrap_or(nearer);
         if closest.value.abs() <= JUMP {
             self.roots.push(closest.x);
         } else {

@@ -381,6 +381,26 @@ fn functions_are_divided_at_their_kinks() {
     assert!(lost > 0);
 }
 
+/// f = c − x beyond k, and rises by 10⁷ below k, which lies 10⁻¹⁰ below c: a sample beside the root
+/// c, whose slope is of that root, is none of the other.
+#[test]
+fn a_steep_root_beside_a_flat_one_keeps_its_place() {
+    let (c, below) = (0.5, 1e-10);
+    let corner = |x: f64| {
+        let under = (x - (c - below)).min(0.0);
+        // Positive at c, by less than a number near c can be told apart.
+        let value = (c - x) + 1e-17 + 1e7 * under;
+        let slope = if under < 0.0 { 1e7 - 1.0 } else { -1.0 };
+        sample(x, value, slope)
+    };
+    let (found, _) = Counted::new(corner).roots(0.0, 1.0);
+    let [steep, flat] = found.roots[..] else {
+        panic!("{found:?}")
+    };
+    assert!((steep - (c - below)).abs() < 1e-15, "{steep:e}");
+    assert!((flat - c).abs() < 1e-15, "{flat:e}");
+}
+
 #[test]
 fn work_is_bounded() {
     let spent = Cell::new(MOST_WORK - 1000);
