@@ -331,3 +331,79 @@ fn a_pair_of_cycles_next_to_a_kink_of_the_law_is_found() {
         assert!(outer.max_velocity() < 1.02 * inner.max_velocity());
     }
 }
+
+/// A stable and an unstable motion in slip next to the fold in which they vanish, of a table: its
+/// second derivative jumps where the motions meet its points, so that a cubic predicts the growth
+/// of a turn less well than between them.
+#[test]
+fn a_pair_of_cycles_next_to_a_fold_of_a_table_is_found() {
+    let points = [
+        (0.0, 0.4026066032437917),
+        (0.027709746912635468, 0.4160709368406813),
+        (0.09142599421312214, 0.4231363877540457),
+        (0.1057707706838141, 0.4124098258736963),
+        (0.128064514231338, 0.49886851239935676),
+        (0.15995011469032516, 0.2901495153492498),
+        (0.23882899917577555, 0.34423449337757206),
+        (0.2691316687267816, 0.45845944650919945),
+    ];
+    let law = Tabulated::new(points)
+        .and_then(|law| law.with_static_coefficient(0.5801904365623219))
+        .unwrap();
+    let system = MassOnBelt::new(law, 0.06)
+        .and_then(|system| system.with_damping(0.0011310187397595818))
+        .and_then(|system| system.with_load(0.2286018036832159))
+        .unwrap();
+    let [fold] = bifurcation::fold_velocities(&system, 0.06..0.07).unwrap()[..] else {
+        panic!()
+    };
+    let peaks = |v_b: f64| -> Vec<(bool, f64)> {
+        let cycles = limit_cycle::find(&system.clone().with_belt_velocity(v_b).unwrap()).unwrap();
+        let cycles = cycles.iter();
+        let cycles = cycles.map(|cycle| (cycle.is_stable(), cycle.max_velocity()));
+        cycles.collect()
+    };
+    let parted = |distance: f64| -> f64 {
+        assert_eq!(peaks(fold * (1.0 - distance)), []);
+        let [(false, inner), (true, outer)] = peaks(fold * (1.0 + distance))[..] else {
+            panic!("{distance:e}")
+        };
+        (outer - inner) / distance.sqrt()
+    };
+    // The peak velocities part with the root of the distance, to first order in that root.
+    let constant = parted(1e-4);
+    for i in 5..=10 {
+        let parted = parted(10.0_f64.powi(-i));
+        assert!((parted / constant - 1.0).abs() < 1e-3, "{i}: {parted}");
+    }
+}
+
+/// Next to the Hopf velocity v_h the cubic law has a cycle of the velocity amplitude
+/// 2√(v_h² − v_b²), by averaging. One period changes the motions about it by some ten times the
+/// rounding error.
+#[test]
+fn a_small_cycle_that_rounding_moves_is_found() {
+    let law = Polynomial::new(0.4, 0.25, 0.5).unwrap();
+    let system = MassOnBelt::new(law, 0.4)
+        .and_then(|system| system.with_damping(0.0025))
+        .and_then(|system| system.with_load(0.05))
+        .unwrap();
+    let [hopf] = bifurcation::hopf_velocities(&system, 0.3..0.5).unwrap()[..] else {
+        panic!()
+    };
+    for i in 0..30 {
+        let distance = 3e-9 * 1.2_f64.powi(i);
+        let v_b = hopf * (1.0 - distance);
+        let cycles = limit_cycle::find(&system.clone().with_belt_velocity(v_b).unwrap()).unwrap();
+        let [cycle] = cycles.as_slice() else {
+            panic!("{distance:e}: {cycles:?}")
+        };
+        assert!(cycle.is_stable() && cycle.kind() == CycleKind::PureSlip);
+        // The noise of the growth, 32 ε (γ²μ_s + v_b)/V, over its slope, 2π |h1|: 7 % at the first.
+        let amplitude = 2.0 * (hopf * hopf - v_b * v_b).sqrt();
+        assert!(
+            (cycle.max_velocity() / amplitude - 1.0).abs() < 0.07,
+            "{distance:e}"
+        );
+    }
+}
