@@ -358,7 +358,7 @@ fn a_pair_of_cycles_next_to_a_fold_of_a_table_is_found() {
         panic!()
     };
     let peaks = |v_b: f64| -> Vec<(bool, f64)> {
-        let cycles = limit_cycle::find(&system.clone().with_belt_velocity(v_b).unwrap()).unwrap();
+        let cycles = limit_cycle::find(&system.with_belt_velocity(v_b).unwrap()).unwrap();
         let cycles = cycles.iter();
         let cycles = cycles.map(|cycle| (cycle.is_stable(), cycle.max_velocity()));
         cycles.collect()
@@ -394,7 +394,7 @@ fn a_small_cycle_that_rounding_moves_is_found() {
     for i in 0..30 {
         let distance = 3e-9 * 1.2_f64.powi(i);
         let v_b = hopf * (1.0 - distance);
-        let cycles = limit_cycle::find(&system.clone().with_belt_velocity(v_b).unwrap()).unwrap();
+        let cycles = limit_cycle::find(&system.with_belt_velocity(v_b).unwrap()).unwrap();
         let [cycle] = cycles.as_slice() else {
             panic!("{distance:e}: {cycles:?}")
         };
