@@ -559,3 +559,76 @@ fn a_joint_slips_the_way_its_motor_turns() {
     let first = motion.steps().first().unwrap();
     assert_eq!(first.modes(), [Mode::Slip(Direction::Lagging)]);
 }
+
+/// With a joint that sticks both ends move alike: contacts of the ends with the ground, each with
+/// a relative velocity of its own, come to r = 0 at one time, to the bit, and decide together.
+#[test]
+fn contacts_come_to_rest_with_those_that_they_depend_on() {
+    let mut random = Random::new(46);
+    let (mut together, mut ended) = (0, 0);
+    for i in 0..count(100) {
+        let mut uniform = |low, high| random.uniform(low, high);
+        let (masses, springs) = ([0; 2].map(|_| uniform(0.5, 2.0)), uniform(0.5, 2.0));
+        let force = Drive::harmonic(uniform(0.5, 2.0), uniform(0.4, 1.5), 0.0).unwrap();
+        let pair = Structure::new(&masses)
+            .and_then(|s| s.with_ground_spring(0, springs)?.with_ground_spring(1, 0.7))
+            .and_then(|s| {
+                s.with_ground_damper(1, uniform(0.0, 0.1))?
+                    .with_force(0, force)
+            })
+            .and_then(|s| s.with_contact(Contact::new(0, dry(), uniform(0.1, 0.4))?))
+            .and_then(|s| s.with_contact(Contact::between(0, 1, dry(), 40.0)?))
+            .and_then(|s| {
+                let direction = [(0, uniform(0.2, 1.0)), (1, uniform(0.2, 1.0))];
+                s.with_contact(Contact::along(&direction, dry(), uniform(0.1, 0.4))?)
+            })
+            .unwrap();
+        let start = State::new(&[uniform(-2.0, 2.0), 0.0], &[0.8, 0.8]);
+        let found = pair.simulate(start.clone(), 30.0);
+        ended += usize::from(matches!(found, Err(Error::Undetermined { .. })));
+        let motion = motion(&pair, &start, 30.0);
+        for pair in motion.events().chunks(2) {
+            let [first, second] = pair else {
+                panic!("{i}: {pair:?}")
+            };
+            assert_eq!(first.time, second.time, "{i}");
+            assert_eq!([first.contact, second.contact], [0, 2], "{i}");
+            together += 1;
+        }
+    }
+    println!("{together} times together, {ended} ended undetermined");
+    assert!(together > 3 * count(100) && ended > 0);
+}
+
+/// Contacts that hold all coordinates, in directions none of which has a coordinate to itself.
+#[test]
+fn masses_held_in_slanting_directions_are_at_rest_to_the_bit() {
+    let mut random = Random::new(47);
+    for _ in 0..count(50) {
+        let n = 2 + (random.bits() % 3) as usize;
+        let masses: Vec<f64> = (0..n).map(|_| random.uniform(0.5, 2.0)).collect();
+        let mut structure = Structure::new(&masses).unwrap();
+        for _ in 0..n {
+            let direction: Vec<(usize, f64)> =
+                (0..n).map(|j| (j, random.uniform(-1.0, 1.0))).collect();
+            let contact = Contact::along(&direction, dry(), random.uniform(0.5, 2.0));
+            structure = structure.with_contact(contact.unwrap()).unwrap();
+        }
+        // Belts that slide below one of them for ever.
+        for belt in [0.13, -0.65] {
+            let contact = Contact::new(0, dry(), 0.2).unwrap().on_belt(belt);
+            structure = structure.with_contact(contact).unwrap();
+        }
+        let velocities: Vec<f64> = (0..n).map(|_| random.uniform(-1.0, 1.0)).collect();
+        let start = State::new(&vec![0.0; n], &velocities);
+        let motion = structure.simulate(start, 1e4).unwrap();
+        let last = motion.steps().last().unwrap();
+        if last.modes()[..n].iter().all(|mode| *mode == Mode::Stick) {
+            assert!(
+                motion.last().velocities.iter().all(|v| *v == 0.0),
+                "{motion:?}"
+            );
+        }
+        assert!(motion.steps().len() < 1000, "{}", motion.steps().len());
+    }
+}

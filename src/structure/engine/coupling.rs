@@ -1,9 +1,22 @@
 //! The coupling G = B M⁻¹Bᵀ of sticking contacts that share coordinates: contacts with independent
 //! directions, and the constraint forces in them.
 
-use super::contact::Site;
+use nalgebra::DMatrix;
+
+use super::contact::{Site, entry};
 use super::factor::{Factor, Holding};
 use super::model::Model;
+use super::shared::ROUNDING;
+
+/// A coordinate whose velocity follows from contacts at rest, and the velocities of others:
+/// own v + Σ others v_j = Σ surfaces w_c.
+#[derive(Debug, Clone)]
+pub(super) struct Pivot {
+    pub(super) coordinate: usize,
+    pub(super) own: f64,
+    pub(super) others: Vec<(usize, f64)>,
+    pub(super) surfaces: Vec<(usize, f64)>,
+}
 
 impl Model<'_> {
     /// Sets the velocities at a time so that these contacts are at rest. For contacts that share
@@ -70,10 +83,51 @@ impl Model<'_> {
         }
     }
 
-    /// Contacts, each with a coordinate that no contact before it has, as far as such coordinates
-    /// exist. In this order, their relative velocities determine the velocities of these
-    /// coordinates. Every contact has such a coordinate unless the contacts form a closed loop.
-    pub(super) fn pivots(&self, contacts: &[usize]) -> Vec<(usize, usize)> {
+    /// α with b = Σ α_c b_c over the contacts of a holding, by contact, if the direction of this one
+    /// depends on theirs.
+    ///
+    /// That is judged by the directions themselves: G would not tell a direction from one at an
+    /// angle of √ε to it.
+    pub(super) fn dependence(&self, c: usize, holding: &Holding) -> Option<Vec<(usize, f64)>> {
+        let Holding { contacts, factor } = holding;
+        let mut parts = vec![0.0; contacts.len()];
+        // The first solution, and corrections of its rounding errors.
+        for _ in 0..3 {
+            let (rest, _) = self.remainder(c, contacts, &parts);
+            let pull = |&c: &usize| {
+                let responses = self.contacts[c].responses().iter();
+                let sum: f64 = responses.map(|&(j, x)| x * rest[j]).sum();
+                sum * self.contacts[c].compliance.sqrt()
+            };
+            let mut correction: Vec<f64> = contacts.iter().map(pull).collect();
+            factor.solve(&mut correction);
+            for ((part, correction), &c) in parts.iter_mut().zip(correction).zip(contacts) {
+                *part += correction / self.contacts[c].compliance.sqrt();
+            }
+        }
+        let (rest, sizes) = self.remainder(c, contacts, &parts);
+        let is_rounding = |(rest, size): (&f64, &f64)| rest.abs() <= ROUNDING * size;
+        let depends = std::iter::zip(&rest, &sizes).all(is_rounding);
+        depends.then(|| std::iter::zip(contacts.iter().copied(), parts).collect())
+    }
+
+    /// b − Σ α_c b_c, and the sum of the sizes of its terms, by coordinate.
+    fn remainder(&self, c: usize, contacts: &[usize], parts: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let (mut rest, mut sizes) = (vec![0.0; self.len()], vec![0.0; self.len()]);
+        let others = std::iter::zip(contacts, parts).map(|(&c, part)| (c, -part));
+        for (c, part) in std::iter::once((c, 1.0)).chain(others) {
+            for &(j, b) in self.contacts[c].direction.iter() {
+                rest[j] += part * b;
+                sizes[j] += (part * b).abs();
+            }
+        }
+        (rest, sizes)
+    }
+
+    /// A coordinate for each of these contacts, which are at rest and whose directions are
+    /// independent. In this order the velocities of all surfaces give those of these coordinates,
+    /// whatever those of the other coordinates are.
+    pub(super) fn pivots(&self, contacts: &[usize]) -> Vec<Pivot> {
         let mut users: Vec<Vec<usize>> = vec![Vec::new(); self.len()];
         for &c in contacts {
             for &(j, _) in self.contacts[c].direction.iter() {
@@ -84,18 +138,76 @@ impl Model<'_> {
         // last.
         let mut alone: Vec<usize> = (0..self.len()).filter(|&j| users[j].len() == 1).collect();
         let mut pivots = Vec::new();
+        let mut is_done = vec![false; self.contacts.len()];
         while let Some(j) = alone.pop() {
             let [c] = users[j][..] else { continue };
-            pivots.push((c, j));
-            for &(other, _) in self.contacts[c].direction.iter() {
+            is_done[c] = true;
+            let direction = &self.contacts[c].direction;
+            let others = direction.iter().copied().filter(|&(other, _)| other != j);
+            pivots.push(Pivot {
+                coordinate: j,
+                own: entry(direction, j),
+                others: others.collect(),
+                surfaces: vec![(c, 1.0)],
+            });
+            for &(other, _) in direction.iter() {
                 users[other].retain(|&user| user != c);
                 if users[other].len() == 1 {
                     alone.push(other);
                 }
             }
         }
+        let rest: Vec<usize> = contacts.iter().copied().filter(|&c| !is_done[c]).collect();
+        pivots.extend(self.eliminated(&rest));
         pivots.reverse();
         pivots
+    }
+
+    /// Pivots of contacts that have no coordinate to themselves, by Gauss-Jordan elimination, in
+    /// units in which neither contacts nor coordinates count more than others.
+    fn eliminated(&self, contacts: &[usize]) -> Vec<Pivot> {
+        let n = self.len();
+        // Beside each direction, the contacts that it is made of.
+        let mut rows = DMatrix::zeros(contacts.len(), n + contacts.len());
+        for (row, &c) in contacts.iter().enumerate() {
+            let root = self.contacts[c].compliance.sqrt();
+            for &(j, b) in self.contacts[c].direction.iter() {
+                rows[(row, j)] = b * self.mobility[j] / root;
+            }
+            rows[(row, n + row)] = root.recip();
+        }
+        let mut places: Vec<(usize, usize)> = Vec::new();
+        for _ in contacts {
+            let is_free = |row: usize| places.iter().all(|place| place.0 != row);
+            let free = (0..contacts.len()).filter(|&row| is_free(row));
+            let entries = free.flat_map(|row| (0..n).map(move |j| (row, j)));
+            let size = |&place: &(usize, usize)| f64::abs(rows[place]);
+            let Some(place) = entries.max_by(|a, b| size(a).total_cmp(&size(b))) else {
+                break;
+            };
+            let own = rows.row(place.0) / rows[place];
+            for row in (0..contacts.len()).filter(|&row| row != place.0) {
+                let part = rows[(row, place.1)];
+                let mut other = rows.row_mut(row);
+                other -= part * &own;
+                rows[(row, place.1)] = 0.0;
+            }
+            rows.set_row(place.0, &own);
+            places.push(place);
+        }
+        let pivot = |&(row, coordinate): &(usize, usize)| {
+            let scale = self.mobility[coordinate];
+            let others = (0..n).filter(|&j| j != coordinate && rows[(row, j)] != 0.0);
+            let others = others.map(|j| (j, scale * rows[(row, j)] / self.mobility[j]));
+            let made_of = |(place, &c): (usize, &usize)| (c, scale * rows[(row, n + place)]);
+            Pivot {
+                coordinate,
+                own: 1.0,
+                others: others.collect(),
+                surfaces: contacts.iter().enumerate().map(made_of).collect(),
+            }
+        };
+        places.iter().map(pivot).collect()
     }
 
     /// The factor of G for some of the shared contacts, in the order of [`shared`](Self::shared).

@@ -57,7 +57,7 @@ use events::{Firings, events_between, first_firings, go_through};
 use expand::expand_drives;
 use model::Model;
 use plan::{Control, is_finite, is_linear, plan_memory, plan_reach, reaches};
-use reconcile::reconcile;
+use reconcile::{arrive_with_others, reconcile};
 use series::Series;
 use springs::land_springs;
 pub(super) use start::check_start;
@@ -378,6 +378,7 @@ impl<'s> Engine<'s> {
         expand_drives(model, situation, series);
         land_springs(model, situation, series, settled.at_break.is_some());
         if !model.shared.is_empty() {
+            arrive_with_others(model, situation, series);
             reconcile(model, situation, series);
         }
         is_disturbed

@@ -1,10 +1,62 @@
 //! Coordinates that contacts share, after a step: the relative velocities of contacts are
 //! integrated separately, and the velocities of the coordinates are adjusted to them.
 
+use super::contact::Entries;
 use super::model::Model;
 use super::series::Series;
-use super::shared::unless_rounding;
-use super::state::{Closed, Phase, Situation};
+use super::shared::{ROUNDING, unless_rounding};
+use super::state::{Closed, Entry, Phase, Situation};
+
+/// Contacts that come to rest because others do: r_d = Σ α_c (r_c + w_c) − w_d of a direction
+/// b_d = Σ α_c b_c is 0 to the rounding of its terms. The roots of all these speeds are one, but
+/// each is integrated by itself, and rounding errors of many steps separate them.
+pub(super) fn arrive_with_others(model: &Model<'_>, situation: &mut Situation, series: &Series) {
+    let shared = || model.shared.iter().copied();
+    if !shared().any(|c| situation.contacts[c].has_arrived()) {
+        return;
+    }
+    let mut is_covered = vec![false; model.len()];
+    let resting: Vec<usize> = shared()
+        .filter(|&c| situation.contacts[c].rests())
+        .collect();
+    for &c in &resting {
+        for &(j, _) in model.contacts[c].direction.iter() {
+            is_covered[j] = true;
+        }
+    }
+    let may_depend = |&c: &usize| {
+        let state = &situation.contacts[c];
+        let mut direction = model.contacts[c].direction.iter();
+        !state.rests() && !state.phase_is_open() && direction.all(|&(j, _)| is_covered[j])
+    };
+    let candidates: Vec<usize> = shared().filter(may_depend).collect();
+    if candidates.is_empty() {
+        return;
+    }
+    let holding = model.independent(resting, |_| 0.0);
+    let surface = |c: usize| series.contacts[c].surface[0];
+    let size = |c: usize| {
+        let along = model.contacts[c].size_along(|j| situation.coordinates[j].velocity);
+        along + surface(c).abs()
+    };
+    let rests = |&c: &usize| {
+        let Some(parts) = model.dependence(c, &holding) else {
+            return false;
+        };
+        let parts = parts.into_iter();
+        let (velocity, size) = parts.fold((-surface(c), size(c)), |(sum, sizes), (d, part)| {
+            (sum + part * surface(d), sizes + part.abs() * size(d))
+        });
+        velocity.abs() <= ROUNDING * size
+    };
+    let arriving: Vec<usize> = candidates.into_iter().filter(rests).collect();
+    for c in arriving {
+        let state = &mut situation.contacts[c];
+        if let Phase::Slip { speed, .. } = &mut state.phase {
+            (*speed, state.entry) = (0.0, Entry::Arrived(None));
+        }
+    }
+}
 
 /// Sets the velocities of shared coordinates from the relative velocities of their contacts, which
 /// are integrated separately, and the displacements from the positions of contacts that stick. The
@@ -46,20 +98,14 @@ pub(super) fn reconcile(model: &Model<'_>, situation: &mut Situation, series: &S
     for (j, correction) in displacements {
         situation.coordinates[j].displacement -= correction;
     }
-    // Contacts at rest are set exactly, unless they form a closed loop.
-    for &(c, pivot) in &closed.pivots {
-        if situation.contacts[c].rests() {
-            let others = |j: usize| {
-                if j == pivot {
-                    0.0
-                } else {
-                    situation.coordinates[j].velocity
-                }
-            };
-            let rest = velocity(situation, c) - model.contacts[c].along(others);
-            let own = model.contacts[c].along(|j| if j == pivot { 1.0 } else { 0.0 });
-            situation.coordinates[pivot].velocity = rest / own;
-        }
+    // Contacts at rest to the bit.
+    for pivot in &closed.pivots {
+        let sum = |entries: &Entries, x: &dyn Fn(usize) -> f64| -> f64 {
+            entries.iter().map(|&(at, b)| b * x(at)).sum()
+        };
+        let carried = sum(&pivot.surfaces, &|c| series.contacts[c].surface[0]);
+        let others = sum(&pivot.others, &|j| situation.coordinates[j].velocity);
+        situation.coordinates[pivot.coordinate].velocity = (carried - others) / pivot.own;
     }
     situation.closed = Some(closed);
 }

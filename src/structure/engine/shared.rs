@@ -140,7 +140,7 @@ fn free_size(model: &Model<'_>, coordinates: &[CoordinateSeries], i: usize, k: u
 }
 
 /// The rounding error of a sum, in parts of the sizes of its terms.
-const ROUNDING: f64 = 8.0 * f64::EPSILON;
+pub(super) const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// A difference, or 0 if it is a rounding error of the minuend. (Held coordinates are exactly at
 /// rest, so their motion cannot serve as a scale.)

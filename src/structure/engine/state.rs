@@ -1,6 +1,7 @@
 //! The situation: data that change at events.
 
 use super::contact::ContactData;
+use super::coupling::Pivot;
 use super::edge::Edge;
 use super::factor::Holding;
 use super::model::Model;
@@ -31,8 +32,8 @@ pub(super) struct Situation {
 pub(super) struct Closed {
     /// The factor of these contacts; those that do not stick have a small compliance.
     pub(super) holding: Holding,
-    /// Contacts at rest with a coordinate each that none before has: see [`Model::pivots`].
-    pub(super) pivots: Vec<(usize, usize)>,
+    /// A coordinate for each independent contact at rest: see [`Model::pivots`].
+    pub(super) pivots: Vec<Pivot>,
 }
 
 /// Displacement and velocity of a coordinate. If the coordinate has its own closed contact, its
