@@ -390,19 +390,8 @@ impl TangentFlow<'_> {
     /// multiplied by G_cc.
     fn carried_gradient(&self, step: &Step, linear: &Linear, number: usize) -> RowDVector<f64> {
         let (model, n, h) = (&self.form.model, self.form.len(), step.duration());
-        let mut rates: Vec<RowDVector<f64>> = (0..n)
-            .map(|i| {
-                let mut rate = self.row(i) * -model.stiffness.row(i).0;
-                rate += self.row(n + i) * -model.damping.row(i).0;
-                for &(j, a) in model.stiffness.row(i).1 {
-                    rate += self.row(j) * -a;
-                }
-                for &(j, a) in model.damping.row(i).1 {
-                    rate += self.row(n + j) * -a;
-                }
-                rate + self.by_springs(step, i)
-            })
-            .collect();
+        let rates = (0..n).map(|i| self.free_gradient(step, i));
+        let mut rates: Vec<RowDVector<f64>> = rates.collect();
         for (c, joint) in linear.contacts.iter().enumerate() {
             let contact = &model.contacts[c];
             if joint.friction.is_empty() || contact.is_elastic() {
@@ -442,6 +431,20 @@ impl TangentFlow<'_> {
         gradient
     }
 
+    /// The gradient of the acceleration of a coordinate without friction.
+    fn free_gradient(&self, step: &Step, i: usize) -> RowDVector<f64> {
+        let (model, n) = (&self.form.model, self.form.len());
+        let mut gradient = self.by_springs(step, i);
+        for (first, (diagonal, beside)) in [(0, model.stiffness.row(i)), (n, model.damping.row(i))]
+        {
+            gradient += self.row(first + i) * -diagonal;
+            for &(j, a) in beside {
+                gradient += self.row(first + j) * -a;
+            }
+        }
+        gradient
+    }
+
     /// The delay δt of a release, from h = σR − N μ_s.
     fn later(
         &self,
@@ -451,24 +454,15 @@ impl TangentFlow<'_> {
         at: &Instant,
     ) -> RowDVector<f64> {
         let model = &self.form.model;
-        let (n, i) = (model.len(), at.coordinate);
-        let row = |row: usize| self.tangents.row(row);
-        let [(spring, springs), (damper, dampers)] = [model.stiffness.row(i), model.damping.row(i)];
-        let mut gradient: RowDVector<f64> = row(i) * (-sign * spring);
-        gradient += row(n + i) * (-sign * damper);
-        for (first, beside) in [(0, springs), (n, dampers)] {
-            for &(j, a) in beside {
-                gradient += row(first + j) * (-sign * a);
-            }
-        }
-        gradient += self.by_springs(step, i) * sign;
+        let i = at.coordinate;
+        let mut gradient = self.free_gradient(step, i) * sign;
         let data = &model.contacts[contact];
         for &(j, a) in &data.load_gradient {
-            gradient += row(j) * (-limit * a * data.compliance);
+            gradient += self.row(j) * (-limit * a * data.compliance);
         }
         let mut rate = sign * at.carried_rate - at.load_rate * limit;
         for (j, place) in self.memory_rows(contact).enumerate() {
-            gradient += row(place) * (-at.load * slopes[j]);
+            gradient += self.row(place) * (-at.load * slopes[j]);
             rate -= at.load * slopes[j] * rates[j];
         }
         gradient * -rate.recip()
@@ -487,18 +481,10 @@ impl TangentFlow<'_> {
         let load = contact.load.series(step.clock());
         let acceleration = |j: usize| slope(&step.series()[j]);
         let velocity = |j: usize| state.velocities[j];
-        let [(spring, springs), (damper, dampers)] = [model.stiffness.row(i), model.damping.row(i)];
-        let mut carried_rate = slope(&force) * contact.compliance
-            - slope(&surface.derivative())
-            - spring * velocity(i)
-            - damper * acceleration(i);
-        for &(j, a) in springs {
-            carried_rate -= a * velocity(j);
-        }
-        for &(j, a) in dampers {
-            carried_rate -= a * acceleration(j);
-        }
-        carried_rate += self.spring_rate(step, i);
+        let own = [velocity(i), acceleration(i)];
+        let carried_rate = slope(&force) * contact.compliance - slope(&surface.derivative())
+            + model.restoring(i, own, velocity, acceleration)
+            + self.spring_rate(step, i);
         let by_displacements = contact.displacement_load(velocity);
         let load_now = load.at(h) + contact.displacement_load(|j| state.displacements[j]);
         Instant {

@@ -213,12 +213,8 @@ fn rate_at(
     };
     let velocity = |j: usize| series.coordinates[j].course.at(time);
     let free = |i: usize| {
-        let ((spring, springs), (damper, dampers)) = (model.stiffness.row(i), model.damping.row(i));
-        let by_springs = springs.iter().map(|&(j, a)| a * displacement(j));
-        let by_dampers = dampers.iter().map(|&(j, a)| a * velocity(j));
-        series.coordinates[i].force.at(time)
-            - (spring * displacement(i) + damper * velocity(i))
-            - (by_springs.sum::<f64>() + by_dampers.sum::<f64>())
+        let own = [displacement(i), velocity(i)];
+        series.coordinates[i].force.at(time) + model.restoring(i, own, displacement, velocity)
     };
     // The accelerations that other contacts cause on the coordinates of a shared contact.
     let others = |j: usize| {

@@ -352,7 +352,7 @@ fn free_rate(model: &Model<'_>, coordinates: &[CoordinateSeries], i: usize, k: u
     let own = [course(i).displacement(k), course(i).newest_velocity()];
     let displacement = |j: usize| course(j).displacement(k);
     let velocity = |j: usize| course(j).velocity(k);
-    model.linear.minus_products(i, own, displacement, velocity)
+    model.restoring(i, own, displacement, velocity)
 }
 
 /// Stores b·a⁰ − w' of each shared contact at the start: its relative acceleration without the

@@ -75,14 +75,10 @@ impl<'a, 's> Forces<'a, 's> {
         let (q, v) = (&state.displacements, &state.velocities);
         let forces = model.forces.iter().map(|force| drive(force)[0]);
         let forces: Vec<f64> = forces.collect();
-        let product = |(diagonal, beside): (f64, &[(usize, f64)]), i: usize, x: &[f64]| {
-            let own = diagonal * x[i];
-            beside.iter().fold(own, |sum, &(j, a)| sum + a * x[j])
-        };
         let coordinates = 0..model.len();
         let free = coordinates.map(|i| {
             let driven = model.acceleration_by(i, |j| forces[j]);
-            driven - product(model.damping.row(i), i, v) - product(model.stiffness.row(i), i, q)
+            driven + model.restoring(i, [q[i], v[i]], |j| q[j], |j| v[j])
         });
         let mut accelerations: Vec<f64> = free.collect();
         let numbers = model.contacts.iter().enumerate();

@@ -23,6 +23,7 @@
 //! | `slow.rs` | the slow manifold of stiff bristles |
 //! | `events.rs` | the first events of a step |
 //! | `defect.rs` | the defect of the series |
+//! | `landing.rs` | the state at the end of a step |
 //! | `transitions.rs` | the modes of contacts after an event, one by one |
 //! | `decision.rs` | the modes of contacts that share coordinates, together |
 //! | `reconcile.rs` | shared coordinates at the end of a step, from what contacts hold |
@@ -38,6 +39,7 @@ mod expand;
 pub(crate) mod factor;
 pub(crate) mod forces;
 mod groups;
+mod landing;
 mod law_order;
 pub(crate) mod model;
 mod plan;
@@ -55,13 +57,12 @@ mod transitions;
 use edge::{Edge, side_of};
 use events::{Firings, events_between, first_firings, go_through};
 use expand::expand_drives;
+use landing::land;
 use model::Model;
-use plan::{Control, is_finite, is_linear, plan_memory, plan_reach, reaches};
-use reconcile::{arrive_with_others, reconcile};
+use plan::{Control, is_finite, is_linear, plan_memory, plan_reach, plan_shorter};
 use series::Series;
-use springs::land_springs;
 pub(super) use start::check_start;
-use state::{Entry, Firing, Phase, Situation};
+use state::{Disturbance, Phase, Situation};
 use transitions::{close, decide};
 
 use super::step::{EventData, Step, Trigger};
@@ -129,9 +130,9 @@ impl<'s> Engine<'s> {
         expand_drives(model, situation, series);
         let state = situation.state(model, series);
         let before = situation.modes();
-        decide(model, situation, series, [true, true])?;
-        // A start beyond the stick band slips at once, without an event. A start on the edge, with
-        // a growing force, is a release.
+        decide(model, situation, series, Disturbance::Jump)?;
+        // A start beyond the band slips at once, without an event; one on its edge, growing, is a
+        // release.
         let mut events = events_between(&before, situation, &state);
         events.retain(|event| {
             let edge = situation.contacts[event.contact].edge;
@@ -181,21 +182,22 @@ impl<'s> Engine<'s> {
         if self.idle > 4 * (self.situation.contacts.len() + 2) {
             return Err(self.situation.undecided(&self.model, &self.series));
         }
-        let is_disturbed = self.land(settled);
-        let trigger = self.trigger(settled.duration);
-        let disturbed = [is_disturbed, settled.at_break.is_some()];
-        let end = self.state();
         let Self {
             model,
             situation,
             series: next,
+            firings,
+            ending,
             ..
         } = self;
-        let events = match decide(model, situation, next, disturbed) {
+        let disturbance = land(model, situation, next, firings, settled);
+        let trigger = trigger(model, situation, next, settled.duration);
+        let end = situation.state(model, next);
+        let events = match decide(model, situation, next, disturbance) {
             Ok(()) => events_between(&modes, situation, &end),
             // The step is valid; the error concerns the motion after its end.
             Err(error) => {
-                self.ending = Some(error);
+                *ending = Some(error);
                 Vec::new()
             }
         };
@@ -247,7 +249,7 @@ impl<'s> Engine<'s> {
                 return Attempt::TooCurved;
             };
             // Behind a break of a drive other forces act.
-            let is_taken = reaches(model, situation, series, *tolerance, end, plan)
+            let is_taken = plan_shorter(model, situation, series, *tolerance, end, plan)
                 && defect::is_accepted(model, situation, series, plan, end)
                 && (end >= to_break || go_through(model, situation, series, plan, firings));
             if is_taken {
@@ -306,96 +308,6 @@ impl<'s> Engine<'s> {
         let time = times.min_by(f64::total_cmp);
         let duration = time.map_or(f64::INFINITY, |time| clock.until(time).max(0.0));
         (time, duration)
-    }
-
-    /// Moves the state to the end of the step, and sets the numbers that reached zero exactly to 0.
-    /// Returns true if there was an event.
-    fn land(&mut self, settled: AcceptedStep) -> bool {
-        let h = settled.duration;
-        let Self {
-            model,
-            situation,
-            series,
-            firings,
-            ..
-        } = self;
-        for i in 0..model.len() {
-            let way = h * situation.mean_velocity(model, series, i, h);
-            let coordinate = &mut situation.coordinates[i];
-            coordinate.displacement += way;
-            if model.owner[i].is_none_or(|c| situation.contacts[c].phase_is_open()) {
-                coordinate.velocity = series.coordinates[i].course.at(h);
-            }
-        }
-        situation.clock = match settled.at_break {
-            Some(time) => Clock::at(time),
-            None => situation.clock.after(h),
-        };
-        let mut is_disturbed = settled.at_break.is_some();
-        for (c, contact) in model.contacts.iter().enumerate() {
-            let mut firing = firings[c].take().map(|(_, firing)| firing);
-            series.contacts[c].relaxation = 0.0;
-            if h == 0.0 && settled.at_break.is_none() && firing.is_none() {
-                // Nothing has changed for this contact since its mode was decided.
-                continue;
-            }
-            let (state, of) = (&mut situation.contacts[c], &mut series.contacts[c]);
-            for (memory, series) in std::iter::zip(&mut state.memory, &of.memories) {
-                *memory = series.at(h);
-            }
-            (state.edge, state.load_edge) = (Edge::Away, Edge::Away);
-            state.entry = Entry::Held;
-            if let Phase::Slip {
-                speed, rate, piece, ..
-            } = &mut state.phase
-            {
-                (*speed, *rate) = (of.speeds.at(h), None);
-                if firing.is_none() && *speed <= 0.0 {
-                    firing = Some(Firing::Arrival);
-                }
-                match firing {
-                    Some(Firing::Arrival) => (*speed, state.entry) = (0.0, Entry::Arrived(None)),
-                    Some(Firing::Breakpoint(number, rising)) => {
-                        *speed = contact.breakpoints[number];
-                        *piece = number + usize::from(rising);
-                    }
-                    _ => {}
-                }
-            }
-            match firing {
-                // Behind a break of a drive they may have jumped.
-                Some(Firing::Bound(_) | Firing::Load) if settled.at_break.is_some() => {}
-                Some(Firing::Bound(side)) => state.edge = Edge::On(Some(side)),
-                Some(Firing::Load) => state.load_edge = Edge::On(None),
-                _ => {}
-            }
-            is_disturbed |= firing.is_some();
-            if let (Phase::Stick { since, from }, Some(i)) = (state.phase, model.owner_of(c)) {
-                let way = contact.belt_velocity.integral(since, situation.clock);
-                situation.coordinates[i].displacement = from + way;
-            }
-        }
-        expand_drives(model, situation, series);
-        land_springs(model, situation, series, settled.at_break.is_some());
-        if !model.shared.is_empty() {
-            arrive_with_others(model, situation, series);
-            reconcile(model, situation, series);
-        }
-        is_disturbed
-    }
-
-    /// The first shared contact that came to rest or to a bound of its band.
-    fn trigger(&self, h: f64) -> Option<Trigger> {
-        self.model.shared.iter().find_map(|&c| {
-            let state = &self.situation.contacts[c];
-            match state.edge {
-                Edge::On(Some(side)) => {
-                    let distance = Edge::Away.distance(&self.series.contacts[c], side);
-                    Some(Trigger::Bound(c, side, -distance.derivative().at(h)))
-                }
-                _ => state.has_arrived().then_some(Trigger::Rest(c)),
-            }
-        })
     }
 
     /// Data about the events for the tangent flow.
@@ -495,4 +407,19 @@ impl<'s> Engine<'s> {
         }
         Error::StepUnderflow { step, reached }
     }
+}
+
+/// The first shared contact that came to rest or to a bound of its band at the end of a step of
+/// length h, of which these are the series.
+fn trigger(model: &Model<'_>, situation: &Situation, series: &Series, h: f64) -> Option<Trigger> {
+    model.shared.iter().find_map(|&c| {
+        let state = &situation.contacts[c];
+        match state.edge {
+            Edge::On(Some(side)) => {
+                let distance = Edge::Away.distance(&series.contacts[c], side);
+                Some(Trigger::Bound(c, side, -distance.derivative().at(h)))
+            }
+            _ => state.has_arrived().then_some(Trigger::Rest(c)),
+        }
+    })
 }

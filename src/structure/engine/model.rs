@@ -26,8 +26,8 @@ pub(crate) struct Model<'s> {
     pub(crate) stiffness: Sparse,
     /// M⁻¹C.
     pub(crate) damping: Sparse,
-    /// M⁻¹K and M⁻¹C, row by row.
-    pub(super) linear: SparsePair,
+    /// Both, M⁻¹K beside M⁻¹C.
+    linear: SparsePair,
     /// M⁻¹.
     pub(crate) inverse_mass: Sparse,
     /// √(M⁻¹)_ii: the velocity of a coordinate with an energy of 1/2.
@@ -342,6 +342,18 @@ impl<'s> Model<'s> {
             Target::Surface(c) => &self.contacts[c].belt_velocity,
             Target::Load(c) => &self.contacts[c].load,
         }
+    }
+
+    /// −M⁻¹(K x + C y)_i; `own` are x_i and y_i.
+    #[inline(always)]
+    pub(crate) fn restoring(
+        &self,
+        i: usize,
+        own: [f64; 2],
+        x: impl Fn(usize) -> f64,
+        y: impl Fn(usize) -> f64,
+    ) -> f64 {
+        self.linear.minus_products(i, own, x, y)
     }
 
     /// (M⁻¹f)_i with what `force` gives for each coordinate.

@@ -160,7 +160,7 @@ pub(super) fn plan_reach(
 
 /// Limits the allowed errors to those of a step of this length; returns true if the series still
 /// reach so far. Events may end a step long before the series do.
-pub(super) fn reaches(
+pub(super) fn plan_shorter(
     model: &Model<'_>,
     situation: &Situation,
     series: &Series,

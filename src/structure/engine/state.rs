@@ -107,6 +107,16 @@ pub(super) enum Firing {
     Load,
 }
 
+/// What happened at the end of a step, or at the start of the motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Disturbance {
+    None,
+    /// An event of a contact: all forces that do not depend on modes are continuous.
+    Event,
+    /// The motion starts, or pieces of a drive meet: forces may jump.
+    Jump,
+}
+
 impl Situation {
     /// Not yet decided.
     pub(super) fn new(model: &Model<'_>, clock: Clock, start: &State) -> Self {

@@ -15,21 +15,22 @@ use super::model::Model;
 use super::series::Series;
 use super::sizes::{load_terms, terms};
 use super::springs::{ask_again, cut, revise_elastic};
-use super::state::{ContactState, Entry, Phase, Situation};
+use super::state::{ContactState, Disturbance, Entry, Phase, Situation};
 use crate::error::Error;
 use crate::motion::Mode;
 use crate::series::PowerSeries;
 use crate::state::Direction;
 
 /// Decides the modes, and expands the motion that follows. Shared contacts are decided again only
-/// after an event of one of them, or a break of a drive: `is_disturbed`. Forces are continuous
-/// except at the start of the motion and at a break of a drive: `may_jump`.
+/// after a disturbance.
 pub(super) fn decide(
     model: &Model<'_>,
     situation: &mut Situation,
     series: &mut Series,
-    [is_disturbed, may_jump]: [bool; 2],
+    disturbance: Disturbance,
 ) -> Result<(), Error> {
+    let is_disturbed = disturbance != Disturbance::None;
+    let may_jump = disturbance == Disturbance::Jump;
     cut(model, situation, series);
     let asks_shared = is_disturbed && !model.shared.is_empty();
     let mut decision = asks_shared.then(|| Decision::new(model, situation, series));

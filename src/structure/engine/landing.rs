@@ -1,0 +1,106 @@
+//! The state at the end of a step: what was integrated, and what reached zero, to the bit.
+
+use super::AcceptedStep;
+use super::edge::Edge;
+use super::events::Firings;
+use super::expand::expand_drives;
+use super::model::Model;
+use super::reconcile::{arrive_with_others, reconcile};
+use super::series::Series;
+use super::springs::land_springs;
+use super::state::{Disturbance, Entry, Firing, Phase, Situation};
+use crate::clock::Clock;
+
+/// Moves the state to the end of the step, and sets the numbers that reached zero to the bit.
+/// Returns what happened there.
+pub(super) fn land(
+    model: &Model<'_>,
+    situation: &mut Situation,
+    series: &mut Series,
+    firings: &mut Firings,
+    settled: AcceptedStep,
+) -> Disturbance {
+    let (h, at_break) = (settled.duration, settled.at_break.is_some());
+    for i in 0..model.len() {
+        let way = h * situation.mean_velocity(model, series, i, h);
+        let coordinate = &mut situation.coordinates[i];
+        coordinate.displacement += way;
+        if model.owner[i].is_none_or(|c| situation.contacts[c].phase_is_open()) {
+            coordinate.velocity = series.coordinates[i].course.at(h);
+        }
+    }
+    situation.clock = match settled.at_break {
+        Some(time) => Clock::at(time),
+        None => situation.clock.after(h),
+    };
+    let mut disturbance = if at_break {
+        Disturbance::Jump
+    } else {
+        Disturbance::None
+    };
+    for (c, firing) in firings.iter_mut().enumerate() {
+        let firing = firing.take().map(|(_, firing)| firing);
+        series.contacts[c].relaxation = 0.0;
+        // Otherwise nothing has changed for this contact since it decided.
+        if h > 0.0 || at_break || firing.is_some() {
+            let fired = land_contact(model, situation, series, c, firing, settled);
+            if fired && disturbance == Disturbance::None {
+                disturbance = Disturbance::Event;
+            }
+        }
+    }
+    expand_drives(model, situation, series);
+    land_springs(model, situation, series, at_break);
+    if !model.shared.is_empty() {
+        arrive_with_others(model, situation, series);
+        reconcile(model, situation, series);
+    }
+    disturbance
+}
+
+/// The same of one contact, and of the coordinate that it holds. Returns true if it has an event.
+fn land_contact(
+    model: &Model<'_>,
+    situation: &mut Situation,
+    series: &Series,
+    c: usize,
+    mut firing: Option<Firing>,
+    settled: AcceptedStep,
+) -> bool {
+    let (contact, h) = (&model.contacts[c], settled.duration);
+    let (state, of) = (&mut situation.contacts[c], &series.contacts[c]);
+    for (memory, series) in std::iter::zip(&mut state.memory, &of.memories) {
+        *memory = series.at(h);
+    }
+    (state.edge, state.load_edge) = (Edge::Away, Edge::Away);
+    state.entry = Entry::Held;
+    if let Phase::Slip {
+        speed, rate, piece, ..
+    } = &mut state.phase
+    {
+        (*speed, *rate) = (of.speeds.at(h), None);
+        if firing.is_none() && *speed <= 0.0 {
+            firing = Some(Firing::Arrival);
+        }
+        match firing {
+            Some(Firing::Arrival) => (*speed, state.entry) = (0.0, Entry::Arrived(None)),
+            Some(Firing::Breakpoint(number, rising)) => {
+                *speed = contact.breakpoints[number];
+                *piece = number + usize::from(rising);
+            }
+            _ => {}
+        }
+    }
+    match firing {
+        // Behind a break of a drive they may have jumped.
+        Some(Firing::Bound(_) | Firing::Load) if settled.at_break.is_some() => {}
+        Some(Firing::Bound(side)) => state.edge = Edge::On(Some(side)),
+        Some(Firing::Load) => state.load_edge = Edge::On(None),
+        _ => {}
+    }
+    if let (Phase::Stick { since, from }, Some(i)) = (state.phase, model.owner_of(c)) {
+        let way = contact.belt_velocity.integral(since, situation.clock);
+        situation.coordinates[i].displacement = from + way;
+    }
+    firing.is_some()
+}
