@@ -120,10 +120,13 @@
 //! * **Contacts that share masses** and have the relative velocity r = 0 are decided together,
 //!   stick or slip, by the rule on the page of
 //!   [`Structure`](crate::Structure#contacts-that-share-masses). The numbering of contacts does not
-//!   matter. If contacts with linearly dependent directions would stick at the same time, the run
-//!   returns [`Error::Undetermined`](crate::Error::Undetermined):
+//!   matter. A contact that reaches r = 0 because others do, as its direction is a linear
+//!   combination of theirs, is decided with them. If contacts with linearly dependent directions
+//!   would stick at the same time, the run returns
+//!   [`Error::Undetermined`](crate::Error::Undetermined):
 //!   `structures::decisions::decisions_are_those_of_all_patterns_tried`,
 //!   `structures::contacts::contacts_may_be_numbered_in_any_order`,
+//!   `structures::contacts::contacts_come_to_rest_with_those_that_they_depend_on`,
 //!   `structures::contacts::parallel_clutches_that_lock_are_undetermined`.
 //! * **Loads.** A load that depends on time alone may fall below 0 and rise again: it opens its
 //!   contact and closes it. A load that only touches 0 causes no event. If a load that depends on
