@@ -4,19 +4,8 @@
 use nalgebra::DMatrix;
 
 use super::contact::{Site, entry};
-use super::factor::{Factor, Holding};
+use super::factor::{Factor, Holding, Pivot, ROUNDING};
 use super::model::Model;
-use super::shared::ROUNDING;
-
-/// A coordinate whose velocity follows from contacts at rest, and the velocities of others:
-/// own v + Σ others v_j = Σ surfaces w_c.
-#[derive(Debug, Clone)]
-pub(super) struct Pivot {
-    pub(super) coordinate: usize,
-    pub(super) own: f64,
-    pub(super) others: Vec<(usize, f64)>,
-    pub(super) surfaces: Vec<(usize, f64)>,
-}
 
 impl Model<'_> {
     /// Sets the velocities at a time so that these contacts are at rest. For contacts that share
@@ -83,8 +72,8 @@ impl Model<'_> {
         }
     }
 
-    /// α with b = Σ α_c b_c over the contacts of a holding, by contact, if the direction of this one
-    /// depends on theirs.
+    /// α, by contact, with b = Σ α_c b_c over the contacts of a holding, if the direction b of this
+    /// one depends on theirs.
     ///
     /// That is judged by the directions themselves: G would not tell a direction from one at an
     /// angle of √ε to it.

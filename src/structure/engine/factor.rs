@@ -1,6 +1,9 @@
 //! The forces in several sticking contacts at once: G λ = b, with the compliance G of the masses at
 //! the contacts.
 
+/// The rounding error of a sum, in parts of the sizes of its terms.
+pub(super) const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
 /// The Cholesky factor of a symmetric positive definite matrix with a unit diagonal, row by row
 /// from each row's first entry that is not 0: the cost of a chain of contacts is proportional to
 /// its length.
@@ -15,6 +18,16 @@ pub(crate) struct Factor {
 pub(crate) struct Holding {
     pub(crate) contacts: Vec<usize>,
     pub(crate) factor: Factor,
+}
+
+/// A coordinate whose velocity follows from contacts at rest, and the velocities of others:
+/// own v + Σ others v_j = Σ surfaces w_c.
+#[derive(Debug, Clone)]
+pub(super) struct Pivot {
+    pub(super) coordinate: usize,
+    pub(super) own: f64,
+    pub(super) others: Vec<(usize, f64)>,
+    pub(super) surfaces: Vec<(usize, f64)>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -44,8 +57,6 @@ impl Factor {
         diagonal: impl Fn(usize) -> f64,
         rows: impl Iterator<Item = Vec<(usize, f64)>>,
     ) -> Result<Self, usize> {
-        /// Rounding of an entry of the matrix.
-        const ROUNDING: f64 = 8.0 * f64::EPSILON;
         let mut factor = Self::default();
         // Bounds of the rounding error of each entry, to distinguish a small diagonal from 0.
         let mut errors: Vec<Row> = Vec::new();

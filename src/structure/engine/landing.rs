@@ -1,6 +1,5 @@
 //! The state at the end of a step: what was integrated, and what reached zero, to the bit.
 
-use super::AcceptedStep;
 use super::edge::Edge;
 use super::events::Firings;
 use super::expand::expand_drives;
@@ -10,6 +9,14 @@ use super::series::Series;
 use super::springs::land_springs;
 use super::state::{Disturbance, Entry, Firing, Phase, Situation};
 use crate::clock::Clock;
+
+/// The accepted length of a step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct AcceptedStep {
+    pub(super) duration: f64,
+    /// The time where pieces of a drive meet, if the step ends there.
+    pub(super) at_break: Option<f64>,
+}
 
 /// Moves the state to the end of the step, and sets the numbers that reached zero to the bit.
 /// Returns what happened there.

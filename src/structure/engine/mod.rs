@@ -57,7 +57,7 @@ mod transitions;
 use edge::{Edge, side_of};
 use events::{Firings, events_between, first_firings, go_through};
 use expand::expand_drives;
-use landing::land;
+use landing::{AcceptedStep, land};
 use model::Model;
 use plan::{Control, is_finite, is_linear, plan_memory, plan_reach, plan_shorter};
 use series::Series;
@@ -85,14 +85,6 @@ pub(super) struct Engine<'s> {
     idle: usize,
     /// The error that ends the motion.
     ending: Option<Error>,
-}
-
-/// The accepted length of a step.
-#[derive(Debug, Clone, Copy)]
-struct AcceptedStep {
-    duration: f64,
-    /// The time where pieces of a drive meet, if the step ends there.
-    at_break: Option<f64>,
 }
 
 /// All orders that a step has.

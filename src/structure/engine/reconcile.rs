@@ -2,9 +2,10 @@
 //! integrated separately, and the velocities of the coordinates are adjusted to them.
 
 use super::contact::Entries;
+use super::factor::ROUNDING;
 use super::model::Model;
 use super::series::Series;
-use super::shared::{ROUNDING, unless_rounding};
+use super::shared::unless_rounding;
 use super::state::{Closed, Entry, Phase, Situation};
 
 /// Contacts that come to rest because others do: r_d = Σ α_c (r_c + w_c) − w_d of a direction

@@ -3,7 +3,7 @@
 
 use super::contact::ContactData;
 use super::edge::Edge;
-use super::factor::Holding;
+use super::factor::{Holding, ROUNDING};
 use super::model::Model;
 use super::series::{ContactCourse, CoordinateSeries, Series};
 use super::state::{Phase, Situation};
@@ -139,11 +139,8 @@ fn free_size(model: &Model<'_>, coordinates: &[CoordinateSeries], i: usize, k: u
         + of_springs.chain(of_dampers).map(f64::abs).sum::<f64>()
 }
 
-/// The rounding error of a sum, in parts of the sizes of its terms.
-pub(super) const ROUNDING: f64 = 8.0 * f64::EPSILON;
-
-/// A difference, or 0 if it is a rounding error of the minuend. (Held coordinates are exactly at
-/// rest, so their motion cannot serve as a scale.)
+/// A difference, or 0 if it is the rounding of the minuend: held coordinates are at rest to the
+/// bit, and their motion is no measure of anything.
 pub(super) fn unless_rounding(difference: f64, from: f64) -> f64 {
     if difference.abs() <= ROUNDING * from.abs() {
         0.0

@@ -1,9 +1,8 @@
 //! The situation: data that change at events.
 
 use super::contact::ContactData;
-use super::coupling::Pivot;
 use super::edge::Edge;
-use super::factor::Holding;
+use super::factor::{Holding, Pivot};
 use super::model::Model;
 use super::series::Series;
 use crate::clock::Clock;
