@@ -272,25 +272,63 @@ impl Search<'_> {
             _ => family(parameter).ok(),
         };
         let motion = |stretch: &Stretch<'_, S>| {
-            let off = |motion: &&(f64, &Orbit<S>)| (motion.0 - parameter).abs();
-            let motions = stretch.motions.iter();
-            let (_, nearest) = motions.min_by(|a, b| off(a).total_cmp(&off(b)))?;
-            let found = self.shoot(system.as_ref()?, &nearest.state(), nearest.kind());
-            found
-                .ok()
-                .filter(|found| attracts(found) == Some(stretch.kind))
+            system.as_ref()?;
+            let found = self.motion_at(family, stretch, parameter)?;
+            (attracts(&found) == Some(stretch.kind)).then_some(found)
         };
         let mut motions: Vec<Orbit<S>> = Vec::new();
         let mut kinds = Vec::new();
         for stretch in stretches {
             let found = motion(stretch);
-            let is_known = |found: &Orbit<S>| motions.iter().any(|known| is_one(known, found));
+            let is_known = |found: &Orbit<S>| {
+                let mut motions = motions.iter();
+                let is_same = |system| motions.any(|known| is_one(system, known, found));
+                system.as_ref().is_some_and(is_same)
+            };
             if !found.as_ref().is_some_and(is_known) {
                 motions.extend(found);
                 kinds.push(stretch.kind);
             }
         }
         kinds
+    }
+
+    /// The motion of a stretch at a value of the parameter, from its nearest one: in shorter and
+    /// shorter steps, until each motion lies near the last.
+    fn motion_at<S: Oscillator>(
+        &self,
+        family: &impl Fn(f64) -> Result<S, Error>,
+        stretch: &Stretch<'_, S>,
+        parameter: f64,
+    ) -> Option<Orbit<S>> {
+        /// The shortest step, as a part of the first one; the largest change of an extent in one.
+        const SHORTEST: f64 = 1.0 / 64.0;
+        const NEAR: f64 = 0.1;
+        let off = |motion: &&(f64, &Orbit<S>)| (motion.0 - parameter).abs();
+        let nearest = stretch
+            .motions
+            .iter()
+            .min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        let (mut at, mut motion) = (nearest.0, nearest.1.clone());
+        let whole = parameter - at;
+        let mut part: f64 = 1.0;
+        let mut done: f64 = 0.0;
+        while done < 1.0 {
+            let next = (done + part).min(1.0);
+            let to = nearest.0 + next * whole;
+            let to = if next == 1.0 { parameter } else { to };
+            let found =
+                family(to).and_then(|system| self.shoot(&system, &motion.state(), motion.kind()));
+            let size = extent(&motion);
+            match found {
+                Ok(found) if (extent(&found) - size).abs() <= NEAR * size => {
+                    (at, motion, done) = (to, found, next);
+                }
+                _ if part <= SHORTEST => return None,
+                _ => part *= 0.5,
+            }
+        }
+        (at == parameter || whole == 0.0).then_some(motion)
     }
 }
 

@@ -3,9 +3,13 @@
 use super::super::branch::{Branch, BranchPoint};
 use super::super::found::Orbit;
 use super::super::oscillator::Oscillator;
+use super::super::period::Period;
+use crate::motion::Segment;
+use crate::state::structure::State;
 
-/// The largest difference of the periods and extremes of one motion that was found twice.
-const ONE: f64 = 1e-6;
+/// The largest distance of a state from the motion on which it lies, as a part of the extent: the
+/// rounding of a motion that loses perturbations slowly.
+const ONE: f64 = 1e-7;
 
 /// The largest distance of a motion from a branch to which it belongs, as a part of its extent.
 const ON_BRANCH: f64 = 1e-2;
@@ -31,14 +35,78 @@ fn fits(period: f64, other: f64, error: f64) -> bool {
     (ratio - ratio.round()).abs() <= error
 }
 
-/// Returns true if two motions of one system are the same.
-pub(super) fn is_one<S: Oscillator>(a: &Orbit<S>, b: &Orbit<S>) -> bool {
-    let most = ONE * extent(a).max(extent(b));
-    let pairs = std::iter::zip(extremes(a), extremes(b));
-    fits(a.period(), b.period(), ONE)
-        && pairs
-            .into_iter()
-            .all(|(a, b)| (a.0 - b.0).abs() <= most && (a.1 - b.1).abs() <= most)
+/// Returns true if two motions of one system are the same: one passes the states of the other, at
+/// the same phase of the drives. It may begin elsewhere and take another number of periods. Motions
+/// that differ have no state in common, however near they lie.
+pub(super) fn is_one<S: Oscillator>(system: &S, a: &Orbit<S>, b: &Orbit<S>) -> bool {
+    /// Instants of a period, apart from each other, at which they are compared.
+    const PLACES: [f64; 3] = [0.0, 0.37, 0.71];
+    let form = system.form();
+    let numbers = |orbit: &Orbit<S>, time: f64| {
+        let state = S::general(&orbit.trajectory().state_at(time)?);
+        let state = form.put_back(&state, &State::at_rest(form.len()));
+        Some([state.displacements, state.velocities].concat())
+    };
+    let mut sizes = [extent(a).max(extent(b)), 0.0];
+    for (least, most) in
+        (0..form.len()).flat_map(|i| [a, b].map(|orbit| orbit.velocity_extremes(i)))
+    {
+        sizes[1] = f64::max(sizes[1], most - least);
+    }
+    let apart = |time: f64, state: &[f64]| {
+        let numbers = numbers(a, time).unwrap_or_default();
+        let parts = std::iter::zip(&numbers, state).enumerate();
+        parts.fold(0.0, |most: f64, (i, (x, y))| {
+            most.max((x - y).abs() / sizes[usize::from(i >= form.len())])
+        })
+    };
+    PLACES.iter().all(|place| {
+        let time = place * b.period();
+        let Some(state) = numbers(b, time) else {
+            return false;
+        };
+        match b.kind() {
+            Period::Driven(count) => {
+                let drive = b.period() / count as f64;
+                let periods = (a.period() / drive).round() as usize;
+                let mut times = (0..periods).map(|k| (time + k as f64 * drive) % a.period());
+                times.any(|time| apart(time, &state) <= ONE)
+            }
+            Period::Free(_) => nearest(a, |time| apart(time, &state)) <= ONE,
+        }
+    })
+}
+
+/// The least of a distance along a motion, which falls and rises linearly beside a zero.
+fn nearest<S: Oscillator>(orbit: &Orbit<S>, apart: impl Fn(f64) -> f64) -> f64 {
+    /// Parts of a step, and sections of an interval by its golden ratio.
+    const PARTS: usize = 8;
+    const SECTIONS: usize = 64;
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let steps = orbit.trajectory().steps().iter();
+    let times = steps.flat_map(|step| {
+        let part = step.duration() / PARTS as f64;
+        (0..PARTS).map(move |k| step.start_time() + k as f64 * part)
+    });
+    let times: Vec<f64> = times.chain([orbit.period()]).collect();
+    let known: Vec<f64> = times.iter().map(|time| apart(*time)).collect();
+    let last = times.len() - 1;
+    let least = |i: &usize| {
+        known[*i] <= known[i.saturating_sub(1)] && known[*i] <= known[(i + 1).min(last)]
+    };
+    let minima = (0..=last).filter(least).map(|i| {
+        let (mut low, mut high) = (times[i.saturating_sub(1)], times[(i + 1).min(last)]);
+        for _ in 0..SECTIONS {
+            let inside = GOLDEN * (high - low);
+            if apart(high - inside) < apart(low + inside) {
+                high = low + inside;
+            } else {
+                low = high - inside;
+            }
+        }
+        apart(0.5 * (low + high)).min(known[i])
+    });
+    minima.fold(f64::INFINITY, f64::min)
 }
 
 /// Returns true if a motion belongs to a branch: its numbers lie between those of neighbouring
@@ -74,4 +142,44 @@ pub(super) fn is_same<S: Oscillator>(known: &Branch<S>, branch: &Branch<S>) -> b
     let tried = (0..TRIED).filter_map(|i| branch.points.get(count * (i + 1) / (TRIED + 1)));
     let same = tried.filter(|point| is_on(known, point.parameter, &point.orbit));
     2 * same.count() > TRIED
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::shoot;
+    use super::*;
+    use crate::{Exponential, MassOnBelt, limit_cycle};
+
+    /// Two motions just before the fold at which they meet are two, and each is the same from every
+    /// start and over several periods.
+    #[test]
+    fn motions_that_nearly_meet_are_two() {
+        const FOLD: f64 = 0.81909955091672;
+        for before in [1e-2, 1e-5, 1e-8] {
+            let law = Exponential::new(0.4, 0.25, 0.5).unwrap();
+            let belt = MassOnBelt::new(law, FOLD - before).unwrap();
+            let belt = belt.with_damping(0.05).unwrap();
+            let cycles = limit_cycle::find(&belt).unwrap();
+            let orbits = cycles
+                .iter()
+                .map(|cycle| shoot(&belt, &cycle.state(), Period::Free(cycle.period())).unwrap());
+            let orbits: Vec<_> = orbits.collect();
+            assert_eq!(orbits.len(), 2);
+            assert!(!is_one(&belt, &orbits[0], &orbits[1]), "{before}");
+            assert!(!is_one(&belt, &orbits[1], &orbits[0]), "{before}");
+            for orbit in &orbits {
+                assert!(is_one(&belt, orbit, orbit));
+                for (part, count) in [(0.3, 1.0), (0.8, 2.0)] {
+                    let state = orbit.trajectory().state_at(part * orbit.period()).unwrap();
+                    let estimate = Period::Free(count * orbit.period());
+                    let other = shoot(&belt, &state, estimate).unwrap();
+                    let apart = (other.period() / orbit.period() - count).abs();
+                    if before > 1e-3 {
+                        assert!(apart < 1e-9);
+                        assert!(is_one(&belt, orbit, &other) && is_one(&belt, &other, orbit));
+                    }
+                }
+            }
+        }
+    }
 }
