@@ -28,6 +28,10 @@ pub(super) const LOOK_EVERY: usize = 1000;
 /// |---|---|
 /// | [`settle`](Self::settle) | the transient, then [`shoot`](Self::shoot) |
 /// | [`shoot`](Self::shoot) | five to ten motions over a period, each with its derivative |
+/// | [`classify`](Self::classify) | the motion until it repeats itself, at most 1.3·10⁵ steps, and up to ten times [`shoot`](Self::shoot) |
+/// | [`sweep`](Self::sweep) | [`classify`](Self::classify) twice for each value |
+/// | [`vibration_ranges`](Self::vibration_ranges) | a [`sweep`](Self::sweep) of 17 values, and [`follow`](Self::follow) for each branch |
+/// | [`begin`](Self::begin), [`switch`](Self::switch) | some tens of motions with derivatives |
 /// | [`lyapunov_with_spread`](Self::lyapunov_with_spread) | the motion with one perturbation: two to three times as long as the motion alone, for three masses about 13 s at the limit of 10⁶ steps |
 /// | [`locus`](Self::locus) | each point takes three to five steps of Newton's method, and each step about ten motions with derivatives; on a curve of grazings, onsets of stops or orders of events, a step takes instead one motion without derivative for each unknown |
 /// | [`follow`](Self::follow) | three to five motions with derivatives for each point, with at least 65 points over the range; in addition, some tens of motions for each bifurcation, and about a hundred for each change of the events |

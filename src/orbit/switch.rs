@@ -91,19 +91,7 @@ impl<S: Oscillator> Bifurcation<S> {
         &self,
         family: impl Fn(f64) -> Result<S, Error>,
     ) -> Result<BranchPoint<S>, Error> {
-        let (is_symmetric, kind) = match (self.kind, self.orbit.kind()) {
-            (BifurcationKind::Pitchfork, kind) => (true, kind),
-            (BifurcationKind::Flip, Period::Driven(count)) => (false, Period::Driven(2 * count)),
-            (BifurcationKind::Flip, Period::Free(period)) => (false, Period::Free(2.0 * period)),
-            (kind, _) => return Err(Error::NoSwitch { kind: kind.name() }),
-        };
-        let period = self.orbit.period() * if is_symmetric { 1.0 } else { 2.0 };
-        let start = S::general(&self.orbit.state());
-        let (parameter, trial) =
-            Search::new().over(&family, kind, self.range.clone(), |curve| {
-                other_branch(curve, &start, (period, self.parameter), is_symmetric)
-            })?;
-        BranchPoint::of(family, parameter, trial, kind)
+        Search::new().switch(self, family)
     }
 
     /// Returns the side of the bifurcation on which the new motions exist: supercritical if the old
@@ -133,6 +121,33 @@ impl<S: Oscillator> Bifurcation<S> {
     }
 }
 
+impl Search<'_> {
+    /// The branch that is born at a flip or a pitchfork: [`Bifurcation::switch`], within the bounds
+    /// of this search.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Bifurcation::switch`]; [`Error::Stopped`] if the watcher stops it.
+    pub fn switch<S: Oscillator>(
+        &self,
+        from: &Bifurcation<S>,
+        family: impl Fn(f64) -> Result<S, Error>,
+    ) -> Result<BranchPoint<S>, Error> {
+        let (is_symmetric, kind) = match (from.kind, from.orbit.kind()) {
+            (BifurcationKind::Pitchfork, kind) => (true, kind),
+            (BifurcationKind::Flip, Period::Driven(count)) => (false, Period::Driven(2 * count)),
+            (BifurcationKind::Flip, Period::Free(period)) => (false, Period::Free(2.0 * period)),
+            (kind, _) => return Err(Error::NoSwitch { kind: kind.name() }),
+        };
+        let period = from.orbit.period() * if is_symmetric { 1.0 } else { 2.0 };
+        let start = S::general(&from.orbit.state());
+        let (parameter, trial) = self.over(&family, kind, from.range.clone(), |curve| {
+            other_branch(curve, &start, (period, from.parameter), is_symmetric)
+        })?;
+        BranchPoint::of(family, parameter, trial, kind)
+    }
+}
+
 /// A motion on the branch that crosses at a bifurcation, and its parameter. The motion there is
 /// given by its start, and by its period on the other branch.
 fn other_branch(
@@ -158,12 +173,11 @@ fn other_branch(
     let inverted = inverted.ok_or_else(|| lost(&here))?;
     let mut across = DVector::zeros(last + 1);
     across.rows_mut(0, order).copy_from(&inverted);
-    if let Some(turning) = curve.turning {
+    if let Some(turning) = &curve.turning {
         // Projected on the section, along the motion.
-        let (row, flow) = (curve.n + turning, &map.flow[0]);
-        across
-            .rows_mut(0, order)
-            .axpy(-inverted[row] / flow[row], flow, 1.0);
+        let (n, flow) = (curve.n, &map.flow[0]);
+        let [part, rate] = [&inverted, flow].map(|vector| turning.of_velocities(|j| vector[n + j]));
+        across.rows_mut(0, order).axpy(-part / rate, flow, 1.0);
     }
     let scale = natural_scale(&curve, &here);
     let scaled = |y: &DVector<f64>| y.component_div(&scale);
@@ -189,8 +203,9 @@ fn other_branch(
             }
         };
         let (half, _) = curve.motion(&found.y, found.trial.map.end_modes(), 0.5)?;
-        let image = half_map.image(&vector(&half.end, order));
-        let missed = (vector(&half.start, order) - image).component_div(&sizes);
+        let start = vector(&half.start, order);
+        let image = vector(&half_map.applied(half).end, order);
+        let missed = (start - image).component_div(&sizes);
         let weights = inverted.component_div(&sizes);
         let missed = missed.dot(&weights) / weights.norm_squared();
         if missed.abs() >= APART * 2.0 * away.abs() {

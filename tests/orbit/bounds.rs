@@ -4,7 +4,8 @@ use std::cell::{Cell, RefCell};
 use std::ops::ControlFlow::{Break, Continue};
 
 use stick_slip::orbit::{
-    BranchEnd, Locus, LocusEnd, Orbit, Period, Progress, Search, follow, locus, settle, shoot,
+    BifurcationKind, BranchEnd, Locus, LocusEnd, Orbit, Period, Progress, Search, follow, locus,
+    settle, shoot,
 };
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Drive, Error, Structure};
@@ -162,6 +163,17 @@ fn a_branch_keeps_what_was_found() {
     let part = short.follow(driven, 0.78, &orbit, range).unwrap();
     assert_eq!(part.ends, [BranchEnd::Work, BranchEnd::Work]);
     assert!(part.points.len() > 3 && part.points.len() < whole.points.len());
+    // The branch behind a flip, and one of a Hopf point.
+    let mut found = whole.bifurcations.iter();
+    let flip = found
+        .find(|found| found.kind == BifurcationKind::Flip)
+        .unwrap();
+    let watched = Search::new().watched(|_| Continue(()));
+    let born = watched.switch(flip, driven).unwrap();
+    assert_eq!(born.parameter, flip.switch(driven).unwrap().parameter);
+    let never = Search::new().watched(|_| Break(()));
+    let found = never.switch(flip, driven).map(drop);
+    assert!(found.unwrap_err().to_string().contains("stopped"));
 }
 
 /// A curve in two parameters within bounds: it is the begin of the whole one.
