@@ -56,7 +56,7 @@
 //! | [`structure::Sample`](crate::structure::Sample) | `time`, `state`, `modes`, `accelerations`, `friction`, `loads` | no |
 //! | [`structure::EnergyBudget`](crate::structure::EnergyBudget) | `stored`, `force_work`, `drive_work`, `belt_work`, `friction_loss`, `normal_work`, `damper_loss`, `circulation` | no |
 //! | [`StabilityChange`](crate::structure::StabilityChange) | `time`, `becomes_stable`, `frequency` | no |
-//! | [`Orbit`](crate::orbit::Orbit) | `period`, `is_stable`, `multipliers`: a list of [re, im]; `extremes`, `velocity_extremes`: [least, largest] of each coordinate; `energy`, `state` (its start), `events` | no |
+//! | [`Orbit`](crate::orbit::Orbit) | `period`, `is_stable`, `multipliers`: a list of [re, im]; `mean_velocities`; `extremes`, `velocity_extremes`: [least, largest] of each coordinate; `energy`, `state` (its start), `events` | no |
 //! | [`Branch`](crate::orbit::Branch) | `points`: maps `parameter`, `orbit`; `bifurcations`: maps `parameter`, `kind` (in words), `orbit`; `ends` (in words) | no |
 //! | [`orbit::Attractor`](crate::orbit::Attractor) | `kind`, `orbit`: nothing unless it is periodic | no |
 //! | [`orbit::AttractorKind`](crate::orbit::AttractorKind) | `rest`, `steady_sliding`, `pure_slip`, `stick_slip`, `irregular` | no |

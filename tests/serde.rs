@@ -781,6 +781,7 @@ fn samples_orbits_branches_and_sweeps_are_written() {
     assert_eq!(value["period"].as_f64(), Some(orbit.period()));
     assert_eq!(value["is_stable"], true);
     assert_eq!(value["multipliers"], serde_json::json!([[0.0, 0.0]]));
+    assert_eq!(value["mean_velocities"], serde_json::json!([0.0]));
     assert_eq!(value["extremes"][0][1].as_f64(), Some(orbit.extremes(0).1));
     assert_eq!(
         value["events"].as_array().unwrap().len(),

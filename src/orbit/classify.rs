@@ -12,6 +12,7 @@ use super::oscillator::Oscillator;
 use super::period::Period;
 use super::search::Search;
 use super::shoot;
+use super::translation::Turning;
 use super::trial::Trial;
 use crate::error::{Error, Reached};
 use crate::motion::{EventKind, Integrator, Mode, Segment, System};
@@ -123,8 +124,9 @@ impl<S: System> fmt::Debug for Attractor<S> {
 ///
 /// If no drive varies, the motion counts as steady sliding or rest after at least 256 steps without
 /// an event in which all velocities are at most 10⁻⁶ of the largest velocity so far (of masses or
-/// belts). A start exactly on an unstable equilibrium, or on an unstable periodic motion, stays
-/// there: perturb it.
+/// belts). In a system that can be [translated](super#motions-that-are-translated), all velocities
+/// must be constant to this accuracy instead. A start exactly on an unstable equilibrium, or on an
+/// unstable periodic motion, stays there: perturb it.
 ///
 /// The work is at most 1.3·10⁵ steps of the motion (about 10⁴ oscillations) and ten searches by
 /// [`shoot`]; a motion that needs more counts as irregular. [`Search::classify`] sets another bound
@@ -222,22 +224,26 @@ pub(super) fn settled<S: Oscillator>(
     let (mut turning, mut number) = (0, 1);
     let mut last = start.clone();
     for look in 0..LOOKS {
-        let mut seen = Recurrence::new(form.len(), turning);
+        let mut seen = Recurrence::new(form, turning);
         for _ in 0..FIRST_STEPS << look {
             let Some(step) = flow.next().transpose()? else {
                 break;
             };
             form.count(|| Reached::new(step.start_time(), step.state().clone()))?;
             if step.duration().is_infinite() {
-                return Ok((at_rest(step.modes()), step.state().clone()));
+                return Ok((at_rest(step.modes()), form.put_back(step.state(), start)));
             }
-            seen.add(form, &step, period, &mut number);
+            seen.add((form, start), &step, period, &mut number);
         }
         fastest = seen.velocities().fold(fastest, f64::max);
         if let Some((_, state)) = seen.latest(period) {
             last = state.clone();
         }
-        let rests = seen.velocities().all(|v| v <= AT_REST * fastest);
+        let rests = if form.freedom().displacements.is_empty() {
+            seen.velocities().all(|v| v <= AT_REST * fastest)
+        } else {
+            seen.velocity_changes().all(|v| v <= AT_REST * fastest)
+        };
         if rests && seen.events.is_empty() && (period.is_none() || fastest == 0.0) {
             return Ok((at_rest(&seen.modes), last));
         }
@@ -347,13 +353,13 @@ fn keep(returns: &mut Returns, time: f64, state: State) {
 
 /// The part of a motion since the last test.
 struct Recurrence {
-    /// Least and largest of each displacement, then of each velocity.
+    /// Least and largest of each displacement, put back, then of each velocity.
     ranges: Vec<(f64, f64)>,
     modes: Vec<Mode>,
     /// States at events, by contact and kind, and how many there were.
     events: BTreeMap<(usize, u8), (usize, Returns)>,
     /// States at the largest displacements of one coordinate.
-    turning: usize,
+    turning: Turning,
     turns: (usize, Returns),
     /// States at the beginnings of periods of the drives.
     strobes: Returns,
@@ -361,21 +367,28 @@ struct Recurrence {
 }
 
 impl Recurrence {
-    fn new(n: usize, turning: usize) -> Self {
+    fn new(form: &GeneralForm<'_>, turning: usize) -> Self {
         Self {
-            ranges: vec![(f64::INFINITY, f64::NEG_INFINITY); 2 * n],
+            ranges: vec![(f64::INFINITY, f64::NEG_INFINITY); 2 * form.len()],
             modes: Vec::new(),
             events: BTreeMap::new(),
-            turning,
+            turning: form.turning(turning),
             turns: (0, Returns::new()),
             strobes: Returns::new(),
             latest: None,
         }
     }
 
-    /// Adds a step. `number` counts the periods of the drives.
-    fn add(&mut self, form: &GeneralForm<'_>, step: &Step, period: Option<f64>, number: &mut u64) {
-        for state in [step.state(), &step.end_state()] {
+    /// Adds a step, put back to the place of a start. `number` counts the periods of the drives.
+    fn add(
+        &mut self,
+        (form, start): (&GeneralForm<'_>, &State),
+        step: &Step,
+        period: Option<f64>,
+        number: &mut u64,
+    ) {
+        let back = |state: &State| form.put_back(state, start);
+        for state in [step.state(), &step.end_state()].map(back) {
             let numbers = state.displacements.iter().chain(&state.velocities);
             for ((least, largest), x) in std::iter::zip(&mut self.ranges, numbers) {
                 (*least, *largest) = (least.min(*x), largest.max(*x));
@@ -385,16 +398,17 @@ impl Recurrence {
         if let Some(period) = period {
             while *number as f64 * period < step.end_time() {
                 let time = *number as f64 * period;
-                let mut state = step.state_at(step.since_start(time));
+                let mut state = back(&step.state_at(step.since_start(time)));
                 form.put_in_modes(&mut state, 0.0, |c| Some(step.modes()[c]));
                 keep(&mut self.strobes, time, state);
                 *number += 1;
             }
-        } else if let Some(velocity) = step.series().get(self.turning) {
+        } else if let Some(velocity) = self.turning.series(step) {
             let _ = velocity.sign_changes(step.duration(), &mut |t, rises| {
                 if !rises {
                     self.turns.0 += 1;
-                    keep(&mut self.turns.1, step.start_time() + t, step.state_at(t));
+                    let state = back(&step.state_at(t));
+                    keep(&mut self.turns.1, step.start_time() + t, state);
                 }
                 ControlFlow::Continue(())
             });
@@ -403,15 +417,21 @@ impl Recurrence {
             let key = (event.contact, rank(event.kind));
             let (count, returns) = self.events.entry(key).or_default();
             *count += 1;
-            keep(returns, event.time, event.state.clone());
+            keep(returns, event.time, back(&event.state));
         }
-        self.latest = Some((step.end_time(), step.end_state()));
+        self.latest = Some((step.end_time(), back(&step.end_state())));
     }
 
     /// The largest size of each velocity.
     fn velocities(&self) -> impl Iterator<Item = f64> {
         let velocities = self.ranges[self.ranges.len() / 2..].iter();
         velocities.map(|(least, largest)| largest.max(-least))
+    }
+
+    /// The extent of each velocity.
+    fn velocity_changes(&self) -> impl Iterator<Item = f64> {
+        let velocities = self.ranges[self.ranges.len() / 2..].iter();
+        velocities.map(|(least, largest)| largest - least)
     }
 
     /// The coordinate whose velocity varies most.

@@ -3,7 +3,8 @@
 //!
 //! The unknowns y are the start, the period of an autonomous motion, and the parameter. The phase
 //! condition of an autonomous motion is a turning point of one coordinate, v_i = 0: it remains
-//! valid for arbitrarily small motions.
+//! valid for arbitrarily small motions. If the system can be translated, v_i is relative to the
+//! velocity of another coordinate.
 
 use std::cell::Cell;
 use std::ops::{ControlFlow, Range};
@@ -18,6 +19,7 @@ use super::period::Period;
 use super::search::{MOST_STEPS_OF_A_SEARCH, Watched};
 use super::sequence::Sequence;
 use super::shoot::shortest;
+use super::translation::Turning;
 use super::trial::Trial;
 use crate::error::Error;
 use crate::motion::{Mode, Segment};
@@ -51,7 +53,7 @@ pub(super) struct Curve<'f> {
     /// elastic contact, otherwise 0. States of equal energy are in proportion to these numbers.
     pub(super) mobilities: Vec<f64>,
     /// The coordinate of the phase condition of an autonomous motion.
-    pub(super) turning: Option<usize>,
+    pub(super) turning: Option<Turning>,
     /// Number of motions tried.
     pub(super) tried: Cell<usize>,
     /// Number of steps of all motions tried.
@@ -161,8 +163,8 @@ impl Curve<'_> {
     fn start(&self, form: &GeneralForm<'_>, y: &DVector<f64>, modes: &[Mode]) -> State {
         let mut start = state(&y.rows(0, self.order).into_owned(), self.n);
         form.put_in_modes(&mut start, 0.0, |c| modes.get(c).copied());
-        if let Some(i) = self.turning {
-            start.velocities[i] = 0.0;
+        if let Some(turning) = &self.turning {
+            turning.impose(&mut start.velocities);
         }
         start
     }
@@ -256,7 +258,8 @@ impl Curve<'_> {
                 Ok((map::passage(form, &start, period)?, start))
             });
             let ((end, passed), start) = found.ok()?;
-            let miss = vector(&end, self.order) - vector(&start, self.order);
+            let mut miss = vector(&end, self.order) - vector(&start, self.order);
+            trial.map.untranslated(&mut miss);
             Some((beside[last] - y[last], miss, passed == events))
         };
         let mut slope = DVector::zeros(self.order);
@@ -307,13 +310,15 @@ impl Curve<'_> {
         for i in 0..order {
             matrix[(i, unknowns - 1)] = by_parameter[i] * (scale[unknowns - 1] / sizes[i]);
         }
-        if let Some(turning) = self.turning {
+        if let Some(turning) = &self.turning {
             for i in 0..order {
                 matrix[(i, order)] = map.flow[1][i] * (scale[order] / sizes[i]);
             }
-            let row = self.n + turning;
-            matrix[(order, row)] = 1.0;
-            right[order] = -y[row] / scale[row];
+            let unit = scale[self.n + turning.coordinate];
+            for (j, factor) in turning.entries(self.n) {
+                matrix[(order, j)] = factor * (scale[j] / unit);
+            }
+            right[order] = -turning.of_velocities(|j| y[self.n + j]) / unit;
         }
         (matrix, right)
     }
@@ -466,8 +471,9 @@ impl Curve<'_> {
 
     /// The acceleration at the phase condition of an autonomous motion; 1 for a forced one.
     pub(super) fn turn(&self, solved: &Solved) -> f64 {
-        let at = |i: usize| solved.trial.map.flow[0][self.n + i];
-        self.turning.map_or(1.0, at)
+        let flow = &solved.trial.map.flow[0];
+        let at = |turning: &Turning| turning.of_velocities(|j| flow[self.n + j]);
+        self.turning.as_ref().map_or(1.0, at)
     }
 }
 
@@ -475,7 +481,7 @@ impl Curve<'_> {
 pub(super) struct TurningPoint {
     /// Its acceleration in units of its largest velocity.
     pub(super) sharpness: f64,
-    pub(super) coordinate: usize,
+    pub(super) turning: Turning,
     pub(super) time: f64,
     pub(super) state: State,
     /// The modes of the contacts there.
@@ -487,9 +493,11 @@ pub(super) fn sharpest(map: &PeriodMap) -> Option<TurningPoint> {
     let n = map.start.displacements.len();
     let mut sharpest: Option<TurningPoint> = None;
     let speeds = map.sizes();
+    let turnings: Vec<Turning> = (0..n).map(|i| map.turning(i)).collect();
     for step in &map.steps {
         for coordinate in 0..n {
-            let Some(velocity) = step.series().get(coordinate) else {
+            let turning = &turnings[coordinate];
+            let Some(velocity) = turning.series(step) else {
                 continue;
             };
             let _ = velocity.sign_changes(step.duration(), &mut |t, _| {
@@ -498,10 +506,10 @@ pub(super) fn sharpest(map: &PeriodMap) -> Option<TurningPoint> {
                 let most = sharpest.as_ref().map_or(0.0, |most| 1.001 * most.sharpness);
                 if sharpness > most {
                     let mut state = step.state_at(t);
-                    state.velocities[coordinate] = 0.0;
+                    turning.impose(&mut state.velocities);
                     sharpest = Some(TurningPoint {
                         sharpness,
-                        coordinate,
+                        turning: turning.clone(),
                         time: step.start_time() + t,
                         modes: step.modes().to_vec(),
                         state,

@@ -232,7 +232,7 @@ pub(super) fn anchor(
     if let Period::Free(_) = curve.kind {
         let map = form.period_map(&start, period).map_err(at)?;
         let turn = sharpest(&map).ok_or(Error::AtRest)?;
-        (curve.turning, start) = (Some(turn.coordinate), turn.state);
+        (curve.turning, start) = (Some(turn.turning), turn.state);
     }
     curve.weigh(&form);
     Ok(start)
@@ -251,9 +251,9 @@ fn walks(
 ) -> Result<BothDirections, Error> {
     let first = first(curve, start, period, parameter)?;
     let first_scale = natural_scale(curve, &first);
-    let turning = curve.turning;
+    let turning = curve.turning.clone();
     let walk = |direction: f64, curve: &mut Curve<'_>| {
-        curve.turning = turning;
+        curve.turning = turning.clone();
         curve.tried.set(0);
         curve.steps.set(0);
         let mut walk = Walk {

@@ -1,8 +1,9 @@
 //! A system without the type of its laws, for all searches.
 
-use std::cell::Cell;
+use std::cell::{Cell, OnceCell};
 
 use super::search::{LOOK_EVERY, MOST_STEPS_OF_A_SEARCH, Watched};
+use super::translation::Freedom;
 use crate::drive;
 use crate::error::{Error, Reached};
 use crate::motion::{Integrator, Mode};
@@ -18,6 +19,7 @@ pub struct GeneralForm<'s> {
     taken: Cell<usize>,
     most: usize,
     watched: Option<&'s Watched<'s>>,
+    freedom: OnceCell<Freedom>,
 }
 
 /// The time dependence of the drives.
@@ -38,6 +40,7 @@ impl<'s> GeneralForm<'s> {
             taken: Cell::new(0),
             most: MOST_STEPS_OF_A_SEARCH,
             watched: None,
+            freedom: OnceCell::new(),
         }
     }
 
@@ -80,6 +83,11 @@ impl<'s> GeneralForm<'s> {
     /// Limit of the steps of one motion over a period.
     pub(super) fn most_of_a_period(&self) -> usize {
         (self.most / 10).max(Integrator::DEFAULT_MAX_STEPS)
+    }
+
+    /// The directions in which the system can be moved without any change of a force.
+    pub(super) fn freedom(&self) -> &Freedom {
+        self.freedom.get_or_init(|| Freedom::of(&self.model))
     }
 
     /// Steps taken so far.

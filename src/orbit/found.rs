@@ -57,7 +57,7 @@ impl<S: Oscillator> Orbit<S> {
         let Trial { period, map, .. } = found;
         let state_at = |time: f64| map.vector_at(time);
         let symmetric = HalfMap::of_symmetric(state_at, period, (form.len(), &map.sizes()));
-        let measures = Measures::of(form, &map.steps, period, energy);
+        let measures = Measures::of(form, (&map.steps, map.translation()), period, energy);
         let events = properties.events.into_iter().map(|event| Event {
             time: event.time,
             contact: event.contact,
@@ -126,7 +126,8 @@ impl<S: System> Orbit<S> {
         self.period
     }
 
-    /// The state at the start of the period, which is also the state at its end.
+    /// The state at the start of the period, which is also the state at its end, except for a
+    /// [translation](Self::mean_velocity).
     pub fn state(&self) -> S::State {
         self.state.clone()
     }
@@ -142,7 +143,8 @@ impl<S: System> Orbit<S> {
     }
 
     /// The Floquet multipliers, by falling modulus, dimensionless: two for each coordinate and one
-    /// for each memory variable. The multiplier 1 that every autonomous motion has is left out.
+    /// for each memory variable. The multiplier 1 that every autonomous motion has is left out, and
+    /// so is that of a [translation](super#motions-that-are-translated).
     ///
     /// A small perturbation of the motion is multiplied by them in each period. Multipliers that
     /// are 0 because of stick are exactly 0: see [the page of this module](super#multipliers).

@@ -13,6 +13,7 @@ use super::map::{state, vector};
 use super::oscillator::Oscillator;
 use super::period::Period;
 use super::search::Search;
+use super::translation::Turning;
 use super::trial::Trial;
 use super::walk::natural_scale;
 use crate::error::Error;
@@ -376,7 +377,7 @@ impl Born {
         parameter: f64,
     ) -> Result<(f64, Trial), Error> {
         (curve.n, curve.order) = (self.steady.displacements.len(), self.way.len());
-        curve.turning = Some(self.turning);
+        curve.turning = Some(Turning::of(self.turning));
         curve.weigh(form);
         let (order, last) = (curve.order, curve.unknowns() - 1);
         let steady = vector(&self.steady, order);

@@ -71,10 +71,11 @@ pub fn lyapunov<S: Oscillator>(
 ///
 /// A positive exponent means chaos. For a stable periodic motion it is ln|μ|/T, with the largest
 /// multiplier μ. For an autonomous motion the exponent 0 of a shift along the orbit is left out,
-/// like the multiplier 1. The exponent is −∞ if every perturbation decays to zero. It is 0 if all
-/// masses stick for ever to surfaces at rest, because a perturbation of the displacement then
-/// remains. The perturbation is a solution of the variational equations, not a difference of
-/// motions, so no digits cancel; memory use is constant.
+/// like the multiplier 1, and so is that of a [translation](super#motions-that-are-translated). The
+/// exponent is −∞ if every perturbation decays to zero. It is 0 if all masses stick for ever to
+/// surfaces at rest, because a perturbation of the displacement then remains. The perturbation is a
+/// solution of the variational equations, not a difference of motions, so no digits cancel; memory
+/// use is constant.
 ///
 /// The duration determines the cost and the standard error, which falls at least as 1/√duration.
 /// Three masses with natural frequencies of order 1 take about 0.15 ms for each unit of time, so 10
@@ -196,9 +197,10 @@ fn growths(
             flow.carry(&step)?;
             continue;
         }
-        let along = flow_of(&step, n);
+        let mut along = flow_of(&step, n);
+        form.untranslated(along.as_mut_slice());
         let along = is_free.then_some(along.as_slice());
-        let alive = parts.add(begins, normalise(&mut flow, along, &step)?);
+        let alive = parts.add(begins, normalise(form, &mut flow, along, &step)?);
         if !alive {
             return Ok(GrowthParts::gone(duration));
         }
@@ -219,7 +221,7 @@ fn growths(
             };
             flow.carry(&step.clone().until(begins + (next - time)))?;
             time = next;
-            if !parts.add(time, normalise(&mut flow, along, &step)?) {
+            if !parts.add(time, normalise(form, &mut flow, along, &step)?) {
                 return Ok(GrowthParts::gone(duration));
             }
         }
@@ -264,13 +266,19 @@ impl GrowthParts {
 }
 
 /// Scales the perturbation to size 1, and returns the logarithm of the factor by which it has
-/// grown. For an autonomous motion the part along the motion is removed first: it neither grows nor
-/// decays.
-fn normalise(flow: &mut TangentFlow<'_>, along: Option<&[f64]>, step: &Step) -> Result<f64, Error> {
+/// grown. The part along the translations that no force depends on is removed first, and so is the
+/// part along an autonomous motion: they neither grow nor decay.
+fn normalise(
+    form: &GeneralForm<'_>,
+    flow: &mut TangentFlow<'_>,
+    along: Option<&[f64]>,
+    step: &Step,
+) -> Result<f64, Error> {
     let before = flow.logarithm.replace(0.0).unwrap_or(0.0);
     let change = flow.tangents.as_mut_slice();
     let norm = |x: &[f64]| x.iter().fold(0.0, |norm: f64, x| norm.hypot(*x));
     let whole = norm(change);
+    form.untranslated(change);
     if let Some(along) = along {
         let length = norm(along);
         if length > 0.0 {

@@ -7,7 +7,8 @@ use super::form::GeneralForm;
 use super::hold::{HeldFlow, Hold, Touch};
 use super::multipliers::multipliers;
 use super::tangent::{TangentFlow, flow_of};
-use super::unslipped::{Unslipped, slip_by_rounding, unslipped};
+use super::translation::{Translation, Turning, translations};
+use super::unslipped::{Unslipped, never_slips, slip_by_rounding, unslipped};
 use crate::error::{Error, Reached};
 use crate::motion::{Event, EventKind, Integrator, Mode, Segment};
 use crate::state::structure::State;
@@ -15,16 +16,26 @@ use crate::structure::{Flow, Step};
 
 /// A motion over one period, closed or not, with its derivative.
 ///
-/// Vectors hold n displacements, n velocities and the memory variables of the contacts.
+/// Vectors hold n displacements, n velocities and the memory variables of the contacts. At the end
+/// the system is put back along the translations that no force depends on: the map is then P(x) −
+/// φe, with φ such that the place of its start is kept, so that motions periodic up to a translation
+/// are fixed points, and the multiplier of the translation is 0.
 #[derive(Debug, Clone)]
 pub struct PeriodMap {
     pub(super) start: State,
+    /// The end, put back.
     pub(super) end: State,
+    translations: Vec<Translation>,
+    /// The displacements by which the end was put back, φe.
+    translation: DVector<f64>,
+    /// Velocities that nothing depends on.
+    boosts: Vec<DVector<f64>>,
     /// The steps, at least one; the last is cut at the end of the period.
     pub(super) steps: Vec<Step>,
     /// The monodromy matrix: the derivative of the end with respect to the start.
     pub(super) monodromy: DMatrix<f64>,
-    /// The rates of change of the state at its start and at its end.
+    /// The rates of change of the state at its start and at its end, without a part along the
+    /// translations.
     pub(super) flow: [DVector<f64>; 2],
     /// True for each memory variable on which anything depended.
     pub(super) depends: Vec<bool>,
@@ -136,11 +147,52 @@ impl PeriodMap {
         self.miss() <= CLOSED.sqrt() * self.growth()
     }
 
-    /// The state at a time, as a vector; `None` outside the motion.
+    /// The state at a time, as a vector, displacements without their mean velocity; `None` outside
+    /// the motion.
     pub(super) fn vector_at(&self, time: f64) -> Option<DVector<f64>> {
         let step = self.steps.iter().find(|step| time <= step.end_time())?;
-        let state = step.state_at(step.since_start(time));
-        Some(vector(&state, self.order()))
+        Some(self.still(&step.state_at(step.since_start(time)), time))
+    }
+
+    /// A state at a time, displacements without their mean velocity.
+    fn still(&self, state: &State, time: f64) -> DVector<f64> {
+        let mut state = vector(state, self.order());
+        if !self.translations.is_empty() {
+            let begins = self.steps.first().map_or(0.0, Segment::start_time);
+            let part = (time - begins) / self.duration();
+            let mut displacements = state.rows_mut(0, self.translation.len());
+            displacements.axpy(-part, &self.translation, 1.0);
+        }
+        state
+    }
+
+    fn duration(&self) -> f64 {
+        self.steps.iter().map(Segment::duration).sum()
+    }
+
+    /// The displacements by which the motion is translated over its duration.
+    pub(super) fn translation(&self) -> &DVector<f64> {
+        &self.translation
+    }
+
+    /// Removes the part along the translations from a perturbation or a residual.
+    pub(super) fn untranslated(&self, change: &mut DVector<f64>) {
+        for translation in &self.translations {
+            translation.remove_from(change.as_mut_slice());
+        }
+    }
+
+    /// The part of a coordinate's velocity that no translation changes.
+    pub(super) fn turning(&self, coordinate: usize) -> Turning {
+        Turning::relative(&self.translations, coordinate)
+    }
+
+    /// Replaces the end, and puts it back to the place of the start.
+    pub(super) fn end_at(&mut self, end: DVector<f64>) {
+        let start = vector(&self.start, self.order());
+        let mut moved = end - &start;
+        self.untranslated(&mut moved);
+        self.end = state(&(start + moved), self.start.displacements.len());
     }
 
     /// The modes of the contacts at the start.
@@ -220,23 +272,22 @@ impl PeriodMap {
         self.slip_by_rounding.contains(&contact)
     }
 
-    /// The largest size of each number of the state at the ends of steps; for a velocity at least
-    /// [`LEAST_VELOCITY`] of its displacement over the period, because the velocity of a mass that
-    /// slides steadily is rounding only. A memory variable may be so small that it changes a
-    /// friction coefficient by less than rounding, because it has decayed or is not used. Its size
-    /// is the change that changes the coefficient by 1. Any other number that is 0, and a
-    /// displacement or velocity that is a rounding error of 0 (as for a mass at a node), gets the
-    /// size of the largest number of its kind.
+    /// The largest size of each number of the state at the ends of steps, displacements without
+    /// their mean velocity; for a velocity at least [`LEAST_VELOCITY`] of its displacement over the
+    /// period, because the velocity of a mass that slides steadily is rounding only. A memory
+    /// variable may be so small that it changes a friction coefficient by less than rounding,
+    /// because it has decayed or is not used. Its size is the change that changes the coefficient
+    /// by 1. Any other number that is 0, and a displacement or velocity that is a rounding error of
+    /// 0 (as for a mass at a node), gets the size of the largest number of its kind.
     pub(super) fn sizes(&self) -> DVector<f64> {
         let mut sizes = DVector::zeros(self.order());
-        let ends = self.steps.iter().map(Segment::end_state);
-        for state in std::iter::once(self.start.clone()).chain(ends) {
-            sizes.zip_apply(&vector(&state, self.order()), |size: &mut f64, x: f64| {
-                *size = size.max(x.abs());
-            });
+        let ends = self.steps.iter();
+        let ends = ends.map(|step| self.still(&step.end_state(), step.end_time()));
+        for state in std::iter::once(vector(&self.start, self.order())).chain(ends) {
+            sizes.zip_apply(&state, |size: &mut f64, x: f64| *size = size.max(x.abs()));
         }
         let n = self.start.displacements.len();
-        let period: f64 = self.steps.iter().map(Segment::duration).sum();
+        let period = self.duration();
         for i in 0..n {
             sizes[n + i] = sizes[n + i].max(LEAST_VELOCITY * sizes[i] / period);
         }
@@ -265,11 +316,14 @@ impl PeriodMap {
     pub(super) fn extents(&self, sizes: &DVector<f64>) -> [f64; 2] {
         let start = vector(&self.start, self.order());
         let states = self.steps.iter().flat_map(|step| {
-            let middle = step.state_at(0.5 * step.duration());
-            [middle, step.end_state()]
+            let since = 0.5 * step.duration();
+            [
+                self.still(&step.state_at(since), step.start_time() + since),
+                self.still(&step.end_state(), step.end_time()),
+            ]
         });
         states.fold([0.0; 2], |extents, state| {
-            let apart = vector(&state, self.order()) - &start;
+            let apart = state - &start;
             let now = self.largest(&apart.component_div(sizes));
             [0, 1].map(|i| f64::max(extents[i], now[i]))
         })
@@ -284,24 +338,57 @@ impl PeriodMap {
     /// The eigenvalues of the derivative of a closed motion with respect to its start, without the
     /// 1 that belongs to a shift along an autonomous motion.
     pub(super) fn multipliers_by_start(&self, is_free: bool) -> Option<Vec<Complex<f64>>> {
-        let flow = is_free.then_some(&self.flow[0]);
-        multipliers(&self.monodromy, flow, &[], &self.sizes())
+        let shifts = self.shifts(is_free.then_some(&self.flow[0]));
+        let mut found = multipliers(&self.monodromy, &shifts, &[], &self.sizes())?;
+        found.truncate(found.len() - self.free_translations());
+        Some(found)
+    }
+
+    /// The eigenvectors of multipliers 1 that are known: the flow of an autonomous motion, and
+    /// velocities that nothing depends on.
+    fn shifts(&self, flow: Option<&DVector<f64>>) -> Vec<DVector<f64>> {
+        let boosts = self.boosts.iter().map(|boost| {
+            let n = boost.len();
+            DVector::from_fn(self.order(), |i, _| match i.checked_sub(n) {
+                Some(j) if j < n => boost[j],
+                _ => 0.0,
+            })
+        });
+        flow.cloned().into_iter().chain(boosts).collect()
+    }
+
+    /// Number of translations whose multiplier is 0 because the end is put back.
+    fn free_translations(&self) -> usize {
+        let translations = self.translations.iter();
+        translations.filter(|found| !found.is_held).count()
     }
 
     /// The multipliers of a closed motion, by falling modulus. The 1 of a shift along an autonomous
-    /// motion, and the 1 of the position of each contact that never slips, are left out. `None` if
+    /// motion, of the position of each contact that never slips, of each translation and of each
+    /// velocity on which nothing depends, are left out. `None` if
     /// they do not converge. At the tangential end of a branch the first is infinite, and the
     /// others are NaN.
     pub(super) fn multipliers(&self, is_free: bool) -> Option<Vec<Complex<f64>>> {
         let (matrix, flow) = &self.cycle;
         if self.touches.iter().any(|touch| touch.is_unbounded) {
-            let count = self.order() - self.unslipped.len() - usize::from(is_free);
+            let left_out = self.unslipped.len() + usize::from(is_free) + self.boosts.len();
+            let count = self.order() - left_out - self.free_translations();
             let first = std::iter::once(Complex::from(f64::INFINITY));
             let others = std::iter::repeat(Complex::from(f64::NAN));
             return Some(first.chain(others).take(count).collect());
         }
+        let shifts = self.shifts(is_free.then_some(flow));
+        // The place of a translation is put back, and its perturbation with it.
+        let places = self.translations.iter().filter(|found| !found.is_held);
+        let places = places.map(|found| found.row(self.order()));
+        let held: Vec<_> = self.held.iter().cloned().chain(places).collect();
+        let without_translations = |mut found: Vec<Complex<f64>>| {
+            // They are 0, and the last.
+            found.truncate(found.len() - self.free_translations());
+            found
+        };
         if self.unslipped.is_empty() {
-            return multipliers(matrix, is_free.then_some(flow), &self.held, &self.sizes());
+            return multipliers(matrix, &shifts, &held, &self.sizes()).map(without_translations);
         }
         let mut basis = DMatrix::identity(self.order(), self.order());
         for Unslipped { row, slopes, .. } in &self.unslipped {
@@ -317,9 +404,9 @@ impl PeriodMap {
         let basis = basis.remove_columns_at(&rows);
         let kept = |vector: &DVector<f64>| vector.clone().remove_rows_at(&rows);
         let matrix = (matrix * &basis).remove_rows_at(&rows);
-        let held: Vec<_> = self.held.iter().map(|row| basis.tr_mul(row)).collect();
-        let flow = is_free.then(|| kept(flow));
-        multipliers(&matrix, flow.as_ref(), &held, &kept(&self.sizes()))
+        let held: Vec<_> = held.iter().map(|row| basis.tr_mul(row)).collect();
+        let shifts: Vec<_> = shifts.iter().map(kept).collect();
+        multipliers(&matrix, &shifts, &held, &kept(&self.sizes())).map(without_translations)
     }
 }
 
@@ -402,7 +489,7 @@ pub(super) fn held_period_map(
         return Err(Error::InvalidDuration { value: duration });
     };
     let (end, last_flow) = (last.end_state(), flow_at_end(last, n));
-    let monodromy = &flow.tangents * &head.0;
+    let mut monodromy = &flow.tangents * &head.0;
     let mut cycle = head.0 * &flow.tangents;
     for (j, depends) in flow.depends.iter().enumerate() {
         if !depends {
@@ -411,15 +498,38 @@ pub(super) fn held_period_map(
         }
     }
     let end_modes = modes_after(last, || flow.fetch(f64::INFINITY))?;
+    let translations = translations(form, never_slips(&steps));
+    let [from, to] = [start, &end].map(|state| vector(state, order));
+    let mut moved = &to - &from;
+    let mut flows = [first_flow.unwrap_or_else(|| last_flow.clone()), last_flow];
+    for translation in &translations {
+        translation.remove_from(moved.as_mut_slice());
+        for flow in flows.iter_mut().chain([&mut head.1]) {
+            translation.remove_from(flow.as_mut_slice());
+        }
+        if !translation.is_held {
+            translation.remove_from_columns(&mut monodromy);
+            translation.remove_from_columns(&mut cycle);
+        }
+    }
+    let (translation, end) = if translations.is_empty() {
+        (DVector::zeros(n), end)
+    } else {
+        let back = from + moved;
+        ((to - &back).rows(0, n).into_owned(), state(&back, n))
+    };
     let unslipped = unslipped(form, &steps, [start, &end]);
     Ok(PeriodMap {
+        translations,
+        translation,
+        boosts: form.freedom().velocities.clone(),
         unslipped,
         slip_by_rounding: slip_by_rounding(form, &steps),
         touches: flow.touches().to_vec(),
         start: start.clone(),
         end_modes,
         monodromy,
-        flow: [first_flow.unwrap_or_else(|| last_flow.clone()), last_flow],
+        flow: flows,
         depends: flow.depends.clone(),
         memory_units: form.memory_units(),
         cycle: (cycle, head.1),

@@ -3,7 +3,7 @@
 
 use std::ops::ControlFlow;
 
-use nalgebra::Complex;
+use nalgebra::{Complex, DVector};
 
 use super::form::GeneralForm;
 use super::found::Orbit;
@@ -24,9 +24,10 @@ pub(super) struct Measures {
 
 #[derive(Debug, Clone, Copy)]
 struct Coordinate {
-    /// Least and largest displacement, velocity and acceleration.
+    /// Least and largest displacement without the mean velocity, velocity and acceleration.
     ranges: [(f64, f64); 3],
     mean: f64,
+    mean_velocity: f64,
     rms_velocity: f64,
     rms_acceleration: f64,
 }
@@ -38,14 +39,15 @@ struct Contact {
 }
 
 impl Measures {
-    /// The measures of a motion of these steps over a period.
+    /// The measures of a motion of these steps over a period, in which it is translated.
     pub(super) fn of(
         form: &GeneralForm<'_>,
-        steps: &[Step],
+        (steps, translation): (&[Step], &DVector<f64>),
         period: f64,
         energy: EnergyBudget,
     ) -> Self {
-        let coordinates = (0..form.len()).map(|i| Coordinate::of(steps, i, period));
+        let coordinate = |i: usize| Coordinate::of(steps, i, (translation[i], period));
+        let coordinates = (0..form.len()).map(coordinate);
         Self {
             coordinates: coordinates.collect(),
             contacts: (0..form.contacts())
@@ -57,8 +59,9 @@ impl Measures {
 }
 
 impl Coordinate {
-    fn of(steps: &[Step], coordinate: usize, period: f64) -> Self {
-        let ranges = extremes(steps, coordinate);
+    fn of(steps: &[Step], coordinate: usize, (translation, period): (f64, f64)) -> Self {
+        let mean_velocity = translation / period;
+        let ranges = extremes(steps, coordinate, mean_velocity);
         let largest = |(least, most): (f64, f64)| f64::max(-least, most);
         let series = |step: &Step| step.series().get(coordinate).copied();
         // In units of the largest value, so that squares do not overflow.
@@ -79,10 +82,13 @@ impl Coordinate {
             let (h, velocity) = (step.duration(), series(step)?);
             // ∫∫v = h² Σ v_k h^k/((k + 1)(k + 2))
             let twice = PowerSeries::from_fn(|k| velocity[k] / ((k + 1) * (k + 2)) as f64);
-            Some((step.state().displacements[coordinate] + twice.at(h) * h) * h)
+            let middle = step.start_time() + 0.5 * h;
+            let start = step.state().displacements[coordinate] - mean_velocity * middle;
+            Some((start + twice.at(h) * h) * h)
         });
         Self {
             mean: integrals.sum::<f64>() / period,
+            mean_velocity,
             rms_velocity: rms(1, PowerSeries::at),
             rms_acceleration: rms(2, PowerSeries::slope_at),
             ranges,
@@ -147,7 +153,8 @@ impl<S: System> Orbit<S> {
         std::f64::consts::TAU / self.period()
     }
 
-    /// Least and largest displacement of a coordinate.
+    /// Least and largest displacement of a coordinate; if the motion is
+    /// [translated](Self::mean_velocity), in the frame that moves at the mean velocity from time 0.
     pub fn extremes(&self, coordinate: usize) -> (f64, f64) {
         self.range(coordinate, 0)
     }
@@ -192,6 +199,17 @@ impl<S: System> Orbit<S> {
     pub fn amplitude(&self, coordinate: usize) -> f64 {
         let (least, largest) = self.extremes(coordinate);
         0.5 * (largest - least)
+    }
+
+    /// Mean velocity V = (q(T) − q(0))/T of a coordinate; 0 unless the motion is periodic only
+    /// [up to a translation](super#motions-that-are-translated).
+    ///
+    /// The displacement is then Vt and a periodic part, of which [`extremes`](Self::extremes),
+    /// [`amplitude`](Self::amplitude), [`mean_displacement`](Self::mean_displacement) and
+    /// [`harmonics`](Self::harmonics) are the measures. NaN if there is no such coordinate.
+    pub fn mean_velocity(&self, coordinate: usize) -> f64 {
+        self.coordinate(coordinate, |of| of.mean_velocity)
+            .unwrap_or(f64::NAN)
     }
 
     /// Mean displacement (1/T)∮q dt of a coordinate.
@@ -248,7 +266,8 @@ impl<S: Oscillator> Orbit<S> {
     #[doc(alias = "spectrum")]
     #[doc(alias = "fft")]
     pub fn harmonics(&self, coordinate: usize, n: usize) -> Vec<Complex<f64>> {
-        let Some(mean) = self.coordinate(coordinate, |of| of.mean) else {
+        let measured = self.coordinate(coordinate, |of| (of.mean, of.mean_velocity));
+        let Some((mean, velocity)) = measured else {
             return Vec::new();
         };
         let steps = self.trajectory().steps();
@@ -266,7 +285,8 @@ impl<S: Oscillator> Orbit<S> {
                             gauss_legendre(from, from + width, |t| {
                                 let state = S::general(&step.state_at(t));
                                 let displacement = state.displacements[coordinate];
-                                (displacement - mean) * weight(omega * (start + t))
+                                let time = start + t;
+                                (displacement - velocity * time - mean) * weight(omega * time)
                             })
                         })
                         .sum::<f64>()
@@ -312,28 +332,31 @@ fn at_extremes(rate: &PowerSeries, h: f64, meet: &mut dyn FnMut(f64)) {
     });
 }
 
-/// Least and largest displacement, velocity and acceleration of a coordinate, among the ends of
-/// steps and the zeros of the derivatives.
-fn extremes(steps: &[Step], coordinate: usize) -> [(f64, f64); 3] {
+/// Least and largest displacement without a mean velocity, velocity and acceleration of a
+/// coordinate, among the ends of steps and the zeros of the derivatives.
+fn extremes(steps: &[Step], coordinate: usize, mean_velocity: f64) -> [(f64, f64); 3] {
     let mut ranges = [(f64::INFINITY, f64::NEG_INFINITY); 3];
     let mut meet = |which: usize, value: f64| {
         let (least, largest): &mut (f64, f64) = &mut ranges[which];
         (*least, *largest) = (least.min(value), largest.max(value));
     };
     for step in steps {
-        for state in [step.state(), &step.end_state()] {
-            meet(0, state.displacements[coordinate]);
+        let ends = [step.start_time(), step.end_time()];
+        for (time, state) in std::iter::zip(ends, [step.state(), &step.end_state()]) {
+            meet(0, state.displacements[coordinate] - mean_velocity * time);
             meet(1, state.velocities[coordinate]);
         }
         let Some(velocity) = step.series().get(coordinate) else {
             continue;
         };
         let h = step.duration();
-        let start = step.state().displacements[coordinate];
+        let start = step.state().displacements[coordinate] - mean_velocity * step.start_time();
+        let mut relative = *velocity;
+        relative[0] -= mean_velocity;
         let acceleration = velocity.derivative();
         meet(2, acceleration.at(0.0));
         meet(2, acceleration.at(h));
-        at_extremes(velocity, h, &mut |t| meet(0, start + t * velocity.mean(t)));
+        at_extremes(&relative, h, &mut |t| meet(0, start + t * relative.mean(t)));
         at_extremes(&acceleration, h, &mut |t| meet(1, velocity.at(t)));
         at_extremes(&acceleration.derivative(), h, &mut |t| {
             meet(2, acceleration.at(t));

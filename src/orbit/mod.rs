@@ -76,9 +76,41 @@
 //! the belts. A guess may lie anywhere in a stick phase, but a [`Dwell`](crate::Dwell) contact
 //! needs the time since the beginning of stick in its memory.
 //!
-//! A motion may be periodic except for a translation, such as the motion of a drill string. It is
-//! then periodic in the frame that moves at its mean velocity Ω. In this frame a surface of
-//! velocity w has the velocity w − Ω; the page
+//! # Motions that are translated
+//!
+//! A shaft that turns, or a chain of masses that no spring holds to the ground, can be displaced as
+//! a whole without any change of a force: there is a direction e with K e = 0, to which every load
+//! gradient is normal. Such a motion is periodic up to a translation,
+//!
+//! ```text
+//! q(T) = q(0) + φ e,    v(T) = v(0),
+//! ```
+//!
+//! with a mean velocity φe/T that the search finds, as it finds an unknown period:
+//! [`Orbit::mean_velocity`]. All searches look for such directions themselves; there may be several,
+//! for several shafts that only contacts and dampers connect. The place at which a motion starts,
+//! e·q(0), is that of the guess. Along a direction on which nothing depends, not even by velocity
+//! (C e = 0, b_c·e = 0), momentum is conserved and the mean velocity is that of the guess.
+//!
+//! ```
+//! use stick_slip::orbit::{self, Period};
+//! use stick_slip::{Contact, Drive, Exponential, Structure, structure::State};
+//!
+//! // A shaft of two inertias, free to turn: its motor at one end, friction at the other.
+//! let shaft = Structure::new(&[1.0, 0.5])?
+//!     .with_spring(0, 1, 4.0)?
+//!     .with_force(0, Drive::constant(10.6))?
+//!     .with_ground_damper(0, 20.0)?
+//!     .with_contact(Contact::new(1, Exponential::new(0.8, 0.4, 0.5)?, 1.0)?)?;
+//! let start = State::new(&[0.0, 0.0], &[0.5, 0.5]);
+//! let orbit = orbit::settle(&shaft, &start, 200.0, Period::Free(3.0))?;
+//! assert!(orbit.stick_duration(1) > 0.0);
+//! assert!((orbit.mean_velocity(0) - 0.5).abs() < 0.05);
+//! # Ok::<(), stick_slip::Error>(())
+//! ```
+//!
+//! In the frame that moves at the mean velocity Ω the motion is periodic. There a surface of velocity
+//! w has the velocity w − Ω; the page
 //! [`structure`](crate::structure#frames-that-move-at-a-varying-speed) lists the other terms.
 //!
 //! # Multipliers
@@ -94,6 +126,8 @@
 //!   sticking, so a motion with such a contact may have no multiplier 0.
 //! * An autonomous motion has a multiplier 1, because a shift of its start along the orbit neither
 //!   grows nor decays. This multiplier is left out.
+//! * A [translation](#motions-that-are-translated) has the multiplier 1, and so has a velocity on
+//!   which nothing depends. They are left out.
 //! * A memory variable that does not influence the motion has the multiplier 0.
 //! * If a contact never slips, the motion belongs to a continuous family: [`Orbit::unslipped`]
 //!   lists such contacts, and their multipliers 1 are left out. In any other continuous family
@@ -110,6 +144,7 @@
 // | `form.rs` | a system without the type of its laws, for all searches |
 // | `oscillator.rs` | `Oscillator`: the systems that the searches take |
 // | `period.rs`, `trial.rs` | `Period`; one trial of a search |
+// | `translation.rs` | translations that no force depends on, up to which motions are periodic |
 // | `linear.rs` | coefficients of the variational equations along one step, as power series |
 // | `lanes.rs` | power series of several perturbations, side by side |
 // | `tangent.rs` | the tangent flow: the variational equations along a trajectory |
@@ -175,6 +210,7 @@ mod sweep;
 mod switch;
 mod symmetry;
 mod tangent;
+mod translation;
 mod trial;
 mod unslipped;
 mod walk;

@@ -4,17 +4,17 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use crate::numerics::eigenvalues::{eigenvalues, reflected};
 
-/// The multipliers by falling modulus, without the 1 that belongs to `flow` if that is given;
+/// The multipliers by falling modulus, without the 1 that belongs to each vector of `shifts`;
 /// `None` if they do not converge.
 ///
 /// Each row or column of zeros gives one multiplier that is exactly 0, and so does each vector of
 /// `held`: the image of the matrix is normal to these vectors. The matrix is scaled by the sizes of
-/// the numbers, so that units do not matter. The eigenvector of the multiplier 1 is known, the flow
-/// f: in an orthonormal basis (f, Q) the matrix M is block triangular, and the other multipliers
-/// are the eigenvalues of QᵀMQ.
+/// the numbers, so that units do not matter. Eigenvectors of the multiplier 1 are known, such as the
+/// flow f of an autonomous motion: in an orthonormal basis (f, Q) the matrix M is block triangular,
+/// and the other multipliers are the eigenvalues of QᵀMQ.
 pub(super) fn multipliers(
     matrix: &DMatrix<f64>,
-    flow: Option<&DVector<f64>>,
+    shifts: &[DVector<f64>],
     held: &[DVector<f64>],
     sizes: &DVector<f64>,
 ) -> Option<Vec<Complex<f64>>> {
@@ -29,20 +29,20 @@ pub(super) fn multipliers(
     let vector = |row: &dyn Fn(usize) -> f64| {
         DVector::from_iterator(alive.len(), alive.iter().map(|&i| row(i)))
     };
-    // In these units; the flow last.
+    // In these units; the shifts last.
     let mut normals: Vec<_> = held
         .iter()
         .map(|row| vector(&|i| row[i] * sizes[i]))
         // A vector without a component in the remaining coordinates is covered by the rows of
         // zeros.
         .filter(|row| row.amax() > 0.0)
-        .chain(flow.map(|flow| vector(&|i| flow[i] / sizes[i])))
+        .chain(shifts.iter().map(|shift| vector(&|i| shift[i] / sizes[i])))
         .collect();
     normals.reverse();
     while let Some(normal) = normals.pop() {
         scaled = across(&scaled, normal, &mut normals);
     }
-    let count = order.saturating_sub(usize::from(flow.is_some()));
+    let count = order.saturating_sub(shifts.len());
     let mut values = eigenvalues(scaled)?;
     values.sort_by(|a, b| {
         let by_modulus = b.norm_sqr().total_cmp(&a.norm_sqr());
@@ -101,7 +101,7 @@ mod tests {
     fn a_cyclic_permutation_has_the_sixth_roots_of_unity() {
         let matrix = DMatrix::from_fn(6, 6, |i, j| f64::from(u8::from(i == (j + 1) % 6)));
         let sizes = DVector::from_element(6, 1.0);
-        let found = multipliers(&matrix, None, &[], &sizes).unwrap();
+        let found = multipliers(&matrix, &[], &[], &sizes).unwrap();
         for multiplier in &found {
             assert!((multiplier.powu(6) - 1.0).norm() < 1e-13, "{found:?}");
         }
@@ -109,7 +109,7 @@ mod tests {
         assert!(sum.norm() < 1e-13, "{found:?}");
         // Without the one along the flow, which is the sum of all.
         let flow = DVector::from_element(6, 0.3);
-        let found = multipliers(&matrix, Some(&flow), &[], &sizes).unwrap();
+        let found = multipliers(&matrix, &[flow], &[], &sizes).unwrap();
         let sum: Complex<f64> = found.iter().sum();
         assert!(found.len() == 5 && (sum + 1.0).norm() < 1e-13, "{found:?}");
     }

@@ -401,6 +401,7 @@ fn transient_end(
         _ => transient,
     };
     let (mut reached, modes) = map::reach(form, start, duration)?;
+    reached = form.put_back(&reached, start);
     form.put_in_modes(&mut reached, 0.0, |c| Some(modes[c]));
     Ok(reached)
 }

@@ -102,8 +102,7 @@ impl HalfMap {
     /// G as a map like that over a period, from the motion over half of it: its end is the image of
     /// the start, with the derivatives by the start and by the whole period.
     pub(super) fn applied(&self, mut half: PeriodMap) -> PeriodMap {
-        let end = self.image(&vector(&half.end, half.order()));
-        half.end = state(&end, half.start.displacements.len());
+        half.end_at(self.image(&vector(&half.end, half.order())));
         for (mut row, sign) in half.monodromy.row_iter_mut().zip(&self.signs) {
             row *= *sign;
         }
@@ -113,7 +112,7 @@ impl HalfMap {
     }
 
     /// G(x), from the motion over half a period.
-    pub(super) fn image(&self, end: &DVector<f64>) -> DVector<f64> {
+    fn image(&self, end: &DVector<f64>) -> DVector<f64> {
         end.component_mul(&self.signs) + &self.shift
     }
 
@@ -238,10 +237,13 @@ impl CurveView<'_, '_> {
             y.rows_mut(0, order).copy_from(&vector(&image.start, order));
             let sizes = image.sizes();
             let (mut matrix, right) = image.closing(&sizes, own);
-            if let Some(turning) = curve.turning {
+            if let Some(turning) = &curve.turning {
                 let late = image.flow[1].component_div(&sizes) * period;
                 matrix.view_mut((0, order), (order, 1)).copy_from(&late);
-                matrix[(order, curve.n + turning)] = 1.0;
+                let unit = sizes[curve.n + turning.coordinate];
+                for (j, factor) in turning.entries(curve.n) {
+                    matrix[(order, j)] = factor * (sizes[j] / unit);
+                }
             }
             let change = solution(&matrix, &right)?;
             let size = change.amax();

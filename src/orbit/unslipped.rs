@@ -19,6 +19,12 @@ pub(super) struct Unslipped {
     pub(super) slopes: Vec<(usize, f64)>,
 }
 
+/// Returns true for a contact that sticks in all of these steps.
+pub(super) fn never_slips(steps: &[Step]) -> impl Fn(usize) -> bool {
+    let lasting = || steps.iter().filter(|step| step.duration() > 0.0);
+    move |c| lasting().all(|step| step.modes()[c] == Mode::Stick)
+}
+
 /// Contacts that stick in all of these steps to surfaces that return to their positions. Each rigid
 /// contact determines one displacement, the one with the largest coefficient. Elastic contacts come
 /// last, because they determine no displacement.
@@ -29,8 +35,7 @@ pub(super) fn unslipped(
 ) -> Vec<Unslipped> {
     /// The apparent displacement, in parts of the displacements, of a surface that comes back.
     const ROUNDING: f64 = 1e-9;
-    let lasting = || steps.iter().filter(|step| step.duration() > 0.0);
-    let never_slips = |c: &usize| lasting().all(|step| step.modes()[*c] == Mode::Stick);
+    let never_slips = never_slips(steps);
     let comes_back = |c: &usize| {
         let contact = &form.model.contacts[*c];
         let [from, to] = [start, end].map(|state| &state.displacements);
@@ -38,7 +43,7 @@ pub(super) fn unslipped(
         contact.along(|j| to[j] - from[j]).abs() <= ROUNDING * size
     };
     let (held, elastic): (Vec<usize>, Vec<usize>) = (0..form.contacts())
-        .filter(never_slips)
+        .filter(|&c| never_slips(c))
         .partition(|&c| form.holds(c));
     let held = held.into_iter().filter(comes_back);
     let mut unslipped: Vec<Unslipped> = Vec::new();

@@ -291,9 +291,10 @@ impl Walk<'_, '_> {
         // The largest velocity itself, because the sizes do not fall below rounding of the
         // displacements.
         let speed = |place: &CurvePoint| {
-            let i = curve.turning?;
+            let turning = curve.turning.as_ref()?;
             let ends = place.solved.trial.map.steps.iter().map(Segment::end_state);
-            Some(ends.map(|end| end.velocities[i].abs()).fold(0.0, f64::max))
+            let speeds = ends.map(|end| turning.of_velocities(|j| end.velocities[j]).abs());
+            Some(speeds.fold(0.0, f64::max))
         };
         let whole = turn(here);
         let mut near = here.clone();
@@ -366,13 +367,14 @@ impl Walk<'_, '_> {
         base: &Solved,
         tangent: &DVector<f64>,
     ) -> Option<(Solved, DVector<f64>)> {
-        let now = self.curve.turning?;
+        let now = self.curve.turning.clone()?;
         let map = &base.trial.map;
         let turn = sharpest(map)?;
-        if self.curve.turn(base).abs() >= BLUNT * turn.sharpness * map.sizes()[self.curve.n + now] {
+        let size = map.sizes()[self.curve.n + now.coordinate];
+        if self.curve.turn(base).abs() >= BLUNT * turn.sharpness * size {
             return None;
         }
-        self.curve.turning = Some(turn.coordinate);
+        self.curve.turning = Some(turn.turning);
         let moved = self.moved(base, &turn.state, tangent);
         if moved.is_none() {
             self.curve.turning = Some(now);

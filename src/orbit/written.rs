@@ -21,10 +21,13 @@ where
         };
         let multipliers = self.multipliers().iter();
         let multipliers: Vec<[f64; 2]> = multipliers.map(|m| [m.re, m.im]).collect();
-        let mut text = to.serialize_struct("Orbit", 8)?;
+        let mut text = to.serialize_struct("Orbit", 9)?;
         text.serialize_field("period", &self.period())?;
         text.serialize_field("is_stable", &self.is_stable())?;
         text.serialize_field("multipliers", &multipliers)?;
+        let mean_velocities = coordinates.clone().map(|i| self.mean_velocity(i));
+        let mean_velocities: Vec<f64> = mean_velocities.collect();
+        text.serialize_field("mean_velocities", &mean_velocities)?;
         text.serialize_field("extremes", &extremes(Self::extremes))?;
         text.serialize_field("velocity_extremes", &extremes(Self::velocity_extremes))?;
         text.serialize_field("energy", self.energy())?;

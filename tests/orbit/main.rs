@@ -31,3 +31,4 @@ mod references;
 mod seam;
 mod sensitivities;
 mod switching;
+mod translations;

@@ -198,6 +198,7 @@ impl EventCurve<'_> {
             let start = vector(&start, motions.order);
             let end = steps.last().map(Segment::end_state).unwrap_or_default();
             let mut residual = vector(&end, motions.order) - &start;
+            near.trial.map.untranslated(&mut residual);
             let depends = &near.trial.map.depends;
             let first = motions.order - depends.len();
             for (j, depends) in depends.iter().enumerate() {

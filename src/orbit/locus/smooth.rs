@@ -410,9 +410,10 @@ impl Equations for SmoothCurve<'_> {
     }
 
     fn size(&self, value: &Motion) -> Option<(usize, f64)> {
-        let turning = value.begin.section.as_ref()?.turning?;
-        let acceleration = value.trial.map.flow[0][self.motions.n + turning];
-        Some((turning, acceleration))
+        let turning = value.begin.section.as_ref()?.turning.as_ref()?;
+        let flow = &value.trial.map.flow[0];
+        let acceleration = turning.of_velocities(|j| flow[self.motions.n + j]);
+        Some((turning.coordinate, acceleration))
     }
 
     fn tests(&self, point: &Point<Motion>) -> Vec<f64> {

@@ -6,6 +6,7 @@ use nalgebra::DVector;
 use super::super::curve::sharpest;
 use super::super::hold::Hold;
 use super::super::map::{self, PeriodMap, held_period_map, vector};
+use super::super::translation::Turning;
 use super::super::trial::Trial;
 use super::super::walk::BLUNT;
 use super::change::Change;
@@ -46,7 +47,7 @@ pub(super) struct Mark {
 pub(super) struct Section {
     /// The coordinate that turns at the start, v_i = 0: the condition holds however small the
     /// motion becomes. Otherwise the plane lies across the flow.
-    pub(super) turning: Option<usize>,
+    pub(super) turning: Option<Turning>,
     point: DVector<f64>,
     /// The normal, in units in which it is of size 1.
     pub(super) normal: DVector<f64>,
@@ -113,7 +114,7 @@ impl Motions<'_> {
             },
             modes: modes.unwrap_or_default().to_vec(),
             section: turn.map(|turn| Section {
-                turning: Some(turn.coordinate),
+                turning: Some(turn.turning),
                 point: DVector::zeros(self.order),
                 normal: DVector::zeros(self.order),
             }),
@@ -144,11 +145,14 @@ impl Motions<'_> {
         let mut sizes = trial.map.sizes();
         if self.is_free() {
             sizes = sizes.insert_row(self.order, trial.period);
-            let turning = begin.section.as_ref().and_then(|section| section.turning);
+            let section = begin.section.as_ref();
+            let turning = section.and_then(|section| section.turning.clone());
             let own = sizes.rows(0, self.order);
-            let (point, normal) = if let Some(i) = turning {
+            let (point, normal) = if let Some(turning) = &turning {
                 let mut normal = DVector::zeros(self.order);
-                normal[self.n + i] = own[self.n + i].recip();
+                for (j, factor) in turning.entries(self.n) {
+                    normal[j] = factor / own[self.n + turning.coordinate];
+                }
                 (DVector::zeros(self.order), normal)
             } else {
                 let normal = trial.map.flow[0].component_div(&own);
@@ -178,9 +182,11 @@ impl Motions<'_> {
     ) -> Option<(DVector<f64>, FrozenStart)> {
         let begins = begin.phase * trial.period;
         let is_near = near_events(&trial.map, begins, trial.period, NEAR);
-        let turning = begin.section.as_ref().and_then(|section| section.turning);
-        let is_blunt = turning.is_some_and(|i| {
-            let sharpness = trial.map.flow[0][self.n + i].abs() / begin.sizes[self.n + i];
+        let turning = begin.section.as_ref();
+        let turning = turning.and_then(|section| section.turning.as_ref());
+        let is_blunt = turning.is_some_and(|turning| {
+            let acceleration = turning.of_velocities(|j| trial.map.flow[0][self.n + j]);
+            let sharpness = acceleration.abs() / begin.sizes[self.n + turning.coordinate];
             sharpest(&trial.map).is_some_and(|turn| sharpness < BLUNT * turn.sharpness)
         });
         (is_near || is_blunt).then(|| self.begun(y, trial, begin).ok())?

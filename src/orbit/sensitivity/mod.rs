@@ -342,6 +342,7 @@ impl Sensitivities {
         let mut periods = Vec::new();
         for (number, by) in self.variations.iter().enumerate() {
             let mut missed = by.derivative(|run| run.missed(count))?;
+            map.untranslated(&mut missed);
             kept.iter().for_each(|&i| missed[i] = 0.0);
             let right = -missed
                 .component_div(&sizes)
