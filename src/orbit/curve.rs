@@ -495,8 +495,7 @@ pub(super) fn sharpest(map: &PeriodMap) -> Option<TurningPoint> {
     let speeds = map.sizes();
     let turnings: Vec<Turning> = (0..n).map(|i| map.turning(i)).collect();
     for step in &map.steps {
-        for coordinate in 0..n {
-            let turning = &turnings[coordinate];
+        for (coordinate, turning) in turnings.iter().enumerate() {
             let Some(velocity) = turning.series(step) else {
                 continue;
             };

@@ -284,7 +284,7 @@ impl Turning {
 
     /// The velocity in a step, as a power series; zero in a step of a mass at rest.
     pub(super) fn series(&self, step: &Step) -> Option<PowerSeries> {
-        let mut sum = step.series().get(self.coordinate)?.clone();
+        let mut sum = *step.series().get(self.coordinate)?;
         for &(j, factor) in self.velocity.iter().filter(|(j, _)| *j != self.coordinate) {
             sum.add(factor, step.series().get(j)?);
         }
@@ -301,7 +301,8 @@ impl Turning {
 mod tests {
     use super::super::oscillator::Oscillator;
     use super::*;
-    use crate::{Contact, Coulomb, Structure};
+    use crate::friction::Coulomb;
+    use crate::structure::{Contact, Structure};
 
     fn freedom(structure: &Structure) -> Freedom {
         Freedom::of(structure.form().model())

@@ -146,38 +146,44 @@ pub(super) fn is_same<S: Oscillator>(known: &Branch<S>, branch: &Branch<S>) -> b
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::shoot;
+    use super::super::super::follow::follow;
+    use super::super::super::shoot::{settle, shoot};
     use super::*;
-    use crate::{Exponential, MassOnBelt, limit_cycle};
+    use crate::belt::MassOnBelt;
+    use crate::error::Error;
+    use crate::friction::Exponential;
 
     /// Two motions just before the fold at which they meet are two, and each is the same from every
     /// start and over several periods.
     #[test]
     fn motions_that_nearly_meet_are_two() {
-        const FOLD: f64 = 0.81909955091672;
-        for before in [1e-2, 1e-5, 1e-8] {
-            let law = Exponential::new(0.4, 0.25, 0.5).unwrap();
-            let belt = MassOnBelt::new(law, FOLD - before).unwrap();
-            let belt = belt.with_damping(0.05).unwrap();
-            let cycles = limit_cycle::find(&belt).unwrap();
-            let orbits = cycles
-                .iter()
-                .map(|cycle| shoot(&belt, &cycle.state(), Period::Free(cycle.period())).unwrap());
-            let orbits: Vec<_> = orbits.collect();
-            assert_eq!(orbits.len(), 2);
-            assert!(!is_one(&belt, &orbits[0], &orbits[1]), "{before}");
-            assert!(!is_one(&belt, &orbits[1], &orbits[0]), "{before}");
-            for orbit in &orbits {
-                assert!(is_one(&belt, orbit, orbit));
-                for (part, count) in [(0.3, 1.0), (0.8, 2.0)] {
+        let family = |velocity: f64| -> Result<MassOnBelt<Exponential>, Error> {
+            MassOnBelt::new(Exponential::new(0.4, 0.25, 0.5)?, velocity)?.with_damping(0.05)
+        };
+        let belt = family(0.805).unwrap();
+        let stable = settle(&belt, &(0.4, 0.8).into(), 400.0, Period::Free(6.3)).unwrap();
+        let branch = follow(family, 0.805, &stable, 0.8..0.9).unwrap();
+        let mut folds = branch.bifurcations.iter();
+        let fold = folds.find(|found| found.parameter > 0.819).unwrap();
+        let sides = branch.points.split_at(fold.behind + 1);
+        for before in [1e-2, 1e-3, 1e-4] {
+            let velocity = fold.parameter - before;
+            let belt = family(velocity).unwrap();
+            let [one, other] = [sides.0, sides.1].map(|side| {
+                let off = |point: &&BranchPoint<_>| (point.parameter - velocity).abs();
+                let nearest = side.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+                let orbit = &nearest.unwrap().orbit;
+                shoot(&belt, &orbit.state(), orbit.kind()).unwrap()
+            });
+            assert!(one.is_stable() != other.is_stable());
+            assert!(!is_one(&belt, &one, &other) && !is_one(&belt, &other, &one));
+            for orbit in [one, other] {
+                for (part, count) in [(0.0, 1.0), (0.3, 1.0), (0.8, 2.0)] {
                     let state = orbit.trajectory().state_at(part * orbit.period()).unwrap();
                     let estimate = Period::Free(count * orbit.period());
-                    let other = shoot(&belt, &state, estimate).unwrap();
-                    let apart = (other.period() / orbit.period() - count).abs();
-                    if before > 1e-3 {
-                        assert!(apart < 1e-9);
-                        assert!(is_one(&belt, orbit, &other) && is_one(&belt, &other, orbit));
-                    }
+                    let again = shoot(&belt, &state, estimate).unwrap();
+                    assert!((again.period() / orbit.period() - count).abs() < 1e-9);
+                    assert!(is_one(&belt, &orbit, &again) && is_one(&belt, &again, &orbit));
                 }
             }
         }
