@@ -7,8 +7,8 @@ use approx::{assert_abs_diff_eq, assert_relative_eq};
 use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::structure::State;
 use stick_slip::{
-    Contact, Coulomb, Direction, Drive, Error, EventKind, Exponential, LuGre, Mode, Segment,
-    Structure,
+    Contact, Coulomb, Direction, Drive, Error, EventKind, Exponential, Integrator, LuGre, Mode,
+    Segment, Structure,
 };
 
 use crate::common::{Random, assert_form};
@@ -186,7 +186,7 @@ fn drive(random: &mut Random, about: f64, amplitude: f64, may_jump: bool) -> Dri
     }
 }
 
-/// Rigid contacts among them, and loads that jump, if `mixed`.
+/// Rigid contacts among them, loads that jump, and stiffnesses up to 1e12, if `mixed`.
 fn draw(random: &mut Random, mixed: bool) -> Drawn {
     let n = 1 + (random.bits() % 3) as usize;
     let coupling = if random.bits().is_multiple_of(2) {
@@ -230,7 +230,8 @@ fn draw(random: &mut Random, mixed: bool) -> Drawn {
         let mut contact = made.unwrap();
         let is_rigid = mixed && random.bits().is_multiple_of(3);
         if !is_rigid {
-            let stiffness = 10.0_f64.powf(random.uniform(-1.0, 2.0));
+            let powers = if mixed { (-2.0, 12.0) } else { (-1.0, 2.0) };
+            let stiffness = 10.0_f64.powf(random.uniform(powers.0, powers.1));
             contact = contact.with_tangential_stiffness(stiffness).unwrap();
             memory.push(0.0);
         }
@@ -372,13 +373,21 @@ fn motions_of_elastic_contacts_obey_the_law() {
     for i in 0..count(600) {
         let Drawn { structure, start } = draw(&mut random, true);
         let about = || format!("{i}: {structure:?}\n{start:?}");
-        let motion = match structure.simulate(start.clone(), 20.0) {
+        let flow = match Integrator::new().flow(&structure, start.clone()) {
             Err(Error::OverLimit { .. } | Error::Undetermined { .. }) => continue,
-            motion => motion.unwrap_or_else(|error| panic!("{error}\n{}", about())),
+            flow => flow.unwrap_or_else(|error| panic!("{error}\n{}", about())),
         };
         motions += 1;
-        events += motion.events().len();
-        for step in motion.steps() {
+        // A stiff spring that sticks vibrates so fast that a whole motion would take 10⁷ steps.
+        for step in flow.take(400) {
+            let step = match step {
+                Err(Error::Undetermined { .. }) => break,
+                step => step.unwrap_or_else(|error| panic!("{error}\n{}", about())),
+            };
+            events += step.events().len();
+            if step.start_time() > 20.0 || step.duration() > 1e3 {
+                break;
+            }
             if step.duration() == 0.0 {
                 continue;
             }

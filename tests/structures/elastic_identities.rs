@@ -382,3 +382,61 @@ fn elements_of_a_joint_carry_and_dissipate_what_it_does() {
         assert!((1.0..1.1).contains(&ratio), "{i}: {ratio}");
     }
 }
+
+/// Small cycles of a simulated joint dissipate D = 4R A^(χ+3)/((χ+2)(χ+3)): its slope in a log-log
+/// diagram is χ + 3, and the finer the grid, the nearer is the loss itself.
+#[test]
+fn small_cycles_of_a_joint_have_the_exponent_of_its_distribution() {
+    for chi in [-0.8, -0.5, -0.2, 0.0] {
+        let joint = Iwan4::new(3.0, 2.0, chi, 0.3).unwrap();
+        let longest = joint.largest_break_free();
+        let contact = Contact::new(0, Coulomb::new(1.0, 1.0).unwrap(), 1.0).unwrap();
+        // R from the limits of all sliders, S φ_max among them: F_S = R φ^{χ+2}/(χ+2) + S φ.
+        let share = 1.0 / (chi + 2.0) + 0.3 / (chi + 1.0);
+        let density = joint.slip_force() / (share * longest.powf(chi + 2.0));
+        let closed = |a: f64| 4.0 * density * a.powf(chi + 3.0) / ((chi + 2.0) * (chi + 3.0));
+        let worst = [(40, 0.8), (80, 0.8_f64.sqrt())].map(|(n, grid)| {
+            let elements = joint.elements(n, grid).unwrap();
+            let loss = |amplitude: f64| {
+                let motion = moved(&contact, &elements, &[amplitude, -amplitude, amplitude]);
+                let wall = motion.steps().iter();
+                // Work of the surface over the closed cycle.
+                wall.filter(|step| step.start_time() >= amplitude)
+                    .map(|step| {
+                        let middle = step.start_time() + 0.5 * step.duration();
+                        let sign = if middle < 3.0 * amplitude { -1.0 } else { 1.0 };
+                        let force = |t: f64| step.state_at(t).memory.iter().sum::<f64>();
+                        sign * integrate(step.duration(), force)
+                    })
+                    .sum::<f64>()
+            };
+            // Over two decades, between the tangents of the polygon and where they touch.
+            let amplitudes: Vec<f64> = (0..9)
+                .map(|i| 0.3 * longest * 0.01_f64.powf(f64::from(i) / 8.0))
+                .collect();
+            let losses: Vec<f64> = amplitudes.iter().map(|&a| loss(a)).collect();
+            let logarithms = amplitudes
+                .iter()
+                .zip(&losses)
+                .map(|(a, d)| [a.ln(), d.ln()]);
+            let points: Vec<_> = logarithms.collect();
+            let mean = |k: usize| points.iter().map(|point| point[k]).sum::<f64>() / 9.0;
+            let [x, y] = [mean(0), mean(1)];
+            let over = |f: &dyn Fn(&[f64; 2]) -> f64| points.iter().map(f).sum::<f64>();
+            let slope = over(&|p| (p[0] - x) * (p[1] - y)) / over(&|p| (p[0] - x).powi(2));
+            println!("{chi} {grid}: slope {slope}");
+            assert!((slope - chi - 3.0).abs() < 0.002, "{chi}: {slope}");
+            let apart = amplitudes.iter().zip(&losses).map(|(&a, loss)| {
+                assert!((joint.dissipation(a) / closed(a) - 1.0).abs() < 1e-13);
+                (loss / closed(a) - 1.0).abs()
+            });
+            apart.fold(0.0, f64::max)
+        });
+        // Of second order in the ratio of neighbouring intervals.
+        println!("{chi}: {worst:?}");
+        assert!(
+            worst[0] < 0.04 && worst[1] < 0.4 * worst[0],
+            "{chi}: {worst:?}"
+        );
+    }
+}
