@@ -320,6 +320,11 @@ impl Curve<'_> {
             }
             right[order] = -turning.of_velocities(|j| y[self.n + j]) / unit;
         }
+        // What is kept depends neither on the parameter nor on the period.
+        for row in map.kept() {
+            let mut row = matrix.row_mut(row);
+            row.columns_mut(order, unknowns - order).fill(0.0);
+        }
         (matrix, right)
     }
 

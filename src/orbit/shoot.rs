@@ -82,6 +82,10 @@ impl<'s> Problem<'s> {
                 matrix[(i, order)] = map.flow[1][i] * trial.period / sizes[i];
                 matrix[(order, i)] = normal[i] * sizes[i] / largest;
             }
+            // What is kept does not depend on the period.
+            map.kept()
+                .into_iter()
+                .for_each(|row| matrix[(row, order)] = 0.0);
             right[order] = -normal.dot(&(start - point)) / largest;
             // Close to an equilibrium the flow is small, but the period is determined as well as
             // elsewhere.

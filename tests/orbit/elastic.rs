@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use serde_json::Value;
-use stick_slip::orbit::{BifurcationKind, Period, follow, lyapunov, settle, shoot};
+use stick_slip::orbit::{BifurcationKind, BranchEnd, Period, follow, lyapunov, settle, shoot};
 use stick_slip::structure::State;
 use stick_slip::{Contact, Coulomb, Drive, Error, Integrator, Structure};
 
@@ -118,6 +118,32 @@ fn sliders_that_never_move_keep_their_place() {
     )
     .unwrap();
     assert_eq!((slips.unslipped(), slips.multipliers().len()), (&[][..], 3));
+}
+
+/// Along a branch a slider that never moves keeps its place, wherever in its period a motion starts:
+/// the mean displacement under a constant force is that of both springs.
+#[test]
+fn sliders_keep_their_place_along_a_branch() {
+    for (constant, phase) in [(0.8, 0.0), (-0.8, 2.0), (0.3, 4.0)] {
+        let family = |amplitude: f64| {
+            let force = Drive::harmonic(amplitude, 1.2, phase)?.with_constant(constant)?;
+            oscillator(0.0).with_force(0, force)
+        };
+        // Spring 1, element 3; its force has the amplitude 1.17 under a force of amplitude 1.
+        let rest = constant / 4.0;
+        let start = State::new(&[rest], &[0.0]).with_memory(&[3.0 * rest]);
+        let orbit = shoot(&family(0.05).unwrap(), &start, Period::Driven(1)).unwrap();
+        let branch = follow(family, 0.05, &orbit, 0.01..0.3).unwrap();
+        assert_eq!(branch.ends, [BranchEnd::Range, BranchEnd::Range]);
+        assert!(branch.points.len() > 20);
+        for point in &branch.points {
+            let (low, high) = point.orbit.extremes(0);
+            // Each point of the branch adds its rounding.
+            let apart = 0.5 * (low + high) - rest;
+            assert!(apart.abs() < 1e-12, "{constant}: {apart:e}");
+            assert_eq!(point.orbit.unslipped(), [0]);
+        }
+    }
 }
 
 /// The exponent of a motion is that of its multipliers.
