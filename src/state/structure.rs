@@ -50,6 +50,19 @@ impl State {
         Self::new(&vec![0.0; n], &vec![0.0; n])
     }
 
+    /// All numbers: displacements, velocities, memory variables.
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
+        let motion = self.displacements.iter().chain(&self.velocities);
+        motion.chain(&self.memory).copied()
+    }
+
+    /// The state of so many coordinates with these [`numbers`](Self::numbers).
+    pub(crate) fn of_numbers(coordinates: usize, numbers: &[f64]) -> Self {
+        let (displacements, others) = numbers.split_at(coordinates);
+        let (velocities, memory) = others.split_at(coordinates);
+        Self::new(displacements, velocities).with_memory(memory)
+    }
+
     /// Sets the memory variables, in the order of the contacts.
     pub fn with_memory(mut self, memory: &[f64]) -> Self {
         self.memory = memory.to_vec();

@@ -1,3 +1,5 @@
+use std::sync::{Arc, OnceLock};
+
 use crate::clock::Clock;
 use crate::error::Error;
 use crate::motion::sealed::Sealed;
@@ -10,18 +12,31 @@ use crate::state::structure::State;
 ///
 /// Returned by [`Integrator::flow`](crate::Integrator::flow), and stored in a [`Trajectory`].
 /// Between its ends it holds the power series of all velocities.
-#[derive(Clone, PartialEq)]
+#[derive(Clone)]
 pub struct Step {
     start: Clock,
     end: Clock,
     duration: f64,
-    modes: Vec<Mode>,
-    state: State,
+    /// Shared with other steps in the same modes.
+    modes: Arc<[Mode]>,
+    /// The number of coordinates.
+    coordinates: usize,
+    /// Displacements, velocities and memory variables at the start, then at the end: in one piece,
+    /// for a step is emitted faster the fewer its parts are.
+    ends: Vec<f64>,
+    /// The state at the start, once it was asked for.
+    state: OnceLock<Box<State>>,
     /// Series of the velocities, then of the memory variables; none for a step of duration 0.
     series: Vec<PowerSeries>,
+    /// Apart, because few steps have one: a step is copied faster the smaller it is.
+    ending: Option<Box<Ending>>,
+}
+
+/// What happens at the end of a step.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Ending {
     events: Vec<Event<State>>,
     after: EventData,
-    end_state: State,
 }
 
 /// Data for the tangent flow about the events at the end of a step.
@@ -49,38 +64,61 @@ pub(crate) enum Trigger {
     Bound(usize, Direction, f64),
 }
 
+impl EventData {
+    const NONE: Self = Self {
+        forced: Vec::new(),
+        rates: Vec::new(),
+        trigger: None,
+        limited: Vec::new(),
+    };
+}
+
 impl Step {
-    /// A step with its duration and the time of its end.
+    /// A step with its duration and the time of its end, the number of coordinates, all numbers of
+    /// the states at its ends, and what happens at its end.
     pub(super) fn new(
         start: Clock,
         (duration, end): (f64, Clock),
-        modes: Vec<Mode>,
-        state: State,
+        modes: Arc<[Mode]>,
+        (coordinates, ends): (usize, Vec<f64>),
         series: Vec<PowerSeries>,
-        events: Vec<Event<State>>,
-        end_state: State,
+        (events, after): (Vec<Event<State>>, EventData),
     ) -> Self {
+        let is_plain = events.is_empty() && after == EventData::NONE;
         Self {
             start,
             end,
             duration,
             modes,
-            state,
+            coordinates,
+            ends,
+            state: OnceLock::new(),
             series,
-            events,
-            after: EventData::default(),
-            end_state,
+            ending: (!is_plain).then(|| Box::new(Ending { events, after })),
         }
     }
 
-    /// The same step, with the data about the events at its end.
-    pub(super) fn followed_by(self, after: EventData) -> Self {
-        Self { after, ..self }
+    /// The numbers of the states at its start and its end.
+    fn ends(&self) -> (&[f64], &[f64]) {
+        self.ends.split_at(self.ends.len() / 2)
+    }
+
+    /// The state with these numbers.
+    fn state_of(&self, numbers: &[f64]) -> State {
+        State::of_numbers(self.coordinates, numbers)
+    }
+
+    /// The same step with another state at its end.
+    fn ending_in(mut self, state: &State) -> Self {
+        self.ends.truncate(self.ends.len() / 2);
+        self.ends.extend(state.numbers());
+        self
     }
 
     /// The data about the events at its end.
     pub(crate) fn after(&self) -> &EventData {
-        &self.after
+        static NONE: EventData = EventData::NONE;
+        self.ending.as_ref().map_or(&NONE, |ending| &ending.after)
     }
 
     /// The clock at its start.
@@ -90,13 +128,12 @@ impl Step {
 
     /// The same step over another duration, shorter or longer, by its power series, without events.
     pub(crate) fn lasting(self, duration: f64) -> Self {
+        let state = self.state_at(duration);
         Self {
-            end_state: self.state_at(duration),
             end: self.start.after(duration),
             duration,
-            events: Vec::new(),
-            after: EventData::default(),
-            ..self
+            ending: None,
+            ..self.ending_in(&state)
         }
     }
 
@@ -108,11 +145,9 @@ impl Step {
             kind: EventKind::Stick,
             state: state.clone(),
         };
-        Self {
-            events: vec![event],
-            end_state: state,
-            ..self
-        }
+        let mut step = self.ending_in(&state);
+        step.ending.get_or_insert_default().events = vec![event];
+        step
     }
 
     /// Power series of the velocities in the time since the start, then of the memory variables;
@@ -123,7 +158,7 @@ impl Step {
 
     /// Returns true if a release at its end was forced by a jump of a drive.
     pub(crate) fn is_forced(&self, contact: usize) -> bool {
-        self.after.forced.contains(&contact)
+        self.after().forced.contains(&contact)
     }
 
     /// The mode of each contact during the step.
@@ -134,7 +169,19 @@ impl Step {
     /// State at the start of the step. If the step begins at an event, the memory variables have
     /// their values after the event.
     pub fn state(&self) -> &State {
-        &self.state
+        let state = || Box::new(self.state_of(self.ends().0));
+        self.state.get_or_init(state)
+    }
+}
+
+impl PartialEq for Step {
+    fn eq(&self, other: &Self) -> bool {
+        let plain = |step: &Self| (step.start, step.end, step.duration, step.coordinates);
+        plain(self) == plain(other)
+            && self.modes == other.modes
+            && self.ends == other.ends
+            && self.series == other.series
+            && self.ending == other.ending
     }
 }
 
@@ -145,8 +192,8 @@ impl std::fmt::Debug for Step {
             .field("start_time", &self.start.time)
             .field("duration", &self.duration)
             .field("modes", &self.modes)
-            .field("state", &self.state)
-            .field("events", &self.events)
+            .field("state", self.state())
+            .field("events", &self.events())
             .finish_non_exhaustive()
     }
 }
@@ -173,15 +220,15 @@ impl Segment for Step {
     }
 
     fn state_at(&self, t: f64) -> State {
+        let (start, end) = self.ends();
         if t == 0.0 || self.series.is_empty() {
-            return self.state.clone();
+            return self.state_of(start);
         }
         if t == self.duration && t.is_finite() {
-            return self.end_state.clone();
+            return self.state_of(end);
         }
-        let n = self.state.displacements.len();
-        let (velocities, memory) = self.series.split_at(n);
-        let displacements = std::iter::zip(&self.state.displacements, velocities);
+        let (velocities, memory) = self.series.split_at(self.coordinates);
+        let displacements = std::iter::zip(start, velocities);
         State {
             displacements: displacements.map(|(q, v)| q + t * v.mean(t)).collect(),
             velocities: velocities.iter().map(|v| v.at(t)).collect(),
@@ -190,22 +237,21 @@ impl Segment for Step {
     }
 
     fn end_state(&self) -> State {
-        self.end_state.clone()
+        self.state_of(self.ends().1)
     }
 
     fn events(&self) -> &[Event<State>] {
-        &self.events
+        self.ending.as_ref().map_or(&[], |ending| &ending.events)
     }
 
     fn until(self, time: f64) -> Self {
         let duration = self.since_start(time);
+        let state = self.state_at(duration);
         Self {
-            end_state: self.state_at(duration),
             end: Clock::at(time),
             duration,
-            events: Vec::new(),
-            after: EventData::default(),
-            ..self
+            ending: None,
+            ..self.ending_in(&state)
         }
     }
 }

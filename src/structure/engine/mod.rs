@@ -54,6 +54,8 @@ mod start;
 mod state;
 mod transitions;
 
+use std::sync::Arc;
+
 use edge::{Edge, side_of};
 use events::{Firings, events_between, first_firings, go_through};
 use expand::expand_drives;
@@ -69,7 +71,7 @@ use super::step::{EventData, Step, Trigger};
 use crate::clock::Clock;
 use crate::error::Error;
 use crate::motion::step_control::{self, Attempt};
-use crate::motion::{Event, EventKind};
+use crate::motion::{Event, EventKind, Mode};
 use crate::series::{PowerSeries, TERMS, quarters};
 use crate::state::structure::State;
 
@@ -81,6 +83,8 @@ pub(super) struct Engine<'s> {
     series: Series,
     control: Control,
     firings: Firings,
+    /// Those of the contacts now.
+    modes: Arc<[Mode]>,
     /// Steps of no length, one after the other.
     idle: usize,
     /// The error that ends the motion.
@@ -106,6 +110,7 @@ impl<'s> Engine<'s> {
             series: Series::new(&model, clock.time),
             control: Control::new(tolerance, &model),
             firings: Firings::with_capacity(model.contacts.len()),
+            modes: Arc::default(),
             idle: 0,
             ending: None,
             model,
@@ -132,16 +137,12 @@ impl<'s> Engine<'s> {
             // The force of an elastic contact at the start determines whether its slider moves.
             is_release && edge != Edge::Away && !model.contacts[event.contact].is_elastic()
         });
+        engine.modes = engine.situation.modes();
         let first = (!events.is_empty()).then(|| {
-            Step::new(
-                clock,
-                (0.0, clock),
-                before,
-                state.clone(),
-                Vec::new(),
-                events,
-                state,
-            )
+            let ends: Vec<f64> = state.numbers().chain(state.numbers()).collect();
+            let ends = (engine.model.len(), ends);
+            let ending = (events, EventData::default());
+            Step::new(clock, (0.0, clock), before, ends, Vec::new(), ending)
         });
         Ok((engine, first))
     }
@@ -151,20 +152,17 @@ impl<'s> Engine<'s> {
         if let Some(error) = self.ending.take() {
             return Err(error);
         }
-        let (start, from, modes) = (self.situation.clock, self.state(), self.situation.modes());
+        let n = self.model.len();
+        let mut ends = Vec::with_capacity(2 * (2 * n + self.model.remembered()));
+        let (start, modes) = (self.situation.clock, Arc::clone(&self.modes));
+        self.situation.add_to(&mut ends, &self.model, &self.series);
         let settled = self.settle()?;
         let series = self.emitted();
         if settled.duration.is_infinite() {
-            let end = (settled.duration, start.after(settled.duration));
-            return Ok(Step::new(
-                start,
-                end,
-                modes,
-                from.clone(),
-                series,
-                Vec::new(),
-                from,
-            ));
+            let span = (settled.duration, start.after(settled.duration));
+            ends.extend_from_within(..);
+            let ending = (Vec::new(), EventData::default());
+            return Ok(Step::new(start, span, modes, (n, ends), series, ending));
         }
         self.idle = if settled.duration > 0.0 {
             0
@@ -179,23 +177,28 @@ impl<'s> Engine<'s> {
             situation,
             series: next,
             firings,
-            ending,
+            modes: now,
+            ending: error,
             ..
         } = self;
         let disturbance = land(model, situation, next, firings, settled);
         let trigger = trigger(model, situation, next, settled.duration);
-        let end = situation.state(model, next);
-        let events = match decide(model, situation, next, disturbance) {
-            Ok(()) => events_between(&modes, situation, &end),
-            // The step is valid; the error concerns the motion after its end.
-            Err(error) => {
-                *ending = Some(error);
-                Vec::new()
+        situation.add_to(&mut ends, model, next);
+        let span = (settled.duration, situation.clock);
+        let mut events = Vec::new();
+        match decide(model, situation, next, disturbance) {
+            Ok(()) if situation.is_in(now) => {}
+            Ok(()) => {
+                let end = State::of_numbers(n, &ends[ends.len() / 2..]);
+                events = events_between(now, situation, &end);
+                *now = situation.modes();
             }
-        };
+            // The step is valid; the error concerns the motion after its end.
+            Err(found) => *error = Some(found),
+        }
         let after = self.after(&events, trigger);
-        let span = (settled.duration, self.situation.clock);
-        Ok(Step::new(start, span, modes, from, series, events, end).followed_by(after))
+        let ending = (events, after);
+        Ok(Step::new(start, span, modes, (n, ends), series, ending))
     }
 
     /// The step's duration, up to the first event of a contact.
@@ -367,7 +370,8 @@ impl<'s> Engine<'s> {
     /// Series of all velocities, then of the memory.
     fn emitted(&self) -> Vec<PowerSeries> {
         let mut series = Vec::with_capacity(self.model.len() + self.model.remembered());
-        series.extend((0..self.model.len()).map(|i| self.series.velocities(i)));
+        let coordinates = self.series.coordinates.iter();
+        series.extend(coordinates.map(|coordinate| coordinate.course.velocities()));
         if self.model.remembered() > 0 {
             let contacts = self.series.contacts.iter();
             series.extend(contacts.flat_map(|contact| &contact.memories));

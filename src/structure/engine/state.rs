@@ -1,5 +1,7 @@
 //! The situation: data that change at events.
 
+use std::sync::Arc;
+
 use super::contact::ContactData;
 use super::edge::Edge;
 use super::factor::{Holding, Pivot};
@@ -206,8 +208,24 @@ impl Situation {
         }
     }
 
-    pub(super) fn modes(&self) -> Vec<Mode> {
+    /// Adds all numbers of the state to a list: see [`state`](Self::state).
+    pub(super) fn add_to(&self, list: &mut Vec<f64>, model: &Model<'_>, series: &Series) {
+        list.extend(self.coordinates.iter().map(|q| q.displacement));
+        let velocities = 0..self.coordinates.len();
+        list.extend(velocities.map(|i| self.velocity(model, series, i)));
+        if model.remembered() > 0 {
+            list.extend(self.contacts.iter().flat_map(|contact| &contact.memory));
+        }
+    }
+
+    pub(super) fn modes(&self) -> Arc<[Mode]> {
         self.contacts.iter().map(ContactState::mode).collect()
+    }
+
+    /// Returns true if these are the modes of all contacts.
+    pub(super) fn is_in(&self, modes: &[Mode]) -> bool {
+        let mut modes = std::iter::zip(&self.contacts, modes);
+        modes.all(|(contact, mode)| contact.mode() == *mode)
     }
 
     /// The error if the modes of contacts cannot be decided.
