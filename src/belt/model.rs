@@ -132,6 +132,7 @@ impl<'s> Belt<'s> {
             damping: 2.0 * self.parameters.damping,
             load: self.parameters.load,
             belt: direction.sign() * self.parameters.belt_velocity,
+            pull: 0.0,
             drift: 0.0,
         }
     }

@@ -39,6 +39,8 @@ pub(crate) struct SlipSeries {
     pub(crate) friction: PowerSeries,
     /// The rate D = 2β + γ²dμ̂/ds at the start, at which a deviation of s decays.
     pub(crate) decay: f64,
+    /// dμ̂/ds at the start.
+    pub(crate) slope: f64,
 }
 
 impl SlipSeries {
@@ -46,6 +48,7 @@ impl SlipSeries {
         speed: PowerSeries::ZERO,
         friction: PowerSeries::ZERO,
         decay: 0.0,
+        slope: 0.0,
     };
 }
 
@@ -125,6 +128,7 @@ impl Expander {
             damping,
             load,
             belt,
+            pull,
             drift,
         } = equation;
         let Self {
@@ -134,6 +138,7 @@ impl Expander {
             speed: series,
             friction,
             decay: stored_decay,
+            slope: stored_slope,
         } = series;
 
         let s0 = along.map_or(from.speed, |along| along[0]);
@@ -152,7 +157,7 @@ impl Expander {
                     return along[1];
                 }
                 let spring = stiffness * (sigma * from.displacement);
-                let equation = -spring - damping * (s + belt) - load * m.rest;
+                let equation = -spring - pull - damping * (s + belt) - load * m.rest;
                 return from.rate.map_or(equation, |rate| time.sign() * rate);
             }
             friction[k] = mul_add(m.slope, s, m.scale * m.rest);
@@ -192,7 +197,7 @@ impl Expander {
                 reached: None,
             });
         }
-        *stored_decay = decay;
+        (*stored_decay, *stored_slope) = (decay, slope);
         if time == Time::Backward && along.is_none() {
             // In f(−t) the odd coefficients change their sign.
             for k in (1..TERMS).step_by(2) {
@@ -204,7 +209,8 @@ impl Expander {
     }
 }
 
-/// The constants of the equation of slip of one mass, s' = −κx − ρt − d(s + σw) − Nμ̂(s).
+/// The constants of the equation of slip of one mass, s' = −κx − p − ρt − d(s + σw) −
+/// Nμ̂(s).
 pub(crate) struct Equation {
     /// κ; 1 in the units of a mass on a belt.
     pub(crate) stiffness: f64,
@@ -214,7 +220,9 @@ pub(crate) struct Equation {
     pub(crate) load: f64,
     /// σw; σv_b.
     pub(crate) belt: f64,
-    /// ρ: how fast neighbours that move steadily pull; 0.
+    /// p: the pull of neighbours at the start; 0.
+    pub(crate) pull: f64,
+    /// ρ: how fast that grows, for neighbours that move steadily; 0.
     pub(crate) drift: f64,
 }
 

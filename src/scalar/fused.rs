@@ -2,10 +2,10 @@
 //!
 //! A fused multiply-add rounds once, and takes one instruction instead of two. Not every x86-64
 //! processor has it, so a build for all of them tests for it at run time. The test is in one place,
-//! [`compute`], and applies to the expansion of a slip phase and of many masses side by side. These
-//! expansions are more than half of all work, and give nearly all of the possible gain.
+//! [`compute`], and applies to the expansion of a slip phase and of many masses side by side, and
+//! to the search for events of a structure. They give nearly all of the possible gain.
 //!
-//! | target | a·b + c in `taylor.rs` and `lanes.rs` | in everything else |
+//! | target | a·b + c in `taylor.rs`, `lanes.rs`, `PowerSeries::survey` | in everything else |
 //! |---|---|---|
 //! | x86-64 built with `fma`; 64-bit ARM | fused | fused |
 //! | x86-64 | fused | two roundings |

@@ -10,9 +10,6 @@ use super::{INVERSE, LONGEST};
 /// Number of functions side by side.
 pub(crate) const LANES: usize = 4;
 
-/// The highest order.
-pub(crate) const LAST: usize = 26;
-
 /// A number of each function.
 pub(crate) type Lanes = [f64; LANES];
 
@@ -29,9 +26,8 @@ pub(crate) struct Chunk {
     /// What each row's newest coefficient is beside slope·s_k.
     rests: Vec<Lanes>,
     output: u16,
+    /// 0 in a lane that is not in use.
     scale: Lanes,
-    /// The lanes in use.
-    used: [bool; LANES],
 }
 
 impl Chunk {
@@ -43,7 +39,6 @@ impl Chunk {
             rests: Vec::new(),
             output: 0,
             scale: [0.0; LANES],
-            used: [false; LANES],
         }
     }
 
@@ -61,7 +56,7 @@ impl Chunk {
             self.rests.resize(rows, [0.0; LANES]);
         }
         self.output = output.row;
-        self.used = [false; LANES];
+        self.scale = [0.0; LANES];
         self.put(lane, recorder, output);
     }
 
@@ -84,60 +79,51 @@ impl Chunk {
                 own[lane] = factor;
             }
         }
-        (self.scale[lane], self.used[lane]) = (output.scale, true);
+        self.scale[lane] = output.scale;
     }
 
-    /// Coefficient k of the functions, 0 < k ≤ [`LAST`], from that of their arguments, in place of
-    /// `others` in the lanes in use. Orders 1 to k − 1 come before. `CHOSEN`: see
-    /// [`mul_add_in`].
+    /// Coefficient K > 0 of the functions from that of their arguments, added to `others`. Orders 1
+    /// to K − 1 come before. `CHOSEN`: see [`mul_add_in`].
+    ///
+    /// The compiler knows the order: sums of run-time length, or a choice among sums, would cost as
+    /// much as the sums.
     #[inline(always)]
-    pub(crate) fn order<const CHOSEN: bool>(
+    pub(crate) fn order<const K: usize, const CHOSEN: bool>(
         &mut self,
-        k: usize,
         arguments: Lanes,
         others: Lanes,
     ) -> Lanes {
-        debug_assert!(k <= LAST);
-        let k = k % LONGEST;
         let (rows, rests) = (&mut self.rows[..], &mut self.rests[..]);
         let first = usize::from(FIRST);
+        rows[usize::from(ARGUMENT)][K] = arguments;
         let notes = std::iter::zip(&self.operations, &self.factors);
-        for (row, (operation, [f, alpha, beta, _])) in (first..).zip(notes) {
+        for (row, (operation, [f, alpha, beta, slope])) in (first..).zip(notes) {
             let [a, b] = operation.rows.map(|row| rests[usize::from(row)]);
             let linear = mul_add::<CHOSEN>(*alpha, a, times(*beta, b));
-            rests[row] = match operation.sum {
+            let rest = match operation.sum {
                 Sum::Nothing | Sum::Weight => linear,
                 Sum::Square(x) => {
-                    let sum = square::<CHOSEN>(k, &rows[usize::from(x)]);
+                    let sum = square::<K, CHOSEN>(&rows[usize::from(x)]);
                     mul_add::<CHOSEN>(*f, sum, linear)
                 }
                 Sum::Product(x, y, weight) => {
-                    let sum = product::<CHOSEN>(k, &rows[usize::from(x)], &rows[usize::from(y)]);
+                    let sum = product::<K, CHOSEN>(&rows[usize::from(x)], &rows[usize::from(y)]);
                     let sum = match weight {
                         Weight::One => sum,
-                        Weight::Integral => times([INVERSE[k]; LANES], sum),
+                        Weight::Integral => times([INVERSE[K]; LANES], sum),
                     };
                     mul_add::<CHOSEN>(*f, sum, linear)
                 }
             };
-        }
-        rows[usize::from(ARGUMENT)][k] = arguments;
-        let notes = std::iter::zip(&self.operations, &self.factors);
-        for (row, (operation, [.., slope])) in (first..).zip(notes) {
-            let newest = mul_add::<CHOSEN>(*slope, arguments, rests[row]);
-            rows[row][k] = match operation.sum {
-                Sum::Weight => times([k as f64; LANES], newest),
-                _ => newest,
+            rests[row] = rest;
+            let newest = mul_add::<CHOSEN>(*slope, arguments, rest);
+            rows[row][K] = if operation.sum == Sum::Weight {
+                times([K as f64; LANES], newest)
+            } else {
+                newest
             };
         }
-        let found = times(self.scale, rows[usize::from(self.output)][k]);
-        let mut chosen = others;
-        for lane in 0..LANES {
-            if self.used[lane] {
-                chosen[lane] = found[lane];
-            }
-        }
-        chosen
+        mul_add::<CHOSEN>(self.scale, rows[usize::from(self.output)][K], others)
     }
 }
 
@@ -166,29 +152,11 @@ pub(crate) fn mul_add<const CHOSEN: bool>(a: Lanes, b: Lanes, c: Lanes) -> Lanes
     ]
 }
 
-/// A sum of an order that the compiler knows: loops of run-time length cost as much as their sums.
-macro_rules! by_order {
-    ($sum:ident, $k:expr, $rows:expr) => {
-        by_order!($sum, $k, $rows,
-            2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26)
-    };
-    ($sum:ident, $k:expr, $rows:expr, $($order:literal)*) => {
-        match $k {
-            $($order => $sum::<$order, CHOSEN>($rows),)*
-            _ => [0.0; LANES],
-        }
-    };
-}
-
-/// Σ x_i y_{k−i} for 0 < i < k.
-#[inline(always)]
-fn product<const CHOSEN: bool>(k: usize, x: &Row, y: &Row) -> Lanes {
-    by_order!(product_of, k, (x, y))
-}
-
+/// Σ x_i y_{K−i} for 0 < i < K.
+///
 /// From the middle outward, so that the newest coefficients come last.
 #[inline(always)]
-fn product_of<const K: usize, const CHOSEN: bool>((x, y): (&Row, &Row)) -> Lanes {
+fn product<const K: usize, const CHOSEN: bool>(x: &Row, y: &Row) -> Lanes {
     let mut sums = [[0.0; LANES]; 2];
     let mut distance = K % 2;
     while distance + 1 < K {
@@ -202,14 +170,9 @@ fn product_of<const K: usize, const CHOSEN: bool>((x, y): (&Row, &Row)) -> Lanes
     plus(sums[0], sums[1])
 }
 
-/// Σ x_i x_{k−i} for 0 < i < k.
+/// Σ x_i x_{K−i} for 0 < i < K.
 #[inline(always)]
-fn square<const CHOSEN: bool>(k: usize, x: &Row) -> Lanes {
-    by_order!(square_of, k, x)
-}
-
-#[inline(always)]
-fn square_of<const K: usize, const CHOSEN: bool>(x: &Row) -> Lanes {
+fn square<const K: usize, const CHOSEN: bool>(x: &Row) -> Lanes {
     let mut sum = [0.0; LANES];
     let mut distance = 2 - K % 2;
     while distance + 1 < K {

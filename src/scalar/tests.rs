@@ -8,7 +8,7 @@ use nalgebra::Complex;
 
 use super::dual::{Dual, Tangent};
 use super::jet::{self, Tape};
-use super::lanes::{self, Chunk};
+use super::lanes::Chunk;
 use super::recorded::Recorder;
 use super::{LONGEST, Scalar, Workspace, expand};
 use crate::friction::{FrictionLaw, Piece};
@@ -55,7 +55,7 @@ fn compose_in(
 }
 
 /// The same of the recorded law, in the last lane. In the first it is at another speed, if it has
-/// the same operations there; what is in a lane that is not in use counts for nothing. The value
+/// the same operations there; what is in a lane that is not in use adds nothing. The value
 /// and the orders beyond are those of `series`.
 fn compose_recorded(
     law: Expression,
@@ -71,12 +71,15 @@ fn compose_recorded(
             chunk.begin(lane, &mut recorder, output);
         }
     }
-    for k in 1..=lanes::LAST {
-        let arguments = [0.9 * inner[k], 0.0, f64::NAN, inner[k]];
-        let found = chunk.order::<false>(k, arguments, [f64::INFINITY; 4]);
-        assert_eq!(found[2], f64::INFINITY);
-        series[k] = found[3];
+    macro_rules! orders {
+        ($($k:literal)*) => {$(
+            let arguments = [0.9 * inner[$k], 0.0, 7.0, inner[$k]];
+            let found = chunk.order::<$k, false>(arguments, [0.0, 0.0, f64::INFINITY, 0.0]);
+            assert_eq!(found[2], f64::INFINITY);
+            series[$k] = found[3];
+        )*};
     }
+    orders!(1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26);
     series
 }
 

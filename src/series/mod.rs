@@ -20,7 +20,8 @@ pub(crate) use watch::Watch;
 
 use std::ops::{Index, IndexMut};
 
-use crate::scalar::{LONGEST, mul_add};
+use crate::scalar::lanes::{self, times};
+use crate::scalar::{LONGEST, fused, mul_add};
 
 /// Number of coefficients of a step's series, whose order is 26.
 ///
@@ -124,6 +125,77 @@ impl PowerSeries {
         self.at_four(t)
     }
 
+    /// The values at the [`quarters`] of h, and the bound of |c''| on [0, h], with the fused
+    /// instructions of the processor, if it has them: their last bits depend on it.
+    #[inline(never)]
+    pub(crate) fn survey(&self, h: f64) -> ([f64; 4], f64) {
+        let mut found = ([0.0; 4], h);
+        fused::compute(
+            self,
+            &mut found,
+            #[inline(always)]
+            |c, (values, curvature)| {
+                *values = quarters(*curvature);
+                c.in_lanes::<true>(values);
+                *curvature = c.curvature_in_lanes::<true>(*curvature);
+            },
+            |c, (values, curvature)| {
+                *values = quarters(*curvature);
+                c.in_lanes::<false>(values);
+                *curvature = c.curvature_in_lanes::<false>(*curvature);
+            },
+        );
+        found
+    }
+
+    /// Puts values in the place of times: the four chains of [`at_four`](Self::at_four) in the lanes
+    /// of one register, one time after the other. Times in its lanes would have to wait: they have
+    /// just been stored one by one.
+    #[inline(always)]
+    fn in_lanes<const CHOSEN: bool>(&self, values: &mut [f64; 4]) {
+        const TOP: usize = (TERMS - 1) / 4 * 4;
+        let part = |k: usize| {
+            [
+                self.get(k),
+                self.get(k + 1),
+                self.get(k + 2),
+                self.get(k + 3),
+            ]
+        };
+        for value in values {
+            let t = *value;
+            let t2 = t * t;
+            let t4 = [t2 * t2; 4];
+            let mut sums = part(TOP);
+            for k in (0..TOP).step_by(4).rev() {
+                sums = lanes::mul_add::<CHOSEN>(sums, t4, part(k));
+            }
+            *value = (sums[0] + sums[1] * t) + (sums[2] + sums[3] * t) * t2;
+        }
+    }
+
+    /// [`curvature_bound`](Self::curvature_bound) from four powers in the lanes of one register.
+    #[inline(always)]
+    fn curvature_in_lanes<const CHOSEN: bool>(&self, t: f64) -> f64 {
+        const TOP: usize = (TERMS - 1) / 4;
+        let t2 = t * t;
+        let t4 = [t2 * t2; 4];
+        let mut sums = [0.0; 4];
+        for block in (0..=TOP).rev() {
+            let k = 4 * block;
+            let sizes = [
+                self.get(k + 2).abs(),
+                self.get(k + 3).abs(),
+                self.get(k + 4).abs(),
+                self.get(k + 5).abs(),
+            ];
+            let factor = |k: usize| ((k + 2) * (k + 1)) as f64;
+            let factors = [factor(k), factor(k + 1), factor(k + 2), factor(k + 3)];
+            sums = lanes::mul_add::<CHOSEN>(sums, t4, times(factors, sizes));
+        }
+        (sums[0] + sums[1] * t) + (sums[2] + sums[3] * t) * t2
+    }
+
     pub(crate) fn coefficients(&self) -> &[f64] {
         &self.0
     }
@@ -198,6 +270,13 @@ impl PowerSeries {
     /// Bound of the rounding error of [`at`](Self::at) anywhere on [0, t]: Σ (k/2 + 4)·ε|c_k| t^k.
     fn rounding_bound(&self, t: f64) -> f64 {
         f64::EPSILON * sum_of_powers(t, |k| (0.5 * k as f64 + 4.0) * self.0[k].abs())
+    }
+}
+
+impl From<[f64; TERMS]> for PowerSeries {
+    #[inline(always)]
+    fn from(coefficients: [f64; TERMS]) -> Self {
+        Self(coefficients)
     }
 }
 

@@ -21,7 +21,17 @@ impl PowerSeries {
     /// `values` are the polynomial's values at the [`quarters`] of h.
     #[inline(always)]
     pub(crate) fn first_root(&self, h: f64, values: [f64; 4]) -> Result<Option<f64>, TooCurved> {
-        let curvature = self.curvature_bound(h);
+        self.first_root_by(h, values, self.curvature_bound(h))
+    }
+
+    /// The same with the bound of |c''| on [0, h].
+    #[inline(always)]
+    pub(crate) fn first_root_by(
+        &self,
+        h: f64,
+        values: [f64; 4],
+        curvature: f64,
+    ) -> Result<Option<f64>, TooCurved> {
         if self.stays_away(h, values, curvature) {
             return Ok(None);
         }

@@ -51,21 +51,31 @@ impl PowerSeries {
     /// the [`quarters`] and the bound of its curvature.
     #[inline]
     pub(crate) fn stays_within(&self, bound: f64, h: f64) -> bool {
-        let values = self.at_four(quarters(h));
+        let (values, curvature) = self.survey(h);
         let largest = values.iter().fold(self.0[0].abs(), |m, v| m.max(v.abs()));
-        bound - largest > self.curvature_bound(h) * h * h / 128.0
+        bound - largest > curvature * h * h / 128.0
     }
 
     /// Largest of |c_k| t^k, k ≥ 1: a bound of the change of the series within a time t for which
     /// it converges.
     pub(crate) fn largest_change(&self, t: f64) -> f64 {
-        let mut power = t;
-        let mut largest = 0.0_f64;
-        for k in 1..TERMS {
-            largest = largest.max(self.0[k].abs() * power);
-            power *= t;
+        // Four chains of powers: each product waits for the one before.
+        let t2 = t * t;
+        let mut powers = [t, t2, t2 * t, t2 * t2];
+        let t4 = powers[3];
+        let mut largest = [0.0; 4];
+        for k in (1..TERMS).step_by(4) {
+            for j in 0..4 {
+                let change = self.get(k + j).abs() * powers[j];
+                largest[j] = if change > largest[j] {
+                    change
+                } else {
+                    largest[j]
+                };
+                powers[j] *= t4;
+            }
         }
-        largest
+        largest.into_iter().fold(0.0, f64::max)
     }
 
     /// The series of c(t) − level.

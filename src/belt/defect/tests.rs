@@ -69,6 +69,7 @@ fn series(c: &[f64], slope: f64) -> SlipSeries {
         speed: PowerSeries::from(c),
         friction: PowerSeries::from(&[0.25, slope]),
         decay: 0.0,
+        slope: 0.0,
     }
 }
 

@@ -37,6 +37,7 @@ fn every_way<L: FrictionLaw>(law: &L, look: impl Fn([SlipSeries; 3])) {
                 damping: 0.1,
                 load: 1.0,
                 belt: 0.2 * direction.sign(),
+                pull: 0.0,
                 drift: 0.125,
             };
             let piece = Piece { law, index: 0 };
@@ -71,9 +72,13 @@ fn bits(series: &SlipSeries) -> Vec<u64> {
         speed,
         friction,
         decay,
+        slope,
     } = series;
     let coefficients = speed.coefficients().iter().chain(friction.coefficients());
-    coefficients.chain([decay]).map(|c| c.to_bits()).collect()
+    coefficients
+        .chain([decay, slope])
+        .map(|c| c.to_bits())
+        .collect()
 }
 
 #[test]
@@ -125,6 +130,7 @@ fn both_ways_refuse_a_law_that_gives_no_number() {
         damping: 0.0,
         load: 1.0,
         belt: 1.0,
+        pull: 0.0,
         drift: 0.0,
     };
     for (speed, is_number) in [(0.5, true), (2.0, false)] {

@@ -8,9 +8,10 @@ use super::model::Model;
 use super::series::{CoordinateSeries, Role, Series};
 use crate::clock::Time;
 use crate::friction::slip::{Equation, Expansion, SlipPoint};
+use crate::series::INTEGRAL;
 
-/// All orders after the first, of the coordinate and the contact that slip alone; returns false if
-/// the law has no such series.
+/// All orders of the coordinate and the contact that slip alone, and all after the first of those
+/// that are held; returns false if the law has no such series.
 pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usize; 2]) -> bool {
     let Some(law) = model.contacts[c].law.dry() else {
         return false;
@@ -21,26 +22,30 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
         expander,
         ..
     } = series;
-    // Of order 1.
-    let pull = |springs: &[(usize, f64)], coordinates: &[CoordinateSeries]| -> f64 {
+    let pull = |springs: &[(usize, f64)], coordinates: &[CoordinateSeries], order: usize| {
         let terms = springs.iter();
-        let terms = terms.map(|&(j, a)| a * coordinates[j].course.displacement(1));
-        terms.sum()
+        let terms = terms.map(|&(j, a)| a * coordinates[j].course.displacement(order));
+        terms.sum::<f64>()
     };
     let side = contacts[c].side;
     let (spring, springs) = model.stiffness.row(i);
+    let (damping, dampers) = model.damping.row(i);
+    let braking = dampers.iter();
+    let braking = braking.map(|&(j, a)| a * coordinates[j].course.velocity(0));
+    let held = pull(springs, coordinates, 0) + braking.sum::<f64>();
     let equation = Equation {
         stiffness: spring,
-        damping: model.damping.row(i).0,
+        damping,
         load: contacts[c].load[0],
         belt: side * contacts[c].surface[0],
-        drift: side * pull(springs, coordinates),
+        pull: side * (held - coordinates[i].force[0]),
+        drift: side * pull(springs, coordinates, 1),
     };
     let from = SlipPoint {
         direction: side_of(side),
         displacement: coordinates[i].course.displacement(0),
         speed: contacts[c].speeds[0],
-        rate: Some(contacts[c].speeds[1]),
+        rate: contacts[c].rate,
     };
     let expanded = law.expand_slip(Expansion {
         expander,
@@ -53,32 +58,29 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
     if expanded.is_err() {
         return false;
     }
+    let found = &expander.series;
     let of = &mut contacts[c];
-    (of.speeds, of.friction) = (expander.series.speed, expander.series.friction);
-    for k in 1..=ALL {
-        let velocity = side * of.speeds[k];
-        coordinates[i].course.set_velocity(k, velocity);
-    }
+    (of.speeds, of.friction, of.slope) = (found.speed, found.friction, found.slope);
+    coordinates[i].course.follow(side, &found.speed);
     for j in 0..model.len() {
-        let (Role::Held(c) | Role::Slips(c)) = coordinates[j].role else {
+        let Role::Held(c) = coordinates[j].role else {
             continue;
         };
         let carried = &mut contacts[c].carried;
-        let entry = |(diagonal, beside): (f64, &[(usize, f64)])| {
-            if i == j {
-                return diagonal;
-            }
+        let entry = |(_, beside): (f64, &[(usize, f64)])| {
             let place = beside.binary_search_by_key(&i, |&(column, _)| column);
             place.map_or(0.0, |place| beside[place].1)
         };
         let (spring, damper) = (entry(model.stiffness.row(j)), entry(model.damping.row(j)));
-        let course = &coordinates[i].course;
-        for k in 1..ALL {
-            carried[k] = -spring * course.displacement(k) - damper * course.velocity(k);
+        // From the series as it was found: a copy would have to be waited for.
+        for k in 2..ALL {
+            let velocity = side * found.speed[k];
+            let displacement = side * found.speed[k - 1] * INTEGRAL[k - 1];
+            carried[k] = -spring * displacement - damper * velocity;
         }
         let (spring, springs) = model.stiffness.row(j);
         let own = spring * coordinates[j].course.displacement(1);
-        carried[1] = -damper * course.velocity(1) - own - pull(springs, coordinates);
+        carried[1] = -damper * (side * found.speed[1]) - own - pull(springs, coordinates, 1);
     }
     true
 }

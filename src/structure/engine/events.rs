@@ -7,7 +7,7 @@ use super::plan::Plan;
 use super::series::{ContactSeries, Series};
 use super::state::{ContactState, Firing, Phase, Situation};
 use crate::motion::{Event, EventKind, Mode};
-use crate::series::{PowerSeries, TooCurved, Watch, quarters};
+use crate::series::{PowerSeries, TooCurved, Watch};
 use crate::state::Direction;
 use crate::state::structure::State;
 
@@ -123,7 +123,8 @@ fn speed_firing(
     let low = match piece.checked_sub(1) {
         // The usual case, kept short.
         None if speeds[0] > 0.0 => {
-            let root = speeds.first_root(h, speeds.at_four(quarters(h)))?;
+            let (values, curvature) = speeds.survey(h);
+            let root = speeds.first_root_by(h, values, curvature)?;
             root.map(|time| (time, Firing::Arrival))
         }
         None => first(speeds, h, Firing::Arrival)?,

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::ALL;
 use super::alone::{expand_alone, slips_alone};
-use super::groups::in_waves;
+use super::groups::Waves;
 use super::model::{Model, Target};
 use super::series::{ContactCourse, CoordinateSeries, DisplacementSeries, Role, Series};
 use super::shared::{is_delicate, pull, shared_order};
@@ -131,19 +131,31 @@ pub(super) fn expand_further(
 fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, orders: Range<usize>) {
     let n = model.len();
     if orders.end == ALL && series.groups.is_some() {
-        if orders.start == 0 {
+        let starts = orders.start == 0;
+        if let Some([i, c]) = slips_alone(series) {
+            if starts {
+                all_of(model, series, 0, 0..i);
+                all_of(model, series, 0, i + 1..n);
+            }
+            if expand_alone(model, series, [i, c]) {
+                return;
+            }
+            if starts {
+                all_of(model, series, 0, i..i + 1);
+            }
+        } else if starts {
             all_of(model, series, 0, 0..n);
         }
-        let alone = slips_alone(series);
-        if !alone.is_some_and(|alone| expand_alone(model, series, alone)) {
-            expand_groups(model, series);
-        }
+        expand_groups(model, series);
         return;
     }
     if model.shared.is_empty() && model.springs.is_empty() {
-        in_waves([n, AT_A_TIME, model.bandwidth], orders, |coordinates, k| {
-            all_of(model, series, k, coordinates);
-        });
+        let waves = Waves::new(n, AT_A_TIME, model.bandwidth);
+        for start in waves.starts(orders.len()) {
+            for k in orders.clone() {
+                all_of(model, series, k, waves.places(start, k - orders.start));
+            }
+        }
     } else {
         let is_delicate = is_delicate(model, situation);
         for k in orders {
@@ -180,7 +192,8 @@ fn expand_groups(model: &Model<'_>, series: &mut Series) {
             Some(c) if contacts[c].course == ContactCourse::Slip => {
                 let of = &contacts[c];
                 let law = model.contacts[c].law;
-                groups.slip(i, law, of.slip(0), [of.load[0], of.speeds[1]]);
+                let numbers = [of.load[0], of.speeds[1], of.friction[0]];
+                groups.slip(i, law, of.slip(0), numbers);
             }
             Some(_) => {}
             None => groups.free(i),
@@ -195,18 +208,16 @@ fn expand_groups(model: &Model<'_>, series: &mut Series) {
         let found = groups.member(i);
         if let Some(c) = model.owner[i] {
             let of = &mut contacts[c];
-            for k in 1..ALL {
-                of.carried[k] = found.carried(k);
-                of.speeds[k + 1] = found.speed(k + 1);
-            }
-            if of.course == ContactCourse::Slip {
-                for k in 1..ALL {
-                    of.friction[k] = found.friction(k);
+            of.carried = found.carried(of.carried[0]);
+            match of.course {
+                ContactCourse::Slip => {
+                    (of.speeds, of.friction) = (found.speeds(), found.friction());
                 }
+                _ => of.speeds = PowerSeries::ZERO,
             }
         }
-        for k in 2..=ALL {
-            coordinate.course.set_velocity(k, found.velocity(k));
+        if !matches!(coordinate.role, Role::Held(_)) {
+            coordinate.course.take(found.numbers());
         }
     }
 }

@@ -25,7 +25,7 @@ use crate::scalar::recorded::Recorder;
 use crate::series::{INTEGRAL, PowerSeries, TERMS};
 
 /// Number of groups of a long chain that are expanded to the last order before the next are begun:
-/// see [`in_waves`].
+/// see [`Waves`].
 const AT_A_TIME: usize = 4;
 
 /// All groups.
@@ -87,7 +87,7 @@ struct Group {
     used: usize,
 }
 
-/// The series of one coordinate, from order 1 on.
+/// The series of one coordinate.
 pub(super) struct Member<'g> {
     course: &'g [Lanes; TERMS + 1],
     group: &'g Group,
@@ -149,18 +149,20 @@ impl Groups {
         self.series.groups[group].side[lane] = 1.0;
     }
 
-    /// Sets a coordinate to slip, with its load and coefficient 1 of its sliding speed.
+    /// Sets a coordinate to slip, with its load, coefficient 1 of its sliding speed, and its
+    /// friction at the start.
     pub(super) fn slip(
         &mut self,
         coordinate: usize,
         law: &dyn LawObject,
         slip: Slip<f64>,
-        [load, rate]: [f64; 2],
+        [load, rate, friction]: [f64; 3],
     ) {
         let Place { group, lane } = Place::of(coordinate);
         let group = &mut self.series.groups[group];
         (group.side[lane], group.load[lane]) = (slip.direction, load);
-        group.speeds[1][lane] = rate;
+        (group.speeds[0][lane], group.speeds[1][lane]) = (slip.speed, rate);
+        group.friction[0][lane] = friction;
         let output = law.record(&mut self.recorder, slip);
         let mut open = group.chunks[..group.used].iter_mut();
         if open.any(|chunk| chunk.take(lane, &mut self.recorder, output)) {
@@ -215,21 +217,33 @@ impl Groups {
 }
 
 impl Member<'_> {
-    pub(super) fn velocity(&self, k: usize) -> f64 {
-        self.course[k + 1][self.lane]
+    /// The displacement, and the coefficients of the velocity.
+    pub(super) fn numbers(&self) -> [f64; TERMS + 1] {
+        lane_of(self.course, self.lane)
     }
 
-    pub(super) fn speed(&self, k: usize) -> f64 {
-        self.group.speeds[k][self.lane]
+    /// Of one that slips.
+    pub(super) fn speeds(&self) -> PowerSeries {
+        lane_of(&self.group.speeds, self.lane).into()
     }
 
-    pub(super) fn friction(&self, k: usize) -> f64 {
-        self.group.friction[k][self.lane]
+    /// Of one that slips.
+    pub(super) fn friction(&self) -> PowerSeries {
+        lane_of(&self.group.friction, self.lane).into()
     }
 
-    pub(super) fn carried(&self, k: usize) -> f64 {
-        self.group.carried[k][self.lane]
+    /// From order 1 on.
+    pub(super) fn carried(&self, at_start: f64) -> PowerSeries {
+        let mut carried = lane_of(&self.group.carried, self.lane);
+        carried[0] = at_start;
+        carried.into()
     }
+}
+
+#[inline(always)]
+fn lane_of<const N: usize>(rows: &[Lanes; N], lane: usize) -> [f64; N] {
+    let lane = lane % LANES;
+    std::array::from_fn(|k| rows[k][lane])
 }
 
 /// The diagonal of each group's rows of a matrix, and the columns beside it.
@@ -258,79 +272,95 @@ fn rows_of(matrix: &Sparse) -> Vec<(Lanes, Vec<(Place, Lanes)>)> {
     groups.collect()
 }
 
-/// Calls `expand` for all places below `count` and all orders: group by group, if there are more
+/// The sequence in which the orders of many places are computed: group by group, if there are more
 /// than `at_a_time`. An order of a place needs those before of the places within `shift`.
-#[inline(always)]
-pub(super) fn in_waves(
-    [count, at_a_time, shift]: [usize; 3],
-    orders: Range<usize>,
-    mut expand: impl FnMut(Range<usize>, usize),
-) {
-    let (at_a_time, shift) = if count <= at_a_time {
-        (count.max(1), 0)
-    } else {
-        (at_a_time, shift)
-    };
-    for start in (0..count + orders.len() * shift).step_by(at_a_time) {
-        for k in orders.clone() {
-            let behind = (k - orders.start) * shift;
-            let place = |i: usize| i.saturating_sub(behind).min(count);
-            expand(place(start)..place(start + at_a_time), k);
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Waves {
+    count: usize,
+    at_a_time: usize,
+    shift: usize,
+}
+
+impl Waves {
+    pub(super) fn new(count: usize, at_a_time: usize, shift: usize) -> Self {
+        let (at_a_time, shift) = if count <= at_a_time {
+            (count.max(1), 0)
+        } else {
+            (at_a_time, shift)
+        };
+        Self {
+            count,
+            at_a_time,
+            shift,
         }
+    }
+
+    /// Where the waves of so many orders begin.
+    pub(super) fn starts(self, orders: usize) -> impl Iterator<Item = usize> {
+        (0..self.count + orders * self.shift).step_by(self.at_a_time)
+    }
+
+    /// The places whose order comes next in a wave, after that many of its orders.
+    #[inline(always)]
+    pub(super) fn places(self, start: usize, done: usize) -> Range<usize> {
+        let behind = done * self.shift;
+        let place = |i: usize| i.saturating_sub(behind).min(self.count);
+        place(start)..place(start + self.at_a_time)
     }
 }
 
 impl GroupSeries {
     #[inline(always)]
     fn all_orders<const CHOSEN: bool>(&mut self, rows: &[Rows], shift: usize) {
-        in_waves(
-            [rows.len(), AT_A_TIME, shift],
-            1..ALL,
-            #[inline(always)]
-            |groups, k| {
-                for g in groups {
-                    self.order::<CHOSEN>(&rows[g], g, k);
+        let waves = Waves::new(rows.len(), AT_A_TIME, shift);
+        macro_rules! each {
+            ($start:ident, $($order:literal)*) => {$(
+                for g in waves.places($start, $order - 1) {
+                    self.order::<$order, CHOSEN>(&rows[g], g);
                 }
-            },
-        );
+            )*};
+        }
+        for start in waves.starts(ALL - 1) {
+            each!(start, 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25);
+        }
     }
 
-    /// Order k > 0 of what accelerates a group, and k + 1 of its velocities.
+    /// Order K > 0 of what accelerates a group, and K + 1 of its velocities.
     #[inline(always)]
-    fn order<const CHOSEN: bool>(&mut self, rows: &Rows, g: usize, k: usize) {
+    fn order<const K: usize, const CHOSEN: bool>(&mut self, rows: &Rows, g: usize) {
         let own = &self.courses[g];
-        let mut springs = times(rows.diagonal[0], own[k]);
-        let mut dampers = times(rows.diagonal[1], own[k + 1]);
+        let mut springs = times(rows.diagonal[0], own[K]);
+        let mut dampers = times(rows.diagonal[1], own[K + 1]);
         for &(Place { group, lane }, entries) in &rows.beside[0] {
-            let displacement = self.courses[group][k][lane];
+            let displacement = self.courses[group][K][lane];
             springs = mul_add::<CHOSEN>([displacement; LANES], entries, springs);
         }
         for &(Place { group, lane }, entries) in &rows.beside[1] {
-            let velocity = self.courses[group][k + 1][lane];
+            let velocity = self.courses[group][K + 1][lane];
             dampers = mul_add::<CHOSEN>([velocity; LANES], entries, dampers);
         }
-        // Number k of a displacement is k q_k.
-        let pull = mul_add::<CHOSEN>([INTEGRAL[k - 1]; LANES], springs, dampers);
+        // Number K of a displacement is K q_k.
+        let pull = mul_add::<CHOSEN>([INTEGRAL[K - 1]; LANES], springs, dampers);
         let group = &mut self.groups[g];
         let mut friction = [0.0; LANES];
         for chunk in &mut group.chunks[..group.used] {
-            friction = chunk.order::<CHOSEN>(k, group.speeds[k], friction);
+            friction = chunk.order::<K, CHOSEN>(group.speeds[K], friction);
         }
         let minus = [-1.0; LANES];
         let mut rate = times(minus, pull);
         if group.is_driven {
-            rate = plus(rate, group.given[k]);
+            rate = plus(rate, group.given[K]);
         }
-        group.carried[k] = rate;
-        group.friction[k] = friction;
+        group.carried[K] = rate;
+        group.friction[K] = friction;
         let braked = times(minus, times(group.load, friction));
         let speed = mul_add::<CHOSEN>(group.side, rate, braked);
-        let speed = times([INTEGRAL[k]; LANES], speed);
-        group.speeds[k + 1] = speed;
+        let speed = times([INTEGRAL[K]; LANES], speed);
+        group.speeds[K + 1] = speed;
         let mut velocity = times(group.side, speed);
         if group.is_driven {
-            velocity = plus(velocity, group.surface[k + 1]);
+            velocity = plus(velocity, group.surface[K + 1]);
         }
-        self.courses[g][k + 2] = velocity;
+        self.courses[g][K + 2] = velocity;
     }
 }

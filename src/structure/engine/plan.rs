@@ -479,6 +479,7 @@ fn closings(model: &Model<'_>, situation: &Situation, series: &Series, closings:
 
 /// The reach of a series; infinite if it ends before its last terms, even if no error is allowed
 /// because nothing moves.
+#[inline(always)]
 fn reach_of(error: f64, c: &PowerSeries, n: usize) -> f64 {
     if c[n] == 0.0 && c[n - 1] == 0.0 {
         f64::INFINITY

@@ -53,8 +53,8 @@ pub(super) struct ContactSeries {
     pub(super) speeds: PowerSeries,
     /// w.
     pub(super) surface: PowerSeries,
-    /// The force in stick. For a contact with its own coordinate, also in slip: the force that
-    /// stick would need.
+    /// The force in stick. For a contact with its own coordinate, also in slip, unless it slips
+    /// alone: the force that stick would need.
     pub(super) carried: PowerSeries,
     /// N μ_s; without terms beyond the first for a constant load and a law without memory.
     pub(super) bound: PowerSeries,
@@ -134,6 +134,19 @@ impl DisplacementSeries {
     pub(super) fn set_velocity(&mut self, k: usize, coefficient: f64) {
         self.numbers[k + 1] = coefficient;
         self.newest = coefficient;
+    }
+
+    /// Takes v = σy + w for a constant w from the series of y, from coefficient 1 on.
+    pub(super) fn follow(&mut self, side: f64, speeds: &PowerSeries) {
+        for k in 1..TERMS {
+            self.numbers[k + 1] = side * speeds[k];
+        }
+        self.newest = self.numbers[TERMS];
+    }
+
+    /// Takes all numbers.
+    pub(super) fn take(&mut self, numbers: [f64; TERMS + 1]) {
+        (self.numbers, self.newest) = (numbers, numbers[TERMS]);
     }
 
     /// v(t).
