@@ -309,6 +309,9 @@ impl Waves {
     }
 }
 
+/// The list of orders in `all_orders` is written out.
+const _: () = assert!(ALL == 26);
+
 impl GroupSeries {
     #[inline(always)]
     fn all_orders<const CHOSEN: bool>(&mut self, rows: &[Rows], shift: usize) {
@@ -339,7 +342,7 @@ impl GroupSeries {
             let velocity = self.courses[group][K + 1][lane];
             dampers = mul_add::<CHOSEN>([velocity; LANES], entries, dampers);
         }
-        // Number K of a displacement is K q_k.
+        // Number k of a displacement is k q_k.
         let pull = mul_add::<CHOSEN>([INTEGRAL[K - 1]; LANES], springs, dampers);
         let group = &mut self.groups[g];
         let mut friction = [0.0; LANES];
