@@ -65,14 +65,12 @@ impl PowerSeries {
         let t4 = powers[3];
         let mut largest = [0.0; 4];
         for k in (1..TERMS).step_by(4) {
-            for j in 0..4 {
-                let change = self.get(k + j).abs() * powers[j];
-                largest[j] = if change > largest[j] {
-                    change
-                } else {
-                    largest[j]
-                };
-                powers[j] *= t4;
+            for (j, (power, largest)) in std::iter::zip(&mut powers, &mut largest).enumerate() {
+                let change = self.get(k + j).abs() * *power;
+                if change > *largest {
+                    *largest = change;
+                }
+                *power *= t4;
             }
         }
         largest.into_iter().fold(0.0, f64::max)
