@@ -108,11 +108,12 @@ impl Chunk {
                 }
                 Sum::Product(x, y, weight) => {
                     let sum = product::<K, CHOSEN>(&rows[usize::from(x)], &rows[usize::from(y)]);
-                    let sum = match weight {
-                        Weight::One => sum,
-                        Weight::Integral => times([INVERSE[K]; LANES], sum),
+                    let weight = match weight {
+                        Weight::One => 1.0,
+                        Weight::Integral => INVERSE[K],
                     };
-                    mul_add::<CHOSEN>(*f, sum, linear)
+                    // The factors first: the sum is ready last.
+                    mul_add::<CHOSEN>(times([weight; LANES], *f), sum, linear)
                 }
             };
             rests[row] = rest;
