@@ -79,7 +79,9 @@ fn assert_agree(model: &Model<'_>, found: &Series, expected: &Series) {
         let Some(c) = model.owner[i] else {
             continue;
         };
-        assert_close(&|of, k| of.contacts[c].carried[k], ALL, "carried");
+        if found.contacts[c].course == ContactCourse::Stick {
+            assert_close(&|of, k| of.contacts[c].carried[k], ALL, "carried");
+        }
         if found.contacts[c].course == ContactCourse::Slip {
             assert_close(&|of, k| of.contacts[c].speeds[k], ALL + 1, "y");
             assert_close(&|of, k| of.contacts[c].friction[k], ALL, "friction");
