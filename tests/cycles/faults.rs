@@ -358,7 +358,7 @@ fn a_pair_of_cycles_next_to_a_fold_of_a_table_is_found() {
         panic!()
     };
     let peaks = |v_b: f64| -> Vec<(bool, f64)> {
-        let cycles = limit_cycle::find(&system.with_belt_velocity(v_b).unwrap()).unwrap();
+        let cycles = limit_cycle::find(&system.clone().with_belt_velocity(v_b).unwrap()).unwrap();
         let cycles = cycles.iter();
         let cycles = cycles.map(|cycle| (cycle.is_stable(), cycle.max_velocity()));
         cycles.collect()
