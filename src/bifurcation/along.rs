@@ -40,10 +40,10 @@ pub fn along<'f, L: FrictionLaw>(
     Along::of(Family::Systems(Box::new(family)), range, "parameter")
 }
 
-/// Searches one system along its belt velocity. The methods of the result do the same as the
-/// functions [`hopf_velocities`](super::hopf_velocities),
-/// [`grazing_velocities`](super::grazing_velocities) and so on, and accept a bound of the work and
-/// a watcher. The system's own v_b is ignored.
+/// Searches one system along its belt velocity. The methods of the result make the same searches as
+/// the functions [`hopf_velocities`](super::hopf_velocities),
+/// [`grazing_velocities`](super::grazing_velocities) and so on. They also accept a bound of the
+/// work and a watcher. The system's own v_b is ignored.
 ///
 /// A range with velocities of both signs is searched in two parts, below and above 0.
 ///
@@ -69,21 +69,21 @@ pub fn along_velocities<L: FrictionLaw>(system: &MassOnBelt<L>, range: Range<f64
 /// The unit of work is a step of a slip phase, about a microsecond. If friction is so stiff that a
 /// step needs several series, the step counts several times. An oscillation takes about ten steps,
 /// and two more for each breakpoint of the law that it passes. For one system [`hopf`](Self::hopf)
-/// takes no steps; [`grazing`](Self::grazing), [`touching`](Self::touching) and
-/// [`overshoot`](Self::overshoot) take one slip arc, [`crossing`](Self::crossing) two;
+/// takes no steps. [`grazing`](Self::grazing), [`touching`](Self::touching) and
+/// [`overshoot`](Self::overshoot) take one slip arc, and [`crossing`](Self::crossing) takes two.
 /// [`folds`](Self::folds) takes some ten oscillations for a smooth law, and up to a hundred for a
 /// table of scattered points. A search of a range computes 65 systems, and some tens more for each
 /// value that is found. [`vibration_ranges`](Self::vibration_ranges) makes all six searches.
 ///
 /// A million steps take one to two seconds. For example, the folds for a table of n widely
-/// scattered points take about 200 n² steps: a second for 60 points; for 400 points a minute or
-/// two, with a larger bound.
+/// scattered points take about 200 n² steps. This is a second for 60 points, and a minute or two
+/// for 400 points, which need a larger bound.
 ///
 /// A search stops after [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) steps, or after the number
 /// set by [`with_max_steps`](Self::with_max_steps), or if its [watcher](Self::watched) requests it.
 /// The bound and the watcher are checked before each system; one system takes at most about 2·10⁵
 /// steps. [`Error::Stopped`] contains the value reached and the results below it, so no result is
-/// lost. Then smooth the table, raise the bound, or search the rest of the range.
+/// lost. After this error, smooth the table, raise the bound, or search the rest of the range.
 pub struct Along<'f, L> {
     family: Family<'f, L>,
     range: Range<f64>,
@@ -116,9 +116,9 @@ pub struct Progress {
 }
 
 impl<'f, L: FrictionLaw> Along<'f, L> {
-    /// The default bound of the work of a search, in steps of slip phases: five to ten seconds. It
-    /// is also the bound of the functions of [`bifurcation`](super) that search a range or a border
-    /// of vibration.
+    /// The default bound of the work of a search, in steps of slip phases. A search reaches it
+    /// after five to ten seconds. The functions of [`bifurcation`](super) that search a range, or
+    /// the limit of vibration, have the same bound.
     pub const DEFAULT_MAX_STEPS: usize = DEFAULT_MAX_STEPS;
 
     fn of(family: Family<'f, L>, range: Range<f64>, parameter: &'static str) -> Self {
@@ -131,7 +131,7 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
         }
     }
 
-    /// Gives the parameter a name, for errors.
+    /// Gives the parameter a name, which errors contain.
     #[must_use]
     pub fn named(self, parameter: &'static str) -> Self {
         Self { parameter, ..self }

@@ -20,15 +20,15 @@ use crate::state::Direction;
 /// pure-slip cycle takes its place; pure-slip cycles touch the belt velocity at other values of
 /// v_b, the [`touching_velocities`].
 ///
-/// The velocities are the roots of a function of v_b that is smooth at each root. If the velocity
-/// of the mass reaches that of the belt, the function is w²/(2v_b²), where w is the rate of change
-/// of the relative velocity at the instant at which it is 0 again. If the velocity of the mass has
-/// a maximum V below v_b, the function is V/v_b − 1. If v_b is such a velocity, so is −v_b, because
-/// the motions are mirror images: both are returned if both lie in the range. The range is divided
-/// into 64 intervals, and each interval that may hold a root is divided further, into up to 2¹⁰
-/// parts. A root may be missed if the range is a thousand times wider than the part in which the
-/// system vibrates; use a narrower range in this case. Velocities below 64 ε γ²μ_s, with ε = 2⁻⁵²,
-/// are not searched, because a motion of size v_b is then smaller than the rounding errors of u.
+/// The velocities are the roots of a function of v_b that is smooth at each root. If the mass
+/// reaches the belt velocity again after release, the function is w²/(2v_b²), where w is the
+/// acceleration of the mass at this instant. If the velocity of the mass has a maximum V below v_b,
+/// the function is V/v_b − 1. If v_b is such a velocity, so is −v_b, because the motions are mirror
+/// images: both are returned if both lie in the range. The range is divided into 64 intervals, and
+/// each interval that may hold a root is divided further, into up to 2¹⁰ parts. A root may be
+/// missed if the range is a thousand times wider than the part in which the system vibrates; use a
+/// narrower range in this case. Velocities below 64 ε γ²μ_s, with ε = 2⁻⁵², are not searched,
+/// because a motion of size v_b is then smaller than the rounding errors of the displacement.
 ///
 /// Source: sliding bifurcations, di Bernardo, Budd, Champneys and Kowalczyk, *Piecewise-smooth
 /// Dynamical Systems* (Springer 2008), chapter 8.
@@ -57,9 +57,9 @@ pub fn grazing_velocities<L: FrictionLaw>(
 }
 
 /// Belt velocities in `range`, ascending and dimensionless, at which plain stick-slip changes into
-/// overshoot, or overshoot into plain stick-slip. At such a v_b the mass, when it first reaches the
-/// belt velocity again after release, is exactly at the end of the stick band opposite to the
-/// release point.
+/// overshoot, or overshoot into plain stick-slip (see
+/// [`CycleKind`](crate::limit_cycle::CycleKind)). At such a v_b, the mass first reaches the belt
+/// velocity again exactly at the end of the stick band opposite to the release point.
 ///
 /// The range is searched as by [`grazing_velocities`].
 ///
@@ -84,8 +84,8 @@ pub fn overshoot_velocities<L: FrictionLaw>(
 }
 
 /// Belt velocities in `range`, ascending and dimensionless, at which overshoot changes into
-/// crossing or back: after release and a crossing, the mass returns to the belt velocity exactly at
-/// the release point.
+/// crossing, or crossing into overshoot. At such a v_b, the mass crosses the belt velocity after
+/// release, and then returns to it exactly at the release point.
 ///
 /// The range is searched as by [`grazing_velocities`].
 ///

@@ -17,11 +17,11 @@ use crate::orbit::Criticality;
 /// The law is expanded in power series from one end of the range to the other. Each series is used
 /// only within its radius of convergence, and is compared with the law at three points of its
 /// interval. The roots of the series are isolated so that none is skipped. If h1 touches zero (to
-/// rounding) and keeps its sign, stability does not change, and nothing is reported. If v_b is such
-/// a velocity, so is −v_b, because the motions are mirror images: both are returned if both lie in
-/// the range. A [breakpoint](FrictionLaw::breakpoints) at which h1 jumps over zero is reported. If
-/// h1 is zero over a whole interval of velocities and has different signs on its two sides, the end
-/// of the interval with the larger |v_b| is reported.
+/// rounding) and keeps its sign, stability does not change, and nothing is reported. If v_b is a
+/// Hopf velocity, so is −v_b, because the motions are mirror images: both are returned if both lie
+/// in the range. A [breakpoint](FrictionLaw::breakpoints) at which h1 jumps to the other sign is
+/// reported. If h1 is zero over a whole interval of velocities and has different signs on its two
+/// sides, the end of the interval with the larger |v_b| is reported.
 ///
 /// For the exponential law see the closed form
 /// [`analysis::exponential::hopf_velocities`](crate::analysis::exponential::hopf_velocities).
@@ -30,9 +30,9 @@ use crate::orbit::Criticality;
 ///
 /// # Errors
 ///
-/// [`Error::InvalidParameter`] unless the range is finite and not empty, or if it is so long that
-/// the law takes more than 10⁴ power series; [`Error::NonFiniteFriction`]
-/// or [`Error::NotAnalytic`] if the law has no power series somewhere in the range.
+/// [`Error::InvalidParameter`] unless the range is finite and not empty, or if the expansion of the
+/// law over the range takes more than 10⁴ power series; [`Error::NonFiniteFriction`] or
+/// [`Error::NotAnalytic`] if the law has no power series somewhere in the range.
 ///
 /// ```
 /// use stick_slip::{Exponential, MassOnBelt, bifurcation};
@@ -55,10 +55,10 @@ pub fn hopf_velocities<L: FrictionLaw>(
 impl<L: FrictionLaw> Along<'_, L> {
     /// Values of the parameter, ascending, at which the equilibrium loses or regains stability.
     ///
-    /// Over belt velocities the search is that of [`hopf_velocities`]. Over another parameter h1 is
-    /// only sampled: the range is divided into 64 intervals, and each interval that may hold a root
-    /// is divided further, into up to 2¹⁰ parts. A value at which h1 jumps over zero is also
-    /// reported.
+    /// A search over belt velocities is that of [`hopf_velocities`]. In a search over another
+    /// parameter, h1 is only sampled: the range is divided into 64 intervals, and each interval
+    /// that may hold a root is divided further, into up to 2¹⁰ parts. A value at which h1 jumps to
+    /// the other sign is also reported.
     ///
     /// # Errors
     ///
@@ -122,8 +122,8 @@ fn relative_damping(work: &Work<'_, '_>, value: f64) -> Result<Option<f64>, Erro
 /// unstable (subcritical), from the sign of μ̂'''(|v_b|).
 ///
 /// The function does not check that v_b is a Hopf point. If |v_b| is a breakpoint of the law, the
-/// derivative of the piece above it is used; if h1 jumps over zero at this breakpoint, the third
-/// derivative does not decide.
+/// function uses the third derivative just above this breakpoint. If h1 jumps to the other sign
+/// there, this derivative does not decide the stability.
 ///
 /// ```
 /// use stick_slip::bifurcation::{Criticality, criticality, hopf_velocities};

@@ -33,7 +33,7 @@
 //! | function | event at the values that it returns |
 //! |---|---|
 //! | [`hopf_velocities`] | the equilibrium loses or regains stability, and a pure-slip cycle is born; [`criticality`] returns the side on which it exists |
-//! | [`grazing_velocities`] | stick-slip appears or disappears: the motion from the release point returns to the belt tangentially |
+//! | [`grazing_velocities`] | stick-slip appears or disappears: the motion from the release point returns to the belt velocity tangentially |
 //! | [`touching_velocities`] | a pure-slip cycle touches the belt velocity, and appears or disappears |
 //! | [`fold_velocities`] | a stable and an unstable pure-slip cycle meet |
 //! | [`overshoot_velocities`] | the mass begins to overtake the belt before it sticks |

@@ -22,10 +22,10 @@ use crate::numerics::scan::INTERVALS;
 /// [`find`](crate::limit_cycle::find) is called at three velocities. If the attractors at these
 /// velocities differ, the border is found by bisection, to 10⁻¹² of the velocity. (This happens at
 /// folds of cycles that cross the belt velocity, which [`fold_velocities`](super::fold_velocities)
-/// does not find.) Borders are merged if their relative distance is less than 10⁻¹².
-/// v_b = 0 is also a border, because the mass comes to rest there. Just beyond a supercritical Hopf
-/// velocity the new cycle is too small for `find`; at these velocities the attractors of the
-/// neighbouring part of the range are reported, in which the cycle is larger.
+/// does not find.) Borders are merged if their relative distance is less than 10⁻¹². v_b = 0 is
+/// also a border, because the mass comes to rest there. Just beyond a supercritical Hopf velocity
+/// the new cycle is too small for `find`. For these velocities the function reports the attractors
+/// of the next velocities, at which the cycle is larger.
 ///
 /// The cost is that of the searches for these six kinds of velocities, and of three calls of `find`
 /// for each interval. Intervals narrower than a 64th of the range are searched once more for
@@ -62,11 +62,12 @@ pub fn vibration_ranges<L: FrictionLaw>(
     along_velocities(system, range).vibration_ranges()
 }
 
-/// An interval of belt velocities with the same attractors throughout, for a mass on a belt;
-/// returned by [`vibration_ranges`], which finds every attractor at each velocity that it tries.
-/// For any other system there is a similar type,
-/// [`orbit::VibrationRange`](crate::orbit::VibrationRange), with the kinds of attractors of
-/// structures and the reason for each border. Its search can miss attractors.
+/// An interval of belt velocities with the same attractors throughout, for a mass on a belt.
+/// Returned by [`vibration_ranges`], which finds every attractor at each velocity that it tries.
+///
+/// The similar type [`orbit::VibrationRange`](crate::orbit::VibrationRange) is for any other
+/// system. It contains the kinds of attractors of structures and the reason for each border. The
+/// search that returns it can miss attractors.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -80,8 +81,8 @@ pub struct VibrationRange {
 }
 
 impl VibrationRange {
-    /// Returns true if there are two or more attractors, so that the start decides to which motion
-    /// the mass settles.
+    /// Returns true if there are two or more attractors: the start then decides to which motion the
+    /// mass settles.
     pub fn is_bistable(&self) -> bool {
         self.attractors.len() > 1
     }

@@ -7,8 +7,8 @@ use crate::numerics::bracket::Bracket;
 
 /// The least damping ratio β, dimensionless, at which no vibration lasts at the system's belt
 /// velocity. With this damping or more, steady sliding is stable, and there is no periodic motion.
-/// With less damping there is a periodic motion, or steady sliding is unstable. The system's own β
-/// is ignored. The result is 0 if v_b = 0.
+/// With less damping, a periodic motion exists or steady sliding is unstable. The system's own β is
+/// ignored. The result is 0 if v_b = 0.
 ///
 /// Such a border exists because more damping rotates the vector field inwards at every state.
 /// Consider a cycle at one value of β, as a closed curve. With less damping, every motion that
@@ -17,13 +17,14 @@ use crate::numerics::bracket::Bracket;
 ///
 /// One of three changes happens at the border: steady sliding becomes stable (β =
 /// −½γ²dμ̂/ds(|v_b|)), the last two cycles meet, or the stick-slip cycle grazes the belt velocity.
-/// The border is enclosed by doubling β and narrowed to neighbouring numbers.
+/// The function encloses the border by doubling β, and narrows it to neighbouring numbers.
 /// [`find`](crate::limit_cycle::find) decides whether a system vibrates, so the result is as
-/// complete as that search; a range that [cannot be
-/// resolved](crate::limit_cycle::CycleSet::unresolved) counts as a vibration. On very slow belts
-/// and near steady sliding, a motion may change over one period by less than the rounding error;
-/// `find` then decides by averaging. If steady sliding becomes stable and vibration ends within a
-/// relative 10⁻⁸ of the same β, the two are not distinguished.
+/// complete as the search of `find`. If that search leaves a range
+/// [unresolved](crate::limit_cycle::CycleSet::unresolved), the system counts as vibrating. On very
+/// slow belts and near steady sliding, a motion may change over one period by less than the
+/// rounding error; `find` then decides by averaging. The β at which steady sliding becomes stable
+/// and the β at which vibration ends are not distinguished if their relative difference is less
+/// than 10⁻⁸.
 ///
 /// The function calls `find` once if the vibration ends where steady sliding becomes stable,
 /// otherwise 60 to 130 times. [`Along::silence`] accepts a bound of the work and a watcher.
@@ -99,18 +100,18 @@ fn judged<'s>(
 /// One of three changes happens at the border: steady sliding becomes unstable (γ² =
 /// −2β/(dμ̂/ds(|v_b|))), two cycles appear, or a stick-slip cycle appears. Let γ_1² = (1 +
 /// β)|v_b|/μ_s. Without a border the result is one of these:
-/// * 0 if the mass is undamped and its steady sliding is unstable or surrounded by a
-///   [`Continuum`](crate::limit_cycle::Continuum): no load silences it;
+/// * 0 if the mass is undamped, and steady sliding is unstable or surrounded by a
+///   [`Continuum`](crate::limit_cycle::Continuum): with every load a vibration can last;
 /// * 0 if the mass vibrates under the least load tried, 10⁻⁶γ_1²;
-/// * the load at which steady sliding becomes unstable if the mass does not vibrate under 10⁶γ_1²,
-///   or ∞ if there is no such load;
+/// * if the mass does not vibrate even under the largest load tried, 10⁶γ_1²: the load at which
+///   steady sliding becomes unstable, or ∞ if there is no such load;
 /// * ∞ if v_b = 0.
 ///
-/// The border is enclosed by doubling or halving γ², beginning with γ_1², and narrowed to
-/// neighbouring numbers; [`find`](crate::limit_cycle::find) decides whether the mass vibrates, as
-/// for [`silencing_damping`]. It is proved that a system without vibration has none with more
-/// damping. For smaller loads there is no such proof: the loads with vibration may form several
-/// intervals, and the result is then a border of one of them. [`Along::vibration_ranges`] lists all
+/// The function encloses the border by doubling or halving γ², beginning with γ_1², and narrows it
+/// to neighbouring numbers. As for [`silencing_damping`], [`find`](crate::limit_cycle::find)
+/// decides whether the mass vibrates. For damping it is proved that a single border exists. For
+/// loads there is no such proof: the loads with vibration may form several intervals, and the
+/// result is then a border of one of these intervals. [`Along::vibration_ranges`] lists all
 /// borders.
 ///
 /// The function calls `find` up to 130 times. [`Along::silence`] accepts a bound of the work and a
@@ -187,9 +188,9 @@ impl<L: FrictionLaw> Along<'_, L> {
     /// at both ends of the range, or at neither end.
     ///
     /// The mass can vibrate if steady sliding is unstable, or if [`find`](crate::limit_cycle::find)
-    /// finds a cycle, a continuum or an unresolved range. The result is the lower of two
-    /// neighbouring numbers between which this changes. If there are several such changes, one of
-    /// them is found; [`vibration_ranges`](Self::vibration_ranges) lists all.
+    /// finds a cycle, a continuum or an unresolved range. The border lies between two neighbouring
+    /// numbers, and the result is the lower one. If there are several borders, one of them is
+    /// found; [`vibration_ranges`](Self::vibration_ranges) lists all.
     ///
     /// # Errors
     ///

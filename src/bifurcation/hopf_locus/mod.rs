@@ -83,9 +83,9 @@ const ROUNDING: f64 = 1e-10;
 /// A point within this distance of a curve, in parts of the ranges, lies on it.
 const SAME: f64 = 1e-7;
 
-/// The curves of Hopf points of steady sliding in a rectangle of two parameters: a pair of
-/// eigenvalues ±iω of the linearised motion crosses the imaginary axis, and a periodic motion is
-/// born.
+/// The curves of Hopf points of steady sliding in a rectangle of two parameters. At a Hopf point a
+/// pair of eigenvalues ±iω of the linearised motion crosses the imaginary axis, and a periodic
+/// motion is born.
 ///
 /// `family` returns the system for values of the two parameters, which may be anything that a
 /// closure can set. There is no curve at values for which `family` returns an error or the system
@@ -117,8 +117,8 @@ const SAME: f64 = 1e-7;
 ///
 /// # Errors
 ///
-/// [`Error::InvalidParameter`] unless both ranges are finite and not empty; if no node of the grid
-/// has steady sliding, the error at the first node.
+/// [`Error::InvalidParameter`] unless both ranges are finite and not empty. If no node of the grid
+/// has steady sliding, the function returns the error of the first node.
 ///
 /// ```
 /// use stick_slip::bifurcation::{self, Criticality};
