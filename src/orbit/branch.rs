@@ -67,8 +67,8 @@ pub enum BifurcationKind {
     ///
     /// A motion is symmetric if x(t + T/2) = c − x(t) with constant c: see [`Orbit::is_symmetric`].
     /// At a pitchfork, the map over half a period followed by the reflection x → c − x has the
-    /// multiplier −1. (A symmetric motion has no flips: its multiplier −1 would be the square of
-    /// ±i.)
+    /// multiplier −1. (A symmetric motion has no flip: its multipliers are the squares of those of
+    /// this map, and −1 would be the square of ±i.)
     Pitchfork,
     /// A pair of multipliers lies on the unit circle: motions on a torus are born.
     NeimarkSacker,

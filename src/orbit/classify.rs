@@ -31,8 +31,9 @@ pub enum Attractor<S: System> {
     PureSlip(Box<Orbit<S>>),
     /// A periodic motion in which at least one contact alternates between stick and slip.
     StickSlip(Box<Orbit<S>>),
-    /// Not periodic within 16 returns, after 1.3·10⁵ steps: a chaotic or quasi-periodic motion, or
-    /// a transient that decays very slowly. [`lyapunov`](super::lyapunov()) identifies chaos.
+    /// Not periodic within 16 returns (see [`classify`]) after 1.3·10⁵ steps: a chaotic or
+    /// quasi-periodic motion, or a transient that decays very slowly.
+    /// [`lyapunov`](super::lyapunov()) identifies chaos.
     Irregular,
 }
 
@@ -122,11 +123,12 @@ impl<S: System> fmt::Debug for Attractor<S> {
 /// simulation continues. The result is therefore the attractor of this start; other starts may
 /// reach other attractors.
 ///
-/// If no drive varies, the motion counts as steady sliding or rest after at least 256 steps without
-/// an event in which all velocities are at most 10⁻⁶ of the largest velocity so far (of masses or
-/// belts). In a system that can be [translated](super#motions-that-are-translated), all velocities
-/// must be constant to this accuracy instead. A start exactly on an unstable equilibrium, or on an
-/// unstable periodic motion, stays there: perturb it.
+/// If no drive varies, the motion counts as steady sliding or rest when two conditions have held
+/// for at least 256 steps: no event happens, and all velocities are at most 10⁻⁶ of the largest
+/// velocity so far (of masses or belts). In a system that can be
+/// [translated](super#motions-that-are-translated), all velocities must be constant to this
+/// accuracy instead. A start exactly on an unstable equilibrium, or on an unstable periodic motion,
+/// stays there: perturb it.
 ///
 /// The work is at most 1.3·10⁵ steps of the motion (about 10⁴ oscillations) and ten searches by
 /// [`shoot`]; a motion that needs more counts as irregular. [`Search::classify`] sets another bound

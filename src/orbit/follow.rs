@@ -24,37 +24,39 @@ use crate::state::structure::State;
 /// `from` is a motion of the family at the value `parameter`, which lies in the range. Both ends
 /// belong to the range.
 ///
-/// The start x(0), the period T of an autonomous motion, and the parameter p are the unknowns of a
-/// curve of solutions of
+/// The unknowns are the start x(0), the period T of an autonomous motion, and the parameter p. They
+/// satisfy
 ///
 /// ```text
 /// x(T; x(0), p) − x(0) = 0,
 /// ```
 ///
-/// which is followed by pseudo-arclength continuation: a step in the direction of the tangent, then
-/// Newton's method on the plane across it, with the exact derivative of the period map. The order
-/// of stick and slip is not prescribed. If the events of two neighbouring motions differ, the
-/// change in between is enclosed by bisection, down to neighbouring numbers or to rounding, and the
-/// branch continues behind it.
+/// The curve of solutions is followed by pseudo-arclength continuation: a step in the direction of
+/// the tangent, then Newton's method on a plane across the tangent, with the exact derivative of
+/// the period map. The order of stick and slip is not prescribed. If the events of two neighbouring
+/// motions differ, bisection encloses the change between them, down to neighbouring numbers or to
+/// rounding. The branch then continues beyond the change.
 ///
-/// A fold is a sign change of dp/ds or of Π(1 − μ); a flip, of Π(1 + μ); a Neimark-Sacker
-/// bifurcation, of Π(1 − μ_i μ_j) with a complex pair on the unit circle. Each is refined along the
-/// arclength, with the motion corrected at every trial. Two bifurcations of one kind within one
-/// step (at most 1/64 of the range) can be missed; in a narrower range the steps are shorter. In a
-/// continuum of motions one multiplier is always 1, and the nearest motion is taken.
+/// At a bifurcation a test function changes its sign: dp/ds (with the arclength s) or Π(1 − μ) at a
+/// fold, Π(1 + μ) at a flip, and Π(1 − μ_i μ_j) at a Neimark-Sacker bifurcation, where a complex
+/// pair lies on the unit circle. Each bifurcation is refined along the arclength, and every motion
+/// tried there is corrected by Newton's method. Two bifurcations of one kind within one step (at
+/// most 1/64 of the range) can be missed; in a narrower range the steps are shorter. In a continuum
+/// of motions one multiplier is always 1, and the nearest motion is taken.
 ///
 /// The start of each autonomous motion of the branch is a turning point of one coordinate.
 ///
 /// The limits in each direction are 2048 points, and 50 000 motions of 10⁷ steps in all; [`Search`]
-/// sets other limits and takes a watcher; its page states the cost. If a motion is lost, the branch
-/// up to this motion is returned: [`Branch::ends`] gives the reason for each end. If the motion
-/// itself jumps as the parameter passes a value, the branch ends with [`BranchEnd::Discontinuity`];
-/// if the jump is less than 1e-3 of the motion's size, the branch continues with the neighbouring
-/// motion on the other side, if one is found.
+/// sets other limits and takes a watcher; the page of `Search` states the cost. If a motion is
+/// lost, the branch up to this motion is returned: [`Branch::ends`] gives the reason for each end.
+/// If the motion itself jumps as the parameter passes a value, the branch ends with
+/// [`BranchEnd::Discontinuity`]; if the jump is less than 1e-3 of the motion's size, the branch
+/// continues with the neighbouring motion on the other side, if one is found.
 ///
 /// Sources: Kuznetsov, *Elements of Applied Bifurcation Theory*, chapter 10 (continuation, test
-/// functions); Dankowicz and Schilder, *Recipes for Continuation*, chapters 9 and 17 (motions in
-/// pieces); di Bernardo et al., *Piecewise-smooth Dynamical Systems* (changes of the events).
+/// functions); Dankowicz and Schilder, *Recipes for Continuation*, chapters 9 and 17 (motions of
+/// several segments); di Bernardo et al., *Piecewise-smooth Dynamical Systems* (changes of the
+/// event sequence).
 ///
 /// # Errors
 ///

@@ -62,8 +62,9 @@ pub fn lyapunov<S: Oscillator>(
     Ok(lyapunov_with_spread(system, start, transient, duration)?.value)
 }
 
-/// The largest Lyapunov exponent of the motion from a start at time 0, with its standard error: the
-/// mean growth rate of small perturbations, per unit of time, over a duration after a transient.
+/// The largest Lyapunov exponent of the motion from a start at time 0, with its standard error. The
+/// exponent is the mean growth rate of small perturbations, per unit of time, over a duration after
+/// a transient.
 ///
 /// ```text
 /// λ = lim ln(|δx(t)|/|δx(0)|)/t
@@ -77,10 +78,10 @@ pub fn lyapunov<S: Oscillator>(
 /// solution of the variational equations, not a difference of motions, so no digits cancel; memory
 /// use is constant.
 ///
-/// The duration determines the cost and the standard error, which falls at least as 1/√duration.
-/// Three masses with natural frequencies of order 1 take about 0.15 ms for each unit of time, so 10
-/// 000 units take 1.5 s. A run up to the bound of 10⁶ steps takes 10 to 20 s for three masses;
-/// [`Search::with_max_steps`] lowers this bound.
+/// The duration determines the cost and the standard error, which falls at least as fast as
+/// 1/√duration. Three masses with natural frequencies of order 1 take about 0.15 ms for each unit
+/// of time, so 10 000 units take 1.5 s. A run up to the bound of 10⁶ steps takes 10 to 20 s for
+/// three masses; [`Search::with_max_steps`] lowers this bound.
 ///
 /// # Errors
 ///

@@ -204,9 +204,10 @@ impl<S: System> Orbit<S> {
     /// Mean velocity V = (q(T) − q(0))/T of a coordinate; 0 unless the motion is periodic only
     /// [up to a translation](super#motions-that-are-translated).
     ///
-    /// The displacement is then Vt and a periodic part, of which [`extremes`](Self::extremes),
+    /// The displacement is then the sum of Vt and a periodic part. [`extremes`](Self::extremes),
     /// [`amplitude`](Self::amplitude), [`mean_displacement`](Self::mean_displacement) and
-    /// [`harmonics`](Self::harmonics) are the measures. NaN if there is no such coordinate.
+    /// [`harmonics`](Self::harmonics) are those of the periodic part. The result is NaN if there is
+    /// no such coordinate.
     pub fn mean_velocity(&self, coordinate: usize) -> f64 {
         self.coordinate(coordinate, |of| of.mean_velocity)
             .unwrap_or(f64::NAN)
@@ -308,7 +309,8 @@ impl<S: Oscillator> Orbit<S> {
     }
 
     /// Complex amplitudes of the first n harmonics of a coordinate's acceleration: (ikω)² times
-    /// those of its displacement. If the acceleration jumps at events, they fall off only as 1/k.
+    /// those of its displacement. If the acceleration jumps at events, these amplitudes fall off
+    /// only as 1/k.
     #[doc(alias = "spectrum")]
     #[doc(alias = "fft")]
     pub fn acceleration_harmonics(&self, coordinate: usize, n: usize) -> Vec<Complex<f64>> {

@@ -54,11 +54,11 @@
 //! | any system: Poincaré sections | [`section`], [`section_at`] | a picture |
 //! | any system: the largest Lyapunov exponent, positive in chaos | [`lyapunov`], [`lyapunov_with_spread`] | a mean with its standard error |
 //!
-//! The motions of one mass on a belt of constant velocity lie in a plane and cannot cross each
-//! other, so a search can be complete. With a force, a second mass or a memory they can cross, and
-//! a search returns the motion nearest its guess. To explore such a system, start [`settle`] from
-//! many states and plot sections. For a mass on a belt, `limit_cycle` and `orbit` give the same
-//! numbers.
+//! The motions of one mass on a belt of constant velocity lie in the phase plane and cannot cross
+//! each other, so a search can be complete. With a force, a second mass or a memory variable,
+//! motions can cross, and a search returns the motion nearest its guess. To explore such a system,
+//! start [`settle`] from many states and plot sections. For a mass on a belt, `limit_cycle` and
+//! `orbit` give the same numbers.
 //!
 //! One call of [`shoot`], [`settle`] or [`lyapunov`] takes at most 10⁶ steps in all: about 10⁵
 //! oscillations, seconds for one mass and 10 to 20 s for three. A call that needs more returns
@@ -79,18 +79,18 @@
 //! # Motions that are translated
 //!
 //! A shaft that turns, or a chain of masses that no spring holds to the ground, can be displaced as
-//! a whole without any change of a force: there is a direction e with K e = 0, to which every load
-//! gradient is normal. Such a motion is periodic up to a translation,
+//! a whole without changing any force. There is then a direction e with K e = 0, and every load
+//! gradient is normal to e. Such a motion is periodic up to a translation,
 //!
 //! ```text
 //! q(T) = q(0) + φ e,    v(T) = v(0),
 //! ```
 //!
-//! with a mean velocity φe/T that the search finds, as it finds an unknown period:
-//! [`Orbit::mean_velocity`]. All searches look for such directions themselves; there may be several,
-//! for several shafts that only contacts and dampers connect. The place at which a motion starts,
-//! e·q(0), is that of the guess. Along a direction on which nothing depends, not even by velocity
-//! (C e = 0, b_c·e = 0), momentum is conserved and the mean velocity is that of the guess.
+//! The search also finds the mean velocity φe/T ([`Orbit::mean_velocity`]), as it finds an unknown
+//! period. All searches detect such directions themselves. There may be several directions, for
+//! example if only contacts and dampers connect several shafts. The value of e·q(0) is that of the
+//! guess. If no force depends on the velocity along e either (C e = 0, b_c·e = 0), momentum is
+//! conserved along e, and the mean velocity is that of the guess.
 //!
 //! ```
 //! use stick_slip::orbit::{self, Period};
@@ -109,8 +109,8 @@
 //! # Ok::<(), stick_slip::Error>(())
 //! ```
 //!
-//! In the frame that moves at the mean velocity Ω the motion is periodic. There a surface of velocity
-//! w has the velocity w − Ω; the page
+//! In the frame that moves at the mean velocity Ω the motion is periodic. In this frame a surface
+//! of velocity w has the velocity w − Ω; the page
 //! [`structure`](crate::structure#frames-that-move-at-a-varying-speed) lists the other terms.
 //!
 //! # Multipliers
@@ -121,13 +121,13 @@
 //! Its eigenvalues are the Floquet multipliers μ: a small perturbation is multiplied by μ in each
 //! period.
 //!
-//! * In stick the perturbation of the velocity vanishes: at least as many multipliers are 0, to the
-//!   bit, as contacts stick at one time. Static friction that rises in stick depends on the time of
+//! * In stick the perturbation of the velocity vanishes: if k contacts stick at the same time, at
+//!   least k multipliers are exactly 0. Static friction that rises in stick depends on the time of
 //!   sticking, so a motion with such a contact may have no multiplier 0.
 //! * An autonomous motion has a multiplier 1, because a shift of its start along the orbit neither
 //!   grows nor decays. This multiplier is left out.
 //! * A [translation](#motions-that-are-translated) has the multiplier 1, and so has a velocity on
-//!   which nothing depends. They are left out.
+//!   which nothing depends. These multipliers are left out.
 //! * A memory variable that does not influence the motion has the multiplier 0.
 //! * If a contact never slips, the motion belongs to a continuous family: [`Orbit::unslipped`]
 //!   lists such contacts, and their multipliers 1 are left out. In any other continuous family

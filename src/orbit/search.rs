@@ -21,8 +21,8 @@ pub(super) const LOOK_EVERY: usize = 1000;
 ///
 /// The unit of work is a step of the motion: a few microseconds per mass. An oscillation takes
 /// about ten steps, more if many contacts have events. Every search also needs the derivative of
-/// the motion. With its derivative a motion takes two to three times as long for a few masses, and
-/// about nine times as long for 20.
+/// the motion. Computing a motion with its derivative takes two to three times as long as without,
+/// for a few masses, and about nine times as long for 20.
 ///
 /// | search | work |
 /// |---|---|

@@ -69,7 +69,7 @@ pub struct Section<'s, S: Oscillator + 's> {
 /// # Errors
 ///
 /// An item is [`Error::InvalidParameter`] unless T is positive and finite, or an error of
-/// [`Integrator::flow`]. After an error it returns `None`.
+/// [`Integrator::flow`]. After an error the iterator returns `None`.
 ///
 /// ```
 /// use stick_slip::orbit;
@@ -145,7 +145,7 @@ pub struct EventSection<'s, S: Oscillator + 's> {
 /// Every event of one kind at one contact of the motion from a start at time 0: a Poincaré section
 /// of autonomous motions, as a lazy iterator in constant memory.
 ///
-/// The iterator ends if the motion comes to an equilibrium for ever.
+/// The iterator ends if the motion reaches an equilibrium and stays there.
 ///
 /// # Errors
 ///

@@ -225,8 +225,8 @@ pub(super) fn shortest(
 /// * [`Error::NoCommonPeriod`], [`Error::NotFree`] if the kind of period does not fit the drives;
 /// * [`Error::InvalidParameter`] if the number of periods is 0, or if an estimate of the period is
 ///   not positive and finite;
-/// * [`Error::AtRest`] if an autonomous guess, or the state that the search or the transient of
-///   [`settle`] reaches, is an equilibrium;
+/// * [`Error::AtRest`] if an autonomous motion is searched and the guess is an equilibrium, or the
+///   search or the transient of [`settle`] ends in an equilibrium;
 /// * [`Error::NotPeriodic`] if Newton's method does not converge, with the best start tried and its
 ///   residual;
 /// * [`Error::TooManySteps`], with the time and state reached, if the motion from the guess takes

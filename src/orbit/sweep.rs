@@ -110,7 +110,7 @@ impl<S: System> Sweep<S> {
 /// ```
 ///
 /// If the last motion ended in steady sliding, the next motion starts with a perturbation of 10⁻⁶
-/// of the largest velocity, so that it leaves steady sliding that is unstable. Each value costs one
+/// of the largest velocity, so that it can leave unstable steady sliding. Each value costs one
 /// [`classify`](super::classify). Close to a bifurcation the transient may be longer than the
 /// 1.3·10⁵ steps of `classify`; the change is then seen at a later value.
 ///

@@ -33,11 +33,12 @@ impl<S: Oscillator> Bifurcation<S> {
     /// A motion on the branch that is born at a flip or a pitchfork, near the bifurcation. From
     /// this motion [`follow`](super::follow()) follows the branch.
     ///
-    /// At a flip the new motion has twice the period. At a pitchfork it lacks the symmetry, and its
-    /// mirror image is another motion. `family` is the family that was followed. With the map G
-    /// over half of the new motion's period (for a pitchfork followed by the reflection) and G'w =
-    /// −w, the start is searched near x0 + εw on a plane that the old branch does not cross, for
-    /// the distances ε = 10⁻², 3·10⁻³ and 3·10⁻² in turn, relative to the size of the motion:
+    /// At a flip the new motion has twice the period. At a pitchfork the new motion lacks the
+    /// symmetry, and its mirror image is another motion. `family` is the family that was followed.
+    /// Let G be the map over half of the new motion's period, followed by the reflection at a
+    /// pitchfork, and let w be the eigenvector with G'w = −w. The start is searched near x0 + εw,
+    /// on a plane that the old branch does not cross. The distances ε = 10⁻², 3·10⁻³ and 3·10⁻²,
+    /// relative to the size of the motion, are tried in turn:
     ///
     /// ```text
     /// G(G(x)) = x,    wᵀ(x − G(x))/wᵀw ≈ 2ε.
@@ -98,8 +99,8 @@ impl<S: Oscillator> Bifurcation<S> {
     /// motion is unstable there, subcritical if it is stable. `born` is one of the new motions,
     /// found by [`switch`](Self::switch).
     ///
-    /// The result is degenerate if the multipliers do not decide, for example if others lie near
-    /// the unit circle.
+    /// The result is degenerate if the multipliers do not decide, for example if other multipliers
+    /// lie near the unit circle.
     pub fn criticality(&self, born: &BranchPoint<S>) -> Criticality {
         let to = match self.kind {
             BifurcationKind::Flip => -1.0,

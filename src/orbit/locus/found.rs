@@ -151,8 +151,9 @@ impl<S: System> fmt::Debug for SpecialPoint<S> {
 pub enum SpecialKind {
     /// Two curves of folds meet tangentially; between the curves there are three motions.
     Cusp,
-    /// Strong resonance: the multipliers of the curve are both 1 (number 1), both −1 (2),
-    /// exp(±2πi/3) (3) or ±i (4). A curve of tori begins or ends at the first two.
+    /// Strong resonance: the critical multipliers are both 1 (number 1), both −1 (number 2),
+    /// exp(±2πi/3) (number 3) or ±i (number 4). A curve of Neimark-Sacker bifurcations begins or
+    /// ends at numbers 1 and 2.
     Resonance(u8),
     /// One multiplier is +1 and another is −1.
     FoldFlip,

@@ -62,8 +62,8 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// The curve is followed by pseudo-arclength continuation, also through cusps. The monodromy matrix
 /// is exact. The derivatives of g, and the derivatives with respect to parameters, are differences
 /// between motions with the same events. These differences determine the steps of Newton's method,
-/// not its result: parameters are exact to the rounding error of the map. Near events that become
-/// tangential that error grows.
+/// not its result: parameters are exact to the rounding error of the map. This error grows near
+/// events that become tangential.
 ///
 /// Special points are zeros of test functions along the curve:
 ///
@@ -107,7 +107,8 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 ///
 /// [`Error::InvalidParameter`] unless the ranges are finite and not empty and hold the two values;
 /// [`Error::At`], with the parameters, if the family has no system there or no such bifurcation is
-/// found there; it contains [`Error::NotSmooth`] if the change of events is of another kind.
+/// found there. `Error::At` contains [`Error::NotSmooth`] if the change of events is of another
+/// kind.
 ///
 /// ```
 /// use stick_slip::orbit::{self, BifurcationKind, LocusEnd, Period};

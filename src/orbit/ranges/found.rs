@@ -23,9 +23,9 @@ pub struct VibrationRanges<S: System> {
 
 /// A range of a parameter of any system with the same attractors throughout; part of
 /// [`VibrationRanges`]. For a mass on a belt, there is a similar type,
-/// [`bifurcation::VibrationRange`](crate::bifurcation::VibrationRange). Its search misses no
-/// attractor at the velocities that it tries. It does not contain the kinds of the borders, because
-/// [`bifurcation`](crate::bifurcation) has a function for each kind.
+/// [`bifurcation::VibrationRange`](crate::bifurcation::VibrationRange). The search for that type
+/// misses no attractor at the velocities that it tries. That type does not contain the kinds of the
+/// borders, because [`bifurcation`](crate::bifurcation) has a function for each kind.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]

@@ -1,4 +1,5 @@
-//! Derivatives of motions, of the times of their events and of periodic motions by parameters.
+//! Derivatives with respect to parameters: of motions, of the times of events, and of periodic
+//! motions.
 
 mod variation;
 
@@ -14,7 +15,7 @@ use crate::error::Error;
 use crate::motion::{Event, EventKind, Segment};
 use crate::state::structure::State;
 
-/// A motion with its derivatives by parameters; returned by [`sensitivities`].
+/// A motion with its derivatives with respect to parameters; returned by [`sensitivities`].
 #[derive(Debug, Clone)]
 pub struct Sensitivities {
     here: Run,
@@ -37,7 +38,8 @@ pub struct EventSensitivity {
     pub by_parameters: Vec<f64>,
 }
 
-/// A periodic motion with its derivatives by parameters; returned by [`orbit_sensitivities`].
+/// A periodic motion with its derivatives with respect to parameters; returned by
+/// [`orbit_sensitivities`].
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct OrbitSensitivities {
