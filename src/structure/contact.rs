@@ -91,8 +91,8 @@ impl Contact {
     /// # Errors
     ///
     /// * [`Error::InvalidParameter`] if the load is not finite or is a constant ≤ 0, if μ_s is
-    ///   negative or not finite, if friction at speed 0 does not oppose slip, or if a law breaks
-    ///   another of the rules of [`ContactLaw`];
+    ///   negative or not finite, if friction at speed 0 does not oppose slip, or if the law breaks
+    ///   another rule of [`ContactLaw`];
     /// * the errors of [`MassOnBelt::new`](crate::MassOnBelt::new) that a law can cause.
     pub fn new<L: ContactLaw + Send + Sync + 'static>(
         coordinate: usize,
@@ -201,8 +201,8 @@ impl Contact {
         Ok(self)
     }
 
-    /// The first of the coordinates that were given, counted from 0. [`direction`](Self::direction)
-    /// lists all of them.
+    /// Number, counted from 0, of the coordinate that was given first.
+    /// [`direction`](Self::direction) lists all of them.
     pub fn coordinate(&self) -> usize {
         self.coordinate
     }

@@ -82,7 +82,7 @@ impl Contact {
         self.tangential_stiffness
     }
 
-    /// Adds a normal spring to the contact, which opens and closes:
+    /// Adds a normal spring, by which the contact can open and close:
     ///
     /// ```text
     /// N = max(0, N0(t) + k_n d·q)

@@ -23,8 +23,8 @@ use crate::state::structure::State;
 /// ```
 ///
 /// `stored` is E at the end of the motion minus E at its start; the other terms are integrals over
-/// its power series. Both balances hold up to rounding ([`defect`](Self::defect)). In a periodic
-/// motion `stored` is 0.
+/// the power series of the motion. Both balances hold up to rounding ([`defect`](Self::defect)). In
+/// a periodic motion `stored` is 0.
 ///
 /// λ is the friction force of a contact, called T in an elastic contact. The force on the
 /// coordinates is −b λ, and the force on the moving surface, whose velocity is w, is λ.

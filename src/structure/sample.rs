@@ -36,7 +36,7 @@ impl Structure {
     /// # Errors
     ///
     /// [`Error::InvalidParameter`] unless the interval is finite and > 0; [`Error::WrongSize`] if
-    /// the motion is one of another structure.
+    /// the motion belongs to another structure.
     ///
     /// ```
     /// use stick_slip::{Contact, Coulomb, Mode, Structure, structure::State};

@@ -20,7 +20,7 @@ use crate::friction::memory::ContactLaw;
 /// load:   N_c = N0_c(t) + Σ_j n_cj q_j
 /// ```
 ///
-/// q_i are displacements, angles or modal coordinates, n of them; M, C and K are n × n. M is
+/// The n coordinates q_i are displacements, angles or modal coordinates; M, C and K are n × n. M is
 /// symmetric and positive definite, diagonal with [`new`](Self::new) and full with
 /// [`with_mass_matrix`](Self::with_mass_matrix). K and C need not be symmetric: follower forces and
 /// gyroscopic terms are allowed.
@@ -38,8 +38,9 @@ use crate::friction::memory::ContactLaw;
 ///   equations, and it is taken;
 /// * otherwise the *fastest yields first*: all contacts start with their static limits. Among the
 ///   contacts that cannot stick, the one with the largest |r'|/(G_cc N μ_s), where G_cc = bᵀM⁻¹b,
-///   drops to its kinetic friction, and the decision is repeated for the others. This is the limit
-///   of friction that falls from its static to its kinetic value within a very small sliding speed.
+///   drops to its kinetic friction, and the decision is repeated for the others. This rule is the
+///   limit of friction that falls from its static to its kinetic value within a very small sliding
+///   speed.
 ///
 /// The result does not depend on the numbering of contacts. Contacts whose directions are linearly
 /// dependent (parallel clutches) may slide; if they come to rest at one time, the motion ends with
@@ -250,8 +251,9 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// [`Error::WrongSize`] unless it has a row and a column for each coordinate;
-    /// [`Error::BadElement`] with the first entry that is not finite, in it or in the sum.
+    /// [`Error::WrongSize`] unless the matrix has a row and a column for each coordinate;
+    /// [`Error::BadElement`] with the first entry that is not finite, in this matrix or in the sum
+    /// with the earlier one.
     #[allow(clippy::needless_pass_by_value)] // as the other builders take what they are given
     pub fn with_stiffness(mut self, stiffness: DMatrix<f64>) -> Result<Self, Error> {
         let names = [
@@ -296,15 +298,16 @@ impl Structure {
         Ok(self)
     }
 
-    /// Adds a contact. Its number is the next one, beginning with 0.
+    /// Adds a contact. Contacts are numbered from 0, in the order in which they are added.
     ///
     /// # Errors
     ///
     /// * [`Error::NoSuchCoordinate`] if its direction or its load names a coordinate that does not
     ///   exist;
-    /// * [`Error::BeltVelocityJumps`] if the velocity of its surface jumps, unless it is elastic;
-    ///   [`Error::BadElement`] if that velocity is not finite at all times;
-    /// * [`Error::BadElement`] unless 1e-290 ≤ Σ b_j²/m_j ≤ 1e290, as forces would lose digits.
+    /// * [`Error::BeltVelocityJumps`] if the contact is rigid and the velocity of its surface
+    ///   jumps; [`Error::BadElement`] if that velocity is not finite at all times;
+    /// * [`Error::BadElement`] unless 1e-290 ≤ Σ b_j²/m_j ≤ 1e290, because forces would lose
+    ///   digits.
     pub fn with_contact(mut self, contact: Contact) -> Result<Self, Error> {
         contact.check(self.contacts.len(), &self.masses)?;
         self.contacts.push(contact);
