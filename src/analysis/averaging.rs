@@ -7,9 +7,10 @@
 //! A' = −(1/2π) ∫₀^2π h(A cos ψ) cos ψ dψ,     h(y) = 2βy + γ²[μ(y − v_b) − μ(−v_b)]
 //! ```
 //!
-//! and the phase has no drift: ψ = ψ(0) + τ. The paper says that such integrals "are not
-//! analytically solvable"; here they are computed to round-off. Integration by parts avoids
-//! cancellation at small A. By mirror symmetry the result depends on v_b only through w = |v_b|:
+//! and the phase has no drift: ψ = ψ(0) + τ. Farshidianfar and Noei Aghaee say that such integrals
+//! "are not analytically solvable"; here they are computed to round-off. Integration by parts
+//! avoids cancellation at small A. By mirror symmetry the result depends on v_b only through w
+//! = |v_b|:
 //!
 //! ```text
 //! A' = −βA − (γ²A/π) ∫₀^π μ̂'(|w − A cos ψ|) sin²ψ dψ − (2γ²/π) μ̂(0) sin s
@@ -204,8 +205,8 @@ fn slope_integrals(
 ///
 /// The motion is z = A sin ψ about the equilibrium, with period 2π. All quantities are
 /// dimensionless. Errors are O(ε²) in the amplitude (half the range of u, or the largest velocity)
-/// and in the period, O(ε³) in the multiplier, and O(ε) in the mean displacement, because the true
-/// motion is not centred on the equilibrium.
+/// and in the period, and O(ε³) in the multiplier. The error of the mean displacement is O(ε),
+/// because the true motion is not centred on the equilibrium.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 12 and 13 (corrected: the printed 3/4 is 4/3), for
 /// any law and for cycles that overtake the belt.
@@ -246,10 +247,10 @@ impl AveragedCycle {
     }
 
     /// Returns true if the motion never sticks, so that averaging describes it. This is the case if
-    /// A ≤ |v_b|. It is also the case if A sin s > γ²(μ_s + μ̂(0)): the mass is faster than the
-    /// belt for so long that friction cannot hold it when the velocities are equal again. Otherwise
-    /// the motion sticks; for its formulas see [`StickSlip`](super::StickSlip). The limit has a
-    /// relative error O(ε) in γ².
+    /// A ≤ |v_b|. It is also the case if A sin s > γ²(μ_s + μ̂(0)), with cos s = |v_b|/A: the mass
+    /// is faster than the belt for so long that friction cannot hold it when the velocities are
+    /// equal again. Otherwise the motion sticks; for its formulas see
+    /// [`StickSlip`](super::StickSlip). The value of γ² at this limit has a relative error O(ε).
     pub fn is_valid(&self) -> bool {
         self.is_valid
     }

@@ -33,7 +33,7 @@ use crate::friction::{AlongSlope, FrictionLaw};
 /// (exponential), or jumps (Coulomb, μ_s > μ̂(0)), a stick-slip vibration may exist although steady
 /// sliding is stable.
 ///
-/// Source: Farshidianfar and Noei Aghaee, Eq. 14: h1 > 0.
+/// Source: Farshidianfar and Noei Aghaee, Eq. 14 (the condition h1 > 0).
 ///
 /// ```
 /// use stick_slip::analysis::design::stabilizing_damping;

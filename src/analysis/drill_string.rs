@@ -70,8 +70,8 @@ impl TwoInertias {
         critical.is_finite().then_some(critical)
     }
 
-    /// Damping b_u ≈ J_u√(k/J_l) of the drive with which steady rotation is stable for the steepest
-    /// fall of friction, to first order in d.
+    /// The damping b_u ≈ J_u√(k/J_l) of the drive that allows the steepest fall of friction with
+    /// stable steady rotation. To first order in d.
     pub fn best_damper(&self) -> f64 {
         self.upper * (self.stiffness / self.lower).sqrt()
     }

@@ -14,7 +14,7 @@
 //! ```
 //!
 //! Because F_s is concave, there is at most one such cycle, and it is stable. If static friction
-//! begins at F_s(0) = F_k, it exists if F_s'(0) > kv/2 (Gao's criterion), that is for belt
+//! begins at F_s(0) = F_k, the cycle exists if F_s'(0) > kv/2 (Gao's criterion), that is for belt
 //! velocities below **v_c = 2 F_s'(0)/k**. With ΔF = N(μ_∞ − μ_0), F_0 = N(μ_0 − μ_k) and B the
 //! rate of the logarithmic law:
 //!
@@ -28,8 +28,8 @@
 //! belongs to one duration of stick and to one belt velocity, so all cycles lie on a curve that is
 //! known in closed form. Along this curve the belt velocity has one maximum, the fold, at which a
 //! stable cycle and an unstable cycle meet. The unstable cycle exists down to the belt velocity
-//! N(μ_s(θ) − μ_k)Λω/k, at which its slip arc returns to the belt velocity tangentially. Here ωθ =
-//! 1/Λ, with the Λ of [`coulomb::tangential_slip`](super::coulomb::tangential_slip).
+//! N(μ_s(θ) − μ_k)Λω/k. At this velocity its slip arc returns to the belt velocity tangentially,
+//! and ωθ = 1/Λ, with the Λ of [`coulomb::tangential_slip`](super::coulomb::tangential_slip).
 //!
 //! Source: C. Gao, D. Kuhlmann-Wilsdorf, D. D. Makel, *The dynamic analysis of stick-slip motion*,
 //! Wear 173 (1994) 1-12, for the criterion; the rest follows from the exact solution of both
@@ -149,9 +149,10 @@ impl DwellOscillator {
     /// lead to the stable cycle from the other starts. It exists only with damping, between
     /// [`grazing_velocity`](Self::grazing_velocity) and the [`fold`](Self::fold). `None` in the
     /// cases listed at [`stick_slip`](Self::stick_slip), or if rounding cannot separate the cycle
-    /// from the fold. If friction has almost reached its limit at the release, the whole range from
-    /// grazing to fold can be narrower than rounding: with damping ratio 0.77 and ωθ_c = 1 its
-    /// width is less than 10⁻⁴⁰ of the belt velocity.
+    /// from the fold. If static friction has almost reached its limit at the release, the range of
+    /// belt velocities from grazing to fold can be narrower than rounding errors. With damping
+    /// ratio 0.77 and ωθ_c = 1, for example, this range is narrower than 10⁻⁴⁰ of the belt
+    /// velocity.
     pub fn unstable_stick_slip(&self, velocity: f64) -> Option<ExactCycle> {
         let of = self.oscillator()?;
         let fold = self.fold_arc(&of)?;
@@ -173,9 +174,9 @@ impl DwellOscillator {
         self.cycle(&of, self.velocity(&of, p), p)
     }
 
-    /// Belt velocity N(μ_s(θ) − μ_k)Λω/k with ωθ = 1/Λ, at which a slip arc returns to the belt
-    /// velocity tangentially. The range of the unstable cycle begins there. Exact. `None` if there
-    /// is no damping, if c ≥ 2√(km), or if a field is out of its range.
+    /// The lowest belt velocity with an unstable cycle: N(μ_s(θ) − μ_k)Λω/k, with ωθ = 1/Λ. At this
+    /// velocity a slip arc returns to the belt velocity tangentially. Exact. `None` if there is no
+    /// damping, if c ≥ 2√(km), or if a field is out of its range.
     pub fn grazing_velocity(&self) -> Option<f64> {
         let of = self.oscillator().filter(|of| of.damping > 0.0)?;
         Some(self.velocity(&of, tangential(&of)))

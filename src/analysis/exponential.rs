@@ -10,8 +10,8 @@ use crate::numerics::bracket::root_between;
 /// A belt velocity at which steady sliding gains or loses stability, with the type of this
 /// bifurcation.
 ///
-/// Source: 2β + γ²μ̂'(v) = 0, Eq. 14. The sign of the cubic term of the averaged flow,
-/// −γ²μ̂'''(v)A³/16, gives the side on which the new cycle exists.
+/// Source: Farshidianfar and Noei Aghaee, Eq. 14: 2β + γ²μ̂'(v) = 0. The sign of the cubic term of
+/// the averaged flow, −γ²μ̂'''(v)A³/16, gives the side on which the new cycle exists.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HopfPoint {
     velocity: f64,
@@ -49,8 +49,8 @@ impl HopfPoint {
 ///
 /// The Hopf point at v_low is always supercritical. Farshidianfar and Noei Aghaee say that this law
 /// behaves "almost similar" to the polynomial law. This is wrong: the polynomial law rises above
-/// v_m, and this law never rises; on a slow belt steady sliding is stable with this law, and
-/// unstable with the polynomial law.
+/// v_m, and the exponential law never rises. On a slow belt, steady sliding is stable with the
+/// exponential law and unstable with the polynomial law.
 ///
 /// Source: Eqs. 6 and 14.
 ///

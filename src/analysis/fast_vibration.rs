@@ -20,9 +20,9 @@ use super::PureSlip;
 use crate::belt::MassOnBelt;
 use crate::friction::{Coulomb, Polynomial};
 
-/// Mean friction coefficient of Coulomb's law at the slow relative velocity v, if a fast relative
-/// velocity of amplitude w ≥ 0 is added: μ_k(2/π) arcsin(v/w) for |v| < w, and ±μ_k for |v| ≥ w.
-/// Dimensionless, the limit for Ω → ∞.
+/// Mean friction coefficient of Coulomb's law under a fast vibration. v is the slow relative
+/// velocity, and w ≥ 0 the velocity amplitude of the vibration. The mean is μ_k(2/π) arcsin(v/w)
+/// for |v| < w, and ±μ_k for |v| ≥ w. Dimensionless, the limit for Ω → ∞.
 ///
 /// ```
 /// use stick_slip::Coulomb;
@@ -44,9 +44,9 @@ pub fn mean_coefficient(law: &Coulomb, velocity: f64, amplitude: f64) -> f64 {
     }
 }
 
-/// Belt velocity v above which steady sliding is stable, for the cubic law when a fast vibration of
-/// velocity amplitude w ≥ 0 is added to the relative velocity: v² = v_m²(1 − 2β/η) − w²/2.
-/// Dimensionless, the limit for Ω → ∞.
+/// Belt velocity v above which steady sliding is stable under a fast vibration, for the cubic law:
+/// v² = v_m²(1 − 2β/η) − w²/2. w ≥ 0 is the velocity amplitude of the vibration. Dimensionless, the
+/// limit for Ω → ∞.
 ///
 /// `None` if v ≤ w, because the formula does not hold there, or if steady sliding is stable at
 /// every belt velocity above w. The system's own v_b is ignored. For w = 0 the result is

@@ -1,6 +1,6 @@
 //! The Jenkins element, a spring in series with a dry slider, is the model of an elastic dry
-//! contact. This module has its hysteresis, its first harmonic, and the exact response to a
-//! harmonic force of one mass with such an element.
+//! contact. This module contains the hysteresis and the first harmonic of the element. For one mass
+//! with such an element it contains the exact response to a harmonic force.
 //!
 //! ```text
 //! stick:  T' = k_t x'  while |T| ≤ F_s            slip:  T = F_s sgn x'
@@ -51,8 +51,8 @@ pub fn loop_area(tangential_stiffness: f64, limit: f64, amplitude: f64) -> f64 {
 /// k_eq = (k_t/π)(θ − ½ sin 2θ),    c_eq = D/(πωA²)
 /// ```
 ///
-/// For A ≤ F_s/k_t the result is (k_t, 0, 0). The harmonic is exact; it is an approximation only to
-/// use it instead of the force. All three results are NaN unless all four arguments are positive
+/// For A ≤ F_s/k_t the result is (k_t, 0, 0). The harmonic itself is exact; using it in place of
+/// the force is an approximation. All three results are NaN unless all four arguments are positive
 /// and finite.
 ///
 /// ```

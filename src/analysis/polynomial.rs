@@ -35,8 +35,8 @@ pub fn silencing_damping_everywhere(system: &MassOnBelt<Polynomial>) -> f64 {
 /// vibrations then last at every belt velocity. `None` if a coefficient overflows. The system's own
 /// v_b is ignored.
 ///
-/// Steady sliding is stable above v_b1; this is exact. That no vibration lasts above v_b1 holds if
-/// friction is weak compared with the spring.
+/// The limit v_b1 of stable steady sliding is exact. If friction is weak compared with the spring,
+/// no vibration lasts above v_b1.
 ///
 /// Source: Farshidianfar and Noei Aghaee, after Eq. 15.
 ///

@@ -26,7 +26,7 @@ use crate::friction::{FrictionLaw, Polynomial};
 /// |---|---|
 /// | 0 < abs(v_b) < v_b0 | stick-slip: [`StickSlip`](super::StickSlip) |
 /// | v_b0 < abs(v_b) < v_b1 | pure slip with amplitude A0: this type |
-/// | abs(v_b) > v_b1 | steady sliding (the paper says stick-slip "beyond this range", which is true only below v_b0) |
+/// | abs(v_b) > v_b1 | steady sliding (the source says stick-slip "beyond this range", which is true only below v_b0) |
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 9-15; Thomsen and Fidlin, *Int. J. Non-Linear Mech.*
 /// 38 (2003) 389-403.
@@ -117,8 +117,8 @@ impl PureSlip {
         self.h1
     }
 
-    /// Coefficient h2 = −η v_b/v_m². Dimensionless, exact. Source: Eq. 10b, corrected: the paper
-    /// prints −η(v_b/v_m)².
+    /// Coefficient h2 = −η v_b/v_m². Dimensionless, exact. Source: Eq. 10b, corrected (printed:
+    /// −η(v_b/v_m)²).
     pub fn h2(&self) -> f64 {
         self.h2
     }
@@ -140,8 +140,7 @@ impl PureSlip {
     /// Belt velocity v_b0 = √(4/5) v_b1 below which the mass sticks, by averaging: A0 = v_b at
     /// v_b0. Dimensionless, relative error O(ε²). `None` if 2β ≥ η.
     ///
-    /// Source: after Eq. 15, corrected: the paper prints √(4/3), which would give a velocity above
-    /// v_b1.
+    /// Source: after Eq. 15, corrected: the printed √(4/3) would give a velocity above v_b1.
     pub fn stick_velocity(&self) -> Option<f64> {
         self.onset_velocity().map(|onset| 0.8_f64.sqrt() * onset)
     }
@@ -183,8 +182,8 @@ impl PureSlip {
     /// same as v_b0 < |v_b| < v_b1. The limit v_b1 is exact, and the limit v_b0 has a relative
     /// error O(ε²).
     ///
-    /// Source: section 4.1.1, corrected: the paper prints the condition ż < 0 (velocity of the
-    /// mass) instead of v_r < 0.
+    /// Source: section 4.1.1, corrected: the printed condition is ż < 0 (velocity of the mass)
+    /// instead of v_r < 0.
     pub fn is_valid(&self) -> bool {
         self.amplitude()
             .is_some_and(|amplitude| amplitude < self.belt_velocity.abs())
@@ -314,7 +313,7 @@ impl PureSlip {
 /// is a better lower end), with a, b, h1 small compared with 1.
 ///
 /// Source: expansion of z'' + z + h1 z' + h2 z'² + h3 z'³ = 0. The first order is Eqs. 13 and 15
-/// (corrected), with the shift of the centre that the paper leaves out.
+/// (corrected), with the shift of the centre, which is missing there.
 ///
 /// ```
 /// use stick_slip::analysis::PureSlip;

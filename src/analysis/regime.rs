@@ -2,7 +2,8 @@ use super::PureSlip;
 use crate::belt::MassOnBelt;
 use crate::friction::Polynomial;
 
-/// The motion to which a system with the polynomial law settles, by Eqs. 14 and 15.
+/// The motion to which a system with the polynomial law settles, by Eqs. 14 and 15 of Farshidianfar
+/// and Noei Aghaee.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Regime {
     /// The mass comes to rest on the belt: v_b = 0.

@@ -7,8 +7,8 @@ use crate::friction::{FrictionLaw, Values, slope_on, taylor_coefficients};
 use crate::numerics::adaptive::{gauss, graded};
 use crate::scalar::LONGEST;
 
-/// The source paper's formulas for stick-slip, for any law: stick, then a slip arc of an undamped
-/// oscillation about ū. The exact motion is found by
+/// The stick-slip formulas of Farshidianfar and Noei Aghaee, for any law: stick, then a slip arc of
+/// an undamped oscillation about ū. The exact motion is found by
 /// [`limit_cycle::stick_slip`](crate::limit_cycle::stick_slip).
 ///
 /// ```text
@@ -361,9 +361,9 @@ impl Cubic {
 /// As |v_b| → v_b0, the duration of stick in these formulas goes to zero like √d, with d = 1
 /// − |v_b|/v_b0. In the exact motion it goes to zero at
 /// [`grazing_velocity`](super::PureSlip::grazing_velocity), a little above v_b0. The second-order
-/// duration of stick is therefore too short, by the fraction (3461/153600) q²/d as long as this
-/// fraction is small, with the q of `grazing_velocity`. Keep d above q², or compute the exact
-/// cycle. The errors of the extremes and of the period do not grow.
+/// duration of stick is therefore too short. The missing fraction is (3461/153600) q²/d as long as
+/// it is small, with the q of `grazing_velocity`. Keep d above q², or compute the exact cycle. The
+/// errors of the extremes and of the period do not grow.
 ///
 /// Source: expansion of the slip arc that begins at the release point, which replaces Eqs. 16-18.
 ///
