@@ -160,10 +160,10 @@ impl LimitCycle {
         self.kind
     }
 
-    /// The state (u, v) at which [`trajectory`](Self::trajectory) starts, dimensionless: the
-    /// release point of a cycle that sticks, the point of largest velocity in the direction of the
-    /// belt of a pure-slip cycle, and the downward crossing (v/v_b falls below 1) of a crossing
-    /// cycle.
+    /// The state (u, v) at which [`trajectory`](Self::trajectory) starts, dimensionless. For a
+    /// cycle that sticks it is the release point; for a pure-slip cycle, the point of largest
+    /// velocity in the direction of the belt; for a crossing cycle, the downward crossing (v/v_b
+    /// falls below 1).
     pub fn state(&self) -> State {
         self.steps
             .first()

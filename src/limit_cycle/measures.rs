@@ -120,7 +120,7 @@ impl LimitCycle {
 
     /// Complex amplitudes of the first n harmonics of the acceleration, dimensionless: (ikω)² times
     /// those of u ([`harmonics`](Self::harmonics)), k = 1, …, n. If the acceleration jumps at
-    /// events, they fall off only as 1/k.
+    /// events, these amplitudes fall off only as 1/k.
     #[doc(alias = "spectrum")]
     #[doc(alias = "fft")]
     pub fn acceleration_harmonics(&self, n: usize) -> Vec<Complex<f64>> {

@@ -73,8 +73,8 @@
 //!
 //! A motion may change over one period by less than the rounding error (weak friction, nearly no
 //! damping, a belt far slower than γ²μ_s). The growth of such a motion is taken from the averaged
-//! equation, Eq. 12 for any law. The sign of this growth is certain if it exceeds the bound of the
-//! next orders; otherwise the range is also unresolved.
+//! equation, Eq. 12 for any law. The sign of this growth is certain if the growth exceeds the bound
+//! of the higher-order terms; otherwise the range is also unresolved.
 //! [`guarantees`](crate::guarantees#completeness) names the tests.
 
 // | file | what is in it |
