@@ -21,9 +21,10 @@ use crate::series::{PowerSeries, TERMS};
 /// 16 or more points of each series. Features narrower than the distance of these points can be
 /// missed. Narrow features are searched from nine points of the range in both directions, so that
 /// each feature is far from one of these points. A feature at an end of the range is not reported,
-/// because the series that begins there contains it. A feature counts as narrow if, in a motion
-/// whose velocity amplitude is half the range, the integrator's own checks could lie on both sides
-/// of it. For a bump exp(−(s/w)²) this means that w is less than about 1/85 of the range.
+/// because the series that begins there contains it. Consider a motion whose velocity amplitude is
+/// half the range. A feature counts as narrow if the checks of the integrator along this motion may
+/// lie on both sides of the feature and miss it. For a bump exp(−(s/w)²) this means that w is less
+/// than about 1/85 of the range.
 ///
 /// # Errors
 ///

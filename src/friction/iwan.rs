@@ -11,8 +11,8 @@ const MOST_INTERVALS: usize = 100_000;
 /// β = S(χ+1)/(R φ_max^{χ+1}),     φ_max = F_S(1+β)/(K_T(β + (χ+1)/(χ+2)))
 /// ```
 ///
-/// F_S is the force at which the whole joint slips, K_T its stiffness under small forces, χ the
-/// exponent of the distribution, −1 < χ ≤ 0, and β ≥ 0 the ratio of the two parts of ρ. Small
+/// F_S is the force at which the whole joint slips, K_T its stiffness under small forces, and χ the
+/// exponent of the distribution, with −1 < χ ≤ 0. β ≥ 0 is the ratio of the two parts of ρ. Small
 /// cycles of amplitude A dissipate an energy proportional to A^{χ+3}. Any consistent units may be
 /// used.
 ///

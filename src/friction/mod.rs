@@ -184,8 +184,8 @@ pub trait FrictionLaw: Sized {
     }
 
     /// Calls a visitor with the law. A choice of laws passes the chosen law, and a reference passes
-    /// the law that it refers to. [`Scaled`] needs it: otherwise the series of a scaled choice
-    /// would hold all laws in one piece of code.
+    /// the law that it refers to. [`Scaled`] needs this function: otherwise the series of a scaled
+    /// choice would hold all laws in one piece of code.
     #[doc(hidden)]
     #[inline(always)]
     fn give_to<V: LawVisitor>(&self, visitor: V) -> V::Output {
