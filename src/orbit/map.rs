@@ -126,16 +126,17 @@ impl PeriodMap {
 
     /// The factor by which the motion magnifies perturbations, at least 1: the largest derivative
     /// of a displacement or velocity at the end. Displacements are measured in units of the largest
-    /// one, velocities too, and memory variables in units of their own sizes, so the factor depends
-    /// neither on the units of the system nor on a memory that has decayed to 0.
+    /// one; velocities in units of the largest one or, if more, of the largest displacement per
+    /// period, because a motion close to a constant one has velocities close to 0, but magnifies
+    /// nothing; memory variables in units of their own sizes. So the factor depends neither on the
+    /// units of the system nor on a memory that has decayed to 0.
     pub(super) fn growth(&self) -> f64 {
         let n = self.start.displacements.len();
         let mut sizes = self.sizes();
-        for first in [0, n] {
-            let mut part = sizes.rows_mut(first, n);
-            let largest = part.amax();
-            part.fill(largest);
-        }
+        let displacement = sizes.rows(0, n).amax();
+        let velocity = sizes.rows(n, n).amax().max(displacement / self.duration());
+        sizes.rows_mut(0, n).fill(displacement);
+        sizes.rows_mut(n, n).fill(velocity);
         let entries = (0..self.order()).flat_map(|j| (0..2 * n).map(move |i| (i, j)));
         let scaled = entries.map(|(i, j)| self.monodromy[(i, j)].abs() * (sizes[j] / sizes[i]));
         scaled.fold(1.0, f64::max)

@@ -5,14 +5,14 @@ use approx::assert_abs_diff_eq;
 use std::cell::Cell;
 
 use serde_json::Value;
-use stick_slip::nalgebra::DMatrix;
+use stick_slip::nalgebra::{DMatrix, DVector};
 use stick_slip::orbit::{
     self, BifurcationKind, Branch, BranchEnd, Orbit, Period, follow, settle, shoot,
 };
 use stick_slip::structure::State;
 use stick_slip::{
-    Contact, Coulomb, Direction, Dwell, Error, EventKind, Exponential, FrictionLaw, MassOnBelt,
-    Polynomial, Structure, System, bifurcation, limit_cycle,
+    Contact, Coulomb, Direction, Drive, Dwell, Error, EventKind, Exponential, FrictionLaw,
+    MassOnBelt, Polynomial, Rational, Structure, System, bifurcation, limit_cycle,
 };
 
 use crate::common::number;
@@ -253,7 +253,7 @@ fn forced(amplitude: f64) -> Result<Structure, Error> {
     Structure::new(&[1.0])?
         .with_ground_spring(0, 1.0)?
         .with_ground_damper(0, 0.2)?
-        .with_force(0, stick_slip::Drive::harmonic(amplitude, 0.8, 0.0)?)?
+        .with_force(0, Drive::harmonic(amplitude, 0.8, 0.0)?)?
         .with_contact(Contact::new(0, law, 1.0)?.on_belt(0.7))
 }
 
@@ -382,7 +382,7 @@ fn a_continuum_is_passed() {
     let family = |friction: f64| {
         Structure::new(&[1.0])?
             .with_ground_spring(0, 1.0)?
-            .with_force(0, stick_slip::Drive::harmonic(1.0, 0.5, 0.0)?)?
+            .with_force(0, Drive::harmonic(1.0, 0.5, 0.0)?)?
             .with_contact(Contact::new(0, Coulomb::new(friction, friction)?, 1.0)?)
     };
     let system = family(0.2).unwrap();
@@ -406,7 +406,7 @@ fn forced_beside_sliding(velocity: f64, coupling: f64) -> Result<Structure, Erro
     Structure::new(&[2.0, 1.0])?
         .with_ground_spring(0, 3.0)?
         .with_ground_damper(0, 0.2)?
-        .with_force(0, stick_slip::Drive::harmonic(0.05, 0.7, 0.0)?)?
+        .with_force(0, Drive::harmonic(0.05, 0.7, 0.0)?)?
         .with_ground_spring(1, 1.0)?
         .with_ground_damper(1, 0.1)?
         .with_spring(0, 1, coupling)?
@@ -448,7 +448,7 @@ fn where_a_block_breaks_loose_the_branch_ends_by_a_jump() {
         Structure::new(&[1.0])?
             .with_ground_spring(0, 1.0)?
             .with_ground_damper(0, 0.1)?
-            .with_force(0, stick_slip::Drive::harmonic(amplitude, 0.7, 1.0)?)?
+            .with_force(0, Drive::harmonic(amplitude, 0.7, 1.0)?)?
             .with_contact(Contact::new(0, Coulomb::new(0.5, 0.3)?, 2.0)?)
     };
     let start = State::new(&[0.25], &[0.0]);
@@ -499,7 +499,7 @@ fn a_jump_is_where_motions_from_one_start_part() {
             Structure::new(&[1.0])?
                 .with_ground_spring(0, 1.0)?
                 .with_ground_damper(0, damping)?
-                .with_force(0, stick_slip::Drive::harmonic(amplitude, frequency, phase)?)?
+                .with_force(0, Drive::harmonic(amplitude, frequency, phase)?)?
                 .with_contact(Contact::new(0, law, 1.0)?.on_belt(belt))
         };
         let start = State::at_rest(1);
@@ -552,12 +552,12 @@ fn no_sign_is_carried_across_a_change_of_events() {
     let family = |parameter: f64| {
         let (frequency, damping) = (0.7, 0.5);
         let stiffness = if parameter > 0.0 { parameter } else { -0.1 };
-        let force = stick_slip::Drive::harmonic(damping * frequency, frequency, 0.0)?
+        let force = Drive::harmonic(damping * frequency, frequency, 0.0)?
             .with_sine(stiffness - frequency * frequency, frequency)?;
         let free = Structure::new(&[1.0, 1.0])?
             .with_ground_spring(0, 1.0)?
             .with_ground_damper(0, 0.2)?
-            .with_force(0, stick_slip::Drive::harmonic(1.0, frequency, 0.0)?)?
+            .with_force(0, Drive::harmonic(1.0, frequency, 0.0)?)?
             .with_ground_damper(1, damping)?
             .with_stiffness(DMatrix::from_row_slice(2, 2, &[0.0, 0.0, 0.0, stiffness]))?
             .with_force(1, force)?;
@@ -591,7 +591,7 @@ fn what_happens_in_both_halves_of_a_motion_is_one_bifurcation() {
         Structure::new(&[1.0])?
             .with_ground_spring(0, 1.0)?
             .with_ground_damper(0, 0.05)?
-            .with_force(0, stick_slip::Drive::harmonic(1.0, frequency, 0.0)?)?
+            .with_force(0, Drive::harmonic(1.0, frequency, 0.0)?)?
             .with_contact(Contact::new(0, Coulomb::new(0.5, 0.5)?, 1.0)?)
     };
     let start = State::at_rest(1);
@@ -624,7 +624,7 @@ fn a_branch_goes_on_where_a_stop_vanishes_beside_a_fold() {
         Structure::new(&[1.0])?
             .with_ground_spring(0, 1.0)?
             .with_ground_damper(0, 0.06)?
-            .with_force(0, stick_slip::Drive::harmonic(amplitude, frequency, 0.0)?)?
+            .with_force(0, Drive::harmonic(amplitude, frequency, 0.0)?)?
             .with_contact(Contact::new(0, law, 0.9)?.on_belt(0.25))
     };
     for amplitude in [0.124, 0.1245, 0.125, 0.126] {
@@ -654,5 +654,39 @@ fn a_branch_goes_on_where_a_stop_vanishes_beside_a_fold() {
             "{found} {}",
             touch.parameter
         );
+    }
+}
+
+/// A chain with a belt at its first mass, driven by a second belt whose changing speed does not
+/// change its friction: a motion that is constant, K x = (Σ μ N, 0, 0).
+#[test]
+fn a_chain_that_stands_still_under_a_drive_is_followed() {
+    let law = Rational::new(0.4, 0.5).unwrap();
+    for (damping, coupling) in [(0.2, 0.1), (0.25, 1.0), (0.5, 1.0)] {
+        let family = |speed: f64| -> Result<Structure, Error> {
+            let mut system = Structure::new(&[1.0; 3])?;
+            for (i, stiffness) in [1.0, 2.0, 3.0].into_iter().enumerate() {
+                system = system.with_ground_spring(i, stiffness)?;
+                system = system.with_ground_damper(i, damping)?;
+            }
+            let belt = Drive::constant(0.3).with_harmonic(0.2, 2.5, 0.0)?;
+            system
+                .with_spring(0, 1, coupling)?
+                .with_spring(1, 2, coupling)?
+                .with_contact(Contact::new(0, Coulomb::new(0.2, 0.2)?, 0.5)?.on_belt(belt))?
+                .with_contact(Contact::new(0, law, 0.7)?.on_belt(speed))
+        };
+        let start = State::new(&[0.3; 3], &[0.0; 3]);
+        let orbit = settle(&family(0.5).unwrap(), &start, 400.0, Period::Driven(1)).unwrap();
+        let branch = follow(family, 0.5, &orbit, 0.3..1.0).unwrap();
+        assert_eq!(branch.ends, [BranchEnd::Range, BranchEnd::Range]);
+        assert!(branch.bifurcations.is_empty());
+        for point in &branch.points {
+            let force = 0.2 * 0.5 + law.kinetic(point.parameter) * 0.7;
+            let held = family(point.parameter).unwrap().stiffness()
+                * DVector::from_vec(point.orbit.state().displacements);
+            let error = (held - DVector::from_vec(vec![force, 0.0, 0.0])).amax();
+            assert!(error < 1e-11, "{}: {error:e}", point.parameter);
+        }
     }
 }
