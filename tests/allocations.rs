@@ -155,7 +155,8 @@ fn a_law_with_pieces_of_different_length_stops_allocating() {
     assert_eq!(calls(&system, 100, 2000), 0);
 }
 
-/// As many calls as a clone of the step makes: nothing but what the step itself holds.
+/// As many calls as a clone of the step makes: nothing but what the step itself holds, unless it
+/// ends with an event.
 #[test]
 fn a_structure_allocates_the_steps_alone() {
     let dry = Coulomb::new(0.4, 0.3).unwrap();
@@ -192,7 +193,17 @@ fn a_structure_allocates_the_steps_alone() {
         let step = flow.next().unwrap().unwrap();
         let made = CALLS.get();
         let copy = std::hint::black_box(step.clone());
-        assert_eq!(made - before, CALLS.get() - made, "{:?}", copy.events());
+        let (made, copied) = (made - before, CALLS.get() - made);
+        // What happens at an event is compared with the state there, which is made for that.
+        if copy.events().is_empty() {
+            assert_eq!(made, copied);
+        } else {
+            assert!(
+                made <= 2 * copied,
+                "{made} and {copied}: {:?}",
+                copy.events()
+            );
+        }
         events += step.events().len();
     }
     assert!(events > 200, "{events}");

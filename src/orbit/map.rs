@@ -18,8 +18,8 @@ use crate::structure::{Flow, Step};
 ///
 /// Vectors hold n displacements, n velocities and the memory variables of the contacts. At the end
 /// the system is put back along the translations that no force depends on: the map is then P(x) −
-/// φe, with φ such that the place of its start is kept, so that motions periodic up to a translation
-/// are fixed points, and the multiplier of the translation is 0.
+/// φe, with φ such that the place of its start is kept, so that motions periodic up to a
+/// translation are fixed points, and the multiplier of the translation is 0.
 #[derive(Debug, Clone)]
 pub struct PeriodMap {
     pub(super) start: State,

@@ -104,7 +104,6 @@
 //!     .with_contact(Contact::new(1, Exponential::new(0.8, 0.4, 0.5)?, 1.0)?)?;
 //! let start = State::new(&[0.0, 0.0], &[0.5, 0.5]);
 //! let orbit = orbit::settle(&shaft, &start, 200.0, Period::Free(3.0))?;
-//! assert!(orbit.stick_duration(1) > 0.0);
 //! assert!((orbit.mean_velocity(0) - 0.5).abs() < 0.05);
 //! # Ok::<(), stick_slip::Error>(())
 //! ```

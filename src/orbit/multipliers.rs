@@ -9,9 +9,9 @@ use crate::numerics::eigenvalues::{eigenvalues, reflected};
 ///
 /// Each row or column of zeros gives one multiplier that is exactly 0, and so does each vector of
 /// `held`: the image of the matrix is normal to these vectors. The matrix is scaled by the sizes of
-/// the numbers, so that units do not matter. Eigenvectors of the multiplier 1 are known, such as the
-/// flow f of an autonomous motion: in an orthonormal basis (f, Q) the matrix M is block triangular,
-/// and the other multipliers are the eigenvalues of QᵀMQ.
+/// the numbers, so that units do not matter. Eigenvectors of the multiplier 1 are known, such as
+/// the flow f of an autonomous motion: in an orthonormal basis (f, Q) the matrix M is block
+/// triangular, and the other multipliers are the eigenvalues of QᵀMQ.
 pub(super) fn multipliers(
     matrix: &DMatrix<f64>,
     shifts: &[DVector<f64>],

@@ -148,9 +148,9 @@ impl PowerSeries {
         found
     }
 
-    /// Puts values in the place of times: the four chains of [`at_four`](Self::at_four) in the lanes
-    /// of one register, one time after the other. Times in its lanes would have to wait: they have
-    /// just been stored one by one.
+    /// Puts values in the place of times: the four chains of [`at_four`](Self::at_four) in the
+    /// lanes of one register, one time after the other. Times in its lanes would have to wait: they
+    /// have just been stored one by one.
     #[inline(always)]
     fn in_lanes<const CHOSEN: bool>(&self, values: &mut [f64; 4]) {
         const TOP: usize = (TERMS - 1) / 4 * 4;

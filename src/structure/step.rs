@@ -139,13 +139,13 @@ impl Step {
 
     /// The same step with a contact that comes to rest at its end, in a state there.
     pub(crate) fn coming_to_rest(self, contact: usize, state: State) -> Self {
+        let mut step = self.ending_in(&state);
         let event = Event {
-            time: self.end.time,
+            time: step.end.time,
             contact,
             kind: EventKind::Stick,
-            state: state.clone(),
+            state,
         };
-        let mut step = self.ending_in(&state);
         step.ending.get_or_insert_default().events = vec![event];
         step
     }

@@ -120,8 +120,8 @@ fn sliders_that_never_move_keep_their_place() {
     assert_eq!((slips.unslipped(), slips.multipliers().len()), (&[][..], 3));
 }
 
-/// Along a branch a slider that never moves keeps its place, wherever in its period a motion starts:
-/// the mean displacement under a constant force is that of both springs.
+/// Along a branch a slider that never moves keeps its place, wherever in its period a motion
+/// starts: the mean displacement under a constant force is that of both springs.
 #[test]
 fn sliders_keep_their_place_along_a_branch() {
     for (constant, phase) in [(0.8, 0.0), (-0.8, 2.0), (0.3, 4.0)] {

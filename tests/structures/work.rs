@@ -107,7 +107,8 @@ impl<'s> Work<'s> {
         (work, size)
     }
 
-    /// Work is the change of energy over every step, at round-off. Returns the largest part missing.
+    /// Work is the change of energy over every step, at round-off. Returns the largest part
+    /// missing.
     pub(crate) fn balances(&self, motion: &Trajectory<State>, about: &str) -> f64 {
         let steps = motion.steps().iter().filter(|step| step.duration() > 0.0);
         let missing = steps.map(|step| {
