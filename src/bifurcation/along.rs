@@ -89,12 +89,12 @@ pub struct Along<'f, L> {
     range: Range<f64>,
     parameter: &'static str,
     max_steps: usize,
-    watch: Option<Box<Watch<'f>>>,
+    watch: Option<Box<Watcher<'f>>>,
 }
 
 const DEFAULT_MAX_STEPS: usize = 5_000_000;
 
-type Watch<'f> = dyn Fn(&Progress) -> ControlFlow<()> + 'f;
+type Watcher<'f> = dyn Fn(&Progress) -> ControlFlow<()> + 'f;
 
 /// The systems of a search, one for each value of the parameter.
 enum Family<'f, L> {
@@ -249,7 +249,7 @@ pub(super) struct RangeSearch<'f> {
     range: Range<f64>,
     parameter: &'static str,
     max_steps: usize,
-    watch: Option<&'f Watch<'f>>,
+    watch: Option<&'f Watcher<'f>>,
 }
 
 impl<'f> RangeSearch<'f> {

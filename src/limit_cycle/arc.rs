@@ -149,7 +149,7 @@ impl<'s> Tracer<'s> {
         let mut point = start;
         let mut clock = Clock::default();
         let mut steps: Vec<Step> = Vec::with_capacity(16);
-        let mut watch = PeakWatch::new(v_b);
+        let mut watch = PeakDetector::new(v_b);
         loop {
             let Advance { mut duration, end } =
                 self.stepper
@@ -290,7 +290,7 @@ fn rate_at_end(step: &Step) -> f64 {
 
 /// Detects the first maximum of the velocity on an arc with v < v_b.
 #[derive(Debug, Clone)]
-struct PeakWatch {
+struct PeakDetector {
     v_b: f64,
     /// True if a maximum can follow: v has grown, from the start or since a minimum. A true minimum
     /// lies at v < 0, because v'' = −v there; near the slow manifold of a stiff system rounding can
@@ -298,7 +298,7 @@ struct PeakWatch {
     has_grown: bool,
 }
 
-impl PeakWatch {
+impl PeakDetector {
     fn new(v_b: f64) -> Self {
         Self {
             v_b,

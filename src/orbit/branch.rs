@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::found::Orbit;
 use super::oscillator::Oscillator;
 use super::period::Period;
-use super::trial::Trial;
+use super::trial::TrialMotion;
 use crate::error::Error;
 use crate::motion::{EventKind, System};
 
@@ -207,7 +207,7 @@ impl<S: Oscillator> BranchPoint<S> {
     pub(super) fn of(
         family: impl Fn(f64) -> Result<S, Error>,
         parameter: f64,
-        trial: Trial,
+        trial: TrialMotion,
         kind: Period,
     ) -> Result<Self, Error> {
         let find = || {

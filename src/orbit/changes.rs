@@ -24,7 +24,7 @@ pub(super) struct FoundBifurcation {
 }
 
 /// The curve near its last point, as a function of the distance along the tangent at this point.
-pub(super) struct CurveView<'v, 'f> {
+pub(super) struct LocalCurve<'v, 'f> {
     pub(super) curve: &'v Curve<'f>,
     pub(super) base: &'v Solved,
     pub(super) scale: &'v DVector<f64>,
@@ -85,7 +85,7 @@ fn change(low: &CurvePoint, high: &CurvePoint) -> Option<FoundBifurcation> {
     })
 }
 
-impl CurveView<'_, '_> {
+impl LocalCurve<'_, '_> {
     /// The point of the curve on the plane at a distance.
     pub(super) fn at(
         &self,

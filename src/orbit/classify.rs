@@ -13,7 +13,7 @@ use super::period::Period;
 use super::search::Search;
 use super::shoot;
 use super::translation::Turning;
-use super::trial::Trial;
+use super::trial::TrialMotion;
 use crate::error::{Error, Reached};
 use crate::motion::{EventKind, Integrator, Mode, Segment, System};
 use crate::state::Direction;
@@ -316,7 +316,7 @@ pub(super) fn kind_of<S: System>(orbit: &Orbit<S>) -> AttractorKind {
 fn accepted<S: Oscillator>(
     system: &S,
     form: &GeneralForm<'_>,
-    found: Trial,
+    found: TrialMotion,
     period: Period,
     (seen, guess, missed): (&Recurrence, &State, f64),
 ) -> Result<Option<Orbit<S>>, Error> {

@@ -4,10 +4,10 @@
 
 use nalgebra::DVector;
 
-use super::changes::{CurvePoint, CurveView, FoundBifurcation};
+use super::changes::{CurvePoint, FoundBifurcation, LocalCurve};
 use super::curve::{Plane, Solved};
 use super::sequence::Sequence;
-use super::trial::Trial;
+use super::trial::TrialMotion;
 
 /// Distances from the corner, in parts of the range, at which a motion on the other piece is
 /// searched.
@@ -30,7 +30,7 @@ const ROUNDING: f64 = 1e-14;
 /// Largest ratio of the change of the state to that of the parameter.
 const STEEP: f64 = 64.0;
 
-impl CurveView<'_, '_> {
+impl LocalCurve<'_, '_> {
     /// A motion on the other piece of the curve, which begins at the last motion, and the corner.
     pub(super) fn corner(&self) -> Option<(CurvePoint, FoundBifurcation)> {
         let here = CurvePoint {
@@ -109,7 +109,7 @@ impl CurveView<'_, '_> {
 
     /// The tangent of the curve that the equations linearised at a motion have, which is not
     /// closed.
-    fn tangent_at(&self, y: &DVector<f64>, trial: &Trial) -> Option<DVector<f64>> {
+    fn tangent_at(&self, y: &DVector<f64>, trial: &TrialMotion) -> Option<DVector<f64>> {
         let curve = self.curve;
         let slope = curve.by_parameter(y, trial, &self.base.modes);
         let (matrix, _) = curve.linearised(y, trial, &slope, self.scale);

@@ -20,7 +20,7 @@ use super::search::{MOST_STEPS_OF_A_SEARCH, Watched};
 use super::sequence::Sequence;
 use super::shoot::shortest;
 use super::translation::Turning;
-use super::trial::Trial;
+use super::trial::TrialMotion;
 use crate::error::Error;
 use crate::motion::{Mode, Segment};
 use crate::state::structure::State;
@@ -67,7 +67,7 @@ pub(super) struct Curve<'f> {
 #[derive(Clone)]
 pub(super) struct Solved {
     pub(super) y: DVector<f64>,
-    pub(super) trial: Trial,
+    pub(super) trial: TrialMotion,
     pub(super) sequence: Sequence,
     pub(super) multipliers: Vec<Complex<f64>>,
     /// The unit tangent of the curve, in units of the scales with which it was found; a memory that
@@ -177,9 +177,9 @@ impl Curve<'_> {
         kind.duration(form.rhythm())
     }
 
-    pub(super) fn trial(&self, y: &DVector<f64>, modes: &[Mode]) -> Result<Trial, Error> {
+    pub(super) fn trial(&self, y: &DVector<f64>, modes: &[Mode]) -> Result<TrialMotion, Error> {
         let (map, period) = self.motion(y, modes, 1.0)?;
-        Ok(Trial::new(map, period))
+        Ok(TrialMotion::new(map, period))
     }
 
     /// A system of the family, watched.
@@ -241,7 +241,7 @@ impl Curve<'_> {
     pub(super) fn by_parameter(
         &self,
         y: &DVector<f64>,
-        trial: &Trial,
+        trial: &TrialMotion,
         modes: &[Mode],
     ) -> DVector<f64> {
         let last = self.unknowns() - 1;
@@ -300,7 +300,7 @@ impl Curve<'_> {
     pub(super) fn linearised(
         &self,
         y: &DVector<f64>,
-        trial: &Trial,
+        trial: &TrialMotion,
         by_parameter: &DVector<f64>,
         scale: &DVector<f64>,
     ) -> (DMatrix<f64>, DVector<f64>) {
@@ -376,7 +376,7 @@ impl Curve<'_> {
 
     /// The largest part of a Newton step: each number in units of its scale, or of its size in the
     /// motion if that is smaller.
-    fn largest(&self, change: &DVector<f64>, scale: &DVector<f64>, trial: &Trial) -> f64 {
+    fn largest(&self, change: &DVector<f64>, scale: &DVector<f64>, trial: &TrialMotion) -> f64 {
         let sizes = trial.map.sizes();
         let larger = |i: usize| {
             sizes
@@ -391,7 +391,7 @@ impl Curve<'_> {
     }
 
     /// The error if no motion was found near here.
-    pub(super) fn lost(&self, y: &DVector<f64>, trial: &Trial) -> Error {
+    pub(super) fn lost(&self, y: &DVector<f64>, trial: &TrialMotion) -> Error {
         let error = Error::NotPeriodic {
             residual: trial.residual,
             period: trial.period,
@@ -403,7 +403,7 @@ impl Curve<'_> {
     fn solved(
         &self,
         y: DVector<f64>,
-        trial: Trial,
+        trial: TrialMotion,
         (modes, steps): (Vec<Mode>, usize),
         mut matrix: DMatrix<f64>,
         plane: &Plane<'_>,
@@ -439,7 +439,7 @@ impl Curve<'_> {
     }
 
     /// The motion of a trial with a start away from events, if its start lies near one.
-    fn apart(&self, y: &DVector<f64>, trial: &Trial) -> Result<Option<PeriodMap>, Error> {
+    fn apart(&self, y: &DVector<f64>, trial: &TrialMotion) -> Result<Option<PeriodMap>, Error> {
         self.with(y, |form, _| {
             map::begun_apart(form, &trial.map, trial.period)
         })

@@ -11,7 +11,7 @@ use super::found::Orbit;
 use super::oscillator::Oscillator;
 use super::period::Period;
 use super::search::Search;
-use super::trial::Trial;
+use super::trial::TrialMotion;
 use super::walk::{Walk, natural_scale};
 use crate::error::Error;
 use crate::state::structure::State;
@@ -154,7 +154,7 @@ fn branch<S: Oscillator>(
     range: Range<f64>,
     found: Results,
 ) -> Result<Branch<S>, Error> {
-    let orbit = |parameter: f64, trial: Trial| -> Result<Orbit<S>, Error> {
+    let orbit = |parameter: f64, trial: TrialMotion| -> Result<Orbit<S>, Error> {
         let system = family(parameter).map_err(|error| error.at("parameter", parameter))?;
         Orbit::new(&system, &system.form(), trial, kind)
     };
@@ -185,9 +185,9 @@ fn branch<S: Oscillator>(
 
 /// The results with their parameters.
 struct Results {
-    points: Vec<(f64, Trial)>,
+    points: Vec<(f64, TrialMotion)>,
     /// Each with the number of the last point before it.
-    changes: Vec<(usize, BifurcationKind, (f64, Trial))>,
+    changes: Vec<(usize, BifurcationKind, (f64, TrialMotion))>,
     ends: [BranchEnd; 2],
 }
 

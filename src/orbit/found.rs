@@ -8,7 +8,7 @@ use super::measures::Measures;
 use super::oscillator::Oscillator;
 use super::period::Period;
 use super::symmetry::HalfMap;
-use super::trial::Trial;
+use super::trial::TrialMotion;
 use crate::error::Error;
 use crate::motion::{Event, Segment, System, SystemState, Trajectory};
 use crate::state::structure::State;
@@ -49,12 +49,12 @@ impl<S: Oscillator> Orbit<S> {
     pub(super) fn new(
         system: &S,
         form: &GeneralForm<'_>,
-        found: Trial,
+        found: TrialMotion,
         kind: Period,
     ) -> Result<Self, Error> {
         let properties = Properties::of(form, &found, kind)?;
         let energy = system.energy_budget(&found.map);
-        let Trial { period, map, .. } = found;
+        let TrialMotion { period, map, .. } = found;
         let state_at = |time: f64| map.vector_at(time);
         let symmetric = HalfMap::of_symmetric(state_at, period, (form.len(), &map.sizes()));
         let measures = Measures::of(form, (&map.steps, map.translation()), period, energy);
@@ -89,7 +89,7 @@ struct Properties {
 }
 
 impl Properties {
-    fn of(form: &GeneralForm<'_>, found: &Trial, kind: Period) -> Result<Self, Error> {
+    fn of(form: &GeneralForm<'_>, found: &TrialMotion, kind: Period) -> Result<Self, Error> {
         let (map, period) = (&found.map, found.period);
         let apart = map::begun_apart(form, map, period)?;
         let begun = apart.as_ref().unwrap_or(map);

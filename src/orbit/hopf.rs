@@ -14,7 +14,7 @@ use super::oscillator::Oscillator;
 use super::period::Period;
 use super::search::Search;
 use super::translation::Turning;
-use super::trial::Trial;
+use super::trial::TrialMotion;
 use super::walk::natural_scale;
 use crate::error::Error;
 use crate::numerics::bracket::{Bracket, border};
@@ -375,7 +375,7 @@ impl Born {
         form: &GeneralForm<'_>,
         mut curve: Curve<'_>,
         parameter: f64,
-    ) -> Result<(f64, Trial), Error> {
+    ) -> Result<(f64, TrialMotion), Error> {
         (curve.n, curve.order) = (self.steady.displacements.len(), self.way.len());
         curve.turning = Some(Turning::of(self.turning));
         curve.weigh(form);

@@ -2,7 +2,7 @@
 //! afterwards they differ.
 
 use super::branch::BranchEnd;
-use super::changes::{CurveView, JUMP};
+use super::changes::{JUMP, LocalCurve};
 use super::map::PeriodMap;
 use crate::motion::{EventKind, Segment};
 
@@ -42,7 +42,7 @@ struct Side {
     events: Vec<(f64, usize, EventKind)>,
 }
 
-impl CurveView<'_, '_> {
+impl LocalCurve<'_, '_> {
     /// The discontinuity at which the curve ends behind its last point, if there is one within some
     /// of the shortest steps; with its distance, and its size in units of the sizes.
     pub(super) fn discontinuity(&self, shortest: f64) -> Option<Discontinuity> {

@@ -604,15 +604,15 @@ pub(super) fn reach(
 }
 
 /// The steps of a motion over a duration, and its touches.
-pub(super) type Course = (Vec<Step>, Vec<Touch>);
+pub(super) type StepsAndTouches = (Vec<Step>, Vec<Touch>);
 
 /// The motion over a duration from a state at a time, with contacts held.
-pub(super) fn held_course(
+pub(super) fn held_steps(
     form: &GeneralForm<'_>,
     (time, start): (f64, &State),
     duration: f64,
     holds: &[Hold],
-) -> Result<Course, Error> {
+) -> Result<StepsAndTouches, Error> {
     let settings = Integrator::new().with_max_steps(form.most_of_a_period())?;
     let end_time = time + duration;
     let mut steps: Vec<Step> = Vec::new();

@@ -74,10 +74,10 @@ pub(super) const LOOK_EVERY: usize = 1000;
 pub struct Search<'w> {
     max_steps: Option<usize>,
     max_points: Option<usize>,
-    watch: Option<Box<Watch<'w>>>,
+    watch: Option<Box<Watcher<'w>>>,
 }
 
-type Watch<'w> = dyn Fn(&Progress) -> ControlFlow<()> + 'w;
+type Watcher<'w> = dyn Fn(&Progress) -> ControlFlow<()> + 'w;
 
 /// The progress of a search. See [`Search::watched`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -206,7 +206,7 @@ impl fmt::Debug for Search<'_> {
 
 /// The progress of one search, and whether it was stopped.
 pub(super) struct Watched<'w> {
-    watch: Option<&'w Watch<'w>>,
+    watch: Option<&'w Watcher<'w>>,
     parameter: &'static str,
     /// The value of the parameter at hand; on one system `None`.
     value: Cell<Option<f64>>,

@@ -8,7 +8,7 @@ use super::map::{self, CLOSED, state, vector};
 use super::oscillator::Oscillator;
 use super::period::Period;
 use super::search::Search;
-use super::trial::Trial;
+use super::trial::TrialMotion;
 use crate::error::Error;
 use crate::motion::Mode;
 use crate::state::structure::State;
@@ -42,7 +42,7 @@ impl<'s> Problem<'s> {
         form: &'s GeneralForm<'s>,
         guess: &State,
         period: Period,
-    ) -> Result<(Self, Trial), Error> {
+    ) -> Result<(Self, TrialMotion), Error> {
         let duration = period.duration(form.rhythm())?;
         let mut problem = Self {
             form,
@@ -62,14 +62,14 @@ impl<'s> Problem<'s> {
     }
 
     /// The motion over one period from a start.
-    fn trial(&self, start: &State, period: f64) -> Result<Trial, Error> {
+    fn trial(&self, start: &State, period: f64) -> Result<TrialMotion, Error> {
         let map = self.form.period_map(start, period)?;
-        Ok(Trial::new(map, period))
+        Ok(TrialMotion::new(map, period))
     }
 
     /// The Newton step: increments of the start and of the period, and the largest of them in units
     /// of the sizes.
-    fn step(&self, trial: &Trial) -> Option<(DVector<f64>, f64, f64)> {
+    fn step(&self, trial: &TrialMotion) -> Option<(DVector<f64>, f64, f64)> {
         let map = &trial.map;
         let (order, sizes) = (map.order(), map.sizes());
         let unknowns = order + usize::from(self.section.is_some());
@@ -110,7 +110,7 @@ impl<'s> Problem<'s> {
 
     /// The start after a part of a Newton step. A contact that sticks at the end has the velocity
     /// of its belt to the bit.
-    fn changed(&self, trial: &Trial, change: &DVector<f64>, part: f64) -> State {
+    fn changed(&self, trial: &TrialMotion, change: &DVector<f64>, part: f64) -> State {
         let map = &trial.map;
         let start = vector(&map.start, map.order()) + change * part;
         let mut changed = state(&start, self.form.len());
@@ -125,7 +125,7 @@ impl<'s> Problem<'s> {
     }
 
     /// Damped Newton's method: a step that would increase the residual is shortened.
-    fn solve(&self, first: Trial) -> Result<Trial, Error> {
+    fn solve(&self, first: TrialMotion) -> Result<TrialMotion, Error> {
         let mut best = first;
         for _ in 0..MOST_STEPS {
             if best.residual <= ZERO {
@@ -161,13 +161,17 @@ impl<'s> Problem<'s> {
     }
 
     /// A closed motion, if it leaves its start and returns; `step` is the last Newton step.
-    fn returned(&self, found: Trial, step: Option<&DVector<f64>>) -> Result<Trial, Error> {
+    fn returned(
+        &self,
+        found: TrialMotion,
+        step: Option<&DVector<f64>>,
+    ) -> Result<TrialMotion, Error> {
         if self.section.is_none() || found.returns(step) {
             // A start with nearly the belt's velocity can slip although the end sticks.
             let apart = map::begun_apart(self.form, &found.map, found.period)?;
             return match apart {
                 Some(apart) if !apart.is_nearly_closed() => {
-                    Err(Trial::new(apart, found.period).not_periodic())
+                    Err(TrialMotion::new(apart, found.period).not_periodic())
                 }
                 _ => Ok(found),
             };
@@ -176,7 +180,7 @@ impl<'s> Problem<'s> {
     }
 
     /// The error for a trial that is no periodic motion: an autonomous one may be at rest.
-    fn failure(&self, trial: Trial) -> Error {
+    fn failure(&self, trial: TrialMotion) -> Error {
         let sizes = trial.map.sizes();
         let moved = trial.map.flow[0].component_div(&sizes).amax() * self.estimate;
         if self.section.is_some() && moved <= CLOSED.sqrt() {
@@ -305,7 +309,7 @@ impl Search<'_> {
         &self,
         system: &S,
         period: Period,
-        search: impl FnOnce(&GeneralForm<'_>) -> Result<Trial, Error>,
+        search: impl FnOnce(&GeneralForm<'_>) -> Result<TrialMotion, Error>,
     ) -> Result<Orbit<S>, Error> {
         let watched = self.watch("time");
         let form = system.form().within(self.steps(), &watched);
@@ -320,7 +324,7 @@ pub(super) fn search(
     form: &GeneralForm<'_>,
     guess: &State,
     period: Period,
-) -> Result<Trial, Error> {
+) -> Result<TrialMotion, Error> {
     let mut guess = guess.clone();
     // A guess may carry more than an elastic contact can.
     form.put_in_modes(&mut guess, 0.0, |_| None);
@@ -341,7 +345,7 @@ pub(super) fn search(
 }
 
 /// A closed motion near a guess.
-fn find(form: &GeneralForm<'_>, guess: &State, period: Period) -> Result<Trial, Error> {
+fn find(form: &GeneralForm<'_>, guess: &State, period: Period) -> Result<TrialMotion, Error> {
     let (problem, first) = Problem::new(form, guess, period)?;
     problem.solve(first)
 }

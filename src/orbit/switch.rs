@@ -4,7 +4,7 @@
 use nalgebra::DVector;
 
 use super::branch::{Bifurcation, BifurcationKind, BranchPoint, Criticality};
-use super::changes::CurveView;
+use super::changes::LocalCurve;
 use super::curve::{Curve, Plane, Solved};
 use super::follow::anchor;
 use super::found::Orbit;
@@ -13,7 +13,7 @@ use super::oscillator::Oscillator;
 use super::period::Period;
 use super::search::Search;
 use super::symmetry::HalfMap;
-use super::trial::Trial;
+use super::trial::TrialMotion;
 use super::walk::natural_scale;
 use crate::error::Error;
 use crate::state::structure::State;
@@ -156,7 +156,7 @@ fn other_branch(
     start: &State,
     (period, parameter): (f64, f64),
     is_symmetric: bool,
-) -> Result<(f64, Trial), Error> {
+) -> Result<(f64, TrialMotion), Error> {
     let start = anchor(&mut curve, parameter, start.clone(), period)?;
     let mut here = curve.guess(&start, period, parameter)?;
     let lost = |here: &Solved| curve.lost(&here.y, &here.trial);
@@ -219,7 +219,7 @@ fn other_branch(
 /// The tangent of the old branch at a point, in units of the scales: at the bifurcation itself its
 /// equations are singular.
 fn tangent(curve: &Curve<'_>, here: &Solved, scale: &DVector<f64>) -> Option<DVector<f64>> {
-    let view = CurveView {
+    let view = LocalCurve {
         curve,
         base: here,
         scale,

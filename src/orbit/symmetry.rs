@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::changes::{CurvePoint, CurveView};
+use super::changes::{CurvePoint, LocalCurve};
 use super::curve::solution;
 use super::form::GeneralForm;
 use super::map::{CLOSED, PeriodMap, state, vector};
@@ -165,7 +165,7 @@ impl Balance {
     }
 }
 
-impl CurveView<'_, '_> {
+impl LocalCurve<'_, '_> {
     /// The pitchfork between two symmetric motions whose multipliers pass 1, if there is one.
     ///
     /// At a pitchfork the equations of `follow` are singular, but those of the half-period map G

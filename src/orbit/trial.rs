@@ -15,14 +15,14 @@ const LEAST_MISS: f64 = 1e-13;
 
 /// A start, and the motion from there over one period.
 #[derive(Debug, Clone)]
-pub(super) struct Trial {
+pub(super) struct TrialMotion {
     pub(super) period: f64,
     pub(super) map: PeriodMap,
     /// Largest residual, each number in units of its size.
     pub(super) residual: f64,
 }
 
-impl Trial {
+impl TrialMotion {
     pub(super) fn new(map: PeriodMap, period: f64) -> Self {
         Self {
             period,

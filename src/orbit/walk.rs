@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use super::branch::{BifurcationKind, BranchEnd};
-use super::changes::{CurvePoint, CurveView, FoundBifurcation, Signs};
+use super::changes::{CurvePoint, FoundBifurcation, LocalCurve, Signs};
 use super::curve::{Curve, Plane, Solved, sharpest};
 use super::jump::LARGE;
 use super::locus::end::tangential_end;
@@ -156,7 +156,7 @@ impl Walk<'_, '_> {
             distance: 0.0,
             solved: base.clone(),
         };
-        let view = CurveView {
+        let view = LocalCurve {
             curve: self.curve,
             base,
             scale,
@@ -190,7 +190,7 @@ impl Walk<'_, '_> {
     /// The outcome if no step, however short, succeeds: a corner, or the end and its reason.
     fn behind(
         &self,
-        view: &CurveView<'_, '_>,
+        view: &LocalCurve<'_, '_>,
         here: &CurvePoint,
         shortest: f64,
         signs: &mut Signs,
@@ -223,7 +223,7 @@ impl Walk<'_, '_> {
 
     fn tried(
         &self,
-        view: &CurveView<'_, '_>,
+        view: &LocalCurve<'_, '_>,
         here: &CurvePoint,
         length: f64,
         signs: &mut Signs,
@@ -282,7 +282,7 @@ impl Walk<'_, '_> {
     /// is that of the polynomial through four smaller motions.
     fn hopf(
         &self,
-        view: &CurveView<'_, '_>,
+        view: &LocalCurve<'_, '_>,
         here: &CurvePoint,
         beyond: &CurvePoint,
     ) -> Option<Outcome> {

@@ -4,19 +4,19 @@
 // |---|---|
 // | `mod.rs` | `TERMS`, the number of coefficients; `PowerSeries`: values, means, derivative, reflection, division by known roots |
 // | `roots.rs` | the first root, and all sign changes, isolated so that none is skipped |
-// | `watch.rs` | `Watch`: the first time at which a quantity reaches zero, apart from known roots at the start |
+// | `event_distance.rs` | `EventDistance`: the first time at which a quantity reaches zero, apart from known roots at the start |
 // | `minima.rs` | where a series comes close to zero |
 
 #[cfg(test)]
 mod attack;
+mod event_distance;
 mod minima;
 mod roots;
 #[cfg(test)]
 mod tests;
-mod watch;
 
+pub(crate) use event_distance::EventDistance;
 pub(crate) use roots::TooCurved;
-pub(crate) use watch::Watch;
 
 use std::ops::{Index, IndexMut};
 

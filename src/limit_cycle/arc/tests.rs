@@ -1,5 +1,5 @@
 //! Arcs of a law with constant slope, for which slip is a damped oscillation; and decisions of
-//! `PeakWatch` on polynomials made by hand.
+//! `PeakDetector` on polynomials made by hand.
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
@@ -401,7 +401,7 @@ fn the_rate_at_the_end_of_a_step_is_the_slope_of_its_series() {
 fn a_velocity_may_turn_where_it_is_positive_after_it_grew_or_was_negative() {
     let (h, v_b) = (1.0, 1.0);
     let may =
-        |c: &[f64], has_grown| PeakWatch { v_b, has_grown }.may_come(&PowerSeries::from(c), h);
+        |c: &[f64], has_grown| PeakDetector { v_b, has_grown }.may_come(&PowerSeries::from(c), h);
     // The velocity is positive all along.
     assert!(may(&[0.5, 0.1], true));
     assert!(!may(&[0.5, 0.1], false));
@@ -423,7 +423,7 @@ fn a_velocity_may_turn_where_it_is_positive_after_it_grew_or_was_negative() {
 #[test]
 fn the_next_maximum_of_the_velocity_is_a_minimum_of_the_sliding_speed_after_growth() {
     let next = |c: &[f64], h, has_grown| {
-        let mut watch = PeakWatch {
+        let mut watch = PeakDetector {
             v_b: 1.0,
             has_grown,
         };

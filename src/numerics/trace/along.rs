@@ -65,7 +65,7 @@ const ZERO: f64 = 1e-6;
 const MOST_HALVINGS: usize = 100;
 
 /// The points of a curve near one of them, by planes across the tangent there.
-struct TraceView<'v, E: Equations> {
+struct LocalCurve<'v, E: Equations> {
     equations: &'v E,
     base: &'v Point<E::Value>,
 }
@@ -83,7 +83,7 @@ impl<V: Clone> Clone for TracePoint<V> {
     }
 }
 
-impl<E: Equations> TraceView<'_, E> {
+impl<E: Equations> LocalCurve<'_, E> {
     fn here(&self) -> TracePoint<E::Value> {
         TracePoint {
             distance: 0.0,
@@ -285,7 +285,7 @@ pub(crate) fn trace<E: Equations>(equations: &E, first: &Point<E::Value>) -> Hal
         return half;
     }
     while half.points.len() < equations.most_points() && !equations.is_at_limit() {
-        let view = TraceView {
+        let view = LocalCurve {
             equations,
             base: &base,
         };
@@ -386,7 +386,7 @@ type Special<V> = (usize, TracePoint<V>);
 
 /// The special points between the last point and the next one, in order.
 fn special_points<E: Equations>(
-    view: &TraceView<'_, E>,
+    view: &LocalCurve<'_, E>,
     to: &TracePoint<E::Value>,
     before: &[f64],
 ) -> Result<Vec<Special<E::Value>>, Error> {

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use super::super::form::GeneralForm;
 use super::super::hold::{Hold, minimum_behind, speeds};
 use super::super::map::PeriodMap;
-use super::super::trial::Trial;
+use super::super::trial::TrialMotion;
 use super::events::margin;
 use super::found::LocusKind;
 use super::start::{FrozenStart, Mark};
@@ -272,7 +272,7 @@ pub(super) fn sequence(form: &GeneralForm<'_>, map: &PeriodMap, period: f64) -> 
 /// They may be missing in the motion from its start.
 pub(super) fn arrivals(
     form: &GeneralForm<'_>,
-    trial: &Trial,
+    trial: &TrialMotion,
     events: &[(f64, usize, EventKind)],
 ) -> Vec<Hold> {
     let period = trial.period;

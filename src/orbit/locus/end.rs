@@ -5,7 +5,7 @@ use std::cell::Cell;
 use nalgebra::DVector;
 
 use super::super::curve::{Curve, FamilyMember, Solved};
-use super::super::trial::Trial;
+use super::super::trial::TrialMotion;
 use super::change::touch;
 use super::events::EventCurve;
 use super::motions::Motions;
@@ -16,7 +16,10 @@ use crate::numerics::trace::{self, Equations, Plane};
 /// The parameter at which an arrival of a motion becomes tangential, after which a contact sticks,
 /// and the motion there: Newton's method from a motion near the end of its branch. `None` if there
 /// is none.
-pub(in crate::orbit) fn tangential_end(curve: &Curve<'_>, base: &Solved) -> Option<(f64, Trial)> {
+pub(in crate::orbit) fn tangential_end(
+    curve: &Curve<'_>,
+    base: &Solved,
+) -> Option<(f64, TrialMotion)> {
     let members =
         |first: f64, _: f64| -> Result<Box<dyn FamilyMember + '_>, Error> { (curve.family)(first) };
     let bounds = (curve.most, curve.watched);

@@ -16,9 +16,9 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use super::super::form::GeneralForm;
 use super::super::hold::{Touch, speeds};
-use super::super::map::{CLOSED, Course, vector};
+use super::super::map::{CLOSED, StepsAndTouches, vector};
 use super::super::sequence::Sequence;
-use super::super::trial::Trial;
+use super::super::trial::TrialMotion;
 use super::CurveOfMotions;
 use super::change::Change;
 use super::found::{LocusKind, SpecialKind};
@@ -49,7 +49,7 @@ pub(super) struct Held {
     scalar: f64,
     events: Vec<(usize, EventKind)>,
     /// The motion of a solution with its derivative, and its events except those that change.
-    pub(super) trial: Trial,
+    pub(super) trial: TrialMotion,
     sequence: Option<Sequence>,
     multipliers: Vec<Complex<f64>>,
 }
@@ -138,7 +138,12 @@ impl EventCurve<'_> {
     }
 
     /// The value of a motion, of which the derivative is known.
-    fn held(&self, y: &DVector<f64>, begin: &FrozenStart, trial: Trial) -> Result<Held, Error> {
+    fn held(
+        &self,
+        y: &DVector<f64>,
+        begin: &FrozenStart,
+        trial: TrialMotion,
+    ) -> Result<Held, Error> {
         let map = &trial.map;
         let (residual, start) = (map.residual(), vector(&map.start, self.motions.order));
         let events = map.events().map(|(event, _)| (event.contact, event.kind));
@@ -189,33 +194,37 @@ impl EventCurve<'_> {
     }
 
     /// The motion with its residual, without its derivative.
-    fn course(&self, y: &DVector<f64>, near: &Held) -> Result<Held, Error> {
+    fn steps(&self, y: &DVector<f64>, near: &Held) -> Result<Held, Error> {
         let (motions, begin) = (&self.motions, &near.begin);
-        let found = motions.course(y, begin, |form, start, (steps, touches): Course, _| {
-            let Some(seen) = self.seen(form, (&steps, &touches), begin) else {
-                return Ok(None);
-            };
-            let start = vector(&start, motions.order);
-            let end = steps.last().map(Segment::end_state).unwrap_or_default();
-            let mut residual = vector(&end, motions.order) - &start;
-            near.trial.map.untranslated(&mut residual);
-            let depends = &near.trial.map.depends;
-            let first = motions.order - depends.len();
-            for (j, depends) in depends.iter().enumerate() {
-                if !depends {
-                    residual[first + j] = 0.0;
+        let found = motions.steps(
+            y,
+            begin,
+            |form, start, (steps, touches): StepsAndTouches, _| {
+                let Some(seen) = self.seen(form, (&steps, &touches), begin) else {
+                    return Ok(None);
+                };
+                let start = vector(&start, motions.order);
+                let end = steps.last().map(Segment::end_state).unwrap_or_default();
+                let mut residual = vector(&end, motions.order) - &start;
+                near.trial.map.untranslated(&mut residual);
+                let depends = &near.trial.map.depends;
+                let first = motions.order - depends.len();
+                for (j, depends) in depends.iter().enumerate() {
+                    if !depends {
+                        residual[first + j] = 0.0;
+                    }
                 }
-            }
-            let events = steps.iter().flat_map(Segment::events);
-            let events = events.map(|event| (event.contact, event.kind)).collect();
-            Ok(Some(Held {
-                start,
-                residual,
-                scalar: seen.scalar,
-                events,
-                ..near.clone()
-            }))
-        });
+                let events = steps.iter().flat_map(Segment::events);
+                let events = events.map(|event| (event.contact, event.kind)).collect();
+                Ok(Some(Held {
+                    start,
+                    residual,
+                    scalar: seen.scalar,
+                    events,
+                    ..near.clone()
+                }))
+            },
+        );
         found?.ok_or_else(|| motions.lost(y, &near.trial))
     }
 
@@ -231,7 +240,7 @@ impl EventCurve<'_> {
     }
 
     /// The events except those that are held or watched.
-    fn sequence(&self, trial: &Trial, begin: &FrozenStart) -> Sequence {
+    fn sequence(&self, trial: &TrialMotion, begin: &FrozenStart) -> Sequence {
         let begins = trial.map.steps.first().map_or(0.0, Segment::start_time);
         Sequence::except(&trial.map, trial.period, |event| {
             let mut marks = begin.marks.iter();
@@ -245,7 +254,7 @@ impl<'f> CurveOfMotions<'f> for EventCurve<'f> {
         &self.motions
     }
 
-    fn motion(held: &Held) -> (&Trial, &FrozenStart) {
+    fn motion(held: &Held) -> (&TrialMotion, &FrozenStart) {
         (&held.trial, &held.begin)
     }
 
@@ -299,7 +308,7 @@ impl Equations for EventCurve<'_> {
     }
 
     fn value(&self, y: &mut DVector<f64>, near: &Held) -> Result<Held, Error> {
-        let held = self.course(y, near)?;
+        let held = self.steps(y, near)?;
         y.rows_mut(0, self.motions.order).copy_from(&held.start);
         Ok(held)
     }
@@ -324,7 +333,7 @@ impl Equations for EventCurve<'_> {
             let beside = |step: f64| {
                 let mut beside = y.clone();
                 beside[j] += step;
-                let found = self.course(&beside, held).ok()?;
+                let found = self.steps(&beside, held).ok()?;
                 let same = found.events == held.events;
                 Some((step, self.residual_of(&beside, &found), same))
             };

@@ -31,7 +31,7 @@ use super::map::vector;
 use super::oscillator::Oscillator;
 use super::period::Period;
 use super::search::Search;
-use super::trial::Trial;
+use super::trial::TrialMotion;
 use crate::error::Error;
 use crate::motion::EventKind;
 use crate::numerics::trace::{Equations, Point, check_ranges};
@@ -281,7 +281,7 @@ fn changing(
     const NEAR: f64 = 1e-4;
     let parameters = motions.parameters(y);
     let at = |error: Error| located(error, parameters);
-    let search = |trial: &Trial, sticks: Option<bool>| {
+    let search = |trial: &TrialMotion, sticks: Option<bool>| {
         motions.with(parameters, |form| {
             Ok(match kind {
                 BifurcationKind::Sequence => sequence(form, &trial.map, trial.period),
@@ -371,7 +371,7 @@ trait CurveOfMotions<'f>: Equations {
     fn motions(&self) -> &Motions<'f>;
 
     /// The motion of a value, and where it begins.
-    fn motion(value: &Self::Value) -> (&Trial, &FrozenStart);
+    fn motion(value: &Self::Value) -> (&TrialMotion, &FrozenStart);
 
     /// The kind of special point at a zero of a test.
     fn special(&self, test: usize, point: &Point<Self::Value>) -> Option<SpecialKind>;

@@ -10,12 +10,12 @@ use nalgebra::{DMatrix, DVector};
 
 use super::super::curve::FamilyMember;
 use super::super::form::GeneralForm;
-use super::super::map::{Course, PeriodMap, held_course, held_period_map, state};
+use super::super::map::{PeriodMap, StepsAndTouches, held_period_map, held_steps, state};
 use super::super::period::Period;
 use super::super::search::{MOST_STEPS_OF_A_SEARCH, Watched};
 use super::super::sequence::Sequence;
 use super::super::symmetry::{Balance, HalfMap};
-use super::super::trial::Trial;
+use super::super::trial::TrialMotion;
 use super::start::{FrozenStart, Section};
 use crate::error::Error;
 use crate::motion::{EventKind, Segment};
@@ -183,12 +183,16 @@ impl<'f> Motions<'f> {
     }
 
     /// The motion over one period from the start in y.
-    pub(super) fn trial(&self, y: &DVector<f64>, begin: &FrozenStart) -> Result<Trial, Error> {
+    pub(super) fn trial(
+        &self,
+        y: &DVector<f64>,
+        begin: &FrozenStart,
+    ) -> Result<TrialMotion, Error> {
         self.tried.set(self.tried.get() + 1);
         self.with(self.parameters(y), |form| {
             let (time, start, period) = self.start(form, y, begin)?;
             let map = held_period_map(form, (time, &start), period, &begin.holds)?;
-            Ok(Trial::new(map, period))
+            Ok(TrialMotion::new(map, period))
         })
     }
 
@@ -197,7 +201,7 @@ impl<'f> Motions<'f> {
         &self,
         y: &DVector<f64>,
         begin: &FrozenStart,
-    ) -> Result<Trial, Error> {
+    ) -> Result<TrialMotion, Error> {
         let Some((half_map, balance)) = &self.half else {
             return self.trial(y, begin);
         };
@@ -207,12 +211,16 @@ impl<'f> Motions<'f> {
             let half = held_period_map(form, (time, &start), 0.5 * period, &begin.holds)?;
             let here = half_map.moved(balance, &Balance::of(form, period));
             let image = here.unwrap_or_else(|| half_map.clone()).applied(half);
-            Ok(Trial::new(image, period))
+            Ok(TrialMotion::new(image, period))
         })
     }
 
     /// Closes motions that are symmetric, as one is, by their half-period map.
-    pub(super) fn close_by_half(&mut self, y: &DVector<f64>, trial: &Trial) -> Result<(), Error> {
+    pub(super) fn close_by_half(
+        &mut self,
+        y: &DVector<f64>,
+        trial: &TrialMotion,
+    ) -> Result<(), Error> {
         let (map, period) = (&trial.map, trial.period);
         let half = HalfMap::of_symmetric(|t| map.vector_at(t), period, (self.n, &map.sizes()));
         let balance = self.with(self.parameters(y), |form| Ok(Balance::of(form, period)))?;
@@ -223,17 +231,17 @@ impl<'f> Motions<'f> {
 
     /// The motion over one period without derivatives, and something of it: the start, the steps
     /// and the period.
-    pub(super) fn course<T>(
+    pub(super) fn steps<T>(
         &self,
         y: &DVector<f64>,
         begin: &FrozenStart,
-        take: impl FnOnce(&GeneralForm<'_>, State, Course, f64) -> Result<T, Error>,
+        take: impl FnOnce(&GeneralForm<'_>, State, StepsAndTouches, f64) -> Result<T, Error>,
     ) -> Result<T, Error> {
         self.tried.set(self.tried.get() + 1);
         self.with(self.parameters(y), |form| {
             let (time, start, period) = self.start(form, y, begin)?;
-            let course = held_course(form, (time, &start), period, &begin.holds)?;
-            take(form, start, course, period)
+            let steps = held_steps(form, (time, &start), period, &begin.holds)?;
+            take(form, start, steps, period)
         })
     }
 
@@ -253,7 +261,7 @@ impl<'f> Motions<'f> {
         &self,
         y: &DVector<f64>,
         direction: &DVector<f64>,
-        (trial, begin): (&Trial, &FrozenStart),
+        (trial, begin): (&TrialMotion, &FrozenStart),
     ) -> Option<MotionDerivatives> {
         let own = self.own();
         let growth = trial.map.growth();
@@ -303,7 +311,7 @@ impl<'f> Motions<'f> {
     pub(super) fn residual(
         &self,
         y: &DVector<f64>,
-        trial: &Trial,
+        trial: &TrialMotion,
         begin: &FrozenStart,
     ) -> DVector<f64> {
         let start = y.rows(0, self.order);
@@ -318,7 +326,7 @@ impl<'f> Motions<'f> {
     /// The derivatives of these residuals by start and period.
     pub(super) fn closing(
         &self,
-        trial: &Trial,
+        trial: &TrialMotion,
         begin: &FrozenStart,
         scale: &DVector<f64>,
     ) -> DMatrix<f64> {
@@ -339,7 +347,7 @@ impl<'f> Motions<'f> {
     }
 
     /// The error if no motion was found near here.
-    pub(super) fn lost(&self, y: &DVector<f64>, trial: &Trial) -> Error {
+    pub(super) fn lost(&self, y: &DVector<f64>, trial: &TrialMotion) -> Error {
         let [first, second] = self.parameters(y);
         let error = Error::NotPeriodic {
             residual: trial.residual,
@@ -351,7 +359,7 @@ impl<'f> Motions<'f> {
             .at("first parameter", first)
     }
 
-    pub(super) fn sequence(trial: &Trial) -> Sequence {
+    pub(super) fn sequence(trial: &TrialMotion) -> Sequence {
         Sequence::of(&trial.map, trial.period)
     }
 }

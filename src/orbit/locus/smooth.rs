@@ -17,7 +17,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use super::super::map::{CLOSED, vector};
 use super::super::sequence::Sequence;
-use super::super::trial::Trial;
+use super::super::trial::TrialMotion;
 use super::CurveOfMotions;
 use super::bordered::Bordered;
 use super::change::Change;
@@ -46,9 +46,9 @@ pub(super) struct SmoothCurve<'f> {
 #[derive(Debug, Clone)]
 pub(super) struct Motion {
     /// What is closed: the motion over a period, or its half-period map.
-    trial: Trial,
+    trial: TrialMotion,
     /// The motion over a period, for a solution that is closed by the half-period map.
-    whole: Option<Trial>,
+    whole: Option<TrialMotion>,
     pub(super) begin: FrozenStart,
     pub(super) bordered: Bordered,
     /// Of a solution: its events, the multipliers of what is closed, and ½ uᵀD²P[w, w].
@@ -114,7 +114,7 @@ impl<'f> SmoothCurve<'f> {
     }
 
     /// M, each number in units of its size.
-    fn monodromy(&self, trial: &Trial, begin: &FrozenStart) -> DMatrix<f64> {
+    fn monodromy(&self, trial: &TrialMotion, begin: &FrozenStart) -> DMatrix<f64> {
         let (order, sizes) = (self.motions.order, &begin.sizes);
         DMatrix::from_fn(order, order, |i, j| {
             trial.map.monodromy[(i, j)] * (sizes[j] / sizes[i])
@@ -122,7 +122,7 @@ impl<'f> SmoothCurve<'f> {
     }
 
     /// The matrix A in units of the sizes.
-    fn matrix(&self, y: &DVector<f64>, trial: &Trial, begin: &FrozenStart) -> DMatrix<f64> {
+    fn matrix(&self, y: &DVector<f64>, trial: &TrialMotion, begin: &FrozenStart) -> DMatrix<f64> {
         let order = self.motions.order;
         let matrix = self.monodromy(trial, begin);
         let one = DMatrix::identity(order, order);
@@ -228,7 +228,7 @@ impl<'f> CurveOfMotions<'f> for SmoothCurve<'f> {
         &self.motions
     }
 
-    fn motion(value: &Motion) -> (&Trial, &FrozenStart) {
+    fn motion(value: &Motion) -> (&TrialMotion, &FrozenStart) {
         (value.whole.as_ref().unwrap_or(&value.trial), &value.begin)
     }
 

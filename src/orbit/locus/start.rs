@@ -7,7 +7,7 @@ use super::super::curve::sharpest;
 use super::super::hold::Hold;
 use super::super::map::{self, PeriodMap, held_period_map, vector};
 use super::super::translation::Turning;
-use super::super::trial::Trial;
+use super::super::trial::TrialMotion;
 use super::super::walk::BLUNT;
 use super::change::Change;
 use super::motions::Motions;
@@ -94,7 +94,7 @@ impl Motions<'_> {
     pub(super) fn begun(
         &self,
         y: &DVector<f64>,
-        trial: &Trial,
+        trial: &TrialMotion,
         old: &FrozenStart,
     ) -> Result<(DVector<f64>, FrozenStart), Error> {
         let (map, period) = (&trial.map, trial.period);
@@ -139,7 +139,7 @@ impl Motions<'_> {
     pub(super) fn settle(
         &self,
         y: &DVector<f64>,
-        trial: &Trial,
+        trial: &TrialMotion,
         begin: &mut FrozenStart,
     ) -> Result<(), Error> {
         let mut sizes = trial.map.sizes();
@@ -177,7 +177,7 @@ impl Motions<'_> {
     pub(super) fn moved(
         &self,
         y: &DVector<f64>,
-        trial: &Trial,
+        trial: &TrialMotion,
         begin: &FrozenStart,
     ) -> Option<(DVector<f64>, FrozenStart)> {
         let begins = begin.phase * trial.period;
@@ -196,9 +196,9 @@ impl Motions<'_> {
     pub(super) fn since_zero(
         &self,
         y: &DVector<f64>,
-        trial: &Trial,
+        trial: &TrialMotion,
         begin: &FrozenStart,
-    ) -> Result<Trial, Error> {
+    ) -> Result<TrialMotion, Error> {
         if begin.phase == 0.0 {
             return Ok(trial.clone());
         }
@@ -212,7 +212,7 @@ impl Motions<'_> {
             form.put_in_modes(&mut start, 0.0, |c| Some(step.modes()[c]));
             let holds = trial.map.holds_later((1.0 - begin.phase) * period, period);
             let map = held_period_map(&form, (0.0, &start), period, &holds)?;
-            Ok(Trial::new(map, period))
+            Ok(TrialMotion::new(map, period))
         })
     }
 }

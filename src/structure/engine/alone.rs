@@ -24,14 +24,14 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
     } = series;
     let pull = |springs: &[(usize, f64)], coordinates: &[CoordinateSeries], order: usize| {
         let terms = springs.iter();
-        let terms = terms.map(|&(j, a)| a * coordinates[j].course.displacement(order));
+        let terms = terms.map(|&(j, a)| a * coordinates[j].motion.displacement(order));
         terms.sum::<f64>()
     };
     let side = contacts[c].side;
     let (spring, springs) = model.stiffness.row(i);
     let (damping, dampers) = model.damping.row(i);
     let braking = dampers.iter();
-    let braking = braking.map(|&(j, a)| a * coordinates[j].course.velocity(0));
+    let braking = braking.map(|&(j, a)| a * coordinates[j].motion.velocity(0));
     let held = pull(springs, coordinates, 0) + braking.sum::<f64>();
     let equation = Equation {
         stiffness: spring,
@@ -43,7 +43,7 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
     };
     let from = SlipPoint {
         direction: side_of(side),
-        displacement: coordinates[i].course.displacement(0),
+        displacement: coordinates[i].motion.displacement(0),
         speed: contacts[c].speeds[0],
         rate: contacts[c].rate,
     };
@@ -61,7 +61,7 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
     let found = &expander.series;
     let of = &mut contacts[c];
     (of.speeds, of.friction, of.slope) = (found.speed, found.friction, found.slope);
-    coordinates[i].course.follow(side, &found.speed);
+    coordinates[i].motion.follow(side, &found.speed);
     for j in 0..model.len() {
         let Role::Held(c) = coordinates[j].role else {
             continue;
@@ -79,7 +79,7 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
             carried[k] = -spring * displacement - damper * velocity;
         }
         let (spring, springs) = model.stiffness.row(j);
-        let own = spring * coordinates[j].course.displacement(1);
+        let own = spring * coordinates[j].motion.displacement(1);
         carried[1] = -damper * (side * found.speed[1]) - own - pull(springs, coordinates, 1);
     }
     true

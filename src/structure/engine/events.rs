@@ -7,7 +7,7 @@ use super::plan::Plan;
 use super::series::{ContactSeries, Series};
 use super::state::{ContactState, Firing, Phase, Situation};
 use crate::motion::{Event, EventKind, Mode};
-use crate::series::{PowerSeries, TooCurved, Watch};
+use crate::series::{EventDistance, PowerSeries, TooCurved};
 use crate::state::Direction;
 use crate::state::structure::State;
 
@@ -147,10 +147,10 @@ fn first(
     h: f64,
     firing: Firing,
 ) -> Result<Option<(f64, Firing)>, TooCurved> {
-    let Some(watch) = Watch::new(distance) else {
+    let Some(positive) = EventDistance::new(distance) else {
         return Ok(None);
     };
-    Ok(watch.first_zero(h)?.map(|time| (time, firing)))
+    Ok(positive.first_zero(h)?.map(|time| (time, firing)))
 }
 
 /// Returns true if sliding speeds that reach 0, or a breakpoint of a law, continue beyond it by the
@@ -212,7 +212,7 @@ fn rate_at(
         let way = time * situation.mean_velocity(model, series, j, time);
         situation.coordinates[j].displacement + way
     };
-    let velocity = |j: usize| series.coordinates[j].course.at(time);
+    let velocity = |j: usize| series.coordinates[j].motion.at(time);
     let free = |i: usize| {
         let own = [displacement(i), velocity(i)];
         series.coordinates[i].force.at(time) + model.restoring(i, own, displacement, velocity)

@@ -6,7 +6,7 @@ use super::ALL;
 use super::alone::{expand_alone, slips_alone};
 use super::groups::Waves;
 use super::model::{Model, Target};
-use super::series::{ContactCourse, CoordinateSeries, DisplacementSeries, Role, Series};
+use super::series::{CoordinateSeries, DisplacementSeries, Role, Series, StepMode};
 use super::shared::{is_delicate, pull, shared_order};
 use super::springs::spring_order;
 use super::state::{Phase, Situation};
@@ -181,15 +181,15 @@ fn expand_groups(model: &Model<'_>, series: &mut Series) {
     };
     groups.clear();
     for (i, coordinate) in coordinates.iter().enumerate() {
-        let course = &coordinate.course;
+        let motion = &coordinate.motion;
         let numbers = [
-            course.displacement(0),
-            course.velocity(0),
-            course.velocity(1),
+            motion.displacement(0),
+            motion.velocity(0),
+            motion.velocity(1),
         ];
         groups.start(i, numbers);
         match model.owner[i] {
-            Some(c) if contacts[c].course == ContactCourse::Slip => {
+            Some(c) if contacts[c].mode == StepMode::Slip => {
                 let of = &contacts[c];
                 let law = model.contacts[c].law;
                 let numbers = [of.load[0], of.speeds[1], of.friction[0]];
@@ -209,15 +209,15 @@ fn expand_groups(model: &Model<'_>, series: &mut Series) {
         if let Some(c) = model.owner[i] {
             let of = &mut contacts[c];
             of.carried = found.carried(of.carried[0]);
-            match of.course {
-                ContactCourse::Slip => {
+            match of.mode {
+                StepMode::Slip => {
                     (of.speeds, of.friction) = (found.speeds(), found.friction());
                 }
                 _ => of.speeds = PowerSeries::ZERO,
             }
         }
         if !matches!(coordinate.role, Role::Held(_)) {
-            coordinate.course.take(found.numbers());
+            coordinate.motion.take(found.numbers());
         }
     }
 }
@@ -251,18 +251,18 @@ fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
         let coordinate = &mut series.coordinates[i];
         if let (Role::Held(c), true) = (role, role != coordinate.role) {
             // These series are not computed again.
-            coordinate.course = DisplacementSeries::ZERO;
+            coordinate.motion = DisplacementSeries::ZERO;
             let of = &mut series.contacts[c];
             (of.speeds, of.bound) = (PowerSeries::ZERO, PowerSeries::ZERO);
         }
         coordinate.role = role;
-        coordinate.course.start(displacement, velocity);
+        coordinate.motion.start(displacement, velocity);
     }
     for (of, state) in std::iter::zip(&mut series.contacts, &situation.contacts) {
         (of.rate, of.limit) = (None, state.static_coefficient());
-        (of.course, of.side, of.speeds[0]) = match state.phase {
-            Phase::Open => (ContactCourse::Open, 1.0, 0.0),
-            Phase::Stick { .. } => (ContactCourse::Stick, 0.0, 0.0),
+        (of.mode, of.side, of.speeds[0]) = match state.phase {
+            Phase::Open => (StepMode::Open, 1.0, 0.0),
+            Phase::Stick { .. } => (StepMode::Stick, 0.0, 0.0),
             Phase::Slip {
                 direction,
                 speed,
@@ -270,10 +270,10 @@ fn start(model: &Model<'_>, situation: &Situation, series: &mut Series) {
                 piece,
             } => {
                 (of.piece, of.rate) = (piece, rate);
-                (ContactCourse::Slip, direction.sign(), speed)
+                (StepMode::Slip, direction.sign(), speed)
             }
         };
-        if of.course != ContactCourse::Open && of.relaxation == 0.0 {
+        if of.mode != StepMode::Open && of.relaxation == 0.0 {
             for (series, memory) in std::iter::zip(&mut of.memories, &state.memory) {
                 series[0] = *memory;
             }
@@ -312,7 +312,7 @@ fn all_of(model: &Model<'_>, series: &mut Series, k: usize, range: Range<usize>)
                 let coefficient = of.law_order(&model.contacts[c], k, &mut MemoryOrder::none());
                 let speed = (of.side * rate - of.load[0] * coefficient) * INTEGRAL[k];
                 of.speeds[k + 1] = speed;
-                coordinate.course.set_velocity(k + 1, of.side * speed);
+                coordinate.motion.set_velocity(k + 1, of.side * speed);
             }
             _ => order(model, series, k, i, rate),
         }
@@ -344,7 +344,7 @@ fn order(model: &Model<'_>, series: &mut Series, k: usize, i: usize, rate: f64) 
             if of.load_varies {
                 of.load_order(contact, coordinates, k);
             }
-            let surface = if is_driven && of.course != ContactCourse::Open {
+            let surface = if is_driven && of.mode != StepMode::Open {
                 of.surface[k + 1]
             } else {
                 0.0
@@ -353,16 +353,16 @@ fn order(model: &Model<'_>, series: &mut Series, k: usize, i: usize, rate: f64) 
             of.order(contact, k, surface)
         }
     };
-    coordinates[i].course.set_velocity(k + 1, velocity);
+    coordinates[i].motion.set_velocity(k + 1, velocity);
 }
 
 /// (−M⁻¹K q − M⁻¹C v)_i of order k, the newest of the coordinate.
 #[inline(always)]
 fn free_rate(model: &Model<'_>, coordinates: &[CoordinateSeries], i: usize, k: usize) -> f64 {
-    let course = |j: usize| &coordinates[j].course;
-    let own = [course(i).displacement(k), course(i).newest_velocity()];
-    let displacement = |j: usize| course(j).displacement(k);
-    let velocity = |j: usize| course(j).velocity(k);
+    let motion = |j: usize| &coordinates[j].motion;
+    let own = [motion(i).displacement(k), motion(i).newest_velocity()];
+    let displacement = |j: usize| motion(j).displacement(k);
+    let velocity = |j: usize| motion(j).velocity(k);
     model.restoring(i, own, displacement, velocity)
 }
 

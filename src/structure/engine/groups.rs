@@ -43,17 +43,17 @@ pub(super) struct Groups {
 struct Rows {
     diagonal: [Lanes; 2],
     /// The columns beside the diagonal that are not 0: where they are, and their entries.
-    beside: [Vec<(Place, Lanes)>; 2],
+    beside: [Vec<(Slot, Lanes)>; 2],
 }
 
 /// Group and lane of a coordinate.
 #[derive(Debug, Clone, Copy)]
-struct Place {
+struct Slot {
     group: usize,
     lane: usize,
 }
 
-impl Place {
+impl Slot {
     fn of(coordinate: usize) -> Self {
         Self {
             group: coordinate / LANES,
@@ -66,7 +66,7 @@ impl Place {
 #[derive(Debug, Clone)]
 struct GroupSeries {
     /// The displacements, then the coefficients of the velocities: number k is q_0 or k q_k.
-    courses: Vec<[Lanes; TERMS + 1]>,
+    motions: Vec<[Lanes; TERMS + 1]>,
     groups: Vec<Group>,
 }
 
@@ -88,8 +88,8 @@ struct Group {
 }
 
 /// The series of one coordinate.
-pub(super) struct Member<'g> {
-    course: &'g [Lanes; TERMS + 1],
+pub(super) struct GroupedCoordinate<'g> {
+    motion: &'g [Lanes; TERMS + 1],
     group: &'g Group,
     lane: usize,
 }
@@ -118,7 +118,7 @@ impl Groups {
         Self {
             rows: rows.collect(),
             series: GroupSeries {
-                courses: vec![[[0.0; LANES]; TERMS + 1]; count],
+                motions: vec![[[0.0; LANES]; TERMS + 1]; count],
                 groups: vec![group; count],
             },
             recorder: Recorder::default(),
@@ -136,16 +136,16 @@ impl Groups {
 
     /// Sets displacement, velocity, and coefficient 1 of the velocity of a coordinate.
     pub(super) fn start(&mut self, coordinate: usize, numbers: [f64; 3]) {
-        let Place { group, lane } = Place::of(coordinate);
-        let course = &mut self.series.courses[group];
-        for (own, number) in std::iter::zip(course, numbers) {
+        let Slot { group, lane } = Slot::of(coordinate);
+        let motion = &mut self.series.motions[group];
+        for (own, number) in std::iter::zip(motion, numbers) {
             own[lane] = number;
         }
     }
 
     /// Sets a coordinate to be free.
     pub(super) fn free(&mut self, coordinate: usize) {
-        let Place { group, lane } = Place::of(coordinate);
+        let Slot { group, lane } = Slot::of(coordinate);
         self.series.groups[group].side[lane] = 1.0;
     }
 
@@ -158,7 +158,7 @@ impl Groups {
         slip: Slip<f64>,
         [load, rate, friction]: [f64; 3],
     ) {
-        let Place { group, lane } = Place::of(coordinate);
+        let Slot { group, lane } = Slot::of(coordinate);
         let group = &mut self.series.groups[group];
         (group.side[lane], group.load[lane]) = (slip.direction, load);
         (group.speeds[0][lane], group.speeds[1][lane]) = (slip.speed, rate);
@@ -182,7 +182,7 @@ impl Groups {
         force: &PowerSeries,
         surface: Option<&PowerSeries>,
     ) {
-        let Place { group, lane } = Place::of(coordinate);
+        let Slot { group, lane } = Slot::of(coordinate);
         let group = &mut self.series.groups[group];
         if !group.is_driven {
             (group.given, group.surface) = ([[0.0; LANES]; TERMS], [[0.0; LANES]; TERMS]);
@@ -206,20 +206,20 @@ impl Groups {
         );
     }
 
-    pub(super) fn member(&self, coordinate: usize) -> Member<'_> {
-        let Place { group, lane } = Place::of(coordinate);
-        Member {
-            course: &self.series.courses[group],
+    pub(super) fn member(&self, coordinate: usize) -> GroupedCoordinate<'_> {
+        let Slot { group, lane } = Slot::of(coordinate);
+        GroupedCoordinate {
+            motion: &self.series.motions[group],
             group: &self.series.groups[group],
             lane,
         }
     }
 }
 
-impl Member<'_> {
+impl GroupedCoordinate<'_> {
     /// The displacement, and the coefficients of the velocity.
     pub(super) fn numbers(&self) -> [f64; TERMS + 1] {
-        lane_of(self.course, self.lane)
+        lane_of(self.motion, self.lane)
     }
 
     /// Of one that slips.
@@ -247,19 +247,19 @@ fn lane_of<const N: usize>(rows: &[Lanes; N], lane: usize) -> [f64; N] {
 }
 
 /// The diagonal of each group's rows of a matrix, and the columns beside it.
-fn rows_of(matrix: &Sparse) -> Vec<(Lanes, Vec<(Place, Lanes)>)> {
+fn rows_of(matrix: &Sparse) -> Vec<(Lanes, Vec<(Slot, Lanes)>)> {
     let rows: Vec<_> = matrix.rows().collect();
     // Where the column of a coordinate is in the group under way.
     let mut places = vec![usize::MAX; rows.len()];
     let groups = rows.chunks(LANES).map(|rows| {
         let mut diagonal = [0.0; LANES];
-        let mut columns: Vec<(Place, Lanes)> = Vec::new();
+        let mut columns: Vec<(Slot, Lanes)> = Vec::new();
         for (lane, &(own, beside)) in rows.iter().enumerate() {
             diagonal[lane] = own;
             for &(j, a) in beside {
                 if places[j] == usize::MAX {
                     places[j] = columns.len();
-                    columns.push((Place::of(j), [0.0; LANES]));
+                    columns.push((Slot::of(j), [0.0; LANES]));
                 }
                 columns[places[j]].1[lane] = a;
             }
@@ -331,15 +331,15 @@ impl GroupSeries {
     /// Order K > 0 of what accelerates a group, and K + 1 of its velocities.
     #[inline(always)]
     fn order<const K: usize, const CHOSEN: bool>(&mut self, rows: &Rows, g: usize) {
-        let own = &self.courses[g];
+        let own = &self.motions[g];
         let mut springs = times(rows.diagonal[0], own[K]);
         let mut dampers = times(rows.diagonal[1], own[K + 1]);
-        for &(Place { group, lane }, entries) in &rows.beside[0] {
-            let displacement = self.courses[group][K][lane];
+        for &(Slot { group, lane }, entries) in &rows.beside[0] {
+            let displacement = self.motions[group][K][lane];
             springs = mul_add::<CHOSEN>([displacement; LANES], entries, springs);
         }
-        for &(Place { group, lane }, entries) in &rows.beside[1] {
-            let velocity = self.courses[group][K + 1][lane];
+        for &(Slot { group, lane }, entries) in &rows.beside[1] {
+            let velocity = self.motions[group][K + 1][lane];
             dampers = mul_add::<CHOSEN>([velocity; LANES], entries, dampers);
         }
         // Number k of a displacement is k q_k.
@@ -364,6 +364,6 @@ impl GroupSeries {
         if group.is_driven {
             velocity = plus(velocity, group.surface[K + 1]);
         }
-        self.courses[g][K + 2] = velocity;
+        self.motions[g][K + 2] = velocity;
     }
 }

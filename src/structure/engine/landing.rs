@@ -33,7 +33,7 @@ pub(super) fn land(
         let coordinate = &mut situation.coordinates[i];
         coordinate.displacement += way;
         if model.owner[i].is_none_or(|c| situation.contacts[c].phase_is_open()) {
-            coordinate.velocity = series.coordinates[i].course.at(h);
+            coordinate.velocity = series.coordinates[i].motion.at(h);
         }
     }
     situation.clock = match settled.at_break {

@@ -1,7 +1,7 @@
 //! One order of a contact: its load, its law, and its memory.
 
 use super::contact::ContactData;
-use super::series::{ContactCourse, ContactSeries, CoordinateSeries};
+use super::series::{ContactSeries, CoordinateSeries, StepMode};
 use crate::friction::memory::Slip;
 use crate::friction::memory::object::MemoryOrder;
 use crate::scalar::mul_add;
@@ -12,13 +12,13 @@ impl ContactSeries {
     /// from order k of all other accelerations relative to the surface. Returns order k + 1 of the
     /// coordinate's velocity.
     pub(super) fn order(&mut self, contact: &ContactData<'_>, k: usize, surface: f64) -> f64 {
-        let friction = match self.course {
-            ContactCourse::Open => 0.0,
-            ContactCourse::Stick => {
+        let friction = match self.mode {
+            StepMode::Open => 0.0,
+            StepMode::Stick => {
                 self.stick_order(contact, k);
                 0.0
             }
-            ContactCourse::Slip => self.slip_order(contact, k),
+            StepMode::Slip => self.slip_order(contact, k),
         };
         let mut speed = (self.side * self.carried[k] - friction) * INTEGRAL[k];
         if k == 0 {
@@ -38,7 +38,7 @@ impl ContactSeries {
     ) {
         if self.load_varies {
             let by_displacements =
-                contact.displacement_load(|j| coordinates[j].course.displacement(k));
+                contact.displacement_load(|j| coordinates[j].motion.displacement(k));
             self.load[k] = self.drive_load[k] + by_displacements * contact.compliance;
         }
     }

@@ -363,7 +363,7 @@ impl<'s> Engine<'s> {
     pub(super) fn acceleration(&self) -> Vec<f64> {
         let coordinates = self.series.coordinates.iter();
         coordinates
-            .map(|coordinate| coordinate.course.velocity(1))
+            .map(|coordinate| coordinate.motion.velocity(1))
             .collect()
     }
 
@@ -371,7 +371,7 @@ impl<'s> Engine<'s> {
     fn emitted(&self) -> Vec<PowerSeries> {
         let mut series = Vec::with_capacity(self.model.len() + self.model.remembered());
         let coordinates = self.series.coordinates.iter();
-        series.extend(coordinates.map(|coordinate| coordinate.course.velocities()));
+        series.extend(coordinates.map(|coordinate| coordinate.motion.velocities()));
         if self.model.remembered() > 0 {
             let contacts = self.series.contacts.iter();
             series.extend(contacts.flat_map(|contact| &contact.memories));

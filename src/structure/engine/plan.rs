@@ -74,7 +74,7 @@ pub(super) fn is_linear(model: &Model<'_>, situation: &Situation, series: &Serie
     let contacts = std::iter::zip(&situation.contacts, &series.contacts);
     coordinates
         .into_iter()
-        .all(|i| series.coordinates[i].course.is_straight())
+        .all(|i| series.coordinates[i].motion.is_straight())
         && contacts
             .into_iter()
             .all(|(state, series)| match state.phase {
@@ -96,7 +96,7 @@ pub(super) fn is_finite(situation: &Situation, series: &Series) -> bool {
     // 0 times what is not finite is no number.
     let mut sum = 0.0;
     for coordinate in &series.coordinates {
-        let velocity = |k: usize| 0.0 * coordinate.course.velocity(k);
+        let velocity = |k: usize| 0.0 * coordinate.motion.velocity(k);
         sum += velocity(LAST) + velocity(LAST - 1);
     }
     for (state, of) in std::iter::zip(&situation.contacts, &series.contacts) {
@@ -195,7 +195,7 @@ fn plan_within(
         let motion = motion(model, situation, series, i);
         let rate = motion.speed(1).abs().max(time * motion.speed(2).abs());
         let by_rate = if time.is_finite() { time * rate } else { 0.0 };
-        let velocity = series.coordinates[i].course.velocity(0);
+        let velocity = series.coordinates[i].motion.velocity(0);
         *scale = velocity.abs().max(motion.surface(0).abs()).max(by_rate);
         energy = energy.max(*scale / model.mobility[i]);
     }
@@ -336,7 +336,7 @@ fn motion<'a>(
     match owner {
         Some((Phase::Slip { .. }, of)) => CoordinateMotion::Slips(&of.speeds, &of.surface),
         Some((Phase::Stick { .. }, of)) => CoordinateMotion::Sticks(&of.surface),
-        Some((Phase::Open, _)) | None => CoordinateMotion::Free(&series.coordinates[i].course),
+        Some((Phase::Open, _)) | None => CoordinateMotion::Free(&series.coordinates[i].motion),
     }
 }
 
@@ -344,7 +344,7 @@ impl CoordinateMotion<'_> {
     /// Coefficient k of y, or of v.
     fn speed(&self, k: usize) -> f64 {
         match self {
-            Self::Free(course) => course.velocity(k),
+            Self::Free(motion) => motion.velocity(k),
             Self::Slips(speeds, _) => speeds[k],
             Self::Sticks(_) => 0.0,
         }
@@ -360,7 +360,7 @@ impl CoordinateMotion<'_> {
 
     fn largest_change(&self, time: f64) -> f64 {
         match self {
-            Self::Free(course) => course.velocities().largest_change(time),
+            Self::Free(motion) => motion.velocities().largest_change(time),
             Self::Slips(speeds, _) => speeds.largest_change(time),
             Self::Sticks(_) => 0.0,
         }
@@ -369,7 +369,7 @@ impl CoordinateMotion<'_> {
     fn reach(&self, error: f64) -> f64 {
         let of = |series| reach_of(error, series, TERMS - 1);
         match self {
-            Self::Free(course) => of(&course.velocities()),
+            Self::Free(motion) => of(&motion.velocities()),
             Self::Slips(speeds, surface) => of(speeds).min(of(surface)),
             Self::Sticks(surface) => of(surface),
         }
@@ -430,7 +430,7 @@ fn time_unit(
         return changing;
     }
     let stopping = least(&mut sizes.iter().enumerate().map(|(i, size)| {
-        let velocity = series.coordinates[i].course.velocity(0).abs();
+        let velocity = series.coordinates[i].motion.velocity(0).abs();
         match motion(model, situation, series, i) {
             // A mass that moves with a belt may pass through a velocity of 0.
             CoordinateMotion::Sticks(_) => f64::INFINITY,

@@ -30,7 +30,7 @@ pub(super) struct Series {
 
 /// The mode of a contact in a step, for its series.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum ContactCourse {
+pub(super) enum StepMode {
     Open,
     Stick,
     Slip,
@@ -40,7 +40,7 @@ pub(super) enum ContactCourse {
 #[derive(Debug, Clone)]
 pub(super) struct ContactSeries {
     /// The mode of the contact in the step.
-    pub(super) course: ContactCourse,
+    pub(super) mode: StepMode,
     /// σ in slip; 0 in stick, and 1 for one that is open.
     pub(super) side: f64,
     /// The piece of the law that holds in slip.
@@ -168,7 +168,7 @@ impl DisplacementSeries {
 /// The series of one coordinate.
 #[derive(Debug, Clone)]
 pub(super) struct CoordinateSeries {
-    pub(super) course: DisplacementSeries,
+    pub(super) motion: DisplacementSeries,
     /// (M⁻¹f)_i.
     pub(super) force: PowerSeries,
     /// The rule for the later orders of its velocity in the step.
@@ -189,7 +189,7 @@ pub(super) enum Role {
 impl CoordinateSeries {
     pub(super) fn new(force: PowerSeries) -> Self {
         Self {
-            course: DisplacementSeries::ZERO,
+            motion: DisplacementSeries::ZERO,
             force,
             role: Role::Other,
         }
@@ -207,7 +207,7 @@ impl Series {
             let load = constant(contact.load.value(time) * contact.compliance);
             let count = contact.memory();
             ContactSeries {
-                course: ContactCourse::Open,
+                mode: StepMode::Open,
                 side: 1.0,
                 piece: 0,
                 rate: None,
@@ -255,7 +255,7 @@ impl Series {
 
     /// The velocity of coordinate i over the step.
     pub(super) fn velocities(&self, i: usize) -> PowerSeries {
-        self.coordinates[i].course.velocities()
+        self.coordinates[i].motion.velocities()
     }
 }
 

@@ -5,7 +5,7 @@ use super::contact::ContactData;
 use super::edge::Edge;
 use super::factor::{Holding, ROUNDING};
 use super::model::Model;
-use super::series::{ContactCourse, CoordinateSeries, Series};
+use super::series::{CoordinateSeries, Series, StepMode};
 use super::state::{Phase, Situation};
 use crate::series::INTEGRAL;
 
@@ -52,10 +52,10 @@ pub(super) fn shared_order(
             series.rates[j] = 0.0;
         }
         let velocity = series.rates[j] * INTEGRAL[k];
-        series.coordinates[j].course.set_velocity(k + 1, velocity);
+        series.coordinates[j].motion.set_velocity(k + 1, velocity);
     }
     for &c in &model.shared {
-        if let ContactCourse::Slip = series.contacts[c].course {
+        if let StepMode::Slip = series.contacts[c].mode {
             let contact = &model.contacts[c];
             let mut pull = pull(contact, series, c, k);
             if is_delicate && pull.abs() <= contact.size_along(|j| series.rounding[j]) {
@@ -93,7 +93,7 @@ fn note_rounding(model: &Model<'_>, situation: &Situation, series: &mut Series, 
     }
     for &c in &model.shared {
         let of = &series.contacts[c];
-        if of.course == ContactCourse::Slip {
+        if of.mode == StepMode::Slip {
             let friction: f64 = (0..=k)
                 .map(|l| (of.load[l] * of.friction[k - l]).abs())
                 .sum();
@@ -129,11 +129,11 @@ fn free_size(model: &Model<'_>, coordinates: &[CoordinateSeries], i: usize, k: u
     let ((spring, springs), (damper, dampers)) = (model.stiffness.row(i), model.damping.row(i));
     let of_springs = springs
         .iter()
-        .map(|&(j, a)| a * coordinates[j].course.displacement(k));
+        .map(|&(j, a)| a * coordinates[j].motion.displacement(k));
     let of_dampers = dampers
         .iter()
-        .map(|&(j, a)| a * coordinates[j].course.velocity(k));
-    let own = &coordinates[i].course;
+        .map(|&(j, a)| a * coordinates[j].motion.velocity(k));
+    let own = &coordinates[i].motion;
     (damper * own.velocity(k)).abs()
         + (spring * own.displacement(k)).abs()
         + of_springs.chain(of_dampers).map(f64::abs).sum::<f64>()
@@ -160,10 +160,10 @@ impl Series {
     pub(super) fn friction_order(&mut self, model: &Model<'_>, c: usize, k: usize) {
         let (contact, of) = (&model.contacts[c], &mut self.contacts[c]);
         of.load_order(contact, &self.coordinates, k);
-        match of.course {
-            ContactCourse::Open => {}
-            ContactCourse::Stick => of.stick_order(contact, k),
-            ContactCourse::Slip => {
+        match of.mode {
+            StepMode::Open => {}
+            StepMode::Stick => of.stick_order(contact, k),
+            StepMode::Slip => {
                 let friction = of.side * of.slip_order(contact, k);
                 for &(j, x) in contact.responses() {
                     self.rates[j] -= x * friction;

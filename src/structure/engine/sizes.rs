@@ -9,20 +9,20 @@ use super::state::{Phase, Situation};
 pub(super) fn terms(model: &Model<'_>, situation: &Situation, series: &Series, i: usize) -> f64 {
     let (spring, springs) = model.stiffness.row(i);
     let (damper, dampers) = model.damping.row(i);
-    let course = |j: usize| &series.coordinates[j].course;
+    let motion = |j: usize| &series.coordinates[j].motion;
     let surface = model.owner[i].map_or(0.0, |c| match situation.contacts[c].phase {
         Phase::Open => 0.0,
         Phase::Stick { .. } | Phase::Slip { .. } => series.contacts[c].surface[1].abs(),
     });
     let mut sum = series.coordinates[i].force[0].abs()
         + surface
-        + (spring * course(i).displacement(0)).abs()
-        + (damper * course(i).velocity(0)).abs();
+        + (spring * motion(i).displacement(0)).abs()
+        + (damper * motion(i).velocity(0)).abs();
     for &(j, a) in springs {
-        sum += (a * course(j).displacement(0)).abs();
+        sum += (a * motion(j).displacement(0)).abs();
     }
     for &(j, a) in dampers {
-        sum += (a * course(j).velocity(0)).abs();
+        sum += (a * motion(j).velocity(0)).abs();
     }
     sum + spring_size(model, series, i)
 }

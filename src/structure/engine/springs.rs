@@ -16,7 +16,7 @@
 use super::contact::ContactData;
 use super::edge::{EDGE_ROUNDING, Edge, side_of};
 use super::model::Model;
-use super::series::{ContactCourse, ContactSeries, CoordinateSeries, Series};
+use super::series::{ContactSeries, CoordinateSeries, Series, StepMode};
 use super::sizes::load_terms;
 use super::state::{Entry, Phase, Situation};
 use crate::series::INTEGRAL;
@@ -38,7 +38,7 @@ pub(super) fn spring_order(model: &Model<'_>, series: &mut Series, k: usize) {
             }
             None => of.load_order(contact, &series.coordinates, k),
         }
-        if of.course != ContactCourse::Open {
+        if of.mode != StepMode::Open {
             for &(j, y) in &contact.reaction {
                 series.coordinates[j].force[k] -= y * (of.load[k] / contact.compliance);
             }
@@ -94,12 +94,12 @@ impl ContactSeries {
         } else {
             0.0
         };
-        let velocity = contact.along(|j| coordinates[j].course.velocity(k)) - self.surface[k];
+        let velocity = contact.along(|j| coordinates[j].motion.velocity(k)) - self.surface[k];
         let carried = &mut self.memories[0];
-        match self.course {
-            ContactCourse::Open => [carried[k], carried[k + 1]] = [0.0, 0.0],
-            ContactCourse::Stick => carried[k + 1] = stiffness * velocity * INTEGRAL[k],
-            ContactCourse::Slip => {
+        match self.mode {
+            StepMode::Open => [carried[k], carried[k + 1]] = [0.0, 0.0],
+            StepMode::Stick => carried[k + 1] = stiffness * velocity * INTEGRAL[k],
+            StepMode::Slip => {
                 if k == 0 {
                     carried[0] = self.side * self.bound[0];
                 }

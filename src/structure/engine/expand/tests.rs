@@ -1,5 +1,5 @@
 use super::super::{ALL, Engine};
-use super::{ContactCourse, Model, Role, Series, all_of, start};
+use super::{Model, Role, Series, StepMode, all_of, start};
 use crate::clock::Clock;
 use crate::drive::Drive;
 use crate::friction::{AnyLaw, Coulomb, Exponential, Polynomial, Rational, Stribeck, Tabulated};
@@ -74,15 +74,15 @@ fn assert_agree(model: &Model<'_>, found: &Series, expected: &Series) {
         assert!(difference < 1e-14, "{name}: {difference}");
     };
     for i in 0..found.coordinates.len() {
-        let velocity = |of: &Series, k: usize| of.coordinates[i].course.velocity(k);
+        let velocity = |of: &Series, k: usize| of.coordinates[i].motion.velocity(k);
         assert_close(&velocity, ALL + 1, "v");
         let Some(c) = model.owner[i] else {
             continue;
         };
-        if found.contacts[c].course == ContactCourse::Stick {
+        if found.contacts[c].mode == StepMode::Stick {
             assert_close(&|of, k| of.contacts[c].carried[k], ALL, "carried");
         }
-        if found.contacts[c].course == ContactCourse::Slip {
+        if found.contacts[c].mode == StepMode::Slip {
             assert_close(&|of, k| of.contacts[c].speeds[k], ALL + 1, "y");
             assert_close(&|of, k| of.contacts[c].friction[k], ALL, "friction");
         }

@@ -10,9 +10,9 @@ use super::{PowerSeries, TERMS, TooCurved, quarters};
 /// quantity returns inside, 2 after a release or if a bound was only touched, and 3 after a release
 /// under forcing that begins at its extremum.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Watch(PowerSeries);
+pub(crate) struct EventDistance(PowerSeries);
 
-impl Watch {
+impl EventDistance {
     /// A quantity given by a series whose first coefficients are exactly 0 for each known root at t
     /// = 0; `None` if all coefficients are 0.
     pub(crate) fn new(series: &PowerSeries) -> Option<Self> {
@@ -89,7 +89,9 @@ mod tests {
     use super::*;
 
     fn first_zero(c: &[f64], h: f64) -> Option<f64> {
-        Watch::new(&PowerSeries::from(c))?.first_zero(h).unwrap()
+        EventDistance::new(&PowerSeries::from(c))?
+            .first_zero(h)
+            .unwrap()
     }
 
     #[test]
