@@ -10,16 +10,16 @@ use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::limit_cycle::Tracer;
 
-/// Searches a family of systems along any parameter: a load, a damping, a coefficient of the law, a
-/// belt velocity, or any other number from which the closure makes a system.
+/// The search of a family of systems along a parameter: a load, a damping, a coefficient of the
+/// law, a belt velocity, or any other number from which the closure makes a system.
 ///
-/// The searches are the methods of [`Along`]. The range may contain negative values; no symmetry
+/// The methods of [`Along`] run the searches. The range may contain negative values; no symmetry
 /// about 0 is assumed. The family should be continuous in the parameter, except at a few values.
 ///
 /// ```
 /// use stick_slip::{Error, Exponential, MassOnBelt, bifurcation};
 ///
-/// // At which normal load does steady sliding begin to vibrate, and when does stick-slip appear?
+/// // At which load does steady sliding become unstable, and at which does stick-slip appear?
 /// let law = Exponential::new(0.4, 0.25, 0.5)?;
 /// let brake = |load: f64| MassOnBelt::new(law, 0.4)?.with_damping(0.05)?.with_load(load);
 /// let search = bifurcation::along(brake, 0.01..2.0).named("load");
@@ -40,10 +40,10 @@ pub fn along<'f, L: FrictionLaw>(
     Along::of(Family::Systems(Box::new(family)), range, "parameter")
 }
 
-/// Searches one system along its belt velocity. The methods of the result make the same searches as
-/// the functions [`hopf_velocities`](super::hopf_velocities),
-/// [`grazing_velocities`](super::grazing_velocities) and so on. They also accept a bound of the
-/// work and a watcher. The system's own v_b is ignored.
+/// The search of one system along its belt velocity. Its methods return the results of the
+/// functions [`hopf_velocities`](super::hopf_velocities),
+/// [`grazing_velocities`](super::grazing_velocities) and so on; a bound of the work and a watcher
+/// can be set first. The system's own v_b is ignored.
 ///
 /// A range with velocities of both signs is searched in two parts, below and above 0.
 ///
@@ -61,27 +61,28 @@ pub fn along_velocities<L: FrictionLaw>(system: &MassOnBelt<L>, range: Range<f64
     Along::of(Family::Velocities(system), range, "belt_velocity")
 }
 
-/// A search along a parameter, made by [`along`] or [`along_velocities`]. Values of the parameter
-/// are in its own units.
+/// A search along a parameter, returned by [`along`] and [`along_velocities`]. Values of the
+/// parameter are in its own units.
 ///
 /// # Cost
 ///
-/// The unit of work is a step of a slip phase, about a microsecond. If friction is so stiff that a
-/// step needs several series, the step counts several times. An oscillation takes about ten steps,
-/// and two more for each breakpoint of the law that it passes. For one system [`hopf`](Self::hopf)
-/// takes no steps. [`grazing`](Self::grazing), [`touching`](Self::touching) and
-/// [`overshoot`](Self::overshoot) take one slip arc, and [`crossing`](Self::crossing) takes two.
-/// [`folds`](Self::folds) takes some ten oscillations for a smooth law, and up to a hundred for a
-/// table of scattered points. A search of a range computes 65 systems, and some tens more for each
-/// value that is found. [`vibration_ranges`](Self::vibration_ranges) makes all six searches.
+/// The unit of work is one step of a slip phase, which takes about a microsecond. If friction is so
+/// stiff that a step needs several series, the step counts several times. An oscillation takes
+/// about ten steps, and two more for each breakpoint of the law that it passes. For one system
+/// [`hopf`](Self::hopf) takes no steps. [`grazing`](Self::grazing), [`touching`](Self::touching)
+/// and [`overshoot`](Self::overshoot) compute one slip arc, and [`crossing`](Self::crossing)
+/// computes two. [`folds`](Self::folds) computes some ten oscillations for a smooth law, and up to
+/// a hundred for a table of scattered points. A search of a range computes 65 systems, and some
+/// tens more for each value that is found. [`vibration_ranges`](Self::vibration_ranges) runs all
+/// six searches.
 ///
 /// A million steps take one to two seconds. For example, the folds for a table of n widely
-/// scattered points take about 200 n² steps. This is a second for 60 points, and a minute or two
-/// for 400 points, which need a larger bound.
+/// scattered points take about 200 n² steps: a second for 60 points, and a minute or two for 400
+/// points. For 400 points the default bound must be raised.
 ///
-/// A search stops after [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) steps, or after the number
-/// set by [`with_max_steps`](Self::with_max_steps), or if its [watcher](Self::watched) requests it.
-/// The bound and the watcher are checked before each system; one system takes at most about 2·10⁵
+/// A search stops after [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) steps, after the number set
+/// by [`with_max_steps`](Self::with_max_steps), or when its [watcher](Self::watched) stops it. The
+/// bound and the watcher are checked before each system; one system takes at most about 2·10⁵
 /// steps. [`Error::Stopped`] contains the value reached and the results below it, so no result is
 /// lost. After this error, smooth the table, raise the bound, or search the rest of the range.
 pub struct Along<'f, L> {
@@ -107,18 +108,18 @@ enum Family<'f, L> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Progress {
-    /// Value of the parameter that is searched next. It ascends in general, but not in every step.
+    /// Value of the parameter to be searched next. It usually ascends, but not at every call.
     pub value: f64,
     /// Number of systems searched so far.
     pub systems: usize,
-    /// Steps of slip phases so far.
+    /// Number of steps of slip phases so far.
     pub steps: usize,
 }
 
 impl<'f, L: FrictionLaw> Along<'f, L> {
     /// The default bound of the work of a search, in steps of slip phases. A search reaches it
-    /// after five to ten seconds. The functions of [`bifurcation`](super) that search a range, or
-    /// the limit of vibration, have the same bound.
+    /// after five to ten seconds. The functions of [`bifurcation`](super) that search a range, a
+    /// damping or a load have the same bound.
     pub const DEFAULT_MAX_STEPS: usize = DEFAULT_MAX_STEPS;
 
     fn of(family: Family<'f, L>, range: Range<f64>, parameter: &'static str) -> Self {
@@ -131,14 +132,14 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
         }
     }
 
-    /// Gives the parameter a name, which errors contain.
+    /// Sets the name of the parameter, which errors contain.
     #[must_use]
     pub fn named(self, parameter: &'static str) -> Self {
         Self { parameter, ..self }
     }
 
-    /// Bounds the work of each search: after this number of steps it returns [`Error::Stopped`].
-    /// The default is [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS).
+    /// Bounds the work of each search: after this number of steps the search returns
+    /// [`Error::Stopped`]. The default is [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS).
     ///
     /// # Errors
     ///
@@ -185,7 +186,7 @@ impl<'f, L: FrictionLaw> Along<'f, L> {
     ///     if start.elapsed() < Duration::from_secs(60) { Continue(()) } else { Break(()) }
     /// });
     /// assert_eq!(search.grazing()?.len(), 1);
-    /// // A search that is stopped tells how far it came.
+    /// // The error of a stopped search contains the value reached.
     /// let half = bifurcation::along_velocities(&system, 0.01..0.5).watched(|progress| {
     ///     if progress.value < 0.25 { Continue(()) } else { Break(()) }
     /// });

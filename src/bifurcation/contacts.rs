@@ -12,23 +12,23 @@ use crate::numerics::scan::sign_changes;
 use crate::state::Direction;
 
 /// Belt velocities v_b in `range`, ascending and dimensionless, at which stick-slip appears or
-/// disappears: after release, the velocity of the mass just touches the belt velocity again,
-/// without crossing it.
+/// disappears: after release, the velocity of the mass reaches the belt velocity again
+/// tangentially, without crossing it.
 ///
 /// For a law with μ̂(0) = μ_s a pure-slip cycle touches the belt velocity at this v_b and becomes
 /// stick-slip. For a law with μ̂(0) < μ_s (Coulomb) the stick-slip cycle disappears, and no
-/// pure-slip cycle takes its place; pure-slip cycles touch the belt velocity at other values of
-/// v_b, the [`touching_velocities`].
+/// pure-slip cycle takes its place. Pure-slip cycles then touch the belt velocity at other values
+/// of v_b, the [`touching_velocities`].
 ///
 /// The velocities are the roots of a function of v_b that is smooth at each root. If the mass
 /// reaches the belt velocity again after release, the function is w²/(2v_b²), where w is the
 /// acceleration of the mass at this instant. If the velocity of the mass has a maximum V below v_b,
-/// the function is V/v_b − 1. If v_b is such a velocity, so is −v_b, because the motions are mirror
-/// images: both are returned if both lie in the range. The range is divided into 64 intervals, and
-/// each interval that may hold a root is divided further, into up to 2¹⁰ parts. A root may be
-/// missed if the range is a thousand times wider than the part in which the system vibrates; use a
-/// narrower range in this case. Velocities below 64 ε γ²μ_s, with ε = 2⁻⁵², are not searched,
-/// because a motion of size v_b is then smaller than the rounding errors of the displacement.
+/// the function is V/v_b − 1. The motions at v_b and −v_b are mirror images; both velocities are
+/// returned if both lie in the range. The range is divided into 64 intervals, and each interval
+/// that may contain a root is divided further, into up to 2¹⁰ parts. A root may be missed if the
+/// range is a thousand times wider than the part in which the system vibrates; use a narrower range
+/// in this case. Velocities below 64 ε γ²μ_s, with ε = 2⁻⁵², are not searched, because a motion of
+/// size v_b is then smaller than the rounding errors of the displacement.
 ///
 /// Source: sliding bifurcations, di Bernardo, Budd, Champneys and Kowalczyk, *Piecewise-smooth
 /// Dynamical Systems* (Springer 2008), chapter 8.
@@ -58,10 +58,10 @@ pub fn grazing_velocities<L: FrictionLaw>(
 
 /// Belt velocities in `range`, ascending and dimensionless, at which plain stick-slip changes into
 /// overshoot, or overshoot into plain stick-slip (see
-/// [`CycleKind`](crate::limit_cycle::CycleKind)). At such a v_b, the mass first reaches the belt
-/// velocity again exactly at the end of the stick band opposite to the release point.
+/// [`CycleKind`](crate::limit_cycle::CycleKind)). At such a v_b, the mass returns to the belt
+/// velocity after release exactly at the end of the stick band opposite to the release point.
 ///
-/// The range is searched as by [`grazing_velocities`].
+/// The range is searched in the same way as in [`grazing_velocities`].
 ///
 /// # Errors
 ///
@@ -87,7 +87,7 @@ pub fn overshoot_velocities<L: FrictionLaw>(
 /// crossing, or crossing into overshoot. At such a v_b, the mass crosses the belt velocity after
 /// release, and then returns to it exactly at the release point.
 ///
-/// The range is searched as by [`grazing_velocities`].
+/// The range is searched in the same way as in [`grazing_velocities`].
 ///
 /// # Errors
 ///
@@ -115,16 +115,16 @@ pub fn crossing_velocities<L: FrictionLaw>(
 }
 
 /// Belt velocities in `range`, ascending and dimensionless, at which a pure-slip cycle touches the
-/// belt velocity: its velocity maximum is v_b. On one side of such a v_b the cycle, stable or not,
-/// stays slower than the belt. On the other side it does not exist, because the mass would reach
-/// the belt velocity and stick.
+/// belt velocity: the velocity maximum of the cycle is v_b. On one side of such a v_b the cycle,
+/// stable or not, stays slower than the belt. On the other side this cycle does not exist, because
+/// the mass would reach the belt velocity and stick.
 ///
 /// For a law with μ̂(0) = μ_s these are the [`grazing_velocities`]. For a law with μ̂(0) < μ_s the
 /// cycle touches the belt velocity inside the stick band, and the stick-slip cycle does not change
-/// there.
+/// at this v_b.
 ///
 /// The velocities are the roots of the function described at [`grazing_velocities`], computed for
-/// the motion that starts at the velocity maximum v_b instead of the release point. The range is
+/// the motion that starts at the velocity maximum v_b, not at the release point. The range is
 /// searched in the same way.
 ///
 /// Source: grazing bifurcations of limit cycles, di Bernardo, Budd, Champneys and Kowalczyk,
@@ -137,7 +137,7 @@ pub fn crossing_velocities<L: FrictionLaw>(
 /// ```
 /// use stick_slip::{CycleKind, MassOnBelt, Tabulated, bifurcation, limit_cycle};
 ///
-/// // Friction falls to a minimum at the speed 0.4; static friction is larger still.
+/// // Friction falls to a minimum at the speed 0.4; μ_s = 0.5 is larger than μ̂(0) = 0.4.
 /// let law = Tabulated::new([(0.0, 0.4), (0.4, 0.25), (1.0, 0.5)])?;
 /// let law = law.with_static_coefficient(0.5)?;
 /// let system = MassOnBelt::new(&law, 0.3)?.with_damping(0.02)?;
@@ -184,7 +184,7 @@ impl<L: FrictionLaw> Along<'_, L> {
     }
 
     /// Values of the parameter, ascending, at which plain stick-slip changes into overshoot or
-    /// back. See [`overshoot_velocities`].
+    /// overshoot into plain stick-slip. See [`overshoot_velocities`].
     ///
     /// # Errors
     ///
@@ -193,8 +193,8 @@ impl<L: FrictionLaw> Along<'_, L> {
         self.over_parts(&mut |work, part, found| changes(work, part, beyond_low, found))
     }
 
-    /// Values of the parameter, ascending, at which overshoot changes into crossing or back. See
-    /// [`crossing_velocities`].
+    /// Values of the parameter, ascending, at which overshoot changes into crossing or crossing
+    /// into overshoot. See [`crossing_velocities`].
     ///
     /// # Errors
     ///

@@ -5,8 +5,7 @@ use crate::error::Error;
 use crate::friction::FrictionLaw;
 use crate::limit_cycle::{CycleSet, find_all};
 
-/// The equilibrium and all periodic motions at one belt velocity: all motions to which a system can
-/// settle.
+/// The equilibrium and all periodic motions, stable and unstable, at one belt velocity.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -19,8 +18,8 @@ pub struct DiagramPoint {
     pub cycles: CycleSet,
 }
 
-/// Equilibrium and periodic motions at each of a list of belt velocities (dimensionless). Each item
-/// is computed when the iterator reaches it. The system's own v_b is ignored.
+/// The equilibrium and all periodic motions at each of a list of belt velocities (dimensionless).
+/// Each item is computed when the iterator reaches it. The system's own v_b is ignored.
 ///
 /// # Errors
 ///

@@ -37,15 +37,15 @@ const LEAST_BEND: f64 = 0.25;
 /// stable and one unstable, meet and vanish.
 ///
 /// Let V be the peak velocity of a motion and P(V) its next peak velocity. At each belt velocity
-/// the growth over one period, P(V)/V − 1, is a function of V with turning points, found as roots
-/// of its exact derivative. At a fold the growth at a turning point passes through zero, and the
-/// multiplier of the cycle is 1. The range is divided into 64 intervals. A turning point is
-/// followed through an interval only if its growth may reach zero there. The condition is that the
-/// absolute value of this growth is less than twice the largest change, at nine values of V, of the
-/// growth between the ends of the interval. An interval is divided further, into up to 2¹⁶ parts,
-/// if turning points appear, disappear or move far in it, or if their growth comes so near to zero
-/// that it may reach zero between the two ends. Each turning point is followed into the fold from
-/// both sides. This ensures that two cycles meet at every velocity returned.
+/// the growth over one period, g(V) = P(V)/V − 1, has maxima and minima: the roots of its exact
+/// derivative. At a fold one of these extrema is zero, and the multiplier of the cycle is 1.
+///
+/// The range is divided into 64 intervals. Let c be the largest change of g, at nine values of V,
+/// from one end of an interval to the other. An extremum of g is followed through the interval only
+/// if its absolute value is less than 2c. An interval is divided further, into up to 2¹⁶ parts, if
+/// extrema appear, disappear or move far in it, or if an extremum may reach zero between the two
+/// ends. Each zero of an extremum is enclosed between two neighbouring numbers, at which |g| must
+/// be at most 10⁻⁹. A jump of the growth over zero is therefore not returned.
 ///
 /// Source: saddle-node bifurcations of maps, Guckenheimer and Holmes, *Nonlinear Oscillations,
 /// Dynamical Systems, and Bifurcations of Vector Fields* (Springer 1983), section 3.5.

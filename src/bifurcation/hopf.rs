@@ -17,11 +17,11 @@ use crate::orbit::Criticality;
 /// The law is expanded in power series from one end of the range to the other. Each series is used
 /// only within its radius of convergence, and is compared with the law at three points of its
 /// interval. The roots of the series are isolated so that none is skipped. If h1 touches zero (to
-/// rounding) and keeps its sign, stability does not change, and nothing is reported. If v_b is a
-/// Hopf velocity, so is −v_b, because the motions are mirror images: both are returned if both lie
-/// in the range. A [breakpoint](FrictionLaw::breakpoints) at which h1 jumps to the other sign is
-/// reported. If h1 is zero over a whole interval of velocities and has different signs on its two
-/// sides, the end of the interval with the larger |v_b| is reported.
+/// rounding) and keeps its sign, stability does not change, and nothing is reported. The motions at
+/// v_b and −v_b are mirror images; both velocities are returned if both lie in the range. A
+/// [breakpoint](FrictionLaw::breakpoints) at which h1 jumps to the other sign is reported. If h1 is
+/// zero over a whole interval of velocities and has different signs on its two sides, the end of
+/// the interval with the larger |v_b| is reported.
 ///
 /// For the exponential law see the closed form
 /// [`analysis::exponential::hopf_velocities`](crate::analysis::exponential::hopf_velocities).
@@ -55,10 +55,10 @@ pub fn hopf_velocities<L: FrictionLaw>(
 impl<L: FrictionLaw> Along<'_, L> {
     /// Values of the parameter, ascending, at which the equilibrium loses or regains stability.
     ///
-    /// A search over belt velocities is that of [`hopf_velocities`]. In a search over another
+    /// A search over the belt velocity works as in [`hopf_velocities`]. In a search over another
     /// parameter, h1 is only sampled: the range is divided into 64 intervals, and each interval
-    /// that may hold a root is divided further, into up to 2¹⁰ parts. A value at which h1 jumps to
-    /// the other sign is also reported.
+    /// that may contain a root is divided further, into up to 2¹⁰ parts. A value at which h1 jumps
+    /// to the other sign is also reported.
     ///
     /// # Errors
     ///

@@ -32,15 +32,15 @@
 //!
 //! | function | event at the values that it returns |
 //! |---|---|
-//! | [`hopf_velocities`] | the equilibrium loses or regains stability, and a pure-slip cycle is born; [`criticality`] returns the side on which it exists |
+//! | [`hopf_velocities`] | the equilibrium loses or regains stability, and a pure-slip cycle is born; [`criticality`] returns on which side the cycle exists |
 //! | [`grazing_velocities`] | stick-slip appears or disappears: the motion from the release point returns to the belt velocity tangentially |
 //! | [`touching_velocities`] | a pure-slip cycle touches the belt velocity, and appears or disappears |
-//! | [`fold_velocities`] | a stable and an unstable pure-slip cycle meet |
+//! | [`fold_velocities`] | a stable and an unstable pure-slip cycle meet and vanish |
 //! | [`overshoot_velocities`] | the mass begins to overtake the belt before it sticks |
 //! | [`crossing_velocities`] | the mass no longer sticks |
 //! | [`vibration_ranges`] | the set of attractors changes; bistable ranges are also returned |
-//! | [`silencing_damping`] | with this damping or more no vibration lasts, at one belt velocity |
-//! | [`silencing_load`] | with this load or less no vibration lasts, at one belt velocity |
+//! | [`silencing_damping`] | vibration ends: with this damping or more, no vibration lasts at the system's belt velocity |
+//! | [`silencing_load`] | vibration begins: up to this load, no vibration lasts at the system's belt velocity |
 //! | [`hopf_locus`] | the equilibrium of any system loses stability: curves in two parameters, with their special points |
 //!
 //! Every velocity is a root of an exact function of the belt velocity, bracketed and refined to
@@ -49,8 +49,8 @@
 //! images of those at positive velocities.
 //!
 //! [`along`] makes these searches over any other parameter: a load, a damping, a coefficient of the
-//! law. Its methods, and those of [`along_velocities`], accept a bound of work and a watcher;
-//! [`Along`] states the cost of a search.
+//! law. Searches made by [`along`] and [`along_velocities`] accept a bound of the work and a
+//! watcher; [`Along`] states the cost of a search.
 //!
 //! [`diagram`] lists the equilibrium and all cycles for each of a list of belt velocities.
 //! [`analysis`](crate::analysis) has closed forms of some of these velocities for some laws;

@@ -18,19 +18,19 @@ use crate::numerics::scan::INTERVALS;
 /// [grazing](super::grazing_velocities), [touching](super::touching_velocities),
 /// [overshoot](super::overshoot_velocities), [crossing](super::crossing_velocities) and
 /// [fold](super::fold_velocities) velocities. It is also cut where a
-/// [continuum](crate::limit_cycle::Continuum) begins. Between two neighbouring cuts,
+/// [continuum](crate::limit_cycle::Continuum) begins or ends. Between two neighbouring cuts,
 /// [`find`](crate::limit_cycle::find) is called at three velocities. If the attractors at these
 /// velocities differ, the border is found by bisection, to 10⁻¹² of the velocity. (This happens at
 /// folds of cycles that cross the belt velocity, which [`fold_velocities`](super::fold_velocities)
 /// does not find.) Borders are merged if their relative distance is less than 10⁻¹². v_b = 0 is
 /// also a border, because the mass comes to rest there. Just beyond a supercritical Hopf velocity
-/// the new cycle is too small for `find`. For these velocities the function reports the attractors
-/// of the next velocities, at which the cycle is larger.
+/// the new cycle is too small for `find`; there the function reports the attractors found farther
+/// from the Hopf velocity.
 ///
 /// The cost is that of the searches for these six kinds of velocities, and of three calls of `find`
 /// for each interval. Intervals narrower than a 64th of the range are searched once more for
-/// grazing, touching, overshoot and crossing velocities. With [`Along::vibration_ranges`] the work
-/// can be bounded, watched and stopped, and the parameter can be another one.
+/// grazing, touching, overshoot and crossing velocities. [`Along::vibration_ranges`] accepts a
+/// bound of the work, a watcher and any other parameter.
 ///
 /// # Errors
 ///
@@ -44,11 +44,11 @@ use crate::numerics::scan::INTERVALS;
 /// let system = MassOnBelt::new(Exponential::new(0.6, 0.3, 0.4)?, 1.0)?.with_damping(0.01)?;
 /// let ranges = vibration_ranges(&system, 0.05..4.0)?;
 /// let bistable: Vec<_> = ranges.iter().filter(|range| range.is_bistable()).collect();
-/// // Both exist between the upper Hopf velocity and the fold or grazing that ends the vibration.
+/// // Both are stable between the upper Hopf velocity and the fold or grazing that ends stick-slip.
 /// let stick_slip = AttractorKind::Cycle(CycleKind::StickSlip);
 /// assert_eq!(bistable[0].attractors, [AttractorKind::Equilibrium, stick_slip]);
 /// assert!(bistable[0].velocities.contains(&1.0));
-/// // Beyond, nothing vibrates.
+/// // At larger velocities steady sliding is the only attractor.
 /// assert_eq!(ranges.last().unwrap().attractors, [AttractorKind::Equilibrium]);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
@@ -65,9 +65,9 @@ pub fn vibration_ranges<L: FrictionLaw>(
 /// An interval of belt velocities with the same attractors throughout, for a mass on a belt.
 /// Returned by [`vibration_ranges`], which finds every attractor at each velocity that it tries.
 ///
-/// The similar type [`orbit::VibrationRange`](crate::orbit::VibrationRange) is for any other
-/// system. It contains the kinds of attractors of structures and the reason for each border. The
-/// search that returns it can miss attractors.
+/// For any other system use [`orbit::VibrationRange`](crate::orbit::VibrationRange). That type
+/// contains the kinds of attractors of structures and the reason for each border; the search that
+/// returns it can miss attractors.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -76,7 +76,7 @@ pub struct VibrationRange {
     /// these are values of that parameter, in its own units.
     pub velocities: Range<f64>,
     /// The attractors, from the inside outwards. Empty if a motion can grow without bound, or if
-    /// double precision cannot decide.
+    /// double precision cannot resolve the attractors.
     pub attractors: Vec<AttractorKind>,
 }
 
@@ -89,7 +89,7 @@ impl VibrationRange {
 
     /// Returns true if a vibration can last: one of the attractors is not steady sliding, or the
     /// list of attractors is empty (a motion can grow without bound, or double precision cannot
-    /// decide).
+    /// resolve the attractors).
     pub fn vibrates(&self) -> bool {
         self.attractors != [AttractorKind::Equilibrium]
     }
@@ -106,7 +106,7 @@ pub enum AttractorKind {
     /// Steady sliding, if it is stable.
     Equilibrium,
     /// A family of periodic motions about steady sliding. None of them is asymptotically stable: a
-    /// motion that reaches the family remains one of its members.
+    /// motion that reaches the family is itself one of its members from then on.
     Continuum,
     /// A stable cycle of this kind.
     Cycle(CycleKind),
@@ -127,8 +127,8 @@ impl<L: FrictionLaw> Along<'_, L> {
     ///
     /// # Errors
     ///
-    /// The errors of [`hopf`](Self::hopf) and [`grazing`](Self::grazing). [`Error::Stopped`] holds
-    /// the borders that were found.
+    /// The errors of [`hopf`](Self::hopf) and [`grazing`](Self::grazing). [`Error::Stopped`]
+    /// contains the borders found so far.
     ///
     /// ```
     /// use stick_slip::{Exponential, MassOnBelt, bifurcation};

@@ -10,16 +10,17 @@ use crate::numerics::bracket::Bracket;
 /// With less damping, a periodic motion exists or steady sliding is unstable. The system's own β is
 /// ignored. The result is 0 if v_b = 0.
 ///
-/// Such a border exists because more damping rotates the vector field inwards at every state.
-/// Consider a cycle at one value of β, as a closed curve. With less damping, every motion that
-/// starts outside this curve stays outside it and never reaches steady sliding. A system that can
-/// vibrate at one β can therefore vibrate at every smaller β.
+/// There is only one such border if μ̂ ≥ 0, because more damping rotates the vector field inwards
+/// at every state with v ≠ 0. Consider a cycle at one value of β, a closed curve in the phase
+/// plane. With less damping, a motion that starts outside this curve stays outside and never
+/// reaches steady sliding. A system that can vibrate at one β can therefore vibrate at every
+/// smaller β.
 ///
 /// One of three changes happens at the border: steady sliding becomes stable (β =
 /// −½γ²dμ̂/ds(|v_b|)), the last two cycles meet, or the stick-slip cycle grazes the belt velocity.
-/// The function encloses the border by doubling β, and narrows it to neighbouring numbers.
-/// [`find`](crate::limit_cycle::find) decides whether a system vibrates, so the result is as
-/// complete as the search of `find`. If that search leaves a range
+/// The function encloses the border by doubling β, and narrows the enclosure to neighbouring
+/// numbers. [`find`](crate::limit_cycle::find) decides whether a system vibrates, so the result is
+/// as complete as the search of `find`. If that search leaves a range
 /// [unresolved](crate::limit_cycle::CycleSet::unresolved), the system counts as vibrating. On very
 /// slow belts and near steady sliding, a motion may change over one period by less than the
 /// rounding error; `find` then decides by averaging. The β at which steady sliding becomes stable
@@ -42,7 +43,7 @@ use crate::numerics::bracket::Bracket;
 ///
 /// let system = MassOnBelt::new(Exponential::new(0.4, 0.25, 0.5)?, 1.0)?;
 /// let silent = bifurcation::silencing_damping(&system)?;
-/// // Steady sliding is stable from 0.0110 on; stick-slip remains possible beside it.
+/// // Steady sliding is stable from β = 0.0110 on; stick-slip still exists at this damping.
 /// assert!(silent > 0.012);
 ///
 /// // Coulomb's law never destabilises steady sliding.
@@ -97,22 +98,21 @@ fn judged<'s>(
 /// The largest friction load γ², dimensionless, with which no vibration lasts at the system's belt
 /// velocity and damping. The system's own γ² is ignored.
 ///
-/// One of three changes happens at the border: steady sliding becomes unstable (γ² =
+/// At this load one of three changes happens: steady sliding becomes unstable (γ² =
 /// −2β/(dμ̂/ds(|v_b|))), two cycles appear, or a stick-slip cycle appears. Let γ_1² = (1 +
-/// β)|v_b|/μ_s. Without a border the result is one of these:
+/// β)|v_b|/max(μ_s, μ̂(|v_b|)). The function tries loads below the load at which steady sliding
+/// becomes unstable, down to about 10⁻⁶γ_1² and up to about 10⁶γ_1². Without a change the result is
 /// * 0 if the mass is undamped, and steady sliding is unstable or surrounded by a
-///   [`Continuum`](crate::limit_cycle::Continuum): with every load a vibration can last;
-/// * 0 if the mass vibrates under the least load tried, 10⁻⁶γ_1²;
-/// * if the mass does not vibrate even under the largest load tried, 10⁶γ_1²: the load at which
-///   steady sliding becomes unstable, or ∞ if there is no such load;
+///   [`Continuum`](crate::limit_cycle::Continuum): a vibration can last with every load;
+/// * 0 if the mass vibrates under every load tried;
+/// * ∞ if the mass vibrates under no load tried, and steady sliding is stable under every load;
 /// * ∞ if v_b = 0.
 ///
-/// The function encloses the border by doubling or halving γ², beginning with γ_1², and narrows it
-/// to neighbouring numbers. As for [`silencing_damping`], [`find`](crate::limit_cycle::find)
-/// decides whether the mass vibrates. For damping it is proved that a single border exists. For
-/// loads there is no such proof: the loads with vibration may form several intervals, and the
-/// result is then a border of one of these intervals. [`Along::vibration_ranges`] lists all
-/// borders.
+/// The function encloses the load by doubling or halving γ², beginning with γ_1², and narrows the
+/// enclosure to neighbouring numbers. As in [`silencing_damping`],
+/// [`find`](crate::limit_cycle::find) decides whether the mass vibrates. Unlike the dampings with
+/// vibration, the loads with vibration may form several intervals; the result is then the lower end
+/// of one of them. [`Along::vibration_ranges`] lists all borders.
 ///
 /// The function calls `find` up to 130 times. [`Along::silence`] accepts a bound of the work and a
 /// watcher.
@@ -128,10 +128,10 @@ fn judged<'s>(
 /// let law = Exponential::new(0.4, 0.25, 0.5)?;
 /// let system = MassOnBelt::new(law, 0.6)?.with_damping(0.05)?;
 /// let silent = bifurcation::silencing_load(&system)?;
-/// // Steady sliding is stable up to a load of 0.59; the mass can vibrate before.
+/// // Steady sliding is stable up to a load of 0.59; the mass can vibrate at smaller loads.
 /// let hopf = 0.1 / (1.2 * 0.6 * (-1.44_f64).exp());
 /// assert!(silent < hopf && silent > 0.5 * hopf);
-/// // The damping that silences the mass under this load is the system's.
+/// // The damping that silences the mass under this load is the damping of the system, 0.05.
 /// let damping = bifurcation::silencing_damping(&system.with_load(silent)?)?;
 /// assert!((damping - 0.05).abs() < 1e-12);
 /// # Ok::<(), stick_slip::Error>(())
@@ -183,9 +183,9 @@ fn largest_load(system: Belt<'_>) -> Result<f64, Error> {
 }
 
 impl<L: FrictionLaw> Along<'_, L> {
-    /// A value of the parameter within the range at which vibration begins or ends: on one side of
-    /// this value the mass can vibrate, on the other side it cannot. `None` if the mass can vibrate
-    /// at both ends of the range, or at neither end.
+    /// A value of the parameter, within the range, at which vibration begins or ends: on one side
+    /// of this value the mass can vibrate, on the other side it cannot. `None` if the mass can
+    /// vibrate at both ends of the range, or at neither end.
     ///
     /// The mass can vibrate if steady sliding is unstable, or if [`find`](crate::limit_cycle::find)
     /// finds a cycle, a continuum or an unresolved range. The border lies between two neighbouring

@@ -18,7 +18,7 @@ use crate::orbit::{Criticality, LocusEnd, Oscillator, SpecialKind};
 pub struct HopfLocus {
     /// The points, from one end of the curve to the other.
     pub points: Vec<HopfPoint>,
-    /// The special points between them, in the same order.
+    /// The special points of the curve, in the same order.
     pub special: Vec<SpecialHopfPoint>,
     /// The reasons why the curve ends before its first point, and after its last one.
     pub ends: [LocusEnd; 2],
@@ -35,7 +35,8 @@ pub struct HopfPoint {
     /// Displacement of each coordinate in steady sliding, in the units of the system.
     pub displacements: Vec<f64>,
     /// The first Lyapunov coefficient l1, for an eigenvector of length 1 in the units of the
-    /// system: only its sign is independent of these units. NaN if 0 or ±2iω is an eigenvalue.
+    /// system. Only the sign of l1 is independent of these units. NaN if 0 or ±2iω is an
+    /// eigenvalue.
     pub first_lyapunov_coefficient: f64,
     /// The largest real part of the other eigenvalues, per unit of time; −∞ if there are none. If
     /// it is positive, steady sliding is unstable on both sides of the curve.
@@ -48,16 +49,17 @@ pub struct HopfPoint {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct SpecialHopfPoint {
-    /// The second condition that holds there.
+    /// The second bifurcation condition, which this point also satisfies.
     pub kind: SpecialKind,
     /// The Hopf point.
     pub point: HopfPoint,
 }
 
 impl HopfPoint {
-    /// Returns whether the motion that is born at this point is stable (if no other eigenvalue is
-    /// in the right half plane), from the sign of the first Lyapunov coefficient. If friction is
-    /// linear until a contact sticks (Coulomb), the point is degenerate.
+    /// Returns whether the motion that is born at this point is stable (supercritical) or unstable
+    /// (subcritical), from the sign of the first Lyapunov coefficient. The result holds if no other
+    /// eigenvalue has a positive real part. If friction is linear until a contact sticks (Coulomb's
+    /// law), the point is degenerate.
     pub fn criticality(&self) -> Criticality {
         let value = self.first_lyapunov_coefficient;
         if value < -self.rounding {
@@ -99,8 +101,8 @@ const SAME: f64 = 1e-7;
 /// (A − iω) w = 0,    A = ∂F/∂x at steady sliding
 /// ```
 ///
-/// are solved by Newton's method with a bordered matrix. The error of parameters and ω is the
-/// rounding error of A, divided by the rate at which the eigenvalue crosses the axis.
+/// are solved by Newton's method with a bordered matrix. The error of the parameters and of ω is
+/// the rounding error of A, divided by the rate at which the eigenvalue crosses the axis.
 ///
 /// The first Lyapunov coefficient l1 decides whether the motion that is born is stable. It is
 /// computed from the second and third derivatives of friction with respect to velocities, loads and
@@ -109,7 +111,7 @@ const SAME: f64 = 1e-7;
 /// [`SpecialKind::ZeroHopf`]), and the largest and least values of each parameter along the curve
 /// ([`SpecialKind::Turn`]).
 ///
-/// Work: some 10⁴ eigenvalue problems of order 2n, where n is the number of coordinates.
+/// A search solves some 10⁴ eigenvalue problems of order 2n, where n is the number of coordinates.
 ///
 /// Sources: Kuznetsov, *Elements of Applied Bifurcation Theory*, section 5.4 (l1) and chapter 8;
 /// Govaerts, *Numerical Methods for Bifurcations of Dynamical Equilibria*, chapters 3 and 4
@@ -125,7 +127,7 @@ const SAME: f64 = 1e-7;
 /// use stick_slip::orbit::SpecialKind;
 /// use stick_slip::{Exponential, MassOnBelt};
 ///
-/// // Belt velocity and damping ratio at which steady sliding of a mass on a belt is neutral.
+/// // Belt velocity and damping ratio at which steady sliding is neutrally stable.
 /// let family = |v_b: f64, beta: f64| {
 ///     MassOnBelt::new(Exponential::new(0.4, 0.25, 0.5)?, v_b)?.with_damping(beta)
 /// };
