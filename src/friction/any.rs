@@ -8,9 +8,9 @@ use crate::scalar::Scalar;
 ///
 /// [`FrictionLaw`] is generic and has no trait objects. This enum is a law itself, and returns
 /// exactly the numbers of the law that it contains. To choose among your own laws, write a similar
-/// enum: two functions with a `match`, and also `breakpoints` and `kinetic_on` if a law is
-/// piecewise. Contacts of one [`Structure`](crate::Structure) may have different laws without this
-/// enum.
+/// enum: its two functions contain a `match`. If a law is piecewise, add `breakpoints` and
+/// `kinetic_on`. Contacts of one [`Structure`](crate::Structure) may have different laws without
+/// this enum.
 ///
 /// ```
 /// use stick_slip::{AnyLaw, Coulomb, FrictionLaw, MassOnBelt, Polynomial, Rational, State};
@@ -25,7 +25,7 @@ use crate::scalar::Scalar;
 ///     let motion = MassOnBelt::new(law, 0.2)?.simulate(State::new(0.0, 0.0), 5.0)?;
 ///     first_sticks.push(motion.events()[0].time);
 /// }
-/// // With Coulomb's law v = μ_k sin τ until it is v_b.
+/// // With Coulomb's law v = μ_k sin τ until v reaches v_b.
 /// assert!((first_sticks[1] - (0.2_f64 / 0.25).asin()).abs() < 1e-15);
 /// assert!(first_sticks[0] < first_sticks[1] && first_sticks[2] < first_sticks[1]);
 /// # Ok::<(), stick_slip::Error>(())

@@ -15,7 +15,7 @@ use crate::scalar::Scalar;
 ///
 /// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
 /// Stability Analysis*, Eq. 6. (Their abstract says that this law "first drops off and then
-/// raises"; it does not.)
+/// raises"; in fact the law never rises.)
 ///
 /// ```
 /// use stick_slip::{Exponential, FrictionLaw};

@@ -1,9 +1,9 @@
 //! Faults of a friction law.
 
-/// A fault of a friction law, found by [`check_law`](crate::check_law). Speeds are in the units of
-/// the law; coefficients are dimensionless.
+/// A fault of a friction law, found by [`check_law`](crate::check_law). Speeds and widths are in
+/// the units of the law, slopes in 1/speed; coefficients are dimensionless.
 ///
-/// Its text (`{fault}`) contains the remedy.
+/// The message (`{fault}`) contains the remedy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum LawFault {
@@ -28,12 +28,12 @@ pub enum LawFault {
     /// The law is not analytic at a speed in another way: a higher derivative jumps, or the slope
     /// is infinite.
     NotAnalytic {
-        /// The sliding speed.
+        /// The sliding speed of this point.
         speed: f64,
     },
     /// The law returns NaN or ±∞.
     NotFinite {
-        /// The lowest sliding speed of the interval with such values.
+        /// The lowest sliding speed of the interval in which the law is not finite.
         speed: f64,
         /// The value of the law there.
         value: f64,

@@ -8,29 +8,28 @@ use super::{FrictionLaw, Values, taylor_coefficients_on, validate};
 use crate::error::Error;
 use crate::series::{PowerSeries, TERMS};
 
-/// Checks a friction law over a range of sliding speeds, before it is used in motions with these
-/// speeds. Returns every fault that would make a motion wrong or end it. The list is empty if the
-/// law has no fault.
+/// Checks a friction law over a range of sliding speeds, before motions with these speeds are
+/// simulated. Returns the faults that would make a motion wrong or end the motion. The list is
+/// empty if no fault is found.
 ///
-/// For motions on a belt of velocity v_b, check the speeds from 0 to at least 2|v_b|; the largest
-/// speed of a limit cycle is
+/// For motions on a belt of velocity v_b, check the speeds from 0 to at least 2|v_b|. The largest
+/// sliding speed of a limit cycle is
 /// [`LimitCycle::max_sliding_speed`](crate::LimitCycle::max_sliding_speed).
 ///
 /// The range is covered by a chain of power series of the law, each used within its radius of
 /// convergence. The series are compared with the law's values at 4096 points of the range, and at
-/// 16 or more points of each series. Features narrower than the distance of these points can be
-/// missed. Narrow features are searched from nine points of the range in both directions, so that
-/// each feature is far from one of these points. A feature at an end of the range is not reported,
-/// because the series that begins there contains it. Consider a motion whose velocity amplitude is
-/// half the range. A feature counts as narrow if the checks of the integrator along this motion may
-/// lie on both sides of the feature and miss it. For a bump exp(−(s/w)²) this means that w is less
-/// than about 1/85 of the range.
+/// 16 or more points of each series. Features narrower than the distance between these points can
+/// be missed. Narrow features are searched from nine points of the range in both directions, so
+/// that each feature is far from one of these points. A feature at an end of the range is not
+/// reported, because the series that begins there contains it. A feature counts as narrow if it
+/// fits between two checks of the integrator, in a motion whose velocity amplitude is half the
+/// range. A bump exp(−(s/w)²) counts as narrow if w is less than about 1/85 of the range.
 ///
 /// # Errors
 ///
 /// * The errors of [`MassOnBelt::new`](crate::MassOnBelt::new) that concern the law;
-/// * [`Error::InvalidParameter`] unless 0 ≤ start < end, both finite, or if more than 10 000 power
-///   series do not reach the end of the range.
+/// * [`Error::InvalidParameter`] unless 0 ≤ start < end, both finite, or if 10 000 power series do
+///   not reach the end of the range.
 ///
 /// ```
 /// use stick_slip::{FrictionLaw, LawFault, Polynomial, Scalar, check_law};

@@ -3,20 +3,21 @@ use crate::error::Error;
 /// Most intervals of [`Iwan4::elements`].
 const MOST_INTERVALS: usize = 100_000;
 
-/// Segalman's four-parameter Iwan model of a bolted joint: many springs, each in series with a dry
-/// slider, side by side. Their break-free displacements φ are distributed from 0 up to φ_max.
+/// Segalman's four-parameter Iwan model of a bolted joint: many elements in parallel, each a spring
+/// in series with a dry slider. The break-free displacements φ are distributed from 0 up to φ_max.
 ///
 /// ```text
 /// ρ(φ) = R φ^χ on 0 < φ < φ_max, and S δ(φ − φ_max)        T(x) = ∫ ρ(φ) clip(x − z_φ, ±φ) dφ
 /// β = S(χ+1)/(R φ_max^{χ+1}),     φ_max = F_S(1+β)/(K_T(β + (χ+1)/(χ+2)))
 /// ```
 ///
-/// F_S is the force at which the whole joint slips, K_T its stiffness under small forces, and χ the
-/// exponent of the distribution, with −1 < χ ≤ 0. β ≥ 0 is the ratio of the two parts of ρ. Small
-/// cycles of amplitude A dissipate an energy proportional to A^{χ+3}. Any consistent units may be
-/// used.
+/// T is the force of the joint at the displacement x, z_φ the displacement of slider φ, and ρ the
+/// density of the distribution with the factors R and S. F_S is the force at which the whole joint
+/// slips, K_T its stiffness under small forces, and χ the exponent of ρ, with −1 < χ ≤ 0. β ≥ 0 is
+/// the ratio of the two parts of ρ. Small cycles of amplitude A dissipate an energy proportional to
+/// A^{χ+3}. Any consistent units may be used.
 ///
-/// [`elements`](Self::elements) divides the model into a few springs and sliders, each of them a
+/// [`elements`](Self::elements) approximates the model by a few elements, each of them a
 /// [`Contact`](crate::Contact) with a tangential stiffness.
 /// [`analysis::jenkins::masing`](crate::analysis::jenkins::masing) gives the force along any
 /// history of displacements.
@@ -31,7 +32,7 @@ const MOST_INTERVALS: usize = 100_000;
 /// assert!((joint.largest_break_free() - 2.876146788990826).abs() < 1e-15);
 /// assert!((joint.backbone(1.0) - 1.6302111882950872).abs() < 1e-15);
 /// assert_eq!(joint.backbone(10.0), 3.0);
-/// // Ten times the amplitude dissipates 10^2.9 times as much.
+/// // Ten times the amplitude dissipates 10^2.9 times the energy.
 /// let ratio = joint.dissipation(0.1) / joint.dissipation(0.01);
 /// assert!((ratio.log10() - 2.9).abs() < 1e-14);
 /// # Ok::<(), stick_slip::Error>(())
@@ -145,9 +146,9 @@ impl Iwan4 {
         partial + 4.0 * self.slip_force * (amplitude - longest).max(0.0)
     }
 
-    /// Elements that approximate the joint: springs with sliders, as pairs of a stiffness and a
-    /// limit force. There is one element for each of n intervals between 0 and φ_max, and one for
-    /// the sliders at φ_max if β > 0.
+    /// Elements that approximate the joint: springs with sliders, as pairs of a stiffness k_i and a
+    /// limit force limit_i. There is one element for each of n intervals between 0 and φ_max, and
+    /// one for the sliders at φ_max if β > 0. Interval i ends at e_i:
     ///
     /// ```text
     /// e_n = φ_max,   e_{i−1} = grid·e_i,   e_0 = 0
@@ -156,10 +157,10 @@ impl Iwan4 {
     ///
     /// The sum of the stiffnesses is K_T, and the sum of the limits is F_S, to rounding. The force
     /// of the first loading is a polygon of tangents that touch F at all e_i; it is never below F.
-    /// Cycles dissipate more than D, by a factor that is the same in each interval except the
-    /// first. With an exponent of −0.1 and a grid of 0.5 this factor is 1.068 at the e_i.
-    /// Amplitudes below limit_1/k_1 dissipate nothing, so e_1 = grid^{n−1} φ_max should be below
-    /// the smallest amplitude of interest.
+    /// Cycles of amplitude e_i dissipate more than D, by a factor that tends to a constant as i
+    /// grows. For χ = −0.1 and a grid of 0.5 this constant is 1.068; between the e_i the factor
+    /// falls to 0.78. Amplitudes below limit_1/k_1 dissipate nothing, so e_1 = grid^{n−1} φ_max
+    /// should be below the smallest amplitude of interest.
     ///
     /// # Errors
     ///

@@ -87,7 +87,7 @@ const HIGHEST: usize = 30;
 /// A law needs two functions, [`static_coefficient`](Self::static_coefficient) and
 /// [`kinetic`](Self::kinetic). `kinetic` is generic over the number type, so the crate can compute
 /// its exact derivatives and its power series along a motion. You write no derivative by hand.
-/// [`Scalar`] states the rules for writing it.
+/// [`Scalar`] states the rules for writing `kinetic`.
 ///
 /// ```
 /// use stick_slip::{FrictionLaw, MassOnBelt, Scalar, State};
@@ -118,9 +118,9 @@ const HIGHEST: usize = 30;
 /// # Ok::<(), stick_slip::Error>(())
 /// ```
 ///
-/// Mark `kinetic` as `#[inline]`. The compiler then puts it into the code of its power series, and
-/// your law is as fast as the crate's laws. Without the attribute, the program may call a function
-/// for every order of every series, and a step may take about 1.5 times as long.
+/// Mark `kinetic` as `#[inline]`. The compiler then inlines it into the code of its power series,
+/// and your law is as fast as the crate's laws. Without the attribute, the program may call a
+/// function for every order of every series, and a step may take about 1.5 times as long.
 ///
 /// # Piecewise laws
 ///
@@ -149,7 +149,7 @@ const HIGHEST: usize = 30;
 /// | a jump or kink that is not declared | usually the step: it is shortened until its series fits the law on both sides, which costs time, or it returns an error. A jump between two speeds at which steps evaluate the law is missed, and causes an error of the size of the jump |
 /// | a feature, NaN included, that is narrower than the distance between the speeds at which a step evaluates the law (four in a step, which may be up to a radian long) | [`check_law`] only |
 /// | μ̂ < 0 at a speed above 0 | [`check_law`] only: motions are computed with the negative coefficient, so friction drives the mass |
-/// | breakpoints that change | nothing: the motion follows one of the laws, or ends in an error |
+/// | breakpoints that change | nothing: the motion follows one version of the law, or ends in an error |
 ///
 /// Steps evaluate the law at some speeds only; [`check_law`] searches a whole range of speeds.
 #[diagnostic::on_unimplemented(

@@ -28,7 +28,7 @@ use crate::scalar::Scalar;
 /// let law = Stribeck::new(0.4, 0.25, 0.5, 1)?.with_viscous_coefficient(0.02)?;
 /// assert_eq!(law.kinetic(0.0), 0.4);
 /// assert!((law.kinetic(1.0) - (0.25 + 0.15 * (-2.0_f64).exp() + 0.02)).abs() < 1e-16);
-/// // −(μ_s − μ_c)/v_s + k_v: with δ = 1 the fall is steepest at rest
+/// // −(μ_s − μ_c)/v_s + k_v: with δ = 1 the fall is steepest at s = 0
 /// assert!((law.slope(0.0) - (-0.3 + 0.02)).abs() < 1e-16);
 /// # Ok::<(), stick_slip::Error>(())
 /// ```

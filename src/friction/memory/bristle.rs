@@ -10,15 +10,17 @@ use crate::scalar::Scalar;
 /// z' = r − σ0 |r| z/g(|r|),   μ = σ0 z + σ1 z' + σ2 r
 /// ```
 ///
-/// g is the kinetic coefficient μ̂ of any law; in steady sliding μ = sgn(r) g(|r|) + σ2 r. There is
-/// no stick mode: every root of r is a [`Crossing`](crate::EventKind::Crossing). Near stick the
-/// times of crossings are ill-conditioned, but states are not. Units: z is a length, σ0 is
-/// 1/length, σ1 and σ2 are time/length, and g is dimensionless.
+/// r is the relative velocity, and g is the kinetic coefficient μ̂ of any law; in steady sliding μ
+/// = sgn(r) g(|r|) + σ2 r. There is no stick mode: every root of r is a
+/// [`Crossing`](crate::EventKind::Crossing). Near stick the times of crossings are ill-conditioned,
+/// but states are not. Units: z is a length, σ0 is 1/length, σ1 and σ2 are time/length, and g is
+/// dimensionless.
 ///
 /// The deflection z relaxes in slip at the rate σ0|r|/g. The number of steps does not grow with
 /// this rate: after the deflection has relaxed, a step is the power series of the slow manifold of
-/// the bristles. Near stick a mass vibrates on its bristles with the frequency √(Nσ0/m). Steps near
-/// stick are about 10/√(Nσ0/m) long, even after this vibration has decayed.
+/// the bristles. Near stick a mass m under the normal load N vibrates on its bristles with the
+/// frequency √(Nσ0/m). Steps near stick are about 10/√(Nσ0/m) long, even after this vibration has
+/// decayed.
 ///
 /// Source: C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, *IEEE Trans. Automatic
 /// Control* 40 (1995) 419-425.

@@ -13,9 +13,10 @@ use crate::scalar::Scalar;
 ///
 /// θ, the only memory variable, is the time since the beginning of stick. It is 0 in slip and after
 /// a [`Stick`](crate::EventKind::Stick) event. The state of a release event contains the value of θ
-/// just before the release. A start in stick may set θ. A dry law gives the kinetic coefficient;
-/// its static coefficient is μ_0. Coefficients are dimensionless, times in the units of the
-/// structure. [`analysis::dwell`](crate::analysis::dwell) has closed forms for one mass on a belt.
+/// just before the release. A start in stick may set θ. μ_∞ is the limit of μ_s, θ_c a time
+/// constant, and B the rate of the logarithmic form. A dry law gives the kinetic coefficient; its
+/// static coefficient is μ_0. Coefficients are dimensionless, times in the units of the structure.
+/// [`analysis::dwell`](crate::analysis::dwell) has closed forms for one mass on a belt.
 ///
 /// Source: B. Armstrong-Hélouvry, *Control of Machines with Friction*, Kluwer 1991 (hyperbolic);
 /// J. H. Dieterich, *J. Geophys. Res.* 84 (1979) 2161-2168 (logarithmic).

@@ -122,8 +122,8 @@ pub enum NamedLaw {
 /// ```
 ///
 /// N is the normal load, r = σs the relative velocity, z the memory variables. A positive friction
-/// force brakes a motion with positive r. Every [`FrictionLaw`] is a contact law without memory:
-/// μ(r) = σμ̂(s), and μ_s is its static coefficient.
+/// force λ opposes a positive r. Every [`FrictionLaw`] is a contact law without memory: μ(r) =
+/// σμ̂(s), and μ_s is its static coefficient.
 ///
 /// The functions are generic over the number type, by the rules of [`Scalar`]. The law may branch
 /// on the direction of slip and on the base values of its arguments.
@@ -162,7 +162,7 @@ pub enum NamedLaw {
 ///
 /// let block = Structure::new(&[1.0])?.with_contact(Contact::new(0, RunIn, 1.0)?)?;
 /// let motion = block.simulate(State::new(&[0.0], &[2.0]), 10.0)?;
-/// // It comes to rest where friction has done the work v²/2.
+/// // The block comes to rest where friction has done the work v²/2.
 /// let way = motion.last().displacements[0];
 /// assert!((0.2 * (1.0 - (-way).exp()) + 0.3 * way - 2.0).abs() < 1e-14);
 /// assert!((motion.last().memory[0] - way).abs() < 1e-14);
