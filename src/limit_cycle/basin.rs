@@ -79,19 +79,19 @@ const HIDDEN_BY_CYCLE: f64 = 1e-6;
 /// [`basins`], which searches the cycles only once.
 ///
 /// The decision uses the geometry of the planar flow: cycles are nested, and a motion between two
-/// neighbouring cycles ends on the cycle to which it moves. Therefore only a few slip arcs are
-/// computed, up to the first velocity maximum, the first stick, or the first crossing outside the
-/// stick band. No motion is simulated until it settles.
+/// neighbouring cycles tends to the cycle towards which it moves. Therefore only a few slip arcs
+/// are computed, up to the first velocity maximum, the first stick, or the first crossing outside
+/// the stick band. No transient is simulated.
 ///
 /// | start | decided at | attractor |
 /// |---|---|---|
-/// | v_b = 0 | | [`Rest`](Attractor::Rest); without damping and kinetic friction [`Continuum`](Attractor::Continuum), outside the stick band |
+/// | v_b = 0 | | [`Rest`](Attractor::Rest); without damping and kinetic friction, and outside the stick band, [`Continuum`](Attractor::Continuum) |
 /// | in stick, or slip that ends in stick | the release point | the cycle through the release point; if there is none, the rows below decide for the motion from the release point |
 /// | slip slower than the belt, equilibrium a focus | a velocity maximum V | if the motion grows over one period: the next cycle outside; otherwise the next cycle inside, or the equilibrium if there is none |
 /// | slip into a node without encircling it, or the equilibrium itself, stable or not | | [`Equilibrium`](Attractor::Equilibrium) |
-/// | far out, or above the belt velocity | a crossing beyond the release point | if the motion grows over one period: the next crossing cycle outside; otherwise the next crossing cycle inside; if there is none, the attractor of the motion from the release point |
+/// | slip that crosses the belt velocity downwards beyond the release point | that crossing | if the motion grows over one period: the next crossing cycle outside; otherwise the next crossing cycle inside; if there is none, the attractor of the motion from the release point |
 /// | an unstable cycle, to 10⁻¹² | | [`Separatrix`](Attractor::Separatrix) |
-/// | any, if rounding hides the growth over one period, and averaging does not show it | | [`Unresolved`](Attractor::Unresolved) |
+/// | any, if rounding hides the growth over one period, and averaging does not show the growth | | [`Unresolved`](Attractor::Unresolved) |
 ///
 /// # Errors
 ///
@@ -118,7 +118,7 @@ pub fn attractor<L: FrictionLaw>(
 }
 
 /// The basins of attraction of a system: its cycles, which are found once, and a function that
-/// decides to which cycle a motion tends.
+/// decides to which attractor a motion tends.
 ///
 /// # Errors
 ///

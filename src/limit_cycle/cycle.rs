@@ -41,8 +41,9 @@ impl std::fmt::Display for CycleKind {
 
 /// A periodic motion, exact to rounding.
 ///
-/// A `LimitCycle` holds the power series of one period. Extremes are roots of these series, and
-/// integrals are quadratures of them, not sums over samples. All quantities are dimensionless.
+/// A `LimitCycle` contains the power series of one period. Extremes are roots of these series, and
+/// integrals are quadratures of them, not sums over samples. All quantities are dimensionless; in a
+/// cycle returned by a [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt) they are in SI units.
 ///
 /// ```
 /// use stick_slip::{CycleKind, MassOnBelt, Polynomial, State, limit_cycle};
@@ -50,7 +51,7 @@ impl std::fmt::Display for CycleKind {
 /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
 /// let cycle = limit_cycle::stick_slip(&system)?.unwrap();
 /// assert_eq!(cycle.kind(), CycleKind::StickSlip);
-/// // It starts where it is released, γ²μ_s − 2βv_b; in stick nothing remains of a disturbance.
+/// // It starts at the release point, u = γ²μ_s − 2βv_b; stick removes every perturbation.
 /// assert_eq!(cycle.state(), State::new(0.38, 0.2));
 /// assert!(cycle.is_stable() && cycle.multiplier() == 0.0);
 /// assert!((cycle.period() - 6.799421444472157605).abs() < 1e-14);
@@ -59,13 +60,13 @@ impl std::fmt::Display for CycleKind {
 /// assert!((cycle.amplitude() - 0.2862087190457751).abs() < 1e-15);
 /// assert!((cycle.max_displacement() - 0.5664694667237887836).abs() < 1e-15);
 /// assert!((cycle.min_displacement() + 0.005947971367761).abs() < 1e-15);
-/// // Less than in steady sliding, 0.3148.
+/// // Less than the displacement of steady sliding, 0.3148.
 /// assert!((cycle.mean_displacement() - 0.289051936827857).abs() < 1e-15);
 /// assert_eq!(cycle.max_velocity(), 0.2); // that of the belt, in stick
 /// assert!((cycle.min_velocity() + 0.2860955341421674).abs() < 1e-15);
 /// assert!((cycle.energy().damper_loss - 0.02314806731453380).abs() < 1e-16);
 ///
-/// // On a faster belt it slips all the time; with less damping it overtakes the belt.
+/// // On a faster belt the mass always slips; in another, undamped system it overtakes the belt.
 /// let slipping = limit_cycle::find(&system.with_belt_velocity(0.4071)?)?;
 /// assert!((slipping[0].multiplier() - 0.71180185776301).abs() < 1e-13);
 /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.1, 1.0)?, 0.5)?.with_load(0.15)?;
@@ -183,7 +184,7 @@ impl LimitCycle {
     ///
     /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
     /// let cycle = limit_cycle::stick_slip(&system)?.unwrap();
-    /// // Stick makes it slower.
+    /// // Stick lowers the frequency.
     /// assert!((cycle.frequency() - 0.924076).abs() < 1e-6);
     /// # Ok::<(), stick_slip::Error>(())
     /// ```
@@ -264,8 +265,8 @@ impl LimitCycle {
         self.multiplier < 1.0
     }
 
-    /// The motion over one period, which begins at [`state`](Self::state). Its last step has the
-    /// duration 0 and holds the mode at the time T itself.
+    /// The motion over one period, which begins at [`state`](Self::state). The last step of the
+    /// motion has the duration 0 and contains the mode at the time T itself.
     ///
     /// ```
     /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};

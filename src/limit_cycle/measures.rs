@@ -59,7 +59,7 @@ impl LimitCycle {
     /// let system = MassOnBelt::new(Polynomial::new(0.4, 0.25, 0.5)?, 0.2)?.with_damping(0.05)?;
     /// let cycle = limit_cycle::stick_slip(&system)?.unwrap();
     /// let harmonics = cycle.harmonics(40);
-    /// // The series of the start of the cycle.
+    /// // The Fourier series at the start of the cycle.
     /// let u = cycle.mean_displacement() + harmonics.iter().map(|a| a.re).sum::<f64>();
     /// assert!((u - cycle.state().displacement).abs() < 1e-4);
     /// # Ok::<(), stick_slip::Error>(())
@@ -93,8 +93,9 @@ impl LimitCycle {
     }
 
     /// Complex amplitudes of the first n harmonics of the velocity v, dimensionless: ikω times
-    /// those of u ([`harmonics`](Self::harmonics)), k = 1, …, n. Harmonic k has the frequency k/T;
-    /// see [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt) for hertz and metres per second.
+    /// those of u ([`harmonics`](Self::harmonics)), k = 1, …, n. Harmonic k has the frequency k/T.
+    /// In a cycle of a [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt) the units are hertz and
+    /// metres per second.
     ///
     /// The velocity of a cycle is continuous, but its acceleration may jump at events. In this case
     /// the amplitudes fall off as 1/k².
@@ -107,7 +108,7 @@ impl LimitCycle {
     /// // Parseval: the mean of v² is half the sum of all squares.
     /// let squares: f64 = cycle.velocity_harmonics(40).iter().map(|a| a.norm_sqr()).sum();
     /// assert!((cycle.rms_velocity() - (0.5 * squares).sqrt()).abs() < 1e-6);
-    /// // In decibels, over 1e-3.
+    /// // In decibels, relative to 1e-3.
     /// let decibels = |amplitude: f64| 20.0 * (amplitude / 1e-3).log10();
     /// assert!((decibels(cycle.velocity_harmonics(1)[0].norm()) - 48.2).abs() < 0.1);
     /// # Ok::<(), stick_slip::Error>(())
@@ -192,8 +193,8 @@ impl LimitCycle {
         (max - v_b).max(v_b - min)
     }
 
-    /// Work and losses over one period, in dimensionless energy units; ±∞ if one exceeds the
-    /// largest number (velocities above 10¹⁵³, for a load in unsuitable units).
+    /// Work and losses over one period, in dimensionless energy units. A value that overflows is ±∞
+    /// (velocities above 10¹⁵³, for a load in unsuitable units).
     pub fn energy(&self) -> EnergyBudget {
         let v_b = self.belt_velocity();
         // The force on the mass is f = u + 2βv + v', and over a period ∮v = ∮v' = ∮(u + v')v = 0.

@@ -7,7 +7,7 @@
 //! let law = Exponential::new(0.6, 0.3, 0.4)?;
 //! let system = MassOnBelt::new(law, 1.0)?.with_damping(0.01)?;
 //!
-//! // Every limit cycle: an unstable one that never sticks inside a stable stick-slip cycle.
+//! // Every limit cycle: an unstable pure-slip cycle inside a stable stick-slip cycle.
 //! let cycles = limit_cycle::find(&system)?;
 //! let [inner, outer] = cycles.as_slice() else { panic!() };
 //! assert_eq!((inner.kind(), inner.is_stable()), (CycleKind::PureSlip, false));
@@ -16,7 +16,7 @@
 //! assert!((outer.amplitude() - 1.19163699374785).abs() < 1e-13);
 //! assert!((outer.stick_duration() - 0.99824663777958).abs() < 1e-13);
 //!
-//! // So steady sliding is stable, but a larger perturbation leads to stick-slip.
+//! // Steady sliding is stable, but a larger perturbation leads to stick-slip.
 //! let reached = |v| limit_cycle::attractor(&system, State::new(0.31, v));
 //! assert_eq!(reached(0.0)?, Attractor::Equilibrium);
 //! assert!(matches!(reached(0.9)?, Attractor::Cycle(cycle) if cycle == *outer));
@@ -34,7 +34,7 @@
 //! |---|---|
 //! | all limit cycles, stable and unstable | [`find`] |
 //! | the stick-slip cycle alone | [`stick_slip`] |
-//! | the attractor reached from a start; from many | [`attractor`]; [`basins`](basins()) |
+//! | the attractor reached from one start, or from many | [`attractor`], [`basins`](basins()) |
 //! | period, extremes, harmonics, energies, trajectory of a cycle | [`LimitCycle`] |
 //! | the velocities at which cycles appear and disappear | [`bifurcation`](crate::bifurcation) |
 //!
@@ -61,20 +61,21 @@
 //! # What is guaranteed
 //!
 //! [`stick_slip`] is complete: because trajectories cannot cross, the cases that it distinguishes
-//! are all possible cases. [`find`] divides the range of each map until the cubic through values
-//! and slopes fits, and divides further wherever that cubic comes near a fixed point. It loses a
-//! pair of cycles only if their peak velocities differ by less than 10⁻⁹ of the range, or if the
-//! map has two turning points inside an interval in which its cubic fits to 2 %. Two kinds of
-//! cycles are not searched: pure-slip cycles with a peak velocity below 10⁻⁴ v_b, and crossing
-//! cycles with forces above 16(γ²μ_s + |v_b|). Some unstable cycles repel so strongly that a motion
-//! from the floating-point number next to the cycle is far from the cycle after one period. Double
-//! precision cannot resolve these cycles, and their ranges are reported as
+//! are all possible cases. [`find`] searches the zeros of the growth over one period, for each of
+//! the two maps. It divides the range of the map until the cubic through values and slopes of the
+//! growth fits, and divides further wherever that cubic comes near zero. A pair of cycles is lost
+//! only if their peak velocities (forces, for crossing cycles) differ by less than 10⁻⁹ of the
+//! range, or if the growth has two extrema inside an interval in which its cubic fits to 2 %. Two
+//! kinds of cycles are not searched: pure-slip cycles with a peak velocity below 10⁻⁴ v_b, and
+//! crossing cycles with forces above 16(γ²μ_s + |v_b|) at the crossing. Some unstable cycles repel
+//! so strongly that a motion from the floating-point number next to the cycle is far from the cycle
+//! after one period. Double precision cannot resolve these cycles, and their ranges are reported as
 //! [`unresolved`](CycleSet::unresolved).
 //!
 //! A motion may change over one period by less than the rounding error (weak friction, nearly no
 //! damping, a belt far slower than γ²μ_s). The growth of such a motion is taken from the averaged
-//! equation, Eq. 12 for any law. The sign of this growth is certain if the growth exceeds the bound
-//! of the higher-order terms; otherwise the range is also unresolved.
+//! equation, Eq. 12 of the source paper for any law. The sign of this growth is certain if the
+//! growth exceeds the bound of the higher-order terms; otherwise the range is also unresolved.
 //! [`guarantees`](crate::guarantees#completeness) names the tests.
 
 // | file | what is in it |

@@ -97,9 +97,8 @@ impl CycleSet {
     /// double precision cannot resolve the number of cycles. There are two sorts. In a narrow
     /// range, the motion from one end decays strongly and the motion from the other end grows
     /// strongly; the range therefore contains an odd number of unstable cycles, usually one. In a
-    /// wide range, motions change over one period by no more than rounding errors, so growth and
-    /// decay cannot be distinguished. Averaging is not able to decide whether all motions of this
-    /// range decay, or all of them grow and leave the range.
+    /// wide range, motions change over one period by no more than rounding errors, and averaging
+    /// does not show whether all of them decay, or all of them grow and leave the range.
     pub fn unresolved(&self) -> &[Range<f64>] {
         &self.unresolved
     }
