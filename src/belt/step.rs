@@ -275,7 +275,7 @@ fn event(time: f64, kind: EventKind, state: State) -> Event {
     }
 }
 
-/// Shows a step without its power series, which is long.
+/// Shows a step without its power series, because the series is long.
 impl std::fmt::Debug for Step {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Step")

@@ -189,8 +189,8 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     /// The friction force on the mass, dimensionless (in units of the spring's force at u = 1).
     ///
     /// In slip the force is −γ²μ(v_r). In stick it is u + 2βv_b, the force that the contact
-    /// transmits. If v_r is 0 and u lies outside the stick band, it is the force just after slip
-    /// begins.
+    /// transmits. If v_r is 0 and u lies outside the stick band, the result is the force just after
+    /// slip begins.
     ///
     /// ```
     /// use stick_slip::{Coulomb, MassOnBelt, State};

@@ -33,8 +33,8 @@ use crate::series::PowerSeries;
 /// system; phases are in radians. A plain number such as `0.3` is accepted as a constant drive.
 ///
 /// Phases are computed from the exact product Ωt, so a harmonic is as accurate after 10⁹ periods as
-/// in the first. At a kink the [`slope`](Self::slope) is that of the piece that follows; at a jump,
-/// [`value`](Self::value) and slope are those of the piece that follows.
+/// in the first. At a kink or a jump, [`value`](Self::value) and [`slope`](Self::slope) are those
+/// of the piece that follows.
 ///
 /// ```
 /// use stick_slip::Drive;

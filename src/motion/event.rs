@@ -84,8 +84,8 @@ impl std::fmt::Display for EventKind {
     }
 }
 
-/// An event of a motion: a change between stick and slip or of the direction of slip, or a contact
-/// that opens or closes.
+/// An event of a motion: a contact sticks, begins to slip, reverses its direction of slip, opens or
+/// closes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(
     feature = "serde",

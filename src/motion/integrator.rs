@@ -36,8 +36,8 @@ pub struct Integrator {
 }
 
 impl Integrator {
-    /// The default tolerance: 2⁻⁵², the relative rounding error of a number. In a simulation a
-    /// smaller tolerance takes more steps and does not improve the result.
+    /// The default tolerance: 2⁻⁵², the relative spacing of numbers of type `f64`. In a simulation
+    /// a smaller tolerance takes more steps and does not improve the result.
     pub const ROUND_OFF: f64 = f64::EPSILON;
     /// The least tolerance. The searches for limit cycles use it, because a cycle that is almost
     /// neutrally stable magnifies the defect of a step.
@@ -113,9 +113,9 @@ impl Integrator {
         Ok(self)
     }
 
-    /// Sets the largest number of events of one run, for both `simulate` and `flow`. If a run has
-    /// more events than this number before its end, it returns an error. (To end a motion **at** an
-    /// event, see [`simulate_until`](Self::simulate_until).)
+    /// Sets the largest number of events of one run, for both `simulate` and `flow`. A run with
+    /// more events than this number returns an error. (To end a motion **at** an event, see
+    /// [`simulate_until`](Self::simulate_until).)
     ///
     /// # Errors
     ///
@@ -146,7 +146,8 @@ impl Integrator {
     ///   time and state reached;
     /// * for a [`Structure`](crate::Structure) also [`Error::WrongSize`] if `start` does not have
     ///   the size of the structure, [`Error::InvalidParameter`] if a memory variable of `start` is
-    ///   not finite or makes a static coefficient negative, and [`Error::Separation`].
+    ///   not finite or makes a static coefficient negative, [`Error::OverLimit`],
+    ///   [`Error::Separation`] and [`Error::Undetermined`].
     #[doc(alias = "integrate")]
     #[doc(alias = "solve")]
     pub fn simulate<S: System>(

@@ -47,7 +47,7 @@ pub trait System: sealed::Sealed {
 /// [`structure::State`](crate::structure::State) of several. Sealed: no other type can implement
 /// it.
 pub trait SystemState: sealed::Sealed + Clone {
-    /// The type of the steps of such motions.
+    /// The type of a step of the motion.
     type Step: Segment<State = Self>;
 
     /// Collects steps into a motion over a duration, or until it is stopped or fails. Compiled once
@@ -75,8 +75,8 @@ pub trait Segment: sealed::Sealed + Clone {
     fn end_time(&self) -> f64;
     /// Duration of the step; infinite for an equilibrium that lasts for ever.
     fn duration(&self) -> f64;
-    /// Time elapsed at `time` since the **start** of the step: 0 before the step, and its duration
-    /// after it.
+    /// Time elapsed at `time` since the **start** of the step: 0 if `time` lies before the step,
+    /// and the duration of the step if it lies after.
     fn since_start(&self, time: f64) -> f64;
     /// State at a finite time t after the **start** of the step,
     /// 0 ≤ t ≤ [`duration`](Self::duration).
@@ -92,10 +92,10 @@ pub trait Segment: sealed::Sealed + Clone {
     /// `None` if f has no zero in this step, or if the step has infinite duration.
     ///
     /// f must be continuous. A zero at the start of the step does not count: it belongs to the step
-    /// before. A zero without a change of sign does not count either. f is evaluated at 33 times,
-    /// and every extreme between two of these times is also searched. A pair of zeros between two
-    /// neighbouring times is therefore found; if there are two pairs, one may be missed. (Between
-    /// two events there are several steps, each at most about a radian long.)
+    /// before. A zero without a change of sign may be missed. f is evaluated at 33 times, and its
+    /// extremes near zero between these times are also searched. Two zeros between neighbouring
+    /// times are therefore found, unless another such pair or an end of the step is near. (A slip
+    /// phase has several steps, each usually at most a radian long.)
     ///
     /// ```
     /// use stick_slip::{Integrator, MassOnBelt, Polynomial, Segment, State};

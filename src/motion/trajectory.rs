@@ -187,7 +187,7 @@ impl<S: SystemState> Trajectory<S> {
     }
 }
 
-/// Shows the number of steps only, which are long.
+/// Shows only the number of steps, because steps are long.
 impl<S: SystemState + std::fmt::Debug> std::fmt::Debug for Trajectory<S> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Trajectory")

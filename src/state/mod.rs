@@ -11,7 +11,8 @@ mod units;
 
 pub(crate) use units::Units;
 
-/// The state of one mass: displacement u and velocity v = du/dτ, both dimensionless.
+/// The state of one mass: displacement u and velocity v = du/dτ, both dimensionless (in m and m/s
+/// for a [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt)).
 ///
 /// ```
 /// use stick_slip::State;
@@ -36,7 +37,7 @@ pub struct State {
 }
 
 impl State {
-    /// The state (u, v).
+    /// Creates the state (u, v).
     pub const fn new(displacement: f64, velocity: f64) -> Self {
         Self {
             displacement,
@@ -65,8 +66,8 @@ impl From<[f64; 2]> for State {
 /// The direction in which the mass slides on the belt: the sign of the relative velocity
 /// v_r = v − v_b.
 ///
-/// The names describe a belt that moves forward. If v_b < 0, v_r > 0 means that the mass is
-/// slower than the belt (|v| < |v_b|); its direction is [`Leading`](Self::Leading) all the same.
+/// The names describe a belt that moves forward. On a belt that moves backward (v_b < 0), a mass
+/// that is slower than the belt, or moves forward, is [`Leading`](Self::Leading).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",

@@ -4,8 +4,8 @@ use super::State as OneMass;
 /// contacts.
 ///
 /// All numbers are in the units of the system: the structure's own, or dimensionless for a
-/// [`MassOnBelt`](crate::MassOnBelt). An [`Error`](crate::Error) holds the last state reached as a
-/// value of this type, for both kinds of system.
+/// [`MassOnBelt`](crate::MassOnBelt). For both kinds of system, an [`Error`](crate::Error) contains
+/// the last state reached as a value of this type.
 ///
 /// ```
 /// use stick_slip::{State, structure};
