@@ -50,13 +50,13 @@ pub enum Error {
     /// NaN.
     #[error("{of}: {name} = {} is not allowed{}", Plain(*value), instead(*value, allowed))]
     InvalidParameter {
-        /// The type or the function that refused it, for example `Stribeck`.
+        /// The type or the function that refused the value, for example `Stribeck`.
         of: &'static str,
-        /// The parameter, by its name in the constructor.
+        /// The name of the parameter in the constructor.
         name: &'static str,
         /// The value that was given.
         value: f64,
-        /// The range that it must lie in.
+        /// The allowed range.
         allowed: &'static str,
     },
 
@@ -76,7 +76,7 @@ pub enum Error {
         name: &'static str,
         /// The number that was given.
         value: f64,
-        /// The range that it must lie in.
+        /// The allowed range.
         allowed: &'static str,
     },
 
@@ -116,8 +116,8 @@ pub enum Error {
         max: f64,
     },
 
-    /// A duration is negative, infinite or NaN, or it is 0 in a function that computes a mean over
-    /// it.
+    /// A duration is negative, infinite or NaN, or it is 0 where a mean over the duration is
+    /// computed.
     #[error(
         "duration = {} is not allowed{}; a simulation without an end is `flow`",
         Plain(*value),
@@ -156,11 +156,11 @@ pub enum Error {
         speed: f64,
         /// The coefficient that the law returned there.
         value: f64,
-        /// The time and state reached; `None` if nothing was integrated, as when a system is made.
+        /// The time and state reached; `None` outside an integration, as when a system is created.
         reached: Option<Reached>,
     },
 
-    /// The law has a value but no power series at a speed, like √s at s = 0.
+    /// The law has a value but no power series at a speed, for example √s at s = 0.
     #[error(
         "the friction law is not analytic at sliding speed {}{}; use integral powers of the \
          speed there, or name the speed as a breakpoint and give the pieces",
@@ -170,7 +170,7 @@ pub enum Error {
     NotAnalytic {
         /// Sliding speed s ≥ 0.
         speed: f64,
-        /// The time and state reached; `None` if nothing was integrated, as when a system is made.
+        /// The time and state reached; `None` outside an integration, as when a system is created.
         reached: Option<Reached>,
     },
 
@@ -184,7 +184,7 @@ pub enum Error {
     BadBreakpoints {
         /// Position of the first bad breakpoint, from 0.
         index: usize,
-        /// Its value.
+        /// The value of this breakpoint.
         value: f64,
     },
 
@@ -200,7 +200,7 @@ pub enum Error {
         element: Element,
         /// The value that was given.
         value: f64,
-        /// The range that it must lie in.
+        /// The allowed range.
         allowed: &'static str,
     },
 
@@ -221,11 +221,11 @@ pub enum Error {
     /// A matrix or a start does not have the size of the structure.
     #[error("{name}: {found} given; {expected} are needed, as many as the structure has")]
     WrongSize {
-        /// The things counted, for example `rows of the stiffness matrix`.
+        /// The counted quantity, for example `rows of the stiffness matrix`.
         name: &'static str,
-        /// The number of them that was given.
+        /// The number given.
         found: usize,
-        /// The number that is needed.
+        /// The number needed.
         expected: usize,
     },
 
@@ -234,7 +234,7 @@ pub enum Error {
     CoordinateTaken {
         /// The coordinate, from 0.
         coordinate: usize,
-        /// The contact that the coordinate has already, from 0.
+        /// The number of the contact that this coordinate already has, from 0.
         contact: usize,
     },
 
@@ -247,11 +247,11 @@ pub enum Error {
     NotSymmetric {
         /// Row of the entry above the diagonal, from 0.
         row: usize,
-        /// Its column.
+        /// Column of this entry, from 0.
         column: usize,
     },
 
-    /// A mass matrix is not positive definite: a motion without kinetic energy would exist.
+    /// A mass matrix is not positive definite: a motion with zero kinetic energy would exist.
     #[error(
         "the mass matrix is not positive definite: coordinate {row} has no mass of its own beside \
          those before it; eliminate massless coordinates first (static condensation)"
@@ -289,9 +289,9 @@ pub enum Error {
         parameter: usize,
     },
 
-    /// A curve was requested for a change of events of a kind that cannot be followed
-    /// ([`orbit::locus`](crate::orbit::locus) follows touches of a slipping contact, onsets of
-    /// stops and changes of the order of events of two contacts).
+    /// A curve was requested for a change of events that cannot be followed.
+    /// [`orbit::locus`](crate::orbit::locus) follows grazings of a slipping contact, onsets of
+    /// stops and changes of the order of events of two contacts.
     #[error(
         "no curve of this bifurcation can be followed: no touch of a slipping contact, no onset of \
          a stop and no two events at one time are near; give a bifurcation of one of these kinds, \
@@ -314,16 +314,16 @@ pub enum Error {
     #[error("no Hopf point is near: no pair of eigenvalues crosses the imaginary axis")]
     NoHopfPoint,
 
-    /// Contacts whose directions are linearly dependent came to rest at the same time, such as two
-    /// parallel clutches. The distribution of the force among them is not determined, and neither
-    /// is the time at which each of them slips again.
+    /// Contacts with linearly dependent directions, such as two parallel clutches, came to rest at
+    /// the same time. The distribution of the force among them is not determined, and neither is
+    /// the time at which each of them slips again.
     #[error(
         "contacts {contacts:?} stick together {reached}, but their directions are dependent: what \
          each of them carries is not determined; put one contact in their place, with the sum of \
          their loads"
     )]
     Undetermined {
-        /// The contacts that stick there, by their numbers.
+        /// The numbers of the contacts that stick, from 0.
         contacts: Vec<usize>,
         /// The time and state reached.
         reached: Reached,
@@ -354,9 +354,9 @@ pub enum Error {
     OverLimit {
         /// Number of the contact.
         contact: usize,
-        /// The force that was given, T.
+        /// The given force T, in units of force.
         carried: f64,
-        /// μN, in units of force.
+        /// The limit force μN, in units of force.
         limit: f64,
     },
 
@@ -369,7 +369,7 @@ pub enum Error {
     BeltVelocityJumps {
         /// The coordinate of the contact, from 0.
         coordinate: usize,
-        /// The first time of a jump.
+        /// The time of the first jump, in units of time.
         time: f64,
     },
 
@@ -392,7 +392,7 @@ pub enum Error {
         }
     )]
     StepUnderflow {
-        /// Length of the last step tried.
+        /// Length of the last step tried, in units of time.
         step: f64,
         /// The time and state reached.
         reached: Reached,
@@ -405,7 +405,7 @@ pub enum Error {
          mean a law with a jump or kink that is not named as a breakpoint, or a stiff structure"
     )]
     TooManySteps {
-        /// The limit in force.
+        /// The limit that was reached.
         limit: usize,
         /// The time and state reached.
         reached: Reached,
@@ -433,7 +433,7 @@ pub enum Error {
          shorten the run, or use `flow`"
     )]
     TooManyEvents {
-        /// The limit in force.
+        /// The limit that was reached.
         limit: usize,
         /// The time and state reached.
         reached: Reached,
@@ -470,20 +470,19 @@ pub enum Error {
         Plain(*residual)
     )]
     NotPeriodic {
-        /// Largest difference of a coordinate between start and end of the period, in units of the
-        /// coordinate's own largest size.
+        /// Largest difference of a coordinate between start and end of the period, relative to the
+        /// largest absolute value of this coordinate.
         residual: f64,
         /// The period, in units of time.
         period: f64,
-        /// The best start.
+        /// The best start found.
         start: State,
     },
 
-    /// A search along a parameter was stopped, by its watcher or by its bound of the work:
-    /// [`Along::DEFAULT_MAX_STEPS`](crate::bifurcation::Along::DEFAULT_MAX_STEPS), unless
-    /// [`Along::with_max_steps`](crate::bifurcation::Along::with_max_steps) sets another bound. If
-    /// the watcher stopped a search of [`orbit`](crate::orbit) on one system, `parameter` is
-    /// `time`.
+    /// A search along a parameter was stopped by its watcher or by the bound of its work. The bound
+    /// is [`Along::DEFAULT_MAX_STEPS`](crate::bifurcation::Along::DEFAULT_MAX_STEPS), unless
+    /// [`Along::with_max_steps`](crate::bifurcation::Along::with_max_steps) sets another. If the
+    /// watcher stopped a search of [`orbit`](crate::orbit) on one system, `parameter` is `time`.
     #[error(
         "the search along {parameter} was stopped at {} after {steps} steps, with {} values \
          found; raise the limit with `with_max_steps`, or go on from there",
@@ -491,13 +490,13 @@ pub enum Error {
         found.len()
     )]
     Stopped {
-        /// The parameter, by its name.
+        /// The name of the parameter.
         parameter: &'static str,
-        /// The value to be searched next. Values well below it were searched.
+        /// The value to be searched next. Values well below this value were searched.
         value: f64,
         /// Steps of slip phases that were taken.
         steps: usize,
-        /// The results up to there, in ascending order.
+        /// The results found so far, in ascending order.
         found: Vec<f64>,
     },
 
@@ -507,14 +506,14 @@ pub enum Error {
     /// searched.
     #[error("at {parameter} = {}: {source}", Plain(*value))]
     At {
-        /// The parameter, by its name: `belt_velocity`, `damping`, `load`, or the name given to
+        /// The name of the parameter: `belt_velocity`, `damping`, `load`, or the name given to
         /// [`Along::named`](crate::bifurcation::Along::named); `parameter` for
         /// [`orbit::follow`](crate::orbit::follow()); `belt_velocity`, `damping` or `normal_force`,
         /// in SI units, for a [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt).
         parameter: &'static str,
-        /// Its value.
+        /// The value of the parameter.
         value: f64,
-        /// The error there.
+        /// The error at this value.
         source: Box<Self>,
     },
 }

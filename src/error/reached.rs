@@ -22,7 +22,7 @@ use crate::state::structure::State;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Reached {
-    /// Time since the start of the integration, in the units of the system.
+    /// Time reached, in the units of the system, counted like the times of events.
     pub time: f64,
     /// State of all masses at that time. A [`MassOnBelt`](crate::MassOnBelt) has one mass.
     pub state: State,

@@ -2,7 +2,7 @@
 
 use super::numbers::Plain;
 
-/// A part of a [`Structure`](crate::Structure), by its place, counted from 0.
+/// An element of a [`Structure`](crate::Structure), identified by indices that count from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Element {
@@ -60,7 +60,7 @@ pub enum NotSliding {
         /// Number of the contact.
         contact: usize,
     },
-    /// The memory variables of a contact have no constant values.
+    /// The memory variables of a contact have no stationary values.
     NoSteadyMemory {
         /// Number of the contact.
         contact: usize,
