@@ -21,13 +21,13 @@ use crate::structure::{Contact, Structure};
 /// M X'' + C X' + K X + N μ(X' − V) = 0
 /// ```
 ///
-/// It contains the [dimensionless system](Self::dimensionless) and converts all numbers to and from
-/// it. The motions and cycles that it returns are of the same types as those of a [`MassOnBelt`],
-/// but all their numbers are in SI units: times in s, displacements in m, velocities in m/s,
-/// angular frequencies and eigenvalues in rad/s, energies in J. Multipliers have no unit.
-/// Converting costs a few rounding errors in each number.
+/// This type contains the [dimensionless system](Self::dimensionless) and converts all numbers to
+/// and from dimensionless form. The motions and cycles that it returns are of the same types as
+/// those of a [`MassOnBelt`], but all their numbers are in SI units: times in s, displacements in
+/// m, velocities in m/s, angular frequencies and eigenvalues in rad/s, energies in J. Multipliers
+/// have no unit. Each conversion costs a few rounding errors.
 ///
-/// Errors also contain SI units, and use the names of the fields of [`Physical`] for parameters.
+/// Numbers in errors are also in SI units; parameters have the names of the fields of [`Physical`].
 ///
 /// **Torsion.** For a torsional oscillator, use the moment of inertia (kg·m²) as the mass, a
 /// stiffness in N·m/rad, a damping in N·m·s/rad, the product of normal force and friction radius
@@ -51,14 +51,14 @@ use crate::structure::{Contact, Structure};
 /// assert!((motion.events()[0].time - 15.0966e-3).abs() < 1e-7); // s
 /// assert_eq!(motion.sample_every(1.0 / 48e3)?.count(), 48_001);
 ///
-/// // What it settles to.
+/// // The cycle to which the motion settles.
 /// let cycles = brake.cycles()?;
 /// let cycle = cycles.stable().next().unwrap();
 /// assert_eq!(cycle.kind(), CycleKind::StickSlip);
 /// assert!((1.0 / cycle.period() - 7.65384).abs() < 1e-5); // Hz
 /// assert!((cycle.amplitude() - 1.24896e-3).abs() < 1e-8); // m
 ///
-/// // The belt velocity above which there is no stick-slip, and what happens in between.
+/// // Stick-slip exists below this belt velocity, and no cycle above it.
 /// let grazing = brake.velocities(bifurcation::grazing_velocities, 0.01..1.0)?;
 /// assert!((grazing[0] - 0.29624).abs() < 1e-5); // m/s
 /// for point in brake.diagram([0.1, 0.5]) {
@@ -337,8 +337,9 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         }
     }
 
-    /// The belt velocities, in m/s, found by a search of [`bifurcation`] in a range of m/s. Pass
-    /// the search by its name, as in `brake.velocities(bifurcation::hopf_velocities, 0.01..1.0)`.
+    /// Runs a search of [`bifurcation`] over a range of belt velocities in m/s, and returns the
+    /// velocities found, in m/s. Pass the search by its name, as in
+    /// `brake.velocities(bifurcation::hopf_velocities, 0.01..1.0)`.
     ///
     /// # Errors
     ///
@@ -356,8 +357,8 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         Ok(found)
     }
 
-    /// On which side of a Hopf velocity, in m/s, the cycles exist that are born there:
-    /// [`bifurcation::criticality`].
+    /// Returns whether the cycle born at a Hopf velocity, in m/s, is stable (supercritical) or
+    /// unstable (subcritical): [`bifurcation::criticality`].
     ///
     /// ```
     /// # use stick_slip::{Exponential, Physical, PhysicalMassOnBelt};
@@ -410,7 +411,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     /// let silent = brake.silencing_damping()?; // N·s/m
     /// let damped = PhysicalMassOnBelt::new(Physical { damping: 1.001 * silent, ..pad }, law)?;
     /// assert!(damped.cycles()?.is_empty());
-    /// // Or press it with less.
+    /// // Or reduce the normal force.
     /// let silent = brake.silencing_load()?; // N
     /// let light = PhysicalMassOnBelt::new(Physical { normal_force: 0.999 * silent, ..pad }, law)?;
     /// assert!(light.cycles()?.is_empty());
@@ -515,8 +516,8 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     }
 }
 
-/// The mass on its belt as a structure, in SI units, for [`orbit`](crate::orbit) and the other
-/// functions of structures: energies of motions, forces.
+/// The mass on its belt as a structure, in SI units, for [`orbit`](crate::orbit) and for the other
+/// functions of structures, such as energies of motions.
 ///
 /// ```
 /// use stick_slip::{Coulomb, Physical, PhysicalMassOnBelt, Structure, structure::State};

@@ -28,10 +28,10 @@ pub struct Physical {
     pub stiffness: f64,
     /// Damping constant C ≥ 0 of the damper, N·s/m.
     pub damping: f64,
-    /// Normal force N > 0 between mass and belt, in newtons. For a mass that lies on a level belt
-    /// it is M·9.81 m/s².
+    /// Normal force N > 0 between mass and belt, in newtons: N = M·9.81 m/s² for a mass that lies
+    /// on a level belt.
     pub normal_force: f64,
-    /// Belt velocity V, m/s. The sign gives the direction.
+    /// Belt velocity V, m/s. Its sign gives the direction.
     pub belt_velocity: f64,
 }
 

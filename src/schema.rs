@@ -10,11 +10,12 @@
 //!
 //! A struct is written as a map from the names of its fields, all in `snake_case`, to their values.
 //! An enum is written as the name of its variant in `snake_case`, alone or as the only key of a
-//! map. Numbers are dimensionless, except those of [`Physical`](crate::Physical), of a
-//! [`Structure`](crate::Structure) with its parts, and of results of a
-//! [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt), which are in SI units (the `damping` of a
-//! cycle is always the ratio β). To write a `PhysicalMassOnBelt`, write its `Physical` and its law.
-//! Fields in brackets are optional when they are read.
+//! map. Fields in brackets are optional when they are read. A [`MassOnBelt`](crate::MassOnBelt)
+//! with its law and results is dimensionless. A [`Structure`](crate::Structure) with its parts and
+//! results is in its own units. [`Physical`](crate::Physical), [`Scaling`](crate::Scaling),
+//! [`Scaled`](crate::Scaled) and results of a [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt) are
+//! in SI units, except the `damping` of a cycle, which is always the ratio β. To write a
+//! `PhysicalMassOnBelt`, write its `Physical` and its law.
 //!
 //! | type | fields | read |
 //! |---|---|---|
@@ -36,7 +37,7 @@
 //! | [`State`](crate::State) | `displacement`, `velocity` | yes |
 //! | [`structure::State`](crate::structure::State) | `displacements`, `velocities`, [`memory`: empty] | yes |
 //! | [`Drive`](crate::Drive) | [`constant` = 0]; [`harmonics`: none], a list of maps `angular_frequency`, `cosine`, `sine`; [`profiles`: none], each a list of [time, value] | yes |
-//! | [`Contact`](crate::Contact) | `coordinate`, [`direction`: a list of [coordinate, b]; that coordinate alone with b = 1], `law`: a name of a law with that law, see below, `load`, [`load_gradient`: a list of [coordinate, force per displacement]], [`belt_velocity` = 0], [`tangential_stiffness`: of an elastic contact], [`normal_spring`: a list of [coordinate, d], and k_n] | yes |
+//! | [`Contact`](crate::Contact) | `coordinate`, [`direction`: a list of [coordinate, b]; unless given, `coordinate` alone with b = 1], `law`: a map from the name of the law to the law, see below, `load`, [`load_gradient`: a list of [coordinate, force per displacement]], [`belt_velocity` = 0], [`tangential_stiffness`: of an elastic contact], [`normal_spring`: a list of [coordinate, d], and k_n] | yes |
 //! | [`Structure`](crate::Structure) | `masses`, or `mass_matrix`: a list of rows; [`stiffness`, `damping`: lists of rows], [`forces`: a drive for each coordinate], [`contacts`: none] | yes |
 //! | [`Event`](crate::Event) | `time`, `contact`, `kind`, `state` | yes |
 //! | [`EventKind`](crate::EventKind) | `stick`, `open`, `close`, or `release` or `crossing` with the direction | yes |
@@ -111,6 +112,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The feature `float_roundtrip` of `serde_json` reproduces every number exactly. JSON has no ∞ and
-//! no NaN. No written number is NaN. Only `max_amplitude` of a
-//! [`Continuum`](crate::limit_cycle::Continuum) can be ∞; it is then written as `null`.
+//! With the feature `float_roundtrip` of `serde_json`, every number is read back exactly. JSON has
+//! no ∞ and no NaN. No written number is NaN. Only the `max_amplitude` of a
+//! [`Continuum`](crate::limit_cycle::Continuum), and energies that overflow, can be infinite; they
+//! are written as `null`.
