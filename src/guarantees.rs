@@ -1,7 +1,7 @@
-//! Guarantees: what the integrator and the searches promise, and the test that holds each promise.
+//! Guarantees: what the integrator and the searches promise, and the test that checks each promise.
 //!
-//! This page holds no items. A test is named by program, module and function. In a clone, run for
-//! example
+//! This page contains no items. A test is named by program, module and function. In a clone, run
+//! for example
 //!
 //! ```sh
 //! cargo test --release --test belt integrator::promise_2
@@ -15,12 +15,13 @@
 //! 1. **Steps.** Each step of a slip phase is a Taylor series of order 26. Its defect is the
 //!    residual that the series leaves in the equation of motion. A step is accepted if the defect
 //!    is small at a quarter, a half and three quarters of the step, at its end, and near the
-//!    minimum of the sliding speed. This also catches terms of the law that underflow at the start
-//!    of the step, such as exp(−400) in a law with a small Stribeck velocity. In a step longer than
-//!    one radian the defect is checked at every quarter of a radian. This finds a narrow bump
-//!    exp(−((s − s_0)/w)²) of the law, at whatever sliding speed s_0 it lies, if w is at least 1/40
-//!    of the motion's velocity amplitude. Declare a [breakpoint](crate::FrictionLaw::breakpoints)
-//!    at any narrower feature. Tests: `belt::integrator::promise_1_hidden_terms_are_not_missed`,
+//!    minimum of the sliding speed. These checks also catch terms of the law that underflow at the
+//!    start of the step, such as exp(−400) in a law with a small Stribeck velocity. In a step
+//!    longer than one radian the defect is checked at every quarter of a radian. These checks find
+//!    a narrow bump exp(−((s − s_0)/w)²) of the law, at whatever sliding speed s_0 it lies, if w is
+//!    at least 1/40 of the motion's velocity amplitude. Declare a
+//!    [breakpoint](crate::FrictionLaw::breakpoints) at any narrower feature. Tests:
+//!    `belt::integrator::promise_1_hidden_terms_are_not_missed`,
 //!    `belt::integrator::promise_1_features_passed_in_a_long_step_are_seen`,
 //!    `belt::hostile::a_narrow_feature_is_not_missed_wherever_in_a_step_it_lies`.
 //! 2. **Zeros of v_r** are roots of the polynomial of the sliding speed. They are isolated, so that
@@ -64,9 +65,9 @@
 //!    `belt::stiff::stiff_motions_are_those_of_an_implicit_method`.
 //!
 //! **Accuracy.** Another method computed 22 reference motions with 25 digits; events and states
-//! agree with them within 1e-13·max(1, |value|). Double precision with ε = 2.2e-16 sets two limits:
-//! the time of a contact near grazing is known to about ε/|v_r'|, and motions with v_b below
-//! 2e-5·γ²μ_s to about ε·γ²μ_s/v_b. Test:
+//! agree with them within 1e-13·max(1, |value|). Double precision with ε = 2.2e-16 sets two limits.
+//! Near grazing, the time at which v_r reaches 0 is known to about ε/|v_r'|. Motions with v_b below
+//! 2e-5·γ²μ_s are known to about ε·γ²μ_s/v_b. Test:
 //! `belt::reference::trajectories_have_the_reference_events_and_states`.
 //!
 //! # Conventions at zero relative velocity
@@ -86,7 +87,7 @@
 //! | stick, v_b = 0 | the mass stays at rest for ever |
 //! | slip, v_r reaches 0, F in the band | [`Stick`](crate::EventKind::Stick), also where γ²μ̂(0) < \|F\|: static friction holds |
 //! | slip, v_r reaches 0, F outside the band | [`Crossing`](crate::EventKind::Crossing): slip continues with the other sign. This includes slip with v_r > 0 that ends exactly at the open end of the band |
-//! | slip with v_r < 0 that touches 0 tangentially at the open end | no event, slip continues |
+//! | slip with v_r < 0, v_r touches 0 tangentially at the open end of the band | no event, slip continues |
 //! | start with v_r = 0, F in the band | the mass sticks; no event at time 0 |
 //! | start with v_r = 0, F outside the band | the mass slips at once, with the sign of −F; no event at time 0 |
 //! | start at the release point, within 4 ulps of the largest term of its formula | `Release` at time 0, reported |
@@ -104,10 +105,10 @@
 //!
 //! # Structures
 //!
-//! A [`Structure`](crate::Structure) is followed by the same method: Taylor series of order 26 have
-//! a checked defect, every event is an isolated root of a polynomial, known roots at the start of
-//! slip are divided out, and errors are typed. Only contacts with stiff memory, such as bristles,
-//! are followed on the slow manifold; other stiffness shortens the (explicit) steps.
+//! A [`Structure`](crate::Structure) is integrated by the same method: the defect of each Taylor
+//! series of order 26 is checked, every event is an isolated root of a polynomial, known roots at
+//! the start of slip are divided out, and errors are typed. Only contacts with stiff memory, such
+//! as bristles, are followed on the slow manifold; other stiffness shortens the (explicit) steps.
 //!
 //! * **Equation of motion, energy and events** agree with those of independent integrators:
 //!   `structures::random::motions_obey_the_law`, `structures::identities::energy_balances`,
@@ -120,16 +121,16 @@
 //! * **Contacts that share masses** and have the relative velocity r = 0 are decided together,
 //!   stick or slip, by the rule on the page of
 //!   [`Structure`](crate::Structure#contacts-that-share-masses). The numbering of contacts does not
-//!   matter. A contact that reaches r = 0 because others do, as its direction is a linear
-//!   combination of theirs, is decided with them. If contacts with linearly dependent directions
-//!   would stick at the same time, the run returns
+//!   matter. If contacts reach r = 0, any contact whose direction is a linear combination of their
+//!   directions also reaches r = 0, and is decided with them. If contacts with linearly dependent
+//!   directions would stick at the same time, the run returns
 //!   [`Error::Undetermined`](crate::Error::Undetermined):
 //!   `structures::decisions::decisions_are_those_of_all_patterns_tried`,
 //!   `structures::contacts::contacts_may_be_numbered_in_any_order`,
 //!   `structures::contacts::contacts_come_to_rest_with_those_that_they_depend_on`,
 //!   `structures::contacts::parallel_clutches_that_lock_are_undetermined`.
-//! * **Loads.** A load that depends on time alone may fall below 0 and rise again: it opens its
-//!   contact and closes it. A load that only touches 0 causes no event. If a load that depends on
+//! * **Loads.** If a load that depends on time alone falls below 0 and rises again, its contact
+//!   opens and closes. A load that only touches 0 causes no event. If a load that depends on
 //!   displacements falls to 0, the motion ends with
 //!   [`Error::Separation`](crate::Error::Separation):
 //!   `structures::closed_forms::a_load_that_falls_to_zero_opens_the_contact`,
@@ -152,7 +153,7 @@
 //!   `structures::two_engines::random_belts`.
 //! * **Stiff bristles.** The number of steps does not grow with the stiffness of the bristles
 //!   (tried up to σ0 = 10¹²): `structures::stiff_memory::any_stiffness_takes_as_many_steps`.
-//! * **Limits of work** (numbers of steps and events) are kept:
+//! * **Limits of work** (numbers of steps and events) are observed:
 //!   `structures::random::limits_of_work_hold`.
 //!
 //! # Completeness
@@ -168,4 +169,4 @@
 //!
 //! Motions of one mass on a belt of constant velocity lie in a plane and cannot cross each other,
 //! so a search for its limit cycles can be complete. With a force, a second mass or a memory they
-//! can cross, and a search finds the motion nearest its guess.
+//! can cross, and a search finds only a motion near its guess.

@@ -31,14 +31,14 @@
 //! |---|---|
 //! | how the mass moves from a given start, and when it sticks | [`MassOnBelt::simulate`], then [`Trajectory::events`], [`state_at`](Trajectory::state_at), [`sample`](Trajectory::sample) |
 //! | how the mass moves, without a time limit and in constant memory | [`Integrator::flow`] |
-//! | how the mass moves until something happens | [`Integrator::simulate_until`] |
+//! | how the mass moves until a given condition holds | [`Integrator::simulate_until`] |
 //! | how the mass moves, with a looser tolerance or more steps | [`Integrator::with_tolerance`], [`Integrator::with_max_steps`] |
 //! | all limit cycles, stable and unstable | [`limit_cycle::find`] |
 //! | the stick-slip cycle alone | [`limit_cycle::stick_slip`] |
 //! | the attractor reached from a given start | [`limit_cycle::attractor`]; from many, [`limit_cycle::basins`] |
 //! | period, extremes, accelerations, harmonics, energies of a periodic motion | [`LimitCycle`], [`orbit::Orbit`] |
 //! | stability of steady sliding | [`MassOnBelt::equilibrium`] |
-//! | the belt velocity at which steady sliding becomes stable | [`bifurcation::hopf_velocities`], [`bifurcation::criticality`] |
+//! | the belt velocity at which steady sliding gains or loses stability | [`bifurcation::hopf_velocities`], [`bifurcation::criticality`] |
 //! | the belt velocity at which stick-slip appears or disappears | [`bifurcation::grazing_velocities`] |
 //! | the belt velocity at which a pure-slip cycle touches the belt velocity, and appears or disappears | [`bifurcation::touching_velocities`] |
 //! | the belt velocity at which a cycle changes its kind | [`bifurcation::overshoot_velocities`], [`bifurcation::crossing_velocities`] |
@@ -55,7 +55,7 @@
 //! | friction forces, loads and accelerations along a motion; work and heat of every part | [`Structure::samples`], [`Structure::energy_budget`] |
 //! | steady sliding of several masses, its stability, flutter | [`Structure::steady_sliding`] |
 //! | a periodic motion of any system, with its multipliers | [`orbit::shoot`], [`orbit::settle`] |
-//! | how a periodic motion changes over any parameter | [`orbit::follow`] |
+//! | how a periodic motion changes with any parameter | [`orbit::follow`] |
 //! | the load or the speed at which a structure begins and ceases to vibrate, with hysteresis | [`orbit::vibration_ranges`] |
 //! | the motion that is born where steady sliding becomes unstable | [`orbit::begin`] |
 //! | the motions that are born where a period doubles, or a symmetric motion loses its symmetry | [`orbit::Bifurcation::switch`] |
@@ -73,10 +73,10 @@
 //! | an incline, or a constant force | a constant force F shifts the displacement by F/k and has no other effect; an incline also reduces the normal force. Or use [`Structure::with_force`] |
 //! | torsion | moments of inertia for masses, radians for metres, N·m for newtons |
 //! | a belt that speeds up, slows down or reverses | [`Contact::on_belt`] with [`Drive::profile`] |
-//! | samples at 48 kHz, with stick or slip | [`Trajectory::sample_every`] |
-//! | bounding, watching or stopping a search | [`bifurcation::Along`], [`orbit::Search`]; what was found so far is kept |
+//! | samples at 48 kHz, each with its mode, stick or slip | [`Trajectory::sample_every`] |
+//! | bounding, watching or stopping a search | [`bifurcation::Along`], [`orbit::Search`]; the results found so far are kept |
 //! | cancelling a run | [`Integrator::simulate_until`], or stop taking steps from [`Integrator::flow`] |
-//! | what is promised, and which test holds it | [`guarantees`] |
+//! | what is promised, and which test checks it | [`guarantees`] |
 //!
 //! # The mass on its belt
 //!
@@ -129,11 +129,12 @@
 //! * **Repeatability.** The same call gives the same bits on the same kind of processor.
 //! * **Errors.** A run that cannot continue returns a typed [`Error`] with the time and state
 //!   reached. It does not panic or hang.
-//! * **Completeness.** [`limit_cycle::stick_slip`] misses no cycle; [`limit_cycle::find`] can miss
-//!   only pairs of cycles [very close together](limit_cycle#what-is-guaranteed). Each function of
-//!   [`bifurcation`] says how densely it searches.
+//! * **Completeness.** [`limit_cycle::stick_slip`] misses no cycle. [`limit_cycle::find`] misses
+//!   only very small or very large cycles, and pairs of cycles very close together, within [stated
+//!   limits](limit_cycle#what-is-guaranteed). Each function of [`bifurcation`] says how densely it
+//!   searches.
 //!
-//! The page [`guarantees`] states each promise exactly, with the test that holds it, and the
+//! The page [`guarantees`] states each promise exactly, with the test that checks it, and the
 //! [conventions at zero relative velocity](guarantees#conventions-at-zero-relative-velocity).
 //!
 //! # Limits
@@ -147,7 +148,7 @@
 //! * **Contacts that share masses.** Stick or slip is decided for all of them together. The
 //!   decision is unique if static and kinetic coefficients are equal; otherwise it follows [a
 //!   rule](Structure#contacts-that-share-masses). Contacts with linearly dependent directions must
-//!   not come to rest at one time ([`Error::Undetermined`]).
+//!   not come to rest at the same time ([`Error::Undetermined`]).
 //! * **Stiffness.** Stiffness of a mass on a belt (large β or γ²·dμ̂/ds, as for the cubic law far
 //!   above its minimum) does not increase the number of steps, up to D = 2β + γ²·dμ̂/ds of about
 //!   1e20. In structures only stiff memory of one variable, such as bristles, is treated this way
