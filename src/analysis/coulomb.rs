@@ -10,9 +10,9 @@ use crate::friction::{Coulomb, FrictionLaw};
 use crate::numerics::bracket::root_between;
 use crate::state::State;
 
-/// The slip phase of the stick-slip cycle at the largest belt velocity for which a stick-slip cycle
-/// exists. At the end of this slip phase the velocity of the mass reaches the belt velocity
-/// tangentially. Its duration and the factor Λ depend on β alone; both are dimensionless.
+/// The slip phase of the stick-slip cycle in the limit of the largest belt velocity. At the end of
+/// this slip phase the velocity of the mass reaches the belt velocity tangentially; at larger belt
+/// velocities no stick-slip cycle exists. The duration s and the factor Λ depend on β alone.
 ///
 /// ```text
 /// e^{βs}[cos ω_d s − (β/ω_d) sin ω_d s] = 1,   π < ω_d s < 2π,   ω_d = √(1 − β²)
@@ -29,8 +29,9 @@ pub struct TangentialSlip {
     pub velocity_factor: f64,
 }
 
-/// The slip phase of the stick-slip cycle at the largest belt velocity, for the damping ratio β.
-/// Exact to rounding. `None` unless 0 < β < 1.
+/// The slip phase that ends tangentially at the belt velocity, for the damping ratio β. Its belt
+/// velocity γ²(μ_s − μ_k)Λ is [`largest_stick_slip_velocity`]. Exact to rounding. `None` unless 0 <
+/// β < 1.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::tangential_slip;
