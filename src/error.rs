@@ -16,10 +16,10 @@ pub use structure::{Element, NotSliding};
 /// not continue.
 ///
 /// Every variant contains the numbers that a caller needs to decide what to do, and its message
-/// names the remedy. The numbers are in the units of the type whose method was called:
-/// dimensionless for a [`MassOnBelt`](crate::MassOnBelt), in SI units for
-/// [`Scaling`](crate::Scaling) and [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt), and in the
-/// structure's own units for a [`Structure`](crate::Structure).
+/// names the remedy. The numbers are in the units of the type whose method was called. They are
+/// dimensionless for a [`MassOnBelt`](crate::MassOnBelt), in SI units for a
+/// [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt), and in the units of the structure for a
+/// [`Structure`](crate::Structure).
 ///
 /// To show the message, print the error with `{error}`. A `main` that returns `Result<(), Error>`
 /// prints the variant and its fields instead, by `Debug`.
@@ -277,7 +277,7 @@ pub enum Error {
     #[error("no steady sliding: {0}")]
     NoSteadySliding(NotSliding),
 
-    /// A motion has no derivative with respect to a parameter: even the smallest change of the
+    /// A motion has no derivative with respect to a parameter. Even the smallest change of the
     /// parameter changes the events of the motion, as at grazing, or the family returns no system
     /// for neighbouring values.
     #[error(
@@ -374,9 +374,9 @@ pub enum Error {
     },
 
     /// A step became so short that the time no longer changes, or its power series overflows.
-    /// Causes: a motion that grows without bound, an undeclared kink or jump of the law, a slope
-    /// γ²·dμ̂/ds beyond about 1e20, or in a structure a stiffness whose natural frequency is of the
-    /// order of 1e12 per unit of time or more.
+    /// Causes are a motion that grows without bound, an undeclared kink or jump of the law, or a
+    /// slope γ²·dμ̂/ds beyond about 1e20. In a structure, another cause is a stiffness whose
+    /// natural frequency is about 1e12 per unit of time or more.
     #[error(
         "the step fell to {} {reached}: {}",
         Plain(*step),

@@ -59,7 +59,7 @@
 //!    Tests: `belt::integrator::promise_8_what_cannot_go_on_is_an_error_with_time_and_state`,
 //!    `belt::hostile::every_run_ends_with_a_result_or_a_typed_error`.
 //! 9. **Stiff phases.** Where friction or the damper rises so steeply with the sliding speed that
-//!    the motion creeps, a step is the power series of the slow manifold, and the number of steps
+//!    the motion creeps, a step is the power series of the slow manifold. The number of steps then
 //!    does not grow with D, up to D of about 10²⁰. Two such steps may disagree by up to 8
 //!    tolerances where they meet. Tests: `belt::stiff::work_does_not_grow_with_the_stiffness`,
 //!    `belt::stiff::stiff_motions_are_those_of_an_implicit_method`.
@@ -105,10 +105,10 @@
 //!
 //! # Structures
 //!
-//! A [`Structure`](crate::Structure) is integrated by the same method: the defect of each Taylor
-//! series of order 26 is checked, every event is an isolated root of a polynomial, known roots at
-//! the start of slip are divided out, and errors are typed. Only contacts with stiff memory, such
-//! as bristles, are followed on the slow manifold; other stiffness shortens the (explicit) steps.
+//! A [`Structure`](crate::Structure) is integrated by the same method. The defect of each Taylor
+//! series of order 26 is checked, every event is an isolated root of a polynomial, and known roots
+//! at the start of slip are divided out. Errors are typed. Only contacts with stiff memory, such as
+//! bristles, are followed on the slow manifold; other stiffness shortens the (explicit) steps.
 //!
 //! * **Equation of motion, energy and events** agree with those of independent integrators:
 //!   `structures::random::motions_obey_the_law`, `structures::identities::energy_balances`,

@@ -1,8 +1,8 @@
 //! Friction-induced vibration, computed to round-off.
 //!
-//! For a mass on a moving belt the crate finds every stick (slip ends, the mass moves with the
-//! belt), every release (slip onset), every crossing (the relative velocity changes its sign
-//! without stick), every limit cycle, and the belt velocities at which cycles appear. The friction
+//! For a mass on a moving belt the crate finds every event: stick (slip ends, the mass moves with
+//! the belt), release (slip onset) and crossing (the relative velocity changes its sign without
+//! stick). It finds every limit cycle, and the belt velocities at which cycles appear. The friction
 //! law can be any analytic or piecewise analytic function. The motion of several masses is computed
 //! with the same accuracy. Friction may act on belts and between masses; forces and belt velocities
 //! may vary in time. The [periodic motions](orbit) of several masses are found from a guess.
@@ -100,9 +100,9 @@
 //! s = |v_r| sliding speed. [`PhysicalMassOnBelt`] takes and returns numbers in kilograms, metres
 //! and newtons; [`Scaling`] converts them.
 //!
-//! A [`FrictionLaw`] consists of a static coefficient μ_s and a function μ̂(s) for s ≥ 0, the
-//! kinetic coefficient. μ̂(0) is its limit for s → 0, and at most μ_s. The law is odd in the
-//! relative velocity: μ(v_r) = sgn(v_r)·μ̂(|v_r|).
+//! A [`FrictionLaw`] consists of a static coefficient μ_s and a kinetic coefficient μ̂(s) for s ≥
+//! 0, with the limit μ̂(0) ≤ μ_s for s → 0. The law is odd in the relative velocity: μ(v_r) =
+//! sgn(v_r)·μ̂(|v_r|).
 //!
 //! "Amplitude" has several meanings:
 //!
@@ -152,8 +152,8 @@
 //! * **Stiffness.** Stiffness of a mass on a belt (large β or γ²·dμ̂/ds, as for the cubic law far
 //!   above its minimum) does not increase the number of steps, up to D = 2β + γ²·dμ̂/ds of about
 //!   1e20. In structures only stiff memory of one variable, such as bristles, is treated this way
-//!   (tried up to σ0 = 1e12); other stiffness shortens the explicit steps, and if it is extreme the
-//!   run returns [`Error::StepUnderflow`] or [`Error::TooManySteps`].
+//!   (tried up to σ0 = 1e12). Other stiffness shortens the explicit steps; extreme stiffness ends
+//!   in [`Error::StepUnderflow`] or [`Error::TooManySteps`].
 //! * **Analytic laws.** A law is analytic, at s = 0 too, or piecewise analytic with
 //!   [breakpoints](FrictionLaw::breakpoints) where the pieces meet.
 //! * **Narrow features.** Declare a breakpoint at any feature of a law narrower than 1/40 of the

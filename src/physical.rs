@@ -22,16 +22,16 @@ use crate::structure::{Contact, Structure};
 /// ```
 ///
 /// This type contains the [dimensionless system](Self::dimensionless) and converts all numbers to
-/// and from dimensionless form. The motions and cycles that it returns are of the same types as
-/// those of a [`MassOnBelt`], but all their numbers are in SI units: times in s, displacements in
-/// m, velocities in m/s, angular frequencies and eigenvalues in rad/s, energies in J. Multipliers
-/// have no unit. Each conversion costs a few rounding errors.
+/// and from dimensionless form. The motions and cycles that it returns have the same types as those
+/// of a [`MassOnBelt`], but all numbers are in SI units. Times are in s, displacements in m,
+/// velocities in m/s, angular frequencies and eigenvalues in rad/s, energies in J. Multipliers have
+/// no unit. Each conversion costs a few rounding errors.
 ///
 /// Numbers in errors are also in SI units; parameters have the names of the fields of [`Physical`].
 ///
 /// **Torsion.** For a torsional oscillator, use the moment of inertia (kg·m²) as the mass, a
-/// stiffness in N·m/rad, a damping in N·m·s/rad, the product of normal force and friction radius
-/// (N·m) as the normal force, and velocities of belt and law in rad/s. Displacements are then in
+/// stiffness in N·m/rad and a damping in N·m·s/rad. As the normal force use the product of normal
+/// force and friction radius (N·m). Velocities of belt and law are in rad/s, displacements in
 /// radians.
 ///
 /// ```

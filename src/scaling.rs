@@ -235,8 +235,8 @@ impl Scaling {
     ///
     /// # Errors
     ///
-    /// The errors of [`MassOnBelt::new`] and its `with_` methods. A speed or a breakpoint in such
-    /// an error is dimensionless; [`metres_per_second`](Self::metres_per_second) converts it.
+    /// The errors of [`MassOnBelt::new`] and its `with_` methods. A speed or a breakpoint in these
+    /// errors is dimensionless; [`metres_per_second`](Self::metres_per_second) converts it.
     pub fn system<L: FrictionLaw>(&self, law: L) -> Result<MassOnBelt<Scaled<L>>, Error> {
         let [damping, load, belt_velocity] = self.dimensionless();
         MassOnBelt::new(self.law(law), belt_velocity)?

@@ -7,13 +7,13 @@ use crate::state::Units;
 /// stability.
 ///
 /// ```text
-/// ū = sgn(v_b)·γ²μ̂(|v_b|)                        (Eq. 7, corrected: it prints μ(v_r) for μ(v_b))
+/// ū = sgn(v_b)·γ²μ̂(|v_b|)                        (Eq. 7, corrected: the paper has μ(v_r))
 /// J = [0 1; −1 −h1],   h1 = 2β + γ² dμ̂/ds at |v_b|  (Eq. 10a, for any law)
 /// λ = (−h1 ± √(h1² − 4))/2                         (Eq. 14)
 /// ```
 ///
 /// All quantities are dimensionless. If |v_b| is a breakpoint of the law, slope and stability are
-/// those of the piece above it, and hold for motions with sliding speeds above it. The stability of
+/// those of the piece above it, and apply to motions with higher sliding speeds. The stability of
 /// motions that pass the breakpoint depends on both slopes.
 ///
 /// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and

@@ -10,8 +10,8 @@ use crate::state::{Direction, State, Units};
 
 /// A step of the motion of a mass on a belt: a stick phase, or one Taylor step of a slip phase.
 ///
-/// Events happen only at the end of a step. A step does not borrow the system: it holds the power
-/// series of the motion, which is accurate to the integrator's tolerance over the
+/// Events happen only at the end of a step. A step does not borrow the system: it contains the
+/// power series of the motion, which is accurate to the integrator's tolerance over the
 /// [`duration`](Self::duration) of the step. At the time t since the start of the step
 ///
 /// ```text

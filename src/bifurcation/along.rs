@@ -117,8 +117,8 @@ pub struct Progress {
 }
 
 impl<'f, L: FrictionLaw> Along<'f, L> {
-    /// The default bound of the work of a search, in steps of slip phases. A search reaches it
-    /// after five to ten seconds. The functions of [`bifurcation`](super) that search a range, a
+    /// The default bound of the work of a search, in steps of slip phases. This number of steps
+    /// takes five to ten seconds. The functions of [`bifurcation`](super) that search a range, a
     /// damping or a load have the same bound.
     pub const DEFAULT_MAX_STEPS: usize = DEFAULT_MAX_STEPS;
 

@@ -12,8 +12,8 @@ use crate::numerics::scan::sign_changes;
 use crate::state::Direction;
 
 /// Belt velocities v_b in `range`, ascending and dimensionless, at which stick-slip appears or
-/// disappears: after release, the velocity of the mass reaches the belt velocity again
-/// tangentially, without crossing it.
+/// disappears. At such a v_b, the velocity of the mass after release reaches the belt velocity
+/// again tangentially, without crossing it.
 ///
 /// For a law with μ̂(0) = μ_s a pure-slip cycle touches the belt velocity at this v_b and becomes
 /// stick-slip. For a law with μ̂(0) < μ_s (Coulomb) the stick-slip cycle disappears, and no

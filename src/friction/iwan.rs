@@ -11,9 +11,9 @@ const MOST_INTERVALS: usize = 100_000;
 /// β = S(χ+1)/(R φ_max^{χ+1}),     φ_max = F_S(1+β)/(K_T(β + (χ+1)/(χ+2)))
 /// ```
 ///
-/// T is the force of the joint at the displacement x, z_φ the displacement of slider φ, and ρ the
-/// density of the distribution with the factors R and S. F_S is the force at which the whole joint
-/// slips, K_T its stiffness under small forces, and χ the exponent of ρ, with −1 < χ ≤ 0. β ≥ 0 is
+/// T is the force of the joint at the displacement x; z_φ is the displacement of slider φ. ρ is the
+/// density of the distribution, with the factors R and S. F_S is the force at which the whole joint
+/// slips, K_T its stiffness under small forces. χ is the exponent of ρ, with −1 < χ ≤ 0; β ≥ 0 is
 /// the ratio of the two parts of ρ. Small cycles of amplitude A dissipate an energy proportional to
 /// A^{χ+3}. Any consistent units may be used.
 ///

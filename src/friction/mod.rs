@@ -126,10 +126,10 @@ const HIGHEST: usize = 30;
 ///
 /// A piecewise analytic law (a table, a kink) must be continuous. Its
 /// [`breakpoints`](Self::breakpoints) are the speeds at which pieces meet, and
-/// [`kinetic_on`](Self::kinetic_on) returns piece i, which holds from breakpoint i−1 to breakpoint
-/// i. The integrator ends a step exactly at a breakpoint and then evaluates the next piece by its
-/// number, so the law never has to compare the speed with a breakpoint. Every piece is also
-/// evaluated slightly outside its interval.
+/// [`kinetic_on`](Self::kinetic_on) returns piece i, which applies from breakpoint i−1 to
+/// breakpoint i. The integrator ends a step exactly at a breakpoint and then evaluates the next
+/// piece by its number. The law therefore never compares the speed with a breakpoint. Every piece
+/// is also evaluated slightly outside its interval.
 ///
 /// # What a law must not do
 ///
@@ -169,15 +169,15 @@ pub trait FrictionLaw: Sized {
     fn kinetic<S: Scalar>(&self, speed: S) -> S;
 
     /// Sliding speeds at which the pieces of a piecewise law meet: finitely many, ascending,
-    /// positive. An analytic law has no breakpoints. However, if it has a very narrow feature away
-    /// from s = 0, return the centre and the ends of this feature here, so that no step misses it.
+    /// positive. An analytic law has no breakpoints. However, if the law has a very narrow feature
+    /// away from s = 0, return the centre and the ends of the feature, so that no step misses it.
     fn breakpoints(&self) -> impl Iterator<Item = f64> {
         std::iter::empty()
     }
 
     /// Kinetic coefficient of the piece with the number `piece` of the law, dimensionless. The
-    /// formula of each piece must also hold beyond the ends of the piece, by analytic continuation.
-    /// An analytic law has one piece.
+    /// formula of each piece must also be valid beyond the ends of the piece (analytic
+    /// continuation). An analytic law has one piece.
     #[inline(always)]
     fn kinetic_on<S: Scalar>(&self, _piece: usize, speed: S) -> S {
         self.kinetic(speed)

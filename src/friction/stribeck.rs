@@ -15,9 +15,9 @@ use crate::scalar::Scalar;
 /// the Gaussian of Armstrong-Hélouvry; with k_v = 0 this is [`Exponential`](crate::Exponential).
 ///
 /// The exponent must be a whole number. Bo and Pavelescu found ½ ≤ δ ≤ 1 in their measurements.
-/// However, a law with a fractional δ has no power series at s = 0, the speed at which every slip
-/// phase begins (for δ = ½ even the slope is infinite there). Use [`Tabulated`](crate::Tabulated)
-/// for such a curve.
+/// However, a law with a fractional δ has no power series at s = 0, where every slip phase begins.
+/// (For δ = ½ even the slope is infinite there.) Use [`Tabulated`](crate::Tabulated) for such a
+/// curve.
 ///
 /// Source: Bo and Pavelescu, *Wear* 82 (1982) 277-289; Armstrong-Hélouvry, Dupont and Canudas de
 /// Wit, *Automatica* 30 (1994) 1083-1138.

@@ -150,7 +150,7 @@ impl LimitCycle {
     /// In dimensionless units it equals the root mean square of the velocity; in physical units it
     /// is ω0 times the root mean square of the velocity. To show this, differentiate the equation
     /// of motion, multiply it by v and integrate it over a period. The result is ∮v'² = ∮v² − ∮v df
-    /// with the friction force f, and ∮v df = ∮v_r df = 0, because f depends on v_r alone in slip,
+    /// with the friction force f. Here ∮v df = ∮v_r df = 0, because f depends on v_r alone in slip,
     /// and v_r is 0 in stick.
     ///
     /// ```

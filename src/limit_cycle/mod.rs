@@ -26,8 +26,8 @@
 #![doc = include_str!("../figures/bistability.svg")]
 //!
 //! *Cycles of this law over the belt velocity; dashed cycles are unstable. (a) At velocities above
-//! the Hopf point, steady sliding and stick-slip are both stable, and an unstable cycle lies
-//! between them, up to the grazing at which both cycles end. (b) With more damping, stick-slip
+//! the Hopf point, steady sliding and stick-slip are both stable. An unstable cycle lies between
+//! them; it meets stick-slip at a grazing, where both end. (b) With more damping, stick-slip
 //! changes into pure slip, which ends in a fold.*
 //!
 //! | question | answer |

@@ -95,10 +95,10 @@ impl CycleSet {
 
     /// Ranges of peak velocities (largest v in the direction of the belt, dimensionless) in which
     /// double precision cannot resolve the number of cycles. There are two sorts. In a narrow
-    /// range, the motion from one end decays strongly and the motion from the other end grows
-    /// strongly; the range therefore contains an odd number of unstable cycles, usually one. In a
-    /// wide range, motions change over one period by no more than rounding errors, and averaging
-    /// does not show whether all of them decay, or all of them grow and leave the range.
+    /// range, motions decay strongly at one end and grow strongly at the other. The range therefore
+    /// contains an odd number of unstable cycles, usually one. In a wide range, motions change over
+    /// one period by no more than rounding errors. Averaging does not show whether all of these
+    /// motions decay, or all of them grow and leave the range.
     pub fn unresolved(&self) -> &[Range<f64>] {
         &self.unresolved
     }

@@ -20,7 +20,7 @@ pub enum Ended {
 /// A motion over a finite time, with its events and its state at any time.
 ///
 /// Returned by [`MassOnBelt::simulate`](crate::MassOnBelt::simulate) and
-/// [`Structure::simulate`](crate::Structure::simulate). It holds the power series of the motion
+/// [`Structure::simulate`](crate::Structure::simulate). It contains the power series of the motion
 /// between events, so the state at any time is as accurate as the states at the ends of steps.
 ///
 /// ```

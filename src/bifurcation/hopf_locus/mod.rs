@@ -57,9 +57,9 @@ pub struct SpecialHopfPoint {
 
 impl HopfPoint {
     /// Returns whether the motion that is born at this point is stable (supercritical) or unstable
-    /// (subcritical), from the sign of the first Lyapunov coefficient. The result holds if no other
-    /// eigenvalue has a positive real part. If friction is linear until a contact sticks (Coulomb's
-    /// law), the point is degenerate.
+    /// (subcritical), from the sign of the first Lyapunov coefficient. If another eigenvalue has a
+    /// positive real part, the motion is unstable in either case. If friction is linear until a
+    /// contact sticks (Coulomb's law), the point is degenerate.
     pub fn criticality(&self) -> Criticality {
         let value = self.first_lyapunov_coefficient;
         if value < -self.rounding {

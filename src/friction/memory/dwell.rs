@@ -85,7 +85,7 @@ impl<L: FrictionLaw> Dwell<L> {
     }
 
     /// Creates a law whose static coefficient rises without bound, like the logarithm of the time
-    /// in stick: at times far above θ_c it rises by B when the time grows by the factor e.
+    /// in stick. At times far above θ_c, μ_s rises by B when the time grows by the factor e.
     ///
     /// # Errors
     ///

@@ -128,9 +128,9 @@ pub enum NamedLaw {
 /// The functions are generic over the number type, by the rules of [`Scalar`]. The law may branch
 /// on the direction of slip and on the base values of its arguments.
 ///
-/// [`Contact::new`](crate::Contact::new) checks, in both directions and with a memory of zeros,
-/// that μ_s is not below |μ| at speed 0, that friction opposes slip there, and that the law is
-/// continuous: at its breakpoints, and at r = 0 if it never sticks.
+/// [`Contact::new`](crate::Contact::new) checks the law in both directions, with a memory of zeros.
+/// At speed 0, μ_s must be at least |μ|, and friction must oppose slip. The law must be continuous
+/// at its breakpoints and, if it never sticks, at r = 0.
 ///
 /// ```
 /// use stick_slip::{Contact, ContactLaw, Motion, Scalar, Slip, Structure, structure::State};
