@@ -154,7 +154,7 @@ pub enum Error {
     NonFiniteFriction {
         /// Sliding speed s ≥ 0.
         speed: f64,
-        /// The coefficient that the law returned there.
+        /// The coefficient that the law returned at this speed.
         value: f64,
         /// The time and state reached; `None` outside an integration, as when a system is created.
         reached: Option<Reached>,
@@ -339,8 +339,8 @@ pub enum Error {
         Coefficients(*coefficients)
     )]
     LawNotConstant {
-        /// μ_s and μ̂(0), dimensionless; `None` for a law that never sticks, such as that of
-        /// bristles, whose friction at rest depends on its memory alone.
+        /// μ_s and μ̂(0), dimensionless; `None` for a law that never sticks, for example the law of
+        /// bristles: their friction at rest depends on their memory alone.
         coefficients: Option<[f64; 2]>,
     },
 

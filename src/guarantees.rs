@@ -115,7 +115,7 @@
 //!   `structures::random::a_simple_integrator_sees_the_same_events`.
 //! * **Stick.** A mass that sticks has the velocity of its belt in every bit, however this velocity
 //!   varies: `structures::identities::a_stuck_mass_is_carried_exactly`.
-//! * **Reference motions** computed with 25 digits agree with those of the crate:
+//! * **Reference motions** computed with 25 digits agree with the motions of the crate:
 //!   `structures::trajectories::motions_have_the_reference_events_and_states`,
 //!   `structures::memory::motions_have_the_reference_events_and_states`.
 //! * **Contacts that share masses** and have the relative velocity r = 0 are decided together,

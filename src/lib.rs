@@ -98,7 +98,7 @@
 //! All quantities are dimensionless: u displacement, v = u' velocity, τ time, β ≥ 0 damping ratio,
 //! γ² > 0 friction load, v_b belt velocity of either sign or zero, v_r = v − v_b relative velocity,
 //! s = |v_r| sliding speed. [`PhysicalMassOnBelt`] takes and returns numbers in kilograms, metres
-//! and newtons; [`Scaling`] converts them.
+//! and newtons. [`Scaling`] converts between SI units and dimensionless numbers.
 //!
 //! A [`FrictionLaw`] consists of a static coefficient μ_s and a kinetic coefficient μ̂(s) for s ≥
 //! 0, with the limit μ̂(0) ≤ μ_s for s → 0. The law is odd in the relative velocity: μ(v_r) =

@@ -42,8 +42,8 @@ pub struct Physical {
 /// β = C/(2√(K M)),   γ² = N/(K L),   v_b = V/(ω0 L)
 /// ```
 ///
-/// The length L can be chosen freely; physical results do not depend on it. The default is L = N/K,
-/// the length by which the normal force would stretch the spring. It gives γ² = 1.
+/// The length L can be chosen freely; physical results do not depend on it. The default, L = N/K,
+/// is the length by which the normal force would stretch the spring; then γ² = 1.
 ///
 /// The name of a method says what it returns: [`seconds`](Self::seconds) takes a dimensionless
 /// time, and [`dimensionless_time`](Self::dimensionless_time) takes seconds.
@@ -341,7 +341,7 @@ impl Scaling {
         hertz * std::f64::consts::TAU / self.angular_frequency
     }
 
-    /// Force in newtons: K L times a dimensionless force, such as that of
+    /// Force in newtons: K L times a dimensionless force, for example of
     /// [`MassOnBelt::friction_force`].
     pub fn newtons(&self, force: f64) -> f64 {
         force * self.force_unit()
@@ -353,7 +353,7 @@ impl Scaling {
         newtons / self.force_unit()
     }
 
-    /// Energy in joules: K L² times a dimensionless energy, such as those of
+    /// Energy in joules: K L² times a dimensionless energy, for example of an
     /// [`EnergyBudget`](crate::EnergyBudget).
     ///
     /// ```

@@ -99,8 +99,8 @@ impl Drive {
         Self::constant(0.0).with_sine(amplitude, angular_frequency)
     }
 
-    /// Creates a drive of straight lines through points (time, value). It is constant before the
-    /// first point and after the last point.
+    /// Creates a drive of straight lines through points (time, value). The drive is constant before
+    /// the first point and after the last point.
     ///
     /// Times must not descend. Two points at one time describe a jump; from this time on the second
     /// value holds. A force or a load may jump, but the velocity of a belt must not.

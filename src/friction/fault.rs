@@ -35,7 +35,7 @@ pub enum LawFault {
     NotFinite {
         /// The lowest sliding speed of the interval in which the law is not finite.
         speed: f64,
-        /// The value of the law there.
+        /// The value of the law at this speed.
         value: f64,
     },
     /// μ̂ is negative: friction would drive the motion instead of opposing it.

@@ -9,9 +9,9 @@ use crate::scalar::Scalar;
 /// ```
 ///
 /// Speeds s_i and coefficients μ_i are dimensionless. The law goes through every point, has a
-/// continuous slope, and is monotone between two neighbouring points: it never leaves the range
-/// between their coefficients. The slope d_i at point i is the weighted harmonic mean of the slopes
-/// of the two chords that meet there, or 0 if those have opposite signs.
+/// continuous slope, and is monotone between two neighbouring points, so its values stay between
+/// their coefficients. The slope d_i at point i is the weighted harmonic mean of the slopes of the
+/// two chords that meet there, or 0 if these slopes have opposite signs.
 ///
 /// The first point must be at s = 0. Every slip phase begins at s = 0, and the slope of friction
 /// near s = 0 decides whether the mass sticks. If your measurements do not reach such low speeds,

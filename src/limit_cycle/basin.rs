@@ -162,8 +162,8 @@ struct Nest {
 /// Starts and cycles are dimensionless, or in SI units if this value was returned by
 /// [`PhysicalMassOnBelt::basins`](crate::PhysicalMassOnBelt::basins).
 ///
-/// A `Basins` borrows the system and owns the cycles. Threads may share it, because queries do not
-/// change it:
+/// A `Basins` borrows the system and owns the cycles. Queries do not change the `Basins`, so
+/// threads may share it:
 ///
 /// ```
 /// # use stick_slip::limit_cycle::{Attractor, basins};

@@ -17,9 +17,8 @@ use crate::state::{Direction, State, Units};
 pub enum CycleKind {
     /// The mass never reaches the belt velocity.
     PureSlip,
-    /// Slip with a velocity below that of the belt alternates with stick.
-    /// [`stick_slip`](super::stick_slip) finds such a cycle, or one of the kind
-    /// [`Overshoot`](Self::Overshoot).
+    /// Slip slower than the belt alternates with stick. [`stick_slip`](super::stick_slip) finds a
+    /// cycle of this kind or of the kind [`Overshoot`](Self::Overshoot).
     StickSlip,
     /// In each period: slip slower than the belt, a crossing of the belt velocity, slip faster than
     /// the belt, and stick.

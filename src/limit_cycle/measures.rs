@@ -92,10 +92,10 @@ impl LimitCycle {
             .collect()
     }
 
-    /// Complex amplitudes of the first n harmonics of the velocity v, dimensionless: ikω times
-    /// those of u ([`harmonics`](Self::harmonics)), k = 1, …, n. Harmonic k has the frequency k/T.
-    /// In a cycle of a [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt) the units are hertz and
-    /// metres per second.
+    /// Complex amplitudes of the first n harmonics of the velocity v, dimensionless: ikω times the
+    /// amplitudes of u ([`harmonics`](Self::harmonics)), k = 1, …, n. Harmonic k has the frequency
+    /// k/T. In a cycle of a [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt) the units are hertz
+    /// and metres per second.
     ///
     /// The velocity of a cycle is continuous, but its acceleration may jump at events. In this case
     /// the amplitudes fall off as 1/k².
@@ -120,8 +120,8 @@ impl LimitCycle {
     }
 
     /// Complex amplitudes of the first n harmonics of the acceleration, dimensionless: (ikω)² times
-    /// those of u ([`harmonics`](Self::harmonics)), k = 1, …, n. If the acceleration jumps at
-    /// events, these amplitudes fall off only as 1/k.
+    /// the amplitudes of u ([`harmonics`](Self::harmonics)), k = 1, …, n. If the acceleration jumps
+    /// at events, these amplitudes fall off only as 1/k.
     #[doc(alias = "spectrum")]
     #[doc(alias = "fft")]
     pub fn acceleration_harmonics(&self, n: usize) -> Vec<Complex<f64>> {
@@ -147,11 +147,11 @@ impl LimitCycle {
     /// Root mean square of the acceleration, √((1/T)∮v'² dτ), dimensionless; in stick the
     /// acceleration is 0.
     ///
-    /// In dimensionless units it equals the root mean square of the velocity; in physical units it
-    /// is ω0 times the root mean square of the velocity. To show this, differentiate the equation
-    /// of motion, multiply it by v and integrate it over a period. The result is ∮v'² = ∮v² − ∮v df
-    /// with the friction force f. Here ∮v df = ∮v_r df = 0, because f depends on v_r alone in slip,
-    /// and v_r is 0 in stick.
+    /// In dimensionless units the result equals the root mean square of the velocity; in physical
+    /// units it is ω0 times the root mean square of the velocity. To show this, multiply the time
+    /// derivative of the equation of motion by v and integrate over a period. The result is ∮v'² =
+    /// ∮v² − ∮v df with the friction force f. Here ∮v df = ∮v_r df = 0, because f depends on v_r
+    /// alone in slip, and v_r is 0 in stick.
     ///
     /// ```
     /// use stick_slip::{MassOnBelt, Polynomial, limit_cycle};

@@ -13,8 +13,8 @@ pub enum Mode {
     /// The mass slides, in this direction.
     Slip(Direction),
     /// The contact is open: there is no normal load and no friction. Only a contact of a
-    /// [`Structure`](crate::Structure) can open, if its load varies in time or comes from [its own
-    /// normal spring](crate::Contact::with_normal_spring).
+    /// [`Structure`](crate::Structure) can open, if the load varies in time or is the force of a
+    /// [normal spring](crate::Contact::with_normal_spring) of the contact.
     Open,
 }
 

@@ -170,8 +170,8 @@ impl Integrator {
     /// `stop` is called with each step, in order. It returns the time at which the motion shall
     /// end, between the start and the end time of this step, or `None` to continue. A motion that
     /// is stopped at the end of a step keeps the events at this end. To stop at a condition on the
-    /// state, let `stop` return [`Segment::first_zero`]. To stop after a number of events or steps,
-    /// count them in `stop`:
+    /// state, return [`Segment::first_zero`] from `stop`. To stop after a number of events or
+    /// steps, count them in `stop`:
     ///
     /// ```
     /// use stick_slip::{Ended, Integrator, MassOnBelt, Polynomial, Segment, State};
@@ -258,7 +258,7 @@ impl Integrator {
     /// # Errors
     ///
     /// [`Error::InvalidState`] and [`Error::WrongSize`] as in [`simulate`](Self::simulate). Errors
-    /// of the integration are items of the iterator; after an error it returns `None`.
+    /// of the integration are items of the iterator; after an error the iterator returns `None`.
     pub fn flow<S: System>(
         self,
         system: &S,

@@ -20,8 +20,9 @@ pub enum Ended {
 /// A motion over a finite time, with its events and its state at any time.
 ///
 /// Returned by [`MassOnBelt::simulate`](crate::MassOnBelt::simulate) and
-/// [`Structure::simulate`](crate::Structure::simulate). It contains the power series of the motion
-/// between events, so the state at any time is as accurate as the states at the ends of steps.
+/// [`Structure::simulate`](crate::Structure::simulate). A trajectory contains the power series of
+/// the motion between events, so the state at any time is as accurate as the states at the ends of
+/// steps.
 ///
 /// ```
 /// use stick_slip::{EventKind, MassOnBelt, Mode, Polynomial, State};
