@@ -17,9 +17,9 @@ pub use structure::{Element, NotSliding};
 ///
 /// Every variant contains the numbers that a caller needs to decide what to do, and its message
 /// names the remedy. The numbers are in the units of the type whose method was called. They are
-/// dimensionless for a [`MassOnBelt`](crate::MassOnBelt), in SI units for a
-/// [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt), and in the units of the structure for a
-/// [`Structure`](crate::Structure).
+/// dimensionless for a [`MassOnBelt`](crate::MassOnBelt), in SI units for
+/// [`Scaling::new`](crate::Scaling::new) and a [`PhysicalMassOnBelt`](crate::PhysicalMassOnBelt),
+/// and in the units of the structure for a [`Structure`](crate::Structure).
 ///
 /// To show the message, print the error with `{error}`. A `main` that returns `Result<(), Error>`
 /// prints the variant and its fields instead, by `Debug`.
