@@ -136,9 +136,10 @@
 //!   `structures::closed_forms::a_load_that_falls_to_zero_opens_the_contact`,
 //!   `structures::random::a_load_that_touches_zero_does_not_open_or_close`,
 //!   `structures::closed_forms::a_load_that_springs_lift_ends_the_motion`.
-//! * **Elastic contacts** transmit exactly their limit force while they slip, for any stiffness
-//!   from 1e-2 to 1e12: `structures::elastic::any_stiffness_has_every_event`. If loads depend on
-//!   time alone, the distance between two motions never grows, and energies balance:
+//! * **Elastic contacts** transmit exactly their limit force while they slip, for any tangential
+//!   stiffness from 1e-2 to 1e12 times the stiffness of the mass's spring:
+//!   `structures::elastic::any_stiffness_has_every_event`. If loads depend on time alone, the
+//!   distance between two motions never grows, and energies balance:
 //!   `structures::elastic_identities::two_motions_never_come_apart`,
 //!   `structures::elastic_identities::energy_is_what_forces_and_sliders_leave`. A time-stepping
 //!   scheme without modes and events reaches the same states:

@@ -10,11 +10,11 @@ use crate::numerics::bracket::Bracket;
 /// With less damping, a periodic motion exists or steady sliding is unstable. The system's own β is
 /// ignored. The result is 0 if v_b = 0.
 ///
-/// There is only one such border if μ̂ ≥ 0, because more damping rotates the vector field inwards
-/// at every state with v ≠ 0. Consider a cycle at one value of β, a closed curve in the phase
-/// plane. With less damping, a motion that starts outside this curve stays outside and never
-/// reaches steady sliding. A system that can vibrate at one β can therefore vibrate at every
-/// smaller β.
+/// If μ̂ ≥ 0, a single border separates the dampings with vibration from those without. More
+/// damping rotates the vector field inwards at every state with v ≠ 0. Consider a cycle at one
+/// value of β: a closed curve in the phase plane. With less damping, a motion that starts outside
+/// this curve stays outside and never reaches steady sliding. A system that can vibrate at one β
+/// can therefore vibrate at every smaller β.
 ///
 /// One of three changes happens at the border: steady sliding becomes stable (β =
 /// −½γ²dμ̂/ds(|v_b|)), the last two cycles meet, or the stick-slip cycle grazes the belt velocity.
@@ -101,7 +101,8 @@ fn judged<'s>(
 /// At this load one of three changes happens: steady sliding becomes unstable (γ² =
 /// −2β/(dμ̂/ds(|v_b|))), two cycles appear, or a stick-slip cycle appears. Let γ_1² = (1 +
 /// β)|v_b|/max(μ_s, μ̂(|v_b|)). The function tries loads below the load at which steady sliding
-/// becomes unstable, down to about 10⁻⁶γ_1² and up to about 10⁶γ_1². Without a change the result is
+/// becomes unstable, down to about 10⁻⁶γ_1² and up to about 10⁶γ_1². If no change is found, the
+/// result is
 /// * 0 if the mass is undamped, and steady sliding is unstable or surrounded by a
 ///   [`Continuum`](crate::limit_cycle::Continuum): a vibration can last with every load;
 /// * 0 if the mass vibrates under every load tried;

@@ -45,7 +45,7 @@
 //! image; at v_b = 0 only free vibration without friction is periodic.)
 //!
 //! * The motion **sticks**. Stick ends at the release point, so the motion is found from the one or
-//!   two slip arcs that begin at that point. It is stable, with multiplier 0
+//!   two slip arcs that begin at that point. This motion is stable, with multiplier 0
 //!   ([`CycleKind::StickSlip`], [`CycleKind::Overshoot`]).
 //! * The motion stays **slower than the belt**. It encircles the equilibrium and is a fixed point
 //!   of the map from one velocity maximum to the next ([`CycleKind::PureSlip`]).
@@ -61,10 +61,10 @@
 //! # What is guaranteed
 //!
 //! [`stick_slip`] is complete: because trajectories cannot cross, the cases that it distinguishes
-//! are all possible cases. [`find`] searches the zeros of the growth over one period, for each of
-//! the two maps. It divides the range of the map until the cubic through values and slopes of the
-//! growth fits, and divides further wherever that cubic comes near zero. A pair of cycles is lost
-//! only if their peak velocities (forces, for crossing cycles) differ by less than 10⁻⁹ of the
+//! are all possible cases. [`find`] searches the zeros of the growth over one period, P(x)/x − 1,
+//! for each of the two maps P. It divides the range of x until the cubic through values and slopes
+//! of the growth fits, and divides further wherever that cubic comes near zero. A pair of cycles is
+//! lost only if their peak velocities (forces, for crossing cycles) differ by less than 10⁻⁹ of the
 //! range, or if the growth has two extrema inside an interval in which its cubic fits to 2 %. Two
 //! kinds of cycles are not searched: pure-slip cycles with a peak velocity below 10⁻⁴ v_b, and
 //! crossing cycles with forces above 16(γ²μ_s + |v_b|) at the crossing. Some unstable cycles repel
