@@ -19,11 +19,12 @@ use crate::series::{PowerSeries, TERMS};
 /// The range is covered by a chain of power series of the law, each used within its radius of
 /// convergence. The series are compared with the law's values at 4096 points of the range, and at
 /// 16 or more points of each series. Features narrower than the distance between these points can
-/// be missed. Narrow features are searched from nine points of the range in both directions, so
-/// that each feature is far from one of these points. A feature at an end of the range is not
-/// reported, because the series that begins at this end contains the feature. A feature counts as
-/// narrow if it fits between two checks of the integrator, in a motion whose velocity amplitude is
-/// half the range. A bump exp(−(s/w)²) counts as narrow if w is less than about 1/85 of the range.
+/// be missed. The search for narrow features starts from nine points of the range in both
+/// directions, so that each feature is far from one of these points. A feature at an end of the
+/// range is not reported, because the series that begins at this end contains the feature. A
+/// feature counts as narrow if it fits between two checks of the integrator, in a motion whose
+/// velocity amplitude is half the range. A bump exp(−(s/w)²) counts as narrow if w is less than
+/// about 1/85 of the range.
 ///
 /// # Errors
 ///

@@ -76,7 +76,7 @@ const ON_CYCLE: f64 = 1e-12;
 const HIDDEN_BY_CYCLE: f64 = 1e-6;
 
 /// The attractor that the motion from `start` reaches. For many starts of one system use
-/// [`basins`], which searches the cycles only once.
+/// [`basins`], which finds the cycles only once.
 ///
 /// The decision uses the geometry of the planar flow: cycles are nested, and a motion between two
 /// neighbouring cycles tends to the cycle towards which it moves. Therefore only a few slip arcs

@@ -61,12 +61,12 @@
 //! # What is guaranteed
 //!
 //! [`stick_slip`] is complete: because trajectories cannot cross, the cases that it distinguishes
-//! are all possible cases. [`find`] searches the zeros of the growth over one period, P(x)/x − 1,
+//! are all possible cases. [`find`] searches for zeros of the growth over one period, P(x)/x − 1,
 //! for each of the two maps P. It divides the range of x until the cubic through values and slopes
 //! of the growth fits, and divides further wherever that cubic comes near zero. A pair of cycles is
 //! lost only if their peak velocities (forces, for crossing cycles) differ by less than 10⁻⁹ of the
 //! range, or if the growth has two extrema inside an interval in which its cubic fits to 2 %. Two
-//! kinds of cycles are not searched: pure-slip cycles with a peak velocity below 10⁻⁴ v_b, and
+//! kinds of cycles are not searched for: pure-slip cycles with a peak velocity below 10⁻⁴ v_b, and
 //! crossing cycles with forces above 16(γ²μ_s + |v_b|) at the crossing. Some unstable cycles repel
 //! so strongly that a motion from the floating-point number next to the cycle is far from the cycle
 //! after one period. Double precision cannot resolve these cycles, and their ranges are reported as
