@@ -254,7 +254,7 @@ fn has_cycles(tracer: &mut Tracer<'_>) -> Result<bool, Error> {
     Ok(!none)
 }
 
-/// Largest and least load tried, above and below (1 + β)|v_b|/μ_s.
+/// Largest and least load tried, above and below (1 + β)|v_b|/max(μ_s, μ̂(|v_b|)).
 const MOST_LOAD: f64 = 1e6;
 
 /// Relative distance above the β at which steady sliding becomes stable; small cycles closer to it
