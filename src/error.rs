@@ -50,13 +50,13 @@ pub enum Error {
     /// NaN.
     #[error("{of}: {name} = {} is not allowed{}", Plain(*value), instead(*value, allowed))]
     InvalidParameter {
-        /// The type or the function that refused the value, for example `Stribeck`.
+        /// The type or function that refused the value, for example `Stribeck`.
         of: &'static str,
-        /// The name of the parameter in the constructor.
+        /// The parameter's name in the constructor.
         name: &'static str,
         /// The value that was given.
         value: f64,
-        /// The allowed range.
+        /// The range in which the value must lie.
         allowed: &'static str,
     },
 
@@ -68,15 +68,15 @@ pub enum Error {
         instead(*value, allowed)
     )]
     BadPoint {
-        /// `Tabulated` or `Drive`.
+        /// The type that refused the point: `Tabulated` or `Drive`.
         of: &'static str,
-        /// Position of the point, from 0.
+        /// Number of the point, counted from 0.
         index: usize,
         /// The number at fault: `speed` or `coefficient` of a table, `time` or `value` of a drive.
         name: &'static str,
         /// The number that was given.
         value: f64,
-        /// The allowed range.
+        /// The range in which the value must lie.
         allowed: &'static str,
     },
 
@@ -87,8 +87,8 @@ pub enum Error {
         Plain(*displacement),
         Plain(*velocity),
         if displacement.is_finite() && velocity.is_finite() {
-            "overflows or underflows in the equations; choose a unit of length that makes it a \
-             number of ordinary size"
+            "overflows or underflows in the equations; choose a unit of length in which both \
+             numbers are of ordinary size"
         } else {
             "is not finite; give two finite numbers"
         }
@@ -110,16 +110,16 @@ pub enum Error {
     InvalidTolerance {
         /// The value that was given.
         value: f64,
-        /// The least tolerance, a little below round-off.
+        /// The least tolerance allowed, slightly below round-off.
         min: f64,
-        /// The largest tolerance.
+        /// The largest tolerance allowed.
         max: f64,
     },
 
-    /// A duration is negative, infinite or NaN, or it is 0 where a mean over the duration is
-    /// computed.
+    /// A duration is negative, infinite or NaN, or is 0 in a function that computes a mean over the
+    /// duration.
     #[error(
-        "duration = {} is not allowed{}; a simulation without an end is `flow`",
+        "duration = {} is not allowed{}; for a simulation without an end use `flow`",
         Plain(*value),
         // 0 is refused only where something is a mean over the duration.
         instead(*value, if *value == 0.0 { "duration > 0" } else { "duration ≥ 0" })
@@ -146,8 +146,8 @@ pub enum Error {
 
     /// The law returned an infinite or NaN coefficient.
     #[error(
-        "the friction law gives {value} at sliding speed {}{}; define it for every speed the \
-         motion reaches, or start closer to the belt velocity",
+        "the friction law gives {value} at sliding speed {}{}; define the law for every speed \
+         that the motion reaches, or start closer to the belt velocity",
         Plain(*speed),
         during(reached)
     )]
@@ -156,33 +156,35 @@ pub enum Error {
         speed: f64,
         /// The coefficient that the law returned at this speed.
         value: f64,
-        /// The time and state reached; `None` outside an integration, as when a system is created.
+        /// The time and state reached; `None` if the error arose before the integration, for
+        /// example in a constructor.
         reached: Option<Reached>,
     },
 
-    /// The law has a value but no power series at a speed, for example √s at s = 0.
+    /// The law has a value but no power series at a sliding speed s, for example √s at s = 0.
     #[error(
-        "the friction law is not analytic at sliding speed {}{}; use integral powers of the \
-         speed there, or name the speed as a breakpoint and give the pieces",
+        "the friction law is not analytic at sliding speed {}{}; use integer powers of the \
+         speed there, or declare the speed as a breakpoint and define the pieces",
         Plain(*speed),
         during(reached)
     )]
     NotAnalytic {
         /// Sliding speed s ≥ 0.
         speed: f64,
-        /// The time and state reached; `None` outside an integration, as when a system is created.
+        /// The time and state reached; `None` if the error arose before the integration, for
+        /// example in a constructor.
         reached: Option<Reached>,
     },
 
-    /// The law's breakpoints are not finite, positive and strictly ascending, or the law jumps at
-    /// one of them.
+    /// A breakpoint of the law is not finite, not positive or not above the breakpoint before it,
+    /// or the law jumps there.
     #[error(
-        "breakpoint {index} of the friction law, counted from 0, {}, is not allowed; breakpoints \
-         are finite, positive, strictly ascending, and the law is continuous there",
+        "breakpoint {index} of the friction law (counted from 0), {}, is not allowed; breakpoints \
+         must be finite, positive and strictly ascending, and the law continuous there",
         Plain(*value)
     )]
     BadBreakpoints {
-        /// Position of the first bad breakpoint, from 0.
+        /// Number of the first such breakpoint, counted from 0.
         index: usize,
         /// The value of this breakpoint.
         value: f64,
@@ -200,7 +202,7 @@ pub enum Error {
         element: Element,
         /// The value that was given.
         value: f64,
-        /// The allowed range.
+        /// The range in which the value must lie.
         allowed: &'static str,
     },
 
@@ -219,7 +221,7 @@ pub enum Error {
     },
 
     /// A matrix or a start does not have the size of the structure.
-    #[error("{name}: {found} given; {expected} are needed, as many as the structure has")]
+    #[error("{name}: {found} given; {expected} are needed")]
     WrongSize {
         /// The counted quantity, for example `rows of the stiffness matrix`.
         name: &'static str,
@@ -234,7 +236,7 @@ pub enum Error {
     CoordinateTaken {
         /// The coordinate, from 0.
         coordinate: usize,
-        /// The number of the contact that this coordinate already has, from 0.
+        /// The contact that the coordinate already has, counted from 0.
         contact: usize,
     },
 
@@ -245,27 +247,28 @@ pub enum Error {
          differ by more than rounding; give (M + Mᵀ)/2"
     )]
     NotSymmetric {
-        /// Row of the entry above the diagonal, from 0.
+        /// Row of the entry above the diagonal, counted from 0.
         row: usize,
-        /// Column of this entry, from 0.
+        /// Column of this entry, counted from 0.
         column: usize,
     },
 
-    /// A mass matrix is not positive definite: a motion with zero kinetic energy would exist.
+    /// A mass matrix is not positive definite: some motion would have a kinetic energy ≤ 0.
     #[error(
-        "the mass matrix is not positive definite: coordinate {row} has no mass of its own beside \
-         those before it; eliminate massless coordinates first (static condensation)"
+        "the mass matrix is not positive definite: coordinate {row}, together with those before \
+         it, can move with a kinetic energy ≤ 0; eliminate massless coordinates first (static \
+         condensation)"
     )]
     NotPositiveDefinite {
-        /// The first row whose pivot in Cholesky's factorisation is not positive, from 0.
+        /// The first row, counted from 0, whose pivot in Cholesky's factorisation is not positive.
         row: usize,
     },
 
-    /// The direction of a contact is not valid: it needs different coordinates and finite
-    /// coefficients that are not all 0.
+    /// The direction of a contact is not valid: each coordinate must occur only once, and the
+    /// coefficients must be finite and not all 0.
     #[error(
-        "contact: the direction {direction:?} is not allowed: give pairs (coordinate, b) with \
-         different coordinates and finite b ≠ 0, at least one"
+        "contact: the direction {direction:?} is not allowed: give at least one pair \
+         (coordinate, b) with finite b ≠ 0, and each coordinate only once"
     )]
     BadDirection {
         /// The direction that was given.
@@ -277,25 +280,26 @@ pub enum Error {
     #[error("no steady sliding: {0}")]
     NoSteadySliding(NotSliding),
 
-    /// A motion has no derivative with respect to a parameter. Even the smallest change of the
-    /// parameter changes the events of the motion, as at grazing, or the family returns no system
+    /// A motion has no derivative with respect to a parameter. Either even the smallest change of
+    /// the parameter changes the sequence of events, as at grazing, or the family returns no system
     /// for neighbouring values.
     #[error(
-        "no derivative by parameter {parameter}: the events of the motion change, or the family \
-         has no system, however little the parameter changes; take another value or duration"
+        "no derivative with respect to parameter {parameter}, counted from 0: every change of the \
+         parameter, however small, changes the events of the motion or leaves the family without \
+         a system; choose another value or duration"
     )]
     NoDerivative {
-        /// The number of the parameter, from 0.
+        /// The number of the parameter, counted from 0.
         parameter: usize,
     },
 
-    /// A curve was requested for a change of events that cannot be followed.
-    /// [`orbit::locus`](crate::orbit::locus) follows grazings of a slipping contact, onsets of
-    /// stops and changes of the order of events of two contacts.
+    /// A curve was requested for a change of events that [`orbit::locus`](crate::orbit::locus)
+    /// cannot follow. It follows grazings of a slipping contact, onsets of stops, and changes of
+    /// the order of events of two contacts.
     #[error(
-        "no curve of this bifurcation can be followed: no touch of a slipping contact, no onset of \
-         a stop and no two events at one time are near; give a bifurcation of one of these kinds, \
-         a fold, a flip, a pitchfork or a Neimark-Sacker bifurcation"
+        "no curve of this bifurcation can be followed: no grazing of a slipping contact, no onset \
+         of a stop and no two simultaneous events are near; give a bifurcation of one of these \
+         kinds, or a fold, flip, pitchfork or Neimark-Sacker bifurcation"
     )]
     NotSmooth,
 
@@ -310,27 +314,31 @@ pub enum Error {
         kind: &'static str,
     },
 
-    /// No Hopf point of steady sliding is near: no pair of eigenvalues crosses the imaginary axis.
-    #[error("no Hopf point is near: no pair of eigenvalues crosses the imaginary axis")]
+    /// No Hopf point of steady sliding is near the given value of the parameter: no pair of
+    /// eigenvalues crosses the imaginary axis.
+    #[error(
+        "no Hopf point is near the given value of the parameter: no pair of eigenvalues crosses \
+         the imaginary axis; give a value closer to a Hopf point"
+    )]
     NoHopfPoint,
 
-    /// Contacts with linearly dependent directions, such as two parallel clutches, came to rest at
-    /// the same time. The distribution of the force among them is not determined, and neither is
-    /// the time at which each of them slips again.
+    /// Contacts whose directions are linearly dependent, such as two parallel clutches, would stick
+    /// at the same time. Neither the force in each of them nor the time at which each slips again
+    /// is determined.
     #[error(
-        "contacts {contacts:?} stick together {reached}, but their directions are dependent: what \
-         each of them carries is not determined; put one contact in their place, with the sum of \
+        "contacts {contacts:?} all stick {reached}, but their directions are linearly dependent: \
+         the force in each of them is not determined; replace them by one contact with the sum of \
          their loads"
     )]
     Undetermined {
-        /// The numbers of the contacts that stick, from 0.
+        /// The numbers of these contacts.
         contacts: Vec<usize>,
         /// The time and state reached.
         reached: Reached,
     },
 
-    /// An elastic contact has a law that is not constant. The displacement of its slider at the
-    /// start of slip would not be determined:
+    /// An elastic contact has a law that is not constant. The displacement of its slider when slip
+    /// starts would not be determined:
     /// [`Contact::with_tangential_stiffness`](crate::Contact::with_tangential_stiffness).
     #[error(
         "an elastic contact needs one coefficient of friction at all speeds, and this law {}; give \
@@ -339,56 +347,57 @@ pub enum Error {
         Coefficients(*coefficients)
     )]
     LawNotConstant {
-        /// μ_s and μ̂(0), dimensionless; `None` for a law that never sticks, for example the law of
-        /// bristles: their friction at rest depends on their memory alone.
+        /// μ_s and μ̂(0), dimensionless; `None` for a law that never sticks, such as a bristle
+        /// model: its friction at rest depends on its memory variables alone.
         coefficients: Option<[f64; 2]>,
     },
 
-    /// The force of an elastic contact in the start state exceeds the limit force of its slider.
+    /// The force of an elastic contact in the start state exceeds the limit force μN of its slider.
     #[error(
-        "elastic contact {contact} cannot carry {} at the start: its limit μN is {} there; start \
-         with a smaller memory",
+        "elastic contact {contact} cannot carry {} at the start: its limit force μN is {} there; \
+         start with a smaller force",
         Plain(*carried),
         Plain(*limit)
     )]
     OverLimit {
         /// Number of the contact.
         contact: usize,
-        /// The given force T, in units of force.
+        /// The force T that was given, in units of force.
         carried: f64,
         /// The limit force μN, in units of force.
         limit: f64,
     },
 
-    /// The velocity of a belt jumps. A mass that sticks would need an infinite force to follow it.
+    /// The velocity of a belt jumps. A sticking mass would need an infinite force to follow the
+    /// jump.
     #[error(
-        "the belt under coordinate {coordinate} changes its velocity by a jump at time {}; make \
-         it a steep ramp",
+        "the velocity of the belt under coordinate {coordinate} jumps at time {}; replace the \
+         jump by a steep ramp",
         Plain(*time)
     )]
     BeltVelocityJumps {
         /// The coordinate of the contact, from 0.
         coordinate: usize,
-        /// The time of the first jump, in units of time.
+        /// The time of the first jump.
         time: f64,
     },
 
-    /// A step became so short that the time no longer changes, or its power series overflows.
-    /// Causes are a motion that grows without bound, an undeclared kink or jump of the law, or a
-    /// slope γ²·dμ̂/ds beyond about 1e20. In a structure, another cause is a stiffness whose
-    /// natural frequency is about 1e12 per unit of time or more.
+    /// A step became so short that the time no longer changes, or its power series overflows. The
+    /// causes are a motion that grows without bound, an undeclared kink or jump of the law, or a
+    /// slope γ²·dμ̂/ds beyond about 1e20. In a structure, another cause is a stiffness with a
+    /// natural frequency of the order of 1e12 per unit of time or more.
     #[error(
-        "the step fell to {} {reached}: {}",
+        "the step size fell to {} {reached}: {}",
         Plain(*step),
         if reached.overflows() {
-            "the motion grows beyond the largest numbers; if it should not, look for a negative \
-             stiffness or damping, or friction that drives it, otherwise end it before with \
-             `simulate_until`"
+            "the motion grows beyond the largest numbers; if this is not intended, look for a \
+             negative stiffness or damping, or for friction that feeds the motion; otherwise end \
+             the run earlier with `simulate_until`"
         } else {
-            "the law has a jump or kink there that is not named as a breakpoint, or the system is \
-             too stiff: γ²·dμ̂/ds beyond about 1e20, or in a structure a spring, bristles or the \
-             tangential stiffness of a contact, which can be lowered, or left out for a rigid \
-             contact"
+            "the law has a jump or kink there that is not declared as a breakpoint, or the system \
+             is too stiff: γ²·dμ̂/ds exceeds about 1e20, or in a structure a spring, a bristle or \
+             the tangential spring of a contact is too stiff; lower this stiffness, or use a \
+             rigid contact"
         }
     )]
     StepUnderflow {
@@ -400,9 +409,10 @@ pub enum Error {
 
     /// The largest number of steps was reached before the end of the motion.
     #[error(
-        "{limit} steps were not enough {reached}; in a simulation raise the limit with \
+        "the limit of {limit} steps was reached {reached}; in a simulation raise the limit with \
          `with_max_steps`, shorten the run, or use `flow`. Hundreds of steps in an oscillation \
-         mean a law with a jump or kink that is not named as a breakpoint, or a stiff structure"
+         indicate a jump or kink of the law that is not declared as a breakpoint, or a stiff \
+         structure"
     )]
     TooManySteps {
         /// The limit that was reached.
@@ -413,7 +423,7 @@ pub enum Error {
 
     /// The normal load of a contact, which depends on displacements, fell to 0.
     ///
-    /// The surfaces separate. The stiffness matrix contains the normal spring, and is no longer
+    /// The surfaces separate. The stiffness matrix contains the normal spring, so it is no longer
     /// valid. (A load that depends on time alone may fall to 0:
     /// [`EventKind::Open`](crate::EventKind::Open).)
     #[error(
@@ -429,8 +439,8 @@ pub enum Error {
 
     /// The largest number of events was reached before the end of the motion.
     #[error(
-        "{limit} events were not enough {reached}; raise the limit with `with_max_events`, \
-         shorten the run, or use `flow`"
+        "the limit of {limit} events was reached {reached}; raise the limit with \
+         `with_max_events`, shorten the run, or use `flow`"
     )]
     TooManyEvents {
         /// The limit that was reached.
@@ -442,61 +452,63 @@ pub enum Error {
     /// A motion with the period of the drives was requested, but the drives have no common period.
     #[error(
         "the drives have no common period: all are constant, or their frequencies are \
-         incommensurate, or one is a profile; for a free motion give `Period::Free`, else make \
-         the frequencies commensurate"
+         incommensurate, or one is a profile; for an autonomous motion give `Period::Free`, \
+         otherwise make the frequencies commensurate"
     )]
     NoCommonPeriod,
 
     /// An autonomous motion ([`Period::Free`](crate::orbit::Period::Free)) was requested, but a
     /// drive of the system varies in time.
-    #[error("a drive varies in time, so no motion is free; give `Period::Driven`")]
+    #[error("a drive varies in time, so no motion is autonomous; give `Period::Driven`")]
     NotFree,
 
     /// A search for an autonomous periodic motion began at an equilibrium, or reached one.
     #[error(
-        "nothing moves there: a state of rest is no periodic motion; give a guess on the motion, \
-         for example the end of a transient"
+        "the search is at an equilibrium, which is not a periodic motion; give a guess on the \
+         periodic motion, for example the end of a transient"
     )]
     AtRest,
 
     /// Newton's method did not converge to a periodic motion.
     #[error(
-        "no periodic motion was found near the guess: the best start tried, q = {:?}, v = {:?}, \
-         misses itself after {} by {} of the size of a coordinate; give a guess nearer to the \
-         motion, as `settle` does after a longer transient, or a better period",
+        "no periodic motion was found near the guess: the best start tried is q = {:?}, v = {:?}; \
+         after the period {} a state variable differs from its start by {} of its size; give a \
+         guess closer to the motion, for example by `settle` with a longer transient, or a better \
+         period",
         start.displacements,
         start.velocities,
         Plain(*period),
         Plain(*residual)
     )]
     NotPeriodic {
-        /// Largest difference of a coordinate between start and end of the period, relative to the
-        /// largest absolute value of this coordinate.
+        /// Largest difference of a state variable between the start and the end of the period, in
+        /// units of the largest absolute value of this variable.
         residual: f64,
         /// The period, in units of time.
         period: f64,
-        /// The best start found.
+        /// The best start that was tried.
         start: State,
     },
 
-    /// A search along a parameter was stopped by its watcher or by the bound of its work. The bound
-    /// is [`Along::DEFAULT_MAX_STEPS`](crate::bifurcation::Along::DEFAULT_MAX_STEPS), unless
-    /// [`Along::with_max_steps`](crate::bifurcation::Along::with_max_steps) sets another. If the
-    /// watcher stopped a search of [`orbit`](crate::orbit) on one system, `parameter` is `time`.
+    /// A search along a parameter was stopped by its watcher, or at its largest number of steps.
+    /// This number is [`Along::DEFAULT_MAX_STEPS`](crate::bifurcation::Along::DEFAULT_MAX_STEPS),
+    /// unless [`Along::with_max_steps`](crate::bifurcation::Along::with_max_steps) sets another
+    /// one. If the watcher stopped a search of [`orbit`](crate::orbit) on one system, `parameter`
+    /// is `time`.
     #[error(
         "the search along {parameter} was stopped at {} after {steps} steps, with {} values \
-         found; raise the limit with `with_max_steps`, or go on from there",
+         found; raise the limit with `with_max_steps`, or continue from there",
         Plain(*value),
         found.len()
     )]
     Stopped {
         /// The name of the parameter.
         parameter: &'static str,
-        /// The value to be searched next. Values well below this value were searched.
+        /// The value of the parameter to be searched next. Values well below it have been searched.
         value: f64,
-        /// Steps of slip phases that were taken.
+        /// The number of steps taken in slip phases.
         steps: usize,
-        /// The results found so far, in ascending order.
+        /// The values found so far, in ascending order.
         found: Vec<f64>,
     },
 

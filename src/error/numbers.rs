@@ -42,12 +42,14 @@ impl std::fmt::Display for Coefficients {
             Some([limit, kinetic]) => {
                 write!(
                     f,
-                    "has μ_s = {} and μ̂(0) = {}, or changes",
+                    "has μ_s = {} and μ̂(0) = {}, or varies with the speed",
                     Plain(limit),
                     Plain(kinetic)
                 )
             }
-            None => f.write_str("never sticks: its friction at rest is what its memory says"),
+            None => f.write_str(
+                "never sticks: its friction at rest depends on its memory variables alone",
+            ),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::numbers::Plain;
 
-/// An element of a [`Structure`](crate::Structure), identified by indices that count from 0.
+/// An element of a [`Structure`](crate::Structure), identified by numbers counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Element {
@@ -10,10 +10,10 @@ pub enum Element {
     Mass(usize),
     /// An entry of the mass matrix, by row and column.
     MassMatrix(usize, usize),
-    /// An entry of the stiffness matrix, by row and column, or a spring, by the coordinates at its
+    /// An entry of the stiffness matrix, by row and column; or a spring, by the coordinates at its
     /// two ends. A spring to the ground has the same coordinate twice.
     Stiffness(usize, usize),
-    /// An entry of the damping matrix, by row and column, or a damper, by the coordinates at its
+    /// An entry of the damping matrix, by row and column; or a damper, by the coordinates at its
     /// two ends. A damper to the ground has the same coordinate twice.
     Damping(usize, usize),
     /// The force on a coordinate, by the coordinate.
@@ -50,7 +50,7 @@ pub enum NotSliding {
     NoLoad {
         /// Number of the contact.
         contact: usize,
-        /// Its load, in units of force.
+        /// Its normal load, in units of force.
         load: f64,
     },
     /// The surfaces of an elastic contact do not move relative to each other when all masses are at
@@ -77,31 +77,33 @@ impl std::fmt::Display for NotSliding {
             Self::Driven => f.write_str("a drive varies in time; make all drives constant"),
             Self::NoSpeed { contact } => write!(
                 f,
-                "contact {contact} has no sliding speed where all masses are at rest; give its \
-                 surface a velocity"
+                "contact {contact} does not slide when all masses are at rest; give its surface a \
+                 velocity"
             ),
             Self::NoLoad { contact, load } => write!(
                 f,
-                "contact {contact} has the load {} there; press it together",
+                "contact {contact} has the normal load {} in steady sliding; make the load \
+                 positive",
                 Plain(*load)
             ),
             Self::Continuum { contact } => write!(
                 f,
-                "elastic contact {contact} is at rest where all masses are, and carries any force \
-                 up to its limit: equilibria are a continuum; simulate to one of them, or give its \
-                 surface a velocity"
+                "elastic contact {contact} does not slide when all masses are at rest, and then \
+                 carries any force up to its limit: the equilibria form a continuum; simulate to \
+                 one of them, or give the surface of the contact a velocity"
             ),
             Self::NoSteadyMemory { contact } => write!(
                 f,
-                "the memory of contact {contact} comes to no steady state while it slides"
+                "the memory variables of contact {contact} have no constant values in steady \
+                 sliding"
             ),
             Self::Singular => f.write_str(
                 "the stiffness matrix is singular; restrain the rigid-body modes, for example by \
-                 a spring to the ground in a frame that moves along",
+                 a spring to the ground in a frame that moves with the masses",
             ),
-            Self::Eigenvalues => {
-                f.write_str("the eigenvalues could not be computed; check the sizes of the entries")
-            }
+            Self::Eigenvalues => f.write_str(
+                "the eigenvalues could not be computed; check the sizes of the matrix entries",
+            ),
         }
     }
 }

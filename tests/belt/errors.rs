@@ -197,7 +197,7 @@ fn non_finite_friction() {
         };
         assert_eq!(speed, at);
         assert!(!value.is_finite());
-        assert_message(&error, &["speed", "define it"]);
+        assert_message(&error, &["speed", "define the law"]);
     };
     check(
         MassOnBelt::new(Polynomials::new(0.4, &[f64::NAN]), 0.2).unwrap_err(),
@@ -293,7 +293,7 @@ fn not_analytic() {
                 reached: None
             }
         );
-        assert_message(&error, &["not analytic", "integral powers", "breakpoint"]);
+        assert_message(&error, &["not analytic", "integer powers", "breakpoint"]);
     };
     check(
         MassOnBelt::new(law!(0.4, |s| -s.sqrt() * 0.1 + 0.4), 0.2).unwrap_err(),

@@ -184,7 +184,7 @@ fn what_is_not_found_says_how_far_it_is() {
     assert!(matches!(found, Err(Error::NotPeriodic { .. })), "{found:?}");
     message(
         shoot(&undamped, &State::at_rest(1), Period::Driven(1)),
-        "misses itself",
+        "differs from its start",
     );
 }
 

@@ -257,7 +257,7 @@ fn a_motion_beside_its_change_of_events_is_refused() {
     let family = |first: f64, second: f64| Ok(member(&case["system"], first, second));
     let ranges = [0.6..0.8, 0.1..0.3];
     let error = orbit::locus(family, &grazing[0], 0.2, ranges.clone()).unwrap_err();
-    assert!(error.to_string().contains("no touch"), "{error}");
+    assert!(error.to_string().contains("no grazing"), "{error}");
     for bad in [f64::NAN, f64::INFINITY, -f64::INFINITY] {
         let error = orbit::locus(family, &grazing[0], bad, ranges.clone()).unwrap_err();
         assert!(matches!(error, Error::InvalidParameter { .. }), "{error}");

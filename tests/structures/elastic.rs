@@ -481,17 +481,17 @@ fn bad_elastic_contacts_are_refused() {
         (
             Contact::new(0, Coulomb::new(0.4, 0.3).unwrap(), 1.0),
             Some([0.4, 0.3]),
-            "has μ_s = 0.4 and μ̂(0) = 0.3, or changes",
+            "has μ_s = 0.4 and μ̂(0) = 0.3, or varies with the speed",
         ),
         (
             Contact::new(0, falls, 1.0),
             Some([0.4, 0.4]),
-            "has μ_s = 0.4 and μ̂(0) = 0.4, or changes",
+            "has μ_s = 0.4 and μ̂(0) = 0.4, or varies with the speed",
         ),
         (
             Contact::new(0, bristles, 1.0),
             None,
-            "never sticks: its friction at rest is what its memory says",
+            "never sticks: its friction at rest depends on its memory variables alone",
         ),
     ];
     for (contact, expected, says) in refused {
