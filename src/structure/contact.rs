@@ -9,12 +9,12 @@ use crate::error::{Element, Error};
 use crate::friction::memory::object::LawObject;
 use crate::friction::memory::{ContactLaw, Slip, validate};
 
-/// A friction contact: its direction, its law, its normal load and the velocity of the surface that
-/// it slides on.
+/// A friction contact: its direction, its law, its normal load, and the velocity of the surface on
+/// which it slides.
 ///
 /// ```text
 /// r = b·v − w(t)              relative velocity
-/// λ = N μ(r)                  friction in slip; it acts on the structure with −b λ
+/// λ = N μ(r)                  friction force in slip; the force on the structure is −b λ
 /// N = N0(t) + Σ n_j q_j       the normal load
 /// ```
 ///
@@ -27,24 +27,24 @@ use crate::friction::memory::{ContactLaw, Slip, validate};
 /// Loads are in units of force, n_j in force per displacement, w in units of velocity; μ and b are
 /// dimensionless. Doubling b doubles r and the force on the coordinates.
 ///
-/// If the load depends on time alone it may fall to 0 and rise again: between these times the
+/// If the load depends on time alone, it may fall to 0 and rise again: between these times the
 /// contact is open and transmits no friction. A load gradient describes a normal spring that is
-/// part of the stiffness matrix. That spring would pull for N < 0, so the motion ends with an error
-/// where N reaches 0. For a contact that opens and closes, use [its own normal
-/// spring](Self::with_normal_spring).
+/// part of the stiffness matrix. That spring would pull for N < 0, so the motion ends with
+/// [`Error::Separation`] when N falls to 0. To let such a contact open and close, use
+/// [`with_normal_spring`](Self::with_normal_spring) instead.
 ///
-/// A contact is rigid, or [elastic](Self::with_tangential_stiffness): a spring in series with a
-/// dry slider.
+/// A contact is either rigid or [elastic](Self::with_tangential_stiffness). An elastic contact is a
+/// spring in series with a friction slider.
 ///
-/// A touch is no event. A load that touches 0, from above or from below, does not open or close its
-/// contact, and a stick force that touches its limit does not end stick. A load touches 0 if it
-/// turns back within 8ε of 0 (ε = 2.2e-16), relative to the sum of the absolute values of its
-/// terms, or if one piece of a [`Drive`] ends at 0 and the next piece turns back. A stick force
-/// touches its limit if it turns back within 8ε of the limit, relative to the terms of force and
-/// limit.
+/// A quantity that reaches its threshold and turns back causes no event. A load that turns back at
+/// 0, from above or from below, does not open or close its contact; a stick force that turns back
+/// at its limit does not end stick. A load turns back at 0 if it has a local extremum within 8ε of
+/// 0 (ε = 2.2e-16), relative to the sum of the absolute values of its terms, or if one piece of a
+/// [`Drive`] ends at 0 and the next piece turns back. A stick force turns back at its limit if it
+/// has a local extremum within 8ε of the limit, relative to the terms of force and limit.
 ///
-/// The type of the law is not part of the type of the contact, so a structure may have contacts of
-/// different laws.
+/// The type of the law is not part of the type of the contact, so a structure may have contacts
+/// with different laws.
 ///
 /// ```
 /// use stick_slip::{Contact, Coulomb, Drive};
@@ -122,8 +122,8 @@ impl Contact {
     ///
     /// # Errors
     ///
-    /// [`Error::BadDirection`] unless at least one coordinate is given, all are different, and all
-    /// b_i are finite and not all 0; the errors of [`new`](Self::new).
+    /// [`Error::BadDirection`] unless at least one coordinate is given, all coordinates are
+    /// different, each b_i is finite, and at least one b_i ≠ 0; the errors of [`new`](Self::new).
     pub fn along<L: ContactLaw + Send + Sync + 'static>(
         direction: &[(usize, f64)],
         law: L,
@@ -164,19 +164,19 @@ impl Contact {
     /// contact between two coordinates, w(t) is subtracted from their relative velocity.
     ///
     /// The velocity must not jump, except at an elastic contact;
-    /// [`Structure::with_contact`](crate::Structure::with_contact) checks it.
+    /// [`Structure::with_contact`](crate::Structure::with_contact) checks this.
     pub fn on_belt(mut self, velocity: impl Into<Drive>) -> Self {
         self.belt_velocity = velocity.into();
         self
     }
 
-    /// Adds n·q to the normal load of the contact. q is the displacement of a coordinate, and n is
-    /// a force per displacement.
+    /// Adds n q to the normal load of the contact. q is the displacement of the coordinate, and n
+    /// is the gradient, in units of force per displacement.
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] unless n is finite, and its sum with the gradient already set
-    /// for that coordinate is finite.
+    /// [`Error::InvalidParameter`] unless n, and its sum with the gradient already set for that
+    /// coordinate, are finite.
     pub fn with_load_gradient(mut self, coordinate: usize, gradient: f64) -> Result<Self, Error> {
         let place = self
             .load_gradient
@@ -230,7 +230,7 @@ impl Contact {
     }
 
     /// Normal load N = N0(t) + Σ n_j q_j + k_n d·q at a time, in units of force; NaN if a
-    /// displacement is missing. If it is negative, the contact is open, or the motion has ended.
+    /// displacement is missing. If N is negative, the contact is open, or the motion has ended.
     pub fn load_at(&self, time: f64, displacements: &[f64]) -> f64 {
         let terms = self
             .whole_gradient()
@@ -314,8 +314,8 @@ impl Contact {
     }
 }
 
-/// The laws of two contacts are equal if they are laws of this crate with equal numbers, or one and
-/// the same law.
+/// Laws of this crate are equal if their types and numbers are equal. Any other law equals only
+/// itself, in a clone of its contact.
 impl PartialEq for Contact {
     fn eq(&self, other: &Self) -> bool {
         let laws = [&self.law, &other.law];

@@ -11,23 +11,23 @@ impl Contact {
     ///
     /// ```text
     /// stick:  T' = k_t r         while |T| ≤ μ N
-    /// slip:   T = σ μ N,         z' = r − σ μ N'/k_t  of the slider, with σ z' ≥ 0
+    /// slip:   T = σ μ N          z' = r − σ μ N'/k_t,  σ z' ≥ 0,  σ = ±1
     /// open:   T = 0              N ≤ 0
     /// ```
     ///
-    /// T, in units of force, takes the place of λ: the force on the structure is −b T. T is a
-    /// memory variable of the contact. In [`State::memory`](crate::structure::State::memory) it
-    /// follows the variables of the contacts before this one. Events refer to the slider:
-    /// [`EventKind::Stick`](crate::EventKind::Stick) where it stops,
-    /// [`EventKind::Release`](crate::EventKind::Release) where it starts, with the direction of z'.
-    /// In [`Mode::Stick`](crate::Mode::Stick) the slider sticks, and r may have any value. k_t is a
-    /// force per displacement b·q; μ is dimensionless. The velocity of the contact's surface may
-    /// jump.
+    /// z' is the velocity of the slider, and σ is its direction. The force T takes the place of λ:
+    /// the force on the structure is −b T. T is a memory variable of the contact. In
+    /// [`State::memory`](crate::structure::State::memory) T follows the variables of the contacts
+    /// before this one. Events refer to the slider: [`EventKind::Stick`](crate::EventKind::Stick)
+    /// when the slider stops, [`EventKind::Release`](crate::EventKind::Release) when it starts,
+    /// with the direction of z'. In [`Mode::Stick`](crate::Mode::Stick) the slider sticks, and r
+    /// may have any value. k_t is a force per displacement b·q, and μ is dimensionless. The
+    /// velocity of the contact's surface may jump.
     ///
-    /// The mode of an elastic contact does not depend on other contacts at the same instant. Any
-    /// number of elastic contacts may therefore have linearly dependent directions. For k_t → ∞ the
-    /// motion tends to that of the rigid contact, with a difference of order 1/√k_t; the number of
-    /// steps grows as √k_t.
+    /// The mode of an elastic contact does not depend on the modes of other contacts at the same
+    /// instant, so elastic contacts may have linearly dependent directions. For k_t → ∞ the motion
+    /// tends to that with a rigid contact, with a difference of order 1/√k_t; the number of steps
+    /// grows as √k_t.
     ///
     /// Source: G. M. Jenkins, *J. Appl. Phys.* 33 (1962); W. D. Iwan, *J. Appl. Mech.* 33 (1966)
     /// 893-900. The model is Moreau's sweeping process, called the *stop* operator in hysteresis
@@ -36,15 +36,15 @@ impl Contact {
     /// # Errors
     ///
     /// * [`Error::InvalidParameter`] unless k_t is positive and finite;
-    /// * [`Error::LawNotConstant`] unless the law is one constant, as `Coulomb::new(μ, μ)`: with
-    ///   larger static friction, or friction that falls with speed, the displacement of a slider
-    ///   without mass is not determined.
+    /// * [`Error::LawNotConstant`] unless the coefficient is constant, as in `Coulomb::new(μ, μ)`:
+    ///   if static friction is larger, or friction falls with speed, the displacement of a massless
+    ///   slider is not determined.
     ///
     /// ```
     /// use stick_slip::{Contact, Coulomb, Drive, Structure, structure::State};
     ///
-    /// // An element of k_t = 2 and μN = 3 on a surface that moves to 5, back to −5, and to 0: the
-    /// // mass is so heavy that it stays.
+    /// // An element with k_t = 2 and μN = 3 on a surface that moves to 5, to −5, and to 0. The
+    /// // mass is so large that it stays at rest.
     /// let way = [(0.0, -1.0), (5.0, -1.0), (5.0, 1.0), (15.0, 1.0), (15.0, -1.0)];
     /// let element = Contact::new(0, Coulomb::new(1.0, 1.0)?, 3.0)?
     ///     .with_tangential_stiffness(2.0)?
@@ -82,22 +82,22 @@ impl Contact {
         self.tangential_stiffness
     }
 
-    /// Adds a normal spring, by which the contact can open and close:
+    /// Adds a normal spring, so that the contact can open and close:
     ///
     /// ```text
     /// N = max(0, N0(t) + k_n d·q)
     /// ```
     ///
-    /// The closed spring acts on the structure with −d N. The d_j are dimensionless, k_n is a force
-    /// per displacement. The contact opens where N falls to 0 and closes where N rises above 0
-    /// again; both are events. N is continuous, so there is no impact. A load gradient adds n·q to
-    /// N. The contact may be rigid or elastic.
+    /// The force of the spring on the structure is −d N. The d_j are dimensionless, and k_n > 0 is
+    /// a force per displacement. The contact opens where N falls to 0 and closes where N rises
+    /// above 0 again; both are events. N is continuous, so there is no impact. A load gradient adds
+    /// n·q to N. The contact may be rigid or elastic.
     ///
     /// # Errors
     ///
-    /// * [`Error::BadDirection`] unless at least one coordinate is given, all are different, and
-    ///   all d_j are finite and not all 0;
-    /// * [`Error::InvalidParameter`] unless k_n, and each k_n d_j, is finite and k_n > 0.
+    /// * [`Error::BadDirection`] unless at least one coordinate is given, all coordinates are
+    ///   different, each d_j is finite, and at least one d_j ≠ 0;
+    /// * [`Error::InvalidParameter`] unless k_n > 0, and k_n and each k_n d_j are finite.
     ///
     /// ```
     /// use stick_slip::{Contact, Coulomb, EventKind, Structure, structure::State};
@@ -109,7 +109,7 @@ impl Contact {
     /// let motion = ball.simulate(State::new(&[0.0, 0.0], &[0.0, 1.0]), 3.0)?;
     /// let [open, close] = motion.events() else { panic!() };
     /// assert_eq!([open.kind, close.kind], [EventKind::Open, EventKind::Close]);
-    /// // It leaves the spring at 1/4, with v² = 1 − 1/4, and flies for 2 v.
+    /// // It leaves the spring at q = 1/4, with v² = 1 − 1/4, and flies for the time 2v.
     /// assert!((open.state.displacements[1] - 0.25).abs() < 1e-15);
     /// assert!((close.time - open.time - 2.0 * 0.75_f64.sqrt()).abs() < 1e-14);
     /// # Ok::<(), stick_slip::Error>(())
@@ -144,13 +144,13 @@ impl Contact {
         Some((direction, *stiffness))
     }
 
-    /// Returns elastic contacts in parallel that replace this contact. Each element is a pair of a
-    /// stiffness k_t and a share of the load, of the load gradient and of the stiffness of the
+    /// Returns elastic contacts in parallel that replace this contact. Each element is a pair: its
+    /// stiffness k_t, and its share of the load, of the load gradient and of the stiffness of the
     /// normal spring.
     ///
-    /// Shares are positive and dimensionless; their sum need not be 1. A load that varies acts on
-    /// all elements, each with its share. The elements of an [`Iwan4`](crate::Iwan4) model are
-    /// pairs of k_t and limit force: use them with a contact of μ = 1 and N = 1.
+    /// Shares are positive and dimensionless; their sum need not be 1. A load that varies is shared
+    /// in the same ratio at all times. The elements of an [`Iwan4`](crate::Iwan4) model are pairs
+    /// of k_t and limit force: use them with a contact that has μ = 1 and N = 1.
     ///
     /// # Errors
     ///

@@ -19,26 +19,27 @@ use crate::state::structure::State;
 /// E = ½ vᵀMv + ½ qᵀK_s q + Σ T²/(2k_t) + Σ N²/(2k_n),    K_s = (K + Kᵀ)/2
 /// stored = Σ force_work + Σ drive_work + Σ normal_work + circulation
 ///          − damper_loss − Σ friction_loss
-/// drive_work = belt_work + friction_loss + Δ[T²/(2k_t)]        T of an elastic contact
+/// drive_work = belt_work + friction_loss + Δ[T²/(2k_t)]        for each contact
 /// ```
 ///
 /// `stored` is E at the end of the motion minus E at its start; the other terms are integrals over
-/// the power series of the motion. Both balances hold up to rounding ([`defect`](Self::defect)). In
-/// a periodic motion `stored` is 0.
+/// the power series of the motion. Both balances hold up to rounding; [`defect`](Self::defect) is
+/// the residual of the first. In a periodic motion `stored` is 0.
 ///
-/// λ is the friction force of a contact, called T in an elastic contact. The force on the
-/// coordinates is −b λ, and the force on the moving surface, whose velocity is w, is λ.
+/// λ is the friction force of a contact (T in an elastic contact), N and k_n are the load and the
+/// stiffness of a normal spring, and Δ is the change over the motion. The force on the coordinates
+/// is −b λ, and the force on the moving surface, whose velocity is w, is λ.
 ///
 /// ```
 /// use stick_slip::{Contact, Coulomb, Structure, structure::State};
 ///
-/// // A block that is thrown onto the ground, and a belt that carries another one along.
+/// // Block 0 slides on the ground until it stops, and a belt carries block 1 along.
 /// let ground = Contact::new(0, Coulomb::new(0.4, 0.25)?, 8.0)?;
 /// let belt = Contact::new(1, Coulomb::new(0.4, 0.25)?, 8.0)?.on_belt(1.0);
 /// let blocks = Structure::new(&[2.0, 2.0])?.with_contact(ground)?.with_contact(belt)?;
 /// let motion = blocks.simulate(State::new(&[0.0, 0.0], &[3.0, 0.0]), 5.0)?;
 /// let energy = blocks.energy_budget(&motion)?;
-/// // ½·2·3² becomes heat. Of the belt's work half moves the block and half is heat: ½·2·1² each.
+/// // ½·2·3² becomes heat. Half of the belt's work moves block 1, and half is heat: ½·2·1² each.
 /// assert!((energy.friction_loss[0] - 9.0).abs() < 1e-14);
 /// assert!((energy.belt_work[1] - 1.0).abs() < 1e-15);
 /// assert!((energy.drive_work[1] - 2.0).abs() < 1e-15);
@@ -49,7 +50,7 @@ use crate::state::structure::State;
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct EnergyBudget {
-    /// The change of the energy E: its value at the end of the motion minus that at its start.
+    /// The change of the energy E: E at the end of the motion minus E at its start.
     pub stored: f64,
     /// Work of the force on each coordinate, ∫ f_i v_i dt.
     pub force_work: Vec<f64>,
@@ -57,24 +58,25 @@ pub struct EnergyBudget {
     /// pulls against friction.
     pub drive_work: Vec<f64>,
     /// Work that the friction of each contact does on the coordinates, −∫ λ b·v dt: positive if
-    /// friction carries the masses along.
+    /// friction drives the masses.
     pub belt_work: Vec<f64>,
     /// Heat in each contact, ∫ λ r dt; in an elastic contact ∫ μN|z'| dt, with the velocity z' of
-    /// its slider. In a contact with bristles it includes the energy stored in the bristles.
+    /// its slider. In a contact with bristles the heat includes the energy stored in the bristles.
     pub friction_loss: Vec<f64>,
-    /// Work of the load that presses each normal spring, ∫ N (N0' + n·v)/k_n dt; 0 for a contact
-    /// without such a spring.
+    /// Work that the load N0(t) + n·q does on each normal spring, ∫ N (N0' + n·v)/k_n dt; 0 for a
+    /// contact without a normal spring.
     pub normal_work: Vec<f64>,
     /// Heat in all dampers, ∫ vᵀCv dt.
     pub damper_loss: f64,
-    /// Work of the skew part of the stiffness matrix, −∫ vᵀ(K − Kᵀ)q/2 dt; 0 if K is symmetric.
+    /// Work of the skew-symmetric part of the stiffness matrix, −∫ vᵀ(K − Kᵀ)q/2 dt; 0 if K is
+    /// symmetric.
     pub circulation: f64,
 }
 
 impl EnergyBudget {
-    /// Residual of the energy balance: `stored` minus all work, plus all losses. It consists of
-    /// rounding errors; if the motion was computed with a looser tolerance, it estimates the error
-    /// of the motion.
+    /// Residual of the energy balance: `stored` minus all work, plus all losses. The residual
+    /// consists of rounding errors; if the motion was computed with a looser tolerance, the
+    /// residual estimates the error of the motion.
     pub fn defect(&self) -> f64 {
         let work = [&self.force_work, &self.drive_work, &self.normal_work];
         let work = work.into_iter().flatten().sum::<f64>() + self.circulation;

@@ -13,9 +13,9 @@ use crate::state::structure::State;
 /// The motion of a [`Structure`] from a start state: an unbounded iterator of [`Step`]s in constant
 /// memory.
 ///
-/// Returned by [`Integrator::flow`]. After an error the iterator returns `None`. If no velocity
-/// changes any more and no contact has another event, the last step has an infinite duration. A
-/// flow cannot be sent to another thread; a structure may be shared by threads.
+/// Returned by [`Integrator::flow`]. After an error the iterator returns `None`. If velocities no
+/// longer change and no further event follows, the last step has an infinite duration. A flow
+/// cannot be sent to another thread; a structure may be shared by threads.
 #[derive(Debug, Clone)]
 pub struct Flow<'s> {
     engine: Engine<'s>,
@@ -99,7 +99,7 @@ impl Structure {
     }
 
     /// The friction force λ_c of each contact at the given time in the given state, in units of
-    /// force. It has the sign of the relative velocity that it opposes. For contacts at r = 0,
+    /// force. λ_c has the sign of the relative velocity that it opposes. For contacts with r = 0,
     /// stick or slip is decided first, as at the start of a motion. The force of an open contact
     /// is 0.
     ///
@@ -111,7 +111,7 @@ impl Structure {
     /// ```
     /// use stick_slip::{Contact, Coulomb, Structure, structure::State};
     ///
-    /// // The torque in a locked clutch accelerates the other shaft.
+    /// // The torque in a locked clutch accelerates shaft 1.
     /// let clutch = Contact::between(0, 1, Coulomb::new(0.4, 0.3)?, 10.0)?;
     /// let shafts = Structure::new(&[1.0, 3.0])?.with_force(0, 2.0)?.with_contact(clutch)?;
     /// let state = State::at_rest(2);
@@ -124,8 +124,8 @@ impl Structure {
     }
 
     /// The acceleration v' of each coordinate at the given time in the given state, in units of
-    /// velocity per time. For contacts at r = 0, stick or slip is decided first, as at the start of
-    /// a motion.
+    /// velocity per time. For contacts with r = 0, stick or slip is decided first, as at the start
+    /// of a motion.
     ///
     /// # Errors
     ///

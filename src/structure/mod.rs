@@ -5,7 +5,7 @@
 //! use stick_slip::structure::State;
 //! use stick_slip::{Contact, Coulomb, Drive, Exponential, Structure};
 //!
-//! // Mass 0 rubs on a belt, mass 1 is shaken, and a spring and a friction joint couple them.
+//! // Mass 0 rubs on a belt, a force shakes mass 1; a spring and a friction joint couple them.
 //! let belt = Contact::new(0, Exponential::new(0.4, 0.25, 0.3)?, 1.0)?.on_belt(0.2);
 //! let joint = Contact::between(0, 1, Coulomb::new(0.3, 0.2)?, 0.5)?;
 //! let blocks = Structure::new(&[1.0, 1.0])?
@@ -25,7 +25,7 @@
 //! assert_eq!(release.time, stick.time);
 //! assert_eq!(motion.last().velocities[0], 0.2);
 //!
-//! // The periodic motion that it tends to: one period of the force, with 7 events, stable.
+//! // The periodic motion that follows has the period of the force and 7 events, and is stable.
 //! let orbit = orbit::settle(&blocks, &State::at_rest(2), 200.0, Period::Driven(1))?;
 //! assert_eq!(orbit.events().len(), 7);
 //! assert!((orbit.extremes(1).1 - 0.97596429903251).abs() < 1e-12);
@@ -35,9 +35,9 @@
 //!
 #![doc = include_str!("../figures/mode_coupling.svg")]
 //!
-//! *Small motions about steady sliding of a brake, by [`Structure::steady_sliding`], over the
-//! friction coefficient: two modes merge at μ = 0.75, and above it one of them grows; with dampers
-//! the growth begins at μ = 0.7575.*
+//! *Frequencies and growth rates of small motions about steady sliding of a brake, by
+//! [`Structure::steady_sliding`], over the friction coefficient μ. Without dampers two modes merge
+//! at μ = 0.75, and one of them grows at larger μ; with dampers growth begins at μ = 0.7575.*
 //!
 //! | question | answer |
 //! |---|---|
@@ -55,15 +55,15 @@
 //!
 //! # Frames that move at a varying speed
 //!
-//! Coordinates may be measured in a frame that rotates (or travels) with the velocity Ω(t): for a
-//! drill string, in the frame of its rotary table. Displacements then stay small. Let e_i be 1 for
-//! each coordinate that rotates with the frame and 0 for the others. Coordinates relative to the
-//! frame obey the same equations with these additions:
+//! Coordinates may be measured in a frame that rotates (or travels) with the velocity Ω(t), for
+//! example in the frame of the rotary table of a drill string. Displacements then stay small. Let
+//! e_i be 1 for each coordinate that rotates with the frame and 0 for the others. Coordinates
+//! relative to the frame obey the same equations with these additions:
 //!
 //! | in the frame | add |
 //! |---|---|
 //! | inertia | a force −(M e)_i Ω'(t) on each coordinate i |
-//! | a damper c between coordinate i and a part that does not rotate | the damper to the ground, and a force −c Ω(t) |
+//! | a damper c between coordinate i and a part that does not rotate | the damper to the ground, and a force −c Ω(t) on coordinate i |
 //! | a contact with a part that does not rotate, or with a surface of velocity w | a surface of velocity w(t) − (b·e) Ω(t) |
 //! | springs, dampers and contacts between rotating coordinates (b·e = 0) | nothing |
 //! | a spring or damper between a rotating coordinate and the frame itself | that spring or damper, to the ground |
@@ -72,7 +72,7 @@
 //! use stick_slip::{Contact, Coulomb, Drive, Structure, structure::State};
 //!
 //! // A bit of 400 kg m² on a pipe of 800 N m/rad. The rotary table speeds up from 6 rad/s to
-//! // 12 rad/s between 10 s and 40 s: Ω' = 0.2 rad/s². The mud around the bit brakes it.
+//! // 12 rad/s between 10 s and 40 s: Ω' = 0.2 rad/s². The mud around the bit brakes the bit.
 //! let (inertia, pipe, mud, rock) = (400.0, 800.0, 300.0, 500.0);
 //! let table = |factor: f64| Drive::profile(&[(10.0, factor * 6.0), (40.0, factor * 12.0)]);
 //! let speeds_up = [(10.0, 0.0), (10.0, -inertia * 0.2), (40.0, -inertia * 0.2), (40.0, 0.0)];
@@ -84,12 +84,12 @@
 //!     .with_contact(Contact::new(0, Coulomb::new(0.5, 0.5)?, rock)?.on_belt(table(-1.0)?))?;
 //! let motion = bit.simulate(State::at_rest(1), 80.0)?;
 //!
-//! // The pipe is twisted by rock and mud, and by the inertia of the bit as long as it speeds up.
+//! // Rock and mud twist the pipe, and so does the bit's inertia while the table speeds up.
 //! let twist = |time| -motion.state_at(time).unwrap().displacements[0];
 //! let steady = |speed: f64| (0.5 * rock + mud * speed) / pipe;
 //! assert!((twist(10.0) - steady(6.0)).abs() < 1e-1);
 //! assert!((twist(80.0) - steady(12.0)).abs() < 1e-5);
-//! let behind = mud * 0.2 / pipe; // the lag behind the ramp, in rad/s
+//! let behind = mud * 0.2 / pipe; // the lag of the bit behind the ramp, in rad/s
 //! let expected = steady(12.0) + inertia * 0.2 / pipe - mud * behind / pipe;
 //! assert!((twist(40.0) - expected).abs() < 1e-4);
 //! # Ok::<(), stick_slip::Error>(())

@@ -16,7 +16,8 @@ pub struct StabilityChange {
     pub time: f64,
     /// True if steady sliding is stable after this time.
     pub becomes_stable: bool,
-    /// Angular frequency of the small motion that neither grows nor decays there, per unit of time.
+    /// Angular frequency of the small motion that neither grows nor decays at this time, per unit
+    /// of time.
     pub frequency: f64,
 }
 
@@ -61,26 +62,28 @@ impl Structure {
     }
 
     /// The times at which steady sliding of the [frozen](Self::frozen) structure becomes unstable
-    /// or stable again, in ascending order: these times bound the vibration during a slow change of
-    /// speed or load.
+    /// or stable again, in ascending order. During a slow change of speed or load, these times
+    /// bound the ranges with vibration.
     ///
     /// Stability is computed at 257 equally spaced instants of the range, and at each instant at
-    /// which pieces of a profile meet. Each change is refined by bisection to the last bit.
-    /// Two changes between two of these instants can be missed; a narrower range is searched more
-    /// closely. Nothing is reported while there is no steady sliding (a belt at rest, no load).
+    /// which pieces of a profile meet. Each change is refined by bisection to the last bit. Two
+    /// changes between neighbouring instants can be missed; choose a narrower range for a denser
+    /// search. No change is reported while there is no steady sliding, for example while a belt is
+    /// at rest or a load is 0.
     ///
     /// # Delayed loss of stability
     ///
-    /// If the drives vary slowly, the motion does not vibrate at once after such a time. While
-    /// sliding was stable, a perturbation decayed as exp ∫Re s dt, with the leading eigenvalue s,
-    /// and it has to grow by the same factor before vibration is visible. If the drives are slow,
-    /// only the level to which the perturbation decays determines the delay. In exact arithmetic
-    /// the decay is not limited, and the delay is as long as the perturbation decayed before. In
-    /// floating-point arithmetic, rounding limits the decay to 10⁻¹⁶. In a real machine, roughness,
-    /// noise or external vibration limit the decay much earlier. The onset in a simulation without
-    /// a disturbance is therefore a property of the arithmetic. Add the disturbance that the
-    /// machine has at frequencies near [`StabilityChange::frequency`]; other frequencies have
-    /// little effect. (A kink of a profile is a disturbance, too.)
+    /// If the drives vary slowly, vibration does not begin immediately at such a time. While
+    /// sliding is stable, a perturbation decays as exp ∫Re s dt, with the leading eigenvalue s.
+    /// Afterwards the perturbation has to grow by the same factor before vibration is visible. For
+    /// slow drives, the delay is therefore determined by the level to which the perturbation
+    /// decays. In exact arithmetic the decay is not limited, and the delay lasts until growth has
+    /// compensated the whole decay. In floating-point arithmetic, rounding limits the decay to a
+    /// factor of about 10⁻¹⁶. In a real machine, roughness, noise or external vibration limit the
+    /// decay much earlier. In a simulation without a disturbance, the onset of vibration is
+    /// therefore a property of the arithmetic. Add the disturbance that the machine has at
+    /// frequencies near [`StabilityChange::frequency`]; other frequencies have little effect. (A
+    /// kink of a profile is a disturbance, too.)
     ///
     /// ```
     /// use stick_slip::{Contact, Drive, EventKind, Exponential, Structure, structure::State};

@@ -19,18 +19,19 @@ use crate::state::Direction;
 /// M δq'' + (C + Σ_c N_c dμ̂_c/ds b_c b_cᵀ) δq' + (K − Σ_c sgn(w_c) μ̂_c b_c n_cᵀ) δq = 0
 /// ```
 ///
-/// The memory variables z of a contact, such as bristles, have the values at which z' = 0. Their
-/// perturbations δz add −b_c N_c Σ_j ∂μ_c/∂z_j δz_j to the right side of the second equation, and
-/// they obey equations for δz' that are linear in δz and b_c·δq'.
+/// The symbols are those of [`Structure`]; δq is a perturbation of q, and s the sliding speed. The
+/// memory variables z of a contact, such as the deflection of bristles, have the values at which
+/// z' = 0. Their perturbations δz add −b_c N_c Σ_j ∂μ_c/∂z_j δz_j to the right side of the second
+/// equation, and δz' is linear in δz and b_c·δq'.
 ///
-/// A load that depends on displacements makes the stiffness matrix unsymmetric. Two modes can then
-/// merge, and one of them can grow (flutter by mode coupling), even if friction does not fall with
-/// speed.
+/// If a load depends on displacements, friction makes the stiffness matrix unsymmetric. Two modes
+/// can then merge, and one of them can grow (flutter by mode coupling), even if friction does not
+/// fall with speed.
 ///
 /// Eigenvalues come from the Schur form of the 2n × 2n matrix of the scaled system. Their error is
-/// about nε times the largest eigenvalue; it is √(nε) times the largest eigenvalue if two
-/// eigenvalues nearly coincide. Each memory variable adds a row to the matrix. Work grows as n³: a
-/// second for n = 100, minutes for 1000.
+/// about nε times the largest eigenvalue (ε = 2.2e-16), or √(nε) times the largest eigenvalue if
+/// two eigenvalues nearly coincide. Each memory variable adds a row to the matrix. The work grows
+/// as n³: a second for n = 100, minutes for n = 1000.
 ///
 /// ```
 /// use stick_slip::nalgebra::DMatrix;
@@ -64,10 +65,10 @@ pub struct SteadySliding {
     /// Displacement of each coordinate, in the units of the structure.
     pub displacements: Vec<f64>,
     /// Eigenvalues of small motions, in units of 1/time: two for each coordinate and one for each
-    /// memory variable. They are sorted by falling real part, and by falling imaginary part if real
-    /// parts are equal. The eigenvalue is −∞ for the force of an elastic contact, and for a memory
-    /// variable that neither changes in slip nor influences anything, such as the clock of a
-    /// [`Dwell`](crate::Dwell).
+    /// memory variable. They are sorted by descending real part; if real parts are equal, by
+    /// descending imaginary part. The eigenvalue is −∞ for the force of an elastic contact, and for
+    /// a memory variable that neither changes in slip nor influences anything, such as the clock of
+    /// a [`Dwell`](crate::Dwell).
     pub eigenvalues: Vec<Complex<f64>>,
 }
 
@@ -83,11 +84,12 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSteadySliding`] unless all drives are constant, every contact has a sliding
-    /// velocity w ≠ 0, every load is positive in the equilibrium, and K with the terms that
-    /// friction adds to it is not singular. To make K regular, restrain the rigid-body modes. For a
-    /// drill string that is turned at a given speed, use coordinates in the frame that rotates at
-    /// this speed: in this frame the drive is a spring to the ground.
+    /// [`Error::NoSteadySliding`], with the reason ([`NotSliding`]), if a drive varies, if a
+    /// contact has the sliding velocity w = 0, or if a load is not positive in the equilibrium. The
+    /// same error is returned if memory variables have no constant values, or if K with the terms
+    /// of friction is singular. To make K non-singular, restrain the rigid-body modes. For a drill
+    /// string that is driven at a given speed, use coordinates in the frame that rotates at this
+    /// speed: in this frame the driven end is fixed to the ground.
     pub fn steady_sliding(&self) -> Result<SteadySliding, Error> {
         SteadySliding::of(self)
     }

@@ -10,8 +10,8 @@ use crate::state::structure::State;
 
 /// A step of the motion of a [`Structure`](crate::Structure), with events at its end only.
 ///
-/// Returned by [`Integrator::flow`](crate::Integrator::flow), and stored in a [`Trajectory`].
-/// Between its ends it holds the power series of all velocities.
+/// Returned by [`Integrator::flow`](crate::Integrator::flow), and stored in a [`Trajectory`]. The
+/// step contains the power series of all velocities.
 #[derive(Clone)]
 pub struct Step {
     start: Clock,

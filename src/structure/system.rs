@@ -20,31 +20,32 @@ use crate::friction::memory::ContactLaw;
 /// load:   N_c = N0_c(t) + Σ_j n_cj q_j
 /// ```
 ///
-/// The n coordinates q_i are displacements, angles or modal coordinates; M, C and K are n × n. M is
-/// symmetric and positive definite, diagonal with [`new`](Self::new) and full with
-/// [`with_mass_matrix`](Self::with_mass_matrix). K and C need not be symmetric: follower forces and
-/// gyroscopic terms are allowed.
+/// The n coordinates q_i are displacements, angles or modal coordinates. Contact c has the friction
+/// force λ_c, the normal load N_c, the relative velocity r_c, and a surface of velocity w_c (0
+/// unless set). M, C and K are n × n. M is symmetric and positive definite: diagonal with
+/// [`new`](Self::new), full with [`with_mass_matrix`](Self::with_mass_matrix). K and C need not be
+/// symmetric: follower forces and gyroscopic terms are allowed.
 ///
 /// A [`Contact`] may have any direction b_c. A coordinate may have any number of contacts, and each
-/// contact may have its own law. The number of a contact is its place in the order of
+/// contact may have its own law. Contacts are numbered from 0 in the order of
 /// [`with_contact`](Self::with_contact).
 ///
 /// # Contacts that share masses
 ///
-/// The force in a sticking contact depends on the other contacts on the same masses. Their modes at
-/// r = 0 are therefore decided together:
+/// The force in a sticking contact depends on the other contacts on the same masses. Whether these
+/// contacts stick or slip at r = 0 is therefore decided for all of them together:
 ///
-/// * if static and kinetic coefficients are equal, exactly one combination of modes satisfies the
-///   equations, and it is taken;
+/// * if static and kinetic coefficients are equal, exactly one combination of stick and slip
+///   satisfies the equations, and this combination is taken;
 /// * otherwise the *fastest yields first*: all contacts start with their static limits. Among the
 ///   contacts that cannot stick, the one with the largest |r'|/(G_cc N μ_s), where G_cc = bᵀM⁻¹b,
 ///   drops to its kinetic friction, and the decision is repeated for the others. This rule is the
-///   limit of friction that falls from its static to its kinetic value within a very small sliding
-///   speed.
+///   limit of a friction law that falls from its static to its kinetic value within a range of
+///   sliding speeds that shrinks to 0.
 ///
 /// The result does not depend on the numbering of contacts. Contacts whose directions are linearly
-/// dependent (parallel clutches) may slide; if they come to rest at one time, the motion ends with
-/// [`Error::Undetermined`].
+/// dependent (parallel clutches) may slide; if they would stick at the same time, the motion ends
+/// with [`Error::Undetermined`].
 ///
 /// ```
 /// use stick_slip::{Contact, Coulomb, Rational, Structure};
@@ -66,11 +67,11 @@ use crate::friction::memory::ContactLaw;
 /// ```
 /// use stick_slip::{Contact, Coulomb, Structure, structure::State};
 ///
-/// // Two shafts of 1 and 0.5 kg m², at 5 rad/s and at rest, and a clutch that can carry 1.2 N m.
+/// // Two shafts, 1 kg m² at 5 rad/s and 0.5 kg m² at rest; the clutch slips at 1.2 N m.
 /// let clutch = Contact::between(0, 1, Coulomb::new(0.36, 0.3)?, 4.0)?;
 /// let shafts = Structure::new(&[1.0, 0.5])?.with_contact(clutch)?;
 /// let motion = shafts.simulate(State::new(&[0.0, 0.0], &[5.0, 0.0]), 5.0)?;
-/// // They lock when the clutch has taken away the difference of speeds, at the common momentum.
+/// // They lock when their speeds are equal; the angular momentum is conserved.
 /// let lock_up = &motion.events()[0];
 /// assert!((lock_up.time - 5.0 / (1.2 / 1.0 + 1.2 / 0.5)).abs() < 1e-15);
 /// assert!((motion.last().velocities[1] - 5.0 / 1.5).abs() < 1e-15);
@@ -144,12 +145,12 @@ impl Structure {
         })
     }
 
-    /// Creates a structure of free coordinates with an n × n mass matrix M, symmetric and positive
-    /// definite, such as that of a reduced finite-element model. A diagonal matrix gives the same
-    /// structure as [`new`](Self::new).
+    /// Creates a structure with an n × n mass matrix M, symmetric and positive definite, without
+    /// springs, dampers, forces or contacts. M may be that of a reduced finite-element model. A
+    /// diagonal matrix gives the same structure as [`new`](Self::new).
     ///
-    /// Entries (i, j) and (j, i) may differ by 4ε√(m_ii m_jj), the rounding error of a product
-    /// ΦᵀMΦ; their mean is taken.
+    /// Entries (i, j) and (j, i) may differ by up to 4ε√(m_ii m_jj) (ε = 2.2e-16), the rounding
+    /// error of a modal product ΦᵀMΦ; their mean is used.
     ///
     /// # Errors
     ///
@@ -163,8 +164,8 @@ impl Structure {
     /// use stick_slip::nalgebra::DMatrix;
     /// use stick_slip::{Contact, Coulomb, Structure};
     ///
-    /// // Two masses in coordinates x_0 = q_0 − q_1 and x_1 = q_1: the joint between them is along
-    /// // x_0 alone.
+    /// // Two masses in coordinates x_0 = q_0 − q_1 and x_1 = q_1: the joint between them has the
+    /// // direction x_0.
     /// let mass = DMatrix::from_row_slice(2, 2, &[1.0, 1.0, 1.0, 3.0]);
     /// let pair = Structure::with_mass_matrix(mass)?
     ///     .with_contact(Contact::new(0, Coulomb::new(0.4, 0.3)?, 1.0)?)?;
@@ -200,7 +201,7 @@ impl Structure {
     /// # Errors
     ///
     /// [`Error::NoSuchCoordinate`] if there is no coordinate i or j; [`Error::BadElement`] if i =
-    /// j, or if k is not finite, or if the stiffness is not finite after k is added.
+    /// j, or if k or the stiffness after the addition is not finite.
     pub fn with_spring(mut self, i: usize, j: usize, stiffness: f64) -> Result<Self, Error> {
         add_between(
             &mut self.stiffness,
@@ -225,8 +226,8 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchCoordinate`]; [`Error::BadElement`] if k is not finite, or if the stiffness
-    /// is not finite after k is added.
+    /// [`Error::NoSuchCoordinate`]; [`Error::BadElement`] if k or the stiffness after the addition
+    /// is not finite.
     pub fn with_ground_spring(mut self, i: usize, stiffness: f64) -> Result<Self, Error> {
         add(
             &mut self.stiffness,
@@ -252,8 +253,8 @@ impl Structure {
     /// # Errors
     ///
     /// [`Error::WrongSize`] unless the matrix has a row and a column for each coordinate;
-    /// [`Error::BadElement`] with the first entry that is not finite, in this matrix or in the sum
-    /// with the earlier one.
+    /// [`Error::BadElement`] with the first entry that is not finite, in this matrix or in its sum
+    /// with the matrix already there.
     #[allow(clippy::needless_pass_by_value)] // as the other builders take what they are given
     pub fn with_stiffness(mut self, stiffness: DMatrix<f64>) -> Result<Self, Error> {
         let names = [
@@ -283,8 +284,8 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchCoordinate`]; [`Error::BadElement`] if f_i is not finite, or if the total
-    /// force on the coordinate is not finite after f_i is added.
+    /// [`Error::NoSuchCoordinate`]; [`Error::BadElement`] if f_i or the total force on the
+    /// coordinate is not finite.
     pub fn with_force(mut self, i: usize, force: impl Into<Drive>) -> Result<Self, Error> {
         let element = Element::Force(i);
         let count = self.len();
@@ -306,8 +307,8 @@ impl Structure {
     ///   exist;
     /// * [`Error::BeltVelocityJumps`] if the contact is rigid and the velocity of its surface
     ///   jumps; [`Error::BadElement`] if that velocity is not finite at all times;
-    /// * [`Error::BadElement`] unless 1e-290 ≤ Σ b_j²/m_j ≤ 1e290, because forces would lose
-    ///   digits.
+    /// * [`Error::BadElement`] unless 1e-290 ≤ Σ b_j²/m_j ≤ 1e290: outside this range forces would
+    ///   lose digits.
     pub fn with_contact(mut self, contact: Contact) -> Result<Self, Error> {
         contact.check(self.contacts.len(), &self.masses)?;
         self.contacts.push(contact);
@@ -334,7 +335,7 @@ impl Structure {
         &self.masses
     }
 
-    /// M.
+    /// The mass matrix M.
     pub fn mass_matrix(&self) -> Cow<'_, DMatrix<f64>> {
         match &self.mass_matrix {
             Some(mass) => Cow::Borrowed(mass),
@@ -346,12 +347,12 @@ impl Structure {
         }
     }
 
-    /// K, in units of force per displacement.
+    /// The stiffness matrix K, in units of force per displacement.
     pub fn stiffness(&self) -> &DMatrix<f64> {
         &self.stiffness
     }
 
-    /// C, in units of force per velocity.
+    /// The damping matrix C, in units of force per velocity.
     pub fn damping(&self) -> &DMatrix<f64> {
         &self.damping
     }
@@ -366,8 +367,8 @@ impl Structure {
         &self.contacts
     }
 
-    /// The least common period of all drives: forces, loads and belts. `None` if all are constant
-    /// or have no common period; see [`Drive::period`].
+    /// The least common period of all drives: forces, loads and belt velocities. `None` if all are
+    /// constant or have no common period; see [`Drive::period`].
     ///
     /// ```
     /// use stick_slip::{Contact, Coulomb, Drive, Structure};
@@ -407,7 +408,7 @@ impl Structure {
 }
 
 /// The mass on a belt as a structure of one coordinate, with contact 0: m = 1, K = 1, C = 2β, load
-/// γ², belt velocity v_b. Its motions have the same events.
+/// γ², belt velocity v_b. The motions of both have the same events.
 ///
 /// ```
 /// use stick_slip::{MassOnBelt, Polynomial, Structure};
