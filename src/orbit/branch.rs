@@ -15,8 +15,8 @@ use crate::motion::{EventKind, System};
 pub struct Branch<S: System> {
     /// The motions, from one end of the branch to the other.
     pub points: Vec<BranchPoint<S>>,
-    /// The bifurcations between them, in the same order. If the branch ends at a grazing, that
-    /// grazing is stored here too, as the first or the last entry.
+    /// The bifurcations between the motions, in the same order. If the branch ends at a grazing,
+    /// this grazing is stored here too, as the first or the last entry.
     pub bifurcations: Vec<Bifurcation<S>>,
     /// The reasons why the branch ends before its first point, and after its last one.
     pub ends: [BranchEnd; 2],
@@ -39,8 +39,8 @@ pub struct Bifurcation<S: System> {
     pub parameter: f64,
     /// The kind of bifurcation.
     pub kind: BifurcationKind,
-    /// The motion at the bifurcation; at a change of the event sequence, the motion on the smoother
-    /// side.
+    /// The motion at the bifurcation; at a change of the event sequence, the motion on the side on
+    /// which perturbations grow less within a period.
     pub orbit: Orbit<S>,
     /// The number of the last point of the branch before it.
     pub(super) behind: usize,
@@ -62,18 +62,17 @@ pub enum BifurcationKind {
     /// A multiplier is −1: a motion of twice the period is born. [`Bifurcation::switch`] finds it.
     Flip,
     /// A multiplier of a symmetric motion is +1, but the branch continues. Two motions without the
-    /// symmetry are born, which are mirror images of each other. [`Bifurcation::switch`] finds
-    /// them.
+    /// symmetry, mirror images of each other, are born. [`Bifurcation::switch`] finds them.
     ///
     /// A motion is symmetric if x(t + T/2) = c − x(t) with constant c: see [`Orbit::is_symmetric`].
     /// At a pitchfork, the map over half a period followed by the reflection x → c − x has the
     /// multiplier −1. (A symmetric motion has no flip: its multipliers are the squares of those of
-    /// this map, and −1 would be the square of ±i.)
+    /// this map. A multiplier −1 would be the square of i and of −i, and therefore double.)
     Pitchfork,
-    /// A pair of multipliers lies on the unit circle: motions on a torus are born.
+    /// A pair of multipliers lies on the unit circle: quasi-periodic motions on a torus are born.
     NeimarkSacker,
-    /// A slipping contact reaches relative velocity 0 tangentially, or a sticking one reaches its
-    /// largest force tangentially: a pair of events is born.
+    /// A slipping contact reaches relative velocity 0 tangentially, or the force of a sticking
+    /// contact reaches its limit tangentially: two new events appear.
     Grazing,
     /// One event changes into others (a crossing into a stop, for example), or two events of
     /// different contacts change their order.
@@ -101,9 +100,10 @@ impl fmt::Display for BifurcationKind {
 
 /// The side of a Hopf point, a flip or a pitchfork on which the new motions exist.
 ///
-/// For a Hopf point of a mass on a belt, the sign of μ̂'''(v_b) decides, by the averaged equation
-/// A' = −½h1 A − (3/8)h3 A³ with h3 = γ² μ̂'''(v_b)/6 (Eq. 12 of Farshidianfar and Noei Aghaee, for
-/// any law). For a Hopf point of a structure, the sign of the first Lyapunov coefficient decides.
+/// For a Hopf point of a mass on a belt, the sign of μ̂'''(v_b) decides. The amplitude A obeys the
+/// averaged equation A' = −½h1 A − (3/8)h3 A³, with the damping h1 of steady sliding and h3 = γ²
+/// μ̂'''(v_b)/6 (Eq. 12 of Farshidianfar and Noei Aghaee, for any law). For a Hopf point of a
+/// structure, the sign of the first Lyapunov coefficient decides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -111,12 +111,13 @@ impl fmt::Display for BifurcationKind {
     serde(rename_all = "snake_case")
 )]
 pub enum Criticality {
-    /// The new motions are stable and exist where the old motion is unstable: μ̂'''(v_b) > 0.
+    /// The new motions are stable and exist where the old motion is unstable (for a mass on a belt:
+    /// μ̂'''(v_b) > 0).
     Supercritical,
-    /// The new motions are unstable and exist where the old motion is still stable: μ̂'''(v_b) < 0.
+    /// The new motions are unstable and exist where the old motion is still stable (for a mass on a
+    /// belt: μ̂'''(v_b) < 0).
     Subcritical,
-    /// Not decided: the coefficient is zero, so that higher-order terms decide, or it is not a
-    /// number.
+    /// Not decided: the coefficient is NaN, or it is 0 and terms of higher order decide.
     Degenerate,
 }
 
@@ -145,13 +146,13 @@ pub enum BranchEnd {
     /// branch the relative velocity of a contact reaches 0 tangentially, and beyond the end it does
     /// not reach 0.
     Grazing {
-        /// The parameter there, to rounding. The motion there is stored as the first or the last
-        /// entry of [`Branch::bifurcations`]. The derivative of its map is unbounded; its first
-        /// multiplier is infinite, and the others are NaN.
+        /// The parameter of the end, to rounding. The motion at the end is stored as the first or
+        /// the last entry of [`Branch::bifurcations`]. The derivative of its period map is
+        /// unbounded: the first multiplier is infinite, and the others are NaN.
         parameter: f64,
     },
     /// The motion itself jumps as the parameter passes this value, and the branch cannot continue.
-    /// At one instant of the period, the motions on the two sides have different modes at a
+    /// From one instant of the period on, the motions on the two sides have different modes at a
     /// contact. There are two cases. In the first case the force of the contact, in stick or at the
     /// start of stick, just reaches the static limit; beyond that parameter the contact slips at
     /// this instant, and its force jumps if static friction exceeds kinetic friction. In the second
@@ -163,12 +164,12 @@ pub enum BranchEnd {
         /// The time at which the motions on the two sides of the jump separate, since the start of
         /// the period, in units of time.
         time: f64,
-        /// The contact at which they separate.
+        /// The contact at which the motions separate.
         contact: usize,
         /// The events of the last motion, by contact and kind.
         events: Vec<(usize, EventKind)>,
-        /// The events of the motion from the same start just beyond. If this list equals `events`,
-        /// the two motions differ in the time of an event at `contact`: that time jumps.
+        /// The events of the motion from the same start just beyond the parameter. If this list
+        /// equals `events`, the time of an event at `contact` jumps.
         beyond: Vec<(usize, EventKind)>,
     },
     /// The branch is a closed curve: it returned to its start.
@@ -181,8 +182,8 @@ pub enum BranchEnd {
         /// The last parameter at which a motion was found.
         parameter: f64,
     },
-    /// The motion was lost: the family has no system there, or Newton's method does not converge
-    /// even with the shortest step.
+    /// The motion was lost: the family has no system at the next parameter, or Newton's method does
+    /// not converge even with the shortest step.
     Lost {
         /// The last parameter at which a motion was found.
         parameter: f64,

@@ -31,8 +31,8 @@ pub enum Attractor<S: System> {
     PureSlip(Box<Orbit<S>>),
     /// A periodic motion in which at least one contact alternates between stick and slip.
     StickSlip(Box<Orbit<S>>),
-    /// Not periodic within 16 returns (see [`classify`]) after 1.3·10⁵ steps: a chaotic or
-    /// quasi-periodic motion, or a transient that decays very slowly.
+    /// No periodic motion within 16 returns (see [`classify`]) was found in 1.3·10⁵ steps: a
+    /// chaotic or quasi-periodic motion, or a transient that decays very slowly.
     /// [`lyapunov`](super::lyapunov()) identifies chaos.
     Irregular,
 }
@@ -82,7 +82,7 @@ impl<S: System> Attractor<S> {
         }
     }
 
-    /// The periodic motion, if it is one.
+    /// The periodic motion; `None` if the attractor is not a periodic motion.
     pub fn orbit(&self) -> Option<&Orbit<S>> {
         match self {
             Self::PureSlip(orbit) | Self::StickSlip(orbit) => Some(orbit),
@@ -115,25 +115,25 @@ impl<S: System> fmt::Debug for Attractor<S> {
 /// The attractor that the motion from a start at time 0 reaches: rest, steady sliding, a periodic
 /// motion with or without stick, or none of these.
 ///
-/// The motion is simulated until it stands still, or until it nearly repeats itself after 1 to 16
-/// returns to an event, to a turning point, or to the same phase of the drives. From this state
-/// [`shoot`] finds the periodic motion to rounding. The periodic motion is returned if two
-/// conditions hold: it differs from the simulated motion by at most 5 % of the extent, and it is
-/// stable or the simulated motion already repeats itself to 10⁻⁹ of the extent. Otherwise the
-/// simulation continues. The result is therefore the attractor of this start; other starts may
-/// reach other attractors.
+/// The motion is simulated until it stands still, or until its state nearly repeats after 1 to 16
+/// returns. A return is an event of one kind, a turning point of one coordinate, or a fixed phase
+/// of the drives. From a state at a return, [`shoot`] finds the periodic motion to rounding. This
+/// motion is the result if it is stable and differs from the simulated motion by at most 5 % of the
+/// extent. (An unstable motion is the result only if the simulated motion already repeats itself to
+/// 10⁻⁹ of the extent.) Otherwise the simulation continues. The result is therefore the attractor
+/// of this start; other starts may reach other attractors.
 ///
-/// If no drive varies, the motion counts as steady sliding or rest when two conditions have held
-/// for at least 256 steps: no event happens, and all velocities are at most 10⁻⁶ of the largest
-/// velocity so far (of masses or belts). In a system that can be
-/// [translated](super#motions-that-are-translated), all velocities must be constant to this
-/// accuracy instead. A start exactly on an unstable equilibrium, or on an unstable periodic motion,
-/// stays there: perturb it.
+/// The motion counts as steady sliding or rest if no drive varies and, for at least 256 steps, no
+/// event happens and all velocities are at most 10⁻⁶ of the largest velocity so far (of masses or
+/// belts). In a system that can be [translated](super#motions-that-are-translated), the velocities
+/// must be constant to this accuracy instead. A start exactly on an unstable equilibrium, or on an
+/// unstable periodic motion, stays there: perturb the start.
 ///
 /// The work is at most 1.3·10⁵ steps of the motion (about 10⁴ oscillations) and ten searches by
 /// [`shoot`]; a motion that needs more counts as irregular. [`Search::classify`] sets another bound
-/// and takes a watcher. For one mass on a belt
-/// [`limit_cycle::attractor`](crate::limit_cycle::attractor) decides without simulation.
+/// and takes a watcher. For one mass on a belt,
+/// [`limit_cycle::attractor`](crate::limit_cycle::attractor) finds the attractor without
+/// simulation.
 ///
 /// # Errors
 ///

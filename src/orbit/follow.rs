@@ -34,24 +34,25 @@ use crate::state::structure::State;
 /// The curve of solutions is followed by pseudo-arclength continuation: a step in the direction of
 /// the tangent, then Newton's method on a plane across the tangent, with the exact derivative of
 /// the period map. The order of stick and slip is not prescribed. If the events of two neighbouring
-/// motions differ, bisection encloses the change between them, down to neighbouring numbers or to
+/// motions differ, bisection brackets the change of events, down to neighbouring numbers or to
 /// rounding. The branch then continues beyond the change.
 ///
-/// At a bifurcation a test function changes its sign: dp/ds (with the arclength s) or Π(1 − μ) at a
-/// fold, Π(1 + μ) at a flip, and Π(1 − μ_i μ_j) at a Neimark-Sacker bifurcation, where a complex
-/// pair lies on the unit circle. Each bifurcation is refined along the arclength, and every motion
-/// tried there is corrected by Newton's method. Two bifurcations of one kind within one step (at
-/// most 1/64 of the range) can be missed; in a narrower range the steps are shorter. In a continuum
-/// of motions one multiplier is always 1, and the nearest motion is taken.
+/// At a bifurcation a test function changes its sign: dp/ds (with the arclength s) or Π(1 − μ)
+/// (with the multipliers μ) at a fold, Π(1 + μ) at a flip, and Π(1 − μ_i μ_j) at a Neimark-Sacker
+/// bifurcation, where a complex pair lies on the unit circle. Each bifurcation is refined along the
+/// arclength, and every motion tried there is corrected by Newton's method. Two bifurcations of one
+/// kind within one step (at most 1/64 of the range) can be missed; in a narrower range the steps
+/// are shorter. In a continuum of motions one multiplier is always 1, and the motion nearest the
+/// predicted one is taken.
 ///
 /// The start of each autonomous motion of the branch is a turning point of one coordinate.
 ///
-/// The limits in each direction are 2048 points, and 50 000 motions of 10⁷ steps in all; [`Search`]
-/// sets other limits and takes a watcher; the page of `Search` states the cost. If a motion is
-/// lost, the branch up to this motion is returned: [`Branch::ends`] gives the reason for each end.
-/// If the motion itself jumps as the parameter passes a value, the branch ends with
-/// [`BranchEnd::Discontinuity`]; if the jump is less than 1e-3 of the motion's size, the branch
-/// continues with the neighbouring motion on the other side, if one is found.
+/// The limits in each direction are 2048 points, 50 000 motions tried, and 10⁷ steps in total.
+/// [`Search`] sets other limits and takes a watcher; the page of `Search` states the cost. If a
+/// motion is lost, the branch up to this motion is returned, and [`Branch::ends`] gives the reason
+/// for each end. If the motion itself jumps as the parameter passes a value, the branch ends with
+/// [`BranchEnd::Discontinuity`]. If the jump is less than 1e-3 of the motion's size and a
+/// neighbouring motion is found on the other side, the branch continues with that motion.
 ///
 /// Sources: Kuznetsov, *Elements of Applied Bifurcation Theory*, chapter 10 (continuation, test
 /// functions); Dankowicz and Schilder, *Recipes for Continuation*, chapters 9 and 17 (motions of
@@ -60,9 +61,9 @@ use crate::state::structure::State;
 ///
 /// # Errors
 ///
-/// [`Error::InvalidParameter`] unless the range is finite and not empty and holds the parameter;
+/// [`Error::InvalidParameter`] unless the range is finite, is not empty and contains the parameter;
 /// [`Error::At`], with the parameter, if the family has no system at this parameter, if `from` is
-/// not a motion of that system, or if a system refuses a motion that was found.
+/// not a motion of that system, or if a system returns an error for a motion that was found.
 ///
 /// ```
 /// use stick_slip::orbit::{self, BifurcationKind, Period};

@@ -142,12 +142,13 @@ impl<S: System> Orbit<S> {
         &self.events
     }
 
-    /// The Floquet multipliers, by falling modulus, dimensionless: two for each coordinate and one
-    /// for each memory variable. The multiplier 1 that every autonomous motion has is left out, and
-    /// so is that of a [translation](super#motions-that-are-translated).
+    /// The Floquet multipliers, by descending modulus, dimensionless: two for each coordinate and
+    /// one for each memory variable. The multiplier 1 that every autonomous motion has is left out,
+    /// and so is that of a [translation](super#motions-that-are-translated).
     ///
-    /// A small perturbation of the motion is multiplied by them in each period. Multipliers that
-    /// are 0 because of stick are exactly 0: see [the page of this module](super#multipliers).
+    /// A small perturbation along an eigenvector is multiplied by its multiplier in each period.
+    /// Multipliers that are 0 because of stick are exactly 0: see [the page of this
+    /// module](super#multipliers).
     #[doc(alias = "Floquet")]
     pub fn multipliers(&self) -> &[Complex<f64>] {
         &self.multipliers
@@ -157,8 +158,8 @@ impl<S: System> Orbit<S> {
     ///
     /// If there are such contacts, the motion belongs to a continuous family. The position at which
     /// a rigid contact sticks is arbitrary, and so is the position of the slider of an elastic
-    /// contact (and with it the residual force in a joint). The motion found has the positions of
-    /// the guess. The multipliers 1 of the family are left out.
+    /// contact (and with it the residual force in a joint). The positions are those of the guess.
+    /// The multipliers 1 of the family are left out.
     pub fn unslipped(&self) -> &[usize] {
         &self.unslipped
     }

@@ -189,9 +189,9 @@ fn sign_change(
 ///
 /// The motion is stable if l1 < 0 and no other eigenvalue is in the right half plane
 /// ([`HopfPoint`](crate::bifurcation::HopfPoint) gives l1). If friction is linear in the sliding
-/// speed until a contact sticks (Coulomb), small periodic motions exist at p0 only, where they form
-/// a continuum. One of these motions is returned. The branch of motions at other parameters begins
-/// with the motion whose largest velocity equals the belt velocity.
+/// speed until a contact sticks (as with Coulomb's law), small periodic motions exist at p0 only
+/// and form a continuum. One of these motions is returned. The branch of motions at other
+/// parameters begins with the motion whose largest velocity equals the belt velocity.
 ///
 /// Source: Kuznetsov, *Elements of Applied Bifurcation Theory*, sections 3.4, 5.4 and 10.2.
 ///
@@ -207,7 +207,7 @@ fn sign_change(
 /// use stick_slip::orbit::{self, AttractorKind, BranchEnd};
 /// use stick_slip::{Contact, Error, Exponential, Structure};
 ///
-/// // A mass on a belt: steady sliding is neutral at 2β = −dμ̂/ds, near v_b = 0.74.
+/// // A mass on a belt: steady sliding is neutral at the damping 0.1 = −dμ̂/ds, near v_b = 0.74.
 /// let mass = |velocity: f64| -> Result<Structure, Error> {
 ///     let law = Exponential::new(0.4, 0.25, 0.5)?;
 ///     Structure::new(&[1.0])?
@@ -216,7 +216,7 @@ fn sign_change(
 ///         .with_contact(Contact::new(0, law, 1.0)?.on_belt(velocity))
 /// };
 /// let born = orbit::begin(mass, 0.74)?;
-/// // Above √(3/2)·0.5 the bifurcation is subcritical: an unstable motion beside steady sliding.
+/// // Above v_b = √(3/2)·0.5 the bifurcation is subcritical: the motion that is born is unstable.
 /// assert!(born.parameter > 0.738553461542470176 && !born.orbit.is_stable());
 ///
 /// let branch = orbit::follow(mass, born.parameter, &born.orbit, 0.5..1.0)?;

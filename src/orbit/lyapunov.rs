@@ -17,8 +17,8 @@ use crate::structure::Step;
 pub struct LyapunovExponent {
     /// The exponent, per unit of time.
     pub value: f64,
-    /// Its standard error, from the differences between 16 parts of the duration, per unit of time;
-    /// infinite with fewer than two parts.
+    /// The standard error of the exponent, per unit of time, from the differences between 16 parts
+    /// of the duration; infinite with fewer than two parts.
     pub spread: f64,
 }
 
@@ -70,24 +70,24 @@ pub fn lyapunov<S: Oscillator>(
 /// λ = lim ln(|δx(t)|/|δx(0)|)/t
 /// ```
 ///
-/// A positive exponent means chaos. For a stable periodic motion it is ln|μ|/T, with the largest
-/// multiplier μ. For an autonomous motion the exponent 0 of a shift along the orbit is left out,
-/// like the multiplier 1, and so is that of a [translation](super#motions-that-are-translated). The
-/// exponent is −∞ if every perturbation decays to zero. It is 0 if all masses stick for ever to
-/// surfaces at rest, because a perturbation of the displacement then remains. The perturbation is a
-/// solution of the variational equations, not a difference of motions, so no digits cancel; memory
-/// use is constant.
+/// A positive exponent means chaos. For a stable periodic motion the exponent is ln|μ|/T, with the
+/// largest multiplier μ and the period T. For an autonomous motion the exponent 0 of a shift along
+/// the orbit is left out, like the multiplier 1, and so is that of a
+/// [translation](super#motions-that-are-translated). The exponent is −∞ if every perturbation
+/// decays to zero. It is 0 if all masses stick for ever to surfaces at rest, because a perturbation
+/// of a displacement then remains. The perturbation δx is a solution of the variational equations,
+/// not a difference of motions, so no digits cancel; memory use is constant.
 ///
-/// The duration determines the cost and the standard error, which falls at least as fast as
+/// The cost is proportional to the duration; the standard error falls at least as fast as
 /// 1/√duration. Three masses with natural frequencies of order 1 take about 0.15 ms for each unit
 /// of time, so 10 000 units take 1.5 s. A run up to the bound of 10⁶ steps takes 10 to 20 s for
 /// three masses; [`Search::with_max_steps`] lowers this bound.
 ///
 /// # Errors
 ///
-/// [`Error::InvalidDuration`] unless both times are finite, the transient not negative and the
-/// duration positive; [`Error::TooManySteps`], with the time and state reached, after 10⁶ steps
-/// (about 10⁵ oscillations); the other errors of [`Integrator::simulate`].
+/// [`Error::InvalidDuration`] unless both times are finite, the transient is ≥ 0 and the duration
+/// is > 0; [`Error::TooManySteps`], with the time and state reached, after 10⁶ steps (about 10⁵
+/// oscillations); the other errors of [`Integrator::simulate`].
 ///
 /// Source: G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, *Meccanica* 15 (1980) 9-30; for
 /// events, P. C. Müller, *Chaos, Solitons & Fractals* 5 (1995) 1671-1681.

@@ -145,16 +145,17 @@ impl<S: System> Orbit<S> {
     }
 }
 
-/// Measures, by the names that they have for a [`LimitCycle`](crate::LimitCycle): NaN if there is
-/// no such coordinate or contact.
+/// Measures of the motion, with the names of those of a [`LimitCycle`](crate::LimitCycle). A
+/// measure is NaN if the coordinate or the contact does not exist.
 impl<S: System> Orbit<S> {
     /// Angular frequency ω = 2π/T, per unit of time.
     pub fn frequency(&self) -> f64 {
         std::f64::consts::TAU / self.period()
     }
 
-    /// Least and largest displacement of a coordinate; if the motion is
-    /// [translated](Self::mean_velocity), in the frame that moves at the mean velocity from time 0.
+    /// Least and largest displacement of a coordinate. If the motion is
+    /// [translated](Self::mean_velocity), displacements are relative to a frame that moves at the
+    /// mean velocity from time 0 on.
     pub fn extremes(&self, coordinate: usize) -> (f64, f64) {
         self.range(coordinate, 0)
     }
@@ -190,7 +191,7 @@ impl<S: System> Orbit<S> {
     /// let harmonics = orbit.harmonics(0, 3);
     /// assert!(harmonics[0].norm() > 3.0 * harmonics[1].norm());
     ///
-    /// // What the force and the belt supply becomes heat, in the damper and in the contact.
+    /// // The work of the force and of the belt becomes heat, in the damper and in the contact.
     /// let energy = orbit.energy();
     /// let heat = energy.damper_loss + energy.friction_loss[0];
     /// assert!((energy.force_work[0] + energy.drive_work[0] - heat).abs() < 1e-14);
@@ -204,10 +205,10 @@ impl<S: System> Orbit<S> {
     /// Mean velocity V = (q(T) − q(0))/T of a coordinate; 0 unless the motion is periodic only
     /// [up to a translation](super#motions-that-are-translated).
     ///
-    /// The displacement is then the sum of Vt and a periodic part. [`extremes`](Self::extremes),
+    /// The displacement is the sum of Vt and a periodic part. [`extremes`](Self::extremes),
     /// [`amplitude`](Self::amplitude), [`mean_displacement`](Self::mean_displacement) and
-    /// [`harmonics`](Self::harmonics) are those of the periodic part. The result is NaN if there is
-    /// no such coordinate.
+    /// [`harmonics`](Self::harmonics) are those of the periodic part. The result is NaN if the
+    /// coordinate does not exist.
     pub fn mean_velocity(&self, coordinate: usize) -> f64 {
         self.coordinate(coordinate, |of| of.mean_velocity)
             .unwrap_or(f64::NAN)
@@ -238,8 +239,8 @@ impl<S: System> Orbit<S> {
         largest.max(-least)
     }
 
-    /// Time that a contact sticks in each period, in units of time; NaN if there is no such
-    /// contact.
+    /// Time that a contact sticks in each period, in units of time; NaN if the contact does not
+    /// exist.
     pub fn stick_duration(&self, contact: usize) -> f64 {
         self.contact(contact, |of| of.stick_duration)
     }
@@ -262,8 +263,8 @@ impl<S: Oscillator> Orbit<S> {
     /// Complex amplitudes of the first n harmonics of a coordinate's displacement: (2/T)∮q
     /// e^(−ikωt) dt for k = 1, …, n, with ω = 2π/T and the time counted from
     /// [`state`](Self::state). The modulus is the amplitude of the harmonic. Each harmonic is
-    /// computed by a separate quadrature, so the cost grows with n². The list is empty if there is
-    /// no such coordinate.
+    /// computed by a separate quadrature, so the cost grows with n². The list is empty if the
+    /// coordinate does not exist.
     #[doc(alias = "spectrum")]
     #[doc(alias = "fft")]
     pub fn harmonics(&self, coordinate: usize, n: usize) -> Vec<Complex<f64>> {
@@ -309,7 +310,7 @@ impl<S: Oscillator> Orbit<S> {
     }
 
     /// Complex amplitudes of the first n harmonics of a coordinate's acceleration: (ikω)² times
-    /// those of its displacement. If the acceleration jumps at events, these amplitudes fall off
+    /// those of its displacement. If the acceleration jumps at events, the k-th amplitude decreases
     /// only as 1/k.
     #[doc(alias = "spectrum")]
     #[doc(alias = "fft")]

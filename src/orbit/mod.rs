@@ -1,6 +1,6 @@
-//! Periodic motions of any system, exact to rounding, found from a guess, with all their Floquet
-//! multipliers. Also branches of periodic motions over a parameter, Poincaré sections, and the
-//! largest Lyapunov exponent.
+//! Periodic motions of any system, found from a guess and exact to rounding, with all their Floquet
+//! multipliers. The module also computes branches of periodic motions over a parameter, Poincaré
+//! sections, and the largest Lyapunov exponent.
 //!
 //! ```
 //! use stick_slip::orbit::{self, Period};
@@ -15,13 +15,13 @@
 //!     .with_force(0, Drive::harmonic(0.15, 0.8, 0.0)?)?
 //!     .with_contact(contact)?;
 //!
-//! // Simulate a transient, then find the motion of the force's period that it tends to.
+//! // Simulate a transient, then find the periodic motion that follows: its period is the force's.
 //! let orbit = orbit::settle(&forced, &State::at_rest(1), 100.0, Period::Driven(1))?;
 //! let kinds: Vec<String> = orbit.events().iter().map(|event| event.kind.to_string()).collect();
 //! assert_eq!(kinds, ["release (lagging)", "stick"]);
 //! assert!((orbit.extremes(0).1 - 0.5884147960427818).abs() < 1e-14);
 //!
-//! // It sticks, so one multiplier is 0.
+//! // The mass sticks, so one multiplier is 0.
 //! let [first, second] = orbit.multipliers() else { panic!() };
 //! assert!((first.re - 0.09088860389457677).abs() < 1e-13);
 //! assert_eq!(second.norm(), 0.0);
@@ -40,63 +40,64 @@
 //! |---|---|---|
 //! | [`MassOnBelt`](crate::MassOnBelt): every periodic motion | [`limit_cycle::find`](crate::limit_cycle::find) | complete, except [pairs that lie very close together](crate::limit_cycle#what-is-guaranteed) |
 //! | `MassOnBelt`: the attractor reached from a start | [`limit_cycle::attractor`](crate::limit_cycle::attractor), [`basins`](crate::limit_cycle::basins()) | complete, with the same exception |
-//! | `MassOnBelt`: parameters at which motions appear and vanish | [`bifurcation`](crate::bifurcation) | as dense as each function states |
+//! | `MassOnBelt`: parameters at which motions appear and vanish | [`bifurcation`](crate::bifurcation) | each function states how densely it searches |
 //! | any system: the motion near a guess, stable or not | [`shoot`] | one motion, exact to rounding, or a typed error |
-//! | any system: the periodic motion that a start settles to | [`settle`] | one motion, exact to rounding, or a typed error |
+//! | any system: the periodic motion after a transient from a start | [`settle`] | one motion, exact to rounding, or a typed error |
 //! | any system: the attractor that a start reaches, and its kind | [`classify`] | the attractor of that start |
-//! | any system: attractors as a parameter rises and falls, with hysteresis | [`sweep`] | the attractors reached, each from the last |
+//! | any system: attractors as a parameter rises and falls, with hysteresis | [`sweep`] | the attractors reached, each from the last state of the one before |
 //! | any system: a branch of motions over a parameter, its bifurcations and its ends | [`follow`] | the connected branch; two bifurcations of one kind within a step can be missed |
 //! | any system: the attractors over a range, with the critical values between them | [`vibration_ranges`] | the attractors on branches that a sweep or a Hopf point reaches |
 //! | any system: the motion that is born at a Hopf point of steady sliding | [`begin`] | one small motion |
 //! | any system: the branch that is born at a flip or a pitchfork | [`Bifurcation::switch`] | one motion on it |
 //! | any system: the curve of a bifurcation over two parameters | [`locus`] | the connected curve; two special points of one kind within a step can be missed |
-//! | any system: derivatives of a motion by parameters, to fit them | [`sensitivities`], [`orbit_sensitivities`] | about 1e-11 of the largest derivative, or a typed error |
-//! | any system: Poincaré sections | [`section`], [`section_at`] | a picture |
+//! | any system: derivatives of a motion with respect to parameters, for fits | [`sensitivities`], [`orbit_sensitivities`] | an error of about 1e-11 of the largest derivative, or a typed error |
+//! | any system: Poincaré sections | [`section`], [`section_at`] | the points of one motion |
 //! | any system: the largest Lyapunov exponent, positive in chaos | [`lyapunov`], [`lyapunov_with_spread`] | a mean with its standard error |
 //!
 //! The motions of one mass on a belt of constant velocity lie in the phase plane and cannot cross
-//! each other, so a search can be complete. With a force, a second mass or a memory variable,
-//! motions can cross, and a search returns the motion nearest its guess. To explore such a system,
-//! start [`settle`] from many states and plot sections. For a mass on a belt, `limit_cycle` and
-//! `orbit` give the same numbers.
+//! each other, so a search can be complete. With a varying force, a second mass or a memory
+//! variable, motions can cross, and a search returns one motion near its guess. To explore such a
+//! system, start [`settle`] from many states and plot sections. For a mass on a belt, `limit_cycle`
+//! and `orbit` give the same numbers.
 //!
-//! One call of [`shoot`], [`settle`] or [`lyapunov`] takes at most 10⁶ steps in all: about 10⁵
-//! oscillations, seconds for one mass and 10 to 20 s for three. A call that needs more returns
-//! [`Error::TooManySteps`](crate::Error::TooManySteps), with the time and state reached. A branch
-//! has [its own bound](follow). [`Search`] sets other bounds and takes a watcher, which can stop a
-//! search; its page says what each search costs.
+//! One call of [`shoot`], [`settle`] or [`lyapunov`] takes at most 10⁶ steps in all, about 10⁵
+//! oscillations. These steps take seconds for one mass and 10 to 20 s for three masses. A call that
+//! needs more returns [`Error::TooManySteps`](crate::Error::TooManySteps), with the time and state
+//! reached. The bound for a branch is stated on the page of [`follow`]. [`Search`] sets other
+//! bounds and takes a watcher, a function that can stop the search; the page of `Search` states
+//! what each search costs.
 //!
 //! # Autonomous and forced motions
 //!
-//! If a drive of a structure varies in time, the motion is forced: its period is n periods of the
-//! drives ([`Period::Driven`]), and its state is given at time 0. If all drives are constant, the
-//! system is autonomous: the motion may begin anywhere on its orbit, and its period is unknown
-//! ([`Period::Free`]). The phase condition of an autonomous motion is the plane through the guess,
-//! normal to the flow at the guess. If all masses stick to moving belts, the flow is the motion of
-//! the belts. A guess may lie anywhere in a stick phase, but a [`Dwell`](crate::Dwell) contact
-//! needs the time since the beginning of stick in its memory.
+//! If a drive of a structure varies in time, the motion is forced: its period is n common periods
+//! of the drives ([`Period::Driven`]), and its start is the state at time 0. If all drives are
+//! constant, the system is autonomous: the motion may begin anywhere on its orbit, and its period
+//! is unknown ([`Period::Free`]). The phase condition of an autonomous motion is the plane through
+//! the guess, normal to the flow at the guess. If all masses stick to moving belts, the flow is the
+//! motion of the belts. A guess may lie anywhere in a stick phase, but a [`Dwell`](crate::Dwell)
+//! contact needs the time since the beginning of stick as its memory variable.
 //!
 //! # Motions that are translated
 //!
 //! A shaft that turns, or a chain of masses that no spring holds to the ground, can be displaced as
 //! a whole without changing any force. There is then a direction e with K e = 0, and every load
-//! gradient is normal to e. Such a motion is periodic up to a translation,
+//! gradient is normal to e. Motions of this system can be periodic up to a translation φ e:
 //!
 //! ```text
 //! q(T) = q(0) + φ e,    v(T) = v(0),
 //! ```
 //!
-//! The search also finds the mean velocity φe/T ([`Orbit::mean_velocity`]), as it finds an unknown
-//! period. All searches detect such directions themselves. There may be several directions, for
-//! example if only contacts and dampers connect several shafts. The value of e·q(0) is that of the
-//! guess. If no force depends on the velocity along e either (C e = 0, b_c·e = 0), momentum is
-//! conserved along e, and the mean velocity is that of the guess.
+//! The search finds φ together with the motion; φe/T is the mean velocity
+//! ([`Orbit::mean_velocity`]). All searches detect such directions themselves. There may be several
+//! directions, for example if only contacts and dampers connect several shafts. The component
+//! e·q(0) is that of the guess. If no force depends on the velocity along e either (C e = 0,
+//! b_c·e = 0), momentum is conserved along e, and the mean velocity is that of the guess.
 //!
 //! ```
 //! use stick_slip::orbit::{self, Period};
 //! use stick_slip::{Contact, Drive, Exponential, Structure, structure::State};
 //!
-//! // A shaft of two inertias, free to turn: its motor at one end, friction at the other.
+//! // A shaft of two inertias, free to turn, with a motor at one end and friction at the other.
 //! let shaft = Structure::new(&[1.0, 0.5])?
 //!     .with_spring(0, 1, 4.0)?
 //!     .with_force(0, Drive::constant(10.6))?
@@ -114,26 +115,28 @@
 //!
 //! # Multipliers
 //!
-//! The monodromy matrix is the derivative of the state after a period with respect to the state
-//! before it. Between events it solves the variational equations, by power series on the same steps
-//! and with the exact derivatives of every law; at events it is multiplied by a saltation matrix.
-//! Its eigenvalues are the Floquet multipliers μ: a small perturbation is multiplied by μ in each
-//! period.
+//! The monodromy matrix is the derivative of the state at the end of a period with respect to the
+//! state at its start. Between events the matrix solves the variational equations, by power series
+//! on the steps of the motion and with the exact derivatives of every law; at events it is
+//! multiplied by a saltation matrix. The eigenvalues of the monodromy matrix are the Floquet
+//! multipliers μ: a small perturbation along an eigenvector is multiplied by μ in each period.
 //!
 //! * In stick the perturbation of the velocity vanishes: if k contacts stick at the same time, at
-//!   least k multipliers are exactly 0. Static friction that rises in stick depends on the time of
-//!   sticking, so a motion with such a contact may have no multiplier 0.
+//!   least k multipliers are exactly 0. Static friction that rises during stick depends on the
+//!   duration of stick, so a motion with such a contact may have no multiplier 0.
 //! * An autonomous motion has a multiplier 1, because a shift of its start along the orbit neither
 //!   grows nor decays. This multiplier is left out.
 //! * A [translation](#motions-that-are-translated) has the multiplier 1, and so has a velocity on
-//!   which nothing depends. These multipliers are left out.
+//!   which no force depends. These multipliers are left out.
 //! * A memory variable that does not influence the motion has the multiplier 0.
 //! * If a contact never slips, the motion belongs to a continuous family: [`Orbit::unslipped`]
-//!   lists such contacts, and their multipliers 1 are left out. In any other continuous family
-//!   another multiplier is 1. In each family the motion nearest the guess is found.
+//!   lists such contacts, and their multipliers 1 are left out. In any other continuous family an
+//!   additional multiplier is 1, and is listed. In each family the motion nearest the guess is
+//!   found.
 //!
-//! The map has no derivative at grazing, nor if several events happen at one instant. In the second
-//! case the matrix is computed with the events in the order of their contacts.
+//! The period map has no derivative at grazing, or if several events happen at the same instant. In
+//! the second case the matrix is computed as if these events followed one another in the order of
+//! their contacts.
 //!
 //! Source of the saltation matrices: R. I. Leine, H. Nijmeijer, *Dynamics and Bifurcations of
 //! Non-Smooth Mechanical Systems*, Springer 2004, ch. 7.

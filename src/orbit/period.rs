@@ -1,7 +1,7 @@
 use super::form::Rhythm;
 use crate::error::Error;
 
-/// The period of the motion that is searched.
+/// The period of the motion to be found.
 ///
 /// ```
 /// use stick_slip::orbit::Period;
@@ -9,8 +9,8 @@ use crate::error::Error;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Period {
-    /// A forced motion: the period is this number (at least 1) of periods of the drives of a
-    /// [`Structure`](crate::Structure). Its state is given at time 0 of the drives.
+    /// A forced motion: its period is this number (at least 1) of common periods of the drives of a
+    /// [`Structure`](crate::Structure). Its start is the state at time 0 of the drives.
     Driven(usize),
     /// An autonomous motion, in which no drive varies. The number is an estimate of its period, in
     /// units of time.

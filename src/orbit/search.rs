@@ -13,16 +13,15 @@ pub(super) const MOST_STEPS_OF_A_SEARCH: usize = 10 * Integrator::DEFAULT_MAX_ST
 /// Steps after which the watcher of a search is called again.
 pub(super) const LOOK_EVERY: usize = 1000;
 
-/// A search for periodic motions or Lyapunov exponents, with a bound of its work and with a
-/// watcher. Its methods have the names of the functions of [`orbit`](super) and return the same
-/// results.
+/// A search for periodic motions or Lyapunov exponents, with bounds on its work and with a watcher.
+/// Its methods have the names of the functions of [`orbit`](super) and return the same results.
 ///
 /// # Cost
 ///
 /// The unit of work is a step of the motion: a few microseconds per mass. An oscillation takes
 /// about ten steps, more if many contacts have events. Every search also needs the derivative of
-/// the motion. Computing a motion with its derivative takes two to three times as long as without,
-/// for a few masses, and about nine times as long for 20.
+/// the motion. A motion with its derivative takes two to three times as long as the motion alone
+/// for a few masses, and about nine times as long for 20 masses.
 ///
 /// | search | work |
 /// |---|---|
@@ -32,8 +31,8 @@ pub(super) const LOOK_EVERY: usize = 1000;
 /// | [`sweep`](Self::sweep) | [`classify`](Self::classify) twice for each value |
 /// | [`vibration_ranges`](Self::vibration_ranges) | a [`sweep`](Self::sweep) of 17 values, and [`follow`](Self::follow) for each branch |
 /// | [`begin`](Self::begin), [`switch`](Self::switch) | some tens of motions with derivatives |
-/// | [`lyapunov_with_spread`](Self::lyapunov_with_spread) | the motion with one perturbation: two to three times as long as the motion alone, for three masses about 13 s at the limit of 10⁶ steps |
-/// | [`locus`](Self::locus) | each point takes three to five steps of Newton's method, and each step about ten motions with derivatives; on a curve of grazings, onsets of stops or orders of events, a step takes instead one motion without derivative for each unknown |
+/// | [`lyapunov_with_spread`](Self::lyapunov_with_spread) | the motion with one perturbation takes two to three times as long as the motion alone: for three masses, about 13 s at the limit of 10⁶ steps |
+/// | [`locus`](Self::locus) | each point takes three to five steps of Newton's method, and each step about ten motions with derivatives; on a curve of grazings, onsets of stops or event orders, a step instead takes one motion without derivative for each unknown |
 /// | [`follow`](Self::follow) | three to five motions with derivatives for each point, with at least 65 points over the range; in addition, some tens of motions for each bifurcation, and about a hundred for each change of the events |
 ///
 /// A branch of one mass therefore takes a fraction of a second. A branch of a drill string of 20
@@ -50,7 +49,7 @@ pub(super) const LOOK_EVERY: usize = 1000;
 /// let family = |belt_velocity: f64| MassOnBelt::new(law, belt_velocity)?.with_damping(0.05);
 /// let (system, begin) = (family(0.2)?, Instant::now());
 ///
-/// // Not longer than a minute.
+/// // Stop after a minute.
 /// let search = Search::new().watched(|_| {
 ///     if begin.elapsed() < Duration::from_secs(60) { Continue(()) } else { Break(()) }
 /// });
@@ -90,14 +89,14 @@ pub struct Progress {
     /// In a search over two parameters ([`locus`](Search::locus)): the value of the second one.
     /// Otherwise `None`.
     pub second: Option<f64>,
-    /// Number of motions found so far, except for the first; 0 in a search on one system.
+    /// Number of motions found so far, without the first motion; 0 in a search on one system.
     pub points: usize,
     /// Steps taken so far.
     pub steps: usize,
 }
 
 impl<'w> Search<'w> {
-    /// The default bound of the work on one system, in steps: seconds for one mass.
+    /// The default bound of the work on one system, in steps. For one mass they take seconds.
     pub const DEFAULT_MAX_STEPS: usize = MOST_STEPS_OF_A_SEARCH;
     /// The default bound of the work of [`follow`](Self::follow) in each direction, in steps.
     pub const DEFAULT_MAX_BRANCH_STEPS: usize = 10 * MOST_STEPS_OF_A_SEARCH;
@@ -119,7 +118,7 @@ impl<'w> Search<'w> {
     /// The defaults are [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) and, in each direction,
     /// [`DEFAULT_MAX_BRANCH_STEPS`](Self::DEFAULT_MAX_BRANCH_STEPS) for a branch and
     /// [`DEFAULT_MAX_LOCUS_STEPS`](Self::DEFAULT_MAX_LOCUS_STEPS) for a locus. A single motion over
-    /// a period may take a tenth of the bound, or 10⁵ steps if that is more.
+    /// a period may take a tenth of the bound or 10⁵ steps, whichever is more.
     ///
     /// # Errors
     ///

@@ -142,15 +142,15 @@ pub struct EventSection<'s, S: Oscillator + 's> {
     kind: EventKind,
 }
 
-/// Every event of one kind at one contact of the motion from a start at time 0: a Poincaré section
-/// of autonomous motions, as a lazy iterator in constant memory.
+/// Every event of one kind at one contact, in the motion from a start at time 0: a Poincaré section
+/// for autonomous motions. The iterator is lazy and takes constant memory.
 ///
 /// The iterator ends if the motion reaches an equilibrium and stays there.
 ///
 /// # Errors
 ///
-/// An item is [`Error::InvalidParameter`] if there is no such contact, [`Error::TooManySteps`] if
-/// there is no such event in 10⁵ steps, or an error of [`Integrator::flow`]. After an error the
+/// An item is [`Error::InvalidParameter`] if the contact does not exist, [`Error::TooManySteps`] if
+/// 10⁵ steps contain no such event, or an error of [`Integrator::flow`]. After an error the
 /// iterator returns `None`.
 ///
 /// ```

@@ -208,29 +208,29 @@ pub(super) fn shortest(
 /// period map.
 ///
 /// The motion need not be stable. The residual x(T) − x(0) falls to rounding, about 1e-15 of the
-/// size of each number. Steps that would increase it are shortened. The sequence of events need not
-/// be known beforehand: it may differ from trial to trial. In a continuous family the motion
-/// nearest the guess is found; motions that grow or decay by less than 1e-11 per period count as
-/// members of a continuous family.
+/// size of each component. Newton steps that would increase the residual are shortened. The
+/// sequence of events need not be known in advance: it may differ from trial to trial. In a
+/// continuous family the motion nearest the guess is found; motions that grow or decay by less than
+/// 1e-11 per period count as members of a continuous family.
 ///
-/// An autonomous motion must leave its start and return: the residual is also small relative to the
-/// extent of the motion, however small that is. This excludes two false solutions: an equilibrium,
-/// which has every number as a period, and a period near 0, after which every motion has hardly
-/// left its start.
+/// An autonomous motion must leave its start and return: the residual must be small relative to the
+/// extent of the motion, too, however small this extent is. This excludes two false solutions: an
+/// equilibrium, which has every number as a period, and a period near 0, after which every motion
+/// has hardly left its start.
 ///
 /// The guess is a state at time 0 of the drives; for an autonomous motion it is any state near the
 /// motion. If the guess contains a force of an elastic contact above the limit force, the limit
-/// force is used. (If an autonomous guess lies exactly at an event with a jump, and nothing is
-/// found from there, the search is repeated from a state between events.) If the estimate is near
-/// twice the period, the result is the motion over two periods.
+/// force is used. (If the guess of an autonomous motion lies exactly at an event at which the flow
+/// jumps, and no motion is found, the search is repeated from a state between events.) If the
+/// estimate is near twice the period, the result is the motion over two periods.
 ///
 /// # Errors
 ///
 /// * [`Error::NoCommonPeriod`], [`Error::NotFree`] if the kind of period does not fit the drives;
 /// * [`Error::InvalidParameter`] if the number of periods is 0, or if an estimate of the period is
 ///   not positive and finite;
-/// * [`Error::AtRest`] if an autonomous motion is searched and the guess is an equilibrium, or the
-///   search or the transient of [`settle`] ends in an equilibrium;
+/// * [`Error::AtRest`] in the search for an autonomous motion, if the guess is an equilibrium, or
+///   if the search or the transient of [`settle`] ends in an equilibrium;
 /// * [`Error::NotPeriodic`] if Newton's method does not converge, with the best start tried and its
 ///   residual;
 /// * [`Error::TooManySteps`], with the time and state reached, if the motion from the guess takes
@@ -251,7 +251,7 @@ pub(super) fn shortest(
 /// assert!((multiplier.re - 1.0981305946699447).abs() < 1e-12);
 /// assert!(!orbit.is_stable());
 ///
-/// // The search that is complete for a belt finds it too.
+/// // For a belt, the complete search finds the same motion.
 /// let cycles = limit_cycle::find(&system)?;
 /// let cycle = cycles.unstable().next().unwrap();
 /// assert!((orbit.period() - cycle.period()).abs() < 1e-13);
@@ -354,13 +354,14 @@ fn find(form: &GeneralForm<'_>, guess: &State, period: Period) -> Result<TrialMo
 /// reached.
 ///
 /// The length of the transient is in units of time; for a forced motion it is rounded up to whole
-/// periods of the drives. A long transient costs little: if [`shoot`] fails, make it longer.
+/// periods of the drives. A long transient costs little: if [`shoot`] fails, make the transient
+/// longer.
 ///
 /// # Errors
 ///
 /// [`Error::InvalidDuration`] unless the transient is finite and ≥ 0; [`Error::TooManySteps`], with
 /// the time and state reached, if the transient takes more than 10⁶ steps (about 10⁵ oscillations):
-/// in this case continue from that state; the errors of [`shoot`]; the errors of
+/// continue from that state; the errors of [`shoot`]; the errors of
 /// [`Integrator::simulate`](crate::Integrator::simulate).
 ///
 /// ```
@@ -380,7 +381,7 @@ fn find(form: &GeneralForm<'_>, guess: &State, period: Period) -> Result<TrialMo
 /// let start = State::new(&[0.7, 0.0], &[0.2, -0.2]);
 /// let orbit = orbit::settle(&blocks, &start, 60.0, Period::Free(3.8))?;
 /// assert!((orbit.period() - 3.8260641332796215).abs() < 1e-13);
-/// // The blocks stick in turn, never both: one multiplier is 0, and one is left out.
+/// // The blocks never stick both at once: one multiplier is 0, and the multiplier 1 is left out.
 /// let [first, second, third] = orbit.multipliers() else { panic!() };
 /// assert!((first.re + 0.5992727325568236).abs() < 1e-12 && *second == first.conj());
 /// assert_eq!(third.norm(), 0.0);

@@ -39,7 +39,7 @@ pub struct Change {
     pub between: [f64; 2],
     /// The attractor before the change.
     pub from: AttractorKind,
-    /// The attractor after it.
+    /// The attractor after the change.
     pub to: AttractorKind,
 }
 
@@ -76,8 +76,8 @@ impl<S: System> Sweep<S> {
 /// If the results of the two directions differ at a value, the system has two attractors there, and
 /// the past of the motion decides between them (hysteresis). Do not search a critical value by
 /// bisection with simulations from one start. At the next value this start may lie in the basin of
-/// another attractor, and the vibration that exists far beyond the value found would be missed.
-/// Sweep instead, then follow the motion that was found to its end:
+/// another attractor, and vibration that exists far beyond the value found would be missed.
+/// Instead, sweep, then follow the motion found to the end of its branch:
 ///
 /// ```
 /// use stick_slip::orbit::{self, AttractorKind};
@@ -96,10 +96,10 @@ impl<S: System> Sweep<S> {
 /// let [ends, begins] = sweep.changes().collect::<Vec<_>>()[..] else { panic!() };
 /// assert_eq!((ends.from, ends.to), (AttractorKind::StickSlip, AttractorKind::SteadySliding));
 /// assert_eq!((begins.from, begins.to), (AttractorKind::SteadySliding, AttractorKind::StickSlip));
-/// assert!(begins.between[0] < ends.between[0]); // later on the way up
+/// assert!(begins.between[0] < ends.between[0]); // hysteresis: it ends at a higher velocity
 ///
-/// // Exactly: stick-slip exists up to the grazing at which it meets an unstable motion. The nearer
-/// // to it, the smaller are the steps with which a sweep still follows it.
+/// // The exact end of stick-slip is the grazing at which it meets an unstable motion. A sweep with
+/// // too large steps loses stick-slip before this end.
 /// let last = sweep.up.iter().rfind(|point| point.kind() == Some(AttractorKind::StickSlip));
 /// let last = last.unwrap();
 /// let orbit = last.attractor.as_ref().unwrap().orbit().unwrap();
@@ -111,15 +111,15 @@ impl<S: System> Sweep<S> {
 ///
 /// If the last motion ended in steady sliding, the next motion starts with a perturbation of 10⁻⁶
 /// of the largest velocity, so that it can leave unstable steady sliding. Each value costs one
-/// [`classify`](super::classify). Close to a bifurcation the transient may be longer than the
-/// 1.3·10⁵ steps of `classify`; the change is then seen at a later value.
+/// [`classify`](super::classify) in each direction. Close to a bifurcation the transient may be
+/// longer than the 1.3·10⁵ steps of `classify`; the change then appears at a later value.
 ///
 /// # Errors
 ///
-/// [`Error::InvalidParameter`] unless there is at least one value and the values are finite and
-/// ascending; [`Error::At`], with the parameter, if the first system refuses the start. Any other
-/// error at a value is part of the result. [`Search::sweep`] sets a bound of the work and takes a
-/// watcher.
+/// [`Error::InvalidParameter`] unless there is at least one value, and the values are finite and
+/// ascending; [`Error::At`], with the parameter, if the first system returns an error for the
+/// start. Any other error at a value is part of the result. [`Search::sweep`] sets a bound of the
+/// work and takes a watcher.
 #[doc(alias = "hysteresis")]
 #[doc(alias = "brute force")]
 pub fn sweep<S: Oscillator>(

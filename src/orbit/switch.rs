@@ -34,10 +34,11 @@ impl<S: Oscillator> Bifurcation<S> {
     /// this motion [`follow`](super::follow()) follows the branch.
     ///
     /// At a flip the new motion has twice the period. At a pitchfork the new motion lacks the
-    /// symmetry, and its mirror image is another motion. `family` is the family that was followed.
-    /// Let G be the map over half of the new motion's period, followed by the reflection at a
-    /// pitchfork, and let w be the eigenvector with G'w = −w. The start is searched near x0 + εw,
-    /// on a plane that the old branch does not cross. The distances ε = 10⁻², 3·10⁻³ and 3·10⁻²,
+    /// symmetry; its mirror image is a second new motion. `family` is the family that was followed.
+    /// Let G be the map over half of the new motion's period (at a pitchfork, followed by the
+    /// reflection), x0 the start of the motion at the bifurcation, and w the eigenvector of the
+    /// Jacobian matrix G' with G'w = −w. The start x of the new motion is searched near x0 + εw, on
+    /// a plane that the old branch does not cross. The distances ε = 10⁻², 3·10⁻³ and 3·10⁻²,
     /// relative to the size of the motion, are tried in turn:
     ///
     /// ```text
@@ -77,7 +78,7 @@ impl<S: Oscillator> Bifurcation<S> {
     /// let mut found = branch.bifurcations.iter();
     /// let flip = found.find(|found| found.kind == BifurcationKind::Flip).unwrap();
     ///
-    /// // The doubled motion exists below the flip, beside the stable one: it is unstable.
+    /// // Below the flip the old motion is stable, and the motion of twice the period is unstable.
     /// let doubled = flip.switch(family)?;
     /// assert_eq!(doubled.orbit.kind(), Period::Driven(2));
     /// assert!(doubled.parameter < flip.parameter && !doubled.orbit.is_stable());
@@ -96,11 +97,11 @@ impl<S: Oscillator> Bifurcation<S> {
     }
 
     /// Returns the side of the bifurcation on which the new motions exist: supercritical if the old
-    /// motion is unstable there, subcritical if it is stable. `born` is one of the new motions,
-    /// found by [`switch`](Self::switch).
+    /// motion is unstable on this side, subcritical if it is stable. `born` is one of the new
+    /// motions, found by [`switch`](Self::switch).
     ///
-    /// The result is degenerate if the multipliers do not decide, for example if other multipliers
-    /// lie near the unit circle.
+    /// The result is degenerate if the multipliers do not determine the side, for example if other
+    /// multipliers lie near the unit circle.
     pub fn criticality(&self, born: &BranchPoint<S>) -> Criticality {
         let to = match self.kind {
             BifurcationKind::Flip => -1.0,
@@ -128,7 +129,7 @@ impl Search<'_> {
     ///
     /// # Errors
     ///
-    /// Those of [`Bifurcation::switch`]; [`Error::Stopped`] if the watcher stops it.
+    /// The errors of [`Bifurcation::switch`]; [`Error::Stopped`] if the watcher stops it.
     pub fn switch<S: Oscillator>(
         &self,
         from: &Bifurcation<S>,

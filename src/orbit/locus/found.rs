@@ -16,7 +16,7 @@ pub struct Locus<S: System> {
     pub kind: LocusKind,
     /// The points, from one end of the curve to the other.
     pub points: Vec<LocusPoint<S>>,
-    /// The special points between them, in the same order.
+    /// The special points between these points, in the same order.
     pub special: Vec<SpecialPoint<S>>,
     /// The reasons why the curve ends before its first point, and after its last one.
     pub ends: [LocusEnd; 2],
@@ -34,11 +34,11 @@ pub struct LocusPoint<S: System> {
 /// A special point of a [`Locus`].
 #[non_exhaustive]
 pub struct SpecialPoint<S: System> {
-    /// The second condition that holds there.
+    /// The second condition that holds at this point.
     pub kind: SpecialKind,
     /// The two parameters, in their own units.
     pub parameters: [f64; 2],
-    /// The motion there.
+    /// The motion at this point.
     pub orbit: Orbit<S>,
 }
 
@@ -59,13 +59,15 @@ pub enum LocusKind {
         /// The contact.
         contact: usize,
     },
-    /// When the relative velocity of a contact passes 0, the force that stick would need is exactly
-    /// the static limit; beyond the curve the contact sticks.
+    /// At an instant of zero relative velocity of a contact, the force that stick would need equals
+    /// the static limit: the contact sticks on one side of the curve, and slips on in the other
+    /// direction on the other side.
     StopOnset {
         /// The contact.
         contact: usize,
     },
-    /// Two contacts have events at the same time; beyond the curve their order is reversed.
+    /// Two contacts have events at the same time; the order of these events differs on the two
+    /// sides of the curve.
     Order {
         /// The two contacts, in ascending order.
         contacts: [usize; 2],
@@ -157,13 +159,13 @@ pub enum SpecialKind {
     Resonance(u8),
     /// One multiplier is +1 and another is −1.
     FoldFlip,
-    /// A multiplier is +1, and a pair lies on the unit circle.
+    /// A multiplier is +1, and a pair of multipliers lies on the unit circle.
     FoldNeimarkSacker,
     /// A symmetric motion is at a pitchfork and at a fold: its multiplier +1 is double.
     FoldPitchfork,
-    /// A pitchfork with a pair on the unit circle.
+    /// A symmetric motion is at a pitchfork, and a pair of multipliers lies on the unit circle.
     PitchforkNeimarkSacker,
-    /// A multiplier is −1, and a pair lies on the unit circle.
+    /// A multiplier is −1, and a pair of multipliers lies on the unit circle.
     FlipNeimarkSacker,
     /// Two pairs of multipliers lie on the unit circle.
     DoubleNeimarkSacker,
@@ -175,9 +177,9 @@ pub enum SpecialKind {
     /// Hopf points change from supercritical to subcritical: a curve of folds of limit cycles
     /// begins.
     Bautin,
-    /// A second pair of eigenvalues is imaginary.
+    /// On a curve of Hopf points, a second pair of eigenvalues is imaginary.
     DoubleHopf,
-    /// Another eigenvalue is 0.
+    /// On a curve of Hopf points, another eigenvalue is 0.
     ZeroHopf,
     /// One of the two parameters has a local maximum or minimum along the curve. The number is 0
     /// for the first parameter and 1 for the second.
@@ -213,21 +215,21 @@ pub enum LocusEnd {
     Ranges,
     /// The curve is closed: it returned to its start.
     Closed,
-    /// The curve ends at its last special point, for example a 1:1 resonance: beyond it the
+    /// The curve ends at its last special point, for example a 1:1 resonance: beyond this point the
     /// bifurcation is of another kind.
     Special,
     /// The events of the motion change beyond the last point, and no curve of this kind continues:
     /// the motion or its derivative jumps there.
     Jump,
-    /// The motion shrank to a point, where steady sliding has a Hopf bifurcation (at a Bautin point
-    /// for a curve of folds).
+    /// The motion shrank to a point: steady sliding has a Hopf bifurcation there (a Bautin point,
+    /// if the curve is one of folds).
     Hopf {
         /// The parameters there.
         parameters: [f64; 2],
     },
     /// The steps become shorter and shorter: the sum of the last 128 steps is less than 1e-3, in
     /// units of the size of the motion and of the ranges of the parameters. Near the last point the
-    /// motion has no derivative with respect to the parameters, for example because a touch
+    /// motion has no derivative with respect to the parameters, for example because a grazing
     /// coincides with another event of the same contact.
     Crawls {
         /// The parameters of the last point.
@@ -241,8 +243,8 @@ pub enum LocusEnd {
         /// The parameters of the last point.
         parameters: [f64; 2],
     },
-    /// The curve was lost: the family has no system there, or Newton's method does not converge
-    /// even with the shortest step.
+    /// The curve was lost: the family has no system beyond the last point, or Newton's method does
+    /// not converge even with the shortest step.
     Lost {
         /// The parameters of the last point.
         parameters: [f64; 2],

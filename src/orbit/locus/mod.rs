@@ -39,9 +39,9 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// The curve through a bifurcation, in two parameters of the system.
 ///
 /// `family` returns the system for values of the two parameters, which may be anything that a
-/// closure can set. `at` is a bifurcation over the first parameter, as [`follow`](super::follow)
-/// finds it, and `second` the value of the second parameter at which it was found. Both values lie
-/// in the given ranges.
+/// closure can set. `at` is a bifurcation over the first parameter, found by
+/// [`follow`](super::follow); `second` is the value of the second parameter at which it was found.
+/// Both values lie in the given ranges.
 ///
 /// The start x, the period T of an autonomous motion and both parameters p, q satisfy
 ///
@@ -49,15 +49,15 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// P(x, T; p, q) − x = 0,    g(x, T; p, q) = 0,
 /// ```
 ///
-/// where P is the period map, and g is a scalar that is 0 exactly at the bifurcation:
+/// where P is the period map, and g is a scalar that is 0 at the bifurcation:
 ///
 /// | [`BifurcationKind`] | [`LocusKind`] | g |
 /// |---|---|---|
 /// | fold, flip, Neimark-Sacker | of the same name | scalar of a bordered matrix; 0 if a multiplier is 1 or −1, or a pair is exp(±iθ) |
-/// | grazing, also the [end of a branch](super::BranchEnd::Grazing) | [`Grazing`](LocusKind::Grazing) | the extremum of the relative velocity at the touch; the contact slips before it, and slips or sticks after it |
-/// | pitchfork | of the same name | scalar of the half-period map G; 0 if G has a multiplier −1. The first equation is G(x) = x instead of P(x) = x |
-/// | change of events | [`StopOnset`](LocusKind::StopOnset) | \|R\| − N μ_s at the instant of zero relative velocity, with the force R that stick would need |
-/// | change of events | [`Order`](LocusKind::Order) | the time between events of two contacts |
+/// | grazing, also the [end of a branch](super::BranchEnd::Grazing) | [`Grazing`](LocusKind::Grazing) | the extremum near 0 of the relative velocity of the contact; the contact slips before this instant, and slips or sticks after it |
+/// | pitchfork | of the same name | scalar of a bordered matrix of the half-period map G; 0 if G has a multiplier −1. The first equation is G(x) = x instead of P(x) = x |
+/// | change of events | [`StopOnset`](LocusKind::StopOnset) | \|R\| − N μ_s at the instant of zero relative velocity, with the force R that stick would need, the load N and the static coefficient μ_s |
+/// | change of events | [`Order`](LocusKind::Order) | the time between two events of two contacts |
 ///
 /// The curve is followed by pseudo-arclength continuation, also through cusps. The monodromy matrix
 /// is exact. The derivatives of g, and the derivatives with respect to parameters, are differences
@@ -83,21 +83,22 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// A curve of folds, flips or Neimark-Sacker bifurcations passes a change of the events of its
 /// motion if the map is smooth there, and otherwise ends with
 /// [`LocusEnd::Jump`](super::LocusEnd::Jump). A curve of grazings, onsets of stops or event orders
-/// ends with `Jump` at every such change. On a curve of grazings the touch can approach another
-/// event of the same contact, such as a release. Steps then become ever shorter, and the curve ends
-/// with [`LocusEnd::Crawls`](super::LocusEnd::Crawls). A curve of an autonomous motion that shrinks
-/// to a point ends with [`LocusEnd::Hopf`](super::LocusEnd::Hopf). Its parameters are extrapolated,
-/// with an error of about 1e-8 of the ranges.
+/// ends with `Jump` at every such change. On a curve of grazings, the instant of grazing can
+/// approach another event of the same contact, such as a release. The steps then become ever
+/// shorter, and the curve ends with [`LocusEnd::Crawls`](super::LocusEnd::Crawls). A curve of an
+/// autonomous motion that shrinks to a point ends with [`LocusEnd::Hopf`](super::LocusEnd::Hopf).
+/// The parameters of this end are extrapolated, with an error of about 1e-8 of the ranges.
 ///
 /// Four changes of events have no curve here: a sticking contact that reaches its limit
-/// tangentially, a load that opens a contact, a drive that jumps, and the onset of a stop of
+/// tangentially, a load that opens a contact, a drive that jumps, and the onset of a stop at
 /// contacts that share coordinates.
 ///
 /// At a grazing end of a branch the derivative of the map is unbounded: the first multiplier is
 /// infinite, and the others are NaN.
 ///
-/// Work: about ten motions for each step of Newton's method; at most 2048 points, 2·10⁵ motions and
-/// 2·10⁷ steps of motions in each direction. [`Search`] sets other limits and takes a watcher.
+/// Each step of Newton's method takes about ten motions. The limits in each direction are 2048
+/// points, 2·10⁵ motions and 2·10⁷ steps of motions; [`Search`] sets other limits and takes a
+/// watcher.
 ///
 /// Sources: Govaerts, *Numerical Methods for Bifurcations of Dynamical Equilibria*, chapters 3 and
 /// 4; Kuznetsov, *Elements of Applied Bifurcation Theory*, chapters 9 and 10; di Bernardo, Budd,
@@ -105,10 +106,10 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 ///
 /// # Errors
 ///
-/// [`Error::InvalidParameter`] unless the ranges are finite and not empty and hold the two values;
-/// [`Error::At`], with the parameters, if the family has no system there or no such bifurcation is
-/// found there. `Error::At` contains [`Error::NotSmooth`] if the change of events is of another
-/// kind.
+/// [`Error::InvalidParameter`] unless the ranges are finite, are not empty and contain the two
+/// values; [`Error::At`], with the parameters, if the family has no system at these values, or if
+/// no such bifurcation is found there. `Error::At` contains [`Error::NotSmooth`] if the change of
+/// events has none of the kinds above.
 ///
 /// ```
 /// use stick_slip::orbit::{self, BifurcationKind, LocusEnd, Period};
@@ -127,7 +128,7 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// let branch = orbit::follow(|frequency| family(frequency, 0.3), 0.78, &motion, 0.7..0.8)?;
 /// let flip = &branch.bifurcations[0];
 ///
-/// // The period doubles along a curve, up to frequency 0.72 on one side.
+/// // The period doubles along a curve, which leaves the ranges at the frequency 0.72.
 /// let locus = orbit::locus(family, flip, 0.3, [0.72..0.9, 0.1..0.5])?;
 /// assert_eq!(locus.ends, [LocusEnd::Ranges, LocusEnd::Ranges]);
 /// for point in &locus.points {

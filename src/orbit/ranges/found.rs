@@ -22,18 +22,18 @@ pub struct VibrationRanges<S: System> {
 }
 
 /// A range of a parameter of any system with the same attractors throughout; part of
-/// [`VibrationRanges`]. For a mass on a belt, there is a similar type,
-/// [`bifurcation::VibrationRange`](crate::bifurcation::VibrationRange). The search for that type
-/// misses no attractor at the velocities that it tries. That type does not contain the kinds of the
-/// borders, because [`bifurcation`](crate::bifurcation) has a function for each kind.
+/// [`VibrationRanges`]. For a mass on a belt,
+/// [`bifurcation::VibrationRange`](crate::bifurcation::VibrationRange) is a similar type, without
+/// the kinds of the borders; the search that returns it misses no attractor at the velocities that
+/// it tries.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct VibrationRange {
     /// The values of the parameter, in its own units.
     pub parameters: Range<f64>,
-    /// All attractors that were found, one entry for each. If there are two or more, the range has
-    /// hysteresis: the start determines which attractor is reached.
+    /// The kinds of all attractors that were found, one entry for each attractor. If there are two
+    /// or more, the range has hysteresis: the start determines which attractor is reached.
     pub attractors: Vec<AttractorKind>,
     /// The reasons why the attractors change at the two ends of the range.
     pub borders: [Border; 2],
@@ -52,11 +52,12 @@ pub enum Border {
     Range,
     /// Steady sliding changes its stability, and a periodic motion is born.
     Hopf,
-    /// A real eigenvalue of steady sliding is 0: the equilibrium is pushed away.
+    /// A real eigenvalue of steady sliding is 0: on the unstable side perturbations grow without
+    /// oscillation.
     Divergence,
     /// Steady sliding begins or ceases to exist.
     NoSteadySliding,
-    /// The family returns an error on the other side: no system exists there.
+    /// The family returns an error on the other side: it has no system there.
     NoSystem,
     /// A periodic motion reaches a fold: it meets an unstable motion, and both vanish.
     Fold,
@@ -67,7 +68,7 @@ pub enum Border {
     /// A pair of multipliers of a periodic motion passes the unit circle.
     NeimarkSacker,
     /// An event of a periodic motion becomes tangential: the motion meets another one and both
-    /// vanish, or it changes its kind or its stability.
+    /// vanish, or the motion changes its kind or its stability.
     Grazing,
     /// The sequence of events of a periodic motion changes, and with it the kind or the stability
     /// of the motion.
@@ -75,7 +76,8 @@ pub enum Border {
     /// A periodic motion jumps: see
     /// [`BranchEnd::Discontinuity`](super::super::BranchEnd::Discontinuity).
     Discontinuity,
-    /// A branch could not be followed further; [`VibrationRanges::branches`] contains the reason.
+    /// A branch could not be followed further; its end in [`VibrationRanges::branches`] gives the
+    /// reason.
     Unknown,
 }
 

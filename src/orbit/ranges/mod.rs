@@ -50,16 +50,16 @@ const SMALL: f64 = 1e-3;
 /// sliding reaches are also found, if they lie on a branch of a motion that was found.
 ///
 /// A motion that lies on two branches counts once. Bifurcations are exact to about 1e-10 of the
-/// range, like those of [`follow`](super::follow()). Hopf points are exact to rounding in
-/// [`VibrationRange::parameters`], from the eigenvalues of steady sliding; [`BranchEnd::Hopf`] of a
-/// branch is extrapolated from its motions. Parameters at which the family returns an error belong
-/// to no range; the ranges next to them end with [`Border::NoSystem`]. Attractors on a separate
-/// branch that the sweep does not meet are missed; if the sweep finds chaos instead of a periodic
-/// motion, the range has [`AttractorKind::Irregular`].
+/// range, like those of [`follow`](super::follow()). Hopf points in [`VibrationRange::parameters`]
+/// are exact to rounding, because they follow from the eigenvalues of steady sliding; a
+/// [`BranchEnd::Hopf`] is extrapolated from the motions of its branch. Parameters at which the
+/// family returns an error belong to no range; the ranges next to them end with
+/// [`Border::NoSystem`]. Attractors on a branch that neither search reaches are missed. If the
+/// sweep finds chaos instead of a periodic motion, the range contains [`AttractorKind::Irregular`].
 ///
-/// Work: a sweep of 34 values, and one [`follow`](super::follow()) for each branch: seconds for a
-/// few masses, tens of seconds for a dozen. [`Search::vibration_ranges`] sets a bound of the work
-/// and takes a watcher. For a mass on a belt of constant velocity,
+/// The work is a sweep over 34 values, and one [`follow`](super::follow()) for each branch: seconds
+/// for a few masses, tens of seconds for a dozen masses. [`Search::vibration_ranges`] sets a bound
+/// of the work and takes a watcher. For a mass on a belt of constant velocity,
 /// [`bifurcation::vibration_ranges`](crate::bifurcation::vibration_ranges) is faster, and misses no
 /// attractor at the velocities that it tries.
 ///
@@ -83,7 +83,7 @@ const SMALL: f64 = 1e-3;
 /// let found = orbit::vibration_ranges(mass, 0.2..1.0)?;
 /// let [vibrates, sticks, slips, quiet] = &found.ranges[..] else { panic!() };
 /// assert_eq!(vibrates.attractors, [AttractorKind::StickSlip]);
-/// // Hysteresis from the Hopf point to the fold; on the way stick-slip ends at a grazing.
+/// // Hysteresis lasts from the Hopf point to the fold; between them stick-slip ends at a grazing.
 /// assert_eq!(sticks.attractors, [AttractorKind::SteadySliding, AttractorKind::StickSlip]);
 /// assert_eq!(slips.attractors, [AttractorKind::SteadySliding, AttractorKind::PureSlip]);
 /// assert_eq!(quiet.attractors, [AttractorKind::SteadySliding]);

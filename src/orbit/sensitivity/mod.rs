@@ -34,7 +34,8 @@ pub struct EventSensitivity {
     pub contact: usize,
     /// The kind of event.
     pub kind: EventKind,
-    /// The derivative ∂t/∂p by each parameter, in units of time per unit of the parameter.
+    /// The derivative ∂t/∂p of the time with respect to each parameter p, in units of time per unit
+    /// of the parameter.
     pub by_parameters: Vec<f64>,
 }
 
@@ -43,7 +44,7 @@ pub struct EventSensitivity {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct OrbitSensitivities {
-    /// The derivative ∂T/∂p of the period by each parameter.
+    /// The derivative ∂T/∂p of the period T with respect to each parameter p.
     pub period: Vec<f64>,
     /// The motion over one period with its derivatives. It begins between events, at the first of
     /// [`Sensitivities::times`]; for an autonomous motion this time may be later than the start of
@@ -71,8 +72,8 @@ impl Sensitivities {
     /// the variable per unit of the parameter. `None` if the time lies outside the motion or is
     /// NaN.
     ///
-    /// The derivative is taken at a fixed time. At an event, where velocities have a kink, it is
-    /// the derivative just before the event.
+    /// The derivative is taken at a fixed time. At an event, where velocities have a kink, the
+    /// result is the derivative just before the event.
     pub fn at(&self, time: f64) -> Option<DMatrix<f64>> {
         if !(self.begin..=self.here.end).contains(&time) {
             return None;
@@ -136,30 +137,31 @@ impl Sensitivities {
 /// anything that a closure can set: coefficients of a law, loads, stiffnesses, belt velocities, the
 /// start itself.
 ///
-/// Derivatives are continued through stick, slip and crossings. Neighbouring motions have the same
-/// events at slightly different times. Near an event each motion is continued by its own power
-/// series, so the difference of two motions has no jump. The derivatives are differences of fourth
-/// order between motions exact to rounding. The increment of the parameter changes the motion by a
-/// thousandth of its size, or by less if smaller increments give derivatives that agree better. The
-/// error is about 1e-11 of the largest derivative, and below 1e-10 for all reference motions. The
-/// difference is one-sided if one side has no system or has other events.
+/// Derivatives continue through sticks, releases and crossings, because neighbouring motions have
+/// the same events at slightly different times. Near an event each motion is continued by its own
+/// power series, so that the difference of two motions has no jump. The derivatives are differences
+/// of fourth order between motions exact to rounding. The increment of the parameter changes the
+/// motion by a thousandth of the motion's size, or by less if smaller increments give derivatives
+/// that agree better with each other. The error is about 1e-11 of the largest derivative, and below
+/// 1e-10 for all reference motions. The difference is one-sided if the family has no system, or the
+/// motion has other events, on one side.
 ///
-/// Work: some twenty motions for each parameter.
+/// The work is about twenty motions for each parameter.
 ///
 /// # Errors
 ///
 /// [`Error::InvalidDuration`] unless the duration is positive and finite;
 /// [`Error::InvalidParameter`] unless all parameters are finite; [`Error::NoDerivative`], with the
 /// number of the parameter, if every increment of this parameter, however small, changes the
-/// sequence of events, as at grazing; the errors of the family; the errors of
-/// [`Integrator::simulate`](crate::Integrator::simulate).
+/// sequence of events, as at grazing, or leaves the family without a system; the errors of the
+/// family; the errors of [`Integrator::simulate`](crate::Integrator::simulate).
 ///
 /// ```
 /// use stick_slip::orbit::sensitivities;
 /// use stick_slip::structure::State;
 /// use stick_slip::{Contact, Coulomb, Error, Structure};
 ///
-/// // A block that slides to rest: q = q0 − a sgn(v0) t²/2 with a = μ N/m.
+/// // A block that slides until it stops: q = v0 t − μ g t²/2.
 /// let family = |p: &[f64]| -> Result<(Structure, State), Error> {
 ///     let contact = Contact::new(0, Coulomb::new(p[0], p[0])?, 9.81 * p[1])?;
 ///     let block = Structure::new(&[p[1]])?.with_contact(contact)?;
@@ -168,14 +170,14 @@ impl Sensitivities {
 /// let [mu, mass, speed] = [0.3, 2.0, 1.5];
 /// let found = sensitivities(family, &[mu, mass, speed], 1.0)?;
 ///
-/// // It stops after t = v0/(μ g): the mass does not matter.
+/// // The block stops after t = v0/(μ g), independent of its mass.
 /// let [stop] = &found.events()[..] else { panic!() };
 /// let time = speed / (mu * 9.81);
 /// assert!((stop.time - time).abs() < 1e-15);
 /// for (slope, expected) in stop.by_parameters.iter().zip([-time / mu, 0.0, time / speed]) {
 ///     assert!((slope - expected).abs() < 1e-10);
 /// }
-/// // It slides over v0²/(2 μ g).
+/// // The block slides over the distance v0²/(2 μ g).
 /// let rest = found.at(1.0).unwrap();
 /// assert!((rest[(0, 0)] + speed * speed / (2.0 * mu * mu * 9.81)).abs() < 1e-10);
 /// assert_eq!(rest[(1, 0)], 0.0);
@@ -222,13 +224,14 @@ pub fn sensitivities<S: Oscillator>(
 ///
 /// # Errors
 ///
-/// The errors of [`sensitivities`]; [`Error::NotPeriodic`] if the orbit is no motion of the family.
+/// The errors of [`sensitivities`]; [`Error::NotPeriodic`] if `orbit` is not a motion of the family
+/// at `parameters`.
 ///
 /// ```
 /// use stick_slip::orbit::{self, Period};
 /// use stick_slip::{Contact, Coulomb, Error, Structure, structure::State};
 ///
-/// // Undamped stick-slip with μ_s > μ_k on a belt: T = 2(F_s − F_k)/(kv) + (2/ω)(π − atan(ωz/v)).
+/// // Undamped stick-slip on a belt: T = 2z/v + (2/ω)(π − atan(ωz/v)), z = (μ_s − μ_k)N/k.
 /// let family = |p: &[f64]| -> Result<Structure, Error> {
 ///     Structure::new(&[1.0])?
 ///         .with_ground_spring(0, 1.0)?
