@@ -56,8 +56,8 @@ pub struct Bifurcation<S: System> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum BifurcationKind {
     /// A multiplier is +1: two motions meet and vanish, and the branch turns back. A branch that is
-    /// born at a flip or a pitchfork of another branch also turns back at that bifurcation, and
-    /// this point is reported as a fold, too.
+    /// born at a flip or a pitchfork of another branch also turns back there; this point is
+    /// reported as a fold, too.
     Fold,
     /// A multiplier is −1: a motion of twice the period is born. [`Bifurcation::switch`] finds it.
     Flip,
@@ -101,8 +101,8 @@ impl fmt::Display for BifurcationKind {
 /// The side of a Hopf point, a flip or a pitchfork on which the new motions exist.
 ///
 /// For a Hopf point of a mass on a belt, the sign of μ̂'''(v_b) decides. The amplitude A obeys the
-/// averaged equation A' = −½h1 A − (3/8)h3 A³, with the damping h1 of steady sliding and h3 = γ²
-/// μ̂'''(v_b)/6 (Eq. 12 of Farshidianfar and Noei Aghaee, for any law). For a Hopf point of a
+/// averaged equation A' = −½h1 A − (3/8)h3 A³, where h1 is the damping of steady sliding and h3 =
+/// γ²·μ̂'''(v_b)/6 (Eq. 12 of Farshidianfar and Noei Aghaee, for any law). For a Hopf point of a
 /// structure, the sign of the first Lyapunov coefficient decides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(
@@ -142,9 +142,9 @@ pub enum BranchEnd {
         /// The parameter there.
         parameter: f64,
     },
-    /// An event of the motion became tangential, and the branch cannot continue: at the end of the
-    /// branch the relative velocity of a contact reaches 0 tangentially, and beyond the end it does
-    /// not reach 0.
+    /// An event of the motion became tangential, and the branch cannot continue. At the end of the
+    /// branch the relative velocity of a contact reaches 0 tangentially; beyond the end this
+    /// velocity does not reach 0.
     Grazing {
         /// The parameter of the end, to rounding. The motion at the end is stored as the first or
         /// the last entry of [`Branch::bifurcations`]. The derivative of its period map is
@@ -154,10 +154,10 @@ pub enum BranchEnd {
     /// The motion itself jumps as the parameter passes this value, and the branch cannot continue.
     /// From one instant of the period on, the motions on the two sides have different modes at a
     /// contact. There are two cases. In the first case the force of the contact, in stick or at the
-    /// start of stick, just reaches the static limit; beyond that parameter the contact slips at
+    /// start of stick, just reaches the static limit. Beyond the parameter the contact slips at
     /// this instant, and its force jumps if static friction exceeds kinetic friction. In the second
-    /// case the relative velocity of the contact just reaches 0; beyond that parameter it does not
-    /// reach 0. The multipliers do not show the jump in advance.
+    /// case the relative velocity of the contact just reaches 0; beyond the parameter this velocity
+    /// does not reach 0. The multipliers do not show the jump in advance.
     Discontinuity {
         /// The parameter there.
         parameter: f64,

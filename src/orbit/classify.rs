@@ -123,11 +123,12 @@ impl<S: System> fmt::Debug for Attractor<S> {
 /// 10⁻⁹ of the extent.) Otherwise the simulation continues. The result is therefore the attractor
 /// of this start; other starts may reach other attractors.
 ///
-/// The motion counts as steady sliding or rest if no drive varies and, for at least 256 steps, no
-/// event happens and all velocities are at most 10⁻⁶ of the largest velocity so far (of masses or
-/// belts). In a system that can be [translated](super#motions-that-are-translated), the velocities
-/// must be constant to this accuracy instead. A start exactly on an unstable equilibrium, or on an
-/// unstable periodic motion, stays there: perturb the start.
+/// Without a varying drive, the motion counts as steady sliding or rest if two conditions hold for
+/// at least 256 steps: no event happens, and all velocities are at most 10⁻⁶ of the largest
+/// velocity so far (of masses or belts). In a system that can be
+/// [translated](super#motions-that-are-translated), the velocities must be constant to this
+/// accuracy instead. A start exactly on an unstable equilibrium, or on an unstable periodic motion,
+/// stays there: perturb the start.
 ///
 /// The work is at most 1.3·10⁵ steps of the motion (about 10⁴ oscillations) and ten searches by
 /// [`shoot`]; a motion that needs more counts as irregular. [`Search::classify`] sets another bound

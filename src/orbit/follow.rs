@@ -19,10 +19,10 @@ use crate::state::structure::State;
 /// Follows a periodic motion over a parameter, in both directions and through folds, until the
 /// branch ends or the parameter leaves the range.
 ///
-/// `family` returns the system for a value of the parameter, which may be anything that a closure
-/// can set: a belt velocity, a load, a damper, a coefficient of a law, the frequency of a force.
-/// `from` is a motion of the family at the value `parameter`, which lies in the range. Both ends
-/// belong to the range.
+/// `family` returns the system for a value of the parameter. The parameter may be anything that a
+/// closure can set: a belt velocity, a load, a damper, a coefficient of a law, the frequency of a
+/// force. `from` is a motion of the family at the value `parameter`, which lies in the range. Both
+/// ends belong to the range.
 ///
 /// The unknowns are the start x(0), the period T of an autonomous motion, and the parameter p. They
 /// satisfy
@@ -31,14 +31,14 @@ use crate::state::structure::State;
 /// x(T; x(0), p) − x(0) = 0,
 /// ```
 ///
-/// The curve of solutions is followed by pseudo-arclength continuation: a step in the direction of
-/// the tangent, then Newton's method on a plane across the tangent, with the exact derivative of
+/// The curve of solutions is followed by pseudo-arclength continuation: a step along the tangent,
+/// then Newton's method on a plane across the tangent. Newton's method uses the exact derivative of
 /// the period map. The order of stick and slip is not prescribed. If the events of two neighbouring
 /// motions differ, bisection brackets the change of events, down to neighbouring numbers or to
 /// rounding. The branch then continues beyond the change.
 ///
-/// At a bifurcation a test function changes its sign: dp/ds (with the arclength s) or Π(1 − μ)
-/// (with the multipliers μ) at a fold, Π(1 + μ) at a flip, and Π(1 − μ_i μ_j) at a Neimark-Sacker
+/// Let s be the arclength and μ the multipliers. At a bifurcation a test function changes its sign:
+/// dp/ds or Π(1 − μ) at a fold, Π(1 + μ) at a flip, and Π(1 − μ_i μ_j) at a Neimark-Sacker
 /// bifurcation, where a complex pair lies on the unit circle. Each bifurcation is refined along the
 /// arclength, and every motion tried there is corrected by Newton's method. Two bifurcations of one
 /// kind within one step (at most 1/64 of the range) can be missed; in a narrower range the steps

@@ -183,9 +183,9 @@ fn sign_change(
 /// by Newton's method, which also adjusts the parameter p. The result satisfies Re s(p) + ω l1 ε² ≈
 /// 0, where s(p) is the eigenvalue at p, and l1 is the first Lyapunov coefficient. The phase φ is
 /// chosen so that one coordinate is at a turning point at time 0. The distance ε is chosen so that
-/// the relative velocity of each contact varies by at most 0.3 of its sliding velocity, and each
-/// displacement by at most a tenth of the largest displacement in steady sliding. If no motion is
-/// found, smaller values of ε are tried.
+/// the relative velocity of each contact varies by at most 0.3 of its value in steady sliding. Each
+/// displacement varies by at most a tenth of the largest displacement in steady sliding. If no
+/// motion is found, smaller values of ε are tried.
 ///
 /// The motion is stable if l1 < 0 and no other eigenvalue is in the right half plane
 /// ([`HopfPoint`](crate::bifurcation::HopfPoint) gives l1). If friction is linear in the sliding

@@ -69,7 +69,7 @@
 //!
 //! # Autonomous and forced motions
 //!
-//! If a drive of a structure varies in time, the motion is forced: its period is n common periods
+//! If a drive of a structure varies in time, the motion is forced. Its period is n common periods
 //! of the drives ([`Period::Driven`]), and its start is the state at time 0. If all drives are
 //! constant, the system is autonomous: the motion may begin anywhere on its orbit, and its period
 //! is unknown ([`Period::Free`]). The phase condition of an autonomous motion is the plane through
@@ -117,9 +117,9 @@
 //!
 //! The monodromy matrix is the derivative of the state at the end of a period with respect to the
 //! state at its start. Between events the matrix solves the variational equations, by power series
-//! on the steps of the motion and with the exact derivatives of every law; at events it is
-//! multiplied by a saltation matrix. The eigenvalues of the monodromy matrix are the Floquet
-//! multipliers μ: a small perturbation along an eigenvector is multiplied by μ in each period.
+//! with the exact derivatives of every law; at events it is multiplied by a saltation matrix. The
+//! eigenvalues of the monodromy matrix are the Floquet multipliers μ: a small perturbation along an
+//! eigenvector is multiplied by μ in each period.
 //!
 //! * In stick the perturbation of the velocity vanishes: if k contacts stick at the same time, at
 //!   least k multipliers are exactly 0. Static friction that rises during stick depends on the

@@ -20,8 +20,8 @@ pub(super) const LOOK_EVERY: usize = 1000;
 ///
 /// The unit of work is a step of the motion: a few microseconds per mass. An oscillation takes
 /// about ten steps, more if many contacts have events. Every search also needs the derivative of
-/// the motion. A motion with its derivative takes two to three times as long as the motion alone
-/// for a few masses, and about nine times as long for 20 masses.
+/// the motion. For a few masses, a motion with its derivative takes two to three times as long as
+/// the motion alone; for 20 masses, about nine times as long.
 ///
 /// | search | work |
 /// |---|---|

@@ -210,8 +210,8 @@ pub(super) fn shortest(
 /// The motion need not be stable. The residual x(T) − x(0) falls to rounding, about 1e-15 of the
 /// size of each component. Newton steps that would increase the residual are shortened. The
 /// sequence of events need not be known in advance: it may differ from trial to trial. In a
-/// continuous family the motion nearest the guess is found; motions that grow or decay by less than
-/// 1e-11 per period count as members of a continuous family.
+/// continuous family the motion nearest the guess is found. Motions that grow or decay by less than
+/// 1e-11 per period count as members of such a family.
 ///
 /// An autonomous motion must leave its start and return: the residual must be small relative to the
 /// extent of the motion, too, however small this extent is. This excludes two false solutions: an

@@ -36,10 +36,10 @@ impl<S: Oscillator> Bifurcation<S> {
     /// At a flip the new motion has twice the period. At a pitchfork the new motion lacks the
     /// symmetry; its mirror image is a second new motion. `family` is the family that was followed.
     /// Let G be the map over half of the new motion's period (at a pitchfork, followed by the
-    /// reflection), x0 the start of the motion at the bifurcation, and w the eigenvector of the
-    /// Jacobian matrix G' with G'w = −w. The start x of the new motion is searched near x0 + εw, on
-    /// a plane that the old branch does not cross. The distances ε = 10⁻², 3·10⁻³ and 3·10⁻²,
-    /// relative to the size of the motion, are tried in turn:
+    /// reflection). Let x0 be the start of the motion at the bifurcation, and w the eigenvector
+    /// with G'w = −w of the Jacobian matrix G'. The start x of the new motion is searched near x0 +
+    /// εw, on a plane that the old branch does not cross. The distances ε = 10⁻², 3·10⁻³ and
+    /// 3·10⁻², relative to the size of the motion, are tried in turn:
     ///
     /// ```text
     /// G(G(x)) = x,    wᵀ(x − G(x))/wᵀw ≈ 2ε.

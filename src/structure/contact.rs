@@ -37,11 +37,12 @@ use crate::friction::memory::{ContactLaw, Slip, validate};
 /// spring in series with a friction slider.
 ///
 /// A quantity that reaches its threshold and turns back causes no event. A load that turns back at
-/// 0, from above or from below, does not open or close its contact; a stick force that turns back
+/// 0, from above or from below, does not open or close its contact. A stick force that turns back
 /// at its limit does not end stick. A load turns back at 0 if it has a local extremum within 8ε of
-/// 0 (ε = 2.2e-16), relative to the sum of the absolute values of its terms, or if one piece of a
-/// [`Drive`] ends at 0 and the next piece turns back. A stick force turns back at its limit if it
-/// has a local extremum within 8ε of the limit, relative to the terms of force and limit.
+/// 0 (ε = 2.2e-16), relative to the sum of the absolute values of its terms. It also turns back at
+/// 0 if one piece of a [`Drive`] ends at 0 and the next piece returns to the same side of 0. A
+/// stick force turns back at its limit if it has a local extremum within 8ε of the limit, relative
+/// to the terms of force and limit.
 ///
 /// The type of the law is not part of the type of the contact, so a structure may have contacts
 /// with different laws.

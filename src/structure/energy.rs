@@ -26,9 +26,9 @@ use crate::state::structure::State;
 /// the power series of the motion. Both balances hold up to rounding; [`defect`](Self::defect) is
 /// the residual of the first. In a periodic motion `stored` is 0.
 ///
-/// λ is the friction force of a contact (T in an elastic contact), N and k_n are the load and the
-/// stiffness of a normal spring, and Δ is the change over the motion. The force on the coordinates
-/// is −b λ, and the force on the moving surface, whose velocity is w, is λ.
+/// λ is the friction force of a contact (T in an elastic contact), and Δ is the change over the
+/// motion. N and k_n are the load and the stiffness of a normal spring. The force on the
+/// coordinates is −b λ, and the force on the moving surface, whose velocity is w, is λ.
 ///
 /// ```
 /// use stick_slip::{Contact, Coulomb, Structure, structure::State};

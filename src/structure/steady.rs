@@ -88,8 +88,8 @@ impl Structure {
     /// contact has the sliding velocity w = 0, or if a load is not positive in the equilibrium. The
     /// same error is returned if memory variables have no constant values, or if K with the terms
     /// of friction is singular. To make K non-singular, restrain the rigid-body modes. For a drill
-    /// string that is driven at a given speed, use coordinates in the frame that rotates at this
-    /// speed: in this frame the driven end is fixed to the ground.
+    /// string that is driven at a given speed, use the frame that rotates at this speed: in this
+    /// frame the driven end is fixed to the ground.
     pub fn steady_sliding(&self) -> Result<SteadySliding, Error> {
         SteadySliding::of(self)
     }

@@ -38,8 +38,8 @@ use crate::friction::memory::ContactLaw;
 /// * if static and kinetic coefficients are equal, exactly one combination of stick and slip
 ///   satisfies the equations, and this combination is taken;
 /// * otherwise the *fastest yields first*: all contacts start with their static limits. Among the
-///   contacts that cannot stick, the one with the largest |r'|/(G_cc N μ_s), where G_cc = bᵀM⁻¹b,
-///   drops to its kinetic friction, and the decision is repeated for the others. This rule is the
+///   contacts that cannot stick, the one with the largest |r'|/(G_cc N μ_s) drops to its kinetic
+///   friction, where G_cc = bᵀM⁻¹b. Then the decision is repeated for the others. This rule is the
 ///   limit of a friction law that falls from its static to its kinetic value within a range of
 ///   sliding speeds that shrinks to 0.
 ///

@@ -59,9 +59,9 @@ pub enum LocusKind {
         /// The contact.
         contact: usize,
     },
-    /// At an instant of zero relative velocity of a contact, the force that stick would need equals
-    /// the static limit: the contact sticks on one side of the curve, and slips on in the other
-    /// direction on the other side.
+    /// At an instant of zero relative velocity, the force that stick would need equals the static
+    /// limit. On one side of the curve the contact sticks at this instant; on the other side it
+    /// slips on in the opposite direction.
     StopOnset {
         /// The contact.
         contact: usize,
@@ -227,7 +227,7 @@ pub enum LocusEnd {
         /// The parameters there.
         parameters: [f64; 2],
     },
-    /// The steps become shorter and shorter: the sum of the last 128 steps is less than 1e-3, in
+    /// The steps become shorter and shorter: the last 128 steps together are shorter than 1e-3, in
     /// units of the size of the motion and of the ranges of the parameters. Near the last point the
     /// motion has no derivative with respect to the parameters, for example because a grazing
     /// coincides with another event of the same contact.

@@ -80,8 +80,8 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// coefficients of normal forms (generalised flip, Chenciner, a pitchfork that turns subcritical)
 /// are not computed.
 ///
-/// A curve of folds, flips or Neimark-Sacker bifurcations passes a change of the events of its
-/// motion if the map is smooth there, and otherwise ends with
+/// If the period map is smooth at a change of the events, a curve of folds, flips or Neimark-Sacker
+/// bifurcations continues beyond the change; otherwise it ends with
 /// [`LocusEnd::Jump`](super::LocusEnd::Jump). A curve of grazings, onsets of stops or event orders
 /// ends with `Jump` at every such change. On a curve of grazings, the instant of grazing can
 /// approach another event of the same contact, such as a release. The steps then become ever

@@ -23,9 +23,9 @@ pub struct VibrationRanges<S: System> {
 
 /// A range of a parameter of any system with the same attractors throughout; part of
 /// [`VibrationRanges`]. For a mass on a belt,
-/// [`bifurcation::VibrationRange`](crate::bifurcation::VibrationRange) is a similar type, without
-/// the kinds of the borders; the search that returns it misses no attractor at the velocities that
-/// it tries.
+/// [`bifurcation::VibrationRange`](crate::bifurcation::VibrationRange) is a similar type without
+/// the kinds of the borders. The search for that type misses no attractor at the velocities that it
+/// tries.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]

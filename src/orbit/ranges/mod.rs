@@ -38,16 +38,16 @@ const NEAR: f64 = 1e-6;
 const SMALL: f64 = 1e-3;
 
 /// The attractors of a system over a range of a parameter: the ranges of steady sliding, of
-/// vibration, and of hysteresis (in which the past of the motion decides between the two), with the
-/// critical values between them.
+/// vibration, and of hysteresis, with the critical values between these ranges. In a range of
+/// hysteresis the past of the motion decides between steady sliding and vibration.
 ///
-/// `family` returns the system for a value of the parameter. Two searches find periodic motions: a
-/// [`sweep`](super::sweep()) from rest over 17 equidistant values, upward and downward, and a
-/// search for the Hopf points of steady sliding, at which motions [begin](super::begin()). Each new
-/// motion that lies on no known branch is [followed](super::follow()) in both directions, through
-/// folds, to the ends of its branch. The end of stick-slip is therefore the fold or grazing itself,
-/// not the last value at which a simulation showed stick. Motions that no simulation from steady
-/// sliding reaches are also found, if they lie on a branch of a motion that was found.
+/// `family` returns the system for a value of the parameter. Two searches find periodic motions.
+/// One is a [`sweep`](super::sweep()) from rest over 17 equidistant values, upward and downward.
+/// The other finds the Hopf points of steady sliding, at which motions [begin](super::begin()).
+/// Each new motion that lies on no known branch is [followed](super::follow()) in both directions,
+/// through folds, to the ends of its branch. The end of stick-slip is therefore the fold or grazing
+/// itself, not the last value at which a simulation showed stick. Motions that no simulation from
+/// steady sliding reaches are also found, if they lie on a branch of a motion that was found.
 ///
 /// A motion that lies on two branches counts once. Bifurcations are exact to about 1e-10 of the
 /// range, like those of [`follow`](super::follow()). Hopf points in [`VibrationRange::parameters`]

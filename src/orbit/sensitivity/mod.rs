@@ -67,8 +67,8 @@ impl Sensitivities {
         inside.then(|| self.here.state_at(self.here.passed(time), time))?
     }
 
-    /// The derivatives of the state at a time: a matrix with a row for each displacement, then each
-    /// velocity, then each memory variable, and with a column for each parameter. Units: unit of
+    /// The derivatives of the state at a time. The matrix has a row for each displacement, then
+    /// each velocity, then each memory variable, and a column for each parameter. Units: unit of
     /// the variable per unit of the parameter. `None` if the time lies outside the motion or is
     /// NaN.
     ///
@@ -133,9 +133,9 @@ impl Sensitivities {
 /// The motion of a family of systems over a duration, with the derivatives of the state at any
 /// time, and of the times of events, with respect to all parameters.
 ///
-/// `family` returns the system and its start at time 0 for values of the parameters, which may be
-/// anything that a closure can set: coefficients of a law, loads, stiffnesses, belt velocities, the
-/// start itself.
+/// `family` returns the system and its start at time 0 for values of the parameters. Parameters may
+/// be anything that a closure can set: coefficients of a law, loads, stiffnesses, belt velocities,
+/// the start itself.
 ///
 /// Derivatives continue through sticks, releases and crossings, because neighbouring motions have
 /// the same events at slightly different times. Near an event each motion is continued by its own
