@@ -176,8 +176,8 @@ pub enum Error {
         reached: Option<Reached>,
     },
 
-    /// A breakpoint of the law is not finite, not positive or not above the breakpoint before it,
-    /// or the law jumps there.
+    /// A breakpoint of the law is infinite, NaN, ≤ 0 or ≤ the breakpoint before it, or the law
+    /// jumps there.
     #[error(
         "breakpoint {index} of the friction law (counted from 0), {}, is not allowed; breakpoints \
          must be finite, positive and strictly ascending, and the law continuous there",
@@ -223,7 +223,7 @@ pub enum Error {
     /// A matrix or a start does not have the size of the structure.
     #[error("{name}: {found} given; {expected} are needed")]
     WrongSize {
-        /// The counted quantity, for example `rows of the stiffness matrix`.
+        /// What was counted, for example `rows of the stiffness matrix`.
         name: &'static str,
         /// The number given.
         found: usize,
@@ -234,7 +234,7 @@ pub enum Error {
     /// Never returned, because a coordinate may have several contacts.
     #[error("coordinate {coordinate} has contact {contact} already")]
     CoordinateTaken {
-        /// The coordinate, from 0.
+        /// The coordinate, counted from 0.
         coordinate: usize,
         /// The contact that the coordinate already has, counted from 0.
         contact: usize,
@@ -294,8 +294,8 @@ pub enum Error {
     },
 
     /// A curve was requested for a change of events that [`orbit::locus`](crate::orbit::locus)
-    /// cannot follow. It follows grazings of a slipping contact, onsets of stops, and changes of
-    /// the order of events of two contacts.
+    /// cannot follow. That search follows grazings of a slipping contact, onsets of stops, and
+    /// changes of the order of events of two contacts.
     #[error(
         "no curve of this bifurcation can be followed: no grazing of a slipping contact, no onset \
          of a stop and no two simultaneous events are near; give a bifurcation of one of these \
@@ -376,7 +376,7 @@ pub enum Error {
         Plain(*time)
     )]
     BeltVelocityJumps {
-        /// The coordinate of the contact, from 0.
+        /// The coordinate of the contact, counted from 0.
         coordinate: usize,
         /// The time of the first jump.
         time: f64,

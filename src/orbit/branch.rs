@@ -139,7 +139,7 @@ pub enum BranchEnd {
     Range,
     /// The motion shrank to an equilibrium that changes its stability there: a Hopf bifurcation.
     Hopf {
-        /// The parameter there.
+        /// The parameter of the Hopf bifurcation.
         parameter: f64,
     },
     /// An event of the motion became tangential, and the branch cannot continue. At the end of the
@@ -159,7 +159,7 @@ pub enum BranchEnd {
     /// case the relative velocity of the contact just reaches 0; beyond the parameter this velocity
     /// does not reach 0. The multipliers do not show the jump in advance.
     Discontinuity {
-        /// The parameter there.
+        /// The parameter at the jump.
         parameter: f64,
         /// The time at which the motions on the two sides of the jump separate, since the start of
         /// the period, in units of time.

@@ -174,7 +174,7 @@ fn sign_change(
 /// `near` is a value of the parameter near the Hopf point, at which a pair of eigenvalues is near
 /// the imaginary axis. First the Hopf point itself is computed: the parameter p0, with eigenvalues
 /// ±iω. Let A be the Jacobian matrix of steady sliding x̄ at p0, and let q and u be its right and
-/// left eigenvectors, with Aq = iωq, Aᵀu = −iωu and ūᵀq = 1. The motion is searched near
+/// left eigenvectors, with Aq = iωq, Aᵀu = −iωu and ūᵀq = 1. The motion is sought near
 ///
 /// ```text
 /// x(0) = x̄ + 2ε Re(q e^{iφ}),    T = 2π/ω,    on the plane Re(u e^{iφ})ᵀ(x − x̄) = ε,
@@ -200,8 +200,8 @@ fn sign_change(
 /// [`Error::At`], with the value of the parameter, if the family returns an error, if there is no
 /// steady sliding ([`Error::NoSteadySliding`]), or if no periodic motion is found;
 /// [`Error::NoHopfPoint`] if no pair of eigenvalues is near the imaginary axis (|Re s| ≤ 0.2 |Im
-/// s|), or if no pair crosses it near this value; [`Error::InvalidParameter`] unless the value is
-/// finite.
+/// s|), or if no pair crosses this axis near the given value; [`Error::InvalidParameter`] unless
+/// the value is finite.
 ///
 /// ```
 /// use stick_slip::orbit::{self, AttractorKind, BranchEnd};

@@ -81,7 +81,7 @@ pub fn lyapunov<S: Oscillator>(
 /// The cost is proportional to the duration; the standard error falls at least as fast as
 /// 1/√duration. Three masses with natural frequencies of order 1 take about 0.15 ms for each unit
 /// of time, so 10 000 units take 1.5 s. A run up to the bound of 10⁶ steps takes 10 to 20 s for
-/// three masses; [`Search::with_max_steps`] lowers this bound.
+/// three masses; [`Search::with_max_steps`] changes this bound.
 ///
 /// # Errors
 ///

@@ -12,8 +12,8 @@ pub enum Period {
     /// A forced motion: its period is this number (at least 1) of common periods of the drives of a
     /// [`Structure`](crate::Structure). Its start is the state at time 0 of the drives.
     Driven(usize),
-    /// An autonomous motion, in which no drive varies. The number is an estimate of its period, in
-    /// units of time.
+    /// An autonomous motion, of a system in which no drive varies. The number is an estimate of the
+    /// motion's period, in units of time.
     ///
     /// The phase condition is the plane through the guess, normal to the flow at the guess.
     Free(f64),

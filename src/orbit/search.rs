@@ -14,7 +14,8 @@ pub(super) const MOST_STEPS_OF_A_SEARCH: usize = 10 * Integrator::DEFAULT_MAX_ST
 pub(super) const LOOK_EVERY: usize = 1000;
 
 /// A search for periodic motions or Lyapunov exponents, with bounds on its work and with a watcher.
-/// Its methods have the names of the functions of [`orbit`](super) and return the same results.
+/// The methods of `Search` have the names of the functions of [`orbit`](super) and return the same
+/// results.
 ///
 /// # Cost
 ///
@@ -86,8 +87,8 @@ pub struct Progress {
     /// units. In a search on one system, which has no parameter: the time reached by the motion
     /// that is being computed, in units of time.
     pub value: f64,
-    /// In a search over two parameters ([`locus`](Search::locus)): the value of the second one.
-    /// Otherwise `None`.
+    /// In a search over two parameters ([`locus`](Search::locus)): the value of the second
+    /// parameter. Otherwise `None`.
     pub second: Option<f64>,
     /// Number of motions found so far, without the first motion; 0 in a search on one system.
     pub points: usize,
@@ -139,8 +140,8 @@ impl<'w> Search<'w> {
     }
 
     /// Sets the watcher, a function that shows the progress or stops the search by returning
-    /// [`ControlFlow::Break`]. It is called every 1000 steps; in a search along a parameter also
-    /// before each motion that is tried and after each motion that is found.
+    /// [`ControlFlow::Break`]. The function is called every 1000 steps; in a search along a
+    /// parameter, also before each motion that is tried and after each motion that is found.
     ///
     /// A branch or a locus that is stopped keeps what was found, with
     /// [`BranchEnd::Stopped`](super::BranchEnd::Stopped) or

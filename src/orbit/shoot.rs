@@ -226,7 +226,7 @@ pub(super) fn shortest(
 ///
 /// # Errors
 ///
-/// * [`Error::NoCommonPeriod`], [`Error::NotFree`] if the kind of period does not fit the drives;
+/// * [`Error::NoCommonPeriod`] or [`Error::NotFree`] if the kind of period does not fit the drives;
 /// * [`Error::InvalidParameter`] if the number of periods is 0, or if an estimate of the period is
 ///   not positive and finite;
 /// * [`Error::AtRest`] in the search for an autonomous motion, if the guess is an equilibrium, or
@@ -353,9 +353,9 @@ fn find(form: &GeneralForm<'_>, guess: &State, period: Period) -> Result<TrialMo
 /// Simulates a transient from a start at time 0, then finds the periodic motion near the state
 /// reached.
 ///
-/// The length of the transient is in units of time; for a forced motion it is rounded up to whole
-/// periods of the drives. A long transient costs little: if [`shoot`] fails, make the transient
-/// longer.
+/// The length of the transient is in units of time; for a forced motion this length is rounded up
+/// to whole periods of the drives. A long transient costs little: if [`shoot`] fails, make the
+/// transient longer.
 ///
 /// # Errors
 ///

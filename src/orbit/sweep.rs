@@ -74,7 +74,7 @@ impl<S: System> Sweep<S> {
 /// machine that is started, loaded and unloaded.
 ///
 /// If the results of the two directions differ at a value, the system has two attractors there, and
-/// the past of the motion decides between them (hysteresis). Do not search a critical value by
+/// the past of the motion decides between them (hysteresis). Do not search for a critical value by
 /// bisection with simulations from one start. At the next value this start may lie in the basin of
 /// another attractor, and vibration that exists far beyond the value found would be missed.
 /// Instead, sweep, then follow the motion found to the end of its branch:

@@ -37,7 +37,7 @@ impl<S: Oscillator> Bifurcation<S> {
     /// symmetry; its mirror image is a second new motion. `family` is the family that was followed.
     /// Let G be the map over half of the new motion's period (at a pitchfork, followed by the
     /// reflection). Let x0 be the start of the motion at the bifurcation, and w the eigenvector
-    /// with G'w = −w of the Jacobian matrix G'. The start x of the new motion is searched near x0 +
+    /// with G'w = −w of the Jacobian matrix G'. The start x of the new motion is sought near x0 +
     /// εw, on a plane that the old branch does not cross. The distances ε = 10⁻², 3·10⁻³ and
     /// 3·10⁻², relative to the size of the motion, are tried in turn:
     ///

@@ -25,7 +25,8 @@ use crate::friction::memory::{ContactLaw, Slip, validate};
 /// | [`Contact::along(&[(i, b_i), ..], ..)`](Self::along) | any | Σ b_i v_i − w: a lever, a gear, a point of a reduced model by its mode shapes |
 ///
 /// Loads are in units of force, n_j in force per displacement, w in units of velocity; μ and b are
-/// dimensionless. Doubling b doubles r and the force on the coordinates.
+/// dimensionless; e_i is the i-th unit vector. Doubling b doubles r and the force on the
+/// coordinates.
 ///
 /// If the load depends on time alone, it may fall to 0 and rise again: between these times the
 /// contact is open and transmits no friction. A load gradient describes a normal spring that is
@@ -225,7 +226,7 @@ impl Contact {
         &self.load_gradient
     }
 
-    /// Velocity w(t) of the belt.
+    /// Velocity w(t) of the surface on which the contact slides.
     pub fn belt_velocity(&self) -> &Drive {
         &self.belt_velocity
     }

@@ -16,7 +16,7 @@ pub struct Sample {
     pub time: f64,
     /// Displacements, velocities and memory variables.
     pub state: State,
-    /// The mode of each contact; at the time of an event, the mode after it.
+    /// The mode of each contact; at the time of an event, the mode after the event.
     pub modes: Vec<Mode>,
     /// The acceleration v' of each coordinate, in units of velocity per time.
     pub accelerations: Vec<f64>,

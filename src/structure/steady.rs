@@ -12,7 +12,7 @@ use crate::numerics::eigenvalues::eigenvalues as eigenvalues_of;
 use crate::state::Direction;
 
 /// Steady sliding of a [`Structure`], in which every mass stands still while the belts move, and
-/// the eigenvalues of small motions about it.
+/// the eigenvalues of small motions about this equilibrium.
 ///
 /// ```text
 /// K q = f + Σ_c b_c N_c sgn(w_c) μ̂_c(|w_c|),    N_c = N0_c + n_c·q
@@ -28,10 +28,10 @@ use crate::state::Direction;
 /// can then merge, and one of them can grow (flutter by mode coupling), even if friction does not
 /// fall with speed.
 ///
-/// Eigenvalues come from the Schur form of the 2n × 2n matrix of the scaled system. Their error is
-/// about nε times the largest eigenvalue (ε = 2.2e-16), or √(nε) times the largest eigenvalue if
-/// two eigenvalues nearly coincide. Each memory variable adds a row to the matrix. The work grows
-/// as n³: a second for n = 100, minutes for n = 1000.
+/// Eigenvalues come from the Schur form of the 2n × 2n matrix of the scaled system with n
+/// coordinates. Their error is about nε times the largest eigenvalue (ε = 2.2e-16), or √(nε) times
+/// the largest eigenvalue if two eigenvalues nearly coincide. Each memory variable adds a row to
+/// the matrix. The work grows as n³: a second for n = 100, minutes for n = 1000.
 ///
 /// ```
 /// use stick_slip::nalgebra::DMatrix;
@@ -67,8 +67,8 @@ pub struct SteadySliding {
     /// Eigenvalues of small motions, in units of 1/time: two for each coordinate and one for each
     /// memory variable. They are sorted by descending real part; if real parts are equal, by
     /// descending imaginary part. The eigenvalue is −∞ for the force of an elastic contact, and for
-    /// a memory variable that neither changes in slip nor influences anything, such as the clock of
-    /// a [`Dwell`](crate::Dwell).
+    /// a memory variable that is constant in slip and has no effect on the motion, such as the
+    /// clock of a [`Dwell`](crate::Dwell).
     pub eigenvalues: Vec<Complex<f64>>,
 }
 

@@ -272,8 +272,9 @@ impl SystemState for State {
 }
 
 impl Trajectory<State> {
-    /// The mode of a contact at a time of the motion; at the time of an event, the mode after it.
-    /// `None` if the time lies outside the motion or is NaN, or if there is no such contact.
+    /// The mode of a contact at a time of the motion; at the time of an event, the mode after the
+    /// event. `None` if the time lies outside the motion or is NaN, or if the contact does not
+    /// exist.
     pub fn mode_at(&self, contact: usize, time: f64) -> Option<Mode> {
         self.step_at(time)?.modes().get(contact).copied()
     }

@@ -54,7 +54,7 @@ use crate::numerics::trace::{Equations, Point, check_ranges};
 /// | [`BifurcationKind`] | [`LocusKind`] | g |
 /// |---|---|---|
 /// | fold, flip, Neimark-Sacker | of the same name | scalar of a bordered matrix; 0 if a multiplier is 1 or −1, or a pair is exp(±iθ) |
-/// | grazing, also the [end of a branch](super::BranchEnd::Grazing) | [`Grazing`](LocusKind::Grazing) | the extremum near 0 of the relative velocity of the contact; the contact slips before this instant, and slips or sticks after it |
+/// | grazing, also the [end of a branch](super::BranchEnd::Grazing) | [`Grazing`](LocusKind::Grazing) | the extremum near 0 of the relative velocity of the contact; the contact slips before the extremum, and slips or sticks after it |
 /// | pitchfork | of the same name | scalar of a bordered matrix of the half-period map G; 0 if G has a multiplier −1. The first equation is G(x) = x instead of P(x) = x |
 /// | change of events | [`StopOnset`](LocusKind::StopOnset) | \|R\| − N μ_s at the instant of zero relative velocity, with the force R that stick would need, the load N and the static coefficient μ_s |
 /// | change of events | [`Order`](LocusKind::Order) | the time between two events of two contacts |

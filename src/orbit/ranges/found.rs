@@ -55,7 +55,7 @@ pub enum Border {
     /// A real eigenvalue of steady sliding is 0: on the unstable side perturbations grow without
     /// oscillation.
     Divergence,
-    /// Steady sliding begins or ceases to exist.
+    /// Steady sliding begins to exist or ceases to exist.
     NoSteadySliding,
     /// The family returns an error on the other side: it has no system there.
     NoSystem,

@@ -28,7 +28,7 @@ pub struct Sensitivities {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct EventSensitivity {
-    /// The time, in units of time.
+    /// The time of the event, in units of time.
     pub time: f64,
     /// The contact.
     pub contact: usize,
@@ -46,9 +46,10 @@ pub struct EventSensitivity {
 pub struct OrbitSensitivities {
     /// The derivative ∂T/∂p of the period T with respect to each parameter p.
     pub period: Vec<f64>,
-    /// The motion over one period with its derivatives. It begins between events, at the first of
-    /// [`Sensitivities::times`]; for an autonomous motion this time may be later than the start of
-    /// the orbit. The derivative of an autonomous motion at this start is normal to the flow.
+    /// The motion over one period with its derivatives. The motion begins between events, at the
+    /// first of [`Sensitivities::times`]; for an autonomous motion this time may be later than the
+    /// start of the orbit. The derivative of an autonomous motion at this start is normal to the
+    /// flow.
     pub motion: Sensitivities,
 }
 
@@ -68,9 +69,9 @@ impl Sensitivities {
     }
 
     /// The derivatives of the state at a time. The matrix has a row for each displacement, then
-    /// each velocity, then each memory variable, and a column for each parameter. Units: unit of
-    /// the variable per unit of the parameter. `None` if the time lies outside the motion or is
-    /// NaN.
+    /// each velocity, then each memory variable, and a column for each parameter. Entries are in
+    /// units of the variable per unit of the parameter. The result is `None` if the time lies
+    /// outside the motion or is NaN.
     ///
     /// The derivative is taken at a fixed time. At an event, where velocities have a kink, the
     /// result is the derivative just before the event.
