@@ -1,26 +1,28 @@
 //! Averaging, for weak friction and any law: the slow growth and decay of a vibration, and the
 //! limit cycles that it approaches.
 //!
-//! Let z = u − ū = A sin ψ and z' = A cos ψ. The amplitude A drifts slowly (Eq. 12, for any law):
+//! Let z = u − ū = A sin ψ and z' = A cos ψ, with the equilibrium ū. The amplitude A drifts slowly
+//! (Eq. 12, for any law):
 //!
 //! ```text
 //! A' = −(1/2π) ∫₀^2π h(A cos ψ) cos ψ dψ,     h(y) = 2βy + γ²[μ(y − v_b) − μ(−v_b)]
 //! ```
 //!
 //! and the phase has no drift: ψ = ψ(0) + τ. Farshidianfar and Noei Aghaee say that such integrals
-//! "are not analytically solvable"; here they are computed to round-off. Integration by parts
-//! avoids cancellation at small A. By mirror symmetry the result depends on v_b only through w
-//! = |v_b|:
+//! "are not analytically solvable"; this module computes them to round-off. Integration by parts
+//! avoids cancellation at small A. By mirror symmetry the result depends on the speed w = |v_b| of
+//! the belt, but not on its direction:
 //!
 //! ```text
 //! A' = −βA − (γ²A/π) ∫₀^π μ̂'(|w − A cos ψ|) sin²ψ dψ − (2γ²/π) μ̂(0) sin s
 //! dA'/dA = −β − (γ²/π) ∫₀^π μ̂'(|w − A cos ψ|) cos²ψ dψ − (2γ²/π) μ̂(0) w²/(A³ sin s)
 //! ```
 //!
-//! with cos s = w/A. The terms with s come from the jump of the friction force at the instant at
-//! which the mass overtakes the belt, and exist only for A > w. If A ≤ w and all speeds lie on one
-//! piece of the law, the integrand is smooth and periodic, and the trapezoidal rule is used.
-//! Otherwise Gauss-Legendre quadrature is used on panels that end at ψ = s and at the breakpoints.
+//! with cos s = w/A and the slope μ̂' = dμ̂/ds of the law. The terms with sin s come from the jump
+//! of the friction force when the mass overtakes the belt; they are absent for A ≤ w. If A ≤ w and
+//! all sliding speeds lie on one piece of the law, the integrand is smooth and periodic, and the
+//! trapezoidal rule is used. Otherwise Gauss-Legendre quadrature is used on panels that end at
+//! ψ = s and at the breakpoints.
 //!
 //! The amplitude A and the period 2π have errors O(ε²). Averaging describes motions that never
 //! stick: see [`AveragedCycle::is_valid`].
@@ -36,11 +38,11 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 
 /// Drift dA/dτ of the amplitude A ≥ 0, dimensionless. Error O(ε²).
 ///
-/// For Coulomb's law on a belt at rest the drift is −2γ²μ_k/π: the amplitude falls by 4γ²μ_k in
-/// each cycle.
+/// For Coulomb's law on a belt at rest, without damping, the drift is −2γ²μ_k/π: the amplitude
+/// falls by 4γ²μ_k in each cycle.
 ///
 /// The formula holds for any law, both signs of v_b, and v_b = 0. Source: Farshidianfar and Noei
-/// Aghaee, Eq. 12 (the mean over a cycle is missing in the printed right sides).
+/// Aghaee, Eq. 12, corrected: the printed right sides are not averaged over a cycle.
 ///
 /// # Errors
 ///
@@ -65,7 +67,8 @@ pub fn drift<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64) -> Result<f
 }
 
 /// Slope dA'/dA of the drift at the amplitude A ≥ 0, dimensionless: the growth rate of a
-/// perturbation of the amplitude. Error O(ε²). The slope is −∞ just above A = |v_b| if μ̂(0) > 0.
+/// perturbation of the amplitude. Error O(ε²). If μ̂(0) > 0, the slope tends to −∞ as A falls to
+/// |v_b| > 0.
 ///
 /// # Errors
 ///
@@ -201,15 +204,15 @@ fn slope_integrals(
     Ok(total)
 }
 
-/// A cycle of the slow flow: an amplitude A > 0 at which A' = 0.
+/// A cycle of the averaged equation: an amplitude A > 0 at which A' = 0.
 ///
 /// The motion is z = A sin ψ about the equilibrium, with period 2π. All quantities are
 /// dimensionless. Errors are O(ε²) in the amplitude (half the range of u, or the largest velocity)
 /// and in the period, and O(ε³) in the multiplier. The error of the mean displacement is O(ε),
-/// because the true motion is not centred on the equilibrium.
+/// because the exact motion is not centred on the equilibrium.
 ///
-/// Source: Farshidianfar and Noei Aghaee, Eqs. 12 and 13 (corrected: the printed 3/4 is 4/3), for
-/// any law and for cycles that overtake the belt.
+/// Source: Farshidianfar and Noei Aghaee, Eqs. 12 and 13 (corrected: 4/3 replaces the printed 3/4),
+/// extended to any law and to cycles in which the mass overtakes the belt.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AveragedCycle {
     amplitude: f64,
@@ -240,49 +243,48 @@ impl AveragedCycle {
         self.drift_slope < 0.0
     }
 
-    /// Time per cycle in which the mass is faster than the belt, dimensionless: 2s with cos s
-    /// = |v_b|/A; 0 for A ≤ |v_b|. Error O(ε²).
+    /// Time per cycle during which the mass is faster than the belt, dimensionless: 2s with
+    /// cos s = |v_b|/A, or 0 if A ≤ |v_b|. Error O(ε²).
     pub fn leading_duration(&self) -> f64 {
         2.0 * self.half_leading_duration
     }
 
-    /// Returns true if the motion never sticks, so that averaging describes it. This is the case if
-    /// A ≤ |v_b|. It is also the case if A sin s > γ²(μ_s + μ̂(0)), with cos s = |v_b|/A: the mass
-    /// is faster than the belt for so long that friction cannot hold it when the velocities are
-    /// equal again. Otherwise the motion sticks; for its formulas see
-    /// [`StickSlip`](super::StickSlip). The value of γ² at this limit has a relative error O(ε).
+    /// Returns true if the motion never sticks, so that averaging describes it: if A ≤ |v_b|, or if
+    /// A sin s > γ²(μ_s + μ̂(0)) with cos s = |v_b|/A. In the second case the mass overtakes the
+    /// belt, and static friction cannot balance the spring when both velocities are equal again.
+    /// Otherwise the motion sticks: see [`StickSlip`](super::StickSlip). The load γ² above which
+    /// the second condition fails has a relative error O(ε).
     pub fn is_valid(&self) -> bool {
         self.is_valid
     }
 }
 
-/// All cycles of the slow flow, by ascending amplitude: stable and unstable cycles, including
-/// cycles in which the mass overtakes the belt. A stick-slip cycle that exists only because μ_s >
-/// μ̂(0), as for Coulomb's law, is not included, because the averaged equation does not contain
-/// μ_s.
+/// All cycles of the averaged equation, stable and unstable, by ascending amplitude, including
+/// cycles in which the mass overtakes the belt. A stick-slip cycle that exists only because
+/// μ_s > μ̂(0), as for Coulomb's law, is not included, because the averaged equation does not
+/// contain μ_s.
 ///
 /// # What "all" means
 ///
-/// Every averaged cycle of a law with μ̂ ≥ 0 has A < 2|v_b|. (Sliding at speed s drives the motion
-/// only while its velocity is |v_b| − s > 0. If A ≥ 2|v_b|, the mass is also faster than the belt
-/// during a part of each cycle, at the same sliding speeds s, and friction takes out more energy in
-/// this part.) The whole range of A is searched. Let A_i be the amplitudes at which the motion
-/// first touches the belt or a breakpoint; between them A'/A is analytic in √(A² − A_i²). It is
-/// interpolated by Chebyshev polynomials to round-off, on intervals that are divided until each
-/// contains no root or is monotone. No cycle is missed, except
+/// Every averaged cycle of a law with μ̂ ≥ 0 has A < 2|v_b|. (At sliding speed s friction supplies
+/// energy only while the mass has the velocity |v_b| − s > 0. If A ≥ 2|v_b|, the mass slides at the
+/// same speeds s while it is faster than the belt, and friction then dissipates more energy than it
+/// supplies.) The search covers 0 < A < 2|v_b|. Let A_i be the amplitudes at which the mass first
+/// reaches the velocity of the belt or a breakpoint of the law. Between two successive A_i, A'/A is
+/// analytic in √(A² − A_i²), and is interpolated by Chebyshev polynomials to round-off. The
+/// intervals are divided until A'/A has no root or is monotone on each. No cycle is missed, except
 ///
-/// * a pair of cycles near a fold, if A'/A between their amplitudes is smaller than its rounding
-///   error. The rounding error of A'/A is 10⁻¹⁴(β + γ²·max abs(dμ̂/ds)); near folds of the
-///   exponential law a pair whose amplitudes differ by less than some 10⁻⁶|v_b| may be missed;
-/// * a cycle caused by a feature of the law's slope that is narrower than some 3·10⁻⁴|v_b| in speed
-///   (low speeds are sampled more densely).
+/// * a pair of cycles near a fold, if A'/A between their amplitudes is smaller than
+///   10⁻¹⁴(β + γ²·max abs(dμ̂/ds)), a bound of its rounding error. Near folds of the exponential
+///   law a pair may be missed if its amplitudes differ by less than about 10⁻⁶|v_b|;
+/// * a cycle caused by a feature of the law's slope that is narrower than about 3·10⁻⁴|v_b| in
+///   sliding speed (low speeds are sampled more densely).
 ///
-/// If A' vanishes to rounding on a whole interval (Coulomb's law without damping: every orbit with
-/// A ≤ |v_b|), the cycles in this interval are not isolated and are not listed. If v_b = 0, the
-/// list is empty.
+/// If A' is 0 within rounding on a whole interval (Coulomb's law without damping: 0 < A ≤ |v_b|),
+/// the cycles in this interval are not isolated and are not listed. If v_b = 0, the list is empty.
 ///
-/// The error of an amplitude is the rounding error of A'/A, about 10⁻¹⁶(β + γ²·max abs(dμ̂/ds)),
-/// divided by the slope of A'/A.
+/// The rounding error of an amplitude is that of A'/A, typically 10⁻¹⁶(β + γ²·max abs(dμ̂/ds)),
+/// divided by the slope of A'/A over A.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 12 and 13 (corrected), for any law. For the orders
 /// of error in ε see [`AveragedCycle`].
@@ -304,7 +306,7 @@ impl AveragedCycle {
 /// assert!((cycles[0].amplitude() - 0.2686592223947985).abs() < 1e-15);
 /// assert!((cycles[0].multiplier() - 0.8153988827558230).abs() < 1e-15);
 ///
-/// // Just below its fold at 1.4578 the exponential law has a stable and an unstable one.
+/// // Below its fold at v_b = 1.4578 the exponential law has a stable and an unstable cycle.
 /// let law = Exponential::new(0.4, 0.3, 1.0)?;
 /// let system = MassOnBelt::new(law, 1.45)?.with_damping(0.01)?.with_load(0.5)?;
 /// let cycles = averaging::cycles(&system)?;

@@ -10,9 +10,9 @@ use crate::friction::{Coulomb, FrictionLaw};
 use crate::numerics::bracket::root_between;
 use crate::state::State;
 
-/// The slip phase of the stick-slip cycle in the limit of the largest belt velocity. At the end of
-/// this slip phase the velocity of the mass reaches the belt velocity tangentially; at larger belt
-/// velocities no stick-slip cycle exists. The duration s and the factor Λ depend on β alone.
+/// The slip phase of the stick-slip cycle at the largest belt velocity with stick-slip,
+/// γ²(μ_s − μ_k)Λ. At the end of this phase the velocity of the mass reaches the belt velocity
+/// tangentially. The duration s and the factor Λ depend on the damping ratio β alone.
 ///
 /// ```text
 /// e^{βs}[cos ω_d s − (β/ω_d) sin ω_d s] = 1,   π < ω_d s < 2π,   ω_d = √(1 − β²)
@@ -25,13 +25,12 @@ use crate::state::State;
 pub struct TangentialSlip {
     /// Duration s of slip, dimensionless.
     pub duration: f64,
-    /// Factor Λ, dimensionless: the belt velocity in units of γ²(μ_s − μ_k).
+    /// Factor Λ, dimensionless: the belt velocity of this cycle, divided by γ²(μ_s − μ_k).
     pub velocity_factor: f64,
 }
 
-/// The slip phase that ends tangentially at the belt velocity, for the damping ratio β. Its belt
-/// velocity γ²(μ_s − μ_k)Λ is [`largest_stick_slip_velocity`]. Exact to rounding. `None` unless 0 <
-/// β < 1.
+/// The slip phase of the stick-slip cycle at the largest belt velocity with stick-slip, for the
+/// damping ratio β. Exact to rounding. `None` unless 0 < β < 1.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::tangential_slip;
@@ -51,8 +50,8 @@ pub fn tangential_slip(damping: f64) -> Option<TangentialSlip> {
     })
 }
 
-/// Belt velocity γ²(μ_s − μ_k)Λ(β), dimensionless and exact: a stick-slip cycle exists for
-/// every |v_b| > 0 below this value.
+/// Belt velocity γ²(μ_s − μ_k)Λ(β), with Λ from [`tangential_slip`]: a stick-slip cycle exists for
+/// every |v_b| > 0 below this value. Dimensionless, exact.
 ///
 /// The result is infinite if β = 0 and μ_s > μ_k, and 0 (no stick-slip cycle) if β ≥ 1 or μ_s =
 /// μ_k. The system's own v_b is ignored.
@@ -115,8 +114,8 @@ pub fn silencing_damping(system: &MassOnBelt<Coulomb>) -> Option<f64> {
 }
 
 /// Damping ratio above which there is no vibration at any belt velocity: 1 if μ_s > μ_k, and 0 if
-/// μ_s = μ_k (small vibrations then last only if there is no damping). Dimensionless, exact. The
-/// system's own v_b and β are ignored.
+/// μ_s = μ_k (vibrations then last only without damping). Dimensionless, exact. The system's own
+/// v_b and β are ignored.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::silencing_damping_everywhere;
@@ -164,7 +163,7 @@ pub fn quiet_velocity(system: &MassOnBelt<Coulomb>) -> f64 {
 /// `None` if there is no stick-slip cycle: if v_b = 0, if μ_s = μ_k, if β ≥ 1, or if |v_b| is at
 /// least [`largest_stick_slip_velocity`]. The multiplier is 0.
 ///
-/// Source: the exact solution of both phases, which are linear for this law.
+/// Source: the exact solution of the equations of stick and slip, which are linear for this law.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::stick_slip;
@@ -202,15 +201,16 @@ fn force_jump(system: &MassOnBelt<Coulomb>) -> f64 {
 /// Undamped free vibration on a belt at rest: the amplitude falls by 4γ²μ_k in each cycle, until
 /// static friction holds the mass.
 ///
-/// Between two turning points the mass vibrates for half a period about ∓γ²μ_k. Successive turning
-/// points lie on opposite sides of 0, each 2γ²μ_k nearer to it. The mass comes to rest at the first
-/// turning point with |u| ≤ γ²μ_s. Dimensionless, exact.
+/// Between two turning points the mass vibrates for half a period π about −γ²μ_k (forward motion)
+/// or γ²μ_k (backward motion). The turning points are u_n = (−1)ⁿ·sgn(u_0)·(|u_0| − 2nγ²μ_k),
+/// n = 0, 1, …. The mass comes to rest at the first turning point with |u| ≤ γ²μ_s. Dimensionless,
+/// exact.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::FreeVibration;
 /// use stick_slip::{Coulomb, MassOnBelt, State};
 ///
-/// // Siconos, FrictionOscillator: γ²μ = 1
+/// // The example FrictionOscillator of the library Siconos (siconos-tutorials): γ²μ = 1
 /// let system = MassOnBelt::new(Coulomb::new(1.0, 1.0)?, 0.0)?;
 /// let motion = FreeVibration::new(&system, State::new(12.0, 6.0)).unwrap();
 /// let turns: Vec<f64> = motion.turning_points().map(|(_, displacement)| displacement).collect();
@@ -263,9 +263,9 @@ impl FreeVibration {
         4.0 * self.kinetic
     }
 
-    /// Times and displacements of the turning points. The last one is the position of rest.
-    /// Dimensionless, exact. A start with v = 0 is the first turning point. If μ_k = 0, the list
-    /// has no end, unless the first turning point lies in the stick band.
+    /// Times and displacements of the turning points; the last point is the position of rest.
+    /// Dimensionless, exact. A start with v = 0 is the first turning point. The iterator does not
+    /// end if μ_k = 0 and |u| > γ²μ_s at the first turning point.
     pub fn turning_points(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
         let motion = *self;
         let last = motion.swings();
@@ -275,7 +275,7 @@ impl FreeVibration {
     }
 
     /// Displacement at which the mass comes to rest, dimensionless, exact. `None` if the mass never
-    /// comes to rest (μ_k = 0), or only after more than 2⁵³ half swings.
+    /// comes to rest (then μ_k = 0), or only after more than 2⁵³ half cycles.
     pub fn rest_position(&self) -> Option<f64> {
         self.swings().map(|n| self.turn(n))
     }

@@ -2,8 +2,8 @@
 //! above which no vibration lasts.
 //!
 //! **Stabilizing** damping makes steady sliding stable. **Silencing** damping leaves no vibration
-//! at all. Stable steady sliding is not always enough: a stick-slip motion may also exist, and it
-//! lasts for ever after a disturbance has started it.
+//! at all. Stable steady sliding is not always enough: a stick-slip motion may also exist, and
+//! lasts for ever once a disturbance has started it.
 //!
 //! | Question | any law | polynomial, exponential, Coulomb |
 //! |---|---|---|
@@ -52,13 +52,14 @@ pub fn stabilizing_damping<L: FrictionLaw>(system: &MassOnBelt<L>) -> Option<f64
     (speed > 0.0).then(|| (-0.5 * system.load() * system.law().slope(speed)).max(0.0))
 }
 
-/// Damping ratio above which steady sliding is stable at every belt velocity in a range: ½γ²
-/// max(−dμ̂/ds), or 0. Dimensionless, exact to rounding. The system's own v_b and β are ignored.
+/// Damping ratio above which steady sliding is stable at every belt velocity in a range: ½γ² times
+/// the largest −dμ̂/ds there, or 0 if the law does not fall. Dimensionless, exact to rounding. The
+/// system's own v_b and β are ignored.
 ///
 /// The law is expanded in power series from one end of the range to the other. Each series is used
 /// only within its radius of convergence, and is compared with the law at three points of its
-/// interval. The steepest fall is the least dμ̂/ds at the ends of the series, at the breakpoints,
-/// and at all minima of dμ̂/ds on each series. These minima are isolated, so that none is skipped.
+/// interval. The steepest fall is the least dμ̂/ds at the ends of the intervals, at the
+/// breakpoints, and at all minima of dμ̂/ds. Root isolation of each series finds all minima.
 ///
 /// # Errors
 ///

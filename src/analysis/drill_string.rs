@@ -7,9 +7,9 @@
 /// J_l φ_l'' − k(φ_u − φ_l) + T(φ_l') = 0,       d = dT/dω at the steady speed
 /// ```
 ///
-/// J_u and J_l are moments of inertia, k the stiffness of the shaft, b_u the damping of the drive,
-/// T the torque of friction. Any consistent units may be used: with kg·m², N·m and N·m·s, rates are
-/// in radians per second.
+/// φ_u and φ_l are angles of rotation, J_u and J_l moments of inertia, k the stiffness of the
+/// shaft, b_u the damping of the drive, T the friction torque. Any consistent units may be used:
+/// with kg·m², N·m and N·m·s, angular velocities are in rad/s.
 ///
 /// ```
 /// use stick_slip::analysis::drill_string::TwoInertias;
@@ -20,7 +20,7 @@
 /// assert!((critical + 11.829054972953).abs() < 1e-11);
 /// assert!(string.is_stable(0.999 * critical) && !string.is_stable(1.001 * critical));
 /// assert!(string.is_stable(0.0)); // friction that does not fall
-/// // The drive absorbs most at the impedance of the string.
+/// // The drive damps most with b_u = J_u ω, where ω = √(k/J_l).
 /// assert_eq!(string.best_damper(), 2000.0 * (500.0_f64 / 400.0).sqrt());
 /// let best = TwoInertias { damping: string.best_damper(), ..string };
 /// assert!(best.critical_slope().unwrap() < critical); // friction may fall more steeply
@@ -40,14 +40,14 @@ pub struct TwoInertias {
 }
 
 impl TwoInertias {
-    /// Returns true if steady rotation is stable for the slope d = dT/dω of the torque of friction
-    /// at its speed:
+    /// Returns true if steady rotation is stable, where d = dT/dω is the slope of the friction
+    /// torque at the angular velocity of this rotation:
     ///
     /// ```text
     /// J_u b_u d² + (J_u²k + J_l b_u²) d + J_l² b_u k > 0,   b_u + d > 0,   J_u d + J_l b_u > 0
     /// ```
     ///
-    /// Exact. (The rotation of the whole string is a free motion, and is left out.)
+    /// Exact. The eigenvalue 0, a rotation of the whole string by a constant angle, is not counted.
     pub fn is_stable(&self, slope: f64) -> bool {
         let [a, b, c] = self.quadratic();
         (a * slope + b) * slope + c > 0.0
@@ -55,8 +55,8 @@ impl TwoInertias {
             && self.upper * slope + self.lower * self.damping > 0.0
     }
 
-    /// Critical slope d < 0 of the torque of friction, in the unit of b_u: steady rotation is
-    /// stable for slopes above it. Exact. `None` unless all parameters are positive.
+    /// Critical slope d < 0 of the friction torque, in the unit of b_u: steady rotation is stable
+    /// for slopes above this value. Exact. `None` unless all parameters are positive.
     pub fn critical_slope(&self) -> Option<f64> {
         let parameters = [self.upper, self.lower, self.stiffness, self.damping];
         if !parameters.iter().all(|&x| x > 0.0) {
@@ -70,8 +70,8 @@ impl TwoInertias {
         critical.is_finite().then_some(critical)
     }
 
-    /// The damping b_u ≈ J_u√(k/J_l) of the drive that allows the steepest fall of friction with
-    /// stable steady rotation. To first order in d.
+    /// The damping b_u ≈ J_u√(k/J_l) of the drive with which the critical slope is steepest. The
+    /// term with d² in [`is_stable`](Self::is_stable) is neglected.
     pub fn best_damper(&self) -> f64 {
         self.upper * (self.stiffness / self.lower).sqrt()
     }

@@ -3,37 +3,38 @@
 //!
 //! The system is a mass m with a spring k and a damper c, pressed by the load N on a belt of
 //! velocity v. Let F_s(θ) = N μ_s(θ), where θ is the duration of stick, and F_k = N μ_k. Without
-//! damping the return map is
+//! damping, successive durations of stick follow the return map in the first line:
 //!
 //! ```text
 //! k v θ_{n+1} = [F_s(θ_n) − F_k] + [F_s(θ_{n+1}) − F_k]
 //! fixed point   F_s(θ*) − F_k = k v θ*/2
 //! multiplier    F_s'(θ*)/(kv − F_s'(θ*)),   stable if F_s'(θ*) < kv/2
 //! slip          (2/ω)(π − atan(ω θ*/2)),    ω = √(k/m)
-//! release       z* = v θ*/2 beyond F_k/k;   amplitude √(z*² + v²/ω²)
+//! release       at displacement F_k/k + z*,  z* = v θ*/2;   amplitude √(z*² + v²/ω²)
 //! ```
 //!
-//! Because F_s is concave, there is at most one such cycle, and it is stable. If static friction
-//! begins at F_s(0) = F_k, the cycle exists if F_s'(0) > kv/2 (Gao's criterion), that is for belt
-//! velocities below **v_c = 2 F_s'(0)/k**. With ΔF = N(μ_∞ − μ_0), F_0 = N(μ_0 − μ_k) and B the
-//! rate of the logarithmic law:
+//! F_s is concave, so there is at most one cycle, and it is stable. If static friction begins at
+//! F_s(0) = F_k, the cycle exists if F_s'(0) > kv/2 (Gao's criterion), that is for belt velocities
+//! below **v_c = 2 F_s'(0)/k**. In the following table ΔF = N(μ_∞ − μ_0) and F_0 = N(μ_0 − μ_k),
+//! with the constants μ_0, μ_∞, θ_c and B of the law [`Dwell`](crate::Dwell):
 //!
 //! | form | v_c for F_0 = 0 | θ* |
 //! |---|---|---|
-//! | hyperbolic | 2ΔF/(kθ_c) | 2ΔF/(kv) − θ_c for F_0 = 0; so z* = ΔF/k − vθ_c/2, linear in v |
+//! | hyperbolic | 2ΔF/(kθ_c) | 2ΔF/(kv) − θ_c for F_0 = 0; then z* = ΔF/k − vθ_c/2, linear in v |
 //! | exponential | 2ΔF/(kθ_c) | θ_c[a/q + W0(−e^{−a/q}/q)], q = kvθ_c/(2ΔF), a = 1 + F_0/ΔF |
 //! | logarithmic | 2NB/(kθ_c) | −θ_c[1 + W−1(−q e^{−q−a})/q], q = kvθ_c/(2NB), a = F_0/(NB) |
 //!
-//! W is Lambert's function. With damping the slip phase is a damped vibration. Each slip arc
-//! belongs to one duration of stick and to one belt velocity, so all cycles lie on a curve that is
-//! known in closed form. Along this curve the belt velocity has one maximum, the fold, at which a
-//! stable cycle and an unstable cycle meet. The unstable cycle exists down to the belt velocity
-//! N(μ_s(θ) − μ_k)Λω/k. At this velocity its slip arc returns to the belt velocity tangentially,
-//! and ωθ = 1/Λ, with the Λ of [`coulomb::tangential_slip`](super::coulomb::tangential_slip).
+//! W0 and W−1 are the branches of Lambert's function. With damping, the slip phase is a part of a
+//! damped vibration. Each slip arc belongs to one duration of stick and to one belt velocity, so
+//! all cycles lie on one curve, which is known in closed form. Along this curve the belt velocity
+//! has one maximum, the fold, at which a stable and an unstable cycle meet. The unstable cycle
+//! exists down to the belt velocity N(μ_s(θ) − μ_k)Λω/k. At this velocity the mass reaches the belt
+//! velocity tangentially at the end of slip, and ωθ = 1/Λ, with Λ from
+//! [`coulomb::tangential_slip`](super::coulomb::tangential_slip).
 //!
 //! Source: C. Gao, D. Kuhlmann-Wilsdorf, D. D. Makel, *The dynamic analysis of stick-slip motion*,
-//! Wear 173 (1994) 1-12, for the criterion; the rest follows from the exact solution of both
-//! phases, which are linear.
+//! Wear 173 (1994) 1-12, for the criterion; the other formulas follow from the exact solution of
+//! the equations of stick and slip, which are linear.
 
 pub use super::slip_arc::ExactCycle;
 use super::slip_arc::tangential_angle;
@@ -77,7 +78,7 @@ use crate::numerics::bracket::root_between;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DwellOscillator {
-    /// μ_s(θ) and μ_k.
+    /// Friction law with μ_s(θ) and μ_k.
     pub law: Dwell<Coulomb>,
     /// Mass m > 0.
     pub mass: f64,
@@ -108,14 +109,15 @@ impl DwellOscillator {
     }
 
     /// The stable stick-slip cycle at the belt velocity v, exact. If v < 0, the result is the
-    /// mirror image.
+    /// mirror image of the cycle at −v.
     ///
     /// `None` in these cases:
     /// * v = 0, or c ≥ 2√(km);
     /// * without damping: |v| is [`critical_velocity`](Self::critical_velocity) or more;
     /// * with damping: |v| is above the [`fold`](Self::fold);
-    /// * the mass overtakes the belt: at the end of slip, stick would need a force above N μ_s(0)
-    ///   in the other direction (this happens if static friction had risen very far);
+    /// * the mass overtakes the belt: at the end of slip, stick would need a friction force above
+    ///   N·μ_s(0) in the direction opposite to that at the release (only if static friction rises
+    ///   far above N·μ_s(0));
     /// * a field is out of its range.
     pub fn stick_slip(&self, velocity: f64) -> Option<ExactCycle> {
         let of = self.oscillator()?;
@@ -160,11 +162,10 @@ impl DwellOscillator {
         cycle.filter(|cycle| cycle.multiplier > 1.0)
     }
 
-    /// The cycle at the fold. The fold is at the largest belt velocity with a cycle; there the
-    /// stable and the unstable cycle meet. The multiplier is 1, with an error of about √ε. The belt
-    /// velocity is exact. If friction has almost reached its limit at the release, the slip arc
-    /// returns to the belt velocity at an angle smaller than rounding errors, and the multiplier is
-    /// not known.
+    /// The cycle at the fold. The fold is the largest belt velocity with a cycle; there the stable
+    /// and the unstable cycle meet. The belt velocity is exact. The multiplier is 1 within about
+    /// 10⁻⁸. If static friction has almost reached its limit at the release, the acceleration at
+    /// the end of slip is smaller than rounding errors, and the multiplier is undetermined.
     ///
     /// `None` without damping (there is no unstable cycle), if static friction does not rise, or if
     /// c ≥ 2√(km).
@@ -174,9 +175,10 @@ impl DwellOscillator {
         self.cycle(&of, self.velocity(&of, p), p)
     }
 
-    /// The lowest belt velocity with an unstable cycle: N(μ_s(θ) − μ_k)Λω/k, with ωθ = 1/Λ. At this
-    /// velocity a slip arc returns to the belt velocity tangentially. Exact. `None` if there is no
-    /// damping, if c ≥ 2√(km), or if a field is out of its range.
+    /// The lowest belt velocity with an unstable cycle: N(μ_s(θ) − μ_k)Λω/k, with ωθ = 1/Λ and Λ
+    /// from [`tangential_slip`](super::coulomb::tangential_slip). At this velocity the mass reaches
+    /// the belt velocity tangentially at the end of slip. Exact. `None` if there is no damping, if
+    /// c ≥ 2√(km), or if a field is out of its range.
     pub fn grazing_velocity(&self) -> Option<f64> {
         let of = self.oscillator().filter(|of| of.damping > 0.0)?;
         Some(self.velocity(&of, tangential(&of)))

@@ -1,5 +1,6 @@
-//! Closed forms for the exponential law (Gaussian Stribeck), Eq. 6: the belt velocities at which
-//! steady sliding changes its stability, and the damping with which vibration ends.
+//! Closed forms for the exponential law, Eq. 6 of Farshidianfar and Noei Aghaee: the belt
+//! velocities at which steady sliding changes its stability, and the damping that ends all
+//! vibration.
 
 use std::f64::consts::{E, FRAC_1_SQRT_2, SQRT_2};
 
@@ -10,8 +11,8 @@ use crate::numerics::bracket::root_between;
 /// A belt velocity at which steady sliding gains or loses stability, with the type of this
 /// bifurcation.
 ///
-/// Source: Farshidianfar and Noei Aghaee, Eq. 14: 2β + γ²μ̂'(v) = 0. The sign of the cubic term of
-/// the averaged flow, −γ²μ̂'''(v)A³/16, gives the side on which the new cycle exists.
+/// Source: Farshidianfar and Noei Aghaee, Eq. 14: 2β + γ²μ̂'(v) = 0. The sign of the cubic term
+/// −γ²μ̂'''(v)A³/16 of the [averaged equation](super::averaging) decides the type.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HopfPoint {
     velocity: f64,
@@ -24,9 +25,10 @@ impl HopfPoint {
         self.velocity
     }
 
-    /// Returns true if the point is supercritical: a small stable cycle is born on the unstable
-    /// side (μ̂''' > 0, that is v < √(3/2) v_s). Otherwise a small unstable cycle exists on the
-    /// stable side, and a disturbance larger than this cycle leads to a large vibration. Exact.
+    /// Returns true if the point is supercritical: a small stable cycle exists where steady sliding
+    /// is unstable (μ̂''' > 0, that is v < √(3/2) v_s). Otherwise a small unstable cycle exists
+    /// where steady sliding is stable, and a disturbance larger than this cycle leads to a large
+    /// vibration. Exact.
     pub fn is_supercritical(&self) -> bool {
         self.is_supercritical
     }
@@ -38,8 +40,8 @@ impl HopfPoint {
 /// x e^{−x²} = c,   x = v/v_s,   c = β v_s/(γ²(μ_s − μ_k))
 /// ```
 ///
-/// on either side of x = 1/√2. Dimensionless, exact to rounding (near c = 1/√(2e) both roots are
-/// ill-conditioned). The system's own v_b is ignored.
+/// one below and one above x = 1/√2. Dimensionless, exact to rounding (near c = 1/√(2e) both roots
+/// are ill-conditioned). The system's own v_b is ignored.
 ///
 /// `None` if c ≥ 1/√(2e), because steady sliding is then stable at every belt velocity. `None` also
 /// if β = 0: steady sliding is then unstable at every belt velocity, or neutral at every belt
@@ -49,10 +51,10 @@ impl HopfPoint {
 ///
 /// The Hopf point at v_low is always supercritical. Farshidianfar and Noei Aghaee say that this law
 /// behaves "almost similar" to the polynomial law. This is wrong: the polynomial law rises above
-/// v_m, and the exponential law never rises. On a slow belt, steady sliding is stable with the
-/// exponential law and unstable with the polynomial law.
+/// v_m, and the exponential law never rises. On a slow belt with small damping, steady sliding is
+/// stable with the exponential law and unstable with the polynomial law.
 ///
-/// Source: Eqs. 6 and 14.
+/// Source: Farshidianfar and Noei Aghaee, Eqs. 6 and 14.
 ///
 /// ```
 /// use stick_slip::analysis::exponential::hopf_velocities;
@@ -90,8 +92,8 @@ pub fn hopf_velocities(system: &MassOnBelt<Exponential>) -> Option<[HopfPoint; 2
 /// speed v_s/√2. Dimensionless. The system's own v_b and β are ignored.
 ///
 /// Exact: with more damping the force 2βv + γ²μ(v − v_b) rises with v, and every motion loses
-/// energy. Also at exactly this damping ratio there is no vibration, unless μ_s = μ_k: the ratio is
-/// then 0, friction is constant, and every small vibration lasts.
+/// energy. There is no vibration at exactly this damping ratio either, unless μ_s = μ_k: the ratio
+/// is then 0, friction is constant, and every small vibration lasts.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 6 and 14.
 ///

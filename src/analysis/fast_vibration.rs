@@ -1,10 +1,10 @@
-//! Friction under a fast vibration along the surface: the mean of friction over a fast period,
-//! which acts on the slow motion.
+//! Friction under a fast vibration along the surface: its mean over a period of this vibration acts
+//! on the slow motion.
 //!
-//! If a belt shakes at a frequency Ω far above the natural frequencies of the system, a fast
+//! If a belt vibrates at a frequency Ω far above the natural frequencies of the system, a fast
 //! relative velocity w cos Ωt is added to the slow relative velocity v. The mean of the friction
-//! coefficient over one fast period then acts on the slow motion. All formulas are limits for Ω →
-//! ∞, and dimensionless.
+//! coefficient over one period 2π/Ω then acts on the slow motion. All formulas are dimensionless,
+//! and limits for Ω → ∞. k1 and k3 are coefficients of the law [`Polynomial`].
 //!
 //! ```text
 //! Coulomb:   μ_k (2/π) arcsin(v/w)  for |v| < w        no jump at v = 0, and no stick
@@ -22,7 +22,7 @@ use crate::friction::{Coulomb, Polynomial};
 
 /// Mean friction coefficient of Coulomb's law under a fast vibration. v is the slow relative
 /// velocity, and w ≥ 0 the velocity amplitude of the vibration. The mean is μ_k(2/π) arcsin(v/w)
-/// for |v| < w, and ±μ_k for |v| ≥ w. Dimensionless, the limit for Ω → ∞.
+/// for |v| < w, and μ_k sgn v for |v| ≥ w. Dimensionless, the limit for Ω → ∞.
 ///
 /// ```
 /// use stick_slip::Coulomb;
@@ -45,12 +45,12 @@ pub fn mean_coefficient(law: &Coulomb, velocity: f64, amplitude: f64) -> f64 {
 }
 
 /// Belt velocity v above which steady sliding is stable under a fast vibration, for the cubic law:
-/// v² = v_m²(1 − 2β/η) − w²/2. w ≥ 0 is the velocity amplitude of the vibration. Dimensionless, the
-/// limit for Ω → ∞.
+/// v² = v_m²(1 − 2β/η) − w²/2, with the velocity amplitude w ≥ 0 of the vibration, the velocity v_m
+/// of least friction, and η of [`PureSlip`]. Dimensionless, the limit for Ω → ∞.
 ///
-/// `None` if v ≤ w, because the formula does not hold there, or if steady sliding is stable at
-/// every belt velocity above w. The system's own v_b is ignored. For w = 0 the result is
-/// [`PureSlip::onset_velocity`](super::PureSlip::onset_velocity).
+/// `None` if v ≤ w, because the formula does not hold there; if steady sliding is stable at every
+/// belt velocity above w; or if w is negative or NaN. The system's own v_b is ignored. For w = 0
+/// the result is [`PureSlip::onset_velocity`](super::PureSlip::onset_velocity).
 ///
 /// ```
 /// use stick_slip::analysis::fast_vibration::onset_velocity;

@@ -13,7 +13,8 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 /// ```
 ///
 /// The unit of time is 1/ω0 with ω0 = √(k/m), so Ω is in units of ω0, and ζ = c/(2√(km)). F, F_s
-/// and p are forces in a common unit; the unit of displacement is this unit divided by k.
+/// and p are forces in a common unit, θ is a phase; the unit of displacement is that of force
+/// divided by k.
 ///
 /// ```
 /// use stick_slip::analysis::forced::ForcedOscillator;
@@ -28,7 +29,7 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 /// let motion = oscillator.without_stops().unwrap();
 /// assert!((motion.amplitude() - 2.346871967422).abs() < 1e-12);
 /// assert!((motion.period() - std::f64::consts::TAU / 0.8).abs() < 1e-15);
-/// // From one turning point to the other in half a period.
+/// // The mass moves from one turning point to the other in half a period.
 /// let (x, v) = motion.at(0.0);
 /// assert!((x - motion.amplitude()).abs() < 1e-14 && v.abs() < 1e-14);
 /// let (x, _) = motion.at(0.5 * motion.period());
@@ -36,7 +37,7 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 /// // Below resonance the force leads the displacement by less than a quarter of a period.
 /// assert!(motion.phase() > 0.0 && motion.phase() < std::f64::consts::FRAC_PI_2);
 ///
-/// // With more friction the mass stops for a while at each end.
+/// // With more friction the mass stops for a while at each turning point.
 /// let rough = ForcedOscillator { kinetic_friction: 0.9, static_friction: 0.9, ..oscillator };
 /// assert_eq!(rough.without_stops(), None);
 /// ```
@@ -63,7 +64,8 @@ pub struct ForcedOscillator {
 /// x = e^{−ζt}(C cos qt + D sin qt) + F + P cos Ωt − S sin Ωt,    q = √(1 − ζ²)
 /// ```
 ///
-/// on the half period that follows the largest displacement; the other half is the mirror image.
+/// on the half period that follows the largest displacement, with constants C, D, P and S; the
+/// other half period is the mirror image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WithoutStops {
     oscillator: ForcedOscillator,
@@ -83,9 +85,9 @@ impl ForcedOscillator {
     /// G = (sinh a − (ζ/q) sin b)/(cosh a + cos b),    H = sin b/(Ωq(cosh a + cos b))
     /// ```
     ///
-    /// `None` if there is no such motion: the root is not real, the mass would turn back between
-    /// the two turning points, or the force at a turning point does not exceed F_s, so that the
-    /// mass stops. Also `None` if a field is out of its range, and at resonance without damping.
+    /// `None` if there is no such motion: the root is not real; the mass would turn back between
+    /// ±A; or at ±A the spring and the harmonic force together do not exceed F_s, so that the mass
+    /// stops. `None` also if a field is out of its range, and at resonance without damping.
     pub fn without_stops(&self) -> Option<WithoutStops> {
         let &Self {
             damping: zeta,
@@ -213,7 +215,7 @@ impl WithoutStops {
 /// S = sup over 0 < τ < π of [Ω sin(τ/Ω) + UΩ²(cos τ − cos(τ/Ω))]/sin τ
 /// ```
 ///
-/// Source: Den Hartog 1931, the limit of the motions of [`ForcedOscillator::without_stops`].
+/// Source: Den Hartog 1931, as for [`ForcedOscillator`], in the limit of motion without stops.
 ///
 /// ```
 /// use stick_slip::analysis::forced::no_stop_limit;

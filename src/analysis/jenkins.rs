@@ -1,14 +1,15 @@
-//! The Jenkins element, a spring in series with a dry slider, is the model of an elastic dry
-//! contact. This module contains the hysteresis and the first harmonic of the element. For one mass
-//! with such an element it contains the exact response to a harmonic force.
+//! The Jenkins element, a spring in series with a dry slider: its hysteresis, its first harmonic,
+//! and the exact response of one mass with such an element to a harmonic force. The element is a
+//! model of an elastic dry contact.
 //!
 //! ```text
 //! stick:  T' = k_t x'  while |T| ≤ F_s            slip:  T = F_s sgn x'
 //! ```
 //!
-//! k_t is the stiffness of the spring and F_s = μN the limit of the slider. T is the force of the
-//! element. Any consistent units may be used. A [`Contact`](crate::Contact) with a tangential
-//! stiffness is a Jenkins element; many of them in parallel form Segalman's joint model [`Iwan4`].
+//! x is the displacement, T the force of the element, k_t the stiffness of the spring and F_s = μN
+//! the limit of the slider. Any consistent units may be used. A [`Contact`](crate::Contact) with a
+//! tangential stiffness is a Jenkins element; many of them in parallel form Segalman's joint model
+//! [`Iwan4`].
 //!
 //! Sources: G. Masing, *Eigenspannungen und Verfestigung beim Messing*, Proc. 2nd Int. Congr. Appl.
 //! Mech. (1926) 332-335; T. K. Caughey, *Sinusoidal excitation of a system with bilinear
@@ -59,7 +60,7 @@ pub fn loop_area(tangential_stiffness: f64, limit: f64, amplitude: f64) -> f64 {
 /// use std::f64::consts::PI;
 /// use stick_slip::analysis::jenkins::first_harmonic;
 ///
-/// // At twice the amplitude of first slip the loss per squared amplitude is largest.
+/// // D/A² is largest at A = 2F_s/k_t, twice the amplitude at which slip begins.
 /// let (stiffness, damping, loss) = first_harmonic(3.0, 6.0, 4.0, 0.5);
 /// assert!((stiffness - 1.5).abs() < 1e-15);
 /// assert!((damping - 48.0 / (PI * 0.5 * 16.0)).abs() < 1e-15);
@@ -159,11 +160,11 @@ pub fn backbone(
 }
 
 /// The forces along a history of displacements, by Masing's rules: one force for each displacement,
-/// in the unit of F. F is the backbone, the force of the first loading, and must be odd.
+/// in the unit of F. The function F is `backbone`, the force of the first loading; it must be odd.
 ///
 /// The history starts at displacement 0 and force 0, and the displacement changes monotonically
-/// from each value to the next. The rules are exact for any number of springs with dry sliders of
-/// constant limits, in parallel:
+/// from each value to the next. The rules are exact for any number of Jenkins elements in parallel
+/// with constant limits; the upper sign holds for rising x:
 ///
 /// ```text
 /// first loading:   T = F(x)
@@ -184,7 +185,7 @@ pub fn backbone(
 /// assert_eq!(forces.unwrap(), [0.0, 3.0, 0.0, -3.0, -3.0, 0.0, 3.0, 3.0]);
 ///
 /// let joint = Iwan4::new(3.0, 2.0, -0.1, 0.1)?;
-/// // A small loop on the way does not change where a large one arrives.
+/// // A small loop does not change the force at the end of the large loop.
 /// let forces = masing(|x| joint.backbone(x), &[1.0, 0.6, 0.8, 0.2, 1.0]).unwrap();
 /// assert_eq!(forces[4], joint.backbone(1.0));
 /// # Ok::<(), stick_slip::Error>(())

@@ -1,9 +1,11 @@
 //! Bristles of [`LuGre`]: steady sliding, the small vibration of a mass on bristles, and passivity
-//! (the bristles do not supply energy).
+//! (the bristles supply no energy). g is the friction law, σ0 the stiffness and σ1 the damping of
+//! the bristles, and σ2 the coefficient of viscous friction.
 //!
-//! Source: C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, *IEEE Trans. Automatic
-//! Control* 40 (1995) 419-425, Eqs. 1-3; for passivity N. Barahanov, R. Ortega, *IEEE Trans.
-//! Automatic Control* 45 (2000) 830-832.
+//! Source: C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, *A new model for control of
+//! systems with friction*, IEEE Trans. Automatic Control 40 (1995) 419-425, Eqs. 1-3; for passivity
+//! N. Barahanov, R. Ortega, *Necessary and sufficient conditions for passivity of the LuGre
+//! friction model*, IEEE Trans. Automatic Control 45 (2000) 830-832.
 
 use crate::error::Error;
 use crate::friction::memory::LuGre;
@@ -13,7 +15,7 @@ use crate::friction::{AlongSlope, FrictionLaw};
 ///
 /// ```text
 /// z = sgn(r) g(|r|)/σ0,   μ = sgn(r) g(|r|) + σ2 r
-/// near it  ∂z'/∂r = |r| g'/g,   ∂z'/∂z = −σ0|r|/g
+/// perturbed:  ∂z'/∂r = |r| g'/g,   ∂z'/∂z = −σ0|r|/g
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
@@ -22,9 +24,8 @@ pub struct SteadyBristles {
     pub deflection: f64,
     /// Friction coefficient μ, dimensionless.
     pub coefficient: f64,
-    /// Rate σ0|r|/g at which a perturbation of z decays, per unit of time. If it is much larger
-    /// than the other rates of the system, the equations of motion are stiff in the numerical
-    /// sense.
+    /// Rate σ0|r|/g at which a perturbation of z decays, per unit of time. If this rate is much
+    /// larger than the other rates of the system, the equations of motion are numerically stiff.
     pub rate: f64,
 }
 
@@ -54,7 +55,7 @@ pub fn steady_bristles<L: FrictionLaw>(law: &LuGre<L>, velocity: f64) -> Option<
     })
 }
 
-/// The vibration of a mass that is held by bristles.
+/// The vibration of a mass m on bristles, with a spring k, a damper c and a load N.
 ///
 /// ```text
 /// m x'' + (c + N(σ1 + σ2)) x' + (k + Nσ0) x = 0,   z = x − x_0
@@ -68,9 +69,9 @@ pub struct ContactVibration {
     pub damping_ratio: f64,
 }
 
-/// The small vibration of a mass m with a spring k and a damper c, held by bristles under a load N.
-/// The formulas are the limit of displacements small compared with g/σ0. Any consistent units may
-/// be used.
+/// The small vibration of a mass m on bristles, with a spring k, a damper c and a load N. The
+/// formulas are the limit for displacements small compared with g/σ0. Any consistent units may be
+/// used.
 ///
 /// `None` unless m and N are positive, k ≥ 0 and c ≥ 0, all finite.
 ///
@@ -78,7 +79,7 @@ pub struct ContactVibration {
 /// use stick_slip::analysis::lugre::contact_vibration;
 /// use stick_slip::{Exponential, LuGre};
 ///
-/// // Canudas de Wit et al., Table I: σ1 = √σ0 damps a mass of 1 by one half.
+/// // Canudas de Wit et al., Table I: σ1 = √σ0 gives a mass of 1 kg a damping ratio near ½.
 /// let law = LuGre::new(Exponential::new(1.5, 1.0, 0.001)?, 1e5, 1e5_f64.sqrt(), 0.4)?;
 /// let vibration = contact_vibration(&law, 1.0, 1.0, 0.0, 0.0).ok_or("bad mass")?;
 /// assert!((vibration.angular_frequency - 316.2277660168379).abs() < 1e-12);
@@ -108,24 +109,23 @@ pub fn contact_vibration<L: FrictionLaw>(
     (in_range && is_finite).then_some(vibration)
 }
 
-/// The smallest viscous coefficient σ2, in the unit of σ1, with which the bristles are passive at
-/// all sliding speeds up to `max_speed`: they return no more than the energy N·σ0 z²/2 stored in
-/// them.
+/// The viscous coefficient σ2, in the unit of σ1, at and above which the bristles are passive at
+/// all sliding speeds up to `max_speed`: they return at most the energy N·σ0 z²/2 stored in them.
 ///
 /// ```text
-/// σ2 ≥ σ1 (g_max − g_min)/g_min,   g_max and g_min over sliding speeds from 0 to the largest
+/// σ2 ≥ σ1 (g_max − g_min)/g_min,   g_max and g_min over 0 ≤ speed ≤ max_speed
 /// ```
 ///
-/// For a law that falls from μ_s to μ_k this is the condition of Barahanov and Ortega, σ2 ≥ σ1(μ_s
-/// − μ_k)/μ_k; if the speed is not limited, the condition is also necessary. With a smaller σ2,
-/// bristles can supply energy to a mass. The law's own σ2 is ignored.
+/// For a law that falls from μ_s to μ_k this is the condition of Barahanov and Ortega,
+/// σ2 ≥ σ1(μ_s − μ_k)/μ_k; if the speed is not limited, the condition is also necessary: with a
+/// smaller σ2, bristles can supply energy to a mass. The law's own σ2 is ignored.
 ///
 /// # Errors
 ///
-/// [`Error::InvalidParameter`] unless `max_speed` is positive and finite, g is positive at all
-/// speeds up to `max_speed`, and the range takes at most 10⁴ power series;
-/// [`Error::NonFiniteFriction`] or [`Error::NotAnalytic`] if the law has no finite value or no
-/// power series at such a speed.
+/// * [`Error::InvalidParameter`] unless `max_speed` is positive and finite, g is positive at all
+///   speeds up to `max_speed`, and the law takes at most 10⁴ power series over this range;
+/// * [`Error::NonFiniteFriction`] or [`Error::NotAnalytic`] if the law has no finite value or no
+///   power series at a speed in this range.
 ///
 /// ```
 /// use stick_slip::analysis::lugre::passive_viscosity;
@@ -133,7 +133,7 @@ pub fn contact_vibration<L: FrictionLaw>(
 ///
 /// let law = LuGre::new(Exponential::new(1.5, 1.0, 0.001)?, 1e5, 1e5_f64.sqrt(), 0.4)?;
 /// let least = passive_viscosity(&law, 0.1)?;
-/// // The friction of Canudas de Wit et al., Table I, is not passive: 158 s/m would be needed.
+/// // The law of Canudas de Wit et al., Table I, is not passive: σ2 = 158 s/m would be needed.
 /// assert!((least - 0.5 * 1e5_f64.sqrt()).abs() < 1e-12);
 /// assert!(law.viscous() < least);
 /// # Ok::<(), stick_slip::Error>(())

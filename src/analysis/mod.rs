@@ -21,35 +21,36 @@
 //! *Difference between the formulas and the exact cycle, for γ² = ε and β = 0.05ε. The slope of a
 //! line is the order of the error. (a) Cycles without stick. (b) Stick-slip.*
 //!
-//! Nothing here integrates the equations of motion, so the formulas are independent of the exact
-//! motions in the rest of the crate. An error O(εⁿ) means the order as friction and damping become
-//! weak compared with the spring, (γ², β) → (εγ², εβ). "Eq. n" is an equation of A. Farshidianfar
-//! and N. Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and Stability
-//! Analysis*. "Eq. n, corrected" is an equation that is printed wrongly in the paper; the table
-//! below lists the corrections.
+//! No function of this module integrates the equations of motion, so the formulas are an
+//! independent check of the computed motions. O(εⁿ) is the order of an error as friction and
+//! damping become weak compared with the spring: (γ², β) → (εγ², εβ), ε → 0. "Eq. n", if no other
+//! source is named, is an equation of A. Farshidianfar and N. Noei Aghaee, *Analytical Approaches
+//! for Friction Induced Vibration and Stability Analysis*. "Eq. n, corrected" is an equation that
+//! is printed wrongly in the paper; the table below lists the corrections.
 //!
 //! | Question | Answer |
 //! |---|---|
 //! | steady sliding of a mass on a belt, and its stability | [`MassOnBelt::equilibrium`](crate::MassOnBelt::equilibrium) |
 //! | vibration that never sticks, polynomial law | [`PureSlip`], [`PureSlipCycle`], [`Transient`] |
-//! | vibration that sticks, any law | [`StickSlip`]; more accurately, for a cubic law, [`StickSlipCycle`] |
+//! | vibration that sticks | any law: [`StickSlip`]; a cubic law, more accurately: [`StickSlipCycle`] |
 //! | weak friction, any law: slow growth and decay, cycles that do not stick | [`averaging`] |
 //! | which motion the mass settles to, polynomial law | [`regime`] |
-//! | how much damping, or which belt velocity, keeps the system quiet | [`design`] |
-//! | closed forms for one law alone | [`coulomb`], [`exponential`], [`polynomial`] |
+//! | the damping, or the belt velocity, above which there is no vibration | [`design`] |
+//! | closed forms for Coulomb's, the exponential or the polynomial law | [`coulomb`], [`exponential`], [`polynomial`] |
 //! | a harmonic force on a mass with dry friction: amplitude, and the condition for motion without stops | [`forced`] |
-//! | a spring in series with a dry slider: first harmonic, hysteresis, exact response of one mass | [`jenkins`]; many of them: [`Iwan4`](crate::Iwan4) |
+//! | a spring in series with a dry slider: first harmonic, hysteresis, exact response of one mass | [`jenkins`]; many in parallel: [`Iwan4`](crate::Iwan4) |
 //! | static friction that rises during stick: cycles, and the condition for their existence | [`dwell`] |
-//! | bristles: steady sliding, the vibration of a mass that they hold, passivity | [`lugre`] |
+//! | bristles: steady sliding, small vibration of a mass, passivity | [`lugre`] |
 //! | friction under fast vibration | [`fast_vibration`] |
 //! | flutter by mode coupling | [`mode_coupling`] |
 //! | two inertias on a shaft, with friction at one of them | [`drill_string`] |
 //!
 //! # Where the source paper is wrong
 //!
-//! The paper of Farshidianfar and Noei Aghaee follows J. J. Thomsen and A. Fidlin, *Int. J.
-//! Non-Linear Mech.* 38 (2003) 389-403. The following formulas and statements of the paper are
-//! wrong as printed; tests show that the printed formulas fail.
+//! The paper of Farshidianfar and Noei Aghaee follows J. J. Thomsen and A. Fidlin, *Analytical
+//! approximations for stick-slip vibration amplitudes*, Int. J. Non-Linear Mech. 38 (2003) 389-403.
+//! The following formulas and statements of the paper are wrong as printed; tests show that the
+//! printed formulas fail.
 //!
 //! | where | printed | correct |
 //! |---|---|---|
@@ -60,10 +61,10 @@
 //! | section 4.1.1 | ż < 0, ż ≤ 0 | v_r < 0, v_r ≤ 0 |
 //! | Eq. 13 | A0 = √(−(3/4) h1/h3) | A0 = √(−(4/3) h1/h3) |
 //! | after Eq. 15 | v_b0 = √(4/3) v_b1 | v_b0 = √(4/5) v_b1 |
-//! | after Eq. 15 | stick-slip beyond v_b0 … v_b1 | stick-slip below v_b0; steady sliding above v_b1 |
-//! | Eqs. 16-18 | A1 is the stick-slip amplitude | A1 is the amplitude of an arc to which friction gives no energy; see [`StickSlip`] |
-//! | section 3.2, abstract | Eq. 6 falls, then rises | Eq. 6 never rises; steady sliding is stable again on a slow belt |
-//! | Fig. 3 | the concavity changes at v_s | at v_s/√2 |
+//! | after Eq. 15 | stick-slip outside v_b0 < v_b < v_b1 | stick-slip below v_b0; steady sliding above v_b1 |
+//! | Eqs. 16-18 | A1 is the stick-slip amplitude | A1 is the amplitude of a slip arc that gains no energy from friction; see [`StickSlip`] |
+//! | section 3.2, abstract | μ of Eq. 6 falls, then rises | μ falls at all speeds; with damping, steady sliding is stable again on a slow belt |
+//! | Fig. 3 | the concavity changes at v_s | it changes at v_s/√2 |
 //! | section 4.2 | the integrals cannot be solved | [`averaging`] computes them to round-off |
 
 pub mod averaging;

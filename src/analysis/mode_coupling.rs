@@ -23,20 +23,22 @@
 /// assert_eq!(flutter.coefficient, 0.75);
 /// assert_eq!(flutter.angular_frequency, 2.0_f64.sqrt());
 ///
-/// // Damping of both modes delays flutter; of one mode alone it can bring it forward.
+/// // Damping of both coordinates can raise μ_c; damping of one coordinate alone can lower it.
 /// let damped = ModeCoupling { damping: [0.1, 0.05], ..model };
 /// assert!((damped.flutter().unwrap().coefficient - 0.7575).abs() < 1e-15);
 /// ```
 ///
-/// Source: Hoffmann, Fischer, Allgaier and Gaul, *Mech. Res. Commun.* 29 (2002) 197-205; with
-/// damping Hoffmann and Gaul, *Z. Angew. Math. Mech.* 83 (2003) 524-534.
+/// Source: N. Hoffmann, M. Fischer, R. Allgaier, L. Gaul, *A minimal model for studying properties
+/// of the mode-coupling type instability in friction induced oscillations*, Mech. Res. Commun. 29
+/// (2002) 197-205; with damping N. Hoffmann, L. Gaul, *Effects of damping on mode-coupling
+/// instability in friction induced oscillations*, Z. Angew. Math. Mech. 83 (2003) 524-534.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModeCoupling {
     /// Masses m1, m2 > 0.
     pub masses: [f64; 2],
     /// Stiffness matrix [[k11, k12], [k21, k22]] without friction.
     pub stiffness: [[f64; 2]; 2],
-    /// Stiffness k3 of the normal spring: the increase of the load on the first coordinate per
+    /// Stiffness k3 of the normal spring: the increase of the load on the first coordinate per unit
     /// displacement of the second. To build the same model as a [`Structure`](crate::Structure),
     /// add a contact of coordinate 0 on a belt that moves forward, and give it the load gradient k3
     /// for coordinate 1.
@@ -51,7 +53,7 @@ pub struct ModeCoupling {
 pub struct Flutter {
     /// Friction coefficient μ_c, dimensionless: steady sliding flutters for μ above it.
     pub coefficient: f64,
-    /// Angular frequency of the motion that neither grows nor decays at μ_c, in radians per unit of
+    /// Angular frequency of the mode that neither grows nor decays at μ_c, in radians per unit of
     /// time.
     pub angular_frequency: f64,
 }
@@ -66,8 +68,8 @@ impl ModeCoupling {
     ///            a3 = c1 + c2,  a2 = k11 + k22 + c1c2,  a1 = c1k22 + c2k11
     /// ```
     ///
-    /// In these formulas each row is divided by its mass. Damping on one coordinate alone can lower
-    /// μ_c, and the limit of small damping is not the undamped value.
+    /// In these formulas each row is divided by its mass. Damping of one coordinate alone can lower
+    /// μ_c, and as c1, c2 → 0, μ_c in general does not tend to its undamped value.
     ///
     /// `None` unless masses, k11 and k22 are positive, no damping is negative, k21k3 > 0 (otherwise
     /// the modes do not merge as μ grows), and μ_c ≥ 0.

@@ -1,5 +1,5 @@
-//! Closed forms for the polynomial law, Eqs. 3-5: the damping and the belt velocity at which
-//! vibration ends.
+//! Closed forms for the polynomial law, Eqs. 3-5 of Farshidianfar and Noei Aghaee: the damping and
+//! the belt velocity above which there is no vibration.
 
 use super::PureSlip;
 use crate::belt::MassOnBelt;
@@ -10,7 +10,7 @@ use crate::friction::{FrictionLaw, Polynomial};
 /// at the sliding speed 0. Dimensionless. The system's own v_b and β are ignored.
 ///
 /// Exact: with more damping the force 2βv + γ²μ(v − v_b) rises with v, and every motion loses
-/// energy. Also at exactly η/2 there is no vibration, unless μ_s = μ_m: then η = 0, friction is
+/// energy. There is no vibration at exactly η/2 either, unless μ_s = μ_m: then η = 0, friction is
 /// constant, and every small vibration lasts.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 10a and 14.
@@ -31,12 +31,12 @@ pub fn silencing_damping_everywhere(system: &MassOnBelt<Polynomial>) -> f64 {
 }
 
 /// Belt velocity above which no vibration lasts, dimensionless: v_b1 = v_m√(1 − 2β/η) if 2β < η,
-/// and 0 if 2β ≥ η. Without damping and with constant friction (μ_s = μ_m) it is ∞, because small
-/// vibrations then last at every belt velocity. `None` if a coefficient overflows. The system's own
-/// v_b is ignored.
+/// and 0 if 2β ≥ η, with η of [`silencing_damping_everywhere`]. Without damping and with constant
+/// friction (μ_s = μ_m) it is ∞, because small vibrations then last at every belt velocity. `None`
+/// if a coefficient overflows. The system's own v_b is ignored.
 ///
-/// The limit v_b1 of stable steady sliding is exact. If friction is weak compared with the spring,
-/// no vibration lasts above v_b1.
+/// v_b1 is exactly the limit of stable steady sliding. No other motion lasts above v_b1 if friction
+/// is weak compared with the spring.
 ///
 /// Source: Farshidianfar and Noei Aghaee, after Eq. 15.
 ///

@@ -18,18 +18,18 @@ use crate::friction::{FrictionLaw, Polynomial};
 /// h3 = η/(3 v_m²)                      (Eq. 10c)
 /// ```
 ///
-/// These equations are exact. All quantities are dimensionless, and the formulas hold for both
-/// signs of v_b: the mirror image (u, v, v_b) → (−u, −v, −v_b) changes the sign of h2 only.
-/// Returned velocities are magnitudes.
+/// μ_m is the least coefficient, at the sliding speed v_m. These equations are exact. All
+/// quantities are dimensionless. The formulas hold for both signs of v_b: the mirror image (u, v,
+/// v_b) → (−u, −v, −v_b) changes the sign of h2 only. The limits v_b0 and v_b1 are magnitudes.
 ///
-/// | v_b | what happens |
+/// | v_b | motion |
 /// |---|---|
-/// | 0 < abs(v_b) < v_b0 | stick-slip: [`StickSlip`](super::StickSlip) |
-/// | v_b0 < abs(v_b) < v_b1 | pure slip with amplitude A0: this type |
-/// | abs(v_b) > v_b1 | steady sliding (the source says stick-slip "beyond this range", which is true only below v_b0) |
+/// | 0 < abs(v_b) < v_b0, the [`stick_velocity`](Self::stick_velocity) | stick-slip: [`StickSlip`](super::StickSlip) |
+/// | v_b0 < abs(v_b) < v_b1, the [`onset_velocity`](Self::onset_velocity) | pure slip with amplitude A0: this type |
+/// | abs(v_b) > v_b1 | steady sliding (the source says stick-slip for velocities "beyond this range"; this is true only below v_b0) |
 ///
-/// Source: Farshidianfar and Noei Aghaee, Eqs. 9-15; Thomsen and Fidlin, *Int. J. Non-Linear Mech.*
-/// 38 (2003) 389-403.
+/// Source: Farshidianfar and Noei Aghaee, Eqs. 9-15; J. J. Thomsen, A. Fidlin, *Analytical
+/// approximations for stick-slip vibration amplitudes*, Int. J. Non-Linear Mech. 38 (2003) 389-403.
 ///
 /// ```
 /// use stick_slip::analysis::PureSlip;
@@ -42,20 +42,20 @@ use crate::friction::{FrictionLaw, Polynomial};
 /// assert!((formulas.h1() + system.equilibrium().unwrap().jacobian[(1, 1)]).abs() < 1e-15);
 /// assert!((formulas.h2() + 0.756).abs() < 1e-15);
 /// assert!((formulas.h3() - 0.6).abs() < 1e-15);
-/// // The range of belt velocities, and the exact one.
+/// // The range v_b0 < v_b < v_b1 of pure slip; in the exact range, v_b > 0.3957902888.
 /// let onset = formulas.onset_velocity().unwrap();
 /// assert!((onset - 0.4409585518).abs() < 1e-10);
 /// assert!((onset - bifurcation::hopf_velocities(&system, 0.0..1.0)?[0]).abs() < 1e-15);
-/// assert!((formulas.stick_velocity().unwrap() - 0.3944053189).abs() < 1e-10); // 0.3957902888
+/// assert!((formulas.stick_velocity().unwrap() - 0.3944053189).abs() < 1e-10);
 /// assert!(formulas.is_valid());
 /// assert!(!PureSlip::new(&system.with_belt_velocity(0.2)?).unwrap().is_valid()); // it sticks
-/// // The amplitude, approached slowly, and that of the exact cycle.
+/// // The amplitude A0, the exact amplitude, and slow growth towards A0.
 /// let cycle = &limit_cycle::find(&system)?[0];
 /// let amplitude = formulas.amplitude().unwrap();
 /// assert!((amplitude - 0.2686592224).abs() < 1e-10);
 /// assert!((cycle.amplitude() - 0.2719902245).abs() < 1e-10);
 /// assert!(formulas.transient(0.1, 0.0)?.amplitude(1000.0).unwrap() > 0.999 * amplitude);
-/// // Each order is closer.
+/// // Each order is closer to the exact cycle.
 /// let centre = 0.5 * (cycle.max_displacement() + cycle.min_displacement());
 /// let first = formulas.first_order().unwrap();
 /// assert!((0.5 * (first.u_max + first.u_min) - centre).abs() < 1e-3);
@@ -145,9 +145,9 @@ impl PureSlip {
         self.onset_velocity().map(|onset| 0.8_f64.sqrt() * onset)
     }
 
-    /// Belt velocity √(4/5) v_b1 [1 + (3461/76800) q²], q = (4/5)η(v_b1/v_m)², at which the
-    /// pure-slip cycle touches the belt velocity. Dimensionless, relative error O(ε⁴). `None` if
-    /// 2β ≥ η.
+    /// Belt velocity √(4/5) v_b1 [1 + (3461/76800) q²], q = (4/5)η(v_b1/v_m)², at which the largest
+    /// velocity of the pure-slip cycle equals the belt velocity. Dimensionless, relative error
+    /// O(ε⁴). `None` if 2β ≥ η.
     ///
     /// ```
     /// use stick_slip::analysis::PureSlip;
@@ -170,7 +170,7 @@ impl PureSlip {
     ///
     /// As an approximation of half the range of u, or of the largest velocity, A0 has an error
     /// O(ε²). As an approximation of u_max − ū its error is O(ε), because the cycle is not centred
-    /// on ū. Below v_b0 the formula still gives a number, but there is no such motion: see
+    /// on ū. Below v_b0 the formula still gives a number, but no pure-slip motion exists: see
     /// [`is_valid`](Self::is_valid).
     ///
     /// Source: Eq. 13, corrected (the printed 3/4 is 4/3), and Eq. 15.
@@ -312,8 +312,8 @@ impl PureSlip {
 /// Range of validity: v_b0 < |v_b| < v_b1 ([`PureSlip::is_valid`]; [`PureSlip::grazing_velocity`]
 /// is a better lower end), with a, b, h1 small compared with 1.
 ///
-/// Source: expansion of z'' + z + h1 z' + h2 z'² + h3 z'³ = 0. The first order is Eqs. 13 and 15
-/// (corrected), with the shift of the centre, which is missing there.
+/// Source: expansion of z'' + z + h1 z' + h2 z'² + h3 z'³ = 0. The first order consists of Eqs. 13
+/// and 15 (corrected) and of the shift of the centre, which the source neglects.
 ///
 /// ```
 /// use stick_slip::analysis::PureSlip;
@@ -352,7 +352,7 @@ pub struct PureSlipCycle {
     pub frequency: f64,
     /// Period T.
     pub period: f64,
-    /// Floquet multiplier: the factor by which a small disturbance changes over one period.
+    /// Floquet multiplier: the factor by which a small perturbation grows over one period.
     pub multiplier: f64,
     /// Natural logarithm of the Floquet multiplier.
     pub log_multiplier: f64,

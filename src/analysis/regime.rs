@@ -3,7 +3,7 @@ use crate::belt::MassOnBelt;
 use crate::friction::Polynomial;
 
 /// The motion to which a system with the polynomial law settles, by Eqs. 14 and 15 of Farshidianfar
-/// and Noei Aghaee.
+/// and Noei Aghaee. For v_b0 and v_b1 see [`PureSlip`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Regime {
     /// The mass comes to rest on the belt: v_b = 0.
@@ -31,8 +31,9 @@ impl std::fmt::Display for Regime {
 
 /// Returns the motion to which a system with the polynomial law settles, by closed forms.
 ///
-/// The border v_b1 is exact; v_b0 has a relative error O(ε²), and [`PureSlip::grazing_velocity`] is
-/// more accurate. For other laws there is no single answer, because several attractors can coexist.
+/// The limit v_b1 is exact. The limit v_b0 has a relative error O(ε²);
+/// [`PureSlip::grazing_velocity`] is more accurate. For other laws there is no single answer,
+/// because several attractors can coexist.
 ///
 /// Source: Farshidianfar and Noei Aghaee, after Eq. 15, corrected: v_b0 = √(4/5) v_b1 instead of
 /// the printed √(4/3) v_b1, and stick-slip below v_b0 only.

@@ -7,12 +7,12 @@ use crate::numerics::bracket::root_between;
 /// Below this damping ratio θ = √(4πβ) and Λ = 1/θ to rounding: their relative errors are O(β).
 pub(super) const SMALL: f64 = 1e-17;
 
-/// A stick-slip cycle under constant kinetic friction, in closed form except for one number.
+/// A stick-slip cycle under constant kinetic friction, in closed form except for one scalar root.
 ///
 /// The slip phase is a damped free vibration about the displacement at which kinetic friction
-/// balances the spring. Its velocity at the start and at the end is that of the belt. Units are
-/// those of the system from which the cycle was made. If the belt moves backward, displacements
-/// have the opposite sign.
+/// balances the spring. At the start and at the end of slip the mass has the velocity of the belt.
+/// All units are those of the system. If the belt moves backward, displacements have the opposite
+/// sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ExactCycle {

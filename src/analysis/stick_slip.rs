@@ -8,8 +8,8 @@ use crate::numerics::adaptive::{gauss, graded};
 use crate::scalar::LONGEST;
 
 /// The stick-slip formulas of Farshidianfar and Noei Aghaee, for any law: stick, then a slip arc of
-/// an undamped oscillation about ū. The exact motion is found by
-/// [`limit_cycle::stick_slip`](crate::limit_cycle::stick_slip).
+/// an undamped oscillation about ū. [`limit_cycle::stick_slip`](crate::limit_cycle::stick_slip)
+/// computes the exact motion.
 ///
 /// ```text
 /// κ    = [γ²(μ_s − μ̂(|v_b|)) − 2β|v_b|] / |v_b|      (polynomial law: η(1 − (v_b/v_m)²/3) − 2β)
@@ -17,12 +17,13 @@ use crate::scalar::LONGEST;
 /// stick 2κ,   slip 2π − 2 atan κ,   T = 2π + 2(κ − atan κ),   ω_ss = 2π/T
 /// ```
 ///
-/// In these formulas the mass neither gains nor loses energy during slip, so the slip arc ends at ū
-/// − κ|v_b|, the mirror image of the release point. In reality the mass gains energy of order ε,
-/// and the arc ends farther from ū, by O(√ε). The formulas are therefore inaccurate: the errors are
-/// O(ε) in A1, O(ε^{3/2}) in T (the same order as for T = 2π) and O(ε^{1/2}) in the durations. For
-/// a cubic law use [`first_order`](Self::first_order) and [`second_order`](Self::second_order).
-/// Range of validity: κ > 0, and 0 < |v_b| < v_b0 for the polynomial law.
+/// In these formulas the mass neither gains nor loses energy during slip, so the slip arc ends at
+/// ū − κ|v_b|, the mirror image of the release point. In reality the mass gains energy of order ε,
+/// and the distance of the end from ū is larger by O(ε^{1/2}). The formulas are therefore
+/// inaccurate: the errors are O(ε) in A1, O(ε^{3/2}) in T (as for the simpler T = 2π) and
+/// O(ε^{1/2}) in the durations. For a cubic law use [`first_order`](Self::first_order) and
+/// [`second_order`](Self::second_order). Range of validity: κ > 0, and for the polynomial law
+/// 0 < |v_b| < v_b0 ([`stick_velocity`](super::PureSlip::stick_velocity)).
 ///
 /// All quantities are dimensionless. The formulas hold for both signs of v_b.
 ///
@@ -70,9 +71,9 @@ struct Cubic {
 }
 
 impl StickSlip {
-    /// Computes the formulas for a system. `None` if v_b = 0, if κ ≤ 0 (the damper's force at the
-    /// belt velocity is at least the difference between static and kinetic friction), or if κ is
-    /// not finite.
+    /// Computes the formulas for a system. `None` if v_b = 0, if κ is not finite, or if κ ≤ 0: the
+    /// force of the damper at the belt velocity is then at least the difference between static and
+    /// kinetic friction.
     ///
     /// A system with κ ≤ 0 may still have a stick-slip cycle, but these formulas do not describe
     /// it.
@@ -166,14 +167,14 @@ impl StickSlip {
     /// The cycle to first order in ε, which includes the energy gained during slip. For errors and
     /// range see [`StickSlipCycle`].
     ///
-    /// `None`
+    /// `None` in these cases:
     ///
-    /// * unless the law is a cubic polynomial in the sliding speed over all speeds of the cycle:
-    ///   all derivatives beyond the third are zero at |v_b|, μ_s = μ̂(0), and no
-    ///   [breakpoint](FrictionLaw::breakpoints) lies below the largest of those speeds;
-    /// * if W1 ≤ 0, which is |v_b| ≥ v_b0 for the polynomial law;
-    /// * if the mass would overtake the belt (see [`second_order`](Self::second_order));
-    /// * if the formulas give a slip phase that ends before it begins (W1 ≥ 2π²).
+    /// * the law is not a cubic polynomial over all sliding speeds of the cycle. A cubic law has
+    ///   zero derivatives beyond the third at |v_b|, μ_s = μ̂(0), and no
+    ///   [breakpoint](FrictionLaw::breakpoints) below the largest of these speeds;
+    /// * W1 ≤ 0, which is |v_b| ≥ v_b0 for the polynomial law;
+    /// * the mass would overtake the belt (see [`second_order`](Self::second_order));
+    /// * the duration of slip would not be positive (W1 ≥ 2π²).
     pub fn first_order(&self) -> Option<StickSlipCycle> {
         let cubic = self.cubic?;
         self.on_belt(&cubic, cubic.first_order()?)
@@ -182,8 +183,8 @@ impl StickSlip {
     /// The cycle to second order in ε. For errors and range see [`StickSlipCycle`].
     ///
     /// `None` if [`first_order`](Self::first_order) returns `None`, if W1 + W2 ≤ 0, or if
-    /// |v_b|·stick > 2γ²μ_s: the mass would then meet the belt beyond the stick band and overtake
-    /// it.
+    /// |v_b|·stick > 2γ²μ_s: the mass would then reach the belt velocity outside the stick band and
+    /// overtake the belt.
     pub fn second_order(&self) -> Option<StickSlipCycle> {
         let cubic = self.cubic?;
         self.on_belt(&cubic, cubic.second_order()?)
@@ -342,7 +343,7 @@ impl Cubic {
 /// stick = tan δ + (2/3)h'r,   slip = 2π + T2 − δ + h'r/3,   T = 2π + T2 + tan δ − δ + h'r
 /// ```
 ///
-/// and the extremes get terms quadratic in H1, H2, H3. Order of the error in ε:
+/// and the extremes get terms quadratic in H1, H2, H3. The errors have the following orders in ε:
 ///
 /// | field | first order | second order |
 /// |---|---|---|
@@ -355,15 +356,15 @@ impl Cubic {
 ///
 /// Range of validity: 0 < |v_b| < v_b0 with a margin (W1 > 0), W1 small compared with 1, and
 /// |v_b|·stick ≤ 2γ²μ_s, so that the mass sticks when it reaches the belt velocity. The last
-/// condition fails as ε → 0 at fixed μ_s. If μ_s and μ_m are raised by the same constant, the stick
-/// band becomes wider and u − ū does not change.
+/// condition fails as ε → 0 at fixed μ_s. To satisfy it, raise μ_s and μ_m by the same constant:
+/// the stick band becomes wider, and u − ū does not change.
 ///
-/// As |v_b| → v_b0, the duration of stick in these formulas goes to zero like √d, with d = 1
-/// − |v_b|/v_b0. In the exact motion it goes to zero at
+/// As |v_b| → v_b0, the duration of stick in these formulas goes to zero like √d, with
+/// d = 1 − |v_b|/v_b0. The exact duration of stick goes to zero at
 /// [`grazing_velocity`](super::PureSlip::grazing_velocity), a little above v_b0. The second-order
-/// duration of stick is therefore too short. The missing fraction is (3461/153600) q²/d as long as
-/// it is small, with the q of `grazing_velocity`. Keep d above q², or compute the exact cycle. The
-/// errors of the extremes and of the period do not grow.
+/// duration is therefore too short. Its relative error is (3461/153600) q²/d as long as it is
+/// small, with q of `grazing_velocity`. Keep d above q², or compute the exact cycle. The errors of
+/// the extremes and of the period do not grow.
 ///
 /// Source: expansion of the slip arc that begins at the release point, which replaces Eqs. 16-18.
 ///
@@ -403,8 +404,8 @@ pub struct StickSlipCycle {
     /// Period T.
     pub period: f64,
     /// Growth W = (V − |v_b|)/|v_b|, which is W1 to first order. V is the next maximum of the speed
-    /// along the belt that would follow if friction did not jump at the belt velocity. Slip gains
-    /// the energy v_b²(W + W²/2).
+    /// in the direction of the belt, computed without the jump of friction at the belt velocity.
+    /// During slip the mass gains the energy v_b²(W + W²/2).
     pub growth: f64,
     /// Return angle δ, in radians, which is q0 to first order: the phase by which the slip arc is
     /// shorter than a full period of free vibration.

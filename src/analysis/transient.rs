@@ -1,8 +1,8 @@
 use crate::error::Error;
 use crate::state::State;
 
-/// Slow growth or decay of a motion that does not stick, for the polynomial law: the closed
-/// solution of Eq. 12.
+/// Slow growth or decay of a vibration z = A sin ψ, ψ = τ + φ, without stick, for the polynomial
+/// law: the closed-form solution of Eq. 12.
 ///
 /// ```text
 /// A' = −½ h1 A − (3/8) h3 A³     ⇒  A(τ) = A(0) / √(e^{h1 τ} + ¾ h3 A(0)² (e^{h1 τ} − 1)/h1)
@@ -10,12 +10,12 @@ use crate::state::State;
 /// u ≈ ū + A sin ψ,  v ≈ A cos ψ
 /// ```
 ///
-/// The first equation is Bernoulli's, linear in 1/A². All quantities are dimensionless. Errors are
-/// O(ε) for times up to O(1/ε), as long as A(τ) ≤ |v_b|.
+/// The first equation is a Bernoulli equation, which is linear in 1/A². All quantities are
+/// dimensionless. Errors are O(ε) for times up to O(1/ε), as long as A(τ) ≤ |v_b|.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eq. 12, corrected: the right sides must be means over a
-/// cycle, and only A is stationary on a cycle. [`PureSlip::transient`](super::PureSlip::transient)
-/// makes this type.
+/// cycle, and A' = 0 on limit cycles only. [`PureSlip::transient`](super::PureSlip::transient)
+/// returns this type.
 ///
 /// ```
 /// use stick_slip::analysis::PureSlip;

@@ -15,11 +15,11 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 /// m x'' + c x' + k x + T = P cos ωt,     T: spring k_t in series with a slider of the limit F_s
 /// ```
 ///
-/// If the slider moves, the motion consists of four linear arcs. From the turning point at A, the
-/// spring is unloaded and loaded in the other direction for a time τ; then the slider moves until
-/// the turning point at −A. The second half of the period is the mirror image. The fields follow
-/// from one scalar equation for τ. If the slider does not move, the response is that of the linear
-/// oscillator with the stiffness k + k_t.
+/// If the slider moves, the motion consists of four linear arcs. During a time τ after the turning
+/// point at A, the spring is unloaded and loaded in the other direction; then the slider moves
+/// until the turning point at −A. The second half of the period is the mirror image. The fields
+/// follow from one scalar equation for τ. If the slider does not move, the response is that of the
+/// linear oscillator with the stiffness k + k_t.
 ///
 /// ```
 /// use stick_slip::analysis::jenkins::SymmetricResponse;
@@ -30,7 +30,7 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 /// assert!((response.multipliers[0].norm() - 0.6806503183330548).abs() < 1e-14);
 /// assert_eq!(response.multipliers[2].norm(), 0.0);
 ///
-/// // Under a force of 0.02 the slider does not move.
+/// // With the force amplitude P = 0.02 the slider does not move.
 /// let linear = SymmetricResponse::at(1.0, 0.02, 0.6, 0.4, 0.3, 0.02, 0.88).unwrap();
 /// assert!((linear.amplitude - 0.02 / (1.0_f64 - 0.7744).hypot(0.0176)).abs() < 1e-15);
 /// ```
@@ -42,14 +42,14 @@ use crate::numerics::chebyshev::{Sample, brackets, isolate};
 pub struct SymmetricResponse {
     /// Amplitude A, the largest displacement, in units of displacement.
     pub amplitude: f64,
-    /// Time τ from a turning point until the slider moves, in units of time; half a period if it
-    /// does not move at all.
+    /// Time τ from a turning point until the slider moves, in units of time; half a period if the
+    /// slider does not move at all.
     pub elastic_time: f64,
     /// Phase θ of the force at the turning point at A, in radians: the force is P cos(ωt + θ), with
     /// t counted from this turning point. At this point x = A, x' = 0, and T = F_s if the slider
     /// moves.
     pub phase: f64,
-    /// Floquet multipliers of the map of (x, x', T) over one period, by falling modulus.
+    /// Floquet multipliers of the map of (x, x', T) over one period, by descending modulus.
     /// Dimensionless. If the slider moves, one multiplier is 0. If the slider does not move, one
     /// multiplier is 1: it belongs to the residual force in the spring, which does not influence
     /// the vibration.
@@ -61,16 +61,19 @@ impl SymmetricResponse {
     /// (stiffness k_t, limit F_s), under a force of amplitude P and angular frequency ω. Any
     /// consistent units may be used.
     ///
-    /// `None` if the periodic motion has more than two turning points in each period; this happens
-    /// far below resonance, where the free vibration is superposed on a slow motion. Also `None`
-    /// unless m, k_t, F_s, P and ω are positive, c ≥ 0 and k ≥ 0, all finite; if ratios of them
-    /// overflow; if the free vibration in stick is more than 5000 times as fast as the force; and
-    /// if there is no bounded motion (c = 0, mω² = k and πP ≥ 4F_s).
+    /// `None` in these cases:
+    ///
+    /// * the periodic motion has more than two turning points in each period; this happens far
+    ///   below resonance, where the free vibration is superposed on a slow motion;
+    /// * the motion is unbounded: c = 0, mω² = k and πP ≥ 4F_s;
+    /// * the angular frequency of the free vibration in stick exceeds 5000ω;
+    /// * m, k_t, F_s, P or ω is not positive, c or k is negative, or one of them is not finite;
+    /// * a ratio of these parameters overflows.
     ///
     /// ```
     /// use stick_slip::analysis::jenkins::SymmetricResponse;
     ///
-    /// // A mass held by the element alone: in stick for a small force, in slip for a large one.
+    /// // k = 0: under a small force the slider does not move, under a large force it does.
     /// let free = |force| SymmetricResponse::at(1.0, 0.0, 0.0, 1.0, 1.0, force, 0.5);
     /// assert!((free(0.3).unwrap().amplitude - 0.4).abs() < 1e-15);
     /// assert!(free(2.0).unwrap().amplitude > 4.0);
