@@ -284,7 +284,7 @@ impl AveragedCycle {
 /// the cycles in this interval are not isolated and are not listed. If v_b = 0, the list is empty.
 ///
 /// The rounding error of an amplitude is that of A'/A, typically 10⁻¹⁶(β + γ²·max abs(dμ̂/ds)),
-/// divided by the slope of A'/A over A.
+/// divided by the derivative of A'/A with respect to A.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eqs. 12 and 13 (corrected), for any law. For the orders
 /// of error in ε see [`AveragedCycle`].

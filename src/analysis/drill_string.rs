@@ -70,8 +70,9 @@ impl TwoInertias {
         critical.is_finite().then_some(critical)
     }
 
-    /// The damping b_u ≈ J_u√(k/J_l) of the drive with which the critical slope is steepest. The
-    /// term with d² in [`is_stable`](Self::is_stable) is neglected.
+    /// The damping b_u ≈ J_u√(k/J_l) of the drive with which the
+    /// [`critical_slope`](Self::critical_slope) is steepest. The term with d² in
+    /// [`is_stable`](Self::is_stable) is neglected.
     pub fn best_damper(&self) -> f64 {
         self.upper * (self.stiffness / self.lower).sqrt()
     }

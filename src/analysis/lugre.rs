@@ -55,7 +55,8 @@ pub fn steady_bristles<L: FrictionLaw>(law: &LuGre<L>, velocity: f64) -> Option<
     })
 }
 
-/// The vibration of a mass m on bristles, with a spring k, a damper c and a load N.
+/// The vibration of a mass m on bristles, with a spring k, a damper c and a load N. x is measured
+/// from the equilibrium; bristles are undeflected at x = x_0.
 ///
 /// ```text
 /// m x'' + (c + N(σ1 + σ2)) x' + (k + Nσ0) x = 0,   z = x − x_0

@@ -42,7 +42,7 @@ use crate::scalar::LONGEST;
 /// assert!((formulas.slip_duration() - 5.6529131095).abs() < 1e-10); // exact: 5.16986
 /// assert!((formulas.period() - 6.3049131095).abs() < 1e-10); // exact: 6.79942
 /// assert!((formulas.frequency() - 0.99655383).abs() < 1e-8); // exact: 0.92408
-/// // With the energy that slip gains, to first and to second order.
+/// // Formulas that include the energy gained during slip, of first and second order.
 /// let u_max = limit_cycle::stick_slip(&system)?.unwrap().max_displacement();
 /// let [first, second] = [formulas.first_order(), formulas.second_order()].map(Option::unwrap);
 /// assert!((first.u_max - u_max).abs() < 2e-3 && (first.slip - 5.16986).abs() < 0.2);
@@ -120,8 +120,8 @@ impl StickSlip {
         self.kappa
     }
 
-    /// Amplitude A1 = |v_b|√(1 + κ²), dimensionless. Its error is O(ε) as an approximation of u_max
-    /// − ū, of ū − u_min, or of half the range of u.
+    /// Amplitude A1 = |v_b|√(1 + κ²), dimensionless. Its error is O(ε) as an approximation of
+    /// u_max − ū, of ū − u_min or of half the range of u.
     ///
     /// Source: Eq. 18.
     pub fn amplitude(&self) -> f64 {
@@ -324,8 +324,8 @@ impl Cubic {
 /// [`StickSlip::first_order`] and [`StickSlip::second_order`] compute it.
 ///
 /// Let H1 = h1, H2 = h2 v_b and H3 = h3 v_b², with h1, h2, h3 of [`PureSlip`](super::PureSlip). For
-/// any cubic law H1 = 2β + γ² dμ̂/ds, H2 = −½γ²v_b d²μ̂/ds² and H3 = (1/6)γ²v_b² d³μ̂/ds³, at s =
-/// v_b. To first order, for v_b > 0 (the mirror image for v_b < 0):
+/// any cubic law H1 = 2β + γ² dμ̂/ds, H2 = −½γ²v_b d²μ̂/ds² and H3 = (1/6)γ²v_b² d³μ̂/ds³, at
+/// s = v_b. To first order, for v_b > 0 (for v_b < 0 the mirror image):
 ///
 /// ```text
 /// u_max = ū + v_b[1 − (π/4)H1 − (2/3)H2 − (3π/16)H3]
@@ -335,9 +335,9 @@ impl Cubic {
 /// stick = q0,   slip = 2π − q0,   T = 2π + q0³/3
 /// ```
 ///
-/// To second order, with W = W1 + π²[H1²/2 + (3/2)H1H3 + (27/32)H3²], tan δ = √(W(2 + W)), h' =
-/// H1 + 2H2 + 3H3, r = W/(1 + W) and T2 = π[H1²/4 + (2/3)H1H2 + (33/16)H1H3 + H2²/3 + H2H3/2 +
-/// (189/128)H3²]:
+/// To second order with W = W1 + π²[H1²/2 + (3/2)H1H3 + (27/32)H3²], tan δ = √(W(2 + W)),
+/// h' = H1 + 2H2 + 3H3, r = W/(1 + W) and T2 = π[H1²/4 + (2/3)H1H2 + (33/16)H1H3 + H2²/3 + H2H3/2
+/// + (189/128)H3²]:
 ///
 /// ```text
 /// stick = tan δ + (2/3)h'r,   slip = 2π + T2 − δ + h'r/3,   T = 2π + T2 + tan δ − δ + h'r

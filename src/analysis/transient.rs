@@ -10,7 +10,7 @@ use crate::state::State;
 /// u ≈ ū + A sin ψ,  v ≈ A cos ψ
 /// ```
 ///
-/// The first equation is a Bernoulli equation, which is linear in 1/A². All quantities are
+/// The first equation is a Bernoulli equation: it is linear in 1/A². All quantities are
 /// dimensionless. Errors are O(ε) for times up to O(1/ε), as long as A(τ) ≤ |v_b|.
 ///
 /// Source: Farshidianfar and Noei Aghaee, Eq. 12, corrected: the right sides must be means over a
