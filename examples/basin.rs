@@ -2,8 +2,8 @@
 //!
 //! What to learn from it:
 //!
-//! * `basins` finds the cycles once; each start then takes a few slip arcs only, and no motion is
-//!   simulated until it settles;
+//! * `basins` finds the cycles once. For each start it then computes a few slip arcs only, not the
+//!   whole transient;
 //! * the unstable cycle is the border between the two basins.
 //!
 //! The picture is a PGM file, which most image viewers can show. Run it with

@@ -5,8 +5,9 @@
 //!
 //! * a system with a general law can have several attractors. `limit_cycle::find` returns all
 //!   cycles, including the unstable cycle between the attractors. `limit_cycle::attractor` returns
-//!   the attractor of a start, without a simulation until the motion settles;
-//! * a simulation shows only one attractor, and it takes long if it starts near the unstable cycle;
+//!   the attractor of a start without simulating the whole transient;
+//! * a simulation shows only one attractor, and settles slowly if it starts near the unstable
+//!   cycle;
 //! * `bifurcation` gives the range of belt velocities in which both attractors exist, and
 //!   `bifurcation::diagram` gives all cycles over the belt velocity.
 //!
@@ -50,10 +51,10 @@ fn main() -> Result<(), Error> {
     }
 
     println!(
-        "\na knock gives the sliding mass the velocity v; its displacement from steady \
-         sliding in the"
+        "\nan impulse gives the sliding mass the velocity v; its largest displacement from steady \
+         sliding"
     );
-    println!("first and the last of 100 oscillations, and what becomes of it:");
+    println!("in the first and in the last of 100 oscillations, and the motion that it reaches:");
     println!("  {:>8}  {:>9}  {:>9}  settles to", "v", "first", "last");
     for knock in [0.1, 0.3, 0.311, 0.3115, 0.32, 0.5] {
         let start = State::new(rest, knock);

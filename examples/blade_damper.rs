@@ -10,15 +10,15 @@
 //!   peak is four times lower;
 //! * `orbit::settle` finds one forced motion, and `orbit::follow` the whole resonance curve,
 //!   through all changes of stick and slip;
-//! * `carried` gives the force in the locked damper; from this force follows the load above which
-//!   the damper never slips.
+//! * `carried` gives the force in the locked damper. This force determines the load above which the
+//!   damper never slips.
 //!
 //! ```text
-//! q_i'' + 0.02 q_i' + k_i q_i = cos Ωt ∓ λ,   k = 1, 1.3,   |λ| ≤ μN
+//! q_i'' + 0.02 q_i' + k_i q_i = cos Ωt ∓ λ,   k = 1, 1.3,   damper force |λ| ≤ μN
 //! ```
 //!
-//! Such an optimum was found by J. H. Griffin, *J. Eng. Power* 102 (1980) 329-333, for one blade
-//! with a damper to the ground.
+//! J. H. Griffin, *Friction damping of resonant stresses in gas turbine engine airfoils*, J. Eng.
+//! Power 102 (1980) 329-333, found such an optimum for one blade with a damper to the ground.
 //!
 //! Run it with `cargo run --release --example blade_damper`.
 

@@ -1,11 +1,13 @@
-//! A beam that springs press on six elastic pads. The second resonance, at which the pads slip and
-//! open, is swept upwards and downwards; a free decay gives the damping over the amplitude.
+//! A beam that is pressed by springs on six elastic pads. A harmonic force is swept upwards and
+//! downwards over the second resonance, at which the pads slip and open. A free decay gives the
+//! damping over the amplitude.
 //!
 //! What to learn from it:
 //!
-//! * a reduced model is given by its matrices: here 14 bending and 6 axial shapes of a beam with a
-//!   step in its thickness, so that M and K are full. A contact is given by two rows of shape
-//!   functions: the displacement of the surface along the pad, and the displacement into the pad;
+//! * a reduced model is given by its matrices. Here its coordinates are 14 bending and 6 axial
+//!   shapes of a beam with a step in its thickness, so M and K are full. A contact is given by two
+//!   rows of shape functions: the displacement of the surface along the pad, and the displacement
+//!   into the pad;
 //! * each pad is an elastic contact with a normal spring. Below the onset of slip the joint is
 //!   linear. Above it the joint damps the vibration. When pads open, the resonance peak bends to
 //!   lower frequencies;
@@ -14,8 +16,8 @@
 //! * `orbit::settle` computes two such motions exactly, with their multipliers, which show whether
 //!   they are stable.
 //!
-//! Run it with `cargo run --release --example bolted_beam`; it takes a minute. If a file name
-//! follows after `--`, it writes sweeps at three forces to this file instead, in some minutes. The
+//! Run it with `cargo run --release --example bolted_beam`; it takes a minute. With a file name
+//! after `--`, it writes sweeps at three forces to this file instead, which takes some minutes. The
 //! package `examples/figures` draws such a file, `examples/figures/bolted_beam.csv`.
 
 use std::f64::consts::{PI, TAU};
@@ -333,7 +335,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .find_map(|&(_, i)| exact(i).ok().map(|orbits| (i, orbits)))
         .expect("two periodic motions");
     println!(
-        "\nat {:.2} Hz: amplitude in µm, events a period, largest multiplier",
+        "\nat {:.2} Hz: amplitude in µm, events per period, largest multiplier",
         at(i)
     );
     let amplitudes = orbits.each_ref().map(|orbit| {

@@ -3,11 +3,11 @@
 //!
 //! What to learn from it:
 //!
-//! * `PhysicalMassOnBelt` takes physical parameters, and a law given in m/s; all its results are
-//!   also in SI units;
-//! * the damping at which steady sliding becomes stable is not the damping that silences the brake:
-//!   with a damping between the two, a disturbance starts a groan that lasts for ever. The first
-//!   damping follows from the slope of the law, the second from the limit cycles;
+//! * `PhysicalMassOnBelt` takes parameters in SI units and a law in m/s; all its results are in SI
+//!   units;
+//! * the damping at which steady sliding becomes stable is less than the damping that silences the
+//!   brake: with a damping between these two values, a disturbance starts a groan that lasts for
+//!   ever. The first value follows from the slope of the law, the second from the limit cycles;
 //! * the speed also has two limits: `hopf_velocities` gives the speed at which steady sliding
 //!   becomes stable, but the stick-slip motion exists up to a higher speed.
 //!
@@ -45,7 +45,7 @@ fn main() -> Result<(), Error> {
         );
     }
 
-    println!("\nit settles to:");
+    println!("\nthe brake settles to:");
     for cycle in brake.cycles()?.stable() {
         describe(cycle);
     }

@@ -8,8 +8,8 @@
 //!   finite-element model;
 //! * the contact is between pad and disc. The rotation of the disc enters as the belt velocity of
 //!   the contact, and the load depends on the normal spring between pad and disc;
-//! * friction makes the stiffness matrix nonsymmetric. Two modes merge, and above a threshold of
-//!   the coefficient one of them grows, although the coefficient does not fall with speed;
+//! * friction makes the stiffness matrix unsymmetric. Two modes merge, and above a threshold of the
+//!   coefficient one of them grows, although the coefficient does not fall with speed;
 //! * the growth ends in stick-slip. Near the threshold the frequency of the cycle equals that of
 //!   the eigenvalue; farther above the threshold the two frequencies differ.
 //!
@@ -21,8 +21,8 @@
 //!     ═══════╧════════ disc ──▶ V        N = N0 + k_n (y − z)
 //! ```
 //!
-//! Source of the mechanism: N. Hoffmann et al., *Mech. Res. Commun.* 29 (2002) 197-205. The numbers
-//! are typical values.
+//! Source of the mechanism: N. Hoffmann, M. Fischer, R. Allgaier, L. Gaul, Mech. Res. Commun. 29
+//! (2002) 197-205. The numbers are typical values.
 //!
 //! Run it with `cargo run --release --example brake_squeal`.
 

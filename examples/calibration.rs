@@ -4,11 +4,12 @@
 //! What to learn from it:
 //!
 //! * period and amplitude alone do not determine two parameters: here two quite different laws give
-//!   the same period and amplitude, to the last digit. The time in stick distinguishes them, and is
-//!   as easy to measure;
+//!   the same period and amplitude, to the last digit. The time in stick distinguishes these laws,
+//!   and is as easy to measure;
 //! * the computation of a limit cycle takes about ten microseconds and is exact to rounding.
-//!   Sensitivities can therefore be computed as differences of cycles, to nine digits; Newton's
-//!   method converges quadratically; and hundreds of starts show every law that fits;
+//!   Sensitivities can therefore be computed as differences of cycles, to nine digits. With them
+//!   Newton's method converges quadratically; started from hundreds of guesses, it finds the laws
+//!   that fit;
 //! * the errors of the measurement determine the errors of the parameters.
 //!
 //! Here all quantities are dimensionless. For measurements in SI units, replace `MassOnBelt` by
@@ -102,7 +103,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             .ok_or("the parameters cannot be told apart")?;
     }
     let jacobian = sensitivities(law)?.ok_or("the vibration has ended")?;
-    println!("\nsensitivities (central differences, good to about 1e-9):");
+    println!("\nsensitivities (central differences, accurate to about 1e-9):");
     println!("  {:<12} {:>12} {:>12}", "", "by μ_s", "by v_m");
     for (name, row) in NAMES.iter().zip(jacobian.row_iter()) {
         println!("  {name:<12} {:12.6} {:12.6}", row[0], row[1]);
@@ -110,7 +111,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let covariance = (weighted(&jacobian).transpose() * jacobian)
         .try_inverse()
         .ok_or("the parameters cannot be told apart")?;
-    println!("\nthe law that fits all three best:");
+    println!("\nthe law that fits all three measured values best:");
     for (name, i) in [("μ_s", 0), ("v_m", 1)] {
         println!(
             "  {name} = {:.4} ± {:.4}",

@@ -5,11 +5,11 @@
 //!
 //! * `orbit::section` is an unbounded iterator: memory use does not grow with the length of the
 //!   motion;
-//! * the exponent is computed from the variational equations, not from two simulations. It
-//!   distinguishes a long period (below 0) from chaos (above 0 by more than its spread) and from a
-//!   torus (0). If it is `−∞`, perturbations decay to zero: the mass sticks;
-//! * systems are values, so threads can share them: here one thread computes each part of the
-//!   range.
+//! * the exponent is computed from the variational equations, not from two simulations. The
+//!   exponent distinguishes a periodic motion (below 0) from chaos (above 0 by more than its
+//!   spread) and from a torus (0). If the exponent is `−∞`, perturbations vanish in finite time:
+//!   the mass sticks;
+//! * threads can share systems: here each thread computes a part of the range.
 //!
 //! Run it with `cargo run --release --example chaos`.
 

@@ -6,8 +6,8 @@
 //!   direction, the contact has a sliding speed in m/s and a load in newtons, and acts on the
 //!   shafts as a torque;
 //! * the load is a profile: it rises from 0 (open clutch) to the full clamp force;
-//! * lock-up is an event, exact to rounding, and so is the slip that begins again when the engine
-//!   pulls too hard;
+//! * lock-up is an event, exact to rounding; so is the release of the clutch when the engine torque
+//!   is too large;
 //! * `carried` returns the force that the locked clutch transmits at any instant.
 //!
 //! ```text
@@ -112,7 +112,7 @@ fn main() -> Result<(), Error> {
 
     let shafts = shafts(0.5)?;
     let motion = shafts.simulate(start, 5.0)?;
-    println!("\nclosing in 0.5 s; the engine pulls four times as hard from 3 to 3.1 s");
+    println!("\nclosing in 0.5 s; from 3 to 3.1 s the engine torque is four times as large");
     for event in motion.events() {
         let [engine, car] = [0, 1].map(|i| event.state.velocities[i]);
         println!(

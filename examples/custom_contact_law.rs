@@ -3,13 +3,14 @@
 //! What to learn from it:
 //!
 //! * a contact law with memory variables is a `ContactLaw`. It gives the friction coefficient, the
-//!   static limit, and the rates of the memory variables. The contact never sticks if its `limit`
-//!   is `None`;
+//!   static limit, and the rates of the memory variables. If the limit is `None`, the contact never
+//!   sticks;
 //! * with LuGre's bristles a mass creeps under any oscillating force, however small. In the law of
-//!   Dupont et al. bristles are elastic up to a break-away deflection, and flow only if slip
-//!   increases their deflection: the mass does not creep;
-//! * a law may branch on the value of its memory. This law is only C¹ at the deflection at which
-//!   bristles begin to flow. Steps are short there, but as accurate as others.
+//!   Dupont et al. bristles are elastic up to a break-away deflection, and yield beyond it only if
+//!   slip increases their deflection: the mass does not creep;
+//! * a law may branch on the value of its memory. The second derivative of this law jumps at the
+//!   deflection at which bristles begin to yield. Steps are short there, but as accurate as
+//!   elsewhere.
 //!
 //! Run it with `cargo run --release --example custom_contact_law`.
 
@@ -20,8 +21,8 @@ use stick_slip::{
     Contact, ContactLaw, Coulomb, Drive, Error, LuGre, Motion, Scalar, Slip, Structure,
 };
 
-/// P. Dupont, V. Hayward, B. Armstrong, F. Altpeter, IEEE Trans. Automatic Control 47 (2002)
-/// 787-792: z' = r(1 − α(z, r) σ0 z/(μ_k sgn r)), μ = σ0 z.
+/// P. Dupont, V. Hayward, B. Armstrong, F. Altpeter, *Single state elastoplastic friction models*,
+/// IEEE Trans. Automatic Control 47 (2002) 787-792: z' = r(1 − α(z, r) σ0 z/(μ_k sgn r)), μ = σ0 z.
 struct ElastoPlastic {
     kinetic: f64,
     stiffness: f64,

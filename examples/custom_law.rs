@@ -2,8 +2,8 @@
 //!
 //! What to learn from it:
 //!
-//! * `kinetic` is written once, generic over the number type. From it the crate computes exact
-//!   slopes and power series along a motion, so you differentiate nothing by hand;
+//! * `kinetic` is written once, generic over the number type. From this function the crate computes
+//!   exact slopes and power series along a motion, so no derivative is written by hand;
 //! * constants stand on the right of an operator (`speed / s0 + 1.0`), because Rust does not allow
 //!   an `f64` on the left of a generic number;
 //! * your law has the same functions as a built-in law: events, limit cycles, bifurcation

@@ -99,7 +99,8 @@ fn main() -> Result<(), Error> {
     let torque_slope = |speed: f64| rock().map(|law| WEIGHT * RADIUS * law.slope(speed));
     if let Some(critical) = inertias.critical_slope() {
         println!(
-            "\nwith an undamped pipe and a free drive friction may fall by {:.2} N·m·s; it does",
+            "\nwith an undamped pipe and no spring in the drive, steady turning is stable if \
+             friction falls\nby less than {:.2} N·m·s; it falls",
             -critical
         );
         for rpm in [50.0, 110.0] {
@@ -110,7 +111,7 @@ fn main() -> Result<(), Error> {
         }
     }
     println!(
-        "a drive with {:.0} N·m·s would take up most",
+        "a drive with a damping of {:.0} N·m·s would damp most",
         inertias.best_damper()
     );
     Ok(())

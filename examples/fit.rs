@@ -4,16 +4,16 @@
 //! What to learn from it:
 //!
 //! * `orbit::sensitivities` gives the derivatives of a motion with respect to any parameters,
-//!   through stick and release. With them a least-squares method converges in a few steps; here it
-//!   is the method of Levenberg and Marquardt, from the crate `levenberg-marquardt`;
+//!   through stick and release. With these derivatives a least-squares method converges in a few
+//!   steps; here it is the method of Levenberg and Marquardt, from the crate `levenberg-marquardt`;
 //! * the same derivatives J give the standard errors: the covariance is σ² (JᵀJ)⁻¹, with the mean
 //!   square σ² of the residuals. The standard errors agree with the true errors of this fit;
 //! * over a long time a wrong law gives a wrong number of cycles, and the sum of squares has many
-//!   minima. Fit a short time first, and start the fit of a longer time from its result;
-//! * a velocity sensor is not sufficient: it does not measure the mean stretch of the spring by
-//!   friction, so μ_s and μ_k could rise together;
-//! * the start is a parameter like any other. Every unknown quantity has to be fitted; otherwise
-//!   its error changes the coefficients.
+//!   minima. Fit a short time first, and start the fit of a longer time from the result;
+//! * a velocity sensor is not sufficient: it does not measure the mean stretch of the spring, so
+//!   μ_s and μ_k could rise together without any effect on its signal;
+//! * the start is a parameter like any other. Fit every unknown quantity; otherwise its error
+//!   changes the coefficients.
 //!
 //! Run it with `cargo run --release --example fit`.
 
@@ -173,7 +173,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .try_inverse()
         .ok_or("singular")?
         * variance;
-    println!("left over: {:.3e} m rms", variance.sqrt());
+    println!("residual: {:.3e} m rms", variance.sqrt());
     println!(
         "{:<10} {:>9} {:>12} {:>10} {:>8}",
         "", "guess", "found", "± error", "off by"

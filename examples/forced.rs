@@ -27,7 +27,7 @@ fn oscillator(frequency: f64) -> Result<Structure, Error> {
 
 fn main() -> Result<(), Error> {
     println!("friction {FRICTION} of the force, damping ratio {DAMPING}\n");
-    println!("   Ω    no-stop limit   Den Hartog's A   simulated A      stops a period");
+    println!("   Ω    no-stop limit   Den Hartog's A   simulated A      stops per period");
     for frequency in [
         0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 2.0, 3.0,
     ] {
@@ -63,6 +63,6 @@ fn main() -> Result<(), Error> {
         let stops = stops as f64 / 10.0;
         println!("  {frequency:4.2}  {limit:12.6}    {exact:>14}   {amplitude:.12}   {stops:4.1}");
     }
-    println!("\nThe limit is that of F/p without damping; beyond it the mass stops at each turn.");
+    println!("\nThe limit is that of F/p without damping; above it the mass stops at each reversal.");
     Ok(())
 }

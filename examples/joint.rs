@@ -9,8 +9,8 @@
 //! * `backbone` gives frequency and damping over amplitude by first-harmonic theory. The peaks lie
 //!   near the backbone. On the flanks of the curves the amplitudes of this theory have errors of up
 //!   to some per cent;
-//! * friction damps most at about 2.5 times the amplitude at which slip begins; below this
-//!   amplitude it does not damp;
+//! * friction damps most at about 2.5 times the amplitude at which slip begins; without slip it
+//!   does not damp;
 //! * `orbit::follow` finds the same curve from the equations of motion alone, without the
 //!   assumptions that the motion is symmetric and consists of four arcs.
 //!

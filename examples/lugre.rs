@@ -21,9 +21,10 @@ use stick_slip::{
     Contact, ContactLaw, Error, EventKind, Exponential, Integrator, LuGre, Segment, Structure,
 };
 
-/// C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, IEEE Trans. Automatic Control 40
-/// (1995) 419-425: a mass of 1 kg is pulled over the ground by a spring of 2 N/m, whose end moves
-/// at 0.1 m/s. In the frame of this end, the ground moves backward.
+/// C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, *A new model for control of systems
+/// with friction*, IEEE Trans. Automatic Control 40 (1995) 419-425: a mass of 1 kg is pulled over
+/// the ground by a spring of 2 N/m, whose end moves at 0.1 m/s. In the frame of this end, the
+/// ground moves backward.
 fn pulled<L: ContactLaw + Send + Sync + 'static>(law: L) -> Result<Structure, Error> {
     Structure::new(&[1.0])?
         .with_ground_spring(0, 2.0)?

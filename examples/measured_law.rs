@@ -104,7 +104,7 @@ fn show<L: FrictionLaw>(name: &str, scaling: &Scaling, law: L) -> Result<(), Box
         // Above the last point the table is constant, which is an assumption.
         let sliding = system.belt_velocity() - cycle.min_velocity();
         if sliding > fastest {
-            println!("{name:<14} slides faster than was measured");
+            println!("{name:<14} slides faster than the measured speeds");
         }
     }
     Ok(())

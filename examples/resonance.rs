@@ -32,7 +32,7 @@ fn main() -> Result<(), Error> {
     let start = orbit::settle(&system, &State::at_rest(1), 400.0, Period::Driven(1))?;
     let branch = orbit::follow(oscillator, frequency, &start, 0.5..2.0)?;
 
-    println!("   Ω          amplitude     largest multiplier   stops a period");
+    println!("   Ω          amplitude     largest multiplier   stops per period");
     let every = branch.points.len().div_ceil(40);
     for point in branch.points.iter().step_by(every) {
         let (low, high) = point.orbit.extremes(0);
@@ -51,7 +51,7 @@ fn main() -> Result<(), Error> {
             stops.count()
         );
     }
-    println!("\nwhat happens on the way:");
+    println!("\nbifurcations and changes of the events on the branch:");
     for bifurcation in &branch.bifurcations {
         println!(
             "  {:<16} at Ω = {:.12}",

@@ -53,7 +53,7 @@ fn main() -> Result<(), Error> {
         ("logarithmic", Dwell::logarithmic(law, 0.05, 0.4)?),
     ];
 
-    println!("without damping: amplitude, and how long the mass sticks, by formula and simulated");
+    println!("without damping: belt velocity, amplitude, time in stick by formula and simulated");
     for (name, law) in forms {
         let of = oscillator(law, 0.0);
         let critical = of.critical_velocity().unwrap_or(f64::NAN);
@@ -93,7 +93,7 @@ fn main() -> Result<(), Error> {
     let of = oscillator(forms[1].1, 0.05);
     if let Some(cycle) = of.unstable_stick_slip(0.165) {
         let caught = cycle.contact_displacement;
-        println!("\nexponential form, v = 0.165: the unstable cycle is caught at {caught:.6}");
+        println!("\nexponential form, v = 0.165: the unstable cycle sticks from u = {caught:.6}");
         for (start, goes_on) in [(caught - 1e-3, true), (caught + 1e-3, false)] {
             let motion = block(&of, 0.165)?.simulate(State::new(&[start], &[0.165]), 2000.0)?;
             let sticks = motion
@@ -101,7 +101,7 @@ fn main() -> Result<(), Error> {
                 .iter()
                 .filter(|e| e.kind == EventKind::Stick);
             let sticks = sticks.count();
-            println!("  caught at {start:.6} the mass sticks {sticks} times more");
+            println!("  stick that begins at u = {start:.6} is followed by {sticks} more");
             assert_eq!(sticks > 100, goes_on);
         }
     }

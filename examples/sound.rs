@@ -4,7 +4,7 @@
 //!
 //! * `samples` gives a motion at any rate, here 44.1 kHz: each sample is as exact as the motion, so
 //!   only frequencies above half the rate have to be filtered;
-//! * the audible sound is close to the acceleration of a surface;
+//! * the sound that one hears is nearly proportional to the acceleration of a surface;
 //! * a WAV file is 44 bytes of header and the samples.
 //!
 //! Run it with `cargo run --release --example sound -- groan.wav`; without a file name it prints a
@@ -74,7 +74,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     match std::env::args().nth(1) {
         Some(name) => std::fs::write(&name, &file).map(|()| println!("{name} is written"))?,
-        None => println!("give a name for a WAV file of {} bytes", file.len()),
+        None => println!("to write a WAV file of {} bytes, give its name", file.len()),
     }
     Ok(())
 }

@@ -2,13 +2,14 @@
 //!
 //! What to learn from it:
 //!
-//! * a profile is a list of points (time, value), joined by straight lines; it is constant before
-//!   the first and after the last point. The ends of a ramp are kinks, at which a step ends
+//! * a profile is a list of points (time, value), joined by straight lines. Before the first and
+//!   after the last point it is constant. The ends of a ramp are kinks, at which a step ends
 //!   exactly;
 //! * a kink can end stick: the contact must also transmit the inertial force;
-//! * the same belt velocity gives different motions on the way up and on the way down;
+//! * the same belt velocity gives different motions when the belt speeds up and when it slows down;
 //! * vibration begins long after steady sliding has become unstable, and later if disturbances are
-//!   smaller. In a slow simulation, include the disturbance that the machine has.
+//!   smaller. Simulations of slow profiles should therefore include the disturbances of the
+//!   machine.
 //!
 //! Run it with `cargo run --release --example speed_profile`.
 
@@ -52,7 +53,7 @@ fn main() -> Result<(), Error> {
 
     // Changes of stability of steady sliding; vibration begins later than these, both on the way up
     // and on the way down.
-    println!("\nsteady sliding, with the belt held at its velocity of each time");
+    println!("\ntime and belt velocity at which steady sliding at constant belt velocity");
     for change in system.stability_changes(0.0..400.0)? {
         let becomes = if change.becomes_stable {
             "stable"
@@ -64,7 +65,7 @@ fn main() -> Result<(), Error> {
     }
 
     // The delay depends on the disturbance.
-    println!("\nfirst stick on a belt that slows down from 1.2 to 0.4 within 4000");
+    println!("\ntime of the first stick on a belt that slows down from 1.2 to 0.4 within 4000");
     let slow = Drive::profile(&[(0.0, 1.2), (4000.0, 0.4)])?;
     let slowing = |disturbance: f64| {
         Structure::new(&[1.0])?

@@ -2,8 +2,8 @@
 //!
 //! What to learn from it:
 //!
-//! * masses, springs and contacts are added one by one; a contact's number is its place in the
-//!   order of `with_contact`, and each event contains the number of its contact;
+//! * masses, springs and contacts are added one by one. Contacts are numbered in the order of
+//!   `with_contact`, and each event contains the number of its contact;
 //! * `mode_at` gives the mode of each contact between events: here both blocks stick, one of them
 //!   sticks, or none;
 //! * this motion is stable: a small perturbation of the start remains small, as printed at the end.
@@ -61,7 +61,7 @@ fn main() -> Result<(), Error> {
     // A change of 1e-9 at the start.
     let changed = State::new(&[0.2 + 1e-9, -0.4], &[0.0, 0.1]);
     let changed = system.simulate(changed, 300.0)?;
-    println!("\na change of 1e-9 at the start has become");
+    println!("\na perturbation of 1e-9 at the start becomes");
     for time in [50.0, 100.0, 200.0, 300.0] {
         if let (Some(a), Some(b)) = (motion.state_at(time), changed.state_at(time)) {
             let apart = (a.displacements[0] - b.displacements[0]).abs();
