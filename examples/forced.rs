@@ -63,6 +63,6 @@ fn main() -> Result<(), Error> {
         let stops = stops as f64 / 10.0;
         println!("  {frequency:4.2}  {limit:12.6}    {exact:>14}   {amplitude:.12}   {stops:4.1}");
     }
-    println!("\nThe limit is that of F/p without damping; above it the mass stops at each reversal.");
+    println!("\nThe limit is that of F/p without damping; above it the mass stops at both ends.");
     Ok(())
 }
