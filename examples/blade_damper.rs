@@ -6,8 +6,8 @@
 //! * the damper is a contact between the two coordinates. It slips because the blades differ: their
 //!   stiffnesses are 1 and 1.3;
 //! * a damper with a small load slides and dissipates little; a damper with a large load locks the
-//!   blades together and dissipates nothing. Both limits are linear resonances. Between them the
-//!   peak is four times lower;
+//!   blades together and dissipates nothing. Both limits are linear resonances. At the best load
+//!   between them the peak is less than a quarter as high;
 //! * `orbit::settle` finds one forced motion, and `orbit::follow` the whole resonance curve,
 //!   through all changes of stick and slip;
 //! * `carried` gives the force in the locked damper. This force determines the load above which the

@@ -1,5 +1,5 @@
 //! From a measured vibration back to the friction law: which static coefficient, and which speed of
-//! least friction, make the mass vibrate with this period, this amplitude and this time in stick?
+//! least friction, give the measured period, amplitude and time in stick?
 //!
 //! What to learn from it:
 //!

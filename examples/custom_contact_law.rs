@@ -2,7 +2,7 @@
 //!
 //! What to learn from it:
 //!
-//! * a contact law with memory variables is a `ContactLaw`. It gives the friction coefficient, the
+//! * a contact law with memory variables is a `ContactLaw`: it gives the friction coefficient, the
 //!   static limit, and the rates of the memory variables. If the limit is `None`, the contact never
 //!   sticks;
 //! * with LuGre's bristles a mass creeps under any oscillating force, however small. In the law of

@@ -5,7 +5,8 @@
 //! * a drive is a function of time: here a harmonic force;
 //! * Den Hartog's formula of 1931 is exact as long as the mass never stops between two turning
 //!   points. If the mass stops, the formula has no solution (`None`), and the motion is simulated;
-//! * friction alone bounds resonance only if it is more than π/4 of the force.
+//! * without damping, friction bounds the amplitude at resonance only if it exceeds π/4 of the
+//!   force.
 //!
 //! Run it with `cargo run --release --example forced`.
 

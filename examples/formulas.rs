@@ -1,5 +1,5 @@
-//! The paper's amplitude formulas and more accurate formulas, compared with the exact motion over
-//! the belt velocities of Fig. 6.
+//! The amplitude formulas of A. Farshidianfar and N. Noei Aghaee, and more accurate formulas,
+//! compared with the exact motion over the belt velocities of their Fig. 6.
 //!
 //! What to learn from it:
 //!

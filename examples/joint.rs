@@ -15,7 +15,7 @@
 //!   assumptions that the motion is symmetric and consists of four arcs.
 //!
 //! ```text
-//! x'' + 0.02 x' + 0.6 x + T = P cos ωt,    T: spring 0.4, slider 0.3
+//! x'' + 0.02 x' + 0.6 x + T = P cos ωt,    T: spring 0.4, slider of limit 0.3
 //! ```
 //!
 //! Run it with `cargo run --release --example joint`.

@@ -7,7 +7,7 @@
 //!   instant of zero velocity is a crossing. The times of these crossings are ill-conditioned, but
 //!   the states are not;
 //! * near stick the mass is a stiff oscillator (here 50 Hz), and in slip the bristles relax within
-//!   microseconds. Nevertheless the run takes only some hundred steps;
+//!   microseconds. Nevertheless the run takes only a few hundred steps;
 //! * dry friction with the same law, which is the limit of stiff bristles, slips at nearly the same
 //!   times;
 //! * this friction is not passive: `analysis::lugre` gives the viscosity that would make it

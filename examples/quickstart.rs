@@ -1,5 +1,5 @@
-//! Three motions of the source paper, from rest until they settle, compared with the exact periodic
-//! motions that they approach.
+//! Three motions of the paper by A. Farshidianfar and N. Noei Aghaee, from rest until they settle,
+//! compared with the exact periodic motions that they approach.
 //!
 //! What to learn from it:
 //!

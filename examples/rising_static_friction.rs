@@ -1,5 +1,4 @@
-//! Static friction that rises while surfaces are at rest: stick-slip disappears as the belt
-//! velocity increases.
+//! Static friction that rises during stick: stick-slip disappears as the belt velocity increases.
 //!
 //! What to learn from it:
 //!

@@ -3,7 +3,7 @@
 //! What to learn from it:
 //!
 //! * `samples` gives a motion at any rate, here 44.1 kHz: each sample is as exact as the motion, so
-//!   only frequencies above half the rate have to be filtered;
+//!   only frequencies above half the rate must be filtered out;
 //! * the sound that one hears is nearly proportional to the acceleration of a surface;
 //! * a WAV file is 44 bytes of header and the samples.
 //!
