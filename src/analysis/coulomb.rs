@@ -53,8 +53,8 @@ pub fn tangential_slip(damping: f64) -> Option<TangentialSlip> {
 /// Belt velocity γ²(μ_s − μ_k)Λ(β), with Λ from [`tangential_slip`]: a stick-slip cycle exists for
 /// every |v_b| > 0 below this value. Dimensionless, exact.
 ///
-/// The result is infinite if β = 0 and μ_s > μ_k, and 0 (no stick-slip cycle) if β ≥ 1 or μ_s =
-/// μ_k. The system's own v_b is ignored.
+/// The result is infinite if β = 0 and μ_s > μ_k, and 0 (no stick-slip cycle) if β ≥ 1 or
+/// μ_s = μ_k. The system's own v_b is ignored.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::largest_stick_slip_velocity;

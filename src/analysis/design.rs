@@ -24,9 +24,9 @@ use crate::belt::MassOnBelt;
 use crate::error::Error;
 use crate::friction::{AlongSlope, FrictionLaw};
 
-/// Damping ratio above which steady sliding at the system's belt velocity is stable: max(0, −½γ²
-/// dμ̂/ds), with the slope at |v_b|. Dimensionless, exact. `None` if v_b = 0. The system's own β is
-/// ignored.
+/// Damping ratio above which steady sliding at the system's belt velocity is stable:
+/// max(0, −½γ² dμ̂/ds), with the slope at |v_b|. Dimensionless, exact. `None` if v_b = 0. The
+/// system's own β is ignored.
 ///
 /// With more damping, small disturbances decay. For the polynomial law, large disturbances also
 /// decay if friction is weak compared with the spring. If a law falls more steeply at other speeds

@@ -172,8 +172,8 @@ pub fn backbone(
 /// ```
 ///
 /// After a closed loop, the curve that the loop interrupted continues as if there had been no loop;
-/// this holds also for the first loading. A closed loop between −A and A has the area D = 8∫F dx −
-/// 4A F(A), with the integral over 0 ≤ x ≤ A. `None` unless all displacements are finite.
+/// this holds also for the first loading. The area of a closed loop between −A and A is
+/// D = 8∫F dx − 4A F(A), integrated over 0 ≤ x ≤ A. `None` unless all displacements are finite.
 ///
 /// ```
 /// use stick_slip::Iwan4;
