@@ -124,7 +124,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
     }
 
     /// The dimensionless system, for functions that this type does not have: [`bifurcation::along`]
-    /// another parameter, and the formulas of [`analysis`](crate::analysis).
+    /// for other parameters, and the formulas of [`analysis`](crate::analysis).
     pub fn dimensionless(&self) -> &MassOnBelt<Scaled<L>> {
         &self.system
     }
@@ -136,7 +136,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         limits.map(|displacement| self.scaling.metres(displacement))
     }
 
-    /// The friction force on the mass, in N, in a state in m and m/s:
+    /// The friction force on the mass, in N, for a state in m and m/s:
     /// [`MassOnBelt::friction_force`].
     ///
     /// ```
@@ -156,7 +156,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         self.scaling.newtons(self.system.friction_force(state))
     }
 
-    /// The acceleration of the mass, in m/s², in a state in m and m/s:
+    /// The acceleration of the mass, in m/s², for a state in m and m/s:
     /// [`MassOnBelt::acceleration`].
     pub fn acceleration(&self, state: impl Into<State>) -> f64 {
         let state = self.scaling.dimensionless_state(state);
@@ -164,7 +164,7 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         self.system.acceleration(state) * units.rate * units.velocity()
     }
 
-    /// The state in which a mass in stick is released, in m and m/s: [`MassOnBelt::release_state`].
+    /// The release point, in m and m/s: [`MassOnBelt::release_state`].
     pub fn release_state(&self) -> Option<State> {
         let state = self.system.release_state()?;
         Some(self.scaling.units().state(state))
@@ -309,8 +309,8 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         self.basins()?.attractor(start.into())
     }
 
-    /// The basins of attraction, for starts in m and m/s and with cycles in SI units:
-    /// [`limit_cycle::basins`].
+    /// The basins of attraction: [`limit_cycle::basins`]. Starts are in m and m/s, cycles in SI
+    /// units.
     ///
     /// # Errors
     ///
@@ -479,8 +479,8 @@ impl<L: FrictionLaw> PhysicalMassOnBelt<L> {
         velocities.map(|velocity| self.point(*velocity.borrow()))
     }
 
-    /// [`diagram`](Self::diagram) with the belt velocities, in m/s, shared among threads:
-    /// [`bifurcation::par_diagram`].
+    /// The results of [`diagram`](Self::diagram), computed by several threads:
+    /// [`bifurcation::par_diagram`]. Belt velocities are in m/s.
     ///
     /// Needs the feature `rayon`.
     #[cfg(feature = "rayon")]

@@ -67,8 +67,8 @@ pub fn drift<L: FrictionLaw>(system: &MassOnBelt<L>, amplitude: f64) -> Result<f
 }
 
 /// Slope dA'/dA of the drift at the amplitude A ≥ 0, dimensionless: the growth rate of a
-/// perturbation of the amplitude. Error O(ε²). If μ̂(0) > 0, the slope tends to −∞ as A falls to
-/// |v_b| > 0.
+/// perturbation of the amplitude. Error O(ε²). If v_b ≠ 0 and μ̂(0) > 0, the slope tends to −∞ as A
+/// falls to |v_b|.
 ///
 /// # Errors
 ///

@@ -106,24 +106,25 @@ impl PureSlip {
     }
 
     /// Coefficient η = (3/2)γ²(μ_s − μ_m)/v_m: how steeply friction falls at small speeds.
-    /// Dimensionless, exact. Source: Eq. 11.
+    /// Dimensionless, exact. Source: Farshidianfar and Noei Aghaee, Eq. 11.
     pub fn eta(&self) -> f64 {
         self.eta
     }
 
     /// Coefficient h1 = 2β − η(1 − (v_b/v_m)²): the damping of small motions. Dimensionless, exact.
-    /// Source: Eq. 10a.
+    /// Source: Farshidianfar and Noei Aghaee, Eq. 10a.
     pub fn h1(&self) -> f64 {
         self.h1
     }
 
-    /// Coefficient h2 = −η v_b/v_m². Dimensionless, exact. Source: Eq. 10b, corrected (printed:
-    /// −η(v_b/v_m)²).
+    /// Coefficient h2 = −η v_b/v_m². Dimensionless, exact. Source: Farshidianfar and Noei Aghaee,
+    /// Eq. 10b, corrected (printed: −η(v_b/v_m)²).
     pub fn h2(&self) -> f64 {
         self.h2
     }
 
-    /// Coefficient h3 = η/(3v_m²). Dimensionless, exact. Source: Eq. 10c.
+    /// Coefficient h3 = η/(3v_m²). Dimensionless, exact. Source: Farshidianfar and Noei Aghaee,
+    /// Eq. 10c.
     pub fn h3(&self) -> f64 {
         self.h3
     }
@@ -131,7 +132,7 @@ impl PureSlip {
     /// Belt velocity v_b1 = v_m√(1 − 2β/η) below which steady sliding is unstable. Dimensionless,
     /// exact. `None` if 2β ≥ η: steady sliding is then stable at every belt velocity.
     ///
-    /// Source: after Eq. 15.
+    /// Source: Farshidianfar and Noei Aghaee, text after Eq. 15.
     pub fn onset_velocity(&self) -> Option<f64> {
         let excess = self.eta - 2.0 * self.damping;
         (excess > 0.0).then(|| self.minimum_velocity * (excess / self.eta).sqrt())
@@ -140,7 +141,8 @@ impl PureSlip {
     /// Belt velocity v_b0 = √(4/5) v_b1 below which the mass sticks, by averaging: A0 = v_b at
     /// v_b0. Dimensionless, relative error O(ε²). `None` if 2β ≥ η.
     ///
-    /// Source: after Eq. 15, corrected: the printed √(4/3) would give a velocity above v_b1.
+    /// Source: Farshidianfar and Noei Aghaee, text after Eq. 15, corrected: the printed √(4/3)
+    /// would give a velocity above v_b1.
     pub fn stick_velocity(&self) -> Option<f64> {
         self.onset_velocity().map(|onset| 0.8_f64.sqrt() * onset)
     }
@@ -173,7 +175,8 @@ impl PureSlip {
     /// on ū. Below v_b0 the formula still gives a number, but no pure-slip motion exists: see
     /// [`is_valid`](Self::is_valid).
     ///
-    /// Source: Eq. 13, corrected (the printed 3/4 is 4/3), and Eq. 15.
+    /// Source: Farshidianfar and Noei Aghaee, Eq. 13, corrected (4/3 replaces the printed 3/4), and
+    /// Eq. 15.
     pub fn amplitude(&self) -> Option<f64> {
         (self.h1 < 0.0).then(|| 2.0 * self.minimum_velocity * (-self.h1 / self.eta).sqrt())
     }
@@ -182,8 +185,8 @@ impl PureSlip {
     /// same as v_b0 < |v_b| < v_b1. The limit v_b1 is exact, and the limit v_b0 has a relative
     /// error O(ε²).
     ///
-    /// Source: section 4.1.1, corrected: the printed condition is ż < 0 (velocity of the mass)
-    /// instead of v_r < 0.
+    /// Source: Farshidianfar and Noei Aghaee, section 4.1.1, corrected: the printed condition is
+    /// ż < 0 (velocity of the mass) instead of v_r < 0.
     pub fn is_valid(&self) -> bool {
         self.amplitude()
             .is_some_and(|amplitude| amplitude < self.belt_velocity.abs())
@@ -313,7 +316,8 @@ impl PureSlip {
 /// is a better lower end), with a, b, h1 small compared with 1.
 ///
 /// Source: expansion of z'' + z + h1 z' + h2 z'² + h3 z'³ = 0. The first order consists of Eqs. 13
-/// and 15 (corrected) and of the shift of the centre, which the source neglects.
+/// and 15 of Farshidianfar and Noei Aghaee (corrected) and of the shift of the centre, which they
+/// neglect.
 ///
 /// ```
 /// use stick_slip::analysis::PureSlip;

@@ -19,7 +19,7 @@ use crate::state::State;
 ///
 /// * v_b > 0: −γ²μ_s ≤ F < γ²μ_s. At F = γ²μ_s the mass is released.
 /// * v_b < 0: −γ²μ_s < F ≤ γ²μ_s, the mirror image.
-/// * v_b = 0: −γ²μ_s ≤ F ≤ γ²μ_s. A mass that sticks stays at rest for ever.
+/// * v_b = 0: −γ²μ_s ≤ F ≤ γ²μ_s. A sticking mass stays at rest for ever.
 ///
 /// Source: Farshidianfar and Noei Aghaee, *Analytical Approaches for Friction Induced Vibration and
 /// Stability Analysis*, Eqs. 1 and 2. Eq. 2 is corrected here: the paper prints the stick condition
@@ -68,8 +68,8 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         Self::unchecked(law, belt_velocity)
     }
 
-    /// A system whose law is not checked. It may drive the mass at speed 0 too: friction that is
-    /// one negative constant has closed forms of motions that grow, for tests.
+    /// A system whose law is not checked: μ̂(0) may be negative. Tests use a negative constant,
+    /// because its growing motions have closed forms.
     pub(crate) fn unchecked(law: L, belt_velocity: f64) -> Result<Self, Error> {
         Self {
             law,
@@ -164,8 +164,8 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     /// The displacements between which the mass can stick, −γ²μ_s − 2βv_b and γ²μ_s − 2βv_b,
     /// dimensionless.
     ///
-    /// Every decision between stick and slip compares u with these two numbers. One of them is the
-    /// displacement of the release state.
+    /// Every decision between stick and slip compares u with these two numbers. The release state
+    /// has the second displacement if v_b > 0, the first one if v_b < 0.
     ///
     /// ```
     /// use stick_slip::{Coulomb, MassOnBelt};
@@ -181,7 +181,7 @@ impl<L: FrictionLaw> MassOnBelt<L> {
     }
 
     /// The release point, dimensionless: the state u = sgn(v_b)·γ²μ_s − 2βv_b, v = v_b, in which
-    /// stick ends. `None` if v_b = 0, because a mass that sticks then stays at rest for ever.
+    /// stick ends. `None` if v_b = 0, because a sticking mass is then at rest for ever.
     pub fn release_state(&self) -> Option<State> {
         self.belt().release_state()
     }

@@ -108,8 +108,8 @@ impl Drive {
     /// # Errors
     ///
     /// [`Error::InvalidParameter`] if the list is empty. [`Error::BadPoint`], with the first point
-    /// at fault, unless all numbers are finite, the times do not descend, no three points share a
-    /// time, and no slope overflows.
+    /// at fault, if a number is not finite, the times descend, three points share a time, or a
+    /// slope overflows.
     pub fn profile(points: &[(f64, f64)]) -> Result<Self, Error> {
         Self::constant(0.0).with_profile(points)
     }
@@ -222,8 +222,8 @@ impl Drive {
     /// The period: the least T > 0 with f(t + T) = f(t), in units of time. `None` for a constant,
     /// for a drive with a profile, or if the harmonics have no common period.
     ///
-    /// Ratios of angular frequencies that are within 4 ulps of p/q with q ≤ 1000 count as
-    /// commensurate, because in `f64` even 1.65/0.55 is not exactly 3.
+    /// Angular frequencies count as commensurate if their ratios to the lowest one are within 4
+    /// ulps of p/q with q ≤ 1000, because in `f64` even 1.65/0.55 is not exactly 3.
     ///
     /// ```
     /// use stick_slip::Drive;
@@ -245,8 +245,8 @@ impl Drive {
         self.harmonics.is_empty() && self.profiles.is_empty()
     }
 
-    /// Sum of the largest sizes of its parts: a bound of |f|, and rounding errors of f are in units
-    /// of ε times this.
+    /// Sum of the largest sizes of its parts, a bound of |f|. The unit of the rounding errors of f
+    /// is ε times this sum.
     pub(crate) fn size(&self) -> f64 {
         let harmonics = self.harmonics.iter().map(Harmonic::amplitude);
         let profiles = self.profiles.iter().map(Profile::size);
@@ -281,7 +281,7 @@ impl Drive {
     }
 
     /// Returns [`Error::InvalidParameter`] unless the drive of a contact is finite at all times.
-    /// `name` is its name there.
+    /// `name` is the drive's name in the contact.
     pub(crate) fn check(&self, name: &'static str, allowed: &'static str) -> Result<(), Error> {
         Error::check("Contact", name, self.constant, true, allowed).map(drop)
     }

@@ -70,9 +70,9 @@ impl Tabulated {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidParameter`] unless there are at least two points; [`Error::BadPoint`], with
-    /// the first point at fault, unless all numbers are finite and ≥ 0, the first speed is 0, the
-    /// speeds ascend strictly, and no coefficient of the cubics overflows.
+    /// [`Error::InvalidParameter`] if there are fewer than two points; [`Error::BadPoint`], with
+    /// the first point at fault, if a number is negative or not finite, the first speed is not 0,
+    /// the speeds do not ascend strictly, or a coefficient of the cubics overflows.
     pub fn new(points: impl IntoIterator<Item = (f64, f64)>) -> Result<Self, Error> {
         let points: Vec<_> = points.into_iter().collect();
         Error::check(
@@ -202,8 +202,8 @@ fn inner_slope(before: Chord, after: Chord) -> f64 {
     (w1 + w2) / (w1 / before.slope + w2 / after.slope)
 }
 
-/// Slope at the first point: of the parabola through three points, limited so that the cubic stays
-/// monotone.
+/// Slope at the first point: that of the parabola through three points, limited so that the cubic
+/// stays monotone.
 fn end_slope(chord: Chord, next: Chord) -> f64 {
     let (h1, h2) = (chord.length, next.length);
     let slope = ((2.0 * h1 + h2) * chord.slope - h1 * next.slope) / (h1 + h2);

@@ -91,7 +91,7 @@ const HIDDEN_BY_CYCLE: f64 = 1e-6;
 /// | slip into a node without encircling it, or the equilibrium itself, stable or not | | [`Equilibrium`](Attractor::Equilibrium) |
 /// | slip that crosses the belt velocity downwards beyond the release point | that crossing | if the motion grows over one period: the next crossing cycle outside; otherwise the next crossing cycle inside; if there is none, the attractor of the motion from the release point |
 /// | an unstable cycle, to 10⁻¹² | | [`Separatrix`](Attractor::Separatrix) |
-/// | any, if rounding hides the growth over one period, and averaging does not show the growth | | [`Unresolved`](Attractor::Unresolved) |
+/// | any, if rounding hides the growth over one period, and averaging does not show it either | | [`Unresolved`](Attractor::Unresolved) |
 ///
 /// # Errors
 ///
@@ -117,8 +117,8 @@ pub fn attractor<L: FrictionLaw>(
     basins(system)?.attractor(start)
 }
 
-/// The basins of attraction of a system: its cycles, which are found once, and a function that
-/// decides to which attractor a motion tends.
+/// The basins of attraction of a system. Its cycles are found here, once; [`Basins::attractor`]
+/// then returns the attractor of any start.
 ///
 /// # Errors
 ///
@@ -270,14 +270,13 @@ impl<L: FrictionLaw> Basins<'_, L> {
         }
     }
 
-    /// The attractor that the motion from `start` reaches, decided as in [`attractor`], by a few
-    /// slip arcs at most.
+    /// The attractor that the motion from `start` reaches, decided as in [`attractor`] by at most a
+    /// few slip arcs.
     ///
     /// # Errors
     ///
     /// [`Error::InvalidState`] unless `start` is finite; otherwise the errors of
-    /// [`Integrator::simulate`](crate::Integrator::simulate) that concern the law or the length of
-    /// steps.
+    /// [`find`](super::find).
     pub fn attractor(&self, start: impl Into<State>) -> Result<Attractor, Error> {
         let start = start.into();
         check(start)?;

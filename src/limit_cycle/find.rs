@@ -19,8 +19,8 @@ use crate::friction::{FrictionLaw, has_no_kinetic_friction};
 ///
 /// # Errors
 ///
-/// The errors of [`Integrator::simulate`](crate::Integrator::simulate) that concern the law or the
-/// length of steps.
+/// [`Error::NonFiniteFriction`], [`Error::NotAnalytic`], [`Error::StepUnderflow`] and
+/// [`Error::TooManySteps`], as in [`Integrator::simulate`](crate::Integrator::simulate).
 ///
 /// ```
 /// use stick_slip::{CycleKind, Exponential, MassOnBelt, limit_cycle};
@@ -60,8 +60,8 @@ fn stick_slip_of(system: Belt<'_>) -> Result<Option<LimitCycle>, Error> {
 ///
 /// # Errors
 ///
-/// The errors of [`Integrator::simulate`](crate::Integrator::simulate) that concern the law or the
-/// length of steps.
+/// [`Error::NonFiniteFriction`], [`Error::NotAnalytic`], [`Error::StepUnderflow`] and
+/// [`Error::TooManySteps`], as in [`Integrator::simulate`](crate::Integrator::simulate).
 ///
 /// ```
 /// use stick_slip::{CycleKind, Exponential, MassOnBelt, limit_cycle};
@@ -140,8 +140,8 @@ pub(super) fn nested_cycles(
     Ok(set)
 }
 
-/// Adds the periodic motions in slip. Returns false if there are no others, because there is no
-/// friction.
+/// Adds the periodic motions in slip. Returns false without friction, because there are then no
+/// others.
 fn add_pure_slip(tracer: &mut Tracer<'_>, set: &mut CycleSet) -> Result<bool, Error> {
     let system = tracer.system();
     let mut peaks = PeakMap::of(tracer);

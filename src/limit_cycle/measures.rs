@@ -185,16 +185,16 @@ impl LimitCycle {
         peak
     }
 
-    /// Largest sliding speed |v − v_b|, dimensionless. The law must be known up to this speed:
-    /// compare it with the last speed of a [table](crate::Tabulated).
+    /// Largest sliding speed |v − v_b|, dimensionless. The law must be known up to this speed: a
+    /// [table](crate::Tabulated) must not end below it.
     pub fn max_sliding_speed(&self) -> f64 {
         let [min, max] = self.velocities();
         let v_b = self.belt_velocity();
         (max - v_b).max(v_b - min)
     }
 
-    /// Work and losses over one period, in dimensionless energy units. A value that overflows is ±∞
-    /// (velocities above 10¹⁵³, for a load in unsuitable units).
+    /// Work and losses over one period, in dimensionless energy units. At velocities above 10¹⁵³ (a
+    /// load in unsuitable units) a value can overflow to ±∞.
     pub fn energy(&self) -> EnergyBudget {
         let v_b = self.belt_velocity();
         // The force on the mass is f = u + 2βv + v', and over a period ∮v = ∮v' = ∮(u + v')v = 0.

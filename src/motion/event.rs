@@ -8,7 +8,7 @@ use crate::state::{Direction, State};
     serde(rename_all = "snake_case")
 )]
 pub enum Mode {
-    /// The mass moves with the belt: v = v_b in every bit.
+    /// The mass moves with the belt: v equals v_b bit for bit.
     Stick,
     /// The mass slides, in this direction.
     Slip(Direction),
@@ -102,7 +102,7 @@ pub struct Event<S = State> {
     /// The kind of the event.
     pub kind: EventKind,
     /// State at the event. At a stick, a release or a crossing, the velocity at the contact equals
-    /// that of the belt in every bit. A contact may open or close at any velocity.
+    /// the belt velocity bit for bit. A contact may open or close at any velocity.
     pub state: S,
 }
 

@@ -1,5 +1,5 @@
-//! Steady sliding along a parameter: where it changes its stability, and the periodic motions that
-//! are born there.
+//! Steady sliding along a parameter: its changes of stability, and the periodic motions that are
+//! born at them.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::ops::Range;
@@ -167,9 +167,9 @@ fn sign_change(
     Some((parameter, Some(behind), Some(crossing)))
 }
 
-/// A small periodic motion near a Hopf point of steady sliding. From this motion
-/// [`follow`](super::follow()) follows the branch in both directions: down to the Hopf point, and
-/// up to stick-slip.
+/// A small periodic motion near a Hopf point of steady sliding. Pass it to
+/// [`follow`](super::follow()) to compute the branch in both directions: down to the Hopf point,
+/// and up to stick-slip.
 ///
 /// `near` is a value of the parameter near the Hopf point, at which a pair of eigenvalues is near
 /// the imaginary axis. First the Hopf point itself is computed: the parameter p0, with eigenvalues
@@ -237,12 +237,11 @@ pub fn begin<S: Oscillator>(
 }
 
 impl Search<'_> {
-    /// The periodic motion that is born at a Hopf point: [`begin`], within the bounds of this
-    /// search.
+    /// A small periodic motion near a Hopf point, as in [`begin`], with the watcher of this search.
     ///
     /// # Errors
     ///
-    /// The errors of [`begin`].
+    /// The errors of [`begin`]; [`Error::Stopped`] if the watcher stops it.
     pub fn begin<S: Oscillator>(
         &self,
         family: impl Fn(f64) -> Result<S, Error>,

@@ -1,5 +1,5 @@
-//! Branch switching: from a flip to the motions of twice the period, from a pitchfork to those
-//! without the symmetry.
+//! Branch switching: from a flip to the motions of twice the period, from a pitchfork to the
+//! motions without the symmetry.
 
 use nalgebra::DVector;
 
@@ -30,16 +30,16 @@ const BESIDE: [f64; 2] = [1e-3, 1e-4];
 const APART: f64 = 0.5;
 
 impl<S: Oscillator> Bifurcation<S> {
-    /// A motion on the branch that is born at a flip or a pitchfork, near the bifurcation. From
-    /// this motion [`follow`](super::follow()) follows the branch.
+    /// A motion near a flip or a pitchfork, on the branch that is born there. Pass it to
+    /// [`follow`](super::follow()) to compute the branch.
     ///
     /// At a flip the new motion has twice the period. At a pitchfork the new motion lacks the
     /// symmetry; its mirror image is a second new motion. `family` is the family that was followed.
-    /// Let G be the map over half of the new motion's period (at a pitchfork, followed by the
-    /// reflection). Let x0 be the start of the motion at the bifurcation, and w the eigenvector
-    /// with G'w = −w of the Jacobian matrix G'. The start x of the new motion is sought near x0 +
-    /// εw, on a plane that the old branch does not cross. The distances ε = 10⁻², 3·10⁻³ and
-    /// 3·10⁻², relative to the size of the motion, are tried in turn:
+    /// Let G be the map over half the new period; at a pitchfork, this map and then the reflection.
+    /// Let x0 be the start of the motion at the bifurcation, and w the eigenvector with G'w = −w of
+    /// the Jacobian matrix G'. The start x of the new motion is sought near x0 + εw, on a plane
+    /// parallel to the old branch. The distances ε = 10⁻², 3·10⁻³ and 3·10⁻², relative to the size
+    /// of the motion, are tried in turn. The equations are
     ///
     /// ```text
     /// G(G(x)) = x,    wᵀ(x − G(x))/wᵀw ≈ 2ε.
@@ -48,8 +48,9 @@ impl<S: Oscillator> Bifurcation<S> {
     /// The parameter differs from that of the bifurcation by an amount of order ε².
     /// [`criticality`](Self::criticality) returns the side on which the new motions exist.
     ///
-    /// At the bifurcation the new branch turns back, onto itself or to the mirror images of its
-    /// motions. [`follow`](super::follow()) reports a [`BifurcationKind::Fold`] at this point.
+    /// At the bifurcation the new branch turns back: at a flip through the same motions, at a
+    /// pitchfork through their mirror images. [`follow`](super::follow()) reports a
+    /// [`BifurcationKind::Fold`] at this point.
     ///
     /// Source: Kuznetsov, *Elements of Applied Bifurcation Theory*, section 10.2 (branch
     /// switching); J. W. Swift, K. Wiesenfeld, *Phys. Rev. Lett.* 52 (1984) 705 (symmetric
@@ -124,8 +125,8 @@ impl<S: Oscillator> Bifurcation<S> {
 }
 
 impl Search<'_> {
-    /// The branch that is born at a flip or a pitchfork: [`Bifurcation::switch`], within the bounds
-    /// of this search.
+    /// A motion on the branch that is born at a flip or a pitchfork, as in [`Bifurcation::switch`],
+    /// with the watcher of this search.
     ///
     /// # Errors
     ///

@@ -99,9 +99,8 @@ impl Structure {
     }
 
     /// The friction force λ_c of each contact at the given time in the given state, in units of
-    /// force. λ_c has the sign of the relative velocity that it opposes. For contacts with r = 0,
-    /// stick or slip is decided first, as at the start of a motion. The force of an open contact
-    /// is 0.
+    /// force. A positive λ_c opposes a positive relative velocity. At relative velocity 0, stick or
+    /// slip is decided as at the start of a motion. The force of an open contact is 0.
     ///
     /// # Errors
     ///
@@ -124,8 +123,8 @@ impl Structure {
     }
 
     /// The acceleration v' of each coordinate at the given time in the given state, in units of
-    /// velocity per time. For contacts with r = 0, stick or slip is decided first, as at the start
-    /// of a motion.
+    /// velocity per time. At relative velocity 0, stick or slip of a contact is decided as at the
+    /// start of a motion.
     ///
     /// # Errors
     ///

@@ -7,7 +7,8 @@ use crate::error::Error;
 use crate::motion::{Mode, Segment, Trajectory};
 use crate::state::structure::State;
 
-/// A motion of a [`Structure`] at one time: see [`Structure::samples`].
+/// State, forces and accelerations of a [`Structure`] at one instant of a motion. See
+/// [`Structure::samples`].
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -21,7 +22,7 @@ pub struct Sample {
     /// The acceleration v' of each coordinate, in units of velocity per time.
     pub accelerations: Vec<f64>,
     /// The friction force of each contact, as in [`Structure::carried`], in units of force: λ_c, or
-    /// T in an elastic contact; 0 if the contact is open.
+    /// the force T of an elastic contact; 0 if the contact is open.
     pub friction: Vec<f64>,
     /// The normal load of each contact, in units of force; 0 if the contact is open.
     pub loads: Vec<f64>,

@@ -32,8 +32,8 @@ use crate::friction::memory::ContactLaw;
 ///
 /// # Contacts that share masses
 ///
-/// The force in a sticking contact depends on the other contacts on the same masses. Whether these
-/// contacts stick or slip at r = 0 is therefore decided for all of them together:
+/// The force in a sticking contact depends on the other contacts on the same masses. Stick or slip
+/// at r = 0 is therefore decided for all these contacts together:
 ///
 /// * if static and kinetic coefficients are equal, exactly one combination of stick and slip
 ///   satisfies the equations, and this combination is taken;
@@ -130,7 +130,7 @@ impl Structure {
     ///
     /// # Errors
     ///
-    /// [`Error::BadElement`] with the first mass that is not positive and finite;
+    /// [`Error::BadElement`] for the first mass that is not positive and finite;
     /// [`Error::InvalidParameter`] if the list is empty.
     pub fn new(masses: &[f64]) -> Result<Self, Error> {
         check_masses(masses, Element::Mass)?;
@@ -156,7 +156,7 @@ impl Structure {
     ///
     /// * [`Error::InvalidParameter`] if the matrix is empty, [`Error::WrongSize`] if it is not
     ///   square;
-    /// * [`Error::BadElement`] with the first entry that is not finite, or not positive on the
+    /// * [`Error::BadElement`] for the first entry that is not finite, or not positive on the
     ///   diagonal;
     /// * [`Error::NotSymmetric`] or [`Error::NotPositiveDefinite`].
     ///
@@ -253,8 +253,8 @@ impl Structure {
     /// # Errors
     ///
     /// [`Error::WrongSize`] unless the matrix has a row and a column for each coordinate;
-    /// [`Error::BadElement`] with the first entry that is not finite, in this matrix or in its sum
-    /// with the matrix already there.
+    /// [`Error::BadElement`] for the first entry that is not finite, in this matrix or in the
+    /// stiffness matrix after the addition.
     #[allow(clippy::needless_pass_by_value)] // as the other builders take what they are given
     pub fn with_stiffness(mut self, stiffness: DMatrix<f64>) -> Result<Self, Error> {
         let names = [
