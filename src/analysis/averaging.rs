@@ -100,8 +100,8 @@ struct SlowFlow {
 }
 
 impl SlowFlow {
-    /// The slow flow at an amplitude. `steepest` is the size of the law's slopes, relative to which
-    /// smaller ones are rounding; 0 if it is not known.
+    /// The slow flow at an amplitude. `steepest` is the largest slope of the law, which bounds the
+    /// rounding errors of all slopes; 0 if it is not known.
     fn at(system: &Belt<'_>, amplitude: f64, steepest: f64) -> Result<Self, Error> {
         let belt_speed = system.belt_velocity().abs();
         Error::check(
@@ -350,8 +350,8 @@ fn cycles_of(system: &Belt<'_>) -> Result<Vec<AveragedCycle>, Error> {
 
 /// The largest |dμ̂/ds| at the law's breakpoints up to a speed; 0 without breakpoints.
 ///
-/// A motion that barely reaches a piece of the law covers a part of it as narrow as rounding:
-/// slopes there are as accurate as their size on the whole piece allows.
+/// If a motion barely reaches a piece of the law, it covers a part as narrow as rounding errors.
+/// The rounding errors of slopes there depend on the size of the slopes on the whole piece.
 fn steepest_at_breakpoints(law: &dyn Values, fastest: f64) -> Result<f64, Error> {
     let mut steepest = 0.0_f64;
     for (piece, speed) in law

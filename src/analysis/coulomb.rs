@@ -10,9 +10,9 @@ use crate::friction::{Coulomb, FrictionLaw};
 use crate::numerics::bracket::root_between;
 use crate::state::State;
 
-/// The slip phase of the stick-slip cycle at the largest belt velocity with stick-slip,
-/// γ²(μ_s − μ_k)Λ. At the end of this phase the velocity of the mass reaches the belt velocity
-/// tangentially. The duration s and the factor Λ depend on the damping ratio β alone.
+/// The slip phase at v_b = γ²(μ_s − μ_k)Λ, the largest belt velocity with a stick-slip cycle. At
+/// the end of this phase the velocity of the mass reaches the belt velocity tangentially. The
+/// duration s and the factor Λ depend on the damping ratio β alone.
 ///
 /// ```text
 /// e^{βs}[cos ω_d s − (β/ω_d) sin ω_d s] = 1,   π < ω_d s < 2π,   ω_d = √(1 − β²)
@@ -29,8 +29,8 @@ pub struct TangentialSlip {
     pub velocity_factor: f64,
 }
 
-/// The slip phase of the stick-slip cycle at the largest belt velocity with stick-slip, for the
-/// damping ratio β. Exact to rounding. `None` unless 0 < β < 1.
+/// The slip phase at the largest belt velocity with a stick-slip cycle, for the damping ratio β.
+/// Exact to rounding. `None` unless 0 < β < 1.
 ///
 /// ```
 /// use stick_slip::analysis::coulomb::tangential_slip;
@@ -223,8 +223,9 @@ fn force_jump(system: &MassOnBelt<Coulomb>) -> f64 {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeVibration {
-    /// Largest friction forces γ²μ_k in slip and, in `limit`, γ²μ_s in stick.
+    /// Friction force γ²μ_k in slip.
     kinetic: f64,
+    /// Largest friction force γ²μ_s in stick.
     largest: f64,
     /// Time of the first turning point.
     time: f64,

@@ -222,16 +222,16 @@ impl DwellOscillator {
         self.risen(of, &arc)[0] / arc.start * of.frequency / of.stiffness
     }
 
-    /// The rise of friction at the release, minus the force that the spring of an arc needs.
+    /// F_s(θ) − F_k minus the force above F_k with which an arc begins, times ω.
     fn excess(&self, of: &Oscillator, velocity: f64, p: f64) -> f64 {
         let arc = SlipArc::new(of.damping, p);
         self.risen(of, &arc)[0] * of.frequency - of.stiffness * velocity * arc.start
     }
 
-    /// The arc with the largest belt velocity, if it is not at the end of the arcs.
+    /// The arc with the largest belt velocity, if it is not at an end of the range of arcs.
     ///
-    /// F_s is concave in θ, and θ in the force at the release, so the belt velocity, their
-    /// quotient, has one maximum at most.
+    /// F_s is a concave function of θ, and θ of the force at the release, so F_s is a concave
+    /// function of this force. Their quotient, the belt velocity, has one maximum at most.
     fn fold_arc(&self, of: &Oscillator) -> Option<f64> {
         // The multiplier is 1.
         let beyond = |p: f64| {
@@ -278,7 +278,7 @@ impl DwellOscillator {
         })
     }
 
-    /// The cycle with an arc, if the mass sticks at its contact.
+    /// The cycle with an arc, if the mass sticks at the end of the arc.
     fn cycle(&self, of: &Oscillator, velocity: f64, p: f64) -> Option<ExactCycle> {
         let arc = SlipArc::new(of.damping, p);
         let carried = of.kinetic - of.stiffness * velocity / of.frequency * arc.arrival;

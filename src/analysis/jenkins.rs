@@ -208,8 +208,8 @@ pub fn masing(backbone: impl Fn(f64) -> f64, displacements: &[f64]) -> Option<Ve
         }
         rises = Some(now_rises);
         let is_past = |end: f64| if now_rises { x >= end } else { x <= end };
-        // The branch from the last turn ends where the loop closes that this turn opened: at the
-        // turn before, or, on the first loading, opposite to itself.
+        // The branch from the last turn ends where its loop closes: at the turn before, or, if
+        // there is none, at minus the displacement of the last turn.
         while let Some(&[turn, _]) = turns.last() {
             let before = turns.len().checked_sub(2).map(|i| turns[i][0]);
             if !is_past(before.unwrap_or(-turn)) {

@@ -1,4 +1,4 @@
-//! The phase machine: alternating stick and slip, step by step.
+//! The sequence of stick and slip phases of a motion, step by step.
 
 use std::ops::RangeInclusive;
 
@@ -59,7 +59,7 @@ struct Machine {
 #[derive(Debug, Clone, Copy)]
 enum Phase {
     Stick,
-    /// Slip in a direction, from the belt.
+    /// Slip in a direction, from the velocity of the belt.
     Leaving(Direction),
     Slip(SlipPoint),
     Ended,
@@ -122,8 +122,8 @@ impl Machine {
         let start = self.run.clock;
         let leaving;
         let point = match &self.phase {
-            // By reference: a copy of the point would load, as a whole, what has just been stored
-            // in parts, and wait for it.
+            // By reference: a copy would load the point as a whole, and wait for its parts, which
+            // have just been stored.
             Phase::Slip(point) => point,
             Phase::Leaving(side) => {
                 leaving = SlipPoint::leaving(system, self.state.displacement, *side);
@@ -177,8 +177,8 @@ impl Machine {
         Ok(step)
     }
 
-    /// Sets the phase after slip that began at displacement `from` has reached the belt's velocity,
-    /// and returns the kind of the event.
+    /// Sets the phase that follows when slip that began at displacement `from` reaches the belt's
+    /// velocity. Returns the kind of the event.
     fn arrive(&mut self, system: &Belt<'_>, from: f64, end: &SlipPoint) -> Option<EventKind> {
         let (phase, event) = match system.landing(end.displacement, end.direction) {
             Landing::Stick => (Phase::Stick, Some(EventKind::Stick)),

@@ -11,7 +11,7 @@
 // | `defect.rs` | the residual of the equation of motion, and where it is checked |
 // | `breakpoints.rs` | pieces of the law, and where a step leaves one |
 // | `stepper.rs` | one Taylor step: begin, plan (explicit or slow), settle, land |
-// | `flow.rs` | the phase machine: which phase follows which |
+// | `flow.rs` | the sequence of stick and slip phases: which phase follows which |
 // | `step.rs` | `Step`: a part of a motion; how a stick phase becomes one |
 // | `read.rs`, `written.rs` | how a system is read, and an equilibrium written (feature `serde`) |
 

@@ -68,8 +68,8 @@ impl<L: FrictionLaw> MassOnBelt<L> {
         Self::unchecked(law, belt_velocity)
     }
 
-    /// A system whose law is not checked: μ̂(0) may be negative. Tests use a negative constant,
-    /// because its growing motions have closed forms.
+    /// A system whose law is not checked. Friction may then be a negative constant, which drives
+    /// the mass also at speed 0: these growing motions have closed forms, for tests.
     pub(crate) fn unchecked(law: L, belt_velocity: f64) -> Result<Self, Error> {
         Self {
             law,

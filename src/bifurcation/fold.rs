@@ -13,8 +13,8 @@ use crate::numerics::with_slopes::Sample;
 /// neighbouring numbers jumps over zero, and no cycles meet.
 const JUMP: f64 = 1e-9;
 
-/// Farthest that a turning point may move from one belt velocity to the next, in units of the range
-/// of peak velocities.
+/// Largest distance by which a turning point may move from one belt velocity to the next, in units
+/// of the range of peak velocities.
 const FARTHEST_TURN: f64 = 0.1;
 
 /// Distance on both sides of a turning point, in the same units, within which it is searched again.
@@ -24,28 +24,27 @@ const NEAR_TURN: f64 = 1e-3;
 /// across it.
 const REACH: f64 = 2.0;
 
-/// Largest growth that can reach zero and turn back within half an interval, in units of the
-/// difference of the growth in the middle from the mean of both ends: eight times that of a
-/// parabola.
+/// Largest growth that can reach zero and turn back within half an interval: eight times that of a
+/// parabola. The unit is the difference of the growth in the middle from the mean of both ends.
 const REACH_OF_BEND: f64 = 2.0;
 
-/// The same in units of the change across the half, as a lower bound: for a function that is odd
-/// about the middle that difference is 0.
+/// A lower bound of the same growth, in units of the change across the half interval: the
+/// difference in the middle is 0 for a function that is odd about the middle.
 const LEAST_BEND: f64 = 0.25;
 
 /// Belt velocities v_b in `range`, ascending and dimensionless, at which two pure-slip cycles, one
 /// stable and one unstable, meet and vanish.
 ///
 /// Let V be the peak velocity of a motion and P(V) its next peak velocity. At each belt velocity
-/// the growth over one period, g(V) = P(V)/V − 1, has maxima and minima: the roots of its exact
+/// the extrema of the growth over one period, g(V) = P(V)/V − 1, lie at the roots of its exact
 /// derivative. At a fold one of these extrema is zero, and the multiplier of the cycle is 1.
 ///
-/// The range is divided into 64 intervals. Let c be the largest change of g, at nine values of V,
-/// from one end of an interval to the other. An extremum of g is followed through the interval only
+/// The range is divided into 64 intervals. Let c be the largest difference of g between the two
+/// ends of an interval, at nine values of V. An extremum of g is followed through the interval only
 /// if its absolute value is less than 2c. An interval is divided further, into up to 2¹⁶ parts, if
 /// extrema appear, disappear or move far in it, or if an extremum may reach zero between the two
-/// ends. Each zero of an extremum is enclosed between two neighbouring numbers, at which |g| must
-/// be at most 10⁻⁹. A jump of the growth over zero is therefore not returned.
+/// ends. Each zero of an extremum is enclosed between two neighbouring `f64` numbers, at which |g|
+/// must be at most 10⁻⁹. A jump of the growth over zero is therefore not returned.
 ///
 /// Source: saddle-node bifurcations of maps, Guckenheimer and Holmes, *Nonlinear Oscillations,
 /// Dynamical Systems, and Bifurcations of Vector Fields* (Springer 1983), section 3.5.
@@ -84,8 +83,8 @@ impl<L: FrictionLaw> Along<'_, L> {
     }
 }
 
-/// Adds the folds in a part of the range. Returns the narrowest intervals with a change that is no
-/// fold to double precision, for example a growth at a turning point that jumps over zero.
+/// Adds the folds in a part of the range. Returns the narrowest intervals with a change that is not
+/// a fold in double precision, for example if the growth at a turning point jumps over zero.
 pub(super) fn folds(
     work: &Work<'_, '_>,
     part: &Range<f64>,
@@ -159,8 +158,8 @@ struct Outline {
     points: Vec<(f64, f64)>,
     /// Growth up to which the turning points are exact.
     reach: f64,
-    /// The difference of the growth in the middle of the interval that was halved last, with this
-    /// outline at an end or in the middle, from the mean of both ends; infinite before.
+    /// The difference of the growth in the middle of an interval from the mean of both ends, for
+    /// the last halved interval that this outline bounds or halves; infinite before a halving.
     bend: f64,
 }
 
@@ -175,8 +174,8 @@ impl Outline {
         pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
     }
 
-    /// The difference of the growth at the points of a survey from the mean of two others; infinite
-    /// if one has no survey.
+    /// The largest difference of the growth from the mean of two other outlines, at the points of a
+    /// survey; infinite if one has no survey.
     fn bend_between(&self, a: &Self, b: &Self) -> f64 {
         let all = [self, a, b].map(|outline| &outline.surveyed[..]);
         if all.iter().any(|surveyed| surveyed.is_empty()) {
@@ -206,7 +205,7 @@ impl Outline {
     fn within(&self, reach: f64) -> Window {
         let clamped = |(peak, growth): &(f64, f64)| (*peak, growth.clamp(-reach, reach));
         let mut points: Vec<_> = self.points.iter().map(clamped).collect();
-        // Where the growth stays beyond, the turning points are none any more.
+        // Neighbours whose growth is beyond `reach` are no turning points.
         while points.len() > 2
             && let Some(i) = points.windows(2).position(|pair| pair[0].1 == pair[1].1)
         {
@@ -261,8 +260,8 @@ impl Window {
         zeros
     }
 
-    /// Returns true if the growth is zero as often as in another window, and may be so at the same
-    /// places.
+    /// Returns true if the growth has as many zeros as in another window, and these may lie at the
+    /// same places.
     fn may_have_zeros_of(&self, other: &Self) -> bool {
         let (a, b) = (self.zeros(), other.zeros());
         let meet = |(a, b): (&[f64; 2], &[f64; 2])| a[0] < b[1] && b[0] < a[1];

@@ -245,8 +245,8 @@ impl Drive {
         self.harmonics.is_empty() && self.profiles.is_empty()
     }
 
-    /// Sum of the largest sizes of its parts, a bound of |f|. The unit of the rounding errors of f
-    /// is ε times this sum.
+    /// Sum of the largest absolute values of the parts of f. It is a bound of |f|, and ε times this
+    /// sum is the unit of the rounding errors of f.
     pub(crate) fn size(&self) -> f64 {
         let harmonics = self.harmonics.iter().map(Harmonic::amplitude);
         let profiles = self.profiles.iter().map(Profile::size);
@@ -281,7 +281,7 @@ impl Drive {
     }
 
     /// Returns [`Error::InvalidParameter`] unless the drive of a contact is finite at all times.
-    /// `name` is the drive's name in the contact.
+    /// `name` is the name of the drive in the contact.
     pub(crate) fn check(&self, name: &'static str, allowed: &'static str) -> Result<(), Error> {
         Error::check("Contact", name, self.constant, true, allowed).map(drop)
     }
@@ -332,7 +332,7 @@ impl Drive {
         breaks
     }
 
-    /// The first time at which it jumps.
+    /// The first time at which the drive jumps.
     pub(crate) fn first_jump(&self) -> Option<f64> {
         let jumps = self.profiles.iter().filter_map(Profile::first_jump);
         jumps.min_by(f64::total_cmp)

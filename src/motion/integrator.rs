@@ -164,8 +164,8 @@ impl Integrator {
     }
 
     /// The motion from `start` until `stop` ends it, until `duration` is over, or until the
-    /// integration fails. [`Trajectory::ended`] returns the reason for the end. In all three cases
-    /// the motion up to its end is returned.
+    /// integration fails. The result is the motion up to this end, unless the first step fails.
+    /// [`Trajectory::ended`] returns the reason for the end.
     ///
     /// `stop` is called with each step, in order. It returns the time at which the motion shall
     /// end, between the start and the end time of this step, or `None` to continue. A motion that
@@ -304,7 +304,7 @@ pub(crate) fn trajectory<S: SystemState>(
     for step in all {
         let step = match step {
             Ok(step) => step,
-            // The motion up to the end is complete; what failed lies beyond.
+            // The motion up to the end is complete: the step that failed lies beyond it.
             Err(_) if !steps.is_empty() && reached == end => break,
             Err(error) if steps.is_empty() => return Err(error),
             Err(error) => {

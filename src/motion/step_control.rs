@@ -9,8 +9,8 @@ use crate::series::{PowerSeries, TERMS};
 pub(crate) const LONG: f64 = 1.0;
 
 /// The largest number of groups of four points at which a step longer than [`LONG`] is checked.
-/// Steps that need it are those on a slow manifold, which may be 10²⁰ radians long; others have up
-/// to eight.
+/// Only steps on a slow manifold, which may be 10²⁰ radians long, need so many; others have up to
+/// eight.
 pub(crate) const MOST_FOURS: f64 = 16.0;
 
 /// The longest time over which a series is used, even if its last coefficients vanish: the period

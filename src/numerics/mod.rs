@@ -6,7 +6,7 @@
 
 // | file | what is in it |
 // |---|---|
-// | `bracket.rs` | one root between two places of different sign, to neighbouring numbers, from values alone |
+// | `bracket.rs` | one root between two points of different sign, to neighbouring `f64` numbers, without slopes |
 // | `scan.rs` | the search of a range over a grid: how many intervals, and how often one is halved where a root may hide |
 // | `with_slopes.rs` | all roots of a function known with its slope, and its outline (where it turns); how close two roots may lie |
 // | `gauss.rs` | Gauss-Legendre quadrature on one interval |

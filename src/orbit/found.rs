@@ -157,9 +157,9 @@ impl<S: System> Orbit<S> {
     /// Contacts that never slip in the period, by their numbers.
     ///
     /// If there are such contacts, the motion belongs to a continuous family. The position at which
-    /// a rigid contact sticks is arbitrary. The position of the slider of an elastic contact is
-    /// arbitrary, too, and with it the residual force in a joint. The positions are those of the
-    /// guess. The multipliers 1 of the family are left out.
+    /// a rigid contact sticks is arbitrary. For an elastic contact the position of its slider is
+    /// arbitrary, and with it the residual force of the contact. The positions are those of the
+    /// guess. [`multipliers`](Self::multipliers) omits the multipliers 1 of the family.
     pub fn unslipped(&self) -> &[usize] {
         &self.unslipped
     }

@@ -24,7 +24,7 @@ pub(super) struct Measures {
 
 #[derive(Debug, Clone, Copy)]
 struct Coordinate {
-    /// Least and largest displacement without the mean velocity, velocity and acceleration.
+    /// Least and largest displacement (minus the translation), velocity and acceleration.
     ranges: [(f64, f64); 3],
     mean: f64,
     mean_velocity: f64,
@@ -39,7 +39,7 @@ struct Contact {
 }
 
 impl Measures {
-    /// The measures of a motion of these steps over a period, in which it is translated.
+    /// The measures of one period, from the steps and the translation in this period.
     pub(super) fn of(
         form: &GeneralForm<'_>,
         (steps, translation): (&[Step], &DVector<f64>),
@@ -335,7 +335,7 @@ fn at_extremes(rate: &PowerSeries, h: f64, meet: &mut dyn FnMut(f64)) {
     });
 }
 
-/// Least and largest displacement without a mean velocity, velocity and acceleration of a
+/// Least and largest displacement (minus the translation), velocity and acceleration of a
 /// coordinate, among the ends of steps and the zeros of the derivatives.
 fn extremes(steps: &[Step], coordinate: usize, mean_velocity: f64) -> [(f64, f64); 3] {
     let mut ranges = [(f64::INFINITY, f64::NEG_INFINITY); 3];

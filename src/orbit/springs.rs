@@ -2,8 +2,8 @@
 //! open and close.
 //!
 //! Saltation matrices of the events of springs are S = I for displacements and velocities, because
-//! the forces of springs are continuous. If a slider starts or opens, or if its load limits its
-//! force, δT becomes the perturbation of the limit force.
+//! the forces of springs are continuous. If an elastic contact starts to slip or opens, or if its
+//! load limits its force T, δT becomes the perturbation of the limit force.
 
 use nalgebra::RowDVector;
 
@@ -13,7 +13,7 @@ use crate::structure::Step;
 use crate::structure::engine::contact::entry;
 
 impl TangentFlow<'_> {
-    /// The forces of elastic contacts that do not stick: δT = σμ n·δq in slip, 0 while open.
+    /// Sets δT of the elastic contacts that do not stick: σμ n·δq in slip, 0 while open.
     pub(super) fn limit_elastic(&mut self, step: &Step) {
         for (c, contact) in self.form.model.contacts.iter().enumerate() {
             if contact.is_elastic() && step.modes()[c] != Mode::Stick {
@@ -38,7 +38,7 @@ impl TangentFlow<'_> {
         self.tangents.row_mut(row).copy_from(&carried);
     }
 
-    /// δT of an elastic contact that has closed and sticks: T = k_t r (t − t_c).
+    /// δT of an elastic contact that closed at t_c and sticks: T = k_t r (t − t_c).
     pub(super) fn closed(&self, step: &Step, contact: usize) -> RowDVector<f64> {
         let data = &self.form.model.contacts[contact];
         let stiffness = data.tangential_stiffness.unwrap_or(0.0);
@@ -48,9 +48,9 @@ impl TangentFlow<'_> {
         self.load_later(step, contact) * (-stiffness * velocity)
     }
 
-    /// The delay δt of a load that comes to 0 with displacements; none where it jumps.
+    /// The delay δt of the time at which displacements bring a load to 0; 0 if the load jumps.
     pub(super) fn load_later(&self, step: &Step, contact: usize) -> RowDVector<f64> {
-        /// Part of the terms of a load below which it is 0.
+        /// A load below this fraction of its terms counts as 0.
         const ZERO: f64 = 1e-9;
         let never = self.row(0) * 0.0;
         let data = &self.form.model.contacts[contact];
@@ -67,7 +67,7 @@ impl TangentFlow<'_> {
         gradient.fold(never, |sum, &(j, n)| sum + self.row(j) * n) * -rate.recip()
     }
 
-    /// The derivative of the acceleration v' of a coordinate by the springs of contacts.
+    /// The perturbation of the acceleration v' of a coordinate by the springs of contacts.
     pub(super) fn by_springs(&self, step: &Step, i: usize) -> RowDVector<f64> {
         let model = &self.form.model;
         let mut rate = self.row(0) * 0.0;

@@ -1,9 +1,9 @@
-//! The choice of instructions for the series of slip.
+//! The choice of the processor's instructions for Taylor series.
 //!
 //! A fused multiply-add rounds once, and takes one instruction instead of two. Not every x86-64
-//! processor has it, so a build for all of them tests for it at run time. The test is in one place,
-//! [`compute`], and applies to the expansion of a slip phase and of many masses side by side, and
-//! to the search for events of a structure. They give nearly all of the possible gain.
+//! processor has it, so a build for all of them tests for it at run time. Only [`compute`] makes
+//! this test. It computes the series of a slip phase, of many masses and of perturbations, and the
+//! search for events of a structure. These uses give nearly all of the possible gain.
 //!
 //! | target | a·b + c in `taylor.rs`, `lanes.rs`, `PowerSeries::survey` | in everything else |
 //! |---|---|---|
@@ -12,20 +12,20 @@
 //! | others, such as WebAssembly | two roundings | two roundings |
 //!
 //! In the second row a processor without the instruction expands a slip phase by `jet.rs` instead,
-//! with two roundings. A whole motion then takes up to 1.4 times as long as unrolled without
-//! fusing, but a second copy of the unrolled code would be 14 kB for each law, and of these 0.5 kB.
+//! with two roundings. A second copy of the unrolled code, with two roundings, would take 14 kB for
+//! each law instead of 0.5 kB. Without this copy a whole motion takes up to 1.4 times as long.
 //!
-//! With AVX-512 the fused code has twice as many registers, which takes 3 to 8 % off a motion on an
-//! AMD EPYC. Processors that have to slow down for it (those before Intel's Ice Lake) are not asked
-//! to use it. All results are the same to the bit.
+//! With AVX-512 the fused code has twice as many registers, which saves 3 to 8 % of the time of a
+//! motion on an AMD EPYC. Processors that AVX-512 slows down (those before Intel's Ice Lake) run
+//! without it. Results with and without AVX-512 are the same to the bit.
 //!
-//! On other processors the instruction is replaced by slow library code. Code that is meant for
-//! [`compute`] but not inlined into it (including closures) would call this code; `.ci/run` checks
-//! that there is none.
+//! In a build for all x86-64 processors, `f64::mul_add` outside of [`compute`] calls slow library
+//! code. The functions and closures of [`compute`] must therefore be inlined into it; `.ci/run`
+//! checks this.
 
 use super::FUSED;
 
-/// True if the processor is asked.
+/// True if the choice is made at run time.
 pub(crate) const CHOSEN: bool = cfg!(all(target_arch = "x86_64", not(target_feature = "fma")));
 
 /// The sum a·b + c of code that is inlined into [`compute`].
@@ -38,7 +38,7 @@ pub(crate) fn mul_add(a: f64, b: f64, c: f64) -> f64 {
     }
 }
 
-/// The sum a·b + c of code within [`compute`] that is its `otherwise` too, there not `CHOSEN`.
+/// The sum a·b + c of code that [`compute`] uses as its kernel (`CHOSEN`) or as its `otherwise`.
 #[inline(always)]
 pub(crate) fn mul_add_in<const CHOSEN: bool>(a: f64, b: f64, c: f64) -> f64 {
     if CHOSEN {
@@ -49,12 +49,13 @@ pub(crate) fn mul_add_in<const CHOSEN: bool>(a: f64, b: f64, c: f64) -> f64 {
 }
 
 /// The result of `kernel` for `fixed` and `work`, with the instructions of this processor. If the
-/// processor has to be asked, and has no fused multiply-add, the result of `otherwise`.
+/// choice is made at run time and the processor has no fused multiply-add, the result of
+/// `otherwise`.
 ///
-/// The kernel and all that it calls has to be `#[inline(always)]`, or is compiled for any
-/// processor. It gets two references and no more, because two are handed over in registers, as
-/// what they are: the compiler then knows that `fixed` stays the same while `work` is written. Of
-/// two more, read from memory, it would not know whether they overlap.
+/// The kernel and all that it calls must be `#[inline(always)]`; otherwise they are compiled for
+/// any processor. The kernel gets only two references. Two are passed in registers, so the compiler
+/// knows that `fixed` does not change while `work` is written. Further references would be read
+/// from memory, and the compiler would not know whether they overlap.
 #[inline(always)]
 #[cfg_attr(
     all(target_arch = "x86_64", not(target_feature = "fma")),

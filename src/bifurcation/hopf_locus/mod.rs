@@ -79,10 +79,10 @@ const INTERVALS: usize = 64;
 /// method begins.
 const HALVINGS: usize = 20;
 
-/// Real parts below this part of the largest eigenvalue count as 0 in the search.
+/// Real parts below this fraction of the largest eigenvalue count as 0 in the search.
 const ROUNDING: f64 = 1e-10;
 
-/// A point within this distance of a curve, in parts of the ranges, lies on it.
+/// A point within this distance of a curve, in units of the ranges, lies on it.
 const SAME: f64 = 1e-7;
 
 /// The curves of Hopf points of steady sliding in a rectangle of two parameters. At a Hopf point a

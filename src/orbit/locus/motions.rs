@@ -1,5 +1,5 @@
-//! Motions of a family with two parameters: one period from a start away from events, and its
-//! differences by start, period and parameters.
+//! Motions of a family with two parameters, over one period from a start away from events, and
+//! their derivatives with respect to start, period and parameters.
 //!
 //! The unknowns y are the start, the period T of an autonomous motion, the two parameters, and for
 //! a torus κ, the cosine of the angle of its multipliers.
@@ -27,8 +27,8 @@ pub(super) type Family<'f> = dyn Fn(f64, f64) -> Result<Box<dyn FamilyMember + '
 pub(super) struct Motions<'f> {
     pub(super) family: &'f Family<'f>,
     pub(super) kind: Period,
-    /// The map over half of a period, with the forces that determine its centre, for symmetric
-    /// motions that are closed by this map.
+    /// For symmetric motions that are closed by their half-period map: this map, and the forces
+    /// that determine its centre.
     pub(super) half: Option<(HalfMap, Balance)>,
     pub(super) widths: [f64; 2],
     pub(super) n: usize,
@@ -41,7 +41,7 @@ pub(super) struct Motions<'f> {
     pub(super) watched: &'f Watched<'f>,
 }
 
-/// The derivatives of a motion by start and period, and its residual.
+/// The derivatives of a motion with respect to start and period, and its residual.
 pub(super) struct MotionDerivatives {
     pub(super) by_start: DMatrix<f64>,
     pub(super) residual: DVector<f64>,
@@ -51,7 +51,7 @@ pub(super) struct MotionDerivatives {
 const MOST_TRIALS: usize = 200_000;
 
 /// Increments for differences, in units of the sizes: about the third root of ε, and shorter ones
-/// near a change of the events.
+/// near a change of the event sequence.
 const PARTS: [f64; 3] = [6e-6, 1e-7, 1e-9];
 
 impl<'f> Motions<'f> {
@@ -107,7 +107,7 @@ impl<'f> Motions<'f> {
         [y[self.own()], y[self.own() + 1]]
     }
 
-    /// A point of a curve was found.
+    /// Records that a point of a curve was found.
     pub(super) fn found(&self, y: &DVector<f64>) {
         let [first, second] = self.parameters(y);
         self.watched.at_pair(first, second);
@@ -140,7 +140,7 @@ impl<'f> Motions<'f> {
         })
     }
 
-    /// The same, not watched and not counted: what was found is kept if the search is stopped.
+    /// The same, not watched and not counted: a search that is stopped keeps its results.
     pub(super) fn with_form<T>(
         &self,
         [first, second]: [f64; 2],
@@ -215,7 +215,7 @@ impl<'f> Motions<'f> {
         })
     }
 
-    /// Closes motions that are symmetric, as one is, by their half-period map.
+    /// Sets the half-period map that closes symmetric motions, from the symmetric motion `trial`.
     pub(super) fn close_by_half(
         &mut self,
         y: &DVector<f64>,
@@ -229,8 +229,8 @@ impl<'f> Motions<'f> {
         Ok(())
     }
 
-    /// The motion over one period without derivatives, and something of it: the start, the steps
-    /// and the period.
+    /// The result of `take` for the motion over one period, without derivatives. `take` gets the
+    /// start, the steps and the period.
     pub(super) fn steps<T>(
         &self,
         y: &DVector<f64>,
@@ -245,7 +245,7 @@ impl<'f> Motions<'f> {
         })
     }
 
-    /// The derivatives of the end by start and period.
+    /// The derivatives of the end with respect to start and period.
     pub(super) fn by_start(&self, map: &PeriodMap) -> DMatrix<f64> {
         let mut matrix = map.monodromy.clone();
         if self.is_free() {
@@ -323,7 +323,7 @@ impl<'f> Motions<'f> {
         residual
     }
 
-    /// The derivatives of these residuals by start and period.
+    /// The derivatives of these residuals with respect to start and period.
     pub(super) fn closing(
         &self,
         trial: &TrialMotion,
@@ -346,7 +346,7 @@ impl<'f> Motions<'f> {
         matrix
     }
 
-    /// The error if no motion was found near here.
+    /// The error if no periodic motion was found near y.
     pub(super) fn lost(&self, y: &DVector<f64>, trial: &TrialMotion) -> Error {
         let [first, second] = self.parameters(y);
         let error = Error::NotPeriodic {
@@ -364,7 +364,7 @@ impl<'f> Motions<'f> {
     }
 }
 
-/// The events of a motion behind its start: contact and kind.
+/// The events of a motion after its start: contact and kind.
 pub(super) fn events_of(map: &PeriodMap) -> Vec<(usize, EventKind)> {
     let begins = map.steps.first().map_or(0.0, Segment::start_time);
     let events = map.steps.iter().flat_map(Segment::events);

@@ -53,7 +53,7 @@ pub struct OrbitSensitivities {
     pub motion: Sensitivities,
 }
 
-/// The motion for values of the parameters, up to a number of events at least.
+/// The motion for values of the parameters, at least up to a given number of events.
 type Runs<'r> = dyn Fn(&[f64], usize) -> Result<Run, Error> + 'r;
 
 impl Sensitivities {
@@ -144,8 +144,8 @@ impl Sensitivities {
 /// of fourth order between motions exact to rounding. The increment of the parameter changes the
 /// motion by a thousandth of the motion's size, or by less if smaller increments give derivatives
 /// that agree better with each other. The error is about 1e-11 of the largest derivative, and below
-/// 1e-10 for all reference motions. The difference is one-sided if the family has no system, or the
-/// motion has other events, on one side.
+/// 1e-10 for all reference motions. If on one side the family has no system, or the motion has
+/// other events, the difference is one-sided.
 ///
 /// The work is about twenty motions for each parameter.
 ///
@@ -153,9 +153,9 @@ impl Sensitivities {
 ///
 /// [`Error::InvalidDuration`] unless the duration is positive and finite;
 /// [`Error::InvalidParameter`] unless all parameters are finite; [`Error::NoDerivative`], with the
-/// number of the parameter, if every increment of this parameter, however small, changes the
-/// sequence of events, as at grazing, or leaves the family without a system; the errors of the
-/// family; the errors of [`Integrator::simulate`](crate::Integrator::simulate).
+/// number of the parameter, if even the smallest increments of this parameter change the sequence
+/// of events (as at grazing) or have no system; the errors of the family; the errors of
+/// [`Integrator::simulate`](crate::Integrator::simulate).
 ///
 /// ```
 /// use stick_slip::orbit::sensitivities;
@@ -329,8 +329,8 @@ fn check(parameters: &[f64]) -> Result<(), Error> {
 }
 
 impl Sensitivities {
-    /// Solves for the derivatives of a start, so that the motions stay closed; and returns those of
-    /// the period.
+    /// Computes the derivatives of the start with which the motions stay closed. Returns the
+    /// derivatives of the period.
     fn close(&self, map: &PeriodMap, is_free: bool, slopes: &mut DMatrix<f64>) -> Option<Vec<f64>> {
         let (order, sizes) = (self.order, map.sizes());
         let period = self.here.end - self.begin;

@@ -14,7 +14,7 @@ use crate::error::{Error, Reached};
 use crate::friction::memory::object::MemoryOrder;
 use crate::series::{INTEGRAL, PowerSeries};
 
-/// A law that returns NaN, an infinity or no series.
+/// The fault of a law that returns NaN, an infinity or no series.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum LawFault {
     NonFinite { speed: f64, value: f64 },
@@ -22,7 +22,7 @@ pub(super) enum LawFault {
 }
 
 impl LawFault {
-    /// The error for it.
+    /// The error for this fault.
     pub(super) fn at(self, reached: Reached) -> Error {
         let reached = Some(reached);
         match self {
@@ -46,7 +46,7 @@ pub(super) fn expand_drives(model: &Model<'_>, situation: &Situation, series: &m
             Target::Surface(c) => {
                 series.contacts[c].surface = model.drive(target).series(clock);
             }
-            // With its part from displacements, order by order.
+            // Its part from displacements is added order by order.
             Target::Load(c) => {
                 let load = model.drive(target).series(clock);
                 let contact = &mut series.contacts[c];
@@ -81,13 +81,13 @@ pub(super) fn expand_drives(model: &Model<'_>, situation: &Situation, series: &m
     }
 }
 
-/// Computes the first `orders` orders of all series (at most [`ALL`]). In each order, and for every
-/// coordinate, the law of its contact is evaluated first, from the sliding speed of that order;
-/// then the forces, which give the velocity of the next order.
+/// Computes the first `orders` orders of all series (at most [`ALL`]). In each order the law of a
+/// coordinate's contact is evaluated first, with the sliding speed of this order. The forces
+/// follow, and give the velocity of the next order.
 ///
 /// Order k of a coordinate needs only order k of the coordinates that act on it. If masses act on
 /// near masses only, a group of masses is therefore expanded to the last order before the next
-/// group begins, so that the data of a group stay in the processor's cache. With every order the
+/// group begins, so that the data of a group stay in the processor's cache. In each order the
 /// group is shifted to masses whose neighbours are complete. Contacts that share coordinates, and
 /// springs of contacts, couple all masses: each order is then computed for all masses at once.
 ///
@@ -104,7 +104,7 @@ pub(super) fn expand(
     orders: usize,
 ) -> Result<(), LawFault> {
     if orders < ALL {
-        // Orders that are not computed now must not keep those of the step before.
+        // Orders that are not computed now must not keep the values of the step before.
         for of in &mut series.contacts {
             (of.speeds, of.carried, of.bound) =
                 (PowerSeries::ZERO, PowerSeries::ZERO, PowerSeries::ZERO);
@@ -296,7 +296,7 @@ fn role(model: &Model<'_>, situation: &Situation, series: &Series, i: usize) -> 
     }
 }
 
-/// Order k + 1 of the velocities of some coordinates, without what shared contacts do to them.
+/// Order k + 1 of the velocities of some coordinates, without the forces of shared contacts.
 fn all_of(model: &Model<'_>, series: &mut Series, k: usize, range: Range<usize>) {
     // Tells the compiler which coefficients there are.
     let k = k.min(ALL - 1);
@@ -356,7 +356,7 @@ fn order(model: &Model<'_>, series: &mut Series, k: usize, i: usize, rate: f64) 
     coordinates[i].motion.set_velocity(k + 1, velocity);
 }
 
-/// (−M⁻¹K q − M⁻¹C v)_i of order k, the newest of the coordinate.
+/// (−M⁻¹K q − M⁻¹C v)_i of order k, the newest order of the coordinate.
 #[inline(always)]
 fn free_rate(model: &Model<'_>, coordinates: &[CoordinateSeries], i: usize, k: usize) -> f64 {
     let motion = |j: usize| &coordinates[j].motion;
