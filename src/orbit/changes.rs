@@ -93,15 +93,19 @@ impl LocalCurve<'_, '_> {
         guess: &DVector<f64>,
         near: &Solved,
     ) -> Result<CurvePoint, Error> {
+        let solved = self.curve.solve(guess, near, &self.across(distance))?;
+        Ok(CurvePoint { distance, solved })
+    }
+
+    /// The plane across the tangent at the last point, at a distance.
+    pub(super) fn across(&self, distance: f64) -> Plane<'_> {
         let normal = self.curve.measured(&self.base.tangent);
-        let plane = Plane {
+        Plane {
             scale: self.scale,
             value: normal.dot(&self.scaled(self.base)) + distance,
             along: &self.base.tangent,
             normal,
-        };
-        let solved = self.curve.solve(guess, near, &plane)?;
-        Ok(CurvePoint { distance, solved })
+        }
     }
 
     /// The point at which the parameter has a value.

@@ -94,7 +94,7 @@ impl LocalCurve<'_, '_> {
             };
             for away in AWAY {
                 for along in [tangent.clone(), -&tangent] {
-                    let at = |away: f64| self.across(self.base, &along, away);
+                    let at = |away: f64| self.across_direction(self.base, &along, away);
                     let Some(place) = at(away) else {
                         continue;
                     };
@@ -120,7 +120,12 @@ impl LocalCurve<'_, '_> {
     }
 
     /// The motion on the plane across a direction, at a distance from a point.
-    fn across(&self, from: &Solved, along: &DVector<f64>, distance: f64) -> Option<CurvePoint> {
+    fn across_direction(
+        &self,
+        from: &Solved,
+        along: &DVector<f64>,
+        distance: f64,
+    ) -> Option<CurvePoint> {
         let normal = self.curve.measured(along);
         let plane = Plane {
             scale: self.scale,
@@ -227,7 +232,7 @@ impl LocalCurve<'_, '_> {
 
     /// The motion on the piece of another point, a way along its tangent.
     fn on_piece(&self, of: &Solved, way: f64) -> Option<Solved> {
-        let solved = self.across(of, &of.tangent, way)?.solved;
+        let solved = self.across_direction(of, &of.tangent, way)?.solved;
         solved.sequence.is_like(&of.sequence).then_some(solved)
     }
 }

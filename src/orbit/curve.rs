@@ -23,6 +23,7 @@ use super::translation::Turning;
 use super::trial::TrialMotion;
 use crate::error::Error;
 use crate::motion::{Mode, Segment};
+use crate::numerics::trace::is_near;
 use crate::state::structure::State;
 
 /// One system of a family.
@@ -73,6 +74,8 @@ pub(super) struct Solved {
     /// The unit tangent of the curve, in units of the scales with which it was found; a memory that
     /// events set anew does not count for its length.
     pub(super) tangent: DVector<f64>,
+    /// The derivative of the residual with respect to the parameter; `None` for a guess.
+    slope: Option<DVector<f64>>,
     /// Number of Newton steps.
     pub(super) steps: usize,
     /// The modes of the contacts at the start.
@@ -93,6 +96,14 @@ const MOST_TRIALS: usize = 50_000;
 
 /// Limit of Newton steps; three or four are usual.
 const MOST_STEPS: usize = 16;
+
+/// The first step with the derivatives of another motion is at most this long, and each other at
+/// most this part of the one before.
+const NEARBY: f64 = 1e-3;
+const CONVERGING: f64 = 0.25;
+
+/// They have converged, to rounding or nearly, if the last one is below this size.
+const CONVERGED: f64 = 1e-9;
 
 /// A step above this size has the derivative by the parameter computed again.
 const COARSE: f64 = 1e-5;
@@ -154,8 +165,15 @@ impl Curve<'_> {
     }
 
     fn member(&self, parameter: f64) -> Result<Box<dyn FamilyMember + '_>, Error> {
-        let checked = Error::check("orbit::follow", "parameter", parameter, true, "a number");
-        checked.and_then(|parameter| (self.family)(parameter))
+        let is_near = is_near(&self.range, parameter);
+        Error::check(
+            "orbit::follow",
+            "parameter",
+            parameter,
+            is_near,
+            "inside its range",
+        )
+        .and_then(|parameter| (self.family)(parameter))
     }
 
     /// The start for one system: contacts that stick have the velocity of their belts, elastic ones
@@ -318,14 +336,22 @@ impl Curve<'_> {
             for (j, factor) in turning.entries(self.n) {
                 matrix[(order, j)] = factor * (scale[j] / unit);
             }
-            right[order] = -turning.of_velocities(|j| y[self.n + j]) / unit;
         }
+        self.turn_in(&mut right, y, scale);
         // What is kept depends neither on the parameter nor on the period.
         for row in map.kept() {
             let mut row = matrix.row_mut(row);
             row.columns_mut(order, unknowns - order).fill(0.0);
         }
         (matrix, right)
+    }
+
+    /// Sets the right-hand side of the phase condition.
+    fn turn_in(&self, right: &mut DVector<f64>, y: &DVector<f64>, scale: &DVector<f64>) {
+        if let Some(turning) = &self.turning {
+            let unit = scale[self.n + turning.coordinate];
+            right[self.order] = -turning.of_velocities(|j| y[self.n + j]) / unit;
+        }
     }
 
     /// The point of the curve on a plane, near a guess, by Newton's method.
@@ -358,9 +384,11 @@ impl Curve<'_> {
             };
             let size = self.largest(&change, plane.scale, &trial);
             let closed = trial.residual <= CLOSED * growth && size <= CLOSED.sqrt();
-            let is_rounding = size >= 0.5 * before || size <= (10.0 * FINE).min(FAST * before);
+            let is_last = steps > 0 && size <= (10.0 * FINE).min(FAST * before);
+            let is_rounding = is_last || size >= 0.5 * before;
             if size <= FINE || (closed && is_rounding) {
-                return self.solved(y, trial, (modes, steps), matrix, plane);
+                let slope = slope.clone();
+                return self.solved((y, trial, slope), (modes, steps), matrix, plane);
             }
             steps += 1;
             let falls = steps <= 2 || size <= 2.0 * before;
@@ -372,6 +400,47 @@ impl Curve<'_> {
             modes = trial.map.end_modes().to_vec();
             y += change.component_mul(plane.scale);
         }
+    }
+
+    /// A guess brought nearer to the point of the curve on a plane, by Newton steps with the
+    /// derivatives of a motion nearby: a step costs one motion, and a monodromy matrix as much as
+    /// several. `None` if they do not converge.
+    pub(super) fn nearer(
+        &self,
+        mut y: DVector<f64>,
+        near: &Solved,
+        plane: &Plane<'_>,
+    ) -> Option<DVector<f64>> {
+        let (map, last) = (&near.trial.map, self.unknowns() - 1);
+        let (mut matrix, _) = self.linearised(&y, &near.trial, near.slope.as_ref()?, plane.scale);
+        matrix.row_mut(last).copy_from(&plane.normal.transpose());
+        let mut before = NEARBY;
+        for _ in 0..MOST_STEPS {
+            let residual = self.residual(&y, near).ok()?;
+            let mut right = map.closing_by(&residual, last + 1);
+            self.turn_in(&mut right, &y, plane.scale);
+            right[last] = plane.value - plane.normal.dot(&y.component_div(plane.scale));
+            let change = solution(&matrix, &right)?;
+            let size = self.largest(&change, plane.scale, &near.trial);
+            if !(size <= before) {
+                return (size <= CONVERGED).then_some(y);
+            }
+            y += change.component_mul(plane.scale);
+            before = CONVERGING * size;
+        }
+        Some(y)
+    }
+
+    /// End minus start of the motion from a start near that of another motion.
+    fn residual(&self, y: &DVector<f64>, near: &Solved) -> Result<DVector<f64>, Error> {
+        self.tried.set(self.tried.get() + 1);
+        self.with(y, |form, period| {
+            let start = self.start(form, y, &near.modes);
+            let (end, _) = map::passage(form, &start, period)?;
+            let mut residual = vector(&end, self.order) - vector(&start, self.order);
+            near.trial.map.untranslated(&mut residual);
+            Ok(residual)
+        })
     }
 
     /// The largest part of a Newton step: each number in units of its scale, or of its size in the
@@ -402,8 +471,7 @@ impl Curve<'_> {
 
     fn solved(
         &self,
-        y: DVector<f64>,
-        trial: TrialMotion,
+        (y, trial, slope): (DVector<f64>, TrialMotion, DVector<f64>),
         (modes, steps): (Vec<Mode>, usize),
         mut matrix: DMatrix<f64>,
         plane: &Plane<'_>,
@@ -433,6 +501,7 @@ impl Curve<'_> {
             trial,
             multipliers,
             tangent: self.unit(&tangent),
+            slope: Some(slope),
             steps,
             modes,
         })
@@ -466,6 +535,7 @@ impl Curve<'_> {
         Ok(Solved {
             sequence: Sequence::of(begun, trial.period),
             tangent: DVector::zeros(self.unknowns()),
+            slope: None,
             multipliers: Vec::new(),
             steps: 0,
             modes,

@@ -263,6 +263,7 @@ fn walks(
             curve,
             first_scale: first_scale.clone(),
             points: Vec::new(),
+            before: None,
             found: Vec::new(),
         };
         let mut first = first.clone();

@@ -227,27 +227,33 @@ impl PeriodMap {
         scale: &DVector<f64>,
         unknowns: usize,
     ) -> (DMatrix<f64>, DVector<f64>) {
-        let (order, sizes, residual) = (self.order(), self.sizes(), self.residual());
+        let (order, sizes) = (self.order(), self.sizes());
         let mut matrix = DMatrix::zeros(unknowns, unknowns);
-        let mut right = DVector::zeros(unknowns);
         for i in 0..order {
             for j in 0..order {
                 let identity = if i == j { 1.0 } else { 0.0 };
                 matrix[(i, j)] = (self.monodromy[(i, j)] - identity) * (scale[j] / sizes[i]);
             }
-            right[i] = -residual[i] / sizes[i];
         }
         for row in self.kept() {
             matrix.row_mut(row).fill(0.0);
             matrix[(row, row)] = scale[row] / sizes[row];
-            right[row] = 0.0;
         }
         for Unslipped { row, slopes, .. } in &self.unslipped {
             for &(j, k) in slopes {
                 matrix[(*row, j)] -= k * (scale[j] / sizes[*row]);
             }
         }
-        (matrix, right)
+        (matrix, self.closing_by(&self.residual(), unknowns))
+    }
+
+    /// The right-hand side of these equations for the residual of a motion near this one.
+    pub(super) fn closing_by(&self, residual: &DVector<f64>, unknowns: usize) -> DVector<f64> {
+        let mut right = -residual.component_div(&self.sizes());
+        for row in self.kept() {
+            right[row] = 0.0;
+        }
+        right.resize_vertically(unknowns, 0.0)
     }
 
     /// Entries of the state that closure does not determine, and which are kept: memory variables

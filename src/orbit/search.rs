@@ -119,7 +119,9 @@ impl<'w> Search<'w> {
     /// The defaults are [`DEFAULT_MAX_STEPS`](Self::DEFAULT_MAX_STEPS) and, in each direction,
     /// [`DEFAULT_MAX_BRANCH_STEPS`](Self::DEFAULT_MAX_BRANCH_STEPS) for a branch and
     /// [`DEFAULT_MAX_LOCUS_STEPS`](Self::DEFAULT_MAX_LOCUS_STEPS) for a locus. A single motion over
-    /// a period may take a tenth of the bound or 10⁵ steps, whichever is more.
+    /// a period may take a tenth of the bound or 10⁵ steps, whichever is more. The bound does not
+    /// apply to [`begin`](Self::begin) and [`switch`](Self::switch), which compute some hundred
+    /// motions at most.
     ///
     /// # Errors
     ///

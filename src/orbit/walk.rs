@@ -18,6 +18,9 @@ pub(super) struct Walk<'v, 'f> {
     /// Scales of the unknowns of the first motion.
     pub(super) first_scale: DVector<f64>,
     pub(super) points: Vec<Solved>,
+    /// The point before the last one, with its tangent in units of the present scales; `None` if
+    /// the curve may have a corner between the two.
+    pub(super) before: Option<Solved>,
     /// Bifurcations, each with the number of points before it, except the first.
     pub(super) found: Vec<(usize, FoundBifurcation)>,
 }
@@ -124,11 +127,18 @@ impl Walk<'_, '_> {
             let parameter = self.curve.parameter(&place.solved.y);
             self.curve.watched.found(parameter);
             let tangent = place.solved.tangent.component_mul(&scale);
-            base = place.solved;
-            scale = self.scale(&base);
-            base.tangent = self.curve.unit(&tangent.component_div(&scale));
+            let mut before = std::mem::replace(&mut base, place.solved);
+            let next_scale = self.scale(&base);
+            base.tangent = self.curve.unit(&tangent.component_div(&next_scale));
+            before.tangent = before
+                .tangent
+                .component_mul(&scale)
+                .component_div(&next_scale);
+            scale = next_scale;
+            self.before = is_smooth(&before, &base).then_some(before);
             if let Some((moved, moved_scale)) = self.started_elsewhere(&base, &tangent) {
                 (base, scale) = (moved, moved_scale);
+                self.before = None;
             }
         }
         self.curve.end_at_limit(&base)
@@ -221,6 +231,21 @@ impl Walk<'_, '_> {
         (end.unwrap_or(lost), shortest)
     }
 
+    /// The guess for a step: by the two-step formula of Adams and Bashforth from the tangents at the
+    /// last two points, or on the tangent. What the equations do not determine stays as it is.
+    fn predicted(&self, view: &LocalCurve<'_, '_>, length: f64) -> DVector<f64> {
+        let (base, along) = (view.base, view.curve.measured(&view.base.tangent));
+        let mut slope = base.tangent.clone();
+        if let Some(before) = &self.before {
+            let distance = along.dot(&(view.scaled(base) - view.scaled(before)));
+            let slope_before = &before.tangent / along.dot(&before.tangent);
+            if distance > 0.0 {
+                slope += (&base.tangent - slope_before) * (0.5 * length / distance);
+            }
+        }
+        &base.y + slope.component_mul(view.scale) * length
+    }
+
     fn tried(
         &self,
         view: &LocalCurve<'_, '_>,
@@ -229,11 +254,12 @@ impl Walk<'_, '_> {
         signs: &mut Signs,
     ) -> Result<Outcome, Error> {
         let (curve, base) = (self.curve as &Curve<'_>, view.base);
-        let guess = &base.y + base.tangent.component_mul(view.scale) * length;
+        let guess = self.predicted(view, length);
         let parameter = curve.parameter(&guess);
         let range = &curve.range;
         let mut place = if (range.start..=range.end).contains(&parameter) {
-            view.at(length, &guess, base)?
+            let nearer = curve.nearer(guess.clone(), base, &view.across(length));
+            view.at(length, nearer.as_ref().unwrap_or(&guess), base)?
         } else {
             let end = parameter.clamp(range.start, range.end);
             let part = (end - curve.parameter(&base.y)) / (parameter - curve.parameter(&base.y));
@@ -256,14 +282,13 @@ impl Walk<'_, '_> {
             // Newton's method has converged to an equilibrium, which is periodic with any period.
             return Err(Error::AtRest.at("parameter", parameter));
         }
-        let same = place.solved.sequence.is_like(&base.sequence);
         let moved = view.scaled(&place.solved) - view.scaled(base);
         let direction = curve.measured(&base.tangent);
         let sideways = &moved - &direction * place.distance;
         let straight = place.solved.tangent.dot(&direction) >= STRAIGHT
             && sideways.norm() <= 0.5 * place.distance;
         // A curve may turn sharply where the events change, or one of them passes the start.
-        let same = same && starts(base) == starts(&place.solved);
+        let same = is_smooth(base, &place.solved);
         let allowed = straight || (!same && sideways.norm() <= 2.0 * LONGEST);
         if !(allowed && place.distance > 0.0) {
             return Err(curve.lost(&place.solved.y, &place.solved.trial));
@@ -407,6 +432,12 @@ impl Walk<'_, '_> {
         let solved = curve.solve(&guess.y, &guess, &plane).ok()?;
         Some((solved, scale))
     }
+}
+
+/// Returns true if two motions have the same events in the same order from the start, so that the
+/// curve is smooth between them.
+fn is_smooth(a: &Solved, b: &Solved) -> bool {
+    a.sequence.is_like(&b.sequence) && starts(a) == starts(b)
 }
 
 /// The modes of the contacts at the start of a motion.

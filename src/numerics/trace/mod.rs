@@ -118,6 +118,10 @@ const COARSE: f64 = 1e-5;
 /// Steps below this size are rounding.
 const FINE: f64 = 1e-14;
 
+/// Newton's method may leave a range by this part of its width: beyond, the equations may have no
+/// meaning.
+const BEYOND: f64 = 1.0 / 64.0;
+
 /// Singular values below this part of the largest count as 0.
 const SINGULAR: f64 = 1e-12;
 
@@ -172,6 +176,12 @@ fn with_row(jacobian: &DMatrix<f64>, row: &DVector<f64>) -> DMatrix<f64> {
     matrix
 }
 
+/// Returns true if a parameter lies in its range or little outside.
+pub(crate) fn is_near(range: &Range<f64>, parameter: f64) -> bool {
+    let margin = BEYOND * (range.end - range.start);
+    (range.start - margin..=range.end + margin).contains(&parameter)
+}
+
 /// The point of the curve on a plane, near a guess, by Newton's method.
 pub(crate) fn solve<E: Equations>(
     equations: &E,
@@ -220,6 +230,11 @@ pub(crate) fn solve<E: Equations>(
             return Err(equations.lost(&y, &value));
         }
         before = size;
-        y += change.component_mul(plane.scale);
+        let next = &y + change.component_mul(plane.scale);
+        let mut parameters = std::iter::zip(equations.parameters(), equations.ranges());
+        if !parameters.all(|(place, range)| is_near(range, next[place])) {
+            return Err(equations.lost(&y, &value));
+        }
+        y = next;
     }
 }
