@@ -524,6 +524,53 @@ fn others_decide_without_a_contact_that_opens() {
     assert_eq!(motion.last(), State::at_rest(1));
 }
 
+/// Two contacts that hold one mass are undetermined, but not where nothing presses one of them: at
+/// the start, or where its load jumps away as the other comes to rest.
+#[test]
+fn a_contact_without_load_holds_nothing() {
+    let mass = |contact: Contact| {
+        Structure::new(&[1.0])
+            .and_then(|s| s.with_force(0, 0.4))
+            .and_then(|s| s.with_contact(contact))
+            .and_then(|s| s.with_contact(Contact::new(0, even(0.5), 1.0)?))
+            .unwrap()
+    };
+    let pressed = |points: &[(f64, f64)]| {
+        let load = Drive::profile(points).unwrap();
+        Contact::new(0, even(0.5), load).unwrap()
+    };
+    let start = State::at_rest(1);
+    let above = mass(pressed(&[(0.0, 1e-9), (1.0, 1.0)]));
+    assert!(matches!(
+        above.carried(0.0, &start),
+        Err(Error::Undetermined { .. })
+    ));
+    for points in [[(0.0, -3.0), (1.0, -1.0)], [(0.0, 0.0), (1.0, -1.0)]] {
+        let mass = mass(pressed(&points));
+        assert_eq!(mass.carried(0.0, &start).unwrap(), [0.0, 0.4]);
+        let motion = mass.simulate(start.clone(), 3.0).unwrap();
+        assert!(motion.events().is_empty());
+        assert_eq!(motion.last(), start);
+    }
+    // By its displacement: 0 there, and falling at once, or below.
+    let light = Contact::new(0, even(0.5), 1.0).unwrap();
+    let lifted = mass(light.with_load_gradient(0, 1.0).unwrap().on_belt(-1.0));
+    for start in [State::new(&[-1.0], &[-1.0]), State::new(&[-2.0], &[-1.0])] {
+        let found = lifted.simulate(start, 1.0);
+        assert!(
+            matches!(found, Err(Error::Separation { contact: 0, ref reached }) if reached.time == 0.0),
+            "{found:?}"
+        );
+    }
+    // Held by a belt that stops at t = 1, where the load ends.
+    let belt = Drive::profile(&[(0.0, 1.0), (1.0, 0.0), (2.0, 0.0)]).unwrap();
+    let ends = pressed(&[(0.0, 8.0), (1.0, 8.0), (1.0, -1.0), (2.0, -1.0)]);
+    let motion = mass(ends.on_belt(belt)).simulate(State::new(&[0.0], &[1.0]), 3.0);
+    let motion = motion.unwrap();
+    assert_eq!(keys(&motion), [(0, EventKind::Open), (1, EventKind::Stick)]);
+    assert_eq!(motion.last(), State::new(&[0.5], &[0.0]));
+}
+
 /// A mass that is held has no velocity, not even that of rounding errors, and nothing but a belt
 /// that moves below it limits the steps.
 #[test]

@@ -37,6 +37,9 @@ pub(super) fn decide(
     if asks_shared {
         situation.closed = None;
     }
+    if is_disturbed {
+        open_unloaded(model, situation, series, &mut decision)?;
+    }
     for c in 0..situation.contacts.len() {
         arrive(model, situation, c);
     }
@@ -181,6 +184,37 @@ fn open(model: &Model<'_>, situation: &mut Situation, series: &mut Series, c: us
     series.contacts[c].hold_memory(&state.memory);
     state.phase = Phase::Open;
     state.entry = Entry::Held;
+}
+
+/// Opens contacts whose load is below 0, or 0 and falling, before the decision of the others: they
+/// hold nothing. Value and rate of a load do not depend on modes.
+fn open_unloaded(
+    model: &Model<'_>,
+    situation: &mut Situation,
+    series: &mut Series,
+    decision: &mut Option<Decision>,
+) -> Result<(), Error> {
+    for c in 0..situation.contacts.len() {
+        let contact = &model.contacts[c];
+        if !series.contacts[c].load_varies {
+            continue;
+        }
+        let value = contact.displacement_load(|j| situation.coordinates[j].displacement);
+        let rate = contact.displacement_load(|j| situation.velocity(model, series, j));
+        let rounding = EDGE_ROUNDING * f64::EPSILON * load_terms(contact, situation);
+        let of = &mut series.contacts[c];
+        of.load = of.drive_load;
+        of.load[0] += value * contact.compliance;
+        of.load[1] += rate * contact.compliance;
+        let falls = of.load[0] <= rounding && of.load[1] < 0.0;
+        if (falls || of.load[0] < -rounding)
+            && revise_load(model, situation, series, c)?
+            && let Some(decision) = decision
+        {
+            decision.restart();
+        }
+    }
+    Ok(())
 }
 
 /// Opens or closes a contact according to its load, which varies; returns true if anything has
