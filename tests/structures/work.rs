@@ -16,12 +16,6 @@ pub(crate) struct Work<'s> {
     rows: DMatrix<f64>,
 }
 
-/// Forces at an instant: of drives and dampers, and of contacts along their directions.
-pub(crate) struct Forces {
-    pub(crate) outer: DVector<f64>,
-    pub(crate) carried: DVector<f64>,
-}
-
 impl<'s> Work<'s> {
     pub(crate) fn new(structure: &'s Structure, laws: &'s [AnyLaw]) -> Self {
         let mass = structure.mass_matrix().into_owned();
@@ -41,7 +35,7 @@ impl<'s> Work<'s> {
     }
 
     /// What contacts with these modes carry.
-    pub(crate) fn forces(&self, time: f64, state: &State, modes: &[Mode]) -> Forces {
+    pub(crate) fn carried(&self, time: f64, state: &State, modes: &[Mode]) -> DVector<f64> {
         let structure = self.structure;
         let [q, v] =
             [&state.displacements, &state.velocities].map(|x| DVector::from_column_slice(x));
@@ -59,7 +53,7 @@ impl<'s> Work<'s> {
             }
         }
         let force = &outer - structure.stiffness() * &q - self.rows.transpose() * &carried;
-        let mut rates = &self.inverse * force;
+        let rates = &self.inverse * force;
         let stuck: Vec<usize> = (0..modes.len())
             .filter(|&c| modes[c] == Mode::Stick)
             .collect();
@@ -71,53 +65,118 @@ impl<'s> Work<'s> {
             let pulls = &rows * &rates - DVector::from_iterator(stuck.len(), slopes);
             let compliance = &rows * &self.inverse * rows.transpose();
             let held = compliance.cholesky().unwrap().solve(&pulls);
-            rates -= &self.inverse * rows.transpose() * &held;
             for (&c, held) in stuck.iter().zip(&held) {
                 carried[c] = *held;
             }
         }
-        Forces { outer, carried }
+        carried
     }
 
-    /// Energy of a state.
-    pub(crate) fn energy(&self, state: &State) -> f64 {
-        let [q, v] =
-            [&state.displacements, &state.velocities].map(|x| DVector::from_column_slice(x));
-        0.5 * (v.dot(&(&self.mass * &v)) + q.dot(&(self.structure.stiffness() * &q)))
+    /// Energy of a state: ½ vᵀMv + ½ qᵀKq.
+    fn energy(&self, state: &State, time: f64, sum: &mut Sum, weight: f64) {
+        let v = self.velocities(state, time);
+        let q = sized(&state.displacements);
+        sum.product(0.5 * weight, &v, &self.mass, &v);
+        sum.product(0.5 * weight, &q, self.structure.stiffness(), &q);
     }
 
-    /// Work over a step of all that is not elastic, and the sum of the sizes of its parts:
-    /// f·v − vᵀCv − qᵀK_aᵀv − Σ λ_c b_c·v, K_a the antisymmetric part of K.
-    pub(crate) fn over(&self, step: &Step) -> (f64, f64) {
-        let skew = (self.structure.stiffness() - self.structure.stiffness().transpose()) * 0.5;
+    /// The power of all that is not elastic: f·v − vᵀCv − qᵀK_aᵀv − Σ λ_c b_c·v, K_a the
+    /// antisymmetric part of K.
+    fn power(&self, state: &State, time: f64, modes: &[Mode]) -> Sum {
+        let mut sum = Sum::default();
+        let structure = self.structure;
+        let v = self.velocities(state, time);
+        let q = sized(&state.displacements);
+        let skew = (structure.stiffness() - structure.stiffness().transpose()) * 0.5;
+        sum.product(-1.0, &v, structure.damping(), &v);
+        sum.product(-1.0, &v, &skew, &q);
+        for (force, v) in structure.forces().iter().zip(&v) {
+            sum.add(force.value(time), *v);
+        }
+        let carried = self.carried(time, state, modes);
+        for (c, contact) in structure.contacts().iter().enumerate() {
+            for &(j, b) in contact.direction() {
+                sum.add(-carried[c] * b, v[j]);
+            }
+        }
+        sum
+    }
+
+    /// The velocities. Those under a contact are the sum of a relative velocity and that of its
+    /// surface, however small they are themselves.
+    fn velocities(&self, state: &State, time: f64) -> Vec<Sum> {
+        let mut velocities = sized(&state.velocities);
+        for contact in self.structure.contacts() {
+            for &(j, _) in contact.direction() {
+                velocities[j].size += contact.belt_velocity().value(time).abs();
+            }
+        }
+        velocities
+    }
+
+    /// What is missing in the balance of energy and work over a step, with the sizes of all terms.
+    pub(crate) fn missing(&self, step: &Step) -> Sum {
         let (start, duration) = (step.start_time(), step.duration());
-        let parts = |t: f64| {
-            let state = step.state_at(t);
-            let forces = self.forces(start + t, &state, step.modes());
-            let [q, v] =
-                [&state.displacements, &state.velocities].map(|x| DVector::from_column_slice(x));
-            let along = &self.rows * &v;
-            let contacts = forces.carried.iter().zip(&along).map(|(f, v)| -f * v);
-            let outer = [forces.outer.dot(&v), -v.dot(&(&skew * &q))];
-            let parts: Vec<f64> = contacts.chain(outer).collect();
-            parts
+        let power = |t: f64| self.power(&step.state_at(t), start + t, step.modes());
+        let mut sum = Sum {
+            value: integrate(duration, |t| power(t).value),
+            size: integrate(duration, |t| power(t).size),
         };
-        let work = integrate(duration, |t| parts(t).iter().sum());
-        let size = integrate(duration, |t| parts(t).iter().map(|part| part.abs()).sum());
-        (work, size)
+        self.energy(step.state(), start, &mut sum, 1.0);
+        self.energy(&step.end_state(), start + duration, &mut sum, -1.0);
+        sum
     }
 
     /// Work is the change of energy over every step, at round-off. Returns the largest part
     /// missing.
     pub(crate) fn balances(&self, motion: &Trajectory<State>, about: &str) -> f64 {
         let steps = motion.steps().iter().filter(|step| step.duration() > 0.0);
-        let missing = steps.map(|step| {
-            let (done, size) = self.over(step);
-            let [a, b] = [step.state(), &step.end_state()].map(|state| self.energy(state));
-            let apart = (b - a - done).abs() / (size + a.abs() + b.abs());
-            assert!(apart < 1e-13, "{about} at {}: {apart:e}", step.start_time());
-            apart
+        let parts = steps.map(|step| {
+            let missing = self.missing(step);
+            let part = missing.part(f64::MIN_POSITIVE);
+            let time = step.start_time();
+            assert!(part < 1e-13, "{about} at {time}: {missing:?}");
+            part
         });
-        missing.fold(0.0, f64::max)
+        parts.fold(0.0, f64::max)
     }
+}
+
+/// A sum, and the sum of the sizes of its terms.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Sum {
+    value: f64,
+    size: f64,
+}
+
+impl Sum {
+    fn add(&mut self, factor: f64, term: Sum) {
+        self.value += factor * term.value;
+        self.size += factor.abs() * term.size;
+    }
+
+    /// Adds a weight times xᵀAy.
+    fn product(&mut self, weight: f64, x: &[Sum], a: &DMatrix<f64>, y: &[Sum]) {
+        for (i, x) in x.iter().enumerate() {
+            for (j, y) in y.iter().enumerate() {
+                let entry = weight * a[(i, j)];
+                self.value += entry * x.value * y.value;
+                self.size += entry.abs() * x.size * y.size;
+            }
+        }
+    }
+
+    /// The value in parts of the size; of terms below the least, all is rounding of larger ones
+    /// before.
+    pub(crate) fn part(&self, least: f64) -> f64 {
+        self.value.abs() / self.size.max(least)
+    }
+}
+
+fn sized(values: &[f64]) -> Vec<Sum> {
+    let of = |&value: &f64| Sum {
+        value,
+        size: value.abs(),
+    };
+    values.iter().map(of).collect()
 }
