@@ -4,6 +4,7 @@ use super::equilibrium::Equilibrium;
 use crate::error::Error;
 use crate::friction::slip::Equation;
 use crate::friction::{Law, Values, finite_at};
+use crate::series::PowerSeries;
 use crate::state::{Direction, State};
 
 /// The parameters of a system. They are checked against the law's values alone: a program that only
@@ -126,14 +127,13 @@ impl<'s> Belt<'s> {
 
     /// The constants of slip in a direction.
     #[inline]
-    pub(crate) fn equation(&self, direction: Direction) -> Equation {
+    pub(crate) fn equation(&self, direction: Direction) -> Equation<'_> {
         Equation {
             stiffness: 1.0,
             damping: 2.0 * self.parameters.damping,
             load: self.parameters.load,
             belt: direction.sign() * self.parameters.belt_velocity,
-            pull: 0.0,
-            drift: 0.0,
+            given: &PowerSeries::ZERO,
         }
     }
 

@@ -83,7 +83,7 @@ impl Expander {
     fn expand_one<L: FrictionLaw>(
         &mut self,
         piece: Piece<'_, L>,
-        equation: &Equation,
+        equation: &Equation<'_>,
         from: &SlipPoint,
         time: Time,
         along: Option<&PowerSeries>,
@@ -110,7 +110,7 @@ impl Expander {
     fn expand_by<L: FrictionLaw, const UNROLLED: bool>(
         &mut self,
         piece: Piece<'_, L>,
-        equation: &Equation,
+        equation: &Equation<'_>,
         from: &SlipPoint,
         time: Time,
         along: Option<&PowerSeries>,
@@ -128,8 +128,7 @@ impl Expander {
             damping,
             load,
             belt,
-            pull,
-            drift,
+            given,
         } = equation;
         let Self {
             series, workspace, ..
@@ -157,7 +156,7 @@ impl Expander {
                     return along[1];
                 }
                 let spring = stiffness * (sigma * from.displacement);
-                let equation = -spring - pull - damping * (s + belt) - load * m.rest;
+                let equation = given[0] - spring - damping * (s + belt) - load * m.rest;
                 return from.rate.map_or(equation, |rate| time.sign() * rate);
             }
             friction[k] = mul_add(m.slope, s, m.scale * m.rest);
@@ -165,11 +164,7 @@ impl Expander {
                 return along[k + 1];
             }
             // x_1 = s_0 + σv_b
-            let spring = if k == 1 {
-                weight * (stiffness * older + drift)
-            } else {
-                weight * INTEGRAL[k - 1] * (stiffness * older)
-            };
+            let spring = mul_add(weight * INTEGRAL[k - 1], stiffness * older, given[k]);
             older = s;
             let next = mul_add(weight * decay, s, spring);
             let next = mul_add(weight * load * m.scale, m.rest, next);
@@ -209,9 +204,8 @@ impl Expander {
     }
 }
 
-/// The constants of the equation of slip of one mass, s' = −κx − p − ρt − d(s + σw) −
-/// Nμ̂(s).
-pub(crate) struct Equation {
+/// The equation of slip of one mass, s' = −κx − d(s + σw) − Nμ̂(s) + g(t), x' = s + σw.
+pub(crate) struct Equation<'a> {
     /// κ; 1 in the units of a mass on a belt.
     pub(crate) stiffness: f64,
     /// d; 2β.
@@ -220,10 +214,8 @@ pub(crate) struct Equation {
     pub(crate) load: f64,
     /// σw; σv_b.
     pub(crate) belt: f64,
-    /// p: the pull of neighbours at the start; 0.
-    pub(crate) pull: f64,
-    /// ρ: how fast that grows, for neighbours that move steadily; 0.
-    pub(crate) drift: f64,
+    /// The contribution of g to the series of s: coefficient k of g divided by k + 1; 0.
+    pub(crate) given: &'a PowerSeries,
 }
 
 /// The expansion of the motion about a point, as a visitor of the law.
@@ -231,7 +223,7 @@ pub(crate) struct Expansion<'a> {
     pub(crate) expander: &'a mut Expander,
     /// Index of the piece of the law.
     pub(crate) piece: usize,
-    pub(crate) equation: &'a Equation,
+    pub(crate) equation: &'a Equation<'a>,
     pub(crate) from: &'a SlipPoint,
     pub(crate) time: Time,
     /// If a series of the sliding speed is given, in any unit of time, only the friction is

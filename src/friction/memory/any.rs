@@ -1,5 +1,6 @@
 use super::{ContactLaw, Dahl, Dwell, LuGre, Motion, NamedLaw, Slip};
 use crate::friction::FrictionLaw;
+use crate::friction::law::LawRef;
 use crate::scalar::Scalar;
 
 /// Dry friction or one of the crate's laws with memory, as a value chosen at run time.
@@ -113,6 +114,14 @@ impl<L: FrictionLaw> ContactLaw for AnyContactLaw<L> {
             Self::Dwell(law) => law.named(),
             Self::Dahl(law) => law.named(),
             Self::LuGre(law) => law.named(),
+        }
+    }
+
+    fn dry_slip(&self) -> Option<LawRef<'_>> {
+        match self {
+            Self::Dry(law) => law.dry_slip(),
+            Self::Dwell(law) => law.dry_slip(),
+            Self::Dahl(_) | Self::LuGre(_) => None,
         }
     }
 }

@@ -1,6 +1,7 @@
 use super::{ContactLaw, Motion, NamedLaw, Slip};
 use crate::error::Error;
 use crate::friction::FrictionLaw;
+use crate::friction::law::LawRef;
 use crate::scalar::Scalar;
 
 /// Static friction that rises with the time in stick.
@@ -197,5 +198,9 @@ impl<L: FrictionLaw> ContactLaw for Dwell<L> {
         let Self { form, time, .. } = *self;
         let law = self.law.any()?;
         Some(NamedLaw::Contact(Dwell { law, form, time }.into()))
+    }
+
+    fn dry_slip(&self) -> Option<LawRef<'_>> {
+        Some(self.law.erased())
     }
 }

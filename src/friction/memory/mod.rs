@@ -212,10 +212,10 @@ pub trait ContactLaw: Sized {
         None
     }
 
-    /// A law without memory in the form used by the engine of one mass; `None` for a law with
-    /// memory.
+    /// The friction in slip in the form used by the engine of one mass; `None` if it depends on
+    /// memory variables, or if these change in slip.
     #[doc(hidden)]
-    fn dry(&self) -> Option<LawRef<'_>> {
+    fn dry_slip(&self) -> Option<LawRef<'_>> {
         None
     }
 }
@@ -254,7 +254,7 @@ impl<L: FrictionLaw> ContactLaw for L {
         FrictionLaw::constant(self)
     }
 
-    fn dry(&self) -> Option<LawRef<'_>> {
+    fn dry_slip(&self) -> Option<LawRef<'_>> {
         Some(self.erased())
     }
 }

@@ -46,8 +46,8 @@ pub(crate) trait LawObject {
     fn named(&self) -> Option<NamedLaw>;
     /// The one coefficient of a law without memory for which μ_s = μ at every speed.
     fn constant(&self) -> Option<f64>;
-    /// A law without memory, for the series of one mass that slips.
-    fn dry(&self) -> Option<&dyn Law>;
+    /// The law of slip without memory, for the series of one mass; then no memory changes in slip.
+    fn dry_slip(&self) -> Option<&dyn Law>;
 
     /// The operations that give σμ in slip from the sliding speed, of a law without memory.
     fn record(&self, recorder: &mut Recorder, slip: Slip<f64>) -> Output;
@@ -84,16 +84,6 @@ pub(crate) trait LawObject {
 pub(crate) struct MemoryOrder<'a> {
     pub(crate) series: &'a [PowerSeries],
     pub(crate) rates: &'a mut [f64],
-}
-
-impl MemoryOrder<'_> {
-    /// The order of a law without memory.
-    pub(crate) fn none() -> Self {
-        Self {
-            series: &[],
-            rates: &mut [],
-        }
-    }
 }
 
 /// Series of a law, and of its derivative by one input.
@@ -193,8 +183,8 @@ impl<L: ContactLaw> LawObject for L {
         ContactLaw::constant(self)
     }
 
-    fn dry(&self) -> Option<&dyn Law> {
-        ContactLaw::dry(self).map(LawRef::law)
+    fn dry_slip(&self) -> Option<&dyn Law> {
+        ContactLaw::dry_slip(self).map(LawRef::law)
     }
 
     fn record(&self, recorder: &mut Recorder, slip: Slip<f64>) -> Output {

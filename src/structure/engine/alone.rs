@@ -1,19 +1,19 @@
 //! The series of a coordinate that slips while all other coordinates are held at constant
-//! velocities. Its equation is that of a mass on a belt, so its series is computed by the same
-//! code.
+//! velocities. Its equation is that of a mass on a belt with a given force, so its series is
+//! computed by the same code.
 
 use super::ALL;
 use super::edge::side_of;
 use super::model::Model;
-use super::series::{CoordinateSeries, Role, Series};
+use super::series::{CoordinateSeries, Role, Series, StepMode};
 use crate::clock::Time;
 use crate::friction::slip::{Equation, Expansion, SlipPoint};
-use crate::series::INTEGRAL;
+use crate::series::{INTEGRAL, PowerSeries};
 
 /// All orders of the coordinate and the contact that slip alone, and all after the first of those
 /// that are held; returns false if the law has no such series.
 pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usize; 2]) -> bool {
-    let Some(law) = model.contacts[c].law.dry() else {
+    let Some(law) = model.contacts[c].law.dry_slip() else {
         return false;
     };
     let Series {
@@ -33,13 +33,27 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
     let braking = dampers.iter();
     let braking = braking.map(|&(j, a)| a * coordinates[j].motion.velocity(0));
     let held = pull(springs, coordinates, 0) + braking.sum::<f64>();
+    let force = &coordinates[i].force;
+    let mut given = PowerSeries::ZERO;
+    given[0] = side * (force[0] - held);
+    given[1] = -side * pull(springs, coordinates, 1) * INTEGRAL[1];
+    if model.is_driven[i] {
+        // The equation has a constant w: what w changes is given.
+        let surface = &contacts[c].surface;
+        let drag = |k: usize| damping * surface[k] + (k + 1) as f64 * surface[k + 1];
+        given[0] -= side * surface[1];
+        given[1] += side * (force[1] - drag(1)) * INTEGRAL[1];
+        for k in 2..ALL {
+            let way = surface[k - 1] * INTEGRAL[k - 1];
+            given[k] = side * (force[k] - drag(k) - spring * way) * INTEGRAL[k];
+        }
+    }
     let equation = Equation {
         stiffness: spring,
         damping,
         load: contacts[c].load[0],
         belt: side * contacts[c].surface[0],
-        pull: side * (held - coordinates[i].force[0]),
-        drift: side * pull(springs, coordinates, 1),
+        given: &given,
     };
     let from = SlipPoint {
         direction: side_of(side),
@@ -61,7 +75,13 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
     let found = &expander.series;
     let of = &mut contacts[c];
     (of.speeds, of.friction, of.slope) = (found.speed, found.friction, found.slope);
-    coordinates[i].motion.follow(side, &found.speed);
+    for series in &mut of.memories {
+        let memory = series[0];
+        *series = PowerSeries::ZERO;
+        series[0] = memory;
+    }
+    let surface = of.surface;
+    coordinates[i].motion.follow(side, &found.speed, &surface);
     for j in 0..model.len() {
         let Role::Held(c) = coordinates[j].role else {
             continue;
@@ -74,26 +94,31 @@ pub(super) fn expand_alone(model: &Model<'_>, series: &mut Series, [i, c]: [usiz
         let (spring, damper) = (entry(model.stiffness.row(j)), entry(model.damping.row(j)));
         // From the series as it was found: a copy would have to be waited for.
         for k in 2..ALL {
-            let velocity = side * found.speed[k];
-            let displacement = side * found.speed[k - 1] * INTEGRAL[k - 1];
+            let velocity = side * found.speed[k] + surface[k];
+            let displacement = (side * found.speed[k - 1] + surface[k - 1]) * INTEGRAL[k - 1];
             carried[k] = -spring * displacement - damper * velocity;
         }
         let (spring, springs) = model.stiffness.row(j);
         let own = spring * coordinates[j].motion.displacement(1);
-        carried[1] = -damper * (side * found.speed[1]) - own - pull(springs, coordinates, 1);
+        carried[1] =
+            -damper * (side * found.speed[1] + surface[1]) - own - pull(springs, coordinates, 1);
     }
     true
 }
 
-/// The coordinate that slips while all others are held, and its contact.
-pub(super) fn slips_alone(series: &Series) -> Option<[usize; 2]> {
+/// The coordinate that slips under a constant load while all others are held, and its contact.
+pub(super) fn slips_alone(model: &Model<'_>, series: &Series) -> Option<[usize; 2]> {
     let mut found = None;
     for (i, coordinate) in series.coordinates.iter().enumerate() {
-        match coordinate.role {
-            Role::Held(_) => {}
-            Role::Slips(c) if found.is_none() => found = Some([i, c]),
-            _ => return None,
+        if let Role::Held(_) = coordinate.role {
+            continue;
         }
+        let c = model.owner[i].filter(|_| found.is_none())?;
+        let of = &series.contacts[c];
+        if of.mode != StepMode::Slip || of.load_varies {
+            return None;
+        }
+        found = Some([i, c]);
     }
     found
 }

@@ -145,7 +145,11 @@ impl ContactStep<'_> {
     /// Returns true if the defect of the memory is accepted at the same places, and in slip at
     /// others that approach those where the contact is slowest.
     fn memory_is_accepted(&self) -> bool {
-        if self.series.memories.is_empty() || self.state.phase_is_open() {
+        let slips = matches!(self.state.phase, Phase::Slip { .. });
+        if self.series.memories.is_empty()
+            || self.state.phase_is_open()
+            || slips && self.contact.law.dry_slip().is_some()
+        {
             return true;
         }
         let h = self.h;
@@ -154,7 +158,7 @@ impl ContactStep<'_> {
         in_between(h, self.unit, &mut |times| {
             accepted = accepted && holds(times);
         });
-        if let (true, Phase::Slip { .. }) = (accepted, self.state.phase) {
+        if accepted && slips {
             let speeds = &self.series.speeds;
             let at_quarters = speeds.at_some(quarters(h));
             speeds.about_minima(h, at_quarters, &mut |times| {
@@ -280,6 +284,9 @@ impl ContactStep<'_> {
 
     /// Its motion at four times.
     fn motions_at(&self, times: [f64; 4]) -> [Motion<f64>; 4] {
+        if self.state.sticks() {
+            return [Motion::Stick; 4];
+        }
         let speeds = self.series.speeds.at_some(times);
         speeds.map(|speed| match self.state.slip(speed.max(0.0)) {
             Some(slip) => Motion::Slip(slip),

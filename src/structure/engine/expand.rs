@@ -11,7 +11,6 @@ use super::shared::{is_delicate, pull, shared_order};
 use super::springs::spring_order;
 use super::state::{Phase, Situation};
 use crate::error::{Error, Reached};
-use crate::friction::memory::object::MemoryOrder;
 use crate::series::{INTEGRAL, PowerSeries};
 
 /// The fault of a law that returns NaN, an infinity or no series.
@@ -130,26 +129,27 @@ pub(super) fn expand_further(
 
 fn all_orders(model: &Model<'_>, situation: &Situation, series: &mut Series, orders: Range<usize>) {
     let n = model.len();
+    let are_apart = model.shared.is_empty() && model.springs.is_empty();
+    if are_apart
+        && orders.end == ALL
+        && let Some([i, c]) = slips_alone(model, series)
+    {
+        if orders.start == 0 {
+            all_of(model, series, 0, 0..i);
+            all_of(model, series, 0, i + 1..n);
+        }
+        if expand_alone(model, series, [i, c]) {
+            return;
+        }
+    }
     if orders.end == ALL && series.groups.is_some() {
-        let starts = orders.start == 0;
-        if let Some([i, c]) = slips_alone(series) {
-            if starts {
-                all_of(model, series, 0, 0..i);
-                all_of(model, series, 0, i + 1..n);
-            }
-            if expand_alone(model, series, [i, c]) {
-                return;
-            }
-            if starts {
-                all_of(model, series, 0, i..i + 1);
-            }
-        } else if starts {
+        if orders.start == 0 {
             all_of(model, series, 0, 0..n);
         }
         expand_groups(model, series);
         return;
     }
-    if model.shared.is_empty() && model.springs.is_empty() {
+    if are_apart {
         let waves = Waves::new(n, AT_A_TIME, model.bandwidth);
         for start in waves.starts(orders.len()) {
             for k in orders.clone() {
@@ -309,7 +309,7 @@ fn all_of(model: &Model<'_>, series: &mut Series, k: usize, range: Range<usize>)
             Role::Slips(c) if k > 0 => {
                 let of = &mut contacts[c];
                 of.carried[k] = rate;
-                let coefficient = of.law_order(&model.contacts[c], k, &mut MemoryOrder::none());
+                let coefficient = of.law_order(&model.contacts[c], k);
                 let speed = (of.side * rate - of.load[0] * coefficient) * INTEGRAL[k];
                 of.speeds[k + 1] = speed;
                 coordinate.motion.set_velocity(k + 1, of.side * speed);

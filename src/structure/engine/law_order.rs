@@ -47,7 +47,7 @@ impl ContactSeries {
     /// computes coefficient k of the memory instead, from coefficient k + 1 of the pass before.
     pub(super) fn slip_order(&mut self, contact: &ContactData<'_>, k: usize) -> f64 {
         let coefficient = if self.memories.is_empty() {
-            self.law_order(contact, k, &mut MemoryOrder::none())
+            self.law_order(contact, k)
         } else {
             self.with_memory(contact, k)
         };
@@ -62,7 +62,7 @@ impl ContactSeries {
     fn with_memory(&mut self, contact: &ContactData<'_>, k: usize) -> f64 {
         if self.relaxation > 0.0 {
             // The law runs twice: for the memory, then with it.
-            self.with_rates(contact, k);
+            self.law_order(contact, k);
             for (series, rate) in std::iter::zip(&mut self.memories, &self.rates) {
                 let correction = (rate - (k + 1) as f64 * series[k + 1]) / self.relaxation;
                 // A correction that consists of rounding errors only would change the later
@@ -71,23 +71,10 @@ impl ContactSeries {
                     series[k] += correction;
                 }
             }
-            return self.with_rates(contact, k);
+            return self.law_order(contact, k);
         }
-        let coefficient = self.with_rates(contact, k);
+        let coefficient = self.law_order(contact, k);
         self.set_memories(k);
-        coefficient
-    }
-
-    /// Coefficient k of σμ; notes that of the rates of the memory.
-    fn with_rates(&mut self, contact: &ContactData<'_>, k: usize) -> f64 {
-        let memories = std::mem::take(&mut self.memories);
-        let mut rates = std::mem::take(&mut self.rates);
-        let mut memory = MemoryOrder {
-            series: &memories,
-            rates: &mut rates,
-        };
-        let coefficient = self.law_order(contact, k, &mut memory);
-        (self.memories, self.rates) = (memories, rates);
         coefficient
     }
 
@@ -101,16 +88,15 @@ impl ContactSeries {
         }
     }
 
-    /// The same with the memory apart.
+    /// Coefficient k of σμ; notes that of the rates of the memory.
     #[inline(always)]
-    pub(super) fn law_order(
-        &mut self,
-        contact: &ContactData<'_>,
-        k: usize,
-        memory: &mut MemoryOrder<'_>,
-    ) -> f64 {
+    pub(super) fn law_order(&mut self, contact: &ContactData<'_>, k: usize) -> f64 {
         let slip = self.slip(k);
-        let (coefficient, slope) = contact.law.slip_order(&mut self.tape, k, slip, memory);
+        let mut memory = MemoryOrder {
+            series: &self.memories,
+            rates: &mut self.rates,
+        };
+        let (coefficient, slope) = contact.law.slip_order(&mut self.tape, k, slip, &mut memory);
         (self.friction[k], self.slope) = (coefficient, slope);
         coefficient
     }
@@ -129,7 +115,11 @@ impl ContactSeries {
         }
         let (memories, rates) = (&self.memories, &mut self.rates);
         self.limits[k] = contact.law.stick_order(&mut self.tape, k, memories, rates);
-        self.bound[k] = (0..=k).map(|l| self.load[l] * self.limits[k - l]).sum();
+        self.bound[k] = if self.load_varies {
+            (0..=k).map(|l| self.load[l] * self.limits[k - l]).sum()
+        } else {
+            self.load[0] * self.limits[k]
+        };
         self.set_memories(k);
     }
 
